@@ -1,0 +1,197 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "baker/bake.hpp"
+
+#include <tbb/global_control.h>
+#include <tbb/info.h>
+
+#include <chrono>
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "baker/bake_error.hpp"
+#include "baker/cast.hpp"
+#include "baker/hull.hpp"
+#include "baker/outer_surface.hpp"
+#include "baker/stages.hpp"
+
+namespace spm::baker {
+
+namespace {
+
+/// Directions of a sparse asset: the farthest from its closest one is 15 degrees away.
+constexpr std::size_t sparse_directions = 64;
+/// Share of the diagonal that stands for a tolerance where none was asked for.
+constexpr double default_tolerance_share = 1e-3;
+/// What the partition of a `full` asset, which promises nothing, aims at.
+constexpr double full_aim_share = 5e-4;
+
+using Clock = std::chrono::steady_clock;
+
+double seconds_since(Clock::time_point start) {
+  return std::chrono::duration<double>(Clock::now() - start).count();
+}
+
+void check_options(const BakeOptions& options, double margin) {
+  const auto refuse = [](const std::string& message) { throw BakeError(ExitCode::usage, message); };
+  if (!(options.max_depth > 0)) refuse("--max-depth must be more than 0");
+  if (!(options.probe_radius >= 0)) refuse("--probe must have a radius of 0 or more");
+  if (!(margin >= options.probe_radius)) {
+    refuse("--margin must be at least the probe's radius, or the probe would touch unfelt");
+  }
+  if (options.tolerance && !(*options.tolerance > 0)) refuse("--tolerance must be more than 0");
+  if (options.resolution < 2 || options.resolution > 4097) {
+    refuse("--resolution must be from 2 to 4097 samples");
+  }
+  if (options.layers == Layers::limited && (options.layer_limit < 1 || options.layer_limit > 255)) {
+    refuse("--layers must be auto, scalar or a number from 1 to 255");
+  }
+}
+
+std::string options_json(const BakeOptions& options, const AssetMetadata& metadata) {
+  nlohmann::ordered_json json;
+  json["form"] = options.form == AssetForm::full ? "full" : "sparse";
+  json["max_depth"] = metadata.band.max_depth;
+  json["margin"] = metadata.band.margin;
+  json["probe_radius"] = metadata.probe_radius;
+  json["unit"] = metadata.mesh_unit;
+  json["scale"] = metadata.scale;
+  json["seed"] = options.seed;
+  if (options.form == AssetForm::full) {
+    json["kind"] = metadata.kind;
+    json["planes"] =
+        options.planes ? nlohmann::ordered_json(*options.planes) : nlohmann::ordered_json();
+    json["resolution"] = options.resolution;
+    json["layers"] =
+        options.layers == Layers::automatic
+            ? nlohmann::ordered_json("auto")
+            : nlohmann::ordered_json(options.layers == Layers::scalar ? 1 : options.layer_limit);
+  } else {
+    json["tolerance"] = *metadata.tolerance;
+  }
+  return json.dump();
+}
+
+AssetMetadata describe(const Mesh& mesh, const BakeOptions& options) {
+  AssetMetadata metadata;
+  metadata.form = options.form;
+  metadata.mesh_sha256 = mesh.sha256;
+  metadata.mesh_unit = mesh.unit;
+  metadata.scale = mesh.scale;
+  metadata.diagonal = mesh.diagonal;
+  metadata.box_min = mesh.box_min;
+  metadata.box_max = mesh.box_max;
+  metadata.closed = mesh.closed();
+  metadata.border_edges = mesh.border_edges;
+  metadata.mesh_triangles = mesh.file_triangles;
+  metadata.probe_radius = options.probe_radius;
+  metadata.band.max_depth = options.max_depth;
+  metadata.band.margin = options.margin.value_or(options.probe_radius + options.max_depth / 4);
+  if (options.form == AssetForm::sparse) {
+    metadata.tolerance = options.tolerance.value_or(default_tolerance_share * mesh.diagonal);
+  }
+  return metadata;
+}
+
+/// Leaves out the planes that no map lies on: the plane table is most of a small file's overhead.
+void drop_unused_planes(Asset& asset) {
+  constexpr std::uint32_t unused = 0xFFFFFFFF;
+  std::vector<std::uint32_t> row(asset.planes.size(), unused);
+  std::vector<SupportPlane> kept;
+  for (MapData& map : asset.maps) {
+    std::uint32_t& place = row[map.plane];
+    if (place == unused) {
+      place = static_cast<std::uint32_t>(kept.size());
+      kept.push_back(asset.planes[map.plane]);
+    }
+    map.plane = place;
+  }
+  asset.planes = std::move(kept);
+}
+
+/// Support planes and maps of either form.
+CastCounts make_maps(Asset& asset, const Caster& caster, const Hull& hull,
+                     const BakeOptions& options, const Progress& progress) {
+  CastCounts counts;
+  if (options.form == AssetForm::full) {
+    SupportPlaneSet set = make_support_planes(hull, options.kind, options.planes);
+    asset.planes = std::move(set.planes);
+    asset.metadata.kind = set.kind == PlaneKind::vertex ? "vertex" : "face";
+    asset.maps = cast_full_maps(caster, asset.planes, options, progress, counts);
+  } else {
+    asset.planes = vertex_based_planes(hull, sparse_directions);
+    asset.metadata.kind = "vertex";
+    // The file keeps these planes in fewer digits: the rays must start from what the servo will
+    // read.
+    round_to_stored(asset);
+    asset.maps = cast_sparse_maps(caster, asset.planes, *asset.metadata.tolerance, options.seed,
+                                  progress, counts);
+    drop_unused_planes(asset);
+    round_to_stored(asset);
+  }
+  return counts;
+}
+
+void add_notes(const Mesh& mesh, const OuterSurface& surface, const CastCounts& counts,
+               BakeReport& report) {
+  report.notes = mesh.notes;
+  if (surface.hidden > 0) {
+    report.notes.push_back(std::to_string(surface.hidden) +
+                           " pieces of surface lie inside other parts and were left out");
+  }
+  if (counts.inconsistent > 0) {
+    report.notes.push_back(
+        std::to_string(counts.inconsistent) + " of " + std::to_string(counts.rays) +
+        " rays met entries and exits that do not alternate; their samples are marked");
+  }
+}
+
+}  // namespace
+
+BakeResult bake(const Mesh& mesh, const BakeOptions& options, const Progress& progress) {
+  const unsigned threads = options.threads > 0
+                               ? options.threads
+                               : static_cast<unsigned>(tbb::info::default_concurrency());
+  const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
+  BakeResult result;
+  Asset& asset = result.asset;
+  asset.metadata = describe(mesh, options);
+  check_options(options, asset.metadata.band.margin);
+
+  const Clock::time_point start = Clock::now();
+  const OuterSurface surface = outer_surface(mesh);
+  if (surface.surface_count == 0) {
+    throw BakeError(ExitCode::invalid_input,
+                    mesh.path +
+                        ": no part of its surface separates an inside from an outside; close "
+                        "the mesh, or give it a thickness");
+  }
+  const Hull hull = convex_hull(mesh.vertices);
+  const Caster caster(surface);
+  result.report.seconds_fit = seconds_since(start);
+
+  const Clock::time_point casting = Clock::now();
+  const CastCounts counts = make_maps(asset, caster, hull, options, progress);
+  result.report.seconds_cast = seconds_since(casting);
+
+  const Clock::time_point partitioning = Clock::now();
+  const double aim = asset.metadata.tolerance.value_or(full_aim_share * mesh.diagonal);
+  const PartitionCounts partition = partition_space(asset, caster, aim, options.seed, progress);
+  result.report.seconds_fit += seconds_since(partitioning);
+
+  for (const MapData& map : asset.maps) result.report.samples += map.samples.size();
+  result.report.rays = counts.rays;
+  result.report.record_cells = partition.records;
+  result.report.fallback_cells = partition.fallback;
+  add_notes(mesh, surface, counts, result.report);
+  asset.metadata.layers_max = counts.layers_max;
+  asset.metadata.inconsistent_samples =
+      counts.rays > 0 ? static_cast<double>(counts.inconsistent) / static_cast<double>(counts.rays)
+                      : 0;
+  asset.metadata.fallback_cells = partition.records > 0 ? static_cast<double>(partition.fallback) /
+                                                              static_cast<double>(partition.records)
+                                                        : 0;
+  asset.metadata.options = options_json(options, asset.metadata);
+  return result;
+}
+
+}  // namespace spm::baker

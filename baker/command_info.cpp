@@ -1,0 +1,219 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <iostream>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "baker/bake_error.hpp"
+#include "baker/commands.hpp"
+#include "baker/grid_walk.hpp"
+#include "baker/picture.hpp"
+#include "formats/cli/command_line.hpp"
+#include "formats/mapped_asset.hpp"
+#include "formats/output_file.hpp"
+
+namespace spm::baker {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr std::uint32_t picture_side = 512;
+constexpr std::uint32_t thumbnail_side = 160;
+constexpr std::size_t most_thumbnails = 100;
+
+struct Settings {
+  std::string asset;
+  std::string pictures;
+  std::size_t picture_limit = 16;
+  cli::GlobalOptions global;
+};
+
+/// Planes that have maps, by index.
+std::vector<std::size_t> planes_with_maps(const AssetView& view) {
+  std::vector<std::size_t> planes;
+  for (const DistanceMap& map : view.maps) planes.push_back(map.plane);
+  std::sort(planes.begin(), planes.end());
+  planes.erase(std::unique(planes.begin(), planes.end()), planes.end());
+  return planes;
+}
+
+std::string save(const Picture& picture, const std::filesystem::path& path) {
+  const Result<std::string> png = to_png(picture);
+  if (!png) throw BakeError(png.error().code, png.error().message);
+  const Result<void> written = write_file(path.string(), *png);
+  if (!written) throw BakeError(written.error().code, written.error().message);
+  return path.string();
+}
+
+/// Writes an overview and the first planes' pictures; returns their paths.
+std::vector<std::string> write_pictures(const AssetView& view, const Settings& settings) {
+  const std::filesystem::path folder(settings.pictures);
+  std::error_code problem;
+  std::filesystem::create_directories(folder, problem);
+  if (problem || !std::filesystem::is_directory(folder, problem)) {
+    throw BakeError(ExitCode::file_or_device,
+                    settings.pictures +
+                        ": cannot be made a folder for the pictures; give "
+                        "--png a folder that can be written");
+  }
+  const std::vector<std::size_t> planes = planes_with_maps(view);
+  std::vector<Picture> thumbnails;
+  for (std::size_t i = 0; i < std::min(planes.size(), most_thumbnails); ++i) {
+    thumbnails.push_back(plane_picture(view, planes[i], thumbnail_side));
+  }
+  std::vector<std::string> paths;
+  if (!thumbnails.empty()) {
+    paths.push_back(save(contact_sheet(thumbnails, thumbnail_side), folder / "overview.png"));
+  }
+  for (std::size_t i = 0; i < std::min(planes.size(), settings.picture_limit); ++i) {
+    paths.push_back(save(plane_picture(view, planes[i], picture_side),
+                         folder / fmt::format("plane-{:04}.png", planes[i])));
+  }
+  return paths;
+}
+
+Json vector_json(const Vector3& v) { return Json::array({v.x(), v.y(), v.z()}); }
+
+Json parts_json(const MappedAsset& asset) {
+  Json parts = Json::array();
+  for (const PartInfo& part : asset.parts()) {
+    parts.push_back({{"name", part.name},
+                     {"width", part.width},
+                     {"height", part.height},
+                     {"tile", {part.tile_width, part.tile_height}},
+                     {"channels", part.channels},
+                     {"bytes", part.payload_bytes}});
+  }
+  return parts;
+}
+
+std::uint64_t samples_of(const AssetView& view) {
+  std::uint64_t samples = 0;
+  for (const DistanceMap& map : view.maps) {
+    samples += std::uint64_t{map.columns} * map.rows * map.layers;
+  }
+  return samples;
+}
+
+std::uint64_t record_cells(const Grid& grid) {
+  std::uint64_t cells = 0;
+  visit_all_records(grid, [&cells](std::size_t) { ++cells; });
+  return cells;
+}
+
+Json to_json(const MappedAsset& asset, const std::vector<std::string>& pictures) {
+  const AssetMetadata& metadata = asset.metadata();
+  const AssetView& view = asset.view();
+  const AssetBytes bytes = asset.bytes();
+  Json json;
+  json["path"] = asset.path();
+  json["bytes"] = bytes.total;
+  json["content_sha256"] = asset.content_sha256();
+  json["format_version"] = asset_format_version;
+  json["spm"] = {{"form", metadata.form == AssetForm::full ? "full" : "sparse"},
+                 {"kind", metadata.kind},
+                 {"planes", view.planes.size()},
+                 {"tiles", view.maps.size()},
+                 {"samples", samples_of(view)},
+                 {"layers_max", metadata.layers_max},
+                 {"cells", record_cells(view.grid)}};
+  json["band"] = {{"max_depth_m", view.band.max_depth}, {"margin_m", view.band.margin}};
+  json["probe_radius_m"] = metadata.probe_radius;
+  json["tolerance_um"] = metadata.tolerance ? Json(*metadata.tolerance * 1e6) : Json();
+  json["tolerance_met"] = metadata.tolerance_met;
+  json["mesh"] = {
+      {"sha256", metadata.mesh_sha256},
+      {"triangles", metadata.mesh_triangles},
+      {"closed", metadata.closed},
+      {"border_edges", metadata.border_edges},
+      {"diagonal_m", metadata.diagonal},
+      {"bbox_m", {{"min", vector_json(metadata.box_min)}, {"max", vector_json(metadata.box_max)}}},
+      {"unit_m", metadata.mesh_unit},
+      {"scale", metadata.scale}};
+  json["grid"] = {{"origin_m", vector_json(view.grid.origin)},
+                  {"cell_m", view.grid.cell_size},
+                  {"cells", view.grid.cells}};
+  json["fallback"] = {
+      {"cells", metadata.fallback_cells},
+      {"bytes", static_cast<double>(bytes.triangles) / static_cast<double>(bytes.total)}};
+  json["inconsistent_samples"] = metadata.inconsistent_samples;
+  json["bytes_by_kind"] = {{"samples", bytes.samples},
+                           {"grid", bytes.grid},
+                           {"triangles", bytes.triangles},
+                           {"other", bytes.total - bytes.samples - bytes.grid - bytes.triangles}};
+  json["parts"] = parts_json(asset);
+  json["options"] = Json::parse(metadata.options, nullptr, false);
+  json["pictures"] = pictures;
+  return json;
+}
+
+std::string length(double metres) { return format_quantity(metres, Quantity::length); }
+
+std::string describe(const MappedAsset& asset, const std::vector<std::string>& pictures) {
+  const AssetMetadata& metadata = asset.metadata();
+  const AssetView& view = asset.view();
+  const AssetBytes bytes = asset.bytes();
+  std::string text = fmt::format("{}: intact, {} bytes, format version {}\n", asset.path(),
+                                 bytes.total, asset_format_version);
+  text += fmt::format("form      {}: {} {}-based support planes, {} distance maps, {} samples\n",
+                      view.full ? "full" : "sparse", view.planes.size(), metadata.kind,
+                      view.maps.size(), samples_of(view));
+  text += fmt::format("layers    up to {} crossings along a ray\n", metadata.layers_max);
+  text += fmt::format(
+      "band      {} inside, {} outside, probe {}\n", length(view.band.max_depth),
+      length(view.band.margin),
+      metadata.probe_radius > 0 ? "of radius " + length(metadata.probe_radius) : "point");
+  text += metadata.tolerance ? fmt::format("tolerance {}, {}\n", length(*metadata.tolerance),
+                                           metadata.tolerance_met ? "met" : "NOT met")
+                             : std::string("tolerance none: a full asset promises none\n");
+  text += fmt::format(
+      "mesh      {} triangles, {}, diagonal {}, scale {}, SHA-256 {}\n", metadata.mesh_triangles,
+      metadata.closed ? std::string("closed")
+                      : fmt::format("open ({} border edges)", metadata.border_edges),
+      length(metadata.diagonal), metadata.scale, metadata.mesh_sha256);
+  text += fmt::format("bytes     samples {}, grid {}, triangles {}, other {}\n", bytes.samples,
+                      bytes.grid, bytes.triangles,
+                      bytes.total - bytes.samples - bytes.grid - bytes.triangles);
+  for (const PartInfo& part : asset.parts()) {
+    text += fmt::format("part      {}: {} x {}, {} channels, {} bytes\n", part.name, part.width,
+                        part.height, part.channels.size(), part.payload_bytes);
+  }
+  for (const std::string& picture : pictures) text += "picture   " + picture + "\n";
+  return text;
+}
+
+int run(const Settings& settings) {
+  cli::configure_messages(settings.global);
+  const auto asset = MappedAsset::open(settings.asset);
+  if (!asset) return cli::report(asset.error());
+  std::vector<std::string> pictures;
+  if (!settings.pictures.empty()) pictures = write_pictures((*asset)->view(), settings);
+  if (settings.global.json) {
+    cli::print_json(to_json(**asset, pictures));
+  } else if (!settings.global.quiet) {
+    std::cout << describe(**asset, pictures);
+  }
+  return 0;
+}
+
+}  // namespace
+
+Command add_info_command(CLI::App& app) {
+  auto settings = std::make_shared<Settings>();
+  CLI::App* command =
+      app.add_subcommand("info", "Checks a baked file, every byte, and tells what is in it");
+  command->add_option("FILE", settings->asset, "baked file")->required()->type_name("");
+  command->add_option("--png", settings->pictures, "write the maps as pictures into this folder")
+      ->type_name("DIR");
+  cli::add_integer(
+      *command, "--png-limit", 1, 100000,
+      [settings = settings.get()](std::uint64_t n) { settings->picture_limit = n; },
+      "planes that get a picture of their own, 1 to 100000 (default 16)");
+  cli::add_global_options(*command, settings->global);
+  return {command, [settings] { return run(*settings); }};
+}
+
+}  // namespace spm::baker

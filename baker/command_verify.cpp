@@ -1,0 +1,126 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <fmt/format.h>
+
+#include <iostream>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <numbers>
+
+#include "baker/bake_error.hpp"
+#include "baker/commands.hpp"
+#include "baker/verify.hpp"
+#include "formats/cli/command_line.hpp"
+#include "formats/mapped_asset.hpp"
+
+namespace spm::baker {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+struct Settings {
+  std::string asset;
+  std::string mesh;
+  VerifyOptions options;
+  cli::GlobalOptions global;
+};
+
+constexpr double degrees = 180 / std::numbers::pi;
+
+Json to_json(const VerifyReport& report) {
+  Json json;
+  json["distance_error_um"] = {{"rms", report.distance.rms * 1e6},
+                               {"p50", report.distance.p50 * 1e6},
+                               {"p99", report.distance.p99 * 1e6},
+                               {"p999", report.distance.p999 * 1e6},
+                               {"max", report.distance.max * 1e6}};
+  json["direction_error_deg"] = {{"p50", report.direction_p50 * degrees},
+                                 {"p99", report.direction_p99 * degrees},
+                                 {"max", report.direction_max * degrees}};
+  json["direction_contested"] = report.direction_contested;
+  json["misclassified"] = {{"inside_as_outside", report.inside_as_outside},
+                           {"outside_as_inside", report.outside_as_inside}};
+  json["unanswered"] = report.unanswered;
+  json["near_holes"] = report.near_holes;
+  json["fallback_answers"] = report.fallback_answers;
+  json["samples"] = report.samples;
+  json["band_m"] = report.band.max_depth;
+  json["margin_m"] = report.band.margin;
+  json["worst_point_m"] = {report.worst_point.x(), report.worst_point.y(), report.worst_point.z()};
+  return json;
+}
+
+std::string describe(const VerifyReport& report) {
+  std::string text =
+      fmt::format("samples        {}, from {} inside to {} outside\n", report.samples,
+                  format_quantity(report.band.max_depth, Quantity::length),
+                  format_quantity(report.band.margin, Quantity::length));
+  text += fmt::format(
+      "distance error rms {:.3g} um, p50 {:.3g}, p99 {:.3g}, p99.9 {:.3g}, max {:.3g}\n",
+      report.distance.rms * 1e6, report.distance.p50 * 1e6, report.distance.p99 * 1e6,
+      report.distance.p999 * 1e6, report.distance.max * 1e6);
+  text += fmt::format(
+      "direction      p50 {:.3g} deg, p99 {:.3g}, max {:.3g} ({:.1f} % of the places are a toss-up "
+      "between directions and left out)\n",
+      report.direction_p50 * degrees, report.direction_p99 * degrees,
+      report.direction_max * degrees, 100 * report.direction_contested);
+  text +=
+      fmt::format("wrong side     {:.4g} % inside taken for outside, {:.4g} % outside for inside\n",
+                  100 * report.inside_as_outside, 100 * report.outside_as_inside);
+  text += fmt::format("unanswered     {:.4g} %\n", 100 * report.unanswered);
+  if (report.near_holes > 0) {
+    text += fmt::format(
+        "near holes     {:.1f} % of the places drawn, left out: beside a hole there is "
+        "no side to be right about\n",
+        100 * report.near_holes);
+  }
+  return text;
+}
+
+int run(const Settings& settings) {
+  cli::configure_messages(settings.global);
+  const auto asset = MappedAsset::open(settings.asset);
+  if (!asset) return cli::report(asset.error());
+  const VerifyReport report =
+      verify_asset((*asset)->view(), (*asset)->metadata(), settings.mesh, settings.options);
+  if (settings.global.json) {
+    cli::print_json(to_json(report));
+  } else if (!settings.global.quiet) {
+    std::cout << describe(report);
+  }
+  return 0;
+}
+
+void check(const VerifyOptions& options) {
+  if (options.band && *options.band <= 0) throw CLI::ValidationError("--band", "must be above 0");
+}
+
+}  // namespace
+
+Command add_verify_command(CLI::App& app) {
+  auto settings = std::make_shared<Settings>();
+  VerifyOptions& options = settings->options;
+  CLI::App* command =
+      app.add_subcommand("verify", "Measures an asset's answers against the exact mesh");
+  command->add_option("FILE", settings->asset, "baked file")->required()->type_name("");
+  command->add_option("MESH", settings->mesh, "mesh that it was baked from")
+      ->required()
+      ->type_name("");
+  cli::add_integer(
+      *command, "--samples", 1, 100000000, [&options](std::uint64_t n) { options.samples = n; },
+      "places to measure at, 1 to 100000000 (default 100000)");
+  cli::add_integer(
+      *command, "--seed", 0, std::numeric_limits<std::uint64_t>::max(),
+      [&options](std::uint64_t n) { options.seed = n; }, "seed of the places (default 1)");
+  cli::add_quantity(*command, "--band", options.band, Quantity::length,
+                    "how deep inside to measure, above 0 and at most the asset's max-depth "
+                    "(default that)");
+  cli::add_integer(
+      *command, "--threads", 1, 1024,
+      [&options](std::uint64_t n) { options.threads = static_cast<unsigned>(n); },
+      "threads, 1 to 1024; the result is the same for any (default: all cores)");
+  cli::add_global_options(*command, settings->global);
+  command->callback([settings] { check(settings->options); });
+  return {command, [settings] { return run(*settings); }};
+}
+
+}  // namespace spm::baker

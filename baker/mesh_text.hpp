@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+
+namespace spm::baker {
+
+/// Walks the lines and words of a mesh file written as text; throws BakeError invalid_input that
+/// names file and line. Independent of the locale.
+class MeshText {
+ public:
+  /// From `start` of the bytes, which is on line `line`. Throws where the text holds binary data.
+  MeshText(std::string path, std::string_view bytes, std::size_t start = 0, std::size_t line = 0);
+
+  /// Moves to the next line that has a word; what follows '#' is a comment. False at the end.
+  [[nodiscard]] bool next_line();
+
+  /// Next word of the line; empty at its end.
+  [[nodiscard]] std::string_view next_word();
+
+  /// Next word of this line or a following one. Throws "cut short" at the end of the file.
+  [[nodiscard]] std::string_view next_word_anywhere(std::string_view what);
+
+  [[nodiscard]] double number(std::string_view word, std::string_view what) const;
+  [[nodiscard]] std::int64_t integer(std::string_view word, std::string_view what) const;
+
+  /// Throws: "path: line N: cause; cure".
+  [[noreturn]] void fail(const std::string& cause, const std::string& cure) const;
+  [[noreturn]] void fail_at(std::size_t line, const std::string& cause,
+                            const std::string& cure) const;
+  [[noreturn]] void fail_cut_short(std::string_view missing) const;
+
+  [[nodiscard]] std::size_t line() const noexcept { return line_; }
+  /// Offset of the first byte after the current line.
+  [[nodiscard]] std::size_t position() const noexcept { return position_; }
+
+ private:
+  std::string path_;
+  std::string_view bytes_;
+  std::size_t position_;
+  std::size_t line_;
+  std::string_view rest_;
+};
+
+}  // namespace spm::baker

@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "baker/mesh.hpp"
+
+namespace spm::baker {
+
+/// The surface that a hand outside can be stopped by: the boundary of the union of all parts, as
+/// triangles split where parts intersect, hidden ones removed, each with the solid behind it.
+struct OuterSurface {
+  std::vector<Vector3> vertices;
+  std::vector<Triangle> triangles;
+  std::size_t surface_count = 0;  ///< triangles before this index are surface, the rest caps
+  std::size_t hidden = 0;         ///< pieces removed because they lie inside other parts
+  std::size_t intersecting = 0;   ///< triangles of the mesh that were split
+  double hidden_area = 0;         ///< m2
+  double cap_area = 0;            ///< m2
+};
+
+/// Splits self-intersecting triangles along their intersections, keeps the pieces across which the
+/// generalised winding number passes one half, and caps holes. Caps decide the side only.
+[[nodiscard]] OuterSurface outer_surface(const Mesh& mesh);
+
+}  // namespace spm::baker

@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "baker/bake.hpp"
+#include "baker/cast.hpp"
+#include "formats/asset.hpp"
+
+namespace spm::baker {
+
+/// What casting the maps counted.
+struct CastCounts {
+  std::uint64_t rays = 0;
+  std::uint64_t inconsistent = 0;  ///< rays whose crossings did not alternate
+  std::uint32_t layers_max = 0;    ///< most crossings met along one ray
+};
+
+/// Distance maps of a `full` asset, one a plane over the plane's own region; moves each plane's x0
+/// to its map's first sample. Scalar or vectorial as `options.layers` says.
+[[nodiscard]] std::vector<MapData> cast_full_maps(const Caster& caster,
+                                                  std::vector<SupportPlane>& planes,
+                                                  const BakeOptions& options,
+                                                  const Progress& progress, CastCounts& counts);
+
+/// Tiles of a `sparse` asset: for each direction the surface that faces it best, in square maps of
+/// `sparse_samples` samples a side, as coarse as the tolerance allows.
+[[nodiscard]] std::vector<MapData> cast_sparse_maps(const Caster& caster,
+                                                    const std::vector<SupportPlane>& planes,
+                                                    double tolerance, std::uint64_t seed,
+                                                    const Progress& progress, CastCounts& counts);
+
+/// Samples a side of a sparse tile: eight cells, so that a tile's mask is two words.
+inline constexpr std::uint32_t sparse_samples = 9;
+
+/// What the spatial partition came to.
+struct PartitionCounts {
+  std::uint64_t records = 0;
+  std::uint64_t fallback = 0;  ///< records with triangles
+};
+
+/// Fills `asset.grid` and `asset.triangles`: for every grid cell that touches the band the maps
+/// that answer its points within `tolerance`, as measured at sample points with the servo's own
+/// query, or where none do the triangles that can be closest. `asset.maps` and `planes` must be
+/// final.
+[[nodiscard]] PartitionCounts partition_space(Asset& asset, const Caster& caster, double tolerance,
+                                              std::uint64_t seed, const Progress& progress);
+
+}  // namespace spm::baker

@@ -1,0 +1,260 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "baker/verify.hpp"
+
+#include <tbb/global_control.h>
+#include <tbb/info.h>
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <vector>
+
+#include "baker/bake_error.hpp"
+#include "baker/exact_surface.hpp"
+#include "baker/random.hpp"
+#include "common/query.hpp"
+#include "common/units.hpp"
+#include "formats/sha256.hpp"
+
+namespace spm::baker {
+namespace {
+
+constexpr double hole_share = 0.03;      // of the diagonal
+constexpr double least_distance = 2e-6;  // m; nearer the direction is lost in rounding
+constexpr std::uint64_t most_draws = 256;
+
+/// What a verification measures with; fixed while it runs.
+struct Setting {
+  const ExactSurface& surface;
+  const AssetView& view;
+  Band band;         ///< that is sampled
+  double tolerance;  ///< m
+  double near_hole;  ///< m
+  std::uint64_t seed;
+};
+
+/// One sample and how the asset did there.
+struct Outcome {
+  bool drawn = false;  ///< a place in the band and away from holes was found
+  std::uint32_t near_holes = 0;
+  Vector3 point = Vector3::Zero();
+  double truth = 0;
+  bool answered = false;
+  bool far = false;  ///< the asset says outside, beyond the margin
+  double answer = 0;
+  double error = 0;
+  Source source = Source::none;
+  double direction_error = -1;  ///< rad; negative where no direction is defined or answered
+  bool contested = false;
+};
+
+/// Draws places until one is in the band by its true distance and not beside a hole.
+Vector3 draw(const Setting& setting, std::uint64_t index, Outcome& outcome) {
+  Vector3 closest = Vector3::Zero();
+  for (std::uint64_t attempt = 0; attempt < most_draws && !outcome.drawn; ++attempt) {
+    const std::uint64_t counter = 4 * (index * most_draws + attempt);
+    const SurfacePoint start = setting.surface.at(random_unit(setting.seed, counter),
+                                                  random_unit(setting.seed, counter + 1),
+                                                  random_unit(setting.seed, counter + 2));
+    const double offset = -setting.band.max_depth + (setting.band.max_depth + setting.band.margin) *
+                                                        random_unit(setting.seed, counter + 3);
+    outcome.point = start.position + offset * start.normal;
+    closest = setting.surface.closest(outcome.point).position;
+    const double distance = (outcome.point - closest).norm();
+    outcome.truth = setting.surface.inside(outcome.point) ? -distance : distance;
+    if (outcome.truth < -setting.band.max_depth || outcome.truth > setting.band.margin) continue;
+    if (setting.surface.border_distance(closest) < setting.near_hole) {
+      ++outcome.near_holes;
+      continue;
+    }
+    outcome.drawn = true;
+  }
+  return closest;
+}
+
+double angle_between(const Vector3& a, const Vector3& b) {
+  return std::atan2(a.cross(b).norm(), a.dot(b));
+}
+
+void judge_distance(const Setting& setting, const Answer& answer, Outcome& outcome) {
+  outcome.source = answer.source;
+  outcome.answered = std::isfinite(answer.distance);
+  outcome.answer = answer.distance;
+  outcome.far = answer.status == Status::far;
+  if (outcome.far && outcome.truth >= setting.view.band.margin - setting.tolerance) {
+    outcome.answered = true;
+    outcome.answer = setting.view.band.margin;
+  }
+  outcome.error = outcome.answered ? std::abs(outcome.answer - outcome.truth) : 0;
+}
+
+void judge_direction(const Setting& setting, const Vector3& closest, const Answer& answer,
+                     Outcome& outcome) {
+  outcome.contested = std::abs(outcome.truth) < least_distance ||
+                      setting.surface.contested(outcome.point, closest, 2 * setting.tolerance);
+  if (outcome.contested || answer.normal.squaredNorm() == 0) return;
+  const Vector3 away =
+      outcome.truth > 0 ? Vector3(outcome.point - closest) : Vector3(closest - outcome.point);
+  outcome.direction_error = angle_between(answer.normal, away);
+}
+
+Outcome measure(const Setting& setting, std::uint64_t index) {
+  Outcome outcome;
+  const Vector3 closest = draw(setting, index, outcome);
+  if (!outcome.drawn) return outcome;
+  const Answer answer = query_point(setting.view, outcome.point);
+  judge_distance(setting, answer, outcome);
+  judge_direction(setting, closest, answer, outcome);
+  return outcome;
+}
+
+/// Nearest-rank quantile of sorted values; 0 of none.
+double quantile(const std::vector<double>& sorted, double share) {
+  if (sorted.empty()) return 0;
+  const double rank = std::ceil(share * static_cast<double>(sorted.size()));
+  const auto index = static_cast<std::size_t>(std::max(rank, 1.0)) - 1;
+  return sorted[std::min(index, sorted.size() - 1)];
+}
+
+double share_of(std::uint64_t part, std::uint64_t whole) {
+  return whole > 0 ? static_cast<double>(part) / static_cast<double>(whole) : 0;
+}
+
+ErrorSummary summarise(std::vector<double> errors) {
+  ErrorSummary summary;
+  double squares = 0;
+  for (const double error : errors) squares += error * error;
+  if (!errors.empty()) summary.rms = std::sqrt(squares / static_cast<double>(errors.size()));
+  std::sort(errors.begin(), errors.end());
+  summary.p50 = quantile(errors, 0.5);
+  summary.p99 = quantile(errors, 0.99);
+  summary.p999 = quantile(errors, 0.999);
+  summary.max = errors.empty() ? 0 : errors.back();
+  return summary;
+}
+
+/// True where an inside sample was taken for outside, or the other way round.
+bool wrong_side(const Outcome& outcome) {
+  const bool outside = outcome.far || (outcome.answered && outcome.answer > 0);
+  if (outcome.truth < 0) return outside;
+  return outcome.answered && !outside;
+}
+
+VerifyReport reduce(const std::vector<Outcome>& outcomes, double tolerance) {
+  VerifyReport report;
+  std::vector<double> errors;
+  std::vector<double> angles;
+  std::uint64_t near_holes = 0, contested = 0, from_triangles = 0;
+  std::uint64_t clear = 0, inside_wrong = 0, outside_wrong = 0;
+  double worst = -1;
+  for (const Outcome& outcome : outcomes) {
+    near_holes += outcome.near_holes;
+    if (!outcome.drawn) continue;
+    ++report.samples;
+    contested += outcome.contested ? 1 : 0;
+    if (outcome.direction_error >= 0) angles.push_back(outcome.direction_error);
+    if (std::abs(outcome.truth) > tolerance) {
+      ++clear;
+      if (wrong_side(outcome)) ++(outcome.truth < 0 ? inside_wrong : outside_wrong);
+    }
+    if (!outcome.answered) continue;
+    errors.push_back(outcome.error);
+    from_triangles += outcome.source == Source::triangles ? 1 : 0;
+    if (outcome.error > worst) {
+      worst = outcome.error;
+      report.worst_point = outcome.point;
+    }
+  }
+  report.unanswered = share_of(report.samples - errors.size(), report.samples);
+  report.fallback_answers = share_of(from_triangles, errors.size());
+  report.near_holes = share_of(near_holes, near_holes + report.samples);
+  report.direction_contested = share_of(contested, report.samples);
+  report.inside_as_outside = share_of(inside_wrong, clear);
+  report.outside_as_inside = share_of(outside_wrong, clear);
+  report.distance = summarise(std::move(errors));
+  std::sort(angles.begin(), angles.end());
+  report.direction_p50 = quantile(angles, 0.5);
+  report.direction_p99 = quantile(angles, 0.99);
+  report.direction_max = angles.empty() ? 0 : angles.back();
+  return report;
+}
+
+/// The band to sample, after checking what was asked for.
+Band checked_band(const AssetMetadata& metadata, const VerifyOptions& options) {
+  Band band = metadata.band;
+  if (!options.band) return band;
+  if (!(*options.band >= 0)) {
+    throw BakeError(ExitCode::usage, "--band: a depth inside cannot be below 0");
+  }
+  // Text such as 2mm and the recorded value may differ in the last bit.
+  if (*options.band > metadata.band.max_depth * (1 + 1e-12)) {
+    throw BakeError(ExitCode::invalid_input,
+                    "--band " + format_quantity(*options.band, Quantity::length) +
+                        " is more than the asset answers, " +
+                        format_quantity(metadata.band.max_depth, Quantity::length) +
+                        " inside; ask for less or bake with a larger --max-depth");
+  }
+  band.max_depth = std::min(*options.band, metadata.band.max_depth);
+  return band;
+}
+
+}  // namespace
+
+VerifyReport verify_against(const Mesh& mesh, const AssetView& view, const AssetMetadata& metadata,
+                            const VerifyOptions& options) {
+  const unsigned threads = options.threads > 0
+                               ? options.threads
+                               : static_cast<unsigned>(tbb::info::default_concurrency());
+  const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
+  const Band band = checked_band(metadata, options);
+  const ExactSurface surface(mesh);
+  if (surface.empty()) {
+    throw BakeError(ExitCode::invalid_input,
+                    mesh.path +
+                        ": no part of its surface bounds a solid; close the mesh or turn its "
+                        "triangles outward");
+  }
+  // The fit draws from the same generator; a seed of its own keeps the two sets of places apart.
+  const Setting setting{surface,
+                        view,
+                        band,
+                        metadata.tolerance.value_or(metadata.diagonal / 1000),
+                        hole_share * metadata.diagonal,
+                        random_bits(options.seed, 0x7665726966790000ULL)};
+  std::vector<Outcome> outcomes(options.samples);
+  tbb::parallel_for(std::size_t{0}, outcomes.size(),
+                    [&](std::size_t i) { outcomes[i] = measure(setting, i); });
+  VerifyReport report = reduce(outcomes, setting.tolerance);
+  report.band = band;
+  if (report.samples == 0) {
+    throw BakeError(ExitCode::invalid_input,
+                    mesh.path +
+                        ": no place to measure: everywhere is within 3 % of the diagonal of a "
+                        "border edge; close the mesh's holes");
+  }
+  return report;
+}
+
+VerifyReport verify_asset(const AssetView& view, const AssetMetadata& metadata,
+                          const std::string& mesh_path, const VerifyOptions& options) {
+  const Band band = checked_band(metadata, options);
+  const Result<std::string> hash = sha256_file(mesh_path);
+  if (!hash) throw BakeError(hash.error().code, hash.error().message);
+  if (*hash != metadata.mesh_sha256) {
+    throw BakeError(ExitCode::invalid_input,
+                    mesh_path +
+                        ": not the mesh that the asset was baked from (its SHA-256 differs); "
+                        "give that mesh, or bake this one");
+  }
+  Mesh mesh = load_mesh(mesh_path, LoadOptions{metadata.mesh_unit, std::nullopt});
+  for (Vector3& vertex : mesh.vertices) vertex *= metadata.scale;
+  mesh.box_min *= metadata.scale;
+  mesh.box_max *= metadata.scale;
+  mesh.diagonal *= metadata.scale;
+  VerifyOptions checked = options;
+  if (options.band) checked.band = band.max_depth;
+  return verify_against(mesh, view, metadata, checked);
+}
+
+}  // namespace spm::baker

@@ -1,0 +1,198 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "common/query.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+#include "common/closest_on_map.hpp"
+#include "common/closest_on_triangle.hpp"
+#include "common/octahedral.hpp"
+
+namespace spm {
+
+namespace {
+
+constexpr double infinity = std::numeric_limits<double>::infinity();
+
+/// Feet of triangles closer to each other than this share of a cell are one place: an edge or
+/// corner.
+constexpr double tie_share_of_cell = 2e-5;
+
+Answer unanswered(Status status) noexcept {
+  Answer answer;
+  answer.distance = std::numeric_limits<double>::quiet_NaN();
+  answer.status = status;
+  return answer;
+}
+
+Answer deep_answer(const Band& band, const Vector3& normal) noexcept {
+  Answer answer;
+  answer.distance = -band.max_depth;
+  answer.normal = normal;
+  answer.status = Status::deep;
+  return answer;
+}
+
+/// One record of the grid, bounds checked against the words that the file really has.
+struct Record {
+  std::span<const std::uint32_t> maps;
+  std::span<const std::uint32_t> triangles;
+};
+
+Record record_at(const Grid& grid, std::uint32_t offset) noexcept {
+  if (offset >= grid.records.size()) return {};
+  const std::uint32_t header = grid.records[offset];
+  const std::size_t maps = header & 0xFFFFU;
+  const std::size_t triangles = header >> 16U;
+  if (offset + 1 + maps + triangles > grid.records.size()) return {};
+  return {grid.records.subspan(offset + 1, maps),
+          grid.records.subspan(offset + 1 + maps, triangles)};
+}
+
+/// The closest of a record's maps: a valid foot beats any that is not, then the smaller distance.
+Answer closest_of_maps(const AssetView& asset, std::span<const std::uint32_t> candidates,
+                       const Vector3& point) noexcept {
+  const DistanceMap* map = nullptr;
+  std::uint32_t layer = 0;
+  MapFoot best;
+  best.distance = infinity;
+  for (const std::uint32_t candidate : candidates) {
+    const std::uint32_t which = candidate & 0xFFFFFFU;
+    const std::uint32_t candidate_layer = candidate >> 24U;
+    if (which >= asset.maps.size() || candidate_layer >= asset.maps[which].layers) continue;
+    const DistanceMap& candidate_map = asset.maps[which];
+    const MapFoot foot =
+        closest_on_map(candidate_map, candidate_layer, asset.planes[candidate_map.plane], point);
+    if (!std::isfinite(foot.distance) || (best.valid && !foot.valid)) continue;
+    if (foot.valid == best.valid && std::abs(foot.distance) >= std::abs(best.distance)) continue;
+    best = foot;
+    map = &candidate_map;
+    layer = candidate_layer;
+  }
+  if (map == nullptr) return unanswered(Status::far);
+  const Vector3 normal = normal_at(*map, layer, asset.planes[map->plane], best.cell);
+  if (!normal.allFinite()) return unanswered(Status::far);
+  const std::uint32_t crossing = map->first_layer + layer;
+  // Odd crossings are exits: there the solid is on the plane's side of the surface.
+  const double side = (crossing & 1U) == 0 ? 1 : -1;
+  Answer answer;
+  answer.distance = side * best.distance;
+  answer.normal = side * normal;
+  answer.plane = static_cast<std::int32_t>(map->plane);
+  answer.layer = static_cast<std::int32_t>(crossing);
+  answer.source = Source::map;
+  answer.status = Status::exact;
+  return answer;
+}
+
+/// The closest of a record's triangles. The side is decided by the closest one, caps included;
+/// where several share the closest point (an edge, a corner), by the one that faces the point most.
+Answer closest_of_triangles(const AssetView& asset, std::span<const std::uint32_t> candidates,
+                            const Vector3& point) noexcept {
+  const double tie = tie_share_of_cell * asset.grid.cell_size;
+  double surface = infinity, deciding = infinity, facing = -1, side = 1;
+  Vector3 foot = Vector3::Zero(), face_normal = Vector3::Zero();
+  for (const std::uint32_t candidate : candidates) {
+    const std::size_t first = std::size_t{candidate & 0x7FFFFFFFU} * 9;
+    if (first + 9 > asset.triangles.size()) continue;
+    const float* corner = asset.triangles.data() + first;
+    const Vector3 a(corner[0], corner[1], corner[2]);
+    const Vector3 b(corner[3], corner[4], corner[5]);
+    const Vector3 c(corner[6], corner[7], corner[8]);
+    const Vector3 nearest = closest_on_triangle(point, a, b, c);
+    const double distance = (point - nearest).norm();
+    const bool cap = (candidate >> 31U) != 0;
+    if (!(distance <= deciding + tie) && (cap || !(distance < surface))) continue;
+    const Vector3 normal = (b - a).cross(c - a).normalized();
+    const double height = normal.dot(point - nearest);
+    const double faces = distance > 0 ? std::abs(height) / distance : 1;
+    const bool clearly_closer = distance < deciding - tie;
+    if (clearly_closer || (distance <= deciding + tie && faces > facing)) {
+      side = height < 0 ? -1 : 1;
+      facing = faces;
+      deciding = clearly_closer ? distance : std::min(distance, deciding);
+      if (!cap) face_normal = normal;
+    }
+    if (!cap && distance < surface) {
+      surface = distance;
+      foot = nearest;
+      if (face_normal.isZero()) face_normal = normal;
+    }
+  }
+  if (!std::isfinite(surface)) return unanswered(Status::far);
+  Answer answer;
+  answer.distance = side * surface;
+  // On the surface itself the direction to the foot is noise; the face's normal is not.
+  answer.normal = surface > tie ? Vector3(side * (point - foot) / surface) : face_normal;
+  answer.source = Source::triangles;
+  answer.status = Status::exact;
+  return answer;
+}
+
+/// The word that tells what lies around a point: of its grid cell, or of the octant of a split one.
+std::uint32_t word_at(const Grid& grid, const Vector3& point) noexcept {
+  constexpr std::uint32_t nothing = static_cast<std::uint32_t>(CellKind::far) << 30U;
+  std::size_t cell = 0;
+  std::array<double, 3> within{};  // place in the cell, 0 to 1
+  for (std::size_t axis = 3; axis-- > 0;) {
+    const double position =
+        (point[static_cast<int>(axis)] - grid.origin[static_cast<int>(axis)]) / grid.cell_size;
+    if (!(position >= 0 && position < static_cast<double>(grid.cells[axis]))) return nothing;
+    const auto whole = static_cast<std::size_t>(position);
+    cell = cell * grid.cells[axis] + whole;
+    within[axis] = position - static_cast<double>(whole);
+  }
+  if (cell >= grid.index.size()) return nothing;
+  std::uint32_t word = grid.index[cell];
+  for (int level = 0; level < split_levels; ++level) {
+    const std::size_t offset = word & payload_mask;
+    if (static_cast<CellKind>(word >> 30U) != CellKind::record ||
+        offset + 9 > grid.records.size() || grid.records[offset] != split_header) {
+      break;
+    }
+    std::size_t octant = 0;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      within[axis] *= 2;
+      if (within[axis] < 1) continue;
+      within[axis] -= 1;
+      octant |= std::size_t{1} << axis;
+    }
+    word = grid.records[offset + 1 + octant];
+  }
+  return word;
+}
+
+}  // namespace
+
+Answer query_point(const AssetView& asset, const Vector3& point) noexcept {
+  const std::uint32_t word = word_at(asset.grid, point);
+  switch (static_cast<CellKind>(word >> 30U)) {
+    case CellKind::far:
+      return unanswered(Status::far);
+    case CellKind::pruned:
+      return unanswered(Status::pruned);
+    case CellKind::deep:
+      return deep_answer(asset.band, unpack_octahedral(word & payload_mask));
+    case CellKind::record:
+      break;
+  }
+  const Record record = record_at(asset.grid, word & payload_mask);
+  Answer answer = closest_of_maps(asset, record.maps, point);
+  if (!record.triangles.empty()) {
+    const Answer exact = closest_of_triangles(asset, record.triangles, point);
+    if (answer.status != Status::exact || std::abs(exact.distance) < std::abs(answer.distance)) {
+      answer = exact;
+    }
+  }
+  if (answer.status != Status::exact) return unanswered(Status::far);
+  if (answer.distance > asset.band.margin + asset.tolerance) return unanswered(Status::far);
+  if (answer.distance < -asset.band.max_depth) {
+    answer.distance = -asset.band.max_depth;
+    answer.status = Status::deep;
+  }
+  return answer;
+}
+
+}  // namespace spm

@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+
+#include "common/asset_view.hpp"
+
+namespace spm {
+
+enum class Status : std::uint8_t {
+  exact,  ///< in the band
+  deep,  ///< inside, beyond the band: distance is -max_depth, a bound; the normal is the best known
+  far,   ///< outside, beyond the margin: distance NaN, normal zero
+  pruned,  ///< in a place the bake left out: distance NaN, normal zero
+};
+
+enum class Source : std::uint8_t { map, triangles, none };
+
+/// Answer of a query at a point.
+struct Answer {
+  double distance = 0;               ///< signed, m, negative inside
+  Vector3 normal = Vector3::Zero();  ///< unit, outward
+  std::int32_t plane = -1;           ///< row of the plane table, -1 for triangles
+  std::int32_t layer = -1;           ///< crossing along the plane's ray, 0 the first
+  Source source = Source::none;
+  Status status = Status::far;
+};
+
+/// Signed distance, normal, plane and layer at a point in the asset's frame (metres): the product's
+/// `spm` query. Constant time: one grid cell, its candidates, a bounded number of steps each.
+/// A NaN or infinite point answers `far`. Never throws, allocates or reads outside the views.
+[[nodiscard]] Answer query_point(const AssetView& asset, const Vector3& point) noexcept;
+
+}  // namespace spm

@@ -1,0 +1,112 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "formats/asset.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace spm {
+namespace {
+
+double to_float(double value) {
+  // volatile: GCC 12 drops the rounding of neighbouring values where it vectorises them.
+  const volatile float rounded = static_cast<float>(value);
+  return static_cast<double>(rounded);
+}
+
+Vector3 round_to_step(const Vector3& value, double steps_per_unit) {
+  return value.unaryExpr([steps_per_unit](double x) {
+    // Adding zero turns -0 into 0, which prints shorter.
+    return std::round(x * steps_per_unit) / steps_per_unit + 0.0;
+  });
+}
+
+/// Decimal steps a metre so that a step is at most 1e-8 of the diagonal, the precision of the unit
+/// vectors beside it.
+double steps_per_metre(double diagonal) {
+  const double digits = diagonal > 0 && std::isfinite(diagonal)
+                            ? std::clamp(8 - std::floor(std::log10(diagonal)), 0.0, 15.0)
+                            : 9.0;
+  return std::pow(10.0, digits);
+}
+
+}  // namespace
+
+AssetTables::AssetTables(std::vector<SupportPlane> planes, std::vector<DistanceMap> maps,
+                         std::vector<std::vector<std::uint32_t>> layer_offsets, Grid grid,
+                         std::span<const float> triangles, Band band, double tolerance, bool full)
+    : planes_(std::move(planes)), maps_(std::move(maps)), layer_offsets_(std::move(layer_offsets)) {
+  if (full) {
+    for (const SupportPlane& plane : planes_) {
+      nx_.push_back(plane.n.x());
+      ny_.push_back(plane.n.y());
+      nz_.push_back(plane.n.z());
+      offset_.push_back(plane.n.dot(plane.x0));
+    }
+  }
+  view_ = {.planes = planes_,
+           .maps = maps_,
+           .triangles = triangles,
+           .grid = grid,
+           .band = band,
+           .tolerance = tolerance,
+           .full = full,
+           .plane_nx = nx_,
+           .plane_ny = ny_,
+           .plane_nz = nz_,
+           .plane_offset = offset_};
+}
+
+AssetTables tables_of(const Asset& asset) {
+  // One table serves all maps of a shape: in memory layers lie one behind the other.
+  std::uint32_t layers = 0;
+  for (const MapData& map : asset.maps) layers = std::max(layers, map.layers);
+  std::vector<std::vector<std::uint32_t>> offsets(1);
+  if (!asset.maps.empty()) {
+    const std::uint32_t layer_size = asset.maps.front().columns * asset.maps.front().rows;
+    for (std::uint32_t layer = 0; layer < layers; ++layer) offsets[0].push_back(layer * layer_size);
+  }
+  std::vector<DistanceMap> maps;
+  maps.reserve(asset.maps.size());
+  for (const MapData& map : asset.maps) {
+    maps.push_back({.samples = map.samples.data(),
+                    .layer_offsets = offsets[0].data(),
+                    .mask = map.mask.data(),
+                    .plane = map.plane,
+                    .columns = map.columns,
+                    .rows = map.rows,
+                    .layers = map.layers,
+                    .row_stride = map.columns,
+                    .first_layer = map.first_layer,
+                    .eta0 = map.eta0,
+                    .omega0 = map.omega0,
+                    .spacing = map.spacing});
+  }
+  const Grid grid{.origin = asset.grid.origin,
+                  .cell_size = asset.grid.cell_size,
+                  .cells = asset.grid.cells,
+                  .index = asset.grid.index,
+                  .records = asset.grid.records};
+  return AssetTables(asset.planes, std::move(maps), std::move(offsets), grid, asset.triangles,
+                     asset.metadata.band, answer_tolerance(asset.metadata),
+                     asset.metadata.form == AssetForm::full);
+}
+
+void round_to_stored(Asset& asset) {
+  if (asset.metadata.form == AssetForm::full) return;
+  constexpr double unit_steps = 1e8;
+  const double metre_steps = steps_per_metre(asset.metadata.diagonal);
+  for (SupportPlane& plane : asset.planes) {
+    plane.x0 = round_to_step(plane.x0, metre_steps);
+    plane.u = round_to_step(plane.u, unit_steps);
+    plane.v = round_to_step(plane.v, unit_steps);
+    plane.n = round_to_step(plane.n, unit_steps);
+  }
+  for (MapData& map : asset.maps) {
+    map.eta0 = to_float(map.eta0);
+    map.omega0 = to_float(map.omega0);
+    map.spacing = to_float(map.spacing);
+  }
+}
+
+}  // namespace spm

@@ -1,0 +1,136 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "common/asset_view.hpp"
+#include "common/error.hpp"
+
+namespace spm {
+
+/// The version of the file format that this program writes and reads.
+inline constexpr int asset_format_version = 1;
+
+enum class AssetForm { sparse, full };
+
+/// What the string attribute `spm` of a baked file records beside the plane table. SI units.
+/// Everything here is a function of the mesh and the options: never a path, time or thread count.
+struct AssetMetadata {
+  AssetForm form = AssetForm::sparse;
+  std::string kind;         ///< "face" or "vertex": how the support planes were made
+  std::string mesh_sha256;  ///< of the mesh file's bytes, 64 hex digits
+  std::string options;      ///< JSON object: the options that change the output, normalised
+  double mesh_unit = 1;     ///< metres per unit of the mesh file
+  double scale = 1;         ///< factor of --fit-diagonal about the origin, after the unit
+  double diagonal = 0;      ///< of the bounding box of the referenced vertices, m
+  Vector3 box_min = Vector3::Zero();
+  Vector3 box_max = Vector3::Zero();
+  bool closed = false;  ///< the mesh had no border edge
+  std::uint64_t border_edges = 0;
+  std::uint64_t mesh_triangles = 0;
+  Band band;
+  double probe_radius = 0;          ///< m, 0 a point
+  std::optional<double> tolerance;  ///< m; empty for `full`
+  bool tolerance_met = false;
+  std::uint32_t layers_max = 0;     ///< most crossings met along one ray
+  double inconsistent_samples = 0;  ///< share of rays whose crossings did not alternate
+  double fallback_cells = 0;        ///< share of record cells with triangles
+};
+
+/// One distance map of an asset in memory; see DistanceMap for the meaning of each field.
+struct MapData {
+  std::uint32_t plane = 0;
+  std::uint32_t columns = 0;
+  std::uint32_t rows = 0;
+  std::uint32_t layers = 1;
+  std::uint32_t first_layer = 0;
+  double eta0 = 0;  ///< 0 in a `full` asset, whose planes start at their first sample
+  double omega0 = 0;
+  double spacing = 0;
+  std::vector<float> samples;       ///< layer-major, then row, then column
+  std::vector<std::uint32_t> mask;  ///< mask_words(columns, rows, layers) words
+};
+
+struct GridData {
+  Vector3 origin = Vector3::Zero();
+  double cell_size = 1;
+  std::array<std::uint32_t, 3> cells{0, 0, 0};
+  std::vector<std::uint32_t> index;
+  std::vector<std::uint32_t> records;
+};
+
+/// A baked asset in memory, as the baker builds it and the writer writes it.
+/// `full`: map k belongs to plane k, all maps have the same columns and rows, layers may differ.
+/// `sparse`: all maps have the same columns and rows and one layer.
+struct Asset {
+  AssetMetadata metadata;
+  std::vector<SupportPlane> planes;
+  std::vector<MapData> maps;
+  GridData grid;
+  std::vector<float> triangles;  ///< nine floats each
+};
+
+/// The views and small tables of an AssetView over memory that somebody else owns. Move-only; the
+/// memory that the maps and the grid point to must outlive it.
+class AssetTables {
+ public:
+  AssetTables() = default;
+  AssetTables(AssetTables&&) noexcept = default;
+  AssetTables& operator=(AssetTables&&) noexcept = default;
+  AssetTables(const AssetTables&) = delete;
+  AssetTables& operator=(const AssetTables&) = delete;
+
+  /// Builds the tables. `layer_offsets` holds, for each number of layers from 1 up to the largest
+  /// in `maps`, whatever the maps point to; it moves here so that the pointers stay valid.
+  AssetTables(std::vector<SupportPlane> planes, std::vector<DistanceMap> maps,
+              std::vector<std::vector<std::uint32_t>> layer_offsets, Grid grid,
+              std::span<const float> triangles, Band band, double tolerance, bool full);
+
+  [[nodiscard]] const AssetView& view() const noexcept { return view_; }
+
+ private:
+  std::vector<SupportPlane> planes_;
+  std::vector<DistanceMap> maps_;
+  std::vector<std::vector<std::uint32_t>> layer_offsets_;
+  std::vector<double> nx_, ny_, nz_, offset_;
+  AssetView view_;
+};
+
+/// Tables over an asset in memory, so that the baker queries what it built with the servo's own
+/// code. `asset` must outlive the result and stay unchanged.
+[[nodiscard]] AssetTables tables_of(const Asset& asset);
+
+/// Rounds what the file stores with fewer digits than a double holds to the stored values, so that
+/// an asset in memory and the same asset read back answer alike. `sparse` only: the placing of maps
+/// to floats; plane bases to eight decimals and plane origins to a hundred-millionth of the
+/// diagonal (orthonormal to 1e-7). Call it before fitting ends and errors are measured; it may be
+/// repeated.
+void round_to_stored(Asset& asset);
+
+/// How far an answer at the band's end may lie beyond it, m: the tolerance, or a thousandth of the
+/// diagonal where the asset promises none.
+[[nodiscard]] inline double answer_tolerance(const AssetMetadata& metadata) {
+  return metadata.tolerance.value_or(1e-3 * metadata.diagonal);
+}
+
+/// Shares of the bytes of a written file.
+struct AssetBytes {
+  std::uint64_t total = 0;
+  std::uint64_t samples = 0;    ///< payload of the parts `heights...`
+  std::uint64_t grid = 0;       ///< payload of the parts `grid...`
+  std::uint64_t triangles = 0;  ///< payload of the parts `triangles...`
+};
+
+/// Writes an asset as a standard multi-part EXR: to a temporary file beside `path`, synced, then
+/// renamed. The bytes depend on the asset alone. Errors: file_or_device, with nothing left behind.
+[[nodiscard]] Result<AssetBytes> write_asset(const Asset& asset, const std::string& path);
+
+/// Refuses an output path that could not be written later: its folder missing or not writable, or
+/// the path a directory. Called before a bake begins.
+[[nodiscard]] Result<void> check_output_path(const std::string& path);
+
+}  // namespace spm

@@ -1,0 +1,229 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "formats/asset_layout.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <optional>
+#include <utility>
+
+namespace spm {
+namespace {
+
+/// The parts of a file by name, read in place.
+class Parts {
+ public:
+  Parts(std::span<const std::byte> bytes, const std::vector<ExrPart>& parts)
+      : bytes_(bytes), parts_(parts) {}
+
+  [[nodiscard]] const ExrPart* find(std::string_view name) const {
+    const auto found = std::find_if(parts_.begin(), parts_.end(),
+                                    [name](const ExrPart& part) { return part.name == name; });
+    return found == parts_.end() ? nullptr : &*found;
+  }
+
+  [[nodiscard]] const std::byte* at(std::uint64_t offset) const { return bytes_.data() + offset; }
+  [[nodiscard]] const std::vector<ExrPart>& all() const { return parts_; }
+
+  /// The first `count` words of a part that is a single tile; nothing where the part is not as it
+  /// must be. No words are wanted from a part that is missing.
+  template <class T>
+  [[nodiscard]] std::optional<std::span<const T>> words(std::string_view name,
+                                                        std::uint64_t count) const {
+    const ExrPart* part = find(name);
+    if (count == 0) return part == nullptr ? std::optional(std::span<const T>()) : std::nullopt;
+    const SampleType type = std::is_same_v<T, float> ? SampleType::float32 : SampleType::uint32;
+    if (part == nullptr || part->type != type || part->channels != stored_channels(1) ||
+        part->offsets.size() != 1 || part->tile_samples() < count ||
+        part->tile_samples() - count >= part->tile_width) {
+      return std::nullopt;
+    }
+    return std::span(reinterpret_cast<const T*>(at(part->offsets.front())), count);
+  }
+
+ private:
+  std::span<const std::byte> bytes_;
+  const std::vector<ExrPart>& parts_;
+};
+
+tl::unexpected<Error> refuse(const std::string& path, const std::string& cause) {
+  return fail(ExitCode::invalid_input, path + ": " + cause + "; bake it again");
+}
+
+tl::unexpected<Error> wrong_part(const std::string& path, std::string_view name) {
+  return refuse(path, "part " + std::string(name) + " is missing or not as the asset describes it");
+}
+
+/// Maps, and what they point to beside samples.
+struct Maps {
+  std::vector<DistanceMap> maps;
+  std::vector<std::vector<std::uint32_t>> layer_offsets;
+};
+
+const float* floats_at(const Parts& parts, std::uint64_t offset) {
+  return reinterpret_cast<const float*>(parts.at(offset));
+}
+
+/// A tile of a `full` asset: where its samples begin, and its number of layers.
+struct FullTile {
+  std::uint64_t offset = 0;
+  std::uint32_t layers = 0;
+};
+
+Result<std::vector<FullTile>> full_tiles(const Parts& parts, const AssetDescription& description,
+                                         const std::string& path) {
+  std::vector<FullTile> tiles;
+  for (const ExrPart& part : parts.all()) {
+    if (!part.name.starts_with(part_name::heights)) continue;
+    const auto layers = static_cast<std::uint32_t>(part.channels.size());
+    if (layers > 255 || part.name != heights_part_name(layers) ||
+        part.channels != stored_channels(layers) || part.type != SampleType::float32 ||
+        part.tile_width != description.map_columns || part.tile_height != description.map_rows) {
+      return wrong_part(path, part.name);
+    }
+    for (const std::uint64_t offset : part.offsets) tiles.push_back({offset, layers});
+  }
+  return tiles;
+}
+
+Result<Maps> full_maps(const Parts& parts, const AssetDescription& description,
+                       const std::string& path) {
+  const Result<std::vector<FullTile>> tiles = full_tiles(parts, description, path);
+  if (!tiles) return tl::make_unexpected(tiles.error());
+  Maps result;
+  for (const FullTile& tile : *tiles) {
+    for (auto layers = static_cast<std::uint32_t>(result.layer_offsets.size()) + 1;
+         layers <= tile.layers; ++layers) {
+      result.layer_offsets.push_back(stored_layer_offsets(layers, description.map_columns));
+    }
+  }
+  std::vector<bool> used(tiles->size(), false);
+  std::uint64_t mask_count = 0;
+  for (std::uint32_t plane = 0; plane < description.planes.size(); ++plane) {
+    const std::uint32_t tile = description.plane_tile[plane];
+    if (tile >= tiles->size() || used[tile]) {
+      return refuse(path, "tile " + std::to_string(tile) + " of plane " + std::to_string(plane) +
+                              " does not exist or belongs to two planes");
+    }
+    used[tile] = true;
+    const FullTile& found = (*tiles)[tile];
+    DistanceMap map;
+    map.samples = floats_at(parts, found.offset);
+    map.layer_offsets = result.layer_offsets[found.layers - 1].data();
+    map.plane = plane;
+    map.columns = description.map_columns;
+    map.rows = description.map_rows;
+    map.layers = found.layers;
+    map.row_stride = found.layers * map.columns;
+    map.spacing = description.plane_spacing[plane];
+    mask_count += mask_words(map.columns, map.rows, map.layers);
+    result.maps.push_back(map);
+  }
+  const auto masks = parts.words<std::uint32_t>(part_name::grid_masks, mask_count);
+  if (!masks) return wrong_part(path, part_name::grid_masks);
+  const std::uint32_t* mask = masks->data();
+  for (DistanceMap& map : result.maps) {
+    map.mask = std::exchange(mask, mask + mask_words(map.columns, map.rows, map.layers));
+  }
+  return result;
+}
+
+/// The part of a `sparse` asset's heights, checked against the description.
+const ExrPart* sparse_heights(const Parts& parts, const AssetDescription& description) {
+  const ExrPart* part = parts.find(part_name::heights);
+  const std::uint64_t strips =
+      (std::uint64_t{description.maps} + maps_per_strip - 1) / maps_per_strip;
+  const bool good =
+      part != nullptr && part->type == SampleType::float32 &&
+      part->channels == stored_channels(1) && part->tile_width == description.map_columns &&
+      part->tile_height == maps_per_strip * description.map_rows && part->offsets.size() >= strips;
+  return good ? part : nullptr;
+}
+
+Result<Maps> sparse_maps(const Parts& parts, const AssetDescription& description,
+                         const std::string& path) {
+  const std::uint64_t count = description.maps;
+  Maps result;
+  const std::uint32_t mask_size =
+      count == 0 ? 0 : mask_words(description.map_columns, description.map_rows, 1);
+  const auto masks = parts.words<std::uint32_t>(part_name::grid_masks, count * mask_size);
+  if (!masks) return wrong_part(path, part_name::grid_masks);
+  const auto places = parts.words<float>(part_name::grid_maps, count * map_floats);
+  if (!places) return wrong_part(path, part_name::grid_maps);
+  const auto owners = parts.words<std::uint32_t>(part_name::grid_map_planes, count * map_words);
+  if (!owners) return wrong_part(path, part_name::grid_map_planes);
+  if (count == 0) return result;
+  const ExrPart* heights = sparse_heights(parts, description);
+  if (heights == nullptr) return wrong_part(path, part_name::heights);
+
+  result.layer_offsets.push_back(stored_layer_offsets(1, description.map_columns));
+  const std::size_t map_samples = std::size_t{description.map_columns} * description.map_rows;
+  for (std::size_t index = 0; index < count; ++index) {
+    DistanceMap map;
+    map.samples = floats_at(parts, heights->offsets[index / maps_per_strip]) +
+                  (index % maps_per_strip) * map_samples;
+    map.layer_offsets = result.layer_offsets.front().data();
+    map.mask = masks->data() + index * mask_size;
+    map.plane = (*owners)[index * map_words];
+    map.columns = description.map_columns;
+    map.rows = description.map_rows;
+    map.layers = 1;
+    map.row_stride = map.columns;
+    map.first_layer = (*owners)[index * map_words + 1];
+    map.eta0 = static_cast<double>((*places)[index * map_floats]);
+    map.omega0 = static_cast<double>((*places)[index * map_floats + 1]);
+    map.spacing = static_cast<double>((*places)[index * map_floats + 2]);
+    if (map.plane >= description.planes.size() || !std::isfinite(map.eta0) ||
+        !std::isfinite(map.omega0) || !std::isfinite(map.spacing) || map.spacing <= 0) {
+      return refuse(path, "map " + std::to_string(index) + " has no plane or no place on it");
+    }
+    result.maps.push_back(map);
+  }
+  return result;
+}
+
+/// Parts that no asset of this form has.
+const ExrPart* unexpected_part(const Parts& parts, bool full) {
+  for (const ExrPart& part : parts.all()) {
+    const std::string& name = part.name;
+    const bool common = name == part_name::grid_index || name == part_name::grid_records ||
+                        name == part_name::grid_masks || name == part_name::triangles;
+    const bool own = full ? name.starts_with(part_name::heights)
+                          : name == part_name::heights || name == part_name::grid_maps ||
+                                name == part_name::grid_map_planes;
+    if (!common && !own) return &part;
+  }
+  return nullptr;
+}
+
+}  // namespace
+
+Result<AssetTables> lay_out(std::span<const std::byte> bytes, const std::vector<ExrPart>& exr_parts,
+                            const AssetDescription& description, const std::string& path) {
+  const Parts parts(bytes, exr_parts);
+  const bool full = description.metadata.form == AssetForm::full;
+  if (const ExrPart* part = unexpected_part(parts, full)) return wrong_part(path, part->name);
+  Result<Maps> maps =
+      full ? full_maps(parts, description, path) : sparse_maps(parts, description, path);
+  if (!maps) return tl::make_unexpected(std::move(maps.error()));
+  const auto& cells = description.grid_cells;
+  const auto index = parts.words<std::uint32_t>(part_name::grid_index,
+                                                std::uint64_t{cells[0]} * cells[1] * cells[2]);
+  if (!index) return wrong_part(path, part_name::grid_index);
+  const auto records =
+      parts.words<std::uint32_t>(part_name::grid_records, description.grid_records);
+  if (!records) return wrong_part(path, part_name::grid_records);
+  const auto triangles =
+      parts.words<float>(part_name::triangles, std::uint64_t{9} * description.triangles);
+  if (!triangles) return wrong_part(path, part_name::triangles);
+  const Grid grid{.origin = description.grid_origin,
+                  .cell_size = description.grid_cell_size,
+                  .cells = description.grid_cells,
+                  .index = *index,
+                  .records = *records};
+  return AssetTables(description.planes, std::move(maps->maps), std::move(maps->layer_offsets),
+                     grid, *triangles, description.metadata.band,
+                     answer_tolerance(description.metadata), full);
+}
+
+}  // namespace spm

@@ -1,0 +1,101 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <cstdint>
+#include <functional>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "common/error.hpp"
+#include "common/units.hpp"
+
+namespace spm::cli {
+
+enum class Color { automatic, always, never };
+
+/// Options that every command of every program has.
+struct GlobalOptions {
+  bool quiet = false;
+  bool json = false;
+  Color color = Color::automatic;
+};
+
+/// Adds --quiet, --color and --json to a command (sub-commands each have them).
+void add_global_options(CLI::App& command, GlobalOptions& options);
+
+/// Directs spdlog's default logger to stderr: "warning: ..." and "error: ..." one line each, colour
+/// as asked (NO_COLOR honoured), silence below errors with --quiet.
+void configure_messages(const GlobalOptions& options);
+
+/// Adds an option whose value carries a unit ("50um"); a wrong one is a usage error that says so.
+CLI::Option* add_quantity(CLI::App& command, const std::string& name, double& target,
+                          Quantity quantity, const std::string& description);
+CLI::Option* add_quantity(CLI::App& command, const std::string& name, std::optional<double>& target,
+                          Quantity quantity, const std::string& description);
+
+/// Adds --probe point|sphere:RADIUS; the target is the radius in metres.
+CLI::Option* add_probe(CLI::App& command, double& radius);
+
+/// Adds an option whose text `store` reads; what it finds wrong is a usage error. `type` is what
+/// help shows for the value.
+CLI::Option* add_parsed(CLI::App& command, const std::string& name,
+                        std::function<Result<void>(const std::string&)> store,
+                        const std::string& description, const std::string& type);
+
+/// Adds a whole number from `least` to `most`; anything else is a usage error that names the range.
+/// `store` gets the number.
+CLI::Option* add_integer(CLI::App& command, const std::string& name, std::uint64_t least,
+                         std::uint64_t most, std::function<void(std::uint64_t)> store,
+                         const std::string& description);
+
+/// Adds an option that takes one of a few words; another one is a usage error that lists them.
+/// `store` gets the word's index.
+CLI::Option* add_word(CLI::App& command, const std::string& name, std::vector<std::string> words,
+                      std::function<void(std::size_t)> store, const std::string& description);
+
+/// As add_word, with a value a word.
+template <class T>
+CLI::Option* add_choice(CLI::App& command, const std::string& name, T& target,
+                        const std::vector<std::pair<std::string, T>>& choices,
+                        const std::string& description) {
+  std::vector<std::string> words;
+  words.reserve(choices.size());
+  for (const auto& choice : choices) words.push_back(choice.first);
+  return add_word(
+      command, name, words, [&target, choices](std::size_t i) { target = choices[i].second; },
+      description);
+}
+
+/// Parses the command line. Returns nothing when the program should go on, otherwise the exit code:
+/// 0 after --help or --version (on stdout), 1 for a usage error (one sentence on stderr).
+/// The program and each of its sub-commands get --version here.
+[[nodiscard]] std::optional<int> parse(CLI::App& app, int argc, const char* const* argv);
+
+/// Prints an error as one line "error: ..." on stderr and returns its exit code.
+[[nodiscard]] int report(const Error& error);
+
+/// Prints one JSON object and a newline on stdout. Numbers that are not finite become null.
+void print_json(const nlohmann::ordered_json& object);
+
+/// A progress line on stderr, redrawn in place: only on a terminal, never with --quiet or --json.
+class ProgressLine {
+ public:
+  explicit ProgressLine(const GlobalOptions& options);
+  ~ProgressLine();
+  ProgressLine(const ProgressLine&) = delete;
+  ProgressLine& operator=(const ProgressLine&) = delete;
+
+  /// Draws the stage and its share done, 0 to 1; nothing where it reads the same as before.
+  void update(const char* stage, double done);
+
+ private:
+  bool active_ = false;
+  bool drawn_ = false;
+  std::string last_;
+};
+
+}  // namespace spm::cli

@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <bit>
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace spm {
+
+// Samples and words are read in place from a file that is little endian.
+static_assert(std::endian::native == std::endian::little,
+              "SPM assets need a little-endian machine");
+
+// Names of parts and attributes of a baked file. The attributes are of the first part; the digits
+// and decimals of `checksum` and `bytes` have a fixed width since they are filled in last.
+namespace part_name {
+inline constexpr std::string_view heights = "heights";  ///< `full` adds the number of layers
+inline constexpr std::string_view grid_index = "grid_index";
+inline constexpr std::string_view grid_records = "grid_records";
+inline constexpr std::string_view grid_masks = "grid_masks";
+inline constexpr std::string_view grid_maps = "grid_maps";
+inline constexpr std::string_view grid_map_planes = "grid_map_planes";
+inline constexpr std::string_view triangles = "triangles";
+}  // namespace part_name
+namespace attribute_name {
+inline constexpr std::string_view description = "spm";
+inline constexpr std::string_view checksum = "spm_checksum";
+inline constexpr std::string_view bytes = "spm_bytes";
+inline constexpr std::string_view pad = "spm_pad";
+}  // namespace attribute_name
+
+/// Decimals of the attribute that records the size of the file.
+inline constexpr std::uint32_t bytes_decimals = 20;
+
+/// Bytes in front of a tile's samples in a multi-part file: part, tile x and y, level x and y,
+/// size.
+inline constexpr std::uint64_t chunk_header_bytes = 24;
+
+/// Maps of a `sparse` asset that one EXR tile holds, one below the other.
+inline constexpr std::uint32_t maps_per_strip = 32;
+
+/// Floats of a map's record in `grid_maps` (eta0, omega0, spacing) and words in `grid_map_planes`
+/// (plane, first layer).
+inline constexpr std::uint32_t map_floats = 3;
+inline constexpr std::uint32_t map_words = 2;
+
+/// Part of a `full` asset that holds the maps with this number of layers: "heights01", ...
+[[nodiscard]] std::string heights_part_name(std::uint32_t layers);
+
+/// Channel of a layer: "Y", "hit1.Y", "hit2.Y", ...
+[[nodiscard]] std::string channel_name(std::uint32_t layer);
+
+/// Channel names of `layers` layers in the order in which EXR stores them: that of strcmp.
+[[nodiscard]] std::vector<std::string> stored_channels(std::uint32_t layers);
+
+/// Place of each layer's samples within a row of a tile, in samples: its channel's rank times the
+/// columns.
+[[nodiscard]] std::vector<std::uint32_t> stored_layer_offsets(std::uint32_t layers,
+                                                              std::uint32_t columns);
+
+/// Columns and rows of tiles, or of samples.
+struct TileGrid {
+  std::uint32_t columns = 0;
+  std::uint32_t rows = 0;
+};
+
+/// Arranges `count` tiles in a picture: at most 32 times as long as wide where that can be, then as
+/// few spare tiles as possible, then as square as possible.
+[[nodiscard]] TileGrid arrange_tiles(std::uint32_t count, std::uint32_t tile_width,
+                                     std::uint32_t tile_height);
+
+/// Picture of a flat array of `count` words, 1 or more, with few spare words.
+[[nodiscard]] TileGrid arrange_words(std::uint64_t count);
+
+}  // namespace spm

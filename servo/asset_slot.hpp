@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <atomic>
+
+#include "common/asset_view.hpp"
+#include "formats/mapped_asset.hpp"
+
+namespace spm::servo {
+
+/// An asset as the loop sees it. `mapping` may be null for an asset that lives in memory.
+struct ServedAsset {
+  const AssetView* view = nullptr;
+  const MappedAsset* mapping = nullptr;
+
+  [[nodiscard]] bool lost() const noexcept { return mapping != nullptr && mapping->lost(); }
+};
+
+/// Hands assets from the loading thread to the loop without a lock: one thread a side. The loop
+/// announces what it uses (a hazard pointer), so that the loading thread knows when the old asset
+/// may be freed.
+class AssetSlot {
+ public:
+  /// Loading thread: offers an asset, or none (null).
+  void offer(const ServedAsset* asset) noexcept { offered_.store(asset); }
+
+  /// Loading thread: true where the loop neither uses the asset nor can take it up any more. The
+  /// asset must have been replaced by another `offer`.
+  [[nodiscard]] bool released(const ServedAsset* asset) const noexcept {
+    return in_use_.load() != asset;
+  }
+
+  /// Loop: the asset to use until the next call, or null.
+  [[nodiscard]] const ServedAsset* acquire() noexcept {
+    const ServedAsset* asset = offered_.load();
+    for (int attempt = 0; attempt < most_attempts; ++attempt) {
+      in_use_.store(asset);
+      // An offer that changed before it was announced may already have been freed.
+      const ServedAsset* now = offered_.load();
+      if (now == asset) return asset;
+      asset = now;
+    }
+    in_use_.store(nullptr);
+    return nullptr;
+  }
+
+  /// Loop: uses no asset any more.
+  void release() noexcept { in_use_.store(nullptr); }
+
+ private:
+  static constexpr int most_attempts = 4;  // offers come seconds apart
+
+  std::atomic<const ServedAsset*> offered_{nullptr};
+  std::atomic<const ServedAsset*> in_use_{nullptr};
+};
+
+}  // namespace spm::servo

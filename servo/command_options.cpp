@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+
+#include <charconv>
+
+#include "servo/commands.hpp"
+
+namespace spm::servo {
+
+namespace {
+
+constexpr double slowest = 500;   // Hz
+constexpr double fastest = 4000;  // Hz
+
+}  // namespace
+
+void add_force_options(CLI::App& command, ForceSettings& settings) {
+  cli::add_choice<Method>(command, "--method", settings.method,
+                          {{"spm", Method::spm}, {"paper", Method::paper}},
+                          "How forces are made: spm (default), or paper, the paper's equations to "
+                          "the letter, for assets baked with --form full");
+  cli::add_choice<PaperRule>(command, "--paper-rule", settings.rule,
+                             {{"closest-plane", PaperRule::closest_plane},
+                              {"closest-surface", PaperRule::closest_surface},
+                              {"all-planes", PaperRule::all_planes}},
+                             "Reading of the paper's rule that picks the plane (default "
+                             "closest-plane)");
+  cli::add_quantity(command, "--stiffness", settings.stiffness, Quantity::stiffness,
+                    "Stiffness of the contact (default 1N/mm)");
+  cli::add_probe(command, settings.probe_radius);
+}
+
+CLI::Option* add_number(CLI::App& command, const std::string& name, double least, double most,
+                        double& target, const std::string& description) {
+  return command.add_option_function<std::string>(
+      name,
+      [name, least, most, &target](const std::string& text) {
+        const char* end = text.data() + text.size();
+        double value = 0;
+        const auto parsed = std::from_chars(text.data(), end, value);
+        // Written so that NaN is out of range.
+        if (parsed.ec != std::errc{} || parsed.ptr != end || !(value >= least && value <= most)) {
+          throw CLI::ValidationError(
+              name,
+              fmt::format("'{}' will not do: write a number from {} to {}", text, least, most));
+        }
+        target = value;
+      },
+      description);
+}
+
+void add_rate_option(CLI::App& command, double& rate_hz) {
+  add_number(command, "--rate", slowest, fastest, rate_hz,
+             "Ticks a second, 500 to 4000 (default 1000)")
+      ->type_name("HZ");
+}
+
+}  // namespace spm::servo

@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+
+#include <cstdio>
+#include <memory>
+
+#include "servo/commands.hpp"
+#include "servo/run.hpp"
+#include "servo/run_report.hpp"
+
+namespace spm::servo {
+
+namespace {
+
+constexpr double longest_run = 366.0 * 24 * 3600;  // s
+constexpr double shortest_run = 1e-3;              // s
+
+struct RunCommand {
+  cli::GlobalOptions global;
+  RunOptions options;
+};
+
+int execute(const RunCommand& command) {
+  cli::configure_messages(command.global);
+  const Result<RunReport> report = run(command.options);
+  if (!report) return cli::report(report.error());
+  if (command.global.json) {
+    cli::print_json(to_json(*report));
+  } else if (!command.global.quiet) {
+    fmt::print("{}", to_text(*report));
+  }
+  return static_cast<int>(ExitCode::done);
+}
+
+}  // namespace
+
+void add_run_command(CLI::App& program, Action& action) {
+  auto command = std::make_shared<RunCommand>();
+  CLI::App* app = program.add_subcommand("run", "Serve forces from a baked asset to a device");
+  RunOptions& options = command->options;
+  cli::add_global_options(*app, command->global);
+  app->add_option("--asset", options.asset, "Baked asset, FILE.spm.exr")
+      ->type_name("FILE")
+      ->required();
+  app->add_option("--device", options.devices,
+                  "Device: auto (default) or sim[:option=value,...] with profile=low|falcon|touch|"
+                  "omega3|wooden, hand=slide|push|path, path=FILE, depth=LENGTH, speed=SPEED, "
+                  "seed=N; may be repeated")
+      ->type_name("NAME")
+      ->allow_extra_args(false);
+  add_rate_option(*app, options.rate_hz);
+  cli::add_choice<RealtimeMode>(*app, "--realtime", options.realtime,
+                                {{"require", RealtimeMode::require},
+                                 {"try", RealtimeMode::attempt},
+                                 {"off", RealtimeMode::off}},
+                                "Real-time priority and locked memory (default try)");
+  cli::add_choice<MapMode>(*app, "--map", options.map,
+                           {{"file", MapMode::file}, {"sealed", MapMode::sealed}},
+                           "Map the file itself (default), or a sealed copy of it, for stores that "
+                           "others may write to");
+  add_number(*app, "--duration", shortest_run, longest_run, options.duration,
+             "Stop so long after the first tick (default: at a signal)")
+      ->type_name("SECONDS");
+  app->add_option("--trace", options.trace, "Write one row a tick of the first device as CSV")
+      ->type_name("FILE");
+  add_force_options(*app, options.force);
+  app->callback([command, &action] { action = [command] { return execute(*command); }; });
+}
+
+}  // namespace spm::servo

@@ -1,0 +1,114 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "servo/hand_planner.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "servo/surface_walk.hpp"
+
+namespace spm::servo {
+
+namespace {
+
+constexpr int lines_tried = 512;
+constexpr int plans_wanted = 24;
+constexpr double good_share = 0.9;    // of the worst second
+constexpr double longest_walk = 0.2;  // m
+constexpr std::size_t longest_trial = 12000;
+
+/// A slide that gets stuck before this length shows little; it counts as so much worse.
+constexpr double shortest_walk = 0.02;  // m
+constexpr double stuck_penalty = 0.2;
+
+/// A hand that wants more than this share of a wall's thickness is pushed out on its other side.
+constexpr double share_of_thickness = 0.35;
+
+/// Thickness that is looked for, in depths: a full press fits in it.
+constexpr double thickness_in_depths = 1 / share_of_thickness;
+
+/// How deep, in depths, the places must be firm in each round of the search: good places first.
+constexpr double rounds[] = {1, 0.5, 0.25, 0.1, 0.05, 0};
+
+struct Plan {
+  HandMotion motion;
+  double worth = -1;  ///< share of the worst second, less a penalty
+};
+
+/// The hand's target below a touch.
+Vector3 target_below(const AssetView& asset, const HandTask& task, const Touch& touch) {
+  const double limit = thickness_in_depths * task.depth;
+  const double thickness = thickness_below(asset, task.force.probe_radius, touch, limit);
+  return touch.centre - std::min(task.depth, share_of_thickness * thickness) * touch.normal;
+}
+
+HandMotion motion_from(const AssetView& asset, const HandTask& task, const Touch& start,
+                       double firm_depth, Random& random) {
+  const Vector3 approach = start.centre + task.depth * start.normal;
+  if (!task.slide) {
+    return HandMotion::press(approach, target_below(asset, task, start), task.speed, task.period);
+  }
+  WalkSettings settings;
+  settings.probe_radius = task.force.probe_radius;
+  settings.length = longest_walk;
+  settings.firm_depth = firm_depth;
+  std::vector<Vector3> points{approach};
+  for (const Touch& touch : walk(asset, settings, start, random)) {
+    points.push_back(target_below(asset, task, touch));
+  }
+  return HandMotion::back_and_forth(std::move(points), 1, task.speed, task.period);
+}
+
+}  // namespace
+
+double contact_share(const AssetView& asset, const ForceSettings& force, const SimProfile& profile,
+                     HandMotion motion, double period, std::size_t ticks) {
+  SimDynamics tool(profile, period);
+  tool.place(motion.start());
+  const auto second = static_cast<std::size_t>(std::ceil(1 / period));
+  double worst = 1;
+  for (std::size_t begin = 0; begin < ticks; begin += second) {
+    std::size_t touching = 0;
+    for (std::size_t tick = 0; tick < second; ++tick) {
+      const ContactForce contact = contact_force(asset, force, tool.measured_position());
+      touching += contact.contact ? 1 : 0;
+      tool.step(contact.force, motion.next());
+    }
+    worst = std::min(worst, static_cast<double>(touching) / static_cast<double>(second));
+  }
+  return worst;
+}
+
+Result<HandMotion> plan_hand(const AssetView& asset, const HandTask& task,
+                             const SimProfile& profile) {
+  Random random(task.seed);
+  Plan best;
+  for (const double firm : rounds) {
+    int plans = 0;
+    for (int line = 0; line < lines_tried && plans < plans_wanted; ++line) {
+      const auto touch = touch_from_outside(asset, task.force.probe_radius, random);
+      if (!touch) continue;
+      const double firm_depth = firm * task.depth;
+      if (!firm_below(asset, task.force.probe_radius, *touch, firm_depth)) continue;
+      ++plans;
+      HandMotion motion = motion_from(asset, task, *touch, firm_depth, random);
+      const std::size_t ticks = std::min(motion.cycle_ticks(), longest_trial);
+      const double share = contact_share(asset, task.force, profile, motion, task.period, ticks);
+      const bool stuck =
+          task.slide &&
+          static_cast<double>(motion.cycle_ticks()) * task.period * task.speed < 2 * shortest_walk;
+      const double worth = share - (stuck ? stuck_penalty : 0);
+      if (worth > best.worth) best = {std::move(motion), worth};
+      if (best.worth >= good_share) return best.motion;
+    }
+  }
+  if (best.worth < -stuck_penalty) {
+    return fail(
+        ExitCode::invalid_input,
+        "device sim: the asset shows no surface for the hand to touch; bake it again with a "
+        "larger --margin, or give the hand its way with sim:hand=path,path=FILE");
+  }
+  return best.motion;
+}
+
+}  // namespace spm::servo

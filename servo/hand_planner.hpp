@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+
+#include "common/error.hpp"
+#include "common/force_law.hpp"
+#include "servo/hand_motion.hpp"
+
+namespace spm::servo {
+
+/// What a simulated hand is to do on an object.
+struct HandTask {
+  bool slide = true;  ///< else it presses at one place and stays
+  double depth =
+      1e-3;  ///< m, how far below the surface the hand wants to be; less where it is thin
+  double speed = 0.04;  ///< m/s
+  std::uint64_t seed = 1;
+  double period = 1e-3;  ///< s, of a tick
+  ForceSettings force;   ///< what the loop will answer with
+};
+
+/// Plans a hand's motion on the surface of an object by asking the object itself, before the loop
+/// starts: finds places on the surface from outside, walks over it, and tries each plan with the
+/// profile's dynamics and the loop's force law until one stays in contact, or keeps the best.
+/// Errors: invalid_input, where the asset shows no surface at all.
+[[nodiscard]] Result<HandMotion> plan_hand(const AssetView& asset, const HandTask& task,
+                                           const SimProfile& profile);
+
+/// Share of the ticks in contact in the worst second when the motion is followed over the object
+/// without the safety stage, 0 to 1. Over `ticks` ticks, rounded up to whole seconds.
+[[nodiscard]] double contact_share(const AssetView& asset, const ForceSettings& force,
+                                   const SimProfile& profile, HandMotion motion, double period,
+                                   std::size_t ticks);
+
+}  // namespace spm::servo

@@ -1,0 +1,91 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <vector>
+
+#include "common/force_law.hpp"
+#include "servo/asset_slot.hpp"
+#include "servo/device.hpp"
+#include "servo/schedule.hpp"
+#include "servo/tick_record.hpp"
+
+namespace spm::servo {
+
+/// Fixed while the loop runs.
+struct LoopSettings {
+  double rate_hz = 1000;
+  std::uint64_t ticks = 0;  ///< stops after so many ticks of the grid; 0: when told to
+  ForceSettings force;
+};
+
+/// What the loop counted for one device.
+struct DeviceCounters {
+  std::uint64_t contact_ticks = 0;
+  std::uint64_t cap_hits = 0;
+  std::uint64_t slew_hits = 0;
+  double force_max = 0;       ///< N, as sent
+  double energy = 0;          ///< J, net work that the forces sent did on the hand: sum of F . dx
+  double generated_max = 0;   ///< J, largest positive value of `energy`
+  ForceOffTicks force_off{};  ///< indexed by ForceOff
+};
+
+/// What the loop counted.
+struct LoopCounters {
+  std::uint64_t ticks = 0;          ///< run
+  std::uint64_t missed = 0;         ///< not finished before the next was due, skipped ones included
+  std::uint64_t skipped = 0;        ///< of the missed ones, those not run at all
+  std::uint64_t contact_ticks = 0;  ///< with any device in contact
+  std::uint64_t unrecorded = 0;     ///< records that the full ring refused
+  std::uint64_t page_faults = 0;    ///< in the loop's thread, from the first tick to the last
+};
+
+/// The servo loop. Construction allocates; `run` belongs to one thread, in which a tick neither
+/// allocates, locks, logs nor faults.
+class Loop {
+ public:
+  /// Devices must be open. Everything referred to must outlive the loop.
+  Loop(const LoopSettings& settings, std::vector<Device*> devices, AssetSlot& assets,
+       TickRing& ring, const std::atomic<bool>& stop);
+
+  /// Runs until `stop`, or until the settings' ticks are over; the last wrench sent is zero.
+  void run() noexcept;
+
+  /// Valid when `run` has returned.
+  [[nodiscard]] const LoopCounters& counters() const noexcept { return counters_; }
+  [[nodiscard]] const DeviceCounters& device_counters(std::size_t device) const {
+    return channels_[device].counters;
+  }
+
+ private:
+  /// One device and what the loop remembers of it from tick to tick.
+  struct Channel {
+    Device* device;
+    SafetyStage safety;
+    DeviceCounters counters;
+    TickRecord record;
+    Vector3 last_position = Vector3::Zero();
+    Vector3 last_force = Vector3::Zero();
+    bool position_known = false;
+    DeviceHealth written = DeviceHealth::ok;
+  };
+
+  void warm_up() noexcept;
+  void run_ticks(TickSchedule schedule) noexcept;
+  void serve(Channel& channel, const ServedAsset* asset, bool stopping) noexcept;
+  void account(Channel& channel, const SafeForce& sent) noexcept;
+  void take_up(const ServedAsset* asset) noexcept;
+  void send_zero() noexcept;
+
+  LoopSettings settings_;
+  std::vector<Channel> channels_;
+  AssetSlot& assets_;
+  TickRing& ring_;
+  const std::atomic<bool>& stop_;
+  LoopCounters counters_;
+  const ServedAsset* current_ = nullptr;
+  bool had_asset_ = false;
+};
+
+}  // namespace spm::servo

@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "common/error.hpp"
+
+namespace spm::servo {
+
+enum class RealtimeMode { require, attempt, off };
+
+/// What the loop's thread was given.
+struct RealtimeState {
+  std::string policy = "other";  ///< "fifo" or "other"
+  int priority = 0;
+  bool memory_locked = false;
+  std::vector<std::string> warnings;  ///< what was refused, with its cure; a sentence each
+};
+
+/// Makes the calling thread a real-time one (SCHED_FIFO), locks the process's memory and touches
+/// the thread's stack. What is refused becomes a warning; with `require` an error of
+/// realtime_refused.
+[[nodiscard]] Result<RealtimeState> enter_realtime(RealtimeMode mode);
+
+}  // namespace spm::servo

@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "servo/replay.hpp"
+
+#include <algorithm>
+
+#include "servo/clock.hpp"
+#include "servo/schedule.hpp"
+#include "servo/trace_csv.hpp"
+
+namespace spm::servo {
+
+namespace {
+
+constexpr std::int64_t lead_ns = 2'000'000;
+
+}  // namespace
+
+ReplayResult replay(const AssetView& asset, const std::vector<TrajectorySample>& trajectory,
+                    const ReplayOptions& options) {
+  ReplayResult result;
+  result.contacts.resize(trajectory.size());
+  result.busy_ns.resize(trajectory.size());
+  TickSchedule schedule(now_ns() + lead_ns, options.rate_hz);
+  for (std::size_t row = 0; row < trajectory.size(); ++row) {
+    if (options.pace == Pace::realtime) {
+      sleep_until(schedule.due());
+      schedule.advance(now_ns());
+    }
+    const std::int64_t begin = now_ns();
+    result.contacts[row] = contact_force(asset, options.force, trajectory[row].position);
+    result.busy_ns[row] = now_ns() - begin;
+  }
+  return result;
+}
+
+Summary us_per_tick(const ReplayResult& result) {
+  std::vector<double> times;
+  times.reserve(result.busy_ns.size());
+  for (const std::int64_t busy : result.busy_ns) times.push_back(static_cast<double>(busy) * 1e-3);
+  return summarise(times);
+}
+
+Summary force_steps(const ReplayResult& result) {
+  std::vector<double> steps;
+  for (std::size_t i = 1; i < result.contacts.size(); ++i) {
+    steps.push_back((result.contacts[i].force - result.contacts[i - 1].force).norm());
+  }
+  return summarise(steps);
+}
+
+std::uint64_t contact_ticks(const ReplayResult& result) {
+  return static_cast<std::uint64_t>(
+      std::count_if(result.contacts.begin(), result.contacts.end(),
+                    [](const ContactForce& contact) { return contact.contact; }));
+}
+
+Result<void> write_replay(const std::string& path, const std::vector<TrajectorySample>& trajectory,
+                          const ReplayResult& result, double rate_hz) {
+  Result<TraceCsv> table = TraceCsv::create(path);
+  if (!table) return tl::make_unexpected(std::move(table.error()));
+  for (std::size_t i = 0; i < trajectory.size(); ++i) {
+    TraceRow row;
+    row.t = static_cast<double>(i) / rate_hz;
+    row.position = trajectory[i].position;
+    row.force = result.contacts[i].force;
+    row.depth = result.contacts[i].depth;
+    row.contact = result.contacts[i].contact;
+    table->append(row);
+  }
+  return table->commit();
+}
+
+}  // namespace spm::servo

@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "common/force_law.hpp"
+#include "formats/trajectory.hpp"
+#include "servo/statistics.hpp"
+
+namespace spm::servo {
+
+enum class Pace {
+  none,      ///< one tick after the other
+  realtime,  ///< each tick at its time
+};
+
+struct ReplayOptions {
+  ForceSettings force;
+  double rate_hz = 1000;
+  Pace pace = Pace::none;
+};
+
+/// What the loop's force law answered, a row of the trajectory each.
+struct ReplayResult {
+  std::vector<ContactForce> contacts;
+  std::vector<std::int64_t>
+      busy_ns;  ///< of the force law, single pass, the clock's own cost included
+};
+
+/// Runs the loop's own force law over recorded positions, in order, without the safety stage.
+/// Writes to memory that was allocated before the first tick.
+[[nodiscard]] ReplayResult replay(const AssetView& asset,
+                                  const std::vector<TrajectorySample>& trajectory,
+                                  const ReplayOptions& options);
+
+/// Times of a replay's ticks, microseconds.
+[[nodiscard]] Summary us_per_tick(const ReplayResult& result);
+
+/// Sizes of the steps from tick to tick, |F_i - F_(i-1)|, N.
+[[nodiscard]] Summary force_steps(const ReplayResult& result);
+
+[[nodiscard]] std::uint64_t contact_ticks(const ReplayResult& result);
+
+/// Writes one row a tick. Errors: file_or_device.
+[[nodiscard]] Result<void> write_replay(const std::string& path,
+                                        const std::vector<TrajectorySample>& trajectory,
+                                        const ReplayResult& result, double rate_hz);
+
+}  // namespace spm::servo

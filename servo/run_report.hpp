@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "servo/run.hpp"
+
+namespace spm::servo {
+
+/// Percentiles as the contract names them: `p50`, `p99`, `p999`, `max`.
+[[nodiscard]] nlohmann::ordered_json percentiles_json(const Summary& summary);
+
+/// The object that `spm-servo run --json` prints.
+[[nodiscard]] nlohmann::ordered_json to_json(const RunReport& report);
+
+/// The same for a person, several lines.
+[[nodiscard]] std::string to_text(const RunReport& report);
+
+}  // namespace spm::servo

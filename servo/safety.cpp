@@ -1,0 +1,99 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "servo/safety.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace spm::servo {
+
+namespace {
+
+constexpr double fastest_hand = 1.0;  // m/s
+constexpr double slew_margin = 2.0;
+constexpr double least_slew = 1.0;  // N a tick, so that a soft asset is not held back by rounding
+constexpr double ramp_seconds = 0.1;
+
+/// Limits how far the force may grow or turn in a tick. Falling is free: a force that ends must
+/// end.
+Vector3 limit_slew(const Vector3& previous, const Vector3& wanted, double limit) noexcept {
+  const double before = previous.norm();
+  const double after = wanted.norm();
+  const Vector3 from = before > after ? Vector3(previous * (after / before)) : previous;
+  const Vector3 step = wanted - from;
+  const double size = step.norm();
+  return size > limit ? Vector3(from + step * (limit / size)) : wanted;
+}
+
+}  // namespace
+
+const char* to_string(ForceOff cause) noexcept {
+  switch (cause) {
+    case ForceOff::none:
+      return "none";
+    case ForceOff::starting:
+      return "starting";
+    case ForceOff::asset_lost:
+      return "asset_lost";
+    case ForceOff::not_a_number:
+      return "not_a_number";
+    case ForceOff::device_fault:
+      return "device_fault";
+    case ForceOff::stopping:
+      return "stopping";
+  }
+  return "unknown";
+}
+
+const char* cure_of(ForceOff cause) noexcept {
+  switch (cause) {
+    case ForceOff::none:
+    case ForceOff::stopping:
+      return "nothing to do";
+    case ForceOff::starting:
+      return "wait until the asset is loaded";
+    case ForceOff::asset_lost:
+      return "bake the asset again or put the file back, the loop takes it up by itself";
+    case ForceOff::not_a_number:
+      return "check the device's calibration, then bake the asset again";
+    case ForceOff::device_fault:
+      return "check the device's cable and power";
+  }
+  return "";
+}
+
+SafetySettings safety_settings(double force_cap, double stiffness, double rate_hz) noexcept {
+  SafetySettings settings;
+  settings.force_cap = force_cap;
+  settings.slew_limit = std::max(least_slew, slew_margin * stiffness * fastest_hand / rate_hz);
+  settings.ramp_ticks =
+      std::max(1U, static_cast<std::uint32_t>(std::lround(ramp_seconds * rate_hz)));
+  return settings;
+}
+
+SafeForce SafetyStage::apply(const Vector3& wanted, ForceOff cause) noexcept {
+  SafeForce safe;
+  if (cause == ForceOff::none && !wanted.allFinite()) cause = ForceOff::not_a_number;
+  if (cause != ForceOff::none) {
+    safe.cause = cause;
+    previous_.setZero();
+    restart();
+    return safe;
+  }
+
+  ramp_tick_ = std::min(ramp_tick_ + 1, settings_.ramp_ticks);
+  safe.force = wanted * (static_cast<double>(ramp_tick_) / settings_.ramp_ticks);
+
+  const Vector3 slewed = limit_slew(previous_, safe.force, settings_.slew_limit);
+  safe.slewed = slewed != safe.force;
+  safe.force = slewed;
+
+  const double size = safe.force.norm();
+  if (size > settings_.force_cap) {
+    safe.force *= settings_.force_cap / size;
+    safe.capped = true;
+  }
+  previous_ = safe.force;
+  return safe;
+}
+
+}  // namespace spm::servo

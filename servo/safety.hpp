@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+
+#include "common/vector.hpp"
+
+namespace spm::servo {
+
+/// Why the force was zero in a tick. The names are part of the contract (`force_off`).
+enum class ForceOff : std::uint8_t {
+  none,
+  starting,      ///< no asset was handed over yet
+  asset_lost,    ///< the asset's file was truncated, edited, replaced or deleted
+  not_a_number,  ///< a position or a force that is not finite
+  device_fault,  ///< the device did not answer, or made no sense
+  stopping,      ///< the last tick
+};
+
+inline constexpr std::size_t force_off_count = 6;
+
+/// Ticks without force, a cause each.
+using ForceOffTicks = std::array<std::uint64_t, force_off_count>;
+
+[[nodiscard]] const char* to_string(ForceOff cause) noexcept;
+
+/// What to do about a cause, a clause for the end of a sentence.
+[[nodiscard]] const char* cure_of(ForceOff cause) noexcept;
+
+/// Limits on the force of one device.
+struct SafetySettings {
+  double force_cap = 0;          ///< N; the magnitude is held to it, the direction kept
+  double slew_limit = 0;         ///< N a tick, on growth and turning only
+  std::uint32_t ramp_ticks = 1;  ///< ticks of the soft start, 1 or more
+};
+
+/// Limits for a device at a stiffness (N/m) and rate (Hz). The slew limit is twice what the
+/// stiffness gives a hand at 1 m/s, faster than people press, so that it only meets steps that no
+/// motion makes.
+[[nodiscard]] SafetySettings safety_settings(double force_cap, double stiffness,
+                                             double rate_hz) noexcept;
+
+/// A force that may be sent.
+struct SafeForce {
+  Vector3 force = Vector3::Zero();  ///< N
+  ForceOff cause = ForceOff::none;  ///< why it is zero, if it was made so
+  bool capped = false;
+  bool slewed = false;
+};
+
+/// The stage between the force law and a device. Holds the state of the soft start and of the slew
+/// limit; neither allocates nor throws.
+class SafetyStage {
+ public:
+  explicit SafetyStage(const SafetySettings& settings) noexcept : settings_(settings) {}
+
+  /// The force to send for what the law wants, N. A cause other than `none` gives zero; so does a
+  /// force that is not finite. After a tick without force the soft start begins again.
+  [[nodiscard]] SafeForce apply(const Vector3& wanted, ForceOff cause) noexcept;
+
+  /// Begins the soft start again: after engaging and after an asset was exchanged.
+  void restart() noexcept { ramp_tick_ = 0; }
+
+ private:
+  SafetySettings settings_;
+  std::uint32_t ramp_tick_ = 0;
+  Vector3 previous_ = Vector3::Zero();
+};
+
+}  // namespace spm::servo

@@ -1,0 +1,42 @@
+# SPDX-License-Identifier: Apache-2.0
+# Tests of the project as a whole: its layout, and the models it generates.
+
+# Writes "target: what it links" for the given targets and all that they reach, one a line.
+function(spm_write_link_graph file)
+  set(open ${ARGN})
+  set(done "")
+  set(text "")
+  while(open)
+    list(POP_FRONT open target)
+    list(APPEND done "${target}")
+    set(linked "")
+    foreach(property LINK_LIBRARIES INTERFACE_LINK_LIBRARIES)
+      get_target_property(names ${target} ${property})
+      if(names)
+        # $<LINK_ONLY:name> is how a static library carries what it links privately.
+        string(REGEX REPLACE "\\$<LINK_ONLY:([^>]*)>" "\\1" names "${names}")
+        list(APPEND linked ${names})
+      endif()
+    endforeach()
+    list(REMOVE_DUPLICATES linked)
+    foreach(name IN LISTS linked)
+      if(TARGET "${name}" AND NOT name IN_LIST done AND NOT name IN_LIST open)
+        list(APPEND open "${name}")
+      endif()
+    endforeach()
+    string(REPLACE ";" " " linked "${linked}")
+    string(APPEND text "${target}: ${linked}\n")
+  endwhile()
+  file(WRITE ${file} "${text}")
+endfunction()
+
+spm_write_link_graph(${CMAKE_BINARY_DIR}/link-graph.txt spm-bake spm-servo spm_query
+                     spm_query_example)
+
+find_package(Python3 3.11 REQUIRED COMPONENTS Interpreter)
+add_test(NAME "The layout, links and licences are the agreed ones"
+         COMMAND ${Python3_EXECUTABLE} -B ${CMAKE_CURRENT_LIST_DIR}/architecture_test.py
+                 ${CMAKE_SOURCE_DIR} ${CMAKE_BINARY_DIR})
+add_test(NAME "The generated models are closed, outward and of the right volume"
+         COMMAND ${Python3_EXECUTABLE} -B ${CMAKE_SOURCE_DIR}/models/generate.py --check
+                 --out ${CMAKE_BINARY_DIR}/models)

@@ -1,0 +1,225 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
+"""Holds what the project's layout promises: which folder may use which, what the programs link,
+licences, the top level, and that each equation of the paper has a function that cites it.
+
+Usage: architecture_test.py SOURCE_DIR BUILD_DIR [unittest options]
+"""
+
+import re
+import subprocess
+import sys
+import unittest
+from graphlib import TopologicalSorter
+from pathlib import Path
+
+SOURCE = Path()
+BUILD = Path()
+
+# What a folder's sources may include, besides the standard library and packages.
+MAY_INCLUDE = {
+    "common": {"common"},
+    "formats": {"common", "formats"},
+    "baker": {"common", "formats", "baker"},
+    "servo": {"common", "formats", "servo"},
+    "tests": {"common", "formats", "baker", "servo", "tests"},
+}
+TOP_LEVEL = {
+    ".ci", ".clang-format", ".clang-tidy", ".gitignore", "CMakeLists.txt", "CMakePresets.json",
+    "LICENSES", "README.md", "baker", "common", "formats", "models", "scripts", "servo", "tests",
+}
+HEAVY_HEADER = re.compile(r"^(CGAL|embree\d*)/")
+HEAVY_TARGET = re.compile(r"cgal|embree|gmp|mpfr", re.IGNORECASE)
+LEAN_TARGETS = ("spm-servo", "spm_query", "spm_query_example", "spm_common", "spm_formats")
+DATA_FILE = re.compile(r"\.(obj|ply|stl|off|3ds|glb|gltf|exr|bin)$", re.IGNORECASE)
+INCLUDE = re.compile(r'^\s*#\s*include\s*(["<])([^">]+)[">]', re.MULTILINE)
+MOST_LINES = 450
+EQUATIONS = range(1, 10)
+
+
+def project_files() -> list[Path]:
+    """Every file of the project, relative: what git tracks or would add; in an export, all files."""
+    try:
+        listed = subprocess.run(
+            ["git", "-c", f"safe.directory={SOURCE}", "-C", SOURCE, "ls-files", "-z", "--cached",
+             "--others", "--exclude-standard"],
+            check=True, capture_output=True, text=True).stdout
+        found = [Path(name) for name in listed.split("\0") if name]
+    except (OSError, subprocess.CalledProcessError):
+        found = [path.relative_to(SOURCE) for path in SOURCE.rglob("*") if path.is_file()]
+        found = [path for path in found
+                 if path.parts[0] not in {".git", "build"} and "__pycache__" not in path.parts
+                 and not (path.parts[0] == "models" and path.suffix == ".obj")]
+    return sorted(path for path in found if (SOURCE / path).is_file())
+
+
+def text_of(path: Path) -> str:
+    return (SOURCE / path).read_text(encoding="utf-8")
+
+
+def is_cpp(path: Path) -> bool:
+    return path.suffix in {".cpp", ".hpp", ".c", ".h"}
+
+
+def is_source(path: Path) -> bool:
+    """Sources, scripts, CMake files and tool settings: whatever can carry a comment."""
+    if is_cpp(path) or path.suffix in {".py", ".cmake"} or path.name == "CMakeLists.txt":
+        return True
+    if path.name in {".clang-format", ".clang-tidy"}:
+        return True
+    return path.parts[0] in {"scripts", ".ci"} and path.suffix in {"", ".txt"}
+
+
+def includes(path: Path) -> list[tuple[str, bool]]:
+    """Included names with whether they are quoted."""
+    return [(name, mark == '"') for mark, name in INCLUDE.findall(text_of(path))]
+
+
+def folder_of_include(path: Path, name: str) -> str | None:
+    """Our folder that a quoted include leads into; None where it leads nowhere of ours."""
+    if (SOURCE / name).is_file():
+        return Path(name).parts[0]
+    if (SOURCE / path.parent / name).is_file():
+        return path.parts[0]
+    # The C library's header, as a program that uses the library includes it.
+    return "formats" if (SOURCE / "formats" / "query" / name).is_file() else None
+
+
+def link_graph() -> dict[str, set[str]]:
+    """Targets and what they link directly, as CMake knows it (written by architecture.cmake)."""
+    graph = {}
+    for line in (BUILD / "link-graph.txt").read_text(encoding="utf-8").splitlines():
+        target, _, linked = line.partition(":")
+        graph[target] = set(linked.split())
+    return graph
+
+
+def reachable(graph: dict[str, set[str]], start: str) -> set[str]:
+    found, open_ends = set(), [start]
+    while open_ends:
+        for name in graph.get(open_ends.pop(), ()):
+            if name not in found:
+                found.add(name)
+                open_ends.append(name)
+    return found
+
+
+class Folders(unittest.TestCase):
+    def test_a_folder_includes_only_what_it_may(self) -> None:
+        wrong = []
+        for path in filter(is_cpp, project_files()):
+            for name, quoted in includes(path):
+                folder = folder_of_include(path, name) if quoted else None
+                if quoted and folder is None:
+                    wrong.append(f'{path}: #include "{name}" is no file of ours; use <...>')
+                elif quoted and folder not in MAY_INCLUDE[path.parts[0]]:
+                    wrong.append(f'{path}: {path.parts[0]} must not include "{name}"')
+        self.assertEqual(wrong, [])
+
+    def test_the_folders_form_no_cycle(self) -> None:
+        uses: dict[str, set[str]] = {}
+        for path in filter(is_cpp, project_files()):
+            for name, quoted in includes(path):
+                folder = folder_of_include(path, name) if quoted else None
+                if folder and folder != path.parts[0]:
+                    uses.setdefault(path.parts[0], set()).add(folder)
+        self.assertIn("common", list(TopologicalSorter(uses).static_order()))
+
+    def test_only_the_baker_and_tests_include_cgal_and_embree(self) -> None:
+        wrong = [f"{path}: <{name}>" for path in filter(is_cpp, project_files())
+                 if path.parts[0] not in {"baker", "tests"}
+                 for name, _ in includes(path) if HEAVY_HEADER.match(name)]
+        self.assertEqual(wrong, [])
+
+    def test_the_top_level_is_the_agreed_one(self) -> None:
+        found = {path.parts[0] for path in project_files()}
+        self.assertEqual(found - TOP_LEVEL, set())
+        self.assertEqual(TOP_LEVEL - found, set())
+
+
+class Links(unittest.TestCase):
+    def test_the_link_graph_reaches_neither_cgal_nor_embree_nor_the_baker_from_the_servo(self) -> None:
+        graph = link_graph()
+        for target in LEAN_TARGETS:
+            self.assertIn(target, graph)
+            heavy = {name for name in reachable(graph, target)
+                     if HEAVY_TARGET.search(name) or name.startswith("spm_baker")}
+            self.assertEqual(heavy, set(), f"{target} links what only the baker may")
+
+    def test_the_link_graph_sees_cgal_and_embree_behind_the_baker(self) -> None:
+        names = " ".join(reachable(link_graph(), "spm-bake"))
+        self.assertIn("CGAL", names)
+        self.assertIn("embree", names)
+
+    def test_the_built_servo_and_query_library_need_neither_cgal_nor_embree(self) -> None:
+        for binary in (BUILD / "bin" / "spm-servo", BUILD / "lib" / "libspm_query.so"):
+            with self.subTest(binary=binary.name):
+                if not binary.exists():
+                    self.skipTest(f"{binary.name} is not built")
+                needed = subprocess.run(["ldd", binary], check=True, capture_output=True,
+                                        text=True).stdout
+                self.assertIsNone(HEAVY_TARGET.search(needed.replace(str(BUILD), "")), needed)
+                self.assertNotIn(b"N4CGAL", binary.read_bytes())
+
+
+class Readme(unittest.TestCase):
+    def test_every_package_has_its_reason_in_the_dependency_table(self) -> None:
+        readme = text_of(Path("README.md"))
+        packages = re.findall(r"^([a-z0-9][a-z0-9.+-]*)$", text_of(Path("scripts/packages.txt")),
+                              re.MULTILINE)
+        self.assertGreater(len(packages), 10)
+        self.assertEqual([name for name in packages if f"`{name}`" not in readme], [])
+
+    def test_links_between_the_pages_lead_somewhere(self) -> None:
+        pages = [path for path in project_files() if path.suffix == ".md"]
+        broken = [f"{page}: {link}" for page in pages
+                  for link in re.findall(r"\]\(([^)#:\s]+)\)", text_of(page))
+                  if not (SOURCE / page.parent / link).exists()]
+        self.assertEqual(broken, [])
+
+
+class Sources(unittest.TestCase):
+    def test_every_source_names_its_licence_in_its_first_two_lines(self) -> None:
+        wrong = []
+        for path in filter(is_source, project_files()):
+            baker = path.parts[0] == "baker" or path.parts[:2] == ("tests", "baker")
+            if path.parts[0] == "tests" and is_cpp(path):
+                baker = baker or any(HEAVY_HEADER.match(name) or name.startswith("baker/")
+                                     for name, _ in includes(path))
+            wanted = "GPL-3.0-or-later" if baker else "Apache-2.0"
+            head = "\n".join(text_of(path).splitlines()[:2])
+            found = re.search(r"SPDX-License-Identifier: (\S+)", head)
+            if not found or found[1] != wanted:
+                wrong.append(f"{path}: {found[1] if found else 'none'} instead of {wanted}")
+        self.assertEqual(wrong, [])
+
+    def test_the_licence_texts_are_there(self) -> None:
+        for name in ("Apache-2.0", "GPL-3.0-or-later"):
+            self.assertGreater((SOURCE / "LICENSES" / f"{name}.txt").stat().st_size, 10000)
+
+    def test_no_source_is_longer_than_a_reader_likes(self) -> None:
+        long = {str(path): len(text_of(path).splitlines()) for path in project_files()
+                if is_source(path) and len(text_of(path).splitlines()) > MOST_LINES}
+        self.assertEqual(long, {})
+
+    def test_no_mesh_or_baked_file_is_tracked(self) -> None:
+        self.assertEqual([str(path) for path in project_files() if DATA_FILE.search(path.name)], [])
+
+    def test_each_equation_has_a_function_that_cites_it(self) -> None:
+        cited: dict[int, list[str]] = {number: [] for number in EQUATIONS}
+        # A docstring, then a declaration up to its parameter list.
+        documented = re.compile(r"((?:^[ \t]*///.*\n)+)^[ \t]*([^/\n#][^;{}]*?\b(\w+)\s*\()",
+                                re.MULTILINE)
+        for path in project_files():
+            if is_cpp(path) and path.parts[0] in {"common", "baker", "servo", "formats"}:
+                for docstring, _, name in documented.findall(text_of(path)):
+                    for number in map(int, re.findall(r"\beq\.\s*(\d+)", docstring)):
+                        cited.get(number, []).append(f"{path}: {name}")
+        self.assertEqual([number for number in EQUATIONS if not cited[number]], [])
+
+
+if __name__ == "__main__":
+    if len(sys.argv) < 3:
+        sys.exit(__doc__)
+    SOURCE, BUILD = Path(sys.argv[1]).resolve(), Path(sys.argv[2]).resolve()
+    unittest.main(argv=sys.argv[:1] + sys.argv[3:])

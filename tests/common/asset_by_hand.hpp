@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <vector>
+
+#include "common/asset_view.hpp"
+
+namespace spm::test {
+
+/// One map and what its view points to; heights are a function of the plane's parameters.
+struct MapByHand {
+  std::vector<float> samples;
+  std::vector<std::uint32_t> offsets;
+  std::vector<std::uint32_t> mask;
+  DistanceMap map;
+};
+
+using Heights = std::function<double(std::uint32_t layer, double eta, double omega)>;
+
+/// A map of `columns` x `rows` samples from (eta0, omega0) on plane `plane`, all cells valid.
+[[nodiscard]] MapByHand map_by_hand(std::uint32_t plane, std::uint32_t columns, std::uint32_t rows,
+                                    std::uint32_t layers, double eta0, double omega0,
+                                    double spacing, const Heights& heights);
+
+/// A box of full edge lengths `size` about the origin as a `full` asset: six faces, one map each
+/// with 17 x 17 samples, two layers, and a grid of one record that lists the entry layers.
+class BoxByHand {
+ public:
+  explicit BoxByHand(const Vector3& size, const Band& band = {0.002, 0.0005});
+  BoxByHand(const BoxByHand&) = delete;
+  BoxByHand& operator=(const BoxByHand&) = delete;
+
+  std::vector<SupportPlane> planes;
+  std::vector<MapByHand> by_hand;
+  std::vector<DistanceMap> maps;
+  std::vector<double> nx, ny, nz, offset;
+  std::vector<std::uint32_t> index, records;
+  std::vector<float> triangles;
+  AssetView view;
+
+  /// Points the view at the vectors again, after a test changed them.
+  void refresh();
+};
+
+}  // namespace spm::test

@@ -1,0 +1,122 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
+"""Command lines that cannot be obeyed: exit code 1 and one line that names the option."""
+
+import os
+import unittest
+
+from programs import NOBODY, SERVO, TETRAHEDRON, Case, obj, run
+
+# Options of build after MESH and -o, and words that the message must have.
+BUILD = [
+    (["--tolerance", "50"], ["--tolerance: '50' has no unit: write a length such as 50um or 2mm"]),
+    (["--tolerance", "50parsec"], ["--tolerance", "parsec", "um"]),
+    (["--tolerance", "nanmm"], ["--tolerance", "finite"]),
+    (["--tolerance", "0um"], ["--tolerance", "above 0"]),
+    (["--tolerance=-50um"], ["--tolerance", "above 0"]),
+    (["--tolerance", "50 um um"], ["--tolerance"]),
+    (["--tolerance", "5,0um"], ["--tolerance"]),
+    (["--tolerance"], ["--tolerance"]),
+    (["--tolerance", "1mm", "--tolerance", "2mm"], ["--tolerance"]),
+    (["--max-depth", "0mm"], ["--max-depth", "above 0"]),
+    (["--max-depth", "2"], ["--max-depth", "unit"]),
+    (["--margin=-1mm"], ["--margin"]),
+    (["--margin", "1mm", "--probe", "sphere:2mm"], ["--margin", "probe"]),
+    (["--probe", "cube:1mm"], ["--probe", "cube:1mm", "sphere:RADIUS"]),
+    (["--probe", "sphere:1"], ["--probe", "unit"]),
+    (["--probe", "sphere:0mm"], ["--probe"]),
+    (["--form", "dense"], ["--form", "dense", "sparse or full"]),
+    (["--kind", "edge", "--form", "full"], ["--kind", "edge"]),
+    (["--planes", "100"], ["--planes", "--form full"]),
+    (["--resolution", "65"], ["--resolution", "--form full"]),
+    (["--layers", "scalar"], ["--layers", "--form full"]),
+    (["--kind", "face"], ["--kind", "--form full"]),
+    (["--form", "full", "--tolerance", "50um"], ["--tolerance", "--form sparse"]),
+    (["--form", "full", "--planes", "3"], ["--planes", "'3'", "4"]),
+    (["--form", "full", "--planes", "many"], ["--planes", "'many'"]),
+    (["--form", "full", "--resolution", "1"], ["--resolution", "'1'"]),
+    (["--form", "full", "--resolution", "5000"], ["--resolution", "4097"]),
+    (["--form", "full", "--layers", "0"], ["--layers", "'0'"]),
+    (["--form", "full", "--layers", "256"], ["--layers", "255"]),
+    (["--unit", "km"], ["--unit", "km", "mm"]),
+    (["--fit-diagonal", "0mm"], ["--fit-diagonal"]),
+    (["--fit-diagonal", "100"], ["--fit-diagonal", "unit"]),
+    (["--threads", "0"], ["--threads", "'0'"]),
+    (["--threads", "2.5"], ["--threads", "'2.5'"]),
+    (["--seed=-1"], ["--seed", "'-1'"]),
+    (["--color", "red"], ["--color", "red", "auto"]),
+    (["--tolerence", "50um"], ["--tolerence", "did you mean --tolerance?"]),
+    (["--scene", "scene.toml"], ["--scene"]),
+    (["--smooth", "none"], ["--smooth"]),
+    (["--time-limit", "5"], ["--time-limit"]),
+    (["--device", "falcon"], ["--device"]),
+    (["another.obj"], ["another.obj"]),
+]
+
+# Whole command lines.
+OTHERS = [
+    ([], ["subcommand", "--help"]),
+    (["bulid"], ["bulid", "build"]),
+    (["build"], ["required"]),
+    (["build", "a.obj"], ["--output"]),
+    (["build", "-o", "a.spm.exr"], ["MESH"]),
+    (["info"], ["FILE"]),
+    (["info", "a.spm.exr", "--png-limit", "0"], ["--png-limit"]),
+    (["verify", "a.spm.exr"], ["MESH"]),
+    (["verify", "a.spm.exr", "a.obj", "--samples", "0"], ["--samples"]),
+    (["verify", "a.spm.exr", "a.obj", "--samples", "1e5"], ["--samples"]),
+    (["verify", "a.spm.exr", "a.obj", "--band", "2"], ["--band", "unit"]),
+    (["verify", "a.spm.exr", "a.obj", "--band", "0mm"], ["--band"]),
+    (["query", "a.spm.exr", "-o", "a.csv"], ["--points"]),
+    (["query", "a.spm.exr", "--points", "a.txt"], ["--output"]),
+    (["export", "a.spm.exr"], ["--output"]),
+    (["batch"], ["MANIFEST"]),
+    (["batch", "a.toml", "-j", "2"], ["-j"]),
+    (["batch", "a.toml", "--shard", "1/2"], ["--shard"]),
+    (["batch", "a.toml", "--cache", "c"], ["--cache"]),
+]
+
+
+class BadCommandLine(Case):
+    def test_an_option_of_build_that_cannot_be_obeyed_is_a_usage_error(self):
+        mesh = self.write("a.obj", obj(TETRAHEDRON))
+        out = self.output_folder()
+        for options, names in BUILD:
+            with self.subTest(" ".join(options)):
+                result = run("build", mesh, "-o", os.path.join(out, "a.spm.exr"), *options)
+                self.expect_refusal(result, 1, *names)
+                self.assertEqual(os.listdir(out), [])
+
+    def test_a_command_line_that_cannot_be_obeyed_is_a_usage_error(self):
+        for arguments, names in OTHERS:
+            with self.subTest(" ".join(arguments)):
+                self.expect_refusal(run(*arguments, folder=self.folder), 1, *names)
+
+    def test_an_unknown_option_of_the_servo_is_a_usage_error(self):
+        self.expect_refusal(run("run", "--no-such-option", program=SERVO), 1, "--no-such-option")
+
+    def test_an_output_that_cannot_be_written_is_found_before_the_bake(self):
+        mesh = self.write("a.obj", obj(TETRAHEDRON))
+        closed = self.output_folder("closed")
+        os.chmod(closed, 0o555)
+        user = NOBODY if os.geteuid() == 0 else None
+        for what, output in (("no such folder", self.path("none", "a.spm.exr")),
+                             ("a directory", self.folder),
+                             ("a file as folder", os.path.join(mesh, "a.spm.exr")),
+                             ("no permission", os.path.join(closed, "a.spm.exr"))):
+            with self.subTest(what):
+                result = run("build", mesh, "-o", output, "--tolerance", "1mm", user=user)
+                self.expect_refusal(result, 2, os.path.dirname(output) or output)
+        # Before the bake also means before the mesh is read.
+        result = run("build", self.path("missing.obj"), "-o", self.path("none", "a.spm.exr"))
+        self.expect_refusal(result, 2, "none")
+
+    def test_a_mesh_is_not_overwritten_by_its_own_asset(self):
+        mesh = self.write("a.obj", obj(TETRAHEDRON))
+        self.expect_refusal(run("build", mesh, "-o", mesh), 1, "a.obj")
+        with open(mesh, encoding="utf-8") as file:
+            self.assertEqual(file.read(), obj(TETRAHEDRON))
+
+
+if __name__ == "__main__":
+    unittest.main()

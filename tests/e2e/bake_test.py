@@ -1,0 +1,246 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
+"""spm-bake as a user runs it: what it prints, writes and promises."""
+
+import csv
+import math
+import os
+import struct
+import unittest
+
+from programs import BUILD_KEYS, NUMBER, THIN_BAND, Case, digest, obj, run, sphere
+
+RADIUS = 0.02
+SPHERE = obj(sphere(RADIUS))
+TOLERANCE = 200e-6
+
+VERIFY_KEYS = {
+    "distance_error_um": {"rms": NUMBER, "p50": NUMBER, "p99": NUMBER, "p999": NUMBER,
+                          "max": NUMBER},
+    "direction_error_deg": {"p50": NUMBER, "p99": NUMBER, "max": NUMBER},
+    "misclassified": {"inside_as_outside": NUMBER, "outside_as_inside": NUMBER},
+    "unanswered": NUMBER, "samples": int, "band_m": NUMBER,
+}
+
+
+def read_ply(path):
+    """Vertices and faces of a PLY as export writes it, binary or text."""
+    with open(path, "rb") as file:
+        data = file.read()
+    head, body = data.split(b"end_header\n", 1)
+    lines = head.decode().splitlines()
+    counts = {line.split()[1]: int(line.split()[2]) for line in lines if line.startswith("element")}
+    vertices, faces = counts["vertex"], counts["face"]
+    if "format ascii 1.0" in lines:
+        rows = body.decode().splitlines()
+        points = [tuple(map(float, row.split())) for row in rows[:vertices]]
+        triangles = [tuple(map(int, row.split()))[1:] for row in rows[vertices:]]
+    else:
+        points = [struct.unpack_from("<3f", body, 12 * i) for i in range(vertices)]
+        triangles = [struct.unpack_from("<B3i", body, 12 * vertices + 13 * i)[1:]
+                     for i in range(faces)]
+        assert len(body) == 12 * vertices + 13 * faces
+    assert len(triangles) == faces
+    return points, triangles
+
+
+class Bake(Case):
+    OPTIONS = {"sparse": ("--tolerance", "200um", "--max-depth", "1mm"),
+               "full": ("--form", "full", "--planes", "20", "--resolution", "17", "--max-depth",
+                        "1mm")}
+    kept = {}  # of each form, what build said and the file's bytes: a bake takes seconds
+
+    def setUp(self):
+        super().setUp()
+        self.mesh = self.write("sphere.obj", SPHERE)
+        self.asset = self.path("sphere.spm.exr")
+
+    def build(self, *options):
+        return self.run_json("build", self.mesh, "-o", self.asset, *options)
+
+    def baked(self, form):
+        """What build said; its asset lies at `self.asset`, the mesh at `self.mesh`."""
+        if form not in self.kept:
+            report = self.build(*self.OPTIONS[form], "--threads", "1")
+            with open(self.asset, "rb") as file:
+                self.kept[form] = (report, file.read())
+        report, content = self.kept[form]
+        self.write("sphere.spm.exr", content)
+        return report
+
+    def expect_keys(self, found, wanted, place=""):
+        for key, kind in wanted.items():
+            self.assertIn(key, found, place)
+            if isinstance(kind, dict):
+                self.expect_keys(found[key], kind, place + key + ".")
+            else:
+                self.assertIsInstance(found[key], kind, place + key)
+                if kind != bool and kind != list:
+                    self.assertNotIsInstance(found[key], bool, place + key)
+
+    def test_build_reports_what_the_contract_names(self):
+        report = self.baked("sparse")
+        self.expect_keys(report, BUILD_KEYS)
+        self.assertEqual(os.path.basename(report["mesh"]["path"]), "sphere.obj")
+        self.assertEqual(report["mesh"]["triangles"], SPHERE.count("\nf "))
+        self.assertEqual(report["mesh"]["vertices"], SPHERE.count("v "))
+        self.assertTrue(report["mesh"]["closed"])
+        self.assertEqual(report["mesh"]["components"], 1)
+        self.assertEqual(report["mesh"]["border_edges"], 0)
+        self.assertEqual(report["mesh"]["sha256"], digest(self.mesh))
+        for axis in range(3):
+            self.assertAlmostEqual(report["mesh"]["bbox_m"]["min"][axis], -RADIUS, places=9)
+            self.assertAlmostEqual(report["mesh"]["bbox_m"]["max"][axis], RADIUS, places=9)
+        self.assertEqual(report["spm"]["form"], "sparse")
+        self.assertEqual(report["bytes"], os.path.getsize(self.asset))
+        self.assertEqual(report["content_sha256"], digest(self.asset))
+        self.assertAlmostEqual(report["tolerance_um"], 200)
+        self.assertTrue(report["tolerance_met"])
+        self.assertLessEqual(report["error_um"]["max"], 200)
+        for share in report["fallback"].values():
+            self.assertTrue(0 <= share <= 1)
+
+    def test_a_full_asset_has_no_tolerance(self):
+        report = self.baked("full")
+        self.expect_keys(report, {**BUILD_KEYS, "tolerance_um": type(None)})
+        self.assertIsNone(report["tolerance_um"])
+        self.assertFalse(report["tolerance_met"])
+        self.assertEqual(report["spm"]["form"], "full")
+        self.assertEqual(report["spm"]["planes"], 20)
+        self.assertIn(report["spm"]["kind"], ("face", "vertex"))
+
+    def test_a_default_tolerance_is_said_unless_quiet_is_asked(self):
+        arguments = ["build", self.mesh, "-o", self.asset, "--allow-inexact", *THIN_BAND]
+        result = run(*arguments)
+        self.assertEqual(result.returncode, 0, result.stderr)
+        self.assertIn("warning: no --tolerance: taking 1/1000 of the diagonal, 69.", result.stderr)
+        quiet = run(*arguments, "--quiet")
+        self.assertEqual((quiet.returncode, quiet.stdout, quiet.stderr), (0, "", ""))
+
+    def test_the_bytes_do_not_depend_on_threads_or_paths_and_a_pipe_sees_no_progress(self):
+        for form, options in self.OPTIONS.items():
+            with self.subTest(form):
+                content = self.baked(form)["content_sha256"]
+                other = self.path("elsewhere.spm.exr")
+                result = run("build", self.mesh, "-o", other, "--threads", "2", *options)
+                self.assertEqual((result.returncode, result.stderr), (0, ""))
+                self.assertIn(other, result.stdout)
+                self.assertNotIn("\r", result.stdout)
+                self.assertEqual(digest(other), content)
+
+    def test_a_tolerance_that_is_not_met_writes_nothing(self):
+        # Maps of floats cannot follow a sphere of facets to a picometre.
+        arguments = ["build", self.mesh, "-o", self.asset, "--tolerance", "0.000001um",
+                     *THIN_BAND]
+        refused = run(*arguments)
+        self.expect_refusal(refused, 10, "sphere.spm.exr", "tolerance", "--allow-inexact")
+        self.assertFalse(os.path.exists(self.asset))
+        report = self.run_json(*arguments, "--allow-inexact")
+        self.assertFalse(report["tolerance_met"])
+        self.assertTrue(os.path.exists(self.asset))
+
+    def test_unit_and_fit_diagonal_scale_the_mesh_and_verify_applies_them(self):
+        in_millimetres = self.write("mm.obj", obj(sphere(1000 * RADIUS)))
+        report = self.run_json("build", in_millimetres, "-o", self.asset, "--unit", "mm",
+                               "--tolerance", "1mm", "--fit-diagonal", "60mm", *THIN_BAND)
+        side = 0.06 / math.sqrt(3)
+        self.assertAlmostEqual(report["mesh"]["bbox_m"]["max"][0], side / 2, places=9)
+        verified = self.run_json("verify", self.asset, in_millimetres, "--samples", "500")
+        self.assertEqual(verified["unanswered"], 0)
+        self.assertLess(verified["distance_error_um"]["max"], 1000)
+
+    def test_verify_reports_what_the_contract_names(self):
+        self.baked("sparse")
+        report = self.run_json("verify", self.asset, self.mesh, "--samples", "3000")
+        self.expect_keys(report, VERIFY_KEYS)
+        self.assertEqual(report["samples"], 3000)
+        self.assertAlmostEqual(report["band_m"], 0.001)
+        self.assertLessEqual(report["distance_error_um"]["max"], 200)
+        self.assertEqual(report["unanswered"], 0)
+        self.assertEqual(report["misclassified"], {"inside_as_outside": 0, "outside_as_inside": 0})
+        again = self.run_json("verify", self.asset, self.mesh, "--samples", "3000", "--threads", "1")
+        self.assertEqual(again, report)
+        shallow = self.run_json("verify", self.asset, self.mesh, "--samples", "100", "--band",
+                                "0.5mm", "--seed", "7")
+        self.assertAlmostEqual(shallow["band_m"], 0.0005)
+
+    def test_info_tells_what_is_in_a_file_and_draws_it(self):
+        for form in self.OPTIONS:
+            with self.subTest(form):
+                built = self.baked(form)
+                pictures = self.path("pictures-" + built["spm"]["form"])
+                report = self.run_json("info", self.asset, "--png", pictures)
+                self.assertEqual(report["content_sha256"], built["content_sha256"])
+                self.assertEqual(report["bytes"], built["bytes"])
+                for key in ("form", "kind", "planes", "tiles", "layers_max"):
+                    self.assertEqual(report["spm"][key], built["spm"][key])
+                self.assertEqual(report["mesh"]["sha256"], built["mesh"]["sha256"])
+                self.assertEqual(sum(report["bytes_by_kind"].values()), report["bytes"])
+                self.assertEqual(sorted(map(os.path.basename, report["pictures"])),
+                                 sorted(os.listdir(pictures)))
+                self.assertIn("overview.png", os.listdir(pictures))
+                for name in os.listdir(pictures):
+                    with open(os.path.join(pictures, name), "rb") as file:
+                        self.assertEqual(file.read(8), b"\x89PNG\r\n\x1a\n")
+                before = {name: digest(os.path.join(pictures, name))
+                          for name in os.listdir(pictures)}
+                self.run_json("info", self.asset, "--png", pictures)
+                self.assertEqual(before, {name: digest(os.path.join(pictures, name))
+                                          for name in os.listdir(pictures)})
+
+    def test_query_answers_in_the_order_asked(self):
+        self.baked("sparse")
+        points = [(RADIUS + 0.0001, 0, 0), (0, 0, 0), (0, RADIUS - 0.0005, 0), (1, 1, 1),
+                  (0, 0, -RADIUS - 0.0001), (0, RADIUS - 0.0005, 0)]
+        path = self.write("points.txt", "# six points\n" + "\n".join(
+            f"{x!r} {y!r} {z!r}" for x, y, z in points) + "\n")
+        counts = self.run_json("query", self.asset, "--points", path, "-o", self.path("out.csv"))
+        self.assertEqual(counts["points"], len(points))
+        with open(self.path("out.csv"), newline="", encoding="ascii") as file:
+            self.assertEqual(file.readline().strip(),
+                             "x,y,z,distance,nx,ny,nz,plane,layer,source,status")
+            file.seek(0)
+            rows = list(csv.DictReader(file))
+        self.assertEqual([(float(r["x"]), float(r["y"]), float(r["z"])) for r in rows], points)
+        for point, row in zip(points, rows):
+            exact = math.hypot(*point) - RADIUS
+            if row["status"] == "exact":
+                self.assertAlmostEqual(float(row["distance"]), exact, delta=TOLERANCE + 200e-6)
+                normal = [float(row[key]) for key in ("nx", "ny", "nz")]
+                self.assertAlmostEqual(math.hypot(*normal), 1, places=9)
+                self.assertIn(row["source"], ("tile", "triangles"))
+                self.assertEqual(int(row["plane"]) == -1, row["source"] == "triangles")
+        self.assertEqual([row["status"] for row in rows],
+                         ["exact", "deep", "exact", "far", "exact", "exact"])
+        self.assertEqual(float(rows[1]["distance"]), -0.001)
+        self.assertEqual(rows[3]["distance"], "nan")
+        self.assertEqual(rows[3]["source"], "none")
+        self.assertEqual(rows[2], rows[5])
+
+    def test_export_is_the_surface_within_the_tolerance(self):
+        for form, slack in (("sparse", TOLERANCE), ("full", 1e-3)):
+            for options in ([], ["--ascii"]):
+                with self.subTest(form + " ".join(options)):
+                    self.baked(form)
+                    surface = self.path("surface.ply")
+                    counts = self.run_json("export", self.asset, "-o", surface, *options)
+                    vertices, triangles = read_ply(surface)
+                    self.assertEqual(len(vertices), counts["vertices"])
+                    self.assertEqual(len(triangles), counts["triangles"])
+                    self.assertGreater(len(triangles), 100)
+                    facets = 150e-6  # what the mesh itself lies inside its sphere
+                    for vertex in vertices:
+                        self.assertAlmostEqual(math.hypot(*vertex), RADIUS, delta=slack + facets)
+                    outward = 0
+                    for triangle in triangles:
+                        a, b, c = (vertices[i] for i in triangle)
+                        u = [q - p for p, q in zip(a, b)]
+                        v = [q - p for p, q in zip(a, c)]
+                        normal = (u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2],
+                                  u[0] * v[1] - u[1] * v[0])
+                        outward += sum(p * q for p, q in zip(normal, a)) > 0
+                    self.assertGreater(outward, 0.99 * len(triangles))
+
+
+if __name__ == "__main__":
+    unittest.main()

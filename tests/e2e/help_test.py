@@ -1,0 +1,39 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
+"""What both programs say of themselves."""
+
+import os
+import unittest
+
+from programs import BAKE, SERVO, run
+
+
+class Help(unittest.TestCase):
+    def test_both_programs_explain_themselves(self):
+        for program, commands in ((BAKE, ("build", "info", "verify", "query", "export", "batch")),
+                                  (SERVO, ("run", "replay"))):
+            for arguments in ([], *([command] for command in commands)):
+                with self.subTest(os.path.basename(program) + " " + " ".join(arguments)):
+                    result = run(*arguments, "--help", program=program)
+                    self.assertEqual(result.returncode, 0, result.stderr)
+                    self.assertEqual(result.stderr, "")
+                    self.assertIn("Usage: " + " ".join([os.path.basename(program), *arguments]),
+                                  result.stdout)
+                    for command in () if arguments else commands:
+                        self.assertIn(command, result.stdout)
+                    version = run(*arguments, "--version", program=program)
+                    self.assertEqual(version.returncode, 0, version.stderr)
+                    self.assertRegex(version.stdout,
+                                     os.path.basename(program) + r" \d+\.\d+\.\d+\n")
+
+    def test_every_option_of_build_tells_its_default_or_that_it_must_be_given(self):
+        text = run("build", "--help").stdout
+        for option in ("--form", "--tolerance", "--max-depth", "--margin", "--probe", "--kind",
+                       "--planes", "--resolution", "--layers", "--unit", "--threads", "--seed"):
+            part = text[text.index(option):]
+            part = part.split("\n  -")[0]
+            self.assertIn("default", part, option)
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,162 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "formats/asset_json.hpp"
+
+#include <catch2/catch.hpp>
+#include <clocale>
+#include <functional>
+#include <nlohmann/json.hpp>
+
+#include "tests/formats/synthetic_asset.hpp"
+
+namespace {
+
+using namespace spm;
+using namespace spm::test;
+using Json = nlohmann::ordered_json;
+
+std::string sparse_text() { return to_json(describe(sparse_asset(1))); }
+
+std::string full_text() {
+  AssetDescription description = describe(full_asset(1, {2, 1, 2}));
+  description.plane_tile = {0, 2, 1};
+  return to_json(description);
+}
+
+}  // namespace
+
+TEST_CASE("A description reads back to the same text") {
+  for (const std::string& text : {sparse_text(), full_text()}) {
+    const auto parsed = parse_description(text, "a.exr");
+    REQUIRE(parsed.has_value());
+    CHECK(to_json(*parsed) == text);
+  }
+}
+
+TEST_CASE("Numbers of a description round-trip to the last bit") {
+  AssetDescription description = describe(full_asset(3, {1, 1}));
+  Random random(9);
+  for (int k = 0; k < 500; ++k) {
+    description.plane_spacing[0] =
+        std::ldexp(random.between(0.5, 1), static_cast<int>(random.below(200)) - 100);
+    const auto parsed = parse_description(to_json(description), "a.exr");
+    REQUIRE(parsed.has_value());
+    REQUIRE(parsed->plane_spacing == description.plane_spacing);
+  }
+}
+
+TEST_CASE("A description does not depend on the locale") {
+  const std::string before = sparse_text();
+  const char* set = std::setlocale(LC_ALL, "de_DE.UTF-8");
+  const std::string after = sparse_text();
+  const auto parsed = parse_description(before, "a.exr");
+  std::setlocale(LC_ALL, "C");
+  if (set == nullptr) WARN("the locale de_DE.UTF-8 is not installed; checked in the C locale");
+  CHECK(after == before);
+  REQUIRE(parsed.has_value());
+  CHECK(to_json(*parsed) == before);
+}
+
+TEST_CASE("A key that a later program may add is ignored") {
+  Json json = Json::parse(sparse_text());
+  json["something_new"] = 1;
+  CHECK(parse_description(json.dump(), "a.exr").has_value());
+}
+
+TEST_CASE("Every wrong field of a description is refused by its name") {
+  struct Case {
+    const char* named;
+    std::function<void(Json&)> damage;
+  };
+  const std::vector<Case> cases = {
+      {"format_version", [](Json& j) { j["format_version"] = "1"; }},
+      {"format version 7, this program reads 1", [](Json& j) { j["format_version"] = 7; }},
+      {"`form`", [](Json& j) { j["form"] = "dense"; }},
+      {"`units`", [](Json& j) { j["units"] = "mm"; }},
+      {"`kind`", [](Json& j) { j.erase("kind"); }},
+      {"`mesh_sha256`", [](Json& j) { j["mesh_sha256"] = std::string(64, 'G'); }},
+      {"`options`", [](Json& j) { j["options"] = 3; }},
+      {"`tolerance`", [](Json& j) { j["tolerance"] = nullptr; }},
+      {"`tolerance`", [](Json& j) { j["tolerance"] = 0; }},
+      {"`tolerance`", [](Json& j) { j["tolerance"] = -1e-5; }},
+      {"`tolerance_met`", [](Json& j) { j["tolerance_met"] = 1; }},
+      {"`band.max_depth`", [](Json& j) { j["band"]["max_depth"] = -1; }},
+      {"`band.margin`", [](Json& j) { j["band"]["margin"] = "1"; }},
+      {"`band`",
+       [](Json& j) {
+         j["band"] = Json::array({1, 2});
+       }},
+      {"`probe.radius`", [](Json& j) { j["probe"].erase("radius"); }},
+      {"`layers_max`", [](Json& j) { j["layers_max"] = -1; }},
+      {"`inconsistent_samples`", [](Json& j) { j["inconsistent_samples"] = 1.5; }},
+      {"`fallback_cells`", [](Json& j) { j["fallback_cells"] = nullptr; }},
+      {"`mesh.unit`", [](Json& j) { j["mesh"]["unit"] = 0; }},
+      {"`mesh.scale`", [](Json& j) { j["mesh"]["scale"] = -2; }},
+      {"`mesh.box_min`",
+       [](Json& j) {
+         j["mesh"]["box_min"] = Json::array({1, 2});
+       }},
+      {"`mesh.box_max`",
+       [](Json& j) {
+         j["mesh"]["box_max"] = Json::array({-9, -9, -9});
+       }},
+      {"`mesh.closed`", [](Json& j) { j["mesh"]["closed"] = "yes"; }},
+      {"`mesh.triangles`", [](Json& j) { j["mesh"]["triangles"] = 1.5; }},
+      {"`grid.origin`", [](Json& j) { j["grid"]["origin"][1] = "x"; }},
+      {"`grid.cell_size`", [](Json& j) { j["grid"]["cell_size"] = 0; }},
+      {"`grid.cells`", [](Json& j) { j["grid"]["cells"][0] = 0; }},
+      {"`grid.cells`",
+       [](Json& j) {
+         j["grid"]["cells"] = Json::array({1 << 20, 1 << 20, 1 << 20});
+       }},
+      {"`grid.records`", [](Json& j) { j["grid"]["records"] = 1ULL << 40U; }},
+      {"`maps.count`", [](Json& j) { j["maps"]["count"] = 1 << 25; }},
+      {"`maps.columns`", [](Json& j) { j["maps"]["columns"] = 1; }},
+      {"`maps.rows`", [](Json& j) { j["maps"]["rows"] = 1 << 20; }},
+      {"`triangles`", [](Json& j) { j["triangles"] = 1ULL << 31U; }},
+      {"`planes`", [](Json& j) { j["planes"] = 1; }},
+      {"`planes[0].x0`", [](Json& j) { j["planes"][0].erase("x0"); }},
+      {"`planes[1].u`", [](Json& j) { j["planes"][1]["u"].push_back(0); }},
+      {"`planes[2].n`",
+       [](Json& j) {
+         j["planes"][2]["n"] = Json::array({0, 0, 2});
+       }},
+      {"`planes[2].n`", [](Json& j) { std::swap(j["planes"][2]["u"], j["planes"][2]["v"]); }},
+  };
+  for (const Case& wrong : cases) {
+    Json json = Json::parse(sparse_text());
+    wrong.damage(json);
+    INFO(wrong.named);
+    const auto parsed = parse_description(json.dump(), "a.exr");
+    REQUIRE(!parsed);
+    CHECK(parsed.error().code == ExitCode::invalid_input);
+    INFO(parsed.error().message);
+    CHECK(parsed.error().message.find("a.exr: ") == 0);
+    CHECK(parsed.error().message.find(wrong.named) != std::string::npos);
+    CHECK(parsed.error().message.find("; bake it again") != std::string::npos);
+  }
+}
+
+TEST_CASE("Every wrong field of the full form's plane table is refused by its name") {
+  for (const char* key : {"spacing", "tile"}) {
+    Json json = Json::parse(full_text());
+    json["planes"][1][key] = -1;
+    const auto parsed = parse_description(json.dump(), "a.exr");
+    REQUIRE(!parsed);
+    CHECK(parsed.error().message.find("planes[1]." + std::string(key)) != std::string::npos);
+  }
+  Json json = Json::parse(full_text());
+  json["planes"].erase(0);
+  CHECK(!parse_description(json.dump(), "a.exr").has_value());
+  json = Json::parse(full_text());
+  json["tolerance"] = 1e-5;
+  CHECK(!parse_description(json.dump(), "a.exr").has_value());
+}
+
+TEST_CASE("Text that is no JSON object is refused") {
+  for (const char* text : {"", "[]", "3", "{", "{\"form\":NaN}", "\xff\xfe", "{}x"}) {
+    const auto parsed = parse_description(text, "a.exr");
+    REQUIRE(!parsed);
+    CHECK(parsed.error().message ==
+          "a.exr: its `spm` attribute is not a JSON object; bake it again");
+  }
+}

@@ -1,0 +1,134 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <sys/resource.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <catch2/catch.hpp>
+#include <csignal>
+
+#include "formats/asset.hpp"
+#include "formats/mapped_asset.hpp"
+#include "formats/output_file.hpp"
+#include "tests/formats/synthetic_asset.hpp"
+
+namespace {
+
+using namespace spm;
+using namespace spm::test;
+using Names = std::vector<std::string>;
+
+/// Files may not grow over `bytes` in its scope: a full disk, as far as a writer can tell.
+class FileSizeLimit {
+ public:
+  explicit FileSizeLimit(rlim_t bytes) {
+    old_handler_ = std::signal(SIGXFSZ, SIG_IGN);
+    ::getrlimit(RLIMIT_FSIZE, &old_);
+    const rlimit limit{bytes, old_.rlim_max};
+    ::setrlimit(RLIMIT_FSIZE, &limit);
+  }
+  ~FileSizeLimit() {
+    ::setrlimit(RLIMIT_FSIZE, &old_);
+    std::signal(SIGXFSZ, old_handler_);
+  }
+  FileSizeLimit(const FileSizeLimit&) = delete;
+  FileSizeLimit& operator=(const FileSizeLimit&) = delete;
+
+ private:
+  rlimit old_{};
+  void (*old_handler_)(int) = nullptr;
+};
+
+}  // namespace
+
+TEST_CASE("A write that fails half way leaves nothing behind and says why") {
+  const TemporaryFolder folder;
+  const std::string path = folder.path("a.spm.exr");
+  for (const rlim_t limit : {rlim_t{0}, rlim_t{1000}, rlim_t{20000}}) {
+    Result<AssetBytes> written = [&] {
+      const FileSizeLimit full_disk(limit);
+      return write_asset(sparse_asset(1), path);
+    }();
+    REQUIRE(!written);
+    CHECK(written.error().code == ExitCode::file_or_device);
+    CHECK(written.error().message.find(path) == 0);
+    CHECK(written.error().message.find("free some space") != std::string::npos);
+    CHECK(folder.entries().empty());
+  }
+}
+
+TEST_CASE("A write that fails leaves the file that was there") {
+  const TemporaryFolder folder;
+  const std::string path = folder.path("a.spm.exr");
+  REQUIRE(write_asset(sparse_asset(1), path).has_value());
+  const std::string before = read_bytes(path);
+  {
+    const FileSizeLimit full_disk(20000);
+    CHECK(!write_asset(sparse_asset(2), path).has_value());
+  }
+  CHECK((read_bytes(path) == before));
+  CHECK(folder.entries() == Names{"a.spm.exr"});
+  CHECK(MappedAsset::open(path).has_value());
+}
+
+TEST_CASE("A path that cannot be written is refused before the bake") {
+  const TemporaryFolder folder;
+  REQUIRE(::mkdir(folder.path("folder").c_str(), 0777) == 0);
+  write_bytes(folder.path("file"), "x");
+  REQUIRE(::mkfifo(folder.path("pipe").c_str(), 0666) == 0);
+  for (const std::string& path :
+       {std::string(), folder.path("missing/a.exr"), folder.path("folder"), folder.path("folder/"),
+        folder.path("file/a.exr"), folder.path("pipe"), folder.path(std::string(300, 'n'))}) {
+    INFO(path);
+    const auto checked = check_output_path(path);
+    REQUIRE(!checked);
+    CHECK(checked.error().code == ExitCode::file_or_device);
+    CHECK(checked.error().message.find(path) != std::string::npos);
+    CHECK(checked.error().message.find("; ") != std::string::npos);
+  }
+  CHECK(folder.entries() == Names{"file", "folder", "pipe"});
+}
+
+TEST_CASE("A folder without permission to write is refused before the bake") {
+  if (::geteuid() == 0) {
+    WARN("skipped: root may write everywhere");
+    return;
+  }
+  const TemporaryFolder folder;
+  REQUIRE(::mkdir(folder.path("locked").c_str(), 0555) == 0);
+  CHECK(!check_output_path(folder.path("locked/a.exr")).has_value());
+}
+
+TEST_CASE("A path that can be written is accepted and stays untouched") {
+  const TemporaryFolder folder;
+  CHECK(check_output_path(folder.path("a.exr")).has_value());
+  CHECK(folder.entries().empty());
+  write_bytes(folder.path("b.exr"), "old");
+  CHECK(check_output_path(folder.path("b.exr")).has_value());
+  CHECK(read_bytes(folder.path("b.exr")) == "old");
+}
+
+TEST_CASE("An asset that contradicts itself is not written") {
+  const TemporaryFolder folder;
+  const std::string path = folder.path("a.exr");
+  std::vector<Asset> wrong(6, sparse_asset(1));
+  wrong[0].grid.index.pop_back();
+  wrong[1].maps[3].samples.pop_back();
+  wrong[2].maps[3].plane = 10;
+  wrong[3].metadata.options = "[1]";
+  wrong[4].triangles.pop_back();
+  wrong[5].maps[3].mask.clear();
+  for (const Asset& asset : wrong) {
+    const auto written = write_asset(asset, path);
+    REQUIRE(!written);
+    CHECK(written.error().code == ExitCode::internal);
+  }
+  CHECK(folder.entries().empty());
+}
+
+TEST_CASE("write_file replaces a file whole") {
+  const TemporaryFolder folder;
+  REQUIRE(write_file(folder.path("a"), "one").has_value());
+  REQUIRE(write_file(folder.path("a"), "two").has_value());
+  CHECK(read_bytes(folder.path("a")) == "two");
+  CHECK(folder.entries() == Names{"a"});
+}

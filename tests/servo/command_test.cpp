@@ -1,0 +1,280 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <array>
+#include <catch2/catch.hpp>
+#include <csignal>
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+#include "servo/clock.hpp"
+#include "tests/servo/shape_asset.hpp"
+
+using nlohmann::json;
+using spm::test::TemporaryFolder;
+
+namespace {
+
+struct Outcome {
+  int code = -1;
+  std::string out, err;
+};
+
+std::string content(const std::string& path) {
+  std::ifstream file(path, std::ios::binary);
+  std::ostringstream text;
+  text << file.rdbuf();
+  return text.str();
+}
+
+/// A started spm-servo, its outputs in files.
+class Program {
+ public:
+  Program(const TemporaryFolder& folder, std::vector<std::string> arguments)
+      : out_(folder.file("stdout")), err_(folder.file("stderr")) {
+    arguments.insert(arguments.begin(), SPM_SERVO_PROGRAM);
+    std::vector<char*> argv;
+    for (std::string& argument : arguments) argv.push_back(argument.data());
+    argv.push_back(nullptr);
+    child_ = fork();
+    if (child_ == 0) {
+      if (std::freopen(out_.c_str(), "w", stdout) == nullptr) _exit(127);
+      if (std::freopen(err_.c_str(), "w", stderr) == nullptr) _exit(127);
+      execv(argv[0], argv.data());
+      _exit(127);
+    }
+  }
+
+  void signal(int number) const { kill(child_, number); }
+
+  [[nodiscard]] Outcome wait() const {
+    int status = 0;
+    waitpid(child_, &status, 0);
+    return {WIFEXITED(status) ? WEXITSTATUS(status) : 128, content(out_), content(err_)};
+  }
+
+ private:
+  std::string out_, err_;
+  pid_t child_ = -1;
+};
+
+Outcome servo(const TemporaryFolder& folder, std::vector<std::string> arguments) {
+  return Program(folder, std::move(arguments)).wait();
+}
+
+std::vector<std::string> words(const std::string& line) {
+  std::istringstream stream(line);
+  std::vector<std::string> list;
+  for (std::string word; stream >> word;) list.push_back(word);
+  return list;
+}
+
+/// A folder with an asset of either form, and a trajectory over the box's top.
+struct Workshop {
+  TemporaryFolder folder;
+  std::string full = folder.file("full.spm.exr");
+  std::string sparse = folder.file("sparse.spm.exr");
+  std::string slide = folder.file("slide.txt");
+  std::string out = folder.file("out.csv");
+
+  Workshop() {
+    spm::test::write(spm::test::box_asset(0.04), full);
+    spm::test::write(spm::test::shape_asset(spm::test::box({0.04, 0.04, 0.04})), sparse);
+    std::ofstream file(slide);
+    for (int i = 0; i < 500; ++i) file << i * 1e-5 << " 0 " << 0.0195 << '\n';
+  }
+};
+
+void require_one_sentence(const std::string& err) {
+  REQUIRE(err.starts_with("error: "));
+  REQUIRE(err.find('\n') == err.size() - 1);
+}
+
+}  // namespace
+
+TEST_CASE("A run reports everything that the contract names, and nothing else on stdout") {
+  const Workshop shop;
+  const Outcome run =
+      servo(shop.folder, {"run", "--asset", shop.sparse, "--duration", "1.5", "--json"});
+  REQUIRE(run.code == 0);
+  const json report = json::parse(run.out);
+  REQUIRE(report["ticks"].get<int>() + report["skipped"].get<int>() >= 1500);
+  REQUIRE(report["contact_ticks"].get<double>() >= 0.6 * report["ticks"].get<double>());
+  REQUIRE(report["rate_hz"] == 1000);
+  for (const char* key : {"wake_us", "busy_us"}) {
+    REQUIRE(report[key]["p50"] <= report[key]["p99"]);
+    REQUIRE(report[key]["p99"] <= report[key]["p999"]);
+    REQUIRE(report[key]["p999"] <= report[key]["max"]);
+  }
+  for (const char* key : {"missed", "page_faults"}) REQUIRE(report[key].is_number_integer());
+  REQUIRE(report["realtime"].contains("policy"));
+  REQUIRE(report["realtime"].contains("priority"));
+  REQUIRE(report["realtime"]["memory_locked"].is_boolean());
+  REQUIRE(report["force_off"].is_array());
+  REQUIRE(report["force_n"]["max"].get<double>() > 0.1);
+  REQUIRE(report["force_n"]["cap_hits"] == 0);
+  REQUIRE(report["energy_j"]["generated_max"].is_number());
+  REQUIRE(report["devices"][0]["name"] == "sim");
+  REQUIRE(report["assets"][0]["form"] == "sparse");
+}
+
+TEST_CASE("A run traces one row a tick") {
+  const Workshop shop;
+  const Outcome run = servo(shop.folder, {"run", "--asset", shop.full, "--duration", "0.5",
+                                          "--trace", shop.out, "--json"});
+  REQUIRE(run.code == 0);
+  const std::string trace = content(shop.out);
+  const auto lines = std::count(trace.begin(), trace.end(), '\n');
+  REQUIRE(lines == json::parse(run.out)["ticks"].get<int>() + 1);
+  REQUIRE(trace.starts_with("t,x,y,z,fx,fy,fz,tx,ty,tz,depth,contact\n"));
+}
+
+TEST_CASE("Each stop signal ends a run with its report and exit code 0") {
+  const int number = GENERATE(SIGINT, SIGTERM, SIGHUP);
+  const Workshop shop;
+  const Program run(shop.folder, {"run", "--asset", shop.full, "--json"});
+  spm::servo::sleep_until(spm::servo::now_ns() + 600'000'000);
+  run.signal(number);
+  const Outcome outcome = run.wait();
+  REQUIRE(outcome.code == 0);
+  REQUIRE(json::parse(outcome.out)["force_off"].back()["cause"] == "stopping");
+}
+
+TEST_CASE("A file that is cut short under a run is named as asset_lost, and the run ends well") {
+  const Workshop shop;
+  const Program run(shop.folder, {"run", "--asset", shop.full, "--duration", "1.5", "--json"});
+  spm::servo::sleep_until(spm::servo::now_ns() + 700'000'000);
+  std::filesystem::resize_file(shop.full, 1000);
+  const Outcome outcome = run.wait();
+  REQUIRE(outcome.code == 0);
+  const json report = json::parse(outcome.out);
+  bool found = false;
+  for (const json& entry : report["force_off"]) found = found || entry["cause"] == "asset_lost";
+  REQUIRE(found);
+  REQUIRE(outcome.err.find("asset_lost") != std::string::npos);
+}
+
+TEST_CASE("A replay reports everything that the contract names and writes its table") {
+  const Workshop shop;
+  const Outcome replay = servo(shop.folder, {"replay", shop.slide, "--asset", shop.full, "--out",
+                                             shop.out, "--method", "paper", "--json"});
+  REQUIRE(replay.code == 0);
+  const json report = json::parse(replay.out);
+  REQUIRE(report["ticks"] == 500);
+  REQUIRE(report["contact_ticks"] == 500);
+  for (const char* key : {"mean", "sd", "p50", "p99", "p999", "max"}) {
+    REQUIRE(report["us_per_tick"][key].is_number());
+  }
+  for (const char* key : {"p50", "p99", "p999", "max"}) {
+    REQUIRE(report["force_step_n"][key].is_number());
+  }
+  REQUIRE(report["method"] == "paper");
+  REQUIRE(report["paper_rule"] == "closest-plane");
+  REQUIRE(report["asset"]["form"] == "full");
+  const std::string table = content(shop.out);
+  REQUIRE(std::count(table.begin(), table.end(), '\n') == 501);
+}
+
+TEST_CASE("Quiet commands say nothing, others a summary") {
+  const Workshop shop;
+  const std::vector<std::string> command{"replay",  shop.slide, "--asset",
+                                         shop.full, "--out",    shop.out};
+  REQUIRE(servo(shop.folder, command).out.find("500 ticks") != std::string::npos);
+  std::vector<std::string> quiet = command;
+  quiet.emplace_back("--quiet");
+  const Outcome outcome = servo(shop.folder, quiet);
+  REQUIRE(outcome.code == 0);
+  REQUIRE(outcome.out.empty());
+  REQUIRE(outcome.err.empty());
+}
+
+TEST_CASE("A wrong command ends with the contract's exit code and one sentence") {
+  const Workshop shop;
+  std::ofstream(shop.folder.file("bad.txt")) << "0 0 0\n0 0 zero\n";
+  std::ofstream(shop.folder.file("text.spm.exr")) << "no asset at all";
+  const std::string run = "run --duration 0.1 --asset ";
+  const std::string replay = "replay " + shop.slide + " --out " + shop.out + " --asset ";
+  const std::vector<std::pair<std::string, int>> cases{
+      {"", 1},
+      {"sing", 1},
+      {"run", 1},
+      {run + shop.full + " --rate 100", 1},
+      {run + shop.full + " --rate 5000", 1},
+      {run + shop.full + " --rate nan", 1},
+      {run + shop.full + " --rate 1kHz", 1},
+      {run + shop.full + " --duration nan", 1},
+      {run + shop.full + " --duration inf", 1},
+      {run + shop.full + " --duration 0", 1},
+      {run + shop.full + " --duration long", 1},
+      {run + shop.full + " --realtime maybe", 1},
+      {run + shop.full + " --map ram", 1},
+      {run + shop.full + " --device falcon", 1},
+      {run + shop.full + " --device sim:colour=red", 1},
+      {run + shop.full + " --device sim:depth=1", 1},
+      {run + shop.full + " --stiffness 1000", 1},
+      {run + shop.full + " --stiffness -1N/mm", 1},
+      {run + shop.full + " --method proxy", 1},
+      {run + shop.full + " --method paper --probe sphere:1mm", 1},
+      {run + shop.full + " --record a", 1},
+      {run + shop.full + " --scene a", 1},
+      {run + shop.full + " --device sim:path=" + shop.folder.file("none.txt"), 2},
+      {run + shop.full + " --device sim:path=" + shop.folder.file("bad.txt"), 3},
+      {run + shop.full + " --trace " + shop.folder.file("none/a.csv"), 2},
+      {run + shop.folder.file("none.spm.exr"), 2},
+      {run + shop.folder.path(), 2},
+      {run + shop.folder.file("text.spm.exr"), 3},
+      {run + shop.sparse + " --method paper", 3},
+      {run + shop.sparse + " --probe sphere:2mm", 3},
+      {replay + shop.full + " --method proxy", 1},
+      {replay + shop.full + " --method paper --probe sphere:0.1mm", 1},
+      {replay + shop.full + " --paper-rule best", 1},
+      {replay + shop.full + " --pace slow", 1},
+      {replay + shop.full + " --probe ball", 1},
+      {replay + shop.sparse + " --method paper", 3},
+      {replay + shop.sparse + " --probe sphere:2mm", 3},
+      {replay + shop.folder.file("none.spm.exr"), 2},
+      {replay + shop.folder.file("text.spm.exr"), 3},
+      {"replay " + shop.folder.file("none.txt") + " --out a.csv --asset " + shop.full, 2},
+      {"replay " + shop.folder.file("bad.txt") + " --out " + shop.out + " --asset " + shop.full, 3},
+      {"replay " + shop.slide + " --asset " + shop.full, 1},
+      {"replay " + shop.slide + " --out " + shop.folder.file("none/a.csv") + " --asset " +
+           shop.full,
+       2},
+      {"replay " + shop.slide + " --out " + shop.folder.path() + " --asset " + shop.full, 2},
+  };
+  for (const auto& [line, code] : cases) {
+    CAPTURE(line);
+    const Outcome outcome = servo(shop.folder, words(line));
+    CAPTURE(outcome.err);
+    REQUIRE(outcome.code == code);
+    REQUIRE(outcome.out.empty());
+    require_one_sentence(outcome.err);
+    REQUIRE_FALSE(std::filesystem::exists(shop.out));
+  }
+}
+
+TEST_CASE("Several devices run in one loop") {
+  const Workshop shop;
+  const Outcome run =
+      servo(shop.folder, {"run", "--asset", shop.full, "--duration", "0.3", "--device",
+                          "sim:profile=low", "--device", "sim:profile=falcon,seed=2", "--json"});
+  REQUIRE(run.code == 0);
+  const json report = json::parse(run.out);
+  REQUIRE(report["devices"].size() == 2);
+  REQUIRE(report["devices"][1]["profile"] == "falcon");
+}
+
+TEST_CASE("Help and version go to stdout with exit code 0") {
+  const Workshop shop;
+  for (const char* line : {"--help", "--version", "run --help", "replay --help", "run --version"}) {
+    CAPTURE(line);
+    const Outcome outcome = servo(shop.folder, words(line));
+    REQUIRE(outcome.code == 0);
+    REQUIRE_FALSE(outcome.out.empty());
+    REQUIRE(outcome.err.empty());
+  }
+}

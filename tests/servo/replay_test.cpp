@@ -1,0 +1,130 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "servo/replay.hpp"
+
+#include <catch2/catch.hpp>
+#include <fstream>
+
+#include "common/query.hpp"
+#include "servo/random.hpp"
+#include "tests/servo/shape_asset.hpp"
+
+using namespace spm;
+using namespace spm::servo;
+
+namespace {
+
+constexpr double half = 0.02;
+
+std::vector<TrajectorySample> random_trajectory(std::uint64_t seed, std::size_t rows) {
+  Random random(seed);
+  std::vector<TrajectorySample> trajectory(rows);
+  for (TrajectorySample& row : trajectory) {
+    for (int axis = 0; axis < 3; ++axis) {
+      row.position[axis] = random.between(-half - 2e-3, half + 2e-3);
+    }
+  }
+  return trajectory;
+}
+
+}  // namespace
+
+TEST_CASE("A replay answers every row with the force law: stiffness times depth") {
+  const Asset asset = test::box_asset(2 * half);
+  const AssetTables tables = tables_of(asset);
+  for (const Method method : {Method::spm, Method::paper}) {
+    for (const double stiffness : {0.0, 500.0, 3000.0}) {
+      ReplayOptions options;
+      options.force.method = method;
+      options.force.stiffness = stiffness;
+      const auto trajectory = random_trajectory(5, 3000);
+      const ReplayResult result = replay(tables.view(), trajectory, options);
+      REQUIRE(result.contacts.size() == trajectory.size());
+      REQUIRE(result.busy_ns.size() == trajectory.size());
+      std::uint64_t touching = 0;
+      for (std::size_t i = 0; i < trajectory.size(); ++i) {
+        const ContactForce& contact = result.contacts[i];
+        touching += contact.contact ? 1 : 0;
+        REQUIRE(contact.force.norm() == Approx(stiffness * contact.depth).epsilon(1e-9));
+        const ContactForce again =
+            contact_force(tables.view(), options.force, trajectory[i].position);
+        REQUIRE(contact.force == again.force);
+      }
+      REQUIRE(touching > 1000);
+      REQUIRE(contact_ticks(result) == touching);
+    }
+  }
+}
+
+TEST_CASE("The depth is that below the nearest face of a box") {
+  const Asset asset = test::box_asset(2 * half);
+  const AssetTables tables = tables_of(asset);
+  std::vector<TrajectorySample> trajectory(3);
+  trajectory[0].position = {half - 0.5e-3, 0.003, 0.001};
+  trajectory[1].position = {0, -(half - 1.5e-3), 0.002};
+  trajectory[2].position = {0, 0, half + 1e-4};
+  for (const Method method : {Method::spm, Method::paper}) {
+    ReplayOptions options;
+    options.force.method = method;
+    const auto contacts = replay(tables.view(), trajectory, options).contacts;
+    REQUIRE(contacts[0].depth == Approx(0.5e-3).epsilon(1e-3));
+    REQUIRE(contacts[0].force.x() == Approx(0.5).epsilon(1e-3));
+    REQUIRE(contacts[1].depth == Approx(1.5e-3).epsilon(1e-3));
+    REQUIRE(contacts[1].force.y() == Approx(-1.5).epsilon(1e-3));
+    REQUIRE_FALSE(contacts[2].contact);
+    REQUIRE(contacts[2].force == Vector3::Zero());
+  }
+}
+
+TEST_CASE("Force steps are the differences of consecutive forces") {
+  ReplayResult result;
+  for (const double force : {0.0, 1.0, 1.0, -2.0}) {
+    ContactForce contact;
+    contact.force.x() = force;
+    result.contacts.push_back(contact);
+  }
+  const Summary steps = force_steps(result);
+  REQUIRE(steps.max == 3.0);
+  REQUIRE(steps.p50 == 1.0);
+  REQUIRE(steps.mean == Approx(4.0 / 3));
+}
+
+TEST_CASE("A replay of nothing has no rows and no times") {
+  const Asset asset = test::box_asset(2 * half);
+  const AssetTables tables = tables_of(asset);
+  const ReplayResult result = replay(tables.view(), {}, {});
+  REQUIRE(contact_ticks(result) == 0);
+  REQUIRE(us_per_tick(result).max == 0);
+  REQUIRE(force_steps(result).max == 0);
+}
+
+TEST_CASE("In real time each row is answered too, with the same forces") {
+  const Asset asset = test::box_asset(2 * half);
+  const AssetTables tables = tables_of(asset);
+  const auto trajectory = random_trajectory(6, 100);
+  ReplayOptions options;
+  const ReplayResult fast = replay(tables.view(), trajectory, options);
+  options.pace = Pace::realtime;
+  options.rate_hz = 4000;
+  const ReplayResult paced = replay(tables.view(), trajectory, options);
+  for (std::size_t i = 0; i < trajectory.size(); ++i) {
+    REQUIRE(paced.contacts[i].force == fast.contacts[i].force);
+  }
+}
+
+TEST_CASE("The table of a replay has one row a tick") {
+  const test::TemporaryFolder folder;
+  const Asset asset = test::box_asset(2 * half);
+  const AssetTables tables = tables_of(asset);
+  const auto trajectory = random_trajectory(7, 777);
+  const ReplayResult result = replay(tables.view(), trajectory, {});
+  REQUIRE(write_replay(folder.file("out.csv"), trajectory, result, 2000));
+  std::ifstream file(folder.file("out.csv"));
+  std::string line, last;
+  std::size_t lines = 0;
+  while (std::getline(file, line)) {
+    ++lines;
+    last = line;
+  }
+  REQUIRE(lines == 778);
+  REQUIRE(last.substr(0, 6) == "0.388,");
+}

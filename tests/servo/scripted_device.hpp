@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <functional>
+#include <vector>
+
+#include "servo/device.hpp"
+
+namespace spm::test {
+
+/// A device whose answers a test writes, and which keeps every wrench that it was sent.
+class ScriptedDevice final : public servo::Device {
+ public:
+  /// What the device says in its nth read; `health` is ok unless set.
+  using Script =
+      std::function<void(std::size_t read, servo::DeviceState& state, servo::DeviceHealth& health)>;
+
+  explicit ScriptedDevice(Script script, double force_cap = 10);
+
+  [[nodiscard]] Result<void> open(const servo::DeviceSetup&) override { return {}; }
+  [[nodiscard]] const servo::DeviceCapabilities& capabilities() const noexcept override {
+    return capabilities_;
+  }
+  [[nodiscard]] servo::DeviceHealth read(servo::DeviceState& state) noexcept override;
+  [[nodiscard]] servo::DeviceHealth write(const servo::Wrench& wrench) noexcept override;
+  [[nodiscard]] nlohmann::ordered_json describe() const override;
+
+  [[nodiscard]] const std::vector<Vector3>& forces() const { return forces_; }
+
+ private:
+  Script script_;
+  servo::DeviceCapabilities capabilities_;
+  std::size_t reads_ = 0;
+  std::vector<Vector3> forces_;
+};
+
+}  // namespace spm::test
