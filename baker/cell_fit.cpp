@@ -47,7 +47,8 @@ struct CellFitter::Sample {
 /// What one map says of a sample; its normal is worked out only where it is asked for.
 struct CellFitter::Reply {
   bool valid = false;
-  double distance = std::numeric_limits<double>::infinity();
+  double distance = 0;
+  double rank = std::numeric_limits<double>::infinity();
   std::uint32_t candidate = 0;
   MapCell cell;
 };
@@ -200,9 +201,9 @@ CellFitter::Reply CellFitter::ask(std::uint32_t candidate, const Sample& sample)
   const DistanceMap& map = asset_.maps[candidate & 0xFFFFFFU];
   const std::uint32_t layer = candidate >> 24U;
   const MapFoot foot = closest_on_map(map, layer, asset_.planes[map.plane], sample.point);
-  if (!foot.valid || !std::isfinite(foot.distance)) return {};
+  if (!std::isfinite(foot.rank)) return {};
   const double side = ((map.first_layer + layer) & 1U) == 0 ? 1 : -1;
-  return {true, side * foot.distance, candidate, foot.cell};
+  return {foot.valid, side * foot.distance, foot.rank, candidate, foot.cell};
 }
 
 Vector3 CellFitter::normal_of(const Reply& reply) const {
@@ -240,20 +241,20 @@ bool CellFitter::covers(std::uint32_t candidate, const Vector3& foot) const {
          std::abs(height_at(map, layer, cell).value - place.depth) <= covering_slope * tolerance_;
 }
 
-/// The closest valid reply of the chosen maps, which is what the servo takes.
+/// The reply of least rank of the chosen maps, which is what the servo takes.
 CellFitter::Reply CellFitter::answer(const std::vector<std::uint32_t>& chosen,
                                      const Sample& sample) const {
   Reply best;
   for (const std::uint32_t candidate : chosen) {
     const Reply reply = ask(candidate, sample);
-    if (reply.valid && std::abs(reply.distance) < std::abs(best.distance)) best = reply;
+    if (reply.rank < best.rank) best = reply;
   }
   return best;
 }
 
 bool CellFitter::holds(const std::vector<std::uint32_t>& chosen, const Sample& sample) const {
   const Reply best = answer(chosen, sample);
-  return best.valid && agrees(best, sample);
+  return std::isfinite(best.rank) && agrees(best, sample);
 }
 
 bool CellFitter::holds_at(const std::vector<std::uint32_t>& chosen, const Probe& probe) const {

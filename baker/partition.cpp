@@ -26,6 +26,8 @@ constexpr double most_cells = 1 << 26;
 constexpr std::size_t trials_per_record = 100;
 /// Each pass has trial points of its own, so that a leaf mended in one is tried anew in the next.
 constexpr std::uint64_t repair_passes = 2;
+/// How close to the surface gaps between maps are looked for, in tolerances.
+constexpr double nearby_tolerances = 4;
 constexpr int repair_rounds = 2;
 /// Failing points of a leaf that are kept for choosing anew.
 constexpr std::size_t most_failures = 16;
@@ -229,8 +231,10 @@ PartitionCounts partition_space(Asset& asset, const Caster& caster, double toler
     records += count_records(cells[i]);
     counter.done();
   });
+  const double nearby = nearby_tolerances * tolerance;
   for (std::uint64_t pass = 0; pass < repair_passes; ++pass) {
-    repair(fitter, caster, Trials(caster, band, records * trials_per_record, seed + pass), cells);
+    const Trials trials(tables.view(), caster, records * trials_per_record, nearby, seed + pass);
+    repair(fitter, caster, trials, cells);
   }
   RecordWriter writer(asset, caster);
   grid.index.resize(count);

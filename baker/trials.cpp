@@ -7,17 +7,72 @@
 
 namespace spm::baker {
 
-Trials::Trials(const Caster& caster, const Band& band, std::uint64_t count, std::uint64_t seed)
-    : caster_(caster), band_(band), count_(count), seed_(seed) {
+namespace {
+
+constexpr std::uint64_t points_per_border_cell = 6;
+constexpr std::uint64_t border_stream = 0xB0DE;
+
+}  // namespace
+
+Trials::Trials(const AssetView& asset, const Caster& caster, std::uint64_t uniform, double nearby,
+               std::uint64_t seed)
+    : asset_(asset), caster_(caster), uniform_(uniform), nearby_(nearby), seed_(seed) {
   double sum = 0;
   for (std::uint32_t i = 0; i < caster.surface_count(); ++i) {
     const Vector3& a = caster.corner(i, 0);
     sum += (caster.corner(i, 1) - a).cross(caster.corner(i, 2) - a).norm();
     areas_.push_back(sum);
   }
+  if (!asset.full) collect_borders();
 }
 
+/// Valid cells beside one that is not, and those beside a valid one.
+bool Trials::at_border(const DistanceMap& map, std::uint32_t column, std::uint32_t row) const {
+  bool some_valid = false;
+  bool some_not = column == 0 || row == 0;
+  for (std::uint32_t j = row == 0 ? 0 : row - 1; j <= row + 1; ++j) {
+    for (std::uint32_t i = column == 0 ? 0 : column - 1; i <= column + 1; ++i) {
+      const bool valid = i + 1 < map.columns && j + 1 < map.rows && map.cell_valid(0, i, j);
+      some_valid |= valid;
+      some_not |= !valid;
+    }
+  }
+  return some_valid && some_not;
+}
+
+void Trials::collect_borders() {
+  for (std::uint32_t which = 0; which < asset_.maps.size(); ++which) {
+    const DistanceMap& map = asset_.maps[which];
+    for (std::uint32_t row = 0; row + 1 < map.rows; ++row) {
+      for (std::uint32_t column = 0; column + 1 < map.columns; ++column) {
+        if (at_border(map, column, row)) borders_.push_back({which, column, row});
+      }
+    }
+  }
+}
+
+std::uint64_t Trials::count() const { return uniform_ + borders_.size() * points_per_border_cell; }
+
 Probe Trials::probe(std::uint64_t index) const {
+  return index < uniform_ ? anywhere(index) : about_border(index - uniform_);
+}
+
+Probe Trials::about_border(std::uint64_t index) const {
+  const BorderCell& border = borders_[index / points_per_border_cell];
+  const DistanceMap& map = asset_.maps[border.map];
+  const std::uint64_t stream = seed_ ^ border_stream;
+  const MapCell cell{border.column, border.row, random_unit(stream, 3 * index),
+                     random_unit(stream, 3 * index + 1), true};
+  const Vector3 on_map = reconstructed_surface(
+      asset_.planes[map.plane], map.eta0 + (border.column + cell.fx) * map.spacing,
+      map.omega0 + (border.row + cell.fy) * map.spacing, height_at(map, 0, cell).value);
+  const ClosestPoint surface = caster_.closest(on_map);
+  const Vector3& normal = caster_.normal(surface.triangle);
+  const double height = nearby_ * (2 * random_unit(stream, 3 * index + 2) - 1);
+  return {surface.foot + height * normal, normal, height};
+}
+
+Probe Trials::anywhere(std::uint64_t index) const {
   const double share = random_unit(seed_, 4 * index) * areas_.back();
   const auto place = std::upper_bound(areas_.begin(), areas_.end(), share) - areas_.begin();
   const auto triangle =
@@ -28,8 +83,8 @@ Probe Trials::probe(std::uint64_t index) const {
     x = 1 - x;
     y = 1 - y;
   }
-  const double height =
-      -band_.max_depth + (band_.max_depth + band_.margin) * random_unit(seed_, 4 * index + 3);
+  const double height = -asset_.band.max_depth + (asset_.band.max_depth + asset_.band.margin) *
+                                                     random_unit(seed_, 4 * index + 3);
   const Vector3& a = caster_.corner(triangle, 0);
   const Vector3 foot =
       a + x * (caster_.corner(triangle, 1) - a) + y * (caster_.corner(triangle, 2) - a);

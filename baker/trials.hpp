@@ -10,21 +10,35 @@
 
 namespace spm::baker {
 
-/// Points at which a partition is tried: uniform over the surface by area, at depths uniform over
-/// the band, as a user's hand may be anywhere.
+/// Points at which a partition is tried: where a user's hand may be, uniform over the surface by
+/// area and at depths uniform over the band; and, of a `sparse` asset, close to the surface about
+/// the borders of the maps' valid cells, where gaps would be.
 class Trials {
  public:
-  Trials(const Caster& caster, const Band& band, std::uint64_t count, std::uint64_t seed);
+  /// `uniform`: how many points of the first kind; `nearby`: how close the others keep, m.
+  Trials(const AssetView& asset, const Caster& caster, std::uint64_t uniform, double nearby,
+         std::uint64_t seed);
 
-  [[nodiscard]] std::uint64_t count() const { return count_; }
+  [[nodiscard]] std::uint64_t count() const;
   [[nodiscard]] Probe probe(std::uint64_t index) const;
 
  private:
+  struct BorderCell {
+    std::uint32_t map, column, row;
+  };
+  void collect_borders();
+  [[nodiscard]] bool at_border(const DistanceMap& map, std::uint32_t column,
+                               std::uint32_t row) const;
+  [[nodiscard]] Probe anywhere(std::uint64_t index) const;
+  [[nodiscard]] Probe about_border(std::uint64_t index) const;
+
+  const AssetView& asset_;
   const Caster& caster_;
-  Band band_;
-  std::uint64_t count_;
+  std::uint64_t uniform_;
+  double nearby_;
   std::uint64_t seed_;
   std::vector<double> areas_;  ///< running sums, twice the triangles' areas
+  std::vector<BorderCell> borders_;
 };
 
 }  // namespace spm::baker

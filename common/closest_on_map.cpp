@@ -11,6 +11,11 @@ namespace {
 /// gap.
 constexpr double border_slack = 0.03;
 
+/// Masked cells steeper than this join two sheets of surface.
+constexpr double silhouette_slope = 1.5;
+/// Added to a rank, m: farther than any surface.
+constexpr double last_rank = 1e6;
+
 /// A step shorter than this share of the spacing changes nothing that the samples resolve.
 constexpr double settled_share = 1e-3;
 
@@ -104,6 +109,11 @@ MapFoot closest_on_map(const DistanceMap& map, std::uint32_t layer, const Suppor
   const double below = d_depth - height.d_eta * d_eta - height.d_omega * d_omega;
   foot.distance = below > 0 ? -length : length;
   foot.valid = valid_nearby(map, layer, cell);
+  foot.rank = length;
+  if (!foot.valid) {
+    const bool steep = std::abs(height.d_eta) + std::abs(height.d_omega) > silhouette_slope;
+    foot.rank += steep ? last_rank : map.spacing / 2;
+  }
   return foot;
 }
 

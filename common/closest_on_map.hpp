@@ -12,6 +12,7 @@ struct MapFoot {
   bool valid = false;   ///< the foot lies in a cell that the mask allows, so it is a surface point
   double distance = 0;  ///< signed, m: negative on the far side of the surface from the plane; not
                         ///< finite where the foot's cell has a sample without hit
+  double rank = 0;      ///< of several feet the one with the least rank answers; see closest_on_map
   MapCell cell;         ///< where the foot is
 };
 

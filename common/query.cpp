@@ -51,13 +51,13 @@ Record record_at(const Grid& grid, std::uint32_t offset) noexcept {
           grid.records.subspan(offset + 1 + maps, triangles)};
 }
 
-/// The closest of a record's maps: a valid foot beats any that is not, then the smaller distance.
+/// The foot of least rank among a record's maps.
 Answer closest_of_maps(const AssetView& asset, std::span<const std::uint32_t> candidates,
                        const Vector3& point) noexcept {
   const DistanceMap* map = nullptr;
   std::uint32_t layer = 0;
   MapFoot best;
-  best.distance = infinity;
+  best.rank = infinity;
   for (const std::uint32_t candidate : candidates) {
     const std::uint32_t which = candidate & 0xFFFFFFU;
     const std::uint32_t candidate_layer = candidate >> 24U;
@@ -65,8 +65,7 @@ Answer closest_of_maps(const AssetView& asset, std::span<const std::uint32_t> ca
     const DistanceMap& candidate_map = asset.maps[which];
     const MapFoot foot =
         closest_on_map(candidate_map, candidate_layer, asset.planes[candidate_map.plane], point);
-    if (!std::isfinite(foot.distance) || (best.valid && !foot.valid)) continue;
-    if (foot.valid == best.valid && std::abs(foot.distance) >= std::abs(best.distance)) continue;
+    if (!(foot.rank < best.rank)) continue;
     best = foot;
     map = &candidate_map;
     layer = candidate_layer;
