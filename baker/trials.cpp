@@ -12,6 +12,10 @@ namespace {
 constexpr std::uint64_t points_per_border_cell = 6;
 constexpr std::uint64_t border_stream = 0xB0DE;
 
+double height_in(const Band& band, double share) {
+  return -band.max_depth + (band.max_depth + band.margin) * share;
+}
+
 }  // namespace
 
 Trials::Trials(const AssetView& asset, const Caster& caster, std::uint64_t uniform, double nearby,
@@ -68,7 +72,8 @@ Probe Trials::about_border(std::uint64_t index) const {
       map.omega0 + (border.row + cell.fy) * map.spacing, height_at(map, 0, cell).value);
   const ClosestPoint surface = caster_.closest(on_map);
   const Vector3& normal = caster_.normal(surface.triangle);
-  const double height = nearby_ * (2 * random_unit(stream, 3 * index + 2) - 1);
+  const double share = random_unit(stream, 3 * index + 2);
+  const double height = index % 2 == 0 ? nearby_ * (2 * share - 1) : height_in(asset_.band, share);
   return {surface.foot + height * normal, normal, height};
 }
 

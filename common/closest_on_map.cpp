@@ -13,6 +13,8 @@ constexpr double border_slack = 0.03;
 
 /// Masked cells steeper than this join two sheets of surface.
 constexpr double silhouette_slope = 1.5;
+/// Share of the spacing that a masked foot must be closer by than every valid one.
+constexpr double masked_share = 0.1;
 /// Added to a rank, m: farther than any surface.
 constexpr double last_rank = 1e6;
 
@@ -112,7 +114,7 @@ MapFoot closest_on_map(const DistanceMap& map, std::uint32_t layer, const Suppor
   foot.rank = length;
   if (!foot.valid) {
     const bool steep = std::abs(height.d_eta) + std::abs(height.d_omega) > silhouette_slope;
-    foot.rank += steep ? last_rank : map.spacing / 2;
+    foot.rank += steep ? last_rank : masked_share * map.spacing;
   }
   return foot;
 }
