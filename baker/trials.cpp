@@ -88,8 +88,7 @@ Probe Trials::anywhere(std::uint64_t index) const {
     x = 1 - x;
     y = 1 - y;
   }
-  const double height = -asset_.band.max_depth + (asset_.band.max_depth + asset_.band.margin) *
-                                                     random_unit(seed_, 4 * index + 3);
+  const double height = height_in(asset_.band, random_unit(seed_, 4 * index + 3));
   const Vector3& a = caster_.corner(triangle, 0);
   const Vector3 foot =
       a + x * (caster_.corner(triangle, 1) - a) + y * (caster_.corner(triangle, 2) - a);
