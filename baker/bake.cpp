@@ -22,6 +22,8 @@ namespace {
 constexpr std::size_t sparse_directions = 64;
 /// Share of the diagonal that stands for a tolerance where none was asked for.
 constexpr double default_tolerance_share = 1e-3;
+/// Height samples, over all planes and before layers, that a `full` asset may have: 2 GB of floats.
+constexpr double most_samples = 5e8;
 /// What the partition of a `full` asset, which promises nothing, aims at.
 constexpr double full_aim_share = 5e-4;
 
@@ -114,6 +116,16 @@ CastCounts make_maps(Asset& asset, const Caster& caster, const Hull& hull,
   CastCounts counts;
   if (options.form == AssetForm::full) {
     SupportPlaneSet set = make_support_planes(hull, options.kind, options.planes);
+    const double samples =
+        static_cast<double>(set.planes.size()) * options.resolution * options.resolution;
+    if (samples > most_samples) {
+      throw BakeError(ExitCode::usage,
+                      std::to_string(set.planes.size()) + " planes of " +
+                          std::to_string(options.resolution) + " x " +
+                          std::to_string(options.resolution) +
+                          " samples are more than 500 million; ask for fewer --planes or a smaller "
+                          "--resolution");
+    }
     asset.planes = std::move(set.planes);
     asset.metadata.kind = set.kind == PlaneKind::vertex ? "vertex" : "face";
     asset.maps = cast_full_maps(caster, asset.planes, options, progress, counts);

@@ -158,31 +158,31 @@ void configure_messages(const GlobalOptions& options) {
   messages_configured = true;
 }
 
+namespace {
+
+template <class Target>
+auto quantity_into(Target& target, Quantity quantity) {
+  return [&target, quantity](const std::string& text) -> Result<void> {
+    const Result<double> value = parse_quantity(text, quantity);
+    if (!value) return tl::make_unexpected(value.error());
+    target = *value;
+    return {};
+  };
+}
+
+}  // namespace
+
 CLI::Option* add_quantity(CLI::App& command, const std::string& name, double& target,
                           Quantity quantity, const std::string& description) {
-  return add_parsed(
-      command, name,
-      [&target, quantity](const std::string& text) -> Result<void> {
-        const Result<double> value = parse_quantity(text, quantity);
-        if (!value) return tl::make_unexpected(value.error());
-        target = *value;
-        return {};
-      },
-      fmt::format("{} (default {})", description, format_quantity(target, quantity)),
-      type_name(quantity));
+  return add_parsed(command, name, quantity_into(target, quantity),
+                    fmt::format("{} (default {})", description, format_quantity(target, quantity)),
+                    type_name(quantity));
 }
 
 CLI::Option* add_quantity(CLI::App& command, const std::string& name, std::optional<double>& target,
                           Quantity quantity, const std::string& description) {
-  return add_parsed(
-      command, name,
-      [&target, quantity](const std::string& text) -> Result<void> {
-        const Result<double> value = parse_quantity(text, quantity);
-        if (!value) return tl::make_unexpected(value.error());
-        target = *value;
-        return {};
-      },
-      description, type_name(quantity));
+  return add_parsed(command, name, quantity_into(target, quantity), description,
+                    type_name(quantity));
 }
 
 CLI::Option* add_probe(CLI::App& command, double& radius) {

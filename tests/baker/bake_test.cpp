@@ -161,6 +161,10 @@ TEST_CASE("Options that cannot be met are refused as usage errors") {
   CHECK(code(options) == ExitCode::usage);
   options = full(6, 1);
   CHECK(code(options) == ExitCode::usage);
+  options = full(6, 4097);
+  options.kind = PlaneKind::vertex;
+  options.planes = 1000;
+  CHECK(code(options) == ExitCode::usage);
   options = full(6);
   options.layers = Layers::limited;
   CHECK(code(options) == ExitCode::usage);
