@@ -10,6 +10,8 @@ namespace spm::baker {
 namespace {
 
 constexpr std::uint64_t points_per_border_cell = 6;
+/// Of a `full` asset's many cells a random part will do.
+constexpr std::uint64_t most_cells_looked_at = 1'000'000;
 constexpr std::uint64_t border_stream = 0xB0DE;
 
 double height_in(const Band& band, double share) {
@@ -27,16 +29,17 @@ Trials::Trials(const AssetView& asset, const Caster& caster, std::uint64_t unifo
     sum += (caster.corner(i, 1) - a).cross(caster.corner(i, 2) - a).norm();
     areas_.push_back(sum);
   }
-  if (!asset.full) collect_borders();
+  collect_borders();
 }
 
 /// Valid cells beside one that is not, and those beside a valid one.
-bool Trials::at_border(const DistanceMap& map, std::uint32_t column, std::uint32_t row) const {
+bool Trials::at_border(const DistanceMap& map, std::uint32_t layer, std::uint32_t column,
+                       std::uint32_t row) const {
   bool some_valid = false;
   bool some_not = column == 0 || row == 0;
   for (std::uint32_t j = row == 0 ? 0 : row - 1; j <= row + 1; ++j) {
     for (std::uint32_t i = column == 0 ? 0 : column - 1; i <= column + 1; ++i) {
-      const bool valid = i + 1 < map.columns && j + 1 < map.rows && map.cell_valid(0, i, j);
+      const bool valid = i + 1 < map.columns && j + 1 < map.rows && map.cell_valid(layer, i, j);
       some_valid |= valid;
       some_not |= !valid;
     }
@@ -45,11 +48,19 @@ bool Trials::at_border(const DistanceMap& map, std::uint32_t column, std::uint32
 }
 
 void Trials::collect_borders() {
+  std::uint64_t cells = 0;
+  for (const DistanceMap& map : asset_.maps)
+    cells += std::uint64_t{map.layers} * map.cells_per_layer();
+  const std::uint64_t stride = cells / most_cells_looked_at + 1;
+  std::uint64_t number = 0;
   for (std::uint32_t which = 0; which < asset_.maps.size(); ++which) {
     const DistanceMap& map = asset_.maps[which];
-    for (std::uint32_t row = 0; row + 1 < map.rows; ++row) {
-      for (std::uint32_t column = 0; column + 1 < map.columns; ++column) {
-        if (at_border(map, column, row)) borders_.push_back({which, column, row});
+    for (std::uint32_t layer = 0; layer < map.layers; ++layer) {
+      for (std::uint32_t row = 0; row + 1 < map.rows; ++row) {
+        for (std::uint32_t column = 0; column + 1 < map.columns; ++column, ++number) {
+          if (stride > 1 && random_bits(seed_, number) % stride != 0) continue;
+          if (at_border(map, layer, column, row)) borders_.push_back({which, layer, column, row});
+        }
       }
     }
   }
@@ -69,7 +80,9 @@ Probe Trials::about_border(std::uint64_t index) const {
                      random_unit(stream, 3 * index + 1), true};
   const Vector3 on_map = reconstructed_surface(
       asset_.planes[map.plane], map.eta0 + (border.column + cell.fx) * map.spacing,
-      map.omega0 + (border.row + cell.fy) * map.spacing, height_at(map, 0, cell).value);
+      map.omega0 + (border.row + cell.fy) * map.spacing, height_at(map, border.layer, cell).value);
+  // Beside a silhouette there may be no height to start from.
+  if (!on_map.allFinite()) return anywhere(index);
   const ClosestPoint surface = caster_.closest(on_map);
   const Vector3& normal = caster_.normal(surface.triangle);
   const double share = random_unit(stream, 3 * index + 2);

@@ -24,10 +24,10 @@ class Trials {
 
  private:
   struct BorderCell {
-    std::uint32_t map, column, row;
+    std::uint32_t map, layer, column, row;
   };
   void collect_borders();
-  [[nodiscard]] bool at_border(const DistanceMap& map, std::uint32_t column,
+  [[nodiscard]] bool at_border(const DistanceMap& map, std::uint32_t layer, std::uint32_t column,
                                std::uint32_t row) const;
   [[nodiscard]] Probe anywhere(std::uint64_t index) const;
   [[nodiscard]] Probe about_border(std::uint64_t index) const;
