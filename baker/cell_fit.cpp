@@ -97,7 +97,7 @@ void CellFitter::list_layer(std::uint32_t which, std::uint32_t layer,
   }
   std::sort(bins.begin(), bins.end());
   bins.erase(std::unique(bins.begin(), bins.end()), bins.end());
-  const std::uint32_t word = which | layer << 24U;
+  const std::uint32_t word = pack_candidate({which, layer});
   for (const std::int64_t bin : bins)
     places.push_back(static_cast<std::uint64_t>(bin) << 32U | word);
 }
@@ -198,18 +198,18 @@ CellFitter::Sample CellFitter::sample_at(const Vector3& point) const {
 }
 
 CellFitter::Reply CellFitter::ask(std::uint32_t candidate, const Sample& sample) const {
-  const DistanceMap& map = asset_.maps[candidate & 0xFFFFFFU];
-  const std::uint32_t layer = candidate >> 24U;
+  const auto [which, layer] = unpack_candidate(candidate);
+  const DistanceMap& map = asset_.maps[which];
   const MapFoot foot = closest_on_map(map, layer, asset_.planes[map.plane], sample.point);
   if (!std::isfinite(foot.rank)) return {};
-  const double side = ((map.first_layer + layer) & 1U) == 0 ? 1 : -1;
+  const double side = side_of_crossing(map.first_layer + layer);
   return {foot.valid, side * foot.distance, foot.rank, candidate, foot.cell};
 }
 
 Vector3 CellFitter::normal_of(const Reply& reply) const {
-  const DistanceMap& map = asset_.maps[reply.candidate & 0xFFFFFFU];
-  const std::uint32_t layer = reply.candidate >> 24U;
-  const double side = ((map.first_layer + layer) & 1U) == 0 ? 1 : -1;
+  const auto [which, layer] = unpack_candidate(reply.candidate);
+  const DistanceMap& map = asset_.maps[which];
+  const double side = side_of_crossing(map.first_layer + layer);
   return side * normal_at(map, layer, asset_.planes[map.plane], reply.cell);
 }
 
@@ -231,8 +231,8 @@ bool CellFitter::agrees(const Reply& reply, const Sample& sample) const {
 
 /// True where a map has the surface at a point of it, within the tolerance along the map's rays.
 bool CellFitter::covers(std::uint32_t candidate, const Vector3& foot) const {
-  const DistanceMap& map = asset_.maps[candidate & 0xFFFFFFU];
-  const std::uint32_t layer = candidate >> 24U;
+  const auto [which, layer] = unpack_candidate(candidate);
+  const DistanceMap& map = asset_.maps[which];
   const PlaneCoordinates place = project_on_plane(asset_.planes[map.plane], foot);
   const MapCell cell = locate(map, place.eta, place.omega);
   const double beyond_eta = place.eta - map.eta0 - (cell.column + cell.fx) * map.spacing;

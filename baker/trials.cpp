@@ -18,6 +18,21 @@ double height_in(const Band& band, double share) {
   return -band.max_depth + (band.max_depth + band.margin) * share;
 }
 
+/// Valid cells beside one that is not, and those beside a valid one.
+bool at_border(const DistanceMap& map, std::uint32_t layer, std::uint32_t column,
+               std::uint32_t row) {
+  bool some_valid = false;
+  bool some_not = column == 0 || row == 0;
+  for (std::uint32_t j = row == 0 ? 0 : row - 1; j <= row + 1; ++j) {
+    for (std::uint32_t i = column == 0 ? 0 : column - 1; i <= column + 1; ++i) {
+      const bool valid = i + 1 < map.columns && j + 1 < map.rows && map.cell_valid(layer, i, j);
+      some_valid |= valid;
+      some_not |= !valid;
+    }
+  }
+  return some_valid && some_not;
+}
+
 }  // namespace
 
 Trials::Trials(const AssetView& asset, const Caster& caster, std::uint64_t uniform, double nearby,
@@ -32,25 +47,11 @@ Trials::Trials(const AssetView& asset, const Caster& caster, std::uint64_t unifo
   collect_borders();
 }
 
-/// Valid cells beside one that is not, and those beside a valid one.
-bool Trials::at_border(const DistanceMap& map, std::uint32_t layer, std::uint32_t column,
-                       std::uint32_t row) const {
-  bool some_valid = false;
-  bool some_not = column == 0 || row == 0;
-  for (std::uint32_t j = row == 0 ? 0 : row - 1; j <= row + 1; ++j) {
-    for (std::uint32_t i = column == 0 ? 0 : column - 1; i <= column + 1; ++i) {
-      const bool valid = i + 1 < map.columns && j + 1 < map.rows && map.cell_valid(layer, i, j);
-      some_valid |= valid;
-      some_not |= !valid;
-    }
-  }
-  return some_valid && some_not;
-}
-
 void Trials::collect_borders() {
   std::uint64_t cells = 0;
-  for (const DistanceMap& map : asset_.maps)
+  for (const DistanceMap& map : asset_.maps) {
     cells += std::uint64_t{map.layers} * map.cells_per_layer();
+  }
   const std::uint64_t stride = cells / most_cells_looked_at + 1;
   std::uint64_t number = 0;
   for (std::uint32_t which = 0; which < asset_.maps.size(); ++which) {

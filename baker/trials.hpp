@@ -11,11 +11,12 @@
 namespace spm::baker {
 
 /// Points at which a partition is tried: where a user's hand may be, uniform over the surface by
-/// area and at depths uniform over the band; and, of a `sparse` asset, close to the surface about
-/// the borders of the maps' valid cells, where gaps would be.
+/// area and at depths uniform over the band; and above and below the borders of the maps' valid
+/// cells, where gaps would be, every second one close to the surface.
 class Trials {
  public:
-  /// `uniform`: how many points of the first kind; `nearby`: how close the others keep, m.
+  /// `uniform`: how many points of the first kind; `nearby`: how close to the surface every second
+  /// one of the others keeps, m.
   Trials(const AssetView& asset, const Caster& caster, std::uint64_t uniform, double nearby,
          std::uint64_t seed);
 
@@ -27,8 +28,6 @@ class Trials {
     std::uint32_t map, layer, column, row;
   };
   void collect_borders();
-  [[nodiscard]] bool at_border(const DistanceMap& map, std::uint32_t layer, std::uint32_t column,
-                               std::uint32_t row) const;
   [[nodiscard]] Probe anywhere(std::uint64_t index) const;
   [[nodiscard]] Probe about_border(std::uint64_t index) const;
 

@@ -41,6 +41,26 @@ inline constexpr int split_levels = 1;
 /// Bits of an index word below its kind.
 inline constexpr std::uint32_t payload_mask = 0x3FFFFFFFU;
 
+/// A map candidate of a record, as its word names it.
+struct MapCandidate {
+  std::uint32_t map = 0;
+  std::uint32_t layer = 0;  ///< below 256
+};
+
+[[nodiscard]] constexpr MapCandidate unpack_candidate(std::uint32_t word) noexcept {
+  return {word & 0xFFFFFFU, word >> 24U};
+}
+
+[[nodiscard]] constexpr std::uint32_t pack_candidate(const MapCandidate& candidate) noexcept {
+  return candidate.map | candidate.layer << 24U;
+}
+
+/// What turns distance and normal on a map into those of the solid: 1 where the crossing (from 0)
+/// is an entry, -1 where it is an exit, which has the solid on the plane's side of the surface.
+[[nodiscard]] constexpr double side_of_crossing(std::uint32_t crossing) noexcept {
+  return (crossing & 1U) == 0 ? 1 : -1;
+}
+
 enum class CellKind : std::uint32_t {
   far = 0,     ///< wholly outside and beyond the margin
   deep = 1,    ///< wholly inside and below max_depth; payload: normal, octahedral, 15 bits an axis

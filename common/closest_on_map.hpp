@@ -23,6 +23,10 @@ inline constexpr int foot_steps = 3;
 /// tangent plane (eq. 7, 8) at the current foot, and the point projected on it, at most
 /// `foot_steps` times. Feet beyond the map's border are clamped to it: still points of the surface,
 /// so that their distance is never less than the true one.
+/// The rank is the size of the distance where the foot is valid. In a masked cell a tenth of a
+/// spacing is added, so that such a foot answers only where every valid one is clearly farther, as
+/// in a gap between valid cells; and where the cell is as steep as a silhouette, so much that it
+/// answers last.
 [[nodiscard]] MapFoot closest_on_map(const DistanceMap& map, std::uint32_t layer,
                                      const SupportPlane& plane, const Vector3& point) noexcept;
 

@@ -59,8 +59,7 @@ Answer closest_of_maps(const AssetView& asset, std::span<const std::uint32_t> ca
   MapFoot best;
   best.rank = infinity;
   for (const std::uint32_t candidate : candidates) {
-    const std::uint32_t which = candidate & 0xFFFFFFU;
-    const std::uint32_t candidate_layer = candidate >> 24U;
+    const auto [which, candidate_layer] = unpack_candidate(candidate);
     if (which >= asset.maps.size() || candidate_layer >= asset.maps[which].layers) continue;
     const DistanceMap& candidate_map = asset.maps[which];
     const MapFoot foot =
@@ -74,8 +73,7 @@ Answer closest_of_maps(const AssetView& asset, std::span<const std::uint32_t> ca
   const Vector3 normal = normal_at(*map, layer, asset.planes[map->plane], best.cell);
   if (!normal.allFinite()) return unanswered(Status::far);
   const std::uint32_t crossing = map->first_layer + layer;
-  // Odd crossings are exits: there the solid is on the plane's side of the surface.
-  const double side = (crossing & 1U) == 0 ? 1 : -1;
+  const double side = side_of_crossing(crossing);
   Answer answer;
   answer.distance = side * best.distance;
   answer.normal = side * normal;

@@ -30,8 +30,8 @@ std::string record_problem(const AssetView& asset, std::uint32_t offset, int spl
   if (std::size_t{maps} + triangles > records.size() - offset - 1) return "is cut short";
   const auto candidates = records.subspan(offset + 1);
   for (const std::uint32_t word : candidates.first(maps)) {
-    const std::uint32_t map = word & 0xFFFFFFU;
-    if (map >= asset.maps.size() || word >> 24U >= asset.maps[map].layers) {
+    const auto [map, layer] = unpack_candidate(word);
+    if (map >= asset.maps.size() || layer >= asset.maps[map].layers) {
       return "names a map or layer that does not exist";
     }
   }
