@@ -7,9 +7,11 @@
 
 #include <chrono>
 #include <filesystem>
+#include <numbers>
 #include <system_error>
 
 #include "baker/bake_error.hpp"
+#include "baker/reach.hpp"
 #include "common/units.hpp"
 #include "formats/sha256.hpp"
 
@@ -64,7 +66,7 @@ Json spm_json(const BakeResult& baked) {
   return {{"form", asset.metadata.form == AssetForm::full ? "full" : "sparse"},
           {"kind", asset.metadata.kind},
           {"planes", asset.planes.size()},
-          {"tiles", asset.maps.size()},
+          {"tiles", asset.maps.size() + asset.tiles.size()},
           {"samples", baked.report.samples},
           {"layers_max", asset.metadata.layers_max},
           {"cells", baked.report.record_cells}};
@@ -92,6 +94,20 @@ void judge(const BuildRequest& request, const AssetMetadata& metadata, const Ver
   report.warnings.push_back("the tolerance is not met: " + finding);
 }
 
+/// What smoothing did, and apart from the fit's error what it added.
+Json smooth_json(const std::optional<SmoothReport>& smooth) {
+  if (!smooth) return {{"kind", "none"}};
+  constexpr double micro = 1e6;
+  const SmoothOptions& options = smooth->options;
+  const bool crease = options.kind == Smoothing::crease;
+  Json json = {{"kind", crease ? "crease" : "gaussian"}};
+  if (crease) json["angle_deg"] = options.angle * 180 / std::numbers::pi;
+  json["sigma_um"] = options.sigma * micro;
+  json["error_um"] = {
+      {"rms", smooth->rms * micro}, {"p99", smooth->p99 * micro}, {"max", smooth->max * micro}};
+  return json;
+}
+
 double share(std::uint64_t part, std::uint64_t whole) {
   return whole > 0 ? static_cast<double>(part) / static_cast<double>(whole) : 0;
 }
@@ -112,6 +128,7 @@ VerifyReport check_asset(const Mesh& mesh, const BakeOptions& options, Asset& as
   VerifyReport check = verify_against(mesh, tables.view(), asset.metadata, verify);
   asset.metadata.tolerance_met = asset.metadata.tolerance && check.unanswered == 0 &&
                                  check.distance.max <= *asset.metadata.tolerance;
+  if (!asset.metadata.tolerance_met) asset.metadata.certified.reset();
   return check;
 }
 
@@ -140,6 +157,14 @@ BakeResult bake_named(const Mesh& mesh, const BakeOptions& options, const Progre
   }
 }
 
+/// Why a rule leaves places out, for a person.
+std::string reason_of(const std::string& rule) {
+  if (rule == name_of(PruneRule::workspace)) return "outside the device's workspace";
+  if (rule == name_of(PruneRule::probe)) return "where the probe does not fit";
+  if (rule == name_of(PruneRule::unreachable)) return "in hollows that no way leads into";
+  return rule;
+}
+
 struct Seconds {
   double load = 0, verify = 0, write = 0, total = 0;
 };
@@ -151,6 +176,9 @@ Json to_json(const BuildRequest& request, const Mesh& mesh, const BakeResult& ba
   json["output"] = request.output;
   json["mesh"] = mesh_json(mesh);
   json["spm"] = spm_json(baked);
+  json["proof"] = {{"refused_cells", baked.report.refused_tile_cells},
+                   {"open_pieces", baked.report.open_pieces},
+                   {"exact_cells", baked.report.exact_cells}};
   json["fallback"] = {{"cells", share(baked.report.fallback_cells, baked.report.record_cells)},
                       {"answers", check.fallback_answers},
                       {"bytes", share(written.bytes.triangles, written.bytes.total)}};
@@ -159,8 +187,12 @@ Json to_json(const BuildRequest& request, const Mesh& mesh, const BakeResult& ba
   json["tolerance_um"] = metadata.tolerance ? Json(*metadata.tolerance * 1e6) : Json();
   json["tolerance_met"] = metadata.tolerance_met;
   json["error_um"] = error_json(check);
+  json["smooth"] = smooth_json(baked.report.smooth);
   json["unanswered"] = check.unanswered;
   json["pruned"] = Json::array();
+  for (const Pruned& pruned : baked.report.pruned) {
+    json["pruned"].push_back({{"rule", pruned.rule}, {"bytes", pruned.bytes}});
+  }
   json["seconds"] = {{"load", seconds.load},
                      {"fit", baked.report.seconds_fit},
                      {"cast", baked.report.seconds_cast},
@@ -183,21 +215,25 @@ BuildReport run_build(const BuildRequest& request, const Progress& progress) {
   const Clock::time_point start = Clock::now();
   Seconds seconds;
   check_paths(request);
+  BakeOptions options = request.bake;
+  BuildReport report;
+  report.derived = derive_limits(request.limits, request.mesh, options);
   tell("load");
   const Mesh mesh = load_mesh(request.mesh, request.load);
   seconds.load = seconds_since(start);
 
-  BuildReport report;
-  BakeResult baked = bake_named(mesh, request.bake, progress);
+  check_limits(request.limits, options, mesh, request.allow_inexact);
+  BakeResult baked = bake_named(mesh, options, progress);
   const AssetMetadata& metadata = baked.asset.metadata;
-  if (metadata.tolerance && !request.bake.tolerance) {
+  if (metadata.tolerance && !options.tolerance) {
     report.warnings.push_back(fmt::format("no --tolerance: taking 1/1000 of the diagonal, {}",
                                           length(*metadata.tolerance)));
   }
 
   const Clock::time_point verifying = Clock::now();
   tell("verify");
-  const VerifyReport check = check_asset(mesh, request.bake, baked.asset);
+  const VerifyReport check =
+      check_asset(baked.smoothed ? *baked.smoothed : mesh, options, baked.asset);
   seconds.verify = seconds_since(verifying);
   judge(request, metadata, check, report);
 
@@ -209,6 +245,7 @@ BuildReport run_build(const BuildRequest& request, const Progress& progress) {
 
   report.notes = baked.report.notes;
   report.json = to_json(request, mesh, baked, check, written, seconds);
+  report.json["derived"] = report.derived;
   return report;
 }
 
@@ -236,6 +273,17 @@ std::string describe(const BuildReport& report) {
     text += fmt::format("; tolerance {:.4g} um {}", json["tolerance_um"].get<double>(),
                         json["tolerance_met"].get<bool>() ? "met" : "NOT met");
   }
+  if (const Json& smooth = json["smooth"]; smooth.contains("error_um")) {
+    text += fmt::format(
+        "\nsmooth   {} of sigma {:.4g} um moved the surface by rms {:.3g} um, 99 % below {:.3g} "
+        "um, "
+        "at most {:.3g} um; the error above is against the smoothed surface",
+        smooth["kind"] == "crease" ? fmt::format("all but edges over {:.4g} deg, by a Gaussian",
+                                                 smooth["angle_deg"].get<double>())
+                                   : "a Gaussian",
+        smooth["sigma_um"].get<double>(), smooth["error_um"]["rms"].get<double>(),
+        smooth["error_um"]["p99"].get<double>(), smooth["error_um"]["max"].get<double>());
+  }
   const Json& fallback = json["fallback"];
   text += fmt::format(
       "\nfallback {:.1f} % of the cells hold exact triangles, for places that no map answers\n",
@@ -246,6 +294,11 @@ std::string describe(const BuildReport& report) {
       seconds["total"].get<double>(), seconds["load"].get<double>(), seconds["fit"].get<double>(),
       seconds["cast"].get<double>(), seconds["verify"].get<double>(),
       seconds["write"].get<double>());
+  for (const Json& pruned : json["pruned"]) {
+    text += fmt::format("pruned   {} bytes: {}\n", pruned["bytes"].get<std::uint64_t>(),
+                        reason_of(pruned["rule"].get<std::string>()));
+  }
+  for (const std::string& derived : report.derived) text += "derived  " + derived + "\n";
   for (const std::string& note : report.notes) text += "note     " + note + "\n";
   return text;
 }

@@ -14,6 +14,7 @@ namespace spm::baker {
 struct BuildReport {
   nlohmann::ordered_json json;
   std::vector<std::string> warnings;  ///< defaults that were taken, promises that are not kept
+  std::vector<std::string> derived;   ///< what a device or a scene decided
   std::vector<std::string> notes;     ///< what was found in the mesh
 };
 

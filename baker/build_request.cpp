@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <limits>
 
+#include "common/device_profile.hpp"
 #include "common/units.hpp"
 #include "formats/cli/command_line.hpp"
 
@@ -38,6 +39,13 @@ void refuse(const std::string& option, const std::string& reason) {
   throw CLI::ValidationError(option, reason);
 }
 
+/// Keeps what the command line gave apart from what a scene may still say.
+void note_given(const CLI::App& command, LimitSources& limits) {
+  limits.tolerance_given = command.count("--tolerance") > 0;
+  limits.max_depth_given = command.count("--max-depth") > 0;
+  limits.probe_given = command.count("--probe") > 0;
+}
+
 /// Checks what no option can check by itself.
 void check(const CLI::App& command, const BuildRequest& request) {
   const BakeOptions& bake = request.bake;
@@ -48,6 +56,11 @@ void check(const CLI::App& command, const BuildRequest& request) {
     }
   } else if (bake.tolerance) {
     refuse("--tolerance", "belongs to --form sparse: a full asset promises none; leave it out");
+  }
+  if (bake.form == AssetForm::full && !request.limits.device.empty() &&
+      request.limits.scene.empty()) {
+    refuse("--device",
+           "gives the tolerance of --form sparse; a full asset promises none: leave it out");
   }
   if (bake.tolerance && *bake.tolerance <= 0) refuse("--tolerance", "must be above 0");
   if (bake.max_depth <= 0) refuse("--max-depth", "must be above 0");
@@ -60,6 +73,25 @@ void check(const CLI::App& command, const BuildRequest& request) {
   if (request.load.fit_diagonal && *request.load.fit_diagonal <= 0) {
     refuse("--fit-diagonal", "must be above 0");
   }
+}
+
+void add_cut_options(CLI::App& command, LimitSources& limits) {
+  const char* group = "Only what a device and a scene need";
+  std::vector<std::string> names;
+  names.reserve(device_profiles.size());
+  for (const DeviceProfile& profile : device_profiles) names.emplace_back(profile.name);
+  cli::add_word(
+      command, "--device", names, [&limits, names](std::size_t i) { limits.device = names[i]; },
+      "device it is for: a tolerance of half its encoder step, and in a scene its force cap and "
+      "workspace (default: the scene's, or none)")
+      ->group(group);
+  command
+      .add_option(
+          "--scene", limits.scene,
+          "scene it is for (TOML): gives --device, --probe, --max-depth (force cap over "
+          "stiffness), and leaves out what is outside the device's workspace (default none)")
+      ->type_name("SCENE.toml")
+      ->group(group);
 }
 
 void add_full_options(CLI::App& command, BakeOptions& bake) {
@@ -101,16 +133,27 @@ void add_build_options(CLI::App& command, BuildRequest& request) {
                              {{"sparse", AssetForm::sparse}, {"full", AssetForm::full}},
                              "sparse: small, with a tolerance; full: N planes with a map each, for "
                              "the paper's method (default sparse)");
-  cli::add_quantity(command, "--tolerance", bake.tolerance, Quantity::length,
-                    "largest error of the signed distance in the band, above 0, such as 50um "
-                    "(default 1/1000 of the bounding box's diagonal)");
+  cli::add_quantity(
+      command, "--tolerance", bake.tolerance, Quantity::length,
+      "largest error of the signed distance in the band, above 0, such as 50um "
+      "(default half of the named device's encoder step, or 1/1000 of the bounding box's "
+      "diagonal)");
   cli::add_quantity(command, "--max-depth", bake.max_depth, Quantity::length,
                     "how deep inside the asset answers, above 0");
   cli::add_quantity(command, "--margin", bake.margin, Quantity::length,
                     "how far outside the asset answers, at least the probe's radius "
                     "(default: that radius and a quarter of --max-depth)");
   cli::add_probe(command, bake.probe_radius);
+  add_cut_options(command, request.limits);
   add_full_options(command, bake);
+  cli::add_parsed(
+      command, "--smooth",
+      [&bake](const std::string& text) -> Result<void> {
+        return parse_smoothing(text).map([&](const SmoothOptions& read) { bake.smooth = read; });
+      },
+      "smooth the surface first: with a Gaussian of SIGMA, or all but edges that turn by more than "
+      "ANGLE; the tolerance is then to the smoothed surface (default none)",
+      "none|gaussian:SIGMA|crease:ANGLE");
   cli::add_parsed(
       command, "--unit",
       [&request](const std::string& text) -> Result<void> {
@@ -129,7 +172,10 @@ void add_build_options(CLI::App& command, BuildRequest& request) {
       "seed of the places where the bake and its check measure (default 1)");
   command.add_flag("--allow-inexact", request.allow_inexact,
                    "write the asset even where the tolerance was not met");
-  command.callback([&command, &request] { check(command, request); });
+  command.callback([&command, &request] {
+    note_given(command, request.limits);
+    check(command, request);
+  });
 }
 
 }  // namespace spm::baker

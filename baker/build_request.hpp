@@ -6,6 +6,7 @@
 
 #include "baker/bake.hpp"
 #include "baker/mesh.hpp"
+#include "baker/scene_limits.hpp"
 
 namespace spm::baker {
 
@@ -15,6 +16,7 @@ struct BuildRequest {
   std::string output;
   BakeOptions bake;
   LoadOptions load;
+  LimitSources limits;
   bool allow_inexact = false;
 };
 

@@ -201,6 +201,34 @@ void Caster::cast(const SupportPlane& plane, double eta, double omega, Column& c
   column.crossings.swap(first_try);
 }
 
+std::optional<Crossing> Caster::first_between(const SupportPlane& plane, double eta, double omega,
+                                              double from, double to) const {
+  const Implementation& self = *implementation_;
+  const Vector3 origin = support_plane_point(plane, eta, omega) - from * plane.n;
+  const Vector3 local = origin - self.centre;
+  RTCIntersectContext context;
+  rtcInitIntersectContext(&context);
+  RTCRayHit ray{};
+  ray.ray.org_x = static_cast<float>(local.x());
+  ray.ray.org_y = static_cast<float>(local.y());
+  ray.ray.org_z = static_cast<float>(local.z());
+  ray.ray.dir_x = static_cast<float>(-plane.n.x());
+  ray.ray.dir_y = static_cast<float>(-plane.n.y());
+  ray.ray.dir_z = static_cast<float>(-plane.n.z());
+  ray.ray.tfar = static_cast<float>(to - from);
+  ray.ray.mask = ~0U;
+  ray.hit.geomID = RTC_INVALID_GEOMETRY_ID;
+  rtcIntersect1(self.rays, &context, &ray);
+  if (ray.hit.geomID == RTC_INVALID_GEOMETRY_ID) return std::nullopt;
+  const std::uint32_t triangle = ray.hit.primID;
+  const Vector3& normal = self.normals[triangle];
+  const double cosine = -normal.dot(plane.n);
+  const double distance = std::abs(cosine) > grazing_cosine
+                              ? normal.dot(self.corners[triangle][0] - origin) / cosine
+                              : static_cast<double>(ray.ray.tfar);
+  return Crossing{from + distance, triangle, cosine < 0};
+}
+
 ClosestPoint Caster::closest(const Vector3& point) const {
   const Implementation& self = *implementation_;
   struct Search {
@@ -316,6 +344,7 @@ bool Caster::is_cap(std::uint32_t triangle) const {
   return triangle >= implementation_->surface_count;
 }
 std::size_t Caster::surface_count() const { return implementation_->surface_count; }
+std::size_t Caster::triangle_count() const { return implementation_->corners.size(); }
 double Caster::diagonal() const { return implementation_->diagonal; }
 
 }  // namespace spm::baker

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "baker/outer_surface.hpp"
@@ -47,6 +48,11 @@ class Caster {
   /// three times, displaced by less than a millionth of the object; then it stays marked.
   void cast(const SupportPlane& plane, double eta, double omega, Column& column) const;
 
+  /// First crossing of the same ray between two depths below the plane, whichever way it goes;
+  /// nothing where there is none.
+  [[nodiscard]] std::optional<Crossing> first_between(const SupportPlane& plane, double eta,
+                                                      double omega, double from, double to) const;
+
   /// Closest point of the surface (caps carry no distance, but decide the side).
   [[nodiscard]] ClosestPoint closest(const Vector3& point) const;
 
@@ -58,6 +64,7 @@ class Caster {
   [[nodiscard]] const Vector3& normal(std::uint32_t triangle) const;
   [[nodiscard]] bool is_cap(std::uint32_t triangle) const;
   [[nodiscard]] std::size_t surface_count() const;
+  [[nodiscard]] std::size_t triangle_count() const;  ///< with caps
   [[nodiscard]] double diagonal() const;
 
  private:

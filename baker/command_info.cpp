@@ -31,10 +31,11 @@ struct Settings {
   cli::GlobalOptions global;
 };
 
-/// Planes that have maps, by index.
+/// Planes that have maps or tiles, by index.
 std::vector<std::size_t> planes_with_maps(const AssetView& view) {
   std::vector<std::size_t> planes;
   for (const DistanceMap& map : view.maps) planes.push_back(map.plane);
+  for (const Tile& tile : view.tiles) planes.push_back(tile.plane);
   std::sort(planes.begin(), planes.end());
   planes.erase(std::unique(planes.begin(), planes.end()), planes.end());
   return planes;
@@ -91,7 +92,7 @@ Json parts_json(const MappedAsset& asset) {
 }
 
 std::uint64_t samples_of(const AssetView& view) {
-  std::uint64_t samples = 0;
+  std::uint64_t samples = std::uint64_t{tile_sample_count} * view.tiles.size();
   for (const DistanceMap& map : view.maps) {
     samples += std::uint64_t{map.columns} * map.rows * map.layers;
   }
@@ -100,7 +101,7 @@ std::uint64_t samples_of(const AssetView& view) {
 
 std::uint64_t record_cells(const Grid& grid) {
   std::uint64_t cells = 0;
-  visit_all_records(grid, [&cells](std::size_t) { ++cells; });
+  visit_all_lists(grid, [&cells](const GridList&) { ++cells; });
   return cells;
 }
 
@@ -116,7 +117,7 @@ Json to_json(const MappedAsset& asset, const std::vector<std::string>& pictures)
   json["spm"] = {{"form", metadata.form == AssetForm::full ? "full" : "sparse"},
                  {"kind", metadata.kind},
                  {"planes", view.planes.size()},
-                 {"tiles", view.maps.size()},
+                 {"tiles", view.maps.size() + view.tiles.size()},
                  {"samples", samples_of(view)},
                  {"layers_max", metadata.layers_max},
                  {"cells", record_cells(view.grid)}};
@@ -124,6 +125,7 @@ Json to_json(const MappedAsset& asset, const std::vector<std::string>& pictures)
   json["probe_radius_m"] = metadata.probe_radius;
   json["tolerance_um"] = metadata.tolerance ? Json(*metadata.tolerance * 1e6) : Json();
   json["tolerance_met"] = metadata.tolerance_met;
+  json["certified_um"] = metadata.certified ? Json(*metadata.certified * 1e6) : Json();
   json["mesh"] = {
       {"sha256", metadata.mesh_sha256},
       {"triangles", metadata.mesh_triangles},
@@ -152,23 +154,31 @@ Json to_json(const MappedAsset& asset, const std::vector<std::string>& pictures)
 
 std::string length(double metres) { return format_quantity(metres, Quantity::length); }
 
+/// What is proven of the error, as the end of a line.
+std::string certified(const AssetMetadata& metadata) {
+  return metadata.certified ? fmt::format("; proven largest error {}", length(*metadata.certified))
+                            : std::string();
+}
+
 std::string describe(const MappedAsset& asset, const std::vector<std::string>& pictures) {
   const AssetMetadata& metadata = asset.metadata();
   const AssetView& view = asset.view();
   const AssetBytes bytes = asset.bytes();
   std::string text = fmt::format("{}: intact, {} bytes, format version {}\n", asset.path(),
                                  bytes.total, asset_format_version);
-  text += fmt::format("form      {}: {} {}-based support planes, {} distance maps, {} samples\n",
+  text += fmt::format("form      {}: {} {}-based support planes, {} {}, {} samples\n",
                       view.full ? "full" : "sparse", view.planes.size(), metadata.kind,
-                      view.maps.size(), samples_of(view));
+                      view.maps.size() + view.tiles.size(),
+                      view.full ? "distance maps" : "tiles of distance maps", samples_of(view));
   text += fmt::format("layers    up to {} crossings along a ray\n", metadata.layers_max);
   text += fmt::format(
       "band      {} inside, {} outside, probe {}\n", length(view.band.max_depth),
       length(view.band.margin),
       metadata.probe_radius > 0 ? "of radius " + length(metadata.probe_radius) : "point");
-  text += metadata.tolerance ? fmt::format("tolerance {}, {}\n", length(*metadata.tolerance),
-                                           metadata.tolerance_met ? "met" : "NOT met")
-                             : std::string("tolerance none: a full asset promises none\n");
+  text += metadata.tolerance
+              ? fmt::format("tolerance {}, {}{}\n", length(*metadata.tolerance),
+                            metadata.tolerance_met ? "met" : "NOT met", certified(metadata))
+              : std::string("tolerance none: a full asset promises none\n");
   text += fmt::format(
       "mesh      {} triangles, {}, diagonal {}, scale {}, SHA-256 {}\n", metadata.mesh_triangles,
       metadata.closed ? std::string("closed")

@@ -26,13 +26,19 @@ struct Settings {
 
 constexpr double degrees = 180 / std::numbers::pi;
 
+Json to_json(const ErrorSummary& error) {
+  return {{"rms", error.rms * 1e6},
+          {"p50", error.p50 * 1e6},
+          {"p99", error.p99 * 1e6},
+          {"p999", error.p999 * 1e6},
+          {"max", error.max * 1e6}};
+}
+
 Json to_json(const VerifyReport& report) {
   Json json;
-  json["distance_error_um"] = {{"rms", report.distance.rms * 1e6},
-                               {"p50", report.distance.p50 * 1e6},
-                               {"p99", report.distance.p99 * 1e6},
-                               {"p999", report.distance.p999 * 1e6},
-                               {"max", report.distance.max * 1e6}};
+  json["distance_error_um"] = to_json(report.distance);
+  if (report.smoothing) json["smoothing_error_um"] = to_json(*report.smoothing);
+  if (report.total) json["total_error_um"] = to_json(*report.total);
   json["direction_error_deg"] = {{"p50", report.direction_p50 * degrees},
                                  {"p99", report.direction_p99 * degrees},
                                  {"max", report.direction_max * degrees}};
@@ -40,6 +46,7 @@ Json to_json(const VerifyReport& report) {
   json["misclassified"] = {{"inside_as_outside", report.inside_as_outside},
                            {"outside_as_inside", report.outside_as_inside}};
   json["unanswered"] = report.unanswered;
+  json["pruned"] = report.pruned;
   json["near_holes"] = report.near_holes;
   json["fallback_answers"] = report.fallback_answers;
   json["samples"] = report.samples;
@@ -49,15 +56,22 @@ Json to_json(const VerifyReport& report) {
   return json;
 }
 
+std::string line_of(const char* what, const ErrorSummary& error) {
+  return fmt::format("{:<14} rms {:.3g} um, p50 {:.3g}, p99 {:.3g}, p99.9 {:.3g}, max {:.3g}\n",
+                     what, error.rms * 1e6, error.p50 * 1e6, error.p99 * 1e6, error.p999 * 1e6,
+                     error.max * 1e6);
+}
+
 std::string describe(const VerifyReport& report) {
   std::string text =
       fmt::format("samples        {}, from {} inside to {} outside\n", report.samples,
                   format_quantity(report.band.max_depth, Quantity::length),
                   format_quantity(report.band.margin, Quantity::length));
-  text += fmt::format(
-      "distance error rms {:.3g} um, p50 {:.3g}, p99 {:.3g}, p99.9 {:.3g}, max {:.3g}\n",
-      report.distance.rms * 1e6, report.distance.p50 * 1e6, report.distance.p99 * 1e6,
-      report.distance.p999 * 1e6, report.distance.max * 1e6);
+  text += line_of("distance error", report.distance);
+  if (report.smoothing && report.total) {
+    text += line_of("of smoothing", *report.smoothing);
+    text += line_of("both together", *report.total);
+  }
   text += fmt::format(
       "direction      p50 {:.3g} deg, p99 {:.3g}, max {:.3g} ({:.1f} % of the places are a toss-up "
       "between directions and left out)\n",
@@ -67,6 +81,10 @@ std::string describe(const VerifyReport& report) {
       fmt::format("wrong side     {:.4g} % inside taken for outside, {:.4g} % outside for inside\n",
                   100 * report.inside_as_outside, 100 * report.outside_as_inside);
   text += fmt::format("unanswered     {:.4g} %\n", 100 * report.unanswered);
+  if (report.pruned > 0) {
+    text += fmt::format("cut away       {:.1f} % of the places, which the bake was to leave out\n",
+                        100 * report.pruned);
+  }
   if (report.near_holes > 0) {
     text += fmt::format(
         "near holes     {:.1f} % of the places drawn, left out: beside a hole there is "

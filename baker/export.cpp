@@ -3,18 +3,45 @@
 
 #include <fmt/format.h>
 
+#include <array>
 #include <bit>
 #include <cmath>
 #include <iterator>
 #include <limits>
+#include <optional>
+#include <utility>
 
 #include "baker/grid_walk.hpp"
+#include "baker/tile_cells.hpp"
 #include "common/distance_map.hpp"
 
 namespace spm::baker {
 namespace {
 
 constexpr std::uint32_t unused = std::numeric_limits<std::uint32_t>::max();
+
+/// A place of a cell of a tile, from its middle, in cells.
+using Corner = std::array<double, 2>;
+/// The corners of a cell, anticlockwise seen from the plane's side, and their samples.
+constexpr std::array<Corner, 4> square{{{-0.5, -0.5}, {0.5, -0.5}, {0.5, 0.5}, {-0.5, 0.5}}};
+constexpr std::array<std::uint32_t, 4> square_samples{0, 1, tile_samples + 1, tile_samples};
+
+/// The part of a cell on the valid side of a line: a convex polygon, or nothing.
+std::vector<Corner> clipped_square(const Clip& clip) {
+  std::vector<Corner> corners;
+  for (std::size_t k = 0; k < square.size(); ++k) {
+    const Corner& from = square[k];
+    const Corner& to = square[(k + 1) % square.size()];
+    const double before = beyond_clip(clip, from[0], from[1]);
+    const double after = beyond_clip(clip, to[0], to[1]);
+    if (before <= 0) corners.push_back(from);
+    if ((before < 0 && after > 0) || (before > 0 && after < 0)) {
+      const double share = before / (before - after);
+      corners.push_back({from[0] + share * (to[0] - from[0]), from[1] + share * (to[1] - from[1])});
+    }
+  }
+  return corners;
+}
 
 class SurfaceBuilder {
  public:
@@ -60,10 +87,51 @@ class SurfaceBuilder {
     }
   }
 
-  void add_exact_triangle(std::span<const float> corners) {
+  /// The valid cells of a tile, clipped ones up to their line.
+  void add_tile(const SupportPlane& plane, const Tile& tile, float height_unit) {
+    TileHeights heights;
+    tile_heights(tile, height_unit, heights);
+    const auto spacing = static_cast<double>(tile.spacing);
+    const auto vertex = [&](std::uint32_t cell, const Corner& corner) {
+      const std::uint32_t column = cell % tile_cells, row = cell / tile_cells;
+      const double eta = tile.eta0 + (column + 0.5 + corner[0]) * spacing;
+      const double omega = tile.omega0 + (row + 0.5 + corner[1]) * spacing;
+      const double depth = height_at(tile, heights, cell, corner[0], corner[1]).value;
+      return add_vertex(reconstructed_surface(plane, eta, omega, depth));
+    };
+    std::array<std::uint32_t, tile_sample_count> ids{};
+    ids.fill(unused);
+    for (std::uint32_t cell = 0; cell < tile_cell_count; ++cell) {
+      if (((tile.valid >> cell) & 1U) == 0) continue;
+      std::vector<std::uint32_t> outline;
+      if (const std::optional<Clip> clip = clip_of(tile, cell)) {
+        for (const Corner& corner : clipped_square(*clip)) outline.push_back(vertex(cell, corner));
+      } else {
+        const std::uint32_t first = cell / tile_cells * tile_samples + cell % tile_cells;
+        for (std::size_t k = 0; k < square.size(); ++k) {
+          std::uint32_t& id = ids[first + square_samples[k]];
+          if (id == unused) id = vertex(cell, square[k]);
+          outline.push_back(id);
+        }
+      }
+      for (std::size_t k = 2; k < outline.size(); ++k) {
+        add_triangle(outline[0], outline[k - 1], outline[k], false);
+      }
+    }
+  }
+
+  void add_exact_triangle(const AssetView& asset, std::size_t triangle) {
     std::array<std::uint32_t, 3> ids{};
     for (std::size_t i = 0; i < 3; ++i) {
-      ids[i] = add_vertex({corners[3 * i], corners[3 * i + 1], corners[3 * i + 2]});
+      const std::size_t first = 9 * triangle + 3 * i;
+      if (asset.small_triangles.empty()) {
+        const float* at = asset.triangles.data() + first;
+        ids[i] = add_vertex(Vector3(at[0], at[1], at[2]));
+      } else {
+        const std::uint16_t* at = asset.small_triangles.data() + first;
+        ids[i] =
+            add_vertex(asset.triangle_origin + asset.triangle_step * Vector3(at[0], at[1], at[2]));
+      }
     }
     add_triangle(ids[0], ids[1], ids[2], false);
   }
@@ -74,17 +142,13 @@ class SurfaceBuilder {
   KnownSurface surface_;
 };
 
-/// Which of the asset's triangles some record uses for distances, not only for the side.
+/// Which of the asset's triangles some list uses for distances, not only for the side.
 std::vector<bool> triangles_with_distance(const AssetView& asset) {
-  std::vector<bool> used(asset.triangles.size() / 9, false);
-  const auto& records = asset.grid.records;
-  visit_all_records(asset.grid, [&](std::size_t start) {
-    const std::size_t maps = records[start] & 0xFFFFU;
-    const std::size_t count = records[start] >> 16U;
-    for (std::size_t i = start + 1 + maps; i < start + 1 + maps + count && i < records.size();
-         ++i) {
-      const bool cap = (records[i] >> 31U) != 0;
-      const std::size_t triangle = records[i] & 0x7FFFFFFFU;
+  std::vector<bool> used((asset.triangles.size() + asset.small_triangles.size()) / 9, false);
+  visit_all_lists(asset.grid, [&used](const GridList& list) {
+    for (std::uint32_t k = 0; k < list.triangles(); ++k) {
+      const std::uint32_t triangle = list.triangle(k) >> 1U;
+      const bool cap = (list.triangle(k) & 1U) != 0;
       if (!cap && triangle < used.size()) used[triangle] = true;
     }
   });
@@ -108,9 +172,13 @@ KnownSurface known_surface(const AssetView& asset) {
       builder.add_layer(asset.planes[map.plane], map, layer);
     }
   }
+  for (const Tile& tile : asset.tiles) {
+    if (tile.plane >= asset.planes.size()) continue;
+    builder.add_tile(asset.planes[tile.plane], tile, asset.height_unit);
+  }
   const std::vector<bool> used = triangles_with_distance(asset);
   for (std::size_t i = 0; i < used.size(); ++i) {
-    if (used[i]) builder.add_exact_triangle(asset.triangles.subspan(9 * i, 9));
+    if (used[i]) builder.add_exact_triangle(asset, i);
   }
   return builder.take();
 }

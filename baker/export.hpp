@@ -16,8 +16,9 @@ struct KnownSurface {
   std::vector<std::array<std::uint32_t, 3>> triangles;  ///< anticlockwise seen from outside
 };
 
-/// Eq. 4 over every valid cell of every layer of every map, two triangles a cell, and the exact
-/// triangles that the partition refers to, caps left out. Maps overlap, so patches do too.
+/// Eq. 4 over every valid cell of every map's layers and of every tile, two triangles a cell, a
+/// clipped cell up to its line; and the exact triangles that the partition refers to, caps left
+/// out. Maps and tiles overlap, so patches do too.
 [[nodiscard]] KnownSurface known_surface(const AssetView& asset);
 
 /// The surface as a PLY file's bytes: binary little endian, or text.

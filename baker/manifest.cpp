@@ -5,15 +5,12 @@
 #include <toml++/toml.h>
 
 #include <algorithm>
-#include <cerrno>
-#include <cstring>
 #include <filesystem>
-#include <fstream>
-#include <iterator>
 #include <map>
 #include <memory>
 
 #include "formats/cli/nearest_word.hpp"
+#include "formats/text_file.hpp"
 
 namespace spm::baker {
 namespace {
@@ -81,6 +78,8 @@ Result<ManifestEntry> read_entry(const std::string& path, const toml::table& tab
       arguments.push_back(resolved(folder, *text));
     } else if (name == "output") {
       arguments.push_back("--output=" + resolved(folder, *text));
+    } else if (name == "scene") {
+      arguments.push_back("--scene=" + resolved(folder, *text));
     } else {
       arguments.push_back("--" + name + "=" + *text);
     }
@@ -106,26 +105,10 @@ Result<ManifestEntry> read_entry(const std::string& path, const toml::table& tab
   return entry;
 }
 
-Result<std::string> read_text(const std::string& path) {
-  std::error_code ignored;
-  if (std::filesystem::is_directory(path, ignored)) {
-    return fail(ExitCode::file_or_device, path + ": is a folder; give a manifest file");
-  }
-  std::ifstream file(path, std::ios::binary);
-  if (!file) {
-    return fail(ExitCode::file_or_device,
-                fmt::format("{}: cannot be opened: {}; check the name and its permissions", path,
-                            std::strerror(errno)));
-  }
-  std::string text{std::istreambuf_iterator<char>(file), {}};
-  if (file.bad()) return fail(ExitCode::file_or_device, path + ": cannot be read; check the disk");
-  return text;
-}
-
 }  // namespace
 
 Result<std::vector<ManifestEntry>> read_manifest(const std::string& path) {
-  const Result<std::string> text = read_text(path);
+  const Result<std::string> text = read_text_file(path, "a manifest file");
   if (!text) return tl::make_unexpected(text.error());
   toml::table document;
   try {

@@ -142,7 +142,7 @@ class TriangleStore {
         }
       }
     }
-    return place->second | (caster_.is_cap(triangle) ? 1U << 31U : 0U);
+    return place->second << 1U | (caster_.is_cap(triangle) ? 1U : 0U);
   }
 
  private:
@@ -169,9 +169,9 @@ class RecordWriter {
   TriangleStore store_;
 
   [[nodiscard]] std::uint32_t next_offset() const {
-    if (asset_.grid.records.size() > payload_mask) {
+    if (asset_.grid.records.size() > offset_mask) {
       throw BakeError(ExitCode::invalid_input,
-                      "the spatial partition needs more than a billion "
+                      "the spatial partition needs more than 268 million "
                       "words; simplify the mesh or narrow the band");
     }
     return static_cast<std::uint32_t>(asset_.grid.records.size());
@@ -180,13 +180,12 @@ class RecordWriter {
   std::uint32_t write_split(const PartitionCell& cell) {
     std::vector<std::uint32_t>& records = asset_.grid.records;
     const std::uint32_t offset = next_offset();
-    records.push_back(split_header);
     records.resize(records.size() + 8);
     for (std::size_t octant = 0; octant < 8; ++octant) {
       const std::uint32_t word = write((*cell.octants)[octant]);
-      records[offset + 1 + octant] = word;
+      records[offset + octant] = word;
     }
-    return offset;
+    return split_bit | offset;
   }
 
   std::uint32_t write_record(const PartitionCell& cell) {
@@ -198,8 +197,8 @@ class RecordWriter {
     }
     std::vector<std::uint32_t>& records = asset_.grid.records;
     const std::uint32_t offset = next_offset();
-    records.push_back(static_cast<std::uint32_t>(cell.maps.size()) |
-                      static_cast<std::uint32_t>(cell.triangles.size()) << 16U);
+    records.push_back(list_header(static_cast<std::uint32_t>(cell.maps.size()),
+                                  static_cast<std::uint32_t>(cell.triangles.size())));
     records.insert(records.end(), cell.maps.begin(), cell.maps.end());
     for (const std::uint32_t triangle : cell.triangles) {
       records.push_back(store_.word_of(triangle, asset_.triangles));

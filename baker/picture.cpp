@@ -7,7 +7,9 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <optional>
 
+#include "baker/tile_cells.hpp"
 #include "common/distance_map.hpp"
 
 namespace spm::baker {
@@ -43,14 +45,25 @@ struct Extent {
   double top = -std::numeric_limits<double>::infinity();
 };
 
+/// Widens an extent by a rectangle from its lower left corner.
+void widen(Extent& extent, double eta0, double omega0, double width, double height) {
+  extent.left = std::min(extent.left, eta0);
+  extent.bottom = std::min(extent.bottom, omega0);
+  extent.right = std::max(extent.right, eta0 + width);
+  extent.top = std::max(extent.top, omega0 + height);
+}
+
+double side_of(const Tile& tile) { return tile_cells * static_cast<double>(tile.spacing); }
+
 Extent extent_of(const AssetView& asset, std::size_t plane) {
   Extent extent;
   for (const DistanceMap& map : asset.maps) {
     if (map.plane != plane) continue;
-    extent.left = std::min(extent.left, map.eta0);
-    extent.bottom = std::min(extent.bottom, map.omega0);
-    extent.right = std::max(extent.right, map.eta0 + (map.columns - 1) * map.spacing);
-    extent.top = std::max(extent.top, map.omega0 + (map.rows - 1) * map.spacing);
+    widen(extent, map.eta0, map.omega0, (map.columns - 1) * map.spacing,
+          (map.rows - 1) * map.spacing);
+  }
+  for (const Tile& tile : asset.tiles) {
+    if (tile.plane == plane) widen(extent, tile.eta0, tile.omega0, side_of(tile), side_of(tile));
   }
   return extent;
 }
@@ -67,28 +80,58 @@ struct Canvas {
   [[nodiscard]] double omega(std::uint32_t y) const { return extent.top - (y + 0.5) * pitch; }
 };
 
-void draw_map(Canvas& canvas, const DistanceMap& map) {
+/// Keeps a height where it is nearer to the plane than what the pixel shows.
+void show(Height& pixel, const Height& found) {
+  if (std::isfinite(found.value) && found.value < pixel.value) pixel = found;
+}
+
+/// Calls `visit` with the pixels that a rectangle may cover, and with their place on the plane.
+template <class Visit>
+void visit_pixels(Canvas& canvas, double eta0, double omega0, double width, double height,
+                  const Visit& visit) {
   const auto first = [&](double offset) {
     return static_cast<std::uint32_t>(std::max(0.0, std::floor(offset / canvas.pitch)));
   };
-  const double width = (map.columns - 1) * map.spacing;
-  const double height = (map.rows - 1) * map.spacing;
-  const std::uint32_t x0 = first(map.eta0 - canvas.extent.left);
-  const std::uint32_t y0 = first(canvas.extent.top - map.omega0 - height);
-  const std::uint32_t x1 = std::min(canvas.width, first(map.eta0 + width - canvas.extent.left) + 1);
-  const std::uint32_t y1 = std::min(canvas.height, first(canvas.extent.top - map.omega0) + 1);
+  const std::uint32_t x0 = first(eta0 - canvas.extent.left);
+  const std::uint32_t y0 = first(canvas.extent.top - omega0 - height);
+  const std::uint32_t x1 = std::min(canvas.width, first(eta0 + width - canvas.extent.left) + 1);
+  const std::uint32_t y1 = std::min(canvas.height, first(canvas.extent.top - omega0) + 1);
   for (std::uint32_t y = y0; y < y1; ++y) {
     for (std::uint32_t x = x0; x < x1; ++x) {
-      const MapCell cell = locate(map, canvas.eta(x), canvas.omega(y));
-      if (!cell.inside) continue;
-      Height& nearest = canvas.heights[std::size_t{y} * canvas.width + x];
-      for (std::uint32_t layer = 0; layer < map.layers; ++layer) {
-        if (!map.cell_valid(layer, cell.column, cell.row)) continue;
-        const Height found = height_at(map, layer, cell);
-        if (std::isfinite(found.value) && found.value < nearest.value) nearest = found;
-      }
+      visit(canvas.heights[std::size_t{y} * canvas.width + x], canvas.eta(x), canvas.omega(y));
     }
   }
+}
+
+void draw_map(Canvas& canvas, const DistanceMap& map) {
+  visit_pixels(canvas, map.eta0, map.omega0, (map.columns - 1) * map.spacing,
+               (map.rows - 1) * map.spacing, [&map](Height& pixel, double eta, double omega) {
+                 const MapCell cell = locate(map, eta, omega);
+                 if (!cell.inside) return;
+                 for (std::uint32_t layer = 0; layer < map.layers; ++layer) {
+                   if (!map.cell_valid(layer, cell.column, cell.row)) continue;
+                   show(pixel, height_at(map, layer, cell));
+                 }
+               });
+}
+
+void draw_tile(Canvas& canvas, const Tile& tile, float height_unit) {
+  TileHeights heights;
+  tile_heights(tile, height_unit, heights);
+  const auto spacing = static_cast<double>(tile.spacing);
+  visit_pixels(canvas, tile.eta0, tile.omega0, side_of(tile), side_of(tile),
+               [&](Height& pixel, double eta, double omega) {
+                 const double x = (eta - tile.eta0) / spacing, y = (omega - tile.omega0) / spacing;
+                 if (!(x >= 0 && y >= 0 && x < tile_cells && y < tile_cells)) return;
+                 const auto column = static_cast<std::uint32_t>(x);
+                 const auto row = static_cast<std::uint32_t>(y);
+                 const std::uint32_t cell = row * tile_cells + column;
+                 if (((tile.valid >> cell) & 1U) == 0) return;
+                 const double from_x = x - column - 0.5, from_y = y - row - 0.5;
+                 const std::optional<Clip> clip = clip_of(tile, cell);
+                 if (clip && beyond_clip(*clip, from_x, from_y) > 0) return;
+                 show(pixel, height_at(tile, heights, cell, from_x, from_y));
+               });
 }
 
 /// Light on a surface of that slope, from the upper left of the picture and above.
@@ -126,6 +169,9 @@ Picture plane_picture(const AssetView& asset, std::size_t plane, std::uint32_t l
   canvas.heights.assign(std::size_t{canvas.width} * canvas.height, none);
   for (const DistanceMap& map : asset.maps) {
     if (map.plane == plane) draw_map(canvas, map);
+  }
+  for (const Tile& tile : asset.tiles) {
+    if (tile.plane == plane) draw_tile(canvas, tile, asset.height_unit);
   }
   double nearest = std::numeric_limits<double>::infinity();
   double farthest = -nearest;

@@ -19,10 +19,10 @@ struct Picture {
   std::vector<std::uint8_t> pixels;
 };
 
-/// Relief of what the maps of one plane hold, seen along the plane's normal with u to the right and
-/// v upward: for each pixel the crossing nearest to the plane, coloured by its distance (bright is
-/// near) and shaded from the upper left. Where no map has a valid cell the picture is dark grey.
-/// `longest_side` in pixels.
+/// Relief of what the maps or tiles of one plane hold, seen along the plane's normal with u to the
+/// right and v upward: for each pixel the crossing nearest to the plane, coloured by its distance
+/// (bright is near) and shaded from the upper left. Where there is no valid cell the picture is
+/// dark grey. `longest_side` in pixels.
 [[nodiscard]] Picture plane_picture(const AssetView& asset, std::size_t plane,
                                     std::uint32_t longest_side);
 

@@ -24,23 +24,13 @@ struct CastCounts {
                                                   const BakeOptions& options,
                                                   const Progress& progress, CastCounts& counts);
 
-/// Tiles of a `sparse` asset: for each direction the surface that faces it best, in square maps of
-/// `sparse_samples` samples a side, as coarse as the tolerance allows.
-[[nodiscard]] std::vector<MapData> cast_sparse_maps(const Caster& caster,
-                                                    const std::vector<SupportPlane>& planes,
-                                                    double tolerance, std::uint64_t seed,
-                                                    const Progress& progress, CastCounts& counts);
-
-/// Samples a side of a sparse tile: eight cells, so that a tile's mask is two words.
-inline constexpr std::uint32_t sparse_samples = 9;
-
 /// What the spatial partition came to.
 struct PartitionCounts {
   std::uint64_t records = 0;
   std::uint64_t fallback = 0;  ///< records with triangles
 };
 
-/// Fills `asset.grid` and `asset.triangles`: for every grid cell that touches the band the maps
+/// Fills `asset.grid` and `asset.triangles` of a `full` asset: for every grid cell that touches the band the maps
 /// that answer its points within `tolerance`, as measured at sample points with the servo's own
 /// query, or where none do the triangles that can be closest. `asset.maps` and `planes` must be
 /// final.

@@ -8,11 +8,14 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
+#include <utility>
 #include <vector>
 
 #include "baker/bake_error.hpp"
 #include "baker/exact_surface.hpp"
 #include "baker/random.hpp"
+#include "baker/smooth.hpp"
 #include "common/query.hpp"
 #include "common/units.hpp"
 #include "formats/sha256.hpp"
@@ -27,6 +30,7 @@ constexpr std::uint64_t most_draws = 256;
 /// What a verification measures with; fixed while it runs.
 struct Setting {
   const ExactSurface& surface;
+  const ExactSurface* unsmoothed;  ///< what the surface was smoothed from; may be null
   const AssetView& view;
   Band band;         ///< that is sampled
   double tolerance;  ///< m
@@ -41,13 +45,24 @@ struct Outcome {
   Vector3 point = Vector3::Zero();
   double truth = 0;
   bool answered = false;
-  bool far = false;  ///< the asset says outside, beyond the margin
+  bool far = false;     ///< the asset says outside, beyond the margin
+  bool pruned = false;  ///< the bake left the place out
   double answer = 0;
   double error = 0;
+  double smoothing_error = 0;
+  double total_error = 0;
   Source source = Source::none;
   double direction_error = -1;  ///< rad; negative where no direction is defined or answered
   bool contested = false;
 };
+
+/// What smoothing changed at a sample's place, alone and together with the asset's own error.
+void judge_smoothing(const ExactSurface& unsmoothed, Outcome& outcome) {
+  const double distance = (outcome.point - unsmoothed.closest(outcome.point).position).norm();
+  const double truth = unsmoothed.inside(outcome.point) ? -distance : distance;
+  outcome.smoothing_error = std::abs(outcome.truth - truth);
+  outcome.total_error = outcome.answered ? std::abs(outcome.answer - truth) : 0;
+}
 
 /// Draws places until one is in the band by its true distance and not beside a hole.
 Vector3 draw(const Setting& setting, std::uint64_t index, Outcome& outcome) {
@@ -82,6 +97,7 @@ void judge_distance(const Setting& setting, const Answer& answer, Outcome& outco
   outcome.answered = std::isfinite(answer.distance);
   outcome.answer = answer.distance;
   outcome.far = answer.status == Status::far;
+  outcome.pruned = answer.status == Status::pruned;
   if (outcome.far && outcome.truth >= setting.view.band.margin - setting.tolerance) {
     outcome.answered = true;
     outcome.answer = setting.view.band.margin;
@@ -106,6 +122,7 @@ Outcome measure(const Setting& setting, std::uint64_t index) {
   const Answer answer = query_point(setting.view, outcome.point);
   judge_distance(setting, answer, outcome);
   judge_direction(setting, closest, answer, outcome);
+  if (setting.unsmoothed != nullptr) judge_smoothing(*setting.unsmoothed, outcome);
   return outcome;
 }
 
@@ -141,11 +158,23 @@ bool wrong_side(const Outcome& outcome) {
   return outcome.answered && !outside;
 }
 
+/// Adds what smoothing changed to a report.
+void add_smoothing(const std::vector<Outcome>& outcomes, VerifyReport& report) {
+  std::vector<double> smoothing, total;
+  for (const Outcome& outcome : outcomes) {
+    if (!outcome.drawn) continue;
+    smoothing.push_back(outcome.smoothing_error);
+    if (outcome.answered) total.push_back(outcome.total_error);
+  }
+  report.smoothing = summarise(std::move(smoothing));
+  report.total = summarise(std::move(total));
+}
+
 VerifyReport reduce(const std::vector<Outcome>& outcomes, double tolerance) {
   VerifyReport report;
   std::vector<double> errors;
   std::vector<double> angles;
-  std::uint64_t near_holes = 0, contested = 0, from_triangles = 0;
+  std::uint64_t near_holes = 0, contested = 0, from_triangles = 0, pruned = 0;
   std::uint64_t clear = 0, inside_wrong = 0, outside_wrong = 0;
   double worst = -1;
   for (const Outcome& outcome : outcomes) {
@@ -153,6 +182,7 @@ VerifyReport reduce(const std::vector<Outcome>& outcomes, double tolerance) {
     if (!outcome.drawn) continue;
     ++report.samples;
     contested += outcome.contested ? 1 : 0;
+    pruned += outcome.pruned ? 1 : 0;
     if (outcome.direction_error >= 0) angles.push_back(outcome.direction_error);
     if (std::abs(outcome.truth) > tolerance) {
       ++clear;
@@ -166,7 +196,8 @@ VerifyReport reduce(const std::vector<Outcome>& outcomes, double tolerance) {
       report.worst_point = outcome.point;
     }
   }
-  report.unanswered = share_of(report.samples - errors.size(), report.samples);
+  report.unanswered = share_of(report.samples - errors.size() - pruned, report.samples);
+  report.pruned = share_of(pruned, report.samples);
   report.fallback_answers = share_of(from_triangles, errors.size());
   report.near_holes = share_of(near_holes, near_holes + report.samples);
   report.direction_contested = share_of(contested, report.samples);
@@ -178,6 +209,11 @@ VerifyReport reduce(const std::vector<Outcome>& outcomes, double tolerance) {
   report.direction_p99 = quantile(angles, 0.99);
   report.direction_max = angles.empty() ? 0 : angles.back();
   return report;
+}
+
+unsigned threads_of(const VerifyOptions& options) {
+  return options.threads > 0 ? options.threads
+                             : static_cast<unsigned>(tbb::info::default_concurrency());
 }
 
 /// The band to sample, after checking what was asked for.
@@ -202,13 +238,14 @@ Band checked_band(const AssetMetadata& metadata, const VerifyOptions& options) {
 }  // namespace
 
 VerifyReport verify_against(const Mesh& mesh, const AssetView& view, const AssetMetadata& metadata,
-                            const VerifyOptions& options) {
-  const unsigned threads = options.threads > 0
-                               ? options.threads
-                               : static_cast<unsigned>(tbb::info::default_concurrency());
-  const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
+                            const VerifyOptions& options, const Mesh* unsmoothed) {
+  const tbb::global_control limit(tbb::global_control::max_allowed_parallelism,
+                                  threads_of(options));
   const Band band = checked_band(metadata, options);
   const ExactSurface surface(mesh);
+  const std::optional<ExactSurface> before =
+      unsmoothed != nullptr ? std::optional<ExactSurface>(std::in_place, *unsmoothed)
+                            : std::nullopt;
   if (surface.empty()) {
     throw BakeError(ExitCode::invalid_input,
                     mesh.path +
@@ -217,6 +254,7 @@ VerifyReport verify_against(const Mesh& mesh, const AssetView& view, const Asset
   }
   // The fit draws from the same generator; a seed of its own keeps the two sets of places apart.
   const Setting setting{surface,
+                        before ? &*before : nullptr,
                         view,
                         band,
                         metadata.tolerance.value_or(metadata.diagonal / 1000),
@@ -226,6 +264,7 @@ VerifyReport verify_against(const Mesh& mesh, const AssetView& view, const Asset
   tbb::parallel_for(std::size_t{0}, outcomes.size(),
                     [&](std::size_t i) { outcomes[i] = measure(setting, i); });
   VerifyReport report = reduce(outcomes, setting.tolerance);
+  if (before) add_smoothing(outcomes, report);
   report.band = band;
   if (report.samples == 0) {
     throw BakeError(ExitCode::invalid_input,
@@ -254,7 +293,14 @@ VerifyReport verify_asset(const AssetView& view, const AssetMetadata& metadata,
   mesh.diagonal *= metadata.scale;
   VerifyOptions checked = options;
   if (options.band) checked.band = band.max_depth;
-  return verify_against(mesh, view, metadata, checked);
+  const Result<SmoothOptions> smoothing = recorded_smoothing(metadata.options);
+  if (!smoothing) throw BakeError(smoothing.error().code, smoothing.error().message);
+  if (smoothing->kind == Smoothing::none) return verify_against(mesh, view, metadata, checked);
+  const tbb::global_control limit(tbb::global_control::max_allowed_parallelism,
+                                  threads_of(options));
+  SmoothReport ignored;
+  const Mesh smoothed = smoothed_mesh(mesh, *smoothing, {}, ignored);
+  return verify_against(smoothed, view, metadata, checked, &mesh);
 }
 
 }  // namespace spm::baker

@@ -22,9 +22,13 @@ struct VerifyReport {
   double direction_contested = 0;  ///< share of the samples left out of the directions
   double inside_as_outside = 0;    ///< share of the samples farther than the tolerance
   double outside_as_inside = 0;    ///< likewise
-  double unanswered = 0;           ///< share of all samples
+  double unanswered = 0;           ///< share of all samples; `pruned` is no part of it
+  double pruned = 0;               ///< share of all samples that lie where the bake left out
   double near_holes = 0;           ///< share of the draws that were left out near border edges
   double fallback_answers = 0;     ///< share of the answers that came from triangles
+  /// Of an asset of a smoothed surface, which all else is judged against: how far the distance to
+  /// the unsmoothed surface is from that to the smoothed one, and from the answer, m.
+  std::optional<ErrorSummary> smoothing, total;
   std::uint64_t samples = 0;
   Band band;                              ///< that was sampled
   Vector3 worst_point = Vector3::Zero();  ///< where the distance error is largest, asset's frame
@@ -40,13 +44,15 @@ struct VerifyOptions {
 /// Compares an asset's answers with the exact surface of the mesh file: closest points on the outer
 /// union of its parts (CGAL), sides by the generalised winding number; it shares no code with the
 /// fit. Samples are uniform by area, at uniform depths from `band` inside to the margin outside.
+/// Where the bake smoothed the surface, so does this, and compares with both.
 /// The mesh is read anew from `mesh_path` with the unit and scale that the asset recorded.
 /// Throws BakeError: invalid_input where the mesh's hash is not the asset's or the band is too
 /// wide.
 [[nodiscard]] VerifyReport verify_asset(const AssetView& view, const AssetMetadata& metadata,
                                         const std::string& mesh_path, const VerifyOptions& options);
 
-/// The same against a mesh in memory, which must be in the asset's frame.
+/// The same against a mesh in memory, which must be in the asset's frame; `unsmoothed` is what it
+/// was smoothed from, null where it was not.
 ///
 /// A sample's true distance lies in the band. What the answers at its two ends say is a bound:
 /// `deep` counts as -max_depth; `far` counts as the margin where that is within the tolerance of
@@ -57,6 +63,7 @@ struct VerifyOptions {
 /// place.
 [[nodiscard]] VerifyReport verify_against(const Mesh& mesh, const AssetView& view,
                                           const AssetMetadata& metadata,
-                                          const VerifyOptions& options);
+                                          const VerifyOptions& options,
+                                          const Mesh* unsmoothed = nullptr);
 
 }  // namespace spm::baker

@@ -7,6 +7,7 @@
 
 #include "common/distance_map.hpp"
 #include "common/support_plane.hpp"
+#include "common/tile.hpp"
 
 namespace spm {
 
@@ -19,29 +20,48 @@ struct Band {
 /// Spatial partition: a regular grid over the band's bounding box. Views; nothing is owned.
 ///
 /// `index` has one word a cell, x fastest. Its two top bits tell what the cell is (CellKind), the
-/// 30 others hold its payload. A record in `records` is one header word, then the candidates:
-///   header: bits 0-15 the number of map candidates, bits 16-31 the number of triangles;
-///   map candidate: bits 0-23 the map, bits 24-31 the layer in the map;
-///   triangle: bits 0-30 the triangle, bit 31 set for a cap, which decides the side and carries no
-///   distance.
-/// A header of all ones (split_header) means a split cell: eight words like those of `index`
-/// follow, one an octant, x fastest; at most split_levels splits lie within each other. Words are
-/// read in place from a file that may be damaged after it was checked, so a reader checks every
-/// offset and index before it uses it.
+/// 30 others hold its payload. The payload of a cell of kind `record` is one of
+///   bit 29 set: one or two tiles (`sparse` only), bits 0-13 the first, bits 14-27 the second or
+///     all ones where there is none;
+///   bit 28 set: a split cell; bits 0-27 the place in `records` of eight words like those of
+///     `index`, one an octant, x fastest; at most split_levels splits lie within each other;
+///   neither: bits 0-27 the place in `records` of a list.
+/// A list is a header word, then numbers:
+///   header: bits 0-7 how many maps or tiles, bits 8-23 how many triangles, bits 24-25 the ListSide,
+///     the rest 0;
+///   numbers: maps or tiles first, then triangles; a word each, or, where `narrow`, 16 bits each,
+///     the low half of a word first. A map of a `full` asset: bits 0-23 the map, bits 24-31 its
+///     layer. A triangle: its number, times two, plus one for a cap, which decides the side and
+///     carries no distance.
+/// Words are read in place from a file that may be damaged after it was checked, so a reader checks
+/// every offset and index before it uses it.
 struct Grid {
   Vector3 origin = Vector3::Zero();
   double cell_size = 1;
   std::array<std::uint32_t, 3> cells{0, 0, 0};
+  bool narrow = false;
   std::span<const std::uint32_t> index;
   std::span<const std::uint32_t> records;
 };
 
-inline constexpr std::uint32_t split_header = 0xFFFFFFFFU;
-inline constexpr int split_levels = 1;
-/// Bits of an index word below its kind.
+inline constexpr int split_levels = 6;
+/// Bits of an index word below its kind, and what they hold for a cell of kind `record`.
 inline constexpr std::uint32_t payload_mask = 0x3FFFFFFFU;
+inline constexpr std::uint32_t inline_bit = 1U << 29U;
+inline constexpr std::uint32_t split_bit = 1U << 28U;
+inline constexpr std::uint32_t offset_mask = 0x0FFFFFFFU;
+inline constexpr std::uint32_t inline_none = 0x3FFFU;
+inline constexpr std::uint32_t most_listed = 0xFFU;
+inline constexpr std::uint32_t most_listed_triangles = 0xFFFFU;
 
-/// A map candidate of a record, as its word names it.
+/// How a list tells the side.
+enum class ListSide : std::uint32_t {
+  told = 0,     ///< by the surfaces; see SideClaims
+  inside = 1,   ///< the whole cell is inside
+  outside = 2,  ///< the whole cell is outside
+};
+
+/// A map candidate of a `full` asset's list, as its word names it.
 struct MapCandidate {
   std::uint32_t map = 0;
   std::uint32_t layer = 0;  ///< below 256
@@ -55,6 +75,11 @@ struct MapCandidate {
   return candidate.map | candidate.layer << 24U;
 }
 
+[[nodiscard]] constexpr std::uint32_t list_header(
+    std::uint32_t surfaces, std::uint32_t triangles, ListSide side = ListSide::told) noexcept {
+  return surfaces | triangles << 8U | static_cast<std::uint32_t>(side) << 24U;
+}
+
 /// What turns distance and normal on a map into those of the solid: 1 where the crossing (from 0)
 /// is an entry, -1 where it is an exit, which has the solid on the plane's side of the surface.
 [[nodiscard]] constexpr double side_of_crossing(std::uint32_t crossing) noexcept {
@@ -64,7 +89,7 @@ struct MapCandidate {
 enum class CellKind : std::uint32_t {
   far = 0,     ///< wholly outside and beyond the margin
   deep = 1,    ///< wholly inside and below max_depth; payload: normal, octahedral, 15 bits an axis
-  record = 2,  ///< touches the band; payload: word of its record
+  record = 2,  ///< touches the band; payload: see Grid
   pruned = 3,  ///< left out by the bake
 };
 
@@ -73,7 +98,14 @@ enum class CellKind : std::uint32_t {
 struct AssetView {
   std::span<const SupportPlane> planes;
   std::span<const DistanceMap> maps;
-  std::span<const float> triangles;  ///< nine floats each: three corners, metres
+  std::span<const Tile> tiles;  ///< `sparse` only, as `maps` are `full` only
+  float height_unit = 1;        ///< m a unit of the tiles' heights
+  /// Exact fallback, three corners each: nine floats, metres; or nine numbers of 16 bits, of which
+  /// triangle_step metres from triangle_origin make a coordinate. One of the two is empty.
+  std::span<const float> triangles;
+  std::span<const std::uint16_t> small_triangles;
+  Vector3 triangle_origin = Vector3::Zero();
+  double triangle_step = 0;
   Grid grid;
   Band band;
   double tolerance = 0;  ///< m; how far an answer at the band's end may lie beyond it

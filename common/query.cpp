@@ -8,7 +8,9 @@
 
 #include "common/closest_on_map.hpp"
 #include "common/closest_on_triangle.hpp"
+#include "common/grid_list.hpp"
 #include "common/octahedral.hpp"
+#include "common/tile.hpp"
 
 namespace spm {
 
@@ -19,6 +21,13 @@ constexpr double infinity = std::numeric_limits<double>::infinity();
 /// Feet of triangles closer to each other than this share of a cell are one place: an edge or
 /// corner.
 constexpr double tie_share_of_cell = 2e-5;
+/// So are feet that the rounding of triangles may have moved apart, in steps.
+constexpr double tie_steps = 3;
+
+/// A foot whose normal meets the point within this cosine is a face's, not an edge's.
+constexpr float facing_share = 0.9995F;
+/// Nearer to the surface than this share of the tolerance, directions to the foot are noise.
+constexpr double surface_share = 0.1;
 
 Answer unanswered(Status status) noexcept {
   Answer answer;
@@ -35,31 +44,14 @@ Answer deep_answer(const Band& band, const Vector3& normal) noexcept {
   return answer;
 }
 
-/// One record of the grid, bounds checked against the words that the file really has.
-struct Record {
-  std::span<const std::uint32_t> maps;
-  std::span<const std::uint32_t> triangles;
-};
-
-Record record_at(const Grid& grid, std::uint32_t offset) noexcept {
-  if (offset >= grid.records.size()) return {};
-  const std::uint32_t header = grid.records[offset];
-  const std::size_t maps = header & 0xFFFFU;
-  const std::size_t triangles = header >> 16U;
-  if (offset + 1 + maps + triangles > grid.records.size()) return {};
-  return {grid.records.subspan(offset + 1, maps),
-          grid.records.subspan(offset + 1 + maps, triangles)};
-}
-
-/// The foot of least rank among a record's maps.
-Answer closest_of_maps(const AssetView& asset, std::span<const std::uint32_t> candidates,
-                       const Vector3& point) noexcept {
+/// The foot of least rank among a list's maps.
+Answer closest_of_maps(const AssetView& asset, const GridList& list, const Vector3& point) noexcept {
   const DistanceMap* map = nullptr;
   std::uint32_t layer = 0;
   MapFoot best;
   best.rank = infinity;
-  for (const std::uint32_t candidate : candidates) {
-    const auto [which, candidate_layer] = unpack_candidate(candidate);
+  for (std::uint32_t k = 0; k < list.surfaces(); ++k) {
+    const auto [which, candidate_layer] = unpack_candidate(list.surface(k));
     if (which >= asset.maps.size() || candidate_layer >= asset.maps[which].layers) continue;
     const DistanceMap& candidate_map = asset.maps[which];
     const MapFoot foot =
@@ -84,26 +76,51 @@ Answer closest_of_maps(const AssetView& asset, std::span<const std::uint32_t> ca
   return answer;
 }
 
-/// The closest of a record's triangles. The side is decided by the closest one, caps included;
+/// Corners of a triangle of the fallback, m; false where there is no such triangle.
+bool triangle_corners(const AssetView& asset, std::uint32_t triangle,
+                      std::array<Vector3, 3>& corners) noexcept {
+  const std::size_t first = std::size_t{triangle} * 9;
+  if (!asset.small_triangles.empty()) {
+    if (first + 9 > asset.small_triangles.size()) return false;
+    const std::uint16_t* number = asset.small_triangles.data() + first;
+    for (int corner = 0; corner < 3; ++corner, number += 3) {
+      corners[static_cast<std::size_t>(corner)] =
+          asset.triangle_origin +
+          asset.triangle_step * Vector3(number[0], number[1], number[2]);
+    }
+    return true;
+  }
+  if (first + 9 > asset.triangles.size()) return false;
+  const float* number = asset.triangles.data() + first;
+  for (int corner = 0; corner < 3; ++corner, number += 3) {
+    corners[static_cast<std::size_t>(corner)] = Vector3(number[0], number[1], number[2]);
+  }
+  return true;
+}
+
+/// The closest of a list's triangles. The side is decided by the closest one, caps included;
 /// where several share the closest point (an edge, a corner), by the one that faces the point most.
-Answer closest_of_triangles(const AssetView& asset, std::span<const std::uint32_t> candidates,
-                            const Vector3& point) noexcept {
-  const double tie = tie_share_of_cell * asset.grid.cell_size;
+/// `sides`, if given, gets every triangle's claim.
+Answer closest_of_triangles(const AssetView& asset, const GridList& list, const Vector3& point,
+                            SideClaims* sides) noexcept {
+  const double tie =
+      std::max(tie_share_of_cell * asset.grid.cell_size, tie_steps * asset.triangle_step);
   double surface = infinity, deciding = infinity, facing = -1, side = 1;
   Vector3 foot = Vector3::Zero(), face_normal = Vector3::Zero();
-  for (const std::uint32_t candidate : candidates) {
-    const std::size_t first = std::size_t{candidate & 0x7FFFFFFFU} * 9;
-    if (first + 9 > asset.triangles.size()) continue;
-    const float* corner = asset.triangles.data() + first;
-    const Vector3 a(corner[0], corner[1], corner[2]);
-    const Vector3 b(corner[3], corner[4], corner[5]);
-    const Vector3 c(corner[6], corner[7], corner[8]);
+  for (std::uint32_t k = 0; k < list.triangles(); ++k) {
+    const std::uint32_t candidate = list.triangle(k);
+    std::array<Vector3, 3> corners;
+    if (!triangle_corners(asset, candidate >> 1U, corners)) continue;
+    const auto& [a, b, c] = corners;
     const Vector3 nearest = closest_on_triangle(point, a, b, c);
     const double distance = (point - nearest).norm();
-    const bool cap = (candidate >> 31U) != 0;
-    if (!(distance <= deciding + tie) && (cap || !(distance < surface))) continue;
+    const bool cap = (candidate & 1U) != 0;
+    const bool competes = distance <= deciding + tie || (!cap && distance < surface);
+    if (!competes && (sides == nullptr || !(distance <= sides->limit()))) continue;
     const Vector3 normal = (b - a).cross(c - a).normalized();
     const double height = normal.dot(point - nearest);
+    if (sides != nullptr) sides->add({distance, height < 0, std::abs(height)});
+    if (!competes) continue;
     const double faces = distance > 0 ? std::abs(height) / distance : 1;
     const bool clearly_closer = distance < deciding - tie;
     if (clearly_closer || (distance <= deciding + tie && faces > facing)) {
@@ -128,6 +145,78 @@ Answer closest_of_triangles(const AssetView& asset, std::span<const std::uint32_
   return answer;
 }
 
+/// The answer that a foot on a tile is.
+Answer answer_of_tile(const AssetView& asset, const Tile& tile, const TileFoot& foot,
+                      bool inside) noexcept {
+  const SupportPlane& plane = asset.planes[tile.plane];
+  Answer answer;
+  const auto distance = static_cast<double>(foot.distance);
+  answer.distance = inside ? -distance : distance;
+  // Off the foot's own normal the point faces an edge, and its direction is the gradient; on the
+  // surface itself that direction is noise.
+  const bool faces = std::abs(foot.below) >= facing_share * foot.distance;
+  if (distance < surface_share * asset.tolerance || (faces && (foot.below > 0) == inside)) {
+    answer.normal = surface_normal(plane, static_cast<double>(foot.slope_eta),
+                                   static_cast<double>(foot.slope_omega))
+                        .normalized();
+  } else {
+    const Vector3 away =
+        from_plane_frame(plane, static_cast<double>(foot.away_eta),
+                         static_cast<double>(foot.away_omega), static_cast<double>(foot.away_depth));
+    answer.normal = (inside ? -1 : 1) * away.normalized();
+  }
+  answer.plane = static_cast<std::int32_t>(tile.plane);
+  answer.layer = static_cast<std::int32_t>(tile.first_layer);
+  answer.source = Source::map;
+  answer.status = Status::exact;
+  return answer;
+}
+
+}  // namespace
+
+ListReading read_list(const AssetView& asset, const GridList& list,
+                      const Vector3& point) noexcept {
+  ListReading reading(list.side() == ListSide::told ? tie_tolerances * asset.tolerance : 0);
+  reading.side = list.side();
+  for (std::uint32_t k = 0; k < list.surfaces(); ++k) {
+    const std::uint32_t which = list.surface(k);
+    if (which >= asset.tiles.size()) continue;
+    const Tile& tile = asset.tiles[which];
+    const TileFoot foot = closest_on_tile(tile, asset.height_unit, asset.planes[tile.plane], point,
+                                          static_cast<float>(reading.sides.limit()));
+    if (!std::isfinite(foot.distance)) continue;
+    reading.sides.add({static_cast<double>(foot.distance), foot.below > 0,
+                       static_cast<double>(std::abs(foot.below))});
+    if (reading.tile != nullptr && !(foot.distance < reading.foot.distance)) continue;
+    reading.foot = foot;
+    reading.tile = &tile;
+  }
+  if (list.triangles() == 0) return reading;
+  // Triangles alone are the whole surface, whose edges tell the side; among tiles each is a patch.
+  const bool alone = list.surfaces() == 0;
+  reading.triangles = closest_of_triangles(asset, list, point, alone ? nullptr : &reading.sides);
+  if (reading.triangles.status != Status::exact) return reading;
+  const double distance = std::abs(reading.triangles.distance);
+  if (alone) reading.sides.add({distance, reading.triangles.distance < 0, distance});
+  reading.from_triangles =
+      reading.tile == nullptr || distance < static_cast<double>(reading.foot.distance);
+  return reading;
+}
+
+Answer answer_of(const AssetView& asset, const ListReading& reading) noexcept {
+  if (reading.tile == nullptr && !reading.from_triangles) return unanswered(Status::far);
+  const bool inside = reading.side == ListSide::told ? reading.sides.inside()
+                                                     : reading.side == ListSide::inside;
+  if (!reading.from_triangles) return answer_of_tile(asset, *reading.tile, reading.foot, inside);
+  Answer answer = reading.triangles;
+  if (inside == (answer.distance < 0)) return answer;
+  answer.distance = -answer.distance;
+  answer.normal = -answer.normal;
+  return answer;
+}
+
+namespace {
+
 /// The word that tells what lies around a point: of its grid cell, or of the octant of a split one.
 std::uint32_t word_at(const Grid& grid, const Vector3& point) noexcept {
   constexpr std::uint32_t nothing = static_cast<std::uint32_t>(CellKind::far) << 30U;
@@ -144,11 +233,8 @@ std::uint32_t word_at(const Grid& grid, const Vector3& point) noexcept {
   if (cell >= grid.index.size()) return nothing;
   std::uint32_t word = grid.index[cell];
   for (int level = 0; level < split_levels; ++level) {
-    const std::size_t offset = word & payload_mask;
-    if (static_cast<CellKind>(word >> 30U) != CellKind::record ||
-        offset + 9 > grid.records.size() || grid.records[offset] != split_header) {
-      break;
-    }
+    const std::size_t offset = word & offset_mask;
+    if (!is_split(word) || offset + 8 > grid.records.size()) break;
     std::size_t octant = 0;
     for (std::size_t axis = 0; axis < 3; ++axis) {
       within[axis] *= 2;
@@ -156,7 +242,7 @@ std::uint32_t word_at(const Grid& grid, const Vector3& point) noexcept {
       within[axis] -= 1;
       octant |= std::size_t{1} << axis;
     }
-    word = grid.records[offset + 1 + octant];
+    word = grid.records[offset + octant];
   }
   return word;
 }
@@ -175,13 +261,20 @@ Answer query_point(const AssetView& asset, const Vector3& point) noexcept {
     case CellKind::record:
       break;
   }
-  const Record record = record_at(asset.grid, word & payload_mask);
-  Answer answer = closest_of_maps(asset, record.maps, point);
-  if (!record.triangles.empty()) {
-    const Answer exact = closest_of_triangles(asset, record.triangles, point);
-    if (answer.status != Status::exact || std::abs(exact.distance) < std::abs(answer.distance)) {
-      answer = exact;
+  // A split below the last level: the file was damaged.
+  if (is_split(word)) return unanswered(Status::far);
+  const GridList list(asset.grid, word);
+  Answer answer;
+  if (asset.full) {
+    answer = closest_of_maps(asset, list, point);
+    if (list.triangles() > 0) {
+      const Answer exact = closest_of_triangles(asset, list, point, nullptr);
+      if (answer.status != Status::exact || std::abs(exact.distance) < std::abs(answer.distance)) {
+        answer = exact;
+      }
     }
+  } else {
+    answer = answer_of(asset, read_list(asset, list, point));
   }
   if (answer.status != Status::exact) return unanswered(Status::far);
   if (answer.distance > asset.band.margin + asset.tolerance) return unanswered(Status::far);

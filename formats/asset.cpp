@@ -5,14 +5,10 @@
 #include <cmath>
 #include <utility>
 
+#include "formats/tile_words.hpp"
+
 namespace spm {
 namespace {
-
-double to_float(double value) {
-  // volatile: GCC 12 drops the rounding of neighbouring values where it vectorises them.
-  const volatile float rounded = static_cast<float>(value);
-  return static_cast<double>(rounded);
-}
 
 Vector3 round_to_step(const Vector3& value, double steps_per_unit) {
   return value.unaryExpr([steps_per_unit](double x) {
@@ -33,10 +29,14 @@ double steps_per_metre(double diagonal) {
 }  // namespace
 
 AssetTables::AssetTables(std::vector<SupportPlane> planes, std::vector<DistanceMap> maps,
-                         std::vector<std::vector<std::uint32_t>> layer_offsets, Grid grid,
-                         std::span<const float> triangles, Band band, double tolerance, bool full)
-    : planes_(std::move(planes)), maps_(std::move(maps)), layer_offsets_(std::move(layer_offsets)) {
-  if (full) {
+                         std::vector<std::vector<std::uint32_t>> layer_offsets,
+                         std::vector<Tile> tiles, const AssetView& rest)
+    : planes_(std::move(planes)),
+      maps_(std::move(maps)),
+      tiles_(std::move(tiles)),
+      layer_offsets_(std::move(layer_offsets)),
+      view_(rest) {
+  if (rest.full) {
     for (const SupportPlane& plane : planes_) {
       nx_.push_back(plane.n.x());
       ny_.push_back(plane.n.y());
@@ -44,17 +44,14 @@ AssetTables::AssetTables(std::vector<SupportPlane> planes, std::vector<DistanceM
       offset_.push_back(plane.n.dot(plane.x0));
     }
   }
-  view_ = {.planes = planes_,
-           .maps = maps_,
-           .triangles = triangles,
-           .grid = grid,
-           .band = band,
-           .tolerance = tolerance,
-           .full = full,
-           .plane_nx = nx_,
-           .plane_ny = ny_,
-           .plane_nz = nz_,
-           .plane_offset = offset_};
+  for (Tile& tile : tiles_) derive_bounds(tile, rest.height_unit);
+  view_.planes = planes_;
+  view_.maps = maps_;
+  view_.tiles = tiles_;
+  view_.plane_nx = nx_;
+  view_.plane_ny = ny_;
+  view_.plane_nz = nz_;
+  view_.plane_offset = offset_;
 }
 
 AssetTables tables_of(const Asset& asset) {
@@ -82,14 +79,27 @@ AssetTables tables_of(const Asset& asset) {
                     .omega0 = map.omega0,
                     .spacing = map.spacing});
   }
-  const Grid grid{.origin = asset.grid.origin,
-                  .cell_size = asset.grid.cell_size,
-                  .cells = asset.grid.cells,
-                  .index = asset.grid.index,
-                  .records = asset.grid.records};
-  return AssetTables(asset.planes, std::move(maps), std::move(offsets), grid, asset.triangles,
-                     asset.metadata.band, answer_tolerance(asset.metadata),
-                     asset.metadata.form == AssetForm::full);
+  std::vector<Tile> tiles;
+  tiles.reserve(asset.tiles.size());
+  for (const TileData& tile : asset.tiles) {
+    tiles.push_back(tile_over(tile, asset.metadata.tile_spacing));
+  }
+  AssetView rest;
+  rest.height_unit = static_cast<float>(asset.metadata.height_unit);
+  rest.triangles = asset.triangles;
+  rest.small_triangles = asset.small_triangles;
+  rest.triangle_origin = asset.triangle_origin;
+  rest.triangle_step = asset.triangle_step;
+  rest.grid = {.origin = asset.grid.origin,
+               .cell_size = asset.grid.cell_size,
+               .cells = asset.grid.cells,
+               .narrow = asset.grid.narrow,
+               .index = asset.grid.index,
+               .records = asset.grid.records};
+  rest.band = asset.metadata.band;
+  rest.tolerance = answer_tolerance(asset.metadata);
+  rest.full = asset.metadata.form == AssetForm::full;
+  return AssetTables(asset.planes, std::move(maps), std::move(offsets), std::move(tiles), rest);
 }
 
 void round_to_stored(Asset& asset) {
@@ -101,11 +111,6 @@ void round_to_stored(Asset& asset) {
     plane.u = round_to_step(plane.u, unit_steps);
     plane.v = round_to_step(plane.v, unit_steps);
     plane.n = round_to_step(plane.n, unit_steps);
-  }
-  for (MapData& map : asset.maps) {
-    map.eta0 = to_float(map.eta0);
-    map.omega0 = to_float(map.omega0);
-    map.spacing = to_float(map.spacing);
   }
 }
 

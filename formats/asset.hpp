@@ -13,7 +13,7 @@
 namespace spm {
 
 /// The version of the file format that this program writes and reads.
-inline constexpr int asset_format_version = 1;
+inline constexpr int asset_format_version = 2;
 
 enum class AssetForm { sparse, full };
 
@@ -36,12 +36,15 @@ struct AssetMetadata {
   double probe_radius = 0;          ///< m, 0 a point
   std::optional<double> tolerance;  ///< m; empty for `full`
   bool tolerance_met = false;
+  std::optional<double> certified;  ///< m: the proven largest error in the band; `sparse` only
+  double tile_spacing = 0;          ///< m between the samples of the coarsest tiles; `sparse` only
+  double height_unit = 1;           ///< m a unit of the tiles' heights; `sparse` only
   std::uint32_t layers_max = 0;     ///< most crossings met along one ray
   double inconsistent_samples = 0;  ///< share of rays whose crossings did not alternate
   double fallback_cells = 0;        ///< share of record cells with triangles
 };
 
-/// One distance map of an asset in memory; see DistanceMap for the meaning of each field.
+/// One distance map of a `full` asset in memory; see DistanceMap for the meaning of each field.
 struct MapData {
   std::uint32_t plane = 0;
   std::uint32_t columns = 0;
@@ -55,27 +58,51 @@ struct MapData {
   std::vector<std::uint32_t> mask;  ///< mask_words(columns, rows, layers) words
 };
 
+/// One tile of a `sparse` asset in memory; see Tile for the meaning of each field. It lies on a
+/// lattice of its plane: spacing = AssetMetadata::tile_spacing / 2^level, eta0 = column * 8 *
+/// spacing, omega0 = row * 8 * spacing.
+struct TileData {
+  std::uint32_t plane = 0;        ///< below 4096
+  std::uint32_t level = 0;        ///< below 12
+  std::uint32_t first_layer = 0;  ///< below 256
+  std::int32_t column = 0;        ///< of 16 bits
+  std::int32_t row = 0;
+  float base = 0;         ///< m
+  float slope_eta = 0;    ///< a HALF number
+  float slope_omega = 0;  ///< a HALF number
+  std::uint64_t valid = 0;
+  std::uint64_t clipped = 0;
+  std::array<std::uint16_t, tile_sample_count> heights{};
+  std::vector<std::uint32_t> clips;  ///< one a set bit of `clipped`
+};
+
 struct GridData {
   Vector3 origin = Vector3::Zero();
   double cell_size = 1;
   std::array<std::uint32_t, 3> cells{0, 0, 0};
+  bool narrow = false;
   std::vector<std::uint32_t> index;
   std::vector<std::uint32_t> records;
 };
 
 /// A baked asset in memory, as the baker builds it and the writer writes it.
-/// `full`: map k belongs to plane k, all maps have the same columns and rows, layers may differ.
-/// `sparse`: all maps have the same columns and rows and one layer.
+/// `full`: map k belongs to plane k, all maps have the same columns and rows, layers may differ; no
+/// tiles. `sparse`: tiles, no maps.
 struct Asset {
   AssetMetadata metadata;
   std::vector<SupportPlane> planes;
   std::vector<MapData> maps;
+  std::vector<TileData> tiles;
   GridData grid;
-  std::vector<float> triangles;  ///< nine floats each
+  // The fallback's triangles, in one of two forms; see AssetView.
+  std::vector<float> triangles;                ///< nine each
+  std::vector<std::uint16_t> small_triangles;  ///< nine each
+  Vector3 triangle_origin = Vector3::Zero();
+  double triangle_step = 0;
 };
 
 /// The views and small tables of an AssetView over memory that somebody else owns. Move-only; the
-/// memory that the maps and the grid point to must outlive it.
+/// memory that maps, tiles, grid and triangles point to must outlive it.
 class AssetTables {
  public:
   AssetTables() = default;
@@ -84,17 +111,19 @@ class AssetTables {
   AssetTables(const AssetTables&) = delete;
   AssetTables& operator=(const AssetTables&) = delete;
 
-  /// Builds the tables. `layer_offsets` holds, for each number of layers from 1 up to the largest
-  /// in `maps`, whatever the maps point to; it moves here so that the pointers stay valid.
+  /// Builds the tables, and derives the tiles' bounds. `layer_offsets` is whatever the maps point
+  /// to; it moves here so that the pointers stay valid. `rest` gives all that is no table: grid,
+  /// triangles, band, tolerance, form and unit of heights.
   AssetTables(std::vector<SupportPlane> planes, std::vector<DistanceMap> maps,
-              std::vector<std::vector<std::uint32_t>> layer_offsets, Grid grid,
-              std::span<const float> triangles, Band band, double tolerance, bool full);
+              std::vector<std::vector<std::uint32_t>> layer_offsets, std::vector<Tile> tiles,
+              const AssetView& rest);
 
   [[nodiscard]] const AssetView& view() const noexcept { return view_; }
 
  private:
   std::vector<SupportPlane> planes_;
   std::vector<DistanceMap> maps_;
+  std::vector<Tile> tiles_;
   std::vector<std::vector<std::uint32_t>> layer_offsets_;
   std::vector<double> nx_, ny_, nz_, offset_;
   AssetView view_;
@@ -105,10 +134,9 @@ class AssetTables {
 [[nodiscard]] AssetTables tables_of(const Asset& asset);
 
 /// Rounds what the file stores with fewer digits than a double holds to the stored values, so that
-/// an asset in memory and the same asset read back answer alike. `sparse` only: the placing of maps
-/// to floats; plane bases to eight decimals and plane origins to a hundred-millionth of the
-/// diagonal (orthonormal to 1e-7). Call it before fitting ends and errors are measured; it may be
-/// repeated.
+/// an asset in memory and the same asset read back answer alike. `sparse` only: plane bases to
+/// eight decimals and plane origins to a hundred-millionth of the diagonal (orthonormal to 1e-7).
+/// Call it before tiles are fitted; it may be repeated.
 void round_to_stored(Asset& asset);
 
 /// How far an answer at the band's end may lie beyond it, m: the tolerance, or a thousandth of the

@@ -2,60 +2,80 @@
 #include "formats/asset_check.hpp"
 
 #include <limits>
+#include <utility>
 #include <vector>
+
+#include "common/grid_list.hpp"
+#include "formats/tile_words.hpp"
 
 namespace spm {
 namespace {
 
-constexpr std::uint32_t cap_flag = 1U << 31U;
+/// Walks over the words of the grid; what several cells share is looked at once.
+class GridCheck {
+ public:
+  explicit GridCheck(const AssetView& asset)
+      : asset_(asset),
+        triangles_((asset.triangles.size() + asset.small_triangles.size()) / 9),
+        checked_(asset.grid.records.size(), 0) {}
 
-/// What is wrong with the record at `offset`, empty when nothing is.
-std::string record_problem(const AssetView& asset, std::uint32_t offset, int splits_left) {
-  const std::span<const std::uint32_t> records = asset.grid.records;
-  if (offset >= records.size()) return "lies outside the records";
-  if (records[offset] == split_header) {
+  /// What is wrong with what a word leads to, empty when nothing is.
+  [[nodiscard]] std::string problem(std::uint32_t word, int splits_left) {
+    if (static_cast<CellKind>(word >> 30U) != CellKind::record) return {};
+    if ((word & inline_bit) != 0) return list_problem(word);
+    const std::size_t offset = word & offset_mask;
+    if (offset >= checked_.size()) return "lies outside the records";
+    const bool split = is_split(word);
+    // A bit for each number of splits that may still lie within, and one for lists.
+    const auto bit = static_cast<std::uint8_t>(1U << (split ? splits_left : split_levels + 1));
+    if ((checked_[offset] & bit) != 0) return {};
+    std::string found = split ? split_problem(offset, splits_left) : list_problem(word);
+    if (found.empty()) checked_[offset] = static_cast<std::uint8_t>(checked_[offset] | bit);
+    return found;
+  }
+
+ private:
+  std::string split_problem(std::size_t offset, int splits_left) {
+    const std::span<const std::uint32_t> records = asset_.grid.records;
     if (splits_left == 0) return "is split too often";
-    if (records.size() - offset < 9) return "is cut short";
-    for (const std::uint32_t word : records.subspan(offset + 1, 8)) {
-      if (static_cast<CellKind>(word >> 30U) != CellKind::record) continue;
-      if (std::string problem = record_problem(asset, word & payload_mask, splits_left - 1);
-          !problem.empty()) {
-        return problem;
-      }
+    if (records.size() - offset < 8) return "is cut short";
+    for (const std::uint32_t word : records.subspan(offset, 8)) {
+      if (std::string found = problem(word, splits_left - 1); !found.empty()) return found;
     }
     return {};
   }
-  const std::uint32_t maps = records[offset] & 0xFFFFU;
-  const std::uint32_t triangles = records[offset] >> 16U;
-  if (std::size_t{maps} + triangles > records.size() - offset - 1) return "is cut short";
-  const auto candidates = records.subspan(offset + 1);
-  for (const std::uint32_t word : candidates.first(maps)) {
-    const auto [map, layer] = unpack_candidate(word);
-    if (map >= asset.maps.size() || layer >= asset.maps[map].layers) {
-      return "names a map or layer that does not exist";
+
+  [[nodiscard]] std::string list_problem(std::uint32_t word) const {
+    const GridList list(asset_.grid, word);
+    if (!list.whole()) return "is cut short";
+    for (std::uint32_t k = 0; k < list.surfaces(); ++k) {
+      if (!surface_exists(list.surface(k))) return "names a surface that does not exist";
     }
-  }
-  for (const std::uint32_t word : candidates.subspan(maps, triangles)) {
-    if ((word & ~cap_flag) >= asset.triangles.size() / 9) {
-      return "names a triangle that does not exist";
+    for (std::uint32_t k = 0; k < list.triangles(); ++k) {
+      if (list.triangle(k) >> 1U >= triangles_) return "names a triangle that does not exist";
     }
+    return {};
   }
-  return {};
-}
+
+  [[nodiscard]] bool surface_exists(std::uint32_t number) const {
+    if (!asset_.full) return number < asset_.tiles.size();
+    const auto [map, layer] = unpack_candidate(number);
+    return map < asset_.maps.size() && layer < asset_.maps[map].layers;
+  }
+
+  const AssetView& asset_;
+  std::size_t triangles_;
+  std::vector<std::uint8_t> checked_;
+};
 
 Result<void> check_grid(const AssetView& asset, const std::string& path) {
-  std::vector<bool> checked(asset.grid.records.size(), false);  // cells may share a record
+  GridCheck check(asset);
   for (std::size_t cell = 0; cell < asset.grid.index.size(); ++cell) {
-    const std::uint32_t word = asset.grid.index[cell];
-    if (static_cast<CellKind>(word >> 30U) != CellKind::record) continue;
-    const std::uint32_t offset = word & payload_mask;
-    if (offset < checked.size() && checked[offset]) continue;
-    if (const std::string problem = record_problem(asset, offset, split_levels); !problem.empty()) {
-      return fail(ExitCode::invalid_input, path + ": the record of grid cell " +
-                                               std::to_string(cell) + " " + problem +
-                                               "; bake it again");
-    }
-    checked[offset] = true;
+    const std::string problem = check.problem(asset.grid.index[cell], split_levels);
+    if (problem.empty()) continue;
+    std::string message = path + ": the record of grid cell ";
+    message += std::to_string(cell) + " " + problem + "; bake it again";
+    return fail(ExitCode::invalid_input, std::move(message));
   }
   return {};
 }
@@ -71,6 +91,12 @@ std::size_t count_bad(std::span<const float> values, bool infinity_allowed) {
   return bad;
 }
 
+std::size_t count_bad_halves(std::span<const std::uint16_t> values) {
+  std::size_t bad = 0;
+  for (const std::uint16_t value : values) bad += half_is_finite(value) ? 0U : 1U;
+  return bad;
+}
+
 }  // namespace
 
 Result<void> check_content(const AssetView& asset, const std::string& path) {
@@ -80,6 +106,12 @@ Result<void> check_content(const AssetView& asset, const std::string& path) {
     if (count_bad({map.samples, samples}, asset.full) != 0) {
       return fail(ExitCode::invalid_input, path + ": map " + std::to_string(index) +
                                                " has samples that are not numbers; bake it again");
+    }
+  }
+  for (std::size_t index = 0; index < asset.tiles.size(); ++index) {
+    if (count_bad_halves({asset.tiles[index].heights, tile_sample_count}) != 0) {
+      return fail(ExitCode::invalid_input, path + ": tile " + std::to_string(index) +
+                                               " has heights that are not numbers; bake it again");
     }
   }
   if (count_bad(asset.triangles, false) != 0) {

@@ -13,9 +13,13 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr std::uint32_t most_maps = 1U << 24U;  // what a grid record can name
+constexpr std::uint32_t most_tiles = 1U << 24U;
 constexpr std::uint32_t most_samples_a_side = 1U << 14U;
 constexpr std::uint32_t most_cells_an_axis = 1U << 20U;
-constexpr std::uint64_t most_words = std::uint64_t{1} << 30U;  // what a grid word can point to
+constexpr std::uint64_t most_cells = std::uint64_t{1} << 30U;
+constexpr std::uint64_t most_words = std::uint64_t{1} << 28U;  // what a grid word can point to
+// Lengths that stay normal floats over all levels and heights.
+constexpr double least_length = 1e-20, greatest_length = 1e20;
 constexpr double basis_slack = 1e-6;
 
 Json json_of(const Vector3& vector) { return Json::array({vector.x(), vector.y(), vector.z()}); }
@@ -46,6 +50,25 @@ Json planes_json(const AssetDescription& description) {
     rows.push_back(std::move(row));
   }
   return rows;
+}
+
+/// How many surfaces of the asset's form there are, and how their samples lie.
+void add_surfaces(const AssetDescription& description, Json& json) {
+  const AssetMetadata& metadata = description.metadata;
+  if (metadata.form == AssetForm::full) {
+    json["maps"] = {{"count", description.maps},
+                    {"columns", description.map_columns},
+                    {"rows", description.map_rows}};
+  } else {
+    json["tiles"] = {{"count", description.tiles},
+                     {"spacing", metadata.tile_spacing},
+                     {"height_unit", metadata.height_unit}};
+  }
+  json["triangles"] = description.triangles;
+  if (description.small_triangles) {
+    json["small_triangles"] = {{"origin", json_of(description.triangle_origin)},
+                               {"step", description.triangle_step}};
+  }
 }
 
 bool is_sha256(const std::string& text) {
@@ -80,6 +103,10 @@ AssetMetadata read_metadata(JsonFields& fields) {
     fields.wrong("tolerance", "a length above 0");
   }
   metadata.tolerance_met = fields.flag("tolerance_met");
+  if (!fields.optional("certified").is_null()) metadata.certified = fields.number("certified", 0);
+  if (metadata.certified && metadata.form == AssetForm::full) {
+    fields.wrong("certified", "null in the full form");
+  }
   JsonFields band = fields.child("band");
   metadata.band = {.max_depth = band.number("max_depth", 0), .margin = band.number("margin", 0)};
   metadata.probe_radius = fields.child("probe").number("radius", 0);
@@ -112,20 +139,38 @@ void read_counts(JsonFields& fields, AssetDescription& description) {
   if (description.grid_cell_size <= 0) grid.wrong("cell_size", "a length above 0");
   description.grid_cells = grid.triple("cells", 1, most_cells_an_axis);
   const auto& cells = description.grid_cells;
-  if (std::uint64_t{cells[0]} * cells[1] > most_words ||
-      std::uint64_t{cells[0]} * cells[1] * cells[2] > most_words) {
+  if (std::uint64_t{cells[0]} * cells[1] > most_cells ||
+      std::uint64_t{cells[0]} * cells[1] * cells[2] > most_cells) {
     grid.wrong("cells", "a grid of at most 2^30 cells");
   }
+  description.grid_narrow = grid.flag("narrow");
+  if (description.grid_narrow && description.metadata.form == AssetForm::full) {
+    grid.wrong("narrow", "false in the full form");
+  }
   description.grid_records = grid.integer("records", 0, most_words);
-  JsonFields maps = fields.child("maps");
-  description.maps = static_cast<std::uint32_t>(maps.integer("count", 0, most_maps));
-  const std::uint64_t least = description.maps == 0 ? 0 : 2;
-  description.map_columns =
-      static_cast<std::uint32_t>(maps.integer("columns", least, most_samples_a_side));
-  description.map_rows =
-      static_cast<std::uint32_t>(maps.integer("rows", least, most_samples_a_side));
   description.triangles =
       static_cast<std::uint32_t>(fields.integer("triangles", 0, (1U << 31U) - 1));
+  description.small_triangles = !fields.optional("small_triangles").is_null();
+  if (!description.small_triangles) return;
+  JsonFields small = fields.child("small_triangles");
+  description.triangle_origin = small.vector("origin");
+  description.triangle_step = small.number("step", least_length, greatest_length);
+}
+
+void read_maps(JsonFields maps, AssetDescription& description) {
+  const auto integer = [&maps](const char* key, std::uint64_t low, std::uint64_t high) {
+    return static_cast<std::uint32_t>(maps.integer(key, low, high));
+  };
+  description.maps = integer("count", 1, most_maps);
+  description.map_columns = integer("columns", 2, most_samples_a_side);
+  description.map_rows = integer("rows", 2, most_samples_a_side);
+}
+
+void read_tiles(JsonFields tiles, AssetDescription& description) {
+  description.tiles = static_cast<std::uint32_t>(tiles.integer("count", 0, most_tiles));
+  const double least = description.tiles == 0 ? 0 : least_length;
+  description.metadata.tile_spacing = tiles.number("spacing", least, greatest_length);
+  description.metadata.height_unit = tiles.number("height_unit", least, greatest_length);
 }
 
 void read_planes(JsonFields& fields, AssetDescription& description, std::string& problem) {
@@ -166,44 +211,49 @@ AssetDescription describe(const Asset& asset) {
   description.grid_origin = asset.grid.origin;
   description.grid_cell_size = asset.grid.cell_size;
   description.grid_cells = asset.grid.cells;
+  description.grid_narrow = asset.grid.narrow;
   description.grid_records = asset.grid.records.size();
   description.maps = static_cast<std::uint32_t>(asset.maps.size());
   if (!asset.maps.empty()) {
     description.map_columns = asset.maps.front().columns;
     description.map_rows = asset.maps.front().rows;
   }
-  description.triangles = static_cast<std::uint32_t>(asset.triangles.size() / 9);
+  description.tiles = static_cast<std::uint32_t>(asset.tiles.size());
+  description.small_triangles = !asset.small_triangles.empty();
+  description.triangles = static_cast<std::uint32_t>(
+      (description.small_triangles ? asset.small_triangles.size() : asset.triangles.size()) / 9);
+  if (description.small_triangles) {
+    description.triangle_origin = asset.triangle_origin;
+    description.triangle_step = asset.triangle_step;
+  }
   return description;
 }
 
 std::string to_json(const AssetDescription& description) {
   const AssetMetadata& metadata = description.metadata;
-  const Json json = {
-      {"format_version", asset_format_version},
-      {"form", metadata.form == AssetForm::full ? "full" : "sparse"},
-      {"units", "m"},
-      {"kind", metadata.kind},
-      {"mesh_sha256", metadata.mesh_sha256},
-      {"options", Json::parse(metadata.options)},
-      {"tolerance", metadata.tolerance ? Json(*metadata.tolerance) : Json()},
-      {"tolerance_met", metadata.tolerance_met},
-      {"band", {{"max_depth", metadata.band.max_depth}, {"margin", metadata.band.margin}}},
-      {"probe", Json::object({{"radius", metadata.probe_radius}})},
-      {"layers_max", metadata.layers_max},
-      {"inconsistent_samples", metadata.inconsistent_samples},
-      {"fallback_cells", metadata.fallback_cells},
-      {"mesh", mesh_json(metadata)},
-      {"grid",
-       {{"origin", json_of(description.grid_origin)},
-        {"cell_size", description.grid_cell_size},
-        {"cells", description.grid_cells},
-        {"records", description.grid_records}}},
-      {"maps",
-       {{"count", description.maps},
-        {"columns", description.map_columns},
-        {"rows", description.map_rows}}},
-      {"triangles", description.triangles},
-      {"planes", planes_json(description)}};
+  Json json = {{"format_version", asset_format_version},
+               {"form", metadata.form == AssetForm::full ? "full" : "sparse"},
+               {"units", "m"},
+               {"kind", metadata.kind},
+               {"mesh_sha256", metadata.mesh_sha256},
+               {"options", Json::parse(metadata.options)},
+               {"tolerance", metadata.tolerance ? Json(*metadata.tolerance) : Json()},
+               {"tolerance_met", metadata.tolerance_met},
+               {"certified", metadata.certified ? Json(*metadata.certified) : Json()},
+               {"band", {{"max_depth", metadata.band.max_depth}, {"margin", metadata.band.margin}}},
+               {"probe", Json::object({{"radius", metadata.probe_radius}})},
+               {"layers_max", metadata.layers_max},
+               {"inconsistent_samples", metadata.inconsistent_samples},
+               {"fallback_cells", metadata.fallback_cells},
+               {"mesh", mesh_json(metadata)},
+               {"grid",
+                {{"origin", json_of(description.grid_origin)},
+                 {"cell_size", description.grid_cell_size},
+                 {"cells", description.grid_cells},
+                 {"narrow", description.grid_narrow},
+                 {"records", description.grid_records}}}};
+  add_surfaces(description, json);
+  json["planes"] = planes_json(description);
   return json.dump();
 }
 
@@ -224,6 +274,11 @@ Result<AssetDescription> parse_description(std::string_view text, const std::str
   description.metadata = read_metadata(fields);
   read_mesh(fields.child("mesh"), description.metadata);
   read_counts(fields, description);
+  if (description.metadata.form == AssetForm::full) {
+    read_maps(fields.child("maps"), description);
+  } else {
+    read_tiles(fields.child("tiles"), description);
+  }
   read_planes(fields, description, problem);
   if (!problem.empty()) return refuse("in its `spm` attribute " + problem);
   return description;

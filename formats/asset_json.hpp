@@ -22,14 +22,19 @@ struct AssetDescription {
   Vector3 grid_origin = Vector3::Zero();
   double grid_cell_size = 1;
   std::array<std::uint32_t, 3> grid_cells{0, 0, 0};
+  bool grid_narrow = false;
   std::uint64_t grid_records = 0;  ///< words
-  std::uint32_t maps = 0;
+  std::uint32_t maps = 0;          ///< `full` only, with their columns and rows
   std::uint32_t map_columns = 0;
   std::uint32_t map_rows = 0;
+  std::uint32_t tiles = 0;  ///< `sparse` only
   std::uint32_t triangles = 0;
+  bool small_triangles = false;  ///< then they have an origin and a step
+  Vector3 triangle_origin = Vector3::Zero();
+  double triangle_step = 0;
 };
 
-/// Description of an asset in memory, without the tiles of its planes.
+/// Description of an asset in memory, without the EXR tiles of its planes.
 [[nodiscard]] AssetDescription describe(const Asset& asset);
 
 /// JSON text of a description: one line, keys in a fixed order, numbers that round-trip, the same

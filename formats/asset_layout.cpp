@@ -2,10 +2,10 @@
 #include "formats/asset_layout.hpp"
 
 #include <algorithm>
-#include <cmath>
-#include <cstring>
 #include <optional>
 #include <utility>
+
+#include "formats/tile_words.hpp"
 
 namespace spm {
 namespace {
@@ -24,6 +24,14 @@ class Parts {
 
   [[nodiscard]] const std::byte* at(std::uint64_t offset) const { return bytes_.data() + offset; }
   [[nodiscard]] const std::vector<ExrPart>& all() const { return parts_; }
+
+  /// All words of a part of them that is a single tile; none where there is no such part.
+  [[nodiscard]] std::span<const std::uint32_t> all_words(std::string_view name) const {
+    const ExrPart* part = find(name);
+    if (part == nullptr || part->type != SampleType::uint32 || part->offsets.size() != 1) return {};
+    return {reinterpret_cast<const std::uint32_t*>(at(part->offsets.front())),
+            part->tile_samples()};
+  }
 
   /// The first `count` words of a part that is a single tile; nothing where the part is not as it
   /// must be. No words are wanted from a part that is missing.
@@ -128,58 +136,53 @@ Result<Maps> full_maps(const Parts& parts, const AssetDescription& description,
   return result;
 }
 
-/// The part of a `sparse` asset's heights, checked against the description.
-const ExrPart* sparse_heights(const Parts& parts, const AssetDescription& description) {
-  const ExrPart* part = parts.find(part_name::heights);
-  const std::uint64_t strips =
-      (std::uint64_t{description.maps} + maps_per_strip - 1) / maps_per_strip;
-  const bool good =
-      part != nullptr && part->type == SampleType::float32 &&
-      part->channels == stored_channels(1) && part->tile_width == description.map_columns &&
-      part->tile_height == maps_per_strip * description.map_rows && part->offsets.size() >= strips;
-  return good ? part : nullptr;
+/// Tiles of a `sparse` asset. All tiles of the part lie in a row of EXR tiles, the same number in
+/// each.
+Result<std::vector<Tile>> sparse_tiles(const Parts& parts, const AssetDescription& description,
+                                       const std::string& path) {
+  const std::uint64_t count = description.tiles;
+  const auto words = parts.words<std::uint32_t>(part_name::grid_tiles, count * tile_words);
+  if (!words) return wrong_part(path, part_name::grid_tiles);
+  TilesRead read = read_tiles(*words, parts.all_words(part_name::grid_masks),
+                              description.metadata.tile_spacing, description.planes.size());
+  if (!read.problem.empty()) return refuse(path, read.problem);
+  if (!parts.words<std::uint32_t>(part_name::grid_masks, read.mask_words)) {
+    return wrong_part(path, part_name::grid_masks);
+  }
+  const ExrPart* heights = parts.find(part_name::heights);
+  if (count == 0) {
+    if (heights != nullptr) return wrong_part(path, part_name::heights);
+    return std::move(read.tiles);
+  }
+  const std::uint64_t strip = heights == nullptr ? 0 : heights->tile_height / tile_samples;
+  if (heights == nullptr || heights->type != SampleType::half16 ||
+      heights->channels != stored_channels(1) || heights->tile_width != tile_samples ||
+      strip == 0 || heights->tile_height != strip * tile_samples ||
+      heights->offsets.size() != (count + strip - 1) / strip) {
+    return wrong_part(path, part_name::heights);
+  }
+  for (std::size_t index = 0; index < count; ++index) {
+    const std::byte* samples = parts.at(heights->offsets[index / strip]);
+    read.tiles[index].heights =
+        reinterpret_cast<const std::uint16_t*>(samples) + index % strip * tile_sample_count;
+  }
+  return std::move(read.tiles);
 }
 
-Result<Maps> sparse_maps(const Parts& parts, const AssetDescription& description,
-                         const std::string& path) {
-  const std::uint64_t count = description.maps;
-  Maps result;
-  const std::uint32_t mask_size =
-      count == 0 ? 0 : mask_words(description.map_columns, description.map_rows, 1);
-  const auto masks = parts.words<std::uint32_t>(part_name::grid_masks, count * mask_size);
-  if (!masks) return wrong_part(path, part_name::grid_masks);
-  const auto places = parts.words<float>(part_name::grid_maps, count * map_floats);
-  if (!places) return wrong_part(path, part_name::grid_maps);
-  const auto owners = parts.words<std::uint32_t>(part_name::grid_map_planes, count * map_words);
-  if (!owners) return wrong_part(path, part_name::grid_map_planes);
-  if (count == 0) return result;
-  const ExrPart* heights = sparse_heights(parts, description);
-  if (heights == nullptr) return wrong_part(path, part_name::heights);
-
-  result.layer_offsets.push_back(stored_layer_offsets(1, description.map_columns));
-  const std::size_t map_samples = std::size_t{description.map_columns} * description.map_rows;
-  for (std::size_t index = 0; index < count; ++index) {
-    DistanceMap map;
-    map.samples = floats_at(parts, heights->offsets[index / maps_per_strip]) +
-                  (index % maps_per_strip) * map_samples;
-    map.layer_offsets = result.layer_offsets.front().data();
-    map.mask = masks->data() + index * mask_size;
-    map.plane = (*owners)[index * map_words];
-    map.columns = description.map_columns;
-    map.rows = description.map_rows;
-    map.layers = 1;
-    map.row_stride = map.columns;
-    map.first_layer = (*owners)[index * map_words + 1];
-    map.eta0 = static_cast<double>((*places)[index * map_floats]);
-    map.omega0 = static_cast<double>((*places)[index * map_floats + 1]);
-    map.spacing = static_cast<double>((*places)[index * map_floats + 2]);
-    if (map.plane >= description.planes.size() || !std::isfinite(map.eta0) ||
-        !std::isfinite(map.omega0) || !std::isfinite(map.spacing) || map.spacing <= 0) {
-      return refuse(path, "map " + std::to_string(index) + " has no plane or no place on it");
-    }
-    result.maps.push_back(map);
+/// The triangles, in the one of two forms that the description names.
+bool find_triangles(const Parts& parts, const AssetDescription& description, AssetView& view) {
+  const std::uint64_t numbers = std::uint64_t{9} * description.triangles;
+  if (!description.small_triangles) {
+    const auto corners = parts.words<float>(part_name::triangles, numbers);
+    if (corners) view.triangles = *corners;
+    return corners.has_value();
   }
-  return result;
+  const auto words = parts.words<std::uint32_t>(part_name::triangles, (numbers + 1) / 2);
+  if (!words) return false;
+  view.small_triangles = {reinterpret_cast<const std::uint16_t*>(words->data()), numbers};
+  view.triangle_origin = description.triangle_origin;
+  view.triangle_step = description.triangle_step;
+  return true;
 }
 
 /// Parts that no asset of this form has.
@@ -189,8 +192,7 @@ const ExrPart* unexpected_part(const Parts& parts, bool full) {
     const bool common = name == part_name::grid_index || name == part_name::grid_records ||
                         name == part_name::grid_masks || name == part_name::triangles;
     const bool own = full ? name.starts_with(part_name::heights)
-                          : name == part_name::heights || name == part_name::grid_maps ||
-                                name == part_name::grid_map_planes;
+                          : name == part_name::heights || name == part_name::grid_tiles;
     if (!common && !own) return &part;
   }
   return nullptr;
@@ -203,9 +205,11 @@ Result<AssetTables> lay_out(std::span<const std::byte> bytes, const std::vector<
   const Parts parts(bytes, exr_parts);
   const bool full = description.metadata.form == AssetForm::full;
   if (const ExrPart* part = unexpected_part(parts, full)) return wrong_part(path, part->name);
-  Result<Maps> maps =
-      full ? full_maps(parts, description, path) : sparse_maps(parts, description, path);
+  Result<Maps> maps = full ? full_maps(parts, description, path) : Result<Maps>();
   if (!maps) return tl::make_unexpected(std::move(maps.error()));
+  Result<std::vector<Tile>> tiles =
+      full ? Result<std::vector<Tile>>() : sparse_tiles(parts, description, path);
+  if (!tiles) return tl::make_unexpected(std::move(tiles.error()));
   const auto& cells = description.grid_cells;
   const auto index = parts.words<std::uint32_t>(part_name::grid_index,
                                                 std::uint64_t{cells[0]} * cells[1] * cells[2]);
@@ -213,17 +217,20 @@ Result<AssetTables> lay_out(std::span<const std::byte> bytes, const std::vector<
   const auto records =
       parts.words<std::uint32_t>(part_name::grid_records, description.grid_records);
   if (!records) return wrong_part(path, part_name::grid_records);
-  const auto triangles =
-      parts.words<float>(part_name::triangles, std::uint64_t{9} * description.triangles);
-  if (!triangles) return wrong_part(path, part_name::triangles);
-  const Grid grid{.origin = description.grid_origin,
-                  .cell_size = description.grid_cell_size,
-                  .cells = description.grid_cells,
-                  .index = *index,
-                  .records = *records};
+  AssetView rest;
+  if (!find_triangles(parts, description, rest)) return wrong_part(path, part_name::triangles);
+  rest.height_unit = static_cast<float>(description.metadata.height_unit);
+  rest.grid = {.origin = description.grid_origin,
+               .cell_size = description.grid_cell_size,
+               .cells = description.grid_cells,
+               .narrow = description.grid_narrow,
+               .index = *index,
+               .records = *records};
+  rest.band = description.metadata.band;
+  rest.tolerance = answer_tolerance(description.metadata);
+  rest.full = full;
   return AssetTables(description.planes, std::move(maps->maps), std::move(maps->layer_offsets),
-                     grid, *triangles, description.metadata.band,
-                     answer_tolerance(description.metadata), full);
+                     std::move(*tiles), rest);
 }
 
 }  // namespace spm

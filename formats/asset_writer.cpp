@@ -9,6 +9,7 @@
 #include "formats/asset.hpp"
 #include "formats/asset_json.hpp"
 #include "formats/exr_writer.hpp"
+#include "formats/tile_words.hpp"
 
 namespace spm {
 namespace {
@@ -95,28 +96,63 @@ std::vector<PartPlan> full_parts(const Asset& asset, std::vector<std::uint32_t>&
   return parts;
 }
 
+/// The tiles' heights, in a row of EXR tiles with the same number of tiles each.
 PartPlan sparse_part(const Asset& asset) {
-  const MapData& first = asset.maps.front();
-  const auto count = static_cast<std::uint32_t>(asset.maps.size());
-  const std::size_t map_bytes = std::size_t{4} * first.columns * first.rows;
+  constexpr std::size_t tile_bytes =
+      std::size_t{tile_sample_count} * sample_bytes(SampleType::half16);
+  const auto count = static_cast<std::uint32_t>(asset.tiles.size());
+  const std::uint32_t strip = arrange_strips(count);
   PartPlan part;
   part.name = part_name::heights;
+  part.type = SampleType::half16;
   part.channels = stored_channels(1);
-  part.tile_width = first.columns;
-  part.tile_height = maps_per_strip * first.rows;
-  part.tiles = arrange_tiles((count + maps_per_strip - 1) / maps_per_strip, part.tile_width,
-                             part.tile_height);
-  part.payload = [&asset, count, map_bytes, bytes = part.tile_bytes()](
-                     std::uint32_t tile, std::vector<std::byte>& scratch) {
+  part.tile_width = tile_samples;
+  part.tile_height = strip * tile_samples;
+  part.tiles = {(count + strip - 1) / strip, 1};
+  part.payload = [&asset, strip, bytes = part.tile_bytes()](std::uint32_t chunk,
+                                                            std::vector<std::byte>& scratch) {
     scratch.assign(bytes, std::byte{0});
-    for (std::uint32_t k = 0; k < maps_per_strip; ++k) {
-      const std::uint64_t map = std::uint64_t{tile} * maps_per_strip + k;
-      if (map >= count) break;
-      std::memcpy(scratch.data() + k * map_bytes, asset.maps[map].samples.data(), map_bytes);
+    const std::size_t first = std::size_t{chunk} * strip;
+    for (std::size_t k = 0; k < strip && first + k < asset.tiles.size(); ++k) {
+      std::memcpy(scratch.data() + k * tile_bytes, asset.tiles[first + k].heights.data(),
+                  tile_bytes);
     }
     return std::span<const std::byte>(scratch);
   };
   return part;
+}
+
+/// What is wrong with the maps of a `full` asset, empty when nothing is.
+std::string map_problem(const Asset& asset) {
+  if (asset.maps.empty() || asset.maps.size() != asset.planes.size()) {
+    return "it has not one map a plane";
+  }
+  const MapData& first = asset.maps.front();
+  for (std::size_t index = 0; index < asset.maps.size(); ++index) {
+    const MapData& map = asset.maps[index];
+    const std::size_t samples = std::size_t{map.layers} * map.columns * map.rows;
+    const bool shape = map.columns == first.columns && map.rows == first.rows && map.columns >= 2 &&
+                       map.rows >= 2 && map.layers >= 1 && map.layers <= 255 &&
+                       map.samples.size() == samples &&
+                       map.mask.size() == mask_words(map.columns, map.rows, map.layers);
+    const bool place =
+        map.plane == index && map.eta0 == 0 && map.omega0 == 0 && map.first_layer == 0;
+    if (!shape || !place) return "its map " + std::to_string(index) + " is inconsistent";
+  }
+  return {};
+}
+
+/// What is wrong with the tiles of a `sparse` asset, empty when nothing is.
+std::string tiles_problem(const Asset& asset) {
+  const AssetMetadata& metadata = asset.metadata;
+  if (!asset.tiles.empty() && !(metadata.tile_spacing > 0 && metadata.height_unit > 0)) {
+    return "its tiles have no spacing or no unit";
+  }
+  for (std::size_t index = 0; index < asset.tiles.size(); ++index) {
+    const std::string problem = tile_problem(asset.tiles[index], asset.planes.size());
+    if (!problem.empty()) return "its tile " + std::to_string(index) + " " + problem;
+  }
+  return {};
 }
 
 /// What is wrong with an asset that the writer was given, empty when nothing is.
@@ -129,42 +165,37 @@ std::string inconsistency(const Asset& asset) {
       grid.index.size() != std::size_t{grid.cells[0]} * grid.cells[1] * grid.cells[2]) {
     return "its grid has not one word a cell";
   }
-  if (full && (asset.maps.empty() || asset.maps.size() != asset.planes.size())) {
-    return "it has not one map a plane";
+  if (grid.records.size() > offset_mask) return "its grid has more words than can be named";
+  if (asset.triangles.size() % 9 != 0 || asset.small_triangles.size() % 9 != 0 ||
+      !(asset.triangles.empty() || asset.small_triangles.empty())) {
+    return "its triangles are not of nine numbers, or of two forms";
   }
-  if (asset.triangles.size() % 9 != 0) return "its triangles are not of nine floats";
-  for (std::size_t index = 0; index < asset.maps.size(); ++index) {
-    const MapData& map = asset.maps[index];
-    const MapData& first = asset.maps.front();
-    const std::size_t samples = std::size_t{map.layers} * map.columns * map.rows;
-    const bool shape = map.columns == first.columns && map.rows == first.rows && map.columns >= 2 &&
-                       map.rows >= 2 && map.layers >= 1 && map.layers <= 255 &&
-                       (full || map.layers == 1) && map.samples.size() == samples &&
-                       map.mask.size() == mask_words(map.columns, map.rows, map.layers);
-    const bool place =
-        full ? map.plane == index && map.eta0 == 0 && map.omega0 == 0 && map.first_layer == 0
-             : map.plane < asset.planes.size();
-    if (!shape || !place) return "its map " + std::to_string(index) + " is inconsistent";
+  if (full ? !asset.tiles.empty() || grid.narrow : !asset.maps.empty()) {
+    return "it holds what belongs to the other form";
   }
-  return {};
+  return full ? map_problem(asset) : tiles_problem(asset);
 }
 
-/// Arrays that are gathered from the maps; they live until the file is written.
+/// The 16-bit numbers of triangles two a word, the first in the low half.
+std::vector<std::uint32_t> pack_small(const std::vector<std::uint16_t>& numbers) {
+  std::vector<std::uint32_t> words((numbers.size() + 1) / 2, 0);
+  for (std::size_t i = 0; i < numbers.size(); ++i) {
+    words[i / 2] |= std::uint32_t{numbers[i]} << (16 * (i % 2));
+  }
+  return words;
+}
+
+/// Arrays that are gathered from maps, tiles and triangles; they live until the file is written.
 struct Gathered {
-  std::vector<std::uint32_t> masks;
-  std::vector<float> map_places;
-  std::vector<std::uint32_t> map_planes;
+  TileWords words;  ///< the masks also of a `full` asset
+  std::vector<std::uint32_t> small_triangles;
 };
 
 Gathered gather(const Asset& asset) {
-  Gathered gathered;
+  Gathered gathered{words_of(asset.tiles), pack_small(asset.small_triangles)};
+  std::vector<std::uint32_t>& masks = gathered.words.masks;
   for (const MapData& map : asset.maps) {
-    gathered.masks.insert(gathered.masks.end(), map.mask.begin(), map.mask.end());
-    if (asset.metadata.form == AssetForm::full) continue;
-    for (const double value : {map.eta0, map.omega0, map.spacing}) {
-      gathered.map_places.push_back(static_cast<float>(value));
-    }
-    gathered.map_planes.insert(gathered.map_planes.end(), {map.plane, map.first_layer});
+    masks.insert(masks.end(), map.mask.begin(), map.mask.end());
   }
   return gathered;
 }
@@ -200,7 +231,7 @@ Result<AssetBytes> write_asset(const Asset& asset, const std::string& path) {
   std::vector<PartPlan> parts;
   if (description.metadata.form == AssetForm::full) {
     parts = full_parts(asset, description.plane_tile);
-  } else if (!asset.maps.empty()) {
+  } else if (!asset.tiles.empty()) {
     parts.push_back(sparse_part(asset));
   }
   const Gathered gathered = gather(asset);
@@ -209,10 +240,10 @@ Result<AssetBytes> write_asset(const Asset& asset, const std::string& path) {
   };
   add(part_name::grid_index, SampleType::uint32, asset.grid.index);
   add(part_name::grid_records, SampleType::uint32, asset.grid.records);
-  add(part_name::grid_masks, SampleType::uint32, gathered.masks);
-  add(part_name::grid_maps, SampleType::float32, gathered.map_places);
-  add(part_name::grid_map_planes, SampleType::uint32, gathered.map_planes);
+  add(part_name::grid_tiles, SampleType::uint32, gathered.words.tiles);
+  add(part_name::grid_masks, SampleType::uint32, gathered.words.masks);
   add(part_name::triangles, SampleType::float32, asset.triangles);
+  add(part_name::triangles, SampleType::uint32, gathered.small_triangles);
 
   Result<OutputFile> file = OutputFile::create(path);
   if (!file) return tl::make_unexpected(std::move(file.error()));

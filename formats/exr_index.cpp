@@ -115,13 +115,14 @@ Cause read_channels(exr_const_context_t context, int index, ExrPart& part) {
   const exr_pixel_type_t type = list->entries[0].pixel_type;
   for (int k = 0; k < list->num_channels; ++k) {
     const exr_attr_chlist_entry_t& channel = list->entries[k];
-    if (channel.pixel_type != type || type == EXR_PIXEL_HALF || channel.x_sampling != 1 ||
-        channel.y_sampling != 1) {
-      return "the channels of part " + part.name + " are not 32-bit ones of one type";
+    if (channel.pixel_type != type || channel.x_sampling != 1 || channel.y_sampling != 1) {
+      return "the channels of part " + part.name + " are not of one type and size";
     }
     part.channels.emplace_back(channel.name.str);
   }
-  part.type = type == EXR_PIXEL_FLOAT ? SampleType::float32 : SampleType::uint32;
+  part.type = type == EXR_PIXEL_HALF    ? SampleType::half16
+              : type == EXR_PIXEL_FLOAT ? SampleType::float32
+                                        : SampleType::uint32;
   return {};
 }
 
@@ -149,7 +150,7 @@ Cause read_windows(exr_const_context_t context, int index, ExrPart& part) {
 }
 
 Cause read_tiles(exr_const_context_t context, int index, std::uint64_t file_size, ExrPart& part) {
-  const std::uint64_t bytes = part.tile_samples() * 4;
+  const std::uint64_t bytes = part.tile_bytes();
   for (std::uint32_t row = 0; row < part.tiles.rows; ++row) {
     for (std::uint32_t column = 0; column < part.tiles.columns; ++column) {
       exr_chunk_info_t chunk{};
@@ -159,7 +160,8 @@ Cause read_tiles(exr_const_context_t context, int index, std::uint64_t file_size
       if (!read || chunk.width != static_cast<std::int32_t>(part.tile_width) ||
           chunk.height != static_cast<std::int32_t>(part.tile_height) ||
           chunk.packed_size != bytes || chunk.unpacked_size != bytes || bytes > file_size ||
-          chunk.data_offset > file_size - bytes || chunk.data_offset % 4 != 0) {
+          chunk.data_offset > file_size - bytes ||
+          chunk.data_offset % sample_bytes(part.type) != 0) {
         return "tile " + std::to_string(column) + ", " + std::to_string(row) + " of part " +
                part.name + " is damaged";
       }
@@ -176,7 +178,7 @@ Cause check_coverage(const std::vector<ExrPart>& parts, std::uint64_t header_end
   for (const ExrPart& part : parts) {
     for (const std::uint64_t offset : part.offsets) {
       if (offset < chunk_header_bytes) return "a tile lies in its header";
-      chunks.emplace_back(offset - chunk_header_bytes, offset + part.tile_samples() * 4);
+      chunks.emplace_back(offset - chunk_header_bytes, offset + part.tile_bytes());
     }
   }
   std::sort(chunks.begin(), chunks.end());

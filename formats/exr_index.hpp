@@ -9,7 +9,6 @@
 
 #include "common/error.hpp"
 #include "formats/exr_layout.hpp"
-#include "formats/exr_writer.hpp"
 
 namespace spm {
 
@@ -26,11 +25,14 @@ struct ExrPart {
   [[nodiscard]] std::uint64_t tile_samples() const noexcept {
     return std::uint64_t{tile_width} * tile_height * channels.size();
   }
+  [[nodiscard]] std::uint64_t tile_bytes() const noexcept {
+    return tile_samples() * sample_bytes(type);
+  }
 };
 
 /// Parses a file in memory with OpenEXRCore and checks everything that reading in place relies on:
-/// every part tiled, of one level, uncompressed and in increasing order, with 32-bit channels of
-/// one type; every tile whole, in the file, aligned to four bytes, behind the tables and apart from
+/// every part tiled, of one level, uncompressed and in increasing order, with channels of one
+/// type; every tile whole, in the file, aligned to its samples, behind the tables and apart from
 /// all others, and nothing else in the file. Errors: invalid_input, `path` in front.
 [[nodiscard]] Result<std::vector<ExrPart>> index_exr(std::span<const std::byte> bytes,
                                                      const std::string& path);

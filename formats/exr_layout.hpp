@@ -20,8 +20,7 @@ inline constexpr std::string_view heights = "heights";  ///< `full` adds the num
 inline constexpr std::string_view grid_index = "grid_index";
 inline constexpr std::string_view grid_records = "grid_records";
 inline constexpr std::string_view grid_masks = "grid_masks";
-inline constexpr std::string_view grid_maps = "grid_maps";
-inline constexpr std::string_view grid_map_planes = "grid_map_planes";
+inline constexpr std::string_view grid_tiles = "grid_tiles";  ///< `sparse` only
 inline constexpr std::string_view triangles = "triangles";
 }  // namespace part_name
 namespace attribute_name {
@@ -38,13 +37,12 @@ inline constexpr std::uint32_t bytes_decimals = 20;
 /// size.
 inline constexpr std::uint64_t chunk_header_bytes = 24;
 
-/// Maps of a `sparse` asset that one EXR tile holds, one below the other.
-inline constexpr std::uint32_t maps_per_strip = 32;
+/// Samples of a part, all of one type: HALF, FLOAT or UINT.
+enum class SampleType { half16, float32, uint32 };
 
-/// Floats of a map's record in `grid_maps` (eta0, omega0, spacing) and words in `grid_map_planes`
-/// (plane, first layer).
-inline constexpr std::uint32_t map_floats = 3;
-inline constexpr std::uint32_t map_words = 2;
+[[nodiscard]] constexpr std::uint32_t sample_bytes(SampleType type) noexcept {
+  return type == SampleType::half16 ? 2 : 4;
+}
 
 /// Part of a `full` asset that holds the maps with this number of layers: "heights01", ...
 [[nodiscard]] std::string heights_part_name(std::uint32_t layers);
@@ -70,6 +68,12 @@ struct TileGrid {
 /// few spare tiles as possible, then as square as possible.
 [[nodiscard]] TileGrid arrange_tiles(std::uint32_t count, std::uint32_t tile_width,
                                      std::uint32_t tile_height);
+
+/// How many tiles of a `sparse` asset one EXR tile holds, one below the other, where there are
+/// `count` in all, 1 or more: with the least bytes spent on spare tiles and on chunks, while the
+/// row of EXR tiles is at most 32 times as long as wide, or as wide as long. All of them together
+/// take whole words, so that the parts behind them lie at whole words.
+[[nodiscard]] std::uint32_t arrange_strips(std::uint64_t count);
 
 /// Picture of a flat array of `count` words, 1 or more, with few spare words.
 [[nodiscard]] TileGrid arrange_words(std::uint64_t count);

@@ -83,6 +83,18 @@ exr_attr_box2i_t window_of(const PartPlan& part) {
            static_cast<std::int32_t>(part.tiles.rows * part.tile_height - 1)}};
 }
 
+exr_pixel_type_t pixel_type(SampleType type) {
+  switch (type) {
+    case SampleType::half16:
+      return EXR_PIXEL_HALF;
+    case SampleType::float32:
+      return EXR_PIXEL_FLOAT;
+    case SampleType::uint32:
+      break;
+  }
+  return EXR_PIXEL_UINT;
+}
+
 void define_part(Writer& writer, const PartPlan& part, const exr_attr_box2i_t& display) {
   exr_context_t context = writer.context();
   int index = 0;
@@ -93,7 +105,7 @@ void define_part(Writer& writer, const PartPlan& part, const exr_attr_box2i_t& d
                                             EXR_LINEORDER_INCREASING_Y, EXR_COMPRESSION_NONE));
   writer.check(exr_set_tile_descriptor(context, index, part.tile_width, part.tile_height,
                                        EXR_TILE_ONE_LEVEL, EXR_TILE_ROUND_DOWN));
-  const exr_pixel_type_t type = part.type == SampleType::float32 ? EXR_PIXEL_FLOAT : EXR_PIXEL_UINT;
+  const exr_pixel_type_t type = pixel_type(part.type);
   for (const std::string& channel : part.channels) {
     writer.check(
         exr_add_channel(context, index, channel.c_str(), type, EXR_PERCEPTUALLY_LINEAR, 1, 1));

@@ -16,9 +16,7 @@
 
 namespace spm {
 
-enum class SampleType { float32, uint32 };
-
-/// A part of an EXR to write: tiles of 32-bit samples, all of one size.
+/// A part of an EXR to write: tiles of one size.
 struct PartPlan {
   std::string name;
   SampleType type = SampleType::float32;
@@ -31,7 +29,7 @@ struct PartPlan {
       payload;
 
   [[nodiscard]] std::uint64_t tile_bytes() const noexcept {
-    return std::uint64_t{4} * tile_width * tile_height * channels.size();
+    return std::uint64_t{sample_bytes(type)} * tile_width * tile_height * channels.size();
   }
   [[nodiscard]] std::uint64_t payload_bytes() const noexcept {
     return tile_bytes() * tiles.columns * tiles.rows;

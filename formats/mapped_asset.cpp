@@ -91,7 +91,7 @@ PartInfo info_of(const ExrPart& part) {
           .tile_width = part.tile_width,
           .tile_height = part.tile_height,
           .channels = part.channels,
-          .payload_bytes = part.tile_samples() * 4 * part.offsets.size()};
+          .payload_bytes = part.tile_bytes() * part.offsets.size()};
 }
 
 std::uint64_t payload_of(const std::vector<PartInfo>& parts, std::string_view prefix) {

@@ -33,7 +33,7 @@ enum class DeviceHealth : std::uint8_t {
 /// What a device can do; fixed once it is open.
 struct DeviceCapabilities {
   std::string name;
-  double force_cap = 0;     ///< N, largest force that may ever be sent; see force_caps.hpp
+  double force_cap = 0;     ///< N, largest force that may ever be sent to it
   double encoder_step = 0;  ///< m, smallest step that it resolves at its centre
 };
 

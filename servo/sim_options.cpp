@@ -21,9 +21,8 @@ tl::unexpected<Error> usage(std::string message) {
 Result<void> set_profile(SimOptions& options, std::string_view value) {
   options.profile = find_sim_profile(value);
   if (options.profile != nullptr) return {};
-  std::string names;
-  for (const SimProfile& profile : sim_profiles) names += fmt::format(" {}", profile.name);
-  return usage(fmt::format("profile '{}' is not known; the profiles are{}", value, names));
+  return usage(
+      fmt::format("profile '{}' is not known; the profiles are{}", value, device_profile_names()));
 }
 
 Result<void> set_hand(SimOptions& options, std::string_view value) {

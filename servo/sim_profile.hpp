@@ -4,13 +4,13 @@
 #include <array>
 #include <string_view>
 
-#include "servo/force_caps.hpp"
+#include "common/device_profile.hpp"
 
 namespace spm::servo {
 
 /// A device with one moving mass, seen from its tool. Mass, damping and friction are assumed: no
-/// data sheet gives them. Encoder step and force cap are the makers' figures, the actuator's
-/// bandwidth is a guess by its kind.
+/// data sheet gives them. Encoder step and force cap are those of device_profile.hpp, the
+/// actuator's bandwidth is a guess by its kind.
 struct SimProfile {
   std::string_view name;
   double mass;          ///< kg
@@ -21,14 +21,24 @@ struct SimProfile {
   double bandwidth;     ///< Hz, of the actuator, a first-order lag
 };
 
-/// `low` is the worst case for stability: light, and hardly damped.
-inline constexpr std::array<SimProfile, 5> sim_profiles{{
-    {"low", 0.10, 0.3, 0.02, 20e-6, force_cap_low, 500},
-    {"falcon", 0.25, 1.5, 0.35, 64e-6, force_cap_falcon, 200},
-    {"touch", 0.045, 0.1, 0.20, 55e-6, force_cap_touch, 200},
-    {"omega3", 0.25, 0.6, 0.20, 9e-6, force_cap_omega3, 500},
-    {"wooden", 0.30, 0.8, 0.50, 55e-6, force_cap_wooden, 200},
+/// A profile of device_profile.hpp with what a simulation needs beside it.
+[[nodiscard]] constexpr SimProfile sim_profile(const DeviceProfile& device, double mass,
+                                               double damping, double friction,
+                                               double bandwidth) noexcept {
+  return {device.name, mass, damping, friction, device.encoder_step, device.force_cap, bandwidth};
+}
+
+/// In the order of `device_profiles`. `low` is the worst case for stability: light, and hardly
+/// damped.
+inline constexpr std::array<SimProfile, device_profiles.size()> sim_profiles{{
+    sim_profile(device_profiles[0], 0.10, 0.3, 0.02, 500),
+    sim_profile(device_profiles[1], 0.25, 1.5, 0.35, 200),
+    sim_profile(device_profiles[2], 0.045, 0.1, 0.20, 200),
+    sim_profile(device_profiles[3], 0.25, 0.6, 0.20, 500),
+    sim_profile(device_profiles[4], 0.30, 0.8, 0.50, 200),
 }};
+static_assert(sim_profiles[1].name == "falcon" && sim_profiles[2].name == "touch" &&
+              sim_profiles[3].name == "omega3" && sim_profiles[4].name == "wooden");
 
 /// The profile of that name, or null.
 [[nodiscard]] constexpr const SimProfile* find_sim_profile(std::string_view name) noexcept {

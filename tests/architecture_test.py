@@ -28,8 +28,8 @@ TOP_LEVEL = {
     ".ci", ".clang-format", ".clang-tidy", ".gitignore", "CMakeLists.txt", "CMakePresets.json",
     "LICENSES", "README.md", "baker", "common", "formats", "models", "scripts", "servo", "tests",
 }
-HEAVY_HEADER = re.compile(r"^(CGAL|embree\d*)/")
-HEAVY_TARGET = re.compile(r"cgal|embree|gmp|mpfr", re.IGNORECASE)
+HEAVY_HEADER = re.compile(r"^(CGAL|embree\d*|openvdb)/")
+HEAVY_TARGET = re.compile(r"cgal|embree|gmp|mpfr|openvdb", re.IGNORECASE)
 LEAN_TARGETS = ("spm-servo", "spm_query", "spm_query_example", "spm_common", "spm_formats")
 DATA_FILE = re.compile(r"\.(obj|ply|stl|off|3ds|glb|gltf|exr|bin)$", re.IGNORECASE)
 INCLUDE = re.compile(r'^\s*#\s*include\s*(["<])([^">]+)[">]', re.MULTILINE)
@@ -182,7 +182,8 @@ class Sources(unittest.TestCase):
     def test_every_source_names_its_licence_in_its_first_two_lines(self) -> None:
         wrong = []
         for path in filter(is_source, project_files()):
-            baker = path.parts[0] == "baker" or path.parts[:2] == ("tests", "baker")
+            baker = path.parts[0] == "baker" or path.parts[:2] in {("tests", "baker"),
+                                                                   ("tests", "bench")}
             if path.parts[0] == "tests" and is_cpp(path):
                 baker = baker or any(HEAVY_HEADER.match(name) or name.startswith("baker/")
                                      for name, _ in includes(path))

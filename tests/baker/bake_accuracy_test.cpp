@@ -94,7 +94,9 @@ void check_both_forms(const test::Shape& shape, const ClosedForm& exact) {
     CHECK(errors.wrong == 0);
     CHECK(errors.unanswered == 0);
     CHECK(errors.distance_p99 < 50e-6);
-    CHECK(errors.direction_p99 < 3 * 3.14159265 / 180);
+    // Tiles are as coarse as their promised distance and a mean angle of 4 degrees allow.
+    const double degrees = form == AssetForm::sparse ? 12 : 3;
+    CHECK(errors.direction_p99 < degrees * 3.14159265 / 180);
   }
 }
 

@@ -2,6 +2,7 @@
 #include "baker/bake.hpp"
 
 #include <catch2/catch.hpp>
+#include <cmath>
 
 #include "bake_support.hpp"
 #include "baker/bake_error.hpp"
@@ -22,7 +23,17 @@ BakeOptions full(std::size_t planes, std::uint32_t resolution = 17) {
 }
 
 bool same(const Asset& a, const Asset& b) {
-  if (a.maps.size() != b.maps.size() || a.triangles != b.triangles) return false;
+  if (a.maps.size() != b.maps.size() || a.triangles != b.triangles ||
+      a.small_triangles != b.small_triangles || a.tiles.size() != b.tiles.size()) {
+    return false;
+  }
+  for (std::size_t i = 0; i < a.tiles.size(); ++i) {
+    const TileData &one = a.tiles[i], &other = b.tiles[i];
+    if (one.heights != other.heights || one.valid != other.valid || one.clips != other.clips ||
+        one.plane != other.plane || one.base != other.base) {
+      return false;
+    }
+  }
   for (std::size_t i = 0; i < a.maps.size(); ++i) {
     if (a.maps[i].samples != b.maps[i].samples || a.maps[i].mask != b.maps[i].mask) return false;
   }
@@ -107,7 +118,7 @@ TEST_CASE("A thin plate keeps its two sides") {
   }
 }
 
-TEST_CASE("A cavity's wall pushes into the cavity") {
+TEST_CASE("A sealed cavity is left out, and a query into it says so") {
   const test::Shape shell =
       test::merged(test::sphere(0.029, 4), test::turned_inside_out(test::sphere(0.02, 4)));
   Mesh mesh = test::mesh_of(shell);
@@ -115,9 +126,29 @@ TEST_CASE("A cavity's wall pushes into the cavity") {
   const BakeResult result = bake(mesh, BakeOptions{});
   const AssetTables tables = tables_of(result.asset);
   const Answer wall = query_point(tables.view(), {0.021, 0, 0});
+  CHECK(wall.status == Status::pruned);
+  CHECK(std::isnan(wall.distance));
+  CHECK(query_point(tables.view(), {0.0285, 0, 0}).distance == Approx(-0.0005).margin(1e-4));
+  REQUIRE(result.report.pruned.size() == 1);
+  CHECK(result.report.pruned.front().rule == "unreachable");
+  CHECK(result.report.pruned.front().bytes > 0);
+}
+
+TEST_CASE("A cavity's wall pushes into a cavity that a path leads to") {
+  // A cup: a box with a deep square well in its top.
+  test::Shape cup = test::box({0.06, 0.06, 0.01});
+  for (const double side : {-1.0, 1.0}) {
+    cup = test::merged(cup, test::moved(test::box({0.06, 0.02, 0.03}), {0, 0.02 * side, 0.015}));
+    cup = test::merged(cup, test::moved(test::box({0.02, 0.06, 0.03}), {0.02 * side, 0, 0.015}));
+  }
+  Mesh mesh = test::mesh_of(cup);
+  mesh.components = 5;
+  const BakeResult result = bake(mesh, BakeOptions{});
+  const AssetTables tables = tables_of(result.asset);
+  const Answer wall = query_point(tables.view(), {0.011, 0.002, 0.02});
   CHECK(wall.distance == Approx(-0.001).margin(1e-4));
   CHECK(wall.normal.x() < -0.99);
-  CHECK(query_point(tables.view(), {0.0197, 0, 0}).distance == Approx(0.0003).margin(1e-4));
+  CHECK(query_point(tables.view(), {0.0097, 0.002, 0.02}).distance == Approx(0.0003).margin(1e-4));
 }
 
 TEST_CASE("The partition answers every point of the band on a comb with deep grooves") {

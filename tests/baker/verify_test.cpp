@@ -27,9 +27,10 @@ Asset exact_asset(const test::Shape& shape, double tolerance) {
   asset.grid.cell_size = (mesh.box_max - mesh.box_min).maxCoeff() + 0.02;
   asset.grid.cells = {1, 1, 1};
   asset.grid.index = {static_cast<std::uint32_t>(CellKind::record) << 30U};
-  asset.grid.records.push_back(static_cast<std::uint32_t>(shape.triangles.size()) << 16U);
+  asset.grid.records.push_back(
+      list_header(0, static_cast<std::uint32_t>(shape.triangles.size())));
   for (const auto& triangle : shape.triangles) {
-    asset.grid.records.push_back(static_cast<std::uint32_t>(asset.triangles.size() / 9));
+    asset.grid.records.push_back(static_cast<std::uint32_t>(asset.triangles.size() / 9) << 1U);
     for (const std::uint32_t corner : triangle) {
       for (int axis = 0; axis < 3; ++axis) {
         asset.triangles.push_back(static_cast<float>(shape.vertices[corner][axis]));

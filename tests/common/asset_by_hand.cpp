@@ -27,6 +27,33 @@ MapByHand map_by_hand(std::uint32_t plane, std::uint32_t columns, std::uint32_t 
   return made;
 }
 
+Tile TileByHand::view(float height_unit) const {
+  Tile made = tile;
+  made.heights = heights.data();
+  made.clips = clips.data();
+  derive_bounds(made, height_unit);
+  return made;
+}
+
+TileByHand tile_by_hand(std::uint32_t plane, double eta0, double omega0, float spacing,
+                        float height_unit, const std::function<double(double, double)>& depth) {
+  TileByHand made;
+  Tile& tile = made.tile;
+  tile.plane = plane;
+  tile.eta0 = eta0;
+  tile.omega0 = omega0;
+  tile.spacing = spacing;
+  tile.base = depth(eta0, omega0);
+  tile.valid = ~std::uint64_t{0};
+  const auto step = static_cast<double>(spacing);
+  for (std::uint32_t i = 0; i < tile_sample_count; ++i) {
+    const double eta = eta0 + (i % tile_samples) * step, omega = omega0 + (i / tile_samples) * step;
+    made.heights[i] =
+        float_to_half(static_cast<float>((depth(eta, omega) - tile.base) / double{height_unit}));
+  }
+  return made;
+}
+
 BoxByHand::BoxByHand(const Vector3& size, const Band& band) {
   const Vector3 half = size / 2;
   for (int axis = 0; axis < 3; ++axis) {
@@ -52,7 +79,7 @@ BoxByHand::BoxByHand(const Vector3& size, const Band& band) {
     }
   }
   index = {static_cast<std::uint32_t>(CellKind::record) << 30U};
-  records = {6, 0, 1, 2, 3, 4, 5};
+  records = {list_header(6, 0), 0, 1, 2, 3, 4, 5};
   view.band = band;
   view.full = true;
   view.grid.origin = -half - Vector3::Constant(band.margin);
@@ -88,6 +115,37 @@ void BoxByHand::refresh() {
   view.plane_ny = ny;
   view.plane_nz = nz;
   view.plane_offset = offset;
+}
+
+TiledCubeByHand::TiledCubeByHand(double size, const Band& band) {
+  for (int axis = 0; axis < 3; ++axis) {
+    for (const double side : {1.0, -1.0}) {
+      const Vector3 normal = side * Vector3::Unit(axis);
+      by_hand.push_back(tile_by_hand(static_cast<std::uint32_t>(planes.size()), -size / 2,
+                                     -size / 2, static_cast<float>(size / tile_cells), 1e-6F,
+                                     [](double, double) { return 0.0; }));
+      planes.push_back(plane_with_normal(size / 2 * normal, normal));
+    }
+  }
+  index = {static_cast<std::uint32_t>(CellKind::record) << 30U};
+  records = {list_header(6, 0), 0, 1, 2, 3, 4, 5};
+  view.band = band;
+  view.height_unit = 1e-6F;
+  view.tolerance = 1e-5;
+  view.grid.origin = Vector3::Constant(-size / 2 - band.margin);
+  view.grid.cell_size = size + 2 * band.margin;
+  view.grid.cells = {1, 1, 1};
+  refresh();
+}
+
+void TiledCubeByHand::refresh() {
+  tiles.clear();
+  for (const TileByHand& made : by_hand) tiles.push_back(made.view(view.height_unit));
+  view.planes = planes;
+  view.tiles = tiles;
+  view.small_triangles = small_triangles;
+  view.grid.index = index;
+  view.grid.records = records;
 }
 
 }  // namespace spm::test

@@ -46,10 +46,14 @@ BUILD = [
     (["--seed=-1"], ["--seed", "'-1'"]),
     (["--color", "red"], ["--color", "red", "auto"]),
     (["--tolerence", "50um"], ["--tolerence", "did you mean --tolerance?"]),
-    (["--scene", "scene.toml"], ["--scene"]),
+    (["--scene"], ["--scene"]),
     (["--smooth", "none"], ["--smooth"]),
     (["--time-limit", "5"], ["--time-limit"]),
-    (["--device", "falcon"], ["--device"]),
+    (["--device", "falcn"], ["--device", "falcn", "low, falcon, touch, omega3 or wooden"]),
+    (["--device", "falcon", "--form", "full"], ["--device", "--form sparse"]),
+    (["--max-depth", "1m"], ["--max-depth", "1 m", "diagonal"]),
+    (["--margin", "1m"], ["--margin", "1 m", "diagonal"]),
+    (["--tolerance", "0.000001um"], ["finer than the floats", "--allow-inexact"]),
     (["another.obj"], ["another.obj"]),
 ]
 

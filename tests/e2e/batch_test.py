@@ -69,7 +69,7 @@ class Batch(Case):
                 ("no asset", "# nothing\n", ["asset"]),
                 ("a foreign table", good + "[other]\nx = 1\n", ["line 8", "other"]),
                 ("a misspelt key", good + 'tolerence = "1mm"\n', ["line 8", "tolerance"]),
-                ("a foreign key", good + "scene = 1\n", ["line 8", "scene"]),
+                ("a foreign key", good + "colour = 1\n", ["line 8", "colour"]),
                 ("no output", good + '[[asset]]\nmesh = "sphere.obj"\n', ["line 8", "output"]),
                 ("no unit", good + "fit-diagonal = 2\n", ["line 8", "fit-diagonal", "unit"]),
                 ("a wrong type", good + "seed = [1, 2]\n", ["line 8", "seed"]),

@@ -28,8 +28,9 @@ class Help(unittest.TestCase):
 
     def test_every_option_of_build_tells_its_default_or_that_it_must_be_given(self):
         text = run("build", "--help").stdout
-        for option in ("--form", "--tolerance", "--max-depth", "--margin", "--probe", "--kind",
-                       "--planes", "--resolution", "--layers", "--unit", "--threads", "--seed"):
+        for option in ("--form", "--tolerance", "--max-depth", "--margin", "--probe", "--device",
+                       "--scene", "--kind", "--planes", "--resolution", "--layers", "--unit",
+                       "--threads", "--seed"):
             part = text[text.index(option):]
             part = part.split("\n  -")[0]
             self.assertIn("default", part, option)

@@ -68,8 +68,8 @@ TEST_CASE("Every wrong field of a description is refused by its name") {
     std::function<void(Json&)> damage;
   };
   const std::vector<Case> cases = {
-      {"format_version", [](Json& j) { j["format_version"] = "1"; }},
-      {"format version 7, this program reads 1", [](Json& j) { j["format_version"] = 7; }},
+      {"format_version", [](Json& j) { j["format_version"] = "2"; }},
+      {"format version 7, this program reads 2", [](Json& j) { j["format_version"] = 7; }},
       {"`form`", [](Json& j) { j["form"] = "dense"; }},
       {"`units`", [](Json& j) { j["units"] = "mm"; }},
       {"`kind`", [](Json& j) { j.erase("kind"); }},
@@ -78,6 +78,8 @@ TEST_CASE("Every wrong field of a description is refused by its name") {
       {"`tolerance`", [](Json& j) { j["tolerance"] = nullptr; }},
       {"`tolerance`", [](Json& j) { j["tolerance"] = 0; }},
       {"`tolerance`", [](Json& j) { j["tolerance"] = -1e-5; }},
+      {"`certified`", [](Json& j) { j["certified"] = -1e-5; }},
+      {"`certified`", [](Json& j) { j["certified"] = "none"; }},
       {"`tolerance_met`", [](Json& j) { j["tolerance_met"] = 1; }},
       {"`band.max_depth`", [](Json& j) { j["band"]["max_depth"] = -1; }},
       {"`band.margin`", [](Json& j) { j["band"]["margin"] = "1"; }},
@@ -109,9 +111,17 @@ TEST_CASE("Every wrong field of a description is refused by its name") {
          j["grid"]["cells"] = Json::array({1 << 20, 1 << 20, 1 << 20});
        }},
       {"`grid.records`", [](Json& j) { j["grid"]["records"] = 1ULL << 40U; }},
-      {"`maps.count`", [](Json& j) { j["maps"]["count"] = 1 << 25; }},
-      {"`maps.columns`", [](Json& j) { j["maps"]["columns"] = 1; }},
-      {"`maps.rows`", [](Json& j) { j["maps"]["rows"] = 1 << 20; }},
+      {"`grid.narrow`", [](Json& j) { j["grid"]["narrow"] = 0; }},
+      {"`tiles.count`", [](Json& j) { j["tiles"]["count"] = 1 << 25; }},
+      {"`tiles.spacing`", [](Json& j) { j["tiles"]["spacing"] = 0; }},
+      {"`tiles.spacing`", [](Json& j) { j["tiles"]["spacing"] = 1e30; }},
+      {"`tiles.height_unit`", [](Json& j) { j["tiles"]["height_unit"] = -1e-6; }},
+      {"`small_triangles`", [](Json& j) { j["small_triangles"] = 1; }},
+      {"`small_triangles.origin`", [](Json& j) { j["small_triangles"]["step"] = 1e-6; }},
+      {"`small_triangles.step`",
+       [](Json& j) {
+         j["small_triangles"] = {{"origin", {0, 0, 0}}, {"step", 0}};
+       }},
       {"`triangles`", [](Json& j) { j["triangles"] = 1ULL << 31U; }},
       {"`planes`", [](Json& j) { j["planes"] = 1; }},
       {"`planes[0].x0`", [](Json& j) { j["planes"][0].erase("x0"); }},
@@ -144,11 +154,24 @@ TEST_CASE("Every wrong field of the full form's plane table is refused by its na
     REQUIRE(!parsed);
     CHECK(parsed.error().message.find("planes[1]." + std::string(key)) != std::string::npos);
   }
+  for (const char* key : {"count", "columns", "rows"}) {
+    Json json = Json::parse(full_text());
+    json["maps"][key] = 1 << 25;
+    const auto parsed = parse_description(json.dump(), "a.exr");
+    REQUIRE(!parsed);
+    CHECK(parsed.error().message.find("maps." + std::string(key)) != std::string::npos);
+  }
   Json json = Json::parse(full_text());
   json["planes"].erase(0);
   CHECK(!parse_description(json.dump(), "a.exr").has_value());
   json = Json::parse(full_text());
   json["tolerance"] = 1e-5;
+  CHECK(!parse_description(json.dump(), "a.exr").has_value());
+  json = Json::parse(full_text());
+  json["certified"] = 1e-5;
+  CHECK(!parse_description(json.dump(), "a.exr").has_value());
+  json = Json::parse(full_text());
+  json["grid"]["narrow"] = true;
   CHECK(!parse_description(json.dump(), "a.exr").has_value());
 }
 

@@ -63,11 +63,28 @@ std::uint64_t flat_word(const std::string& bytes, const std::string& name, std::
   return 0;
 }
 
-/// First word of a record of the grid.
-std::uint64_t record_cell(const Asset& asset) {
+/// First cell of the grid whose word says what it leads to by these bits.
+std::uint64_t record_cell(const Asset& asset, std::uint32_t bits) {
   std::uint64_t cell = 0;
-  while (asset.grid.index[cell] >> 30U != 2) ++cell;
+  while (asset.grid.index[cell] >> 28U != (8U | bits >> 28U)) ++cell;
   return cell;
+}
+
+/// Place in the stream of masks behind those of the tiles before `tile`.
+std::uint64_t masks_of(const Asset& asset, std::size_t tile) {
+  std::uint64_t words = 0;
+  for (std::size_t k = 0; k < tile; ++k) {
+    words += ~asset.tiles[k].valid != 0 ? 2 : 0;
+    words += asset.tiles[k].clipped != 0 ? 2 + asset.tiles[k].clips.size() : 0;
+  }
+  return words;
+}
+
+/// First tile with masks of both kinds that leave cells out.
+std::size_t clipped_tile(const Asset& asset) {
+  std::size_t tile = 0;
+  while (asset.tiles[tile].clipped == 0 || (~asset.tiles[tile].valid & 0xFFFFFFFFU) == 0) ++tile;
+  return tile;
 }
 
 /// An EXR as another program would write it: scan lines, one part, with attributes if wanted.
@@ -113,10 +130,11 @@ std::string resaved(const std::string& bytes, const std::function<void(Imf::Head
       const Imf::Header& header = in.header(part);
       const int width = header.dataWindow().max.x + 1, height = header.dataWindow().max.y + 1;
       std::vector<std::uint32_t> pixels(static_cast<std::size_t>(width * height));
+      const Imf::PixelType type = header.channels().begin().channel().type;
+      const std::size_t size = type == Imf::HALF ? 2 : 4;
       Imf::FrameBuffer buffer;
-      buffer.insert("Y", Imf::Slice(header.channels().begin().channel().type,
-                                    reinterpret_cast<char*>(pixels.data()), 4,
-                                    4 * static_cast<std::size_t>(width)));
+      buffer.insert("Y", Imf::Slice(type, reinterpret_cast<char*>(pixels.data()), size,
+                                    size * static_cast<std::size_t>(width)));
       from.setFrameBuffer(buffer);
       from.readTiles(0, from.numXTiles() - 1, 0, from.numYTiles() - 1);
       to.setFrameBuffer(buffer);
@@ -197,8 +215,11 @@ std::vector<Damage> wrong_descriptions() {
   const std::string sparse = sparse_bytes();
   const std::string full = full_bytes();
   return {
-      {"another version", with_header_text(sparse, "\"format_version\":1", "\"format_version\":7"),
-       "format version 7, this program reads 1"},
+      {"a later version", with_header_text(sparse, "\"format_version\":2", "\"format_version\":7"),
+       "format version 7, this program reads 2; bake it again"},
+      {"the version before",
+       with_header_text(sparse, "\"format_version\":2", "\"format_version\":1"),
+       "format version 1, this program reads 2; bake it again"},
       {"tolerance NaN",
        with_header_text(sparse, "\"tolerance\":3.3333333333333335e-05",
                         "\"tolerance\":NaN                   "),
@@ -207,8 +228,14 @@ std::vector<Damage> wrong_descriptions() {
        "`tolerance`"},
       {"units of millimetres", with_header_text(sparse, "\"units\":\"m\"", "\"units\":\"k\""),
        "`units`"},
-      {"a map too many", with_header_text(sparse, "\"count\":100", "\"count\":101"), "grid_ma"},
-      {"other columns", with_header_text(sparse, "\"columns\":8", "\"columns\":9"), "part "},
+      {"a tile too many", with_header_text(sparse, "\"count\":100", "\"count\":101"), "grid_tiles"},
+      {"a tile too few", with_header_text(sparse, "\"count\":100", "\"count\":099"),
+       "not a JSON object"},
+      {"other columns", with_header_text(full, "\"columns\":9", "\"columns\":8"), "part "},
+      {"triangles of another form",
+       with_header_text(baked(sparse_asset(1, {.small = true})), "\"small_triangles\"",
+                        "\"later_triangles\""),
+       "triangles"},
       {"a triangle too many",
        with_header_text(sparse, "\"triangles\":20,\"planes\"", "\"triangles\":21,\"planes\""),
        "triangles"},
@@ -226,30 +253,87 @@ std::vector<Damage> wrong_descriptions() {
   };
 }
 
+std::vector<Damage> wrong_grids() {
+  const Asset asset = sparse_asset(1);
+  const std::string sparse = sparse_bytes();
+  const std::string full = full_bytes();
+  const std::uint64_t list_cell = record_cell(asset, 0);
+  const auto index = flat_word(sparse, "grid_index", list_cell);
+  const auto list = flat_word(sparse, "grid_records", asset.grid.index[list_cell] & offset_mask);
+  const auto inlined = flat_word(sparse, "grid_index", record_cell(asset, inline_bit));
+  const std::uint32_t split_word = asset.grid.index[record_cell(asset, split_bit)];
+  const auto split = flat_word(sparse, "grid_records", split_word & offset_mask);
+  const auto last = static_cast<std::uint32_t>(asset.grid.records.size() - 1);
+  const Asset full_memory = full_asset(1, {2, 2, 1, 12, 2});
+  const auto full_list = flat_word(
+      full, "grid_records", full_memory.grid.index[record_cell(full_memory, 0)] & offset_mask);
+  constexpr std::uint32_t record = 2U << 30U;
+  return {
+      {"a list outside", with_word(sparse, index, record | offset_mask), "grid cell"},
+      {"a split outside", with_word(sparse, index, record | split_bit | offset_mask), "outside"},
+      {"a split cut short", with_word(sparse, index, record | split_bit | last), "cut short"},
+      {"a split that holds itself", with_word(sparse, split, split_word), "split too often"},
+      {"a list cut short", with_word(sparse, list, list_header(255, 65535)),
+       "cut short"},
+      {"a list of later bits", with_word(sparse, list, 1U << 26U), "cut short"},
+      {"a list with a tile that is not", with_word(sparse, list + 4, 100), "does not exist"},
+      {"an inline tile that is not",
+       with_word(sparse, inlined, record | inline_bit | inline_none << 14U | 100),
+       "does not exist"},
+      {"a second inline tile that is not",
+       with_word(sparse, inlined, record | inline_bit | 100U << 14U), "does not exist"},
+      {"a list with a map that is not", with_word(full, full_list + 4, 5), "does not exist"},
+      {"a list with a layer that is not", with_word(full, full_list + 4, pack_candidate({2, 1})),
+       "does not exist"},
+      {"a list with a triangle that is not",
+       with_word(with_word(sparse, list, list_header(0, 1)), list + 4, 40),
+       "does not exist"},
+  };
+}
+
 std::vector<Damage> wrong_content() {
   const Asset asset = sparse_asset(1);
   const std::string sparse = sparse_bytes();
   const std::string full = full_bytes();
-  const std::uint64_t cell = record_cell(asset);
-  const std::uint32_t record = asset.grid.index[cell] & 0x3FFFFFFFU;
-  const auto index = flat_word(sparse, "grid_index", cell);
-  const auto first = flat_word(sparse, "grid_records", record);
+  const auto tile = [&sparse](std::uint32_t index, std::uint32_t word) {
+    return flat_word(sparse, "grid_tiles", 4 * index + word);
+  };
+  const std::size_t clipped = clipped_tile(asset);
+  const auto masks = flat_word(sparse, "grid_masks", masks_of(asset, clipped));
+  const std::string its_name = "tile " + std::to_string(clipped) + " ";
+  Asset one_tile = sparse_asset(1, {.tiles = 1});
+  one_tile.tiles[0].plane = one_tile.tiles[0].level = one_tile.tiles[0].first_layer = 0;
+  one_tile.tiles[0].valid = ~std::uint64_t{0};
+  one_tile.tiles[0].clipped = 0;
+  one_tile.tiles[0].clips.clear();
+  const std::string plain = baked(one_tile);
+  const auto plain_tile = flat_word(plain, "grid_tiles", 0);
+  one_tile.tiles[0].clipped = 1;
+  one_tile.tiles[0].clips = {pack_clip({1, 0, 0})};
+  const std::string one_clip = baked(one_tile);
   constexpr std::uint32_t nan = 0x7FC00000, infinity = 0x7F800000;
+  // Heights 162 and 163, the first two of tile 2, lie in one word.
+  const auto heights = flat_word(sparse, "heights", 81);
   return {
-      {"a record outside", with_word(sparse, index, (2U << 30U) | 0x3FFFFFFFU), "grid cell"},
-      {"a record cut short", with_word(sparse, first, 0xFFFF), "cut short"},
-      {"a record with a map that is not", with_word(sparse, first + 4, 100), "does not exist"},
-      {"a record with a layer that is not", with_word(sparse, first + 4, 1U << 24U),
-       "does not exist"},
-      {"a record with a triangle that is not",
-       with_word(with_word(sparse, first, 1U << 16U), first + 4, 20), "does not exist"},
-      {"a map of no plane", with_word(sparse, flat_word(sparse, "grid_map_planes", 4), 10),
-       "map 2"},
-      {"a map of NaN spacing", with_word(sparse, flat_word(sparse, "grid_maps", 5), nan), "map 1"},
-      {"a map of zero spacing", with_word(sparse, flat_word(sparse, "grid_maps", 5), 0), "map 1"},
-      {"a NaN sample", with_word(sparse, flat_word(sparse, "heights", 70), nan), "map 1 "},
-      {"an infinite sample in a sparse asset",
-       with_word(sparse, flat_word(sparse, "heights", 70), infinity), "map 1 "},
+      {"a tile of no plane", with_word(sparse, tile(2, 0), 10), "tile 2 names a plane"},
+      {"a tile of a level that is not", with_word(sparse, tile(2, 0), 12U << 12U), "tile 2 has"},
+      {"a tile with later bits", with_word(sparse, tile(2, 0), 1U << 26U), "tile 2 has bits"},
+      {"a tile of NaN base", with_word(sparse, tile(1, 2), nan), "tile 1 has a base"},
+      {"a tile of infinite base", with_word(sparse, tile(1, 2), infinity), "tile 1 has a base"},
+      {"a tile of infinite slope", with_word(sparse, tile(1, 3), 0x7C00), "tile 1 has a base"},
+      {"a tile of NaN slope", with_word(sparse, tile(1, 3), 0xFE01U << 16U), "tile 1 has a base"},
+      {"a cell that is clipped and not valid",
+       with_word(sparse, masks + 8, ~static_cast<std::uint32_t>(asset.tiles[clipped].valid)),
+       its_name + "clips cells"},
+      {"masks that are not there", with_word(plain, plain_tile, 1U << 24U), "tile 0 has masks"},
+      {"a mask of clips that is not there", with_word(plain, plain_tile, 1U << 25U),
+       "tile 0 has masks"},
+      {"clips that are cut short", with_word(one_clip, flat_word(one_clip, "grid_masks", 1), ~0U),
+       "tile 0 has clips"},
+      {"masks that are left over", with_word(one_clip, flat_word(one_clip, "grid_tiles", 0), 0),
+       "grid_masks"},
+      {"a NaN height", with_word(sparse, heights, 0x7E00), "tile 2 has heights"},
+      {"an infinite height", with_word(sparse, heights, 0xFC00U << 16U), "tile 2 has heights"},
       {"a NaN sample in a full asset", with_word(full, flat_word(full, "heights02", 3), nan),
        "not numbers"},
       {"a triangle at infinity", with_word(sparse, flat_word(sparse, "triangles", 8), infinity),
@@ -280,7 +364,9 @@ TEST_CASE("An asset whose description was changed is refused") {
   check_all_refused(wrong_descriptions());
 }
 
-TEST_CASE("An asset whose grid, maps or triangles were changed is refused") {
+TEST_CASE("An asset whose grid leads astray is refused") { check_all_refused(wrong_grids()); }
+
+TEST_CASE("An asset whose tiles, maps or triangles were changed is refused") {
   check_all_refused(wrong_content());
 }
 

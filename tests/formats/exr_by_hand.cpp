@@ -21,7 +21,7 @@ void interpret(HandPart& part) {
   for (std::uint64_t at = 0; list.at(at) != '\0';) {
     part.channels.push_back(text_at(list, at));
     const std::uint32_t type = word_at(list, at);
-    if (type == 1) throw std::runtime_error("HALF channel");
+    part.sample_bytes = type == 1 ? 2 : 4;
     at += 16;  // type, linearity, sampling x and y
   }
   const std::string& window = part.attributes.at("dataWindow");
@@ -54,7 +54,7 @@ std::uint64_t HandPart::sample_offset(std::size_t tile, const std::string& chann
       std::find(channels.begin(), channels.end(), channel) - channels.begin());
   if (rank == channels.size()) throw std::runtime_error("no channel " + channel);
   return table.at(tile) + 24 +
-         4 * (std::uint64_t{y} * tile_width * channels.size() + rank * tile_width + x);
+         sample_bytes * (std::uint64_t{y} * tile_width * channels.size() + rank * tile_width + x);
 }
 
 HandFile read_by_hand(const std::string& bytes) {

@@ -14,6 +14,7 @@ struct HandPart {
   std::map<std::string, std::string> attributes;  ///< raw values
   std::vector<std::string> channels;              ///< in stored order
   std::uint32_t width = 0, height = 0, tile_width = 0, tile_height = 0;
+  std::uint32_t sample_bytes = 4;
   std::vector<std::uint64_t> table;
 
   [[nodiscard]] std::string name() const { return attributes.at("name"); }

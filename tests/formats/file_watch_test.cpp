@@ -23,7 +23,7 @@ using namespace spm::test;
 struct Opened {
   TemporaryFolder folder;
   std::string path = folder.path("a.spm.exr");
-  Asset asset = sparse_asset(1, {.maps = 2000});
+  Asset asset = sparse_asset(1, {.tiles = 4000});
   std::unique_ptr<MappedAsset> mapped;
 
   explicit Opened(MapMode mode = MapMode::file) {
@@ -37,9 +37,9 @@ struct Opened {
 
 double sum_of_samples(const AssetView& view) {
   double sum = 0;
-  for (const DistanceMap& map : view.maps) {
-    for (std::uint32_t k = 0; k < map.columns * map.rows; ++k) {
-      sum += static_cast<double>(map.samples[k]);
+  for (const Tile& tile : view.tiles) {
+    for (std::uint32_t k = 0; k < tile_sample_count; ++k) {
+      sum += std::abs(static_cast<double>(half_to_float(tile.heights[k])));
     }
   }
   return sum;

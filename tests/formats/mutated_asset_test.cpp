@@ -21,8 +21,9 @@ std::vector<std::pair<std::uint64_t, std::uint64_t>> sensitive_ranges(const std:
   std::uint64_t chunks = 0;
   for (const HandPart& part : file.parts) {
     chunks += part.table.size();
-    const bool words = part.name().starts_with("grid_") && part.name() != "grid_masks";
-    const std::uint64_t payload = 4 * part.tile_width * part.tile_height * part.channels.size();
+    const bool words = part.name().starts_with("grid_");
+    const std::uint64_t payload = std::uint64_t{part.sample_bytes} * part.tile_width *
+                                  part.tile_height * part.channels.size();
     for (const std::uint64_t start : part.table) {
       ranges.emplace_back(start, start + 24 + (words ? payload : 0));
     }
@@ -83,7 +84,8 @@ TEST_CASE("A mutated asset with a right checksum is refused, or is safe to query
   const TemporaryFolder folder(TemporaryFolder::Place::memory);
   const std::string path = folder.path("a.spm.exr");
   for (const Asset& asset :
-       {sparse_asset(1, {.planes = 3, .maps = 40, .columns = 4, .rows = 4, .triangles = 6}),
+       {sparse_asset(1, {.planes = 3, .tiles = 40, .triangles = 6}),
+        sparse_asset(1, {.planes = 3, .tiles = 40, .triangles = 6, .narrow = true, .small = true}),
         full_asset(2, {2, 1, 2, 11}, 5, 4)}) {
     REQUIRE(write_asset(asset, path).has_value());
     const std::string bytes = read_bytes(path);
@@ -110,7 +112,7 @@ TEST_CASE("A mutated asset with a right checksum is refused, or is safe to query
 TEST_CASE("Bytes that change under the map after the checks leave queries safe") {
   const TemporaryFolder folder;
   const std::string path = folder.path("a.spm.exr");
-  for (const Asset& asset : {sparse_asset(3, {.maps = 40}), full_asset(4, {2, 1, 2, 11})}) {
+  for (const Asset& asset : {sparse_asset(3, {.tiles = 40}), full_asset(4, {2, 1, 2, 11})}) {
     REQUIRE(write_asset(asset, path).has_value());
     const std::string bytes = read_bytes(path);
     const auto opened = MappedAsset::open(path);

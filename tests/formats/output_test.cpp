@@ -110,13 +110,25 @@ TEST_CASE("A path that can be written is accepted and stays untouched") {
 TEST_CASE("An asset that contradicts itself is not written") {
   const TemporaryFolder folder;
   const std::string path = folder.path("a.exr");
-  std::vector<Asset> wrong(6, sparse_asset(1));
+  std::vector<Asset> wrong(15, sparse_asset(1));
   wrong[0].grid.index.pop_back();
-  wrong[1].maps[3].samples.pop_back();
-  wrong[2].maps[3].plane = 10;
+  wrong[1].tiles[3].clips.push_back(0);
+  wrong[2].tiles[3].plane = 10;
   wrong[3].metadata.options = "[1]";
   wrong[4].triangles.pop_back();
-  wrong[5].maps[3].mask.clear();
+  wrong[5].tiles[3].level = 12;
+  wrong[6].tiles[3].column = 1 << 15;
+  wrong[7].tiles[3].slope_eta = 0.1F;  // no HALF number
+  wrong[8].tiles[3].heights[80] = 0x7C00;
+  wrong[9].metadata.tile_spacing = 0;
+  wrong[10].small_triangles.assign(9, 0);
+  wrong[11].maps.resize(1);
+  wrong[12] = full_asset(1, {2, 1});
+  wrong[12].maps[1].samples.pop_back();
+  wrong[13] = full_asset(1, {2, 1});
+  wrong[13].maps[1].mask.clear();
+  wrong[14] = full_asset(1, {2, 1});
+  wrong[14].tiles = sparse_asset(1).tiles;
   for (const Asset& asset : wrong) {
     const auto written = write_asset(asset, path);
     REQUIRE(!written);

@@ -33,7 +33,43 @@ void check_same_words(std::span<const std::uint32_t> a, std::span<const std::uin
   CHECK(std::vector(a.begin(), a.end()) == std::vector(b.begin(), b.end()));
 }
 
+void check_same_tile(const TileData& wanted, const Tile& tile, double tile_spacing) {
+  REQUIRE(tile.plane == wanted.plane);
+  REQUIRE(tile.first_layer == wanted.first_layer);
+  REQUIRE(tile.spacing == static_cast<float>(tile_spacing / (1U << wanted.level)));
+  REQUIRE(tile.eta0 == wanted.column * 8 * static_cast<double>(tile.spacing));
+  REQUIRE(tile.omega0 == wanted.row * 8 * static_cast<double>(tile.spacing));
+  REQUIRE(tile.base == static_cast<double>(wanted.base));
+  REQUIRE(tile.slope_eta == wanted.slope_eta);
+  REQUIRE(tile.slope_omega == wanted.slope_omega);
+  REQUIRE(tile.valid == wanted.valid);
+  REQUIRE(tile.clipped == wanted.clipped);
+  REQUIRE(std::equal(wanted.heights.begin(), wanted.heights.end(), tile.heights));
+  REQUIRE(std::equal(wanted.clips.begin(), wanted.clips.end(), tile.clips));
+}
+
+/// That the planes and the grid are those of an asset.
+void check_same_frame(const Asset& asset, const AssetView& view) {
+  REQUIRE(view.planes.size() == asset.planes.size());
+  for (std::size_t k = 0; k < asset.planes.size(); ++k) {
+    CHECK(view.planes[k].x0 == asset.planes[k].x0);
+    CHECK(view.planes[k].u == asset.planes[k].u);
+    CHECK(view.planes[k].v == asset.planes[k].v);
+    CHECK(view.planes[k].n == asset.planes[k].n);
+  }
+  check_same_words(view.grid.index, asset.grid.index);
+  check_same_words(view.grid.records, asset.grid.records);
+  CHECK(view.grid.narrow == asset.grid.narrow);
+  CHECK(view.grid.origin == asset.grid.origin);
+  CHECK(view.grid.cell_size == asset.grid.cell_size);
+  CHECK(view.grid.cells == asset.grid.cells);
+}
+
 void check_same_content(const Asset& asset, const AssetView& view) {
+  REQUIRE(view.tiles.size() == asset.tiles.size());
+  for (std::size_t k = 0; k < asset.tiles.size(); ++k) {
+    check_same_tile(asset.tiles[k], view.tiles[k], asset.metadata.tile_spacing);
+  }
   REQUIRE(view.maps.size() == asset.maps.size());
   for (std::size_t k = 0; k < asset.maps.size(); ++k) {
     const MapData& wanted = asset.maps[k];
@@ -56,19 +92,12 @@ void check_same_content(const Asset& asset, const AssetView& view) {
     REQUIRE(same);
     check_same_words({map.mask, wanted.mask.size()}, wanted.mask);
   }
-  REQUIRE(view.planes.size() == asset.planes.size());
-  for (std::size_t k = 0; k < asset.planes.size(); ++k) {
-    CHECK(view.planes[k].x0 == asset.planes[k].x0);
-    CHECK(view.planes[k].u == asset.planes[k].u);
-    CHECK(view.planes[k].v == asset.planes[k].v);
-    CHECK(view.planes[k].n == asset.planes[k].n);
-  }
-  check_same_words(view.grid.index, asset.grid.index);
-  check_same_words(view.grid.records, asset.grid.records);
-  CHECK(view.grid.origin == asset.grid.origin);
-  CHECK(view.grid.cell_size == asset.grid.cell_size);
-  CHECK(view.grid.cells == asset.grid.cells);
+  check_same_frame(asset, view);
   CHECK(std::vector(view.triangles.begin(), view.triangles.end()) == asset.triangles);
+  CHECK(std::vector(view.small_triangles.begin(), view.small_triangles.end()) ==
+        asset.small_triangles);
+  CHECK(view.triangle_origin == asset.triangle_origin);
+  CHECK(view.triangle_step == asset.triangle_step);
   CHECK(view.band.max_depth == asset.metadata.band.max_depth);
   CHECK(view.band.margin == asset.metadata.band.margin);
   CHECK(view.full == (asset.metadata.form == AssetForm::full));
@@ -81,10 +110,39 @@ bool same(double a, double b) { return a == b || (std::isnan(a) && std::isnan(b)
 
 TEST_CASE("A sparse asset reads back as it was written") {
   const TemporaryFolder folder;
-  for (const std::uint32_t maps : {0U, 1U, 31U, 32U, 33U, 100U, 700U}) {
-    const Asset asset = sparse_asset(maps, {.maps = maps, .triangles = maps % 3 * 7});
+  for (const std::uint32_t tiles : {0U, 1U, 2U, 31U, 100U, 700U, 1999U}) {
+    const Asset asset = sparse_asset(tiles, {.tiles = tiles,
+                                             .triangles = tiles % 3 * 7,
+                                             .narrow = tiles % 2 == 0,
+                                             .small = tiles % 4 == 0});
     const auto opened = written_and_opened(asset, folder.path("sparse.spm.exr"));
     check_same_content(asset, opened->view());
+  }
+}
+
+TEST_CASE("A sparse asset of triangles alone reads back as it was written") {
+  const TemporaryFolder folder;
+  for (const bool small : {false, true}) {
+    const Asset asset =
+        sparse_asset(3, {.planes = 0, .tiles = 0, .triangles = 7, .narrow = small, .small = small});
+    const auto opened = written_and_opened(asset, folder.path("triangles.spm.exr"));
+    check_same_content(asset, opened->view());
+    CHECK(opened->bytes().triangles == (small ? 7 * 18 + 2 : 7 * 36));
+  }
+}
+
+TEST_CASE("Bounds of a tile are those of its heights, in memory and in the file") {
+  const TemporaryFolder folder;
+  const Asset asset = sparse_asset(21);
+  const auto opened = written_and_opened(asset, folder.path("a.spm.exr"));
+  const AssetTables tables = tables_of(asset);
+  for (std::size_t k = 0; k < asset.tiles.size(); ++k) {
+    const Tile& memory = tables.view().tiles[k];
+    const Tile& file = opened->view().tiles[k];
+    REQUIRE(memory.highest == file.highest);
+    REQUIRE(memory.lowest == file.lowest);
+    REQUIRE(memory.ripple == file.ripple);
+    REQUIRE(memory.highest > memory.lowest);
   }
 }
 
@@ -120,6 +178,9 @@ TEST_CASE("The metadata of an asset reads back exactly") {
   CHECK(b.probe_radius == a.probe_radius);
   CHECK(b.tolerance == a.tolerance);
   CHECK(b.tolerance_met == a.tolerance_met);
+  CHECK(b.certified == a.certified);
+  CHECK(b.tile_spacing == a.tile_spacing);
+  CHECK(b.height_unit == a.height_unit);
   CHECK(b.layers_max == a.layers_max);
   CHECK(b.inconsistent_samples == a.inconsistent_samples);
   CHECK(b.fallback_cells == a.fallback_cells);
@@ -127,7 +188,8 @@ TEST_CASE("The metadata of an asset reads back exactly") {
 
 TEST_CASE("An asset in memory and the same asset mapped answer alike") {
   const TemporaryFolder folder;
-  for (const Asset& asset : {sparse_asset(11), full_asset(12, many_layers)}) {
+  for (const Asset& asset : {sparse_asset(11), sparse_asset(13, {.narrow = true, .small = true}),
+                             full_asset(12, many_layers)}) {
     const auto opened = written_and_opened(asset, folder.path("a.spm.exr"));
     const AssetTables tables = tables_of(asset);
     Random random(3);
@@ -190,7 +252,7 @@ TEST_CASE("Every sample lies where the layout of an uncompressed tiled EXR puts 
   }
 }
 
-TEST_CASE("A sparse asset keeps 32 maps in a tile, each contiguous") {
+TEST_CASE("A sparse asset keeps the heights of a tile contiguous, row by row") {
   const TemporaryFolder folder;
   const Asset asset = sparse_asset(8);
   const std::string path = folder.path("a.spm.exr");
@@ -198,10 +260,27 @@ TEST_CASE("A sparse asset keeps 32 maps in a tile, each contiguous") {
   const std::string bytes = read_bytes(path);
   const HandPart part = read_by_hand(bytes).parts.at(0);
   CHECK(part.name() == "heights");
-  CHECK(part.table.size() == 4);
-  for (std::size_t k = 0; k < asset.maps.size(); ++k) {
-    const std::uint64_t start = part.table[k / 32] + 24 + (k % 32) * 64 * 4;
-    CHECK(std::memcmp(bytes.data() + start, asset.maps[k].samples.data(), 256) == 0);
+  CHECK(part.sample_bytes == 2);
+  CHECK(part.tile_width == 9);
+  const std::size_t strip = part.tile_height / 9;
+  CHECK(part.table.size() == 100 / strip);
+  for (std::size_t k = 0; k < asset.tiles.size(); ++k) {
+    const std::uint64_t start = part.table[k / strip] + 24 + (k % strip) * 81 * 2;
+    CHECK(std::memcmp(bytes.data() + start, asset.tiles[k].heights.data(), 162) == 0);
+    CHECK(part.sample_offset(k / strip, "Y", 3, static_cast<std::uint32_t>(k % strip * 9 + 2)) ==
+          start + 2 * (2 * 9 + 3));
+  }
+}
+
+TEST_CASE("Few bytes are spent on spare tiles and chunks, whatever the number of tiles") {
+  for (std::uint64_t count = 1; count < 60000; count += 1 + count / 60) {
+    const std::uint64_t strip = arrange_strips(count);
+    const std::uint64_t strips = (count + strip - 1) / strip;
+    INFO(count << " tiles in strips of " << strip);
+    CHECK(strips * strip % 2 == 0);
+    CHECK(strips * strip >= count);
+    const std::uint64_t spent = (strips * strip - count) * 162 + strips * 32;
+    CHECK(spent <= std::max<std::uint64_t>(162 + 64, 162 * count * 3 / 100));
   }
 }
 
@@ -215,8 +294,8 @@ TEST_CASE("Bytes beside samples, grid and triangles stay below a tenth") {
     const auto useful = bytes->samples + bytes->grid + bytes->triangles;
     return 1 - static_cast<double>(useful) / static_cast<double>(bytes->total);
   };
-  CHECK(share(sparse_asset(1, {.planes = 64, .maps = 1000, .triangles = 100})) < 0.1);
-  CHECK(share(sparse_asset(1, {.planes = 24, .maps = 250, .triangles = 50})) < 0.1);
+  CHECK(share(sparse_asset(1, {.planes = 64, .tiles = 1000, .triangles = 100})) < 0.1);
+  CHECK(share(sparse_asset(1, {.planes = 24, .tiles = 400, .triangles = 50})) < 0.1);
   CHECK(share(full_asset(1, std::vector<std::uint32_t>(100, 1), 33, 33)) < 0.1);
 }
 

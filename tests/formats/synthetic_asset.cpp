@@ -2,6 +2,7 @@
 #include "tests/formats/synthetic_asset.hpp"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>
@@ -79,6 +80,7 @@ AssetMetadata metadata_of(AssetForm form) {
   metadata.mesh_triangles = 20000;
   metadata.band = {.max_depth = 0.002, .margin = 0.0005};
   if (form == AssetForm::sparse) metadata.tolerance = 1.0 / 30000;
+  if (form == AssetForm::sparse) metadata.certified = 1.0 / 40000;
   metadata.tolerance_met = form == AssetForm::sparse;
   metadata.layers_max = 4;
   metadata.inconsistent_samples = 1.0 / 700;
@@ -102,33 +104,116 @@ MapData random_map(Random& random, std::uint32_t columns, std::uint32_t rows,
   return map;
 }
 
-/// Cells of every kind; a record names a few maps and triangles.
-GridData random_grid(Random& random, const std::vector<MapData>& maps, std::uint32_t triangles) {
-  GridData grid;
-  grid.origin = Vector3(-0.035, -0.035, -0.025);
-  grid.cell_size = 0.01;
-  grid.cells = {7, 7, 5};
-  for (std::uint32_t cell = 0; cell < 7 * 7 * 5; ++cell) {
-    if (cell % 7 == 0) {
-      grid.index.push_back(0);
-    } else if (cell % 7 == 1) {
-      grid.index.push_back((1U << 30U) | pack_octahedral(Vector3(0.6, 0, 0.8)));
-    } else {
-      const std::uint32_t map_count = maps.empty() ? 0 : 1 + random.below(4);
-      const std::uint32_t triangle_count = triangles == 0 ? 0 : random.below(3);
-      grid.index.push_back((2U << 30U) | static_cast<std::uint32_t>(grid.records.size()));
-      grid.records.push_back(map_count | (triangle_count << 16U));
-      for (std::uint32_t k = 0; k < map_count; ++k) {
-        const std::uint32_t map = random.below(static_cast<std::uint32_t>(maps.size()));
-        grid.records.push_back(map | (random.below(maps[map].layers) << 24U));
-      }
-      for (std::uint32_t k = 0; k < triangle_count; ++k) {
-        grid.records.push_back(random.below(triangles) | (random.below(2) << 31U));
-      }
+/// A HALF number near zero.
+float random_half(Random& random, double size) {
+  return half_to_float(float_to_half(static_cast<float>(random.between(-size, size))));
+}
+
+TileData random_tile(Random& random, std::uint32_t planes) {
+  TileData tile;
+  tile.plane = random.below(planes);
+  tile.level = random.below(3);
+  tile.first_layer = random.below(5);
+  tile.column = -static_cast<std::int32_t>(random.below(2U << tile.level));
+  tile.row = static_cast<std::int32_t>(random.below(2U << tile.level)) - (1 << tile.level);
+  tile.base = static_cast<float>(random.between(0.03, 0.07));
+  tile.slope_eta = random_half(random, 0.5);
+  tile.slope_omega = random_half(random, 0.5);
+  tile.valid = random.below(3) == 0 ? ~std::uint64_t{0} : random.bits() | random.bits();
+  tile.clipped = random.below(2) == 0 ? 0 : random.bits() & random.bits() & tile.valid;
+  for (std::uint16_t& height : tile.heights) {
+    height = float_to_half(static_cast<float>(random.between(-1000, 1000)));
+  }
+  for (int k = 0; k < std::popcount(tile.clipped); ++k) {
+    tile.clips.push_back(pack_clip({static_cast<float>(random.between(-127, 127)),
+                                    static_cast<float>(random.between(-127, 127)),
+                                    static_cast<float>(random.between(-60, 60))}));
+  }
+  return tile;
+}
+
+/// Makes cells of every kind that name random surfaces and triangles.
+class GridMaker {
+ public:
+  GridMaker(Random& random, const Asset& asset) : random_(random), asset_(asset) {
+    triangles_ =
+        static_cast<std::uint32_t>((asset.triangles.size() + asset.small_triangles.size()) / 9);
+    grid.narrow = asset.grid.narrow;
+    grid.origin = Vector3(-0.035, -0.035, -0.025);
+    grid.cell_size = 0.01;
+    grid.cells = {7, 7, 5};
+    for (std::uint32_t cell = 0; cell < 7 * 7 * 5; ++cell) {
+      grid.index.push_back(cell % 9 == 8 ? split(3) : word(cell % 8));
     }
   }
-  return grid;
-}
+
+  GridData grid;
+
+ private:
+  static std::uint32_t word_of(CellKind kind, std::uint32_t payload) {
+    return static_cast<std::uint32_t>(kind) << 30U | payload;
+  }
+
+  std::uint32_t word(std::uint32_t kind) {
+    const auto tiles = static_cast<std::uint32_t>(asset_.tiles.size());
+    if (kind == 0) return word_of(CellKind::far, 0);
+    if (kind == 1) return word_of(CellKind::deep, pack_octahedral(Vector3(0.6, 0, 0.8)));
+    if (kind == 2) return word_of(CellKind::pruned, 0);
+    if (kind == 3 && tiles > 0) {
+      const std::uint32_t second = random_.below(2) == 0 ? inline_none : random_.below(tiles);
+      return word_of(CellKind::record, inline_bit | random_.below(tiles) | second << 14U);
+    }
+    if (kind == 4 && !lists_.empty()) {
+      return lists_[random_.below(static_cast<std::uint32_t>(lists_.size()))];
+    }
+    lists_.push_back(list());
+    return lists_.back();
+  }
+
+  std::uint32_t list() {
+    std::vector<std::uint32_t> numbers;
+    const bool surfaces = !asset_.tiles.empty() || !asset_.maps.empty();
+    const std::uint32_t surface_count = surfaces ? 1 + random_.below(4) : 0;
+    for (std::uint32_t k = 0; k < surface_count; ++k) numbers.push_back(surface());
+    const std::uint32_t triangle_count = triangles_ == 0 ? 0 : random_.below(4);
+    for (std::uint32_t k = 0; k < triangle_count; ++k) {
+      numbers.push_back(random_.below(triangles_) * 2 + random_.below(2));
+    }
+    const auto offset = static_cast<std::uint32_t>(grid.records.size());
+    grid.records.push_back(
+        list_header(surface_count, triangle_count));
+    for (std::size_t k = 0; k < numbers.size(); ++k) {
+      if (grid.narrow && k % 2 == 1) {
+        grid.records.back() |= numbers[k] << 16U;
+      } else {
+        grid.records.push_back(numbers[k]);
+      }
+    }
+    return word_of(CellKind::record, offset);
+  }
+
+  std::uint32_t surface() {
+    if (!asset_.tiles.empty())
+      return random_.below(static_cast<std::uint32_t>(asset_.tiles.size()));
+    const std::uint32_t map = random_.below(static_cast<std::uint32_t>(asset_.maps.size()));
+    return pack_candidate({map, random_.below(asset_.maps[map].layers)});
+  }
+
+  /// A split cell, whose first octant is split again until `levels` lie in each other.
+  std::uint32_t split(int levels) {
+    std::vector<std::uint32_t> octants;
+    if (levels > 1) octants.push_back(split(levels - 1));
+    while (octants.size() < 8) octants.push_back(word(random_.below(8)));
+    const auto offset = static_cast<std::uint32_t>(grid.records.size());
+    grid.records.insert(grid.records.end(), octants.begin(), octants.end());
+    return word_of(CellKind::record, split_bit | offset);
+  }
+
+  Random& random_;
+  const Asset& asset_;
+  std::uint32_t triangles_ = 0;
+  std::vector<std::uint32_t> lists_;
+};
 
 std::vector<float> random_triangles(Random& random, std::uint32_t count) {
   std::vector<float> corners;
@@ -144,17 +229,23 @@ Asset sparse_asset(std::uint64_t seed, const SparseShape& shape) {
   Random random(seed);
   Asset asset;
   asset.metadata = metadata_of(AssetForm::sparse);
+  asset.metadata.tile_spacing = 0.004;
+  asset.metadata.height_unit = 1e-6;
   for (std::uint32_t k = 0; k < shape.planes; ++k) asset.planes.push_back(random_plane(random));
-  for (std::uint32_t k = 0; k < shape.maps; ++k) {
-    MapData map = random_map(random, shape.columns, shape.rows, 1);
-    map.plane = random.below(shape.planes);
-    map.first_layer = 2 * random.below(3);
-    map.eta0 = random.between(-0.03, 0);
-    map.omega0 = random.between(-0.03, 0);
-    asset.maps.push_back(std::move(map));
+  for (std::uint32_t k = 0; k < shape.tiles; ++k) {
+    asset.tiles.push_back(random_tile(random, shape.planes));
   }
-  asset.triangles = random_triangles(random, shape.triangles);
-  asset.grid = random_grid(random, asset.maps, shape.triangles);
+  if (shape.small && shape.triangles > 0) {
+    asset.triangle_origin = Vector3(-0.03, -0.03, -0.03);
+    asset.triangle_step = 1e-6;
+    for (std::uint32_t k = 0; k < 9 * shape.triangles; ++k) {
+      asset.small_triangles.push_back(static_cast<std::uint16_t>(random.below(60000)));
+    }
+  } else {
+    asset.triangles = random_triangles(random, shape.triangles);
+  }
+  asset.grid.narrow = shape.narrow;
+  asset.grid = GridMaker(random, asset).grid;
   round_to_stored(asset);
   return asset;
 }
@@ -174,7 +265,7 @@ Asset full_asset(std::uint64_t seed, const std::vector<std::uint32_t>& layers,
     asset.maps.push_back(std::move(map));
   }
   asset.triangles = random_triangles(random, 5);
-  asset.grid = random_grid(random, asset.maps, 5);
+  asset.grid = GridMaker(random, asset).grid;
   round_to_stored(asset);
   return asset;
 }

@@ -39,14 +39,15 @@ class Random {
 
 struct SparseShape {
   std::uint32_t planes = 10;
-  std::uint32_t maps = 100;
-  std::uint32_t columns = 8;
-  std::uint32_t rows = 8;
+  std::uint32_t tiles = 100;
   std::uint32_t triangles = 20;
+  bool narrow = false;  ///< lists of 16-bit numbers
+  bool small = false;   ///< triangles of 16-bit numbers
 };
 
 /// Assets with random content that is consistent: no object has this shape, but every part of the
-/// format is used, and queries in the box find maps and triangles.
+/// format is used, cells share lists, splits lie three deep in each other, and queries in the box
+/// find maps, tiles and triangles.
 [[nodiscard]] Asset sparse_asset(std::uint64_t seed, const SparseShape& shape = {});
 
 /// One map a plane, plane k with layers[k] layers.

@@ -33,8 +33,8 @@ Asset one_cell(const Asset& asset, std::size_t triangles, const Vector3& low, do
   whole.grid.cell_size = size;
   whole.grid.cells = {1, 1, 1};
   whole.grid.index = {cell_word(CellKind::record, 0)};
-  whole.grid.records = {static_cast<std::uint32_t>(triangles) << 16U};
-  for (std::uint32_t i = 0; i < triangles; ++i) whole.grid.records.push_back(i);
+  whole.grid.records = {list_header(0, static_cast<std::uint32_t>(triangles))};
+  for (std::uint32_t i = 0; i < triangles; ++i) whole.grid.records.push_back(2 * i);
   whole.metadata.band = {1e3, 1e3};
   return whole;
 }
@@ -60,10 +60,10 @@ void add_cell(Asset& asset, std::size_t triangles, const AssetView& exact, const
     const Vector3 nearest =
         closest_on_triangle(centre, corner(asset, i, 0), corner(asset, i, 1), corner(asset, i, 2));
     if ((centre - nearest).norm() > std::abs(answer.distance) + 2.1 * reach) continue;
-    asset.grid.records.push_back(i);
+    asset.grid.records.push_back(2 * i);
     ++count;
   }
-  asset.grid.records[header] = count << 16U;
+  asset.grid.records[header] = list_header(0, count);
 }
 
 MapData flat_map(std::uint32_t plane, double size) {

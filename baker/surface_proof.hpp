@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "baker/bake.hpp"
+#include "baker/cast.hpp"
+#include "common/tile.hpp"
+#include "formats/asset.hpp"
+
+namespace spm::baker {
+
+/// A piece of a surface triangle that no tile stands for.
+struct SurfacePiece {
+  std::array<Vector3, 3> corners;
+  std::uint32_t triangle = 0;  ///< of the caster, whose plane it lies in
+};
+
+/// Proves that the tiles and the true surface lie within `bound` metres of each other, both ways;
+/// then every distance to one differs from that to the other by at most as much, since the distance
+/// to a set changes by no more than the set is moved (Hausdorff).
+///
+/// From tile to surface: a cell, clipped as it is, is cut into parts until each is proven. A part
+/// lies in the convex hull of its corners, and the distance to one triangle is convex, so a part is
+/// proven where all its corners are within the bound of one triangle; or where the middle's distance
+/// and its size together are. Cells that resist are taken out of `valid`.
+///
+/// From surface to tile: a triangle is cut into pieces until each is proven. A piece is proven where
+/// the tile's depths at all samples around it differ from the triangle's plane by at most the
+/// bound; or where its corners all are within it of one cell, less what the cell's twist may add.
+/// What resists is returned: the fallback has to stand for it. `used` gets the cells of each tile
+/// that the proof rests on; where several tiles would do, it is the first.
+struct ProofCounts {
+  std::uint64_t cells = 0;          ///< that were to be proven
+  std::uint64_t refused_cells = 0;  ///< that resisted and were taken out
+  std::uint64_t pieces = 0;         ///< of surface that no tile stands for
+};
+
+void prove_tiles(const Caster& caster, const std::vector<SupportPlane>& planes,
+                 std::vector<TileData>& tiles, double tile_spacing, double height_unit,
+                 double bound, const Progress& progress, ProofCounts& counts);
+
+[[nodiscard]] std::vector<SurfacePiece> prove_surface(const Caster& caster,
+                                                      const std::vector<SupportPlane>& planes,
+                                                      const std::vector<Tile>& tiles,
+                                                      double height_unit, double bound,
+                                                      double farthest, const Progress& progress,
+                                                      ProofCounts& counts,
+                                                      std::vector<std::uint64_t>& used);
+
+/// Keeps of each tile the cells in `used` alone, and drops tiles of which none is left: what no
+/// proof rests on would only make lists longer.
+void trim_tiles(std::vector<TileData>& tiles, const std::vector<std::uint64_t>& used);
+
+}  // namespace spm::baker

@@ -1,0 +1,222 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <Eigen/Core>
+#include <algorithm>
+#include <cmath>
+
+#include "common/tile.hpp"
+
+namespace spm {
+
+namespace {
+
+constexpr std::uint32_t blocks = 16;  ///< of 2 x 2 cells
+using Blocks = Eigen::Array<float, blocks, 1>;
+using Four = Eigen::Array<float, 4, 1>;
+
+/// A point in the frame of a tile: along eta and omega from its first sample, and below its base.
+struct Local {
+  float x, y, z;
+};
+
+Local local_of(const Tile& tile, const SupportPlane& plane, const Vector3& point) noexcept {
+  const PlaneCoordinates place = project_on_plane(plane, point);
+  return {static_cast<float>(place.eta - tile.eta0), static_cast<float>(place.omega - tile.omega0),
+          static_cast<float>(place.depth - tile.base)};
+}
+
+float bound_of(const Tile& tile, const Local& p) noexcept {
+  // Distance to the parallelogram of the tile's plane, less what the residuals leave it by.
+  const float half = tile.spacing * (tile_cells / 2);
+  const float middle = (tile.highest + tile.lowest) / 2;
+  const float x = p.x - half, y = p.y - half;
+  const float z = p.z - middle - (tile.slope_eta + tile.slope_omega) * half;
+  const float inverse =
+      1 / (1 + tile.slope_eta * tile.slope_eta + tile.slope_omega * tile.slope_omega);
+  const float above = z - tile.slope_eta * x - tile.slope_omega * y;
+  const float beyond_x = std::max(std::abs(x + above * inverse * tile.slope_eta) - half, 0.0F);
+  const float beyond_y = std::max(std::abs(y + above * inverse * tile.slope_omega) - half, 0.0F);
+  return std::sqrt(above * above * inverse + beyond_x * beyond_x + beyond_y * beyond_y) -
+         (tile.highest - tile.lowest) / 2;
+}
+
+/// Squared lower bounds of the distance to each block's mean plane over its footprint; infinite
+/// where the block has no valid cell.
+Blocks block_bounds(const Tile& tile, const TileHeights& heights, const Local& p) noexcept {
+  Blocks a, b, c, d, x, y;
+  for (std::uint32_t k = 0; k < blocks; ++k) {
+    const std::uint32_t first = (k >> 2U) * (2 * tile_samples) + (k & 3U) * 2;
+    a[k] = heights[first];
+    b[k] = heights[first + 2];
+    c[k] = heights[first + 2 * tile_samples];
+    d[k] = heights[first + 2 * tile_samples + 2];
+    x[k] = static_cast<float>(2 * (k & 3U) + 1);
+    y[k] = static_cast<float>(2 * (k >> 2U) + 1);
+  }
+  const float s = tile.spacing;
+  const float per_slope = 0.25F / s;
+  const Blocks slope_x = ((b - a) + (d - c)) * per_slope;
+  const Blocks slope_y = ((c - a) + (d - b)) * per_slope;
+  const Blocks dx = p.x - x * s;
+  const Blocks dy = p.y - y * s;
+  const Blocks above =
+      (p.z - (a + b + c + d) * 0.25F) - slope_x * dx - slope_y * dy;
+  const Blocks along = above / (slope_x * slope_x + slope_y * slope_y + 1.0F);
+  const Blocks beyond_x = ((dx + along * slope_x).abs() - s).max(0.0F);
+  const Blocks beyond_y = ((dy + along * slope_y).abs() - s).max(0.0F);
+  Blocks squared = above * along + beyond_x * beyond_x + beyond_y * beyond_y;
+  if (~tile.valid == 0) return squared;
+  for (std::uint32_t k = 0; k < blocks; ++k) {
+    const std::uint64_t cells = std::uint64_t{0x303} << ((k >> 2U) * 16 + (k & 3U) * 2);
+    if ((tile.valid & cells) == 0) squared[k] = std::numeric_limits<float>::infinity();
+  }
+  return squared;
+}
+
+/// Bilinear patch of a cell about its middle, and a point relative to that middle.
+struct Cell {
+  float slope_x, slope_y, twist;  ///< twist: h00 - h10 - h01 + h11, over the spacing squared
+  float dx, dy, dz;
+
+  [[nodiscard]] float height(float x, float y) const noexcept {
+    return slope_x * x + slope_y * y + twist * x * y;
+  }
+  [[nodiscard]] float squared_distance(float x, float y) const noexcept {
+    const float below = dz - height(x, y);
+    return (dx - x) * (dx - x) + (dy - y) * (dy - y) + below * below;
+  }
+};
+
+Clip clip_of(const Tile& tile, std::uint32_t cell) noexcept {
+  const std::uint64_t before = tile.clipped & ((std::uint64_t{1} << cell) - 1);
+  return unpack_clip(tile.clips[std::popcount(before)]);
+}
+
+/// Moves a foot that a clip line leaves out to the line; false where nothing of the cell is left.
+bool clip_foot(const Cell& cell, const Clip& clip, float spacing, float& x, float& y) noexcept {
+  if (clip.a * x + clip.b * y <= clip.c * spacing) return true;
+  const float square = clip.a * clip.a + clip.b * clip.b;
+  if (!(square > 0)) return false;
+  const float x0 = clip.a * clip.c * spacing / square, y0 = clip.b * clip.c * spacing / square;
+  const float along_x = -clip.b, along_y = clip.a;
+  const float half = spacing / 2;
+  float from = -std::numeric_limits<float>::infinity(), to = -from;
+  if (along_x != 0) {
+    const float one = (-half - x0) / along_x, other = (half - x0) / along_x;
+    from = std::max(from, std::min(one, other));
+    to = std::min(to, std::max(one, other));
+  } else if (std::abs(x0) > half) {
+    return false;
+  }
+  if (along_y != 0) {
+    const float one = (-half - y0) / along_y, other = (half - y0) / along_y;
+    from = std::max(from, std::min(one, other));
+    to = std::min(to, std::max(one, other));
+  } else if (std::abs(y0) > half) {
+    return false;
+  }
+  if (!(from <= to)) return false;
+  const float along_z = cell.slope_x * along_x + cell.slope_y * along_y;
+  const float z0 = cell.slope_x * x0 + cell.slope_y * y0;
+  const float t = ((cell.dx - x0) * along_x + (cell.dy - y0) * along_y + (cell.dz - z0) * along_z) /
+                  (square + along_z * along_z);
+  const float place = std::clamp(t, from, to);
+  x = x0 + place * along_x;
+  y = y0 + place * along_y;
+  return true;
+}
+
+/// Feet on the four cells of a block; keeps the nearest in `foot`.
+void visit_block(const Tile& tile, const TileHeights& heights, const Local& p, std::uint32_t block,
+                 TileFoot& foot, float& best) noexcept {
+  Four h00, h10, h01, h11, middle_x, middle_y;
+  const std::uint32_t column = (block & 3U) * 2, row = (block >> 2U) * 2;
+  for (std::uint32_t k = 0; k < 4; ++k) {
+    const std::uint32_t x = column + (k & 1U), y = row + (k >> 1U);
+    const std::uint32_t first = y * tile_samples + x;
+    h00[k] = heights[first];
+    h10[k] = heights[first + 1];
+    h01[k] = heights[first + tile_samples];
+    h11[k] = heights[first + tile_samples + 1];
+    middle_x[k] = static_cast<float>(x) + 0.5F;
+    middle_y[k] = static_cast<float>(y) + 0.5F;
+  }
+  const float s = tile.spacing, half = s / 2;
+  const float per_slope = 0.5F / s;
+  const Four slope_x = ((h10 - h00) + (h11 - h01)) * per_slope;
+  const Four slope_y = ((h01 - h00) + (h11 - h10)) * per_slope;
+  const Four twist = (h00 - h10 - h01 + h11) / (s * s);
+  const Four dx = p.x - middle_x * s;
+  const Four dy = p.y - middle_y * s;
+  const Four dz = p.z - (h00 + h10 + h01 + h11) * 0.25F;
+  const Four along = (dz - slope_x * dx - slope_y * dy) /
+                     (slope_x * slope_x + slope_y * slope_y + 1.0F);
+  // The least over a rectangle lies on a side that the free foot is beyond: one side each is tried.
+  const Four x1 = (dx + along * slope_x).max(-half).min(half);
+  const Four y2 = (dy + along * slope_y).max(-half).min(half);
+  const Four y1 =
+      ((dy + slope_y * (dz - slope_x * x1)) / (slope_y * slope_y + 1.0F)).max(-half).min(half);
+  const Four x2 =
+      ((dx + slope_x * (dz - slope_y * y2)) / (slope_x * slope_x + 1.0F)).max(-half).min(half);
+  const Four below1 = dz - slope_x * x1 - slope_y * y1 - twist * x1 * y1;
+  const Four below2 = dz - slope_x * x2 - slope_y * y2 - twist * x2 * y2;
+  const Four square1 = (dx - x1) * (dx - x1) + (dy - y1) * (dy - y1) + below1 * below1;
+  const Four square2 = (dx - x2) * (dx - x2) + (dy - y2) * (dy - y2) + below2 * below2;
+  for (std::uint32_t k = 0; k < 4; ++k) {
+    float square = std::min(square1[k], square2[k]);
+    if (!(square < best)) continue;
+    const std::uint32_t index = (row + (k >> 1U)) * tile_cells + column + (k & 1U);
+    if (((tile.valid >> index) & 1U) == 0) continue;
+    float x = square1[k] <= square2[k] ? x1[k] : x2[k];
+    float y = square1[k] <= square2[k] ? y1[k] : y2[k];
+    const Cell cell{slope_x[k], slope_y[k], twist[k], dx[k], dy[k], dz[k]};
+    if (((tile.clipped >> index) & 1U) != 0) {
+      if (!clip_foot(cell, clip_of(tile, index), s, x, y)) continue;
+      square = cell.squared_distance(x, y);
+      if (!(square < best)) continue;
+    }
+    best = square;
+    foot.cell = index;
+    foot.slope_eta = cell.slope_x + cell.twist * y;
+    foot.slope_omega = cell.slope_y + cell.twist * x;
+    foot.away_eta = cell.dx - x;
+    foot.away_omega = cell.dy - y;
+    foot.away_depth = cell.dz - cell.height(x, y);
+  }
+}
+
+}  // namespace
+
+float tile_distance_bound(const Tile& tile, const SupportPlane& plane,
+                          const Vector3& point) noexcept {
+  return bound_of(tile, local_of(tile, plane, point));
+}
+
+TileFoot closest_on_tile(const Tile& tile, float height_unit, const SupportPlane& plane,
+                         const Vector3& point, float limit) noexcept {
+  TileFoot foot;
+  const Local p = local_of(tile, plane, point);
+  if (!(bound_of(tile, p) < limit)) return foot;
+  TileHeights heights;
+  tile_heights(tile, height_unit, heights);
+  Blocks bounds = block_bounds(tile, heights, p);
+  float best = limit * limit;
+  const float start = best;
+  for (std::uint32_t visited = 0; visited < blocks; ++visited) {
+    Eigen::Index nearest = 0;
+    const float bound = std::sqrt(bounds.minCoeff(&nearest)) - tile.ripple;
+    if (!(bound < 0) && !(bound * bound < best)) break;
+    if (!std::isfinite(bound)) break;
+    bounds[nearest] = std::numeric_limits<float>::infinity();
+    visit_block(tile, heights, p, static_cast<std::uint32_t>(nearest), foot, best);
+  }
+  if (!(best < start)) return foot;
+  foot.distance = std::sqrt(best);
+  const float level = std::sqrt(1 + foot.slope_eta * foot.slope_eta +
+                                foot.slope_omega * foot.slope_omega);
+  foot.below = (foot.away_depth - foot.slope_eta * foot.away_eta -
+                foot.slope_omega * foot.away_omega) /
+               level;
+  return foot;
+}
+
+}  // namespace spm

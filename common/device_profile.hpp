@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <string>
+#include <string_view>
+
+namespace spm {
+
+/// What a bake and the servo need to know of a kind of haptic device, at its tool.
+struct DeviceProfile {
+  std::string_view name;
+  double encoder_step;              ///< m, smallest step that it resolves at its centre
+  double force_cap;                 ///< N, largest force that may ever be sent to it
+  double stiffness_cap;             ///< N/m, largest stiffness that it renders stably
+  std::array<double, 3> workspace;  ///< m, edges of the box that holds every place of its tool:
+                                    ///< x to the right, y up, z towards the user
+};
+
+/// Force, stiffness and step are what the makers rate, as CHAI3D 3.3 ships them; for `wooden`,
+/// which people build themselves, what its motors and its published parameters give. Workspaces are
+/// outer figures, since what lies outside them is cut from a model: those of the makers, and for
+/// `wooden` its longest published edge each way. `low` is the worst case for stability: as strong
+/// and as stiff as any, and it reaches where any of them does.
+inline constexpr std::array<DeviceProfile, 5> device_profiles{{
+    {"low", 20e-6, 12, 5000, {0.45, 0.45, 0.45}},
+    {"falcon", 64e-6, 8, 3000, {0.102, 0.102, 0.102}},
+    {"touch", 55e-6, 3.3, 400, {0.431, 0.348, 0.165}},
+    {"omega3", 9e-6, 12, 5000, {0.16, 0.16, 0.11}},
+    {"wooden", 55e-6, 10, 1000, {0.3, 0.3, 0.3}},
+}};
+
+/// The profile of that name, or null.
+[[nodiscard]] constexpr const DeviceProfile* find_device_profile(std::string_view name) noexcept {
+  for (const DeviceProfile& profile : device_profiles) {
+    if (profile.name == name) return &profile;
+  }
+  return nullptr;
+}
+
+/// The names of all profiles, a blank before each, for messages.
+[[nodiscard]] inline std::string device_profile_names() {
+  std::string names;
+  for (const DeviceProfile& profile : device_profiles) names.append(" ").append(profile.name);
+  return names;
+}
+
+}  // namespace spm

@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cmath>
+#include <numbers>
+
+namespace spm {
+
+/// How far a window of the filter reaches, in sigmas; 1.1 % of a Gaussian's weight lies beyond.
+inline constexpr double gaussian_reach = 3;
+
+/// The kernel G_sigma of eq. 16 at an offset (eta, omega) along a support plane: 1/m2, its integral
+/// over the plane is 1. Lengths in metres, sigma above 0.
+[[nodiscard]] inline double gaussian_kernel(double sigma, double eta, double omega) noexcept {
+  const double variance = sigma * sigma;
+  return std::exp(-(eta * eta + omega * omega) / (2 * variance)) /
+         (2 * std::numbers::pi * variance);
+}
+
+/// D'_SP of eq. 16 at one place of a distance map: D_SP * G_sigma as a sum over the samples about
+/// it. What is not added, beyond a silhouette or of another layer, does not count: the sum is
+/// divided by the weight that was there. Value is a distance D_SP, or the surface's point of eq. 4
+/// where the place that the distance is measured from is to be filtered with it.
+template <class Value>
+class GaussianWindow {
+ public:
+  /// `sigma` in metres, above 0; `zero` is what the sum starts from.
+  GaussianWindow(double sigma, const Value& zero) noexcept : sigma_(sigma), sum_(zero) {}
+
+  /// Adds a sample at the offset (eta, omega), metres, that stands for `area`, m2, of the plane:
+  /// spacing squared on a map's lattice.
+  void add(double eta, double omega, double area, const Value& value) noexcept {
+    const double weight = gaussian_kernel(sigma_, eta, omega) * area;
+    sum_ += weight * value;
+    weight_ += weight;
+  }
+
+  /// How much of the kernel there were samples for: 1 where the whole plane was covered.
+  [[nodiscard]] double weight() const noexcept { return weight_; }
+
+  /// The filtered value; `weight` must be above 0.
+  [[nodiscard]] Value value() const noexcept { return sum_ / weight_; }
+
+ private:
+  double sigma_;
+  double weight_ = 0;
+  Value sum_;
+};
+
+}  // namespace spm

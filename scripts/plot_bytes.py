@@ -1,0 +1,221 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
+"""Draws what `spm-bench bytes --json` measured: error against bytes, a panel a mesh. Writes PREFIX.svg
+and PREFIX.png; equal input gives equal bytes.
+
+Needs matplotlib, Debian package python3-matplotlib: run it with /usr/bin/python3.
+"""
+
+import argparse
+import json
+import sys
+
+import matplotlib
+
+matplotlib.use("Agg")
+matplotlib.rcParams.update({
+    "svg.hashsalt": "spm-haptics",
+    "font.family": "DejaVu Sans",
+    "font.size": 9,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "axes.titlelocation": "left",
+    "axes.titlesize": 11,
+    "axes.edgecolor": "#666666",
+    "xtick.color": "#444444",
+    "ytick.color": "#444444",
+})
+
+import matplotlib.pyplot as plt  # noqa: E402
+from matplotlib.ticker import FixedLocator, NullLocator  # noqa: E402
+
+COLUMNS = 4
+OURS = "#b5302a"
+# How each rival looks: colour, mark, name, and where that stands: beside the mark of the fewest bytes
+# (0) or of the most (-1), so many points away.
+RIVALS = {
+    "dense-sdf": ("#1f5f8b", "s", "dense SDF", -1, (6, 0)),
+    "openvdb": ("#2a7f78", "D", "OpenVDB", 0, (-3, 6)),
+    "adaptive-sdf": ("#8a5a00", "^", "adaptive SDF", 0, (6, 3)),
+}
+EXACT = {
+    "embree": ("#5b4a8a", "o", "Embree", 0, (-6, 0)),
+    "triangle-grid": ("#444444", "v", "triangle grid", -1, (7, 0)),
+}
+LEAST_ERROR = 0.05  # um; below it only single precision errs
+BACKGROUND = {"facecolor": "white", "edgecolor": "none", "alpha": 0.75, "pad": 0.4}
+NEAR = 11  # pixels of the drawing at its own size, within which one figure would hide another
+BYTES_TICKS = {1e5: "100 kB", 1e6: "1 MB", 1e7: "10 MB", 1e8: "100 MB"}
+
+
+def length(um: float) -> str:
+    return f"{um / 1000:g} mm" if um >= 250 and um % 250 == 0 else f"{um:g}"
+
+
+def rows_of(report: dict, mesh: str, method: str) -> list[dict]:
+    found = [row for row in report["rows"] if row["mesh"] == mesh and row["method"] == method]
+    return sorted(found, key=lambda row: row["bytes"])
+
+
+def points(rows: list[dict]) -> tuple[list[float], list[float]]:
+    return [row["bytes"] for row in rows], [row["depth_error_um"]["p99"] for row in rows]
+
+
+def label(axes, place, text, colour, offset, **style) -> None:
+    across = "left" if offset[0] > 0 else "right" if offset[0] < 0 else "center"
+    up = "bottom" if offset[1] > 0 else "top" if offset[1] < 0 else "center"
+    axes.annotate(text, place, xytext=offset, textcoords="offset points", ha=across, va=up,
+                  color=colour, bbox=BACKGROUND, annotation_clip=False, **style)
+
+
+def draw_rivals(axes, report: dict, mesh: str) -> None:
+    for method, (colour, mark, name, end, offset) in RIVALS.items():
+        rows = rows_of(report, mesh, method)
+        if not rows:
+            continue
+        x, y = points(rows)
+        axes.plot(x, y, color=colour, linewidth=0.9, alpha=0.7, marker=mark, markersize=5,
+                  markeredgecolor="white", markeredgewidth=0.5, zorder=3)
+        label(axes, (x[end], y[end]), name, colour, offset, zorder=4)
+
+
+def draw_exact(axes, report: dict, mesh: str, limits: dict) -> None:
+    """Methods that keep the triangles have no error: they stand in a strip of their own."""
+    axes.axhspan(limits["y"][0], limits["floor"], color="#f3f3f3", zorder=0, linewidth=0)
+    level = (limits["y"][0] * limits["floor"]) ** 0.5
+    for method, (colour, mark, name, end, offset) in EXACT.items():
+        rows = [row for row in rows_of(report, mesh, method)
+                if row["depth_error_um"]["p99"] < LEAST_ERROR]
+        if not rows:
+            continue
+        x, _ = points(rows)
+        axes.plot(x, [level] * len(x), color=colour, linewidth=0.9, alpha=0.8, marker=mark,
+                  markersize=5.5, markeredgecolor="white", markeredgewidth=0.5, zorder=6)
+        axes.annotate(name, (x[end], level), xytext=offset, textcoords="offset points",
+                      ha="left" if offset[0] > 0 else "right", va="center", color=colour)
+
+
+def draw_ours(axes, report: dict, mesh: str, tolerance: float) -> None:
+    rows = rows_of(report, mesh, "spm")
+    if not rows:
+        return
+    x, y = points(rows)
+    axes.plot(x, y, color=OURS, linewidth=2.2, marker="o", markersize=5, markeredgecolor="white",
+              markeredgewidth=0.6, zorder=5)
+    label(axes, (x[0], y[0]), "spm", OURS, (-3, 7), fontsize=11, fontweight="bold", zorder=7)
+    written = []
+    # The table's own figure first: others make way for it.
+    for row in sorted(rows, key=lambda row: abs(row["setting_um"] - tolerance)):
+        table = abs(row["setting_um"] - tolerance) < 1e-6
+        place = (row["bytes"], row["depth_error_um"]["p99"])
+        if table:
+            axes.plot(*place, marker="o", markersize=9.5, color=OURS, fillstyle="none",
+                      markeredgewidth=1.2, zorder=6)
+        height = axes.transData.transform(place)[1]
+        if all(abs(height - other) > NEAR for other in written):
+            written.append(height)
+            label(axes, place, f"{row['setting_um']:g}", OURS, (-7, -3), fontsize=7, zorder=7,
+                  fontweight="bold" if table else "normal")
+
+
+def draw_mesh(axes, report: dict, model: dict, limits: dict) -> None:
+    mesh = model["mesh"]
+    axes.set_xscale("log")
+    axes.set_yscale("log")
+    axes.set_xlim(*limits["x"])
+    axes.set_ylim(*limits["y"])
+    axes.grid(True, which="major", color="#e4e4e4", linewidth=0.6)
+    axes.set_axisbelow(True)
+    axes.xaxis.set_major_locator(FixedLocator(list(BYTES_TICKS)))
+    axes.set_xticklabels(BYTES_TICKS.values())
+    ticks = [tick for tick in (1, 3, 10, 30, 100, 300, 1000) if
+             limits["floor"] <= tick <= limits["y"][1]]
+    axes.yaxis.set_major_locator(FixedLocator([(limits["y"][0] * limits["floor"]) ** 0.5, *ticks]))
+    axes.set_yticklabels(["none", *(f"{tick}" for tick in ticks)])
+    axes.yaxis.set_minor_locator(NullLocator())
+    axes.xaxis.set_minor_locator(NullLocator())
+    for raw in rows_of(report, mesh, "raw-mesh"):
+        axes.axvline(raw["bytes"], color="#999999", linewidth=1.0, linestyle=(0, (4, 3)), zorder=1)
+        axes.annotate("raw mesh", (raw["bytes"], limits["floor"]), xytext=(2, 4),
+                      textcoords="offset points", rotation=90, va="bottom", ha="left",
+                      fontsize=7.5, color="#777777")
+    draw_rivals(axes, report, mesh)
+    draw_exact(axes, report, mesh, limits)
+    draw_ours(axes, report, mesh, model["tolerance_um"])
+    axes.set_title(f"{mesh}  ", fontweight="bold")
+    axes.set_title(f"{model['triangles']:,} triangles", loc="right", fontsize=8.5, color="#666666")
+
+
+def limits_of(report: dict) -> dict:
+    """One pair of scales for all panels, with a strip below for what has no error."""
+    errors = [row["depth_error_um"]["p99"] for row in report["rows"]]
+    errors = [error for error in errors if error >= LEAST_ERROR]
+    sizes = [row["bytes"] for row in report["rows"]]
+    floor = min(errors) / 1.5
+    top = max(errors) * 1.5
+    return {"x": (min(sizes) / 1.6, max(sizes) * 8), "y": (floor / (top / floor) ** 0.1, top),
+            "floor": floor}
+
+
+def draw_key(axes, report: dict) -> None:
+    axes.set_axis_off()
+    machine = report["machine"]
+    voxels = sorted({row["setting_um"] for row in report["rows"] if row["method"] == "openvdb"},
+                    reverse=True)
+    lines = [
+        ("How to read it", "#222222", "bold"),
+        ("Down is more exact, left is smaller.", "#444444", "normal"),
+        ("", "#444444", "normal"),
+        ("spm: small figures are the tolerance asked for, um;", OURS, "normal"),
+        ("the ring marks the one of the project's table.", OURS, "normal"),
+        ("dense SDF, OpenVDB: marks are cells of", RIVALS["dense-sdf"][0], "normal"),
+        (", ".join(length(v) for v in voxels) + ".", RIVALS["dense-sdf"][0], "normal"),
+        ("adaptive SDF: the same tolerances as spm.", RIVALS["adaptive-sdf"][0], "normal"),
+        ("Embree, triangle grid: all triangles, so no error;", EXACT["embree"][0], "normal"),
+        ("they stand in the strip below.", EXACT["embree"][0], "normal"),
+        ("", "#444444", "normal"),
+        (f"Band {report['band_m'] * 1e3:g} mm inside, {report['margin_m'] * 1e3:g} mm outside; "
+         f"diagonal {report['diagonal_m'] * 1e3:g} mm;", "#666666", "normal"),
+        (f"{report['meshes'][0]['samples']:,} places a mesh, uniform by area.", "#666666", "normal"),
+        (f"{machine['processor']}, {machine['cores']} cores", "#666666", "normal"),
+    ]
+    for i, (text, colour, weight) in enumerate(lines):
+        axes.text(0.0, 0.98 - 0.068 * i, text, transform=axes.transAxes, va="top", color=colour,
+                  fontweight=weight, fontsize=11 if weight == "bold" else 8.5)
+
+
+def main() -> int:
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("report", help="JSON that spm-bench bytes printed")
+    parser.add_argument("-o", dest="prefix", required=True, help="writes PREFIX.svg and PREFIX.png")
+    arguments = parser.parse_args()
+    with open(arguments.report, encoding="utf-8") as file:
+        report = json.load(file)
+    if not report.get("rows"):
+        sys.exit(f"{arguments.report}: no rows; give what spm-bench bytes --json printed")
+
+    models = report["meshes"]
+    columns = min(COLUMNS, len(models) + 1)
+    rows = -(-(len(models) + 1) // columns)
+    figure, panels = plt.subplots(rows, columns, figsize=(4.3 * columns, 3.9 * rows + 0.5),
+                                  squeeze=False, constrained_layout=True)
+    limits = limits_of(report)
+    places = panels.flatten()
+    for axes, model in zip(places, models):
+        draw_mesh(axes, report, model, limits)
+    for row in panels:
+        row[0].set_ylabel("distance error that 99 % of the places keep, um")
+    for axes in places[max(0, len(models) - columns):len(models)]:
+        axes.set_xlabel("bytes")
+    draw_key(places[len(models)], report)
+    for axes in places[len(models) + 1:]:
+        axes.set_axis_off()
+    figure.suptitle("Error against bytes", x=0.008, ha="left", fontsize=15, fontweight="bold")
+
+    figure.savefig(f"{arguments.prefix}.svg", dpi=150, metadata={"Date": None})
+    figure.savefig(f"{arguments.prefix}.png", dpi=150, metadata={"Software": None})
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

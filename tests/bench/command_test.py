@@ -1,0 +1,102 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""spm-bench as a user runs it. The bakes are left out: they take their time."""
+
+import json
+import os
+import subprocess
+import tempfile
+import unittest
+
+BENCH = os.environ.get("SPM_BENCH", os.path.join(os.getcwd(), "bin", "spm-bench"))
+BOX = """v 0 0 0\nv 2 0 0\nv 2 1 0\nv 0 1 0\nv 0 0 1\nv 2 0 1\nv 2 1 1\nv 0 1 1
+f 4 3 2 1\nf 5 6 7 8\nf 1 2 6 5\nf 2 3 7 6\nf 3 4 8 7\nf 4 1 5 8
+"""
+QUICK = ("raw-mesh", "embree")  # in no time
+
+
+def run(*arguments, shared=None):
+    environment = {**os.environ, "LC_ALL": "C.UTF-8"}
+    if shared is not None:
+        environment["SPM_SHARED"] = shared
+    return subprocess.run([BENCH, *arguments], capture_output=True, text=True, env=environment,
+                          timeout=300, check=False)
+
+
+class Bytes(unittest.TestCase):
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory(prefix="spm-bench-test-")
+        self.addCleanup(folder.cleanup)
+        self.folder = folder.name
+        self.mesh = os.path.join(folder.name, "box.obj")
+        with open(self.mesh, "w", encoding="ascii") as file:
+            file.write(BOX)
+
+    def bytes(self, *arguments, methods=QUICK):
+        methods = [word for name in methods for word in ("--method", name)]
+        return run("bytes", "--mesh", self.mesh, "--samples", "500", *methods, *arguments)
+
+    def test_json_is_one_object_with_a_row_a_method_and_setting(self):
+        result = self.bytes("--json", methods=("embree", "triangle-grid", "raw-mesh"))
+        self.assertEqual(result.returncode, 0, result.stderr)
+        self.assertEqual(result.stderr, "")
+        report = json.loads(result.stdout)
+        self.assertEqual([mesh["mesh"] for mesh in report["meshes"]], ["box"])
+        self.assertEqual([(row["method"], row["settings"]) for row in report["rows"]],
+                         [("raw-mesh", "floats"), ("triangle-grid", "cell 2 mm"),
+                          ("triangle-grid", "cell 1 mm"), ("embree", "compact"),
+                          ("embree", "default")])
+        for row in report["rows"]:
+            self.assertGreater(row["bytes"], 0)
+            self.assertLess(row["depth_error_um"]["max"], 0.05)
+            self.assertEqual(row["misclassified"], 0)
+            self.assertEqual(row["unanswered"], 0)
+        self.assertIn("processor", report["machine"])
+
+    def test_figures_do_not_depend_on_threads(self):
+        reports = []
+        for threads in ("1", "2"):
+            report = json.loads(self.bytes("--json", "--threads", threads).stdout)
+            for row in report["rows"]:
+                row.pop("build_seconds")
+                if row["method"] == "embree":  # its builder's memory does
+                    row.pop("bytes")
+            reports.append(report)
+        self.assertEqual(*reports)
+
+    def test_the_table_names_mesh_methods_and_settings(self):
+        result = self.bytes()
+        self.assertEqual(result.returncode, 0, result.stderr)
+        for word in ("box: 12 triangles", "embree", "compact", "raw-mesh"):
+            self.assertIn(word, result.stdout)
+        self.assertEqual(self.bytes("--quiet").stdout, "")
+
+    def test_wrong_words_are_told(self):
+        for arguments, words in ((("--method", "magic"), "write one of"),
+                                 (("--tolerance", "3"), "unit"),
+                                 (("--tolerance", "0um"), "above 0"),
+                                 (("--meshes", "x"), "--mesh")):
+            with self.subTest(arguments):
+                result = self.bytes(*arguments)
+                self.assertEqual(result.returncode, 1, result.stderr)
+                self.assertIn(words, result.stderr)
+                self.assertEqual(result.stderr.count("\n"), 1)
+
+    def test_missing_files_are_told(self):
+        result = run("bytes", "--mesh", os.path.join(self.folder, "none.obj"))
+        self.assertEqual(result.returncode, 2)
+        self.assertIn("none.obj", result.stderr)
+        result = run("bytes", shared=os.path.join(self.folder, "nowhere"))
+        self.assertEqual(result.returncode, 2)
+        self.assertIn("SPM_SHARED", result.stderr)
+
+    def test_it_explains_itself(self):
+        for arguments in ((), ("bytes",)):
+            result = run(*arguments, "--help")
+            self.assertEqual(result.returncode, 0)
+            self.assertIn("Usage: " + " ".join(("spm-bench", *arguments)), result.stdout)
+        self.assertRegex(run("--version").stdout, r"spm-bench \d+\.\d+\.\d+\n")
+
+
+if __name__ == "__main__":
+    unittest.main()
