@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "baker/sheet.hpp"
 
+#include <tbb/parallel_for.h>
 #include <tbb/parallel_sort.h>
 
 #include <algorithm>
@@ -13,49 +14,51 @@ namespace {
 
 /// A triangle's side, to be sorted next to the others along the same edge.
 struct Side {
-  std::array<std::uint32_t, 2> ends;
+  std::uint64_t ends;  ///< the lower vertex above the higher
   std::uint32_t side;  ///< 3 * triangle + corner
   [[nodiscard]] bool operator<(const Side& other) const {
     return ends != other.ends ? ends < other.ends : side < other.side;
   }
 };
 
-Vector3 area_vector(const Sheet& sheet, std::uint32_t triangle) {
-  const auto& [a, b, c] = sheet.triangles[triangle];
-  const Vector3& from = sheet.vertices[a];
-  return (sheet.vertices[b] - from).cross(sheet.vertices[c] - from) / 2;
-}
-
 double angle_between(const Vector3& a, const Vector3& b) {
   return std::atan2(a.cross(b).norm(), a.dot(b));
 }
 
+std::vector<Vector3> areas_of(const Sheet& sheet) {
+  std::vector<Vector3> areas(sheet.triangles.size());
+  tbb::parallel_for(std::size_t{0}, areas.size(), [&](std::size_t i) {
+    const auto& [a, b, c] = sheet.triangles[i];
+    const Vector3& from = sheet.vertices[a];
+    areas[i] = (sheet.vertices[b] - from).cross(sheet.vertices[c] - from) / 2;
+  });
+  return areas;
+}
+
 std::vector<Side> sorted_sides(const Sheet& sheet) {
-  std::vector<Side> sides;
-  sides.reserve(3 * sheet.triangles.size());
-  for (std::uint32_t triangle = 0; triangle < sheet.triangles.size(); ++triangle) {
-    for (std::uint32_t k = 0; k < 3; ++k) {
-      const std::uint32_t from = sheet.triangles[triangle][k];
-      const std::uint32_t to = sheet.triangles[triangle][(k + 1) % 3];
-      sides.push_back({{std::min(from, to), std::max(from, to)}, 3 * triangle + k});
-    }
-  }
+  std::vector<Side> sides(3 * sheet.triangles.size());
+  tbb::parallel_for(std::size_t{0}, sides.size(), [&](std::size_t i) {
+    const Triangle& triangle = sheet.triangles[i / 3];
+    const auto [low, high] = std::minmax(triangle[i % 3], triangle[(i + 1) % 3]);
+    sides[i] = {std::uint64_t{low} << 32U | high, static_cast<std::uint32_t>(i)};
+  });
   tbb::parallel_sort(sides.begin(), sides.end());
   return sides;
 }
 
 /// The edge that a run of sides has in common.
-SheetEdge edge_of(const Sheet& sheet, std::span<const Side> run) {
+SheetEdge edge_of(const Sheet& sheet, std::span<const Vector3> areas, std::span<const Side> run) {
   SheetEdge edge;
-  edge.ends = run.front().ends;
+  edge.ends = {static_cast<std::uint32_t>(run.front().ends >> 32U),
+               static_cast<std::uint32_t>(run.front().ends)};
   int balance = 0;
   for (const Side& side : run) {
-    const Vector3 area = area_vector(sheet, side.side / 3);
+    const Vector3& area = areas[side.side / 3];
     edge.area += area.norm() / 3;
     balance += sheet.triangles[side.side / 3][side.side % 3] == edge.ends[0] ? 1 : -1;
     for (const Side& other : run) {
       if (other.side >= side.side) break;
-      edge.turn = std::max(edge.turn, angle_between(area_vector(sheet, other.side / 3), area));
+      edge.turn = std::max(edge.turn, angle_between(areas[other.side / 3], area));
     }
   }
   edge.paired = balance == 0;
@@ -69,18 +72,22 @@ constexpr std::uint32_t unplaced = 0xFFFFFFFF;
 
 SheetEdges edges_of(const Sheet& sheet) {
   const std::vector<Side> sides = sorted_sides(sheet);
+  const std::vector<Vector3> areas = areas_of(sheet);
   SheetEdges result;
-  result.edges.reserve(sides.size() / 2);
   result.of_sides.resize(sheet.triangles.size());
-  for (std::size_t first = 0; first < sides.size();) {
-    std::size_t last = first;
-    const auto index = static_cast<std::uint32_t>(result.edges.size());
-    for (; last < sides.size() && sides[last].ends == sides[first].ends; ++last) {
-      result.of_sides[sides[last].side / 3][sides[last].side % 3] = index;
-    }
-    result.edges.push_back(edge_of(sheet, std::span(sides).subspan(first, last - first)));
-    first = last;
+  std::vector<std::size_t> starts;
+  starts.reserve(sides.size() / 2 + 1);
+  for (std::size_t i = 0; i < sides.size(); ++i) {
+    if (i == 0 || sides[i].ends != sides[i - 1].ends) starts.push_back(i);
+    result.of_sides[sides[i].side / 3][sides[i].side % 3] =
+        static_cast<std::uint32_t>(starts.size() - 1);
   }
+  result.edges.resize(starts.size());
+  starts.push_back(sides.size());
+  tbb::parallel_for(std::size_t{0}, result.edges.size(), [&](std::size_t i) {
+    result.edges[i] =
+        edge_of(sheet, areas, std::span(sides).subspan(starts[i], starts[i + 1] - starts[i]));
+  });
   return result;
 }
 

@@ -18,7 +18,7 @@ namespace {
 constexpr double flat_turn = 1e-6;
 /// What rounding leaves between two diagonals of which neither is better.
 constexpr double toss_up = 1e-9;
-constexpr int most_flip_rounds = 20;
+constexpr int flip_rounds = 3;  // between two rounds of halving
 
 /// Space in cubes that have numbers.
 class Cells {
@@ -270,7 +270,7 @@ Sheet refined(Sheet sheet, const EdgeChoice& choice, double longest, double reac
                             std::to_string(most / 1000000) +
                             " million triangles; ask for a larger one");
       }
-      for (int round = 0; round < most_flip_rounds && flip(sheet); ++round) {
+      for (int round = 0; round < flip_rounds && flip(sheet); ++round) {
       }
     }
   }

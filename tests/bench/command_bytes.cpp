@@ -82,6 +82,7 @@ BytesPlan plan_of(const Settings& settings) {
   plan.grid_cells = {2e-3, 1e-3};
   if (settings.quick) {
     plan.tolerances = {200e-6};
+    plan.grid_cells = {2e-3};
     plan.voxels = {1e-3, 0.5e-3};
     plan.samples = 20000;
   } else {

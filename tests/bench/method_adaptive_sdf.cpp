@@ -23,7 +23,7 @@ constexpr std::uint32_t leaf_bit = 1U << 31U;
 /// Cubes larger than this are split unseen: the places tried in one might all miss the band.
 constexpr double largest_leaf = 0.004;  // m
 /// Places tried in a cube are no farther apart than this, and at least three a side.
-constexpr double largest_step = 0.0005;  // m
+constexpr double largest_step = 0.00075;  // m
 /// Nothing is gained from cubes much smaller than the error that is allowed.
 constexpr double smallest_leaf = 0.5;  // tolerances
 
