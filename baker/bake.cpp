@@ -4,39 +4,22 @@
 #include <tbb/global_control.h>
 #include <tbb/info.h>
 
-#include <bit>
 #include <chrono>
 #include <cmath>
-#include <limits>
 #include <nlohmann/json.hpp>
 
 #include "baker/bake_error.hpp"
 #include "baker/cast.hpp"
-#include "baker/fallback_triangles.hpp"
 #include "baker/hull.hpp"
 #include "baker/outer_surface.hpp"
-#include "baker/reach.hpp"
 #include "baker/smooth.hpp"
+#include "baker/sparse.hpp"
 #include "baker/stages.hpp"
-#include "baker/surface_proof.hpp"
-#include "baker/tile_fit.hpp"
-#include "baker/tile_partition.hpp"
-#include "baker/tiles.hpp"
 
 namespace spm::baker {
 
 namespace {
 
-/// Directions of a sparse asset.
-constexpr std::size_t sparse_directions = 32;
-constexpr double coarsest_spacing_share = 1.0 / 64;  ///< of the diagonal
-constexpr double surfel_spacing_share = 1.0 / 350;   ///< of the diagonal
-/// Share of the tolerance that a tile's cells may leave the surface by; the rest is for the gaps
-/// between them.
-constexpr double residual_share = 0.5;
-/// Rounds in which gaps between tiles get tiles of their own, where one closes so many pieces.
-constexpr int gap_rounds = 2;
-constexpr double gap_pieces = 4;
 /// Share of the diagonal that stands for a tolerance where none was asked for.
 constexpr double default_tolerance_share = 1e-3;
 /// Height samples, over all planes and before layers, that a `full` asset may have: 2 GB of floats.
@@ -115,22 +98,6 @@ AssetMetadata describe(const Mesh& mesh, const BakeOptions& options) {
   return metadata;
 }
 
-/// Leaves out the planes that no tile lies on: the plane table is most of a small file's overhead.
-void drop_unused_planes(Asset& asset) {
-  constexpr std::uint32_t unused = 0xFFFFFFFF;
-  std::vector<std::uint32_t> row(asset.planes.size(), unused);
-  std::vector<SupportPlane> kept;
-  for (TileData& tile : asset.tiles) {
-    std::uint32_t& place = row[tile.plane];
-    if (place == unused) {
-      place = static_cast<std::uint32_t>(kept.size());
-      kept.push_back(asset.planes[tile.plane]);
-    }
-    tile.plane = place;
-  }
-  asset.planes = std::move(kept);
-}
-
 /// Support planes and maps of the `full` form, and their partition.
 void bake_full(BakeResult& result, const Caster& caster, const Hull& hull,
                const BakeOptions& options, const Progress& progress, CastCounts& counts) {
@@ -158,115 +125,6 @@ void bake_full(BakeResult& result, const Caster& caster, const Hull& hull,
   for (const MapData& map : asset.maps) result.report.samples += map.samples.size();
   result.report.record_cells = partition.records;
   result.report.fallback_cells = partition.fallback;
-}
-
-/// Finds which crossing of its plane's rays each tile is, by the ray through its first valid cell.
-CastCounts count_layers(Asset& asset, const Caster& caster) {
-  CastCounts counts;
-  counts.rays = asset.tiles.size();
-  for (TileData& data : asset.tiles) {
-    const Tile tile = view_of(data, asset.metadata.tile_spacing, asset.metadata.height_unit);
-    const auto cell = static_cast<std::uint32_t>(std::countr_zero(tile.valid));
-    const auto spacing = static_cast<double>(tile.spacing);
-    const double x = cell % tile_cells + 0.5, y = cell / tile_cells + 0.5;
-    Column column;
-    caster.cast(asset.planes[tile.plane], tile.eta0 + x * spacing, tile.omega0 + y * spacing,
-                column);
-    TileHeights heights;
-    tile_heights(tile, static_cast<float>(asset.metadata.height_unit), heights);
-    const double depth =
-        tile.base + static_cast<double>(heights[cell / tile_cells * tile_samples + cell % tile_cells]);
-    double least = std::numeric_limits<double>::infinity();
-    for (std::size_t i = 0; i < column.crossings.size() && i < 256; ++i) {
-      const double off = std::abs(column.crossings[i].depth - depth);
-      if (!column.crossings[i].entry || off >= least) continue;
-      least = off;
-      data.first_layer = static_cast<std::uint32_t>(i);
-    }
-    counts.inconsistent += column.consistent ? 0 : 1;
-    counts.layers_max =
-        std::max(counts.layers_max, static_cast<std::uint32_t>(column.crossings.size()));
-  }
-  return counts;
-}
-
-/// Tiles of the `sparse` form, their proof, and their partition.
-void bake_sparse(BakeResult& result, const Caster& caster, const Hull& hull,
-                 const BakeOptions& options, const Progress& progress, CastCounts& counts) {
-  Asset& asset = result.asset;
-  AssetMetadata& metadata = asset.metadata;
-  const double tolerance = *metadata.tolerance;
-  asset.planes = vertex_based_planes(hull, sparse_directions);
-  metadata.kind = "vertex";
-  // The file keeps these planes in fewer digits: the rays must start from what the servo will read.
-  round_to_stored(asset);
-  TileSettings settings;
-  settings.tile_spacing =
-      static_cast<double>(static_cast<float>(coarsest_spacing_share * caster.diagonal()));
-  settings.height_unit = std::exp2(std::floor(std::log2(caster.diagonal() / 100)));
-  settings.residual = residual_share * tolerance;
-  settings.surfel_spacing = surfel_spacing_share * caster.diagonal();
-  metadata.tile_spacing = settings.tile_spacing;
-  metadata.height_unit = settings.height_unit;
-  const Clock::time_point casting = Clock::now();
-  asset.tiles = cast_tiles(
-      caster, asset.planes, settings,
-      surface_points(caster, settings.surfel_spacing, 0, options.seed), progress);
-  result.report.seconds_cast = seconds_since(casting);
-
-  const Clock::time_point proving = Clock::now();
-  const double bound = tolerance - FallbackTriangles::rounding(tolerance);
-  ProofCounts proof;
-  const double farthest = std::max(metadata.band.max_depth, metadata.band.margin) + tolerance;
-  prove_tiles(caster, asset.planes, asset.tiles, settings.tile_spacing, settings.height_unit, bound,
-              progress, proof);
-  std::vector<std::uint64_t> used;
-  std::vector<SurfacePiece> pieces;
-  settings.least_surfels = gap_pieces;
-  for (int round = 0;; ++round) {
-    std::vector<Tile> views;
-    for (const TileData& tile : asset.tiles) {
-      views.push_back(view_of(tile, settings.tile_spacing, settings.height_unit));
-    }
-    pieces = prove_surface(caster, asset.planes, views, settings.height_unit, bound, farthest,
-                           progress, proof, used);
-    if (round == gap_rounds || pieces.empty()) break;
-    std::vector<SurfacePoint> gaps;
-    for (const SurfacePiece& piece : pieces) {
-      gaps.push_back({(piece.corners[0] + piece.corners[1] + piece.corners[2]) / 3, piece.triangle});
-    }
-    std::vector<TileData> more = cast_tiles(caster, asset.planes, settings, gaps, progress);
-    prove_tiles(caster, asset.planes, more, settings.tile_spacing, settings.height_unit, bound,
-                progress, proof);
-    std::move(more.begin(), more.end(), std::back_inserter(asset.tiles));
-  }
-  trim_tiles(asset.tiles, used);
-  const Reach reach(caster, metadata.band, options.probe_radius, options.workspace, progress);
-  const PruneTest prune = [&reach](const Vector3& middle, double edge) {
-    return static_cast<unsigned>(reach.cube(middle, edge));
-  };
-  const TilePartitionCounts partition =
-      partition_tiles(asset, caster, pieces, tolerance, prune, progress);
-  for (const PruneRule rule : {PruneRule::workspace, PruneRule::probe, PruneRule::unreachable}) {
-    const std::uint64_t bytes = partition.pruned_bytes[static_cast<std::size_t>(rule)];
-    if (bytes > 0) result.report.pruned.push_back({name_of(rule), bytes});
-  }
-  if (asset.tiles.empty() && partition.leaves == 0) {
-    throw BakeError(ExitCode::invalid_input,
-                    "nothing of the object is left to model: the probe's centre comes to no place "
-                    "of its band; move the object into the workspace, or take a smaller probe");
-  }
-  counts = count_layers(asset, caster);
-  drop_unused_planes(asset);
-  round_to_stored(asset);
-  metadata.certified = tolerance;
-  result.report.seconds_fit += seconds_since(proving);
-  result.report.samples = asset.tiles.size() * tile_sample_count;
-  result.report.record_cells = partition.leaves;
-  result.report.fallback_cells = partition.with_triangles;
-  result.report.exact_cells = partition.exact;
-  result.report.refused_tile_cells = proof.refused_cells;
-  result.report.open_pieces = proof.pieces;
 }
 
 void add_notes(const Mesh& mesh, const OuterSurface& surface, const CastCounts& counts,
@@ -325,10 +183,10 @@ BakeResult bake(const Mesh& mesh, const BakeOptions& options, const Progress& pr
   asset.metadata.inconsistent_samples =
       counts.rays > 0 ? static_cast<double>(counts.inconsistent) / static_cast<double>(counts.rays)
                       : 0;
-  asset.metadata.fallback_cells =
-      result.report.record_cells > 0 ? static_cast<double>(result.report.fallback_cells) /
-                                           static_cast<double>(result.report.record_cells)
-                                     : 0;
+  asset.metadata.fallback_cells = result.report.record_cells > 0
+                                      ? static_cast<double>(result.report.fallback_cells) /
+                                            static_cast<double>(result.report.record_cells)
+                                      : 0;
   asset.metadata.options = options_json(options, asset.metadata);
   return result;
 }

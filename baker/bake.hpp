@@ -44,13 +44,14 @@ struct Pruned {
 struct BakeReport {
   std::uint64_t samples = 0;  ///< height samples stored
   std::uint64_t rays = 0;
-  std::uint64_t record_cells = 0;    ///< grid cells that touch the band
-  std::uint64_t fallback_cells = 0;  ///< of them, cells with triangles
+  std::uint64_t record_cells = 0;    ///< cells of space that touch the band
+  std::uint64_t fallback_cells = 0;  ///< of them, cells that triangles answer
   // Of the sparse form's proof.
-  std::uint64_t exact_cells = 0;         ///< of them, cells with nothing but the surface's triangles
   std::uint64_t refused_tile_cells = 0;  ///< cells of tiles that resisted and were taken out
-  std::uint64_t open_pieces = 0;         ///< pieces of surface that no tile stands for
-  double seconds_fit = 0;            ///< hull, planes, choice of maps and partition
+  std::uint64_t mended_places = 0;  ///< where space was divided since elements told the side wrong
+  std::uint64_t wrong_trials = 0;   ///< trials of the side that resisted
+  double fallback_area = 0;         ///< share of the surface that triangles stand for
+  double seconds_fit = 0;           ///< hull, planes, choice of maps and partition
   double seconds_cast = 0;
   std::vector<Pruned> pruned;
   std::optional<SmoothReport> smooth;

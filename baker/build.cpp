@@ -12,6 +12,7 @@
 
 #include "baker/bake_error.hpp"
 #include "baker/reach.hpp"
+#include "baker/time_limit.hpp"
 #include "common/units.hpp"
 #include "formats/sha256.hpp"
 
@@ -77,7 +78,10 @@ void judge(const BuildRequest& request, const AssetMetadata& metadata, const Ver
            BuildReport& report) {
   if (!metadata.tolerance || metadata.tolerance_met) return;
   std::string finding;
-  if (check.distance.max > *metadata.tolerance) {
+  if (metadata.certified && *metadata.certified > *metadata.tolerance) {
+    finding = fmt::format("no error below {} can be proven in the floats of a baked file",
+                          length(*metadata.certified));
+  } else if (check.distance.max > *metadata.tolerance) {
     const Vector3& at = check.worst_point;
     finding = fmt::format(
         "the error reaches {} at ({:.6g}, {:.6g}, {:.6g}) m, above the tolerance of {}",
@@ -128,7 +132,12 @@ VerifyReport check_asset(const Mesh& mesh, const BakeOptions& options, Asset& as
   VerifyReport check = verify_against(mesh, tables.view(), asset.metadata, verify);
   asset.metadata.tolerance_met = asset.metadata.tolerance && check.unanswered == 0 &&
                                  check.distance.max <= *asset.metadata.tolerance;
-  if (!asset.metadata.tolerance_met) asset.metadata.certified.reset();
+  std::optional<double>& certified = asset.metadata.certified;
+  if (certified && *certified > *asset.metadata.tolerance) {
+    asset.metadata.tolerance_met = false;
+  } else if (!asset.metadata.tolerance_met) {
+    certified.reset();
+  }
   return check;
 }
 
@@ -177,8 +186,9 @@ Json to_json(const BuildRequest& request, const Mesh& mesh, const BakeResult& ba
   json["mesh"] = mesh_json(mesh);
   json["spm"] = spm_json(baked);
   json["proof"] = {{"refused_cells", baked.report.refused_tile_cells},
-                   {"open_pieces", baked.report.open_pieces},
-                   {"exact_cells", baked.report.exact_cells}};
+                   {"mended_places", baked.report.mended_places},
+                   {"wrong_trials", baked.report.wrong_trials},
+                   {"fallback_area", baked.report.fallback_area}};
   json["fallback"] = {{"cells", share(baked.report.fallback_cells, baked.report.record_cells)},
                       {"answers", check.fallback_answers},
                       {"bytes", share(written.bytes.triangles, written.bytes.total)}};
@@ -214,6 +224,7 @@ BuildReport run_build(const BuildRequest& request, const Progress& progress) {
   };
   const Clock::time_point start = Clock::now();
   Seconds seconds;
+  TimeLimit time_limit(request.time_limit, request.output);
   check_paths(request);
   BakeOptions options = request.bake;
   BuildReport report;
@@ -237,6 +248,7 @@ BuildReport run_build(const BuildRequest& request, const Progress& progress) {
   seconds.verify = seconds_since(verifying);
   judge(request, metadata, check, report);
 
+  time_limit.disarm();
   const Clock::time_point writing = Clock::now();
   tell("write");
   const Written written = write(baked.asset, request.output);

@@ -13,6 +13,7 @@ namespace spm::baker {
 namespace {
 
 constexpr std::uint32_t most_layers = 255;
+constexpr std::uint64_t longest_time_limit = 1'000'000;  // s, a week and a half
 
 Result<void> read_layers(const std::string& text, BakeOptions& options) {
   if (text == "auto") {
@@ -170,6 +171,10 @@ void add_build_options(CLI::App& command, BuildRequest& request) {
       command, "--seed", 0, std::numeric_limits<std::uint64_t>::max(),
       [&bake](std::uint64_t n) { bake.seed = n; },
       "seed of the places where the bake and its check measure (default 1)");
+  cli::add_integer(
+      command, "--time-limit", 1, longest_time_limit,
+      [&request](std::uint64_t n) { request.time_limit = n; },
+      "give up after so many SECONDS, with nothing written (default 3600)");
   command.add_flag("--allow-inexact", request.allow_inexact,
                    "write the asset even where the tolerance was not met");
   command.callback([&command, &request] {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <CLI/CLI.hpp>
+#include <cstdint>
 #include <string>
 
 #include "baker/bake.hpp"
@@ -18,6 +19,7 @@ struct BuildRequest {
   LoadOptions load;
   LimitSources limits;
   bool allow_inexact = false;
+  std::uint64_t time_limit = 3600;  ///< s
 };
 
 /// Adds MESH, -o and the options of a bake to a command, with their checks: values out of range and

@@ -7,8 +7,10 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <optional>
 
 #include "baker/bake_error.hpp"
+#include "baker/winding_number.hpp"
 #include "common/closest_on_triangle.hpp"
 
 namespace spm::baker {
@@ -18,7 +20,9 @@ namespace {
 /// Hits closer along a ray than this share of the diagonal are one crossing of a shared edge.
 constexpr double same_crossing_share = 2e-8;
 /// Feet closer than this share of the diagonal compete for deciding the side.
-constexpr double tie_share = 1e-7;
+constexpr double tie_share = 1e-5;
+/// Nearer to the surface than this share of the diagonal, the direction to it is noise.
+constexpr double surface_share = 1e-7;
 /// A ray that grazes a triangle more flatly than this keeps Embree's own distance.
 constexpr double grazing_cosine = 1e-6;
 
@@ -45,6 +49,7 @@ struct Caster::Implementation {
   std::size_t surface_count = 0;
   Vector3 centre = Vector3::Zero();
   double diagonal = 0;
+  std::optional<WindingNumber> winding;
 
   ~Implementation() {
     if (rays != nullptr) rtcReleaseScene(rays);
@@ -173,6 +178,7 @@ Caster::Caster(const OuterSurface& surface) : implementation_(std::make_unique<I
   }
   self.centre = (low + high) / 2;
   self.diagonal = (high - low).norm();
+  self.winding.emplace(surface.vertices, surface.triangles);
   self.device = rtcNewDevice(nullptr);
   if (self.device == nullptr) throw BakeError(ExitCode::internal, "Embree could not be started");
   self.rays = self.make_scene(self.surface_count, true);
@@ -272,20 +278,15 @@ ClosestPoint Caster::closest(const Vector3& point) const {
   rtcPointQuery(self.points, &query, &context, visit, &search);
 
   ClosestPoint result;
-  double facing = -1;
-  double side = 1;
-  std::uint32_t deciding = 0;
+  bool claimed_inside = false, claimed_outside = false;
   double least = infinity;
   const Candidate* nearest = nullptr;
   for (const Candidate& candidate : candidates) {
     if (candidate.distance <= search.nearest + search.tie) {
       const double height = self.normals[candidate.triangle].dot(point - candidate.foot);
-      const double faces = candidate.distance > 0 ? std::abs(height) / candidate.distance : 1;
-      if (faces > facing || (faces == facing && candidate.triangle < deciding)) {
-        facing = faces;
-        deciding = candidate.triangle;
-        side = height < 0 ? -1 : 1;
-      }
+      (height < 0 ? claimed_inside : claimed_outside) = true;
+      // A cap is a guess: it may be creased or cross the surface.
+      if (candidate.triangle >= self.surface_count) claimed_inside = claimed_outside = true;
     }
     if (candidate.triangle >= self.surface_count) continue;
     const bool closer = candidate.distance < least ||
@@ -296,11 +297,18 @@ ClosestPoint Caster::closest(const Vector3& point) const {
     }
   }
   if (nearest == nullptr) throw BakeError(ExitCode::internal, "the surface has no triangle");
+  // At an edge or a corner triangles may disagree, and neither the nearest nor the one that faces
+  // the point most is always right.
+  const bool inside =
+      claimed_inside && claimed_outside ? self.winding->at(point) > 0.5 : claimed_inside;
+  const double side = inside ? -1 : 1;
   result.distance = side * least;
+  result.clear = search.nearest;
   result.foot = nearest->foot;
   result.triangle = nearest->triangle;
-  result.direction = least > search.tie ? Vector3(side * (point - nearest->foot) / least)
-                                        : self.normals[nearest->triangle];
+  result.direction = least > surface_share * self.diagonal
+                         ? Vector3(side * (point - nearest->foot) / least)
+                         : self.normals[nearest->triangle];
   return result;
 }
 

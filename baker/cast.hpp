@@ -31,6 +31,7 @@ struct ClosestPoint {
   Vector3 foot = Vector3::Zero();
   Vector3 direction = Vector3::UnitZ();  ///< unit, outward: gradient of the signed distance
   std::uint32_t triangle = 0;
+  double clear = 0;  ///< to the nearest of surface and caps, m: as far the side is the same
 };
 
 /// Rays and closest points on an outer surface. Embree finds the primitives, in single precision;

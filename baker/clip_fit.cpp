@@ -28,7 +28,8 @@ double median(double* values, std::size_t count) {
   return values[count / 2];
 }
 
-/// Where the sheet ends on the scan line t along (a, b) through the cell; nothing where it does not.
+/// Where the sheet ends on the scan line t along (a, b) through the cell; nothing where it does
+/// not.
 std::optional<double> sheet_end(double a, double b, double t, double x, double y,
                                 const std::function<bool(double, double)>& on_sheet) {
   // The part of the line within the cell.

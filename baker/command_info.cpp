@@ -99,9 +99,16 @@ std::uint64_t samples_of(const AssetView& view) {
   return samples;
 }
 
-std::uint64_t record_cells(const Grid& grid) {
+/// Cells of the partition that touch the band.
+std::uint64_t band_cells(const AssetView& view) {
   std::uint64_t cells = 0;
-  visit_all_lists(grid, [&cells](const GridList&) { ++cells; });
+  if (view.full) visit_all_lists(view.grid, [&cells](const GridList&) { ++cells; });
+  for (std::size_t i = 0; i < view.space.words.size(); i += space_node_words) {
+    for (std::uint32_t octant = 0; octant < 8; ++octant) {
+      const SpaceKind kind = octant_kind(view.space.words[i], octant);
+      cells += kind <= SpaceKind::outside ? 1 : 0;
+    }
+  }
   return cells;
 }
 
@@ -120,7 +127,7 @@ Json to_json(const MappedAsset& asset, const std::vector<std::string>& pictures)
                  {"tiles", view.maps.size() + view.tiles.size()},
                  {"samples", samples_of(view)},
                  {"layers_max", metadata.layers_max},
-                 {"cells", record_cells(view.grid)}};
+                 {"cells", band_cells(view)}};
   json["band"] = {{"max_depth_m", view.band.max_depth}, {"margin_m", view.band.margin}};
   json["probe_radius_m"] = metadata.probe_radius;
   json["tolerance_um"] = metadata.tolerance ? Json(*metadata.tolerance * 1e6) : Json();
@@ -135,9 +142,18 @@ Json to_json(const MappedAsset& asset, const std::vector<std::string>& pictures)
       {"bbox_m", {{"min", vector_json(metadata.box_min)}, {"max", vector_json(metadata.box_max)}}},
       {"unit_m", metadata.mesh_unit},
       {"scale", metadata.scale}};
-  json["grid"] = {{"origin_m", vector_json(view.grid.origin)},
-                  {"cell_m", view.grid.cell_size},
-                  {"cells", view.grid.cells}};
+  if (view.full) {
+    json["grid"] = {{"origin_m", vector_json(view.grid.origin)},
+                    {"cell_m", view.grid.cell_size},
+                    {"cells", view.grid.cells}};
+  } else {
+    json["space"] = {{"origin_m", vector_json(view.space.origin)},
+                     {"edge_m", view.space.edge},
+                     {"nodes", view.space.words.size() / space_node_words}};
+    json["tree"] = {{"origin_m", vector_json(view.tree.origin)},
+                    {"size_m", view.tree.size},
+                    {"nodes", view.tree.words.size() / tree_node_words}};
+  }
   json["fallback"] = {
       {"cells", metadata.fallback_cells},
       {"bytes", static_cast<double>(bytes.triangles) / static_cast<double>(bytes.total)}};

@@ -13,6 +13,7 @@
 
 #include "baker/grid_walk.hpp"
 #include "baker/tile_cells.hpp"
+#include "common/closest_element.hpp"
 #include "common/distance_map.hpp"
 
 namespace spm::baker {
@@ -121,18 +122,10 @@ class SurfaceBuilder {
   }
 
   void add_exact_triangle(const AssetView& asset, std::size_t triangle) {
+    std::array<Vector3, 3> corners;
+    if (!triangle_corners(asset, static_cast<std::uint32_t>(triangle), corners)) return;
     std::array<std::uint32_t, 3> ids{};
-    for (std::size_t i = 0; i < 3; ++i) {
-      const std::size_t first = 9 * triangle + 3 * i;
-      if (asset.small_triangles.empty()) {
-        const float* at = asset.triangles.data() + first;
-        ids[i] = add_vertex(Vector3(at[0], at[1], at[2]));
-      } else {
-        const std::uint16_t* at = asset.small_triangles.data() + first;
-        ids[i] =
-            add_vertex(asset.triangle_origin + asset.triangle_step * Vector3(at[0], at[1], at[2]));
-      }
-    }
+    for (std::size_t k = 0; k < 3; ++k) ids[k] = add_vertex(corners[k]);
     add_triangle(ids[0], ids[1], ids[2], false);
   }
 
@@ -142,9 +135,14 @@ class SurfaceBuilder {
   KnownSurface surface_;
 };
 
-/// Which of the asset's triangles some list uses for distances, not only for the side.
+/// Which of the asset's triangles have distances, not only a side.
 std::vector<bool> triangles_with_distance(const AssetView& asset) {
-  std::vector<bool> used((asset.triangles.size() + asset.small_triangles.size()) / 9, false);
+  const std::size_t count = (asset.triangles.size() + asset.small_triangles.size()) / 9;
+  std::vector<bool> used(count, false);
+  if (!asset.full) {
+    for (std::size_t i = 0; i < count && i < asset.first_cap; ++i) used[i] = true;
+    return used;
+  }
   visit_all_lists(asset.grid, [&used](const GridList& list) {
     for (std::uint32_t k = 0; k < list.triangles(); ++k) {
       const std::uint32_t triangle = list.triangle(k) >> 1U;

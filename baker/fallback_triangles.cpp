@@ -3,7 +3,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
+
+#include "baker/tile_bins.hpp"
 
 namespace spm::baker {
 
@@ -18,84 +19,56 @@ constexpr double least_steps = 1;
 
 double FallbackTriangles::rounding(double tolerance) { return rounding_share * tolerance; }
 
-FallbackTriangles::FallbackTriangles(const Caster& caster, const std::vector<SurfacePiece>& pieces,
-                                     double tolerance) {
-  const auto total = static_cast<std::uint32_t>(caster.triangle_count());
-  pieces_ = static_cast<std::uint32_t>(pieces.size());
-  first_cap_ = pieces_ + static_cast<std::uint32_t>(caster.surface_count());
-  Vector3 low = Vector3::Constant(std::numeric_limits<double>::infinity()), high = -low;
-  for (std::uint32_t i = 0; i < total; ++i) {
-    for (int k = 0; k < 3; ++k) {
-      low = low.cwiseMin(caster.corner(i, k));
-      high = high.cwiseMax(caster.corner(i, k));
-    }
+FallbackTriangles::FallbackTriangles(const Caster& caster, double tolerance) {
+  Box box;
+  for (std::uint32_t i = 0; i < caster.triangle_count(); ++i) {
+    for (int k = 0; k < 3; ++k) box.include(caster.corner(i, k));
   }
-  const double step = (high - low).maxCoeff() / 65535;
+  const double step = (box.high - box.low).maxCoeff() / 65535;
   if (least_steps * step <= rounding(tolerance)) {
-    origin_ = low;
+    origin_ = box.low;
     step_ = step;
   }
-  for (const SurfacePiece& piece : pieces) add(piece.corners);
-  for (std::uint32_t i = 0; i < total; ++i) {
-    add({caster.corner(i, 0), caster.corner(i, 1), caster.corner(i, 2)});
-  }
 }
 
-void FallbackTriangles::add(const std::array<Vector3, 3>& corners) {
-  for (const Vector3& corner : corners) {
-    for (int axis = 0; axis < 3; ++axis) {
-      if (step_ > 0) {
-        const double steps = (corner[axis] - origin_[axis]) / step_;
-        small_.push_back(static_cast<std::uint16_t>(std::lround(std::clamp(steps, 0.0, 65535.0))));
-      } else {
-        large_.push_back(static_cast<float>(corner[axis]));
-      }
-    }
-  }
+std::uint16_t FallbackTriangles::steps(const Vector3& corner, int axis) const {
+  const double place = (corner[axis] - origin_[axis]) / step_;
+  return static_cast<std::uint16_t>(std::lround(std::clamp(place, 0.0, 65535.0)));
 }
 
-std::array<Vector3, 3> FallbackTriangles::corners(std::uint32_t number) const {
-  std::array<Vector3, 3> corners;
+std::array<Vector3, 3> FallbackTriangles::stored(const std::array<Vector3, 3>& corners) const {
+  std::array<Vector3, 3> result;
   for (std::size_t k = 0; k < 3; ++k) {
-    const std::size_t first = 9 * std::size_t{number} + 3 * k;
-    if (step_ > 0) {
-      corners[k] = origin_ + step_ * Vector3(small_[first], small_[first + 1], small_[first + 2]);
-    } else {
-      corners[k] = Vector3(static_cast<double>(large_[first]), static_cast<double>(large_[first + 1]),
-                           static_cast<double>(large_[first + 2]));
+    for (int axis = 0; axis < 3; ++axis) {
+      result[k][axis] = step_ > 0 ? origin_[axis] + step_ * steps(corners[k], axis)
+                                  : static_cast<double>(static_cast<float>(corners[k][axis]));
     }
   }
-  return corners;
+  return result;
 }
 
-bool FallbackTriangles::lost(std::uint32_t number) const {
-  const auto [a, b, c] = corners(number);
+bool FallbackTriangles::lost(const std::array<Vector3, 3>& corners) const {
+  const auto [a, b, c] = stored(corners);
   const double twice_area = (b - a).cross(c - a).norm();
   const double longest = std::max({(b - a).norm(), (c - b).norm(), (a - c).norm()});
   return !(twice_area > least_steps * step_ * longest);
 }
 
-void FallbackTriangles::show(AssetView& view) const {
-  view.triangles = large_;
-  view.small_triangles = small_;
-  view.triangle_origin = origin_;
-  view.triangle_step = step_;
-}
-
-void FallbackTriangles::append(std::uint32_t number, Asset& asset) const {
-  const auto first = static_cast<std::ptrdiff_t>(9 * std::size_t{number});
-  if (step_ > 0) {
-    asset.small_triangles.insert(asset.small_triangles.end(), small_.begin() + first,
-                                 small_.begin() + first + 9);
-  } else {
-    asset.triangles.insert(asset.triangles.end(), large_.begin() + first,
-                           large_.begin() + first + 9);
-  }
-}
-
 void FallbackTriangles::describe(Asset& asset) const {
   asset.triangle_origin = origin_;
   asset.triangle_step = step_;
+}
+
+void FallbackTriangles::append(const std::array<Vector3, 3>& corners, Asset& asset) const {
+  for (const Vector3& corner : corners) {
+    for (int axis = 0; axis < 3; ++axis) {
+      if (step_ > 0) {
+        asset.small_triangles.push_back(steps(corner, axis));
+      } else {
+        asset.triangles.push_back(static_cast<float>(corner[axis]));
+      }
+    }
+  }
 }
 
 }  // namespace spm::baker

@@ -106,6 +106,17 @@ PruneRule Reach::cube(const Vector3& middle, double edge) const {
   return distance + around < -self.max_depth ? PruneRule::none : PruneRule::probe;
 }
 
+bool Reach::cuts() const {
+  const Implementation& self = *implementation_;
+  return self.workspace || self.filled || self.places;
+}
+
+PruneRule Reach::likeliest() const {
+  const Implementation& self = *implementation_;
+  if (self.places) return PruneRule::probe;
+  return self.workspace ? PruneRule::workspace : PruneRule::unreachable;
+}
+
 PruneRule Reach::point(const Vector3& place) const { return cube(place, 0); }
 
 }  // namespace spm::baker

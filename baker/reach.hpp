@@ -49,6 +49,12 @@ class Reach {
   /// centre can come into it.
   [[nodiscard]] PruneRule cube(const Vector3& middle, double edge) const;
 
+  /// False where nothing is left out for sure.
+  [[nodiscard]] bool cuts() const;
+
+  /// The rule that most likely left out what no single place tells.
+  [[nodiscard]] PruneRule likeliest() const;
+
   /// The same for a single place.
   [[nodiscard]] PruneRule point(const Vector3& place) const;
 

@@ -25,11 +25,11 @@ class Cells {
  public:
   Cells(const Vector3& low, double edge) : low_(low), edge_(edge) {}
 
-  /// The cube of a point; no coordinate of the point may be below the lowest.
+  /// The cube of a point, with room for some below it; no coordinate may be below the lowest.
   [[nodiscard]] std::array<std::int64_t, 3> of(const Vector3& point) const {
     const Vector3 cells = (point - low_) / edge_;
-    return {static_cast<std::int64_t>(cells.x()) + 1, static_cast<std::int64_t>(cells.y()) + 1,
-            static_cast<std::int64_t>(cells.z()) + 1};
+    return {static_cast<std::int64_t>(cells.x()) + 4, static_cast<std::int64_t>(cells.y()) + 4,
+            static_cast<std::int64_t>(cells.z()) + 4};
   }
   [[nodiscard]] static std::uint64_t key(std::int64_t x, std::int64_t y, std::int64_t z) {
     return (static_cast<std::uint64_t>(x) << 42U) | (static_cast<std::uint64_t>(y) << 21U) |
@@ -44,20 +44,14 @@ class Cells {
 /// Space about some edges, in cubes: what is within the reach of an edge is in a marked one.
 class Zones {
  public:
-  Zones(const Vector3& low, double reach) : cell_(1.25 * reach), cells_(low, cell_) {}
+  Zones(const Vector3& low, double reach) : cell_(reach / 2), cells_(low, cell_) {}
 
   void add(const Vector3& from, const Vector3& to) {
-    // An edge is at most an eighth of a cell from one of its marks.
-    const double steps = std::max(1.0, std::ceil(4 * (to - from).norm() / cell_));
+    // Marks half a cell apart, so that the edge is at most a quarter of a cell from one.
+    const double steps = std::max(1.0, std::ceil(2 * (to - from).norm() / cell_));
     for (double i = 0; i <= steps; ++i) {
       const std::array<std::int64_t, 3> at = cells_.of(from + i / steps * (to - from));
-      if (!marks_.insert(Cells::key(at[0], at[1], at[2])).second) continue;
-      for (std::int64_t x = -1; x <= 1; ++x) {
-        for (std::int64_t y = -1; y <= 1; ++y) {
-          for (std::int64_t z = -1; z <= 1; ++z)
-            near_.insert(Cells::key(at[0] + x, at[1] + y, at[2] + z));
-        }
-      }
+      if (marks_.insert(Cells::key(at[0], at[1], at[2])).second) mark_about(at);
     }
   }
 
@@ -80,6 +74,24 @@ class Zones {
   }
 
  private:
+  /// Marks the cells that have a point within the reach and a quarter of a cell of one.
+  void mark_about(const std::array<std::int64_t, 3>& at) {
+    constexpr std::int64_t farthest = 3;
+    constexpr double reach_in_cells = 2.25;
+    const auto gap2 = [](std::int64_t offset) {
+      const auto between = static_cast<double>(std::max<std::int64_t>(0, std::abs(offset) - 1));
+      return between * between;
+    };
+    for (std::int64_t x = -farthest; x <= farthest; ++x) {
+      for (std::int64_t y = -farthest; y <= farthest; ++y) {
+        for (std::int64_t z = -farthest; z <= farthest; ++z) {
+          if (gap2(x) + gap2(y) + gap2(z) > reach_in_cells * reach_in_cells) continue;
+          near_.insert(Cells::key(at[0] + x, at[1] + y, at[2] + z));
+        }
+      }
+    }
+  }
+
   double cell_;
   Cells cells_;
   std::unordered_set<std::uint64_t> marks_;

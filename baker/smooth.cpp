@@ -31,7 +31,7 @@ constexpr double longest_edge_when_sharp = 0.5;
 constexpr double sharp_turn = 0.35;  // rad, 20 degrees
 /// A vertex moves where a bend is in its window, and its window needs short edges all over.
 constexpr double window_reach = 2 * gaussian_reach + longest_edge;  // in sigmas
-constexpr double sharp_reach = gaussian_reach;                      // in sigmas
+constexpr double sharp_reach = 2;                                   // in sigmas
 constexpr std::size_t most_triangles = 2000000;
 /// Visits of vertices, all windows together: minutes.
 constexpr double most_visits = 4e9;

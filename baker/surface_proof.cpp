@@ -4,9 +4,9 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
-#include <atomic>
 #include <bit>
 #include <cmath>
+#include <optional>
 
 #include "baker/progress_counter.hpp"
 #include "baker/tile_bins.hpp"
@@ -17,6 +17,10 @@ namespace {
 
 /// A piece with edges shorter than this share of the bound that is not proven never will be.
 constexpr double smallest_share = 0.3;
+/// A triangle that is not proven in so many pieces is not worth more; in fewer where the bound is
+/// smaller than this share of the diagonal.
+constexpr int most_tries = 20000;
+constexpr double small_bound_share = 1e-4;
 /// The fallback's pieces are no smaller than this, in bounds: many small ones cost more bytes.
 constexpr double emitted_bounds = 4;
 constexpr double emitted_share = 1.0 / 400;  ///< of the diagonal
@@ -28,8 +32,8 @@ constexpr int most_samples = 10;
 using Piece = std::array<Vector3, 3>;
 
 double longest_edge(const Piece& piece) {
-  return std::max({(piece[1] - piece[0]).norm(), (piece[2] - piece[1]).norm(),
-                   (piece[0] - piece[2]).norm()});
+  return std::max(
+      {(piece[1] - piece[0]).norm(), (piece[2] - piece[1]).norm(), (piece[0] - piece[2]).norm()});
 }
 
 std::array<Piece, 4> quarters(const Piece& piece) {
@@ -51,28 +55,32 @@ class SurfaceProof {
         emitted_(std::max(emitted_bounds * bound, emitted)),
         bins_(planes, tiles, height_unit_, bin_edge, bound) {
     heights_.resize(tiles.size());
-    used_ = std::vector<std::atomic<std::uint64_t>>(tiles.size());
-    tbb::parallel_for(std::size_t{0}, tiles.size(), [&](std::size_t i) {
-      tile_heights(tiles[i], height_unit_, heights_[i]);
-    });
+    tbb::parallel_for(std::size_t{0}, tiles.size(),
+                      [&](std::size_t i) { tile_heights(tiles[i], height_unit_, heights_[i]); });
   }
-
-  /// The cells of a tile that some piece's proof rests on.
-  [[nodiscard]] std::uint64_t used(std::size_t which) const { return used_[which]; }
 
   /// Appends what of a piece is not stood for; true where that is all of it, appended as a whole.
   bool open(const Piece& piece, const Vector3& normal, std::uint32_t triangle,
-            std::vector<SurfacePiece>& found) const {
-    if (stood_for(piece, normal)) return false;
+            std::vector<SurfacePiece>& found, std::vector<TileUse>& uses, int& tries) const {
+    if (const std::optional<TileUse> use = stood_for(piece, normal)) {
+      const auto same = std::find_if(uses.begin(), uses.end(),
+                                     [&](const TileUse& one) { return one.tile == use->tile; });
+      if (same == uses.end()) {
+        uses.push_back(*use);
+      } else {
+        same->cells |= use->cells;
+      }
+      return false;
+    }
     const double size = longest_edge(piece);
-    if (size < smallest_share * bound_) {
+    if (size < smallest_share * bound_ || --tries < 0) {
       found.push_back({piece, triangle});
       return true;
     }
     const std::size_t before = found.size();
     int whole = 0;
     for (const Piece& quarter : quarters(piece)) {
-      whole += open(quarter, normal, triangle, found) ? 1 : 0;
+      whole += open(quarter, normal, triangle, found, uses, tries) ? 1 : 0;
       if (found.size() > before && size < emitted_) whole = 4;
       if (whole == 4) break;
     }
@@ -91,34 +99,33 @@ class SurfaceProof {
   double emitted_;
   TileBins bins_;
   std::vector<TileHeights> heights_;
-  mutable std::vector<std::atomic<std::uint64_t>> used_;
 
-  void use(std::uint32_t which, std::uint64_t cells) const {
-    used_[which].fetch_or(cells, std::memory_order_relaxed);
-  }
-
-  [[nodiscard]] bool stood_for(const Piece& piece, const Vector3& normal) const {
+  [[nodiscard]] std::optional<TileUse> stood_for(const Piece& piece, const Vector3& normal) const {
     const Vector3 middle = (piece[0] + piece[1] + piece[2]) / 3;
     const std::span<const std::uint32_t> near = bins_.near(middle);
     // A sheet that looks the other way is the other side of a thin wall.
     const auto looks_away = [&](std::uint32_t which) {
       return normal.dot(planes_[tiles_[which].plane].n) <= 0;
     };
-    if (std::any_of(near.begin(), near.end(), [&](std::uint32_t which) {
-          return !looks_away(which) && lies_along(which, piece);
-        })) {
-      return true;
+    for (const std::uint32_t which : near) {
+      if (looks_away(which)) continue;
+      if (const std::uint64_t cells = lies_along(which, piece)) return TileUse{which, cells};
     }
-    const double radius = std::max({(piece[0] - middle).norm(), (piece[1] - middle).norm(),
-                                    (piece[2] - middle).norm()});
-    if (radius > close_bounds * bound_) return false;
-    return std::any_of(near.begin(), near.end(), [&](std::uint32_t which) {
-      return !looks_away(which) && lies_by(which, piece, middle, radius);
-    });
+    const double radius = std::max(
+        {(piece[0] - middle).norm(), (piece[1] - middle).norm(), (piece[2] - middle).norm()});
+    if (radius > close_bounds * bound_) return std::nullopt;
+    for (const std::uint32_t which : near) {
+      if (looks_away(which)) continue;
+      if (const std::uint64_t cell = lies_by(which, piece, middle, radius)) {
+        return TileUse{which, cell};
+      }
+    }
+    return std::nullopt;
   }
 
-  /// True where the depths of all samples around the piece are the triangle's, within the bound.
-  [[nodiscard]] bool lies_along(std::uint32_t which, const Piece& piece) const {
+  /// The cells around the piece, where the depths of all their samples are the triangle's, within
+  /// the bound; else none.
+  [[nodiscard]] std::uint64_t lies_along(std::uint32_t which, const Piece& piece) const {
     const Tile& tile = tiles_[which];
     const SupportPlane& plane = planes_[tile.plane];
     const auto spacing = static_cast<double>(tile.spacing);
@@ -131,26 +138,26 @@ class SurfaceProof {
     const Vector3 low = local[0].cwiseMin(local[1]).cwiseMin(local[2]);
     const Vector3 high = local[0].cwiseMax(local[1]).cwiseMax(local[2]);
     if (!(low.x() >= 0 && low.y() >= 0 && high.x() <= tile_cells && high.y() <= tile_cells)) {
-      return false;
+      return 0;
     }
     const int x0 = static_cast<int>(low.x()), y0 = static_cast<int>(low.y());
     const int x1 = std::max(x0 + 1, static_cast<int>(std::ceil(high.x())));
     const int y1 = std::max(y0 + 1, static_cast<int>(std::ceil(high.y())));
-    if (x1 - x0 > most_samples || y1 - y0 > most_samples || x1 > 8 || y1 > 8) return false;
+    if (x1 - x0 > most_samples || y1 - y0 > most_samples || x1 > 8 || y1 > 8) return 0;
     for (int y = y0; y < y1; ++y) {
       const std::uint64_t row = ((std::uint64_t{1} << (x1 - x0)) - 1) << (y * 8 + x0);
-      if ((tile.valid & ~tile.clipped & row) != row) return false;
+      if ((tile.valid & ~tile.clipped & row) != row) return 0;
     }
     const Vector3 across = (local[1] - local[0]).cross(local[2] - local[0]);
-    if (!(std::abs(across.z()) > 1e-12)) return false;
+    if (!(std::abs(across.z()) > 1e-12)) return 0;
     const auto depth = [&](double x, double y) {
       return local[0].z() -
              (across.x() * (x - local[0].x()) + across.y() * (y - local[0].y())) / across.z();
     };
     const TileHeights& heights = heights_[which];
     const auto height = [&](int x, int y) {
-      return static_cast<double>(heights[static_cast<std::size_t>(y) * tile_samples +
-                                         static_cast<std::size_t>(x)]);
+      return static_cast<double>(
+          heights[static_cast<std::size_t>(y) * tile_samples + static_cast<std::size_t>(x)]);
     };
     double slack = 0;
     std::uint64_t cells = 0;
@@ -168,58 +175,56 @@ class SurfaceProof {
           const double fx = x - x0, fy = y - y0;
           const double patch = (1 - fy) * ((1 - fx) * height(x0, y0) + fx * height(x1, y0)) +
                                fy * ((1 - fx) * height(x0, y1) + fx * height(x1, y1));
-          if (!(std::abs(depth(x, y) - patch) <= allowed)) return false;
+          if (!(std::abs(depth(x, y) - patch) <= allowed)) return 0;
         }
       }
-      use(which, cells);
-      return true;
+      return cells;
     }
     for (int y = y0; y <= y1; ++y) {
       for (int x = x0; x <= x1; ++x) {
-        if (!(std::abs(depth(x, y) - height(x, y)) <= allowed)) return false;
+        if (!(std::abs(depth(x, y) - height(x, y)) <= allowed)) return 0;
       }
     }
-    use(which, cells);
-    return true;
+    return cells;
   }
 
-  /// How much farther than the nearest point of a cell's patch the query's foot may be, m. The patch
-  /// leaves its mean plane by slopes of at most s, so that its points are no nearer than the foot's
-  /// distance over sqrt(1 + s^2).
+  /// How much farther than the nearest point of a cell's patch the query's foot may be, m. The
+  /// patch leaves its mean plane by slopes of at most s, so that its points are no nearer than the
+  /// foot's distance over sqrt(1 + s^2).
   [[nodiscard]] double foot_slack(std::uint32_t which, int x, int y) const {
     const TileHeights& h = heights_[which];
-    const std::size_t first = static_cast<std::size_t>(y) * tile_samples + static_cast<std::size_t>(x);
+    const std::size_t first =
+        static_cast<std::size_t>(y) * tile_samples + static_cast<std::size_t>(x);
     const double twist = static_cast<double>(h[first] - h[first + 1] - h[first + tile_samples] +
                                              h[first + tile_samples + 1]) /
                          static_cast<double>(tiles_[which].spacing);
     return farthest_ * twist * twist / 4;
   }
 
-  /// True where the whole piece is within the bound of the cell that is nearest to its middle, or
-  /// its middle by so much less as the piece is large.
-  [[nodiscard]] bool lies_by(std::uint32_t which, const Piece& piece, const Vector3& middle,
-                             double radius) const {
+  /// The cell that is nearest to the piece's middle, where the whole piece is within the bound of
+  /// it, or its middle by so much less as the piece is large; else none.
+  [[nodiscard]] std::uint64_t lies_by(std::uint32_t which, const Piece& piece,
+                                      const Vector3& middle, double radius) const {
     const Tile& tile = tiles_[which];
     const SupportPlane& plane = planes_[tile.plane];
     const TileFoot foot =
         closest_on_tile(tile, height_unit_, plane, middle, static_cast<float>(bound_));
-    if (!std::isfinite(foot.distance)) return false;
+    if (!std::isfinite(foot.distance)) return 0;
     const std::uint32_t cell = foot.cell;
     const int x = static_cast<int>(cell % tile_cells), y = static_cast<int>(cell / tile_cells);
     const double slack = foot_slack(which, x, y);
     const std::uint64_t bit = std::uint64_t{1} << cell;
     if (static_cast<double>(foot.distance) + radius + slack <= bound_) {
-      use(which, bit);
-      return true;
+      return bit;
     }
     const TileHeights& h = heights_[which];
     const std::size_t first = cell / tile_cells * tile_samples + cell % tile_cells;
-    const double twist = std::abs(static_cast<double>(h[first] - h[first + 1] -
-                                                      h[first + tile_samples] +
-                                                      h[first + tile_samples + 1]));
-    // A quarter of the twist each way for the patch against its mean plane, whose distance is convex.
+    const double twist = std::abs(static_cast<double>(
+        h[first] - h[first + 1] - h[first + tile_samples] + h[first + tile_samples + 1]));
+    // A quarter of the twist each way for the patch against its mean plane, whose distance is
+    // convex.
     const double allowed = bound_ - slack - twist / 2;
-    if (!(allowed > 0)) return false;
+    if (!(allowed > 0)) return 0;
     Tile one = tile;
     one.clips += std::popcount(tile.clipped & (bit - 1));
     one.valid = bit;
@@ -228,41 +233,36 @@ class SurfaceProof {
       return std::isfinite(
           closest_on_tile(one, height_unit_, plane, corner, static_cast<float>(allowed)).distance);
     });
-    if (all) use(which, bit);
-    return all;
+    return all ? bit : 0;
   }
 };
 
 }  // namespace
 
-std::vector<SurfacePiece> prove_surface(const Caster& caster,
-                                        const std::vector<SupportPlane>& planes,
-                                        const std::vector<Tile>& tiles, double height_unit,
-                                        double bound, double farthest,
-                                        const Progress& progress, ProofCounts& counts,
-                                        std::vector<std::uint64_t>& used) {
+SurfaceCover prove_surface(const Caster& caster, const std::vector<SupportPlane>& planes,
+                           const std::vector<Tile>& tiles, double height_unit, double bound,
+                           double farthest, const Progress& progress) {
   const SurfaceProof proof(planes, tiles, height_unit, bound, farthest,
                            emitted_share * caster.diagonal(), caster.diagonal() / 80);
   constexpr std::size_t batch = 64;
   const std::size_t batches = (caster.surface_count() + batch - 1) / batch;
-  std::vector<std::vector<SurfacePiece>> found(batches);
+  const double share = std::pow(bound / (small_bound_share * caster.diagonal()), 2);
+  SurfaceCover cover;
+  cover.uses.resize(caster.surface_count());
+  cover.open.resize(caster.surface_count());
   ProgressCounter counter(progress, "proof of surface", batches);
   tbb::parallel_for(std::size_t{0}, batches, [&](std::size_t i) {
     const std::size_t end = std::min(caster.surface_count(), (i + 1) * batch);
     for (std::size_t k = i * batch; k < end; ++k) {
       const auto triangle = static_cast<std::uint32_t>(k);
-      proof.open({caster.corner(triangle, 0), caster.corner(triangle, 1),
-                  caster.corner(triangle, 2)},
-                 caster.normal(triangle), triangle, found[i]);
+      int tries = static_cast<int>(most_tries * std::min(1.0, share));
+      proof.open(
+          {caster.corner(triangle, 0), caster.corner(triangle, 1), caster.corner(triangle, 2)},
+          caster.normal(triangle), triangle, cover.open[k], cover.uses[k], tries);
     }
     counter.done();
   });
-  std::vector<SurfacePiece> pieces;
-  for (const auto& one : found) pieces.insert(pieces.end(), one.begin(), one.end());
-  counts.pieces = pieces.size();
-  used.clear();
-  for (std::size_t i = 0; i < tiles.size(); ++i) used.push_back(proof.used(i));
-  return pieces;
+  return cover;
 }
 
 }  // namespace spm::baker

@@ -24,34 +24,41 @@ struct SurfacePiece {
 ///
 /// From tile to surface: a cell, clipped as it is, is cut into parts until each is proven. A part
 /// lies in the convex hull of its corners, and the distance to one triangle is convex, so a part is
-/// proven where all its corners are within the bound of one triangle; or where the middle's distance
-/// and its size together are. Cells that resist are taken out of `valid`.
+/// proven where all its corners are within the bound of one triangle; or where the middle's
+/// distance and its size together are. Cells that resist are taken out of `valid`.
 ///
-/// From surface to tile: a triangle is cut into pieces until each is proven. A piece is proven where
-/// the tile's depths at all samples around it differ from the triangle's plane by at most the
+/// From surface to tile: a triangle is cut into pieces until each is proven. A piece is proven
+/// where the tile's depths at all samples around it differ from the triangle's plane by at most the
 /// bound; or where its corners all are within it of one cell, less what the cell's twist may add.
-/// What resists is returned: the fallback has to stand for it. `used` gets the cells of each tile
-/// that the proof rests on; where several tiles would do, it is the first.
+/// Where several tiles would do, the first is named. What resists the fallback has to stand for.
 struct ProofCounts {
   std::uint64_t cells = 0;          ///< that were to be proven
   std::uint64_t refused_cells = 0;  ///< that resisted and were taken out
-  std::uint64_t pieces = 0;         ///< of surface that no tile stands for
 };
 
 void prove_tiles(const Caster& caster, const std::vector<SupportPlane>& planes,
                  std::vector<TileData>& tiles, double tile_spacing, double height_unit,
                  double bound, const Progress& progress, ProofCounts& counts);
 
-[[nodiscard]] std::vector<SurfacePiece> prove_surface(const Caster& caster,
-                                                      const std::vector<SupportPlane>& planes,
-                                                      const std::vector<Tile>& tiles,
-                                                      double height_unit, double bound,
-                                                      double farthest, const Progress& progress,
-                                                      ProofCounts& counts,
-                                                      std::vector<std::uint64_t>& used);
+/// Cells of a tile that the proof of a triangle rests on.
+struct TileUse {
+  std::uint32_t tile = 0;
+  std::uint64_t cells = 0;
+};
 
-/// Keeps of each tile the cells in `used` alone, and drops tiles of which none is left: what no
-/// proof rests on would only make lists longer.
+/// What stands for each triangle of a surface.
+struct SurfaceCover {
+  std::vector<std::vector<TileUse>> uses;       ///< a triangle each, a tile once
+  std::vector<std::vector<SurfacePiece>> open;  ///< a triangle each: what no tile stands for
+};
+
+[[nodiscard]] SurfaceCover prove_surface(const Caster& caster,
+                                         const std::vector<SupportPlane>& planes,
+                                         const std::vector<Tile>& tiles, double height_unit,
+                                         double bound, double farthest, const Progress& progress);
+
+/// Keeps of each tile that is not whole the cells in `used` alone, and drops tiles of which none is
+/// used: what no proof rests on is only in the way.
 void trim_tiles(std::vector<TileData>& tiles, const std::vector<std::uint64_t>& used);
 
 }  // namespace spm::baker

@@ -9,10 +9,6 @@ namespace spm::baker {
 
 namespace {
 
-struct Box {
-  Vector3 low, high;
-};
-
 /// Boxes around the valid cells of a tile, block by block of 2 x 2.
 template <class Visit>
 void visit_boxes(const SupportPlane& plane, const Tile& tile, float height_unit,
@@ -24,21 +20,28 @@ void visit_boxes(const SupportPlane& plane, const Tile& tile, float height_unit,
     const std::uint32_t column = block % 4 * 2, row = block / 4 * 2;
     const std::uint64_t cells = std::uint64_t{0x303} << (row * 8 + column);
     if ((tile.valid & cells) == 0) continue;
-    Box box{Vector3::Constant(std::numeric_limits<double>::infinity()),
-            Vector3::Constant(-std::numeric_limits<double>::infinity())};
+    Box box;
     for (std::uint32_t k = 0; k < 9; ++k) {
       const std::uint32_t x = column + k % 3, y = row + k / 3;
       const Vector3 point =
           support_plane_point(plane, tile.eta0 + x * spacing, tile.omega0 + y * spacing) -
           (tile.base + static_cast<double>(heights[y * tile_samples + x])) * plane.n;
-      box.low = box.low.cwiseMin(point);
-      box.high = box.high.cwiseMax(point);
+      box.include(point);
     }
     visit(box);
   }
 }
 
 }  // namespace
+
+Box tile_box(const SupportPlane& plane, const Tile& tile, float height_unit) {
+  Box all;
+  visit_boxes(plane, tile, height_unit, [&](const Box& box) {
+    all.include(box.low);
+    all.include(box.high);
+  });
+  return all;
+}
 
 TileBins::TileBins(std::span<const SupportPlane> planes, std::span<const Tile> tiles,
                    float height_unit, double edge, double reach)

@@ -3,12 +3,27 @@
 
 #include <array>
 #include <cstdint>
+#include <limits>
 #include <span>
 #include <vector>
 
 #include "common/asset_view.hpp"
 
 namespace spm::baker {
+
+/// An axis-aligned box, m.
+struct Box {
+  Vector3 low = Vector3::Constant(std::numeric_limits<double>::infinity());
+  Vector3 high = Vector3::Constant(-std::numeric_limits<double>::infinity());
+
+  void include(const Vector3& point) {
+    low = low.cwiseMin(point);
+    high = high.cwiseMax(point);
+  }
+};
+
+/// The box around a tile's valid cells.
+[[nodiscard]] Box tile_box(const SupportPlane& plane, const Tile& tile, float height_unit);
 
 /// Tiles by the cubes of space that their valid surface passes through.
 class TileBins {

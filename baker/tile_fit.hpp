@@ -17,11 +17,11 @@ struct TileSite {
   std::uint32_t which = 0;  ///< of the plane
   std::uint32_t level = 0;
   std::int32_t column = 0, row = 0;
-  double spacing = 0;             ///< m, exactly as the file gives it
-  double height_unit = 1;         ///< m
-  double residual = 0;            ///< m: how far, across the surface, a cell may leave it
-  double angle = 0;               ///< rad: how far off a tile's normals may be in the mean
-  double cell_angle = 0;          ///< rad: and a cell's
+  double spacing = 0;      ///< m, exactly as the file gives it
+  double height_unit = 1;  ///< m
+  double residual = 0;     ///< m: how far, across the surface, a cell may leave it
+  double angle = 0;        ///< rad: how far off a tile's normals may be in the mean
+  double cell_angle = 0;   ///< rad: and a cell's
 };
 
 /// A place of the surface that a tile is grown from, in the plane's frame, m.

@@ -17,6 +17,13 @@ namespace {
 
 /// A part smaller than this share of the bound that is still not proven never will be.
 constexpr double smallest_share = 0.1;
+/// A cell that is not proven in so many parts is not worth more; in fewer where the bound is
+/// smaller than this share of the diagonal.
+constexpr int most_parts = 2000;
+constexpr double small_bound_share = 1e-4;
+/// Nearer to each other than this, in bounds, two sheets that look away from each other are thin.
+constexpr double thin_bounds = 2;
+constexpr double opposite_cosine = -0.3;
 
 /// A rectangle of a cell, in [-0.5, 0.5] from its middle.
 struct Part {
@@ -37,6 +44,8 @@ class CellProof {
     eta_ = tile.eta0 + (column + 0.5) * spacing_;
     omega_ = tile.omega0 + (row + 0.5) * spacing_;
     base_ = tile.base;
+    const double share = std::pow(bound / (small_bound_share * caster.diagonal()), 2);
+    parts_left_ = 10 + static_cast<int>(most_parts * std::min(1.0, share));
     clipped_ = ((tile.clipped >> cell) & 1U) != 0;
     if (clipped_) {
       const std::uint64_t before = tile.clipped & ((std::uint64_t{1} << cell) - 1);
@@ -46,6 +55,27 @@ class CellProof {
 
   [[nodiscard]] bool proven() const { return proven({-0.5, -0.5, 0.5, 0.5}); }
 
+  /// True where surface that looks the other way comes so near to the cell that two patches, each
+  /// off by the bound, could change places: a thin wall, a crack or a knife's edge.
+  [[nodiscard]] bool is_thin() const {
+    const double reach = thin_bounds * bound_;
+    const Vector3 across =
+        (point(0.5, 0.5) - point(-0.5, -0.5)).cross(point(-0.5, 0.5) - point(0.5, -0.5));
+    const double radius = ((point(0.5, 0.5) - point(-0.5, -0.5)).norm() +
+                           (point(-0.5, 0.5) - point(0.5, -0.5)).norm()) /
+                          4;
+    thread_local std::vector<std::uint32_t> near;
+    near.clear();
+    caster_.within(point(0, 0), radius + reach, near);
+    return std::any_of(near.begin(), near.end(), [&](std::uint32_t triangle) {
+      if (caster_.is_cap(triangle) ||
+          caster_.normal(triangle).dot(across) > opposite_cosine * across.norm()) {
+        return false;
+      }
+      return comes_near(triangle, reach);
+    });
+  }
+
  private:
   const Caster& caster_;
   const SupportPlane& plane_;
@@ -54,17 +84,38 @@ class CellProof {
   double eta_, omega_, base_;
   bool clipped_ = false;
   Clip clip_;
+  mutable int parts_left_;
 
   [[nodiscard]] Vector3 point(double x, double y) const {
     const double fx = x + 0.5, fy = y + 0.5;
-    const double depth = base_ + (1 - fy) * ((1 - fx) * h_[0] + fx * h_[1]) +
-                         fy * ((1 - fx) * h_[2] + fx * h_[3]);
+    const double depth =
+        base_ + (1 - fy) * ((1 - fx) * h_[0] + fx * h_[1]) + fy * ((1 - fx) * h_[2] + fx * h_[3]);
     return support_plane_point(plane_, eta_ + x * spacing_, omega_ + y * spacing_) -
            depth * plane_.n;
   }
   [[nodiscard]] double beyond(double x, double y) const {
     return static_cast<double>(clip_.a) * x + static_cast<double>(clip_.b) * y -
            static_cast<double>(clip_.c);
+  }
+
+  /// True where a place of a triangle is so near to the cell, as far as a few places tell.
+  [[nodiscard]] bool comes_near(std::uint32_t triangle, double reach) const {
+    const double wide = 0.5 + reach / spacing_;
+    for (int k = 0; k < 9; ++k) {
+      const Vector3 foot = closest_on_triangle(
+          point((k % 3 - 1) * 0.5, (k / 3 - 1) * 0.5), caster_.corner(triangle, 0),
+          caster_.corner(triangle, 1), caster_.corner(triangle, 2));
+      const PlaneCoordinates place = project_on_plane(plane_, foot);
+      const double x = (place.eta - eta_) / spacing_, y = (place.omega - omega_) / spacing_;
+      if (std::max(std::abs(x), std::abs(y)) > wide) continue;
+      const double inner_x = std::clamp(x, -0.5, 0.5), inner_y = std::clamp(y, -0.5, 0.5);
+      if (clipped_ && beyond(inner_x, inner_y) > std::abs(clip_.a) * reach / spacing_ +
+                                                     std::abs(clip_.b) * reach / spacing_) {
+        continue;
+      }
+      if ((foot - point(inner_x, inner_y)).norm() <= reach) return true;
+    }
+    return false;
   }
 
   /// Corners of what the clip line leaves of a part, at most five, in the cell's own coordinates.
@@ -88,6 +139,7 @@ class CellProof {
   }
 
   [[nodiscard]] bool proven(const Part& part) const {
+    if (--parts_left_ < 0) return false;
     std::array<std::array<double, 2>, 5> corners{};
     const std::size_t count = polygon(part, corners);
     if (count == 0) return true;
@@ -100,11 +152,12 @@ class CellProof {
     const ClosestPoint closest = caster_.closest(middle);
     const double distance = std::abs(closest.distance);
     if (distance > bound_) return false;
-    // A clipped part's slanting side is no straight line of the patch; its twist bounds by how much.
+    // A clipped part's slanting side is no straight line of the patch; its twist bounds by how
+    // much.
     const double twist = count == 4 && !clipped_
                              ? 0
-                             : std::abs(h_[0] - h_[1] - h_[2] + h_[3]) *
-                                   (part.x1 - part.x0) * (part.y1 - part.y0) / 4;
+                             : std::abs(h_[0] - h_[1] - h_[2] + h_[3]) * (part.x1 - part.x0) *
+                                   (part.y1 - part.y0) / 4;
     double radius = 0, farthest = 0;
     const Vector3& a = caster_.corner(closest.triangle, 0);
     const Vector3& b = caster_.corner(closest.triangle, 1);
@@ -148,7 +201,8 @@ void prove_tiles(const Caster& caster, const std::vector<SupportPlane>& planes,
     for (std::uint32_t cell = 0; cell < tile_cell_count; ++cell) {
       if (((before.valid >> cell) & 1U) == 0) continue;
       ++cells;
-      if (CellProof(caster, planes[data.plane], tile, heights, cell, bound).proven()) continue;
+      const CellProof proof(caster, planes[data.plane], tile, heights, cell, bound);
+      if (proof.proven() && !proof.is_thin()) continue;
       ++refused;
       remove_cell(data, cell);
     }
@@ -161,6 +215,8 @@ void prove_tiles(const Caster& caster, const std::vector<SupportPlane>& planes,
 
 void trim_tiles(std::vector<TileData>& tiles, const std::vector<std::uint64_t>& used) {
   for (std::size_t i = 0; i < tiles.size(); ++i) {
+    // A tile that is whole has no mask, which is fewer bytes.
+    if (used[i] != 0 && ~tiles[i].valid == 0 && tiles[i].clipped == 0) continue;
     for (std::uint32_t cell = 0; cell < tile_cell_count; ++cell) {
       const std::uint64_t bit = std::uint64_t{1} << cell;
       if ((tiles[i].valid & bit) != 0 && (used[i] & bit) == 0) remove_cell(tiles[i], cell);

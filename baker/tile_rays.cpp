@@ -25,8 +25,8 @@ TileRays::TileRays(const Caster& caster, const TileSite& site, const TileSeed& s
       omega0_(site.row * (site.spacing * tile_cells)),
       seed_depth_(seed.depth) {
   const auto nearest = [&](double offset) {
-    return static_cast<std::uint32_t>(std::clamp(
-        std::lround(offset / site_.spacing * per_cell), 0L, static_cast<long>(side) - 1));
+    return static_cast<std::uint32_t>(std::clamp(std::lround(offset / site_.spacing * per_cell), 0L,
+                                                 static_cast<long>(side) - 1));
   };
   const std::uint32_t i = nearest(seed.eta - eta0_), j = nearest(seed.omega - omega0_);
   // The seed's own triangle gives the slope to start with.

@@ -39,8 +39,7 @@ std::vector<Surfel> assign_surface(const Caster& caster, const std::vector<Suppo
   for (const SurfacePoint& sample : points) {
     const std::uint32_t which = direction[sample.triangle];
     const PlaneCoordinates place = project_on_plane(planes[which], sample.point);
-    surfels.push_back(
-        {sample.point, sample.triangle, which, place.eta, place.omega, place.depth});
+    surfels.push_back({sample.point, sample.triangle, which, place.eta, place.omega, place.depth});
   }
   return surfels;
 }
@@ -186,16 +185,17 @@ class TileChooser {
       std::uint32_t level, const TileKey& key, const std::vector<std::uint32_t>& members) const {
     const bool any_angle = is_last(level) || settings_.least_surfels > 0;
     const SupportPlane& plane = planes_[key.direction];
-    const TileSite site{plane,
-                        key.direction,
-                        level,
-                        key.column,
-                        key.row,
-                        std::ldexp(settings_.tile_spacing, -static_cast<int>(level)),
-                        settings_.height_unit,
-                        settings_.residual,
-                        any_angle ? last_angle : settings_.angle,
-                        any_angle ? last_angle : settings_.cell_angle};
+    const TileSite site{
+        plane,
+        key.direction,
+        level,
+        key.column,
+        key.row,
+        std::ldexp(settings_.tile_spacing, -static_cast<int>(level)),
+        settings_.height_unit,
+        settings_.residual,
+        any_angle ? last_angle : std::ldexp(settings_.angle, static_cast<int>(level)),
+        any_angle ? last_angle : settings_.cell_angle};
     std::vector<Candidate> candidates;
     if (static_cast<double>(members.size()) < least_members * least_at(level)) return candidates;
     std::vector<bool> tried(members.size(), false);
@@ -233,9 +233,8 @@ class TileChooser {
       return static_cast<double>(half_to_float(tile.heights[j * tile_samples + i])) *
              settings_.height_unit;
     };
-    const double residual =
-        (1 - fy) * ((1 - fx) * at(column, row) + fx * at(column + 1, row)) +
-        fy * ((1 - fx) * at(column, row + 1) + fx * at(column + 1, row + 1));
+    const double residual = (1 - fy) * ((1 - fx) * at(column, row) + fx * at(column + 1, row)) +
+                            fy * ((1 - fx) * at(column, row + 1) + fx * at(column + 1, row + 1));
     return tile.base + residual +
            static_cast<double>(tile.spacing) * (x * static_cast<double>(tile.slope_eta) +
                                                 y * static_cast<double>(tile.slope_omega));
@@ -270,8 +269,7 @@ class TileChooser {
     const double s = static_cast<double>(tile.spacing);
     const double x = (place.eta - tile.eta0) / s, y = (place.omega - tile.omega0) / s;
     if (!(x >= 0 && y >= 0 && x < tile_cells && y < tile_cells)) return false;
-    const auto cell =
-        static_cast<std::uint32_t>(y) * tile_cells + static_cast<std::uint32_t>(x);
+    const auto cell = static_cast<std::uint32_t>(y) * tile_cells + static_cast<std::uint32_t>(x);
     if (((tile.valid >> cell) & 1U) == 0) return false;
     const double facing = caster_.normal(surfel.triangle).dot(plane.n);
     if (std::abs(patch_height(tile, x, y) - place.depth) * facing > 1.2 * settings_.residual ||
@@ -279,13 +277,13 @@ class TileChooser {
       return false;
     }
     if (((tile.clipped >> cell) & 1U) == 0) return true;
-    const Clip clip = unpack_clip(
-        tile.clips[std::popcount(tile.clipped & ((std::uint64_t{1} << cell) - 1))]);
+    const Clip clip =
+        unpack_clip(tile.clips[std::popcount(tile.clipped & ((std::uint64_t{1} << cell) - 1))]);
     const double beyond = static_cast<double>(clip.a) * (x - std::floor(x) - 0.5) +
                           static_cast<double>(clip.b) * (y - std::floor(y) - 0.5) -
                           static_cast<double>(clip.c);
-    return beyond * s <= settings_.residual * std::hypot(static_cast<double>(clip.a),
-                                                         static_cast<double>(clip.b));
+    return beyond * s <= settings_.residual *
+                             std::hypot(static_cast<double>(clip.a), static_cast<double>(clip.b));
   }
 
   /// Greedy cover: always the candidate that covers most surfels still open.
@@ -297,7 +295,8 @@ class TileChooser {
       }
     };
     std::priority_queue<Entry> queue;
-    for (std::size_t i = 0; i < candidates.size(); ++i) queue.push({candidates[i].covers.size(), i});
+    for (std::size_t i = 0; i < candidates.size(); ++i)
+      queue.push({candidates[i].covers.size(), i});
     while (!queue.empty()) {
       const Entry top = queue.top();
       queue.pop();

@@ -6,6 +6,8 @@
 #include <span>
 
 #include "common/distance_map.hpp"
+#include "common/element_tree.hpp"
+#include "common/space_tree.hpp"
 #include "common/support_plane.hpp"
 #include "common/tile.hpp"
 
@@ -17,29 +19,25 @@ struct Band {
   double margin = 0;     ///< outside, 0 or more
 };
 
-/// Spatial partition: a regular grid over the band's bounding box. Views; nothing is owned.
+/// Spatial partition of a `full` asset: a regular grid over the band's bounding box. Views; nothing
+/// is owned.
 ///
 /// `index` has one word a cell, x fastest. Its two top bits tell what the cell is (CellKind), the
 /// 30 others hold its payload. The payload of a cell of kind `record` is one of
-///   bit 29 set: one or two tiles (`sparse` only), bits 0-13 the first, bits 14-27 the second or
-///     all ones where there is none;
 ///   bit 28 set: a split cell; bits 0-27 the place in `records` of eight words like those of
 ///     `index`, one an octant, x fastest; at most split_levels splits lie within each other;
-///   neither: bits 0-27 the place in `records` of a list.
-/// A list is a header word, then numbers:
-///   header: bits 0-7 how many maps or tiles, bits 8-23 how many triangles, bits 24-25 the ListSide,
-///     the rest 0;
-///   numbers: maps or tiles first, then triangles; a word each, or, where `narrow`, 16 bits each,
-///     the low half of a word first. A map of a `full` asset: bits 0-23 the map, bits 24-31 its
-///     layer. A triangle: its number, times two, plus one for a cap, which decides the side and
-///     carries no distance.
+///   else: bits 0-27 the place in `records` of a list.
+/// A list is a header word, then a word each for its maps, then for its triangles:
+///   header: bits 0-7 how many maps, bits 8-23 how many triangles, the rest 0;
+///   map: bits 0-23 the map, bits 24-31 its layer;
+///   triangle: its number, times two, plus one for a cap, which decides the side and carries no
+///     distance.
 /// Words are read in place from a file that may be damaged after it was checked, so a reader checks
 /// every offset and index before it uses it.
 struct Grid {
   Vector3 origin = Vector3::Zero();
   double cell_size = 1;
   std::array<std::uint32_t, 3> cells{0, 0, 0};
-  bool narrow = false;
   std::span<const std::uint32_t> index;
   std::span<const std::uint32_t> records;
 };
@@ -47,19 +45,10 @@ struct Grid {
 inline constexpr int split_levels = 6;
 /// Bits of an index word below its kind, and what they hold for a cell of kind `record`.
 inline constexpr std::uint32_t payload_mask = 0x3FFFFFFFU;
-inline constexpr std::uint32_t inline_bit = 1U << 29U;
 inline constexpr std::uint32_t split_bit = 1U << 28U;
 inline constexpr std::uint32_t offset_mask = 0x0FFFFFFFU;
-inline constexpr std::uint32_t inline_none = 0x3FFFU;
 inline constexpr std::uint32_t most_listed = 0xFFU;
 inline constexpr std::uint32_t most_listed_triangles = 0xFFFFU;
-
-/// How a list tells the side.
-enum class ListSide : std::uint32_t {
-  told = 0,     ///< by the surfaces; see SideClaims
-  inside = 1,   ///< the whole cell is inside
-  outside = 2,  ///< the whole cell is outside
-};
 
 /// A map candidate of a `full` asset's list, as its word names it.
 struct MapCandidate {
@@ -75,9 +64,9 @@ struct MapCandidate {
   return candidate.map | candidate.layer << 24U;
 }
 
-[[nodiscard]] constexpr std::uint32_t list_header(
-    std::uint32_t surfaces, std::uint32_t triangles, ListSide side = ListSide::told) noexcept {
-  return surfaces | triangles << 8U | static_cast<std::uint32_t>(side) << 24U;
+[[nodiscard]] constexpr std::uint32_t list_header(std::uint32_t maps,
+                                                  std::uint32_t triangles) noexcept {
+  return maps | triangles << 8U;
 }
 
 /// What turns distance and normal on a map into those of the solid: 1 where the crossing (from 0)
@@ -106,7 +95,12 @@ struct AssetView {
   std::span<const std::uint16_t> small_triangles;
   Vector3 triangle_origin = Vector3::Zero();
   double triangle_step = 0;
-  Grid grid;
+  /// `sparse` only: triangles from this number on are caps, which decide the side and carry no
+  /// distance.
+  std::uint32_t first_cap = 0;
+  Grid grid;         ///< `full` only
+  SpaceTree space;   ///< `sparse` only
+  ElementTree tree;  ///< `sparse` only
   Band band;
   double tolerance = 0;  ///< m; how far an answer at the band's end may lie beyond it
   bool full = false;     ///< map k belongs to plane k and `paper` applies
@@ -115,5 +109,22 @@ struct AssetView {
   std::span<const double> plane_nx, plane_ny, plane_nz;
   std::span<const double> plane_offset;  ///< n . x0
 };
+
+/// The box around an asset's band, or more: places outside it are far.
+struct Extent {
+  Vector3 low = Vector3::Zero();
+  Vector3 size = Vector3::Zero();
+};
+[[nodiscard]] inline Extent extent_of(const AssetView& asset) noexcept {
+  if (asset.full) {
+    const auto& cells = asset.grid.cells;
+    return {asset.grid.origin, asset.grid.cell_size * Vector3(cells[0], cells[1], cells[2])};
+  }
+  const double margin = asset.band.margin + asset.tolerance;
+  const Vector3 size(static_cast<double>(asset.tree.size[0]),
+                     static_cast<double>(asset.tree.size[1]),
+                     static_cast<double>(asset.tree.size[2]));
+  return {asset.tree.origin - Vector3::Constant(margin), size + Vector3::Constant(2 * margin)};
+}
 
 }  // namespace spm

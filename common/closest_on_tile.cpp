@@ -58,8 +58,7 @@ Blocks block_bounds(const Tile& tile, const TileHeights& heights, const Local& p
   const Blocks slope_y = ((c - a) + (d - b)) * per_slope;
   const Blocks dx = p.x - x * s;
   const Blocks dy = p.y - y * s;
-  const Blocks above =
-      (p.z - (a + b + c + d) * 0.25F) - slope_x * dx - slope_y * dy;
+  const Blocks above = (p.z - (a + b + c + d) * 0.25F) - slope_x * dx - slope_y * dy;
   const Blocks along = above / (slope_x * slope_x + slope_y * slope_y + 1.0F);
   const Blocks beyond_x = ((dx + along * slope_x).abs() - s).max(0.0F);
   const Blocks beyond_y = ((dy + along * slope_y).abs() - s).max(0.0F);
@@ -148,8 +147,8 @@ void visit_block(const Tile& tile, const TileHeights& heights, const Local& p, s
   const Four dx = p.x - middle_x * s;
   const Four dy = p.y - middle_y * s;
   const Four dz = p.z - (h00 + h10 + h01 + h11) * 0.25F;
-  const Four along = (dz - slope_x * dx - slope_y * dy) /
-                     (slope_x * slope_x + slope_y * slope_y + 1.0F);
+  const Four along =
+      (dz - slope_x * dx - slope_y * dy) / (slope_x * slope_x + slope_y * slope_y + 1.0F);
   // The least over a rectangle lies on a side that the free foot is beyond: one side each is tried.
   const Four x1 = (dx + along * slope_x).max(-half).min(half);
   const Four y2 = (dy + along * slope_y).max(-half).min(half);
@@ -211,11 +210,11 @@ TileFoot closest_on_tile(const Tile& tile, float height_unit, const SupportPlane
   }
   if (!(best < start)) return foot;
   foot.distance = std::sqrt(best);
-  const float level = std::sqrt(1 + foot.slope_eta * foot.slope_eta +
-                                foot.slope_omega * foot.slope_omega);
-  foot.below = (foot.away_depth - foot.slope_eta * foot.away_eta -
-                foot.slope_omega * foot.away_omega) /
-               level;
+  const float level =
+      std::sqrt(1 + foot.slope_eta * foot.slope_eta + foot.slope_omega * foot.slope_omega);
+  foot.below =
+      (foot.away_depth - foot.slope_eta * foot.away_eta - foot.slope_omega * foot.away_omega) /
+      level;
   return foot;
 }
 

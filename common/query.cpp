@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 
+#include "common/closest_element.hpp"
 #include "common/closest_on_map.hpp"
 #include "common/closest_on_triangle.hpp"
 #include "common/grid_list.hpp"
@@ -21,9 +22,6 @@ constexpr double infinity = std::numeric_limits<double>::infinity();
 /// Feet of triangles closer to each other than this share of a cell are one place: an edge or
 /// corner.
 constexpr double tie_share_of_cell = 2e-5;
-/// So are feet that the rounding of triangles may have moved apart, in steps.
-constexpr double tie_steps = 3;
-
 /// A foot whose normal meets the point within this cosine is a face's, not an edge's.
 constexpr float facing_share = 0.9995F;
 /// Nearer to the surface than this share of the tolerance, directions to the foot are noise.
@@ -45,13 +43,14 @@ Answer deep_answer(const Band& band, const Vector3& normal) noexcept {
 }
 
 /// The foot of least rank among a list's maps.
-Answer closest_of_maps(const AssetView& asset, const GridList& list, const Vector3& point) noexcept {
+Answer closest_of_maps(const AssetView& asset, const GridList& list,
+                       const Vector3& point) noexcept {
   const DistanceMap* map = nullptr;
   std::uint32_t layer = 0;
   MapFoot best;
   best.rank = infinity;
-  for (std::uint32_t k = 0; k < list.surfaces(); ++k) {
-    const auto [which, candidate_layer] = unpack_candidate(list.surface(k));
+  for (std::uint32_t k = 0; k < list.maps(); ++k) {
+    const auto [which, candidate_layer] = unpack_candidate(list.map(k));
     if (which >= asset.maps.size() || candidate_layer >= asset.maps[which].layers) continue;
     const DistanceMap& candidate_map = asset.maps[which];
     const MapFoot foot =
@@ -76,35 +75,11 @@ Answer closest_of_maps(const AssetView& asset, const GridList& list, const Vecto
   return answer;
 }
 
-/// Corners of a triangle of the fallback, m; false where there is no such triangle.
-bool triangle_corners(const AssetView& asset, std::uint32_t triangle,
-                      std::array<Vector3, 3>& corners) noexcept {
-  const std::size_t first = std::size_t{triangle} * 9;
-  if (!asset.small_triangles.empty()) {
-    if (first + 9 > asset.small_triangles.size()) return false;
-    const std::uint16_t* number = asset.small_triangles.data() + first;
-    for (int corner = 0; corner < 3; ++corner, number += 3) {
-      corners[static_cast<std::size_t>(corner)] =
-          asset.triangle_origin +
-          asset.triangle_step * Vector3(number[0], number[1], number[2]);
-    }
-    return true;
-  }
-  if (first + 9 > asset.triangles.size()) return false;
-  const float* number = asset.triangles.data() + first;
-  for (int corner = 0; corner < 3; ++corner, number += 3) {
-    corners[static_cast<std::size_t>(corner)] = Vector3(number[0], number[1], number[2]);
-  }
-  return true;
-}
-
 /// The closest of a list's triangles. The side is decided by the closest one, caps included;
 /// where several share the closest point (an edge, a corner), by the one that faces the point most.
-/// `sides`, if given, gets every triangle's claim.
-Answer closest_of_triangles(const AssetView& asset, const GridList& list, const Vector3& point,
-                            SideClaims* sides) noexcept {
-  const double tie =
-      std::max(tie_share_of_cell * asset.grid.cell_size, tie_steps * asset.triangle_step);
+Answer closest_of_triangles(const AssetView& asset, const GridList& list,
+                            const Vector3& point) noexcept {
+  const double tie = tie_share_of_cell * asset.grid.cell_size;
   double surface = infinity, deciding = infinity, facing = -1, side = 1;
   Vector3 foot = Vector3::Zero(), face_normal = Vector3::Zero();
   for (std::uint32_t k = 0; k < list.triangles(); ++k) {
@@ -115,12 +90,9 @@ Answer closest_of_triangles(const AssetView& asset, const GridList& list, const 
     const Vector3 nearest = closest_on_triangle(point, a, b, c);
     const double distance = (point - nearest).norm();
     const bool cap = (candidate & 1U) != 0;
-    const bool competes = distance <= deciding + tie || (!cap && distance < surface);
-    if (!competes && (sides == nullptr || !(distance <= sides->limit()))) continue;
+    if (distance > deciding + tie && (cap || distance >= surface)) continue;
     const Vector3 normal = (b - a).cross(c - a).normalized();
     const double height = normal.dot(point - nearest);
-    if (sides != nullptr) sides->add({distance, height < 0, std::abs(height)});
-    if (!competes) continue;
     const double faces = distance > 0 ? std::abs(height) / distance : 1;
     const bool clearly_closer = distance < deciding - tie;
     if (clearly_closer || (distance <= deciding + tie && faces > facing)) {
@@ -145,77 +117,57 @@ Answer closest_of_triangles(const AssetView& asset, const GridList& list, const 
   return answer;
 }
 
-/// The answer that a foot on a tile is.
-Answer answer_of_tile(const AssetView& asset, const Tile& tile, const TileFoot& foot,
-                      bool inside) noexcept {
-  const SupportPlane& plane = asset.planes[tile.plane];
-  Answer answer;
-  const auto distance = static_cast<double>(foot.distance);
-  answer.distance = inside ? -distance : distance;
+/// Outward normal of the solid at a foot, for a point on a side of it.
+Vector3 normal_of(const AssetView& asset, const ElementFoot& foot, const Vector3& point,
+                  bool inside) noexcept {
+  const double side = inside ? -1 : 1;
   // Off the foot's own normal the point faces an edge, and its direction is the gradient; on the
   // surface itself that direction is noise.
-  const bool faces = std::abs(foot.below) >= facing_share * foot.distance;
-  if (distance < surface_share * asset.tolerance || (faces && (foot.below > 0) == inside)) {
-    answer.normal = surface_normal(plane, static_cast<double>(foot.slope_eta),
-                                   static_cast<double>(foot.slope_omega))
-                        .normalized();
-  } else {
-    const Vector3 away =
-        from_plane_frame(plane, static_cast<double>(foot.away_eta),
-                         static_cast<double>(foot.away_omega), static_cast<double>(foot.away_depth));
-    answer.normal = (inside ? -1 : 1) * away.normalized();
+  const bool close = foot.distance < surface_share * asset.tolerance;
+  if (foot.tile == nullptr) {
+    const Vector3 away = point - foot.on_triangle;
+    const double height = foot.triangle_normal.dot(away);
+    const bool faces = side * height >= static_cast<double>(facing_share) * foot.distance;
+    return faces || close ? foot.triangle_normal : Vector3(side * away / foot.distance);
   }
-  answer.plane = static_cast<std::int32_t>(tile.plane);
-  answer.layer = static_cast<std::int32_t>(tile.first_layer);
-  answer.source = Source::map;
+  const TileFoot& on = foot.on_tile;
+  const SupportPlane& plane = asset.planes[foot.tile->plane];
+  const bool faces = std::abs(on.below) >= facing_share * on.distance && (on.below > 0) == inside;
+  if (faces || close) {
+    return surface_normal(plane, static_cast<double>(on.slope_eta),
+                          static_cast<double>(on.slope_omega))
+        .normalized();
+  }
+  return side * from_plane_frame(plane, static_cast<double>(on.away_eta),
+                                 static_cast<double>(on.away_omega),
+                                 static_cast<double>(on.away_depth))
+                    .normalized();
+}
+
+Answer query_sparse(const AssetView& asset, const Vector3& point) noexcept {
+  const SpaceKind kind = space_at(asset.space, point);
+  if (kind == SpaceKind::pruned) return unanswered(Status::pruned);
+  const bool told = kind == SpaceKind::told;
+  if (!told && kind != SpaceKind::inside && kind != SpaceKind::outside) {
+    return unanswered(Status::far);
+  }
+  const ElementReading reading = read_elements(asset, point, kind);
+  const ElementFoot& nearest = reading.nearest;
+  if (!std::isfinite(nearest.distance)) return unanswered(Status::far);
+  const bool inside = told ? reading.sides.inside() : kind == SpaceKind::inside;
+  Answer answer;
+  answer.distance = inside ? -nearest.distance : nearest.distance;
+  const bool faced =
+      reading.facing.distance <= nearest.distance + facing_tolerances * asset.tolerance;
+  answer.normal = normal_of(asset, faced ? reading.facing : nearest, point, inside);
+  if (nearest.tile != nullptr) {
+    answer.plane = static_cast<std::int32_t>(nearest.tile->plane);
+    answer.layer = static_cast<std::int32_t>(nearest.tile->first_layer);
+  }
+  answer.source = nearest.tile != nullptr ? Source::map : Source::triangles;
   answer.status = Status::exact;
   return answer;
 }
-
-}  // namespace
-
-ListReading read_list(const AssetView& asset, const GridList& list,
-                      const Vector3& point) noexcept {
-  ListReading reading(list.side() == ListSide::told ? tie_tolerances * asset.tolerance : 0);
-  reading.side = list.side();
-  for (std::uint32_t k = 0; k < list.surfaces(); ++k) {
-    const std::uint32_t which = list.surface(k);
-    if (which >= asset.tiles.size()) continue;
-    const Tile& tile = asset.tiles[which];
-    const TileFoot foot = closest_on_tile(tile, asset.height_unit, asset.planes[tile.plane], point,
-                                          static_cast<float>(reading.sides.limit()));
-    if (!std::isfinite(foot.distance)) continue;
-    reading.sides.add({static_cast<double>(foot.distance), foot.below > 0,
-                       static_cast<double>(std::abs(foot.below))});
-    if (reading.tile != nullptr && !(foot.distance < reading.foot.distance)) continue;
-    reading.foot = foot;
-    reading.tile = &tile;
-  }
-  if (list.triangles() == 0) return reading;
-  // Triangles alone are the whole surface, whose edges tell the side; among tiles each is a patch.
-  const bool alone = list.surfaces() == 0;
-  reading.triangles = closest_of_triangles(asset, list, point, alone ? nullptr : &reading.sides);
-  if (reading.triangles.status != Status::exact) return reading;
-  const double distance = std::abs(reading.triangles.distance);
-  if (alone) reading.sides.add({distance, reading.triangles.distance < 0, distance});
-  reading.from_triangles =
-      reading.tile == nullptr || distance < static_cast<double>(reading.foot.distance);
-  return reading;
-}
-
-Answer answer_of(const AssetView& asset, const ListReading& reading) noexcept {
-  if (reading.tile == nullptr && !reading.from_triangles) return unanswered(Status::far);
-  const bool inside = reading.side == ListSide::told ? reading.sides.inside()
-                                                     : reading.side == ListSide::inside;
-  if (!reading.from_triangles) return answer_of_tile(asset, *reading.tile, reading.foot, inside);
-  Answer answer = reading.triangles;
-  if (inside == (answer.distance < 0)) return answer;
-  answer.distance = -answer.distance;
-  answer.normal = -answer.normal;
-  return answer;
-}
-
-namespace {
 
 /// The word that tells what lies around a point: of its grid cell, or of the octant of a split one.
 std::uint32_t word_at(const Grid& grid, const Vector3& point) noexcept {
@@ -247,9 +199,7 @@ std::uint32_t word_at(const Grid& grid, const Vector3& point) noexcept {
   return word;
 }
 
-}  // namespace
-
-Answer query_point(const AssetView& asset, const Vector3& point) noexcept {
+Answer query_full(const AssetView& asset, const Vector3& point) noexcept {
   const std::uint32_t word = word_at(asset.grid, point);
   switch (static_cast<CellKind>(word >> 30U)) {
     case CellKind::far:
@@ -264,19 +214,19 @@ Answer query_point(const AssetView& asset, const Vector3& point) noexcept {
   // A split below the last level: the file was damaged.
   if (is_split(word)) return unanswered(Status::far);
   const GridList list(asset.grid, word);
-  Answer answer;
-  if (asset.full) {
-    answer = closest_of_maps(asset, list, point);
-    if (list.triangles() > 0) {
-      const Answer exact = closest_of_triangles(asset, list, point, nullptr);
-      if (answer.status != Status::exact || std::abs(exact.distance) < std::abs(answer.distance)) {
-        answer = exact;
-      }
-    }
-  } else {
-    answer = answer_of(asset, read_list(asset, list, point));
-  }
-  if (answer.status != Status::exact) return unanswered(Status::far);
+  const Answer answer = closest_of_maps(asset, list, point);
+  if (list.triangles() == 0) return answer;
+  const Answer exact = closest_of_triangles(asset, list, point);
+  const bool nearer =
+      answer.status != Status::exact || std::abs(exact.distance) < std::abs(answer.distance);
+  return nearer ? exact : answer;
+}
+
+}  // namespace
+
+Answer query_point(const AssetView& asset, const Vector3& point) noexcept {
+  Answer answer = asset.full ? query_full(asset, point) : query_sparse(asset, point);
+  if (answer.status != Status::exact) return answer;
   if (answer.distance > asset.band.margin + asset.tolerance) return unanswered(Status::far);
   if (answer.distance < -asset.band.max_depth) {
     answer.distance = -asset.band.max_depth;

@@ -4,9 +4,6 @@
 #include <cstdint>
 
 #include "common/asset_view.hpp"
-#include "common/grid_list.hpp"
-#include "common/side_claims.hpp"
-#include "common/tile.hpp"
 
 namespace spm {
 
@@ -29,32 +26,10 @@ struct Answer {
   Status status = Status::far;
 };
 
-/// Surfaces of a list within so many tolerances of the nearest may tell the side; see SideClaims.
-inline constexpr double tie_tolerances = 1;
-
-/// What a list of a `sparse` asset says of a point, before the side is told.
-struct ListReading {
-  explicit ListReading(double tie) noexcept : sides(tie) {}
-
-  const Tile* tile = nullptr;  ///< the nearest of the list's tiles, if any
-  TileFoot foot;               ///< on it
-  Answer triangles;            ///< of the list's triangles; its status tells whether there are any
-  ListSide side = ListSide::told;  ///< of the list
-  bool from_triangles = false;  ///< these are nearer than the tile
-  SideClaims sides;
-};
-
-/// Reads the nearest of a list's tiles and triangles, and what is needed of others to tell the side.
-/// The baker tries lists with it.
-[[nodiscard]] ListReading read_list(const AssetView& asset, const GridList& list,
-                                    const Vector3& point) noexcept;
-
-/// The answer of a reading whatever the band, `far` where the list is empty.
-[[nodiscard]] Answer answer_of(const AssetView& asset, const ListReading& reading) noexcept;
-
 /// Signed distance, normal, plane and layer at a point in the asset's frame (metres): the product's
-/// `spm` query. Constant time: one grid cell, its candidates, a bounded number of steps each.
-/// A NaN or infinite point answers `far`. Never throws, allocates or reads outside the views.
+/// `spm` query. Bounded time: the elements whose boxes may hold the nearest, a bounded number of
+/// steps each. A NaN or infinite point answers `far`. Never throws, allocates or reads outside the
+/// views.
 [[nodiscard]] Answer query_point(const AssetView& asset, const Vector3& point) noexcept;
 
 }  // namespace spm

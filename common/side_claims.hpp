@@ -3,8 +3,6 @@
 
 #include <limits>
 
-#include "common/asset_view.hpp"
-
 namespace spm {
 
 /// What one surface says of a point: how far it is, on which side the point lies, and how much of
@@ -13,45 +11,34 @@ struct SideClaim {
   double distance = std::numeric_limits<double>::infinity();
   bool inside = false;
   double along_normal = 0;
-
-  /// True where the foot lies in the surface and not on its border: its normal meets the point.
-  [[nodiscard]] bool faces() const noexcept { return along_normal >= 0.95 * distance; }
 };
 
-/// Gathers the claims of a list's surfaces and tells the side. A surface that faces the point tells
-/// it alone where it is the nearest. At a border the nearest foot says little: there the nearest of
-/// those that face the point does, if it is no farther than a tie; else the one that faces it most.
+/// Gathers the claims of surfaces and tells the side. A foot within a surface faces the point: its
+/// normal meets it, and the nearest such foot tells the side. A foot on a border or an edge faces
+/// it less, and says little; of those that share an edge the one that faces the point most tells.
+/// What shares an edge is no farther apart than the surfaces are off: so a claim is worth the
+/// cosine at which it faces the point, less its distance in ties.
 class SideClaims {
  public:
+  /// `tie`: how much farther a claim must be for what it says to be worth nothing, m, above 0.
   explicit SideClaims(double tie) noexcept : tie_(tie) {}
 
   void add(const SideClaim& claim) noexcept {
-    if (claim.distance < nearest_.distance) nearest_ = claim;
-    if (claim.faces()) {
-      if (claim.distance < facing_.distance) facing_ = claim;
-    } else if (most_.distance > nearest_.distance + tie_ ||
-               (claim.distance <= nearest_.distance + tie_ &&
-                claim.along_normal * most_.distance > most_.along_normal * claim.distance)) {
-      most_ = claim;
-    }
+    const double faces = claim.distance > 0 ? claim.along_normal / claim.distance : 1;
+    const double worth = faces - claim.distance / tie_;
+    if (!(worth > worth_)) return;
+    worth_ = worth;
+    inside_ = claim.inside;
   }
 
   /// Claims farther than this can no longer change the answer, m.
-  [[nodiscard]] double limit() const noexcept {
-    return nearest_.faces() ? nearest_.distance : nearest_.distance + tie_;
-  }
-  [[nodiscard]] bool nearest_faces() const noexcept { return nearest_.faces(); }
-
-  [[nodiscard]] bool inside() const noexcept {
-    const double reach = nearest_.distance + tie_;
-    if (facing_.distance <= reach) return facing_.inside;
-    if (most_.distance <= reach) return most_.inside;
-    return nearest_.inside;
-  }
+  [[nodiscard]] double limit() const noexcept { return tie_ * (1 - worth_); }
+  [[nodiscard]] bool inside() const noexcept { return inside_; }
 
  private:
   double tie_;
-  SideClaim nearest_, facing_, most_;
+  double worth_ = -std::numeric_limits<double>::infinity();
+  bool inside_ = false;
 };
 
 }  // namespace spm

@@ -66,10 +66,9 @@ void derive_bounds(Tile& tile, float height_unit) noexcept {
           const float plane = mean + (static_cast<float>(x - left) - 1) * per_column +
                               (static_cast<float>(y - top) - 1) * per_row;
           ripple = std::max(ripple, std::abs(height - plane));
-          const float residual =
-              height - (static_cast<float>(x) * tile.slope_eta +
-                        static_cast<float>(y) * tile.slope_omega) *
-                           tile.spacing;
+          const float residual = height - (static_cast<float>(x) * tile.slope_eta +
+                                           static_cast<float>(y) * tile.slope_omega) *
+                                              tile.spacing;
           highest = std::max(highest, residual);
           lowest = std::min(lowest, residual);
         }

@@ -58,9 +58,8 @@ struct Clip {
 [[nodiscard]] inline float half_to_float(std::uint16_t half) noexcept {
   const std::uint32_t magnitude = (half & 0x7FFFU) << 13U;
   const std::uint32_t sign = (half & 0x8000U) << 16U;
-  return std::bit_cast<float>(std::bit_cast<std::uint32_t>(std::bit_cast<float>(magnitude) *
-                                                           0x1p112F) |
-                              sign);
+  return std::bit_cast<float>(
+      std::bit_cast<std::uint32_t>(std::bit_cast<float>(magnitude) * 0x1p112F) | sign);
 }
 
 /// Nearest HALF of a number below 65504 in size; below 2^-14 it becomes 0, so that reading it back

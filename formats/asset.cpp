@@ -93,9 +93,11 @@ AssetTables tables_of(const Asset& asset) {
   rest.grid = {.origin = asset.grid.origin,
                .cell_size = asset.grid.cell_size,
                .cells = asset.grid.cells,
-               .narrow = asset.grid.narrow,
                .index = asset.grid.index,
                .records = asset.grid.records};
+  rest.space = {.origin = asset.space.origin, .edge = asset.space.edge, .words = asset.space.words};
+  rest.tree = {.origin = asset.tree.origin, .size = asset.tree.size, .words = asset.tree.words};
+  rest.first_cap = asset.first_cap;
   rest.band = asset.metadata.band;
   rest.tolerance = answer_tolerance(asset.metadata);
   rest.full = asset.metadata.form == AssetForm::full;

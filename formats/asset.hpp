@@ -76,29 +76,46 @@ struct TileData {
   std::vector<std::uint32_t> clips;  ///< one a set bit of `clipped`
 };
 
+/// Of a `full` asset; see Grid.
 struct GridData {
   Vector3 origin = Vector3::Zero();
   double cell_size = 1;
   std::array<std::uint32_t, 3> cells{0, 0, 0};
-  bool narrow = false;
   std::vector<std::uint32_t> index;
   std::vector<std::uint32_t> records;
 };
 
+/// Of a `sparse` asset; see SpaceTree.
+struct SpaceData {
+  Vector3 origin = Vector3::Zero();
+  double edge = 0;
+  std::vector<std::uint32_t> words;
+};
+
+/// Of a `sparse` asset; see ElementTree.
+struct TreeData {
+  Vector3 origin = Vector3::Zero();
+  std::array<float, 3> size{};
+  std::vector<std::uint32_t> words;
+};
+
 /// A baked asset in memory, as the baker builds it and the writer writes it.
 /// `full`: map k belongs to plane k, all maps have the same columns and rows, layers may differ; no
-/// tiles. `sparse`: tiles, no maps.
+/// tiles. `sparse`: tiles, no maps, and two trees for the grid.
 struct Asset {
   AssetMetadata metadata;
   std::vector<SupportPlane> planes;
   std::vector<MapData> maps;
   std::vector<TileData> tiles;
   GridData grid;
+  SpaceData space;
+  TreeData tree;
   // The fallback's triangles, in one of two forms; see AssetView.
   std::vector<float> triangles;                ///< nine each
   std::vector<std::uint16_t> small_triangles;  ///< nine each
   Vector3 triangle_origin = Vector3::Zero();
   double triangle_step = 0;
+  std::uint32_t first_cap = 0;  ///< `sparse` only
 };
 
 /// The views and small tables of an AssetView over memory that somebody else owns. Move-only; the

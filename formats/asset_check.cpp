@@ -16,13 +16,12 @@ class GridCheck {
  public:
   explicit GridCheck(const AssetView& asset)
       : asset_(asset),
-        triangles_((asset.triangles.size() + asset.small_triangles.size()) / 9),
+        triangles_(asset.triangles.size() / 9),
         checked_(asset.grid.records.size(), 0) {}
 
   /// What is wrong with what a word leads to, empty when nothing is.
   [[nodiscard]] std::string problem(std::uint32_t word, int splits_left) {
     if (static_cast<CellKind>(word >> 30U) != CellKind::record) return {};
-    if ((word & inline_bit) != 0) return list_problem(word);
     const std::size_t offset = word & offset_mask;
     if (offset >= checked_.size()) return "lies outside the records";
     const bool split = is_split(word);
@@ -48,8 +47,8 @@ class GridCheck {
   [[nodiscard]] std::string list_problem(std::uint32_t word) const {
     const GridList list(asset_.grid, word);
     if (!list.whole()) return "is cut short";
-    for (std::uint32_t k = 0; k < list.surfaces(); ++k) {
-      if (!surface_exists(list.surface(k))) return "names a surface that does not exist";
+    for (std::uint32_t k = 0; k < list.maps(); ++k) {
+      if (!map_exists(list.map(k))) return "names a map that does not exist";
     }
     for (std::uint32_t k = 0; k < list.triangles(); ++k) {
       if (list.triangle(k) >> 1U >= triangles_) return "names a triangle that does not exist";
@@ -57,8 +56,7 @@ class GridCheck {
     return {};
   }
 
-  [[nodiscard]] bool surface_exists(std::uint32_t number) const {
-    if (!asset_.full) return number < asset_.tiles.size();
+  [[nodiscard]] bool map_exists(std::uint32_t number) const {
     const auto [map, layer] = unpack_candidate(number);
     return map < asset_.maps.size() && layer < asset_.maps[map].layers;
   }
@@ -76,6 +74,71 @@ Result<void> check_grid(const AssetView& asset, const std::string& path) {
     std::string message = path + ": the record of grid cell ";
     message += std::to_string(cell) + " " + problem + "; bake it again";
     return fail(ExitCode::invalid_input, std::move(message));
+  }
+  return {};
+}
+
+/// What is wrong with the octree of space, empty when nothing is. A child is above its parent, and
+/// so a walk over all nodes in order knows each one's depth.
+std::string space_problem(const SpaceTree& tree) {
+  const std::size_t nodes = tree.words.size() / space_node_words;
+  std::vector<int> depth(nodes, 0);
+  for (std::size_t node = 0; node < nodes; ++node) {
+    const std::uint32_t kinds = tree.words[node * space_node_words];
+    std::size_t child = tree.words[node * space_node_words + 1];
+    for (std::uint32_t octant = 0; octant < 8; ++octant) {
+      const SpaceKind kind = octant_kind(kinds, octant);
+      if (kind != SpaceKind::split) {
+        if (kind > SpaceKind::pruned) return "is of no kind";
+        continue;
+      }
+      if (child <= node || child >= nodes) return "leads to no cube below it";
+      depth[child] = depth[node] + 1;
+      if (depth[child] >= space_levels) return "is split too often";
+      ++child;
+    }
+  }
+  return {};
+}
+
+/// The same of the tree of elements.
+std::string tree_problem(const AssetView& asset) {
+  const std::size_t nodes = asset.tree.words.size() / tree_node_words;
+  const std::size_t triangles = (asset.triangles.size() + asset.small_triangles.size()) / 9;
+  std::vector<int> depth(nodes, 0);
+  for (std::size_t node = 0; node < nodes; ++node) {
+    for (std::size_t k = 0; k < tree_children; ++k) {
+      const TreeChild child = unpack_child(asset.tree.words[node * tree_node_words + k]);
+      switch (child.kind) {
+        case ElementKind::none:
+          break;
+        case ElementKind::node:
+          if (child.first <= node || child.first >= nodes) return "leads to no box below it";
+          depth[child.first] = depth[node] + 1;
+          if (depth[child.first] >= tree_levels) return "lies too deep";
+          break;
+        case ElementKind::tile:
+          if (child.first >= asset.tiles.size()) return "names a tile that does not exist";
+          break;
+        case ElementKind::triangles:
+          if (std::size_t{child.first} + child.count > triangles) {
+            return "names a triangle that does not exist";
+          }
+          break;
+      }
+    }
+  }
+  return {};
+}
+
+Result<void> check_trees(const AssetView& asset, const std::string& path) {
+  if (const std::string problem = space_problem(asset.space); !problem.empty()) {
+    return fail(ExitCode::invalid_input,
+                path + ": a cube of its space " + problem + "; bake it again");
+  }
+  if (const std::string problem = tree_problem(asset); !problem.empty()) {
+    return fail(ExitCode::invalid_input,
+                path + ": a box of its elements " + problem + "; bake it again");
   }
   return {};
 }
@@ -118,7 +181,7 @@ Result<void> check_content(const AssetView& asset, const std::string& path) {
     return fail(ExitCode::invalid_input,
                 path + ": its triangles have corners that are not numbers; bake it again");
   }
-  return check_grid(asset, path);
+  return asset.full ? check_grid(asset, path) : check_trees(asset, path);
 }
 
 }  // namespace spm

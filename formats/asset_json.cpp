@@ -52,6 +52,25 @@ Json planes_json(const AssetDescription& description) {
   return rows;
 }
 
+Json grid_json(const AssetDescription& description) {
+  return {{"origin", json_of(description.grid_origin)},
+          {"cell_size", description.grid_cell_size},
+          {"cells", description.grid_cells},
+          {"records", description.grid_records}};
+}
+
+Json space_json(const AssetDescription& description) {
+  return {{"origin", json_of(description.space_origin)},
+          {"edge", description.space_edge},
+          {"nodes", description.space_nodes}};
+}
+
+Json tree_json(const AssetDescription& description) {
+  return {{"origin", json_of(description.tree_origin)},
+          {"size", description.tree_size},
+          {"nodes", description.tree_nodes}};
+}
+
 /// How many surfaces of the asset's form there are, and how their samples lie.
 void add_surfaces(const AssetDescription& description, Json& json) {
   const AssetMetadata& metadata = description.metadata;
@@ -65,6 +84,7 @@ void add_surfaces(const AssetDescription& description, Json& json) {
                      {"height_unit", metadata.height_unit}};
   }
   json["triangles"] = description.triangles;
+  if (metadata.form == AssetForm::sparse) json["caps"] = description.caps;
   if (description.small_triangles) {
     json["small_triangles"] = {{"origin", json_of(description.triangle_origin)},
                                {"step", description.triangle_step}};
@@ -132,8 +152,7 @@ void read_mesh(JsonFields mesh, AssetMetadata& metadata) {
   metadata.mesh_triangles = mesh.integer("triangles", 0, UINT64_MAX);
 }
 
-void read_counts(JsonFields& fields, AssetDescription& description) {
-  JsonFields grid = fields.child("grid");
+void read_grid(JsonFields grid, AssetDescription& description) {
   description.grid_origin = grid.vector("origin");
   description.grid_cell_size = grid.number("cell_size", 0);
   if (description.grid_cell_size <= 0) grid.wrong("cell_size", "a length above 0");
@@ -143,13 +162,31 @@ void read_counts(JsonFields& fields, AssetDescription& description) {
       std::uint64_t{cells[0]} * cells[1] * cells[2] > most_cells) {
     grid.wrong("cells", "a grid of at most 2^30 cells");
   }
-  description.grid_narrow = grid.flag("narrow");
-  if (description.grid_narrow && description.metadata.form == AssetForm::full) {
-    grid.wrong("narrow", "false in the full form");
-  }
   description.grid_records = grid.integer("records", 0, most_words);
+}
+
+void read_trees(JsonFields& fields, AssetDescription& description) {
+  JsonFields space = fields.child("space");
+  description.space_origin = space.vector("origin");
+  description.space_edge = space.number("edge", least_length, greatest_length);
+  description.space_nodes = space.integer("nodes", 1, most_words);
+  JsonFields tree = fields.child("tree");
+  description.tree_origin = tree.vector("origin");
+  const Vector3 size = tree.vector("size");
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const double extent = size[static_cast<int>(axis)];
+    if (!(extent >= 0 && extent <= greatest_length)) tree.wrong("size", "three lengths");
+    description.tree_size[axis] = static_cast<float>(extent);
+  }
+  description.tree_nodes = tree.integer("nodes", 0, most_tree_elements);
+}
+
+void read_triangles(JsonFields& fields, AssetDescription& description) {
   description.triangles =
       static_cast<std::uint32_t>(fields.integer("triangles", 0, (1U << 31U) - 1));
+  if (description.metadata.form == AssetForm::sparse) {
+    description.caps = static_cast<std::uint32_t>(fields.integer("caps", 0, description.triangles));
+  }
   description.small_triangles = !fields.optional("small_triangles").is_null();
   if (!description.small_triangles) return;
   JsonFields small = fields.child("small_triangles");
@@ -211,8 +248,13 @@ AssetDescription describe(const Asset& asset) {
   description.grid_origin = asset.grid.origin;
   description.grid_cell_size = asset.grid.cell_size;
   description.grid_cells = asset.grid.cells;
-  description.grid_narrow = asset.grid.narrow;
   description.grid_records = asset.grid.records.size();
+  description.space_origin = asset.space.origin;
+  description.space_edge = asset.space.edge;
+  description.space_nodes = asset.space.words.size() / space_node_words;
+  description.tree_origin = asset.tree.origin;
+  description.tree_size = asset.tree.size;
+  description.tree_nodes = asset.tree.words.size() / tree_node_words;
   description.maps = static_cast<std::uint32_t>(asset.maps.size());
   if (!asset.maps.empty()) {
     description.map_columns = asset.maps.front().columns;
@@ -222,6 +264,9 @@ AssetDescription describe(const Asset& asset) {
   description.small_triangles = !asset.small_triangles.empty();
   description.triangles = static_cast<std::uint32_t>(
       (description.small_triangles ? asset.small_triangles.size() : asset.triangles.size()) / 9);
+  if (asset.metadata.form == AssetForm::sparse) {
+    description.caps = description.triangles - std::min(description.triangles, asset.first_cap);
+  }
   if (description.small_triangles) {
     description.triangle_origin = asset.triangle_origin;
     description.triangle_step = asset.triangle_step;
@@ -245,13 +290,13 @@ std::string to_json(const AssetDescription& description) {
                {"layers_max", metadata.layers_max},
                {"inconsistent_samples", metadata.inconsistent_samples},
                {"fallback_cells", metadata.fallback_cells},
-               {"mesh", mesh_json(metadata)},
-               {"grid",
-                {{"origin", json_of(description.grid_origin)},
-                 {"cell_size", description.grid_cell_size},
-                 {"cells", description.grid_cells},
-                 {"narrow", description.grid_narrow},
-                 {"records", description.grid_records}}}};
+               {"mesh", mesh_json(metadata)}};
+  if (metadata.form == AssetForm::full) {
+    json["grid"] = grid_json(description);
+  } else {
+    json["space"] = space_json(description);
+    json["tree"] = tree_json(description);
+  }
   add_surfaces(description, json);
   json["planes"] = planes_json(description);
   return json.dump();
@@ -273,10 +318,12 @@ Result<AssetDescription> parse_description(std::string_view text, const std::str
   AssetDescription description;
   description.metadata = read_metadata(fields);
   read_mesh(fields.child("mesh"), description.metadata);
-  read_counts(fields, description);
+  read_triangles(fields, description);
   if (description.metadata.form == AssetForm::full) {
+    read_grid(fields.child("grid"), description);
     read_maps(fields.child("maps"), description);
   } else {
+    read_trees(fields, description);
     read_tiles(fields.child("tiles"), description);
   }
   read_planes(fields, description, problem);

@@ -19,16 +19,24 @@ struct AssetDescription {
   std::vector<SupportPlane> planes;
   std::vector<double> plane_spacing;      ///< `full` only: metres between samples, a plane each
   std::vector<std::uint32_t> plane_tile;  ///< `full` only: EXR tile, counted through all parts
+  // `full` only: see Grid.
   Vector3 grid_origin = Vector3::Zero();
   double grid_cell_size = 1;
   std::array<std::uint32_t, 3> grid_cells{0, 0, 0};
-  bool grid_narrow = false;
   std::uint64_t grid_records = 0;  ///< words
-  std::uint32_t maps = 0;          ///< `full` only, with their columns and rows
+  // `sparse` only: see SpaceTree and ElementTree.
+  Vector3 space_origin = Vector3::Zero();
+  double space_edge = 0;
+  std::uint64_t space_nodes = 0;
+  Vector3 tree_origin = Vector3::Zero();
+  std::array<float, 3> tree_size{};
+  std::uint64_t tree_nodes = 0;
+  std::uint32_t maps = 0;  ///< `full` only, with their columns and rows
   std::uint32_t map_columns = 0;
   std::uint32_t map_rows = 0;
   std::uint32_t tiles = 0;  ///< `sparse` only
   std::uint32_t triangles = 0;
+  std::uint32_t caps = 0;        ///< of them, the last; `sparse` only
   bool small_triangles = false;  ///< then they have an origin and a step
   Vector3 triangle_origin = Vector3::Zero();
   double triangle_step = 0;

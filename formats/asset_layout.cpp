@@ -185,14 +185,47 @@ bool find_triangles(const Parts& parts, const AssetDescription& description, Ass
   return true;
 }
 
+/// The grid of a `full` asset; names the part that is not as it must be, if any.
+std::string_view find_grid(const Parts& parts, const AssetDescription& description, Grid& grid) {
+  const auto& cells = description.grid_cells;
+  const auto index = parts.words<std::uint32_t>(part_name::grid_index,
+                                                std::uint64_t{cells[0]} * cells[1] * cells[2]);
+  if (!index) return part_name::grid_index;
+  const auto records =
+      parts.words<std::uint32_t>(part_name::grid_records, description.grid_records);
+  if (!records) return part_name::grid_records;
+  grid = {.origin = description.grid_origin,
+          .cell_size = description.grid_cell_size,
+          .cells = cells,
+          .index = *index,
+          .records = *records};
+  return {};
+}
+
+/// The trees of a `sparse` asset, likewise.
+std::string_view find_trees(const Parts& parts, const AssetDescription& description,
+                            AssetView& view) {
+  const auto space =
+      parts.words<std::uint32_t>(part_name::grid_space, description.space_nodes * space_node_words);
+  if (!space) return part_name::grid_space;
+  const auto tree =
+      parts.words<std::uint32_t>(part_name::grid_tree, description.tree_nodes * tree_node_words);
+  if (!tree) return part_name::grid_tree;
+  view.space = {
+      .origin = description.space_origin, .edge = description.space_edge, .words = *space};
+  view.tree = {.origin = description.tree_origin, .size = description.tree_size, .words = *tree};
+  return {};
+}
+
 /// Parts that no asset of this form has.
 const ExrPart* unexpected_part(const Parts& parts, bool full) {
   for (const ExrPart& part : parts.all()) {
     const std::string& name = part.name;
-    const bool common = name == part_name::grid_index || name == part_name::grid_records ||
-                        name == part_name::grid_masks || name == part_name::triangles;
-    const bool own = full ? name.starts_with(part_name::heights)
-                          : name == part_name::heights || name == part_name::grid_tiles;
+    const bool common = name == part_name::grid_masks || name == part_name::triangles;
+    const bool own = full ? name.starts_with(part_name::heights) || name == part_name::grid_index ||
+                                name == part_name::grid_records
+                          : name == part_name::heights || name == part_name::grid_tiles ||
+                                name == part_name::grid_space || name == part_name::grid_tree;
     if (!common && !own) return &part;
   }
   return nullptr;
@@ -210,22 +243,13 @@ Result<AssetTables> lay_out(std::span<const std::byte> bytes, const std::vector<
   Result<std::vector<Tile>> tiles =
       full ? Result<std::vector<Tile>>() : sparse_tiles(parts, description, path);
   if (!tiles) return tl::make_unexpected(std::move(tiles.error()));
-  const auto& cells = description.grid_cells;
-  const auto index = parts.words<std::uint32_t>(part_name::grid_index,
-                                                std::uint64_t{cells[0]} * cells[1] * cells[2]);
-  if (!index) return wrong_part(path, part_name::grid_index);
-  const auto records =
-      parts.words<std::uint32_t>(part_name::grid_records, description.grid_records);
-  if (!records) return wrong_part(path, part_name::grid_records);
   AssetView rest;
   if (!find_triangles(parts, description, rest)) return wrong_part(path, part_name::triangles);
   rest.height_unit = static_cast<float>(description.metadata.height_unit);
-  rest.grid = {.origin = description.grid_origin,
-               .cell_size = description.grid_cell_size,
-               .cells = description.grid_cells,
-               .narrow = description.grid_narrow,
-               .index = *index,
-               .records = *records};
+  rest.first_cap = description.triangles - description.caps;
+  const std::string_view wrong =
+      full ? find_grid(parts, description, rest.grid) : find_trees(parts, description, rest);
+  if (!wrong.empty()) return wrong_part(path, wrong);
   rest.band = description.metadata.band;
   rest.tolerance = answer_tolerance(description.metadata);
   rest.full = full;

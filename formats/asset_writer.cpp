@@ -161,16 +161,22 @@ std::string inconsistency(const Asset& asset) {
   const auto options = nlohmann::json::parse(asset.metadata.options, nullptr, false);
   if (!options.is_object()) return "its options are not a JSON object";
   const GridData& grid = asset.grid;
-  if (grid.index.empty() ||
-      grid.index.size() != std::size_t{grid.cells[0]} * grid.cells[1] * grid.cells[2]) {
+  if (full && (grid.index.empty() ||
+               grid.index.size() != std::size_t{grid.cells[0]} * grid.cells[1] * grid.cells[2])) {
     return "its grid has not one word a cell";
   }
   if (grid.records.size() > offset_mask) return "its grid has more words than can be named";
+  if (full ? !asset.space.words.empty() || !asset.tree.words.empty()
+           : asset.space.words.empty() || asset.space.words.size() % space_node_words != 0 ||
+                 asset.tree.words.empty() || asset.tree.words.size() % tree_node_words != 0 ||
+                 !grid.index.empty() || !grid.records.empty()) {
+    return "its trees are not of whole nodes, or of the other form";
+  }
   if (asset.triangles.size() % 9 != 0 || asset.small_triangles.size() % 9 != 0 ||
       !(asset.triangles.empty() || asset.small_triangles.empty())) {
     return "its triangles are not of nine numbers, or of two forms";
   }
-  if (full ? !asset.tiles.empty() || grid.narrow : !asset.maps.empty()) {
+  if (full ? !asset.tiles.empty() : !asset.maps.empty()) {
     return "it holds what belongs to the other form";
   }
   return full ? map_problem(asset) : tiles_problem(asset);
@@ -240,6 +246,8 @@ Result<AssetBytes> write_asset(const Asset& asset, const std::string& path) {
   };
   add(part_name::grid_index, SampleType::uint32, asset.grid.index);
   add(part_name::grid_records, SampleType::uint32, asset.grid.records);
+  add(part_name::grid_space, SampleType::uint32, asset.space.words);
+  add(part_name::grid_tree, SampleType::uint32, asset.tree.words);
   add(part_name::grid_tiles, SampleType::uint32, gathered.words.tiles);
   add(part_name::grid_masks, SampleType::uint32, gathered.words.masks);
   add(part_name::triangles, SampleType::float32, asset.triangles);

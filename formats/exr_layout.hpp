@@ -16,9 +16,11 @@ static_assert(std::endian::native == std::endian::little,
 // Names of parts and attributes of a baked file. The attributes are of the first part; the digits
 // and decimals of `checksum` and `bytes` have a fixed width since they are filled in last.
 namespace part_name {
-inline constexpr std::string_view heights = "heights";  ///< `full` adds the number of layers
-inline constexpr std::string_view grid_index = "grid_index";
-inline constexpr std::string_view grid_records = "grid_records";
+inline constexpr std::string_view heights = "heights";        ///< `full` adds the number of layers
+inline constexpr std::string_view grid_index = "grid_index";  ///< `full` only
+inline constexpr std::string_view grid_records = "grid_records";  ///< `full` only
+inline constexpr std::string_view grid_space = "grid_space";      ///< `sparse` only
+inline constexpr std::string_view grid_tree = "grid_tree";        ///< `sparse` only
 inline constexpr std::string_view grid_masks = "grid_masks";
 inline constexpr std::string_view grid_tiles = "grid_tiles";  ///< `sparse` only
 inline constexpr std::string_view triangles = "triangles";

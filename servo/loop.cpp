@@ -140,8 +140,8 @@ void Loop::warm_up() noexcept {
     const ServedAsset* asset = assets_.acquire();
     for (Channel& channel : channels_) {
       if (asset == nullptr || asset->lost()) continue;
-      const Grid& grid = asset->view->grid;
-      const Vector3 point = grid.origin + Vector3::Constant((round + 0.5) * grid.cell_size);
+      const Extent extent = extent_of(*asset->view);
+      const Vector3 point = extent.low + (round + 0.5) / warm_up_rounds * extent.size;
       const ContactForce contact = contact_force(*asset->view, settings_.force, point);
       static_cast<void>(channel.safety.apply(contact.force, ForceOff::none));
     }

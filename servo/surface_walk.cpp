@@ -23,10 +23,6 @@ bool inside(const AssetView& asset, double probe_radius, const Vector3& point) {
          (answer.status == Status::exact && answer.distance < probe_radius);
 }
 
-Vector3 grid_size(const Grid& grid) {
-  return grid.cell_size * Vector3(grid.cells[0], grid.cells[1], grid.cells[2]);
-}
-
 /// Turns a tangent about the normal by an angle, and back into the tangent plane.
 Vector3 turned(const Vector3& heading, const Vector3& normal, double angle) {
   const Vector3 tangent = heading - heading.dot(normal) * normal;
@@ -61,8 +57,8 @@ std::optional<Touch> touch_near(const AssetView& asset, double probe_radius, Vec
 
 std::optional<Touch> touch_from_outside(const AssetView& asset, double probe_radius,
                                         Random& random) {
-  const Vector3 size = grid_size(asset.grid);
-  const Vector3 middle = asset.grid.origin + size / 2;
+  const auto [low, size] = extent_of(asset);
+  const Vector3 middle = low + size / 2;
   const double reach = size.norm() / 2;
   Vector3 aim = middle;
   for (int axis = 0; axis < 3; ++axis) aim[axis] += random.between(-0.4, 0.4) * size[axis];

@@ -33,15 +33,7 @@ Asset tile_asset(bool small) {
   } else {
     asset.triangles = {0, 0, 0, 2e-3F, 0, 0, 0, 2e-3F, 0, 0, 0, 1, 1, 0, 1, 0, 1, 1};
   }
-  asset.grid.narrow = small;
-  asset.grid.cells = {1, 1, 1};
-  asset.grid.index = {static_cast<std::uint32_t>(CellKind::record) << 30U};
-  asset.grid.records = {list_header(1, 2)};
-  if (small) {
-    asset.grid.records.insert(asset.grid.records.end(), {0, 3});
-  } else {
-    asset.grid.records.insert(asset.grid.records.end(), {0, 0, 3});
-  }
+  asset.first_cap = 1;
   return asset;
 }
 

@@ -14,7 +14,7 @@
 #include "baker/cast.hpp"
 #include "baker/outer_surface.hpp"
 #include "baker/random.hpp"
-#include "baker/sheet.hpp"
+#include "baker/sheet_refine.hpp"
 #include "common/smoothing.hpp"
 #include "tests/baker/bake_support.hpp"
 #include "tests/baker/verify_shapes.hpp"
@@ -329,8 +329,35 @@ TEST_CASE("A kernel that is too large or too small for the object is a usage err
   CHECK(refusal(sphere, gaussian(0.1)) == ExitCode::usage);
   CHECK(refusal(sphere, gaussian(0.008)) == ExitCode::usage);
   CHECK(refusal(sphere, gaussian(1e-6)) == ExitCode::usage);
-  CHECK(refusal(sphere, gaussian(10e-6)) == ExitCode::usage);
   CHECK(refusal(sphere, gaussian(0.002)) == ExitCode::done);
+}
+
+TEST_CASE("A surface that would need too many triangles is a usage error") {
+  const test::Shape box = test::box({0.03, 0.03, 0.03});
+  const auto every = [](const SheetEdge&) { return true; };
+  const Sheet sheet{box.vertices, box.triangles};
+  CHECK(refined(sheet, every, 0.005, 0.01, 4000).triangles.size() < 4000);
+  CHECK_THROWS_AS(refined(sheet, every, 0.001, 0.01, 4000), BakeError);
+}
+
+TEST_CASE("Refining leaves no long edge near a chosen one, and no gap") {
+  const test::Shape box = test::box({0.03, 0.03, 0.0003});
+  const auto sharp = [](const SheetEdge& edge) { return edge.turn > 1; };
+  const Sheet fine = refined({box.vertices, box.triangles}, sharp, 0.001, 0.004, 100000);
+  double area = 0;
+  for (const SheetEdge& edge : edges_of(fine).edges) {
+    const Vector3& a = fine.vertices[edge.ends[0]];
+    const Vector3& b = fine.vertices[edge.ends[1]];
+    CHECK(edge.paired);
+    area += edge.area;
+    const bool near = std::max({std::abs(a.x()), std::abs(a.y()), std::abs(b.x()),
+                                std::abs(b.y())}) > 0.015 - 0.004;
+    if (near) CHECK((a - b).norm() <= 0.001);
+  }
+  CHECK(area == Approx(2 * 0.03 * 0.03 + 4 * 0.03 * 0.0003).epsilon(1e-9));
+  // Narrow strips are cut across, and the middle of the faces stays coarse.
+  CHECK(fine.triangles.size() < 8000);
+  CHECK(fine.triangles.size() > 2000);
 }
 
 TEST_CASE("An asset's options give back the smoothing that they record") {

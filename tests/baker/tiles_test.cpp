@@ -47,13 +47,19 @@ std::vector<Tile> views_of(const std::vector<TileData>& tiles) {
   return views;
 }
 
+std::vector<SurfacePiece> open_pieces(const SurfaceCover& cover) {
+  std::vector<SurfacePiece> pieces;
+  for (const auto& open : cover.open) pieces.insert(pieces.end(), open.begin(), open.end());
+  return pieces;
+}
+
 /// Tiles over a shape, proven, and the pieces that are left.
 struct Covered {
   Caster caster;
   std::vector<SupportPlane> planes;
   std::vector<TileData> tiles;
   std::vector<SurfacePiece> pieces;
-  std::vector<std::uint64_t> used;
+  SurfaceCover cover;
   ProofCounts counts;
 
   Covered(const test::Shape& shape, double tolerance)
@@ -62,7 +68,8 @@ struct Covered {
     tiles = cast_tiles(caster, planes, settings,
                        surface_points(caster, settings.surfel_spacing, 0, 1), {});
     prove_tiles(caster, planes, tiles, spacing, unit, tolerance, {}, counts);
-    pieces = prove_surface(caster, planes, views_of(tiles), unit, tolerance, 0.002, {}, counts, used);
+    cover = prove_surface(caster, planes, views_of(tiles), unit, tolerance, 0.002, {});
+    pieces = open_pieces(cover);
   }
 };
 
@@ -70,7 +77,9 @@ TEST_CASE("A clip line is found along a straight crease, whichever way it runs")
   for (int k = 0; k < 24; ++k) {
     const double angle = 0.27 * k, a = std::cos(angle), b = std::sin(angle);
     const double offset = 0.25 * (random_unit(3, static_cast<std::uint64_t>(k)) - 0.5);
-    const auto on_sheet = [&](double x, double y) { return a * (x - 3.5) + b * (y - 2.5) <= offset; };
+    const auto on_sheet = [&](double x, double y) {
+      return a * (x - 3.5) + b * (y - 2.5) <= offset;
+    };
     const std::optional<Clip> clip = fit_clip(3.5, 2.5, on_sheet);
     REQUIRE(clip);
     const auto length = static_cast<double>(std::hypot(clip->a, clip->b));
@@ -101,7 +110,8 @@ TEST_CASE("A tile on a box's face stands for the face up to its edges and not be
   const double edge = 0.015 + 1e-5;
   const auto reaches = [&](double eta, double omega) {
     const Vector3 point = support_plane_point(planes[0], eta, omega);
-    return closest_on_tile(tile, static_cast<float>(unit), planes[0], point, 2e-5F).distance < 2e-5F;
+    return closest_on_tile(tile, static_cast<float>(unit), planes[0], point, 2e-5F).distance <
+           2e-5F;
   };
   CHECK(reaches(0.0149, 0.009));
   CHECK_FALSE(reaches(edge + 5e-5, 0.01));
@@ -110,8 +120,8 @@ TEST_CASE("A tile on a box's face stands for the face up to its edges and not be
 
 TEST_CASE("Tiles and pieces together stand for every point of the surface, within the tolerance") {
   const double tolerance = 1e-4;
-  const test::Shape shape = test::merged(
-      test::torus(0.02, 0.006, 60, 30), test::moved(test::box({0.01, 0.01, 0.01}), {0, 0, 0.03}));
+  const test::Shape shape = test::merged(test::torus(0.02, 0.006, 60, 30),
+                                         test::moved(test::box({0.01, 0.01, 0.01}), {0, 0, 0.03}));
   const Covered covered(shape, tolerance);
   CHECK(covered.counts.cells > 1000);
   const std::vector<Tile> tiles = views_of(covered.tiles);
@@ -170,25 +180,26 @@ TEST_CASE("A tile that was moved off the surface loses its cells") {
 TEST_CASE("Without its tiles a surface is open as a whole, and in large pieces") {
   const test::Shape box = test::box({0.03, 0.03, 0.03});
   const Caster caster(test::surface_of(box));
-  ProofCounts counts;
-  std::vector<std::uint64_t> used;
-  const std::vector<SurfacePiece> pieces =
-      prove_surface(caster, axis_planes(0.015), {}, unit, 1e-4, 0.002, {}, counts, used);
-  CHECK(pieces.size() == box.triangles.size());
+  const SurfaceCover cover = prove_surface(caster, axis_planes(0.015), {}, unit, 1e-4, 0.002, {});
+  CHECK(open_pieces(cover).size() == box.triangles.size());
 }
 
 TEST_CASE("Trimming keeps what the proof rests on: the surface stays proven") {
   Covered covered(test::torus(0.02, 0.006, 60, 30), 1e-4);
   const std::size_t open = covered.pieces.size();
   std::size_t cells = 0, kept = 0;
-  for (const TileData& tile : covered.tiles) cells += static_cast<std::size_t>(std::popcount(tile.valid));
-  trim_tiles(covered.tiles, covered.used);
-  for (const TileData& tile : covered.tiles) kept += static_cast<std::size_t>(std::popcount(tile.valid));
+  for (const TileData& tile : covered.tiles)
+    cells += static_cast<std::size_t>(std::popcount(tile.valid));
+  std::vector<std::uint64_t> used(covered.tiles.size(), 0);
+  for (const auto& uses : covered.cover.uses) {
+    for (const TileUse& use : uses) used[use.tile] |= use.cells;
+  }
+  trim_tiles(covered.tiles, used);
+  for (const TileData& tile : covered.tiles)
+    kept += static_cast<std::size_t>(std::popcount(tile.valid));
   CHECK(kept < cells);
-  ProofCounts counts;
-  std::vector<std::uint64_t> used;
-  CHECK(prove_surface(covered.caster, covered.planes, views_of(covered.tiles), unit, 1e-4, 0.002, {},
-                      counts, used)
+  CHECK(open_pieces(prove_surface(covered.caster, covered.planes, views_of(covered.tiles), unit,
+                                  1e-4, 0.002, {}))
             .size() <= open);
 }
 

@@ -9,34 +9,34 @@
 #include "baker/bake_error.hpp"
 #include "formats/sha256.hpp"
 #include "tests/baker/verify_shapes.hpp"
+#include "tests/support/triangle_tree.hpp"
 
 using namespace spm;
 using namespace spm::baker;
 
 namespace {
 
-/// An asset whose one grid cell holds every triangle of a shape: its answers are exact for the
-/// shape that it was made of.
+/// Makes all space around an asset, and the asset, of one kind.
+void fill_space(Asset& asset, SpaceKind kind) {
+  test::fill_space(asset, Vector3::Constant(-0.1), 0.2, kind);
+}
+
+/// An asset of every triangle of a shape: its answers are exact for the shape that it was made of.
 Asset exact_asset(const test::Shape& shape, double tolerance) {
   const Mesh mesh = test::as_mesh(shape);
   Asset asset;
   asset.metadata.diagonal = mesh.diagonal;
   asset.metadata.band = {0.002, 0.0005};
   asset.metadata.tolerance = tolerance;
-  asset.grid.origin = mesh.box_min - Vector3::Constant(0.01);
-  asset.grid.cell_size = (mesh.box_max - mesh.box_min).maxCoeff() + 0.02;
-  asset.grid.cells = {1, 1, 1};
-  asset.grid.index = {static_cast<std::uint32_t>(CellKind::record) << 30U};
-  asset.grid.records.push_back(
-      list_header(0, static_cast<std::uint32_t>(shape.triangles.size())));
   for (const auto& triangle : shape.triangles) {
-    asset.grid.records.push_back(static_cast<std::uint32_t>(asset.triangles.size() / 9) << 1U);
     for (const std::uint32_t corner : triangle) {
       for (int axis = 0; axis < 3; ++axis) {
         asset.triangles.push_back(static_cast<float>(shape.vertices[corner][axis]));
       }
     }
   }
+  const test::TriangleTree tree(asset);
+  fill_space(asset, SpaceKind::told);
   return asset;
 }
 
@@ -94,7 +94,7 @@ TEST_CASE("An asset that is inside out has every clear sample on the wrong side"
 
 TEST_CASE("Places without an answer are counted, and inside they count as taken for outside") {
   Asset asset = exact_asset(box(), 50e-6);
-  asset.grid.index = {static_cast<std::uint32_t>(CellKind::far) << 30U};
+  fill_space(asset, SpaceKind::far);
   const VerifyReport report = verify(box(), asset);
   CHECK(report.unanswered > 0.9);  // near the margin `far` is an answer
   CHECK(report.unanswered < 1);
@@ -103,8 +103,9 @@ TEST_CASE("Places without an answer are counted, and inside they count as taken 
 }
 
 TEST_CASE("A deep answer where it is shallow is off by the difference") {
-  Asset asset = exact_asset(box(), 50e-6);
-  asset.grid.index = {static_cast<std::uint32_t>(CellKind::deep) << 30U};
+  // Of a box so large that all of the band is deep in it.
+  Asset asset = exact_asset(test::box({0.09, 0.09, 0.09}), 50e-6);
+  fill_space(asset, SpaceKind::inside);
   const VerifyReport report = verify(box(), asset);
   CHECK(report.unanswered == 0);
   CHECK(report.distance.max == Approx(0.0025).epsilon(0.01));
@@ -112,8 +113,9 @@ TEST_CASE("A deep answer where it is shallow is off by the difference") {
 }
 
 TEST_CASE("Samples reach the whole band and no farther") {
-  Asset asset = exact_asset(box(), 50e-6);
-  asset.grid.index = {static_cast<std::uint32_t>(CellKind::deep) << 30U};
+  // Of a box so large that all of the band is deep in it.
+  Asset asset = exact_asset(test::box({0.09, 0.09, 0.09}), 50e-6);
+  fill_space(asset, SpaceKind::inside);
   const AssetTables tables = tables_of(asset);
   VerifyOptions options;
   options.samples = 4000;

@@ -22,8 +22,8 @@ constexpr std::uint32_t leaf_bit = 1U << 31U;
 
 /// Cubes larger than this are split unseen: the places tried in one might all miss the band.
 constexpr double largest_leaf = 0.004;  // m
-/// Places tried in a cube are no farther apart than this, and at least three a side.
-constexpr double largest_step = 0.00075;  // m
+/// Places tried in a cube are no farther apart than this.
+constexpr double largest_step = 0.001;  // m
 /// Nothing is gained from cubes much smaller than the error that is allowed.
 constexpr double smallest_leaf = 0.5;  // tolerances
 
@@ -40,14 +40,23 @@ struct Look {
   std::array<float, 8> corners{};
 };
 
-/// Parts that a side of a cube is tried in: two, as Frisken et al. do, more in large ones.
-int steps_in(double edge) { return std::max(2, static_cast<int>(std::ceil(edge / largest_step))); }
-
 /// Corner `index` of a cube of edge 1.
 Vector3 unit_corner(std::uint32_t index) { return grid_vector(grid_place({2, 2, 2}, index)); }
 
-/// A cube's corners, and whether its trilinear function holds at the places tried in it, as far as
-/// they are in the band.
+/// True where the trilinear function of a cube's corners holds at the places of a lattice in it, so
+/// many steps a side, as far as they are in the band.
+bool holds(const Model& model, double tolerance, const Cube& cube, const CubeCorners& corners,
+           int steps) {
+  const GridCounts tried{steps + 1, steps + 1, steps + 1};
+  for (std::size_t i = 0; i < grid_size(tried); ++i) {
+    const Vector3 place = grid_vector(grid_place(tried, i)) / steps;
+    const double truth = model.caster.closest(cube.low + cube.edge * place).distance;
+    if (truth < -model.band.max_depth || truth > model.band.margin) continue;
+    if (std::abs(trilinear(corners, place).distance - truth) > tolerance) return false;
+  }
+  return true;
+}
+
 Look look(const Model& model, double tolerance, const Cube& cube) {
   Look result;
   const double reach = std::numbers::sqrt3 / 2 * cube.edge;
@@ -65,19 +74,13 @@ Look look(const Model& model, double tolerance, const Cube& cube) {
     result.corners[i] = static_cast<float>(model.caster.closest(corner).distance);
     corners[i] = result.corners[i];
   }
-  if (cube.edge <= smallest_leaf * tolerance) {
-    result.verdict = Verdict::leaf;
-    return result;
-  }
-  const int steps = steps_in(cube.edge);
-  const GridCounts tried{steps + 1, steps + 1, steps + 1};
-  for (std::size_t i = 0; i < grid_size(tried); ++i) {
-    const Vector3 place = grid_vector(grid_place(tried, i)) / steps;
-    const double truth = model.caster.closest(cube.low + cube.edge * place).distance;
-    if (truth < -model.band.max_depth || truth > model.band.margin) continue;
-    if (std::abs(trilinear(corners, place).distance - truth) > tolerance) return result;
-  }
   result.verdict = Verdict::leaf;
+  if (cube.edge <= smallest_leaf * tolerance) return result;
+  // As Frisken et al. do, the middles of edges and faces and its own; then finer in large cubes.
+  for (int steps = 2; result.verdict == Verdict::leaf; steps *= 2) {
+    if (!holds(model, tolerance, cube, corners, steps)) result.verdict = Verdict::split;
+    if (cube.edge <= steps * largest_step) break;
+  }
   return result;
 }
 

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "common/support_plane_mapping.hpp"
+#include "tree_by_hand.hpp"
 
 namespace spm::test {
 
@@ -127,14 +128,18 @@ TiledCubeByHand::TiledCubeByHand(double size, const Band& band) {
       planes.push_back(plane_with_normal(size / 2 * normal, normal));
     }
   }
-  index = {static_cast<std::uint32_t>(CellKind::record) << 30U};
-  records = {list_header(6, 0), 0, 1, 2, 3, 4, 5};
+  std::vector<BoxedChild> leaves;
+  for (std::uint32_t tile = 0; tile < by_hand.size(); ++tile) leaves.push_back(tile_child(tile));
+  tree = tree_over(leaves);
+  space = {octants(SpaceKind::told), 0};
   view.band = band;
   view.height_unit = 1e-6F;
   view.tolerance = 1e-5;
-  view.grid.origin = Vector3::Constant(-size / 2 - band.margin);
-  view.grid.cell_size = size + 2 * band.margin;
-  view.grid.cells = {1, 1, 1};
+  view.space.origin = Vector3::Constant(-size / 2 - band.margin);
+  view.space.edge = size + 2 * band.margin;
+  const auto edge = static_cast<float>(size);
+  view.tree.origin = Vector3::Constant(-size / 2);
+  view.tree.size = {edge, edge, edge};
   refresh();
 }
 
@@ -143,9 +148,10 @@ void TiledCubeByHand::refresh() {
   for (const TileByHand& made : by_hand) tiles.push_back(made.view(view.height_unit));
   view.planes = planes;
   view.tiles = tiles;
+  view.triangles = triangles;
   view.small_triangles = small_triangles;
-  view.grid.index = index;
-  view.grid.records = records;
+  view.space.words = space;
+  view.tree.words = tree;
 }
 
 }  // namespace spm::test

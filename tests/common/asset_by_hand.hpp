@@ -61,7 +61,7 @@ class BoxByHand {
 };
 
 /// A cube of edge length `size` about the origin as a `sparse` asset: six faces in the order of
-/// BoxByHand, one tile each, and a grid of one cell whose list has them all.
+/// BoxByHand, one tile each, in a tree of whole boxes, and a space that is told by them everywhere.
 class TiledCubeByHand {
  public:
   explicit TiledCubeByHand(double size, const Band& band = {0.002, 0.0005});
@@ -71,7 +71,8 @@ class TiledCubeByHand {
   std::vector<SupportPlane> planes;
   std::vector<TileByHand> by_hand;
   std::vector<Tile> tiles;
-  std::vector<std::uint32_t> index, records;
+  std::vector<std::uint32_t> space, tree;
+  std::vector<float> triangles;
   std::vector<std::uint16_t> small_triangles;
   AssetView view;
 

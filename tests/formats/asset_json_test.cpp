@@ -103,15 +103,21 @@ TEST_CASE("Every wrong field of a description is refused by its name") {
        }},
       {"`mesh.closed`", [](Json& j) { j["mesh"]["closed"] = "yes"; }},
       {"`mesh.triangles`", [](Json& j) { j["mesh"]["triangles"] = 1.5; }},
-      {"`grid.origin`", [](Json& j) { j["grid"]["origin"][1] = "x"; }},
-      {"`grid.cell_size`", [](Json& j) { j["grid"]["cell_size"] = 0; }},
-      {"`grid.cells`", [](Json& j) { j["grid"]["cells"][0] = 0; }},
-      {"`grid.cells`",
-       [](Json& j) {
-         j["grid"]["cells"] = Json::array({1 << 20, 1 << 20, 1 << 20});
-       }},
-      {"`grid.records`", [](Json& j) { j["grid"]["records"] = 1ULL << 40U; }},
-      {"`grid.narrow`", [](Json& j) { j["grid"]["narrow"] = 0; }},
+      {"`space`", [](Json& j) { j.erase("space"); }},
+      {"`space.origin`", [](Json& j) { j["space"]["origin"][1] = "x"; }},
+      {"`space.edge`", [](Json& j) { j["space"]["edge"] = 0; }},
+      {"`space.edge`", [](Json& j) { j["space"]["edge"] = 1e30; }},
+      {"`space.nodes`", [](Json& j) { j["space"]["nodes"] = 0; }},
+      {"`space.nodes`", [](Json& j) { j["space"]["nodes"] = 1ULL << 40U; }},
+      {"`tree`", [](Json& j) { j["tree"] = 3; }},
+      {"`tree.origin`", [](Json& j) { j["tree"].erase("origin"); }},
+      {"`tree.size`", [](Json& j) { j["tree"]["size"].push_back(1); }},
+      {"`tree.size`", [](Json& j) { j["tree"]["size"][2] = -0.1; }},
+      {"`tree.size`", [](Json& j) { j["tree"]["size"][0] = 1e30; }},
+      {"`tree.nodes`", [](Json& j) { j["tree"]["nodes"] = -1; }},
+      {"`tree.nodes`", [](Json& j) { j["tree"]["nodes"] = 1 << 25; }},
+      {"`caps`", [](Json& j) { j.erase("caps"); }},
+      {"`caps`", [](Json& j) { j["caps"] = 21; }},
       {"`tiles.count`", [](Json& j) { j["tiles"]["count"] = 1 << 25; }},
       {"`tiles.spacing`", [](Json& j) { j["tiles"]["spacing"] = 0; }},
       {"`tiles.spacing`", [](Json& j) { j["tiles"]["spacing"] = 1e30; }},
@@ -170,9 +176,53 @@ TEST_CASE("Every wrong field of the full form's plane table is refused by its na
   json = Json::parse(full_text());
   json["certified"] = 1e-5;
   CHECK(!parse_description(json.dump(), "a.exr").has_value());
-  json = Json::parse(full_text());
-  json["grid"]["narrow"] = true;
-  CHECK(!parse_description(json.dump(), "a.exr").has_value());
+}
+
+TEST_CASE("Every wrong field of the full form's grid is refused by its name") {
+  const std::vector<std::pair<const char*, Json>> cases = {
+      {"origin", Json::array({0, "x", 0})},
+      {"origin", nullptr},
+      {"cell_size", 0},
+      {"cells", Json::array({0, 7, 7})},
+      {"cells", Json::array({7, 7})},
+      {"cells", Json::array({1 << 20, 1 << 20, 1 << 20})},
+      {"records", 1ULL << 40U},
+      {"records", "many"}};
+  for (const auto& [key, value] : cases) {
+    Json json = Json::parse(full_text());
+    json["grid"][key] = value;
+    INFO(key << ": " << value.dump());
+    const auto parsed = parse_description(json.dump(), "a.exr");
+    REQUIRE(!parsed);
+    CHECK(parsed.error().code == ExitCode::invalid_input);
+    CHECK(parsed.error().message.find("`grid." + std::string(key) + "`") != std::string::npos);
+  }
+}
+
+TEST_CASE("A description has the partition of its own form alone") {
+  const Json sparse = Json::parse(sparse_text()), full = Json::parse(full_text());
+  for (const char* key : {"space", "tree", "tiles", "caps"}) {
+    CHECK(sparse.contains(key));
+    CHECK(!full.contains(key));
+  }
+  for (const char* key : {"grid", "maps"}) {
+    CHECK(full.contains(key));
+    CHECK(!sparse.contains(key));
+  }
+}
+
+TEST_CASE("The sizes of an element tree's box round-trip to the last bit") {
+  AssetDescription description = describe(sparse_asset(3));
+  Random random(10);
+  for (int k = 0; k < 200; ++k) {
+    for (float& size : description.tree_size) {
+      size = static_cast<float>(
+          std::ldexp(random.between(0.5, 1), static_cast<int>(random.below(40)) - 30));
+    }
+    const auto parsed = parse_description(to_json(description), "a.exr");
+    REQUIRE(parsed.has_value());
+    REQUIRE(parsed->tree_size == description.tree_size);
+  }
 }
 
 TEST_CASE("Text that is no JSON object is refused") {

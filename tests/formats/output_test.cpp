@@ -110,7 +110,8 @@ TEST_CASE("A path that can be written is accepted and stays untouched") {
 TEST_CASE("An asset that contradicts itself is not written") {
   const TemporaryFolder folder;
   const std::string path = folder.path("a.exr");
-  std::vector<Asset> wrong(15, sparse_asset(1));
+  std::vector<Asset> wrong(24, sparse_asset(1));
+  wrong[0] = full_asset(1, {2, 1});
   wrong[0].grid.index.pop_back();
   wrong[1].tiles[3].clips.push_back(0);
   wrong[2].tiles[3].plane = 10;
@@ -129,8 +130,22 @@ TEST_CASE("An asset that contradicts itself is not written") {
   wrong[13].maps[1].mask.clear();
   wrong[14] = full_asset(1, {2, 1});
   wrong[14].tiles = sparse_asset(1).tiles;
-  for (const Asset& asset : wrong) {
-    const auto written = write_asset(asset, path);
+  // A tree without whole nodes, or of the other form.
+  wrong[15].space.words.clear();
+  wrong[16].space.words.pop_back();
+  wrong[17].tree.words.pop_back();
+  wrong[18].grid = full_asset(1, {2, 1}).grid;
+  wrong[19].grid.records.push_back(0);
+  wrong[20] = full_asset(1, {2, 1});
+  wrong[20].space = sparse_asset(1).space;
+  wrong[21] = full_asset(1, {2, 1});
+  wrong[21].tree = sparse_asset(1).tree;
+  wrong[22] = full_asset(1, {2, 1});
+  wrong[22].grid = {};
+  wrong[23].tree.words.clear();
+  for (std::size_t k = 0; k < wrong.size(); ++k) {
+    INFO("wrong[" << k << "]");
+    const auto written = write_asset(wrong[k], path);
     REQUIRE(!written);
     CHECK(written.error().code == ExitCode::internal);
   }

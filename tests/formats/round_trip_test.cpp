@@ -48,7 +48,7 @@ void check_same_tile(const TileData& wanted, const Tile& tile, double tile_spaci
   REQUIRE(std::equal(wanted.clips.begin(), wanted.clips.end(), tile.clips));
 }
 
-/// That the planes and the grid are those of an asset.
+/// That the planes, the grid and the trees are those of an asset.
 void check_same_frame(const Asset& asset, const AssetView& view) {
   REQUIRE(view.planes.size() == asset.planes.size());
   for (std::size_t k = 0; k < asset.planes.size(); ++k) {
@@ -59,10 +59,15 @@ void check_same_frame(const Asset& asset, const AssetView& view) {
   }
   check_same_words(view.grid.index, asset.grid.index);
   check_same_words(view.grid.records, asset.grid.records);
-  CHECK(view.grid.narrow == asset.grid.narrow);
   CHECK(view.grid.origin == asset.grid.origin);
   CHECK(view.grid.cell_size == asset.grid.cell_size);
   CHECK(view.grid.cells == asset.grid.cells);
+  check_same_words(view.space.words, asset.space.words);
+  CHECK(view.space.origin == asset.space.origin);
+  CHECK(view.space.edge == asset.space.edge);
+  check_same_words(view.tree.words, asset.tree.words);
+  CHECK(view.tree.origin == asset.tree.origin);
+  CHECK(view.tree.size == asset.tree.size);
 }
 
 void check_same_content(const Asset& asset, const AssetView& view) {
@@ -101,6 +106,8 @@ void check_same_content(const Asset& asset, const AssetView& view) {
   CHECK(view.band.max_depth == asset.metadata.band.max_depth);
   CHECK(view.band.margin == asset.metadata.band.margin);
   CHECK(view.full == (asset.metadata.form == AssetForm::full));
+  // In the full form the lists tell which triangles are caps.
+  if (!view.full) CHECK(view.first_cap == asset.first_cap);
 }
 
 /// Equal, or both not a number.
@@ -111,10 +118,8 @@ bool same(double a, double b) { return a == b || (std::isnan(a) && std::isnan(b)
 TEST_CASE("A sparse asset reads back as it was written") {
   const TemporaryFolder folder;
   for (const std::uint32_t tiles : {0U, 1U, 2U, 31U, 100U, 700U, 1999U}) {
-    const Asset asset = sparse_asset(tiles, {.tiles = tiles,
-                                             .triangles = tiles % 3 * 7,
-                                             .narrow = tiles % 2 == 0,
-                                             .small = tiles % 4 == 0});
+    const Asset asset =
+        sparse_asset(tiles, {.tiles = tiles, .triangles = tiles % 3 * 7, .small = tiles % 4 == 0});
     const auto opened = written_and_opened(asset, folder.path("sparse.spm.exr"));
     check_same_content(asset, opened->view());
   }
@@ -123,11 +128,37 @@ TEST_CASE("A sparse asset reads back as it was written") {
 TEST_CASE("A sparse asset of triangles alone reads back as it was written") {
   const TemporaryFolder folder;
   for (const bool small : {false, true}) {
-    const Asset asset =
-        sparse_asset(3, {.planes = 0, .tiles = 0, .triangles = 7, .narrow = small, .small = small});
+    const Asset asset = sparse_asset(3, {.planes = 0, .tiles = 0, .triangles = 7, .small = small});
     const auto opened = written_and_opened(asset, folder.path("triangles.spm.exr"));
     check_same_content(asset, opened->view());
     CHECK(opened->bytes().triangles == (small ? 7 * 18 + 2 : 7 * 36));
+  }
+}
+
+TEST_CASE("Each form has the parts of its own partition of space") {
+  const TemporaryFolder folder;
+  const auto names = [&folder](const Asset& asset) {
+    const auto opened = written_and_opened(asset, folder.path("a.spm.exr"));
+    std::vector<std::string> found;
+    for (const PartInfo& part : opened->parts()) found.push_back(part.name);
+    return found;
+  };
+  using Names = std::vector<std::string>;
+  CHECK(names(sparse_asset(6)) ==
+        Names{"heights", "grid_space", "grid_tree", "grid_tiles", "grid_masks", "triangles"});
+  CHECK(names(full_asset(6, {2, 2})) ==
+        Names{"heights02", "grid_index", "grid_records", "grid_masks", "triangles"});
+  // What would be empty is left out: here all but the trees.
+  CHECK(names(sparse_asset(6, {.tiles = 0, .triangles = 0})) == Names{"grid_space", "grid_tree"});
+}
+
+TEST_CASE("Which triangles are caps reads back, be it none or all") {
+  const TemporaryFolder folder;
+  for (const std::uint32_t first_cap : {0U, 1U, 20U}) {
+    Asset asset = sparse_asset(7);
+    asset.first_cap = first_cap;
+    const auto opened = written_and_opened(asset, folder.path("a.spm.exr"));
+    CHECK(opened->view().first_cap == first_cap);
   }
 }
 
@@ -188,8 +219,8 @@ TEST_CASE("The metadata of an asset reads back exactly") {
 
 TEST_CASE("An asset in memory and the same asset mapped answer alike") {
   const TemporaryFolder folder;
-  for (const Asset& asset : {sparse_asset(11), sparse_asset(13, {.narrow = true, .small = true}),
-                             full_asset(12, many_layers)}) {
+  for (const Asset& asset :
+       {sparse_asset(11), sparse_asset(13, {.small = true}), full_asset(12, many_layers)}) {
     const auto opened = written_and_opened(asset, folder.path("a.spm.exr"));
     const AssetTables tables = tables_of(asset);
     Random random(3);

@@ -14,6 +14,7 @@
 #include "formats/checksum.hpp"
 #include "formats/exr_header.hpp"
 #include "formats/exr_layout.hpp"
+#include "tests/common/tree_by_hand.hpp"
 
 namespace spm::test {
 
@@ -132,18 +133,15 @@ TileData random_tile(Random& random, std::uint32_t planes) {
   return tile;
 }
 
-/// Makes cells of every kind that name random surfaces and triangles.
+/// Makes cells of every kind that name random maps and triangles.
 class GridMaker {
  public:
   GridMaker(Random& random, const Asset& asset) : random_(random), asset_(asset) {
-    triangles_ =
-        static_cast<std::uint32_t>((asset.triangles.size() + asset.small_triangles.size()) / 9);
-    grid.narrow = asset.grid.narrow;
     grid.origin = Vector3(-0.035, -0.035, -0.025);
     grid.cell_size = 0.01;
     grid.cells = {7, 7, 5};
     for (std::uint32_t cell = 0; cell < 7 * 7 * 5; ++cell) {
-      grid.index.push_back(cell % 9 == 8 ? split(3) : word(cell % 8));
+      grid.index.push_back(cell % 9 == 8 ? split(3) : word(cell % 7));
     }
   }
 
@@ -155,15 +153,10 @@ class GridMaker {
   }
 
   std::uint32_t word(std::uint32_t kind) {
-    const auto tiles = static_cast<std::uint32_t>(asset_.tiles.size());
     if (kind == 0) return word_of(CellKind::far, 0);
     if (kind == 1) return word_of(CellKind::deep, pack_octahedral(Vector3(0.6, 0, 0.8)));
     if (kind == 2) return word_of(CellKind::pruned, 0);
-    if (kind == 3 && tiles > 0) {
-      const std::uint32_t second = random_.below(2) == 0 ? inline_none : random_.below(tiles);
-      return word_of(CellKind::record, inline_bit | random_.below(tiles) | second << 14U);
-    }
-    if (kind == 4 && !lists_.empty()) {
+    if (kind == 3 && !lists_.empty()) {
       return lists_[random_.below(static_cast<std::uint32_t>(lists_.size()))];
     }
     lists_.push_back(list());
@@ -171,39 +164,26 @@ class GridMaker {
   }
 
   std::uint32_t list() {
-    std::vector<std::uint32_t> numbers;
-    const bool surfaces = !asset_.tiles.empty() || !asset_.maps.empty();
-    const std::uint32_t surface_count = surfaces ? 1 + random_.below(4) : 0;
-    for (std::uint32_t k = 0; k < surface_count; ++k) numbers.push_back(surface());
-    const std::uint32_t triangle_count = triangles_ == 0 ? 0 : random_.below(4);
-    for (std::uint32_t k = 0; k < triangle_count; ++k) {
-      numbers.push_back(random_.below(triangles_) * 2 + random_.below(2));
-    }
+    const auto triangles = static_cast<std::uint32_t>(asset_.triangles.size() / 9);
+    const std::uint32_t map_count = 1 + random_.below(4);
+    const std::uint32_t triangle_count = random_.below(4);
     const auto offset = static_cast<std::uint32_t>(grid.records.size());
-    grid.records.push_back(
-        list_header(surface_count, triangle_count));
-    for (std::size_t k = 0; k < numbers.size(); ++k) {
-      if (grid.narrow && k % 2 == 1) {
-        grid.records.back() |= numbers[k] << 16U;
-      } else {
-        grid.records.push_back(numbers[k]);
-      }
+    grid.records.push_back(list_header(map_count, triangle_count));
+    for (std::uint32_t k = 0; k < map_count; ++k) {
+      const std::uint32_t map = random_.below(static_cast<std::uint32_t>(asset_.maps.size()));
+      grid.records.push_back(pack_candidate({map, random_.below(asset_.maps[map].layers)}));
+    }
+    for (std::uint32_t k = 0; k < triangle_count; ++k) {
+      grid.records.push_back(random_.below(triangles) * 2 + random_.below(2));
     }
     return word_of(CellKind::record, offset);
-  }
-
-  std::uint32_t surface() {
-    if (!asset_.tiles.empty())
-      return random_.below(static_cast<std::uint32_t>(asset_.tiles.size()));
-    const std::uint32_t map = random_.below(static_cast<std::uint32_t>(asset_.maps.size()));
-    return pack_candidate({map, random_.below(asset_.maps[map].layers)});
   }
 
   /// A split cell, whose first octant is split again until `levels` lie in each other.
   std::uint32_t split(int levels) {
     std::vector<std::uint32_t> octants;
     if (levels > 1) octants.push_back(split(levels - 1));
-    while (octants.size() < 8) octants.push_back(word(random_.below(8)));
+    while (octants.size() < 8) octants.push_back(word(random_.below(7)));
     const auto offset = static_cast<std::uint32_t>(grid.records.size());
     grid.records.insert(grid.records.end(), octants.begin(), octants.end());
     return word_of(CellKind::record, split_bit | offset);
@@ -211,9 +191,67 @@ class GridMaker {
 
   Random& random_;
   const Asset& asset_;
-  std::uint32_t triangles_ = 0;
   std::vector<std::uint32_t> lists_;
 };
+
+/// A space of four levels: half of the octants above the last are split.
+SpaceData random_space(Random& random) {
+  SpaceData space;
+  space.origin = Vector3(-0.0375, -0.0375, -0.0375);
+  space.edge = 0.075;
+  std::vector<int> levels{1};  // of each node so far, in the order of their numbers
+  for (std::size_t node = 0; node < levels.size(); ++node) {
+    const auto first_child = static_cast<std::uint32_t>(levels.size());
+    std::uint32_t kinds = 0;
+    for (std::uint32_t octant = 0; octant < 8; ++octant) {
+      SpaceKind kind =
+          random.below(2) == 0 ? SpaceKind::told : static_cast<SpaceKind>(random.below(5));
+      if (levels[node] < 4 && (octant == 0 || random.below(2) == 0)) {
+        kind = SpaceKind::split;
+        levels.push_back(levels[node] + 1);
+      }
+      kinds |= static_cast<std::uint32_t>(kind) << (space_kind_bits * octant);
+    }
+    space.words.push_back(kinds);
+    space.words.push_back(levels.size() > first_child ? first_child : 0);
+  }
+  return space;
+}
+
+/// A tree over all tiles and triangles, with random boxes that leave little out.
+TreeData random_tree(Random& random, std::uint32_t tiles, std::uint32_t triangles) {
+  std::vector<TreeChild> leaves;
+  for (std::uint32_t tile = 0; tile < tiles; ++tile) leaves.push_back({ElementKind::tile, tile, 1});
+  for (std::uint32_t first = 0; first < triangles;) {
+    const std::uint32_t count = std::min(1 + random.below(5), triangles - first);
+    leaves.push_back({ElementKind::triangles, first, count});
+    first += count;
+  }
+  TreeData tree;
+  tree.origin = Vector3(-0.035, -0.035, -0.025);
+  tree.size = {0.07F, 0.07F, 0.05F};
+  // The leaves below each node so far; without any there is one node of no children.
+  std::vector<std::pair<std::size_t, std::size_t>> nodes{{0, leaves.size()}};
+  for (std::size_t node = 0; node < nodes.size(); ++node) {
+    const auto [begin, end] = nodes[node];
+    const std::size_t share = (end - begin + tree_children - 1) / tree_children;
+    std::vector<BoxedChild> children;
+    for (std::size_t first = begin; first < end; first += share) {
+      const std::size_t last = std::min(first + share, end);
+      BoxedChild child{leaves[first]};
+      if (last - first > 1) {
+        child = node_child(static_cast<std::uint32_t>(nodes.size()));
+        nodes.emplace_back(first, last);
+      }
+      for (std::uint8_t& low : child.low) low = static_cast<std::uint8_t>(random.below(40));
+      for (std::uint8_t& high : child.high)
+        high = static_cast<std::uint8_t>(255 - random.below(40));
+      children.push_back(child);
+    }
+    add_tree_node(tree.words, children);
+  }
+  return tree;
+}
 
 std::vector<float> random_triangles(Random& random, std::uint32_t count) {
   std::vector<float> corners;
@@ -244,8 +282,9 @@ Asset sparse_asset(std::uint64_t seed, const SparseShape& shape) {
   } else {
     asset.triangles = random_triangles(random, shape.triangles);
   }
-  asset.grid.narrow = shape.narrow;
-  asset.grid = GridMaker(random, asset).grid;
+  asset.first_cap = shape.triangles - shape.triangles / 4;
+  asset.space = random_space(random);
+  asset.tree = random_tree(random, shape.tiles, shape.triangles);
   round_to_stored(asset);
   return asset;
 }

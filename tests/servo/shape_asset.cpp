@@ -9,6 +9,7 @@
 #include "common/octahedral.hpp"
 #include "common/query.hpp"
 #include "common/support_plane_mapping.hpp"
+#include "tests/support/triangle_tree.hpp"
 
 namespace spm::test {
 
@@ -77,9 +78,8 @@ MapData flat_map(std::uint32_t plane, double size) {
   return map;
 }
 
-}  // namespace
-
-Asset shape_asset(const Shape& shape) {
+/// A shape's triangles and description, without a partition.
+Asset describe(const Shape& shape) {
   Asset asset;
   AssetMetadata& metadata = asset.metadata;
   metadata.kind = "vertex";
@@ -106,7 +106,13 @@ Asset shape_asset(const Shape& shape) {
     }
   }
 
-  const std::size_t triangles = shape.triangles.size();
+  return asset;
+}
+
+/// Fills the grid of a `full` asset whose answers come from its triangles.
+void fill_grid(Asset& asset) {
+  const AssetMetadata& metadata = asset.metadata;
+  const std::size_t triangles = asset.triangles.size() / 9;
   asset.grid.cell_size = cell_size;
   asset.grid.origin = metadata.box_min - Vector3::Constant(band.margin + cell_size);
   const Vector3 size = metadata.box_max - asset.grid.origin;
@@ -125,12 +131,24 @@ Asset shape_asset(const Shape& shape) {
       }
     }
   }
+}
+
+}  // namespace
+
+Asset shape_asset(const Shape& shape) {
+  Asset asset = describe(shape);
+  const TriangleTree tree(asset);
+  const double margin = band.margin + 2e-3;
+  const AssetMetadata& metadata = asset.metadata;
+  fill_space(asset, metadata.box_min - Vector3::Constant(margin),
+             (metadata.box_max - metadata.box_min).maxCoeff() + 2 * margin, SpaceKind::told);
   return asset;
 }
 
 Asset box_asset(double size) {
-  Asset asset = shape_asset(box(Vector3::Constant(size)));
+  Asset asset = describe(box(Vector3::Constant(size)));
   asset.metadata.form = AssetForm::full;
+  fill_grid(asset);
   asset.metadata.kind = "face";
   asset.metadata.tolerance.reset();
   asset.metadata.layers_max = 1;

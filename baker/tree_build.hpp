@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "baker/tile_bins.hpp"
+#include "formats/asset.hpp"
+
+namespace spm::baker {
+
+/// A tile or triangle with its box.
+struct TreeElement {
+  Box box;
+  std::uint32_t number = 0;
+  bool tile = false;
+  bool cap = false;  ///< a triangle of a cap
+};
+
+/// The tree over elements, which it numbers anew in the order of its leaves: what lies together in
+/// space lies together in the file.
+struct BuiltTree {
+  TreeData data;
+  std::vector<std::uint32_t> tiles;      ///< the old number of each
+  std::vector<std::uint32_t> triangles;  ///< likewise, caps last
+  std::uint32_t first_cap = 0;
+};
+
+/// Builds the tree, splitting where boxes get smallest (surface area heuristic). The same for the
+/// same elements in the same order. Throws BakeError where they are more than a file can name.
+[[nodiscard]] BuiltTree build_tree(const std::vector<TreeElement>& elements);
+
+}  // namespace spm::baker

@@ -1,0 +1,149 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "common/closest_element.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "common/closest_on_triangle.hpp"
+
+namespace spm {
+
+namespace {
+
+/// Beyond the band an element this much nearer than the one found is not looked for: in the middle
+/// of a ball all are equally near.
+constexpr double deep_share = 0.8;
+
+/// A foot whose normal meets the point within this cosine is a face's, not an edge's.
+constexpr double facing_cosine = 0.998;
+
+/// Gathers the nearest of the elements that are shown to it.
+class Gatherer {
+ public:
+  Gatherer(const AssetView& asset, const Vector3& point, SpaceKind place) noexcept
+      : reading(tie_tolerances * asset.tolerance),
+        asset_(asset),
+        point_(point),
+        told_(place == SpaceKind::told),
+        band_end_(std::max(asset.band.max_depth, asset.band.margin) + asset.tolerance),
+        // Outside nothing beyond the margin matters.
+        limit_(place == SpaceKind::outside ? asset.band.margin + 2 * asset.tolerance
+                                           : std::numeric_limits<double>::infinity()) {}
+
+  ElementReading reading;
+
+  /// Elements farther than this change nothing, m.
+  [[nodiscard]] double limit() const noexcept { return limit_; }
+
+  void visit(const TreeChild& child) noexcept {
+    if (child.kind == ElementKind::tile) {
+      visit_tile(child.first);
+      return;
+    }
+    for (std::uint32_t k = 0; k < child.count; ++k) visit_triangle(child.first + k);
+  }
+
+ private:
+  const AssetView& asset_;
+  const Vector3& point_;
+  bool told_;
+  double band_end_;
+  double limit_;
+
+  void visit_tile(std::uint32_t which) noexcept {
+    if (which >= asset_.tiles.size()) return;
+    const Tile& tile = asset_.tiles[which];
+    if (tile.plane >= asset_.planes.size()) return;
+    const TileFoot foot = closest_on_tile(tile, asset_.height_unit, asset_.planes[tile.plane],
+                                          point_, static_cast<float>(limit_));
+    if (!std::isfinite(foot.distance)) return;
+    const auto distance = static_cast<double>(foot.distance);
+    const auto along = static_cast<double>(std::abs(foot.below));
+    if (told_) reading.sides.add({distance, foot.below > 0, along});
+    const auto keep = [&](ElementFoot& kept) {
+      kept.distance = distance;
+      kept.tile = &tile;
+      kept.on_tile = foot;
+    };
+    if (distance < reading.nearest.distance) keep(reading.nearest);
+    if (along >= facing_cosine * distance && distance < reading.facing.distance) {
+      keep(reading.facing);
+    }
+    narrow();
+  }
+
+  void visit_triangle(std::uint32_t which) noexcept {
+    const bool cap = which >= asset_.first_cap;
+    if (cap && !told_) return;
+    std::array<Vector3, 3> corners;
+    if (!triangle_corners(asset_, which, corners)) return;
+    const auto& [a, b, c] = corners;
+    const Vector3 foot = closest_on_triangle(point_, a, b, c);
+    const Vector3 away = point_ - foot;
+    const double distance = away.norm();
+    if (!(distance <= limit_)) return;
+    const Vector3 across = (b - a).cross(c - a);
+    const double size = across.norm();
+    // A triangle without a direction may be the nearest, but tells no side.
+    const Vector3 normal = size > 0 ? Vector3(across / size) : Vector3(Vector3::UnitZ());
+    const double height = normal.dot(away);
+    const double along = size > 0 ? std::abs(height) : 0;
+    if (told_) reading.sides.add({distance, height < 0, along});
+    const auto keep = [&](ElementFoot& kept) {
+      kept.distance = distance;
+      kept.tile = nullptr;
+      kept.on_triangle = foot;
+      kept.triangle_normal = normal;
+    };
+    if (!cap && distance < reading.nearest.distance) keep(reading.nearest);
+    if (!cap && along >= facing_cosine * distance && distance < reading.facing.distance) {
+      keep(reading.facing);
+    }
+    narrow();
+  }
+
+  void narrow() noexcept {
+    const double nearest = reading.nearest.distance;
+    if (!told_ && nearest > band_end_) {
+      limit_ = std::min(limit_, std::max(band_end_, deep_share * nearest));
+      return;
+    }
+    double limit = std::max(
+        nearest, std::min(reading.facing.distance, nearest + facing_tolerances * asset_.tolerance));
+    if (told_) limit = std::max(limit, reading.sides.limit());
+    limit_ = std::min(limit_, limit);
+  }
+};
+
+}  // namespace
+
+bool triangle_corners(const AssetView& asset, std::uint32_t triangle,
+                      std::array<Vector3, 3>& corners) noexcept {
+  const std::size_t first = std::size_t{triangle} * 9;
+  if (!asset.small_triangles.empty()) {
+    if (first + 9 > asset.small_triangles.size()) return false;
+    const std::uint16_t* number = asset.small_triangles.data() + first;
+    for (int corner = 0; corner < 3; ++corner, number += 3) {
+      corners[static_cast<std::size_t>(corner)] =
+          asset.triangle_origin + asset.triangle_step * Vector3(number[0], number[1], number[2]);
+    }
+    return true;
+  }
+  if (first + 9 > asset.triangles.size()) return false;
+  const float* number = asset.triangles.data() + first;
+  for (int corner = 0; corner < 3; ++corner, number += 3) {
+    corners[static_cast<std::size_t>(corner)] = Vector3(number[0], number[1], number[2]);
+  }
+  return true;
+}
+
+ElementReading read_elements(const AssetView& asset, const Vector3& point,
+                             SpaceKind place) noexcept {
+  Gatherer gatherer(asset, point, place);
+  visit_elements(
+      asset.tree, point, [&gatherer](const TreeChild& child) { gatherer.visit(child); },
+      [&gatherer] { return gatherer.limit(); });
+  return gatherer.reading;
+}
+
+}  // namespace spm

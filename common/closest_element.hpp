@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <limits>
+
+#include "common/asset_view.hpp"
+#include "common/side_claims.hpp"
+#include "common/tile.hpp"
+
+namespace spm {
+
+/// Elements within so many tolerances of the nearest may tell the side; see SideClaims.
+inline constexpr double tie_tolerances = 1;
+
+/// How much farther than the nearest foot one that faces the point may be and count, in tolerances.
+inline constexpr double facing_tolerances = 0.7;
+
+/// The foot of a point on an element of a `sparse` asset.
+struct ElementFoot {
+  double distance = std::numeric_limits<double>::infinity();  ///< m
+  const Tile* tile = nullptr;                                 ///< null: on a triangle
+  TileFoot on_tile;
+  Vector3 on_triangle = Vector3::Zero(), triangle_normal = Vector3::Zero();
+};
+
+/// What the elements say of a point, before the side is told.
+struct ElementReading {
+  explicit ElementReading(double tie) noexcept : sides(tie) {}
+
+  ElementFoot nearest;  ///< its distance is infinite where there is none
+  /// The nearest foot whose own normal meets the point, if one is so near that the surface's own
+  /// error may have put it behind `nearest`: then that is the border of a patch, whose direction
+  /// means nothing.
+  ElementFoot facing;
+  SideClaims sides;  ///< filled only where the place does not tell the side
+};
+
+/// Corners of a triangle of the fallback, m; false where there is no such triangle.
+[[nodiscard]] bool triangle_corners(const AssetView& asset, std::uint32_t triangle,
+                                    std::array<Vector3, 3>& corners) noexcept;
+
+/// Finds the element nearest to a point that lies in a place of this kind: told, inside or outside.
+/// Exact where the nearest is in the band; deeper, it is at most a quarter farther than the
+/// nearest. Beyond the margin outside it may find none.
+[[nodiscard]] ElementReading read_elements(const AssetView& asset, const Vector3& point,
+                                           SpaceKind place) noexcept;
+
+}  // namespace spm

@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "common/side_claims.hpp"
+
+#include <algorithm>
+#include <array>
+#include <catch2/catch.hpp>
+#include <limits>
+#include <vector>
+
+namespace spm {
+namespace {
+
+constexpr double tie = 1e-5;
+
+/// A claim at a distance whose normal meets the point at this cosine.
+SideClaim claim(double distance, bool inside, double cosine) {
+  return {distance, inside, cosine * distance};
+}
+
+/// What the claims say together, which must not depend on their order.
+bool told_inside(std::vector<SideClaim> claims) {
+  const auto ask = [&claims] {
+    SideClaims sides(tie);
+    for (const SideClaim& each : claims) sides.add(each);
+    return sides.inside();
+  };
+  const bool inside = ask();
+  std::reverse(claims.begin(), claims.end());
+  CHECK(ask() == inside);
+  return inside;
+}
+
+TEST_CASE("The nearest claim that faces the point tells the side") {
+  for (const bool inside : {false, true}) {
+    CHECK(told_inside({claim(1e-3, inside, 1)}) == inside);
+    CHECK(told_inside({claim(1e-3, inside, 1), claim(1.2e-3, !inside, 1)}) == inside);
+    CHECK(told_inside({claim(1e-3, inside, 1), claim(1.0001e-3, !inside, 1)}) == inside);
+  }
+}
+
+TEST_CASE("At an edge the claim that faces the point more tells the side") {
+  for (const bool inside : {false, true}) {
+    CHECK(told_inside({claim(1e-3, inside, 0.9), claim(1e-3, !inside, 0.3)}) == inside);
+    // The edge of one of the two is a little off.
+    CHECK(told_inside({claim(1.003e-3, inside, 0.9), claim(1e-3, !inside, 0.3)}) == inside);
+  }
+}
+
+TEST_CASE("A border that is nearest gives way to a claim within a tie that faces the point") {
+  CHECK(told_inside({claim(1e-3, false, 0), claim(1e-3 + 0.9 * tie, true, 1)}));
+  CHECK_FALSE(told_inside({claim(1e-3, true, 0), claim(1e-3 + 0.9 * tie, false, 1)}));
+}
+
+TEST_CASE("A farther claim that faces the point does not beat a nearer one beyond the tie") {
+  for (const double cosine : {0.0, 0.1, 0.5, 1.0}) {
+    CHECK(told_inside({claim(1e-3, true, cosine), claim(1e-3 + 1.01 * tie, false, 1)}));
+    CHECK_FALSE(told_inside({claim(1e-3, false, cosine), claim(1e-3 + 1.01 * tie, true, 1)}));
+  }
+}
+
+TEST_CASE("On the surface itself its own claim tells the side") {
+  CHECK(told_inside({claim(0, true, 0), claim(1e-6, false, 1)}));
+}
+
+TEST_CASE("Claims beyond the limit change nothing, and the limit only shrinks") {
+  SideClaims sides(tie);
+  CHECK(sides.limit() == std::numeric_limits<double>::infinity());
+  sides.add(claim(1e-3, true, 0.25));
+  CHECK(sides.limit() == Approx(1e-3 + 0.75 * tie));
+  sides.add(claim(1.0001 * sides.limit(), false, 1));
+  CHECK(sides.inside());
+  sides.add(claim(0.9999 * sides.limit(), false, 1));
+  CHECK_FALSE(sides.inside());
+  const double limit = sides.limit();
+  CHECK(limit < 1e-3 + 0.75 * tie);
+  sides.add(claim(2e-3, true, 1));
+  CHECK(sides.limit() == limit);
+}
+
+TEST_CASE("A claim that is no number says nothing") {
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  for (const SideClaim& wrong : {SideClaim{nan, true, 1}, SideClaim{1e-3, true, nan},
+                                 SideClaim{std::numeric_limits<double>::infinity(), true, 0}}) {
+    CHECK_FALSE(told_inside({wrong, claim(1e-3, false, 0.5)}));
+  }
+}
+
+}  // namespace
+}  // namespace spm
