@@ -2,7 +2,9 @@
 #include "baker/band_trials.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cstddef>
+#include <map>
 
 #include "baker/random.hpp"
 
@@ -14,6 +16,9 @@ constexpr std::uint64_t numbers = 6;  ///< random ones, a point
 /// How far from the surface the places close to it lie, in tolerances.
 constexpr double near_tolerances = 2;
 constexpr double edge_tolerances = 4;
+constexpr double close_edge_tolerances = 1.5;
+/// Of an edge between triangles in one plane, against 1 for one that turns all the way.
+constexpr double level_edge_weight = 0.02;
 
 /// The entry of a list of sums that a share of the whole falls into.
 std::size_t fall_into(const std::vector<double>& sums, double share) {
@@ -21,20 +26,44 @@ std::size_t fall_into(const std::vector<double>& sums, double share) {
   return std::min(static_cast<std::size_t>(place - sums.begin()), sums.size() - 1);
 }
 
+/// How much the triangles on the two sides of each edge turn, as weights of trials: a little for a
+/// level edge, most for a sharp one, and as much where an edge has not two.
+std::vector<double> edge_weights(const Caster& caster) {
+  using Ends = std::array<double, 6>;
+  std::map<Ends, std::vector<std::uint32_t>> sides;
+  const auto ends_of = [&](std::uint32_t edge) {
+    const Vector3& a = caster.corner(edge / 3, static_cast<int>(edge % 3));
+    const Vector3& b = caster.corner(edge / 3, static_cast<int>((edge + 1) % 3));
+    Ends from{a.x(), a.y(), a.z(), b.x(), b.y(), b.z()};
+    const Ends to{b.x(), b.y(), b.z(), a.x(), a.y(), a.z()};
+    return std::min(from, to);
+  };
+  const auto count = static_cast<std::uint32_t>(3 * caster.surface_count());
+  for (std::uint32_t edge = 0; edge < count; ++edge) sides[ends_of(edge)].push_back(edge / 3);
+  std::vector<double> weights;
+  for (std::uint32_t edge = 0; edge < count; ++edge) {
+    const std::vector<std::uint32_t>& triangles = sides[ends_of(edge)];
+    const double turn = triangles.size() == 2
+                            ? (1 - caster.normal(triangles[0]).dot(caster.normal(triangles[1]))) / 2
+                            : 1;
+    const Vector3& from = caster.corner(edge / 3, static_cast<int>(edge % 3));
+    const Vector3& to = caster.corner(edge / 3, static_cast<int>((edge + 1) % 3));
+    weights.push_back((to - from).norm() * (level_edge_weight + turn));
+  }
+  return weights;
+}
+
 }  // namespace
 
 BandTrials::BandTrials(const Caster& caster, const Band& band, double tolerance, std::uint64_t seed)
     : caster_(caster), band_(band), tolerance_(tolerance), seed_(seed) {
-  double area = 0, length = 0;
+  double area = 0, weight = 0;
   for (std::uint32_t i = 0; i < caster.surface_count(); ++i) {
     const Vector3& a = caster.corner(i, 0);
     area += (caster.corner(i, 1) - a).cross(caster.corner(i, 2) - a).norm();
     areas_.push_back(area);
-    for (int k = 0; k < 3; ++k) {
-      length += (caster.corner(i, (k + 1) % 3) - caster.corner(i, k)).norm();
-      edges_.push_back(length);
-    }
   }
+  for (const double edge : edge_weights(caster)) edges_.push_back(weight += edge);
 }
 
 Vector3 BandTrials::near_edge(std::uint64_t index) const {
@@ -47,7 +76,8 @@ Vector3 BandTrials::near_edge(std::uint64_t index) const {
   // A third of them at corners.
   const double along = std::clamp(1.5 * random(1) - 0.25, 0.0, 1.0);
   const Vector3 off(random(2) - 0.5, random(3) - 0.5, random(4) - 0.5);
-  return from + along * (to - from) + 2 * edge_tolerances * tolerance_ * off;
+  const double reach = random(5) < 0.5 ? edge_tolerances : close_edge_tolerances;
+  return from + along * (to - from) + 2 * reach * tolerance_ * off;
 }
 
 Vector3 BandTrials::near_corner(std::uint64_t index) const {

@@ -24,7 +24,7 @@ class BandTrials {
   double tolerance_;
   std::uint64_t seed_;
   std::vector<double> areas_;  ///< summed
-  std::vector<double> edges_;  ///< lengths of edges, three a triangle, summed
+  std::vector<double> edges_;  ///< weights of edges, three a triangle, summed
 
   [[nodiscard]] Vector3 near_edge(std::uint64_t index) const;
   [[nodiscard]] Vector3 near_corner(std::uint64_t index) const;

@@ -5,50 +5,62 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 #include <vector>
 
 #include "baker/band_trials.hpp"
 #include "baker/random.hpp"
 #include "common/closest_element.hpp"
-#include "common/query.hpp"
 
 namespace spm::baker {
 
 namespace {
 
-constexpr std::uint64_t trials = 300'000;
+constexpr std::uint64_t trials = 400'000;
 constexpr std::uint64_t trials_about_failure = 64;
-constexpr std::uint64_t trials_beside = 30'000;  ///< while failures are looked closer at
-constexpr std::uint64_t passes = 24;
-/// How far about a failure more trials lie, in tolerances.
-constexpr double about_tolerances = 4;
+constexpr std::uint64_t trials_about_close = 8;
+constexpr std::uint64_t passes = 16;
+/// Claims that differ by less than this are close.
+constexpr double close_margin = 0.25;
+/// How far about a failure and about a close place more trials lie, in tolerances.
+constexpr double about_reach = 4;
+constexpr double close_reach = 1;
 constexpr std::uint64_t seed = 0x3E9D;
 
-/// True where an asset tells the side of a point so wrong that its answer is off by more than the
-/// tolerance.
-bool is_wrong(const AssetView& view, const Caster& caster, double tolerance, const Vector3& point) {
-  const Answer answer = query_point(view, point);
-  if (answer.status == Status::pruned) return false;
+enum class Outcome : std::uint8_t { clear, close, wrong };
+
+/// Asks for the distance of a point; where a cube tells the side it cannot be wrong.
+Outcome outcome_at(const AssetView& view, const Caster& caster, double tolerance,
+                   const Vector3& point) {
+  if (space_at(view.space, point) != SpaceKind::told) return Outcome::clear;
+  const ElementReading reading = read_elements(view, point, SpaceKind::told);
   const ClosestPoint closest = caster.closest(point);
   // By a cap nothing is promised.
-  if (closest.clear < std::min(tolerance, std::abs(closest.distance))) return false;
-  const double truth = closest.distance;
-  if (answer.status == Status::far) return truth < -tolerance;
-  return (answer.distance < 0) != (truth < 0) && std::abs(answer.distance - truth) > tolerance;
+  if (closest.clear < std::min(tolerance, std::abs(closest.distance))) return Outcome::clear;
+  if (std::abs(signed_distance(view, reading, SpaceKind::told) - closest.distance) > tolerance) {
+    return Outcome::wrong;
+  }
+  return reading.sides.margin() < close_margin ? Outcome::close : Outcome::clear;
 }
 
-/// The points at which the asset is wrong.
-std::vector<Vector3> failures(const AssetView& view, const Caster& caster, double tolerance,
+std::vector<Outcome> outcomes(const AssetView& view, const Caster& caster, double tolerance,
                               const std::vector<Vector3>& points) {
-  std::vector<std::uint8_t> wrong(points.size(), 0);
+  std::vector<Outcome> result(points.size());
   tbb::parallel_for(std::size_t{0}, points.size(), [&](std::size_t i) {
-    wrong[i] = is_wrong(view, caster, tolerance, points[i]) ? 1 : 0;
+    result[i] = outcome_at(view, caster, tolerance, points[i]);
   });
-  std::vector<Vector3> found;
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    if (wrong[i] != 0) found.push_back(points[i]);
+  return result;
+}
+
+/// Adds places about one to those of the next pass.
+void look_about(const Vector3& point, std::uint64_t count, double reach, std::uint64_t pass,
+                std::vector<Vector3>& more) {
+  for (std::uint64_t k = 0; k < count && more.size() < trials; ++k) {
+    const std::uint64_t index = 3 * more.size();
+    const Vector3 away(random_unit(seed + 1 + pass, index), random_unit(seed + 1 + pass, index + 1),
+                       random_unit(seed + 1 + pass, index + 2));
+    more.push_back(point + reach * (2 * away - Vector3::Constant(1)));
   }
-  return found;
 }
 
 void count_cells(const Asset& asset, const Caster& caster, const SpaceBuilder& space,
@@ -74,34 +86,39 @@ SideTrials try_sides(Asset& asset, const Caster& caster, SpaceBuilder& space,
   const BandTrials band(caster, asset.metadata.band, tolerance, seed);
   std::vector<Vector3> more;
   std::uint64_t drawn = 0;
-  for (std::uint64_t pass = 0; pass < passes; ++pass) {
+  bool clean = false;
+  for (std::uint64_t pass = 0; pass < passes && !clean; ++pass) {
     asset.space = space.data();
     const AssetTables tables = tables_of(asset);
-    std::vector<Vector3> points = std::move(more);
-    const std::uint64_t fresh = points.empty() ? trials : trials_beside;
+    const std::vector<Vector3> about = std::exchange(more, {});
+    std::vector<Vector3> points = about;
+    const bool whole_round = about.empty();
+    const std::uint64_t fresh = whole_round ? trials : 0;
     for (std::uint64_t i = 0; i < fresh; ++i) points.push_back(band.point(drawn++));
-    const std::vector<Vector3> wrong = failures(tables.view(), caster, tolerance, points);
+    const std::vector<Outcome> found = outcomes(tables.view(), caster, tolerance, points);
     result.wrong = 0;
-    more.clear();
-    for (std::size_t i = 0; i < wrong.size(); ++i) {
+    clean = whole_round;
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      if (found[i] == Outcome::clear) continue;
+      if (found[i] == Outcome::close) {
+        if (whole_round)
+          look_about(points[i], trials_about_close, close_reach * tolerance, pass, more);
+        continue;
+      }
+      clean = false;
       // An earlier failure's division may have mended this one as well.
-      if (space.mend(wrong[i])) {
+      if (space.mend(points[i])) {
         ++result.mended;
-      } else if (space.place(wrong[i]) == SpaceKind::told) {
+      } else if (space.place(points[i]) == SpaceKind::told) {
         ++result.wrong;
       }
-      for (std::uint64_t k = 0; k < trials_about_failure && more.size() < trials; ++k) {
-        const std::uint64_t index = 3 * (i * trials_about_failure + k);
-        const Vector3 away(random_unit(seed + 1 + pass, index),
-                           random_unit(seed + 1 + pass, index + 1),
-                           random_unit(seed + 1 + pass, index + 2));
-        more.push_back(wrong[i] + about_tolerances * tolerance * (2 * away - Vector3::Constant(1)));
-      }
+      look_about(points[i], trials_about_failure, about_reach * tolerance, pass, more);
     }
+    // Where the answer was close, the places about it are looked at before a round counts as clean.
+    clean = clean && (more.empty() || pass > 0);
     if (progress) {
       progress("sides", static_cast<double>(pass + 1) / static_cast<double>(passes));
     }
-    if (wrong.empty() && fresh == trials) break;
   }
   asset.space = space.data();
   count_cells(asset, caster, space, result);

@@ -17,6 +17,11 @@ constexpr double deep_share = 0.8;
 /// A foot whose normal meets the point within this cosine is a face's, not an edge's.
 constexpr double facing_cosine = 0.998;
 
+/// Claims for the two sides that differ by this leave no doubt.
+constexpr double clear_margin = 0.8;
+/// Doubt makes a distance less up to a tolerance from the surface, fading out up to so many.
+constexpr double close_reach = 1.25;
+
 /// Gathers the nearest of the elements that are shown to it.
 class Gatherer {
  public:
@@ -110,7 +115,10 @@ class Gatherer {
     }
     double limit = std::max(
         nearest, std::min(reading.facing.distance, nearest + facing_tolerances * asset_.tolerance));
-    if (told_) limit = std::max(limit, reading.sides.limit());
+    if (told_) {
+      const bool close = nearest < close_reach * asset_.tolerance;
+      limit = std::max(limit, reading.sides.limit(close ? clear_margin : 0));
+    }
     limit_ = std::min(limit_, limit);
   }
 };
@@ -144,6 +152,18 @@ ElementReading read_elements(const AssetView& asset, const Vector3& point,
       asset.tree, point, [&gatherer](const TreeChild& child) { gatherer.visit(child); },
       [&gatherer] { return gatherer.limit(); });
   return gatherer.reading;
+}
+
+double signed_distance(const AssetView& asset, const ElementReading& reading,
+                       SpaceKind place) noexcept {
+  const double distance = reading.nearest.distance;
+  if (place != SpaceKind::told) return place == SpaceKind::inside ? -distance : distance;
+  const double side = reading.sides.inside() ? -1 : 1;
+  const double tolerances = distance / asset.tolerance;
+  if (!(tolerances < close_reach)) return side * distance;
+  const double clear = std::min(1.0, reading.sides.margin() / clear_margin);
+  const double fade = std::clamp((tolerances - 1) / (close_reach - 1), 0.0, 1.0);
+  return side * distance * (clear + (1 - clear) * fade);
 }
 
 }  // namespace spm

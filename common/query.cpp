@@ -156,7 +156,7 @@ Answer query_sparse(const AssetView& asset, const Vector3& point) noexcept {
   if (!std::isfinite(nearest.distance)) return unanswered(Status::far);
   const bool inside = told ? reading.sides.inside() : kind == SpaceKind::inside;
   Answer answer;
-  answer.distance = inside ? -nearest.distance : nearest.distance;
+  answer.distance = signed_distance(asset, reading, kind);
   const bool faced =
       reading.facing.distance <= nearest.distance + facing_tolerances * asset.tolerance;
   answer.normal = normal_of(asset, faced ? reading.facing : nearest, point, inside);
