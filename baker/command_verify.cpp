@@ -50,6 +50,15 @@ Json to_json(const VerifyReport& report) {
   json["near_holes"] = report.near_holes;
   json["fallback_answers"] = report.fallback_answers;
   json["samples"] = report.samples;
+  const AdversarialReport& hard = report.adversarial;
+  json["adversarial"] = {
+      {"samples", hard.samples},
+      {"distance_error_um", to_json(hard.distance)},
+      {"misclassified",
+       {{"inside_as_outside", hard.inside_as_outside},
+        {"outside_as_inside", hard.outside_as_inside}}},
+      {"unanswered", hard.unanswered},
+      {"worst_point_m", {hard.worst_point.x(), hard.worst_point.y(), hard.worst_point.z()}}};
   json["band_m"] = report.band.max_depth;
   json["margin_m"] = report.band.margin;
   json["worst_point_m"] = {report.worst_point.x(), report.worst_point.y(), report.worst_point.z()};
@@ -81,6 +90,7 @@ std::string describe(const VerifyReport& report) {
       fmt::format("wrong side     {:.4g} % inside taken for outside, {:.4g} % outside for inside\n",
                   100 * report.inside_as_outside, 100 * report.outside_as_inside);
   text += fmt::format("unanswered     {:.4g} %\n", 100 * report.unanswered);
+  text += line_of("at hard places", report.adversarial.distance);
   if (report.pruned > 0) {
     text += fmt::format("cut away       {:.1f} % of the places, which the bake was to leave out\n",
                         100 * report.pruned);
@@ -125,7 +135,7 @@ Command add_verify_command(CLI::App& app) {
       ->type_name("");
   cli::add_integer(
       *command, "--samples", 1, 100000000, [&options](std::uint64_t n) { options.samples = n; },
-      "places to measure at, 1 to 100000000 (default 100000)");
+      "places to measure at, 1 to 100000000 (default 1000000)");
   cli::add_integer(
       *command, "--seed", 0, std::numeric_limits<std::uint64_t>::max(),
       [&options](std::uint64_t n) { options.seed = n; }, "seed of the places (default 1)");

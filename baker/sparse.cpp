@@ -31,6 +31,9 @@ constexpr double residual_share = 0.5;
 /// Rounds in which gaps between tiles get tiles of their own, where one closes so many pieces.
 constexpr int gap_rounds = 1;
 constexpr double gap_pieces = 4;
+/// Share of the tolerance that is proven, rounding included; the rest is for places where the side
+/// is in doubt, whose distances the query takes as less.
+constexpr double proven_share = 0.95;
 /// Below this share of the diagonal the rounding of queries, in floats, is no longer small.
 constexpr double least_tolerance_share = 1e-5;
 
@@ -59,7 +62,7 @@ TileSettings settings_for(const Caster& caster, double tolerance) {
 SurfaceCover cover_surface(const Caster& caster, Asset& asset, TileSettings settings,
                            std::uint64_t seed, const Progress& progress, ProofCounts& counts) {
   const double tolerance = provable(asset.metadata, caster);
-  const double bound = tolerance - FallbackTriangles::rounding(tolerance);
+  const double bound = proven_share * tolerance - FallbackTriangles::rounding(tolerance);
   const Band& band = asset.metadata.band;
   const double farthest = std::max(band.max_depth, band.margin) + tolerance;
   std::vector<SurfacePoint> points = surface_points(caster, settings.surfel_spacing, 0, seed);

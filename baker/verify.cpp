@@ -12,6 +12,7 @@
 #include <utility>
 #include <vector>
 
+#include "baker/adversarial.hpp"
 #include "baker/bake_error.hpp"
 #include "baker/exact_surface.hpp"
 #include "baker/random.hpp"
@@ -36,6 +37,7 @@ struct Setting {
   double tolerance;  ///< m
   double near_hole;  ///< m
   std::uint64_t seed;
+  bool adversarial = false;  ///< where the asset is likeliest wrong, not all over alike
 };
 
 /// One sample and how the asset did there.
@@ -74,7 +76,10 @@ Vector3 draw(const Setting& setting, std::uint64_t index, Outcome& outcome) {
                                                   random_unit(setting.seed, counter + 2));
     const double offset = -setting.band.max_depth + (setting.band.max_depth + setting.band.margin) *
                                                         random_unit(setting.seed, counter + 3);
-    outcome.point = start.position + offset * start.normal;
+    outcome.point = setting.adversarial
+                        ? adversarial_place(setting.surface, setting.view, setting.tolerance,
+                                            setting.seed, index * most_draws + attempt)
+                        : Vector3(start.position + offset * start.normal);
     closest = setting.surface.closest(outcome.point).position;
     const double distance = (outcome.point - closest).norm();
     outcome.truth = setting.surface.inside(outcome.point) ? -distance : distance;
@@ -260,10 +265,20 @@ VerifyReport verify_against(const Mesh& mesh, const AssetView& view, const Asset
                         metadata.tolerance.value_or(metadata.diagonal / 1000),
                         hole_share * metadata.diagonal,
                         random_bits(options.seed, 0x7665726966790000ULL)};
-  std::vector<Outcome> outcomes(options.samples);
-  tbb::parallel_for(std::size_t{0}, outcomes.size(),
-                    [&](std::size_t i) { outcomes[i] = measure(setting, i); });
+  const auto measured = [&](const Setting& how, std::uint64_t count) {
+    std::vector<Outcome> outcomes(count);
+    tbb::parallel_for(std::size_t{0}, outcomes.size(),
+                      [&](std::size_t i) { outcomes[i] = measure(how, i); });
+    return outcomes;
+  };
+  const std::vector<Outcome> outcomes = measured(setting, options.samples);
   VerifyReport report = reduce(outcomes, setting.tolerance);
+  Setting hard = setting;
+  hard.adversarial = true;
+  hard.seed = random_bits(setting.seed, 1);
+  const VerifyReport hardest = reduce(measured(hard, options.samples / 2), setting.tolerance);
+  report.adversarial = {hardest.samples,           hardest.distance,   hardest.inside_as_outside,
+                        hardest.outside_as_inside, hardest.unanswered, hardest.worst_point};
   if (before) add_smoothing(outcomes, report);
   report.band = band;
   if (report.samples == 0) {

@@ -16,6 +16,14 @@ struct ErrorSummary {
   double rms = 0, p50 = 0, p99 = 0, p999 = 0, max = 0;
 };
 
+/// What places showed where an asset is likeliest wrong; see adversarial_place.
+struct AdversarialReport {
+  std::uint64_t samples = 0;
+  ErrorSummary distance;                                                ///< m
+  double inside_as_outside = 0, outside_as_inside = 0, unanswered = 0;  ///< shares, as below
+  Vector3 worst_point = Vector3::Zero();
+};
+
 struct VerifyReport {
   ErrorSummary distance;                                           ///< m
   double direction_p50 = 0, direction_p99 = 0, direction_max = 0;  ///< rad
@@ -30,12 +38,13 @@ struct VerifyReport {
   /// the unsmoothed surface is from that to the smoothed one, and from the answer, m.
   std::optional<ErrorSummary> smoothing, total;
   std::uint64_t samples = 0;
+  AdversarialReport adversarial;          ///< of half as many places more
   Band band;                              ///< that was sampled
   Vector3 worst_point = Vector3::Zero();  ///< where the distance error is largest, asset's frame
 };
 
 struct VerifyOptions {
-  std::uint64_t samples = 100000;
+  std::uint64_t samples = 1'000'000;
   std::uint64_t seed = 1;
   std::optional<double> band;  ///< m inside; default and at most the asset's max_depth
   unsigned threads = 0;        ///< 0: as many as there are cores; never changes the result
