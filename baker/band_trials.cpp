@@ -3,8 +3,10 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstddef>
 #include <map>
+#include <numbers>
 
 #include "baker/random.hpp"
 
@@ -15,8 +17,8 @@ namespace {
 constexpr std::uint64_t numbers = 6;  ///< random ones, a point
 /// How far from the surface the places close to it lie, in tolerances.
 constexpr double near_tolerances = 2;
-constexpr double edge_tolerances = 4;
-constexpr double close_edge_tolerances = 1.5;
+/// And how near those about edges and corners begin, which are as likely near as far in proportion.
+constexpr double least_tolerances = 0.25;
 /// Of an edge between triangles in one plane, against 1 for one that turns all the way.
 constexpr double level_edge_weight = 0.02;
 
@@ -75,17 +77,23 @@ Vector3 BandTrials::near_edge(std::uint64_t index) const {
   const Vector3& to = caster_.corner(triangle, (corner + 1) % 3);
   // A third of them at corners.
   const double along = std::clamp(1.5 * random(1) - 0.25, 0.0, 1.0);
-  const Vector3 off(random(2) - 0.5, random(3) - 0.5, random(4) - 0.5);
-  const double reach = random(5) < 0.5 ? edge_tolerances : close_edge_tolerances;
-  return from + along * (to - from) + 2 * reach * tolerance_ * off;
+  return from + along * (to - from) + offset(index);
 }
 
 Vector3 BandTrials::near_corner(std::uint64_t index) const {
-  const auto random = [&](std::uint64_t k) { return random_unit(seed_, numbers * index + k); };
-  const std::size_t corner = fall_into(edges_, random(0));
-  const Vector3 off(random(1) - 0.5, random(2) - 0.5, random(3) - 0.5);
+  const std::size_t corner = fall_into(edges_, random_unit(seed_, numbers * index));
   return caster_.corner(static_cast<std::uint32_t>(corner / 3), static_cast<int>(corner % 3)) +
-         2 * random(4) * band_.max_depth * off;
+         offset(index);
+}
+
+Vector3 BandTrials::offset(std::uint64_t index) const {
+  const auto random = [&](std::uint64_t k) { return random_unit(seed_, numbers * index + k); };
+  const double z = 2 * random(2) - 1, turn = 2 * std::numbers::pi * random(3);
+  const double flat = std::sqrt(1 - z * z);
+  const double least = least_tolerances * tolerance_;
+  const double longest = std::max(band_.max_depth, 2 * least);
+  return least * std::pow(longest / least, random(4)) *
+         Vector3(flat * std::cos(turn), flat * std::sin(turn), z);
 }
 
 Vector3 BandTrials::point(std::uint64_t index) const {

@@ -28,6 +28,8 @@ class BandTrials {
 
   [[nodiscard]] Vector3 near_edge(std::uint64_t index) const;
   [[nodiscard]] Vector3 near_corner(std::uint64_t index) const;
+  /// From an edge or corner: in any direction, up to the band's depth.
+  [[nodiscard]] Vector3 offset(std::uint64_t index) const;
 };
 
 }  // namespace spm::baker

@@ -16,6 +16,8 @@ namespace {
 
 /// Cubes are not divided below this share of the diagonal but for the side.
 constexpr double finest_share = 1.0 / 25;
+/// Nor below this one where the bake may leave some out.
+constexpr double finest_cut_share = 1.0 / 100;
 constexpr int parallel_levels = 2;
 const double half_diagonal = std::sqrt(3.0) / 2;
 /// Room for the rounding of distances.
@@ -77,6 +79,14 @@ SpaceBuilder::SpaceBuilder(const Caster& caster, const Band& band, double tolera
   root_.edge = (box.high - box.low).maxCoeff() + 2 * margin;
   root_.middle = (box.low + box.high) / 2;
   decide(root_, 0);
+  bool cut = false;
+  visit(root_, [&cut](const SpaceNode& leaf) { cut = cut || leaf.kind == SpaceKind::pruned; });
+  if (reach_ != nullptr && !cut) {
+    // Small cubes that cut nothing are bytes for nothing.
+    reach_ = nullptr;
+    root_.octants.reset();
+    decide(root_, 0);
+  }
   if (progress) progress("space", 1);
 }
 
@@ -95,7 +105,8 @@ void SpaceBuilder::decide(SpaceNode& node, int level) const {
     node.kind = SpaceKind::far;
     return;
   }
-  if (node.edge > finest_share * caster_.diagonal() && (told || reach_ != nullptr)) {
+  const double finest = reach_ != nullptr ? finest_cut_share : finest_share;
+  if (node.edge > finest * caster_.diagonal() && (told || reach_ != nullptr)) {
     divide(node);
     if (level < parallel_levels) {
       tbb::parallel_for(std::size_t{0}, std::size_t{8},

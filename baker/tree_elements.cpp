@@ -68,7 +68,7 @@ class Marker {
     const double radius = std::sqrt(3.0) / 2 * edge;
     const double tolerance = *asset_.metadata.tolerance;
     const Band& band = asset_.metadata.band;
-    if (distance + radius < -band.max_depth - tolerance) return;
+    if (distance + radius < -band.max_depth) return;
     if (distance - radius > band.margin + tolerance) return;
     if (edge > finest_share * caster_.diagonal()) {
       for (int octant = 0; octant < 8; ++octant) {
