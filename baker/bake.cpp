@@ -4,7 +4,6 @@
 #include <tbb/global_control.h>
 #include <tbb/info.h>
 
-#include <chrono>
 #include <cmath>
 #include <nlohmann/json.hpp>
 
@@ -15,6 +14,7 @@
 #include "baker/smooth.hpp"
 #include "baker/sparse.hpp"
 #include "baker/stages.hpp"
+#include "baker/stopwatch.hpp"
 
 namespace spm::baker {
 
@@ -26,12 +26,6 @@ constexpr double default_tolerance_share = 1e-3;
 constexpr double most_samples = 5e8;
 /// What the partition of a `full` asset, which promises nothing, aims at.
 constexpr double full_aim_share = 5e-4;
-
-using Clock = std::chrono::steady_clock;
-
-double seconds_since(Clock::time_point start) {
-  return std::chrono::duration<double>(Clock::now() - start).count();
-}
 
 void check_options(const BakeOptions& options, double margin) {
   const auto refuse = [](const std::string& message) { throw BakeError(ExitCode::usage, message); };

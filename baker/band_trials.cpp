@@ -5,8 +5,8 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
-#include <map>
 #include <numbers>
+#include <utility>
 
 #include "baker/random.hpp"
 
@@ -32,7 +32,6 @@ std::size_t fall_into(const std::vector<double>& sums, double share) {
 /// level edge, most for a sharp one, and as much where an edge has not two.
 std::vector<double> edge_weights(const Caster& caster) {
   using Ends = std::array<double, 6>;
-  std::map<Ends, std::vector<std::uint32_t>> sides;
   const auto ends_of = [&](std::uint32_t edge) {
     const Vector3& a = caster.corner(edge / 3, static_cast<int>(edge % 3));
     const Vector3& b = caster.corner(edge / 3, static_cast<int>((edge + 1) % 3));
@@ -41,16 +40,22 @@ std::vector<double> edge_weights(const Caster& caster) {
     return std::min(from, to);
   };
   const auto count = static_cast<std::uint32_t>(3 * caster.surface_count());
-  for (std::uint32_t edge = 0; edge < count; ++edge) sides[ends_of(edge)].push_back(edge / 3);
-  std::vector<double> weights;
-  for (std::uint32_t edge = 0; edge < count; ++edge) {
-    const std::vector<std::uint32_t>& triangles = sides[ends_of(edge)];
-    const double turn = triangles.size() == 2
-                            ? (1 - caster.normal(triangles[0]).dot(caster.normal(triangles[1]))) / 2
-                            : 1;
-    const Vector3& from = caster.corner(edge / 3, static_cast<int>(edge % 3));
-    const Vector3& to = caster.corner(edge / 3, static_cast<int>((edge + 1) % 3));
-    weights.push_back((to - from).norm() * (level_edge_weight + turn));
+  std::vector<std::pair<Ends, std::uint32_t>> sides;
+  for (std::uint32_t edge = 0; edge < count; ++edge) sides.emplace_back(ends_of(edge), edge);
+  std::sort(sides.begin(), sides.end());
+  std::vector<double> weights(count);
+  for (std::size_t first = 0, end = 0; first < count; first = end) {
+    while (end < count && sides[end].first == sides[first].first) ++end;
+    double turn = 1;
+    if (end - first == 2) {
+      const Vector3& normal = caster.normal(sides[first].second / 3);
+      turn = (1 - normal.dot(caster.normal(sides[first + 1].second / 3))) / 2;
+    }
+    const Ends& ends = sides[first].first;
+    const double length = Vector3(ends[3] - ends[0], ends[4] - ends[1], ends[5] - ends[2]).norm();
+    for (std::size_t k = first; k < end; ++k) {
+      weights[sides[k].second] = length * (level_edge_weight + turn);
+    }
   }
   return weights;
 }

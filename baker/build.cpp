@@ -5,13 +5,13 @@
 #include <sys/resource.h>
 #include <tbb/info.h>
 
-#include <chrono>
 #include <filesystem>
 #include <numbers>
 #include <system_error>
 
 #include "baker/bake_error.hpp"
 #include "baker/reach.hpp"
+#include "baker/stopwatch.hpp"
 #include "baker/time_limit.hpp"
 #include "common/units.hpp"
 #include "formats/sha256.hpp"
@@ -19,14 +19,9 @@
 namespace spm::baker {
 namespace {
 
-using Clock = std::chrono::steady_clock;
 using Json = nlohmann::ordered_json;
 
 constexpr std::uint64_t check_samples = 20000;
-
-double seconds_since(Clock::time_point start) {
-  return std::chrono::duration<double>(Clock::now() - start).count();
-}
 
 std::string length(double metres) { return format_quantity(metres, Quantity::length); }
 

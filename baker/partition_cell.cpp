@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "baker/fallback.hpp"
+#include "baker/octant.hpp"
 #include "common/octahedral.hpp"
 
 namespace spm::baker {
@@ -14,11 +15,6 @@ namespace {
 constexpr std::size_t few_triangles = 24;
 /// More splits made four times the records for a third less fallback.
 constexpr int splits = 1;
-
-Vector3 octant_side(std::size_t octant) {
-  return {(octant & 1U) != 0 ? 1.0 : -1.0, (octant & 2U) != 0 ? 1.0 : -1.0,
-          (octant & 4U) != 0 ? 1.0 : -1.0};
-}
 
 }  // namespace
 
@@ -60,7 +56,7 @@ void decide(PartitionCell& cell, const CellFitter& fitter, const Caster& caster,
   for (std::size_t octant = 0; octant < 8; ++octant) {
     PartitionCell& part = (*cell.octants)[octant];
     part.edge = cell.edge / 2;
-    part.middle = cell.middle + part.edge / 2 * octant_side(octant);
+    part.middle = cell.middle + part.edge / 2 * octant_direction(octant);
     decide(part, fitter, caster, band, level + 1);
   }
 }

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "baker/octant.hpp"
 #include "baker/reach_field.hpp"
 #include "baker/sealed_voids.hpp"
 
@@ -24,9 +25,8 @@ bool opens_into(const Caster& filled, const OrientedBox& workspace, const Vector
   const double distance = filled.closest(middle).distance;
   if (distance + around < 0 || edge < finest_share * filled.diagonal()) return false;
   if (distance >= 0 && may_touch(workspace, middle, 0)) return true;
-  for (int octant = 0; octant < 8; ++octant) {
-    const Vector3 side((octant & 1) != 0 ? 1 : -1, (octant & 2) != 0 ? 1 : -1,
-                       (octant & 4) != 0 ? 1 : -1);
+  for (std::size_t octant = 0; octant < 8; ++octant) {
+    const Vector3 side = octant_direction(octant);
     if (opens_into(filled, workspace, middle + edge / 4 * side, edge / 2)) return true;
   }
   return false;

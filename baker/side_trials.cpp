@@ -63,16 +63,14 @@ void look_about(const Vector3& point, std::uint64_t count, double reach, std::ui
   }
 }
 
-void count_cells(const Asset& asset, const Caster& caster, const SpaceBuilder& space,
+void count_cells(const AssetView& view, const Caster& caster, const SpaceBuilder& space,
                  SideTrials& result) {
-  const AssetTables tables = tables_of(asset);
-  const Band& band = asset.metadata.band;
   space.visit_leaves([&](const SpaceNode& leaf) {
     if (leaf.kind == SpaceKind::far || leaf.kind == SpaceKind::pruned) return;
     const double distance = caster.closest(leaf.middle).distance;
-    if (distance + std::sqrt(3.0) / 2 * leaf.edge < -band.max_depth) return;
+    if (distance + std::sqrt(3.0) / 2 * leaf.edge < -view.band.max_depth) return;
     ++result.cells;
-    const ElementReading reading = read_elements(tables.view(), leaf.middle, SpaceKind::inside);
+    const ElementReading reading = read_elements(view, leaf.middle, SpaceKind::inside);
     result.fallback_cells += reading.nearest.tile == nullptr ? 1 : 0;
   });
 }
@@ -84,18 +82,19 @@ SideTrials try_sides(Asset& asset, const Caster& caster, SpaceBuilder& space,
   SideTrials result;
   const double tolerance = *asset.metadata.tolerance;
   const BandTrials band(caster, asset.metadata.band, tolerance, seed);
+  // Only the space changes from pass to pass.
+  const AssetTables tables = tables_of(asset);
+  AssetView view = tables.view();
   std::vector<Vector3> more;
   std::uint64_t drawn = 0;
   bool clean = false;
   for (std::uint64_t pass = 0; pass < passes && !clean; ++pass) {
-    asset.space = space.data();
-    const AssetTables tables = tables_of(asset);
-    const std::vector<Vector3> about = std::exchange(more, {});
-    std::vector<Vector3> points = about;
-    const bool whole_round = about.empty();
-    const std::uint64_t fresh = whole_round ? trials : 0;
-    for (std::uint64_t i = 0; i < fresh; ++i) points.push_back(band.point(drawn++));
-    const std::vector<Outcome> found = outcomes(tables.view(), caster, tolerance, points);
+    const SpaceData now = space.data();
+    view.space = {now.origin, now.edge, now.words};
+    std::vector<Vector3> points = std::exchange(more, {});
+    const bool whole_round = points.empty();
+    for (std::uint64_t i = 0; whole_round && i < trials; ++i) points.push_back(band.point(drawn++));
+    const std::vector<Outcome> found = outcomes(view, caster, tolerance, points);
     result.wrong = 0;
     clean = whole_round;
     for (std::size_t i = 0; i < points.size(); ++i) {
@@ -121,7 +120,7 @@ SideTrials try_sides(Asset& asset, const Caster& caster, SpaceBuilder& space,
     }
   }
   asset.space = space.data();
-  count_cells(asset, caster, space, result);
+  count_cells(view, caster, space, result);
   return result;
 }
 

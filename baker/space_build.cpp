@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "baker/octant.hpp"
 #include "baker/tile_bins.hpp"
 
 namespace spm::baker {
@@ -23,15 +24,19 @@ const double half_diagonal = std::sqrt(3.0) / 2;
 /// Room for the rounding of distances.
 constexpr double slack = 1 + 1e-9;
 
+/// What a cube is, by the surface and caps that are closest to its middle.
+SpaceKind side_of(const SpaceNode& node, const ClosestPoint& closest) {
+  if (closest.clear <= slack * half_diagonal * node.edge) return SpaceKind::told;
+  return closest.distance < 0 ? SpaceKind::inside : SpaceKind::outside;
+}
+
 void divide(SpaceNode& node) {
   node.kind = SpaceKind::split;
   node.octants = std::make_unique<std::array<SpaceNode, 8>>();
   for (std::size_t k = 0; k < 8; ++k) {
     SpaceNode& octant = (*node.octants)[k];
     octant.edge = node.edge / 2;
-    octant.middle = node.middle + node.edge / 4 *
-                                      Vector3((k & 1U) != 0 ? 1 : -1, (k & 2U) != 0 ? 1 : -1,
-                                              (k & 4U) != 0 ? 1 : -1);
+    octant.middle = node.middle + node.edge / 4 * octant_direction(k);
   }
 }
 
@@ -90,18 +95,12 @@ SpaceBuilder::SpaceBuilder(const Caster& caster, const Band& band, double tolera
   if (progress) progress("space", 1);
 }
 
-SpaceKind SpaceBuilder::side_of(const SpaceNode& node) const {
-  const ClosestPoint closest = caster_.closest(node.middle);
-  if (closest.clear <= slack * half_diagonal * node.edge) return SpaceKind::told;
-  return closest.distance < 0 ? SpaceKind::inside : SpaceKind::outside;
-}
-
 void SpaceBuilder::decide(SpaceNode& node, int level) const {
   const ClosestPoint closest = caster_.closest(node.middle);
-  const double distance = closest.distance;
+  const SpaceKind side = side_of(node, closest);
+  const bool told = side == SpaceKind::told;
   const double radius = slack * half_diagonal * node.edge;
-  const bool told = closest.clear <= radius;
-  if (!told && distance - radius > band_.margin + 2 * tolerance_) {
+  if (!told && closest.distance - radius > band_.margin + 2 * tolerance_) {
     node.kind = SpaceKind::far;
     return;
   }
@@ -117,7 +116,7 @@ void SpaceBuilder::decide(SpaceNode& node, int level) const {
     join(node);
     return;
   }
-  node.kind = told ? SpaceKind::told : distance < 0 ? SpaceKind::inside : SpaceKind::outside;
+  node.kind = side;
   if (reach_ != nullptr) node.rule = reach_->cube(node.middle, node.edge);
   if (node.rule != PruneRule::none) node.kind = SpaceKind::pruned;
 }
@@ -130,7 +129,9 @@ bool SpaceBuilder::mend(const Vector3& point) {
       if (node->kind != SpaceKind::told || level == space_levels - 1) return divided;
       divide(*node);
       divided = true;
-      for (SpaceNode& octant : *node->octants) octant.kind = side_of(octant);
+      for (SpaceNode& octant : *node->octants) {
+        octant.kind = side_of(octant, caster_.closest(octant.middle));
+      }
     }
     node = &(*node->octants)[octant_of(*node, point)];
   }

@@ -53,7 +53,6 @@ class SpaceBuilder {
   SpaceNode root_;
 
   void decide(SpaceNode& node, int level) const;
-  [[nodiscard]] SpaceKind side_of(const SpaceNode& node) const;
 };
 
 }  // namespace spm::baker

@@ -2,7 +2,6 @@
 #include "baker/sparse.hpp"
 
 #include <bit>
-#include <chrono>
 #include <cmath>
 #include <iterator>
 #include <limits>
@@ -13,6 +12,7 @@
 #include "baker/reach.hpp"
 #include "baker/side_trials.hpp"
 #include "baker/space_build.hpp"
+#include "baker/stopwatch.hpp"
 #include "baker/surface_proof.hpp"
 #include "baker/tile_fit.hpp"
 #include "baker/tiles.hpp"
@@ -36,12 +36,6 @@ constexpr double gap_pieces = 4;
 constexpr double proven_share = 0.95;
 /// Below this share of the diagonal the rounding of queries, in floats, is no longer small.
 constexpr double least_tolerance_share = 1e-5;
-
-using Clock = std::chrono::steady_clock;
-
-double seconds_since(Clock::time_point start) {
-  return std::chrono::duration<double>(Clock::now() - start).count();
-}
 
 /// The tolerance that the bake works to: no finer than it can prove.
 double provable(const AssetMetadata& metadata, const Caster& caster) {

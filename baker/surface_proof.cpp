@@ -17,10 +17,8 @@ namespace {
 
 /// A piece with edges shorter than this share of the bound that is not proven never will be.
 constexpr double smallest_share = 0.3;
-/// A triangle that is not proven in so many pieces is not worth more; in fewer where the bound is
-/// smaller than this share of the diagonal.
+/// A triangle that is not proven in so many pieces is not worth more; see worthwhile_tries.
 constexpr int most_tries = 20000;
-constexpr double small_bound_share = 1e-4;
 /// The fallback's pieces are no smaller than this, in bounds: many small ones cost more bytes.
 constexpr double emitted_bounds = 4;
 constexpr double emitted_share = 1.0 / 400;  ///< of the diagonal
@@ -246,7 +244,7 @@ SurfaceCover prove_surface(const Caster& caster, const std::vector<SupportPlane>
                            emitted_share * caster.diagonal(), caster.diagonal() / 80);
   constexpr std::size_t batch = 64;
   const std::size_t batches = (caster.surface_count() + batch - 1) / batch;
-  const double share = std::pow(bound / (small_bound_share * caster.diagonal()), 2);
+  const double share = worthwhile_tries(bound, caster.diagonal());
   SurfaceCover cover;
   cover.uses.resize(caster.surface_count());
   cover.open.resize(caster.surface_count());
@@ -255,7 +253,7 @@ SurfaceCover prove_surface(const Caster& caster, const std::vector<SupportPlane>
     const std::size_t end = std::min(caster.surface_count(), (i + 1) * batch);
     for (std::size_t k = i * batch; k < end; ++k) {
       const auto triangle = static_cast<std::uint32_t>(k);
-      int tries = static_cast<int>(most_tries * std::min(1.0, share));
+      int tries = static_cast<int>(most_tries * share);
       proof.open(
           {caster.corner(triangle, 0), caster.corner(triangle, 1), caster.corner(triangle, 2)},
           caster.normal(triangle), triangle, cover.open[k], cover.uses[k], tries);

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <vector>
 
@@ -39,6 +41,13 @@ struct ProofCounts {
 void prove_tiles(const Caster& caster, const std::vector<SupportPlane>& planes,
                  std::vector<TileData>& tiles, double tile_spacing, double height_unit,
                  double bound, const Progress& progress, ProofCounts& counts);
+
+/// How many tries a proof is worth, as a share of the most: 1, but less where the bound is so small
+/// against the diagonal that most would be in vain.
+[[nodiscard]] inline double worthwhile_tries(double bound, double diagonal) {
+  constexpr double small_bound_share = 1e-4;
+  return std::min(1.0, std::pow(bound / (small_bound_share * diagonal), 2));
+}
 
 /// Cells of a tile that the proof of a triangle rests on.
 struct TileUse {

@@ -10,6 +10,7 @@
 
 #include "baker/clip_fit.hpp"
 #include "baker/tile_rays.hpp"
+#include "formats/tile_words.hpp"
 
 namespace spm::baker {
 
@@ -187,20 +188,7 @@ struct CellJudge {
 }  // namespace
 
 Tile view_of(const TileData& data, double tile_spacing, double height_unit) {
-  Tile tile;
-  tile.heights = data.heights.data();
-  tile.clips = data.clips.data();
-  tile.valid = data.valid;
-  tile.clipped = data.clipped;
-  const double spacing = std::ldexp(tile_spacing, -static_cast<int>(data.level));
-  tile.eta0 = data.column * (spacing * tile_cells);
-  tile.omega0 = data.row * (spacing * tile_cells);
-  tile.base = static_cast<double>(data.base);
-  tile.spacing = static_cast<float>(spacing);
-  tile.slope_eta = data.slope_eta;
-  tile.slope_omega = data.slope_omega;
-  tile.plane = data.plane;
-  tile.first_layer = data.first_layer;
+  Tile tile = tile_over(data, tile_spacing);
   derive_bounds(tile, static_cast<float>(height_unit));
   return tile;
 }

@@ -17,10 +17,8 @@ namespace {
 
 /// A part smaller than this share of the bound that is still not proven never will be.
 constexpr double smallest_share = 0.1;
-/// A cell that is not proven in so many parts is not worth more; in fewer where the bound is
-/// smaller than this share of the diagonal.
+/// A cell that is not proven in so many parts is not worth more; see worthwhile_tries.
 constexpr int most_parts = 2000;
-constexpr double small_bound_share = 1e-4;
 /// Nearer to each other than this, in bounds, two sheets that look away from each other are thin.
 constexpr double thin_bounds = 2;
 constexpr double opposite_cosine = -0.3;
@@ -44,8 +42,8 @@ class CellProof {
     eta_ = tile.eta0 + (column + 0.5) * spacing_;
     omega_ = tile.omega0 + (row + 0.5) * spacing_;
     base_ = tile.base;
-    const double share = std::pow(bound / (small_bound_share * caster.diagonal()), 2);
-    parts_left_ = 10 + static_cast<int>(most_parts * std::min(1.0, share));
+    const double share = worthwhile_tries(bound, caster.diagonal());
+    parts_left_ = 10 + static_cast<int>(most_parts * share);
     clipped_ = ((tile.clipped >> cell) & 1U) != 0;
     if (clipped_) {
       const std::uint64_t before = tile.clipped & ((std::uint64_t{1} << cell) - 1);

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "baker/element_choice.hpp"
+#include "baker/octant.hpp"
 #include "baker/tile_fit.hpp"
 #include "baker/tree_build.hpp"
 #include "common/closest_on_triangle.hpp"
@@ -71,10 +72,8 @@ class Marker {
     if (distance + radius < -band.max_depth) return;
     if (distance - radius > band.margin + tolerance) return;
     if (edge > finest_share * caster_.diagonal()) {
-      for (int octant = 0; octant < 8; ++octant) {
-        const Vector3 side((octant & 1) != 0 ? 1 : -1, (octant & 2) != 0 ? 1 : -1,
-                           (octant & 4) != 0 ? 1 : -1);
-        mark(middle + edge / 4 * side, edge / 2);
+      for (std::size_t octant = 0; octant < 8; ++octant) {
+        mark(middle + edge / 4 * octant_direction(octant), edge / 2);
       }
       return;
     }

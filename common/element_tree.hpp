@@ -52,7 +52,7 @@ struct TreeChild {
 
 /// A box from the tree's origin, m: floats, as the query computes them.
 struct TreeBox {
-  std::array<float, 3> low{}, high{};
+  std::array<float, 3> low, high;
 };
 
 /// The box of a node's child.
@@ -86,9 +86,10 @@ struct TreeBox {
 template <class Visit, class Limit>
 void visit_elements(const ElementTree& tree, const Vector3& point, const Visit& visit,
                     const Limit& limit) noexcept {
+  // Without initial values: only what is pushed is read, and there are many.
   struct Pending {
-    float square = 0;
-    std::uint32_t word = 0;
+    float square;
+    std::uint32_t word;
     TreeBox box;
   };
   std::array<Pending, static_cast<std::size_t>(tree_levels) * (tree_children - 1) + tree_children>
