@@ -123,7 +123,7 @@ void bake_full(BakeResult& result, const Caster& caster, const Hull& hull,
 
 void add_notes(const Mesh& mesh, const OuterSurface& surface, const CastCounts& counts,
                BakeReport& report) {
-  report.notes = mesh.notes;
+  report.notes.insert(report.notes.begin(), mesh.notes.begin(), mesh.notes.end());
   if (surface.hidden > 0) {
     report.notes.push_back(std::to_string(surface.hidden) +
                            " pieces of surface lie inside other parts and were left out");

@@ -51,6 +51,7 @@ struct BakeReport {
   std::uint64_t mended_places = 0;  ///< where space was divided since elements told the side wrong
   std::uint64_t wrong_trials = 0;   ///< trials of the side that resisted
   double fallback_area = 0;         ///< share of the surface that triangles stand for
+  double direction = 0;             ///< median error of directions, rad, as the baker tried it
   double seconds_fit = 0;           ///< hull, planes, choice of maps and partition
   double seconds_cast = 0;
   std::vector<Pruned> pruned;

@@ -12,12 +12,9 @@ namespace spm::baker {
 
 namespace {
 
-/// A node of the tree is 40 bytes and has three children in the mean.
-constexpr std::uint64_t tree_bytes = 14;
-/// Share of the surface that triangles may stand for without asking.
-constexpr double free_share = 0.16;
-/// And at most, while all is more bytes than this and so many times those of the surface's own
-/// triangles: a rigging of thin spars is no place for maps.
+/// Share of the surface that triangles may stand for at most, while all is more bytes than this and
+/// so many times those of the surface's own triangles: a rigging of thin spars is no place for
+/// maps.
 constexpr double most_share = 0.5;
 constexpr double many_bytes = 400e3;
 constexpr double many_times = 3;
@@ -39,8 +36,13 @@ struct Move {
 
 class Chooser {
  public:
-  Chooser(const Caster& caster, const std::vector<TileData>& tiles, const SurfaceCover& cover)
-      : cover_(cover), taken_(cover.uses.size(), 0), gone_(tiles.size(), 0), rests_(tiles.size()) {
+  Chooser(const Caster& caster, const std::vector<TileData>& tiles, const SurfaceCover& cover,
+          double free_share)
+      : cover_(cover),
+        free_share_(free_share),
+        taken_(cover.uses.size(), 0),
+        gone_(tiles.size(), 0),
+        rests_(tiles.size()) {
     for (const TileData& tile : tiles) tile_bytes_.push_back(tile_bytes(tile));
     for (std::uint32_t t = 0; t < cover.uses.size(); ++t) {
       area_.push_back(area_of({caster.corner(t, 0), caster.corner(t, 1), caster.corner(t, 2)}));
@@ -79,6 +81,7 @@ class Chooser {
 
  private:
   const SurfaceCover& cover_;
+  double free_share_;
   std::vector<std::uint8_t> taken_, gone_;
   std::vector<std::vector<std::uint32_t>> rests_;  ///< triangles, a tile each
   std::vector<std::uint64_t> tile_bytes_;
@@ -126,7 +129,7 @@ class Chooser {
     }
     if (area <= 0) return true;
     const double share = (left_ + area) / all_;
-    if (share <= free_share) return true;
+    if (share <= free_share_) return true;
     const double own = many_times * static_cast<double>(triangle_bytes * area_.size());
     return share <= most_share && static_cast<double>(bytes_) > std::max(many_bytes, own);
   }
@@ -156,8 +159,8 @@ std::uint64_t tile_bytes(const TileData& tile) {
 }
 
 ElementChoice choose_elements(const Caster& caster, std::vector<TileData> tiles,
-                              const SurfaceCover& cover) {
-  Chooser chooser(caster, tiles, cover);
+                              const SurfaceCover& cover, double free_share) {
+  Chooser chooser(caster, tiles, cover, free_share);
   chooser.run();
   std::vector<std::uint64_t> used(tiles.size(), 0);
   ElementChoice choice;

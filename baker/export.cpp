@@ -121,12 +121,15 @@ class SurfaceBuilder {
     }
   }
 
-  void add_exact_triangle(const AssetView& asset, std::size_t triangle) {
-    std::array<Vector3, 3> corners;
-    if (!triangle_corners(asset, static_cast<std::uint32_t>(triangle), corners)) return;
-    std::array<std::uint32_t, 3> ids{};
-    for (std::size_t k = 0; k < 3; ++k) ids[k] = add_vertex(corners[k]);
-    add_triangle(ids[0], ids[1], ids[2], false);
+  /// Triangles that share their first corner.
+  void add_fan(const AssetView& asset, std::size_t first, std::size_t triangles) {
+    std::vector<std::uint32_t> ids;
+    Vector3 corner;
+    for (std::size_t k = 0; k < triangles + 2; ++k) {
+      if (!stored_corner(asset, first + k, corner)) return;
+      ids.push_back(add_vertex(corner));
+    }
+    for (std::size_t k = 2; k < ids.size(); ++k) add_triangle(ids[0], ids[k - 1], ids[k], false);
   }
 
   [[nodiscard]] KnownSurface take() { return std::move(surface_); }
@@ -135,14 +138,9 @@ class SurfaceBuilder {
   KnownSurface surface_;
 };
 
-/// Which of the asset's triangles have distances, not only a side.
-std::vector<bool> triangles_with_distance(const AssetView& asset) {
-  const std::size_t count = (asset.triangles.size() + asset.small_triangles.size()) / 9;
-  std::vector<bool> used(count, false);
-  if (!asset.full) {
-    for (std::size_t i = 0; i < count && i < asset.first_cap; ++i) used[i] = true;
-    return used;
-  }
+/// Adds those triangles of a `full` asset that have distances, not only a side.
+void add_listed_triangles(const AssetView& asset, SurfaceBuilder& builder) {
+  std::vector<bool> used(asset.triangles.size() / 9, false);
   visit_all_lists(asset.grid, [&used](const GridList& list) {
     for (std::uint32_t k = 0; k < list.triangles(); ++k) {
       const std::uint32_t triangle = list.triangle(k) >> 1U;
@@ -150,7 +148,19 @@ std::vector<bool> triangles_with_distance(const AssetView& asset) {
       if (!cap && triangle < used.size()) used[triangle] = true;
     }
   });
-  return used;
+  for (std::size_t i = 0; i < used.size(); ++i) {
+    if (used[i]) builder.add_fan(asset, 3 * i, 1);
+  }
+}
+
+/// Adds the fans of a `sparse` asset likewise.
+void add_fans(const AssetView& asset, SurfaceBuilder& builder) {
+  for (std::size_t word = 0; word < asset.tree.words.size(); ++word) {
+    if (word % tree_node_words >= tree_children) continue;
+    const TreeChild child = unpack_child(asset.tree.words[word]);
+    if (child.kind != ElementKind::fan || child.first >= asset.first_cap) continue;
+    builder.add_fan(asset, child.first, child.count);
+  }
 }
 
 template <class T>
@@ -174,9 +184,10 @@ KnownSurface known_surface(const AssetView& asset) {
     if (tile.plane >= asset.planes.size()) continue;
     builder.add_tile(asset.planes[tile.plane], tile, asset.height_unit);
   }
-  const std::vector<bool> used = triangles_with_distance(asset);
-  for (std::size_t i = 0; i < used.size(); ++i) {
-    if (used[i]) builder.add_exact_triangle(asset, i);
+  if (asset.full) {
+    add_listed_triangles(asset, builder);
+  } else {
+    add_fans(asset, builder);
   }
   return builder.take();
 }

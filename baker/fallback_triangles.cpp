@@ -59,8 +59,8 @@ void FallbackTriangles::describe(Asset& asset) const {
   asset.triangle_step = step_;
 }
 
-void FallbackTriangles::append(const std::array<Vector3, 3>& corners, Asset& asset) const {
-  for (const Vector3& corner : corners) {
+void FallbackTriangles::append(const TriangleFan& fan, Asset& asset) const {
+  for (const Vector3& corner : fan) {
     for (int axis = 0; axis < 3; ++axis) {
       if (step_ > 0) {
         asset.small_triangles.push_back(steps(corner, axis));

@@ -4,6 +4,7 @@
 #include <array>
 
 #include "baker/cast.hpp"
+#include "baker/triangle_fans.hpp"
 #include "formats/asset.hpp"
 
 namespace spm::baker {
@@ -25,8 +26,8 @@ class FallbackTriangles {
 
   /// Sets the form's origin and step.
   void describe(Asset& asset) const;
-  /// Appends a triangle to an asset.
-  void append(const std::array<Vector3, 3>& corners, Asset& asset) const;
+  /// Appends the corners of a fan to an asset.
+  void append(const TriangleFan& fan, Asset& asset) const;
 
  private:
   Vector3 origin_ = Vector3::Zero();

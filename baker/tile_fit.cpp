@@ -19,6 +19,13 @@ namespace {
 /// Weight of second differences against samples: enough to carry the sheet on past its border,
 /// too little to bend it where there are samples.
 constexpr double smoothness = 1e-3;
+/// Weight of slopes, a cell, against heights.
+constexpr double slope_weight = 0.1;
+/// On facets: that of a slope that is met, how far off one counts half, and how often weights are
+/// set anew.
+constexpr double facet_weight = 5;
+constexpr double facet_slope = 0.005;
+constexpr int facet_rounds = 2;
 
 using Nodes = Eigen::Matrix<double, tile_sample_count, 1>;
 using NodeMatrix = Eigen::Matrix<double, tile_sample_count, tile_sample_count>;
@@ -71,8 +78,48 @@ void add_second_differences(NodeMatrix& normal_matrix) {
   }
 }
 
-/// Heights of least squares at the samples, depth below the plane, m.
-Nodes fit_heights(const TileRays& rays) {
+/// Asks for the slopes of the triangles that the rays met, on each side of a cell's border: what
+/// the hand feels of a facet is its direction. With heights that are known, less where those are
+/// far off, so that most slopes are met and few are not (least absolute deviations, by iterated
+/// weights).
+void add_slopes(const TileRays& rays, const TileSite& site, const Nodes* known,
+                NodeMatrix& normal_matrix, Nodes& right) {
+  for (std::uint32_t k = 0; k < tile_cell_count * TileRays::in_cell; ++k) {
+    const std::uint32_t cell = k / TileRays::in_cell, place = k % TileRays::in_cell;
+    const int i = static_cast<int>(place) % (TileRays::per_cell + 1);
+    const int j = static_cast<int>(place) / (TileRays::per_cell + 1);
+    const TileRay& ray = rays.ray(TileRays::index(cell, i, j));
+    if (!ray.hit) continue;
+    const double scale = site.spacing / ray.normal->dot(site.plane.n);
+    const double rise_x = scale * ray.normal->dot(site.plane.u);
+    const double rise_y = scale * ray.normal->dot(site.plane.v);
+    const double fx = static_cast<double>(i) / TileRays::per_cell;
+    const double fy = static_cast<double>(j) / TileRays::per_cell;
+    const Weights at = weights_at(cell % tile_cells, cell / tile_cells);
+    const std::array<double, 4> along_x{fy - 1, 1 - fy, -fy, fy};
+    const std::array<double, 4> along_y{fx - 1, -fx, 1 - fx, fx};
+    double weight = slope_weight;
+    if (known != nullptr) {
+      double off_x = -rise_x, off_y = -rise_y;
+      for (std::size_t a = 0; a < 4; ++a) {
+        off_x += along_x[a] * (*known)[at.node[a]];
+        off_y += along_y[a] * (*known)[at.node[a]];
+      }
+      weight = facet_weight / (1 + std::hypot(off_x, off_y) / (site.spacing * facet_slope));
+    }
+    for (std::size_t a = 0; a < 4; ++a) {
+      right[at.node[a]] += weight * (along_x[a] * rise_x + along_y[a] * rise_y);
+      for (std::size_t b = 0; b < 4; ++b) {
+        normal_matrix(at.node[a], at.node[b]) +=
+            weight * (along_x[a] * along_x[b] + along_y[a] * along_y[b]);
+      }
+    }
+  }
+}
+
+/// Heights of least squares at the samples, depth below the plane, m; slopes weighted by known
+/// ones.
+Nodes fit_once(const TileRays& rays, const TileSite& site, const Nodes* known) {
   NodeMatrix normal_matrix = NodeMatrix::Zero();
   Nodes right = Nodes::Zero();
   for (std::uint32_t k = 0; k < TileRays::count; ++k) {
@@ -86,6 +133,7 @@ Nodes fit_heights(const TileRays& rays) {
       }
     }
   }
+  add_slopes(rays, site, known, normal_matrix, right);
   add_second_differences(normal_matrix);
   normal_matrix.diagonal().array() += 1e-9;
   // About the seed's depth, so that the little weight on the diagonal draws towards the sheet.
@@ -93,6 +141,15 @@ Nodes fit_heights(const TileRays& rays) {
   right -= middle * (normal_matrix * Nodes::Ones() - 1e-9 * Nodes::Ones());
   right = right.eval();
   return (normal_matrix.llt().solve(right).array() + middle).matrix();
+}
+
+Nodes fit_heights(const TileRays& rays, const TileSite& site) {
+  Nodes nodes = fit_once(rays, site, nullptr);
+  for (int round = 0; site.faceted && round < facet_rounds; ++round) {
+    const Nodes known = nodes;
+    nodes = fit_once(rays, site, &known);
+  }
+  return nodes;
 }
 
 /// Stores heights as the file does: base and slopes of their own mean plane, HALF residuals.
@@ -202,7 +259,7 @@ std::optional<TileFit> fit_tile(const Caster& caster, const TileSite& site, cons
   data.level = site.level;
   data.column = site.column;
   data.row = site.row;
-  store_heights(fit_heights(rays), site, data);
+  store_heights(fit_heights(rays, site), site, data);
   Tile tile;
   tile.heights = data.heights.data();
   tile.spacing = static_cast<float>(site.spacing);

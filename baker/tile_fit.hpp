@@ -22,6 +22,7 @@ struct TileSite {
   double residual = 0;     ///< m: how far, across the surface, a cell may leave it
   double angle = 0;        ///< rad: how far off a tile's normals may be in the mean
   double cell_angle = 0;   ///< rad: and a cell's
+  bool faceted = false;    ///< see TileSettings
 };
 
 /// A place of the surface that a tile is grown from, in the plane's frame, m.

@@ -21,8 +21,8 @@ constexpr double leave_steps = 1.0;
 TileRays::TileRays(const Caster& caster, const TileSite& site, const TileSeed& seed)
     : caster_(caster),
       site_(site),
-      eta0_(site.column * (site.spacing * tile_cells)),
-      omega0_(site.row * (site.spacing * tile_cells)),
+      eta0_(site.column * (site.spacing * tile_stride)),
+      omega0_(site.row * (site.spacing * tile_stride)),
       seed_depth_(seed.depth) {
   const auto nearest = [&](double offset) {
     return static_cast<std::uint32_t>(std::clamp(std::lround(offset / site_.spacing * per_cell), 0L,

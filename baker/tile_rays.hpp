@@ -21,6 +21,7 @@ struct TileRay {
 class TileRays {
  public:
   static constexpr int per_cell = 2;  ///< lattice steps along a cell
+  static constexpr std::uint32_t in_cell = (per_cell + 1) * (per_cell + 1);  ///< borders included
   static constexpr std::uint32_t side = per_cell * tile_cells + 1;
   static constexpr std::uint32_t count = side * side;
 

@@ -24,6 +24,9 @@ constexpr double last_angle = 0.5;
 /// A place where fewer surfels than this share of what a tile must cover face its plane best is not
 /// tried: the rest would have to be other planes'.
 constexpr double least_members = 0.5;
+/// Tiles side by side are worth it where they cover so many times the least that a tile must: what
+/// is left between them may take fewer tiles that are shifted.
+constexpr double first_worth = 2;
 /// Edge of the cubes that surfels are found by, of the diagonal.
 constexpr double bin_share = 1.0 / 90;
 
@@ -129,16 +132,24 @@ class TileChooser {
 
   std::vector<TileData> tiles;
 
-  void run_level(std::uint32_t level, const Progress& progress) {
-    const double extent = std::ldexp(settings_.tile_spacing * tile_cells, -static_cast<int>(level));
+  /// Chooses tiles of a level that each cover `least` times what is worthwhile: of those side by
+  /// side, or `shifted` by half a tile as well, for the gaps that others leave.
+  void run_level(std::uint32_t level, bool shifted, const Progress& progress) {
+    const double least =
+        least_at(level) * (shifted || settings_.least_surfels > 0 ? 1 : first_worth);
+    const double stride =
+        std::ldexp(settings_.tile_spacing * tile_stride, -static_cast<int>(level));
     std::vector<std::pair<TileKey, std::uint32_t>> placed;
     for (std::uint32_t i = 0; i < surfels_.size(); ++i) {
       if (covered_[i] != 0) continue;
       const Surfel& surfel = surfels_[i];
-      placed.push_back(
-          {{surfel.direction, static_cast<std::int32_t>(std::floor(surfel.eta / extent)),
-            static_cast<std::int32_t>(std::floor(surfel.omega / extent))},
-           i});
+      const auto column = static_cast<std::int32_t>(std::floor(surfel.eta / stride));
+      const auto row = static_cast<std::int32_t>(std::floor(surfel.omega / stride));
+      for (std::int32_t k = 0; k < 4; ++k) {
+        const std::int32_t c = column - k % 2, r = row - k / 2;
+        if (!shifted && ((c | r) & 1) != 0) continue;
+        placed.push_back({{surfel.direction, c, r}, i});
+      }
     }
     std::stable_sort(placed.begin(), placed.end(), [](const auto& a, const auto& b) {
       return a.first.tuple() < b.first.tuple();
@@ -159,7 +170,7 @@ class TileChooser {
     });
     std::vector<Candidate> candidates;
     for (auto& one : found) std::move(one.begin(), one.end(), std::back_inserter(candidates));
-    choose(candidates, least_at(level));
+    choose(candidates, least);
   }
 
  private:
@@ -195,7 +206,8 @@ class TileChooser {
         settings_.height_unit,
         settings_.residual,
         any_angle ? last_angle : std::ldexp(settings_.angle, static_cast<int>(level)),
-        any_angle ? last_angle : settings_.cell_angle};
+        any_angle ? last_angle : settings_.cell_angle,
+        settings_.faceted};
     std::vector<Candidate> candidates;
     if (static_cast<double>(members.size()) < least_members * least_at(level)) return candidates;
     std::vector<bool> tried(members.size(), false);
@@ -321,7 +333,7 @@ std::vector<TileData> cast_tiles(const Caster& caster, const std::vector<Support
                                  const Progress& progress) {
   TileChooser chooser(caster, planes, settings, points);
   for (std::uint32_t level = 0; level < settings.levels; ++level) {
-    chooser.run_level(level, progress);
+    for (const bool shifted : {false, true}) chooser.run_level(level, shifted, progress);
   }
   return std::move(chooser.tiles);
 }

@@ -25,9 +25,12 @@ struct TileSettings {
   double tile_spacing = 0;  ///< m, of level 0
   double height_unit = 1;   ///< m
   std::uint32_t levels = 5;
-  double residual = 0;        ///< m
-  double angle = 0.02;        ///< rad, of level 0; each level may double it
-  double cell_angle = 0.3;    ///< rad
+  double residual = 0;      ///< m
+  double angle = 0.02;      ///< rad, of level 0; each level may double it
+  double cell_angle = 0.3;  ///< rad
+  /// Fit most of the slopes well rather than all alike: where the surface has facets that are
+  /// smaller than tiles.
+  bool faceted = false;
   double surfel_spacing = 0;  ///< m
   /// A tile must newly cover this share of the surfels that a whole tile would, or it is not worth
   /// its bytes; at the last level the other.

@@ -13,9 +13,11 @@ namespace spm::baker {
 
 namespace {
 
-constexpr std::size_t leaf_triangles = 4;
 /// Boxes are wider by this share of the whole, so that rounding to floats loses nothing.
 constexpr double slack_share = 1e-6;
+/// Nodes of the file that a visit by every query is worth: few boxes to open go before few bytes
+/// near the root only.
+constexpr double area_weight = 4;
 /// Below so many halvings the middle one of the elements parts them, so that the tree ends.
 constexpr int surface_levels = 32;
 
@@ -35,6 +37,8 @@ struct Half {
   Box box;
   std::uint32_t first = 0, count = 0;
   std::uint32_t left = 0, right = 0;  ///< 0: a leaf
+  /// As at most 1, 2, 3 or 4 nodes of the file: how many lie below, and the share of visits.
+  std::array<double, tree_children> cost{};
 };
 
 class TreeBuilder {
@@ -43,6 +47,7 @@ class TreeBuilder {
       : elements_(elements), order_(elements.size()) {
     std::iota(order_.begin(), order_.end(), 0U);
     if (elements.empty()) return;
+    for (const TreeElement& element : elements) all_ = joined(all_, element.box);
     halve(0, static_cast<std::uint32_t>(elements.size()), 0);
   }
 
@@ -50,13 +55,12 @@ class TreeBuilder {
     BuiltTree tree;
     if (elements_.empty()) return tree;
     number_elements(tree);
-    const Box& all = halves_[0].box;
-    const double slack = slack_share * (all.high - all.low).maxCoeff();
+    const double slack = slack_share * (all_.high - all_.low).maxCoeff();
     slack_ = slack;
-    tree.data.origin = all.low - Vector3::Constant(2 * slack);
+    tree.data.origin = all_.low - Vector3::Constant(2 * slack);
     for (std::size_t axis = 0; axis < 3; ++axis) {
       const int k = static_cast<int>(axis);
-      tree.data.size[axis] = static_cast<float>(all.high[k] - all.low[k] + 4 * slack);
+      tree.data.size[axis] = static_cast<float>(all_.high[k] - all_.low[k] + 4 * slack);
     }
     write(tree, {{}, tree.data.size}, 0);
     return tree;
@@ -65,18 +69,10 @@ class TreeBuilder {
  private:
   const std::vector<TreeElement>& elements_;
   std::vector<std::uint32_t> order_;
+  Box all_;
   std::vector<Half> halves_;
-  std::vector<std::uint32_t> place_;  ///< new number of each element
+  std::vector<std::uint32_t> place_;  ///< new number of each tile, or of a fan's first corner
   double slack_ = 0;
-
-  [[nodiscard]] bool is_leaf(std::uint32_t first, std::uint32_t count) const {
-    const TreeElement& one = elements_[order_[first]];
-    if (count == 1) return true;
-    if (one.tile || count > leaf_triangles) return false;
-    return std::all_of(
-        order_.begin() + first, order_.begin() + first + count,
-        [&](std::uint32_t i) { return !elements_[i].tile && elements_[i].cap == one.cap; });
-  }
 
   /// Sorts a range along an axis, by the middles of the boxes.
   void sort(std::uint32_t first, std::uint32_t count, int axis) {
@@ -114,7 +110,7 @@ class TreeBuilder {
     for (std::uint32_t i = first; i < first + count; ++i) {
       half.box = joined(half.box, elements_[order_[i]].box);
     }
-    if (!is_leaf(first, count)) {
+    if (count > 1) {
       int axis = 0;
       std::uint32_t cut = count / 2;
       if (level < surface_levels) {
@@ -135,53 +131,87 @@ class TreeBuilder {
       half.left = halve(first, cut, level + 1);
       half.right = halve(first + cut, count - cut, level + 1);
     }
+    add_costs(half);
     halves_[number] = half;
     return number;
   }
 
+  /// Numbers tiles and the corners of fans in the order of the leaves, those of caps last.
   void number_elements(BuiltTree& tree) {
     place_.resize(elements_.size());
-    std::vector<std::uint32_t> caps;
-    for (const std::uint32_t i : order_) {
-      const TreeElement& element = elements_[i];
-      std::vector<std::uint32_t>& list = element.tile  ? tree.tiles
-                                         : element.cap ? caps
-                                                       : tree.triangles;
-      place_[i] = static_cast<std::uint32_t>(list.size());
-      list.push_back(element.number);
+    std::uint64_t corners = 0;
+    for (const bool caps : {false, true}) {
+      if (caps) tree.first_cap = static_cast<std::uint32_t>(corners);
+      for (const std::uint32_t i : order_) {
+        const TreeElement& element = elements_[i];
+        if (element.cap != caps) continue;
+        if (element.triangles == 0) {
+          place_[i] = static_cast<std::uint32_t>(tree.tiles.size());
+          tree.tiles.push_back(element.number);
+          continue;
+        }
+        place_[i] = static_cast<std::uint32_t>(corners);
+        tree.fans.push_back(element.number);
+        corners += element.triangles + 2;
+      }
     }
-    tree.first_cap = static_cast<std::uint32_t>(tree.triangles.size());
-    for (std::size_t i = 0; i < elements_.size(); ++i) {
-      if (elements_[i].cap) place_[i] += tree.first_cap;
-    }
-    tree.triangles.insert(tree.triangles.end(), caps.begin(), caps.end());
-    if (tree.tiles.size() >= most_tree_elements || tree.triangles.size() >= most_tree_elements) {
+    if (tree.tiles.size() >= most_tree_elements || corners >= most_tree_elements) {
       throw BakeError(ExitCode::invalid_input,
-                      "the surface needs more than 16 million tiles or triangles; simplify the "
-                      "mesh, or ask for a coarser --tolerance");
+                      "the surface needs more than 16 million tiles or corners of triangles; "
+                      "simplify the mesh, or ask for a coarser --tolerance");
     }
   }
 
-  /// Up to four nodes below one, by opening the largest.
+  /// Up to four nodes below one: those that leave fewest nodes in the file, of those the ones with
+  /// the smallest boxes.
   [[nodiscard]] std::vector<std::uint32_t> children_of(std::uint32_t number) const {
-    const Half& half = halves_[number];
-    if (half.left == 0) return {number};
-    std::vector<std::uint32_t> children{half.left, half.right};
-    while (children.size() < tree_children) {
-      double largest = -1;
-      std::size_t which = 0;
-      for (std::size_t i = 0; i < children.size(); ++i) {
-        const Half& child = halves_[children[i]];
-        if (child.left == 0 || half_area(child.box) <= largest) continue;
-        largest = half_area(child.box);
-        which = i;
-      }
-      if (largest < 0) break;
-      const Half opened = halves_[children[which]];
-      children[which] = opened.left;
-      children.push_back(opened.right);
-    }
+    std::vector<std::uint32_t> children;
+    open(number, tree_children, children);
     return children;
+  }
+
+  /// Appends the best `most` or fewer nodes for what lies below a half, which it opens if it can.
+  void open(std::uint32_t number, std::size_t most, std::vector<std::uint32_t>& children) const {
+    const Half& half = halves_[number];
+    if (half.left == 0) {
+      children.push_back(number);
+      return;
+    }
+    const std::size_t left = best_share(half, most).first;
+    for (const auto& [side, share] : {std::pair(half.left, left), {half.right, most - left}}) {
+      if (halves_[side].left == 0 || closed(side, share)) {
+        children.push_back(side);
+      } else {
+        open(side, share, children);
+      }
+    }
+  }
+
+  /// Cost of a half as up to so many nodes: what it costs as one, or opened.
+  [[nodiscard]] bool closed(std::uint32_t number, std::size_t most) const {
+    return most == 1 || halves_[number].cost[0] <= best_share(halves_[number], most).second;
+  }
+
+  /// How many of `most` nodes its left half gets at best, and what that costs.
+  [[nodiscard]] std::pair<std::size_t, double> best_share(const Half& half,
+                                                          std::size_t most) const {
+    std::pair<std::size_t, double> best{1, std::numeric_limits<double>::infinity()};
+    for (std::size_t left = 1; left < most; ++left) {
+      const double cost =
+          halves_[half.left].cost[left - 1] + halves_[half.right].cost[most - left - 1];
+      if (cost < best.second) best = {left, cost};
+    }
+    return best;
+  }
+
+  /// Costs of a half, whose halves have theirs.
+  void add_costs(Half& half) const {
+    if (half.left == 0) return;
+    const double area = half_area(half.box) / std::max(half_area(all_), 1e-300);
+    half.cost[0] = best_share(half, tree_children).second + 1 + area_weight * area;
+    for (std::size_t most = 2; most <= tree_children; ++most) {
+      half.cost[most - 1] = std::min(half.cost[0], best_share(half, most).second);
+    }
   }
 
   /// A side of a child's box in 255ths of its parent's, rounded outwards as queries will see it.
@@ -232,9 +262,10 @@ class TreeBuilder {
                      std::size_t k) {
     const Half& half = halves_[number];
     if (half.left == 0) {
-      const std::uint32_t element = order_[half.first];
-      return {elements_[element].tile ? ElementKind::tile : ElementKind::triangles, place_[element],
-              half.count};
+      const std::uint32_t which = order_[half.first];
+      const std::uint32_t triangles = elements_[which].triangles;
+      if (triangles == 0) return {ElementKind::tile, place_[which], 1};
+      return {ElementKind::fan, place_[which], triangles};
     }
     const TreeBox inner = child_box(box, tree.data.words.data() + first, k);
     return {ElementKind::node, write(tree, inner, number), 1};

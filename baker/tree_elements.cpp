@@ -3,11 +3,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <utility>
 
 #include "baker/element_choice.hpp"
 #include "baker/octant.hpp"
 #include "baker/tile_fit.hpp"
 #include "baker/tree_build.hpp"
+#include "baker/triangle_fans.hpp"
 #include "common/closest_on_triangle.hpp"
 
 namespace spm::baker {
@@ -18,8 +21,20 @@ namespace {
 struct Elements {
   std::vector<TreeElement> all;
   std::vector<Tile> tiles;
-  std::vector<std::array<Vector3, 3>> triangles;  ///< as stored
+  std::vector<TriangleFan> fans;  ///< as stored
 };
+
+void add_fans(const std::vector<std::array<Vector3, 3>>& triangles, bool cap, Elements& elements) {
+  for (TriangleFan& fan : fans_of(triangles)) {
+    Box box;
+    for (const Vector3& corner : fan) box.include(corner);
+    elements.all.push_back({.box = box,
+                            .number = static_cast<std::uint32_t>(elements.fans.size()),
+                            .triangles = static_cast<std::uint32_t>(fan.size() - 2),
+                            .cap = cap});
+    elements.fans.push_back(std::move(fan));
+  }
+}
 
 Elements gather(const Caster& caster, const Asset& asset, const FallbackTriangles& form,
                 const std::vector<SurfacePiece>& pieces) {
@@ -28,27 +43,31 @@ Elements gather(const Caster& caster, const Asset& asset, const FallbackTriangle
     const Tile tile = view_of(data, asset.metadata.tile_spacing, asset.metadata.height_unit);
     elements.all.push_back({.box = tile_box(asset.planes[tile.plane], tile,
                                             static_cast<float>(asset.metadata.height_unit)),
-                            .number = static_cast<std::uint32_t>(elements.tiles.size()),
-                            .tile = true});
+                            .number = static_cast<std::uint32_t>(elements.tiles.size())});
     elements.tiles.push_back(tile);
   }
-  const auto add = [&](const std::array<Vector3, 3>& corners, bool cap) {
-    if (form.lost(corners)) return;
-    const std::array<Vector3, 3> stored = form.stored(corners);
-    Box box;
-    for (const Vector3& corner : stored) box.include(corner);
-    elements.all.push_back({.box = box,
-                            .number = static_cast<std::uint32_t>(elements.triangles.size()),
-                            .tile = false,
-                            .cap = cap});
-    elements.triangles.push_back(stored);
-  };
-  for (const SurfacePiece& piece : pieces) add(piece.corners, false);
+  std::vector<std::array<Vector3, 3>> surface, caps;
+  for (const SurfacePiece& piece : pieces) {
+    if (!form.lost(piece.corners)) surface.push_back(form.stored(piece.corners));
+  }
   for (auto i = static_cast<std::uint32_t>(caster.surface_count()); i < caster.triangle_count();
        ++i) {
-    add({caster.corner(i, 0), caster.corner(i, 1), caster.corner(i, 2)}, true);
+    const std::array<Vector3, 3> cap{caster.corner(i, 0), caster.corner(i, 1), caster.corner(i, 2)};
+    if (!form.lost(cap)) caps.push_back(form.stored(cap));
   }
+  add_fans(surface, false, elements);
+  add_fans(caps, true, elements);
   return elements;
+}
+
+/// Distance of a point to a fan, m.
+double distance_to(const TriangleFan& fan, const Vector3& point) {
+  double least = std::numeric_limits<double>::infinity();
+  for (std::size_t k = 2; k < fan.size(); ++k) {
+    const Vector3 foot = closest_on_triangle(point, fan[0], fan[k - 1], fan[k]);
+    least = std::min(least, (foot - point).norm());
+  }
+  return least;
 }
 
 /// Marks the elements that can be the nearest to some place of the band that is not pruned: in a
@@ -62,7 +81,12 @@ class Marker {
         elements_(elements),
         tree_(tree),
         tile_needed_(elements.tiles.size(), false),
-        triangle_needed_(elements.triangles.size(), false) {}
+        fan_needed_(elements.fans.size(), false) {
+    for (std::uint32_t i = 0, corner = 0; i < tree.fans.size(); ++i) {
+      fan_of_corner_.emplace_back(corner, tree.fans[i]);
+      corner += static_cast<std::uint32_t>(elements.fans[tree.fans[i]].size());
+    }
+  }
 
   void mark(const Vector3& middle, double edge) {
     const double distance = caster_.closest(middle).distance;
@@ -82,7 +106,7 @@ class Marker {
   }
 
   [[nodiscard]] bool needed(const TreeElement& element) const {
-    return element.tile ? tile_needed_[element.number] : triangle_needed_[element.number];
+    return element.triangles == 0 ? tile_needed_[element.number] : fan_needed_[element.number];
   }
 
  private:
@@ -93,7 +117,9 @@ class Marker {
   const Asset& asset_;
   const Elements& elements_;
   const BuiltTree& tree_;
-  std::vector<bool> tile_needed_, triangle_needed_;
+  std::vector<bool> tile_needed_, fan_needed_;
+  /// First corner of each fan in the tree's order, and its number.
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> fan_of_corner_;
 
   void mark_within(const Vector3& middle, double reach) {
     const auto visit = [&](const TreeChild& child) {
@@ -106,13 +132,10 @@ class Marker {
         }
         return;
       }
-      for (std::uint32_t k = 0; k < child.count; ++k) {
-        const std::uint32_t which = tree_.triangles[child.first + k];
-        const auto& [a, b, c] = elements_.triangles[which];
-        if ((closest_on_triangle(middle, a, b, c) - middle).norm() <= reach) {
-          triangle_needed_[which] = true;
-        }
-      }
+      const auto at = std::lower_bound(fan_of_corner_.begin(), fan_of_corner_.end(),
+                                       std::pair(child.first, std::uint32_t{0}));
+      const std::uint32_t which = at->second;
+      if (distance_to(elements_.fans[which], middle) <= reach) fan_needed_[which] = true;
     };
     visit_elements({tree_.data.origin, tree_.data.size, tree_.data.words}, middle, visit,
                    [reach] { return reach; });
@@ -140,7 +163,8 @@ std::vector<Pruned> add_up(const Asset& asset, const Elements& elements,
     const TreeElement& element = elements.all[i];
     auto rule = static_cast<std::size_t>(reach.point((element.box.low + element.box.high) / 2));
     if (rule == 0) rule = static_cast<std::size_t>(reach.likeliest());
-    bytes[rule] += element.tile ? tile_bytes(asset.tiles[element.number]) : triangle_bytes;
+    bytes[rule] += element.triangles == 0 ? tile_bytes(asset.tiles[element.number])
+                                          : element.triangles * triangle_bytes;
   }
   std::vector<Pruned> pruned;
   for (const PruneRule rule : {PruneRule::workspace, PruneRule::probe, PruneRule::unreachable}) {
@@ -174,7 +198,7 @@ std::vector<Pruned> TreeElements::build(Asset& asset, const SpaceBuilder& space,
   for (const std::uint32_t which : tree.tiles) tiles.push_back(asset.tiles[which]);
   asset.tiles = std::move(tiles);
   form_.describe(asset);
-  for (const std::uint32_t which : tree.triangles) form_.append(elements.triangles[which], asset);
+  for (const std::uint32_t which : tree.fans) form_.append(elements.fans[which], asset);
   asset.first_cap = tree.first_cap;
   asset.tree = std::move(tree.data);
   return pruned;

@@ -89,13 +89,14 @@ struct AssetView {
   std::span<const DistanceMap> maps;
   std::span<const Tile> tiles;  ///< `sparse` only, as `maps` are `full` only
   float height_unit = 1;        ///< m a unit of the tiles' heights
-  /// Exact fallback, three corners each: nine floats, metres; or nine numbers of 16 bits, of which
-  /// triangle_step metres from triangle_origin make a coordinate. One of the two is empty.
+  /// Corners of the exact fallback, in `full` three a triangle, in `sparse` in fans (ElementTree):
+  /// three floats each, metres; or three numbers of 16 bits, of which triangle_step metres from
+  /// triangle_origin make a coordinate. One of the two is empty.
   std::span<const float> triangles;
   std::span<const std::uint16_t> small_triangles;
   Vector3 triangle_origin = Vector3::Zero();
   double triangle_step = 0;
-  /// `sparse` only: triangles from this number on are caps, which decide the side and carry no
+  /// `sparse` only: corners from this number on are of caps, which decide the side and carry no
   /// distance.
   std::uint32_t first_cap = 0;
   Grid grid;         ///< `full` only

@@ -45,7 +45,7 @@ class Gatherer {
       visit_tile(child.first);
       return;
     }
-    for (std::uint32_t k = 0; k < child.count; ++k) visit_triangle(child.first + k);
+    visit_fan(child);
   }
 
  private:
@@ -77,12 +77,18 @@ class Gatherer {
     narrow();
   }
 
-  void visit_triangle(std::uint32_t which) noexcept {
-    const bool cap = which >= asset_.first_cap;
+  void visit_fan(const TreeChild& fan) noexcept {
+    const bool cap = fan.first >= asset_.first_cap;
     if (cap && !told_) return;
-    std::array<Vector3, 3> corners;
-    if (!triangle_corners(asset_, which, corners)) return;
-    const auto& [a, b, c] = corners;
+    Vector3 a, b, c;
+    if (!stored_corner(asset_, fan.first, a) || !stored_corner(asset_, fan.first + 1, b)) return;
+    for (std::uint32_t k = 0; k < fan.count; ++k, b = c) {
+      if (!stored_corner(asset_, fan.first + k + 2, c)) return;
+      visit_triangle(a, b, c, cap);
+    }
+  }
+
+  void visit_triangle(const Vector3& a, const Vector3& b, const Vector3& c, bool cap) noexcept {
     const Vector3 foot = closest_on_triangle(point_, a, b, c);
     const Vector3 away = point_ - foot;
     const double distance = away.norm();
@@ -125,22 +131,24 @@ class Gatherer {
 
 }  // namespace
 
-bool triangle_corners(const AssetView& asset, std::uint32_t triangle,
-                      std::array<Vector3, 3>& corners) noexcept {
-  const std::size_t first = std::size_t{triangle} * 9;
+bool stored_corner(const AssetView& asset, std::size_t which, Vector3& corner) noexcept {
+  const std::size_t first = which * 3;
   if (!asset.small_triangles.empty()) {
-    if (first + 9 > asset.small_triangles.size()) return false;
+    if (first + 3 > asset.small_triangles.size()) return false;
     const std::uint16_t* number = asset.small_triangles.data() + first;
-    for (int corner = 0; corner < 3; ++corner, number += 3) {
-      corners[static_cast<std::size_t>(corner)] =
-          asset.triangle_origin + asset.triangle_step * Vector3(number[0], number[1], number[2]);
-    }
+    corner = asset.triangle_origin + asset.triangle_step * Vector3(number[0], number[1], number[2]);
     return true;
   }
-  if (first + 9 > asset.triangles.size()) return false;
+  if (first + 3 > asset.triangles.size()) return false;
   const float* number = asset.triangles.data() + first;
-  for (int corner = 0; corner < 3; ++corner, number += 3) {
-    corners[static_cast<std::size_t>(corner)] = Vector3(number[0], number[1], number[2]);
+  corner = Vector3(number[0], number[1], number[2]);
+  return true;
+}
+
+bool triangle_corners(const AssetView& asset, std::size_t triangle,
+                      std::array<Vector3, 3>& corners) noexcept {
+  for (std::size_t k = 0; k < 3; ++k) {
+    if (!stored_corner(asset, 3 * triangle + k, corners[k])) return false;
   }
   return true;
 }

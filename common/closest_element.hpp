@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <limits>
 
 #include "common/asset_view.hpp"
@@ -36,8 +37,11 @@ struct ElementReading {
   SideClaims sides;  ///< filled only where the place does not tell the side
 };
 
-/// Corners of a triangle of the fallback, m; false where there is no such triangle.
-[[nodiscard]] bool triangle_corners(const AssetView& asset, std::uint32_t triangle,
+/// A corner of the fallback's triangles, m; false where there is no such corner.
+[[nodiscard]] bool stored_corner(const AssetView& asset, std::size_t which,
+                                 Vector3& corner) noexcept;
+/// All three of a triangle of a `full` asset; false where there is no such triangle.
+[[nodiscard]] bool triangle_corners(const AssetView& asset, std::size_t triangle,
                                     std::array<Vector3, 3>& corners) noexcept;
 
 /// Finds the element nearest to a point that lies in a place of this kind: told, inside or outside.

@@ -13,15 +13,16 @@
 namespace spm {
 
 /// What a child of a node of an ElementTree is.
-enum class ElementKind : std::uint32_t { none = 0, node = 1, tile = 2, triangles = 3 };
+enum class ElementKind : std::uint32_t { none = 0, node = 1, tile = 2, fan = 3 };
 
-/// Boxes around the elements of a `sparse` asset, its tiles and triangles: a tree of nodes with up
-/// to four children, by which the elements nearest to a point are found. A node is ten words:
-///   0-3: a child each: bits 0-23 the number of a node, of a tile or of the first triangle, 24-29
-///     the number of triangles less one, 30-31 the ElementKind;
+/// Boxes around the elements of a `sparse` asset, its tiles and fans of triangles: a tree of nodes
+/// with up to four children, by which the elements nearest to a point are found. A node is ten
+/// words:
+///   0-3: a child each: bits 0-23 the number of a node, of a tile or of a fan's first corner, 24-29
+///     the number of the fan's triangles less one, 30-31 the ElementKind;
 ///   4-9: its children's boxes, a byte a child: least x, largest x, then y and z alike, in 255ths
-///   of
-///     the node's own box, rounded outwards.
+///     of the node's own box, rounded outwards.
+/// Triangle k of a fan that begins at corner f is of the corners f, f + k + 1 and f + k + 2.
 /// A child's number is above its parent's. Views; nothing is owned.
 struct ElementTree {
   Vector3 origin = Vector3::Zero();  ///< lowest corner of the box around all, m
@@ -31,7 +32,7 @@ struct ElementTree {
 
 inline constexpr std::size_t tree_node_words = 10;
 inline constexpr std::size_t tree_children = 4;
-inline constexpr std::uint32_t most_leaf_triangles = 64;
+inline constexpr std::uint32_t most_fan_triangles = 64;
 inline constexpr std::uint32_t most_tree_elements = 1U << 24U;
 /// Nodes below each other at most.
 inline constexpr int tree_levels = 48;

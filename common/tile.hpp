@@ -15,6 +15,8 @@ inline constexpr std::uint32_t tile_cells = 8;
 inline constexpr std::uint32_t tile_samples = tile_cells + 1;
 inline constexpr std::uint32_t tile_cell_count = tile_cells * tile_cells;
 inline constexpr std::uint32_t tile_sample_count = tile_samples * tile_samples;
+/// Tiles of a plane and level begin at multiples of so many cells.
+inline constexpr std::uint32_t tile_stride = tile_cells / 2;
 
 /// A small square distance map (eq. 2) of a `sparse` asset: one sheet of the surface, entries of
 /// rays along -n. Sample (column i, row j) lies at eta = eta0 + i * spacing, omega = omega0 + j *

@@ -13,7 +13,7 @@
 namespace spm {
 
 /// The version of the file format that this program writes and reads.
-inline constexpr int asset_format_version = 2;
+inline constexpr int asset_format_version = 3;
 
 enum class AssetForm { sparse, full };
 
@@ -110,9 +110,9 @@ struct Asset {
   GridData grid;
   SpaceData space;
   TreeData tree;
-  // The fallback's triangles, in one of two forms; see AssetView.
-  std::vector<float> triangles;                ///< nine each
-  std::vector<std::uint16_t> small_triangles;  ///< nine each
+  // Corners of the fallback's triangles, in one of two forms; see AssetView.
+  std::vector<float> triangles;                ///< three each
+  std::vector<std::uint16_t> small_triangles;  ///< three each
   Vector3 triangle_origin = Vector3::Zero();
   double triangle_step = 0;
   std::uint32_t first_cap = 0;  ///< `sparse` only

@@ -104,7 +104,7 @@ std::string space_problem(const SpaceTree& tree) {
 /// The same of the tree of elements.
 std::string tree_problem(const AssetView& asset) {
   const std::size_t nodes = asset.tree.words.size() / tree_node_words;
-  const std::size_t triangles = (asset.triangles.size() + asset.small_triangles.size()) / 9;
+  const std::size_t corners = (asset.triangles.size() + asset.small_triangles.size()) / 3;
   std::vector<int> depth(nodes, 0);
   for (std::size_t node = 0; node < nodes; ++node) {
     for (std::size_t k = 0; k < tree_children; ++k) {
@@ -120,8 +120,8 @@ std::string tree_problem(const AssetView& asset) {
         case ElementKind::tile:
           if (child.first >= asset.tiles.size()) return "names a tile that does not exist";
           break;
-        case ElementKind::triangles:
-          if (std::size_t{child.first} + child.count > triangles) {
+        case ElementKind::fan:
+          if (std::size_t{child.first} + child.count + 2 > corners) {
             return "names a triangle that does not exist";
           }
           break;

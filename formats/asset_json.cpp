@@ -83,8 +83,12 @@ void add_surfaces(const AssetDescription& description, Json& json) {
                      {"spacing", metadata.tile_spacing},
                      {"height_unit", metadata.height_unit}};
   }
-  json["triangles"] = description.triangles;
-  if (metadata.form == AssetForm::sparse) json["caps"] = description.caps;
+  if (metadata.form == AssetForm::full) {
+    json["triangles"] = description.corners / 3;
+  } else {
+    json["corners"] = description.corners;
+    json["caps"] = description.caps;
+  }
   if (description.small_triangles) {
     json["small_triangles"] = {{"origin", json_of(description.triangle_origin)},
                                {"step", description.triangle_step}};
@@ -182,10 +186,12 @@ void read_trees(JsonFields& fields, AssetDescription& description) {
 }
 
 void read_triangles(JsonFields& fields, AssetDescription& description) {
-  description.triangles =
-      static_cast<std::uint32_t>(fields.integer("triangles", 0, (1U << 31U) - 1));
-  if (description.metadata.form == AssetForm::sparse) {
-    description.caps = static_cast<std::uint32_t>(fields.integer("caps", 0, description.triangles));
+  constexpr std::uint32_t most = 1U << 30U;
+  if (description.metadata.form == AssetForm::full) {
+    description.corners = static_cast<std::uint32_t>(3 * fields.integer("triangles", 0, most));
+  } else {
+    description.corners = static_cast<std::uint32_t>(fields.integer("corners", 0, most));
+    description.caps = static_cast<std::uint32_t>(fields.integer("caps", 0, description.corners));
   }
   description.small_triangles = !fields.optional("small_triangles").is_null();
   if (!description.small_triangles) return;
@@ -262,10 +268,10 @@ AssetDescription describe(const Asset& asset) {
   }
   description.tiles = static_cast<std::uint32_t>(asset.tiles.size());
   description.small_triangles = !asset.small_triangles.empty();
-  description.triangles = static_cast<std::uint32_t>(
-      (description.small_triangles ? asset.small_triangles.size() : asset.triangles.size()) / 9);
+  description.corners = static_cast<std::uint32_t>(
+      (description.small_triangles ? asset.small_triangles.size() : asset.triangles.size()) / 3);
   if (asset.metadata.form == AssetForm::sparse) {
-    description.caps = description.triangles - std::min(description.triangles, asset.first_cap);
+    description.caps = description.corners - std::min(description.corners, asset.first_cap);
   }
   if (description.small_triangles) {
     description.triangle_origin = asset.triangle_origin;

@@ -34,9 +34,9 @@ struct AssetDescription {
   std::uint32_t maps = 0;  ///< `full` only, with their columns and rows
   std::uint32_t map_columns = 0;
   std::uint32_t map_rows = 0;
-  std::uint32_t tiles = 0;  ///< `sparse` only
-  std::uint32_t triangles = 0;
-  std::uint32_t caps = 0;        ///< of them, the last; `sparse` only
+  std::uint32_t tiles = 0;       ///< `sparse` only
+  std::uint32_t corners = 0;     ///< of the fallback's triangles; in `full` three each
+  std::uint32_t caps = 0;        ///< of the corners, the last; `sparse` only
   bool small_triangles = false;  ///< then they have an origin and a step
   Vector3 triangle_origin = Vector3::Zero();
   double triangle_step = 0;

@@ -171,7 +171,7 @@ Result<std::vector<Tile>> sparse_tiles(const Parts& parts, const AssetDescriptio
 
 /// The triangles, in the one of two forms that the description names.
 bool find_triangles(const Parts& parts, const AssetDescription& description, AssetView& view) {
-  const std::uint64_t numbers = std::uint64_t{9} * description.triangles;
+  const std::uint64_t numbers = std::uint64_t{3} * description.corners;
   if (!description.small_triangles) {
     const auto corners = parts.words<float>(part_name::triangles, numbers);
     if (corners) view.triangles = *corners;
@@ -246,7 +246,7 @@ Result<AssetTables> lay_out(std::span<const std::byte> bytes, const std::vector<
   AssetView rest;
   if (!find_triangles(parts, description, rest)) return wrong_part(path, part_name::triangles);
   rest.height_unit = static_cast<float>(description.metadata.height_unit);
-  rest.first_cap = description.triangles - description.caps;
+  rest.first_cap = description.corners - description.caps;
   const std::string_view wrong =
       full ? find_grid(parts, description, rest.grid) : find_trees(parts, description, rest);
   if (!wrong.empty()) return wrong_part(path, wrong);

@@ -172,9 +172,10 @@ std::string inconsistency(const Asset& asset) {
                  !grid.index.empty() || !grid.records.empty()) {
     return "its trees are not of whole nodes, or of the other form";
   }
-  if (asset.triangles.size() % 9 != 0 || asset.small_triangles.size() % 9 != 0 ||
+  const std::size_t numbers = full ? 9 : 3;
+  if (asset.triangles.size() % numbers != 0 || asset.small_triangles.size() % numbers != 0 ||
       !(asset.triangles.empty() || asset.small_triangles.empty())) {
-    return "its triangles are not of nine numbers, or of two forms";
+    return "the corners of its triangles are not of three numbers, or of two forms";
   }
   if (full ? !asset.tiles.empty() : !asset.maps.empty()) {
     return "it holds what belongs to the other form";
@@ -182,7 +183,7 @@ std::string inconsistency(const Asset& asset) {
   return full ? map_problem(asset) : tiles_problem(asset);
 }
 
-/// The 16-bit numbers of triangles two a word, the first in the low half.
+/// The 16-bit numbers of corners two a word, the first in the low half.
 std::vector<std::uint32_t> pack_small(const std::vector<std::uint16_t>& numbers) {
   std::vector<std::uint32_t> words((numbers.size() + 1) / 2, 0);
   for (std::size_t i = 0; i < numbers.size(); ++i) {

@@ -17,9 +17,9 @@ constexpr std::uint32_t known_bits = (1U << 26U) - 1;
 void place(Tile& tile, std::uint32_t level, std::int32_t column, std::int32_t row,
            double tile_spacing) noexcept {
   tile.spacing = static_cast<float>(std::ldexp(tile_spacing, -static_cast<int>(level)));
-  const double size = tile_cells * static_cast<double>(tile.spacing);
-  tile.eta0 = column * size;
-  tile.omega0 = row * size;
+  const double stride = tile_stride * static_cast<double>(tile.spacing);
+  tile.eta0 = column * stride;
+  tile.omega0 = row * stride;
 }
 
 bool is_half(float value) noexcept {

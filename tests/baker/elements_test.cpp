@@ -1,5 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <algorithm>
+#include <array>
 #include <catch2/catch.hpp>
+#include <map>
 #include <set>
 
 #include "bake_support.hpp"
@@ -8,6 +11,7 @@
 #include "baker/random.hpp"
 #include "baker/space_build.hpp"
 #include "baker/tree_build.hpp"
+#include "baker/triangle_fans.hpp"
 #include "common/element_tree.hpp"
 
 namespace spm::baker {
@@ -21,12 +25,12 @@ Vector3 random_point(std::uint64_t seed, std::uint64_t index) {
 /// Small boxes at random places; every third a tile, a few of the others caps.
 std::vector<TreeElement> random_elements(std::size_t count) {
   std::vector<TreeElement> elements;
-  std::uint32_t tiles = 0, triangles = 0;
+  std::uint32_t tiles = 0, fans = 0;
   for (std::size_t i = 0; i < count; ++i) {
     TreeElement element;
-    element.tile = i % 3 == 0;
-    element.cap = !element.tile && i % 7 == 1;
-    element.number = element.tile ? tiles++ : triangles++;
+    element.triangles = static_cast<std::uint32_t>(i % 3);
+    element.cap = element.triangles > 0 && i % 7 == 1;
+    element.number = element.triangles == 0 ? tiles++ : fans++;
     element.box.low = random_point(1, i);
     element.box.high = element.box.low + 0.05 * random_point(2, i);
     elements.push_back(element);
@@ -38,18 +42,33 @@ double distance_to(const Box& box, const Vector3& point) {
   return (box.low - point).cwiseMax(point - box.high).cwiseMax(0.0).norm();
 }
 
-/// Old numbers of the tiles, and of the triangles above them, that a visit meets.
-std::set<std::pair<bool, std::uint32_t>> met(const BuiltTree& tree, const Vector3& point,
+/// Old numbers of the fans by the first of their corners.
+std::map<std::uint32_t, std::uint32_t> fans_by_corner(const std::vector<TreeElement>& elements,
+                                                      const BuiltTree& tree) {
+  std::map<std::uint32_t, std::uint32_t> triangles, fans;
+  for (const TreeElement& element : elements) {
+    if (element.triangles > 0) triangles[element.number] = element.triangles;
+  }
+  std::uint32_t corner = 0;
+  for (const std::uint32_t fan : tree.fans) {
+    fans[corner] = fan;
+    corner += triangles[fan] + 2;
+  }
+  return fans;
+}
+
+/// Which elements, tiles or not and their old numbers, a visit meets.
+std::set<std::pair<bool, std::uint32_t>> met(const std::vector<TreeElement>& elements,
+                                             const BuiltTree& tree, const Vector3& point,
                                              double reach) {
   std::set<std::pair<bool, std::uint32_t>> found;
+  const auto fans = fans_by_corner(elements, tree);
   const ElementTree view{tree.data.origin, tree.data.size, tree.data.words};
   visit_elements(
       view, point,
       [&](const TreeChild& child) {
-        for (std::uint32_t k = 0; k < child.count; ++k) {
-          const bool tile = child.kind == ElementKind::tile;
-          found.emplace(tile, (tile ? tree.tiles : tree.triangles)[child.first + k]);
-        }
+        const bool tile = child.kind == ElementKind::tile;
+        found.emplace(tile, tile ? tree.tiles[child.first] : fans.at(child.first));
       },
       [reach] { return reach; });
   return found;
@@ -62,10 +81,10 @@ TEST_CASE("A tree of elements leads to every element that may be near enough") {
     for (std::uint64_t i = 0; i < 200; ++i) {
       const Vector3 point = 1.4 * random_point(3, i) - Vector3::Constant(0.2);
       const double reach = 0.3 * random_unit(4, i);
-      const auto found = met(tree, point, reach);
+      const auto found = met(elements, tree, point, reach);
       for (const TreeElement& element : elements) {
         if (distance_to(element.box, point) > reach) continue;
-        CHECK(found.count({element.tile, element.number}) == 1);
+        CHECK(found.count({element.triangles == 0, element.number}) == 1);
       }
     }
   }
@@ -75,12 +94,14 @@ TEST_CASE("A tree names every element once, and caps last") {
   const std::vector<TreeElement> elements = random_elements(400);
   const BuiltTree tree = build_tree(elements);
   CHECK(std::set(tree.tiles.begin(), tree.tiles.end()).size() == tree.tiles.size());
-  CHECK(std::set(tree.triangles.begin(), tree.triangles.end()).size() == tree.triangles.size());
-  CHECK(tree.tiles.size() + tree.triangles.size() == elements.size());
+  CHECK(std::set(tree.fans.begin(), tree.fans.end()).size() == tree.fans.size());
+  CHECK(tree.tiles.size() + tree.fans.size() == elements.size());
+  std::map<std::uint32_t, bool> caps;
   for (const TreeElement& element : elements) {
-    if (element.tile) continue;
-    const auto place = std::find(tree.triangles.begin(), tree.triangles.end(), element.number);
-    CHECK(element.cap == (place - tree.triangles.begin() >= tree.first_cap));
+    if (element.triangles > 0) caps[element.number] = element.cap;
+  }
+  for (const auto& [corner, fan] : fans_by_corner(elements, tree)) {
+    CHECK(caps[fan] == (corner >= tree.first_cap));
   }
 }
 
@@ -88,7 +109,7 @@ TEST_CASE("Elements that all lie in one place still make a tree that ends") {
   std::vector<TreeElement> elements = random_elements(500);
   for (TreeElement& element : elements) element.box = elements[0].box;
   const BuiltTree tree = build_tree(elements);
-  CHECK(met(tree, elements[0].box.low, 1e-3).size() == elements.size());
+  CHECK(met(elements, tree, elements[0].box.low, 1e-3).size() == elements.size());
 }
 
 TEST_CASE("Cubes of one side hold no point of the other, and all of the band is in some cube") {
@@ -121,6 +142,48 @@ TEST_CASE("Space tells the same in memory and in its words, before and after men
   }
 }
 
+/// Triangles of fans again.
+std::vector<std::array<Vector3, 3>> opened(const std::vector<TriangleFan>& fans) {
+  std::vector<std::array<Vector3, 3>> triangles;
+  for (const TriangleFan& fan : fans) {
+    for (std::size_t k = 2; k < fan.size(); ++k) triangles.push_back({fan[0], fan[k - 1], fan[k]});
+  }
+  return triangles;
+}
+
+TEST_CASE("Fans hold every triangle once, wound as it was") {
+  for (const test::Shape& shape : {test::sphere(1, 2), test::box({1, 2, 3})}) {
+    std::vector<std::array<Vector3, 3>> triangles;
+    for (const auto& [a, b, c] : shape.triangles) {
+      triangles.push_back({shape.vertices[a], shape.vertices[b], shape.vertices[c]});
+    }
+    triangles.push_back(triangles[3]);  // and one twice
+    const std::vector<TriangleFan> fans = fans_of(triangles);
+    const auto key = [](const std::array<Vector3, 3>& triangle) {
+      std::array<std::array<double, 3>, 3> corners;
+      for (std::size_t k = 0; k < 3; ++k) {
+        corners[k] = {triangle[k].x(), triangle[k].y(), triangle[k].z()};
+      }
+      std::rotate(corners.begin(), std::min_element(corners.begin(), corners.end()), corners.end());
+      return corners;
+    };
+    std::multiset<std::array<std::array<double, 3>, 3>> wanted, found;
+    for (const auto& triangle : triangles) wanted.insert(key(triangle));
+    for (const auto& triangle : opened(fans)) found.insert(key(triangle));
+    CHECK(found == wanted);
+    CHECK(fans.size() < triangles.size() / 2);
+  }
+}
+
+TEST_CASE("Triangles that share no edge are fans of their own") {
+  const std::array<Vector3, 3> one{Vector3(0, 0, 0), Vector3(1, 0, 0), Vector3(0, 1, 0)};
+  const std::array<Vector3, 3> corner{Vector3(0, 0, 0), Vector3(-1, 0, 0), Vector3(0, -1, 0)};
+  const std::array<Vector3, 3> turned{Vector3(0, 0, 0), Vector3(1, 0, 0), Vector3(0, 0, 1)};
+  CHECK(fans_of({one, corner}).size() == 2);
+  CHECK(fans_of({one, turned}).size() == 2);
+  CHECK(fans_of({}).empty());
+}
+
 /// A surface of so many equal squares in a row, two triangles each, and tiles over them: tile k
 /// stands for square k, the last square for nothing.
 struct Row {
@@ -150,7 +213,7 @@ struct Row {
 TEST_CASE("Tiles that stand for few triangles go, until triangles are as much as is free") {
   const Row row(100);
   const Caster caster(test::surface_of(row.shape));
-  const ElementChoice choice = choose_elements(caster, row.tiles, row.cover);
+  const ElementChoice choice = choose_elements(caster, row.tiles, row.cover, 0.16);
   CHECK(choice.triangle_area_share == Approx(0.16));
   CHECK(choice.tiles.size() == 84);
   CHECK(choice.triangles.size() == 32);
@@ -161,7 +224,7 @@ TEST_CASE("A tile stays where its triangles would take more bytes") {
   // All triangles rest on one tile.
   for (auto& uses : row.cover.uses) uses = {{0, 1}};
   const Caster caster(test::surface_of(row.shape));
-  const ElementChoice choice = choose_elements(caster, row.tiles, row.cover);
+  const ElementChoice choice = choose_elements(caster, row.tiles, row.cover, 0.16);
   CHECK(choice.tiles.size() == 1);
   CHECK(choice.triangles.empty());
 }
@@ -173,7 +236,7 @@ TEST_CASE("Many open pieces of a small triangle become the triangle, few of a la
   const std::array<Vector3, 3> corners{Vector3(0, 0, 0), Vector3(1e-5, 0, 0), Vector3(0, 1e-5, 0)};
   row.cover.open[4].assign(9, {corners, 4});
   row.cover.open[8].assign(1, {corners, 8});
-  const ElementChoice choice = choose_elements(caster, row.tiles, row.cover);
+  const ElementChoice choice = choose_elements(caster, row.tiles, row.cover, 0.16);
   REQUIRE(choice.triangles.size() == 2);
   CHECK(choice.triangles[0].corners[1].x() == Approx(0.003));
   CHECK(choice.triangles[1].corners[1].x() == Approx(1e-5));

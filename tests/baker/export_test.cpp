@@ -4,6 +4,7 @@
 #include <catch2/catch.hpp>
 
 #include "baker/picture.hpp"
+#include "common/element_tree.hpp"
 #include "common/support_plane_mapping.hpp"
 #include "formats/asset.hpp"
 
@@ -33,7 +34,11 @@ Asset tile_asset(bool small) {
   } else {
     asset.triangles = {0, 0, 0, 2e-3F, 0, 0, 0, 2e-3F, 0, 0, 0, 1, 1, 0, 1, 0, 1, 1};
   }
-  asset.first_cap = 1;
+  asset.first_cap = 3;
+  for (const std::uint32_t first : {0U, 3U}) {
+    asset.tree.words.push_back(pack_child({ElementKind::fan, first, 1}));
+  }
+  asset.tree.words.resize(tree_node_words, 0);
   return asset;
 }
 

@@ -98,7 +98,7 @@ TEST_CASE("A tile on a box's face stands for the face up to its edges and not be
   const test::Shape box = test::box({0.03, 0.03, 0.03});
   const Caster caster(test::surface_of(box));
   const std::vector<SupportPlane> planes = axis_planes(0.015);
-  const TileSite site{planes[0], 0, 0, 1, 1, spacing, unit, 5e-5, 0.1, 0.3};
+  const TileSite site{planes[0], 0, 0, 2, 2, spacing, unit, 5e-5, 0.1, 0.3};
   // The tile over [8, 16] spacings along both ways, of which the face takes 15 mm.
   const std::optional<TileFit> fit = fit_tile(caster, site, {0.01, 0.01, 0});
   REQUIRE(fit);

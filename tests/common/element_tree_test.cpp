@@ -15,9 +15,9 @@ namespace {
 
 using test::add_tree_node;
 using test::BoxedChild;
+using test::fan_child;
 using test::node_child;
 using test::tile_child;
-using test::triangle_child;
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
@@ -49,7 +49,7 @@ std::vector<std::uint32_t> visited(const std::vector<std::uint32_t>& words, cons
 TEST_CASE("A child's word holds its kind, its number and its triangles") {
   for (const TreeChild& child :
        {TreeChild{ElementKind::node, 7, 1}, TreeChild{ElementKind::tile, most_tree_elements - 1, 1},
-        TreeChild{ElementKind::triangles, 1234567, most_leaf_triangles}}) {
+        TreeChild{ElementKind::fan, 1234567, most_fan_triangles}}) {
     const TreeChild read = unpack_child(pack_child(child));
     CHECK(read.kind == child.kind);
     CHECK(read.first == child.first);
@@ -94,8 +94,8 @@ TEST_CASE("Leaves below several nodes are visited with their kinds and counts") 
   BoxedChild right = node_child(2);
   right.low[0] = 128;
   add_tree_node(words, {right, node_child(1)});
-  add_tree_node(words, {tile_child(5), triangle_child(9, 64)});
-  add_tree_node(words, {triangle_child(3, 2)});
+  add_tree_node(words, {tile_child(5), fan_child(9, 64)});
+  add_tree_node(words, {fan_child(3, 2)});
   std::vector<TreeChild> leaves;
   visit_elements(
       tree_of(words), at(0, 0, 0), [&leaves](const TreeChild& child) { leaves.push_back(child); },
@@ -106,10 +106,10 @@ TEST_CASE("Leaves below several nodes are visited with their kinds and counts") 
     return child.kind == kind && child.first == first && child.count == count;
   };
   CHECK(std::count_if(leaves.begin(), leaves.end(), [&is](const TreeChild& child) {
-          return is(child, ElementKind::tile, 5, 1) || is(child, ElementKind::triangles, 9, 64);
+          return is(child, ElementKind::tile, 5, 1) || is(child, ElementKind::fan, 9, 64);
         }) == 2);
   // The right half is farther, and so its leaf is the last.
-  CHECK(is(leaves.back(), ElementKind::triangles, 3, 2));
+  CHECK(is(leaves.back(), ElementKind::fan, 3, 2));
 }
 
 TEST_CASE("A limit that shrinks to the nearest leaf finds it among many, and few are visited") {

@@ -12,14 +12,15 @@
 namespace spm {
 namespace {
 
+using test::fan_child;
 using test::octants;
 using test::TileByHand;
 using test::TiledCubeByHand;
 using test::tree_over;
-using test::triangle_child;
 
 constexpr double size = 0.04;
 constexpr double half = size / 2;
+constexpr float half_f = static_cast<float>(half);
 
 /// Makes a cube's space of one kind.
 void fill(TiledCubeByHand& cube, SpaceKind kind) {
@@ -27,12 +28,14 @@ void fill(TiledCubeByHand& cube, SpaceKind kind) {
   cube.refresh();
 }
 
-/// Makes a cube an asset of triangles alone, the last of which are caps.
+/// Makes a cube an asset of lone triangles, the last of which are caps.
 void replace_tiles(TiledCubeByHand& cube, const std::vector<float>& corners, std::uint32_t caps) {
   const auto count = static_cast<std::uint32_t>(corners.size() / 9);
   cube.triangles = corners;
-  cube.view.first_cap = count - caps;
-  cube.tree = tree_over({triangle_child(0, count)});
+  cube.view.first_cap = 3 * (count - caps);
+  std::vector<test::BoxedChild> fans;
+  for (std::uint32_t k = 0; k < count; ++k) fans.push_back(fan_child(3 * k, 1));
+  cube.tree = tree_over(fans);
   cube.refresh();
 }
 
@@ -237,9 +240,9 @@ TEST_CASE("Triangles of 16-bit numbers are found where origin and step put them"
   TiledCubeByHand cube(size);
   cube.view.triangle_origin = Vector3(-0.02, -0.02, 0.0195);
   cube.view.triangle_step = 1e-6;
-  cube.view.first_cap = 1;
+  cube.view.first_cap = 3;
   cube.small_triangles = {0, 0, 0, 40000, 0, 0, 0, 40000, 0};
-  cube.tree = tree_over({triangle_child(0, 1)});
+  cube.tree = tree_over({fan_child(0, 1)});
   cube.refresh();
   const Answer answer = query_point(cube.view, {-0.01, -0.01, 0.019});
   CHECK(answer.distance == Approx(-0.0005));
@@ -247,6 +250,27 @@ TEST_CASE("Triangles of 16-bit numbers are found where origin and step put them"
   CHECK(answer.plane == -1);
   CHECK(answer.layer == -1);
   CHECK((answer.normal - Vector3::UnitZ()).norm() < 1e-9);
+}
+
+TEST_CASE("Each triangle of a fan is found, the first corner being every one's") {
+  TiledCubeByHand cube(size);
+  // Four triangles around the middle of a face, so that each covers a quarter of it.
+  cube.triangles = {0,      0,      half_f, -half_f, -half_f, half_f, half_f,  -half_f, half_f,
+                    half_f, half_f, half_f, -half_f, half_f,  half_f, -half_f, -half_f, half_f};
+  cube.view.first_cap = 6;
+  cube.tree = tree_over({fan_child(0, 4)});
+  cube.refresh();
+  for (const double x : {-0.013, 0.001, 0.012}) {
+    for (const double y : {-0.011, 0.002, 0.014}) {
+      CHECK(query_point(cube.view, {x, y, half - 0.0004}).distance == Approx(-0.0004).margin(1e-8));
+    }
+  }
+  // One triangle fewer leaves its quarter open.
+  cube.tree = tree_over({fan_child(0, 3)});
+  cube.refresh();
+  CHECK(query_point(cube.view, {-0.013, 0.001, half - 0.0004}).distance < -0.0008);
+  CHECK(query_point(cube.view, {0.013, 0.001, half - 0.0004}).distance ==
+        Approx(-0.0004).margin(1e-8));
 }
 
 TEST_CASE("At the edge of two triangles the side is that of the one that faces the point more") {
@@ -310,8 +334,8 @@ TEST_CASE("A triangle without area on a face changes neither side nor distance")
   TiledCubeByHand cube(size);
   cube.triangles.assign(9, 0);
   cube.triangles[2] = cube.triangles[5] = cube.triangles[8] = 0.02F;
-  cube.view.first_cap = 1;
-  cube.tree = tree_over({triangle_child(0, 1), test::tile_child(4)});
+  cube.view.first_cap = 3;
+  cube.tree = tree_over({fan_child(0, 1), test::tile_child(4)});
   cube.refresh();
   for (const double height : {0.0003, -0.0003}) {
     CHECK(query_point(cube.view, {0, 0, half + height}).distance == Approx(height).margin(1e-8));

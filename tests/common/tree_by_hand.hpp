@@ -22,8 +22,9 @@ struct BoxedChild {
 
 inline BoxedChild node_child(std::uint32_t node) { return {{ElementKind::node, node, 1}}; }
 inline BoxedChild tile_child(std::uint32_t tile) { return {{ElementKind::tile, tile, 1}}; }
-inline BoxedChild triangle_child(std::uint32_t first, std::uint32_t count) {
-  return {{ElementKind::triangles, first, count}};
+/// A fan of so many triangles from a corner on.
+inline BoxedChild fan_child(std::uint32_t first, std::uint32_t count) {
+  return {{ElementKind::fan, first, count}};
 }
 
 /// Adds a node of up to four children to a tree of elements.

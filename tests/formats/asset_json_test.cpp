@@ -69,7 +69,7 @@ TEST_CASE("Every wrong field of a description is refused by its name") {
   };
   const std::vector<Case> cases = {
       {"format_version", [](Json& j) { j["format_version"] = "2"; }},
-      {"format version 7, this program reads 2", [](Json& j) { j["format_version"] = 7; }},
+      {"format version 7, this program reads 3", [](Json& j) { j["format_version"] = 7; }},
       {"`form`", [](Json& j) { j["form"] = "dense"; }},
       {"`units`", [](Json& j) { j["units"] = "mm"; }},
       {"`kind`", [](Json& j) { j.erase("kind"); }},
@@ -117,7 +117,7 @@ TEST_CASE("Every wrong field of a description is refused by its name") {
       {"`tree.nodes`", [](Json& j) { j["tree"]["nodes"] = -1; }},
       {"`tree.nodes`", [](Json& j) { j["tree"]["nodes"] = 1 << 25; }},
       {"`caps`", [](Json& j) { j.erase("caps"); }},
-      {"`caps`", [](Json& j) { j["caps"] = 21; }},
+      {"`caps`", [](Json& j) { j["caps"] = 61; }},
       {"`tiles.count`", [](Json& j) { j["tiles"]["count"] = 1 << 25; }},
       {"`tiles.spacing`", [](Json& j) { j["tiles"]["spacing"] = 0; }},
       {"`tiles.spacing`", [](Json& j) { j["tiles"]["spacing"] = 1e30; }},
@@ -128,7 +128,7 @@ TEST_CASE("Every wrong field of a description is refused by its name") {
        [](Json& j) {
          j["small_triangles"] = {{"origin", {0, 0, 0}}, {"step", 0}};
        }},
-      {"`triangles`", [](Json& j) { j["triangles"] = 1ULL << 31U; }},
+      {"`corners`", [](Json& j) { j["corners"] = 1ULL << 31U; }},
       {"`planes`", [](Json& j) { j["planes"] = 1; }},
       {"`planes[0].x0`", [](Json& j) { j["planes"][0].erase("x0"); }},
       {"`planes[1].u`", [](Json& j) { j["planes"][1]["u"].push_back(0); }},
@@ -201,11 +201,11 @@ TEST_CASE("Every wrong field of the full form's grid is refused by its name") {
 
 TEST_CASE("A description has the partition of its own form alone") {
   const Json sparse = Json::parse(sparse_text()), full = Json::parse(full_text());
-  for (const char* key : {"space", "tree", "tiles", "caps"}) {
+  for (const char* key : {"space", "tree", "tiles", "corners", "caps"}) {
     CHECK(sparse.contains(key));
     CHECK(!full.contains(key));
   }
-  for (const char* key : {"grid", "maps"}) {
+  for (const char* key : {"grid", "maps", "triangles"}) {
     CHECK(full.contains(key));
     CHECK(!sparse.contains(key));
   }

@@ -165,11 +165,11 @@ std::vector<Damage> wrong_descriptions() {
   const std::string sparse = sparse_bytes();
   const std::string full = full_bytes();
   return {
-      {"a later version", with_header_text(sparse, "\"format_version\":2", "\"format_version\":7"),
-       "format version 7, this program reads 2; bake it again"},
+      {"a later version", with_header_text(sparse, "\"format_version\":3", "\"format_version\":7"),
+       "format version 7, this program reads 3; bake it again"},
       {"the version before",
-       with_header_text(sparse, "\"format_version\":2", "\"format_version\":1"),
-       "format version 1, this program reads 2; bake it again"},
+       with_header_text(sparse, "\"format_version\":3", "\"format_version\":2"),
+       "format version 2, this program reads 3; bake it again"},
       {"tolerance NaN",
        with_header_text(sparse, "\"tolerance\":3.3333333333333335e-05",
                         "\"tolerance\":NaN                   "),
@@ -186,9 +186,8 @@ std::vector<Damage> wrong_descriptions() {
        with_header_text(baked(sparse_asset(1, {.small = true})), "\"small_triangles\"",
                         "\"later_triangles\""),
        "triangles"},
-      {"a triangle too many",
-       with_header_text(sparse, "\"triangles\":20,\"caps\"", "\"triangles\":21,\"caps\""),
-       "triangles"},
+      {"a corner too many",
+       with_header_text(sparse, "\"corners\":60,\"caps\"", "\"corners\":61,\"caps\""), "triangles"},
       {"a grid of other size", with_header_text(full, "\"cells\":[7,7,5]", "\"cells\":[7,7,9]"),
        "grid_index"},
       {"lists of other size", with_other_number(full, "grid", "records"), "grid_records"},

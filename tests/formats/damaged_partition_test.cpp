@@ -126,13 +126,13 @@ std::vector<Damage> wrong_trees() {
       {"a box that leads outside", with_first_child({ElementKind::node, nodes, 1}), none_below},
       {"a tile that is not", with_first_child({ElementKind::tile, 100, 1}), no_tile},
       {"a tile far from any", with_last_child({ElementKind::tile, 0xFFFFFF, 1}), no_tile},
-      {"a triangle that is not", with_first_child({ElementKind::triangles, 20, 1}), no_triangle},
-      {"triangles of which the last is not", with_last_child({ElementKind::triangles, 19, 2}),
+      {"a triangle that is not", with_first_child({ElementKind::fan, 60, 1}), no_triangle},
+      {"a fan of which the last triangle is not", with_last_child({ElementKind::fan, 56, 3}),
        no_triangle},
-      {"small triangles of which the last is not",
+      {"a fan of small triangles of which the last is not",
        [] {
          Asset small = sparse_asset(1, {.small = true});
-         small.tree.words[0] = pack_child({ElementKind::triangles, 0, 21});
+         small.tree.words[0] = pack_child({ElementKind::fan, 20, 39});
          return baked(small);
        }(),
        no_triangle},
@@ -164,6 +164,6 @@ TEST_CASE("Trees as deep as they may be, and the last tile and triangle, are acc
   check_opens(with_space(space_chain(space_levels, SpaceKind::inside, SpaceKind::told)));
   check_opens(sparse_with([](Asset& a) { a.tree.words = chain_of_nodes(tree_levels); }));
   check_opens(with_first_child({ElementKind::tile, 99, 1}));
-  check_opens(with_first_child({ElementKind::triangles, 0, 20}));
+  check_opens(with_first_child({ElementKind::fan, 20, 38}));
   check_opens(with_first_child({ElementKind::none, 0, 1}));
 }

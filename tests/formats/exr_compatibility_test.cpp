@@ -132,7 +132,7 @@ TEST_CASE("The attributes say what the contract names") {
   const auto* text = file.header(0).findTypedAttribute<Imf::StringAttribute>("spm");
   REQUIRE(text != nullptr);
   const auto json = nlohmann::json::parse(text->value());
-  CHECK(json["format_version"] == 2);
+  CHECK(json["format_version"] == asset_format_version);
   CHECK(json["units"] == "m");
   CHECK(json["mesh_sha256"].get<std::string>().size() == 64);
   CHECK(json["tolerance"].is_null());

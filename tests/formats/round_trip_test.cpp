@@ -37,8 +37,8 @@ void check_same_tile(const TileData& wanted, const Tile& tile, double tile_spaci
   REQUIRE(tile.plane == wanted.plane);
   REQUIRE(tile.first_layer == wanted.first_layer);
   REQUIRE(tile.spacing == static_cast<float>(tile_spacing / (1U << wanted.level)));
-  REQUIRE(tile.eta0 == wanted.column * 8 * static_cast<double>(tile.spacing));
-  REQUIRE(tile.omega0 == wanted.row * 8 * static_cast<double>(tile.spacing));
+  REQUIRE(tile.eta0 == wanted.column * 4 * static_cast<double>(tile.spacing));
+  REQUIRE(tile.omega0 == wanted.row * 4 * static_cast<double>(tile.spacing));
   REQUIRE(tile.base == static_cast<double>(wanted.base));
   REQUIRE(tile.slope_eta == wanted.slope_eta);
   REQUIRE(tile.slope_omega == wanted.slope_omega);

@@ -218,14 +218,14 @@ SpaceData random_space(Random& random) {
   return space;
 }
 
-/// A tree over all tiles and triangles, with random boxes that leave little out.
-TreeData random_tree(Random& random, std::uint32_t tiles, std::uint32_t triangles) {
+/// A tree over all tiles and fans, with random boxes that leave little out.
+TreeData random_tree(Random& random, std::uint32_t tiles, std::uint32_t corners) {
   std::vector<TreeChild> leaves;
   for (std::uint32_t tile = 0; tile < tiles; ++tile) leaves.push_back({ElementKind::tile, tile, 1});
-  for (std::uint32_t first = 0; first < triangles;) {
-    const std::uint32_t count = std::min(1 + random.below(5), triangles - first);
-    leaves.push_back({ElementKind::triangles, first, count});
-    first += count;
+  for (std::uint32_t first = 0; first + 2 < corners;) {
+    const std::uint32_t count = std::min(1 + random.below(5), corners - first - 2);
+    leaves.push_back({ElementKind::fan, first, count});
+    first += count + 2;
   }
   TreeData tree;
   tree.origin = Vector3(-0.035, -0.035, -0.025);
@@ -282,9 +282,9 @@ Asset sparse_asset(std::uint64_t seed, const SparseShape& shape) {
   } else {
     asset.triangles = random_triangles(random, shape.triangles);
   }
-  asset.first_cap = shape.triangles - shape.triangles / 4;
+  asset.first_cap = 3 * (shape.triangles - shape.triangles / 4);
   asset.space = random_space(random);
-  asset.tree = random_tree(random, shape.tiles, shape.triangles);
+  asset.tree = random_tree(random, shape.tiles, 3 * shape.triangles);
   round_to_stored(asset);
   return asset;
 }

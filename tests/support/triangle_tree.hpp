@@ -10,7 +10,7 @@
 namespace spm::test {
 
 /// Puts a `sparse` asset's triangles (floats) into a tree of elements, halves of halves by their
-/// middles, four to a leaf; the baker's own builder is not linked here.
+/// middles, each a fan of its own; the baker's own builder is not linked here.
 class TriangleTree {
  public:
   explicit TriangleTree(Asset& asset) : asset_(asset) {
@@ -29,7 +29,7 @@ class TriangleTree {
     for (const Corners& corners : triangles_) {
       asset.triangles.insert(asset.triangles.end(), corners.begin(), corners.end());
     }
-    asset.first_cap = static_cast<std::uint32_t>(triangles_.size());
+    asset.first_cap = static_cast<std::uint32_t>(3 * triangles_.size());
   }
 
  private:
@@ -84,9 +84,9 @@ class TriangleTree {
         asset_.tree.words[node + 5 + 2 * a] |= static_cast<std::uint32_t>(high) << (8 * k);
       }
       const auto count = static_cast<std::uint32_t>(to - from);
-      if (count <= 4) {
+      if (count == 1) {
         asset_.tree.words[node + k] =
-            pack_child({ElementKind::triangles, static_cast<std::uint32_t>(from), count});
+            pack_child({ElementKind::fan, static_cast<std::uint32_t>(3 * from), count});
         continue;
       }
       const auto next = static_cast<std::uint32_t>(asset_.tree.words.size() / tree_node_words);
