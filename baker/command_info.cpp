@@ -11,6 +11,7 @@
 #include "baker/commands.hpp"
 #include "baker/grid_walk.hpp"
 #include "baker/picture.hpp"
+#include "baker/picture_files.hpp"
 #include "formats/cli/command_line.hpp"
 #include "formats/mapped_asset.hpp"
 #include "formats/output_file.hpp"
@@ -41,25 +42,9 @@ std::vector<std::size_t> planes_with_maps(const AssetView& view) {
   return planes;
 }
 
-std::string save(const Picture& picture, const std::filesystem::path& path) {
-  const Result<std::string> png = to_png(picture);
-  if (!png) throw BakeError(png.error().code, png.error().message);
-  const Result<void> written = write_file(path.string(), *png);
-  if (!written) throw BakeError(written.error().code, written.error().message);
-  return path.string();
-}
-
 /// Writes an overview and the first planes' pictures; returns their paths.
 std::vector<std::string> write_pictures(const AssetView& view, const Settings& settings) {
-  const std::filesystem::path folder(settings.pictures);
-  std::error_code problem;
-  std::filesystem::create_directories(folder, problem);
-  if (problem || !std::filesystem::is_directory(folder, problem)) {
-    throw BakeError(ExitCode::file_or_device,
-                    settings.pictures +
-                        ": cannot be made a folder for the pictures; give "
-                        "--png a folder that can be written");
-  }
+  const std::filesystem::path folder = make_picture_folder(settings.pictures);
   const std::vector<std::size_t> planes = planes_with_maps(view);
   std::vector<Picture> thumbnails;
   for (std::size_t i = 0; i < std::min(planes.size(), most_thumbnails); ++i) {
@@ -67,11 +52,12 @@ std::vector<std::string> write_pictures(const AssetView& view, const Settings& s
   }
   std::vector<std::string> paths;
   if (!thumbnails.empty()) {
-    paths.push_back(save(contact_sheet(thumbnails, thumbnail_side), folder / "overview.png"));
+    paths.push_back(
+        save_picture(contact_sheet(thumbnails, thumbnail_side), folder / "overview.png"));
   }
   for (std::size_t i = 0; i < std::min(planes.size(), settings.picture_limit); ++i) {
-    paths.push_back(save(plane_picture(view, planes[i], picture_side),
-                         folder / fmt::format("plane-{:04}.png", planes[i])));
+    paths.push_back(save_picture(plane_picture(view, planes[i], picture_side),
+                                 folder / fmt::format("plane-{:04}.png", planes[i])));
   }
   return paths;
 }

@@ -9,6 +9,7 @@
 #include "baker/bake_error.hpp"
 #include "baker/commands.hpp"
 #include "baker/verify.hpp"
+#include "baker/verify_pictures.hpp"
 #include "formats/cli/command_line.hpp"
 #include "formats/mapped_asset.hpp"
 
@@ -20,6 +21,7 @@ using Json = nlohmann::ordered_json;
 struct Settings {
   std::string asset;
   std::string mesh;
+  std::string pictures;  ///< folder; empty: none
   VerifyOptions options;
   cli::GlobalOptions global;
 };
@@ -110,10 +112,18 @@ int run(const Settings& settings) {
   if (!asset) return cli::report(asset.error());
   const VerifyReport report =
       verify_asset((*asset)->view(), (*asset)->metadata(), settings.mesh, settings.options);
+  std::vector<std::string> pictures;
+  if (!settings.pictures.empty()) {
+    pictures = write_error_pictures((*asset)->view(), (*asset)->metadata(), settings.mesh, report,
+                                    settings.pictures);
+  }
   if (settings.global.json) {
-    cli::print_json(to_json(report));
+    Json json = to_json(report);
+    if (!pictures.empty()) json["pictures"] = pictures;
+    cli::print_json(json);
   } else if (!settings.global.quiet) {
     std::cout << describe(report);
+    for (const std::string& picture : pictures) std::cout << "picture        " << picture << "\n";
   }
   return 0;
 }
@@ -146,6 +156,10 @@ Command add_verify_command(CLI::App& app) {
       *command, "--threads", 1, 1024,
       [&options](std::uint64_t n) { options.threads = static_cast<unsigned>(n); },
       "threads, 1 to 1024; the result is the same for any (default: all cores)");
+  command
+      ->add_option("--png", settings->pictures,
+                   "write the surface and where it errs as pictures into this folder")
+      ->type_name("DIR");
   cli::add_global_options(*command, settings->global);
   command->callback([settings] { check(settings->options); });
   return {command, [settings] { return run(*settings); }};

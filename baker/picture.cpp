@@ -15,8 +15,6 @@
 namespace spm::baker {
 namespace {
 
-using Colour = std::array<double, 3>;
-
 constexpr std::uint8_t background = 40;
 
 /// Dark blue over green to pale yellow, so that lightness rises evenly and colour blind eyes see
@@ -26,6 +24,8 @@ constexpr std::array<Colour, 5> ramp{{{0.17, 0.17, 0.40},
                                       {0.19, 0.60, 0.54},
                                       {0.57, 0.79, 0.40},
                                       {0.98, 0.92, 0.55}}};
+
+}  // namespace
 
 Colour ramp_at(double position) {
   const double scaled = std::clamp(position, 0.0, 1.0) * (ramp.size() - 1);
@@ -37,6 +37,8 @@ Colour ramp_at(double position) {
   }
   return colour;
 }
+
+namespace {
 
 struct Extent {
   double left = std::numeric_limits<double>::infinity();

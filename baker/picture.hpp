@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -18,6 +19,12 @@ struct Picture {
   std::uint32_t height = 0;
   std::vector<std::uint8_t> pixels;
 };
+
+/// Red, green and blue, 0 to 1.
+using Colour = std::array<double, 3>;
+
+/// Dark blue at 0 over green to pale yellow at 1.
+[[nodiscard]] Colour ramp_at(double position);
 
 /// Relief of what the maps or tiles of one plane hold, seen along the plane's normal with u to the
 /// right and v upward: for each pixel the crossing nearest to the plane, coloured by its distance

@@ -37,7 +37,7 @@ constexpr int gap_rounds = 1;
 constexpr double gap_pieces = 4;
 /// Share of the tolerance that is proven, rounding included; the rest is for places where the side
 /// is in doubt, whose distances the query takes as less.
-constexpr double proven_share = 0.95;
+constexpr double proven_share = 0.85;
 /// Share of the surface that triangles may stand for without asking; and where facets ask for it.
 constexpr double free_share = 0.18;
 constexpr double facet_share = 0.23;

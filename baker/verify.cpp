@@ -290,9 +290,7 @@ VerifyReport verify_against(const Mesh& mesh, const AssetView& view, const Asset
   return report;
 }
 
-VerifyReport verify_asset(const AssetView& view, const AssetMetadata& metadata,
-                          const std::string& mesh_path, const VerifyOptions& options) {
-  const Band band = checked_band(metadata, options);
+Mesh mesh_of_asset(const AssetMetadata& metadata, const std::string& mesh_path) {
   const Result<std::string> hash = sha256_file(mesh_path);
   if (!hash) throw BakeError(hash.error().code, hash.error().message);
   if (*hash != metadata.mesh_sha256) {
@@ -306,6 +304,13 @@ VerifyReport verify_asset(const AssetView& view, const AssetMetadata& metadata,
   mesh.box_min *= metadata.scale;
   mesh.box_max *= metadata.scale;
   mesh.diagonal *= metadata.scale;
+  return mesh;
+}
+
+VerifyReport verify_asset(const AssetView& view, const AssetMetadata& metadata,
+                          const std::string& mesh_path, const VerifyOptions& options) {
+  const Band band = checked_band(metadata, options);
+  const Mesh mesh = mesh_of_asset(metadata, mesh_path);
   VerifyOptions checked = options;
   if (options.band) checked.band = band.max_depth;
   const Result<SmoothOptions> smoothing = recorded_smoothing(metadata.options);

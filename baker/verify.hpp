@@ -50,6 +50,10 @@ struct VerifyOptions {
   unsigned threads = 0;        ///< 0: as many as there are cores; never changes the result
 };
 
+/// The mesh that an asset was baked from, in the asset's frame. Throws BakeError: invalid_input
+/// where the file is another.
+[[nodiscard]] Mesh mesh_of_asset(const AssetMetadata& metadata, const std::string& mesh_path);
+
 /// Compares an asset's answers with the exact surface of the mesh file: closest points on the outer
 /// union of its parts (CGAL), sides by the generalised winding number; it shares no code with the
 /// fit. Samples are uniform by area, at uniform depths from `band` inside to the margin outside.

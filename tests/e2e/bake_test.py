@@ -163,6 +163,17 @@ class Bake(Case):
                                 "0.5mm", "--seed", "7")
         self.assertAlmostEqual(shallow["band_m"], 0.0005)
 
+    def test_verify_draws_the_surface_and_where_it_errs(self):
+        self.baked("sparse")
+        pictures = self.path("errors")
+        report = self.run_json("verify", self.asset, self.mesh, "--samples", "300", "--png", pictures)
+        names = ["error-section.png", "error-worst.png", "error.png", "surface.png"]
+        self.assertEqual(sorted(os.listdir(pictures)), names)
+        self.assertEqual(sorted(map(os.path.basename, report["pictures"])), names)
+        for name in names:
+            with open(os.path.join(pictures, name), "rb") as file:
+                self.assertEqual(file.read(8), b"\x89PNG\r\n\x1a\n")
+
     def test_info_tells_what_is_in_a_file_and_draws_it(self):
         for form in self.OPTIONS:
             with self.subTest(form):
