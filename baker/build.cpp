@@ -195,7 +195,12 @@ Json to_json(const BuildRequest& request, const Mesh& mesh, const BakeResult& ba
   json["smooth"] = smooth_json(baked.report.smooth);
   json["unanswered"] = check.unanswered;
   json["pruned"] = Json::array();
+  json["pruned_nothing"] = Json::array();
   for (const Pruned& pruned : baked.report.pruned) {
+    if (pruned.bytes == 0) {
+      json["pruned_nothing"].push_back(pruned.rule);
+      continue;
+    }
     json["pruned"].push_back({{"rule", pruned.rule}, {"bytes", pruned.bytes}});
   }
   json["seconds"] = {{"load", seconds.load},
@@ -304,6 +309,9 @@ std::string describe(const BuildReport& report) {
   for (const Json& pruned : json["pruned"]) {
     text += fmt::format("pruned   {} bytes: {}\n", pruned["bytes"].get<std::uint64_t>(),
                         reason_of(pruned["rule"].get<std::string>()));
+  }
+  for (const Json& rule : json["pruned_nothing"]) {
+    text += fmt::format("pruned   nothing: {}\n", reason_of(rule.get<std::string>()));
   }
   for (const std::string& derived : report.derived) text += "derived  " + derived + "\n";
   for (const std::string& note : report.notes) text += "note     " + note + "\n";

@@ -111,6 +111,21 @@ bool Reach::cuts() const {
   return self.workspace || self.filled || self.places;
 }
 
+bool Reach::looks_at(PruneRule rule) const {
+  const Implementation& self = *implementation_;
+  switch (rule) {
+    case PruneRule::workspace:
+      return self.workspace.has_value();
+    case PruneRule::probe:
+      return self.places != nullptr;
+    case PruneRule::unreachable:
+      return self.filled != nullptr;
+    case PruneRule::none:
+      break;
+  }
+  return false;
+}
+
 PruneRule Reach::likeliest() const {
   const Implementation& self = *implementation_;
   if (self.places) return PruneRule::probe;

@@ -51,6 +51,8 @@ class Reach {
 
   /// False where nothing is left out for sure.
   [[nodiscard]] bool cuts() const;
+  /// Whether a rule might cut: it has a workspace, a ball or a sealed hollow to look at.
+  [[nodiscard]] bool looks_at(PruneRule rule) const;
 
   /// The rule that most likely left out what no single place tells.
   [[nodiscard]] PruneRule likeliest() const;

@@ -169,7 +169,7 @@ std::vector<Pruned> add_up(const Asset& asset, const Elements& elements,
   std::vector<Pruned> pruned;
   for (const PruneRule rule : {PruneRule::workspace, PruneRule::probe, PruneRule::unreachable}) {
     const std::uint64_t sum = bytes[static_cast<std::size_t>(rule)];
-    if (sum > 0) pruned.push_back({name_of(rule), sum});
+    if (sum > 0 || reach.looks_at(rule)) pruned.push_back({name_of(rule), sum});
   }
   return pruned;
 }

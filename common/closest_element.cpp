@@ -21,6 +21,8 @@ constexpr double facing_cosine = 0.998;
 constexpr double clear_margin = 0.8;
 /// Doubt makes a distance less up to a tolerance from the surface, fading out up to so many.
 constexpr double close_reach = 1.25;
+/// But by no more than so many: the elements themselves may be off by the rest of a tolerance.
+constexpr double most_less = 0.55;
 
 /// Gathers the nearest of the elements that are shown to it.
 class Gatherer {
@@ -171,7 +173,8 @@ double signed_distance(const AssetView& asset, const ElementReading& reading,
   if (!(tolerances < close_reach)) return side * distance;
   const double clear = std::min(1.0, reading.sides.margin() / clear_margin);
   const double fade = std::clamp((tolerances - 1) / (close_reach - 1), 0.0, 1.0);
-  return side * distance * (clear + (1 - clear) * fade);
+  const double doubt = (1 - clear) * (1 - fade);
+  return side * (distance - doubt * std::min(distance, most_less * asset.tolerance));
 }
 
 }  // namespace spm

@@ -52,8 +52,8 @@ struct ElementReading {
 
 /// The signed distance that a reading comes to, m, finite where it found an element. Where claims
 /// for the two sides are close and the surface no farther than the tolerance, it is less than the
-/// distance: so that it goes through 0, and not from one side's to the other's, where the claims
-/// change places, and is off by no more than the tolerance if they are wrong.
+/// distance by up to 0.55 tolerances: so that close to the surface it goes through 0, and not from
+/// one side's to the other's, where the claims change places, and is off by less if they are wrong.
 [[nodiscard]] double signed_distance(const AssetView& asset, const ElementReading& reading,
                                      SpaceKind place) noexcept;
 
