@@ -172,6 +172,7 @@ BakeResult bake(const Mesh& mesh, const BakeOptions& options, const Progress& pr
     bake_sparse(result, caster, hull, options, progress, counts);
   }
   result.report.rays = counts.rays;
+  result.report.caps = surface.caps;
   add_notes(mesh, surface, counts, result.report);
   asset.metadata.layers_max = counts.layers_max;
   asset.metadata.inconsistent_samples =

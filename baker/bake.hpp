@@ -8,6 +8,7 @@
 
 #include "baker/mesh.hpp"
 #include "baker/oriented_box.hpp"
+#include "baker/outer_surface.hpp"
 #include "baker/planes.hpp"
 #include "baker/smooth_options.hpp"
 #include "formats/asset.hpp"
@@ -55,6 +56,7 @@ struct BakeReport {
   double seconds_fit = 0;           ///< hull, planes, choice of maps and partition
   double seconds_cast = 0;
   std::vector<Pruned> pruned;
+  std::vector<CappedHole> caps;  ///< holes closed for the side only, largest first
   std::optional<SmoothReport> smooth;
   std::vector<std::string> notes;  ///< what was assumed, a sentence each, for the user
 };

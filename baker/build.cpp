@@ -10,6 +10,7 @@
 #include <system_error>
 
 #include "baker/bake_error.hpp"
+#include "baker/caps_report.hpp"
 #include "baker/reach.hpp"
 #include "baker/stopwatch.hpp"
 #include "baker/time_limit.hpp"
@@ -203,6 +204,7 @@ Json to_json(const BuildRequest& request, const Mesh& mesh, const BakeResult& ba
     }
     json["pruned"].push_back({{"rule", pruned.rule}, {"bytes", pruned.bytes}});
   }
+  add_caps_json(baked.report.caps, json);
   json["seconds"] = {{"load", seconds.load},
                      {"fit", baked.report.seconds_fit},
                      {"cast", baked.report.seconds_cast},
@@ -306,6 +308,7 @@ std::string describe(const BuildReport& report) {
       seconds["total"].get<double>(), seconds["load"].get<double>(), seconds["fit"].get<double>(),
       seconds["cast"].get<double>(), seconds["verify"].get<double>(),
       seconds["write"].get<double>());
+  text += caps_text(json);
   for (const Json& pruned : json["pruned"]) {
     text += fmt::format("pruned   {} bytes: {}\n", pruned["bytes"].get<std::uint64_t>(),
                         reason_of(pruned["rule"].get<std::string>()));

@@ -129,11 +129,12 @@ class BorderRuns {
 
   /// A number for the run that a border vertex belongs to.
   [[nodiscard]] std::uint32_t run(std::uint32_t vertex) {
-    for (auto at = parent_.try_emplace(vertex, vertex).first; at->second != vertex;
-         at = parent_.find(vertex)) {
-      vertex = at->second;
+    auto at = parent_.try_emplace(vertex, vertex).first;
+    while (at->second != at->first) {
+      at->second = parent_.at(at->second);  // half the way next time: borders can be long
+      at = parent_.find(at->second);
     }
-    return vertex;
+    return at->first;
   }
 
   [[nodiscard]] const Vector3& centre(std::uint32_t run) const { return centres_.at(run); }
@@ -163,8 +164,12 @@ void add_caps(const Mesh& mesh, const Judge& judge, const std::vector<Edge>& edg
   // part there is none.
   constexpr double kLeast = 0.05;
   constexpr double kMost = 0.95;
+  struct Fan {
+    std::uint32_t centre;  ///< its vertex
+    CappedHole hole;
+  };
   BorderRuns runs(mesh);
-  std::map<std::uint32_t, std::uint32_t> centres;
+  std::map<std::uint32_t, Fan> fans;
   for (const Edge& edge : mesh.border) {
     const auto& [from, to] = edge;
     if (!std::binary_search(edges.begin(), edges.end(), edge)) continue;
@@ -172,15 +177,22 @@ void add_caps(const Mesh& mesh, const Judge& judge, const std::vector<Edge>& edg
     const Vector3& centre = runs.centre(run);
     const double winding = judge.winding_at((mesh.vertices[from] + mesh.vertices[to] + centre) / 3);
     if (winding < kLeast || winding > kMost) continue;
-    const auto [found, added] =
-        centres.try_emplace(run, static_cast<std::uint32_t>(surface.vertices.size()));
+    const auto vertex = static_cast<std::uint32_t>(surface.vertices.size());
+    const auto [found, added] = fans.try_emplace(run, Fan{vertex, {.middle = centre}});
     if (added) surface.vertices.push_back(centre);
-    const Triangle cap{to, from, found->second};
+    Fan& fan = found->second;
+    ++fan.hole.edges;
+    const Triangle cap{to, from, fan.centre};
     const double area = twice_area(surface.vertices, cap).norm() / 2;
     if (!(area > 0)) continue;
     surface.triangles.push_back(cap);
-    surface.cap_area += area;
+    fan.hole.area += area;
   }
+  for (const auto& [run, fan] : fans) {
+    if (fan.hole.area > 0) surface.caps.push_back(fan.hole);
+  }
+  std::stable_sort(surface.caps.begin(), surface.caps.end(),
+                   [](const CappedHole& a, const CappedHole& b) { return a.area > b.area; });
 }
 
 /// Keeps the vertices that triangles refer to.

@@ -9,6 +9,13 @@
 
 namespace spm::baker {
 
+/// A hole that caps close.
+struct CappedHole {
+  Vector3 middle;         ///< of its border, m
+  double area = 0;        ///< of its caps, m2
+  std::size_t edges = 0;  ///< of its border
+};
+
 /// The surface that a hand outside can be stopped by: the boundary of the union of all parts, as
 /// triangles split where parts intersect, hidden ones removed, each with the solid behind it.
 struct OuterSurface {
@@ -18,7 +25,7 @@ struct OuterSurface {
   std::size_t hidden = 0;         ///< pieces removed because they lie inside other parts
   std::size_t intersecting = 0;   ///< triangles of the mesh that were split
   double hidden_area = 0;         ///< m2
-  double cap_area = 0;            ///< m2
+  std::vector<CappedHole> caps;   ///< largest first
 };
 
 /// Splits self-intersecting triangles along their intersections, keeps the pieces across which the

@@ -27,6 +27,8 @@ namespace {
 constexpr double hole_share = 0.03;      // of the diagonal
 constexpr double least_distance = 2e-6;  // m; nearer the direction is lost in rounding
 constexpr std::uint64_t most_draws = 256;
+/// Samples that are tried first, so that a surface without a place to measure is told at once.
+constexpr std::uint64_t first_samples = 256;
 
 /// What a verification measures with; fixed while it runs.
 struct Setting {
@@ -82,12 +84,14 @@ Vector3 draw(const Setting& setting, std::uint64_t index, Outcome& outcome) {
                         : Vector3(start.position + offset * start.normal);
     closest = setting.surface.closest(outcome.point).position;
     const double distance = (outcome.point - closest).norm();
-    outcome.truth = setting.surface.inside(outcome.point) ? -distance : distance;
-    if (outcome.truth < -setting.band.max_depth || outcome.truth > setting.band.margin) continue;
+    // The side is asked last, since that takes the longest by far.
+    if (distance > std::max(setting.band.max_depth, setting.band.margin)) continue;
     if (setting.surface.border_distance(closest) < setting.near_hole) {
       ++outcome.near_holes;
       continue;
     }
+    outcome.truth = setting.surface.inside(outcome.point) ? -distance : distance;
+    if (outcome.truth < -setting.band.max_depth || outcome.truth > setting.band.margin) continue;
     outcome.drawn = true;
   }
   return closest;
@@ -271,6 +275,13 @@ VerifyReport verify_against(const Mesh& mesh, const AssetView& view, const Asset
                       [&](std::size_t i) { outcomes[i] = measure(how, i); });
     return outcomes;
   };
+  const std::vector<Outcome> first = measured(setting, std::min(options.samples, first_samples));
+  if (std::none_of(first.begin(), first.end(), [](const Outcome& o) { return o.drawn; })) {
+    throw BakeError(ExitCode::invalid_input,
+                    mesh.path +
+                        ": no place to measure: everywhere is within 3 % of the diagonal of a "
+                        "border edge; close the mesh's holes");
+  }
   const std::vector<Outcome> outcomes = measured(setting, options.samples);
   VerifyReport report = reduce(outcomes, setting.tolerance);
   Setting hard = setting;
@@ -281,12 +292,6 @@ VerifyReport verify_against(const Mesh& mesh, const AssetView& view, const Asset
                         hardest.outside_as_inside, hardest.unanswered, hardest.worst_point};
   if (before) add_smoothing(outcomes, report);
   report.band = band;
-  if (report.samples == 0) {
-    throw BakeError(ExitCode::invalid_input,
-                    mesh.path +
-                        ": no place to measure: everywhere is within 3 % of the diagonal of a "
-                        "border edge; close the mesh's holes");
-  }
   return report;
 }
 

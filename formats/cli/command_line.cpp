@@ -13,6 +13,7 @@
 #include <memory>
 
 #include "formats/cli/nearest_word.hpp"
+#include "formats/cli/progress_text.hpp"
 
 namespace spm::cli {
 namespace {
@@ -274,7 +275,16 @@ ProgressLine::~ProgressLine() {
 
 void ProgressLine::update(const char* stage, double done) {
   if (!active_) return;
-  std::string line = fmt::format("{} {:3.0f} %", stage, 100 * std::clamp(done, 0.0, 1.0));
+  const auto now = std::chrono::steady_clock::now();
+  // A stage that falls far back is another round of it; threads tell a little out of turn.
+  if (stage != stage_ || done < done_ / 2) {
+    stage_ = stage;
+    start_ = done;
+    began_ = now;
+  }
+  done_ = done;
+  const double seconds = std::chrono::duration<double>(now - began_).count();
+  std::string line = progress_text(stage, {done, start_, seconds});
   if (line == last_) return;
   std::cerr << "\r\033[K" << line << std::flush;
   last_ = std::move(line);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <CLI/CLI.hpp>
+#include <chrono>
 #include <cstdint>
 #include <functional>
 #include <nlohmann/json.hpp>
@@ -89,13 +90,18 @@ class ProgressLine {
   ProgressLine(const ProgressLine&) = delete;
   ProgressLine& operator=(const ProgressLine&) = delete;
 
-  /// Draws the stage and its share done, 0 to 1; nothing where it reads the same as before.
+  /// Draws the stage, its share done, 0 to 1, and what it may still take; nothing where it reads
+  /// the same as before.
   void update(const char* stage, double done);
 
  private:
   bool active_ = false;
   bool drawn_ = false;
   std::string last_;
+  std::string stage_;
+  double start_ = 0;  ///< share of the stage that was done when it began
+  double done_ = 0;   ///< and was last told
+  std::chrono::steady_clock::time_point began_;
 };
 
 }  // namespace spm::cli

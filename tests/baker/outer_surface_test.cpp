@@ -158,10 +158,27 @@ TEST_CASE("A hole is capped, and the caps come after the surface") {
   const OuterSurface surface = surface_of(open);
   CHECK(surface.surface_count == 10);
   CHECK(kept_area(surface) == Approx(5));
-  CHECK(surface.cap_area == Approx(1));
+  REQUIRE(surface.caps.size() == 1);
+  CHECK(surface.caps[0].area == Approx(1));
+  CHECK(surface.caps[0].edges == 4);
+  CHECK((surface.caps[0].middle - Vector3(0.5, 0, 0)).norm() < 1e-12);
   CHECK(volume_of(surface) == Approx(1));
   CHECK(open_length(surface) == 0);
 }
+
+TEST_CASE("Holes that are capped are told one by one, the largest first") {
+  Shape narrow = box({1, 1, 1});
+  narrow.triangles.resize(narrow.triangles.size() - 2);
+  Shape wide = box({2, 2, 2});
+  wide.triangles.resize(wide.triangles.size() - 2);
+  const OuterSurface surface = surface_of(merged(narrow, moved(wide, {5, 0, 0})));
+  REQUIRE(surface.caps.size() == 2);
+  CHECK(surface.caps[0].area == Approx(4));
+  CHECK((surface.caps[0].middle - Vector3(6, 0, 0)).norm() < 1e-12);
+  CHECK(surface.caps[1].area == Approx(1));
+}
+
+TEST_CASE("A closed surface has no caps") { CHECK(surface_of(box({1, 1, 1})).caps.empty()); }
 
 TEST_CASE("A sheet that encloses nothing is no surface of a solid") {
   Shape sheet;

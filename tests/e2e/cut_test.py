@@ -6,7 +6,7 @@ import csv
 import os
 import unittest
 
-from programs import Case, digest, obj, run, sphere
+from programs import Case, digest, merged, obj, reversed_faces, run, sphere
 
 RADIUS = 0.02
 SPHERE = obj(sphere(RADIUS))
@@ -30,10 +30,7 @@ stiffness = "40N/mm"
 
 def hollow(outer, inner):
     """A ball with a sealed hollow: the inner sphere's triangles face the other way."""
-    points, triangles = sphere(outer)
-    more, inside = sphere(inner)
-    count = len(points)
-    return points + more, triangles + [(a + count, c + count, b + count) for a, b, c in inside]
+    return merged(sphere(outer), reversed_faces(sphere(inner)))
 
 
 class Cut(Case):

@@ -133,6 +133,21 @@ TETRAHEDRON = ([(0.0, 0.0, 0.0), (0.05, 0.0, 0.0), (0.0, 0.05, 0.0), (0.0, 0.0, 
                [(0, 2, 1), (0, 1, 3), (0, 3, 2), (1, 2, 3)])
 
 
+def merged(*shapes):
+    """All of them as one, their vertices kept apart."""
+    vertices, triangles = [], []
+    for points, faces in shapes:
+        triangles += [tuple(corner + len(vertices) for corner in face) for face in faces]
+        vertices = vertices + points
+    return vertices, triangles
+
+
+def reversed_faces(shape):
+    """Inside out."""
+    vertices, triangles = shape
+    return vertices, [(a, c, b) for a, b, c in triangles]
+
+
 def obj(shape):
     vertices, triangles = shape
     lines = [f"v {x!r} {y!r} {z!r}" for x, y, z in vertices]
