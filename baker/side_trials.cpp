@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "baker/band_trials.hpp"
+#include "baker/border_trials.hpp"
 #include "baker/random.hpp"
 #include "common/closest_element.hpp"
 
@@ -17,6 +18,8 @@ namespace spm::baker {
 namespace {
 
 constexpr std::uint64_t trials = 400'000;
+/// One trial of so many lies at a tile's border.
+constexpr std::uint64_t border_every = 4;
 constexpr std::uint64_t trials_about_failure = 64;
 constexpr std::uint64_t trials_about_close = 8;
 constexpr std::uint64_t passes = 16;
@@ -85,6 +88,7 @@ SideTrials try_sides(Asset& asset, const Caster& caster, SpaceBuilder& space,
   // Only the space changes from pass to pass.
   const AssetTables tables = tables_of(asset);
   AssetView view = tables.view();
+  const BorderTrials borders(view, seed);
   std::vector<Vector3> more;
   std::uint64_t drawn = 0;
   bool clean = false;
@@ -93,7 +97,10 @@ SideTrials try_sides(Asset& asset, const Caster& caster, SpaceBuilder& space,
     view.space = {now.origin, now.edge, now.words};
     std::vector<Vector3> points = std::exchange(more, {});
     const bool whole_round = points.empty();
-    for (std::uint64_t i = 0; whole_round && i < trials; ++i) points.push_back(band.point(drawn++));
+    for (std::uint64_t i = 0; whole_round && i < trials; ++i, ++drawn) {
+      const bool at_border = drawn % border_every == 0 && !borders.empty();
+      points.push_back(at_border ? borders.point(drawn) : band.point(drawn));
+    }
     const std::vector<Outcome> found = outcomes(view, caster, tolerance, points);
     result.wrong = 0;
     clean = whole_round;

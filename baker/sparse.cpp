@@ -129,10 +129,11 @@ void bake_sparse(BakeResult& result, const Caster& caster, const Hull& hull,
   report.fallback_area = model.triangle_area_share;
   report.direction = model.direction;
   if (model.direction > 1.1 * most_direction) {
-    report.notes.push_back(fmt::format(
-        "directions are off by {:.1f} degrees in the median: the surface has facets so small that "
-        "following them would take more than {:.2g} MB",
-        model.direction * 180 / std::numbers::pi, direction_bytes / 1e6));
+    report.notes.push_back(
+        fmt::format("directions are off by {:.1f} degrees in the median, for the surface has "
+                    "facets smaller than "
+                    "what a file of {:.2g} MB can follow",
+                    model.direction * 180 / std::numbers::pi, direction_bytes / 1e6));
   }
 }
 
