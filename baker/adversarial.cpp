@@ -21,13 +21,6 @@ class Draw {
   Draw(std::uint64_t seed, std::uint64_t index) : seed_(seed), first_(numbers * index) {}
   [[nodiscard]] double at(std::uint64_t which) const { return random_unit(seed_, first_ + which); }
 
-  /// A direction, uniform on the sphere.
-  [[nodiscard]] Vector3 direction(std::uint64_t which) const {
-    const double z = 2 * at(which) - 1, turn = 6.283185307179586 * at(which + 1);
-    const double flat = std::sqrt(std::max(0.0, 1 - z * z));
-    return {flat * std::cos(turn), flat * std::sin(turn), z};
-  }
-
  private:
   std::uint64_t seed_, first_;
 };
@@ -42,7 +35,7 @@ Vector3 about_edge(const ExactSurface& surface, const AssetView& view, double to
   const double longest = std::max(view.band.max_depth, 2 * shortest * tolerance);
   const double offset =
       shortest * tolerance * std::pow(longest / (shortest * tolerance), draw.at(4));
-  return start.position + offset * draw.direction(5);
+  return start.position + offset * direction_of(draw.at(5), draw.at(6));
 }
 
 /// Above or below the border of a cell of a tile, within the band.

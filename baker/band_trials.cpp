@@ -5,7 +5,6 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
-#include <numbers>
 #include <utility>
 
 #include "baker/random.hpp"
@@ -93,12 +92,9 @@ Vector3 BandTrials::near_corner(std::uint64_t index) const {
 
 Vector3 BandTrials::offset(std::uint64_t index) const {
   const auto random = [&](std::uint64_t k) { return random_unit(seed_, numbers * index + k); };
-  const double z = 2 * random(2) - 1, turn = 2 * std::numbers::pi * random(3);
-  const double flat = std::sqrt(1 - z * z);
   const double least = least_tolerances * tolerance_;
   const double longest = std::max(band_.max_depth, 2 * least);
-  return least * std::pow(longest / least, random(4)) *
-         Vector3(flat * std::cos(turn), flat * std::sin(turn), z);
+  return least * std::pow(longest / least, random(4)) * direction_of(random(2), random(3));
 }
 
 Vector3 BandTrials::point(std::uint64_t index) const {

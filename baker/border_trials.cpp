@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include "baker/random.hpp"
 #include "baker/tile_cells.hpp"
@@ -52,11 +51,9 @@ Vector3 BorderTrials::point(std::uint64_t index) const {
   const double omega = tile.omega0 + (cell / tile_cells + 0.5 + y) * spacing;
   const Vector3 place =
       support_plane_point(plane, eta, omega) - height_at(tile, heights, cell, x, y).value * plane.n;
-  const double z = 2 * random(3) - 1, turn = 2 * std::numbers::pi * random(4);
-  const double flat = std::sqrt(1 - z * z);
   const double away =
       least_tolerances * asset_.tolerance * std::pow(most_tolerances / least_tolerances, random(5));
-  return place + away * Vector3(flat * std::cos(turn), flat * std::sin(turn), z);
+  return place + away * direction_of(random(3), random(4));
 }
 
 }  // namespace spm::baker

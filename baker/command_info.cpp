@@ -14,7 +14,6 @@
 #include "baker/picture_files.hpp"
 #include "formats/cli/command_line.hpp"
 #include "formats/mapped_asset.hpp"
-#include "formats/output_file.hpp"
 
 namespace spm::baker {
 namespace {

@@ -26,6 +26,7 @@ double area_of(const std::array<Vector3, 3>& corners) {
 /// A tile to leave out, or a triangle to take whole.
 struct Move {
   double price = 0;  ///< m^2 left to triangles a byte saved
+  double area = 0;   ///< m^2 left to triangles
   bool tile = false;
   std::uint32_t which = 0;
   bool operator>(const Move& other) const {
@@ -112,7 +113,7 @@ class Chooser {
     }
     const bool worthless = !(bytes < 0) || done(tile, which);
     return {worthless ? std::numeric_limits<double>::infinity() : std::max(area, 0.0) / -bytes,
-            tile, which};
+            area, tile, which};
   }
 
   void push(bool tile, std::uint32_t which) {
@@ -121,14 +122,8 @@ class Chooser {
   }
 
   [[nodiscard]] bool affordable(const Move& move) const {
-    double bytes = 0, area = 0;
-    if (move.tile) {
-      for (const std::uint32_t triangle : rests_[move.which]) add(triangle, bytes, area);
-    } else {
-      add(move.which, bytes, area);
-    }
-    if (area <= 0) return true;
-    const double share = (left_ + area) / all_;
+    if (move.area <= 0) return true;
+    const double share = (left_ + move.area) / all_;
     if (share <= free_share_) return true;
     const double own = many_times * static_cast<double>(triangle_bytes * area_.size());
     return share <= most_share && static_cast<double>(bytes_) > std::max(many_bytes, own);

@@ -1,7 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <algorithm>
+#include <cmath>
 #include <cstdint>
+#include <numbers>
+
+#include "common/vector.hpp"
 
 namespace spm::baker {
 
@@ -18,6 +23,13 @@ namespace spm::baker {
 /// Uniform in [0, 1).
 [[nodiscard]] constexpr double random_unit(std::uint64_t seed, std::uint64_t index) noexcept {
   return static_cast<double>(random_bits(seed, index) >> 11U) * 0x1p-53;
+}
+
+/// A unit vector, uniform on the sphere for `a` and `b` uniform in [0, 1).
+[[nodiscard]] inline Vector3 direction_of(double a, double b) noexcept {
+  const double z = 2 * a - 1, turn = 2 * std::numbers::pi * b;
+  const double flat = std::sqrt(std::max(0.0, 1 - z * z));
+  return {flat * std::cos(turn), flat * std::sin(turn), z};
 }
 
 }  // namespace spm::baker

@@ -131,8 +131,7 @@ void bake_sparse(BakeResult& result, const Caster& caster, const Hull& hull,
   if (model.direction > 1.1 * most_direction) {
     report.notes.push_back(
         fmt::format("directions are off by {:.1f} degrees in the median, for the surface has "
-                    "facets smaller than "
-                    "what a file of {:.2g} MB can follow",
+                    "facets smaller than what a file of {:.2g} MB can follow",
                     model.direction * 180 / std::numbers::pi, direction_bytes / 1e6));
   }
 }

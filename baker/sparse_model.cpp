@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
+#include <utility>
 
 #include "baker/bake_error.hpp"
 #include "baker/direction_error.hpp"
@@ -110,20 +111,22 @@ class Modeller {
                                   SparseModel known) const {
     settings.faceted = true;
     double seconds = known.seconds_cast;
-    SparseModel last = known;
+    double direction = known.direction, bytes = known.bytes;
     for (int round = 0; round < direction_rounds && known.direction > most_direction; ++round) {
       const double known_gain = round == 0 ? facet_gain : 1;
-      const double wanted = std::min(
-          1.0, std::pow(aimed_direction / (known_gain * last.direction), 1 / direction_power));
-      const double allowed = std::pow(direction_bytes / last.bytes, 1 / bytes_power);
+      const double wanted =
+          std::min(1.0, std::pow(aimed_direction / (known_gain * direction), 1 / direction_power));
+      const double allowed = std::pow(direction_bytes / bytes, 1 / bytes_power);
       const double share = std::max(wanted, allowed);
       // Not worth it where the file would be too large for what is wanted.
-      const double expected = last.direction * std::pow(share, direction_power);
+      const double expected = direction * std::pow(share, direction_power);
       if (expected > 1.2 * most_direction || share > 1) break;
       settings.angle *= share;
-      last = model(start, settings, facet_share);
-      seconds += last.seconds_cast;
-      if (last.direction < known.direction && last.bytes <= direction_bytes) known = last;
+      SparseModel made = model(start, settings, facet_share);
+      direction = made.direction;
+      bytes = made.bytes;
+      seconds += made.seconds_cast;
+      if (direction < known.direction && bytes <= direction_bytes) known = std::move(made);
     }
     known.seconds_cast = seconds;
     return known;

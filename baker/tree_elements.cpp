@@ -192,7 +192,7 @@ std::vector<Pruned> TreeElements::build(Asset& asset, const SpaceBuilder& space,
     for (std::size_t i = 0; i < needed.size(); ++i) {
       if (needed[i]) kept.push_back(elements.all[i]);
     }
-    tree = build_tree(kept);
+    if (kept.size() < needed.size()) tree = build_tree(kept);
   }
   std::vector<TileData> tiles;
   for (const std::uint32_t which : tree.tiles) tiles.push_back(asset.tiles[which]);
