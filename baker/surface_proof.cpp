@@ -27,6 +27,9 @@ constexpr double close_bounds = 8;
 /// Samples along a side that the first test looks at; a larger piece is cut first.
 constexpr int most_samples = 10;
 
+/// A cell near a piece stands for it only where it looks the same way: it is to tell the side too.
+constexpr double like_cosine = 0.5;
+
 using Piece = std::array<Vector3, 3>;
 
 double longest_edge(const Piece& piece) {
@@ -114,7 +117,7 @@ class SurfaceProof {
     if (radius > close_bounds * bound_) return std::nullopt;
     for (const std::uint32_t which : near) {
       if (looks_away(which)) continue;
-      if (const std::uint64_t cell = lies_by(which, piece, middle, radius)) {
+      if (const std::uint64_t cell = lies_by(which, piece, normal, middle, radius)) {
         return TileUse{which, cell};
       }
     }
@@ -202,12 +205,16 @@ class SurfaceProof {
   /// The cell that is nearest to the piece's middle, where the whole piece is within the bound of
   /// it, or its middle by so much less as the piece is large; else none.
   [[nodiscard]] std::uint64_t lies_by(std::uint32_t which, const Piece& piece,
-                                      const Vector3& middle, double radius) const {
+                                      const Vector3& normal, const Vector3& middle,
+                                      double radius) const {
     const Tile& tile = tiles_[which];
     const SupportPlane& plane = planes_[tile.plane];
     const TileFoot foot =
         closest_on_tile(tile, height_unit_, plane, middle, static_cast<float>(bound_));
     if (!std::isfinite(foot.distance)) return 0;
+    const Vector3 looks = surface_normal(plane, static_cast<double>(foot.slope_eta),
+                                         static_cast<double>(foot.slope_omega));
+    if (looks.normalized().dot(normal) < like_cosine) return 0;
     const std::uint32_t cell = foot.cell;
     const int x = static_cast<int>(cell % tile_cells), y = static_cast<int>(cell / tile_cells);
     const double slack = foot_slack(which, x, y);

@@ -19,6 +19,9 @@ namespace {
 constexpr double smallest_share = 0.1;
 /// A cell that is not proven in so many parts is not worth more; see worthwhile_tries.
 constexpr int most_parts = 2000;
+/// Of the bound that a clipped cell may leave the surface by: where it juts over an edge it faces
+/// points that it must not tell the side of.
+constexpr double clipped_share = 0.7;
 /// Nearer to each other than this, in bounds, two sheets that look away from each other are thin.
 constexpr double thin_bounds = 2;
 constexpr double opposite_cosine = -0.3;
@@ -33,7 +36,11 @@ class CellProof {
  public:
   CellProof(const Caster& caster, const SupportPlane& plane, const Tile& tile,
             const TileHeights& heights, std::uint32_t cell, double bound)
-      : caster_(caster), plane_(plane), spacing_(static_cast<double>(tile.spacing)), bound_(bound) {
+      : caster_(caster),
+        plane_(plane),
+        spacing_(static_cast<double>(tile.spacing)),
+        bound_(bound),
+        full_bound_(bound) {
     const std::uint32_t column = cell % tile_cells, row = cell / tile_cells;
     const std::size_t first = row * tile_samples + column;
     h_ = {static_cast<double>(heights[first]), static_cast<double>(heights[first + 1]),
@@ -46,6 +53,7 @@ class CellProof {
     parts_left_ = 10 + static_cast<int>(most_parts * share);
     clipped_ = ((tile.clipped >> cell) & 1U) != 0;
     if (clipped_) {
+      bound_ *= clipped_share;
       const std::uint64_t before = tile.clipped & ((std::uint64_t{1} << cell) - 1);
       clip_ = unpack_clip(tile.clips[std::popcount(before)]);
     }
@@ -56,7 +64,7 @@ class CellProof {
   /// True where surface that looks the other way comes so near to the cell that two patches, each
   /// off by the bound, could change places: a thin wall, a crack or a knife's edge.
   [[nodiscard]] bool is_thin() const {
-    const double reach = thin_bounds * bound_;
+    const double reach = thin_bounds * full_bound_;
     const Vector3 across =
         (point(0.5, 0.5) - point(-0.5, -0.5)).cross(point(-0.5, 0.5) - point(0.5, -0.5));
     const double radius = ((point(0.5, 0.5) - point(-0.5, -0.5)).norm() +
@@ -77,7 +85,7 @@ class CellProof {
  private:
   const Caster& caster_;
   const SupportPlane& plane_;
-  double spacing_, bound_;
+  double spacing_, bound_, full_bound_;
   std::array<double, 4> h_{};
   double eta_, omega_, base_;
   bool clipped_ = false;

@@ -17,6 +17,9 @@ constexpr double deep_share = 0.8;
 /// A foot whose normal meets the point within this cosine is a face's, not an edge's.
 constexpr double facing_cosine = 0.998;
 
+/// And one within this cosine lies in a triangle but for rounding of numbers.
+constexpr double within_cosine = 1 - 1e-9;
+
 /// Claims for the two sides that differ by this leave no doubt.
 constexpr double clear_margin = 0.8;
 /// Doubt makes a distance less up to a tolerance from the surface, fading out up to so many.
@@ -28,9 +31,11 @@ constexpr double most_less = 0.55;
 class Gatherer {
  public:
   Gatherer(const AssetView& asset, const Vector3& point, SpaceKind place) noexcept
-      : reading(tie_tolerances * asset.tolerance),
+      : reading(tie_tolerances * asset.tolerance,
+                std::max(rounding_tolerances * asset.tolerance, 2 * asset.triangle_step)),
         asset_(asset),
         point_(point),
+        thinnest_(1 * asset.triangle_step),
         told_(place == SpaceKind::told),
         band_end_(std::max(asset.band.max_depth, asset.band.margin) + asset.tolerance),
         // Outside nothing beyond the margin matters.
@@ -53,6 +58,7 @@ class Gatherer {
  private:
   const AssetView& asset_;
   const Vector3& point_;
+  double thinnest_;
   bool told_;
   double band_end_;
   double limit_;
@@ -101,7 +107,7 @@ class Gatherer {
     const Vector3 normal = size > 0 ? Vector3(across / size) : Vector3(Vector3::UnitZ());
     const double height = normal.dot(away);
     const double along = size > 0 ? std::abs(height) : 0;
-    if (told_) reading.sides.add({distance, height < 0, along});
+    if (told_) claim({a, b, c}, foot, size, {distance, height < 0, along});
     const auto keep = [&](ElementFoot& kept) {
       kept.distance = distance;
       kept.tile = nullptr;
@@ -113,6 +119,21 @@ class Gatherer {
       keep(reading.facing);
     }
     narrow();
+  }
+
+  /// Adds what a triangle says of the side. One thinner than its corners' rounding has a normal by
+  /// chance.
+  void claim(const std::array<Vector3, 3>& corners, const Vector3& foot, double size,
+             const SideClaim& claim) noexcept {
+    const double longest =
+        std::max({(corners[1] - corners[0]).norm(), (corners[2] - corners[1]).norm(),
+                  (corners[0] - corners[2]).norm()});
+    if (size < thinnest_ * longest) {
+      reading.sides.add({claim.distance, claim.inside, 0});
+      return;
+    }
+    const bool within = claim.along_normal > within_cosine * claim.distance;
+    reading.sides.add_exact(claim, foot, foot_corner(corners, foot, within));
   }
 
   void narrow() noexcept {

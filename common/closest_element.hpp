@@ -13,6 +13,8 @@ namespace spm {
 
 /// Elements within so many tolerances of the nearest may tell the side; see SideClaims.
 inline constexpr double tie_tolerances = 1;
+/// Triangles whose feet are no farther apart share one, or no farther than their corners' step.
+inline constexpr double rounding_tolerances = 0.01;
 
 /// How much farther than the nearest foot one that faces the point may be and count, in tolerances.
 inline constexpr double facing_tolerances = 0.7;
@@ -27,7 +29,7 @@ struct ElementFoot {
 
 /// What the elements say of a point, before the side is told.
 struct ElementReading {
-  explicit ElementReading(double tie) noexcept : sides(tie) {}
+  ElementReading(double tie, double rounding) noexcept : sides(tie, rounding) {}
 
   ElementFoot nearest;  ///< its distance is infinite where there is none
   /// The nearest foot whose own normal meets the point, if one is so near that the surface's own

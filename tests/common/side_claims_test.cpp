@@ -6,12 +6,14 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <limits>
+#include <numbers>
 #include <vector>
 
 namespace spm {
 namespace {
 
 constexpr double tie = 1e-5;
+constexpr double rounding = 1e-6;
 
 /// A claim at a distance whose normal meets the point at this cosine.
 SideClaim claim(double distance, bool inside, double cosine) {
@@ -21,7 +23,7 @@ SideClaim claim(double distance, bool inside, double cosine) {
 /// What the claims say together, which must not depend on their order.
 bool told_inside(std::vector<SideClaim> claims) {
   const auto ask = [&claims] {
-    SideClaims sides(tie);
+    SideClaims sides(tie, rounding);
     for (const SideClaim& each : claims) sides.add(each);
     return sides.inside();
   };
@@ -64,7 +66,7 @@ TEST_CASE("On the surface itself its own claim tells the side") {
 }
 
 TEST_CASE("Claims beyond the limit change nothing, and the limit only shrinks") {
-  SideClaims sides(tie);
+  SideClaims sides(tie, rounding);
   CHECK(sides.limit() == std::numeric_limits<double>::infinity());
   sides.add(claim(1e-3, true, 0.25));
   const double sine = std::sqrt(1 - 0.25 * 0.25);
@@ -78,6 +80,22 @@ TEST_CASE("Claims beyond the limit change nothing, and the limit only shrinks") 
   CHECK(limit < first);
   sides.add(claim(2e-3, true, 1));
   CHECK(sides.limit() == limit);
+}
+
+TEST_CASE("Of triangles only those count that are for the side they tell among themselves") {
+  const Vector3 foot(0, 0, 0), behind(0, 0, -2 * rounding);
+  const FootCorner face{2 * std::numbers::pi, Vector3::Zero()};
+  for (const bool inside : {false, true}) {
+    SideClaims sides(tie, rounding);
+    // A crack: the other wall faces the point a little more, and is a little farther.
+    sides.add_exact(claim(1e-3 + 2 * rounding, !inside, 1), behind, face);
+    sides.add_exact(claim(1e-3, inside, 0.999), foot, face);
+    CHECK(sides.inside() == inside);
+    CHECK(sides.margin() == std::numeric_limits<double>::infinity());
+    // A fitted surface is not bound by that.
+    sides.add(claim(0.9e-3, !inside, 1));
+    CHECK(sides.inside() != inside);
+  }
 }
 
 TEST_CASE("A claim that is no number says nothing") {

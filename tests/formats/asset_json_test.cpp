@@ -69,7 +69,7 @@ TEST_CASE("Every wrong field of a description is refused by its name") {
   };
   const std::vector<Case> cases = {
       {"format_version", [](Json& j) { j["format_version"] = "2"; }},
-      {"format version 7, this program reads 3", [](Json& j) { j["format_version"] = 7; }},
+      {"format version 7, this program reads 4", [](Json& j) { j["format_version"] = 7; }},
       {"`form`", [](Json& j) { j["form"] = "dense"; }},
       {"`units`", [](Json& j) { j["units"] = "mm"; }},
       {"`kind`", [](Json& j) { j.erase("kind"); }},

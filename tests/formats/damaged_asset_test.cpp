@@ -165,11 +165,11 @@ std::vector<Damage> wrong_descriptions() {
   const std::string sparse = sparse_bytes();
   const std::string full = full_bytes();
   return {
-      {"a later version", with_header_text(sparse, "\"format_version\":3", "\"format_version\":7"),
-       "format version 7, this program reads 3; bake it again"},
+      {"a later version", with_header_text(sparse, "\"format_version\":4", "\"format_version\":7"),
+       "format version 7, this program reads 4; bake it again"},
       {"the version before",
-       with_header_text(sparse, "\"format_version\":3", "\"format_version\":2"),
-       "format version 2, this program reads 3; bake it again"},
+       with_header_text(sparse, "\"format_version\":4", "\"format_version\":2"),
+       "format version 2, this program reads 4; bake it again"},
       {"tolerance NaN",
        with_header_text(sparse, "\"tolerance\":3.3333333333333335e-05",
                         "\"tolerance\":NaN                   "),
