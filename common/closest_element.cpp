@@ -132,8 +132,11 @@ class Gatherer {
       reading.sides.add({claim.distance, claim.inside, 0});
       return;
     }
-    const bool within = claim.along_normal > within_cosine * claim.distance;
-    reading.sides.add_exact(claim, foot, foot_corner(corners, foot, within));
+    FootCorner corner;
+    if (reading.sides.corner_matters(foot, claim.distance)) {
+      corner = foot_corner(corners, foot, claim.along_normal > within_cosine * claim.distance);
+    }
+    reading.sides.add_exact(claim, foot, corner);
   }
 
   void narrow() noexcept {

@@ -36,22 +36,24 @@ class TriangleSide {
   /// triangle's normal, m, below 0 inside; and what it takes up at the foot.
   void add(const Vector3& foot, double distance, double along_normal,
            const FootCorner& corner) noexcept {
-    const double apart = (foot - foot_).squaredNorm();
-    // As far to the side as makes the distance differ by no more than the rounding.
-    const double most_apart = rounding_ * (rounding_ + 2 * rounding_share * distance);
-    const bool near =
-        apart <= most_apart && std::abs(distance - distance_) <= rounding_share * rounding_;
+    const bool near = is_near(foot, distance);
     const bool nearer = distance < distance_;
     if (!nearer && !near) return;
     const double cosine = distance > 0 ? along_normal / distance : 0;
-    if (nearer && apart > square(same_share * rounding_)) shared_ = Around{};
+    const bool same = (foot - foot_).squaredNorm() <= square(same_share * rounding_);
+    if (nearer && !same) shared_ = Around{};
     if (nearer && !near) about_ = Around{};
     if (nearer) {
       distance_ = distance;
       foot_ = foot;
     }
-    if (apart <= square(same_share * rounding_) || nearer) shared_.add(cosine, corner);
+    if (same || nearer) shared_.add(cosine, corner);
     about_.add(cosine, corner);
+  }
+
+  /// False where a triangle with this foot would change nothing.
+  [[nodiscard]] bool matters(const Vector3& foot, double distance) const noexcept {
+    return distance < distance_ || is_near(foot, distance);
   }
 
   /// Above 0 outside, below 0 inside, 0 where the triangles do not tell.
@@ -91,6 +93,13 @@ class TriangleSide {
   Around shared_;  ///< the foot
   Around about_;   ///< the foot, as near as rounding tells
 
+  /// True where rounding may have put a foot as far from the nearest.
+  [[nodiscard]] bool is_near(const Vector3& foot, double distance) const noexcept {
+    if (std::abs(distance - distance_) > rounding_share * rounding_) return false;
+    // To the side by as much as makes the distance differ by no more than that.
+    return (foot - foot_).squaredNorm() <=
+           rounding_ * (rounding_ + 2 * rounding_share * distance);
+  }
   [[nodiscard]] static double square(double x) noexcept { return x * x; }
   /// The two faces of a sheet without thickness cancel but for rounding of numbers.
   [[nodiscard]] static double clear(double side) noexcept {
