@@ -97,8 +97,7 @@ class TriangleSide {
   [[nodiscard]] bool is_near(const Vector3& foot, double distance) const noexcept {
     if (std::abs(distance - distance_) > rounding_share * rounding_) return false;
     // To the side by as much as makes the distance differ by no more than that.
-    return (foot - foot_).squaredNorm() <=
-           rounding_ * (rounding_ + 2 * rounding_share * distance);
+    return (foot - foot_).squaredNorm() <= rounding_ * (rounding_ + 2 * rounding_share * distance);
   }
   [[nodiscard]] static double square(double x) noexcept { return x * x; }
   /// The two faces of a sheet without thickness cancel but for rounding of numbers.

@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <cstddef>
+
+#include "common/vector.hpp"
+
+namespace spm {
+
+/// The velocity of a position that an encoder counts in steps, from the last ticks: of all windows
+/// that end now the longest through which a straight line meets every position within the step; its
+/// slope is the velocity. Slow motion is so told from many ticks, without the noise of one step a
+/// tick, and fast motion from few, without lag (first-order adaptive windowing, Janabi-Sharifi,
+/// Hayward and Chen 2000, with the line through the window's ends).
+class VelocityEstimate {
+ public:
+  static constexpr std::size_t most_ticks = 32;
+
+  /// `step`: how far a position may be off, m, 0 or more; `tick` in s, above 0.
+  VelocityEstimate(double step, double tick) noexcept : step_(step), tick_(tick) {}
+
+  /// Takes the next tick's position, m, and gives the velocity, m/s; axis by axis. A position that
+  /// is not finite starts anew and gives zero.
+  [[nodiscard]] Vector3 next(const Vector3& position) noexcept;
+
+  /// Forgets all: after a jump that is no motion.
+  void reset() noexcept { count_ = 0; }
+
+ private:
+  double step_, tick_;
+  std::array<Vector3, most_ticks> last_{};  ///< a ring
+  std::size_t newest_ = 0, count_ = 0;
+
+  /// An axis of the position so many ticks ago.
+  [[nodiscard]] double ago(std::size_t ticks, int axis) const noexcept {
+    return last_[(newest_ + most_ticks - ticks) % most_ticks][axis];
+  }
+  [[nodiscard]] double slope(int axis) const noexcept;
+};
+
+}  // namespace spm
