@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <bit>
 #include <cstdint>
 #include <optional>
 
@@ -13,8 +12,7 @@ namespace spm::baker {
 /// The line that bounds a cell's valid part, where it is clipped.
 [[nodiscard]] inline std::optional<Clip> clip_of(const Tile& tile, std::uint32_t cell) {
   if (((tile.clipped >> cell) & 1U) == 0) return std::nullopt;
-  const std::uint64_t before = tile.clipped & ((std::uint64_t{1} << cell) - 1);
-  return unpack_clip(tile.clips[std::popcount(before)]);
+  return cell_clip(tile, cell);
 }
 
 /// How far a place of a cell, from -0.5 to 0.5 from its middle, lies beyond the line: 0 or less on

@@ -8,6 +8,7 @@
 
 #include "baker/progress_counter.hpp"
 #include "baker/surface_proof.hpp"
+#include "baker/tile_cells.hpp"
 #include "baker/tile_fit.hpp"
 #include "common/closest_on_triangle.hpp"
 
@@ -54,8 +55,7 @@ class CellProof {
     clipped_ = ((tile.clipped >> cell) & 1U) != 0;
     if (clipped_) {
       bound_ *= clipped_share;
-      const std::uint64_t before = tile.clipped & ((std::uint64_t{1} << cell) - 1);
-      clip_ = unpack_clip(tile.clips[std::popcount(before)]);
+      clip_ = cell_clip(tile, cell);
     }
   }
 
@@ -99,10 +99,7 @@ class CellProof {
     return support_plane_point(plane_, eta_ + x * spacing_, omega_ + y * spacing_) -
            depth * plane_.n;
   }
-  [[nodiscard]] double beyond(double x, double y) const {
-    return static_cast<double>(clip_.a) * x + static_cast<double>(clip_.b) * y -
-           static_cast<double>(clip_.c);
-  }
+  [[nodiscard]] double beyond(double x, double y) const { return beyond_clip(clip_, x, y); }
 
   /// True where a place of a triangle is so near to the cell, as far as a few places tell.
   [[nodiscard]] bool comes_near(std::uint32_t triangle, double reach) const {

@@ -12,6 +12,7 @@
 
 #include "baker/progress_counter.hpp"
 #include "baker/surface_points.hpp"
+#include "baker/tile_cells.hpp"
 #include "baker/tile_fit.hpp"
 #include "common/support_plane_mapping.hpp"
 
@@ -289,11 +290,8 @@ class TileChooser {
       return false;
     }
     if (((tile.clipped >> cell) & 1U) == 0) return true;
-    const Clip clip =
-        unpack_clip(tile.clips[std::popcount(tile.clipped & ((std::uint64_t{1} << cell) - 1))]);
-    const double beyond = static_cast<double>(clip.a) * (x - std::floor(x) - 0.5) +
-                          static_cast<double>(clip.b) * (y - std::floor(y) - 0.5) -
-                          static_cast<double>(clip.c);
+    const Clip clip = cell_clip(tile, cell);
+    const double beyond = beyond_clip(clip, x - std::floor(x) - 0.5, y - std::floor(y) - 0.5);
     return beyond * s <= settings_.residual *
                              std::hypot(static_cast<double>(clip.a), static_cast<double>(clip.b));
   }

@@ -85,11 +85,6 @@ struct Cell {
   }
 };
 
-Clip clip_of(const Tile& tile, std::uint32_t cell) noexcept {
-  const std::uint64_t before = tile.clipped & ((std::uint64_t{1} << cell) - 1);
-  return unpack_clip(tile.clips[std::popcount(before)]);
-}
-
 /// Moves a foot that a clip line leaves out to the line; false where nothing of the cell is left.
 bool clip_foot(const Cell& cell, const Clip& clip, float spacing, float& x, float& y) noexcept {
   if (clip.a * x + clip.b * y <= clip.c * spacing) return true;
@@ -169,7 +164,7 @@ void visit_block(const Tile& tile, const TileHeights& heights, const Local& p, s
     float y = square1[k] <= square2[k] ? y1[k] : y2[k];
     const Cell cell{slope_x[k], slope_y[k], twist[k], dx[k], dy[k], dz[k]};
     if (((tile.clipped >> index) & 1U) != 0) {
-      if (!clip_foot(cell, clip_of(tile, index), s, x, y)) continue;
+      if (!clip_foot(cell, cell_clip(tile, index), s, x, y)) continue;
       square = cell.squared_distance(x, y);
       if (!(square < best)) continue;
     }

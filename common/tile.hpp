@@ -56,6 +56,12 @@ struct Clip {
           static_cast<float>(static_cast<std::int16_t>(word >> 16U)) / 128.0F};
 }
 
+/// The line of a cell that is clipped.
+[[nodiscard]] inline Clip cell_clip(const Tile& tile, std::uint32_t cell) noexcept {
+  const std::uint64_t before = tile.clipped & ((std::uint64_t{1} << cell) - 1);
+  return unpack_clip(tile.clips[std::popcount(before)]);
+}
+
 /// HALF bits as a float. Infinities and NaN, which no good file holds, come out as large numbers.
 [[nodiscard]] inline float half_to_float(std::uint16_t half) noexcept {
   const std::uint32_t magnitude = (half & 0x7FFFU) << 13U;
