@@ -106,6 +106,11 @@ struct AssetView {
   double tolerance = 0;  ///< m; how far an answer at the band's end may lie beyond it
   bool full = false;     ///< map k belongs to plane k and `paper` applies
 
+  /// True where the paper's equations can be asked: each of some planes has its map.
+  [[nodiscard]] bool maps_every_plane() const noexcept {
+    return full && !planes.empty() && maps.size() == planes.size();
+  }
+
   // The planes again, as arrays a component, for the paper's search over all of them; `full` only.
   std::span<const double> plane_nx, plane_ny, plane_nz;
   std::span<const double> plane_offset;  ///< n . x0

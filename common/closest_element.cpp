@@ -17,9 +17,6 @@ constexpr double deep_share = 0.8;
 /// A foot whose normal meets the point within this cosine is a face's, not an edge's.
 constexpr double facing_cosine = 0.998;
 
-/// And one within this cosine lies in a triangle but for rounding of numbers.
-constexpr double within_cosine = 1 - 1e-9;
-
 /// Claims for the two sides that differ by this leave no doubt.
 constexpr double clear_margin = 0.8;
 /// Doubt makes a distance less up to a tolerance from the surface, fading out up to so many.
@@ -125,18 +122,14 @@ class Gatherer {
   /// chance.
   void claim(const std::array<Vector3, 3>& corners, const Vector3& foot, double size,
              const SideClaim& claim) noexcept {
-    const double longest =
-        std::max({(corners[1] - corners[0]).norm(), (corners[2] - corners[1]).norm(),
-                  (corners[0] - corners[2]).norm()});
+    const double longest = std::sqrt(
+        std::max({(corners[1] - corners[0]).squaredNorm(), (corners[2] - corners[1]).squaredNorm(),
+                  (corners[0] - corners[2]).squaredNorm()}));
     if (size < thinnest_ * longest) {
       reading.sides.add({claim.distance, claim.inside, 0});
       return;
     }
-    FootCorner corner;
-    if (reading.sides.corner_matters(foot, claim.distance)) {
-      corner = foot_corner(corners, foot, claim.along_normal > within_cosine * claim.distance);
-    }
-    reading.sides.add_exact(claim, foot, corner);
+    reading.sides.add_exact(claim, corners, foot);
   }
 
   void narrow() noexcept {

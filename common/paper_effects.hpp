@@ -9,7 +9,7 @@ namespace spm {
 /// Friction, N, against the motion n_f = P_t - P_(t-dt) since the last tick (m): eq. 17 to the
 /// letter. f_c in N and k_f in 1/m, both 0 or more; zero where the point has not moved. It does not
 /// depend on the force that presses, and at rest, where n_f is an encoder's noise, it chatters: see
-/// CoulombFriction.
+/// coulomb_friction.
 [[nodiscard]] Vector3 paper_friction(double f_c, double k_f, const PaperContact& contact,
                                      const Vector3& motion) noexcept;
 

@@ -126,7 +126,7 @@ std::size_t closest_support_plane(const AssetView& asset, const Vector3& point) 
 }
 
 PaperContact paper_contact(const AssetView& asset, const Vector3& point, PaperRule rule) noexcept {
-  if (!asset.full || asset.planes.empty() || asset.maps.size() != asset.planes.size()) return {};
+  if (!asset.maps_every_plane()) return {};
   switch (rule) {
     case PaperRule::closest_surface:
       return closest_surface(asset, point);

@@ -17,7 +17,7 @@ struct Column {
   Vector3 normal = Vector3::Zero();
 };
 
-/// The first sample at or after a place, and the last at or before one, within a map's.
+/// A position in samples as one of a map's.
 std::uint32_t clamped(double position, std::uint32_t count) noexcept {
   return static_cast<std::uint32_t>(std::clamp(position, 0.0, static_cast<double>(count - 1)));
 }
@@ -27,7 +27,7 @@ template <class Visit>
 void visit_columns(const AssetView& asset, const ImplicitProbe& probe, const Visit& visit) {
   const Vector3 centre = probe.centre();
   const double reach = probe.reach();
-  if (!asset.full || asset.planes.empty() || asset.maps.size() != asset.planes.size()) return;
+  if (!asset.maps_every_plane()) return;
   if (!centre.allFinite() || !std::isfinite(reach)) return;
   const std::size_t index = closest_support_plane(asset, centre);
   const SupportPlane& plane = asset.planes[index];

@@ -25,7 +25,7 @@ Under under(const AssetView& object, std::size_t index, const Vector3& point) no
 }
 
 bool usable(const AssetView& object, std::size_t plane) noexcept {
-  return object.full && object.maps.size() == object.planes.size() && plane < object.maps.size();
+  return object.maps_every_plane() && plane < object.maps.size();
 }
 
 }  // namespace

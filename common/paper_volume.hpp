@@ -14,9 +14,9 @@ enum class AreaFactor : std::uint8_t {
   /// cos(n_1 n_2), to the letter of eq. 14 and 15: right only where the surface of M_2 lies along
   /// its support plane. (n_1 and n_2 look at each other; the cosine is taken positive.)
   paper,
-  /// The projection of M_2's own surface, whose tilt against its plane counts as well: exact.
-  /// Signed,
-  /// so that surface of M_2 which looks the other way takes off what lies behind it.
+  /// The projection of M_2's own surface, whose tilt against its plane counts as well:
+  /// exact, and signed, so that surface of M_2 which looks the other way takes off what lies
+  /// behind.
   surface,
 };
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 
@@ -39,15 +40,13 @@ class SideClaims {
     best = std::max(best, worth(claim));
   }
 
-  /// Adds what a triangle says, and what it takes up at its foot, if that `corner_matters`.
-  void add_exact(const SideClaim& claim, const Vector3& foot, const FootCorner& corner) noexcept {
+  /// Adds what a triangle says that has these corners and this foot.
+  void add_exact(const SideClaim& claim, const std::array<Vector3, 3>& corners,
+                 const Vector3& foot) noexcept {
     double& best = claim.inside ? exact_.inside : exact_.outside;
     best = std::max(best, worth(claim));
-    triangles_.add(foot, claim.distance, claim.inside ? -claim.along_normal : claim.along_normal,
-                   corner);
-  }
-  [[nodiscard]] bool corner_matters(const Vector3& foot, double distance) const noexcept {
-    return triangles_.matters(foot, distance);
+    triangles_.add(corners, foot, claim.distance,
+                   claim.inside ? -claim.along_normal : claim.along_normal);
   }
 
   /// Claims farther than this can no longer change the answer, nor a margin below `margin`, m.

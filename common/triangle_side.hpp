@@ -32,14 +32,16 @@ class TriangleSide {
   /// `rounding`: how far apart feet may be that were one before corners were rounded, m, above 0.
   explicit TriangleSide(double rounding) noexcept : rounding_(rounding) {}
 
-  /// Adds a triangle: its foot and that one's distance, how much of the distance is along the
-  /// triangle's normal, m, below 0 inside; and what it takes up at the foot.
-  void add(const Vector3& foot, double distance, double along_normal,
-           const FootCorner& corner) noexcept {
+  /// Adds a triangle: its corners, its foot and that one's distance, and how much of the distance
+  /// is along the triangle's normal, m, below 0 inside.
+  void add(const std::array<Vector3, 3>& corners, const Vector3& foot, double distance,
+           double along_normal) noexcept {
     const bool near = is_near(foot, distance);
     const bool nearer = distance < distance_;
     if (!nearer && !near) return;
     const double cosine = distance > 0 ? along_normal / distance : 0;
+    const bool within = std::abs(along_normal) > within_cosine * distance;
+    const FootCorner corner = foot_corner(corners, foot, within);
     const bool same = (foot - foot_).squaredNorm() <= square(same_share * rounding_);
     if (nearer && !same) shared_ = Around{};
     if (nearer && !near) about_ = Around{};
@@ -49,11 +51,6 @@ class TriangleSide {
     }
     if (same || nearer) shared_.add(cosine, corner);
     about_.add(cosine, corner);
-  }
-
-  /// False where a triangle with this foot would change nothing.
-  [[nodiscard]] bool matters(const Vector3& foot, double distance) const noexcept {
-    return distance < distance_ || is_near(foot, distance);
   }
 
   /// Above 0 outside, below 0 inside, 0 where the triangles do not tell.
@@ -68,6 +65,7 @@ class TriangleSide {
   static constexpr double same_share = 1e-3;
   static constexpr double no_border = 0.1;
   static constexpr double within_angle = 6;
+  static constexpr double within_cosine = 1 - 1e-9;  ///< 1 but for rounding of numbers
   static constexpr double no_difference = 1e-6;
 
   /// Triangles about a foot.

@@ -6,7 +6,6 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <limits>
-#include <numbers>
 #include <vector>
 
 namespace spm {
@@ -84,12 +83,14 @@ TEST_CASE("Claims beyond the limit change nothing, and the limit only shrinks") 
 
 TEST_CASE("Of triangles only those count that are for the side they tell among themselves") {
   const Vector3 foot(0, 0, 0), behind(0, 0, -2 * rounding);
-  const FootCorner face{2 * std::numbers::pi, Vector3::Zero()};
+  const Vector3 left(-1, 0, 0), right(1, 0, 0);
+  const std::array<Vector3, 3> front{left, right, Vector3(0, -1, -0.1)};
+  const std::array<Vector3, 3> back{right, left, Vector3(0, 1, -0.1)};
   for (const bool inside : {false, true}) {
     SideClaims sides(tie, rounding);
     // A crack: the other wall faces the point a little more, and is a little farther.
-    sides.add_exact(claim(1e-3 + 2 * rounding, !inside, 1), behind, face);
-    sides.add_exact(claim(1e-3, inside, 0.999), foot, face);
+    sides.add_exact(claim(1e-3 + 2 * rounding, !inside, 1), front, behind);
+    for (const auto& face : {front, back}) sides.add_exact(claim(1e-3, inside, 0.999), face, foot);
     CHECK(sides.inside() == inside);
     CHECK(sides.margin() == std::numeric_limits<double>::infinity());
     // A fitted surface is not bound by that.

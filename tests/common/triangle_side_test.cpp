@@ -29,8 +29,7 @@ double side_of(const Triangles& triangles, const Vector3& point) {
     const Vector3 foot = closest_on_triangle(point, t[0], t[1], t[2]);
     const double distance = (point - foot).norm();
     const double along = normal_of(t).dot(point - foot);
-    const bool within = std::abs(along) > (1 - 1e-9) * distance;
-    side.add(foot, distance, along, foot_corner(t, foot, within));
+    side.add(t, foot, distance, along);
   }
   return side.side();
 }
