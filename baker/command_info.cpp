@@ -198,7 +198,7 @@ std::string describe(const MappedAsset& asset, const std::vector<std::string>& p
 
 int run(const Settings& settings) {
   cli::configure_messages(settings.global);
-  const auto asset = MappedAsset::open(settings.asset);
+  const auto asset = MappedAsset::open(settings.asset, {.index = false});
   if (!asset) return cli::report(asset.error());
   std::vector<std::string> pictures;
   if (!settings.pictures.empty()) pictures = write_pictures((*asset)->view(), settings);

@@ -6,6 +6,7 @@
 #include <span>
 
 #include "common/distance_map.hpp"
+#include "common/element_index.hpp"
 #include "common/element_tree.hpp"
 #include "common/space_tree.hpp"
 #include "common/support_plane.hpp"
@@ -99,9 +100,10 @@ struct AssetView {
   /// `sparse` only: corners from this number on are of caps, which decide the side and carry no
   /// distance.
   std::uint32_t first_cap = 0;
-  Grid grid;         ///< `full` only
-  SpaceTree space;   ///< `sparse` only
-  ElementTree tree;  ///< `sparse` only
+  Grid grid;           ///< `full` only
+  SpaceTree space;     ///< `sparse` only
+  ElementTree tree;    ///< `sparse` only
+  ElementIndex index;  ///< `sparse` only; empty before it was derived
   Band band;
   double tolerance = 0;  ///< m; how far an answer at the band's end may lie beyond it
   bool full = false;     ///< map k belongs to plane k and `paper` applies

@@ -17,6 +17,9 @@ constexpr double deep_share = 0.8;
 /// A foot whose normal meets the point within this cosine is a face's, not an edge's.
 constexpr double facing_cosine = 0.998;
 
+/// Feet whose distances differ by no more than this share are one.
+constexpr double same_share = 1e-6;
+
 /// Claims for the two sides that differ by this leave no doubt.
 constexpr double clear_margin = 0.8;
 /// Doubt makes a distance less up to a tolerance from the surface, fading out up to so many.
@@ -27,9 +30,9 @@ constexpr double most_less = 0.55;
 /// Gathers the nearest of the elements that are shown to it.
 class Gatherer {
  public:
-  Gatherer(const AssetView& asset, const Vector3& point, SpaceKind place) noexcept
-      : reading(tie_tolerances * asset.tolerance,
-                std::max(rounding_tolerances * asset.tolerance, 2 * asset.triangle_step)),
+  Gatherer(const AssetView& asset, const Vector3& point, SpaceKind place,
+           ElementReading& kept) noexcept
+      : reading(kept),
         asset_(asset),
         point_(point),
         thinnest_(1 * asset.triangle_step),
@@ -39,12 +42,13 @@ class Gatherer {
         limit_(place == SpaceKind::outside ? asset.band.margin + 2 * asset.tolerance
                                            : std::numeric_limits<double>::infinity()) {}
 
-  ElementReading reading;
+  ElementReading& reading;
 
   /// Elements farther than this change nothing, m.
   [[nodiscard]] double limit() const noexcept { return limit_; }
 
   void visit(const TreeChild& child) noexcept {
+    ++reading.visited;
     if (child.kind == ElementKind::tile) {
       visit_tile(child.first);
       return;
@@ -60,12 +64,25 @@ class Gatherer {
   double band_end_;
   double limit_;
 
+  /// Of feet that differ by rounding, those on an edge that elements share, the one that faces the
+  /// point most: so that the order of visits does not tell.
+  [[nodiscard]] static bool is_better(double distance, double along,
+                                      const ElementFoot& kept) noexcept {
+    const double tie = same_share * distance;
+    return distance < kept.distance - tie ||
+           (distance <= kept.distance + tie && along > kept.along_normal);
+  }
+
   void visit_tile(std::uint32_t which) noexcept {
     if (which >= asset_.tiles.size()) return;
     const Tile& tile = asset_.tiles[which];
     if (tile.plane >= asset_.planes.size()) return;
-    const TileFoot foot = closest_on_tile(tile, asset_.height_unit, asset_.planes[tile.plane],
-                                          point_, static_cast<float>(limit_));
+    const SupportPlane& plane = asset_.planes[tile.plane];
+    const auto limit = static_cast<float>(limit_);
+    const TileFoot foot = which < asset_.index.blocks.size()
+                              ? closest_on_tile(tile, asset_.height_unit,
+                                                asset_.index.blocks[which], plane, point_, limit)
+                              : closest_on_tile(tile, asset_.height_unit, plane, point_, limit);
     if (!std::isfinite(foot.distance)) return;
     const auto distance = static_cast<double>(foot.distance);
     const auto along = static_cast<double>(std::abs(foot.below));
@@ -74,9 +91,10 @@ class Gatherer {
       kept.distance = distance;
       kept.tile = &tile;
       kept.on_tile = foot;
+      kept.along_normal = along;
     };
-    if (distance < reading.nearest.distance) keep(reading.nearest);
-    if (along >= facing_cosine * distance && distance < reading.facing.distance) {
+    if (is_better(distance, along, reading.nearest)) keep(reading.nearest);
+    if (along >= facing_cosine * distance && is_better(distance, along, reading.facing)) {
       keep(reading.facing);
     }
     narrow();
@@ -94,11 +112,14 @@ class Gatherer {
   }
 
   void visit_triangle(const Vector3& a, const Vector3& b, const Vector3& c, bool cap) noexcept {
+    const Vector3 across = (b - a).cross(c - a);
+    // No nearer than its plane.
+    const double level = across.dot(point_ - a);
+    if (level * level > 1.000001 * limit_ * limit_ * across.squaredNorm()) return;
     const Vector3 foot = closest_on_triangle(point_, a, b, c);
     const Vector3 away = point_ - foot;
     const double distance = away.norm();
     if (!(distance <= limit_)) return;
-    const Vector3 across = (b - a).cross(c - a);
     const double size = across.norm();
     // A triangle without a direction may be the nearest, but tells no side.
     const Vector3 normal = size > 0 ? Vector3(across / size) : Vector3(Vector3::UnitZ());
@@ -110,9 +131,10 @@ class Gatherer {
       kept.tile = nullptr;
       kept.on_triangle = foot;
       kept.triangle_normal = normal;
+      kept.along_normal = along;
     };
-    if (!cap && distance < reading.nearest.distance) keep(reading.nearest);
-    if (!cap && along >= facing_cosine * distance && distance < reading.facing.distance) {
+    if (!cap && is_better(distance, along, reading.nearest)) keep(reading.nearest);
+    if (!cap && along >= facing_cosine * distance && is_better(distance, along, reading.facing)) {
       keep(reading.facing);
     }
     narrow();
@@ -148,6 +170,11 @@ class Gatherer {
   }
 };
 
+ElementReading empty_reading(const AssetView& asset) noexcept {
+  return {tie_tolerances * asset.tolerance,
+          std::max(rounding_tolerances * asset.tolerance, 2 * asset.triangle_step)};
+}
+
 }  // namespace
 
 bool stored_corner(const AssetView& asset, std::size_t which, Vector3& corner) noexcept {
@@ -174,11 +201,27 @@ bool triangle_corners(const AssetView& asset, std::size_t triangle,
 
 ElementReading read_elements(const AssetView& asset, const Vector3& point,
                              SpaceKind place) noexcept {
-  Gatherer gatherer(asset, point, place);
+  ElementReading reading = empty_reading(asset);
+  Gatherer gatherer(asset, point, place, reading);
   visit_elements(
       asset.tree, point, [&gatherer](const TreeChild& child) { gatherer.visit(child); },
       [&gatherer] { return gatherer.limit(); });
-  return gatherer.reading;
+  return reading;
+}
+
+ElementReading read_elements(const AssetView& asset, const IndexList& list, const Vector3& point,
+                             SpaceKind place) noexcept {
+  ElementReading reading = empty_reading(asset);
+  Gatherer gatherer(asset, point, place, reading);
+  std::array<float, 3> at{};
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const int k = static_cast<int>(axis);
+    at[axis] = static_cast<float>(point[k] - asset.tree.origin[k]);
+  }
+  visit_list(
+      asset.index, list, at, [&gatherer](const TreeChild& child) { gatherer.visit(child); },
+      [&gatherer] { return gatherer.limit(); });
+  return reading;
 }
 
 double signed_distance(const AssetView& asset, const ElementReading& reading,

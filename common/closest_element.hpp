@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstddef>
+#include <cstdint>
 #include <limits>
 
 #include "common/asset_view.hpp"
@@ -25,6 +26,7 @@ struct ElementFoot {
   const Tile* tile = nullptr;                                 ///< null: on a triangle
   TileFoot on_tile;
   Vector3 on_triangle = Vector3::Zero(), triangle_normal = Vector3::Zero();
+  double along_normal = 0;  ///< how much of the distance is along the foot's own normal, m
 };
 
 /// What the elements say of a point, before the side is told.
@@ -36,7 +38,8 @@ struct ElementReading {
   /// error may have put it behind `nearest`: then that is the border of a patch, whose direction
   /// means nothing.
   ElementFoot facing;
-  SideClaims sides;  ///< filled only where the place does not tell the side
+  std::uint32_t visited = 0;  ///< elements that were looked at
+  SideClaims sides;           ///< filled only where the place does not tell the side
 };
 
 /// A corner of the fallback's triangles, m; false where there is no such corner.
@@ -51,6 +54,10 @@ struct ElementReading {
 /// nearest. Beyond the margin outside it may find none.
 [[nodiscard]] ElementReading read_elements(const AssetView& asset, const Vector3& point,
                                            SpaceKind place) noexcept;
+
+/// The same among the elements of a list that was found for the point.
+[[nodiscard]] ElementReading read_elements(const AssetView& asset, const IndexList& list,
+                                           const Vector3& point, SpaceKind place) noexcept;
 
 /// The signed distance that a reading comes to, m, finite where it found an element. Where claims
 /// for the two sides are close and the surface no farther than the tolerance, it is less than the

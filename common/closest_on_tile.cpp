@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <Eigen/Core>
 #include <algorithm>
+#include <bit>
 #include <cmath>
+#include <cstring>
 
 #include "common/tile.hpp"
 
@@ -9,9 +11,13 @@ namespace spm {
 
 namespace {
 
-constexpr std::uint32_t blocks = 16;  ///< of 2 x 2 cells
-using Blocks = Eigen::Array<float, blocks, 1>;
+/// How deep a block lies that has nothing valid, m: its square is a float still.
+constexpr float out_of_reach = 1e15F;
+
+using Blocks = Eigen::Array<float, tile_blocks, 1>;
 using Four = Eigen::Array<float, 4, 1>;
+using Lanes = float __attribute__((vector_size(16)));
+using Words = std::uint32_t __attribute__((vector_size(16)));
 
 /// A point in the frame of a tile: along eta and omega from its first sample, and below its base.
 struct Local {
@@ -39,36 +45,31 @@ float bound_of(const Tile& tile, const Local& p) noexcept {
          (tile.highest - tile.lowest) / 2;
 }
 
-/// Squared lower bounds of the distance to each block's mean plane over its footprint; infinite
-/// where the block has no valid cell.
-Blocks block_bounds(const Tile& tile, const TileHeights& heights, const Local& p) noexcept {
-  Blocks a, b, c, d, x, y;
-  for (std::uint32_t k = 0; k < blocks; ++k) {
-    const std::uint32_t first = (k >> 2U) * (2 * tile_samples) + (k & 3U) * 2;
-    a[k] = heights[first];
-    b[k] = heights[first + 2];
-    c[k] = heights[first + 2 * tile_samples];
-    d[k] = heights[first + 2 * tile_samples + 2];
-    x[k] = static_cast<float>(2 * (k & 3U) + 1);
-    y[k] = static_cast<float>(2 * (k >> 2U) + 1);
-  }
+/// Lower bounds of the distance to the valid surface of each block, m; below 0 where it is close.
+Blocks block_bounds(const Tile& tile, const BlockPlanes& planes, const Local& p) noexcept {
+  static const Blocks x = [] {
+    Blocks middles;
+    for (std::uint32_t k = 0; k < tile_blocks; ++k)
+      middles[k] = static_cast<float>(2 * (k & 3U) + 1);
+    return middles;
+  }();
+  static const Blocks y = [] {
+    Blocks middles;
+    for (std::uint32_t k = 0; k < tile_blocks; ++k)
+      middles[k] = static_cast<float>(2 * (k >> 2U) + 1);
+    return middles;
+  }();
   const float s = tile.spacing;
-  const float per_slope = 0.25F / s;
-  const Blocks slope_x = ((b - a) + (d - c)) * per_slope;
-  const Blocks slope_y = ((c - a) + (d - b)) * per_slope;
+  const Eigen::Map<const Blocks> depth(planes.depth.data()), slope_x(planes.slope_eta.data()),
+      slope_y(planes.slope_omega.data());
   const Blocks dx = p.x - x * s;
   const Blocks dy = p.y - y * s;
-  const Blocks above = (p.z - (a + b + c + d) * 0.25F) - slope_x * dx - slope_y * dy;
+  const Blocks above = (p.z - depth) - slope_x * dx - slope_y * dy;
   const Blocks along = above / (slope_x * slope_x + slope_y * slope_y + 1.0F);
   const Blocks beyond_x = ((dx + along * slope_x).abs() - s).max(0.0F);
   const Blocks beyond_y = ((dy + along * slope_y).abs() - s).max(0.0F);
-  Blocks squared = above * along + beyond_x * beyond_x + beyond_y * beyond_y;
-  if (~tile.valid == 0) return squared;
-  for (std::uint32_t k = 0; k < blocks; ++k) {
-    const std::uint64_t cells = std::uint64_t{0x303} << ((k >> 2U) * 16 + (k & 3U) * 2);
-    if ((tile.valid & cells) == 0) squared[k] = std::numeric_limits<float>::infinity();
-  }
-  return squared;
+  const Eigen::Map<const Blocks> ripple(planes.ripple.data());
+  return (above * along + beyond_x * beyond_x + beyond_y * beyond_y).sqrt() - ripple;
 }
 
 /// Bilinear patch of a cell about its middle, and a point relative to that middle.
@@ -119,21 +120,42 @@ bool clip_foot(const Cell& cell, const Clip& clip, float spacing, float& x, floa
   return true;
 }
 
+/// Three HALF samples as floats, as half_to_float gives them; the fourth is of no use.
+Lanes three_halves(const std::uint16_t* half) noexcept {
+  std::uint32_t low;
+  std::memcpy(&low, half, sizeof(low));
+  const Words bits = Words{low, low >> 16U, half[2], 0} & 0xFFFFU;
+  const Lanes magnitude = std::bit_cast<Lanes>((bits & 0x7FFFU) << 13U) * 0x1p112F;
+  return std::bit_cast<Lanes>(std::bit_cast<Words>(magnitude) | (bits & 0x8000U) << 16U);
+}
+
+/// Four samples of a row as depths below the tile's base; the last of them is of no use.
+Lanes block_row(const Tile& tile, float height_unit, std::uint32_t column,
+                std::uint32_t row) noexcept {
+  const Lanes heights = three_halves(tile.heights + row * tile_samples + column);
+  const float step_eta = tile.slope_eta * tile.spacing;
+  const float step_omega = tile.slope_omega * tile.spacing;
+  const auto x = static_cast<float>(column);
+  const Lanes along = Lanes{x, x + 1, x + 2, 0} * step_eta;
+  return heights * height_unit + (along + static_cast<float>(row) * step_omega);
+}
+
+Four four_of(Lanes lanes) noexcept { return {lanes[0], lanes[1], lanes[2], lanes[3]}; }
+
 /// Feet on the four cells of a block; keeps the nearest in `foot`.
-void visit_block(const Tile& tile, const TileHeights& heights, const Local& p, std::uint32_t block,
+void visit_block(const Tile& tile, float height_unit, const Local& p, std::uint32_t block,
                  TileFoot& foot, float& best) noexcept {
-  Four h00, h10, h01, h11, middle_x, middle_y;
   const std::uint32_t column = (block & 3U) * 2, row = (block >> 2U) * 2;
-  for (std::uint32_t k = 0; k < 4; ++k) {
-    const std::uint32_t x = column + (k & 1U), y = row + (k >> 1U);
-    const std::uint32_t first = y * tile_samples + x;
-    h00[k] = heights[first];
-    h10[k] = heights[first + 1];
-    h01[k] = heights[first + tile_samples];
-    h11[k] = heights[first + tile_samples + 1];
-    middle_x[k] = static_cast<float>(x) + 0.5F;
-    middle_y[k] = static_cast<float>(y) + 0.5F;
-  }
+  const Lanes first = block_row(tile, height_unit, column, row);
+  const Lanes second = block_row(tile, height_unit, column, row + 1);
+  const Lanes third = block_row(tile, height_unit, column, row + 2);
+  // Of the cells: lower left, lower right, upper left, upper right.
+  const Four h00 = four_of(__builtin_shufflevector(first, second, 0, 1, 4, 5));
+  const Four h10 = four_of(__builtin_shufflevector(first, second, 1, 2, 5, 6));
+  const Four h01 = four_of(__builtin_shufflevector(second, third, 0, 1, 4, 5));
+  const Four h11 = four_of(__builtin_shufflevector(second, third, 1, 2, 5, 6));
+  const auto x0 = static_cast<float>(column) + 0.5F, y0 = static_cast<float>(row) + 0.5F;
+  const Four middle_x{x0, x0 + 1, x0, x0 + 1}, middle_y{y0, y0, y0 + 1, y0 + 1};
   const float s = tile.spacing, half = s / 2;
   const float per_slope = 0.5F / s;
   const Four slope_x = ((h10 - h00) + (h11 - h01)) * per_slope;
@@ -185,23 +207,62 @@ float tile_distance_bound(const Tile& tile, const SupportPlane& plane,
   return bound_of(tile, local_of(tile, plane, point));
 }
 
-TileFoot closest_on_tile(const Tile& tile, float height_unit, const SupportPlane& plane,
-                         const Vector3& point, float limit) noexcept {
-  TileFoot foot;
-  const Local p = local_of(tile, plane, point);
-  if (!(bound_of(tile, p) < limit)) return foot;
+BlockPlanes block_planes(const Tile& tile, float height_unit) noexcept {
   TileHeights heights;
   tile_heights(tile, height_unit, heights);
-  Blocks bounds = block_bounds(tile, heights, p);
+  const float per_slope = 0.25F / tile.spacing;
+  BlockPlanes planes;
+  for (std::uint32_t k = 0; k < tile_blocks; ++k) {
+    const std::uint32_t first = (k >> 2U) * (2 * tile_samples) + (k & 3U) * 2;
+    const auto sample = [&](std::uint32_t i, std::uint32_t j) {
+      return heights[first + j * tile_samples + i];
+    };
+    const float a = sample(0, 0), b = sample(2, 0), c = sample(0, 2), d = sample(2, 2);
+    const std::uint64_t cells = std::uint64_t{0x303} << ((k >> 2U) * 16 + (k & 3U) * 2);
+    if ((tile.valid & cells) == 0) {
+      planes.depth[k] = out_of_reach;
+      planes.slope_eta[k] = planes.slope_omega[k] = planes.ripple[k] = 0;
+      continue;
+    }
+    planes.slope_eta[k] = ((b - a) + (d - c)) * per_slope;
+    planes.slope_omega[k] = ((c - a) + (d - b)) * per_slope;
+    planes.depth[k] = (a + b + c + d) * 0.25F;
+    float ripple = 0, most = 0;
+    for (std::uint32_t j = 0; j < 3; ++j) {
+      for (std::uint32_t i = 0; i < 3; ++i) {
+        const float plane =
+            planes.depth[k] + ((static_cast<float>(i) - 1) * planes.slope_eta[k] +
+                               (static_cast<float>(j) - 1) * planes.slope_omega[k]) *
+                                  tile.spacing;
+        ripple = std::max(ripple, std::abs(sample(i, j) - plane));
+        most = std::max(most, std::abs(sample(i, j)));
+      }
+    }
+    // Rounding must not turn a bound into a hope.
+    planes.ripple[k] = ripple + 1e-5F * (tile.spacing + most);
+  }
+  return planes;
+}
+
+TileFoot closest_on_tile(const Tile& tile, float height_unit, const SupportPlane& plane,
+                         const Vector3& point, float limit) noexcept {
+  if (!(tile_distance_bound(tile, plane, point) < limit)) return {};
+  return closest_on_tile(tile, height_unit, block_planes(tile, height_unit), plane, point, limit);
+}
+
+TileFoot closest_on_tile(const Tile& tile, float height_unit, const BlockPlanes& planes,
+                         const SupportPlane& plane, const Vector3& point, float limit) noexcept {
+  TileFoot foot;
+  const Local p = local_of(tile, plane, point);
+  Blocks bounds = block_bounds(tile, planes, p);
   float best = limit * limit;
   const float start = best;
-  for (std::uint32_t visited = 0; visited < blocks; ++visited) {
+  for (std::uint32_t visited = 0; visited < tile_blocks; ++visited) {
     Eigen::Index nearest = 0;
-    const float bound = std::sqrt(bounds.minCoeff(&nearest)) - tile.ripple;
+    const float bound = bounds.minCoeff(&nearest);
     if (!(bound < 0) && !(bound * bound < best)) break;
-    if (!std::isfinite(bound)) break;
     bounds[nearest] = std::numeric_limits<float>::infinity();
-    visit_block(tile, heights, p, static_cast<std::uint32_t>(nearest), foot, best);
+    visit_block(tile, height_unit, p, static_cast<std::uint32_t>(nearest), foot, best);
   }
   if (!(best < start)) return foot;
   foot.distance = std::sqrt(best);

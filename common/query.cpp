@@ -27,6 +27,9 @@ constexpr float facing_share = 0.9995F;
 /// Nearer to the surface than this share of the tolerance, directions to the foot are noise.
 constexpr double surface_share = 0.1;
 
+/// Farther from the surface than so many tolerances no two answers tell different sides.
+constexpr float clear_tolerances = 2;
+
 Answer unanswered(Status status) noexcept {
   Answer answer;
   answer.distance = std::numeric_limits<double>::quiet_NaN();
@@ -144,14 +147,26 @@ Vector3 normal_of(const AssetView& asset, const ElementFoot& foot, const Vector3
                     .normalized();
 }
 
+/// What lies around a point. Where its list tells the side, clear of the surface, nothing else is
+/// asked.
+SpaceKind kind_of(const AssetView& asset, const IndexList& list, const Vector3& point) noexcept {
+  if (list.clearance > clear_tolerances * static_cast<float>(asset.tolerance))
+    return SpaceKind::outside;
+  if (list.clearance < -clear_tolerances * static_cast<float>(asset.tolerance))
+    return SpaceKind::inside;
+  return space_at(asset.space, point);
+}
+
 Answer query_sparse(const AssetView& asset, const Vector3& point) noexcept {
-  const SpaceKind kind = space_at(asset.space, point);
+  const IndexList list = list_at(asset.index, point);
+  const SpaceKind kind = kind_of(asset, list, point);
   if (kind == SpaceKind::pruned) return unanswered(Status::pruned);
   const bool told = kind == SpaceKind::told;
   if (!told && kind != SpaceKind::inside && kind != SpaceKind::outside) {
     return unanswered(Status::far);
   }
-  const ElementReading reading = read_elements(asset, point, kind);
+  const ElementReading reading = list.numbers != nullptr ? read_elements(asset, list, point, kind)
+                                                         : read_elements(asset, point, kind);
   const ElementFoot& nearest = reading.nearest;
   if (!std::isfinite(nearest.distance)) return unanswered(Status::far);
   const bool inside = told ? reading.sides.inside() : kind == SpaceKind::inside;

@@ -54,6 +54,11 @@ AssetTables::AssetTables(std::vector<SupportPlane> planes, std::vector<DistanceM
   view_.plane_offset = offset_;
 }
 
+void AssetTables::build_index() {
+  index_ = build_element_index(view_);
+  view_.index = index_.view();
+}
+
 AssetTables tables_of(const Asset& asset) {
   // One table serves all maps of a shape: in memory layers lie one behind the other.
   std::uint32_t layers = 0;

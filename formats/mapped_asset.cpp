@@ -137,6 +137,7 @@ Result<std::unique_ptr<MappedAsset>> MappedAsset::open(const std::string& path,
   Result<AssetTables> tables = lay_out(bytes, *parts, *description, path);
   if (!tables) return failed(tables);
   if (auto good = check_content(tables->view(), path); !good) return failed(good);
+  if (options.index) tables->build_index();
   if (options.prefault) (*file)->touch();
   // What was checked above must be what is mapped now.
   if (options.mode == MapMode::file && (*file)->state() != AssetState::intact) {

@@ -20,6 +20,7 @@ enum class MapMode {
 struct MapOptions {
   MapMode mode = MapMode::file;
   bool prefault = false;  ///< read every page before open returns
+  bool index = true;      ///< derive the index, by which queries are several times faster
   bool lock = false;      ///< mlock the mapping when permitted; `locked()` tells whether it was
 };
 
