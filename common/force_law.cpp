@@ -33,6 +33,21 @@ ContactForce spm_contact_force(const AssetView& asset, const ForceSettings& sett
 
 }  // namespace
 
+ContactForce smoothed_force(const AssetView& asset, const ForceSettings& settings,
+                            const RuntimeSmoothing& smoothing, const Vector3& point) noexcept {
+  if (!point.allFinite()) return {};
+  const SmoothedAnswer answer = smoothed_query(asset, smoothing, point);
+  ContactForce result;
+  const double slope = answer.gradient.norm();
+  if (!answer.known || !(answer.distance < settings.probe_radius) || !(slope > 0)) return result;
+  result.depth = (settings.probe_radius - answer.distance) * slope;
+  result.normal = answer.gradient / slope;
+  result.force = settings.stiffness * result.depth * result.normal;
+  result.contact = true;
+  result.deep = answer.deep;
+  return result;
+}
+
 ContactForce contact_force(const AssetView& asset, const ForceSettings& settings,
                            const Vector3& point) noexcept {
   if (!point.allFinite()) return {};

@@ -6,12 +6,15 @@
 #include "common/asset_view.hpp"
 #include "common/paper_force.hpp"
 #include "common/query.hpp"
+#include "common/runtime_smoothing.hpp"
 
 namespace spm {
 
 enum class Method : std::uint8_t {
   spm,    ///< the product's penalty form, any asset
   paper,  ///< the paper's equations to the letter, `full` assets and a point probe only
+  proxy,  ///< constraint-based, any asset: see proxy.hpp; it remembers, so ContactModel alone has
+          ///< it
 };
 
 /// What a tick's force is computed with; fixed while the loop runs.
@@ -32,9 +35,15 @@ struct ContactForce {
 };
 
 /// Force for a probe centred at `point` (asset's frame, metres): eq. 9, with the depth and normal
-/// of the chosen method. |force| = stiffness * depth. Never NaN: a point that is not finite gives
-/// zero.
+/// of the chosen method, for `proxy` those of `spm`. |force| = stiffness * depth. Never NaN: a
+/// point that is not finite gives zero.
 [[nodiscard]] ContactForce contact_force(const AssetView& asset, const ForceSettings& settings,
                                          const Vector3& point) noexcept;
+
+/// The same for `spm` with the field smoothed: the force of the energy k depth^2 / 2. `depth` is
+/// such that |force| = stiffness * depth.
+[[nodiscard]] ContactForce smoothed_force(const AssetView& asset, const ForceSettings& settings,
+                                          const RuntimeSmoothing& smoothing,
+                                          const Vector3& point) noexcept;
 
 }  // namespace spm

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "common/nearest_in_planes.hpp"
 #include "common/query.hpp"
@@ -11,16 +12,16 @@ namespace spm {
 
 namespace {
 
-/// A proxy that would move less has arrived, m: a ten-thousandth of a newton at 1 N/mm.
-constexpr double settled = 1e-7;
+/// A proxy that would move less has arrived, m: half a thousandth of a newton at 1 N/mm.
+constexpr double settled = 5e-7;
 /// How deep a place may be and count as outside, m: the rounding of a query.
 constexpr double on_surface = 2e-7;
 /// A step that ends inside by no more than this share of its length follows a curved wall, and is
 /// lifted; one that ends deeper met another wall.
 constexpr double lifted_share = 0.5;
 constexpr int most_lifts = 4;
-/// How often a step is halved that ends inside.
-constexpr int most_halvings = 4;
+/// How often a step that ends inside is tried again, an eighth as long.
+constexpr int most_shorter = 2;
 
 /// What the proxy knows of a place.
 struct Place {
@@ -36,8 +37,9 @@ struct Place {
 
 class Mover {
  public:
-  Mover(const AssetView& asset, double radius, const Vector3& target) noexcept
-      : asset_(asset), radius_(radius), target_(target) {}
+  /// `travel`: how far it may go, m.
+  Mover(const AssetView& asset, double radius, const Vector3& target, double travel) noexcept
+      : asset_(asset), radius_(radius), target_(target), travel_(travel) {}
 
   [[nodiscard]] std::uint32_t queries() const noexcept { return queries_; }
 
@@ -72,7 +74,9 @@ class Mover {
     std::uint32_t touching = 0;
     while (queries_ < proxy_queries && touching < proxy_touching_queries) {
       const std::uint32_t before = queries_;
+      const Vector3 from = place.at;
       if (!step(place)) break;
+      travel_ -= (place.at - from).norm();
       if (place.clearance <= proxy_blind_step) touching += queries_ - before;
     }
     return place;
@@ -84,6 +88,7 @@ class Mover {
   const AssetView& asset_;
   double radius_;
   Vector3 target_;
+  double travel_;
   std::uint32_t queries_ = 0;
 
   [[nodiscard]] double left(const Vector3& at) const noexcept { return (target_ - at).norm(); }
@@ -94,20 +99,20 @@ class Mover {
     if (left(place.at) < settled) return false;
     HalfSpaces walls;
     if (!place.normal.isZero()) walls.add(place.half_space());
-    double longest = std::max(place.clearance, proxy_blind_step);
-    for (int tries = 0; tries < most_halvings + 2;) {
+    double longest = std::min(std::max(place.clearance, proxy_blind_step), travel_);
+    for (int tries = 0; tries <= most_shorter;) {
       const Vector3 goal = nearest_in_planes(walls, target_);
       const Vector3 way = goal - place.at;
       const double length = way.norm();
       held = (goal - target_).norm() > settled;
-      if (length < settled) return false;
+      if (length < settled || longest < settled) return false;
       const Place next = ask(place.at + std::min(1.0, longest / length) * way);
       if (take(place, next)) return true;
       held = true;
       if (!next.outside() && walls.add(next.half_space())) continue;
       // What three walls leave free is not free: the surface is no three planes.
       walls.count = 1;
-      longest /= 4;
+      longest /= 8;
       ++tries;
     }
     return false;
@@ -136,7 +141,10 @@ ProxyContact move_proxy(const AssetView& asset, double radius, const Vector3& po
     state = {};
     return contact;
   }
-  Mover mover(asset, radius, point);
+  const double travel = state.known && state.touching
+                            ? proxy_catch_up + proxy_catch_up_share * (point - state.hand).norm()
+                            : std::numeric_limits<double>::infinity();
+  Mover mover(asset, radius, point, travel);
   Place place = mover.ask(state.known ? state.position : point);
   if (!mover.lift(place)) {
     // The surface is nowhere near to where the proxy was: begin anew.
@@ -147,11 +155,12 @@ ProxyContact move_proxy(const AssetView& asset, double radius, const Vector3& po
     }
   }
   place = mover.go(place);
-  state = {true, place.at};
+  const double depth = (place.at - point).norm();
+  const bool touching = (mover.held || state.touching) && depth > settled;
+  state = {true, place.at, point, touching};
   contact.proxy = place.at;
   contact.queries = mover.queries();
-  const double depth = (place.at - point).norm();
-  if (!mover.held || !(depth > settled)) return contact;
+  if (!touching) return contact;
   contact.contact = true;
   contact.depth = depth;
   contact.normal = (place.at - point) / depth;

@@ -12,6 +12,8 @@ namespace spm {
 struct ProxyState {
   bool known = false;
   Vector3 position = Vector3::Zero();  ///< m
+  Vector3 hand = Vector3::Zero();      ///< m, the haptic interaction point then
+  bool touching = false;               ///< there was contact
 };
 
 /// Where the proxy is now, and what holds it back.
@@ -27,6 +29,11 @@ struct ProxyContact {
 /// The steps that a proxy takes without knowing the surface on the way, m: a plate is never passed
 /// that is thicker than this, or than the probe's diameter and this.
 inline constexpr double proxy_blind_step = 80e-6;
+/// How many times as far as the hand a proxy moves in a tick that was in contact before it, and how
+/// much farther, m: where it was caught and comes free, it catches up within some ticks, with a
+/// force that falls and does not jump.
+inline constexpr double proxy_catch_up = 150e-6;
+inline constexpr double proxy_catch_up_share = 1.5;
 /// Queries of the surface in a tick at most, where the proxy touches; and in all.
 inline constexpr std::uint32_t proxy_touching_queries = 32;
 inline constexpr std::uint32_t proxy_queries = 128;
@@ -38,10 +45,11 @@ inline constexpr std::uint32_t proxy_queries = 128;
 /// 1997).
 ///
 /// Steps are no longer than the way to the surface, or proxy_blind_step; each ends outside, or is
-/// not taken. What a tick does not reach the next one does; there is contact only where the surface
-/// holds the proxy. A proxy that is not known begins at the point, or at the surface nearest to it;
-/// where neither is outside, it is not known after the tick. Places that the bake left out are
-/// taken as empty. Points that are not finite give no contact and forget the proxy.
+/// not taken. What a tick does not reach the next one does; there is contact where the surface
+/// holds the proxy, and until it has caught up. A proxy that is not known begins at the point, or
+/// at the surface nearest to it; where neither is outside, it is not known after the tick. Places
+/// that the bake left out are taken as empty. Points that are not finite give no contact and forget
+/// the proxy.
 [[nodiscard]] ProxyContact move_proxy(const AssetView& asset, double radius, const Vector3& point,
                                       ProxyState& state) noexcept;
 

@@ -15,10 +15,12 @@ constexpr double fastest = 4000;  // Hz
 }  // namespace
 
 void add_force_options(CLI::App& command, ForceSettings& settings) {
-  cli::add_choice<Method>(command, "--method", settings.method,
-                          {{"spm", Method::spm}, {"paper", Method::paper}},
-                          "How forces are made: spm (default), or paper, the paper's equations to "
-                          "the letter, for assets baked with --form full");
+  cli::add_choice<Method>(
+      command, "--method", settings.method,
+      {{"spm", Method::spm}, {"paper", Method::paper}, {"proxy", Method::proxy}},
+      "How forces are made: spm (default), by the depth in the surface; proxy, "
+      "by a point that the surface holds back; or paper, the paper's "
+      "equations to the letter, for assets baked with --form full");
   cli::add_choice<PaperRule>(command, "--paper-rule", settings.rule,
                              {{"closest-plane", PaperRule::closest_plane},
                               {"closest-surface", PaperRule::closest_surface},

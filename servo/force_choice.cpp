@@ -21,7 +21,17 @@ std::string radius_text(double radius) {
 
 }  // namespace
 
-const char* to_string(Method method) noexcept { return method == Method::paper ? "paper" : "spm"; }
+const char* to_string(Method method) noexcept {
+  switch (method) {
+    case Method::spm:
+      return "spm";
+    case Method::paper:
+      return "paper";
+    case Method::proxy:
+      return "proxy";
+  }
+  return "";
+}
 
 const char* to_string(PaperRule rule) noexcept {
   switch (rule) {

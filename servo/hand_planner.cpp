@@ -5,6 +5,7 @@
 #include <cmath>
 #include <utility>
 
+#include "common/contact_model.hpp"
 #include "servo/surface_walk.hpp"
 
 namespace spm::servo {
@@ -66,11 +67,12 @@ double contact_share(const AssetView& asset, const ForceSettings& force, const S
   SimDynamics tool(profile, period);
   tool.place(motion.start());
   const auto second = static_cast<std::size_t>(std::ceil(1 / period));
+  ContactModel model({force, {}, period, 0});
   double worst = 1;
   for (std::size_t begin = 0; begin < ticks; begin += second) {
     std::size_t touching = 0;
     for (std::size_t tick = 0; tick < second; ++tick) {
-      const ContactForce contact = contact_force(asset, force, tool.measured_position());
+      const ContactForce contact = model.next(asset, tool.measured_position());
       touching += contact.contact ? 1 : 0;
       tool.step(contact.force, motion.next());
     }

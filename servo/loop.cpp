@@ -25,6 +25,7 @@ Loop::Loop(const LoopSettings& settings, std::vector<Device*> devices, AssetSlot
     const double cap = devices[i]->capabilities().force_cap;
     Channel channel{devices[i],
                     SafetyStage(safety_settings(cap, settings.force.stiffness, settings.rate_hz)),
+                    ContactModel({settings.force, {}, 1 / settings.rate_hz, 0}),
                     {},
                     {}};
     channel.record.device = static_cast<std::uint32_t>(i);
@@ -87,12 +88,15 @@ void Loop::serve(Channel& channel, const ServedAsset* asset, bool stopping) noex
 
   ContactForce contact;
   if (cause == ForceOff::none) {
-    contact = contact_force(*asset->view, settings_.force, state.position);
+    contact = channel.contact.next(*asset->view, state.position);
     // A page may have gone while the force was computed from it.
     if (asset->lost()) cause = ForceOff::asset_lost;
   }
   if (stopping) cause = ForceOff::stopping;
-  if (cause != ForceOff::none) contact = ContactForce{};
+  if (cause != ForceOff::none) {
+    contact = ContactForce{};
+    channel.contact.reset();
+  }
 
   const SafeForce sent = channel.safety.apply(contact.force, cause);
   channel.written = channel.device->write(Wrench{sent.force, Vector3::Zero()});
@@ -129,7 +133,10 @@ void Loop::take_up(const ServedAsset* asset) noexcept {
   current_ = asset;
   if (asset == nullptr) return;
   had_asset_ = true;
-  for (Channel& channel : channels_) channel.safety.restart();
+  for (Channel& channel : channels_) {
+    channel.safety.restart();
+    channel.contact.reset();
+  }
 }
 
 /// Runs every function of a tick without a device, so that their code, the lazy bindings of the
@@ -142,13 +149,14 @@ void Loop::warm_up() noexcept {
       if (asset == nullptr || asset->lost()) continue;
       const Extent extent = extent_of(*asset->view);
       const Vector3 point = extent.low + (round + 0.5) / warm_up_rounds * extent.size;
-      const ContactForce contact = contact_force(*asset->view, settings_.force, point);
+      const ContactForce contact = channel.contact.next(*asset->view, point);
       static_cast<void>(channel.safety.apply(contact.force, ForceOff::none));
     }
     static_cast<void>(page_faults_of_this_thread());
   }
   for (Channel& channel : channels_) {
     static_cast<void>(channel.safety.apply(Vector3::Zero(), ForceOff::starting));
+    channel.contact.reset();
   }
 }
 

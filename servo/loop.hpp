@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "common/force_law.hpp"
+#include "common/contact_model.hpp"
 #include "servo/asset_slot.hpp"
 #include "servo/device.hpp"
 #include "servo/schedule.hpp"
@@ -63,6 +63,7 @@ class Loop {
   struct Channel {
     Device* device;
     SafetyStage safety;
+    ContactModel contact;
     DeviceCounters counters;
     TickRecord record;
     Vector3 last_position = Vector3::Zero();

@@ -21,13 +21,14 @@ ReplayResult replay(const AssetView& asset, const std::vector<TrajectorySample>&
   result.contacts.resize(trajectory.size());
   result.busy_ns.resize(trajectory.size());
   TickSchedule schedule(now_ns() + lead_ns, options.rate_hz);
+  ContactModel contact({options.force, options.effects, 1 / options.rate_hz, 0});
   for (std::size_t row = 0; row < trajectory.size(); ++row) {
     if (options.pace == Pace::realtime) {
       sleep_until(schedule.due());
       schedule.advance(now_ns());
     }
     const std::int64_t begin = now_ns();
-    result.contacts[row] = contact_force(asset, options.force, trajectory[row].position);
+    result.contacts[row] = contact.next(asset, trajectory[row].position);
     result.busy_ns[row] = now_ns() - begin;
   }
   return result;

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "common/force_law.hpp"
+#include "common/contact_model.hpp"
 #include "formats/trajectory.hpp"
 #include "servo/statistics.hpp"
 
@@ -18,6 +18,7 @@ enum class Pace {
 
 struct ReplayOptions {
   ForceSettings force;
+  EffectSettings effects;
   double rate_hz = 1000;
   Pace pace = Pace::none;
 };

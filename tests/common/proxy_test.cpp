@@ -176,7 +176,7 @@ TEST_CASE("What is not finite forgets the proxy and gives nothing") {
   const Made box(test::box({0.02, 0.03, 0.04}));
   for (const double bad :
        {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()}) {
-    ProxyState state{true, Vector3(0, 0, 0.02)};
+    ProxyState state{true, Vector3(0, 0, 0.02), Vector3(0, 0, 0.02), false};
     const ProxyContact contact = move_proxy(box.view(), 0, {bad, 0, 0.019}, state);
     CHECK_FALSE(contact.contact);
     CHECK(contact.depth == 0);

@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+
+#include "common/coulomb_friction.hpp"
+#include "common/force_law.hpp"
+#include "common/proxy.hpp"
+#include "common/surface_texture.hpp"
+#include "common/velocity_estimate.hpp"
+
+namespace spm {
+
+/// What is felt beside the reaction force (section 4). Each is off where its first number is 0, and
+/// then costs a comparison.
+struct EffectSettings {
+  FrictionSettings friction;  ///< Coulomb's, with stick and slip
+  double damping = 0;         ///< N s/m, 0 or more: k_d of eq. 18, in contact
+  TextureSettings texture;    ///< in space
+  RuntimeSmoothing smoothing;
+  // By the paper's letter, for the method `paper` alone:
+  double friction_force = 0;  ///< N: f_c of eq. 17
+  double friction_depth = 0;  ///< 1/m: k_f of eq. 17
+  double texture_noise = 0;   ///< m: standard deviation of n_g of eq. 19
+  std::uint64_t noise_seed = 0;
+
+  [[nodiscard]] bool any() const noexcept {
+    return friction.stick > 0 || friction.slide > 0 || damping > 0 || texture.amplitude > 0 ||
+           friction_force > 0 || texture_noise > 0;
+  }
+};
+
+/// Fixed while the loop runs.
+struct ContactSettings {
+  ForceSettings force;
+  EffectSettings effects;
+  double tick = 1e-3;       ///< s, above 0
+  double encoder_step = 0;  ///< m, 0 or more: how far a position may be off
+};
+
+/// The force on one probe at one object, tick by tick: reaction by the method that was chosen, and
+/// on it friction, damping and texture (eq. 18). It remembers what these need, in the object's
+/// frame. Nothing in it allocates or throws.
+class ContactModel {
+ public:
+  explicit ContactModel(const ContactSettings& settings) noexcept
+      : settings_(settings), velocity_(settings.encoder_step, settings.tick) {}
+
+  /// Force for a probe centred at `point` (object's frame, m) in the next tick. Without effects,
+  /// for `spm` and `paper`, that of contact_force. Never NaN.
+  [[nodiscard]] ContactForce next(const AssetView& asset, const Vector3& point) noexcept;
+
+  /// Forgets all: at the start, and when the object was exchanged.
+  void reset() noexcept;
+
+  [[nodiscard]] const ContactSettings& settings() const noexcept { return settings_; }
+
+ private:
+  ContactSettings settings_;
+  ProxyState proxy_;
+  FrictionState friction_;
+  VelocityEstimate velocity_;
+  Vector3 last_point_ = Vector3::Zero();
+  std::uint64_t ticks_ = 0;
+  bool last_known_ = false;
+
+  [[nodiscard]] ContactForce proxy_force(const AssetView& asset, const Vector3& point) noexcept;
+  void add_effects(const AssetView& asset, const Vector3& point, ContactForce& contact) noexcept;
+  void add_paper_effects(const AssetView& asset, const Vector3& point, const Vector3& motion,
+                         ContactForce& contact) noexcept;
+};
+
+}  // namespace spm
