@@ -56,7 +56,7 @@ class ShowTriangles final : public btTriangleCallback {
   ShowTriangles(const Vector3& point, double tie) : point_(point), nearest(point, tie) {}
   void processTriangle(btVector3* corners, int, int) override {
     const Vector3 a = vector_of(corners[0]), b = vector_of(corners[1]), c = vector_of(corners[2]);
-    nearest.show(closest_on_triangle(point_, a, b, c), (b - a).cross(c - a).normalized());
+    nearest.show(closest_on_triangle(point_, a, b, c), a, b, c);
   }
 
  private:

@@ -6,6 +6,7 @@
 #include <fcl/narrowphase/distance.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <vector>
 
@@ -82,7 +83,8 @@ class FclProbe final : public ProbeMethod {
     fcl::collide(&tree_, fcl::Transform3d::Identity(), &ball_, place, request, result);
     double deepest = 0;
     for (std::size_t i = 0; i < result.numContacts(); ++i) {
-      deepest = std::max(deepest, result.getContact(i).penetration_depth);
+      // A ball's depth in a triangle comes out negative in FCL 0.7.
+      deepest = std::max(deepest, std::abs(result.getContact(i).penetration_depth));
     }
     return deepest;
   }

@@ -28,13 +28,15 @@ Vector3 free_place(const Model& model, const TruePlace& truth) {
 /// The contact that moves over the surface, and the hand that moves with it.
 class Walk {
  public:
-  Walk(const Model& model, std::uint64_t seed) : model_(model), seed_(seed) { restart(); }
+  Walk(const Model& model, double low, double high, std::uint64_t seed)
+      : model_(model), low_(low), high_(high), seed_(seed) {
+    restart();
+  }
 
   /// One step of the hand.
   Vector3 step() {
-    const Band& band = model_.band;
-    const double swing = 0.5 + 0.48 * std::cos(2 * std::numbers::pi * phase_ / swing_steps);
-    const double height = -band.max_depth + (band.max_depth + band.margin) * swing;
+    const double swing = 0.5 + 0.49 * std::cos(2 * std::numbers::pi * phase_ / swing_steps);
+    const double height = low_ + (high_ - low_) * swing;
     const Vector3 goal = contact_.position + height * contact_.normal;
     const Vector3 move = goal - hand_;
     const double length = move.norm();
@@ -50,7 +52,7 @@ class Walk {
     contact_ = model_.truth.at(choice, a, b);
     heading_ = contact_.normal.unitOrthogonal();
     phase_ = 0;
-    hand_ = contact_.position + 0.9 * model_.band.margin * contact_.normal;
+    hand_ = contact_.position + high_ * contact_.normal;
   }
 
  private:
@@ -71,6 +73,7 @@ class Walk {
   }
 
   const Model& model_;
+  double low_, high_;
   std::uint64_t seed_;
   std::uint64_t drawn_ = 0;
   baker::SurfacePoint contact_;
@@ -81,8 +84,9 @@ class Walk {
 
 }  // namespace
 
-WalkedPath walk_surface(const Model& model, std::size_t steps, std::uint64_t seed) {
-  Walk walk(model, baker::random_bits(seed, 0x77616C6B));
+WalkedPath walk_surface(const Model& model, double low, double high, std::size_t steps,
+                        std::uint64_t seed) {
+  Walk walk(model, low, high, baker::random_bits(seed, 0x77616C6B));
   WalkedPath path;
   bool fresh = true;
   std::size_t refused = 0;

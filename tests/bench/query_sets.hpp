@@ -14,10 +14,11 @@ struct WalkedPath {
   Places places;  ///< one a step
 };
 
-/// Walks over the surface in steps of at most 0.1 mm while the depth swings through the band;
-/// starts anew, with a fresh step, where the band or the surface ends. Deterministic. Throws
-/// BakeError where no step can be made.
-[[nodiscard]] WalkedPath walk_surface(const Model& model, std::size_t steps, std::uint64_t seed);
+/// Walks over the surface in steps of at most 0.1 mm while the signed distance swings between two
+/// heights, metres, within the band; starts anew, with a fresh step, where the band or the surface
+/// ends. Deterministic. Throws BakeError where no step can be made.
+[[nodiscard]] WalkedPath walk_surface(const Model& model, double low, double high,
+                                      std::size_t steps, std::uint64_t seed);
 
 /// The first `count` of the places that errors are measured at, all fresh.
 [[nodiscard]] std::vector<TimedPlace> random_places(const Model& model, const Places& places,

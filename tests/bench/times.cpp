@@ -66,7 +66,9 @@ class Race {
         tell_(std::move(tell)),
         model_(source, baker::load_mesh(source.path, {1, bench_diagonal})),
         places_(draw_places(model_, plan.samples, plan.seed)),
-        path_(walk_surface(model_, plan.path_steps, plan.seed)),
+        path_(walk_surface(model_, -model_.band.max_depth, model_.band.margin, plan.path_steps,
+                           plan.seed)),
+        probe_path_(walk_surface(model_, 0, plan.probe_radius, plan.path_steps, plan.seed)),
         sets_{path_.steps, random_places(model_, places_, plan.path_steps)} {
     report.models.push_back({model_.name, model_.tolerance, model_.mesh.triangles.size(),
                              model_.mesh.vertices.size(), places_.places.size(), places_.contested,
@@ -186,7 +188,7 @@ class Race {
   void time_probes() {
     std::vector<std::unique_ptr<Contestant>> contestants;
     for (const auto& probe : probes_) contestants.push_back(contestant_of(*probe));
-    const std::vector<double> hot = time_hot(contestants, sets_.hot, plan_.timing);
+    const std::vector<double> hot = time_hot(contestants, probe_path_.steps, plan_.timing);
     for (std::size_t i = 0; i < probes_.size(); ++i) {
       ProbeRow row = judge(*probes_[i]);
       row.hot = hot[i];
@@ -202,7 +204,7 @@ class Race {
     row.settings = probe.settings();
     std::vector<double> errors;
     std::size_t contacts = 0, missed = 0;
-    for (const Place& place : path_.places.places) {
+    for (const Place& place : probe_path_.places.places) {
       const double truth = std::max(0.0, plan_.probe_radius - place.distance);
       const double depth = probe.depth(place.point);
       errors.push_back(std::abs(depth - truth));
@@ -224,6 +226,7 @@ class Race {
   Model model_;
   Places places_;
   WalkedPath path_;
+  WalkedPath probe_path_;  ///< a ball's centre: outside, since meshes lose it once it is within
   QuerySets sets_;
   std::vector<std::unique_ptr<Method>> methods_;
   std::vector<NamedProxy> proxies_;

@@ -29,12 +29,16 @@ std::span<const TimedPlace> block_of(std::span<const TimedPlace> places, std::si
 }
 
 /// Seconds of one block, without the clock's.
-double time_block(Contestant& contestant, std::span<const TimedPlace> block, double clock) {
-  contestant.begin(block);
+double time_asking(Contestant& contestant, std::span<const TimedPlace> block, double clock) {
   const TimingClock::time_point start = TimingClock::now();
   contestant.ask(block);
   const double seconds = seconds_between(start, TimingClock::now());
   return std::max(0.0, seconds - clock);
+}
+
+double time_block(Contestant& contestant, std::span<const TimedPlace> block, double clock) {
+  contestant.begin(block);
+  return time_asking(contestant, block, clock);
 }
 
 /// Nanoseconds a query: the median of a pass's blocks, all of them or so many, evenly spread, as
@@ -142,8 +146,9 @@ std::vector<QueryTimes> time_queries(const std::vector<std::unique_ptr<Contestan
     if (progress) progress(static_cast<double>(plan.rounds + query) / steps);
     const auto place = std::span(sets.random).subspan(query % sets.random.size(), 1);
     for (std::size_t i = 0; i < count; ++i) {
+      contestants[i]->begin(place);
       walk();
-      cold[i].push_back(1e9 * time_block(*contestants[i], place, clock));
+      cold[i].push_back(1e9 * time_asking(*contestants[i], place, clock));
     }
   }
   const std::vector<double> hot_medians = medians_of(std::move(hot));

@@ -8,10 +8,6 @@
 namespace spm::bench {
 namespace {
 
-Vector3 normal_of(const std::array<Vector3, 3>& corners) noexcept {
-  return (corners[1] - corners[0]).cross(corners[2] - corners[0]).normalized();
-}
-
 /// Whether a place of a triangle lies within `tie` of its border.
 bool on_border(const std::array<Vector3, 3>& corners, const Vector3& foot, double tie) noexcept {
   for (std::size_t k = 0; k < 3; ++k) {
@@ -43,7 +39,7 @@ Answer TriangleNeighbours::answer(const FloatMesh& mesh, const Vector3& point,
   const auto show = [&](std::uint32_t shown) {
     const std::array<Vector3, 3> corners = mesh.corners(shown);
     const Vector3 foot = closest_on_triangle(point, corners[0], corners[1], corners[2]);
-    nearest.show(foot, normal_of(corners));
+    nearest.show(foot, corners[0], corners[1], corners[2]);
     return on_border(corners, foot, tie);
   };
   if (!show(triangle)) return nearest.answer();
