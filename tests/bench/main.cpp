@@ -37,7 +37,8 @@ int main(int argc, char** argv) {
                "spm-bench"};
   app.require_subcommand(1);
   const std::array commands{spm::bench::add_bytes_command(app),
-                            spm::bench::add_methods_command(app)};
+                            spm::bench::add_methods_command(app),
+                            spm::bench::add_tables_command(app)};
   if (const auto code = spm::cli::parse(app, argc, argv)) return *code;
   for (const spm::bench::Command& command : commands) {
     if (command.options->parsed()) return run(command);

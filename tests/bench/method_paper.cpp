@@ -2,25 +2,26 @@
 #include <cmath>
 
 #include "common/paper_force.hpp"
-#include "formats/mapped_asset.hpp"
 #include "tests/bench/methods.hpp"
+#include "tests/bench/paper_maps.hpp"
 #include "tests/bench/trilinear.hpp"
-#include "tests/bench/unwrap.hpp"
 
 namespace spm::bench {
 namespace {
 
 class Paper : public Method {
  public:
-  explicit Paper(const BakedFile& file) : asset_(unwrap(MappedAsset::open(file.path))) {
+  Paper(const Model& model, std::size_t planes, std::uint32_t resolution)
+      : maps_(model.mesh, model.caster, planes, resolution) {
     facts_.name = "paper";
-    facts_.settings = file.settings;
-    facts_.bytes = paper_bytes(*asset_);
-    facts_.build_seconds = file.seconds;
+    facts_.settings = maps_.settings();
+    facts_.bytes = maps_.bytes();
+    facts_.build_seconds = maps_.build_seconds();
   }
 
   [[nodiscard]] Answer query(const Vector3& point) const noexcept override {
-    const PaperContact found = paper_contact(asset_->view(), point, PaperRule::closest_plane);
+    if (!point.allFinite()) return far_answer();
+    const PaperContact found = paper_contact(maps_.view(), point, PaperRule::closest_plane);
     if (!std::isfinite(found.surface_distance)) return far_answer();
     Answer answer;
     answer.distance = found.surface_distance - found.plane_depth;
@@ -32,17 +33,14 @@ class Paper : public Method {
   }
 
  private:
-  std::unique_ptr<MappedAsset> asset_;
+  PaperMaps maps_;
 };
 
 }  // namespace
 
-std::uint64_t paper_bytes(const MappedAsset& asset) {
-  // For the search four doubles a plane, then the chosen plane and its map.
-  const std::size_t plane = 4 * sizeof(double) + sizeof(SupportPlane) + sizeof(DistanceMap);
-  return asset.bytes().samples + plane * asset.view().planes.size();
+std::unique_ptr<Method> make_paper(const Model& model, std::size_t planes,
+                                   std::uint32_t resolution) {
+  return std::make_unique<Paper>(model, planes, resolution);
 }
-
-std::unique_ptr<Method> make_paper(const BakedFile& file) { return std::make_unique<Paper>(file); }
 
 }  // namespace spm::bench

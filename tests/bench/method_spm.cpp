@@ -1,28 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <spm_query.h>
-
 #include <algorithm>
 #include <array>
-#include <memory>
 
-#include "baker/bake_error.hpp"
 #include "tests/bench/methods.hpp"
+#include "tests/bench/query_asset.hpp"
 
 namespace spm::bench {
 namespace {
-
-struct Close {
-  void operator()(spm_query_asset* asset) const { spm_query_close(asset); }
-};
-using AssetPointer = std::unique_ptr<spm_query_asset, Close>;
-
-AssetPointer open_asset(const std::string& path) {
-  spm_query_asset* asset = nullptr;
-  std::array<char, 512> message{};
-  const int code = spm_query_open(path.c_str(), &asset, message.data(), message.size());
-  if (code != 0) throw baker::BakeError(static_cast<ExitCode>(code), message.data());
-  return AssetPointer(asset);
-}
 
 // The library's codes are the enumerators' own.
 static_assert(static_cast<int>(Status::pruned) == SPM_QUERY_PRUNED);
@@ -42,7 +26,7 @@ Answer answer_of(const spm_query_answer& told) noexcept {
 /// One point a call.
 class Spm : public Method {
  public:
-  explicit Spm(const BakedFile& file) : asset_(open_asset(file.path)) {
+  explicit Spm(const BakedFile& file) : asset_(open_query_asset(file.path)) {
     facts_.name = "spm";
     facts_.settings = file.settings;
     facts_.setting = file.tolerance;
@@ -57,7 +41,7 @@ class Spm : public Method {
   }
 
  protected:
-  AssetPointer asset_;
+  QueryAsset asset_;
 };
 
 /// As many points a call as there are.

@@ -20,9 +20,10 @@ namespace spm::bench {
 /// The same, many points a call of the library.
 [[nodiscard]] std::unique_ptr<Method> make_spm_batch(const BakedFile& file);
 
-/// The paper's rule on a `full` asset: the support plane closest to the point, of all planes; the
-/// distance is D_SP(P_M) - S_SP, uncorrected. Bytes of the planes and their maps. Throws BakeError.
-[[nodiscard]] std::unique_ptr<Method> make_paper(const BakedFile& file);
+/// The paper's rule: the support plane closest to the point, of all planes; the distance is
+/// D_SP(P_M) - S_SP, uncorrected. Bytes of the planes and their maps. Throws BakeError.
+[[nodiscard]] std::unique_ptr<Method> make_paper(const Model& model, std::size_t planes,
+                                                 std::uint32_t resolution);
 
 /// A grid over the band, `cell` metres; each cell lists the triangles that can be closest to a
 /// place in it. Bytes: the grid's words, its lists, each kept once, and the indexed mesh.

@@ -77,10 +77,7 @@ class Race {
 
   void run() {
     add_spm();
-    add("paper", [&] {
-      return make_paper(bake_full(model_.mesh, model_.band, plan_.paper_planes,
-                                  plan_.paper_resolution, folder_.path()));
-    });
+    add("paper", [&] { return make_paper(model_, plan_.paper_planes, plan_.paper_resolution); });
     add_triangle_methods();
     add_fields();
     add_proxies();
@@ -128,7 +125,7 @@ class Race {
     tolerances.erase(std::unique(tolerances.begin(), tolerances.end()), tolerances.end());
     for (const double tolerance : tolerances) {
       attempt("spm", [&] {
-        const BakedFile file = bake_sparse(model_.mesh, model_.band, tolerance, folder_.path());
+        const BakedFile file = bake_sparse(model_.mesh, {model_.band, tolerance}, folder_.path());
         methods_.push_back(make_spm(file));
         if (tolerance != model_.tolerance) return;
         methods_.push_back(make_spm_batch(file));
