@@ -116,6 +116,11 @@ class Proxy final : public MeshProxy {
       return false;
     }
     proxy_ += best * move;
+    // What rounding took of a ball's skin is given back.
+    const double height = (proxy_ - contact.foot).dot(contact.normal);
+    if (options_.radius > 0 && height < options_.radius + skin) {
+      proxy_ += std::min(options_.radius + skin - height, skin) * contact.normal;
+    }
     return true;
   }
 

@@ -49,8 +49,9 @@ bool touch_by_point(const Vector3& from, const Vector3& move, const std::array<V
 bool touch_by_ball(const Vector3& from, const Vector3& move, double radius,
                    const std::array<Vector3, 3>& corners, double skin, Touch& touch) noexcept {
   // The distance to a convex set is convex along the move, so that Newton's steps from its start
-  // never pass the first touch.
-  const double reach = radius + skin;
+  // never pass the place where it falls below half a skin. What goes by at a whole skin, such as
+  // over the seam of two triangles, comes to no such place.
+  const double reach = radius + skin / 2;
   double share = 0;
   for (int step = 0; step < most_steps; ++step) {
     const Vector3 place = from + share * move;
@@ -59,13 +60,13 @@ bool touch_by_ball(const Vector3& from, const Vector3& move, double radius,
     const double distance = away.norm();
     if (!(distance > 0)) return false;
     touch.normal = away / distance;
-    touch.share = share;
     const double slope = touch.normal.dot(move);
     const double gap = distance - reach;
-    // Along the surface, or away from it.
-    if (slope >= -1e-9 * std::max(gap, skin)) return false;
+    if (slope >= 0) return false;
+    // Back along the move until a whole skin is between, or at its start.
+    touch.share = std::max(0.0, share + skin / 2 / slope);
     if (gap <= 0.01 * skin) return true;
-    share += gap / -slope;
+    share -= gap / slope;
     if (share > 1) return false;
   }
   return true;
