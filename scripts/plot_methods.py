@@ -19,7 +19,7 @@ from matplotlib.ticker import FixedLocator, NullLocator
 COLUMNS = 2
 # Methods that keep all triangles have no error: a lane each, below the chart.
 LANES = ["triangle-grid", "embree", "cgal-aabb", "bullet", "fcl"]
-LANE = 0.105  # of the height of a panel
+LANE = 0.115  # of the height of a panel
 TIME_TICKS = {10: "10 ns", 100: "100 ns", 1e3: "1 us", 1e4: "10 us", 1e5: "100 us", 1e6: "1 ms"}
 ERROR_TICKS = {1: "1 um", 10: "10 um", 100: "100 um", 1e3: "1 mm", 1e4: "10 mm"}
 SHORT = {"force shading": "shaded", "brute force": "all triangles", "btBvhTriangleMeshShape": "",
@@ -84,6 +84,9 @@ def label_rows(axes, rows: list[dict], limits: dict, tolerance: float) -> None:
         colour = COLOURS[row["method"]]
         if row["method"] == "spm":
             own = abs(row["setting_um"] - tolerance) < 1e-6
+            if own:
+                axes.scatter([place[0]], [place[1]], s=3.2 * area(row["bytes"]), facecolors="none",
+                             edgecolors=OURS, linewidths=1.2, zorder=6)
             text = f"spm {row['setting_um']:g} um" if own else f"{row['setting_um']:g}"
             places.add(place, text, colour, radius(row), size=10 if own else 7.5,
                        weight="bold" if own else "normal")
@@ -145,7 +148,7 @@ def draw_key(axes, report: dict) -> None:
         ("Down is more exact, left is faster.", "#444444", "normal"),
         ("Filled: a path in steps of 0.1 mm, all in the caches (hot).", "#444444", "normal"),
         ("Hollow: the caches emptied before the query (cold).", "#444444", "normal"),
-        ("spm: the curve of its tolerances, um; bold is the mesh's own.", OURS, "normal"),
+        ("spm: the curve of its tolerances, um; the ring marks the mesh's own.", OURS, "normal"),
         ("Grey lanes: methods that keep all triangles have no error.", "#444444", "normal"),
         ("mesh proxy: errors along the path, since it remembers;", COLOURS["mesh-proxy"], "normal"),
         ("all other errors at places uniform by area.", "#444444", "normal"),

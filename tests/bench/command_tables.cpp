@@ -35,11 +35,11 @@ TablesPlan plan_of(const Settings& settings) {
   plan.threads = settings.threads;
   plan.slides = slides(settings.quick);
   if (settings.quick) {
-    plan.subdivisions = {4, 5};
+    plan.subdivisions = {3, 4};
     plan.plane_counts = {100, 1000};
     plan.paper_resolution = 17;
     plan.slide_steps = 300;
-    plan.most_ticks = 4000;
+    plan.most_ticks = 3000;
     plan.scaling_tolerance = 400e-6;
     plan.timing = {5, 0.5, 2};
   } else {
