@@ -59,10 +59,48 @@ SPM_WIDE std::size_t argmin_depth(const double* nx, const double* ny, const doub
   return index;
 }
 
-/// D_SP(P_M) of one plane's scalar map. Where only some of the four samples around P_M met the
-/// surface, the nearest sample decides alone: interpolating with a miss would invent a surface.
-PaperContact evaluate_plane(const AssetView& asset, std::size_t index,
-                            const Vector3& point) noexcept {
+PaperContact closest_surface(const AssetView& asset, const Vector3& point) noexcept {
+  PaperContact best;
+  double least = infinity;
+  for (std::size_t i = 0; i < asset.planes.size(); ++i) {
+    const PaperContact here = paper_contact_on_plane(asset, i, point);
+    const double gap = std::abs(here.plane_depth - here.surface_distance);
+    if (gap < least) {
+      least = gap;
+      best = here;
+    }
+  }
+  return best;
+}
+
+PaperContact all_planes(const AssetView& asset, const Vector3& point) noexcept {
+  PaperContact best;
+  double least = infinity;
+  for (std::size_t i = 0; i < asset.planes.size(); ++i) {
+    const PaperContact here = paper_contact_on_plane(asset, i, point);
+    // A plane whose map does not reach P_M has no say, but one that the point lies outside of has.
+    if (here.surface_distance == infinity && here.plane_depth > 0) continue;
+    if (!here.contact) return {};
+    if (here.depth < least) {
+      least = here.depth;
+      best = here;
+    }
+  }
+  return best;
+}
+
+}  // namespace
+
+std::size_t closest_support_plane(const AssetView& asset, const Vector3& point) noexcept {
+  return argmin_depth(asset.plane_nx.data(), asset.plane_ny.data(), asset.plane_nz.data(),
+                      asset.plane_offset.data(), asset.plane_offset.size(), point.x(), point.y(),
+                      point.z());
+}
+
+// Where only some of the four samples around P_M met the surface, the nearest sample decides alone:
+// interpolating with a miss would invent a surface.
+PaperContact paper_contact_on_plane(const AssetView& asset, std::size_t index,
+                                    const Vector3& point) noexcept {
   PaperContact found;
   found.plane = static_cast<std::uint32_t>(index);
   const DistanceMap& map = asset.maps[index];
@@ -87,44 +125,6 @@ PaperContact evaluate_plane(const AssetView& asset, std::size_t index,
   return found;
 }
 
-PaperContact closest_surface(const AssetView& asset, const Vector3& point) noexcept {
-  PaperContact best;
-  double least = infinity;
-  for (std::size_t i = 0; i < asset.planes.size(); ++i) {
-    const PaperContact here = evaluate_plane(asset, i, point);
-    const double gap = std::abs(here.plane_depth - here.surface_distance);
-    if (gap < least) {
-      least = gap;
-      best = here;
-    }
-  }
-  return best;
-}
-
-PaperContact all_planes(const AssetView& asset, const Vector3& point) noexcept {
-  PaperContact best;
-  double least = infinity;
-  for (std::size_t i = 0; i < asset.planes.size(); ++i) {
-    const PaperContact here = evaluate_plane(asset, i, point);
-    // A plane whose map does not reach P_M has no say, but one that the point lies outside of has.
-    if (here.surface_distance == infinity && here.plane_depth > 0) continue;
-    if (!here.contact) return {};
-    if (here.depth < least) {
-      least = here.depth;
-      best = here;
-    }
-  }
-  return best;
-}
-
-}  // namespace
-
-std::size_t closest_support_plane(const AssetView& asset, const Vector3& point) noexcept {
-  return argmin_depth(asset.plane_nx.data(), asset.plane_ny.data(), asset.plane_nz.data(),
-                      asset.plane_offset.data(), asset.plane_offset.size(), point.x(), point.y(),
-                      point.z());
-}
-
 PaperContact paper_contact(const AssetView& asset, const Vector3& point, PaperRule rule) noexcept {
   if (!asset.maps_every_plane()) return {};
   switch (rule) {
@@ -135,7 +135,7 @@ PaperContact paper_contact(const AssetView& asset, const Vector3& point, PaperRu
     case PaperRule::closest_plane:
       break;
   }
-  return evaluate_plane(asset, closest_support_plane(asset, point), point);
+  return paper_contact_on_plane(asset, closest_support_plane(asset, point), point);
 }
 
 double paper_force_magnitude(double stiffness, double plane_depth,

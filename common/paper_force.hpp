@@ -36,6 +36,11 @@ struct PaperContact {
 [[nodiscard]] PaperContact paper_contact(const AssetView& asset, const Vector3& point,
                                          PaperRule rule) noexcept;
 
+/// The same for a plane that was chosen before: what is left once the search is done. `plane` must
+/// be one of the asset's.
+[[nodiscard]] PaperContact paper_contact_on_plane(const AssetView& asset, std::size_t plane,
+                                                  const Vector3& point) noexcept;
+
 /// Magnitude of the penalty force, N: eq. 3. Not zero outside contact; the caller gates it.
 [[nodiscard]] double paper_force_magnitude(double stiffness, double plane_depth,
                                            double surface_distance) noexcept;

@@ -10,46 +10,25 @@ import argparse
 import json
 import sys
 
-import matplotlib
+from chart_style import COLOURS, LEAST_ERROR, NAMES, OURS, label, length, save
 
-matplotlib.use("Agg")
-matplotlib.rcParams.update({
-    "svg.hashsalt": "spm-haptics",
-    "font.family": "DejaVu Sans",
-    "font.size": 9,
-    "axes.spines.top": False,
-    "axes.spines.right": False,
-    "axes.titlelocation": "left",
-    "axes.titlesize": 11,
-    "axes.edgecolor": "#666666",
-    "xtick.color": "#444444",
-    "ytick.color": "#444444",
-})
-
-import matplotlib.pyplot as plt  # noqa: E402
-from matplotlib.ticker import FixedLocator, NullLocator  # noqa: E402
+import matplotlib.pyplot as plt
+from matplotlib.ticker import FixedLocator, NullLocator
 
 COLUMNS = 4
-OURS = "#b5302a"
-# How each rival looks: colour, mark, name, and where that stands: beside the mark of the fewest bytes
+# How each rival looks: its mark, and where its name stands: beside the mark of the fewest bytes
 # (0) or of the most (-1), so many points away.
 RIVALS = {
-    "dense-sdf": ("#1f5f8b", "s", "dense SDF", -1, (6, 0)),
-    "openvdb": ("#2a7f78", "D", "OpenVDB", 0, (-3, 6)),
-    "adaptive-sdf": ("#8a5a00", "^", "adaptive SDF", 0, (6, 3)),
+    "dense-sdf": ("s", -1, (6, 0)),
+    "openvdb": ("D", 0, (-3, 6)),
+    "adaptive-sdf": ("^", 0, (6, 3)),
 }
 EXACT = {
-    "embree": ("#5b4a8a", "o", "Embree", 0, (-6, 0)),
-    "triangle-grid": ("#444444", "v", "triangle grid", -1, (7, 0)),
+    "embree": ("o", 0, (-6, 0)),
+    "triangle-grid": ("v", -1, (7, 0)),
 }
-LEAST_ERROR = 0.05  # um; below it only single precision errs
-BACKGROUND = {"facecolor": "white", "edgecolor": "none", "alpha": 0.75, "pad": 0.4}
 NEAR = 11  # pixels of the drawing at its own size, within which one figure would hide another
 BYTES_TICKS = {1e5: "100 kB", 1e6: "1 MB", 1e7: "10 MB", 1e8: "100 MB"}
-
-
-def length(um: float) -> str:
-    return f"{um / 1000:g} mm" if um >= 250 and um % 250 == 0 else f"{um:g}"
 
 
 def rows_of(report: dict, mesh: str, method: str) -> list[dict]:
@@ -61,15 +40,9 @@ def points(rows: list[dict]) -> tuple[list[float], list[float]]:
     return [row["bytes"] for row in rows], [row["depth_error_um"]["p99"] for row in rows]
 
 
-def label(axes, place, text, colour, offset, **style) -> None:
-    across = "left" if offset[0] > 0 else "right" if offset[0] < 0 else "center"
-    up = "bottom" if offset[1] > 0 else "top" if offset[1] < 0 else "center"
-    axes.annotate(text, place, xytext=offset, textcoords="offset points", ha=across, va=up,
-                  color=colour, bbox=BACKGROUND, annotation_clip=False, **style)
-
-
 def draw_rivals(axes, report: dict, mesh: str) -> None:
-    for method, (colour, mark, name, end, offset) in RIVALS.items():
+    for method, (mark, end, offset) in RIVALS.items():
+        colour, name = COLOURS[method], NAMES[method]
         rows = rows_of(report, mesh, method)
         if not rows:
             continue
@@ -83,7 +56,8 @@ def draw_exact(axes, report: dict, mesh: str, limits: dict) -> None:
     """Methods that keep the triangles have no error: they stand in a strip of their own."""
     axes.axhspan(limits["y"][0], limits["floor"], color="#f3f3f3", zorder=0, linewidth=0)
     level = (limits["y"][0] * limits["floor"]) ** 0.5
-    for method, (colour, mark, name, end, offset) in EXACT.items():
+    for method, (mark, end, offset) in EXACT.items():
+        colour, name = COLOURS[method], NAMES[method]
         rows = [row for row in rows_of(report, mesh, method)
                 if row["depth_error_um"]["p99"] < LEAST_ERROR]
         if not rows:
@@ -168,11 +142,11 @@ def draw_key(axes, report: dict) -> None:
         ("", "#444444", "normal"),
         ("spm: small figures are the tolerance asked for, um;", OURS, "normal"),
         ("the ring marks the one of the project's table.", OURS, "normal"),
-        ("dense SDF, OpenVDB: marks are cells of", RIVALS["dense-sdf"][0], "normal"),
-        (", ".join(length(v) for v in voxels) + ".", RIVALS["dense-sdf"][0], "normal"),
-        ("adaptive SDF: the same tolerances as spm.", RIVALS["adaptive-sdf"][0], "normal"),
-        ("Embree, triangle grid: all triangles, so no error;", EXACT["embree"][0], "normal"),
-        ("they stand in the strip below.", EXACT["embree"][0], "normal"),
+        ("dense SDF, OpenVDB: marks are cells of", COLOURS["dense-sdf"], "normal"),
+        (", ".join(length(v) for v in voxels) + ".", COLOURS["dense-sdf"], "normal"),
+        ("adaptive SDF: the same tolerances as spm.", COLOURS["adaptive-sdf"], "normal"),
+        ("Embree, triangle grid: all triangles, so no error;", COLOURS["embree"], "normal"),
+        ("they stand in the strip below.", COLOURS["embree"], "normal"),
         ("", "#444444", "normal"),
         (f"Band {report['band_m'] * 1e3:g} mm inside, {report['margin_m'] * 1e3:g} mm outside; "
          f"diagonal {report['diagonal_m'] * 1e3:g} mm;", "#666666", "normal"),
@@ -212,8 +186,7 @@ def main() -> int:
         axes.set_axis_off()
     figure.suptitle("Error against bytes", x=0.008, ha="left", fontsize=15, fontweight="bold")
 
-    figure.savefig(f"{arguments.prefix}.svg", dpi=150, metadata={"Date": None})
-    figure.savefig(f"{arguments.prefix}.png", dpi=150, metadata={"Software": None})
+    save(figure, arguments.prefix)
     return 0
 
 

@@ -42,7 +42,9 @@ class Bench {
     std::sort(tolerances.begin(), tolerances.end());
     tolerances.erase(std::unique(tolerances.begin(), tolerances.end()), tolerances.end());
     for (const double tolerance : tolerances) {
-      add(model, places, "spm", [&] { return make_spm(model, tolerance, folder_.path()); });
+      add(model, places, "spm", [&] {
+        return make_spm(bake_sparse(model.mesh, {model.band, tolerance}, folder_.path()));
+      });
     }
     for (const double cell : plan_.grid_cells) {
       add(model, places, "triangle-grid", [&] { return make_triangle_grid(model, cell); });

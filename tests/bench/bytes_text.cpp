@@ -8,6 +8,7 @@
 
 #include "common/units.hpp"
 #include "tests/bench/machine.hpp"
+#include "tests/bench/row_text.hpp"
 
 namespace spm::bench {
 namespace {
@@ -17,33 +18,9 @@ using Json = nlohmann::ordered_json;
 constexpr double micro = 1e6;
 constexpr double degrees = 180 / std::numbers::pi;
 
-Json model_json(const ModelRow& model) {
-  return {{"mesh", model.name},
-          {"triangles", model.triangles},
-          {"vertices", model.vertices},
-          {"tolerance_um", model.tolerance * micro},
-          {"samples", model.samples},
-          {"direction_contested", model.contested},
-          {"near_holes", model.near_holes}};
-}
-
 Json row_json(const MethodRow& row) {
-  const Score& score = row.score;
-  Json json;
-  json["mesh"] = row.model;
-  json["method"] = row.facts.name;
-  json["settings"] = row.facts.settings;
-  json["setting_um"] = row.facts.setting > 0 ? Json(row.facts.setting * micro) : Json();
-  json["bytes"] = row.facts.bytes;
-  json["build_seconds"] = row.facts.build_seconds;
-  json["depth_error_um"] = {{"rms", score.rms * micro},
-                            {"p50", score.p50 * micro},
-                            {"p99", score.p99 * micro},
-                            {"max", score.max * micro}};
-  json["direction_error_deg"] = {{"p50", score.direction_p50 * degrees},
-                                 {"p99", score.direction_p99 * degrees}};
-  json["misclassified"] = score.misclassified;
-  json["unanswered"] = score.unanswered;
+  Json json = facts_json(row.model, row.facts);
+  add_score(row.score, json);
   return json;
 }
 
@@ -64,18 +41,13 @@ Json comparison_json(const ComparisonRow& row) {
   return json;
 }
 
-std::string kilobytes(double bytes) {
-  return bytes < 1e7 ? fmt::format("{:.0f} kB", bytes / 1e3)
-                     : fmt::format("{:.1f} MB", bytes / 1e6);
-}
-
 void append_row(const MethodRow& row, std::string& text) {
   const Score& score = row.score;
   fmt::format_to(std::back_inserter(text),
                  "  {:<13} {:<17} {:>9} {:>7.2f}  {:>7.3g} {:>7.3g} {:>7.3g}  {:>5.2f} {:>5.1f}  "
                  "{:>8.4g} {:>8.4g}\n",
                  row.facts.name, row.facts.settings,
-                 kilobytes(static_cast<double>(row.facts.bytes)), row.facts.build_seconds,
+                 byte_text(static_cast<double>(row.facts.bytes)), row.facts.build_seconds,
                  score.p50 * micro, score.p99 * micro, score.max * micro,
                  score.direction_p50 * degrees, score.direction_p99 * degrees,
                  100 * score.misclassified, 100 * score.unanswered);
@@ -93,7 +65,7 @@ void append_comparison(const ComparisonRow& row, std::string& text) {
                               : fmt::format("{}, bytes as the error to the power {:.2f}",
                                             to_string(row.size->estimate), row.size->slope);
   fmt::format_to(out, "  {:<13} {:>9}, {:.3g} times ours ({})\n", row.method,
-                 kilobytes(row.size->bytes), times(row), how);
+                 byte_text(row.size->bytes), times(row), how);
 }
 
 }  // namespace
@@ -107,16 +79,12 @@ Json to_json(const BytesReport& report) {
   json["meshes"] = Json::array();
   json["rows"] = Json::array();
   json["comparisons"] = Json::array();
-  json["failures"] = Json::array();
   for (const ModelRow& model : report.models) json["meshes"].push_back(model_json(model));
   for (const MethodRow& row : report.rows) json["rows"].push_back(row_json(row));
   for (const ComparisonRow& row : report.comparisons) {
     json["comparisons"].push_back(comparison_json(row));
   }
-  for (const FailureRow& row : report.failures) {
-    json["failures"].push_back(
-        {{"mesh", row.model}, {"method", row.method}, {"reason", row.reason}});
-  }
+  json["failures"] = failures_json(report.failures);
   return json;
 }
 
@@ -140,7 +108,7 @@ std::string to_text(const BytesReport& report) {
       if (row.model != model.name) continue;
       if (!titled) {
         fmt::format_to(out, "  bytes for 99 % of the errors below {:.3g} um, where spm needs {}:\n",
-                       row.error * micro, kilobytes(static_cast<double>(row.spm_bytes)));
+                       row.error * micro, byte_text(static_cast<double>(row.spm_bytes)));
         titled = true;
       }
       append_comparison(row, text);

@@ -1,11 +1,4 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <fmt/format.h>
-#include <spdlog/spdlog.h>
-
-#include <algorithm>
-#include <array>
-#include <cstdlib>
-#include <filesystem>
 #include <iostream>
 #include <limits>
 #include <memory>
@@ -15,6 +8,8 @@
 #include "tests/bench/bytes.hpp"
 #include "tests/bench/bytes_text.hpp"
 #include "tests/bench/commands.hpp"
+#include "tests/bench/known_meshes.hpp"
+#include "tests/bench/row_text.hpp"
 
 namespace spm::bench {
 namespace {
@@ -28,52 +23,12 @@ struct Settings {
   cli::GlobalOptions global;
 };
 
-struct KnownMesh {
-  const char* name;
-  double tolerance;  ///< m
-};
-
-/// The meshes of the project's table, at the tolerances that it gives.
-constexpr std::array known_meshes{
-    KnownMesh{"duck", 100e-6},       KnownMesh{"spot", 100e-6},
-    KnownMesh{"rocker-arm", 100e-6}, KnownMesh{"stanford-bunny", 100e-6},
-    KnownMesh{"galleon", 100e-6},    KnownMesh{"fandisk", 20e-6},
-    KnownMesh{"teeth", 50e-6}};
-/// What --quick takes of them: the smallest with curves, and one with edges.
-constexpr std::array quick_meshes{KnownMesh{"duck", 100e-6}, KnownMesh{"fandisk", 100e-6}};
-
-std::filesystem::path shared_meshes() {
-  const char* folder = std::getenv("SPM_SHARED");
-  std::filesystem::path meshes =
-      std::filesystem::path(folder != nullptr && *folder != '\0' ? folder : SPM_SHARED_FOLDER) /
-      "meshes";
-  if (!std::filesystem::is_directory(meshes)) {
-    throw baker::BakeError(ExitCode::file_or_device,
-                           meshes.string() +
-                               ": no such folder; name the folder of shared meshes by SPM_SHARED, "
-                               "or give --mesh");
-  }
-  return meshes;
-}
+/// What --quick takes: the smallest with curves, and one with edges.
+const std::vector<KnownMesh> quick_meshes{{"duck", 100e-6}, {"fandisk", 100e-6}};
 
 std::vector<ModelSource> models_of(const Settings& settings) {
-  std::vector<ModelSource> models;
-  for (const std::string& mesh : settings.meshes) {
-    models.push_back({std::filesystem::path(mesh).stem().string(), mesh,
-                      settings.tolerance.value_or(bench_diagonal / 1000)});
-  }
-  if (!models.empty()) return models;
-  const std::filesystem::path folder = shared_meshes();
-  const auto add = [&](const KnownMesh& mesh) {
-    models.push_back({mesh.name, (folder / (std::string(mesh.name) + ".obj")).string(),
-                      settings.tolerance.value_or(mesh.tolerance)});
-  };
-  if (settings.quick) {
-    std::for_each(quick_meshes.begin(), quick_meshes.end(), add);
-  } else {
-    std::for_each(known_meshes.begin(), known_meshes.end(), add);
-  }
-  return models;
+  if (!settings.meshes.empty()) return sources_of(settings.meshes, settings.tolerance);
+  return sources_of(settings.quick ? quick_meshes : known_meshes(), settings.tolerance);
 }
 
 BytesPlan plan_of(const Settings& settings) {
@@ -102,27 +57,13 @@ int run(const Settings& settings) {
     report = measure_bytes(
         plan, [&line](const std::string& what, double done) { line.update(what.c_str(), done); });
   }
-  for (const FailureRow& failure : report.failures) {
-    spdlog::warn("{}, {}: no row: {}", failure.model, failure.method, failure.reason);
-  }
+  warn_of(report.failures);
   if (settings.global.json) {
     cli::print_json(to_json(report));
   } else if (!settings.global.quiet) {
     std::cout << to_text(report);
   }
   return 0;
-}
-
-void check(const Settings& settings) {
-  if (settings.tolerance && *settings.tolerance <= 0) {
-    throw CLI::ValidationError("--tolerance", "must be above 0");
-  }
-  const std::vector<std::string>& names = method_names();
-  for (const std::string& method : settings.plan.methods) {
-    if (std::find(names.begin(), names.end(), method) != names.end()) continue;
-    throw CLI::ValidationError("--method", fmt::format("'{}' will not do: write one of {}", method,
-                                                       fmt::join(names, ", ")));
-  }
 }
 
 }  // namespace
@@ -157,7 +98,10 @@ Command add_bytes_command(CLI::App& app) {
   command->add_flag("--quick", settings->quick,
                     "two small meshes, and fewer settings and places: under 45 s on two cores");
   cli::add_global_options(*command, settings->global);
-  command->callback([settings] { check(*settings); });
+  command->callback([settings] {
+    check_tolerance(settings->tolerance);
+    check_methods(settings->plan.methods, method_names());
+  });
   return {command, [settings] { return run(*settings); }};
 }
 

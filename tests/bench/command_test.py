@@ -23,7 +23,7 @@ def run(*arguments, shared=None):
                           timeout=300, check=False)
 
 
-class Bytes(unittest.TestCase):
+class Bench(unittest.TestCase):
     def setUp(self):
         folder = tempfile.TemporaryDirectory(prefix="spm-bench-test-")
         self.addCleanup(folder.cleanup)
@@ -32,6 +32,8 @@ class Bytes(unittest.TestCase):
         with open(self.mesh, "w", encoding="ascii") as file:
             file.write(BOX)
 
+
+class Bytes(Bench):
     def bytes(self, *arguments, methods=QUICK):
         methods = [word for name in methods for word in ("--method", name)]
         return run("bytes", "--mesh", self.mesh, "--samples", "500", *methods, *arguments)
@@ -91,11 +93,63 @@ class Bytes(unittest.TestCase):
         self.assertIn("SPM_SHARED", result.stderr)
 
     def test_it_explains_itself(self):
-        for arguments in ((), ("bytes",)):
+        for arguments in ((), ("bytes",), ("methods",), ("tables",)):
             result = run(*arguments, "--help")
             self.assertEqual(result.returncode, 0)
             self.assertIn("Usage: " + " ".join(("spm-bench", *arguments)), result.stdout)
         self.assertRegex(run("--version").stdout, r"spm-bench \d+\.\d+\.\d+\n")
+
+
+class Methods(Bench):
+    def methods(self, *arguments, methods):
+        methods = [word for name in methods for word in ("--method", name)]
+        return run("methods", "--quick", "--mesh", self.mesh, "--samples", "500", *methods,
+                   *arguments)
+
+    def test_json_has_a_row_a_method_with_times_and_errors(self):
+        names = ("embree", "cgal-aabb", "fcl", "bullet", "mesh-proxy", "triangle-grid")
+        result = self.methods("--json", methods=names)
+        self.assertEqual(result.returncode, 0, result.stderr)
+        self.assertEqual(result.stderr, "")
+        report = json.loads(result.stdout)
+        self.assertEqual({row["method"] for row in report["rows"]}, set(names))
+        for row in report["rows"]:
+            self.assertEqual(set(row["ns"]), {"hot", "random", "cold"})
+            self.assertGreater(row["ns"]["hot"], 0)
+            self.assertGreater(row["bytes"], 0)
+            self.assertGreaterEqual(row["build_seconds"], 0)
+            self.assertEqual(row["misclassified"], 0)
+            if row["method"] != "mesh-proxy":
+                self.assertEqual(row["errors_on"], "places")
+                self.assertLess(row["depth_error_um"]["max"], 0.05)
+                self.assertEqual(row["unanswered"], 0)
+            else:
+                self.assertEqual(row["errors_on"], "path")
+        self.assertEqual({row["method"] for row in report["probe_rows"]}, {"fcl", "bullet"})
+        for row in report["probe_rows"]:
+            self.assertGreater(row["ns"]["hot"], 0)
+            self.assertEqual(row["missed_contacts"], 0)
+        self.assertEqual(report["ratios"], [])  # spm was left out
+        self.assertIn("processor", report["machine"])
+
+    def test_the_table_names_methods(self):
+        result = self.methods(methods=("embree", "mesh-proxy"))
+        self.assertEqual(result.returncode, 0, result.stderr)
+        for word in ("box: 12 triangles", "embree", "brute force, force shading"):
+            self.assertIn(word, result.stdout)
+
+    def test_wrong_words_are_told(self):
+        result = self.methods(methods=("magic",))
+        self.assertEqual(result.returncode, 1)
+        self.assertIn("write one of spm, paper", result.stderr)
+
+
+class Tables(Bench):
+    def test_missing_files_are_told(self):
+        result = run("tables", shared=os.path.join(self.folder, "nowhere"))
+        self.assertEqual(result.returncode, 2)
+        self.assertIn("SPM_SHARED", result.stderr)
+        self.assertEqual(run("tables", "--mesh", self.mesh).returncode, 1)
 
 
 if __name__ == "__main__":

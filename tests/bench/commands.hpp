@@ -3,6 +3,9 @@
 
 #include <CLI/CLI.hpp>
 #include <functional>
+#include <optional>
+#include <string>
+#include <vector>
 
 namespace spm::bench {
 
@@ -14,5 +17,11 @@ struct Command {
 };
 
 [[nodiscard]] Command add_bytes_command(CLI::App& app);
+[[nodiscard]] Command add_methods_command(CLI::App& app);
+[[nodiscard]] Command add_tables_command(CLI::App& app);
+
+/// Usage errors that several modes share: a tolerance must be above 0, a method one of the mode's.
+void check_tolerance(const std::optional<double>& tolerance);
+void check_methods(const std::vector<std::string>& asked, const std::vector<std::string>& names);
 
 }  // namespace spm::bench

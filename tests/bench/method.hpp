@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
+#include <span>
 #include <string>
 #include <utility>
 
@@ -31,6 +33,12 @@ class Method {
   /// Answer at a point of the model's frame, metres, as query_point gives it: `deep` and `far`
   /// beyond the band.
   [[nodiscard]] virtual Answer query(const Vector3& point) const noexcept = 0;
+
+  /// Answers at many points, one after the other unless a method knows better.
+  virtual void query_all(std::span<const Vector3> points,
+                         std::span<Answer> answers) const noexcept {
+    for (std::size_t i = 0; i < points.size(); ++i) answers[i] = query(points[i]);
+  }
 
   [[nodiscard]] const MethodFacts& facts() const noexcept { return facts_; }
 

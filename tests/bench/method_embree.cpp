@@ -55,7 +55,7 @@ class Embree : public Method {
       auto& io = *static_cast<Search*>(arguments->userPtr);
       const auto [a, b, c] = io.self->mesh_.corners(arguments->primID);
       const Vector3 foot = closest_on_triangle(io.point, a, b, c);
-      if (!io.nearest.show(foot, (b - a).cross(c - a).normalized())) return false;
+      if (!io.nearest.show(foot, a, b, c)) return false;
       // Slack, so that single precision loses none that decides the side.
       arguments->query->radius = static_cast<float>(
           (io.nearest.distance() + io.self->tie_) * (1 + 1e-5) + 1e-6 * io.self->diagonal_);

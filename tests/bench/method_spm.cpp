@@ -1,57 +1,72 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <filesystem>
-#include <system_error>
-#include <utility>
+#include <algorithm>
+#include <array>
 
-#include "baker/bake.hpp"
-#include "baker/bake_error.hpp"
-#include "common/units.hpp"
-#include "formats/mapped_asset.hpp"
 #include "tests/bench/methods.hpp"
+#include "tests/bench/query_asset.hpp"
 
 namespace spm::bench {
 namespace {
 
-template <class T>
-T unwrap(Result<T> result) {
-  if (!result) throw baker::BakeError(result.error().code, result.error().message);
-  return std::move(*result);
+// The library's codes are the enumerators' own.
+static_assert(static_cast<int>(Status::pruned) == SPM_QUERY_PRUNED);
+static_assert(static_cast<int>(Source::none) == SPM_QUERY_NONE);
+
+Answer answer_of(const spm_query_answer& told) noexcept {
+  Answer answer;
+  answer.distance = told.distance;
+  answer.normal = Vector3(told.normal[0], told.normal[1], told.normal[2]);
+  answer.plane = told.plane;
+  answer.layer = told.layer;
+  answer.source = static_cast<Source>(told.source);
+  answer.status = static_cast<Status>(told.status);
+  return answer;
 }
 
+/// One point a call.
 class Spm : public Method {
  public:
-  Spm(const Model& model, double tolerance, const std::string& folder) {
-    const Clock::time_point start = Clock::now();
-    baker::BakeOptions options;
-    options.tolerance = tolerance;
-    options.max_depth = model.band.max_depth;
-    options.margin = model.band.margin;
-    const baker::BakeResult baked = baker::bake(model.mesh, options);
-    const std::string path = (std::filesystem::path(folder) / "asset.spm.exr").string();
-    const AssetBytes written = unwrap(write_asset(baked.asset, path));
+  explicit Spm(const BakedFile& file) : asset_(open_query_asset(file.path)) {
     facts_.name = "spm";
-    facts_.settings = "tolerance " + format_quantity(tolerance, Quantity::length);
-    facts_.setting = tolerance;
-    facts_.bytes = written.total;
-    facts_.build_seconds = seconds_since(start);
-    asset_ = unwrap(MappedAsset::open(path));
-    // The mapping stays; the name is free for the next one.
-    std::error_code ignored;
-    std::filesystem::remove(path, ignored);
+    facts_.settings = file.settings;
+    facts_.setting = file.tolerance;
+    facts_.bytes = file.bytes;
+    facts_.build_seconds = file.seconds;
   }
 
   [[nodiscard]] Answer query(const Vector3& point) const noexcept override {
-    return query_point(asset_->view(), point);
+    spm_query_answer told;
+    spm_query_point(asset_.get(), point.data(), &told);
+    return answer_of(told);
   }
 
- private:
-  std::unique_ptr<MappedAsset> asset_;
+ protected:
+  QueryAsset asset_;
+};
+
+/// As many points a call as there are.
+class SpmBatch final : public Spm {
+ public:
+  explicit SpmBatch(const BakedFile& file) : Spm(file) { facts_.settings += ", batch"; }
+
+  void query_all(std::span<const Vector3> points,
+                 std::span<Answer> answers) const noexcept override {
+    static_assert(sizeof(Vector3) == 3 * sizeof(double));
+    std::array<spm_query_answer, 64> told;
+    for (std::size_t first = 0; first < points.size(); first += told.size()) {
+      const std::size_t count = std::min(told.size(), points.size() - first);
+      spm_query_batch(asset_.get(), points[first].data(), count, told.data());
+      for (std::size_t i = 0; i < count; ++i) answers[first + i] = answer_of(told[i]);
+    }
+  }
 };
 
 }  // namespace
 
-std::unique_ptr<Method> make_spm(const Model& model, double tolerance, const std::string& folder) {
-  return std::make_unique<Spm>(model, tolerance, folder);
+std::unique_ptr<Method> make_spm(const BakedFile& file) { return std::make_unique<Spm>(file); }
+
+std::unique_ptr<Method> make_spm_batch(const BakedFile& file) {
+  return std::make_unique<SpmBatch>(file);
 }
 
 }  // namespace spm::bench

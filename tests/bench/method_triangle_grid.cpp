@@ -111,7 +111,7 @@ class TriangleGrid : public Method {
     NearestFoot nearest(point, tie_);
     for (std::uint32_t i = 1; i <= lists_[word]; ++i) {
       const auto [a, b, c] = mesh_.corners(lists_[word + i]);
-      nearest.show(closest_on_triangle(point, a, b, c), (b - a).cross(c - a).normalized());
+      nearest.show(closest_on_triangle(point, a, b, c), a, b, c);
     }
     return nearest.answer();
   }

@@ -4,6 +4,7 @@
 #include <memory>
 #include <string>
 
+#include "tests/bench/baked_file.hpp"
 #include "tests/bench/distance_lattice.hpp"
 #include "tests/bench/method.hpp"
 #include "tests/bench/model.hpp"
@@ -12,10 +13,17 @@ namespace spm::bench {
 
 // One file a method: method_<name>.cpp. Their answers are measured alike, by score().
 
-/// The product: baked to a file in `folder`, mapped, asked as the servo asks it. Bytes of the file.
-/// `tolerance` in metres. Throws BakeError.
-[[nodiscard]] std::unique_ptr<Method> make_spm(const Model& model, double tolerance,
-                                               const std::string& folder);
+/// The product: a baked file, opened and asked through libspm_query, point by point. Bytes of the
+/// file, which may be removed once it is open. Throws BakeError.
+[[nodiscard]] std::unique_ptr<Method> make_spm(const BakedFile& file);
+
+/// The same, many points a call of the library.
+[[nodiscard]] std::unique_ptr<Method> make_spm_batch(const BakedFile& file);
+
+/// The paper's rule: the support plane closest to the point, of all planes; the distance is
+/// D_SP(P_M) - S_SP, uncorrected. Bytes of the planes and their maps. Throws BakeError.
+[[nodiscard]] std::unique_ptr<Method> make_paper(const Model& model, std::size_t planes,
+                                                 std::uint32_t resolution);
 
 /// A grid over the band, `cell` metres; each cell lists the triangles that can be closest to a
 /// place in it. Bytes: the grid's words, its lists, each kept once, and the indexed mesh.
@@ -23,6 +31,18 @@ namespace spm::bench {
 
 /// Embree's tree and point query. Bytes: what Embree reports to hold, and the indexed mesh.
 [[nodiscard]] std::unique_ptr<Method> make_embree(const Model& model, bool compact);
+
+/// CGAL's AABB tree with its hints, asked for the closest point and triangle. Bytes: triangles,
+/// nodes and hints as CGAL keeps them, and what tells the side.
+[[nodiscard]] std::unique_ptr<Method> make_cgal_tree(const Model& model);
+
+/// FCL's distance of a mesh in a tree of oriented boxes and swept spheres to a ball of no size.
+/// Bytes: its nodes, vertices and triangles, and what tells the side.
+[[nodiscard]] std::unique_ptr<Method> make_fcl(const Model& model);
+
+/// Bullet's quantised tree of boxes, asked for the triangles in a box about the point that grows
+/// until it holds the nearest. Bytes: the tree and the indexed mesh.
+[[nodiscard]] std::unique_ptr<Method> make_bullet(const Model& model);
 
 /// Distances in a dense lattice over the model's box, trilinear. Bytes: a float a node.
 [[nodiscard]] std::unique_ptr<Method> make_dense_sdf(DistanceLattice lattice);

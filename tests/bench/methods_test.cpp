@@ -9,6 +9,9 @@
 #include "baker/random.hpp"
 #include "tests/baker/verify_shapes.hpp"
 #include "tests/bench/float_mesh.hpp"
+#include "tests/bench/probe_method.hpp"
+#include "tests/bench/score.hpp"
+#include "tests/bench/temporary_folder.hpp"
 #include "tests/support/shapes.hpp"
 
 namespace {
@@ -65,6 +68,9 @@ TEST_CASE("Methods that keep the triangles answer exactly in the band") {
   methods.push_back(make_triangle_grid(model, 2e-3));
   methods.push_back(make_embree(model, false));
   methods.push_back(make_embree(model, true));
+  methods.push_back(make_cgal_tree(model));
+  methods.push_back(make_fcl(model));
+  methods.push_back(make_bullet(model));
   for (const auto& method : methods) {
     INFO(method->facts().name << " " << method->facts().settings);
     CHECK(largest_error(*method, model, box_distance) < 1e-8);
@@ -77,6 +83,81 @@ TEST_CASE("Methods that keep the triangles answer exactly in the band") {
     const Answer beside = method->query(box_size / 2 + 0.0004 * diagonal);
     CHECK(beside.distance == Approx(0.0004).epsilon(1e-4));
     CHECK((beside.normal - diagonal).norm() < 1e-4);
+  }
+}
+
+TEST_CASE("Methods that name one nearest triangle agree with the truth on a ball, sides and all") {
+  const Model model = model_of(test::sphere(ball_radius, 3));
+  const Places places = draw_places(model, 3000, 1);
+  std::vector<std::unique_ptr<Method>> methods;
+  methods.push_back(make_cgal_tree(model));
+  methods.push_back(make_fcl(model));
+  methods.push_back(make_bullet(model));
+  for (const auto& method : methods) {
+    INFO(method->facts().name);
+    const Score result = score(*method, model, places);
+    // Corners are floats.
+    CHECK(result.max < 1e-8);
+    CHECK(result.direction_p99 < 1e-3);
+    CHECK(result.misclassified == 0);
+    CHECK(result.unanswered == 0);
+  }
+}
+
+TEST_CASE("The paper's rule is exact inside a box, whose facets are its planes") {
+  const Model model = model_of(test::box(box_size));
+  const auto method = make_paper(model, 6, 33);
+  CHECK(method->facts().settings == "6 planes, 33x33");
+  CHECK(method->facts().bytes > 6 * 33 * 33 * sizeof(float));
+  double asked = 0, answered = 0;
+  for (std::uint64_t i = 0; i < 2000; ++i) {
+    const Vector3 point = place_around(model, i);
+    const double distance = box_distance(point);
+    if (!in_band(distance) || distance > 0) continue;
+    const Answer answer = method->query(point);
+    ++asked;
+    // At a map's border the nearest sample may miss the box.
+    if (answer.status == Status::far) continue;
+    ++answered;
+    CHECK(answer.distance == Approx(distance).margin(1e-8));
+    CHECK(answer.normal.norm() == Approx(1));
+  }
+  CHECK(answered > 0.95 * asked);
+}
+
+TEST_CASE("The product answers a batch as it answers point by point") {
+  Model model = model_of(test::sphere(ball_radius, 3));
+  model.mesh.sha256 = std::string(64, '0');
+  const TemporaryFolder folder;
+  const BakedFile file = bake_sparse(model.mesh, {model.band, 200e-6}, folder.path());
+  const auto one = make_spm(file), batch = make_spm_batch(file);
+  std::vector<Vector3> points;
+  for (std::uint64_t i = 0; i < 200; ++i) points.push_back(place_around(model, i));
+  std::vector<Answer> answers(points.size());
+  batch->query_all(points, answers);
+  std::size_t exact = 0;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const Answer answer = one->query(points[i]);
+    CHECK(answer.status == answers[i].status);
+    CHECK(answer.normal == answers[i].normal);
+    if (answer.status != Status::exact) continue;
+    ++exact;
+    CHECK(answer.distance == answers[i].distance);
+  }
+  CHECK(exact > 10);
+
+  const double radius = 0.5e-3;
+  std::vector<std::unique_ptr<ProbeMethod>> probes;
+  probes.push_back(make_spm_probe(file, radius));
+  probes.push_back(make_fcl_probe(model, radius));
+  probes.push_back(make_bullet_probe(model, radius));
+  for (const auto& probe : probes) {
+    INFO(probe->name());
+    const double error = probe->name() == "spm" ? 250e-6 : 1e-6;
+    const double flat = ball_radius - std::abs(model.caster.closest(Vector3::Zero()).distance);
+    const Vector3 touching(0, 0, ball_radius + 0.2e-3);
+    CHECK(probe->depth(touching) == Approx(0.3e-3).margin(error + flat));
+    CHECK(probe->depth({0, 0, ball_radius + 0.9e-3}) == 0);
   }
 }
 

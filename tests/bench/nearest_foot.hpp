@@ -15,12 +15,15 @@ class NearestFoot {
   /// `tie`: metres within which feet count as equally near.
   NearestFoot(const Vector3& point, double tie) noexcept : point_(point), tie_(tie) {}
 
-  /// Shows a triangle: its point closest to the place, and its unit normal. True where it is nearer
+  /// Shows a triangle: its point closest to the place, and its corners. True where it is nearer
   /// than all before.
-  bool show(const Vector3& foot, const Vector3& normal) noexcept {
+  bool show(const Vector3& foot, const Vector3& a, const Vector3& b, const Vector3& c) noexcept {
     const Vector3 away = point_ - foot;
-    const double distance = away.norm();
-    if (distance > distance_ + tie_) return false;
+    const double squared = away.squaredNorm();
+    if (squared > reach_squared_) return false;
+    // Only what may be nearest is worth a normal.
+    const Vector3 normal = (b - a).cross(c - a).normalized();
+    const double distance = std::sqrt(squared);
     const double height = normal.dot(away);
     const double faces = distance > 0 ? std::abs(height) / distance : 1;
     if (distance < distance_ - tie_ || faces > faces_) {
@@ -29,6 +32,7 @@ class NearestFoot {
     }
     if (distance >= distance_) return false;
     distance_ = distance;
+    reach_squared_ = (distance + tie_) * (distance + tie_);
     foot_ = foot;
     normal_ = normal;
     return true;
@@ -53,6 +57,7 @@ class NearestFoot {
   Vector3 point_;
   double tie_;
   double distance_ = std::numeric_limits<double>::infinity();
+  double reach_squared_ = std::numeric_limits<double>::infinity();
   double faces_ = -1;
   double side_ = 1;
   Vector3 foot_ = Vector3::Zero();

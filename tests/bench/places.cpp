@@ -29,29 +29,38 @@ Draw draw(const Model& model, std::uint64_t seed, std::uint64_t index) {
     const std::uint64_t counter = 4 * (index * most_draws + attempt);
     const auto unit = [&](std::uint64_t i) { return baker::random_unit(seed, counter + i); };
     const baker::SurfacePoint start = model.truth.at(unit(0), unit(1), unit(2));
-    Place& place = result.place;
-    place.point = start.position +
-                  (-band.max_depth + (band.max_depth + band.margin) * unit(3)) * start.normal;
-    const Vector3 foot = model.truth.closest(place.point).position;
-    const double distance = (place.point - foot).norm();
-    const double side = model.truth.inside(place.point) ? -1 : 1;
-    place.distance = side * distance;
-    if (place.distance < -band.max_depth || place.distance > band.margin) continue;
-    if (model.truth.border_distance(foot) < hole_share * model.mesh.diagonal) {
-      ++result.near_holes;
-      continue;
-    }
+    const Vector3 point =
+        start.position +
+        (-band.max_depth + (band.max_depth + band.margin) * unit(3)) * start.normal;
+    const TruePlace truth = truth_at(model, point);
+    if (truth.near_hole) ++result.near_holes;
+    if (!truth.judged) continue;
+    result.place = truth.place;
     result.found = true;
-    if (distance >= least_distance &&
-        !model.truth.contested(place.point, foot, 2 * model.tolerance)) {
-      place.outward = side * (place.point - foot) / distance;
-    }
     return result;
   }
   return result;
 }
 
 }  // namespace
+
+TruePlace truth_at(const Model& model, const Vector3& point) {
+  TruePlace truth;
+  Place& place = truth.place;
+  place.point = point;
+  truth.foot = model.truth.closest(point).position;
+  const double distance = (point - truth.foot).norm();
+  const double side = model.truth.inside(point) ? -1 : 1;
+  place.distance = side * distance;
+  if (place.distance < -model.band.max_depth || place.distance > model.band.margin) return truth;
+  truth.near_hole = model.truth.border_distance(truth.foot) < hole_share * model.mesh.diagonal;
+  truth.judged = !truth.near_hole;
+  if (truth.judged && distance >= least_distance &&
+      !model.truth.contested(point, truth.foot, 2 * model.tolerance)) {
+    place.outward = side * (point - truth.foot) / distance;
+  }
+  return truth;
+}
 
 Places draw_places(const Model& model, std::uint64_t count, std::uint64_t seed) {
   // A seed of its own keeps these places apart from those that a bake tries and verifies with.

@@ -15,6 +15,16 @@ struct Place {
   Vector3 outward = Vector3::Zero();  ///< unit; zero where no direction is defined
 };
 
+/// What is true at any point.
+struct TruePlace {
+  Place place;
+  Vector3 foot = Vector3::Zero();  ///< the closest point of the surface
+  bool judged = false;             ///< in the band, and not beside a hole
+  bool near_hole = false;          ///< within 3 % of the diagonal of a border edge
+};
+
+[[nodiscard]] TruePlace truth_at(const Model& model, const Vector3& point);
+
 /// One equal set of places for all methods of a model.
 struct Places {
   std::vector<Place> places;

@@ -3,11 +3,12 @@
 
 #include <tbb/parallel_for.h>
 
-#include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <utility>
 #include <vector>
+
+#include "tests/bench/quantile.hpp"
 
 namespace spm::bench {
 namespace {
@@ -19,8 +20,7 @@ struct Outcome {
   double angle = -1;  ///< rad; negative where none is judged
 };
 
-Outcome judge(const Method& method, const Model& model, const Place& place) {
-  const Answer answer = method.query(place.point);
+Outcome judge(const Answer& answer, const Model& model, const Place& place) {
   Outcome outcome;
   double distance = answer.distance;
   outcome.answered = std::isfinite(distance);
@@ -37,16 +37,6 @@ Outcome judge(const Method& method, const Model& model, const Place& place) {
   return outcome;
 }
 
-/// Nearest-rank quantile; 0 of none.
-double quantile(std::vector<double>& values, double share) {
-  if (values.empty()) return 0;
-  const double rank = std::ceil(share * static_cast<double>(values.size()));
-  const auto index = std::min(static_cast<std::size_t>(std::max(rank, 1.0)), values.size()) - 1;
-  const auto place = values.begin() + static_cast<std::ptrdiff_t>(index);
-  std::nth_element(values.begin(), place, values.end());
-  return *place;
-}
-
 double share_of(std::size_t part, std::size_t whole) {
   return whole > 0 ? static_cast<double>(part) / static_cast<double>(whole) : 0;
 }
@@ -54,9 +44,18 @@ double share_of(std::size_t part, std::size_t whole) {
 }  // namespace
 
 Score score(const Method& method, const Model& model, const Places& places) {
-  std::vector<Outcome> outcomes(places.places.size());
-  tbb::parallel_for(std::size_t{0}, outcomes.size(),
-                    [&](std::size_t i) { outcomes[i] = judge(method, model, places.places[i]); });
+  std::vector<Answer> answers(places.places.size());
+  tbb::parallel_for(std::size_t{0}, answers.size(),
+                    [&](std::size_t i) { answers[i] = method.query(places.places[i].point); });
+  return score(answers, model, places);
+}
+
+Score score(std::span<const Answer> answers, const Model& model, const Places& places) {
+  std::vector<Outcome> outcomes;
+  outcomes.reserve(answers.size());
+  for (std::size_t i = 0; i < answers.size(); ++i) {
+    outcomes.push_back(judge(answers[i], model, places.places[i]));
+  }
   std::vector<double> errors, angles;
   std::size_t clear = 0, wrong = 0;
   double squares = 0;

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <span>
+
 #include "tests/bench/method.hpp"
 #include "tests/bench/places.hpp"
 
@@ -17,5 +19,9 @@ struct Score {
 /// Asks a method at every place. `deep` counts as the band's bottom; `far` as the margin within a
 /// tolerance of it, and as no answer elsewhere.
 [[nodiscard]] Score score(const Method& method, const Model& model, const Places& places);
+
+/// The same of answers that were given before, one a place, in their order.
+[[nodiscard]] Score score(std::span<const Answer> answers, const Model& model,
+                          const Places& places);
 
 }  // namespace spm::bench
