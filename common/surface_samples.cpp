@@ -212,6 +212,10 @@ std::vector<Cluster> finest_level(const std::vector<SurfacePatch>& patches, cons
   };
   std::vector<Cluster> level = joined(order.size(), part);
   for (Cluster& cluster : level) {
+    // In the middle, and on the surface.
+    const Vector3 middle = cluster.moment / cluster.area;
+    const Vector3 normal = to_vector(patches[order[cluster.kept].patch].normal);
+    cluster.position = middle - normal * normal.dot(middle - cluster.position);
     for (std::uint32_t i = cluster.first; i < cluster.first + cluster.count; ++i) {
       cluster.patch_radius =
           std::max(cluster.patch_radius, (part(i).position - cluster.position).norm());

@@ -1,0 +1,234 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "common/object_contact.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <limits>
+
+#include "common/query.hpp"
+#include "common/surface_clearance.hpp"
+
+namespace spm {
+
+namespace {
+
+/// What two fields' errors may take off a clearance, in tolerances: at the sample that was asked,
+/// and at the one that is not.
+constexpr double doubtful_tolerances = 2;
+/// Samples between two looks at the clock: those that were asked, and those that need not be.
+constexpr std::uint64_t asked_a_look = 4;
+constexpr int passed_a_look = 64;
+/// Farther than any clearance, m.
+constexpr double out_of_reach = 1e4;
+
+std::int64_t steady_now() noexcept {
+  return std::chrono::duration_cast<std::chrono::nanoseconds>(
+             std::chrono::steady_clock::now().time_since_epoch())
+      .count();
+}
+
+Vector3 to_vector(const std::array<float, 3>& v) noexcept { return {v[0], v[1], v[2]}; }
+
+/// Depth of a patch whose parts lie evenly between `depth - half` and `depth + half`: mean of the
+/// part below the surface, mean square of it, and its share.
+struct Pressed {
+  double depth = 0, square = 0, share = 0;
+};
+Pressed pressed(double depth, double half) noexcept {
+  if (depth >= half) return {depth, depth * depth + half * half / 3, 1};
+  if (!(depth > -half)) return {};
+  const double below = depth + half;
+  return {below * below / (4 * half), below * below * below / (6 * half), below / (2 * half)};
+}
+
+}  // namespace
+
+class ObjectContact::Clock {
+ public:
+  explicit Clock(const TickBudget& budget) noexcept
+      : now_(budget.now != nullptr ? budget.now : &steady_now), limited_(budget.nanoseconds > 0) {
+    if (limited_) end_ = now_() + budget.nanoseconds;
+  }
+  /// True where time is over. `asked`: samples whose distance was asked for so far.
+  [[nodiscard]] bool over(std::uint64_t asked) noexcept {
+    if (!limited_) return false;
+    if (asked < asked_ + asked_a_look && ++passed_ < passed_a_look) return false;
+    asked_ = asked;
+    passed_ = 0;
+    return now_() >= end_;
+  }
+
+ private:
+  std::int64_t (*now_)() noexcept;
+  bool limited_;
+  std::int64_t end_ = 0;
+  std::uint64_t asked_ = 0;
+  int passed_ = 0;
+};
+
+ObjectContact::ObjectContact(const SurfaceSamples& tool, const ObjectContactSettings& settings)
+    : tool_(tool),
+      settings_(settings),
+      pairs_(settings.objects),
+      until_(std::size_t{settings.objects} * tool.places.size(), 0.0) {
+  active_.reserve(settings.most_active);
+  next_.reserve(settings.most_active);
+}
+
+void ObjectContact::forget(std::uint32_t object) noexcept {
+  if (object < pairs_.size()) pairs_[object].placed = false;
+}
+
+void ObjectContact::move(Pair& pair, const ContactObject& object,
+                         const Eigen::Isometry3d& tool) noexcept {
+  const Eigen::Isometry3d pose = object.pose.inverse(Eigen::Isometry) * tool;
+  pair.to_world = object.pose.linear();
+  if (!pair.placed || pair.field != object.field) {
+    pair.travelled += out_of_reach;
+  } else {
+    // A turn by t moves what lies r from the axis by 2 r sin(t / 2).
+    const double turned = (pose.linear() - pair.pose.linear()).norm() / std::sqrt(2.0);
+    pair.travelled += (pose * tool_.centre - pair.pose * tool_.centre).norm() +
+                      turned * tool_.radius * (1 + 1e-9);
+  }
+  pair.field = object.field;
+  pair.pose = pose;
+  pair.placed = true;
+}
+
+ObjectContact::Reading ObjectContact::read(const Pair& pair, std::uint32_t sample) const noexcept {
+  const Vector3 place = pair.pose * to_vector(tool_.places[sample].position);
+  const Answer answer = query_point(*pair.field, place);
+  if (answer.status == Status::exact || answer.status == Status::deep) {
+    return {answer.distance, answer.normal, true};
+  }
+  const double known = answer.status == Status::far ? pair.field->band.margin : 0;
+  return {std::max(known, surface_clearance(*pair.field, place)), Vector3::Zero(), true};
+}
+
+/// Adds a sample to `found` unless it, and all below it, is clear of the object. `same_place`: what
+/// was read at its position already, if anything was.
+void ObjectContact::look(std::uint32_t sample, std::uint32_t object, const Reading* same_place,
+                         std::vector<Active>& found, ObjectContactReport& report) noexcept {
+  Pair& pair = pairs_[object];
+  double& until = until_[std::size_t{object} * tool_.places.size() + sample];
+  if (pair.travelled < std::abs(until)) {
+    if (until < 0) found.push_back({sample, object, {}});
+    return;
+  }
+  Active active{sample, object, {}};
+  if (same_place != nullptr && same_place->known) {
+    active.reading = *same_place;
+  } else {
+    active.reading = read(pair, sample);
+    ++report.tested;
+  }
+  const auto radius = static_cast<double>(tool_.places[sample].radius);
+  const double doubt = doubtful_tolerances * pair.field->tolerance;
+  const double distance = active.reading.distance;
+  const double clear = distance - radius - doubt;
+  until = 0;
+  if (clear > 0) {
+    until = pair.travelled + clear;
+    return;
+  }
+  if (radius > 0) {
+    const SampleShare& share = tool_.shares[sample];
+    double own =
+        distance - to_vector(share.middle).norm() - static_cast<double>(share.spread) - doubt;
+    // A patch so large that it reaches what is far from its sample says little of the contact.
+    if (active.reading.normal.isZero()) own = std::max(own, distance / 4);
+    if (own > 0) until = -(pair.travelled + own);
+  } else if (distance >= 0) {
+    return;
+  }
+  found.push_back(active);
+}
+
+/// Adds the spring of a sample that touches.
+void ObjectContact::press(const Active& active, ContactSum& sum) const noexcept {
+  const Reading& reading = active.reading;
+  if (!reading.known || reading.normal.isZero()) return;
+  const Pair& pair = pairs_[active.object];
+  const SampleShare& share = tool_.shares[active.sample];
+  const bool finest = tool_.children[active.sample].count == 0;
+  Vector3 place = to_vector(tool_.places[active.sample].position);
+  Pressed press{-reading.distance, reading.distance * reading.distance, 1};
+  if (!finest) {
+    const Vector3 middle = pair.pose.linear() * to_vector(share.middle);
+    const double cosine = reading.normal.dot(pair.pose.linear() * to_vector(share.normal));
+    const double half =
+        static_cast<double>(share.spread) * std::sqrt(std::max(0.0, 1 - cosine * cosine));
+    press = pressed(-reading.distance - reading.normal.dot(middle), half);
+    place += to_vector(share.middle);
+  }
+  if (!(press.depth > 0)) return;
+  const double spring = settings_.stiffness * static_cast<double>(share.area);
+  const Vector3 arm = pair.pose.linear() * place;
+  sum.add(spring, press.depth, press.square, press.share, pair.to_world * reading.normal,
+          pair.to_world * arm);
+}
+
+/// Goes from the active samples to those below them. False where time or room ran out: then
+/// `report.sum` has the finer ones as far as it came, and the coarser ones for the rest.
+bool ObjectContact::refine(std::uint32_t level, Clock& clock,
+                           ObjectContactReport& report) noexcept {
+  next_.clear();
+  ContactSum finer, replaced;
+  for (std::size_t i = 0; i < active_.size(); ++i) {
+    const Active& parent = active_[i];
+    const SampleChildren& below = tool_.children[parent.sample];
+    if (next_.size() + below.count > next_.capacity() || clock.over(report.tested)) {
+      // A sample is replaced whole by those below it, or stands for them.
+      report.sum.take_off(replaced);
+      report.sum.add(finer);
+      report.refined = static_cast<double>(i) / static_cast<double>(active_.size());
+      report.degraded = true;
+      return false;
+    }
+    const std::size_t before = next_.size();
+    for (std::uint32_t k = 0; k < below.count; ++k) {
+      look(below.first + k, parent.object, k == 0 ? &parent.reading : nullptr, next_, report);
+    }
+    press(parent, replaced);
+    for (std::size_t k = before; k < next_.size(); ++k) press(next_[k], finer);
+  }
+  report.sum = finer;
+  report.level = level;
+  std::swap(active_, next_);
+  return true;
+}
+
+ObjectContactReport ObjectContact::tick(const Eigen::Isometry3d& tool_pose,
+                                        std::span<const ContactObject> objects,
+                                        const TickBudget& budget) noexcept {
+  ObjectContactReport report;
+  Clock clock(budget);
+  active_.clear();
+  if (tool_.levels.empty() || !tool_pose.matrix().allFinite()) return report;
+  const std::size_t count = std::min(objects.size(), pairs_.size());
+  const SampleLevel& coarsest = tool_.levels.front();
+  for (std::uint32_t object = 0; object < count; ++object) {
+    if (objects[object].field == nullptr || !objects[object].pose.matrix().allFinite()) continue;
+    move(pairs_[object], objects[object], tool_pose);
+    for (std::uint32_t k = 0; k < coarsest.count && active_.size() < active_.capacity(); ++k) {
+      look(coarsest.first + k, object, nullptr, active_, report);
+    }
+  }
+  for (const Active& active : active_) press(active, report.sum);
+  const auto levels = static_cast<std::uint32_t>(tool_.levels.size());
+  for (std::uint32_t level = 1; level < levels && level <= budget.finest_level; ++level) {
+    if (active_.empty()) {
+      // Nothing can touch: that is known to the finest.
+      report.level = levels - 1;
+      break;
+    }
+    if (!refine(level, clock, report)) break;
+  }
+  const Matrix6 whole = report.sum.stiffness.selfadjointView<Eigen::Lower>();
+  report.sum.stiffness = whole;
+  return report;
+}
+
+}  // namespace spm
