@@ -16,9 +16,16 @@ namespace {
 /// What two fields' errors may take off a clearance, in tolerances: at the sample that was asked,
 /// and at the one that is not.
 constexpr double doubtful_tolerances = 2;
-/// Samples between two looks at the clock: those that were asked, and those that need not be.
-constexpr std::uint64_t asked_a_look = 4;
+/// Work between two looks at the clock, in samples that a known answer stands for: one that asks a
+/// field takes as long as some of them, one that need not be read as a part of one.
+constexpr std::uint64_t work_a_look = 32;
+constexpr std::uint64_t work_of_asking = 8;
 constexpr int passed_a_look = 64;
+/// An answer that is used again may be off by this part of how far it reaches at most.
+constexpr double reaches_an_error = 16;
+/// A patch is not asked anew, to see whether it is clear by now, before it moved by so much of its
+/// radius.
+constexpr double stale_share = 0.25;
 /// Farther than any clearance, m.
 constexpr double out_of_reach = 1e4;
 
@@ -50,11 +57,12 @@ class ObjectContact::Clock {
       : now_(budget.now != nullptr ? budget.now : &steady_now), limited_(budget.nanoseconds > 0) {
     if (limited_) end_ = now_() + budget.nanoseconds;
   }
-  /// True where time is over. `asked`: samples whose distance was asked for so far.
-  [[nodiscard]] bool over(std::uint64_t asked) noexcept {
+  /// True where time is over.
+  [[nodiscard]] bool over(const ObjectContactReport& report) noexcept {
     if (!limited_) return false;
-    if (asked < asked_ + asked_a_look && ++passed_ < passed_a_look) return false;
-    asked_ = asked;
+    const std::uint64_t work = report.tested + work_of_asking * report.asked;
+    if (work < work_ + work_a_look && ++passed_ < passed_a_look) return false;
+    work_ = work;
     passed_ = 0;
     return now_() >= end_;
   }
@@ -63,7 +71,7 @@ class ObjectContact::Clock {
   std::int64_t (*now_)() noexcept;
   bool limited_;
   std::int64_t end_ = 0;
-  std::uint64_t asked_ = 0;
+  std::uint64_t work_ = 0;
   int passed_ = 0;
 };
 
@@ -71,6 +79,9 @@ ObjectContact::ObjectContact(const SurfaceSamples& tool, const ObjectContactSett
     : tool_(tool),
       settings_(settings),
       pairs_(settings.objects),
+      memories_(settings.objects,
+                FieldMemory({settings.most_reach, settings.most_reach / reaches_an_error,
+                             settings.remembered})),
       until_(std::size_t{settings.objects} * tool.places.size(), 0.0) {
   active_.reserve(settings.most_active);
   next_.reserve(settings.most_active);
@@ -86,6 +97,7 @@ void ObjectContact::move(Pair& pair, const ContactObject& object,
   pair.to_world = object.pose.linear();
   if (!pair.placed || pair.field != object.field) {
     pair.travelled += out_of_reach;
+    memories_[static_cast<std::size_t>(&pair - pairs_.data())].forget();
   } else {
     // A turn by t moves what lies r from the axis by 2 r sin(t / 2).
     const double turned = (pose.linear() - pair.pose.linear()).norm() / std::sqrt(2.0);
@@ -97,76 +109,102 @@ void ObjectContact::move(Pair& pair, const ContactObject& object,
   pair.placed = true;
 }
 
-ObjectContact::Reading ObjectContact::read(const Pair& pair, std::uint32_t sample) const noexcept {
-  const Vector3 place = pair.pose * to_vector(tool_.places[sample].position);
-  const Answer answer = query_point(*pair.field, place);
-  if (answer.status == Status::exact || answer.status == Status::deep) {
-    return {answer.distance, answer.normal, true};
+/// Asks the field at a sample's place.
+FieldReading ObjectContact::read(std::uint32_t object, std::uint32_t sample, const Vector3& place,
+                                 ObjectContactReport& report) noexcept {
+  const AssetView& field = *pairs_[object].field;
+  FieldReading reading;
+  reading.place = place;
+  // Of a large patch it matters only how far away it is; its boxes tell that for less.
+  const auto radius = static_cast<double>(tool_.places[sample].radius);
+  if (radius > field.band.margin) {
+    reading.distance = box_clearance(field, place);
+    reading.reach = 0;
+    if (reading.distance > radius + doubtful_tolerances * field.tolerance) return reading;
   }
-  const double known = answer.status == Status::far ? pair.field->band.margin : 0;
-  return {std::max(known, surface_clearance(*pair.field, place)), Vector3::Zero(), true};
+  ++report.asked;
+  if (space_at(field.space, place) != SpaceKind::far) {
+    const Answer answer = query_point(field, place);
+    if (answer.status == Status::exact || answer.status == Status::deep) {
+      reading.distance = answer.distance;
+      reading.normal = answer.normal;
+    }
+  }
+  if (reading.normal.isZero()) reading.distance = surface_clearance(field, place);
+  memories_[object].learn(sample, reading);
+  return reading;
 }
 
-/// Adds a sample to `found` unless it, and all below it, is clear of the object. `same_place`: what
-/// was read at its position already, if anything was.
-void ObjectContact::look(std::uint32_t sample, std::uint32_t object, const Reading* same_place,
+/// Adds a sample to `found` unless it, and all below it, is clear of the object. `above`: what was
+/// read for the sample above it.
+void ObjectContact::look(std::uint32_t sample, std::uint32_t object, const FieldReading& above,
                          std::vector<Active>& found, ObjectContactReport& report) noexcept {
-  Pair& pair = pairs_[object];
+  const Pair& pair = pairs_[object];
   double& until = until_[std::size_t{object} * tool_.places.size() + sample];
   if (pair.travelled < std::abs(until)) {
-    if (until < 0) found.push_back({sample, object, {}});
+    if (until < 0) found.push_back({sample, object, 0, {}});
     return;
   }
-  Active active{sample, object, {}};
-  if (same_place != nullptr && same_place->known) {
-    active.reading = *same_place;
-  } else {
-    active.reading = read(pair, sample);
-    ++report.tested;
-  }
+  until = 0;
+  ++report.tested;
+  const Vector3 place = pair.pose * to_vector(tool_.places[sample].position);
   const auto radius = static_cast<double>(tool_.places[sample].radius);
   const double doubt = doubtful_tolerances * pair.field->tolerance;
-  const double distance = active.reading.distance;
-  const double clear = distance - radius - doubt;
-  until = 0;
-  if (clear > 0) {
-    until = pair.travelled + clear;
+  // How near the surface must come for the sample itself to touch.
+  const SampleShare& share = tool_.shares[sample];
+  const double touch =
+      radius > 0 ? to_vector(share.middle).norm() + static_cast<double>(share.spread) : 0;
+  Active active{sample, object, 0, above};
+  const bool same_place = above.known() && above.place == place;
+  if (!same_place && !above.stands_for(place)) {
+    active.reading = memories_[object].recall(sample);
+    if (!active.reading.stands_for(place)) {
+      const double moved = (place - active.reading.place).norm();
+      const double least = active.reading.known() ? active.reading.distance - moved - doubt : 0;
+      if (least > radius) {
+        until = pair.travelled + least - radius;
+        return;
+      }
+      if (least > touch && moved < stale_share * radius) {
+        found.push_back({sample, object, 0, {}});
+        return;
+      }
+      active.reading = read(object, sample, place, report);
+    }
+  }
+  active.distance = active.reading.distance_at(place);
+  const double least = active.distance - doubt;
+  if (least > radius) {
+    until = pair.travelled + least - radius;
     return;
   }
-  if (radius > 0) {
-    const SampleShare& share = tool_.shares[sample];
-    double own =
-        distance - to_vector(share.middle).norm() - static_cast<double>(share.spread) - doubt;
-    // A patch so large that it reaches what is far from its sample says little of the contact.
-    if (active.reading.normal.isZero()) own = std::max(own, distance / 4);
-    if (own > 0) until = -(pair.travelled + own);
-  } else if (distance >= 0) {
-    return;
-  }
-  found.push_back(active);
+  // A patch so large that it reaches what is far from its sample says little of the contact.
+  const double own =
+      active.reading.normal.isZero() ? std::max(least - touch, active.distance / 4) : least - touch;
+  if (radius > 0 && own > 0) until = -(pair.travelled + own);
+  if (radius > 0 || active.distance < 0) found.push_back(active);
 }
 
 /// Adds the spring of a sample that touches.
 void ObjectContact::press(const Active& active, ContactSum& sum) const noexcept {
-  const Reading& reading = active.reading;
-  if (!reading.known || reading.normal.isZero()) return;
+  const Vector3& normal = active.reading.normal;
+  if (!active.reading.known() || normal.isZero()) return;
   const Pair& pair = pairs_[active.object];
   const SampleShare& share = tool_.shares[active.sample];
-  const bool finest = tool_.children[active.sample].count == 0;
   Vector3 place = to_vector(tool_.places[active.sample].position);
-  Pressed press{-reading.distance, reading.distance * reading.distance, 1};
-  if (!finest) {
+  Pressed press{-active.distance, active.distance * active.distance, 1};
+  if (tool_.children[active.sample].count > 0) {
     const Vector3 middle = pair.pose.linear() * to_vector(share.middle);
-    const double cosine = reading.normal.dot(pair.pose.linear() * to_vector(share.normal));
+    const double cosine = normal.dot(pair.pose.linear() * to_vector(share.normal));
     const double half =
         static_cast<double>(share.spread) * std::sqrt(std::max(0.0, 1 - cosine * cosine));
-    press = pressed(-reading.distance - reading.normal.dot(middle), half);
+    press = pressed(-active.distance - normal.dot(middle), half);
     place += to_vector(share.middle);
   }
   if (!(press.depth > 0)) return;
   const double spring = settings_.stiffness * static_cast<double>(share.area);
   const Vector3 arm = pair.pose.linear() * place;
-  sum.add(spring, press.depth, press.square, press.share, pair.to_world * reading.normal,
+  sum.add(spring, press.depth, press.square, press.share, pair.to_world * normal,
           pair.to_world * arm);
 }
 
@@ -179,7 +217,7 @@ bool ObjectContact::refine(std::uint32_t level, Clock& clock,
   for (std::size_t i = 0; i < active_.size(); ++i) {
     const Active& parent = active_[i];
     const SampleChildren& below = tool_.children[parent.sample];
-    if (next_.size() + below.count > next_.capacity() || clock.over(report.tested)) {
+    if (next_.size() + below.count > next_.capacity() || clock.over(report)) {
       // A sample is replaced whole by those below it, or stands for them.
       report.sum.take_off(replaced);
       report.sum.add(finer);
@@ -189,7 +227,7 @@ bool ObjectContact::refine(std::uint32_t level, Clock& clock,
     }
     const std::size_t before = next_.size();
     for (std::uint32_t k = 0; k < below.count; ++k) {
-      look(below.first + k, parent.object, k == 0 ? &parent.reading : nullptr, next_, report);
+      look(below.first + k, parent.object, parent.reading, next_, report);
     }
     press(parent, replaced);
     for (std::size_t k = before; k < next_.size(); ++k) press(next_[k], finer);
@@ -213,7 +251,7 @@ ObjectContactReport ObjectContact::tick(const Eigen::Isometry3d& tool_pose,
     if (objects[object].field == nullptr || !objects[object].pose.matrix().allFinite()) continue;
     move(pairs_[object], objects[object], tool_pose);
     for (std::uint32_t k = 0; k < coarsest.count && active_.size() < active_.capacity(); ++k) {
-      look(coarsest.first + k, object, nullptr, active_, report);
+      look(coarsest.first + k, object, {}, active_, report);
     }
   }
   for (const Active& active : active_) press(active, report.sum);

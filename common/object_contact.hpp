@@ -9,6 +9,7 @@
 
 #include "common/asset_view.hpp"
 #include "common/contact_sum.hpp"
+#include "common/field_memory.hpp"
 #include "common/surface_samples.hpp"
 
 namespace spm {
@@ -33,6 +34,11 @@ struct ObjectContactSettings {
   std::uint32_t objects = 1;  ///< at most so many
   std::uint32_t most_active =
       65536;  ///< samples that may touch at once; beyond it coarser ones stand
+  /// m: how far from where the field was asked its tangent plane may at most stand for it, for a
+  /// sample that moved or one below it; less where the field turns out to be curved. 0: never.
+  double most_reach = 2e-4;
+  std::uint32_t remembered =
+      65536;  ///< samples an object whose last answer is kept, a power of two
 };
 
 /// What a tick found.
@@ -40,6 +46,7 @@ struct ObjectContactReport {
   ContactSum sum;            ///< on the tool, world frame, torques about the tool's origin
   std::uint32_t level = 0;   ///< of SurfaceSamples: all contact was resolved to it
   double refined = 0;        ///< share of its contact that was resolved to the next level, below 1
+  std::uint64_t asked = 0;   ///< queries of a field
   std::uint64_t tested = 0;  ///< samples whose distance was asked for
   bool degraded = false;     ///< time or room ran out before the finest level
 };
@@ -70,17 +77,12 @@ class ObjectContact {
   void forget(std::uint32_t object) noexcept;
 
  private:
-  /// What the field says at a sample.
-  struct Reading {
-    double distance = 0;               ///< m; a lower bound where there is no normal
-    Vector3 normal = Vector3::Zero();  ///< object's frame
-    bool known = false;                ///< false: the sample was not asked
-  };
   /// A sample that may touch.
   struct Active {
     std::uint32_t sample = 0;
     std::uint32_t object = 0;
-    Reading reading;
+    double distance = 0;   ///< signed, m; means nothing where the reading is not known
+    FieldReading reading;  ///< that the distance is from: of the sample, or of one above it
   };
   struct Pair {
     const AssetView* field = nullptr;
@@ -94,15 +96,17 @@ class ObjectContact {
   const SurfaceSamples& tool_;
   ObjectContactSettings settings_;
   std::vector<Pair> pairs_;
+  std::vector<FieldMemory> memories_;  ///< one an object
   /// A word a pair and sample: until the pair has travelled so far the sample needs no look. Above
   /// 0: nothing below it can touch; below 0: it cannot touch, what is below it can.
   std::vector<double> until_;
   std::vector<Active> active_, next_;
 
   void move(Pair& pair, const ContactObject& object, const Eigen::Isometry3d& tool) noexcept;
-  void look(std::uint32_t sample, std::uint32_t object, const Reading* same_place,
+  void look(std::uint32_t sample, std::uint32_t object, const FieldReading& above,
             std::vector<Active>& found, ObjectContactReport& report) noexcept;
-  [[nodiscard]] Reading read(const Pair& pair, std::uint32_t sample) const noexcept;
+  [[nodiscard]] FieldReading read(std::uint32_t object, std::uint32_t sample, const Vector3& place,
+                                  ObjectContactReport& report) noexcept;
   void press(const Active& active, ContactSum& sum) const noexcept;
   bool refine(std::uint32_t level, Clock& clock, ObjectContactReport& report) noexcept;
 };

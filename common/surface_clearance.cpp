@@ -6,6 +6,8 @@
 #include <cmath>
 #include <limits>
 
+#include "common/closest_element.hpp"
+
 namespace spm {
 
 namespace {
@@ -21,7 +23,7 @@ struct Pending {
 
 }  // namespace
 
-double surface_clearance(const AssetView& asset, const Vector3& point) noexcept {
+double box_clearance(const AssetView& asset, const Vector3& point) noexcept {
   const ElementTree& tree = asset.tree;
   const std::size_t nodes = tree.words.size() / tree_node_words;
   if (nodes == 0) return std::numeric_limits<double>::infinity();
@@ -60,6 +62,14 @@ double surface_clearance(const AssetView& asset, const Vector3& point) noexcept 
   const double distance = std::sqrt(static_cast<double>(least));
   const float size = std::max({tree.size[0], tree.size[1], tree.size[2]});
   return std::max(0.0, distance - rounding_share * (distance + static_cast<double>(size)));
+}
+
+double surface_clearance(const AssetView& asset, const Vector3& point) noexcept {
+  if (!point.allFinite()) return 0;
+  // Asked as if inside, nothing is too far away to be found; what is found beyond the band may be a
+  // quarter farther than the nearest.
+  const double found = read_elements(asset, point, SpaceKind::inside).nearest.distance;
+  return std::max(0.0, 0.8 * found - asset.tolerance);
 }
 
 }  // namespace spm

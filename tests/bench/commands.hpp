@@ -14,5 +14,6 @@ struct Command {
 };
 
 [[nodiscard]] Command add_bytes_command(CLI::App& app);
+[[nodiscard]] Command add_sixdof_command(CLI::App& app);
 
 }  // namespace spm::bench

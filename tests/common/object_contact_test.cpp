@@ -54,6 +54,7 @@ ObjectContactSettings settings(std::uint32_t objects = 1) {
   ObjectContactSettings made;
   made.stiffness = stiffness;
   made.objects = objects;
+  made.most_reach = 0;
   return made;
 }
 
@@ -132,6 +133,29 @@ TEST_CASE("Culling and memory of the last tick change no force: objects and tool
     }
     CHECK(contacts > 1000);
   }
+}
+
+TEST_CASE("Answers that are used again change the force by little, and spare the field") {
+  const TiledCubeByHand field(field_size);
+  const SurfaceSamples tool = tool_samples(0.0003);
+  ObjectContactSettings remembering = settings();
+  remembering.most_reach = 2e-4;
+  ObjectContact contact(tool, settings()), sparing(tool, remembering);
+  std::array objects{ContactObject{&field.view, Isometry3d::Identity()}};
+  Randoms random(11);
+  Isometry3d pose = turned(pressed_by(-0.0005), {0.1, 0.05, 0.3});
+  std::uint64_t asked = 0, spared = 0;
+  for (int tick = 0; tick < 300; ++tick) {
+    pose = turned(pose, random.vector(0.002));
+    pose.pretranslate(Vector3(2e-5, 1e-5, 0) + random.vector(1e-5));
+    const ObjectContactReport whole = contact.tick(pose, objects);
+    const ObjectContactReport report = sparing.tick(pose, objects);
+    asked += whole.asked;
+    spared += report.asked;
+    REQUIRE((report.sum.wrench - whole.sum.wrench).head<3>().norm() <=
+            0.03 * whole.sum.wrench.head<3>().norm());
+  }
+  CHECK(spared < asked / 3);
 }
 
 TEST_CASE("The wrench is the gradient of the energy, so a closed path gains nothing") {
