@@ -23,9 +23,9 @@ constexpr std::uint64_t work_of_asking = 8;
 constexpr int passed_a_look = 64;
 /// An answer that is used again may be off by this part of how far it reaches at most.
 constexpr double reaches_an_error = 16;
-/// A patch is not asked anew, to see whether it is clear by now, before it moved by so much of its
-/// radius.
-constexpr double stale_share = 0.25;
+/// A patch is not asked anew before it moved by so much of its radius: until then what was said of
+/// it bounds its distance, and serves where no finer one is reached.
+constexpr double stale_share = 0.5;
 /// Farther than any clearance, m.
 constexpr double out_of_reach = 1e4;
 
@@ -158,19 +158,20 @@ void ObjectContact::look(std::uint32_t sample, std::uint32_t object, const Field
   const bool same_place = above.known() && above.place == place;
   if (!same_place && !above.stands_for(place)) {
     active.reading = memories_[object].recall(sample);
-    if (!active.reading.stands_for(place)) {
+    if (active.reading.known() && !active.reading.stands_for(place)) {
       const double moved = (place - active.reading.place).norm();
-      const double least = active.reading.known() ? active.reading.distance - moved - doubt : 0;
+      const double least = active.reading.distance - moved - doubt;
       if (least > radius) {
         until = pair.travelled + least - radius;
         return;
       }
-      if (least > touch && moved < stale_share * radius) {
-        found.push_back({sample, object, 0, {}});
+      if (moved < stale_share * radius) {
+        active.distance = active.reading.distance_at(place);
+        found.push_back(active);
         return;
       }
-      active.reading = read(object, sample, place, report);
     }
+    if (!active.reading.stands_for(place)) active.reading = read(object, sample, place, report);
   }
   active.distance = active.reading.distance_at(place);
   const double least = active.distance - doubt;

@@ -73,6 +73,9 @@ class Bullet : public Peer {
         tool_(tool.surface),
         object_(object.surface) {
     btGImpactCollisionAlgorithm::registerAlgorithm(&dispatcher_);
+    // A test of one pair asks another table, in which GImpact does not enter itself.
+    dispatcher_.registerClosestPointsCreateFunc(GIMPACT_SHAPE_PROXYTYPE, GIMPACT_SHAPE_PROXYTYPE,
+                                                &create_);
   }
   [[nodiscard]] PeerAnswer ask(const Eigen::Isometry3d& tool_pose) override {
     tool_.move(tool_pose);
@@ -84,6 +87,7 @@ class Bullet : public Peer {
   [[nodiscard]] std::string settings() const override { return "GImpact, single precision"; }
 
  private:
+  btGImpactCollisionAlgorithm::CreateFunc create_;
   btDefaultCollisionConfiguration configuration_;
   btCollisionDispatcher dispatcher_;
   btDbvtBroadphase broadphase_;
