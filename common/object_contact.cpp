@@ -142,6 +142,7 @@ void ObjectContact::look(std::uint32_t sample, std::uint32_t object, const Field
   const Pair& pair = pairs_[object];
   double& until = until_[std::size_t{object} * tool_.places.size() + sample];
   if (pair.travelled < std::abs(until)) {
+    if (until > 0) report.clear = std::min(report.clear, until - pair.travelled);
     if (until < 0) found.push_back({sample, object, 0, {}});
     return;
   }
@@ -163,6 +164,7 @@ void ObjectContact::look(std::uint32_t sample, std::uint32_t object, const Field
       const double least = active.reading.distance - moved - doubt;
       if (least > radius) {
         until = pair.travelled + least - radius;
+        report.clear = std::min(report.clear, least - radius);
         return;
       }
       if (moved < stale_share * radius) {
@@ -177,8 +179,10 @@ void ObjectContact::look(std::uint32_t sample, std::uint32_t object, const Field
   const double least = active.distance - doubt;
   if (least > radius) {
     until = pair.travelled + least - radius;
+    report.clear = std::min(report.clear, least - radius);
     return;
   }
+  if (!(radius > 0)) report.clear = 0;
   // A patch so large that it reaches what is far from its sample says little of the contact.
   const double own =
       active.reading.normal.isZero() ? std::max(least - touch, active.distance / 4) : least - touch;
@@ -265,6 +269,8 @@ ObjectContactReport ObjectContact::tick(const Eigen::Isometry3d& tool_pose,
     }
     if (!refine(level, clock, report)) break;
   }
+  // What was not resolved to the finest may touch.
+  if (report.degraded || report.level + 1 < levels) report.clear = 0;
   const Matrix6 whole = report.sum.stiffness.selfadjointView<Eigen::Lower>();
   report.sum.stiffness = whole;
   return report;

@@ -43,9 +43,12 @@ struct ObjectContactSettings {
 
 /// What a tick found.
 struct ObjectContactReport {
-  ContactSum sum;            ///< on the tool, world frame, torques about the tool's origin
-  std::uint32_t level = 0;   ///< of SurfaceSamples: all contact was resolved to it
-  double refined = 0;        ///< share of its contact that was resolved to the next level, below 1
+  ContactSum sum;           ///< on the tool, world frame, torques about the tool's origin
+  std::uint32_t level = 0;  ///< of SurfaceSamples: all contact was resolved to it
+  double refined = 0;       ///< share of its contact that was resolved to the next level, below 1
+  /// m: no sample touches before tool and objects have moved so far against each other; 0 in
+  /// contact
+  double clear = std::numeric_limits<double>::infinity();
   std::uint64_t asked = 0;   ///< queries of a field
   std::uint64_t tested = 0;  ///< samples whose distance was asked for
   bool degraded = false;     ///< time or room ran out before the finest level
