@@ -17,7 +17,7 @@ namespace {
 struct Settings {
   SixdofPlan plan;
   bool quick = false;
-  std::uint64_t ticks = 0;  ///< 0: the mode's own
+  std::uint64_t ticks = 0, samples = 0;  ///< 0: the mode's own
   cli::GlobalOptions global;
 };
 
@@ -47,7 +47,9 @@ int run(const Settings& settings) {
     plan.peer_ticks = 100;
     plan.judged = 20;
     plan.reference_samples = 30000;
+    plan.culled_objects = 100;
   }
+  if (settings.samples > 0) plan.samples = {settings.samples};
   if (settings.ticks > 0) plan.ticks = settings.ticks;
   SixdofReport report;
   {
@@ -85,6 +87,11 @@ Command add_sixdof_command(CLI::App& app) {
       ->type_name("FILE");
   cli::add_quantity(*command, "--tolerance", settings->plan.tolerance, Quantity::length,
                     "of the mesh's asset, above 0 (default 50um)");
+  cli::add_integer(
+      *command, "--samples", 100, 4000000, [settings](std::uint64_t n) { settings->samples = n; },
+      "samples of the tool, about, 100 to 4000000 (default: 2000 to 1000000 in five steps; 2000 "
+      "and "
+      "30000 with --quick)");
   cli::add_integer(
       *command, "--ticks", 1, 10000000, [settings](std::uint64_t n) { settings->ticks = n; },
       "ticks of the path, 1 to 10000000 (default 5000; 1000 with --quick)");

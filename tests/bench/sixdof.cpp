@@ -25,6 +25,8 @@ using Eigen::Isometry3d;
 
 constexpr double stiffness = 1e9;  // N/m3
 constexpr std::uint64_t path_samples = 8000;
+constexpr double hull_tolerance = 2e-4;  // m
+constexpr std::size_t hull_planes = 64;
 /// Limit of a tick, ns: of few samples, and of more than so many.
 constexpr std::int64_t small_limit = 250000, large_limit = 800000;
 constexpr std::uint64_t small_samples = 100000;
@@ -205,6 +207,11 @@ SixdofReport measure_sixdof(const SixdofPlan& plan, const SixdofProgress& progre
   runner.run_peer(*make_fcl(tool, object), plan.peer_ticks);
   told("Bullet", 0.95);
   runner.run_peer(*make_bullet(tool, object), plan.peer_ticks);
+  told("culling", 0.98);
+  const SupportHull hull =
+      support_hull(samples_of_count(tool.view(), path_samples), hull_tolerance, hull_planes);
+  report.hull_points = hull.points.size();
+  report.culling = measure_culling(hull, plan.culled_objects, plan.seed);
   return report;
 }
 

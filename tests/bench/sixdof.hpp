@@ -7,6 +7,8 @@
 #include <string>
 #include <vector>
 
+#include "tests/bench/culling.hpp"
+
 namespace spm::bench {
 
 /// What `spm-bench sixdof` measures.
@@ -19,6 +21,7 @@ struct SixdofPlan {
   std::uint64_t peer_ticks = 500;  ///< of them, evenly, that peers are asked
   std::uint64_t judged = 100;      ///< of them, evenly, that forces are judged at
   std::uint64_t reference_samples = 130000;
+  std::uint64_t culled_objects = 1000;  ///< of the largest scene of culling
   std::uint64_t seed = 1;
 };
 
@@ -48,6 +51,8 @@ struct SixdofReport {
   std::uint64_t tool_triangles = 0, object_triangles = 0;
   std::uint64_t ticks = 0, judged = 0, reference_samples = 0;
   std::vector<SixdofRow> rows;
+  std::uint64_t hull_points = 0;  ///< of the tool's, which the scenes of culling are made of
+  std::vector<CullingRow> culling;
 };
 
 /// Called with what is being measured and how much of all is done, 0 to 1; may be empty.

@@ -40,6 +40,43 @@ Json row_json(const SixdofRow& row) {
   return json;
 }
 
+/// Of the pairs that boxes along the axes leave, the share that is told apart.
+double told_apart(const CullingRow& row, std::uint64_t left) {
+  return row.after_aabb > 0 ? 1 - static_cast<double>(left) / static_cast<double>(row.after_aabb)
+                            : 0;
+}
+
+Json culling_json(const CullingRow& row) {
+  return {{"scene", row.scene},
+          {"objects", row.objects},
+          {"pairs", row.pairs},
+          {"after_aabb", row.after_aabb},
+          {"after_obb", row.after_obb},
+          {"after_spm", row.after_spm},
+          {"hulls_touch", row.touching},
+          {"rejected_obb", told_apart(row, row.after_obb)},
+          {"rejected_spm", told_apart(row, row.after_spm)},
+          {"aabb_ns", row.aabb_ns},
+          {"obb_ns", row.obb_ns},
+          {"spm_ns", row.spm_ns},
+          {"remembered", row.remembered}};
+}
+
+void append_culling(const SixdofReport& report, std::string& text) {
+  const auto out = std::back_inserter(text);
+  fmt::format_to(out,
+                 "\nculling of copies of the tool, a hull of {} points; pairs left, and ns a pair "
+                 "asked\n  {:<7} {:>7} {:>9} {:>8} {:>8} {:>8} {:>8}  {:>6} {:>6} {:>6}  {:>6}\n",
+                 report.hull_points, "scene", "objects", "pairs", "AABB", "OBB", "SPM", "touch",
+                 "AABB", "OBB", "SPM", "kept %");
+  for (const CullingRow& row : report.culling) {
+    fmt::format_to(
+        out, "  {:<7} {:>7} {:>9} {:>8} {:>8} {:>8} {:>8}  {:>6.1f} {:>6.1f} {:>6.1f}  {:>6.1f}\n",
+        row.scene, row.objects, row.pairs, row.after_aabb, row.after_obb, row.after_spm,
+        row.touching, row.aabb_ns, row.obb_ns, row.spm_ns, 100 * row.remembered);
+  }
+}
+
 }  // namespace
 
 Json to_json(const SixdofReport& report) {
@@ -52,6 +89,8 @@ Json to_json(const SixdofReport& report) {
   json["reference_samples"] = report.reference_samples;
   json["rows"] = Json::array();
   for (const SixdofRow& row : report.rows) json["rows"].push_back(row_json(row));
+  json["culling"] = Json::array();
+  for (const CullingRow& row : report.culling) json["culling"].push_back(culling_json(row));
   return json;
 }
 
@@ -82,6 +121,7 @@ std::string to_text(const SixdofReport& report) {
     fmt::format_to(out, "  {:>6.2f} {:>5.1f}\n", row.direction_error.median * degrees,
                    row.direction_error.p95 * degrees);
   }
+  append_culling(report, text);
   return text;
 }
 
