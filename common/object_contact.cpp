@@ -18,7 +18,7 @@ namespace {
 constexpr double doubtful_tolerances = 2;
 /// Work between two looks at the clock, in samples that a known answer stands for: one that asks a
 /// field takes as long as some of them, one that need not be read as a part of one.
-constexpr std::uint64_t work_a_look = 32;
+constexpr std::uint64_t work_a_look = 16;
 constexpr std::uint64_t work_of_asking = 8;
 constexpr int passed_a_look = 64;
 /// An answer that is used again may be off by this part of how far it reaches at most.
@@ -222,17 +222,20 @@ bool ObjectContact::refine(std::uint32_t level, Clock& clock,
   for (std::size_t i = 0; i < active_.size(); ++i) {
     const Active& parent = active_[i];
     const SampleChildren& below = tool_.children[parent.sample];
-    if (next_.size() + below.count > next_.capacity() || clock.over(report)) {
+    const std::size_t before = next_.size();
+    bool over = before + below.count > next_.capacity();
+    for (std::uint32_t k = 0; k < below.count && !over; ++k) {
+      over = clock.over(report);
+      if (!over) look(below.first + k, parent.object, parent.reading, next_, report);
+    }
+    if (over) {
       // A sample is replaced whole by those below it, or stands for them.
+      next_.resize(before);
       report.sum.take_off(replaced);
       report.sum.add(finer);
       report.refined = static_cast<double>(i) / static_cast<double>(active_.size());
       report.degraded = true;
       return false;
-    }
-    const std::size_t before = next_.size();
-    for (std::uint32_t k = 0; k < below.count; ++k) {
-      look(below.first + k, parent.object, parent.reading, next_, report);
     }
     press(parent, replaced);
     for (std::size_t k = before; k < next_.size(); ++k) press(next_[k], finer);

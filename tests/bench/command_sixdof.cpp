@@ -4,6 +4,7 @@
 #include <iostream>
 #include <limits>
 #include <memory>
+#include <optional>
 
 #include "baker/bake_error.hpp"
 #include "formats/cli/command_line.hpp"
@@ -16,6 +17,7 @@ namespace {
 
 struct Settings {
   SixdofPlan plan;
+  std::optional<double> tolerance;
   bool quick = false;
   std::uint64_t ticks = 0, samples = 0;  ///< 0: the mode's own
   cli::GlobalOptions global;
@@ -44,11 +46,13 @@ int run(const Settings& settings) {
   if (settings.quick) {
     plan.samples = {2000, 30000};
     plan.ticks = 1000;
+    plan.tool_tolerance = plan.tolerance = 1e-4;
     plan.peer_ticks = 100;
     plan.judged = 20;
     plan.reference_samples = 30000;
     plan.culled_objects = 100;
   }
+  if (settings.tolerance) plan.tolerance = *settings.tolerance;
   if (settings.samples > 0) plan.samples = {settings.samples};
   if (settings.ticks > 0) plan.ticks = settings.ticks;
   SixdofReport report;
@@ -66,7 +70,7 @@ int run(const Settings& settings) {
 }
 
 void check(const Settings& settings) {
-  if (!(settings.plan.tolerance > 0)) {
+  if (settings.tolerance && !(*settings.tolerance > 0)) {
     throw CLI::ValidationError("--tolerance", "must be above 0");
   }
 }
@@ -85,8 +89,8 @@ Command add_sixdof_command(CLI::App& app) {
       ->add_option("--mesh", settings->plan.object,
                    "mesh that stands still, scaled to 100 mm (default: the shared teeth)")
       ->type_name("FILE");
-  cli::add_quantity(*command, "--tolerance", settings->plan.tolerance, Quantity::length,
-                    "of the mesh's asset, above 0 (default 50um)");
+  cli::add_quantity(*command, "--tolerance", settings->tolerance, Quantity::length,
+                    "of the mesh's asset, above 0 (default 50um; 100um with --quick)");
   cli::add_integer(
       *command, "--samples", 100, 4000000, [settings](std::uint64_t n) { settings->samples = n; },
       "samples of the tool, about, 100 to 4000000 (default: 2000 to 1000000 in five steps; 2000 "
