@@ -6,6 +6,7 @@
 #include <cstdint>
 
 #include "common/asset_view.hpp"
+#include "common/wrench.hpp"
 
 namespace spm {
 
@@ -43,14 +44,9 @@ struct PenetrationVolume {
                                                    const Eigen::Isometry3d& pose2, double density,
                                                    AreaFactor factor) noexcept;
 
-/// Force and torque on object 2, N and N m, torque about `about` (object 1's frame, m).
-struct Wrench {
-  Vector3 force = Vector3::Zero();
-  Vector3 torque = Vector3::Zero();
-};
-
-/// The single force of section 3.3, applied at the volume's centre of gravity: `stiffness` (N/m3)
-/// times the volume, along M_1's normal there.
+/// The single force of section 3.3 on object 2, applied at the volume's centre of gravity:
+/// `stiffness` (N/m3) times the volume, along M_1's normal there; torque about `about` (object 1's
+/// frame, m).
 [[nodiscard]] Wrench volume_wrench(const PenetrationVolume& volume, double stiffness,
                                    const Vector3& about) noexcept;
 

@@ -99,6 +99,43 @@ class Bytes(Bench):
             self.assertIn("Usage: " + " ".join(("spm-bench", *arguments)), result.stdout)
         self.assertRegex(run("--version").stdout, r"spm-bench \d+\.\d+\.\d+\n")
 
+class Sixdof(unittest.TestCase):
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory(prefix="spm-bench-test-")
+        self.addCleanup(folder.cleanup)
+        self.mesh = os.path.join(folder.name, "box.obj")
+        with open(self.mesh, "w", encoding="ascii") as file:
+            file.write(BOX)
+
+    def sixdof(self, *arguments):
+        return run("sixdof", "--tool", self.mesh, "--mesh", self.mesh, "--quick", "--ticks", "200",
+                   "--samples", "2000", *arguments)
+
+    def test_json_has_a_row_a_method_and_scenes_of_culling(self):
+        result = self.sixdof("--json")
+        self.assertEqual(result.returncode, 0, result.stderr)
+        self.assertEqual(result.stderr, "")
+        report = json.loads(result.stdout)
+        self.assertEqual([row["method"] for row in report["rows"]],
+                         ["spm", "spm", "spm-asking", "every-sample", "fcl", "bullet"])
+        self.assertEqual(report["ticks"], 200)
+        for row in report["rows"]:
+            self.assertGreater(row["p99_us"], 0)
+            self.assertGreater(row["contacts"], 0)
+        for row in report["rows"][2:4]:  # the same samples, culled and not
+            self.assertLess(row["force_error_percent"]["median"], 20)
+        self.assertIsNone(report["rows"][4]["force_error_percent"])
+        for row in report["culling"]:
+            self.assertLessEqual(row["hulls_touch"], row["after_spm"])
+            self.assertLessEqual(row["after_spm"], row["after_aabb"])
+
+    def test_wrong_words_are_told(self):
+        for arguments, words in ((("--samples", "3"), "100 to"), (("--tolerance", "0um"), "above 0")):
+            with self.subTest(arguments):
+                result = run("sixdof", "--tool", self.mesh, "--mesh", self.mesh, *arguments)
+                self.assertEqual(result.returncode, 1, result.stderr)
+                self.assertIn(words, result.stderr)
+
 
 class Methods(Bench):
     def methods(self, *arguments, methods):

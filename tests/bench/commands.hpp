@@ -18,6 +18,7 @@ struct Command {
 
 [[nodiscard]] Command add_bytes_command(CLI::App& app);
 [[nodiscard]] Command add_methods_command(CLI::App& app);
+[[nodiscard]] Command add_sixdof_command(CLI::App& app);
 [[nodiscard]] Command add_tables_command(CLI::App& app);
 
 /// Usage errors that several modes share: a tolerance must be above 0, a method one of the mode's.

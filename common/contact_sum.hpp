@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+#include <algorithm>
+#include <cstdint>
+
+#include "common/wrench.hpp"
+
+namespace spm {
+
+using Matrix6 = Eigen::Matrix<double, 6, 6>;
+using Vector6 = Eigen::Matrix<double, 6, 1>;
+
+/// What contacts add up to: the potential of penalty springs, its gradient and its curvature.
+/// Force first, then torque, about one point, in one frame.
+struct ContactSum {
+  Vector6 wrench = Vector6::Zero();     ///< N, N m: minus the gradient of the energy
+  Matrix6 stiffness = Matrix6::Zero();  ///< N/m, N, N m; positive semidefinite
+  double energy = 0;                    ///< J
+  double deepest = 0;                   ///< m, 0 or more
+  std::uint64_t contacts = 0;
+
+  /// Adds a spring of `stiffness` (N/m) pressed by `depth` (m) along the unit `normal`, at `arm`
+  /// (m) from the point that torques are about; the energy is half the stiffness times `square`
+  /// (m2), and `share` of the spring is in contact.
+  void add(double spring, double depth, double square, double share, const Vector3& normal,
+           const Vector3& arm) noexcept {
+    Vector6 along;
+    along << normal, arm.cross(normal);
+    wrench += spring * depth * along;
+    stiffness.selfadjointView<Eigen::Lower>().rankUpdate(along, spring * share);
+    energy += spring * square / 2;
+    deepest = std::max(deepest, depth);
+    ++contacts;
+  }
+  void take_off(const ContactSum& other) noexcept {
+    wrench -= other.wrench;
+    stiffness -= other.stiffness;
+    energy -= other.energy;
+    contacts -= other.contacts;
+  }
+  void add(const ContactSum& other) noexcept {
+    wrench += other.wrench;
+    stiffness += other.stiffness;
+    energy += other.energy;
+    deepest = std::max(deepest, other.deepest);
+    contacts += other.contacts;
+  }
+  [[nodiscard]] Wrench forces() const noexcept { return {wrench.head<3>(), wrench.tail<3>()}; }
+};
+
+}  // namespace spm

@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "common/field_memory.hpp"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+
+namespace spm {
+
+namespace {
+
+/// Normals that differ by more than this sine count as a plane that was off.
+constexpr double turned_sine = 0.07;
+/// A reading so many reaches away tells nothing of how flat the field is.
+constexpr double judged_reaches = 3;
+constexpr double first_share = 0.5, least_share = 0.125, growth = 1.5;
+
+}  // namespace
+
+FieldMemory::FieldMemory(const Settings& settings)
+    : settings_(settings),
+      entries_(settings.most_reach > 0 ? std::bit_ceil(std::max(settings.points, 1U)) : 0) {}
+
+FieldReading FieldMemory::recall(std::uint32_t point) const noexcept {
+  if (entries_.empty()) return {};
+  const Entry& entry = entries_[point & (entries_.size() - 1)];
+  return entry.point == point ? entry.reading : FieldReading{};
+}
+
+void FieldMemory::learn(std::uint32_t point, FieldReading& reading) noexcept {
+  reading.reach = reading.normal.isZero() ? 0 : first_share * settings_.most_reach;
+  if (entries_.empty()) return;
+  Entry& entry = entries_[point & (entries_.size() - 1)];
+  const FieldReading& old = entry.reading;
+  if (entry.point == point && !old.normal.isZero() && !reading.normal.isZero() && old.reach > 0 &&
+      (reading.place - old.place).norm() < judged_reaches * old.reach) {
+    const bool off =
+        std::abs(old.distance_at(reading.place) - reading.distance) > settings_.error ||
+        old.normal.cross(reading.normal).norm() > turned_sine || old.normal.dot(reading.normal) < 0;
+    reading.reach = std::clamp((off ? 0.5 : growth) * old.reach, least_share * settings_.most_reach,
+                               settings_.most_reach);
+  }
+  entry = {point, reading};
+}
+
+void FieldMemory::forget() noexcept { std::fill(entries_.begin(), entries_.end(), Entry{}); }
+
+}  // namespace spm

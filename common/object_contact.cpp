@@ -1,0 +1,282 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "common/object_contact.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <limits>
+
+#include "common/query.hpp"
+#include "common/surface_clearance.hpp"
+
+namespace spm {
+
+namespace {
+
+/// What two fields' errors may take off a clearance, in tolerances: at the sample that was asked,
+/// and at the one that is not.
+constexpr double doubtful_tolerances = 2;
+/// Work between two looks at the clock, in samples that a known answer stands for: one that asks a
+/// field takes as long as some of them, one that need not be read as a part of one.
+constexpr std::uint64_t work_a_look = 16;
+constexpr std::uint64_t work_of_asking = 8;
+constexpr int passed_a_look = 64;
+/// An answer that is used again may be off by this part of how far it reaches at most.
+constexpr double reaches_an_error = 16;
+/// A patch is not asked anew before it moved by so much of its radius: until then what was said of
+/// it bounds its distance, and serves where no finer one is reached.
+constexpr double stale_share = 0.5;
+/// Farther than any clearance, m.
+constexpr double out_of_reach = 1e4;
+
+std::int64_t steady_now() noexcept {
+  return std::chrono::duration_cast<std::chrono::nanoseconds>(
+             std::chrono::steady_clock::now().time_since_epoch())
+      .count();
+}
+
+Vector3 to_vector(const std::array<float, 3>& v) noexcept { return {v[0], v[1], v[2]}; }
+
+/// Depth of a patch whose parts lie evenly between `depth - half` and `depth + half`: mean of the
+/// part below the surface, mean square of it, and its share.
+struct Pressed {
+  double depth = 0, square = 0, share = 0;
+};
+Pressed pressed(double depth, double half) noexcept {
+  if (depth >= half) return {depth, depth * depth + half * half / 3, 1};
+  if (!(depth > -half)) return {};
+  const double below = depth + half;
+  return {below * below / (4 * half), below * below * below / (6 * half), below / (2 * half)};
+}
+
+}  // namespace
+
+class ObjectContact::Clock {
+ public:
+  explicit Clock(const TickBudget& budget) noexcept
+      : now_(budget.now != nullptr ? budget.now : &steady_now), limited_(budget.nanoseconds > 0) {
+    if (limited_) end_ = now_() + budget.nanoseconds;
+  }
+  /// True where time is over.
+  [[nodiscard]] bool over(const ObjectContactReport& report) noexcept {
+    if (!limited_) return false;
+    const std::uint64_t work = report.tested + work_of_asking * report.asked;
+    if (work < work_ + work_a_look && ++passed_ < passed_a_look) return false;
+    work_ = work;
+    passed_ = 0;
+    return now_() >= end_;
+  }
+
+ private:
+  std::int64_t (*now_)() noexcept;
+  bool limited_;
+  std::int64_t end_ = 0;
+  std::uint64_t work_ = 0;
+  int passed_ = 0;
+};
+
+ObjectContact::ObjectContact(const SurfaceSamples& tool, const ObjectContactSettings& settings)
+    : tool_(tool),
+      settings_(settings),
+      pairs_(settings.objects),
+      memories_(settings.objects,
+                FieldMemory({settings.most_reach, settings.most_reach / reaches_an_error,
+                             settings.remembered})),
+      until_(std::size_t{settings.objects} * tool.places.size(), 0.0) {
+  active_.reserve(settings.most_active);
+  next_.reserve(settings.most_active);
+}
+
+void ObjectContact::forget(std::uint32_t object) noexcept {
+  if (object < pairs_.size()) pairs_[object].placed = false;
+}
+
+void ObjectContact::move(Pair& pair, const ContactObject& object,
+                         const Eigen::Isometry3d& tool) noexcept {
+  const Eigen::Isometry3d pose = object.pose.inverse(Eigen::Isometry) * tool;
+  pair.to_world = object.pose.linear();
+  if (!pair.placed || pair.field != object.field) {
+    pair.travelled += out_of_reach;
+    memories_[static_cast<std::size_t>(&pair - pairs_.data())].forget();
+  } else {
+    // A turn by t moves what lies r from the axis by 2 r sin(t / 2).
+    const double turned = (pose.linear() - pair.pose.linear()).norm() / std::sqrt(2.0);
+    pair.travelled += (pose * tool_.centre - pair.pose * tool_.centre).norm() +
+                      turned * tool_.radius * (1 + 1e-9);
+  }
+  pair.field = object.field;
+  pair.pose = pose;
+  pair.placed = true;
+}
+
+/// Asks the field at a sample's place.
+FieldReading ObjectContact::read(std::uint32_t object, std::uint32_t sample, const Vector3& place,
+                                 ObjectContactReport& report) noexcept {
+  const AssetView& field = *pairs_[object].field;
+  FieldReading reading;
+  reading.place = place;
+  // Of a large patch it matters only how far away it is; its boxes tell that for less.
+  const auto radius = static_cast<double>(tool_.places[sample].radius);
+  if (radius > field.band.margin) {
+    reading.distance = box_clearance(field, place);
+    reading.reach = 0;
+    if (reading.distance > radius + doubtful_tolerances * field.tolerance) return reading;
+  }
+  ++report.asked;
+  if (space_at(field.space, place) != SpaceKind::far) {
+    const Answer answer = query_point(field, place);
+    if (answer.status == Status::exact || answer.status == Status::deep) {
+      reading.distance = answer.distance;
+      reading.normal = answer.normal;
+    }
+  }
+  if (reading.normal.isZero()) reading.distance = surface_clearance(field, place);
+  memories_[object].learn(sample, reading);
+  return reading;
+}
+
+/// Adds a sample to `found` unless it, and all below it, is clear of the object. `above`: what was
+/// read for the sample above it.
+void ObjectContact::look(std::uint32_t sample, std::uint32_t object, const FieldReading& above,
+                         std::vector<Active>& found, ObjectContactReport& report) noexcept {
+  const Pair& pair = pairs_[object];
+  double& until = until_[std::size_t{object} * tool_.places.size() + sample];
+  if (pair.travelled < std::abs(until)) {
+    if (until > 0) report.clear = std::min(report.clear, until - pair.travelled);
+    if (until < 0) found.push_back({sample, object, 0, {}});
+    return;
+  }
+  until = 0;
+  ++report.tested;
+  const Vector3 place = pair.pose * to_vector(tool_.places[sample].position);
+  const auto radius = static_cast<double>(tool_.places[sample].radius);
+  const double doubt = doubtful_tolerances * pair.field->tolerance;
+  // How near the surface must come for the sample itself to touch.
+  const SampleShare& share = tool_.shares[sample];
+  const double touch =
+      radius > 0 ? to_vector(share.middle).norm() + static_cast<double>(share.spread) : 0;
+  Active active{sample, object, 0, above};
+  const bool same_place = above.known() && above.place == place;
+  if (!same_place && !above.stands_for(place)) {
+    active.reading = memories_[object].recall(sample);
+    if (active.reading.known() && !active.reading.stands_for(place)) {
+      const double moved = (place - active.reading.place).norm();
+      const double least = active.reading.distance - moved - doubt;
+      if (least > radius) {
+        until = pair.travelled + least - radius;
+        report.clear = std::min(report.clear, least - radius);
+        return;
+      }
+      if (moved < stale_share * radius) {
+        active.distance = active.reading.distance_at(place);
+        found.push_back(active);
+        return;
+      }
+    }
+    if (!active.reading.stands_for(place)) active.reading = read(object, sample, place, report);
+  }
+  active.distance = active.reading.distance_at(place);
+  const double least = active.distance - doubt;
+  if (least > radius) {
+    until = pair.travelled + least - radius;
+    report.clear = std::min(report.clear, least - radius);
+    return;
+  }
+  if (!(radius > 0)) report.clear = 0;
+  // A patch so large that it reaches what is far from its sample says little of the contact.
+  const double own =
+      active.reading.normal.isZero() ? std::max(least - touch, active.distance / 4) : least - touch;
+  if (radius > 0 && own > 0) until = -(pair.travelled + own);
+  if (radius > 0 || active.distance < 0) found.push_back(active);
+}
+
+/// Adds the spring of a sample that touches.
+void ObjectContact::press(const Active& active, ContactSum& sum) const noexcept {
+  const Vector3& normal = active.reading.normal;
+  if (!active.reading.known() || normal.isZero()) return;
+  const Pair& pair = pairs_[active.object];
+  const SampleShare& share = tool_.shares[active.sample];
+  Vector3 place = to_vector(tool_.places[active.sample].position);
+  Pressed press{-active.distance, active.distance * active.distance, 1};
+  if (tool_.children[active.sample].count > 0) {
+    const Vector3 middle = pair.pose.linear() * to_vector(share.middle);
+    const double cosine = normal.dot(pair.pose.linear() * to_vector(share.normal));
+    const double half =
+        static_cast<double>(share.spread) * std::sqrt(std::max(0.0, 1 - cosine * cosine));
+    press = pressed(-active.distance - normal.dot(middle), half);
+    place += to_vector(share.middle);
+  }
+  if (!(press.depth > 0)) return;
+  const double spring = settings_.stiffness * static_cast<double>(share.area);
+  const Vector3 arm = pair.pose.linear() * place;
+  sum.add(spring, press.depth, press.square, press.share, pair.to_world * normal,
+          pair.to_world * arm);
+}
+
+/// Goes from the active samples to those below them. False where time or room ran out: then
+/// `report.sum` has the finer ones as far as it came, and the coarser ones for the rest.
+bool ObjectContact::refine(std::uint32_t level, Clock& clock,
+                           ObjectContactReport& report) noexcept {
+  next_.clear();
+  ContactSum finer, replaced;
+  for (std::size_t i = 0; i < active_.size(); ++i) {
+    const Active& parent = active_[i];
+    const SampleChildren& below = tool_.children[parent.sample];
+    const std::size_t before = next_.size();
+    bool over = before + below.count > next_.capacity();
+    for (std::uint32_t k = 0; k < below.count && !over; ++k) {
+      over = clock.over(report);
+      if (!over) look(below.first + k, parent.object, parent.reading, next_, report);
+    }
+    if (over) {
+      // A sample is replaced whole by those below it, or stands for them.
+      next_.resize(before);
+      report.sum.take_off(replaced);
+      report.sum.add(finer);
+      report.refined = static_cast<double>(i) / static_cast<double>(active_.size());
+      report.degraded = true;
+      return false;
+    }
+    press(parent, replaced);
+    for (std::size_t k = before; k < next_.size(); ++k) press(next_[k], finer);
+  }
+  report.sum = finer;
+  report.level = level;
+  std::swap(active_, next_);
+  return true;
+}
+
+ObjectContactReport ObjectContact::tick(const Eigen::Isometry3d& tool_pose,
+                                        std::span<const ContactObject> objects,
+                                        const TickBudget& budget) noexcept {
+  ObjectContactReport report;
+  Clock clock(budget);
+  active_.clear();
+  if (tool_.levels.empty() || !tool_pose.matrix().allFinite()) return report;
+  const std::size_t count = std::min(objects.size(), pairs_.size());
+  const SampleLevel& coarsest = tool_.levels.front();
+  for (std::uint32_t object = 0; object < count; ++object) {
+    if (objects[object].field == nullptr || !objects[object].pose.matrix().allFinite()) continue;
+    move(pairs_[object], objects[object], tool_pose);
+    for (std::uint32_t k = 0; k < coarsest.count && active_.size() < active_.capacity(); ++k) {
+      look(coarsest.first + k, object, {}, active_, report);
+    }
+  }
+  for (const Active& active : active_) press(active, report.sum);
+  const auto levels = static_cast<std::uint32_t>(tool_.levels.size());
+  for (std::uint32_t level = 1; level < levels && level <= budget.finest_level; ++level) {
+    if (active_.empty()) {
+      // Nothing can touch: that is known to the finest.
+      report.level = levels - 1;
+      break;
+    }
+    if (!refine(level, clock, report)) break;
+  }
+  // What was not resolved to the finest may touch.
+  if (report.degraded || report.level + 1 < levels) report.clear = 0;
+  const Matrix6 whole = report.sum.stiffness.selfadjointView<Eigen::Lower>();
+  report.sum.stiffness = whole;
+  return report;
+}
+
+}  // namespace spm

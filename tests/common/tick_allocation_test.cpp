@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <array>
+#include <catch2/catch.hpp>
+
+#include "asset_by_hand.hpp"
+#include "common/overlap_volume.hpp"
+#include "common/support_culling.hpp"
+#include "common/virtual_tool.hpp"
+#include "tests/servo/intercepted_calls.hpp"
+
+namespace spm {
+namespace {
+
+using Eigen::Isometry3d;
+
+TEST_CASE("Ticks of contact, virtual tool, overlap and culling allocate, lock and write nothing") {
+  const test::TiledCubeByHand object(0.04), small(0.012);
+  const SurfaceSamples samples = *sample_surface(small.view, 0.0006);
+  const SurfaceSamples others = *sample_surface(object.view, 0.002);
+  const SupportHull hull1 = support_hull(others, 0.0005, 64);
+  const SupportHull hull2 = support_hull(samples, 0.0005, 64);
+  ObjectContact contact(samples, {});
+  VirtualTool tool(contact, {}, 0.012);
+  SeparatingDirection last;
+  const std::array objects{ContactObject{&object.view, Isometry3d::Identity()}};
+  std::uint64_t contacts = 0;
+  const test::InterceptedCalls before = test::intercepted_calls();
+  test::watch(true);
+  tool.place(Isometry3d(Eigen::Translation3d(0, 0, 0.03)));
+  for (int tick = 0; tick < 100; ++tick) {
+    const Isometry3d pose(Eigen::Translation3d(0, 0, 0.03 - 1e-4 * tick));
+    contacts += tool.tick(pose, objects, {200000}).contact.sum.contacts;
+    (void)objects_apart(hull1, hull2, pose, last);
+    (void)overlap_volume({&object.view, &others}, {&small.view, &samples}, pose);
+    if (tick == 50) contact.forget(0);
+  }
+  test::watch(false);
+  const test::InterceptedCalls after = test::intercepted_calls();
+  CHECK(contacts > 0);
+  CHECK(after.allocations == before.allocations);
+  CHECK(after.locks == before.locks);
+  CHECK(after.writes == before.writes);
+}
+
+}  // namespace
+}  // namespace spm
