@@ -34,7 +34,8 @@ void ContactModel::reset() noexcept {
 }
 
 ContactForce ContactModel::next(const AssetView& asset, const Vector3& point) noexcept {
-  if (!point.allFinite()) {
+  const bool stiff = settings_.force.stiffness > 0 && std::isfinite(settings_.force.stiffness);
+  if (!point.allFinite() || !stiff) {
     reset();
     return {};
   }

@@ -138,6 +138,7 @@ class AssetTables {
 
   /// Derives the index, by which queries are answered several times faster.
   void build_index();
+  [[nodiscard]] std::size_t index_bytes() const noexcept { return index_.bytes(); }
 
   [[nodiscard]] const AssetView& view() const noexcept { return view_; }
 

@@ -182,6 +182,10 @@ const std::string& MappedAsset::content_sha256() const noexcept {
 
 AssetBytes MappedAsset::bytes() const noexcept { return implementation_->bytes; }
 
+std::size_t MappedAsset::index_bytes() const noexcept {
+  return implementation_->tables.index_bytes();
+}
+
 bool MappedAsset::locked() const noexcept { return implementation_->file->locked(); }
 
 bool MappedAsset::lost() const noexcept { return implementation_->file->lost(); }

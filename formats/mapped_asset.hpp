@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <string>
@@ -58,6 +59,8 @@ class MappedAsset {
   /// SHA-256 of the whole file, computed at the first call: not for the servo loop.
   [[nodiscard]] const std::string& content_sha256() const noexcept;
   [[nodiscard]] AssetBytes bytes() const noexcept;
+  /// Of the index, in memory beside the file.
+  [[nodiscard]] std::size_t index_bytes() const noexcept;
   [[nodiscard]] bool locked() const noexcept;
 
   /// True once a page of the mapping was lost. Lock-free, callable from the servo loop.

@@ -120,6 +120,10 @@ void spm_query_band(const spm_query_asset* asset, double* max_depth, double* mar
   *margin = asset->asset->view().band.margin;
 }
 
+size_t spm_query_memory(const spm_query_asset* asset) {
+  return asset->asset->bytes().total + asset->asset->index_bytes();
+}
+
 void spm_query_box(const spm_query_asset* asset, double box_min[3], double box_max[3]) {
   copy_to(box_min, asset->asset->metadata().box_min);
   copy_to(box_max, asset->asset->metadata().box_max);

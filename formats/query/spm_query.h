@@ -78,6 +78,9 @@ SPM_QUERY_API int spm_query_lost(const spm_query_asset* asset);
 /** Band of an asset, metres: depth inside and margin outside that are answered exactly. */
 SPM_QUERY_API void spm_query_band(const spm_query_asset* asset, double* max_depth, double* margin);
 
+/** Bytes that answers may come from: the file, and what was derived from it when it was opened. */
+SPM_QUERY_API size_t spm_query_memory(const spm_query_asset* asset);
+
 /** Bounding box of the object, metres. */
 SPM_QUERY_API void spm_query_box(const spm_query_asset* asset, double box_min[3],
                                  double box_max[3]);

@@ -26,11 +26,11 @@ Answer answer_of(const spm_query_answer& told) noexcept {
 /// One point a call.
 class Spm : public Method {
  public:
-  explicit Spm(const BakedFile& file) : asset_(open_query_asset(file.path)) {
+  Spm(const BakedFile& file, CountedBytes counted) : asset_(open_query_asset(file.path)) {
     facts_.name = "spm";
     facts_.settings = file.settings;
     facts_.setting = file.tolerance;
-    facts_.bytes = file.bytes;
+    facts_.bytes = counted == CountedBytes::file ? file.bytes : spm_query_memory(asset_.get());
     facts_.build_seconds = file.seconds;
   }
 
@@ -47,7 +47,9 @@ class Spm : public Method {
 /// As many points a call as there are.
 class SpmBatch final : public Spm {
  public:
-  explicit SpmBatch(const BakedFile& file) : Spm(file) { facts_.settings += ", batch"; }
+  explicit SpmBatch(const BakedFile& file) : Spm(file, CountedBytes::memory) {
+    facts_.settings += ", batch";
+  }
 
   void query_all(std::span<const Vector3> points,
                  std::span<Answer> answers) const noexcept override {
@@ -63,7 +65,9 @@ class SpmBatch final : public Spm {
 
 }  // namespace
 
-std::unique_ptr<Method> make_spm(const BakedFile& file) { return std::make_unique<Spm>(file); }
+std::unique_ptr<Method> make_spm(const BakedFile& file, CountedBytes counted) {
+  return std::make_unique<Spm>(file, counted);
+}
 
 std::unique_ptr<Method> make_spm_batch(const BakedFile& file) {
   return std::make_unique<SpmBatch>(file);

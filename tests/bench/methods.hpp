@@ -13,9 +13,15 @@ namespace spm::bench {
 
 // One file a method: method_<name>.cpp. Their answers are measured alike, by score().
 
-/// The product: a baked file, opened and asked through libspm_query, point by point. Bytes of the
-/// file, which may be removed once it is open. Throws BakeError.
-[[nodiscard]] std::unique_ptr<Method> make_spm(const BakedFile& file);
+/// What counts as the product's bytes.
+enum class CountedBytes {
+  file,    ///< the baked file
+  memory,  ///< and the index that is derived from it when it is opened
+};
+
+/// The product: a baked file, opened and asked through libspm_query, point by point. The file may
+/// be removed once it is open. Throws BakeError.
+[[nodiscard]] std::unique_ptr<Method> make_spm(const BakedFile& file, CountedBytes counted);
 
 /// The same, many points a call of the library.
 [[nodiscard]] std::unique_ptr<Method> make_spm_batch(const BakedFile& file);

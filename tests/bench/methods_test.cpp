@@ -130,7 +130,7 @@ TEST_CASE("The product answers a batch as it answers point by point") {
   model.mesh.sha256 = std::string(64, '0');
   const TemporaryFolder folder;
   const BakedFile file = bake_sparse(model.mesh, {model.band, 200e-6}, folder.path());
-  const auto one = make_spm(file), batch = make_spm_batch(file);
+  const auto one = make_spm(file, CountedBytes::file), batch = make_spm_batch(file);
   std::vector<Vector3> points;
   for (std::uint64_t i = 0; i < 200; ++i) points.push_back(place_around(model, i));
   std::vector<Answer> answers(points.size());

@@ -86,7 +86,7 @@ class Course {
       for (const double radius : radii) {
         std::string settings = file.settings;
         if (radius > 0) settings += ", " + format_quantity(radius, Quantity::length) + " ball";
-        add(row_of("ours", "spm", std::move(settings), file.bytes),
+        add(row_of("ours", "spm", std::move(settings), spm_query_memory(assets_.back().get())),
             spm_ticks(*assets_.back(), radius));
       }
     } catch (const baker::BakeError& error) {

@@ -126,7 +126,7 @@ class Race {
     for (const double tolerance : tolerances) {
       attempt("spm", [&] {
         const BakedFile file = bake_sparse(model_.mesh, {model_.band, tolerance}, folder_.path());
-        methods_.push_back(make_spm(file));
+        methods_.push_back(make_spm(file, CountedBytes::memory));
         if (tolerance != model_.tolerance) return;
         methods_.push_back(make_spm_batch(file));
         probes_.push_back(make_spm_probe(file, plan_.probe_radius));
