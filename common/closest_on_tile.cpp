@@ -32,7 +32,7 @@ Local local_of(const Tile& tile, const SupportPlane& plane, const Vector3& point
 
 float bound_of(const Tile& tile, const Local& p) noexcept {
   // Distance to the parallelogram of the tile's plane, less what the residuals leave it by.
-  const float half = tile.spacing * (tile_cells / 2);
+  const float half = tile.spacing * (static_cast<float>(tile_cells) / 2);
   const float middle = (tile.highest + tile.lowest) / 2;
   const float x = p.x - half, y = p.y - half;
   const float z = p.z - middle - (tile.slope_eta + tile.slope_omega) * half;
@@ -132,7 +132,7 @@ Lanes three_halves(const std::uint16_t* half) noexcept {
 /// Four samples of a row as depths below the tile's base; the last of them is of no use.
 Lanes block_row(const Tile& tile, float height_unit, std::uint32_t column,
                 std::uint32_t row) noexcept {
-  const Lanes heights = three_halves(tile.heights + row * tile_samples + column);
+  const Lanes heights = three_halves(tile.heights + std::size_t{row} * tile_samples + column);
   const float step_eta = tile.slope_eta * tile.spacing;
   const float step_omega = tile.slope_omega * tile.spacing;
   const auto x = static_cast<float>(column);

@@ -97,9 +97,10 @@ class Builder {
     data_.words.resize(count);
     const double half = data_.cell_size / 2;
     for (std::size_t cell = 0; cell < count; ++cell) {
+      const std::size_t row = cell / data_.cells[0];
+      const std::size_t sheet = row / data_.cells[1];
       const Vector3 place(static_cast<double>(cell % data_.cells[0]),
-                          static_cast<double>(cell / data_.cells[0] % data_.cells[1]),
-                          static_cast<double>(cell / data_.cells[0] / data_.cells[1]));
+                          static_cast<double>(row % data_.cells[1]), static_cast<double>(sheet));
       const Vector3 middle = data_.origin + data_.cell_size * place + Vector3::Constant(half);
       data_.words[cell] = cube(middle, half, nullptr, 0);
     }
