@@ -34,8 +34,8 @@ void ContactModel::reset() noexcept {
 }
 
 ContactForce ContactModel::next(const AssetView& asset, const Vector3& point) noexcept {
-  const bool stiff = settings_.force.stiffness > 0 && std::isfinite(settings_.force.stiffness);
-  if (!point.allFinite() || !stiff) {
+  const bool usable = settings_.force.stiffness >= 0 && std::isfinite(settings_.force.stiffness);
+  if (!point.allFinite() || !usable) {
     reset();
     return {};
   }
@@ -48,7 +48,7 @@ ContactForce ContactModel::next(const AssetView& asset, const Vector3& point) no
   } else {
     contact = contact_force(asset, force, point);
   }
-  if (settings_.effects.any()) add_effects(asset, point, contact);
+  if (settings_.effects.any() && force.stiffness > 0) add_effects(asset, point, contact);
   if (!contact.force.allFinite()) {
     reset();
     return {};

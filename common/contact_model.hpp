@@ -47,7 +47,8 @@ class ContactModel {
       : settings_(settings), velocity_(settings.encoder_step, settings.tick) {}
 
   /// Force for a probe centred at `point` (object's frame, m) in the next tick. Without effects,
-  /// for `spm` and `paper`, that of contact_force. Never NaN; none where stiffness is not above 0.
+  /// for `spm` and `paper`, that of contact_force. Never NaN; none where stiffness is below 0 or no
+  /// number. Where it is 0 there is contact and no force.
   [[nodiscard]] ContactForce next(const AssetView& asset, const Vector3& point) noexcept;
 
   /// Forgets all: at the start, and when the object was exchanged.
