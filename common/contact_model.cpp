@@ -4,18 +4,17 @@
 #include <cmath>
 #include <numbers>
 
+#include "common/mixed_bits.hpp"
 #include "common/paper_effects.hpp"
 
 namespace spm {
 
 namespace {
 
-/// A number of 53 bits above 0 and below 1, from a seed and a place in its sequence (splitmix64).
+/// A number of 53 bits above 0 and below 1, from a seed and a place in its sequence.
 double unit_number(std::uint64_t seed, std::uint64_t place) noexcept {
-  std::uint64_t bits = seed + 0x9E3779B97F4A7C15U * (place + 1);
-  bits = (bits ^ (bits >> 30U)) * 0xBF58476D1CE4E5B9U;
-  bits = (bits ^ (bits >> 27U)) * 0x94D049BB133111EBU;
-  return (static_cast<double>((bits ^ (bits >> 31U)) >> 11U) + 0.5) * 0x1p-53;
+  const std::uint64_t bits = mixed_bits(seed + mixed_bits_step * place);
+  return (static_cast<double>(bits >> 11U) + 0.5) * 0x1p-53;
 }
 
 /// A draw of the normal distribution (Box and Muller).

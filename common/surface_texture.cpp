@@ -5,24 +5,19 @@
 #include <cmath>
 #include <cstddef>
 
+#include "common/mixed_bits.hpp"
+
 namespace spm {
 
 namespace {
 
 constexpr double most_cells = 1e12;  ///< from the origin, an axis
 
-/// Mixes the bits of a number (splitmix64).
-std::uint64_t mixed(std::uint64_t bits) noexcept {
-  bits += 0x9E3779B97F4A7C15;
-  bits = (bits ^ (bits >> 30)) * 0xBF58476D1CE4E5B9;
-  bits = (bits ^ (bits >> 27)) * 0x94D049BB133111EB;
-  return bits ^ (bits >> 31);
-}
-
 /// The value at a corner of the lattice, -1 to 1.
 double corner_value(std::uint64_t seed, std::int64_t x, std::int64_t y, std::int64_t z) noexcept {
-  std::uint64_t bits = mixed(seed);
-  for (const std::int64_t each : {x, y, z}) bits = mixed(bits ^ static_cast<std::uint64_t>(each));
+  std::uint64_t bits = mixed_bits(seed);
+  for (const std::int64_t each : {x, y, z})
+    bits = mixed_bits(bits ^ static_cast<std::uint64_t>(each));
   return static_cast<double>(bits >> 11) * 0x1p-52 - 1;
 }
 

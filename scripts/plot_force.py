@@ -10,21 +10,10 @@ import argparse
 import csv
 import sys
 
+import chart_style  # noqa: F401  the style of all charts
 import matplotlib
 
-matplotlib.use("Agg")
-matplotlib.rcParams.update({
-    "svg.hashsalt": "spm-haptics",
-    "font.family": "DejaVu Sans",
-    "font.size": 10,
-    "axes.spines.top": False,
-    "axes.spines.right": False,
-    "axes.titlelocation": "left",
-    "axes.titlesize": 11,
-    "axes.edgecolor": "#666666",
-    "xtick.color": "#444444",
-    "ytick.color": "#444444",
-})
+matplotlib.rcParams["font.size"] = 10
 
 import matplotlib.pyplot as plt  # noqa: E402
 import numpy as np  # noqa: E402
