@@ -72,19 +72,10 @@ Command add_bytes_command(CLI::App& app) {
   auto settings = std::make_shared<Settings>();
   CLI::App* command = app.add_subcommand(
       "bytes", "Error against bytes of every method, on one equal set of places");
-  command
-      ->add_option("--mesh", settings->meshes,
-                   "mesh to measure on, scaled to a diagonal of 100 mm; may be repeated (default: "
-                   "the seven of the table, from the folder that SPM_SHARED names)")
-      ->allow_extra_args(false)
-      ->type_name("FILE");
+  add_mesh_option(*command, settings->meshes, "the seven");
   cli::add_quantity(*command, "--tolerance", settings->tolerance, Quantity::length,
                     "at which the methods are compared, above 0 (default: the table's, or 100 um)");
-  command
-      ->add_option("--method", settings->plan.methods,
-                   "measure this one only; may be repeated (default: all)")
-      ->allow_extra_args(false)
-      ->type_name("NAME");
+  add_method_option(*command, settings->plan.methods);
   cli::add_integer(
       *command, "--samples", 1, 100000000, [settings](std::uint64_t n) { settings->samples = n; },
       "places to measure at, 1 to 100000000 (default 100000; 20000 with --quick)");

@@ -83,19 +83,10 @@ Command add_methods_command(CLI::App& app) {
   auto settings = std::make_shared<Settings>();
   CLI::App* command = app.add_subcommand(
       "methods", "Error against time of every method, at the same places, on one core");
-  command
-      ->add_option("--mesh", settings->meshes,
-                   "mesh to measure on, scaled to a diagonal of 100 mm; may be repeated (default: "
-                   "five of the table, from the folder that SPM_SHARED names)")
-      ->allow_extra_args(false)
-      ->type_name("FILE");
+  add_mesh_option(*command, settings->meshes, "five");
   cli::add_quantity(*command, "--tolerance", settings->tolerance, Quantity::length,
                     "at which spm is compared, above 0 (default: the table's, or 100 um)");
-  command
-      ->add_option("--method", settings->plan.methods,
-                   "measure this one only; may be repeated (default: all)")
-      ->allow_extra_args(false)
-      ->type_name("NAME");
+  add_method_option(*command, settings->plan.methods);
   cli::add_integer(
       *command, "--samples", 1, 100000000, [settings](std::uint64_t n) { settings->samples = n; },
       "places to measure errors at, 1 to 100000000 (default 100000; 20000 with --quick)");

@@ -21,6 +21,10 @@ struct Command {
 [[nodiscard]] Command add_sixdof_command(CLI::App& app);
 [[nodiscard]] Command add_tables_command(CLI::App& app);
 
+/// Options that several modes share; `which` tells what of the table is measured without --mesh.
+void add_mesh_option(CLI::App& command, std::vector<std::string>& meshes, const std::string& which);
+void add_method_option(CLI::App& command, std::vector<std::string>& methods);
+
 /// Usage errors that several modes share: a tolerance must be above 0, a method one of the mode's.
 void check_tolerance(const std::optional<double>& tolerance);
 void check_methods(const std::vector<std::string>& asked, const std::vector<std::string>& names);
