@@ -47,11 +47,11 @@ struct Outcome {
 Outcome outcome_at(const AssetView& view, const Caster& caster, double tolerance,
                    const Vector3& point) {
   if (space_at(view.space, point) != SpaceKind::told) return {};
-  const ElementReading reading = read_elements(view, point, SpaceKind::told);
+  const ElementReading reading = read_elements(view, point, CubeKind::told);
   const ClosestPoint closest = caster.closest(point);
   // By a cap nothing is promised.
   if (closest.clear < std::min(tolerance, std::abs(closest.distance))) return {};
-  const double error = signed_distance(view, reading, SpaceKind::told) - closest.distance;
+  const double error = told_distance(view, reading) - closest.distance;
   return {std::abs(error) / tolerance, reading.sides.margin() < close_margin};
 }
 
@@ -131,7 +131,7 @@ void count_cells(const AssetView& view, const Caster& caster, const SpaceBuilder
     const double distance = caster.closest(leaf.middle).distance;
     if (distance + std::sqrt(3.0) / 2 * leaf.edge < -view.band.max_depth) return;
     ++result.cells;
-    const ElementReading reading = read_elements(view, leaf.middle, SpaceKind::inside);
+    const ElementReading reading = read_elements(view, leaf.middle, CubeKind::inside);
     result.fallback_cells += reading.nearest.tile == nullptr ? 1 : 0;
   });
 }

@@ -30,17 +30,17 @@ constexpr double most_less = 0.55;
 /// Gathers the nearest of the elements that are shown to it.
 class Gatherer {
  public:
-  Gatherer(const AssetView& asset, const Vector3& point, SpaceKind place,
+  Gatherer(const AssetView& asset, const Vector3& point, CubeKind place,
            ElementReading& kept) noexcept
       : reading(kept),
         asset_(asset),
         point_(point),
         thinnest_(1 * asset.triangle_step),
-        told_(place == SpaceKind::told),
+        told_(place == CubeKind::told),
         band_end_(std::max(asset.band.max_depth, asset.band.margin) + asset.tolerance),
         // Outside nothing beyond the margin matters.
-        limit_(place == SpaceKind::outside ? asset.band.margin + 2 * asset.tolerance
-                                           : std::numeric_limits<double>::infinity()) {}
+        limit_(place == CubeKind::outside ? asset.band.margin + 2 * asset.tolerance
+                                          : std::numeric_limits<double>::infinity()) {}
 
   ElementReading& reading;
 
@@ -54,6 +54,21 @@ class Gatherer {
       return;
     }
     visit_fan(child);
+  }
+
+  void visit(const IndexUnit& unit) noexcept {
+    ++reading.visited;
+    if ((unit.part & index_triangle) != 0) {
+      const std::uint32_t corner = unit.part & ~index_triangle;
+      Vector3 a, b, c;
+      if (!stored_corner(asset_, unit.element, a) || !stored_corner(asset_, corner, b) ||
+          !stored_corner(asset_, corner + 1, c)) {
+        return;
+      }
+      visit_triangle(a, b, c, unit.element >= asset_.first_cap);
+      return;
+    }
+    visit_quarter(unit.element, unit.part);
   }
 
  private:
@@ -79,10 +94,24 @@ class Gatherer {
     if (tile.plane >= asset_.planes.size()) return;
     const SupportPlane& plane = asset_.planes[tile.plane];
     const auto limit = static_cast<float>(limit_);
-    const TileFoot foot = which < asset_.index.blocks.size()
-                              ? closest_on_tile(tile, asset_.height_unit,
-                                                asset_.index.blocks[which], plane, point_, limit)
-                              : closest_on_tile(tile, asset_.height_unit, plane, point_, limit);
+    if (asset_.index.quarters.empty()) {
+      keep_foot(tile, closest_on_tile(tile, asset_.height_unit, plane, point_, limit));
+    } else if (tile_distance_bound(tile, plane, point_) < limit) {
+      for (std::uint32_t part = 0; part < tile_quarters; ++part) visit_quarter(which, part);
+    }
+  }
+
+  /// With the patches that the index has at hand.
+  void visit_quarter(std::uint32_t which, std::uint32_t part) noexcept {
+    const std::size_t number = std::size_t{which} * tile_quarters + part;
+    if (which >= asset_.tiles.size() || number >= asset_.index.quarters.size()) return;
+    const Tile& tile = asset_.tiles[which];
+    keep_foot(tile,
+              closest_on_quarter(tile, asset_.index.quarters[number], part,
+                                 asset_.planes[tile.plane], point_, static_cast<float>(limit_)));
+  }
+
+  void keep_foot(const Tile& tile, const TileFoot& foot) noexcept {
     if (!std::isfinite(foot.distance)) return;
     const auto distance = static_cast<double>(foot.distance);
     const auto along = static_cast<double>(std::abs(foot.below));
@@ -102,7 +131,6 @@ class Gatherer {
 
   void visit_fan(const TreeChild& fan) noexcept {
     const bool cap = fan.first >= asset_.first_cap;
-    if (cap && !told_) return;
     Vector3 a, b, c;
     if (!stored_corner(asset_, fan.first, a) || !stored_corner(asset_, fan.first + 1, b)) return;
     for (std::uint32_t k = 0; k < fan.count; ++k, b = c) {
@@ -112,6 +140,7 @@ class Gatherer {
   }
 
   void visit_triangle(const Vector3& a, const Vector3& b, const Vector3& c, bool cap) noexcept {
+    if (cap && !told_) return;
     const Vector3 across = (b - a).cross(c - a);
     // No nearer than its plane.
     const double level = across.dot(point_ - a);
@@ -200,7 +229,7 @@ bool triangle_corners(const AssetView& asset, std::size_t triangle,
 }
 
 ElementReading read_elements(const AssetView& asset, const Vector3& point,
-                             SpaceKind place) noexcept {
+                             CubeKind place) noexcept {
   ElementReading reading = empty_reading(asset);
   Gatherer gatherer(asset, point, place, reading);
   visit_elements(
@@ -210,7 +239,7 @@ ElementReading read_elements(const AssetView& asset, const Vector3& point,
 }
 
 ElementReading read_elements(const AssetView& asset, const IndexList& list, const Vector3& point,
-                             SpaceKind place) noexcept {
+                             CubeKind place) noexcept {
   ElementReading reading = empty_reading(asset);
   Gatherer gatherer(asset, point, place, reading);
   std::array<float, 3> at{};
@@ -219,15 +248,13 @@ ElementReading read_elements(const AssetView& asset, const IndexList& list, cons
     at[axis] = static_cast<float>(point[k] - asset.tree.origin[k]);
   }
   visit_list(
-      asset.index, list, at, [&gatherer](const TreeChild& child) { gatherer.visit(child); },
+      asset.index, list, at, [&gatherer](const IndexUnit& unit) { gatherer.visit(unit); },
       [&gatherer] { return gatherer.limit(); });
   return reading;
 }
 
-double signed_distance(const AssetView& asset, const ElementReading& reading,
-                       SpaceKind place) noexcept {
+double told_distance(const AssetView& asset, const ElementReading& reading) noexcept {
   const double distance = reading.nearest.distance;
-  if (place != SpaceKind::told) return place == SpaceKind::inside ? -distance : distance;
   const double side = reading.sides.inside() ? -1 : 1;
   const double tolerances = distance / asset.tolerance;
   if (!(tolerances < close_reach)) return side * distance;

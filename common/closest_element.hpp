@@ -53,17 +53,17 @@ struct ElementReading {
 /// Exact where the nearest is in the band; deeper, it is at most a quarter farther than the
 /// nearest. Beyond the margin outside it may find none.
 [[nodiscard]] ElementReading read_elements(const AssetView& asset, const Vector3& point,
-                                           SpaceKind place) noexcept;
+                                           CubeKind place) noexcept;
 
 /// The same among the elements of a list that was found for the point.
 [[nodiscard]] ElementReading read_elements(const AssetView& asset, const IndexList& list,
-                                           const Vector3& point, SpaceKind place) noexcept;
+                                           const Vector3& point, CubeKind place) noexcept;
 
-/// The signed distance that a reading comes to, m, finite where it found an element. Where claims
-/// for the two sides are close and the surface no farther than the tolerance, it is less than the
-/// distance by up to 0.55 tolerances: so that close to the surface it goes through 0, and not from
-/// one side's to the other's, where the claims change places, and is off by less if they are wrong.
-[[nodiscard]] double signed_distance(const AssetView& asset, const ElementReading& reading,
-                                     SpaceKind place) noexcept;
+/// The signed distance that a reading comes to by what elements claim, m, finite where it found
+/// one. Where claims for the two sides are close and the surface no farther than the tolerance, it
+/// is less than the distance by up to 0.55 tolerances: so that close to the surface it goes through
+/// 0, and not from one side's to the other's, where the claims change places, and is off by less if
+/// they are wrong.
+[[nodiscard]] double told_distance(const AssetView& asset, const ElementReading& reading) noexcept;
 
 }  // namespace spm

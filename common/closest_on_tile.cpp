@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <Eigen/Core>
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cmath>
 #include <cstring>
 
+#include "common/cell_foot.hpp"
 #include "common/tile.hpp"
 
 namespace spm {
@@ -14,7 +16,6 @@ namespace {
 /// How deep a block lies that has nothing valid, m: its square is a float still.
 constexpr float out_of_reach = 1e15F;
 
-using Blocks = Eigen::Array<float, tile_blocks, 1>;
 using Four = Eigen::Array<float, 4, 1>;
 using Lanes = float __attribute__((vector_size(16)));
 using Words = std::uint32_t __attribute__((vector_size(16)));
@@ -45,6 +46,55 @@ float bound_of(const Tile& tile, const Local& p) noexcept {
          (tile.highest - tile.lowest) / 2;
 }
 
+/// The blocks of 2 x 2 cells that a tile is searched by, row by row.
+constexpr std::uint32_t tile_blocks = 16;
+
+using Blocks = Eigen::Array<float, tile_blocks, 1>;
+
+/// The mean planes of a tile's blocks over their footprints: depth below the base in the middle, m,
+/// and slopes along eta and omega; and how far the valid surface leaves them, m. A block without
+/// valid cells is out of all reach.
+struct BlockPlanes {
+  std::array<float, tile_blocks> depth, slope_eta, slope_omega, ripple;
+};
+
+BlockPlanes block_planes(const Tile& tile, float height_unit) noexcept {
+  TileHeights heights;
+  tile_heights(tile, height_unit, heights);
+  const float per_slope = 0.25F / tile.spacing;
+  BlockPlanes planes;
+  for (std::uint32_t k = 0; k < tile_blocks; ++k) {
+    const std::uint32_t first = (k >> 2U) * (2 * tile_samples) + (k & 3U) * 2;
+    const auto sample = [&](std::uint32_t i, std::uint32_t j) {
+      return heights[first + j * tile_samples + i];
+    };
+    const float a = sample(0, 0), b = sample(2, 0), c = sample(0, 2), d = sample(2, 2);
+    const std::uint64_t cells = std::uint64_t{0x303} << ((k >> 2U) * 16 + (k & 3U) * 2);
+    if ((tile.valid & cells) == 0) {
+      planes.depth[k] = out_of_reach;
+      planes.slope_eta[k] = planes.slope_omega[k] = planes.ripple[k] = 0;
+      continue;
+    }
+    planes.slope_eta[k] = ((b - a) + (d - c)) * per_slope;
+    planes.slope_omega[k] = ((c - a) + (d - b)) * per_slope;
+    planes.depth[k] = (a + b + c + d) * 0.25F;
+    float ripple = 0, most = 0;
+    for (std::uint32_t j = 0; j < 3; ++j) {
+      for (std::uint32_t i = 0; i < 3; ++i) {
+        const float plane =
+            planes.depth[k] + ((static_cast<float>(i) - 1) * planes.slope_eta[k] +
+                               (static_cast<float>(j) - 1) * planes.slope_omega[k]) *
+                                  tile.spacing;
+        ripple = std::max(ripple, std::abs(sample(i, j) - plane));
+        most = std::max(most, std::abs(sample(i, j)));
+      }
+    }
+    // Rounding must not turn a bound into a hope.
+    planes.ripple[k] = ripple + 1e-5F * (tile.spacing + most);
+  }
+  return planes;
+}
+
 /// Lower bounds of the distance to the valid surface of each block, m; below 0 where it is close.
 Blocks block_bounds(const Tile& tile, const BlockPlanes& planes, const Local& p) noexcept {
   static const Blocks x = [] {
@@ -70,54 +120,6 @@ Blocks block_bounds(const Tile& tile, const BlockPlanes& planes, const Local& p)
   const Blocks beyond_y = ((dy + along * slope_y).abs() - s).max(0.0F);
   const Eigen::Map<const Blocks> ripple(planes.ripple.data());
   return (above * along + beyond_x * beyond_x + beyond_y * beyond_y).sqrt() - ripple;
-}
-
-/// Bilinear patch of a cell about its middle, and a point relative to that middle.
-struct Cell {
-  float slope_x, slope_y, twist;  ///< twist: h00 - h10 - h01 + h11, over the spacing squared
-  float dx, dy, dz;
-
-  [[nodiscard]] float height(float x, float y) const noexcept {
-    return slope_x * x + slope_y * y + twist * x * y;
-  }
-  [[nodiscard]] float squared_distance(float x, float y) const noexcept {
-    const float below = dz - height(x, y);
-    return (dx - x) * (dx - x) + (dy - y) * (dy - y) + below * below;
-  }
-};
-
-/// Moves a foot that a clip line leaves out to the line; false where nothing of the cell is left.
-bool clip_foot(const Cell& cell, const Clip& clip, float spacing, float& x, float& y) noexcept {
-  if (clip.a * x + clip.b * y <= clip.c * spacing) return true;
-  const float square = clip.a * clip.a + clip.b * clip.b;
-  if (!(square > 0)) return false;
-  const float x0 = clip.a * clip.c * spacing / square, y0 = clip.b * clip.c * spacing / square;
-  const float along_x = -clip.b, along_y = clip.a;
-  const float half = spacing / 2;
-  float from = -std::numeric_limits<float>::infinity(), to = -from;
-  if (along_x != 0) {
-    const float one = (-half - x0) / along_x, other = (half - x0) / along_x;
-    from = std::max(from, std::min(one, other));
-    to = std::min(to, std::max(one, other));
-  } else if (std::abs(x0) > half) {
-    return false;
-  }
-  if (along_y != 0) {
-    const float one = (-half - y0) / along_y, other = (half - y0) / along_y;
-    from = std::max(from, std::min(one, other));
-    to = std::min(to, std::max(one, other));
-  } else if (std::abs(y0) > half) {
-    return false;
-  }
-  if (!(from <= to)) return false;
-  const float along_z = cell.slope_x * along_x + cell.slope_y * along_y;
-  const float z0 = cell.slope_x * x0 + cell.slope_y * y0;
-  const float t = ((cell.dx - x0) * along_x + (cell.dy - y0) * along_y + (cell.dz - z0) * along_z) /
-                  (square + along_z * along_z);
-  const float place = std::clamp(t, from, to);
-  x = x0 + place * along_x;
-  y = y0 + place * along_y;
-  return true;
 }
 
 /// Three HALF samples as floats, as half_to_float gives them; the fourth is of no use.
@@ -184,7 +186,7 @@ void visit_block(const Tile& tile, float height_unit, const Local& p, std::uint3
     if (((tile.valid >> index) & 1U) == 0) continue;
     float x = square1[k] <= square2[k] ? x1[k] : x2[k];
     float y = square1[k] <= square2[k] ? y1[k] : y2[k];
-    const Cell cell{slope_x[k], slope_y[k], twist[k], dx[k], dy[k], dz[k]};
+    const CellPatch cell{slope_x[k], slope_y[k], twist[k], dx[k], dy[k], dz[k]};
     if (((tile.clipped >> index) & 1U) != 0) {
       if (!clip_foot(cell, cell_clip(tile, index), s, x, y)) continue;
       square = cell.squared_distance(x, y);
@@ -207,54 +209,12 @@ float tile_distance_bound(const Tile& tile, const SupportPlane& plane,
   return bound_of(tile, local_of(tile, plane, point));
 }
 
-BlockPlanes block_planes(const Tile& tile, float height_unit) noexcept {
-  TileHeights heights;
-  tile_heights(tile, height_unit, heights);
-  const float per_slope = 0.25F / tile.spacing;
-  BlockPlanes planes;
-  for (std::uint32_t k = 0; k < tile_blocks; ++k) {
-    const std::uint32_t first = (k >> 2U) * (2 * tile_samples) + (k & 3U) * 2;
-    const auto sample = [&](std::uint32_t i, std::uint32_t j) {
-      return heights[first + j * tile_samples + i];
-    };
-    const float a = sample(0, 0), b = sample(2, 0), c = sample(0, 2), d = sample(2, 2);
-    const std::uint64_t cells = std::uint64_t{0x303} << ((k >> 2U) * 16 + (k & 3U) * 2);
-    if ((tile.valid & cells) == 0) {
-      planes.depth[k] = out_of_reach;
-      planes.slope_eta[k] = planes.slope_omega[k] = planes.ripple[k] = 0;
-      continue;
-    }
-    planes.slope_eta[k] = ((b - a) + (d - c)) * per_slope;
-    planes.slope_omega[k] = ((c - a) + (d - b)) * per_slope;
-    planes.depth[k] = (a + b + c + d) * 0.25F;
-    float ripple = 0, most = 0;
-    for (std::uint32_t j = 0; j < 3; ++j) {
-      for (std::uint32_t i = 0; i < 3; ++i) {
-        const float plane =
-            planes.depth[k] + ((static_cast<float>(i) - 1) * planes.slope_eta[k] +
-                               (static_cast<float>(j) - 1) * planes.slope_omega[k]) *
-                                  tile.spacing;
-        ripple = std::max(ripple, std::abs(sample(i, j) - plane));
-        most = std::max(most, std::abs(sample(i, j)));
-      }
-    }
-    // Rounding must not turn a bound into a hope.
-    planes.ripple[k] = ripple + 1e-5F * (tile.spacing + most);
-  }
-  return planes;
-}
-
 TileFoot closest_on_tile(const Tile& tile, float height_unit, const SupportPlane& plane,
                          const Vector3& point, float limit) noexcept {
-  if (!(tile_distance_bound(tile, plane, point) < limit)) return {};
-  return closest_on_tile(tile, height_unit, block_planes(tile, height_unit), plane, point, limit);
-}
-
-TileFoot closest_on_tile(const Tile& tile, float height_unit, const BlockPlanes& planes,
-                         const SupportPlane& plane, const Vector3& point, float limit) noexcept {
   TileFoot foot;
   const Local p = local_of(tile, plane, point);
-  Blocks bounds = block_bounds(tile, planes, p);
+  if (!(bound_of(tile, p) < limit)) return foot;
+  Blocks bounds = block_bounds(tile, block_planes(tile, height_unit), p);
   float best = limit * limit;
   const float start = best;
   for (std::uint32_t visited = 0; visited < tile_blocks; ++visited) {
@@ -264,13 +224,7 @@ TileFoot closest_on_tile(const Tile& tile, float height_unit, const BlockPlanes&
     bounds[nearest] = std::numeric_limits<float>::infinity();
     visit_block(tile, height_unit, p, static_cast<std::uint32_t>(nearest), foot, best);
   }
-  if (!(best < start)) return foot;
-  foot.distance = std::sqrt(best);
-  const float level =
-      std::sqrt(1 + foot.slope_eta * foot.slope_eta + foot.slope_omega * foot.slope_omega);
-  foot.below =
-      (foot.away_depth - foot.slope_eta * foot.away_eta - foot.slope_omega * foot.away_omega) /
-      level;
+  if (best < start) settle_foot(foot, std::sqrt(best));
   return foot;
 }
 

@@ -29,6 +29,7 @@ void ContactModel::reset() noexcept {
   proxy_ = {};
   friction_ = {};
   velocity_.reset();
+  last_normal_.setZero();
   last_known_ = false;
 }
 
@@ -47,12 +48,23 @@ ContactForce ContactModel::next(const AssetView& asset, const Vector3& point) no
   } else {
     contact = contact_force(asset, force, point);
   }
+  if (force.method == Method::spm && settings_.effects.turn.rate > 0) limit_turn(contact);
   if (settings_.effects.any() && force.stiffness > 0) add_effects(asset, point, contact);
   if (!contact.force.allFinite()) {
     reset();
     return {};
   }
   return contact;
+}
+
+void ContactModel::limit_turn(ContactForce& contact) noexcept {
+  const TurnLimit& turn = settings_.effects.turn;
+  if (contact.contact && !last_normal_.isZero(0)) {
+    contact.normal =
+        limited_turn(last_normal_, contact.normal, turn.rate * settings_.tick, turn.jump);
+    contact.force = settings_.force.stiffness * contact.depth * contact.normal;
+  }
+  last_normal_ = contact.contact ? contact.normal : Vector3::Zero();
 }
 
 ContactForce ContactModel::proxy_force(const AssetView& asset, const Vector3& point) noexcept {

@@ -7,6 +7,7 @@
 #include "common/force_law.hpp"
 #include "common/proxy.hpp"
 #include "common/surface_texture.hpp"
+#include "common/turn_limit.hpp"
 #include "common/velocity_estimate.hpp"
 
 namespace spm {
@@ -18,6 +19,7 @@ struct EffectSettings {
   double damping = 0;         ///< N s/m, 0 or more: k_d of eq. 18, in contact
   TextureSettings texture;    ///< in space
   RuntimeSmoothing smoothing;
+  TurnLimit turn;  ///< of the direction of `spm`
   // By the paper's letter, for the method `paper` alone:
   double friction_force = 0;  ///< N: f_c of eq. 17
   double friction_depth = 0;  ///< 1/m: k_f of eq. 17
@@ -62,9 +64,11 @@ class ContactModel {
   FrictionState friction_;
   VelocityEstimate velocity_;
   Vector3 last_point_ = Vector3::Zero();
+  Vector3 last_normal_ = Vector3::Zero();  ///< unit; zero where the last tick had no contact
   std::uint64_t ticks_ = 0;
   bool last_known_ = false;
 
+  void limit_turn(ContactForce& contact) noexcept;
   [[nodiscard]] ContactForce proxy_force(const AssetView& asset, const Vector3& point) noexcept;
   void add_effects(const AssetView& asset, const Vector3& point, ContactForce& contact) noexcept;
   void add_paper_effects(const AssetView& asset, const Vector3& point, const Vector3& motion,

@@ -15,16 +15,17 @@ struct ElementIndexData {
   Vector3 origin = Vector3::Zero();
   double cell_size = 1;
   std::array<std::uint32_t, 3> cells{0, 0, 0};
-  std::vector<std::uint32_t> words, elements;
+  std::vector<std::uint32_t> words;
+  std::vector<IndexUnit> units;
   std::vector<ElementBox> boxes;
-  std::vector<BlockPlanes> blocks;
+  std::vector<TileQuarter> quarters;
 
   [[nodiscard]] ElementIndex view() const noexcept {
-    return {origin, cell_size, cells, words, elements, boxes, blocks};
+    return {origin, cell_size, cells, words, units, boxes, quarters};
   }
   [[nodiscard]] std::size_t bytes() const noexcept {
-    return 4 * (words.size() + elements.size()) + sizeof(ElementBox) * boxes.size() +
-           sizeof(BlockPlanes) * blocks.size();
+    return 4 * words.size() + (sizeof(IndexUnit) + sizeof(ElementBox)) * units.size() +
+           sizeof(TileQuarter) * quarters.size();
   }
 };
 

@@ -27,9 +27,6 @@ constexpr float facing_share = 0.9995F;
 /// Nearer to the surface than this share of the tolerance, directions to the foot are noise.
 constexpr double surface_share = 0.1;
 
-/// Farther from the surface than so many tolerances no two answers tell different sides.
-constexpr float clear_tolerances = 2;
-
 Answer unanswered(Status status) noexcept {
   Answer answer;
   answer.distance = std::numeric_limits<double>::quiet_NaN();
@@ -147,34 +144,50 @@ Vector3 normal_of(const AssetView& asset, const ElementFoot& foot, const Vector3
                     .normalized();
 }
 
-/// What lies around a point. Where its list tells the side, clear of the surface, nothing else is
-/// asked.
-SpaceKind kind_of(const AssetView& asset, const IndexList& list, const Vector3& point) noexcept {
-  if (list.clearance > clear_tolerances * static_cast<float>(asset.tolerance))
-    return SpaceKind::outside;
-  if (list.clearance < -clear_tolerances * static_cast<float>(asset.tolerance))
-    return SpaceKind::inside;
-  return space_at(asset.space, point);
+/// On which side of a foot a point lies.
+bool is_inside(const ElementFoot& foot, const Vector3& point) noexcept {
+  if (foot.tile != nullptr) return foot.on_tile.below > 0;
+  return foot.triangle_normal.dot(point - foot.on_triangle) < 0;
+}
+
+/// What lies around a point; `unknown` where nothing is to be answered.
+CubeKind kind_of(SpaceKind kind) noexcept {
+  switch (kind) {
+    case SpaceKind::told:
+      return CubeKind::told;
+    case SpaceKind::inside:
+      return CubeKind::inside;
+    case SpaceKind::outside:
+      return CubeKind::outside;
+    default:
+      return CubeKind::unknown;
+  }
 }
 
 Answer query_sparse(const AssetView& asset, const Vector3& point) noexcept {
   const IndexList list = list_at(asset.index, point);
-  const SpaceKind kind = kind_of(asset, list, point);
-  if (kind == SpaceKind::pruned) return unanswered(Status::pruned);
-  const bool told = kind == SpaceKind::told;
-  if (!told && kind != SpaceKind::inside && kind != SpaceKind::outside) {
-    return unanswered(Status::far);
+  CubeKind kind = list.kind;
+  if (kind == CubeKind::unknown) {
+    const SpaceKind space = space_at(asset.space, point);
+    kind = kind_of(space);
+    if (space == SpaceKind::pruned) return unanswered(Status::pruned);
+    if (kind == CubeKind::unknown) return unanswered(Status::far);
   }
   const ElementReading reading = list.numbers != nullptr ? read_elements(asset, list, point, kind)
                                                          : read_elements(asset, point, kind);
   const ElementFoot& nearest = reading.nearest;
   if (!std::isfinite(nearest.distance)) return unanswered(Status::far);
-  const bool inside = told ? reading.sides.inside() : kind == SpaceKind::inside;
-  Answer answer;
-  answer.distance = signed_distance(asset, reading, kind);
   const bool faced =
       reading.facing.distance <= nearest.distance + facing_tolerances * asset.tolerance;
-  answer.normal = normal_of(asset, faced ? reading.facing : nearest, point, inside);
+  const ElementFoot& foot = faced ? reading.facing : nearest;
+  const bool inside = kind == CubeKind::told        ? reading.sides.inside()
+                      : kind == CubeKind::one_sheet ? is_inside(foot, point)
+                                                    : kind == CubeKind::inside;
+  Answer answer;
+  answer.distance = kind == CubeKind::told ? told_distance(asset, reading)
+                    : inside               ? -nearest.distance
+                                           : nearest.distance;
+  answer.normal = normal_of(asset, foot, point, inside);
   if (nearest.tile != nullptr) {
     answer.plane = static_cast<std::int32_t>(nearest.tile->plane);
     answer.layer = static_cast<std::int32_t>(nearest.tile->first_layer);

@@ -73,4 +73,13 @@ inline constexpr std::uint32_t space_kind_bits = 4;
   return SpaceKind::far;
 }
 
+[[nodiscard]] constexpr unsigned space_bit(SpaceKind kind) noexcept {
+  return 1U << static_cast<unsigned>(kind);
+}
+
+/// The kinds of all places of a cube, bits as space_bit gives them; `far` where it ends outside, or
+/// the words are damaged.
+[[nodiscard]] unsigned spaces_of_cube(const SpaceTree& tree, const Vector3& middle,
+                                      double half) noexcept;
+
 }  // namespace spm

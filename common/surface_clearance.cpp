@@ -68,7 +68,7 @@ double surface_clearance(const AssetView& asset, const Vector3& point) noexcept 
   if (!point.allFinite()) return 0;
   // Asked as if inside, nothing is too far away to be found; what is found beyond the band may be a
   // quarter farther than the nearest.
-  const double found = read_elements(asset, point, SpaceKind::inside).nearest.distance;
+  const double found = read_elements(asset, point, CubeKind::inside).nearest.distance;
   return std::max(0.0, 0.8 * found - asset.tolerance);
 }
 

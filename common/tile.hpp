@@ -101,23 +101,6 @@ struct TileFoot {
                                        const SupportPlane& plane, const Vector3& point,
                                        float limit) noexcept;
 
-/// The blocks of 2 x 2 cells that a tile is searched by, row by row.
-inline constexpr std::uint32_t tile_blocks = 16;
-
-/// The mean planes of a tile's blocks over their footprints: depth below the base in the middle, m,
-/// and slopes along eta and omega; and how far the valid surface leaves them, m. Derived from the
-/// heights, so that those need not be read to tell which block is near. A block without valid cells
-/// is out of all reach.
-struct BlockPlanes {
-  std::array<float, tile_blocks> depth, slope_eta, slope_omega, ripple;
-};
-[[nodiscard]] BlockPlanes block_planes(const Tile& tile, float height_unit) noexcept;
-
-/// The same with the tile's block planes at hand.
-[[nodiscard]] TileFoot closest_on_tile(const Tile& tile, float height_unit,
-                                       const BlockPlanes& blocks, const SupportPlane& plane,
-                                       const Vector3& point, float limit) noexcept;
-
 /// Lower bound of the distance of a point to the tile's valid surface, m.
 [[nodiscard]] float tile_distance_bound(const Tile& tile, const SupportPlane& plane,
                                         const Vector3& point) noexcept;

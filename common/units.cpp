@@ -32,8 +32,12 @@ constexpr std::array force_units{Unit{"mN", 1, 1e3, true}, Unit{"N", 1, 1, true}
 constexpr std::array speed_units{Unit{"mm/s", 1, 1e3, true}, Unit{"m/s", 1, 1, true}};
 constexpr std::array angle_units{Unit{"deg", std::numbers::pi, 180, true},
                                  Unit{"rad", 1, 1, false}};
-constexpr std::array damping_units{Unit{"Ns/m", 1, 1, true}, Unit{"Ns/mm", 1e3, 1, false}};
+constexpr std::array damping_units{Unit{"Ns/m", 1, 1, true}, Unit{"N s/m", 1, 1, false},
+                                   Unit{"Ns/mm", 1e3, 1, false}};
+constexpr std::array angular_speed_units{Unit{"deg/s", std::numbers::pi, 180, true},
+                                         Unit{"rad/s", 1, 1, false}};
 constexpr std::array mass_units{Unit{"g", 1, 1e3, true}, Unit{"kg", 1, 1, true}};
+constexpr std::array per_length_units{Unit{"/m", 1, 1, true}, Unit{"/mm", 1e3, 1, true}};
 
 QuantityFacts facts_of(Quantity quantity) {
   switch (quantity) {
@@ -51,6 +55,10 @@ QuantityFacts facts_of(Quantity quantity) {
       return {"a damping", "2Ns/m", damping_units};
     case Quantity::mass:
       return {"a mass", "150g or 0.2kg", mass_units};
+    case Quantity::per_length:
+      return {"a number a length", "100/m or 0.1/mm", per_length_units};
+    case Quantity::angular_speed:
+      return {"an angular speed", "7000deg/s or 120rad/s", angular_speed_units};
   }
   return {"a quantity", "", {}};
 }

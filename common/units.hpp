@@ -9,7 +9,17 @@
 namespace spm {
 
 /// Quantities that the command line takes and prints with their unit.
-enum class Quantity { length, stiffness, force, speed, angle, damping, mass };
+enum class Quantity {
+  length,
+  stiffness,
+  force,
+  speed,
+  angle,
+  damping,
+  mass,
+  per_length,
+  angular_speed
+};
 
 /// Parses a number with its unit ("50um", "1.5N/mm", "10deg") into SI.
 /// Independent of the locale. A bare number, an unknown unit, a non-finite value or trailing text

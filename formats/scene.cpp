@@ -3,137 +3,69 @@
 
 #include <toml++/toml.h>
 
-#include <algorithm>
 #include <array>
 #include <cmath>
 #include <filesystem>
-#include <initializer_list>
 
 #include "common/units.hpp"
-#include "formats/cli/nearest_word.hpp"
+#include "formats/scene_effects.hpp"
+#include "formats/table_reader.hpp"
 #include "formats/text_file.hpp"
 
 namespace spm {
 namespace {
 
-constexpr double unit_slack = 1e-3;  // of a quaternion written with few digits
+constexpr double unit_slack = 0.01;  // of a quaternion written with few digits
+constexpr double least_scale = 1e-6, most_scale = 1e6;
 
-std::string in_quotes(std::string_view text) {
-  std::string result(1, '\'');
-  result.append(text).push_back('\'');
-  return result;
+void read_pose(TableReader& reader, Placement& placement) {
+  const char* cure = "; give [x, y, z] in metres, or [x, y, z, qw, qx, qy, qz]";
+  const toml::array* array = reader.node("pose")->as_array();
+  if (array == nullptr || (array->size() != 3 && array->size() != 7)) {
+    return reader.refuse("pose", std::string("'pose' must be three or seven numbers") + cure);
+  }
+  std::array<double, 7> numbers{0, 0, 0, 1, 0, 0, 0};
+  for (std::size_t i = 0; i < array->size(); ++i) {
+    const toml::node& value = *array->get(i);
+    const std::optional<double> number = value.value<double>();
+    if (!value.is_number() || !number || !std::isfinite(*number)) {
+      return reader.refuse("pose", std::string("'pose' holds what is no finite number") + cure);
+    }
+    numbers[i] = *number;
+  }
+  const Eigen::Quaterniond rotation(numbers[3], numbers[4], numbers[5], numbers[6]);
+  if (!(std::abs(rotation.norm() - 1) <= unit_slack)) {
+    return reader.refuse("pose",
+                         "the quaternion of 'pose' is not of unit length; give qw qx qy qz of unit "
+                         "length, to within 1 %");
+  }
+  placement.position = Vector3(numbers[0], numbers[1], numbers[2]);
+  placement.rotation = rotation.normalized();
 }
 
-/// Reads one table. The first thing that is wrong is kept; what is read after it is a default.
-class TableReader {
- public:
-  TableReader(const std::string& path, const toml::table& table, std::string name,
-              std::initializer_list<const char*> keys, std::optional<Error>& error)
-      : path_(path), table_(table), name_(std::move(name)), error_(error) {
-    const std::vector<std::string> known(keys.begin(), keys.end());
-    for (const auto& [key, value] : table_) {
-      if (std::find(known.begin(), known.end(), key.str()) == known.end()) unknown(key, known);
-    }
+void read_scale(TableReader& reader, Placement& placement) {
+  const toml::node& value = *reader.node("scale");
+  const std::optional<double> scale = value.value<double>();
+  const bool number = value.is_number() && scale && std::isfinite(*scale);
+  if (number && *scale >= least_scale && *scale <= most_scale) {
+    placement.scale = *scale;
+  } else if (number && *scale < 0) {
+    reader.refuse("scale",
+                  "'scale' must be above 0: what is mirrored is another object; mirror the mesh "
+                  "and bake that");
+  } else if (number && *scale > 0) {
+    reader.refuse("scale", "'scale' is out of range; give a number from 1e-6 to 1e6");
+  } else {
+    reader.refuse("scale", "'scale' must be a number above 0, such as 2.0");
   }
+}
 
-  [[nodiscard]] bool has(const char* key) const { return table_.contains(key); }
-
-  void refuse(const char* key, const std::string& cause) {
-    const toml::node* value = table_.get(key);
-    refuse_at(value != nullptr ? value->source() : table_.source(), cause);
-  }
-
-  /// Text that is not empty.
-  [[nodiscard]] std::string text(const char* key, const std::string& example) {
-    const toml::node* value = table_.get(key);
-    if (value == nullptr) return {};
-    const auto* found = value->as_string();
-    if (found != nullptr && !found->get().empty()) return found->get();
-    refuse(key, in_quotes(key) + " must be text, such as \"" + example + "\"");
-    return {};
-  }
-
-  [[nodiscard]] double quantity(const char* key, Quantity kind, const std::string& example,
-                                double otherwise) {
-    const toml::node* value = table_.get(key);
-    if (value == nullptr) return otherwise;
-    const auto* found = value->as_string();
-    if (found == nullptr) {
-      refuse(key, in_quotes(key) + " must be text with its unit, such as \"" + example + "\"");
-      return otherwise;
-    }
-    const Result<double> parsed = parse_quantity(found->get(), kind);
-    if (!parsed) {
-      refuse(key, in_quotes(key) + ": " + parsed.error().message);
-      return otherwise;
-    }
-    if (*parsed > 0) return *parsed;
-    refuse(key, in_quotes(key) + " must be above 0, such as \"" + example + "\"");
-    return otherwise;
-  }
-
-  [[nodiscard]] Placement placement() {
-    Placement placement;
-    if (has("pose")) read_pose(placement);
-    if (has("scale")) {
-      const std::optional<double> scale = table_["scale"].value<double>();
-      if (table_["scale"].is_number() && scale && std::isfinite(*scale) && *scale > 0) {
-        placement.scale = *scale;
-      } else {
-        refuse("scale", "'scale' must be a number above 0, such as 2.0");
-      }
-    }
-    return placement;
-  }
-
- private:
-  const std::string& path_;
-  const toml::table& table_;
-  std::string name_;
-  std::optional<Error>& error_;
-
-  void refuse_at(const toml::source_region& place, const std::string& cause) {
-    if (error_) return;
-    error_ = Error{ExitCode::invalid_input,
-                   path_ + ": line " + std::to_string(place.begin.line) + ": " + cause};
-  }
-
-  void unknown(const toml::key& key, const std::vector<std::string>& known) {
-    std::string cause = "unknown key " + in_quotes(key.str()) + " in " + name_ + "; ";
-    if (const auto near = cli::nearest_word(key.str(), known)) {
-      cause += "did you mean " + in_quotes(*near) + "?";
-    } else {
-      cause += "its keys are";
-      for (const std::string& name : known) cause += " " + name;
-    }
-    refuse_at(key.source(), cause);
-  }
-
-  void read_pose(Placement& placement) {
-    const char* cure = "; give [x, y, z] in metres, or [x, y, z, qw, qx, qy, qz]";
-    const toml::array* array = table_.get("pose")->as_array();
-    if (array == nullptr || (array->size() != 3 && array->size() != 7)) {
-      return refuse("pose", std::string("'pose' must be three or seven numbers") + cure);
-    }
-    std::array<double, 7> numbers{0, 0, 0, 1, 0, 0, 0};
-    for (std::size_t i = 0; i < array->size(); ++i) {
-      const toml::node& value = *array->get(i);
-      const std::optional<double> number = value.value<double>();
-      if (!value.is_number() || !number || !std::isfinite(*number)) {
-        return refuse("pose", std::string("'pose' holds what is no finite number") + cure);
-      }
-      numbers[i] = *number;
-    }
-    const Eigen::Quaterniond rotation(numbers[3], numbers[4], numbers[5], numbers[6]);
-    if (!(std::abs(rotation.norm() - 1) <= unit_slack)) {
-      return refuse("pose",
-                    "the quaternion of 'pose' is not of unit length; give qw qx qy qz of "
-                    "unit length");
-    }
-    placement.position = Vector3(numbers[0], numbers[1], numbers[2]);
-    placement.rotation = rotation.normalized();
-  }
-};
+Placement read_placement(TableReader& reader) {
+  Placement placement;
+  if (reader.has("pose")) read_pose(reader, placement);
+  if (reader.has("scale")) read_scale(reader, placement);
+  return placement;
+}
 
 /// What a scene's path means: relative to the scene's own folder.
 std::string resolved(const std::string& scene, const std::string& path) {
@@ -144,6 +76,7 @@ std::string resolved(const std::string& scene, const std::string& path) {
 SceneDevice read_device(TableReader&& reader) {
   SceneDevice device;
   device.driver = reader.text("driver", "sim");
+  device.driver_line = reader.line("driver");
   const std::string name = reader.text("profile", "falcon");
   if (!name.empty()) {
     device.profile = find_device_profile(name);
@@ -176,9 +109,20 @@ SceneObject read_object(TableReader&& reader, const std::string& scene) {
   SceneObject object;
   object.asset = resolved(scene, reader.text("asset", "teeth.spm.exr"));
   object.mesh = resolved(scene, reader.text("mesh", "teeth.obj"));
-  object.placement = reader.placement();
+  object.placement = read_placement(reader);
+  constexpr std::array methods{Method::spm, Method::proxy, Method::paper};
+  if (const auto word = reader.word("method", {"spm", "proxy", "paper"})) {
+    object.method = methods[*word];
+  }
+  constexpr std::array rules{PaperRule::closest_plane, PaperRule::closest_surface,
+                             PaperRule::all_planes};
+  if (const auto word =
+          reader.word("paper_rule", {"closest-plane", "closest-surface", "all-planes"})) {
+    object.rule = rules[*word];
+  }
   object.stiffness = reader.quantity("stiffness", Quantity::stiffness, "1.5N/mm", object.stiffness);
   object.stiffness_given = reader.has("stiffness");
+  object.effects = read_effects(reader, object.stiffness);
   if (!reader.has("asset") && !reader.has("mesh")) {
     reader.refuse("asset",
                   "an object needs 'mesh', what it is baked from, or 'asset', its baked "
@@ -208,7 +152,8 @@ Scene read_document(const std::string& path, const toml::table& document,
     } else if (name == std::string_view("tool")) {
       scene.probe_radius = read_tool(TableReader(path, table, in, {"probe"}, error));
     } else {
-      scene.workspace = TableReader(path, table, in, {"pose", "scale"}, error).placement();
+      TableReader reader(path, table, in, {"pose", "scale"}, error);
+      scene.workspace = read_placement(reader);
     }
   }
   const toml::node* objects = document.get("object");
@@ -218,7 +163,9 @@ Scene read_document(const std::string& path, const toml::table& document,
   }
   for (const toml::node& node : *objects->as_array()) {
     TableReader reader(path, *node.as_table(), "[[object]]",
-                       {"asset", "mesh", "pose", "scale", "stiffness"}, error);
+                       {"asset", "mesh", "pose", "scale", "stiffness", "method", "paper_rule",
+                        "friction", "damping", "texture", "smoothing", "turn_limit"},
+                       error);
     scene.objects.push_back(read_object(std::move(reader), path));
     scene.objects.back().line = static_cast<int>(node.source().begin.line);
   }

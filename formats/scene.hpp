@@ -1,29 +1,23 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <Eigen/Geometry>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "common/contact_model.hpp"
 #include "common/device_profile.hpp"
 #include "common/error.hpp"
-#include "common/vector.hpp"
+#include "common/placement.hpp"
 
 namespace spm {
-
-/// Where a frame lies in the world, p_world = position + scale * rotation * p; position in metres.
-struct Placement {
-  Vector3 position = Vector3::Zero();
-  Eigen::Quaterniond rotation = Eigen::Quaterniond::Identity();
-  double scale = 1;  ///< above 0
-};
 
 /// The device that a scene is felt with.
 struct SceneDevice {
   std::string driver;                      ///< as `spm-servo run --device` takes it; may be empty
   const DeviceProfile* profile = nullptr;  ///< null where the scene names none
   std::optional<double> force_cap;         ///< N, above 0, at most the profile's
+  int driver_line = 0;                     ///< of `driver` in the file
 };
 
 /// One object of a scene.
@@ -33,7 +27,10 @@ struct SceneObject {
   Placement placement;  ///< of the asset's frame
   double stiffness = default_stiffness;  ///< N/m, of the contact
   bool stiffness_given = false;
-  int line = 0;  ///< of its `[[object]]` in the file
+  Method method = Method::spm;
+  PaperRule rule = PaperRule::closest_plane;
+  EffectSettings effects;  ///< lengths, forces and damping of the world
+  int line = 0;            ///< of its `[[object]]` in the file
 
   static constexpr double default_stiffness = 1000;
 };

@@ -9,7 +9,8 @@
 
 namespace spm {
 
-/// One row of a recorded trajectory, in the asset's frame, metres; orientation w x y z, unit.
+/// One row of a recorded trajectory, in the asset's or the hand's frame, metres; orientation w x y
+/// z, unit.
 struct TrajectorySample {
   Vector3 position = Vector3::Zero();
   double qw = 1, qx = 0, qy = 0, qz = 0;

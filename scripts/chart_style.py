@@ -26,6 +26,8 @@ COLOURS = {
     "embree": "#5b4a8a",
     "triangle-grid": "#444444",
     "paper": "#a03d7c",
+    "proxy": "#b8730a",
+    "proxy-ball": "#1f5f8b",
     "mesh-proxy": "#3f6b1f",
     "cgal-aabb": "#7a6a4f",
     "fcl": "#4f7a99",

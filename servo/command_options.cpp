@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <fmt/format.h>
 
+#include <array>
 #include <charconv>
 
 #include "servo/commands.hpp"
@@ -14,22 +15,29 @@ constexpr double fastest = 4000;  // Hz
 
 }  // namespace
 
-void add_force_options(CLI::App& command, ForceSettings& settings) {
-  cli::add_choice<Method>(
-      command, "--method", settings.method,
-      {{"spm", Method::spm}, {"paper", Method::paper}, {"proxy", Method::proxy}},
+void add_force_options(CLI::App& command, ForceOptions& options) {
+  command.add_option("--asset", options.asset, "Baked asset, FILE.spm.exr")->type_name("FILE");
+  command
+      .add_option("--scene", options.scene,
+                  "Objects with their places, stiffnesses and effects (TOML), instead of --asset; "
+                  "what else the command line gives wins, for every object")
+      ->type_name("SCENE.toml");
+  constexpr std::array methods{Method::spm, Method::paper, Method::proxy};
+  cli::add_word(
+      command, "--method", {"spm", "paper", "proxy"},
+      [&options, methods](std::size_t i) { options.method = methods[i]; },
       "How forces are made: spm (default), by the depth in the surface; proxy, "
       "by a point that the surface holds back; or paper, the paper's "
       "equations to the letter, for assets baked with --form full");
-  cli::add_choice<PaperRule>(command, "--paper-rule", settings.rule,
-                             {{"closest-plane", PaperRule::closest_plane},
-                              {"closest-surface", PaperRule::closest_surface},
-                              {"all-planes", PaperRule::all_planes}},
-                             "Reading of the paper's rule that picks the plane (default "
-                             "closest-plane)");
-  cli::add_quantity(command, "--stiffness", settings.stiffness, Quantity::stiffness,
+  constexpr std::array rules{PaperRule::closest_plane, PaperRule::closest_surface,
+                             PaperRule::all_planes};
+  cli::add_word(
+      command, "--paper-rule", {"closest-plane", "closest-surface", "all-planes"},
+      [&options, rules](std::size_t i) { options.rule = rules[i]; },
+      "Reading of the paper's rule that picks the plane (default closest-plane)");
+  cli::add_quantity(command, "--stiffness", options.stiffness, Quantity::stiffness,
                     "Stiffness of the contact (default 1N/mm)");
-  cli::add_probe(command, settings.probe_radius);
+  cli::add_probe(command, options.probe_radius);
 }
 
 CLI::Option* add_number(CLI::App& command, const std::string& name, double least, double most,

@@ -36,14 +36,13 @@ int execute(const RunCommand& command) {
 
 void add_run_command(CLI::App& program, Action& action) {
   auto command = std::make_shared<RunCommand>();
-  CLI::App* app = program.add_subcommand("run", "Serve forces from a baked asset to a device");
+  CLI::App* app =
+      program.add_subcommand("run", "Serve forces from a baked asset or a scene to a device");
   RunOptions& options = command->options;
   cli::add_global_options(*app, command->global);
-  app->add_option("--asset", options.asset, "Baked asset, FILE.spm.exr")
-      ->type_name("FILE")
-      ->required();
   app->add_option("--device", options.devices,
-                  "Device: auto (default) or sim[:option=value,...] with profile=low|falcon|touch|"
+                  "Device: auto (default, or what the scene says) or sim[:option=value,...] with "
+                  "profile=low|falcon|touch|"
                   "omega3|wooden, hand=slide|push|path, path=FILE, depth=LENGTH, speed=SPEED, "
                   "seed=N; may be repeated")
       ->type_name("NAME")
@@ -61,9 +60,9 @@ void add_run_command(CLI::App& program, Action& action) {
   add_number(*app, "--duration", shortest_run, longest_run, options.duration,
              "Stop so long after the first tick (default: at a signal)")
       ->type_name("SECONDS");
+  add_force_options(*app, options.force);
   app->add_option("--trace", options.trace, "Write one row a tick of the first device as CSV")
       ->type_name("FILE");
-  add_force_options(*app, options.force);
   app->callback([command, &action] { action = [command] { return execute(*command); }; });
 }
 

@@ -5,16 +5,16 @@
 #include <functional>
 #include <string>
 
-#include "common/force_law.hpp"
 #include "formats/cli/command_line.hpp"
+#include "servo/force_choice.hpp"
 
 namespace spm::servo {
 
 /// What a command does once its options are parsed; gives the exit code.
 using Action = std::function<int()>;
 
-/// Adds --method, --paper-rule, --stiffness and --probe.
-void add_force_options(CLI::App& command, ForceSettings& settings);
+/// Adds --asset, --scene, --method, --paper-rule, --stiffness and --probe.
+void add_force_options(CLI::App& command, ForceOptions& options);
 
 /// Adds an option that takes a bare number from `least` to `most`; anything else, and what is no
 /// number, is a usage error that names the range.

@@ -3,11 +3,11 @@
 
 #include <cstdint>
 #include <nlohmann/json_fwd.hpp>
+#include <span>
 #include <string>
 
-#include "common/asset_view.hpp"
 #include "common/error.hpp"
-#include "common/force_law.hpp"
+#include "common/scene_force.hpp"
 
 namespace spm::servo {
 
@@ -40,8 +40,8 @@ struct DeviceCapabilities {
 /// What a device may need to know before the loop starts.
 struct DeviceSetup {
   double rate_hz = 1000;
-  ForceSettings force;
-  const AssetView* asset = nullptr;  ///< valid while `open` runs, not later
+  ForceScene scene;
+  std::span<const AssetView* const> assets;  ///< the scene's; valid while `open` runs, not later
 };
 
 /// A device that the loop drives: one `read`, then one `write`, a tick.

@@ -5,6 +5,18 @@
 
 namespace spm::servo {
 
+std::string device_of(const SceneDevice& scene) {
+  std::string device = scene.driver.empty() ? "auto" : scene.driver;
+  const std::string name = device.substr(0, device.find(':'));
+  const bool simulated = name == "sim" || name == "auto";
+  if (scene.profile == nullptr || !simulated || device.find("profile=") != std::string::npos) {
+    return device;
+  }
+  const std::string profile = "profile=" + std::string(scene.profile->name);
+  if (device == name) return "sim:" + profile;
+  return device + "," + profile;
+}
+
 Result<std::unique_ptr<Device>> make_device(const std::string& specification) {
   const std::size_t colon = specification.find(':');
   const std::string name = specification.substr(0, colon);

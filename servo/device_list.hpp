@@ -4,6 +4,7 @@
 #include <memory>
 #include <string>
 
+#include "formats/scene.hpp"
 #include "servo/device.hpp"
 
 namespace spm::servo {
@@ -11,5 +12,9 @@ namespace spm::servo {
 /// Makes the device that a command line asks for, NAME or NAME:option=value,...; it is not open
 /// yet. `auto` is the first device found, and the simulated one where there is none. Errors: usage.
 [[nodiscard]] Result<std::unique_ptr<Device>> make_device(const std::string& specification);
+
+/// What a scene asks for, as make_device takes it: its driver, with the scene's profile where that
+/// is simulated and names none; `auto` where the scene says nothing.
+[[nodiscard]] std::string device_of(const SceneDevice& scene);
 
 }  // namespace spm::servo

@@ -54,8 +54,8 @@ Result<void> DeviceSim::open(const DeviceSetup& setup) {
     task.speed = options_.speed;
     task.seed = options_.seed;
     task.period = period;
-    task.force = setup.force;
-    hand = plan_hand(*setup.asset, task, *options_.profile);
+    task.scene = setup.scene;
+    hand = plan_hand(setup.assets, task, *options_.profile);
   }
   if (!hand) return tl::make_unexpected(hand.error());
   hand_ = std::move(*hand);

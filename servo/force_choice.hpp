@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <optional>
 #include <string>
+#include <vector>
 
 #include "common/error.hpp"
-#include "common/force_law.hpp"
+#include "common/scene_force.hpp"
 #include "formats/asset.hpp"
+#include "formats/scene.hpp"
 
 namespace spm::servo {
 
@@ -13,12 +16,48 @@ namespace spm::servo {
 [[nodiscard]] const char* to_string(PaperRule rule) noexcept;
 [[nodiscard]] const char* to_string(AssetForm form) noexcept;
 
-/// Refuses settings that no asset could serve. Errors: usage.
-[[nodiscard]] Result<void> check_settings(const ForceSettings& settings);
+/// What a command line says of forces. What it leaves out comes from the scene, or is the default;
+/// what it gives is for every object.
+struct ForceOptions {
+  std::string asset;  ///< a baked file, or
+  std::string scene;  ///< a scene; one of the two
+  std::optional<Method> method;
+  std::optional<PaperRule> rule;
+  std::optional<double> stiffness;     ///< N/m
+  std::optional<double> probe_radius;  ///< m
+};
+
+/// What forces come from.
+struct ForceChoice {
+  std::string scene_path;  ///< empty where an asset was given
+  ForceScene scene;
+  std::vector<std::string> assets;  ///< the objects' baked files, each once
+  std::vector<std::string> places;  ///< of the objects, for messages: file and line; empty where an
+                                    ///< asset was given
+  double probe_radius = 0;          ///< m, of the world
+  SceneDevice device;               ///< what the scene says of it
+};
+
+/// Settles what forces come from: reads the scene, or makes one of the asset alone. Errors: usage,
+/// of the command line; those of read_scene; invalid_input, an object without a baked file, or with
+/// settings that no asset could serve.
+[[nodiscard]] Result<ForceChoice> choose_forces(const ForceOptions& options);
+
+/// Refuses settings that no asset could serve, effects that their method does not know among them.
+/// `place`: file and line of a scene; empty for a command line. Errors: usage, or invalid_input
+/// where there is a place.
+[[nodiscard]] Result<void> check_settings(const ForceSettings& settings,
+                                          const EffectSettings& effects = {},
+                                          const std::string& place = {});
 
 /// Refuses an asset that cannot serve the settings: `paper` on a sparse one, a probe larger than it
-/// was baked for. `path` is for the message. Errors: invalid_input.
+/// was baked for. `path` is for the message; `scale` that of the object, by which the probe is
+/// divided. Errors: invalid_input.
 [[nodiscard]] Result<void> check_asset(const AssetMetadata& asset, const ForceSettings& settings,
-                                       const std::string& path);
+                                       const std::string& path, double scale = 1);
+
+/// The same for all objects of a scene that one of its assets is.
+[[nodiscard]] Result<void> check_asset(const AssetMetadata& asset, const ForceChoice& choice,
+                                       std::size_t which);
 
 }  // namespace spm::servo

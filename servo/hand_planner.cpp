@@ -5,7 +5,6 @@
 #include <cmath>
 #include <utility>
 
-#include "common/contact_model.hpp"
 #include "servo/surface_walk.hpp"
 
 namespace spm::servo {
@@ -36,43 +35,93 @@ struct Plan {
   double worth = -1;  ///< share of the worst second, less a penalty
 };
 
+/// An object as a hand comes to it: its asset, and how its frame and the hand's lie to each other.
+struct Reached {
+  const AssetView& asset;
+  Placement object, hand;
+  double probe_radius, depth;  ///< m, asset's frame
+
+  Reached(std::span<const AssetView* const> assets, const HandTask& task, std::size_t which)
+      : asset(*assets[task.scene.objects[which].asset]),
+        object(task.scene.objects[which].placement),
+        hand(task.scene.workspace),
+        probe_radius(task.scene.objects[which].force.probe_radius / object.scale),
+        depth(task.depth * hand.scale / object.scale) {}
+
+  [[nodiscard]] Vector3 in_hand(const Vector3& point) const {
+    return hand.from_world(object.to_world(point));
+  }
+};
+
 /// The hand's target below a touch.
-Vector3 target_below(const AssetView& asset, const HandTask& task, const Touch& touch) {
-  const double limit = thickness_in_depths * task.depth;
-  const double thickness = thickness_below(asset, task.force.probe_radius, touch, limit);
-  return touch.centre - std::min(task.depth, share_of_thickness * thickness) * touch.normal;
+Vector3 target_below(const Reached& reached, const Touch& touch) {
+  const double limit = thickness_in_depths * reached.depth;
+  const double thickness = thickness_below(reached.asset, reached.probe_radius, touch, limit);
+  const double depth = std::min(reached.depth, share_of_thickness * thickness);
+  return reached.in_hand(touch.centre - depth * touch.normal);
 }
 
-HandMotion motion_from(const AssetView& asset, const HandTask& task, const Touch& start,
+HandMotion motion_from(const Reached& reached, const HandTask& task, const Touch& start,
                        double firm_depth, Random& random) {
-  const Vector3 approach = start.centre + task.depth * start.normal;
+  const Vector3 approach = reached.in_hand(start.centre + reached.depth * start.normal);
   if (!task.slide) {
-    return HandMotion::press(approach, target_below(asset, task, start), task.speed, task.period);
+    return HandMotion::press(approach, target_below(reached, start), task.speed, task.period);
   }
   WalkSettings settings;
-  settings.probe_radius = task.force.probe_radius;
+  settings.probe_radius = reached.probe_radius;
   settings.length = longest_walk;
   settings.firm_depth = firm_depth;
   std::vector<Vector3> points{approach};
-  for (const Touch& touch : walk(asset, settings, start, random)) {
-    points.push_back(target_below(asset, task, touch));
+  for (const Touch& touch : walk(reached.asset, settings, start, random)) {
+    points.push_back(target_below(reached, touch));
   }
   return HandMotion::back_and_forth(std::move(points), 1, task.speed, task.period);
 }
 
+/// How much a motion is worth to a task.
+double worth_of(std::span<const AssetView* const> assets, const HandTask& task,
+                const SimProfile& profile, const HandMotion& motion) {
+  const std::size_t ticks = std::min(motion.cycle_ticks(), longest_trial);
+  const double share = contact_share(assets, task, profile, motion, ticks);
+  const bool stuck =
+      task.slide &&
+      static_cast<double>(motion.cycle_ticks()) * task.period * task.speed < 2 * shortest_walk;
+  return share - (stuck ? stuck_penalty : 0);
+}
+
+/// Plans on one object, until a plan is good; `best` is the best of all so far.
+void plan_on(std::span<const AssetView* const> assets, const HandTask& task,
+             const SimProfile& profile, std::size_t which, Random& random, Plan& best) {
+  const Reached reached(assets, task, which);
+  for (const double firm : rounds) {
+    int plans = 0;
+    for (int line = 0; line < lines_tried && plans < plans_wanted; ++line) {
+      const auto touch = touch_from_outside(reached.asset, reached.probe_radius, random);
+      if (!touch) continue;
+      const double firm_depth = firm * reached.depth;
+      if (!firm_below(reached.asset, reached.probe_radius, *touch, firm_depth)) continue;
+      ++plans;
+      HandMotion motion = motion_from(reached, task, *touch, firm_depth, random);
+      const double worth = worth_of(assets, task, profile, motion);
+      if (worth > best.worth) best = {std::move(motion), worth};
+      if (best.worth >= good_share) return;
+    }
+  }
+}
+
 }  // namespace
 
-double contact_share(const AssetView& asset, const ForceSettings& force, const SimProfile& profile,
-                     HandMotion motion, double period, std::size_t ticks) {
-  SimDynamics tool(profile, period);
+double contact_share(std::span<const AssetView* const> assets, const HandTask& task,
+                     const SimProfile& profile, HandMotion motion, std::size_t ticks) {
+  SimDynamics tool(profile, task.period);
   tool.place(motion.start());
-  const auto second = static_cast<std::size_t>(std::ceil(1 / period));
-  ContactModel model({force, {}, period, 0});
+  const auto second = static_cast<std::size_t>(std::ceil(1 / task.period));
+  SceneForce force(task.scene, task.period, profile.encoder_step);
   double worst = 1;
   for (std::size_t begin = 0; begin < ticks; begin += second) {
     std::size_t touching = 0;
     for (std::size_t tick = 0; tick < second; ++tick) {
-      const ContactForce contact = model.next(asset, tool.measured_position());
+      const ContactForce contact = force.next(assets, tool.measured_position());
       touching += contact.contact ? 1 : 0;
       tool.step(contact.force, motion.next());
     }
@@ -81,28 +130,12 @@ double contact_share(const AssetView& asset, const ForceSettings& force, const S
   return worst;
 }
 
-Result<HandMotion> plan_hand(const AssetView& asset, const HandTask& task,
+Result<HandMotion> plan_hand(std::span<const AssetView* const> assets, const HandTask& task,
                              const SimProfile& profile) {
   Random random(task.seed);
   Plan best;
-  for (const double firm : rounds) {
-    int plans = 0;
-    for (int line = 0; line < lines_tried && plans < plans_wanted; ++line) {
-      const auto touch = touch_from_outside(asset, task.force.probe_radius, random);
-      if (!touch) continue;
-      const double firm_depth = firm * task.depth;
-      if (!firm_below(asset, task.force.probe_radius, *touch, firm_depth)) continue;
-      ++plans;
-      HandMotion motion = motion_from(asset, task, *touch, firm_depth, random);
-      const std::size_t ticks = std::min(motion.cycle_ticks(), longest_trial);
-      const double share = contact_share(asset, task.force, profile, motion, task.period, ticks);
-      const bool stuck =
-          task.slide &&
-          static_cast<double>(motion.cycle_ticks()) * task.period * task.speed < 2 * shortest_walk;
-      const double worth = share - (stuck ? stuck_penalty : 0);
-      if (worth > best.worth) best = {std::move(motion), worth};
-      if (best.worth >= good_share) return best.motion;
-    }
+  for (std::size_t i = 0; i < task.scene.objects.size() && best.worth < good_share; ++i) {
+    plan_on(assets, task, profile, i, random, best);
   }
   if (best.worth < -stuck_penalty) {
     return fail(

@@ -16,20 +16,36 @@ constexpr std::int64_t lead_ns = 2'000'000;
 
 constexpr int warm_up_rounds = 64;
 
+/// The stiffest that one object can feel, N a metre of the hand.
+double stiffness_at_hand(const ForceScene& scene) {
+  double stiffest = 0;
+  for (const PlacedObject& object : scene.objects) {
+    stiffest = std::max(stiffest, object.force.stiffness);
+  }
+  return stiffest * scene.workspace.scale;
+}
+
 }  // namespace
 
-Loop::Loop(const LoopSettings& settings, std::vector<Device*> devices, AssetSlot& assets,
-           TickRing& ring, const std::atomic<bool>& stop)
-    : settings_(settings), assets_(assets), ring_(ring), stop_(stop) {
+Loop::Loop(const LoopSettings& settings, std::vector<Device*> devices,
+           std::vector<AssetSlot*> assets, TickRing& ring, const std::atomic<bool>& stop)
+    : settings_(settings),
+      slots_(std::move(assets)),
+      ring_(ring),
+      stop_(stop),
+      served_(slots_.size(), nullptr),
+      views_(slots_.size(), nullptr) {
   for (std::size_t i = 0; i < devices.size(); ++i) {
-    const double cap = devices[i]->capabilities().force_cap;
+    const DeviceCapabilities& device = devices[i]->capabilities();
+    const double cap = std::min(device.force_cap, settings.force_cap);
+    const double stiffness = stiffness_at_hand(settings.scene);
     Channel channel{devices[i],
-                    SafetyStage(safety_settings(cap, settings.force.stiffness, settings.rate_hz)),
-                    ContactModel({settings.force, {}, 1 / settings.rate_hz, 0}),
+                    SafetyStage(safety_settings(cap, stiffness, settings.rate_hz)),
+                    SceneForce(settings.scene, 1 / settings.rate_hz, device.encoder_step),
                     {},
                     {}};
     channel.record.device = static_cast<std::uint32_t>(i);
-    channels_.push_back(channel);
+    channels_.push_back(std::move(channel));
   }
 }
 
@@ -39,7 +55,7 @@ void Loop::run() noexcept {
   run_ticks(TickSchedule(now_ns() + lead_ns, settings_.rate_hz));
   counters_.page_faults = page_faults_of_this_thread() - faults_before;
   send_zero();
-  assets_.release();
+  for (AssetSlot* slot : slots_) slot->release();
 }
 
 void Loop::run_ticks(TickSchedule schedule) noexcept {
@@ -50,9 +66,8 @@ void Loop::run_ticks(TickSchedule schedule) noexcept {
     stopping = stop_.load(std::memory_order_relaxed) ||
                (settings_.ticks > 0 && schedule.index() + 1 >= settings_.ticks);
 
-    const ServedAsset* asset = assets_.acquire();
-    take_up(asset);
-    for (Channel& channel : channels_) serve(channel, asset, stopping);
+    take_up();
+    for (Channel& channel : channels_) serve(channel, stopping);
 
     const std::int64_t finished = now_ns();
     bool touching = false;
@@ -71,15 +86,21 @@ void Loop::run_ticks(TickSchedule schedule) noexcept {
   }
 }
 
-void Loop::serve(Channel& channel, const ServedAsset* asset, bool stopping) noexcept {
+/// Without one of its objects a scene gives no force at all.
+ForceOff Loop::assets_off() const noexcept {
+  if (!complete_) return had_assets_ ? ForceOff::asset_lost : ForceOff::starting;
+  const bool lost = std::any_of(served_.begin(), served_.end(),
+                                [](const ServedAsset* asset) { return asset->lost(); });
+  return lost ? ForceOff::asset_lost : ForceOff::none;
+}
+
+void Loop::serve(Channel& channel, bool stopping) noexcept {
   DeviceState state;
   const DeviceHealth health = channel.device->read(state);
 
-  ForceOff cause = ForceOff::none;
-  if (asset == nullptr) {
-    cause = had_asset_ ? ForceOff::asset_lost : ForceOff::starting;
-  } else if (asset->lost()) {
-    cause = ForceOff::asset_lost;
+  ForceOff cause = assets_off();
+  if (cause != ForceOff::none) {
+    // The device is read and sent zero all the same.
   } else if (health != DeviceHealth::ok || channel.written != DeviceHealth::ok) {
     cause = ForceOff::device_fault;
   } else if (!state.position.allFinite()) {
@@ -88,14 +109,14 @@ void Loop::serve(Channel& channel, const ServedAsset* asset, bool stopping) noex
 
   ContactForce contact;
   if (cause == ForceOff::none) {
-    contact = channel.contact.next(*asset->view, state.position);
+    contact = channel.force.next(views_, state.position);
     // A page may have gone while the force was computed from it.
-    if (asset->lost()) cause = ForceOff::asset_lost;
+    cause = assets_off();
   }
   if (stopping) cause = ForceOff::stopping;
   if (cause != ForceOff::none) {
     contact = ContactForce{};
-    channel.contact.reset();
+    channel.force.reset();
   }
 
   const SafeForce sent = channel.safety.apply(contact.force, cause);
@@ -128,35 +149,47 @@ void Loop::account(Channel& channel, const SafeForce& sent) noexcept {
   if (sent.cause != ForceOff::none) ++counters.force_off[static_cast<std::size_t>(sent.cause)];
 }
 
-void Loop::take_up(const ServedAsset* asset) noexcept {
-  if (asset == current_) return;
-  current_ = asset;
-  if (asset == nullptr) return;
-  had_asset_ = true;
+void Loop::take_up() noexcept {
+  bool changed = false;
+  complete_ = true;
+  for (std::size_t i = 0; i < slots_.size(); ++i) {
+    const ServedAsset* asset = slots_[i]->acquire();
+    changed = changed || (asset != served_[i] && asset != nullptr);
+    served_[i] = asset;
+    views_[i] = asset != nullptr ? asset->view : nullptr;
+    complete_ = complete_ && asset != nullptr;
+  }
+  had_assets_ = had_assets_ || complete_;
+  if (!changed) return;
   for (Channel& channel : channels_) {
     channel.safety.restart();
-    channel.contact.reset();
+    channel.force.reset();
   }
 }
 
 /// Runs every function of a tick without a device, so that their code, the lazy bindings of the
-/// libraries and the asset's tables are in memory before the first tick.
+/// libraries and the assets' tables are in memory before the first tick.
 void Loop::warm_up() noexcept {
   for (int round = 0; round < warm_up_rounds; ++round) {
     sleep_until(now_ns());
-    const ServedAsset* asset = assets_.acquire();
+    take_up();
     for (Channel& channel : channels_) {
-      if (asset == nullptr || asset->lost()) continue;
-      const Extent extent = extent_of(*asset->view);
+      if (assets_off() != ForceOff::none) continue;
+      const PlacedObject& object =
+          settings_.scene.objects[static_cast<std::size_t>(round) % settings_.scene.objects.size()];
+      const Extent extent = extent_of(*views_[object.asset]);
       const Vector3 point = extent.low + (round + 0.5) / warm_up_rounds * extent.size;
-      const ContactForce contact = channel.contact.next(*asset->view, point);
+      const Vector3 hand = settings_.scene.workspace.from_world(object.placement.to_world(point));
+      const ContactForce contact = channel.force.next(views_, hand);
       static_cast<void>(channel.safety.apply(contact.force, ForceOff::none));
     }
     static_cast<void>(page_faults_of_this_thread());
   }
+  std::fill(served_.begin(), served_.end(), nullptr);
+  had_assets_ = false;
   for (Channel& channel : channels_) {
     static_cast<void>(channel.safety.apply(Vector3::Zero(), ForceOff::starting));
-    channel.contact.reset();
+    channel.force.reset();
   }
 }
 

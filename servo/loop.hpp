@@ -3,9 +3,10 @@
 
 #include <atomic>
 #include <cstdint>
+#include <limits>
 #include <vector>
 
-#include "common/contact_model.hpp"
+#include "common/scene_force.hpp"
 #include "servo/asset_slot.hpp"
 #include "servo/device.hpp"
 #include "servo/schedule.hpp"
@@ -17,7 +18,8 @@ namespace spm::servo {
 struct LoopSettings {
   double rate_hz = 1000;
   std::uint64_t ticks = 0;  ///< stops after so many ticks of the grid; 0: when told to
-  ForceSettings force;
+  ForceScene scene = scene_of({});
+  double force_cap = std::numeric_limits<double>::infinity();  ///< N, beside each device's own
 };
 
 /// What the loop counted for one device.
@@ -45,8 +47,9 @@ struct LoopCounters {
 /// allocates, locks, logs nor faults.
 class Loop {
  public:
-  /// Devices must be open. Everything referred to must outlive the loop.
-  Loop(const LoopSettings& settings, std::vector<Device*> devices, AssetSlot& assets,
+  /// Devices must be open. `assets`: a slot for each asset that the scene's objects name.
+  /// Everything referred to must outlive the loop.
+  Loop(const LoopSettings& settings, std::vector<Device*> devices, std::vector<AssetSlot*> assets,
        TickRing& ring, const std::atomic<bool>& stop);
 
   /// Runs until `stop`, or until the settings' ticks are over; the last wrench sent is zero.
@@ -63,7 +66,7 @@ class Loop {
   struct Channel {
     Device* device;
     SafetyStage safety;
-    ContactModel contact;
+    SceneForce force;
     DeviceCounters counters;
     TickRecord record;
     Vector3 last_position = Vector3::Zero();
@@ -74,19 +77,23 @@ class Loop {
 
   void warm_up() noexcept;
   void run_ticks(TickSchedule schedule) noexcept;
-  void serve(Channel& channel, const ServedAsset* asset, bool stopping) noexcept;
+  void serve(Channel& channel, bool stopping) noexcept;
+  [[nodiscard]] ForceOff assets_off() const noexcept;
   void account(Channel& channel, const SafeForce& sent) noexcept;
-  void take_up(const ServedAsset* asset) noexcept;
+  void take_up() noexcept;
   void send_zero() noexcept;
 
   LoopSettings settings_;
   std::vector<Channel> channels_;
-  AssetSlot& assets_;
+  std::vector<AssetSlot*> slots_;
   TickRing& ring_;
   const std::atomic<bool>& stop_;
   LoopCounters counters_;
-  const ServedAsset* current_ = nullptr;
-  bool had_asset_ = false;
+  // One an asset, null where there is none now:
+  std::vector<const ServedAsset*> served_;
+  std::vector<const AssetView*> views_;
+  bool complete_ = false;    ///< all assets are there
+  bool had_assets_ = false;  ///< they were once
 };
 
 }  // namespace spm::servo

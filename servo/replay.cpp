@@ -15,20 +15,20 @@ constexpr std::int64_t lead_ns = 2'000'000;
 
 }  // namespace
 
-ReplayResult replay(const AssetView& asset, const std::vector<TrajectorySample>& trajectory,
-                    const ReplayOptions& options) {
+ReplayResult replay(std::span<const AssetView* const> assets,
+                    const std::vector<TrajectorySample>& trajectory, const ReplayOptions& options) {
   ReplayResult result;
   result.contacts.resize(trajectory.size());
   result.busy_ns.resize(trajectory.size());
   TickSchedule schedule(now_ns() + lead_ns, options.rate_hz);
-  ContactModel contact({options.force, options.effects, 1 / options.rate_hz, 0});
+  SceneForce force(options.scene, 1 / options.rate_hz, options.encoder_step);
   for (std::size_t row = 0; row < trajectory.size(); ++row) {
     if (options.pace == Pace::realtime) {
       sleep_until(schedule.due());
       schedule.advance(now_ns());
     }
     const std::int64_t begin = now_ns();
-    result.contacts[row] = contact.next(asset, trajectory[row].position);
+    result.contacts[row] = force.next(assets, trajectory[row].position);
     result.busy_ns[row] = now_ns() - begin;
   }
   return result;

@@ -2,10 +2,11 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <string>
 #include <vector>
 
-#include "common/contact_model.hpp"
+#include "common/scene_force.hpp"
 #include "formats/trajectory.hpp"
 #include "servo/statistics.hpp"
 
@@ -17,9 +18,9 @@ enum class Pace {
 };
 
 struct ReplayOptions {
-  ForceSettings force;
-  EffectSettings effects;
+  ForceScene scene = scene_of({});
   double rate_hz = 1000;
+  double encoder_step = 0;  ///< m, of the hand: how far a recorded position may be off
   Pace pace = Pace::none;
 };
 
@@ -30,9 +31,10 @@ struct ReplayResult {
       busy_ns;  ///< of the force law, single pass, the clock's own cost included
 };
 
-/// Runs the loop's own force law over recorded positions, in order, without the safety stage.
-/// Writes to memory that was allocated before the first tick.
-[[nodiscard]] ReplayResult replay(const AssetView& asset,
+/// Runs the loop's own force law over recorded positions of the hand, in order, without the safety
+/// stage. Writes to memory that was allocated before the first tick. `assets`: those that the
+/// scene's objects name.
+[[nodiscard]] ReplayResult replay(std::span<const AssetView* const> assets,
                                   const std::vector<TrajectorySample>& trajectory,
                                   const ReplayOptions& options);
 

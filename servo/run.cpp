@@ -14,7 +14,6 @@
 
 #include "servo/collector.hpp"
 #include "servo/device_list.hpp"
-#include "servo/force_choice.hpp"
 #include "servo/stop_signals.hpp"
 
 namespace spm::servo {
@@ -25,26 +24,61 @@ constexpr std::chrono::milliseconds drain_interval{4};
 
 void log_warning(const std::string& message) { spdlog::warn("{}", message); }
 
-Result<std::vector<std::unique_ptr<Device>>> make_devices(const RunOptions& options) {
+/// What the command line gives, or else the scene: its driver, and its profile where that names
+/// none.
+Result<std::vector<std::unique_ptr<Device>>> make_devices(const RunOptions& options,
+                                                          const ForceChoice& choice) {
+  std::vector<std::string> wanted = options.devices;
+  const bool from_scene = wanted.empty();
+  if (from_scene) wanted = {device_of(choice.device)};
   std::vector<std::unique_ptr<Device>> devices;
-  for (const std::string& specification : options.devices) {
+  for (const std::string& specification : wanted) {
     auto device = make_device(specification);
+    if (!device && from_scene && !choice.device.driver.empty()) {
+      return fail(ExitCode::invalid_input,
+                  choice.scene_path + ": line " + std::to_string(choice.device.driver_line) +
+                      ": 'driver' will not do as a device: " + device.error().message);
+    }
     if (!device) return tl::make_unexpected(std::move(device.error()));
     devices.push_back(std::move(*device));
   }
   return devices;
 }
 
-Result<std::unique_ptr<AssetKeeper>> open_asset(const RunOptions& options, AssetSlot& slot) {
-  KeeperOptions keeper;
-  keeper.path = options.asset;
-  keeper.mode = options.map;
-  keeper.lock = options.realtime != RealtimeMode::off;
-  keeper.warn = log_warning;
-  keeper.accept = [&options](const AssetMetadata& metadata) {
-    return check_asset(metadata, options.force, options.asset);
-  };
-  return AssetKeeper::open(std::move(keeper), slot);
+/// The assets of a scene, each with the slot that hands it to the loop.
+struct Assets {
+  std::vector<std::unique_ptr<AssetSlot>> slots;
+  std::vector<std::unique_ptr<AssetKeeper>> keepers;  ///< these end before the slots
+
+  [[nodiscard]] std::vector<AssetSlot*> all_slots() const {
+    std::vector<AssetSlot*> list;
+    for (const auto& slot : slots) list.push_back(slot.get());
+    return list;
+  }
+  [[nodiscard]] std::vector<const AssetView*> views() const {
+    std::vector<const AssetView*> list;
+    for (const auto& keeper : keepers) list.push_back(&keeper->view());
+    return list;
+  }
+};
+
+Result<Assets> open_assets(const RunOptions& options, const ForceChoice& choice) {
+  Assets assets;
+  for (std::size_t i = 0; i < choice.assets.size(); ++i) {
+    KeeperOptions keeper;
+    keeper.path = choice.assets[i];
+    keeper.mode = options.map;
+    keeper.lock = options.realtime != RealtimeMode::off;
+    keeper.warn = log_warning;
+    keeper.accept = [&choice, i](const AssetMetadata& metadata) {
+      return check_asset(metadata, choice, i);
+    };
+    assets.slots.push_back(std::make_unique<AssetSlot>());
+    auto opened = AssetKeeper::open(std::move(keeper), *assets.slots.back());
+    if (!opened) return tl::make_unexpected(std::move(opened.error()));
+    assets.keepers.push_back(std::move(*opened));
+  }
+  return assets;
 }
 
 Result<std::optional<TraceCsv>> open_trace(const std::string& path) {
@@ -80,10 +114,11 @@ Result<RealtimeState> drive(Loop& loop, Collector& collector, RealtimeMode mode,
   return realtime;
 }
 
-LoopSettings loop_settings(const RunOptions& options) {
+LoopSettings loop_settings(const RunOptions& options, const ForceChoice& choice) {
   LoopSettings settings;
   settings.rate_hz = options.rate_hz;
-  settings.force = options.force;
+  settings.scene = choice.scene;
+  settings.force_cap = choice.device.force_cap.value_or(settings.force_cap);
   if (options.duration > 0) {
     settings.ticks = std::max<std::uint64_t>(
         1, static_cast<std::uint64_t>(std::llround(options.duration * options.rate_hz)));
@@ -94,20 +129,19 @@ LoopSettings loop_settings(const RunOptions& options) {
 }  // namespace
 
 Result<RunReport> run(const RunOptions& options) {
-  if (auto checked = check_settings(options.force); !checked) {
-    return tl::make_unexpected(std::move(checked.error()));
-  }
-  auto devices = make_devices(options);
+  const auto choice = choose_forces(options.force);
+  if (!choice) return tl::make_unexpected(choice.error());
+  auto devices = make_devices(options, *choice);
   if (!devices) return tl::make_unexpected(std::move(devices.error()));
-  AssetSlot slot;
-  auto keeper = open_asset(options, slot);
-  if (!keeper) return tl::make_unexpected(std::move(keeper.error()));
+  auto assets = open_assets(options, *choice);
+  if (!assets) return tl::make_unexpected(std::move(assets.error()));
   auto trace = open_trace(options.trace);
   if (!trace) return tl::make_unexpected(std::move(trace.error()));
 
   std::vector<Device*> open_devices;
+  const std::vector<const AssetView*> views = assets->views();
   for (const auto& device : *devices) {
-    const DeviceSetup setup{options.rate_hz, options.force, &(*keeper)->view()};
+    const DeviceSetup setup{options.rate_hz, choice->scene, views};
     if (auto opened = device->open(setup); !opened) {
       return tl::make_unexpected(std::move(opened.error()));
     }
@@ -116,9 +150,10 @@ Result<RunReport> run(const RunOptions& options) {
 
   StopSignals signals;
   TickRing ring = make_tick_ring(options.rate_hz, open_devices.size());
-  Loop loop(loop_settings(options), open_devices, slot, ring, signals.flag());
+  Loop loop(loop_settings(options, *choice), open_devices, assets->all_slots(), ring,
+            signals.flag());
   Collector collector(ring, open_devices.size(), options.rate_hz, std::move(*trace), log_warning);
-  (*keeper)->watch();
+  for (const auto& keeper : assets->keepers) keeper->watch();
   Result<RealtimeState> realtime = drive(loop, collector, options.realtime, signals);
   if (!realtime) return tl::make_unexpected(std::move(realtime.error()));
   if (auto written = collector.finish(); !written) {
@@ -131,7 +166,8 @@ Result<RunReport> run(const RunOptions& options) {
   report.wake_us = collector.wake_us();
   report.busy_us = collector.busy_us();
   report.realtime = std::move(*realtime);
-  report.asset = (*keeper)->report();
+  report.force = *choice;
+  for (const auto& keeper : assets->keepers) report.assets.push_back(keeper->report());
   for (std::size_t i = 0; i < open_devices.size(); ++i) {
     report.devices.push_back(
         {open_devices[i]->capabilities(), open_devices[i]->describe(), loop.device_counters(i)});

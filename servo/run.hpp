@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "servo/asset_keeper.hpp"
+#include "servo/force_choice.hpp"
 #include "servo/loop.hpp"
 #include "servo/realtime.hpp"
 #include "servo/statistics.hpp"
@@ -13,14 +14,13 @@
 namespace spm::servo {
 
 struct RunOptions {
-  std::string asset;
-  std::vector<std::string> devices{"auto"};  ///< as make_device takes them
+  ForceOptions force;
+  std::vector<std::string> devices;  ///< as make_device takes them; none: the scene's, or auto
   double rate_hz = 1000;
   RealtimeMode realtime = RealtimeMode::attempt;
   MapMode map = MapMode::file;
   double duration = 0;  ///< s, from the first tick; 0: until a signal
-  ForceSettings force;
-  std::string trace;  ///< file for one row a tick of the first device; empty for none
+  std::string trace;    ///< file for one row a tick of the first device; empty for none
 };
 
 /// What one device did in a run.
@@ -33,17 +33,18 @@ struct DeviceReport {
 /// What a run did.
 struct RunReport {
   RunOptions options;
+  ForceChoice force;
   LoopCounters counters;
   Summary wake_us, busy_us;
   RealtimeState realtime;
   std::vector<DeviceReport> devices;
-  KeeperReport asset;
+  std::vector<KeeperReport> assets;  ///< in the order of the choice's
 };
 
-/// Serves forces from a baked asset until the duration is over or SIGINT, SIGTERM or SIGHUP comes.
-/// Three threads: the loop, the loading thread, and the caller's, which takes the loop's records.
-/// Warnings go to the default log. Errors: usage (options), file_or_device and invalid_input
-/// (asset, trace), realtime_refused.
+/// Serves forces from a baked asset or a scene until the duration is over or SIGINT, SIGTERM or
+/// SIGHUP comes. Three threads: the loop, the loading thread, and the caller's, which takes the
+/// loop's records. Warnings go to the default log. Errors: usage (options), file_or_device and
+/// invalid_input (scene, assets, trace), realtime_refused.
 [[nodiscard]] Result<RunReport> run(const RunOptions& options);
 
 }  // namespace spm::servo

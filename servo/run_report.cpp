@@ -31,11 +31,15 @@ ordered_json force_off_json(const ForceOffTicks& ticks) {
   return list;
 }
 
+double force_cap_of(const RunReport& report, const DeviceCapabilities& device) {
+  return std::min(device.force_cap, report.force.device.force_cap.value_or(device.force_cap));
+}
+
 ordered_json devices_json(const RunReport& report) {
   ordered_json list = ordered_json::array();
   for (const DeviceReport& device : report.devices) {
     ordered_json entry = {{"name", device.capabilities.name},
-                          {"force_cap_n", device.capabilities.force_cap},
+                          {"force_cap_n", force_cap_of(report, device.capabilities)},
                           {"encoder_step_m", device.capabilities.encoder_step}};
     entry.update(device.details);
     entry["contact_ticks"] = device.counters.contact_ticks;
@@ -50,17 +54,21 @@ ordered_json devices_json(const RunReport& report) {
 }
 
 ordered_json assets_json(const RunReport& report) {
-  const KeeperReport& asset = report.asset;
-  return ordered_json::array({{{"path", report.options.asset},
-                               {"form", to_string(asset.metadata.form)},
-                               {"content_sha256", asset.content_sha256},
-                               {"mesh_sha256", asset.metadata.mesh_sha256},
-                               {"bytes", asset.bytes.total},
-                               {"map", report.options.map == MapMode::sealed ? "sealed" : "file"},
-                               {"locked", asset.locked},
-                               {"serving", asset.serving},
-                               {"losses", asset.losses},
-                               {"reloads", asset.reloads}}});
+  ordered_json list = ordered_json::array();
+  for (std::size_t i = 0; i < report.assets.size(); ++i) {
+    const KeeperReport& asset = report.assets[i];
+    list.push_back({{"path", report.force.assets[i]},
+                    {"form", to_string(asset.metadata.form)},
+                    {"content_sha256", asset.content_sha256},
+                    {"mesh_sha256", asset.metadata.mesh_sha256},
+                    {"bytes", asset.bytes.total},
+                    {"map", report.options.map == MapMode::sealed ? "sealed" : "file"},
+                    {"locked", asset.locked},
+                    {"serving", asset.serving},
+                    {"losses", asset.losses},
+                    {"reloads", asset.reloads}});
+  }
+  return list;
 }
 
 /// Over all devices.
@@ -91,31 +99,48 @@ ordered_json percentiles_json(const Summary& summary) {
   return {{"p50", summary.p50}, {"p99", summary.p99}, {"p999", summary.p999}, {"max", summary.max}};
 }
 
+void add_forces(ordered_json& report, const ForceChoice& choice) {
+  const ForceSettings& first = choice.scene.objects.front().force;
+  if (choice.scene_path.empty()) {
+    report["method"] = to_string(first.method);
+    if (first.method == Method::paper) report["paper_rule"] = to_string(first.rule);
+    report["stiffness_n_m"] = first.stiffness;
+  } else {
+    report["scene"] = choice.scene_path;
+    for (const PlacedObject& object : choice.scene.objects) {
+      ordered_json entry = {{"asset", choice.assets[object.asset]},
+                            {"method", to_string(object.force.method)},
+                            {"stiffness_n_m", object.force.stiffness},
+                            {"scale", object.placement.scale}};
+      if (object.force.method == Method::paper) entry["paper_rule"] = to_string(object.force.rule);
+      report["objects"].push_back(std::move(entry));
+    }
+  }
+  report["probe_radius_m"] = choice.probe_radius;
+}
+
 ordered_json to_json(const RunReport& report) {
   const Totals totals = totals_of(report);
   const LoopCounters& counters = report.counters;
-  const ForceSettings& force = report.options.force;
-  return {{"ticks", counters.ticks},
-          {"missed", counters.missed},
-          {"skipped", counters.skipped},
-          {"unrecorded", counters.unrecorded},
-          {"contact_ticks", counters.contact_ticks},
-          {"rate_hz", report.options.rate_hz},
-          {"method", to_string(force.method)},
-          {"stiffness_n_m", force.stiffness},
-          {"probe_radius_m", force.probe_radius},
-          {"wake_us", percentiles_json(report.wake_us)},
-          {"busy_us", percentiles_json(report.busy_us)},
-          {"page_faults", counters.page_faults},
-          {"realtime",
-           {{"policy", report.realtime.policy},
-            {"priority", report.realtime.priority},
-            {"memory_locked", report.realtime.memory_locked}}},
-          {"force_off", force_off_json(sum_force_off(report))},
-          {"force_n", {{"max", totals.force_max}, {"cap_hits", totals.cap_hits}}},
-          {"energy_j", {{"generated_max", totals.generated_max}}},
-          {"devices", devices_json(report)},
-          {"assets", assets_json(report)}};
+  ordered_json json = {{"ticks", counters.ticks},
+                       {"missed", counters.missed},
+                       {"skipped", counters.skipped},
+                       {"unrecorded", counters.unrecorded},
+                       {"contact_ticks", counters.contact_ticks},
+                       {"rate_hz", report.options.rate_hz}};
+  add_forces(json, report.force);
+  json["wake_us"] = percentiles_json(report.wake_us);
+  json["busy_us"] = percentiles_json(report.busy_us);
+  json["page_faults"] = counters.page_faults;
+  json["realtime"] = {{"policy", report.realtime.policy},
+                      {"priority", report.realtime.priority},
+                      {"memory_locked", report.realtime.memory_locked}};
+  json["force_off"] = force_off_json(sum_force_off(report));
+  json["force_n"] = {{"max", totals.force_max}, {"cap_hits", totals.cap_hits}};
+  json["energy_j"] = {{"generated_max", totals.generated_max}};
+  json["devices"] = devices_json(report);
+  json["assets"] = assets_json(report);
+  return json;
 }
 
 std::string to_text(const RunReport& report) {

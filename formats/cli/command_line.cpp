@@ -111,6 +111,10 @@ const char* type_name(Quantity quantity) {
       return "DAMPING";
     case Quantity::mass:
       return "MASS";
+    case Quantity::per_length:
+      return "PER-LENGTH";
+    case Quantity::angular_speed:
+      return "ANGULAR-SPEED";
   }
   return "QUANTITY";
 }
@@ -186,7 +190,10 @@ CLI::Option* add_quantity(CLI::App& command, const std::string& name, std::optio
                     type_name(quantity));
 }
 
-CLI::Option* add_probe(CLI::App& command, double& radius) {
+namespace {
+
+template <class Target>
+CLI::Option* add_probe_into(CLI::App& command, Target& radius) {
   return add_parsed(
       command, "--probe",
       [&radius](const std::string& text) -> Result<void> {
@@ -197,6 +204,16 @@ CLI::Option* add_probe(CLI::App& command, double& radius) {
       },
       "what touches the object; RADIUS is a length such as 0.5mm (default point)",
       "point|sphere:RADIUS");
+}
+
+}  // namespace
+
+CLI::Option* add_probe(CLI::App& command, double& radius) {
+  return add_probe_into(command, radius);
+}
+
+CLI::Option* add_probe(CLI::App& command, std::optional<double>& radius) {
+  return add_probe_into(command, radius);
 }
 
 CLI::Option* add_integer(CLI::App& command, const std::string& name, std::uint64_t least,

@@ -40,6 +40,7 @@ CLI::Option* add_quantity(CLI::App& command, const std::string& name, std::optio
 
 /// Adds --probe point|sphere:RADIUS; the target is the radius in metres.
 CLI::Option* add_probe(CLI::App& command, double& radius);
+CLI::Option* add_probe(CLI::App& command, std::optional<double>& radius);
 
 /// Adds an option whose text `store` reads; what it finds wrong is a usage error. `type` is what
 /// help shows for the value.

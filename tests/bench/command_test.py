@@ -93,7 +93,7 @@ class Bytes(Bench):
         self.assertIn("SPM_SHARED", result.stderr)
 
     def test_it_explains_itself(self):
-        for arguments in ((), ("bytes",), ("methods",), ("tables",)):
+        for arguments in ((), ("bytes",), ("forces",), ("methods",), ("tables",)):
             result = run(*arguments, "--help")
             self.assertEqual(result.returncode, 0)
             self.assertIn("Usage: " + " ".join(("spm-bench", *arguments)), result.stdout)
@@ -179,6 +179,49 @@ class Methods(Bench):
         result = self.methods(methods=("magic",))
         self.assertEqual(result.returncode, 1)
         self.assertIn("write one of spm, paper", result.stderr)
+
+
+class Forces(Bench):
+    def forces(self, *arguments):
+        return run("forces", "--quick", "--mesh", self.mesh, "--ticks", "300", *arguments)
+
+    def test_json_has_a_row_a_method_and_traces_a_line_a_tick(self):
+        result = self.forces("--json", "--traces", self.folder)
+        self.assertEqual(result.returncode, 0, result.stderr)
+        self.assertEqual(result.stderr, "")
+        report = json.loads(result.stdout)
+        self.assertEqual([(row["method"], row["probe_radius_m"]) for row in report["rows"]],
+                         [("paper", 0), ("spm", 0), ("spm", 0), ("proxy", 0), ("proxy", 0.0005)])
+        self.assertEqual({row["path"] for row in report["rows"]}, {"walked"})
+        self.assertEqual([row["turn_limit_rad_per_s"] for row in report["rows"]],
+                         [None, None, 120, None, None])
+        spm = report["rows"][1]
+        self.assertLess(spm["relative_difference"], 0.05)
+        self.assertLess(spm["excess_step_n"]["p999"], 0.15)
+        self.assertEqual(spm["missing_ticks"], 0)
+        for path in report["paths"]:
+            self.assertEqual(path["ticks"], 300)
+            self.assertGreater(path["judged_ticks"], 100)
+        self.assertIn("processor", report["machine"])
+        with open(os.path.join(self.folder, "box-walked.csv"), encoding="ascii") as file:
+            lines = file.read().splitlines()
+        self.assertEqual(len(lines), 301)
+        self.assertIn("spm_x,spm_y,spm_z,spm_limited_x", lines[0])
+
+    def test_figures_do_not_depend_on_threads(self):
+        outputs = [self.forces("--json", "--threads", threads).stdout for threads in ("1", "2")]
+        self.assertEqual(*[json.loads(output)["rows"] for output in outputs])
+
+    def test_wrong_words_are_told(self):
+        for arguments, words in ((("--tolerance", "0um"), "above 0"), (("--ticks", "3"), "100 to"),
+                                 (("--traces", "/nowhere/at/all"), "--traces")):
+            with self.subTest(arguments):
+                result = run("forces", "--mesh", self.mesh, *arguments)
+                self.assertEqual(result.returncode, 1, result.stderr)
+                self.assertIn(words, result.stderr)
+        result = run("forces", shared=os.path.join(self.folder, "nowhere"))
+        self.assertEqual(result.returncode, 2)
+        self.assertIn("SPM_SHARED", result.stderr)
 
 
 class Tables(Bench):

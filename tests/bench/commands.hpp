@@ -17,6 +17,7 @@ struct Command {
 };
 
 [[nodiscard]] Command add_bytes_command(CLI::App& app);
+[[nodiscard]] Command add_forces_command(CLI::App& app);
 [[nodiscard]] Command add_methods_command(CLI::App& app);
 [[nodiscard]] Command add_sixdof_command(CLI::App& app);
 [[nodiscard]] Command add_tables_command(CLI::App& app);

@@ -12,7 +12,6 @@
 namespace spm::bench {
 namespace {
 
-constexpr double hole_share = 0.03;      // of the diagonal
 constexpr double least_distance = 2e-6;  // m; nearer the direction is lost in rounding
 constexpr std::uint64_t most_draws = 256;
 

@@ -8,6 +8,9 @@
 
 namespace spm::bench {
 
+/// Nearer than this share of the diagonal to a border edge nothing is judged.
+inline constexpr double hole_share = 0.03;
+
 /// A place in the band and what is true there.
 struct Place {
   Vector3 point = Vector3::Zero();

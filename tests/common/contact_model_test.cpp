@@ -169,6 +169,40 @@ TEST_CASE("Smoothing over a kernel leaves a plane as it is and rounds an edge") 
   CHECK(largest > 0);
 }
 
+TEST_CASE("A turn is limited to its rate, unless the side itself changes") {
+  const Vector3 from = Vector3::UnitX();
+  const auto at = [](double angle) { return Vector3(std::cos(angle), std::sin(angle), 0); };
+  CHECK((limited_turn(from, at(0.05), 0.1, 0.6) - at(0.05)).norm() < 1e-12);
+  CHECK((limited_turn(from, at(0.5), 0.1, 0.6) - at(0.1)).norm() < 1e-12);
+  CHECK((limited_turn(from, at(0.7), 0.1, 0.6) - at(0.7)).norm() < 1e-12);
+  CHECK((limited_turn(from, -from, 0.1, 4) + from).norm() < 1e-12);
+  CHECK((limited_turn(from, from, 0.1, 0.6) - from).norm() < 1e-12);
+}
+
+TEST_CASE("A limit on turns changes the direction of a force, and neither size nor a proxy") {
+  const test::TiledCubeByHand cube(size);
+  for (const Method method : {Method::spm, Method::proxy}) {
+    ContactSettings settings = settings_of(method);
+    ContactModel plain(settings);
+    settings.effects.turn = {100, 2};  // 0.1 rad a tick; the edge's quarter turn is limited
+    ContactModel limited(settings);
+    Vector3 last = Vector3::Zero();
+    double differs = 0;
+    for (int tick = 0; tick <= 60; ++tick) {
+      // Across the edge's bisector.
+      const Vector3 point(half - 0.0013 + 1e-5 * tick, 0.003, half - 0.001);
+      const ContactForce wanted = plain.next(cube.view, point);
+      const ContactForce found = limited.next(cube.view, point);
+      CHECK(found.depth == wanted.depth);
+      CHECK(found.force.norm() == Approx(wanted.force.norm()));
+      if (method == Method::spm && tick > 0) CHECK((found.force - last).norm() < 0.11);
+      differs = std::max(differs, (found.force - wanted.force).norm());
+      last = found.force;
+    }
+    CHECK((differs > 0.5) == (method == Method::spm));
+  }
+}
+
 TEST_CASE("A smoothed force is that of an energy: no closed path gains any") {
   const test::TiledCubeByHand cube(size);
   const ForceSettings force = settings_of(Method::spm).force;

@@ -36,6 +36,21 @@ TEST_CASE("A point is of the kind of the octant that it lies in") {
   CHECK(space_at(tree, {-1, -1, -1}) == SpaceKind::outside);
 }
 
+TEST_CASE("A cube is of all kinds that it touches, and far where it juts out") {
+  const std::vector<std::uint32_t> words{
+      octants(SpaceKind::outside,
+              {{1, SpaceKind::told}, {2, SpaceKind::inside}, {6, SpaceKind::pruned}}),
+      0};
+  const SpaceTree tree = tree_of(words);
+  CHECK(spaces_of_cube(tree, {-0.5, -0.5, -0.5}, 0.4) == space_bit(SpaceKind::outside));
+  CHECK(spaces_of_cube(tree, {0, -0.5, -0.5}, 0.4) ==
+        (space_bit(SpaceKind::outside) | space_bit(SpaceKind::told)));
+  CHECK(spaces_of_cube(tree, {-0.5, 0.5, 0}, 0.4) ==
+        (space_bit(SpaceKind::inside) | space_bit(SpaceKind::pruned)));
+  CHECK(spaces_of_cube(tree, {-0.9, -0.5, -0.5}, 0.2) ==
+        (space_bit(SpaceKind::outside) | space_bit(SpaceKind::far)));
+}
+
 TEST_CASE("Octants that are split lead to the kinds of their own octants") {
   const std::vector<std::uint32_t> words{
       // Three of the eight are split: nodes 1 to 3, in the order of octants.

@@ -4,6 +4,7 @@
 
 #include "asset_by_hand.hpp"
 #include "common/overlap_volume.hpp"
+#include "common/scene_force.hpp"
 #include "common/support_culling.hpp"
 #include "common/virtual_tool.hpp"
 #include "tests/servo/intercepted_calls.hpp"
@@ -37,6 +38,34 @@ TEST_CASE("Ticks of contact, virtual tool, overlap and culling allocate, lock an
   test::watch(false);
   const test::InterceptedCalls after = test::intercepted_calls();
   CHECK(contacts > 0);
+  CHECK(after.allocations == before.allocations);
+  CHECK(after.locks == before.locks);
+  CHECK(after.writes == before.writes);
+}
+
+TEST_CASE("A tick of a scene with every effect allocates, locks and writes nothing") {
+  const test::TiledCubeByHand cube(0.04);
+  PlacedObject object;
+  object.effects.friction = {0.5, 0.4, 2000};
+  object.effects.damping = 2;
+  object.effects.texture = {50e-6, 1e-3, 7};
+  object.effects.smoothing = {1e-4, 7};
+  ForceScene scene{{}, {object, object, object}};
+  scene.objects[1].placement.position = {0.039, 0, 0};
+  scene.objects[1].force.method = Method::proxy;
+  scene.objects[2].placement.position = {1, 0, 0};
+  SceneForce force(scene, 1e-3, 2e-5);
+  const std::array<const AssetView*, 1> assets{&cube.view};
+  std::uint64_t contacts = 0;
+  const test::InterceptedCalls before = test::intercepted_calls();
+  test::watch(true);
+  for (int tick = 0; tick < 400; ++tick) {
+    contacts += force.next(assets, {1e-4 * tick, 0.003, 0.019}).contact ? 1 : 0;
+    if (tick == 200) force.reset();
+  }
+  test::watch(false);
+  const test::InterceptedCalls after = test::intercepted_calls();
+  CHECK(contacts > 300);
   CHECK(after.allocations == before.allocations);
   CHECK(after.locks == before.locks);
   CHECK(after.writes == before.writes);

@@ -1,13 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "common/tile.hpp"
 
+#include <hwy/targets.h>
+
 #include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <random>
+#include <vector>
 
 #include "asset_by_hand.hpp"
 #include "common/distance_map.hpp"
+#include "common/quarter_feet.hpp"
 #include "common/support_plane_mapping.hpp"
 
 namespace spm {
@@ -207,6 +211,73 @@ TEST_CASE("Points that are not finite have no foot") {
   for (const double wrong : {nan, std::numeric_limits<double>::infinity(), 1e300}) {
     const TileFoot foot = closest_on_tile(tile, unit_of_heights, plane, {0, wrong, 0}, 1.0F);
     CHECK(std::isinf(foot.distance));
+  }
+}
+
+TEST_CASE("The nearest of a tile's quarters is the foot on the tile") {
+  Random random(9);
+  int found = 0;
+  for (int trial = 0; trial < 500; ++trial) {
+    const SupportPlane plane = random_plane(random);
+    const test::TileByHand made = random_tile(random);
+    const Tile tile = made.view(unit_of_heights);
+    TileHeights heights;
+    tile_heights(tile, unit_of_heights, heights);
+    const double twist = greatest_twist(heights);
+    const Vector3 point = point_near(random, tile, plane);
+    const TileFoot whole = closest_on_tile(tile, unit_of_heights, plane, point, 1.0F);
+    float least = std::numeric_limits<float>::infinity();
+    for (std::uint32_t which = 0; which < tile_quarters; ++which) {
+      const TileQuarter quarter = tile_quarter(tile, unit_of_heights, which);
+      const TileFoot foot = closest_on_quarter(tile, quarter, which, plane, point, 1.0F);
+      if (!(foot.distance < least)) continue;
+      least = foot.distance;
+      CHECK(((tile.valid >> foot.cell) & 1U) == 1);
+      const TileFoot none =
+          closest_on_quarter(tile, quarter, which, plane, point, foot.distance * 0.999F);
+      CHECK(std::isinf(none.distance));
+    }
+    REQUIRE(std::isfinite(least) == std::isfinite(whole.distance));
+    if (!std::isfinite(least)) continue;
+    ++found;
+    // Which foot on a cell is found may hang on what was found before.
+    CHECK(double{least} == Approx(double{whole.distance}).margin(twist / 2 + rounding));
+  }
+  CHECK(found > 300);
+}
+
+TEST_CASE("Every processor finds the same feet on a quarter, bit by bit") {
+  Random random(10);
+  std::vector<std::int64_t> targets;
+  for (std::int64_t rest = hwy::SupportedTargets(); rest != 0; rest &= rest - 1) {
+    targets.push_back(rest & -rest);
+  }
+  REQUIRE(!targets.empty());
+  const auto feet_by = [](std::int64_t target, const TileQuarter& quarter,
+                          const QuarterPlace& place) {
+    hwy::SetSupportedTargetsForTest(target);
+    hwy::GetChosenTarget().DeInit();
+    QuarterFeet feet;
+    quarter_feet(quarter, place, feet);
+    hwy::SetSupportedTargetsForTest(0);
+    hwy::GetChosenTarget().DeInit();
+    return feet;
+  };
+  for (int trial = 0; trial < 200; ++trial) {
+    const test::TileByHand made = random_tile(random);
+    const TileQuarter quarter = tile_quarter(made.view(unit_of_heights), unit_of_heights,
+                                             static_cast<std::uint32_t>(trial % 4));
+    const QuarterPlace place{static_cast<float>(random.between(-3, 7)),
+                             static_cast<float>(random.between(-3, 7)),
+                             static_cast<float>(random.between(-10, 10))};
+    const QuarterFeet wanted = feet_by(targets.front(), quarter, place);
+    for (const std::int64_t target : targets) {
+      const QuarterFeet feet = feet_by(target, quarter, place);
+      CHECK(feet.x == wanted.x);
+      CHECK(feet.y == wanted.y);
+      CHECK(feet.square == wanted.square);
+      CHECK(feet.least == wanted.least);
+    }
   }
 }
 

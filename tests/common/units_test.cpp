@@ -32,6 +32,11 @@ TEST_CASE("Every quantity has its own units") {
   CHECK(parse_quantity("180deg", Quantity::angle).value() == Approx(std::numbers::pi));
   CHECK(parse_quantity("0.2rad", Quantity::angle).value() == 0.2);
   CHECK(parse_quantity("2Ns/m", Quantity::damping).value() == 2.0);
+  CHECK(parse_quantity("120rad/s", Quantity::angular_speed).value() == 120.0);
+  CHECK(parse_quantity("180deg/s", Quantity::angular_speed).value() == Approx(3.14159265));
+  CHECK(parse_quantity("1N s/m", Quantity::damping).value() == 1.0);
+  CHECK(parse_quantity("100/m", Quantity::per_length).value() == 100.0);
+  CHECK(parse_quantity("0.1/mm", Quantity::per_length).value() == 100.0);
   CHECK(parse_quantity("150g", Quantity::mass).value() == 0.15);
   CHECK_FALSE(parse_quantity("1N/mm", Quantity::length));
   CHECK_FALSE(parse_quantity("1mm", Quantity::force));

@@ -84,6 +84,147 @@ TEST_CASE("What a scene leaves out has a default or stays open") {
   CHECK(point->probe_radius == 0.0);
 }
 
+TEST_CASE("An object's effects become SI: friction, damping, texture and smoothing") {
+  const auto scene = read(R"(
+[[object]]
+asset = "a.spm.exr"
+method = "proxy"
+stiffness = "1.5N/mm"
+friction = { stick = 0.5, slide = 0.4, stiffness = "2N/mm" }
+damping = "1N s/m"
+texture = { amplitude = "0.05mm", wavelength = "1mm", seed = 7 }
+
+[[object]]
+asset = "b.spm.exr"
+stiffness = "0.8N/mm"
+friction = { slide = 0.3 }
+smoothing = { sigma = "0.2mm", samples = 9 }
+turn_limit = "120rad/s"
+
+[object.texture]
+amplitude = "10um"
+wavelength = "0.5mm"
+
+[[object]]
+asset = "c.spm.exr"
+method = "paper"
+paper_rule = "all-planes"
+friction = { force = "300mN", depth_gain = "0.1/mm" }
+texture = { noise = "10um", seed = 3 }
+)");
+  REQUIRE(scene);
+  const EffectSettings& first = scene->objects[0].effects;
+  CHECK(scene->objects[0].method == Method::proxy);
+  CHECK(first.friction.stick == 0.5);
+  CHECK(first.friction.slide == 0.4);
+  CHECK(first.friction.stiffness == 2000);
+  CHECK(first.damping == 1);
+  CHECK(first.texture.amplitude == Approx(50e-6));
+  CHECK(first.texture.wavelength == Approx(1e-3));
+  CHECK(first.texture.seed == 7);
+  CHECK(first.smoothing.sigma == 0);
+  const EffectSettings& second = scene->objects[1].effects;
+  CHECK(scene->objects[1].method == Method::spm);
+  CHECK(second.friction.stick == 0.3);
+  CHECK(second.friction.slide == 0.3);
+  CHECK(second.friction.stiffness == Approx(800));
+  CHECK(second.smoothing.sigma == Approx(2e-4));
+  CHECK(second.smoothing.samples == 9);
+  CHECK(second.texture.amplitude == Approx(1e-5));
+  CHECK(second.damping == 0);
+  CHECK(first.turn.rate == 0);
+  CHECK(second.turn.rate == 120);
+  const EffectSettings& third = scene->objects[2].effects;
+  CHECK(scene->objects[2].method == Method::paper);
+  CHECK(scene->objects[2].rule == PaperRule::all_planes);
+  CHECK(third.friction_force == Approx(0.3));
+  CHECK(third.friction_depth == Approx(100));
+  CHECK(third.texture_noise == Approx(1e-5));
+  CHECK(third.noise_seed == 3);
+}
+
+TEST_CASE("Without their keys there are no effects, and 0 turns one off") {
+  const auto none = read("[[object]]\nasset = \"a\"\n");
+  REQUIRE(none);
+  CHECK_FALSE(none->objects[0].effects.any());
+  CHECK(none->objects[0].effects.smoothing.sigma == 0);
+  const auto off = read(
+      "[[object]]\nasset = \"a\"\nfriction = { slide = 0 }\ndamping = \"0Ns/m\"\n"
+      "texture = { amplitude = \"0mm\", wavelength = \"1mm\" }\nsmoothing = { sigma = \"0um\" }\n");
+  REQUIRE(off);
+  CHECK_FALSE(off->objects[0].effects.any());
+  CHECK(off->objects[0].effects.smoothing.sigma == 0);
+}
+
+TEST_CASE("What is wrong in an object's effects is told by its line, cause and cure") {
+  struct Case {
+    const char* key;
+    const char* cause;
+  };
+  for (const Case& wrong : {
+           Case{"friction = 0.5", "must be a table, such as { stick"},
+           Case{"friction = {}", "needs 'slide'"},
+           Case{"friction = { stiffness = \"2N/mm\" }", "needs 'slide'"},
+           Case{"friction = { slide = -0.1 }", "from 0 to 10"},
+           Case{"friction = { slide = nan }", "from 0 to 10"},
+           Case{"friction = { slide = 11 }", "from 0 to 10"},
+           Case{"friction = { slide = \"0.4\" }", "from 0 to 10"},
+           Case{"friction = { slide = true }", "from 0 to 10"},
+           Case{"friction = { stick = 0.2, slide = 0.4 }", "less than 'slide'"},
+           Case{"friction = { slide = 0.4, stiffness = 2 }", "\"2N/mm\""},
+           Case{"friction = { slide = 0.4, stiffness = \"0N/mm\" }", "above 0"},
+           Case{"friction = { slid = 0.4 }", "did you mean 'slide'?"},
+           Case{"friction = { mu = 0.4 }", "its keys are stick slide stiffness force depth_gain"},
+           Case{"friction = { force = \"1N\", slide = 0.4 }", "one kind"},
+           Case{"friction = { depth_gain = \"1/m\" }", "needs 'force'"},
+           Case{"friction = { force = \"-1N\" }", "0 or more"},
+           Case{"friction = { force = \"1N\", depth_gain = \"1m\" }", "/m or /mm"},
+           Case{"damping = 2", "\"2Ns/m\""},
+           Case{"damping = \"2N/m\"", "Ns/m"},
+           Case{"turn_limit = 120", "\"120rad/s\""},
+           Case{"turn_limit = \"-1rad/s\"", "0 or more"},
+           Case{"damping = \"-2Ns/m\"", "0 or more"},
+           Case{"texture = \"rough\"", "must be a table"},
+           Case{"texture = { amplitude = \"1um\" }", "needs 'amplitude' and 'wavelength'"},
+           Case{"texture = { amplitude = \"-1um\", wavelength = \"1mm\" }", "0 or more"},
+           Case{"texture = { amplitude = \"1um\", wavelength = \"0mm\" }", "above 0"},
+           Case{"texture = { amplitude = \"1um\", wavelength = \"1mm\", seed = -1 }",
+                "whole number"},
+           Case{"texture = { amplitude = \"1um\", wavelength = \"1mm\", seed = 1.5 }",
+                "whole number"},
+           Case{"texture = { noise = \"1um\", wavelength = \"1mm\" }", "one kind"},
+           Case{"smoothing = { samples = 3 }", "needs 'sigma'"},
+           Case{"smoothing = { sigma = \"1mm\", samples = 0 }", "from 1 to 64"},
+           Case{"smoothing = { sigma = \"1mm\", samples = 65 }", "from 1 to 64"},
+           Case{"smoothing = { sigma = 1e-3 }", "\"0.2mm\""},
+           Case{"method = \"voxels\"", "it can be spm proxy paper"},
+           Case{"method = 3", "must be text"},
+           Case{"paper_rule = \"best\"", "closest-plane closest-surface all-planes"},
+           Case{"scale = -1", "mirrored"},
+           Case{"scale = 1e7", "from 1e-6 to 1e6"},
+           Case{"scale = 1e-7", "from 1e-6 to 1e6"},
+           Case{"pose = [0, 0, 0, 1.02, 0, 0, 0]", "1 %"},
+       }) {
+    INFO(wrong.key);
+    const auto scene = read("[[object]]\nasset = \"a.spm.exr\"\n" + std::string(wrong.key) + "\n");
+    REQUIRE(!scene);
+    INFO(scene.error().message);
+    CHECK(scene.error().code == ExitCode::invalid_input);
+    CHECK(scene.error().message.find("scene.toml: line 3: ") != std::string::npos);
+    CHECK(scene.error().message.find(wrong.cause) != std::string::npos);
+  }
+}
+
+TEST_CASE("A quaternion within 1 % of unit length is made one, and a scene of nothing is refused") {
+  const auto scene = read("[[object]]\nasset = \"a\"\npose = [0, 0, 0, 0.704, 0, 0.704, 0]\n");
+  REQUIRE(scene);
+  CHECK(std::abs(scene->objects[0].placement.rotation.norm() - 1) < 1e-12);
+  const auto empty = read("object = []\n");
+  REQUIRE(!empty);
+  CHECK(empty.error().code == ExitCode::invalid_input);
+  CHECK(empty.error().message.find("needs an object") != std::string::npos);
+}
+
 TEST_CASE("What is wrong in a scene is told by its line, cause and cure") {
   struct Case {
     const char* text;

@@ -190,7 +190,7 @@ TEST_CASE("The loop outlives an asset that is damaged while it is felt") {
       reads.fetch_add(1);
     });
     TickRing ring = make_tick_ring(1000, 1);
-    Loop loop(LoopSettings{}, {&device}, slot, ring, stop);
+    Loop loop(LoopSettings{}, {&device}, {&slot}, ring, stop);
     std::thread thread([&] { loop.run(); });
     const auto ticks_later = [&](std::uint64_t count) {
       const std::uint64_t end = reads.load() + count;

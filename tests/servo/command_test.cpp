@@ -87,6 +87,14 @@ struct Workshop {
     std::ofstream file(slide);
     for (int i = 0; i < 500; ++i) file << i * 1e-5 << " 0 " << 0.0195 << '\n';
   }
+
+  /// Writes a scene, each to a file of its own, and names it.
+  [[nodiscard]] std::string scene(const std::string& text) const {
+    const std::string path = folder.file("scene" + std::to_string(scenes++) + ".toml");
+    std::ofstream(path) << text;
+    return path;
+  }
+  mutable int scenes = 0;
 };
 
 void require_one_sentence(const std::string& err) {
@@ -120,6 +128,44 @@ TEST_CASE("A run reports everything that the contract names, and nothing else on
   REQUIRE(report["energy_j"]["generated_max"].is_number());
   REQUIRE(report["devices"][0]["name"] == "sim");
   REQUIRE(report["assets"][0]["form"] == "sparse");
+}
+
+TEST_CASE("A run of a scene reports its objects, and holds the scene's cap after the sum") {
+  const Workshop shop;
+  const std::string scene = shop.scene(
+      "[device]\ndriver = \"sim\"\nprofile = \"falcon\"\nforce_cap = \"0.4N\"\n"
+      "[workspace]\npose = [0.1, 0, 0]\n"
+      "[[object]]\nasset = \"sparse.spm.exr\"\npose = [0.1, 0, 0]\nscale = 2\n"
+      "friction = { slide = 0.3 }\ndamping = \"1Ns/m\"\n"
+      "[[object]]\nasset = \"full.spm.exr\"\npose = [0.3, 0, 0]\nmethod = \"paper\"\n"
+      "[[object]]\nasset = \"sparse.spm.exr\"\npose = [0, 0.3, 0]\nmethod = \"proxy\"\n");
+  const Outcome run = servo(shop.folder, {"run", "--scene", scene, "--duration", "1.5", "--json"});
+  CAPTURE(run.err);
+  REQUIRE(run.code == 0);
+  const json report = json::parse(run.out);
+  REQUIRE(report["contact_ticks"].get<double>() >= 0.6 * report["ticks"].get<double>());
+  REQUIRE(report["scene"] == scene);
+  REQUIRE(report["objects"].size() == 3);
+  REQUIRE(report["objects"][1]["method"] == "paper");
+  REQUIRE(report["assets"].size() == 2);
+  REQUIRE(report["devices"][0]["profile"] == "falcon");
+  REQUIRE(report["devices"][0]["force_cap_n"] == 0.4);
+  REQUIRE(report["force_n"]["max"].get<double>() <= 0.4 * (1 + 1e-12));
+  REQUIRE(report["force_n"]["cap_hits"].get<int>() > 0);
+}
+
+TEST_CASE("A replay of a scene without effects writes what a replay of its asset writes") {
+  const Workshop shop;
+  const std::string scene = shop.scene("[[object]]\nasset = \"sparse.spm.exr\"\n");
+  const std::string other = shop.folder.file("other.csv");
+  REQUIRE(
+      servo(shop.folder, {"replay", shop.slide, "--asset", shop.sparse, "--out", shop.out}).code ==
+      0);
+  const Outcome replay =
+      servo(shop.folder, {"replay", shop.slide, "--scene", scene, "--out", other, "--json"});
+  REQUIRE(replay.code == 0);
+  REQUIRE(json::parse(replay.out)["assets"][0]["form"] == "sparse");
+  REQUIRE(content(other) == content(shop.out));
 }
 
 TEST_CASE("A run traces one row a tick") {
@@ -198,6 +244,8 @@ TEST_CASE("A wrong command ends with the contract's exit code and one sentence")
   std::ofstream(shop.folder.file("text.spm.exr")) << "no asset at all";
   const std::string run = "run --duration 0.1 --asset ";
   const std::string replay = "replay " + shop.slide + " --out " + shop.out + " --asset ";
+  const std::string on = "replay " + shop.slide + " --out " + shop.out + " --scene ";
+  const std::string object = "[[object]]\nasset = \"sparse.spm.exr\"\n";
   const std::vector<std::pair<std::string, int>> cases{
       {"", 1},
       {"sing", 1},
@@ -221,6 +269,11 @@ TEST_CASE("A wrong command ends with the contract's exit code and one sentence")
       {run + shop.full + " --method paper --probe sphere:1mm", 1},
       {run + shop.full + " --record a", 1},
       {run + shop.full + " --scene a", 1},
+      {"run --duration 0.1 --scene " + shop.folder.file("none.toml"), 2},
+      {"run --duration 0.1 --scene " + shop.scene("[[object]]\nasset = \"none.spm.exr\"\n"), 2},
+      {"run --duration 0.1 --scene " + shop.scene("[[object]]\nmesh = \"a.obj\"\n"), 3},
+      {"run --duration 0.1 --scene " + shop.scene("[device]\ndriver = \"falcon\"\n" + object), 3},
+      {"run --duration 0.1 --scene " + shop.scene(object + "scale = 0\n"), 3},
       {run + shop.full + " --device sim:path=" + shop.folder.file("none.txt"), 2},
       {run + shop.full + " --device sim:path=" + shop.folder.file("bad.txt"), 3},
       {run + shop.full + " --trace " + shop.folder.file("none/a.csv"), 2},
@@ -230,6 +283,19 @@ TEST_CASE("A wrong command ends with the contract's exit code and one sentence")
       {run + shop.sparse + " --method paper", 3},
       {run + shop.sparse + " --probe sphere:2mm", 3},
       {replay + shop.full + " --method voxels", 1},
+      {"replay " + shop.slide + " --out " + shop.out, 1},
+      {replay + shop.full + " --scene " + shop.scene(object), 1},
+      {on + shop.scene(object) + " --stiffness 1000", 1},
+      {on + shop.scene(""), 3},
+      {on + shop.scene(object + "scale = -1\n"), 3},
+      {on + shop.scene(object + "pose = [0, 0, 0, 1, 1, 0, 0]\n"), 3},
+      {on + shop.scene(object + "friction = { slide = \"0.4\" }\n"), 3},
+      {on + shop.scene(object + "damping = \"2\"\n"), 3},
+      {on + shop.scene(object + "method = \"paper\"\n"), 3},
+      {on + shop.scene("[tool]\nprobe = \"sphere:2mm\"\n" + object), 3},
+      {on + shop.scene(object) + " --method paper", 3},
+      {on + shop.scene("[[object]]\nasset = \"text.spm.exr\"\n"), 3},
+      {on + shop.folder.file("none.toml"), 2},
       {replay + shop.full + " --method paper --probe sphere:0.1mm", 1},
       {replay + shop.full + " --paper-rule best", 1},
       {replay + shop.full + " --pace slow", 1},

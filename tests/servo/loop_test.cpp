@@ -29,7 +29,7 @@ class LoopOnBox {
   void run(ScriptedDevice& device, std::uint64_t ticks) {
     LoopSettings settings;
     settings.ticks = ticks;
-    Loop loop(settings, {&device}, slot_, ring_, stop_);
+    Loop loop(settings, {&device}, {&slot_}, ring_, stop_);
     loop.run();
     counters = loop.counters();
     device_counters = loop.device_counters(0);
@@ -166,8 +166,8 @@ TEST_CASE("Samples that are not numbers never reach the device") {
     ScriptedDevice device(press);
     LoopSettings settings;
     settings.ticks = 150;
-    settings.force.method = method;
-    Loop loop(settings, {&device}, slot, ring, stop);
+    settings.scene.objects.front().force.method = method;
+    Loop loop(settings, {&device}, {&slot}, ring, stop);
     loop.run();
     for (const Vector3& force : device.forces()) REQUIRE(force == Vector3::Zero());
   }
@@ -197,6 +197,52 @@ TEST_CASE(
   for (std::size_t i = 151; i < 171; ++i) REQUIRE(device.forces()[i] == Vector3::Zero());
   REQUIRE(device.forces()[171].z() == Approx(0.01).epsilon(1e-3));
   REQUIRE(device.forces()[300].z() > 0.9);
+}
+
+TEST_CASE("A scene of two assets gives the sum, and no force while one of them is lost") {
+  const Asset assets[2] = {test::box_asset(2 * half), test::box_asset(2 * half)};
+  const AssetTables tables[2] = {tables_of(assets[0]), tables_of(assets[1])};
+  const ServedAsset served[2] = {{&tables[0].view()}, {&tables[1].view()}};
+  AssetSlot slots[2];
+  for (int i = 0; i < 2; ++i) slots[i].offer(&served[i]);
+  LoopSettings settings;
+  settings.ticks = 500;
+  settings.scene.objects.push_back(settings.scene.objects.front());
+  settings.scene.objects[1].asset = 1;
+  settings.scene.objects[1].force.stiffness = 500;
+  TickRing ring = make_tick_ring(1000, 1);
+  const std::atomic<bool> stop{false};
+  ScriptedDevice device([&](std::size_t read, DeviceState& state, DeviceHealth& health) {
+    press(read, state, health);
+    if (read == 200) slots[1].offer(nullptr);
+    if (read == 250) slots[1].offer(&served[1]);
+  });
+  Loop loop(settings, {&device}, {&slots[0], &slots[1]}, ring, stop);
+  loop.run();
+  REQUIRE(device.forces()[190].z() == Approx(1.5).epsilon(1e-4));
+  for (std::size_t i = 201; i < 251; ++i) REQUIRE(device.forces()[i] == Vector3::Zero());
+  REQUIRE(device.forces()[251].z() == Approx(0.015).epsilon(1e-3));
+  REQUIRE(device.forces()[400].z() == Approx(1.5).epsilon(1e-4));
+  REQUIRE(loop.device_counters(0).force_off[static_cast<std::size_t>(ForceOff::asset_lost)] == 50);
+}
+
+TEST_CASE("A scene's force cap holds in the loop beside the device's, after the sum") {
+  const Asset asset = test::box_asset(2 * half);
+  const AssetTables tables = tables_of(asset);
+  const ServedAsset served{&tables.view()};
+  AssetSlot slot;
+  slot.offer(&served);
+  LoopSettings settings;
+  settings.ticks = 300;
+  settings.force_cap = 1.2;
+  settings.scene.objects.push_back(settings.scene.objects.front());
+  TickRing ring = make_tick_ring(1000, 1);
+  const std::atomic<bool> stop{false};
+  ScriptedDevice device(press);
+  Loop loop(settings, {&device}, {&slot}, ring, stop);
+  loop.run();
+  REQUIRE(loop.device_counters(0).force_max == Approx(1.2));
+  REQUIRE(loop.device_counters(0).cap_hits > 100);
 }
 
 TEST_CASE("The force cap of the device holds in the loop") {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "servo/replay.hpp"
 
+#include <array>
 #include <catch2/catch.hpp>
 #include <fstream>
 
@@ -14,6 +15,9 @@ using namespace spm::servo;
 namespace {
 
 constexpr double half = 0.02;
+
+/// The assets of a scene of one object.
+std::array<const AssetView*, 1> one(const AssetTables& tables) { return {&tables.view()}; }
 
 std::vector<TrajectorySample> random_trajectory(std::uint64_t seed, std::size_t rows) {
   Random random(seed);
@@ -34,10 +38,11 @@ TEST_CASE("A replay answers every row with the force law: stiffness times depth"
   for (const Method method : {Method::spm, Method::paper}) {
     for (const double stiffness : {0.0, 500.0, 3000.0}) {
       ReplayOptions options;
-      options.force.method = method;
-      options.force.stiffness = stiffness;
+      ForceSettings& force = options.scene.objects.front().force;
+      force.method = method;
+      force.stiffness = stiffness;
       const auto trajectory = random_trajectory(5, 3000);
-      const ReplayResult result = replay(tables.view(), trajectory, options);
+      const ReplayResult result = replay(one(tables), trajectory, options);
       REQUIRE(result.contacts.size() == trajectory.size());
       REQUIRE(result.busy_ns.size() == trajectory.size());
       std::uint64_t touching = 0;
@@ -45,8 +50,7 @@ TEST_CASE("A replay answers every row with the force law: stiffness times depth"
         const ContactForce& contact = result.contacts[i];
         touching += contact.contact ? 1 : 0;
         REQUIRE(contact.force.norm() == Approx(stiffness * contact.depth).epsilon(1e-9));
-        const ContactForce again =
-            contact_force(tables.view(), options.force, trajectory[i].position);
+        const ContactForce again = contact_force(tables.view(), force, trajectory[i].position);
         REQUIRE(contact.force == again.force);
       }
       REQUIRE(touching > 1000);
@@ -64,8 +68,8 @@ TEST_CASE("The depth is that below the nearest face of a box") {
   trajectory[2].position = {0, 0, half + 1e-4};
   for (const Method method : {Method::spm, Method::paper}) {
     ReplayOptions options;
-    options.force.method = method;
-    const auto contacts = replay(tables.view(), trajectory, options).contacts;
+    options.scene.objects.front().force.method = method;
+    const auto contacts = replay(one(tables), trajectory, options).contacts;
     REQUIRE(contacts[0].depth == Approx(0.5e-3).epsilon(1e-3));
     REQUIRE(contacts[0].force.x() == Approx(0.5).epsilon(1e-3));
     REQUIRE(contacts[1].depth == Approx(1.5e-3).epsilon(1e-3));
@@ -91,7 +95,7 @@ TEST_CASE("Force steps are the differences of consecutive forces") {
 TEST_CASE("A replay of nothing has no rows and no times") {
   const Asset asset = test::box_asset(2 * half);
   const AssetTables tables = tables_of(asset);
-  const ReplayResult result = replay(tables.view(), {}, {});
+  const ReplayResult result = replay(one(tables), {}, {});
   REQUIRE(contact_ticks(result) == 0);
   REQUIRE(us_per_tick(result).max == 0);
   REQUIRE(force_steps(result).max == 0);
@@ -102,10 +106,10 @@ TEST_CASE("In real time each row is answered too, with the same forces") {
   const AssetTables tables = tables_of(asset);
   const auto trajectory = random_trajectory(6, 100);
   ReplayOptions options;
-  const ReplayResult fast = replay(tables.view(), trajectory, options);
+  const ReplayResult fast = replay(one(tables), trajectory, options);
   options.pace = Pace::realtime;
   options.rate_hz = 4000;
-  const ReplayResult paced = replay(tables.view(), trajectory, options);
+  const ReplayResult paced = replay(one(tables), trajectory, options);
   for (std::size_t i = 0; i < trajectory.size(); ++i) {
     REQUIRE(paced.contacts[i].force == fast.contacts[i].force);
   }
@@ -116,7 +120,7 @@ TEST_CASE("The table of a replay has one row a tick") {
   const Asset asset = test::box_asset(2 * half);
   const AssetTables tables = tables_of(asset);
   const auto trajectory = random_trajectory(7, 777);
-  const ReplayResult result = replay(tables.view(), trajectory, {});
+  const ReplayResult result = replay(one(tables), trajectory, {});
   REQUIRE(write_replay(folder.file("out.csv"), trajectory, result, 2000));
   std::ifstream file(folder.file("out.csv"));
   std::string line, last;

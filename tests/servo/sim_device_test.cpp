@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <array>
 #include <catch2/catch.hpp>
 #include <fstream>
 #include <nlohmann/json.hpp>
@@ -22,7 +23,8 @@ Felt feel(const Asset& asset, const SimOptions& options, std::size_t ticks,
           const ForceSettings& force = {}, double rate_hz = 1000) {
   const AssetTables tables = tables_of(asset);
   DeviceSim device(options);
-  DeviceSetup setup{rate_hz, force, &tables.view()};
+  const std::array<const AssetView*, 1> assets{&tables.view()};
+  const DeviceSetup setup{rate_hz, scene_of(force), assets};
   const auto opened = device.open(setup);
   REQUIRE(opened);
   Felt felt;
@@ -129,11 +131,12 @@ TEST_CASE("A recorded hand leads the tool along its file") {
 TEST_CASE("A recorded hand without its file is refused with exit code 2") {
   const Asset asset = test::box_asset(0.04);
   const AssetTables tables = tables_of(asset);
+  const std::array<const AssetView*, 1> assets{&tables.view()};
   SimOptions options;
   options.hand = HandKind::recorded;
   options.path = "/nonexistent/path.txt";
   DeviceSim device(options);
-  const auto opened = device.open({1000, {}, &tables.view()});
+  const auto opened = device.open({1000, scene_of({}), assets});
   REQUIRE_FALSE(opened);
   REQUIRE(opened.error().code == ExitCode::file_or_device);
 }
@@ -142,10 +145,51 @@ TEST_CASE("An asset without any surface gives the hand nothing to touch, exit co
   Asset asset = test::box_asset(0.04);
   asset.grid.index.assign(asset.grid.index.size(), 0);
   const AssetTables tables = tables_of(asset);
+  const std::array<const AssetView*, 1> assets{&tables.view()};
   DeviceSim device{SimOptions{}};
-  const auto opened = device.open({1000, {}, &tables.view()});
+  const auto opened = device.open({1000, scene_of({}), assets});
   REQUIRE_FALSE(opened);
   REQUIRE(opened.error().code == ExitCode::invalid_input);
+}
+
+TEST_CASE("The simulated hand finds a scene's object where it lies, in the hand's frame") {
+  const Asset asset = test::shape_asset(test::sphere(0.02, 2));
+  const AssetTables tables = tables_of(asset);
+  const std::array<const AssetView*, 1> assets{&tables.view()};
+  ForceScene scene = scene_of({});
+  scene.objects[0].placement.position = {0.3, -0.2, 0.1};
+  scene.objects[0].placement.scale = 2;
+  scene.objects[0].effects.friction = {0.4, 0.3, 1000};
+  scene.workspace.position = {0.1, 0, 0};
+  scene.workspace.rotation = Eigen::AngleAxisd(1, Vector3::UnitY());
+  scene.workspace.scale = 1.5;
+  DeviceSim device{SimOptions{}};
+  REQUIRE(device.open({1000, scene, assets}));
+  SceneForce force(scene, 1e-3, 20e-6);
+  std::size_t touching = 0;
+  for (int i = 0; i < 3000; ++i) {
+    DeviceState state;
+    REQUIRE(device.read(state) == DeviceHealth::ok);
+    const ContactForce contact = force.next(assets, state.position);
+    touching += contact.contact ? 1 : 0;
+    REQUIRE(device.write({contact.force, Vector3::Zero()}) == DeviceHealth::ok);
+  }
+  REQUIRE(touching >= 1800);
+}
+
+TEST_CASE("A scene's driver and profile make one device; the driver's own profile wins") {
+  SceneDevice scene;
+  REQUIRE(device_of(scene) == "auto");
+  scene.profile = find_device_profile("touch");
+  REQUIRE(device_of(scene) == "sim:profile=touch");
+  scene.driver = "sim";
+  REQUIRE(device_of(scene) == "sim:profile=touch");
+  scene.driver = "sim:hand=push";
+  REQUIRE(device_of(scene) == "sim:hand=push,profile=touch");
+  scene.driver = "sim:profile=low";
+  REQUIRE(device_of(scene) == "sim:profile=low");
+  scene.driver = "falcon";
+  REQUIRE(device_of(scene) == "falcon");
 }
 
 TEST_CASE("Unknown devices are usage errors that name the known ones") {

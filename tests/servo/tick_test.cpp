@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <unistd.h>
 
+#include <array>
 #include <atomic>
 #include <catch2/catch.hpp>
 #include <memory>
@@ -70,17 +71,18 @@ TEST_CASE("A tick neither allocates, locks nor writes") {
   const Asset box = test::box_asset(0.04);
   const AssetTables tables = tables_of(box);
   const ServedAsset served{&tables.view()};
+  const std::array<const AssetView*, 1> assets{&tables.view()};
   for (const Method method : {Method::spm, Method::paper}) {
     AssetSlot slot;
     slot.offer(&served);
     LoopSettings settings;
     settings.ticks = ticks;
-    settings.force.method = method;
+    settings.scene.objects.front().force.method = method;
     WatchedSim device;
-    REQUIRE(device.open({settings.rate_hz, settings.force, &tables.view()}));
+    REQUIRE(device.open({settings.rate_hz, settings.scene, assets}));
     TickRing ring = make_tick_ring(settings.rate_hz, 1);
     const std::atomic<bool> stop{false};
-    Loop loop(settings, {&device}, slot, ring, stop);
+    Loop loop(settings, {&device}, {&slot}, ring, stop);
     test::InterceptedCalls calls;
     std::thread thread([&] {
       const auto before = test::intercepted_calls();
@@ -103,15 +105,16 @@ TEST_CASE("A tick does not fault a page once the memory is locked") {
   const Asset box = test::box_asset(0.04);
   const AssetTables tables = tables_of(box);
   const ServedAsset served{&tables.view()};
+  const std::array<const AssetView*, 1> assets{&tables.view()};
   AssetSlot slot;
   slot.offer(&served);
   LoopSettings settings;
   settings.ticks = 2000;
   DeviceSim device{SimOptions{}};
-  REQUIRE(device.open({settings.rate_hz, settings.force, &tables.view()}));
+  REQUIRE(device.open({settings.rate_hz, settings.scene, assets}));
   TickRing ring = make_tick_ring(settings.rate_hz, 1);
   const std::atomic<bool> stop{false};
-  Loop loop(settings, {&device}, slot, ring, stop);
+  Loop loop(settings, {&device}, {&slot}, ring, stop);
   Result<RealtimeState> realtime;
   std::thread thread([&] {
     realtime = enter_realtime(RealtimeMode::attempt);

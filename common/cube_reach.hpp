@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <optional>
+#include <vector>
+
+#include "common/asset_view.hpp"
+#include "common/closest_element.hpp"
+#include "common/element_units.hpp"
+
+namespace spm {
+
+/// Tells what can matter in a cube, by what is known to be near: the foot of its middle, and the
+/// patch of surface around that. The distance to either is convex, and that to what lies behind a
+/// plane is linear at least; so how much nearer the known is than another is least at a corner of
+/// the cube.
+class CubeReach {
+ public:
+  /// `nearest` is the foot of the cube's middle.
+  CubeReach(const AssetView& asset, const Vector3& middle, double half, const ElementFoot& nearest);
+
+  /// How far a box is from the middle, m; nothing where no point of the cube can be so near to it
+  /// that it is farther by less than `slack` (m) than what is known.
+  [[nodiscard]] std::optional<double> distance_to(const OrientedBox& box, double slack) const;
+
+ private:
+  using Corners = std::array<double, 8>;  ///< of the cube: how far the surface is at most, m
+  Vector3 middle_;
+  double half_;
+  double nearest_;
+  std::vector<Corners> known_;
+
+  [[nodiscard]] Vector3 corner(unsigned which) const;
+  void know_tile(const AssetView& asset, const Tile& tile, std::uint32_t cell, int cells);
+};
+
+}  // namespace spm

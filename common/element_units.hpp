@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "common/asset_view.hpp"
+#include "common/oriented_box.hpp"
+
+namespace spm {
+
+/// A part of an element: a tile's quarter, or a triangle.
+struct ElementUnit {
+  IndexUnit name;
+  OrientedBox box;
+  std::vector<Vector3> normals;  ///< outward, of its cells, or the triangle's
+  bool cap = false;
+};
+
+/// The parts of an element that have surface. Allocates.
+[[nodiscard]] std::vector<ElementUnit> units_of(const AssetView& asset, const TreeChild& element);
+
+/// The box around places, its last axis along a normal (unit).
+[[nodiscard]] OrientedBox box_around(const std::vector<Vector3>& places, const Vector3& normal,
+                                     const Vector3& side);
+
+}  // namespace spm

@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "common/contact_model.hpp"
+#include "common/placement.hpp"
+
+namespace spm {
+
+/// One object as it lies in the world, and how it feels. Lengths, forces, stiffnesses and damping
+/// are the world's: a scale makes the object larger, not softer.
+struct PlacedObject {
+  std::size_t asset = 0;  ///< which of the scene's assets it is
+  Placement placement;    ///< of the asset's frame
+  ForceSettings force;
+  EffectSettings effects;
+};
+
+/// What a contact model in the asset's frame is given, so that the world feels the settings of the
+/// object: lengths divided by its scale, forces a length multiplied. `tick` in s, above 0;
+/// `encoder_step` in m of the world.
+[[nodiscard]] ContactSettings in_asset_frame(const PlacedObject& object, double tick,
+                                             double encoder_step) noexcept;
+
+/// The force of one object in the world, tick by tick. Where the hand is farther from the object
+/// than its band it is not asked. Nothing in it allocates or throws.
+class PlacedContact {
+ public:
+  /// `tick` in s, above 0; `encoder_step` in m of the world, 0 or more.
+  PlacedContact(const PlacedObject& object, double tick, double encoder_step) noexcept;
+
+  /// Force for a probe centred at `point` in the next tick; force, normal and depth in the world,
+  /// as ContactModel says. `asset` must be the object's.
+  [[nodiscard]] ContactForce next(const AssetView& asset, const Vector3& point) noexcept;
+
+  /// Forgets all: at the start, and when the asset was exchanged.
+  void reset() noexcept;
+
+  /// Which of the scene's assets it is.
+  [[nodiscard]] std::size_t asset() const noexcept { return asset_; }
+
+ private:
+  std::size_t asset_;
+  Eigen::Matrix3d rotation_;
+  Vector3 position_;
+  double scale_;
+  double reach_;   ///< m, asset's frame: how far outside of the asset's box there may be contact
+  bool may_skip_;  ///< there is none beyond
+  ContactModel model_;
+  Vector3 last_ = Vector3::Zero();  ///< m, asset's frame: where the hand was
+  bool last_known_ = false;
+  bool touching_ = false;
+  bool away_ = false;  ///< it was not asked in the last tick
+
+  [[nodiscard]] bool passes(const AssetView& asset, const Vector3& point) const noexcept;
+};
+
+}  // namespace spm
