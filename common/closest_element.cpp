@@ -2,6 +2,7 @@
 #include "common/closest_element.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "common/closest_on_triangle.hpp"
@@ -58,17 +59,17 @@ class Gatherer {
 
   void visit(const IndexUnit& unit) noexcept {
     ++reading.visited;
-    if ((unit.part & index_triangle) != 0) {
-      const std::uint32_t corner = unit.part & ~index_triangle;
-      Vector3 a, b, c;
-      if (!stored_corner(asset_, unit.element, a) || !stored_corner(asset_, corner, b) ||
-          !stored_corner(asset_, corner + 1, c)) {
-        return;
-      }
-      visit_triangle(a, b, c, unit.element >= asset_.first_cap);
+    if ((unit.part & index_triangle) == 0) {
+      visit_quarter(unit.element, unit.part);
       return;
     }
-    visit_quarter(unit.element, unit.part);
+    const std::uint32_t corner = unit.part & ~index_triangle;
+    Vector3 a, b, c;
+    if (!stored_corner(asset_, unit.element, a) || !stored_corner(asset_, corner, b) ||
+        !stored_corner(asset_, corner + 1, c)) {
+      return;
+    }
+    visit_triangle(a, b, c, unit.element >= asset_.first_cap);
   }
 
  private:
@@ -106,9 +107,8 @@ class Gatherer {
     const std::size_t number = std::size_t{which} * tile_quarters + part;
     if (which >= asset_.tiles.size() || number >= asset_.index.quarters.size()) return;
     const Tile& tile = asset_.tiles[which];
-    keep_foot(tile,
-              closest_on_quarter(tile, asset_.index.quarters[number], part,
-                                 asset_.planes[tile.plane], point_, static_cast<float>(limit_)));
+    keep_foot(tile, closest_on_quarter(tile, asset_.index.quarters[number], part, point_,
+                                       static_cast<float>(limit_)));
   }
 
   void keep_foot(const Tile& tile, const TileFoot& foot) noexcept {
@@ -242,13 +242,9 @@ ElementReading read_elements(const AssetView& asset, const IndexList& list, cons
                              CubeKind place) noexcept {
   ElementReading reading = empty_reading(asset);
   Gatherer gatherer(asset, point, place, reading);
-  std::array<float, 3> at{};
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    const int k = static_cast<int>(axis);
-    at[axis] = static_cast<float>(point[k] - asset.tree.origin[k]);
-  }
   visit_list(
-      asset.index, list, at, [&gatherer](const IndexUnit& unit) { gatherer.visit(unit); },
+      asset.index, list, from_origin(asset.tree, point),
+      [&gatherer](const IndexUnit& unit) { gatherer.visit(unit); },
       [&gatherer] { return gatherer.limit(); });
   return reading;
 }

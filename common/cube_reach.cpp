@@ -2,6 +2,7 @@
 #include "common/cube_reach.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 
@@ -34,7 +35,7 @@ CubeReach::CubeReach(const AssetView& asset, const Vector3& middle, double half,
            from_plane_frame(asset.planes[nearest.tile->plane], static_cast<double>(on.away_eta),
                             static_cast<double>(on.away_omega), static_cast<double>(on.away_depth));
   }
-  Corners corners{};
+  Corners corners;
   for (unsigned k = 0; k < 8; ++k) corners[k] = (corner(k) - foot).norm();
   known_.push_back(corners);
   if (nearest.tile == nullptr) return;
@@ -91,7 +92,7 @@ void CubeReach::know_tile(const AssetView& asset, const Tile& tile, std::uint32_
   };
   const Vector3 a = place(x0, y0), b = place(x1 + 1, y0), c = place(x0, y1 + 1),
                 d = place(x1 + 1, y1 + 1);
-  Corners corners{};
+  Corners corners;
   for (unsigned k = 0; k < 8; ++k) {
     const Vector3 at = corner(k);
     corners[k] = thickness + std::min((at - closest_on_triangle(at, a, b, c)).norm(),
@@ -100,19 +101,24 @@ void CubeReach::know_tile(const AssetView& asset, const Tile& tile, std::uint32_
   known_.push_back(corners);
 }
 
+double CubeReach::farthest(double slack) const {
+  return nearest_ + 2 * std::numbers::sqrt3 * half_ + slack + rounding_share * half_;
+}
+
 std::optional<double> CubeReach::distance_to(const OrientedBox& box, double slack) const {
   const Vector3 away = middle_ - box.closest(middle_);
   const double distance = away.norm();
-  const double more = slack + rounding_share * half_;
-  if (distance > nearest_ + 2 * std::numbers::sqrt3 * half_ + more) return std::nullopt;
+  if (distance > farthest(slack)) return std::nullopt;
   if (!(distance > 1e-9)) return distance;
-  const Vector3 normal = away / distance;
-  Corners least{};
-  for (unsigned k = 0; k < 8; ++k) least[k] = distance + normal.dot(corner(k) - middle_) - more;
+  const Vector3 step = half_ / distance * away;
+  const double start = distance - slack - rounding_share * half_;
+  Corners least;
+  for (unsigned k = 0; k < 8; ++k) {
+    least[k] = start + ((k & 1U) != 0 ? step.x() : -step.x()) +
+               ((k & 2U) != 0 ? step.y() : -step.y()) + ((k & 4U) != 0 ? step.z() : -step.z());
+  }
   for (const Corners& known : known_) {
-    bool farther = true;
-    for (unsigned k = 0; k < 8 && farther; ++k) farther = least[k] > known[k];
-    if (farther) return std::nullopt;
+    if ((least > known).all()) return std::nullopt;
   }
   return distance;
 }

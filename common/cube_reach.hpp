@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <array>
+#include <Eigen/Core>
 #include <optional>
 #include <vector>
 
@@ -24,12 +24,15 @@ class CubeReach {
   /// that it is farther by less than `slack` (m) than what is known.
   [[nodiscard]] std::optional<double> distance_to(const OrientedBox& box, double slack) const;
 
+  /// Beyond this from the middle nothing can matter, m.
+  [[nodiscard]] double farthest(double slack) const;
+
  private:
-  using Corners = std::array<double, 8>;  ///< of the cube: how far the surface is at most, m
+  using Corners = Eigen::Array<double, 8, 1>;  ///< a number for each of the cube's, m
   Vector3 middle_;
   double half_;
   double nearest_;
-  std::vector<Corners> known_;
+  std::vector<Corners> known_;  ///< how far the surface is at most
 
   [[nodiscard]] Vector3 corner(unsigned which) const;
   void know_tile(const AssetView& asset, const Tile& tile, std::uint32_t cell, int cells);

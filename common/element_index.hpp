@@ -1,37 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
 #include <span>
-#include <utility>
 
 #include "common/support_plane.hpp"
 #include "common/tile_quarter.hpp"
+#include "common/unit_groups.hpp"
 
 namespace spm {
-
-/// Four floats that are worked on at once.
-using FourLanes = float __attribute__((vector_size(16)));
-
-/// An oriented box around a unit. A place p, m from the tree's origin, has in its frame the
-/// coordinates x * p.x + y * p.y + z * p.z + offset, from the box's middle; the fourth of each is
-/// 0.
-struct ElementBox {
-  FourLanes x{}, y{}, z{}, offset{};
-  FourLanes half{};  ///< m
-};
-
-/// Square of the distance of a place to a box, m^2.
-[[nodiscard]] inline float squared_distance(const ElementBox& box,
-                                            const std::array<float, 3>& place) noexcept {
-  const FourLanes at = box.x * place[0] + box.y * place[1] + box.z * place[2] + box.offset;
-  const FourLanes size = at < 0 ? -at : at;
-  const FourLanes off = size > box.half ? size - box.half : FourLanes{};
-  const FourLanes square = off * off;
-  return square[0] + square[1] + square[2];
-}
 
 /// A part of an element that queries look at by itself: a quarter of a tile, or a triangle.
 struct IndexUnit {
@@ -59,23 +39,24 @@ enum class CubeKind : std::uint32_t {
 ///   0: not told here; the tree tells;
 ///   bit 31 set: split; bits 0-30 the place of eight words like these, one an octant (bit 0: upper
 ///     half in x, 1: y, 2: z);
-///   else bits 28-30: the CubeKind; bits 0-27: the place of a list: a word that counts its units,
+///   else bits 28-30: the CubeKind; bits 0-27: the place of a list: a word that counts its groups,
 ///     then their numbers, two of 16 bits a word, or one of 32 where there are more than 65536.
+///     Groups of boxes come first, then those of triangles.
 struct ElementIndex {
   Vector3 origin = Vector3::Zero();  ///< lowest corner of the grid, m
   double cell_size = 1;              ///< m
   std::array<std::uint32_t, 3> cells{0, 0, 0};
   std::span<const std::uint32_t> words;
-  std::span<const IndexUnit> units;       ///< by number
-  std::span<const ElementBox> boxes;      ///< likewise
+  double slack = 0;  ///< m: how far bounds of groups, which are floats, may be off
+  std::span<const BoxGroup> boxes;
+  std::span<const TriangleGroup> triangles;
   std::span<const TileQuarter> quarters;  ///< four a tile
 };
 
 inline constexpr std::uint32_t index_split = 1U << 31U;
 inline constexpr std::uint32_t index_place = (1U << 28U) - 1;
-inline constexpr int index_levels = 4;                ///< halvings of a cube of the grid at most
-inline constexpr std::size_t index_list_units = 128;  ///< at most
-inline constexpr std::size_t small_units = 65536;     ///< numbers below fit in 16 bits
+inline constexpr int index_levels = 6;              ///< halvings of a cube of the grid at most
+inline constexpr std::size_t small_groups = 65536;  ///< numbers below fit in 16 bits
 
 /// The list of a cube, as found for a point.
 struct IndexList {
@@ -89,9 +70,10 @@ struct IndexList {
   if (index.words.empty()) return {};
   std::size_t cell = 0;
   std::array<double, 3> within{};
+  const double per_cell = 1 / index.cell_size;
   for (std::size_t axis = 3; axis-- > 0;) {
     const int k = static_cast<int>(axis);
-    const double position = (point[k] - index.origin[k]) / index.cell_size;
+    const double position = (point[k] - index.origin[k]) * per_cell;
     if (!(position >= 0 && position < static_cast<double>(index.cells[axis]))) return {};
     const auto whole = static_cast<std::size_t>(position);
     cell = cell * index.cells[axis] + whole;
@@ -113,43 +95,56 @@ struct IndexList {
   return {header + 1, header[0], static_cast<CubeKind>(word >> 28U)};
 }
 
-/// Calls `visit(unit)` for the units of a list that may lie nearer to a point than `limit()` (m),
-/// which may shrink on the way, nearest boxes first.
+/// The unit in a lane of a group.
+[[nodiscard]] inline IndexUnit unit_at(const ElementIndex& index, std::uint32_t group,
+                                       std::uint32_t lane) noexcept {
+  if (group < index.boxes.size()) {
+    const std::uint32_t quarter = index.boxes[group].quarters[lane];
+    return {quarter / tile_quarters, quarter % tile_quarters};
+  }
+  const TriangleGroup& triangles = index.triangles[group - index.boxes.size()];
+  return {triangles.first[lane], triangles.second[lane] | index_triangle};
+}
+
+/// Calls `visit(unit)` for the units of a list that may lie nearer to a point (`place`, m from the
+/// tree's origin) than `limit()` (m), which may shrink on the way: nearest bounds first.
 template <class Visit, class Limit>
 void visit_list(const ElementIndex& index, const IndexList& list, const std::array<float, 3>& place,
                 const Visit& visit, const Limit& limit) noexcept {
-  struct Near {
-    float square;
-    std::uint32_t number;
-  };
-  std::array<Near, index_list_units> near;
-  const bool small = index.units.size() <= small_units;
-  const std::size_t count = list.count <= index_list_units ? list.count : index_list_units;
-  std::size_t first = 0;
-  for (std::size_t i = 0; i < count; ++i) {
-    const std::uint32_t number =
-        small ? (list.numbers[i / 2] >> (16 * (i & 1U))) & 0xFFFFU : list.numbers[i];
-    const float square = squared_distance(index.boxes[number], place);
-    near[i] = {square, number};
-    first = square < near[first].square ? i : first;
+  // Without initial values: only what is written is read.
+  alignas(64) std::array<float, index_list_groups * group_units> squares;
+  std::array<std::uint32_t, index_list_groups> numbers;
+  std::array<std::uint32_t, (index_list_groups + 1) * group_units> near;
+  const bool small = index.boxes.size() + index.triangles.size() <= small_groups;
+  const std::size_t groups = list.count <= index_list_groups ? list.count : index_list_groups;
+  if (groups == 0) return;
+  for (std::size_t i = 0; i < groups; ++i) {
+    numbers[i] = small ? (list.numbers[i / 2] >> (16 * (i & 1U))) & 0xFFFFU : list.numbers[i];
   }
-  // Nearest first: a visit costs more than to look for the next.
-  for (std::size_t left = count; left > 0;) {
-    std::swap(near[0], near[first]);
-    const double start = limit();
-    if (!(static_cast<double>(near[0].square) <= start * start)) return;
-    visit(index.units[near[0].number]);
-    const double reach = limit();
-    const auto farthest = static_cast<float>(reach * reach * (1 + 1e-6));
-    std::size_t kept = 0;
-    first = 0;
+  const auto reach = [&limit, slack = index.slack] {
+    const double farthest = limit() + slack;
+    return static_cast<float>(farthest * farthest * (1 + 1e-6));
+  };
+  const auto unit = [&](std::size_t which) {
+    return unit_at(index, numbers[which / group_units], which % group_units);
+  };
+  const std::uint32_t first =
+      group_squares(index.boxes, index.triangles, {numbers.data(), groups}, place, squares.data());
+  if (!(squares[first] <= reach()) || !(squares[first] < empty_square)) return;
+  visit(unit(first));
+  squares[first] = empty_square;
+  float farthest = std::min(reach(), empty_square / 2);
+  std::size_t left = near_lanes(squares.data(), groups * group_units, farthest, near.data());
+  while (left > 0) {
+    std::size_t next = 0;
     for (std::size_t i = 1; i < left; ++i) {
-      const Near next = near[i];
-      near[kept] = next;
-      first = next.square < near[first].square ? kept : first;
-      kept += next.square <= farthest ? 1 : 0;
+      next = squares[near[i]] < squares[near[next]] ? i : next;
     }
-    left = kept;
+    const std::size_t which = near[next];
+    near[next] = near[--left];
+    if (!(squares[which] <= farthest)) return;
+    visit(unit(which));
+    farthest = std::min(reach(), empty_square / 2);
   }
 }
 

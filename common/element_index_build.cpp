@@ -3,10 +3,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <map>
 #include <numbers>
 #include <optional>
+#include <span>
 #include <utility>
 
 #include "common/closest_element.hpp"
@@ -19,11 +21,11 @@ namespace {
 
 /// Cubes of the grid along the longest side of the band's box.
 constexpr double cells_along = 16;
-/// A cube whose list is no longer is not split.
-constexpr std::size_t few_units = 4;
+/// A cube whose list names no more groups is not split.
+constexpr std::size_t few_groups = 4;
 /// A cube is not split that is smaller than so many times what is usual for a quarter, or a
 /// triangle where there are no tiles.
-constexpr double least_share = 0.8;
+constexpr double least_share = 0.4;
 
 /// How much farther than the nearest a unit may be and matter, tolerances: where claims tell the
 /// side, and where a foot is only sought that faces the point.
@@ -35,8 +37,31 @@ constexpr double one_sheet_cosine = 0.7;
 
 /// Elements that may be looked at for all, and more for each: where they all lie in each other's
 /// way an index is of no use, and takes minutes.
-constexpr std::size_t most_visits = 3000000;
-constexpr std::size_t most_visits_each = 150;
+constexpr std::size_t most_visits = 2000000;
+constexpr std::size_t most_visits_each = 600;
+
+/// Rounding of groups' bounds, of the longest side of all.
+constexpr double rounding_share = 1e-6;
+
+/// Orders units so that each group's lie near each other: halves them along the longest side of
+/// their middles' box, at a multiple of a group.
+void order_by_place(std::span<ElementUnit> units) {
+  if (units.size() <= group_units) return;
+  Vector3 low = units.front().box.middle, high = low;
+  for (const ElementUnit& unit : units) {
+    low = low.cwiseMin(unit.box.middle);
+    high = high.cwiseMax(unit.box.middle);
+  }
+  Eigen::Index axis = 0;
+  (high - low).maxCoeff(&axis);
+  const std::size_t half = (units.size() / 2 + group_units - 1) / group_units * group_units;
+  std::nth_element(units.begin(), units.begin() + static_cast<std::ptrdiff_t>(half), units.end(),
+                   [axis](const ElementUnit& a, const ElementUnit& b) {
+                     return a.box.middle[axis] < b.box.middle[axis];
+                   });
+  order_by_place(units.first(half));
+  order_by_place(units.subspan(half));
+}
 
 class Builder {
  public:
@@ -65,48 +90,97 @@ class Builder {
   AssetView asset_;
   ElementIndexData data_;
   std::vector<ElementUnit> units_;
+  std::size_t first_triangle_ = 0;
   std::map<Numbers, std::uint32_t> lists_;
   double least_edge_ = 0;
   std::size_t visits_ = 0;
 
+  /// Units that lie near each other follow each other, tiles' quarters first.
   void gather_units() {
     const std::size_t nodes = asset_.tree.words.size() / tree_node_words;
-    std::vector<double> widths;
+    std::vector<ElementUnit> quarters, triangles;
     for (std::size_t node = 0; node < nodes; ++node) {
       for (std::size_t child = 0; child < tree_children; ++child) {
         const std::uint32_t word = asset_.tree.words[node * tree_node_words + child];
-        for (const ElementUnit& unit : units_of(asset_, unpack_child(word))) {
-          units_.push_back(unit);
-          data_.units.push_back(unit.name);
-          data_.boxes.push_back(element_box(unit.box));
+        for (ElementUnit& unit : units_of(asset_, unpack_child(word))) {
           const bool is_triangle = (unit.name.part & index_triangle) != 0;
-          if (!is_triangle || asset_.tiles.empty()) widths.push_back(2 * unit.box.half.maxCoeff());
+          (is_triangle ? triangles : quarters).push_back(std::move(unit));
         }
       }
     }
+    find_least_edge(quarters.empty() ? triangles : quarters);
+    order_by_place(quarters);
+    order_by_place(triangles);
+    add_boxes(quarters);
+    add_triangles(triangles);
+    units_ = std::move(quarters);
+    first_triangle_ = units_.size();
+    units_.insert(units_.end(), std::make_move_iterator(triangles.begin()),
+                  std::make_move_iterator(triangles.end()));
     for (const Tile& tile : asset_.tiles) {
-      for (std::uint32_t which = 0; which < tile_quarters; ++which) {
-        data_.quarters.push_back(tile_quarter(tile, asset_.height_unit, which));
+      for (std::uint32_t part = 0; part < tile_quarters; ++part) {
+        data_.quarters.push_back(
+            tile_quarter(tile, asset_.height_unit, asset_.planes[tile.plane], part));
       }
     }
-    // Units, boxes and quarters are complete: the rest is found with them.
+    const std::array<float, 3>& size = asset_.tree.size;
+    data_.slack = rounding_share * static_cast<double>(*std::max_element(size.begin(), size.end()));
+    // Groups and quarters are complete: the rest is found with them.
     asset_.index = data_.view();
-    if (widths.empty()) return;
+  }
+
+  void find_least_edge(const std::vector<ElementUnit>& units) {
+    if (units.empty()) return;
+    std::vector<double> widths;
+    for (const ElementUnit& unit : units) widths.push_back(2 * unit.box.half.maxCoeff());
     const auto middle = widths.begin() + static_cast<std::ptrdiff_t>(widths.size() / 2);
     std::nth_element(widths.begin(), middle, widths.end());
     least_edge_ = least_share * *middle;
   }
 
-  [[nodiscard]] ElementBox element_box(const OrientedBox& box) const {
-    const Vector3 offset = box.axes.transpose() * (asset_.tree.origin - box.middle);
-    const auto lanes = [](const Vector3& v) {
-      return FourLanes{static_cast<float>(v.x()), static_cast<float>(v.y()),
-                       static_cast<float>(v.z()), 0};
-    };
-    // Rounding must not turn a bound into a hope.
-    const double slack = 1e-6 * (offset.cwiseAbs().maxCoeff() + box.half.maxCoeff());
-    return {lanes(box.axes.row(0)), lanes(box.axes.row(1)), lanes(box.axes.row(2)), lanes(offset),
-            lanes(box.half + Vector3::Constant(slack))};
+  void add_boxes(const std::vector<ElementUnit>& units) {
+    BoxGroup empty;
+    empty.offset[0].fill(empty_lane);
+    for (std::size_t i = 0; i < units.size(); ++i) {
+      const std::size_t lane = i % group_units;
+      if (lane == 0) data_.boxes.push_back(empty);
+      BoxGroup& group = data_.boxes.back();
+      const OrientedBox& box = units[i].box;
+      const Vector3 offset = box.axes.transpose() * (asset_.tree.origin - box.middle);
+      for (int axis = 0; axis < 3; ++axis) {
+        const auto k = static_cast<std::size_t>(axis);
+        for (int j = 0; j < 3; ++j) {
+          group.axes[k][static_cast<std::size_t>(j)][lane] = static_cast<float>(box.axes(j, axis));
+        }
+        group.offset[k][lane] = static_cast<float>(offset[axis]);
+        group.half[k][lane] = static_cast<float>(box.half[axis]);
+      }
+      group.quarters[lane] = units[i].name.element * tile_quarters + units[i].name.part;
+    }
+  }
+
+  void add_triangles(const std::vector<ElementUnit>& units) {
+    TriangleGroup empty;
+    empty.corner[0].fill(empty_lane);
+    for (std::size_t i = 0; i < units.size(); ++i) {
+      const std::size_t lane = i % group_units;
+      if (lane == 0) data_.triangles.push_back(empty);
+      TriangleGroup& group = data_.triangles.back();
+      group.first[lane] = units[i].name.element;
+      group.second[lane] = units[i].name.part & ~index_triangle;
+      Vector3 a, b, c;
+      if (!stored_corner(asset_, group.first[lane], a) ||
+          !stored_corner(asset_, group.second[lane], b) ||
+          !stored_corner(asset_, group.second[lane] + 1, c)) {
+        continue;
+      }
+      for (int axis = 0; axis < 3; ++axis) {
+        const auto k = static_cast<std::size_t>(axis);
+        group.corner[k][lane] = static_cast<float>(a[axis] - asset_.tree.origin[axis]);
+        group.side[k][lane] = static_cast<float>(b[axis] - a[axis]);
+        group.other[k][lane] = static_cast<float>(c[axis] - a[axis]);
+      }
+    }
   }
 
   [[nodiscard]] Numbers all() const {
@@ -131,11 +205,7 @@ class Builder {
       return;
     }
     const double reach = reach_of(middle, edges.maxCoeff() / 2);
-    Numbers near;
-    for (const std::uint32_t number : some) {
-      const Vector3 closest = units_[number].box.closest(middle);
-      if ((closest - middle).norm() <= reach) near.push_back(number);
-    }
+    const Numbers near = within(middle, reach, some);
     std::array<std::uint32_t, 3> half = size, upper = low;
     half[longest] = size[longest] / 2;
     fill(low, half, near);
@@ -150,17 +220,34 @@ class Builder {
     return nearest + 2 * std::numbers::sqrt3 * half + claim_slack * asset_.tolerance;
   }
 
-  /// Of some units those that can matter in a cube, the nearest to its middle first.
+  /// Of some units those that can matter in a cube.
   [[nodiscard]] Numbers near_of(const CubeReach& reach, const Numbers& some, double slack) const {
-    std::vector<std::pair<double, std::uint32_t>> near;
+    Numbers near;
     for (const std::uint32_t number : some) {
-      const std::optional<double> distance = reach.distance_to(units_[number].box, slack);
-      if (distance) near.push_back({*distance, number});
+      if (reach.distance_to(units_[number].box, slack)) near.push_back(number);
     }
-    std::sort(near.begin(), near.end());
-    Numbers numbers;
-    for (const auto& one : near) numbers.push_back(one.second);
-    return numbers;
+    return near;
+  }
+
+  /// Of some units, in order, those no farther from a place than a distance (m), and perhaps some
+  /// that are a little farther.
+  [[nodiscard]] Numbers within(const Vector3& place, double distance, const Numbers& some) const {
+    const std::array<float, 3> at = from_origin(asset_.tree, place);
+    const double farthest = distance + data_.slack;
+    const auto most = static_cast<float>(farthest * farthest * (1 + 1e-6));
+    alignas(64) GroupLanes squares{};
+    std::optional<std::uint32_t> last;
+    Numbers near;
+    for (const std::uint32_t number : some) {
+      const std::uint32_t group = group_of(number);
+      if (group != last) {
+        static_cast<void>(
+            group_squares(data_.boxes, data_.triangles, {&group, 1}, at, squares.data()));
+        last = group;
+      }
+      if (squares[lane_of(number)] <= most) near.push_back(number);
+    }
+    return near;
   }
 
   [[nodiscard]] bool is_one_sheet(const Numbers& near) const {
@@ -177,8 +264,9 @@ class Builder {
 
   /// What all elements say of a point, which only some units matter to.
   [[nodiscard]] ElementReading reading_at(const Vector3& point, const Numbers& some) const {
-    if (some.size() > index_list_units) return read_elements(asset_, point, CubeKind::told);
-    const std::vector<std::uint32_t> packed = packed_list(some);
+    const Numbers groups = groups_of(some);
+    if (groups.size() > index_list_groups) return read_elements(asset_, point, CubeKind::told);
+    const std::vector<std::uint32_t> packed = packed_list(groups);
     const IndexList list{packed.data() + 1, packed.front(), CubeKind::told};
     return read_elements(asset_, list, point, CubeKind::told);
   }
@@ -199,17 +287,19 @@ class Builder {
     if (!(reading.nearest.distance - diagonal <= end + 2 * asset_.tolerance)) return 0;
 
     const CubeReach reach(asset_, middle, half, reading.nearest);
-    Numbers near = near_of(reach, some, claim_slack * asset_.tolerance);
+    const double slack = claim_slack * asset_.tolerance;
+    Numbers near = near_of(reach, within(middle, reach.farthest(slack), some), slack);
     const CubeKind kind = kind_of(middle, half, reading, space, near);
     Numbers few = kind == CubeKind::told || kind == CubeKind::unknown
                       ? near
                       : near_of(reach, near, facing_slack * asset_.tolerance);
-    if (level < index_levels && few.size() > few_units &&
-        (2 * half >= least_edge_ || few.size() > index_list_units)) {
+    const Numbers groups = groups_of(few);
+    if (level < index_levels && groups.size() > few_groups &&
+        (2 * half >= least_edge_ || groups.size() > index_list_groups)) {
       return split(middle, half, near, level);
     }
-    if (few.empty() || few.size() > index_list_units) return 0;
-    return list(few) | static_cast<std::uint32_t>(kind) << 28U;
+    if (few.empty() || groups.size() > index_list_groups) return 0;
+    return list(groups) | static_cast<std::uint32_t>(kind) << 28U;
   }
 
   std::uint32_t split(const Vector3& middle, double half, const Numbers& near, int level) {
@@ -264,10 +354,30 @@ class Builder {
     return place->second;
   }
 
+  [[nodiscard]] std::uint32_t group_of(std::uint32_t unit) const {
+    const std::size_t group = unit < first_triangle_
+                                  ? unit / group_units
+                                  : data_.boxes.size() + (unit - first_triangle_) / group_units;
+    return static_cast<std::uint32_t>(group);
+  }
+  [[nodiscard]] std::size_t lane_of(std::uint32_t unit) const {
+    return (unit < first_triangle_ ? unit : unit - first_triangle_) % group_units;
+  }
+
+  /// The groups that units are of, which are in order.
+  [[nodiscard]] Numbers groups_of(const Numbers& units) const {
+    Numbers groups;
+    for (const std::uint32_t unit : units) {
+      const std::uint32_t group = group_of(unit);
+      if (groups.empty() || groups.back() != group) groups.push_back(group);
+    }
+    return groups;
+  }
+
   /// A list as the index keeps it.
   [[nodiscard]] std::vector<std::uint32_t> packed_list(const Numbers& numbers) const {
     std::vector<std::uint32_t> packed{static_cast<std::uint32_t>(numbers.size())};
-    const bool small = data_.units.size() <= small_units;
+    const bool small = data_.boxes.size() + data_.triangles.size() <= small_groups;
     for (std::size_t i = 0; i < numbers.size(); ++i) {
       if (small && (i & 1U) != 0) {
         packed.back() |= numbers[i] << 16U;

@@ -16,16 +16,17 @@ struct ElementIndexData {
   double cell_size = 1;
   std::array<std::uint32_t, 3> cells{0, 0, 0};
   std::vector<std::uint32_t> words;
-  std::vector<IndexUnit> units;
-  std::vector<ElementBox> boxes;
+  double slack = 0;
+  std::vector<BoxGroup> boxes;
+  std::vector<TriangleGroup> triangles;
   std::vector<TileQuarter> quarters;
 
   [[nodiscard]] ElementIndex view() const noexcept {
-    return {origin, cell_size, cells, words, units, boxes, quarters};
+    return {origin, cell_size, cells, words, slack, boxes, triangles, quarters};
   }
   [[nodiscard]] std::size_t bytes() const noexcept {
-    return 4 * words.size() + (sizeof(IndexUnit) + sizeof(ElementBox)) * units.size() +
-           sizeof(TileQuarter) * quarters.size();
+    return 4 * words.size() + sizeof(BoxGroup) * boxes.size() +
+           sizeof(TriangleGroup) * triangles.size() + sizeof(TileQuarter) * quarters.size();
   }
 };
 

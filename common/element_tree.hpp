@@ -81,6 +81,14 @@ struct TreeBox {
   return square;
 }
 
+/// A point from the tree's origin, m: floats, as the query computes with them.
+[[nodiscard]] inline std::array<float, 3> from_origin(const ElementTree& tree,
+                                                      const Vector3& point) noexcept {
+  const Vector3 place = point - tree.origin;
+  return {static_cast<float>(place.x()), static_cast<float>(place.y()),
+          static_cast<float>(place.z())};
+}
+
 /// Calls `visit(child)` for leaves, nearest boxes first, that may lie nearer to a point than
 /// `limit()` (m), which may shrink on the way. Ends whatever the words are: no node is looked at
 /// more often than there are nodes.
@@ -95,11 +103,7 @@ void visit_elements(const ElementTree& tree, const Vector3& point, const Visit& 
   };
   std::array<Pending, static_cast<std::size_t>(tree_levels) * (tree_children - 1) + tree_children>
       stack;
-  std::array<float, 3> place{};
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    const int k = static_cast<int>(axis);
-    place[axis] = static_cast<float>(point[k] - tree.origin[k]);
-  }
+  const std::array<float, 3> place = from_origin(tree, point);
   const std::size_t nodes = tree.words.size() / tree_node_words;
   if (nodes == 0) return;
   stack[0] = {0, pack_child({ElementKind::node, 0, 1}), {{}, tree.size}};

@@ -22,7 +22,7 @@ void find_feet(const TileQuarter& quarter, const QuarterPlace& place, QuarterFee
   alignas(64) static constexpr std::array<float, quarter_cells> middles_y{
       0.5F, 0.5F, 0.5F, 0.5F, 1.5F, 1.5F, 1.5F, 1.5F,
       2.5F, 2.5F, 2.5F, 2.5F, 3.5F, 3.5F, 3.5F, 3.5F};
-  const hn::CappedTag<float, 8> lanes;
+  const hn::CappedTag<float, quarter_cells> lanes;
   const auto half = hn::Set(lanes, 0.5F), low = hn::Set(lanes, -0.5F), one = hn::Set(lanes, 1.0F);
   const auto px = hn::Set(lanes, place.x), py = hn::Set(lanes, place.y),
              pz = hn::Set(lanes, place.z);
@@ -34,15 +34,17 @@ void find_feet(const TileQuarter& quarter, const QuarterPlace& place, QuarterFee
     const auto dx = hn::Sub(px, hn::Load(lanes, middles_x.data() + k));
     const auto dy = hn::Sub(py, hn::Load(lanes, middles_y.data() + k));
     const auto dz = hn::Sub(pz, hn::Load(lanes, quarter.depth.data() + k));
-    const auto level_x = hn::Add(hn::Mul(sx, sx), one), level_y = hn::Add(hn::Mul(sy, sy), one);
-    const auto along = hn::Div(hn::Sub(hn::Sub(dz, hn::Mul(sx, dx)), hn::Mul(sy, dy)),
-                               hn::Add(hn::Mul(sx, sx), level_y));
+    // Divisions first, which hang on the quarter alone: nothing waits for them.
+    const auto square_x = hn::Mul(sx, sx), level_y = hn::Add(hn::Mul(sy, sy), one);
+    const auto per_level = hn::Div(one, hn::Add(square_x, level_y));
+    const auto per_y = hn::Div(one, level_y), per_x = hn::Div(one, hn::Add(square_x, one));
+    const auto along = hn::Mul(hn::Sub(hn::Sub(dz, hn::Mul(sx, dx)), hn::Mul(sy, dy)), per_level);
     const auto clamp = [&](auto value) { return hn::Min(hn::Max(value, low), half); };
     // The least over a rectangle lies on a side that the free foot is beyond: one each is tried.
     const auto x1 = clamp(hn::Add(dx, hn::Mul(along, sx)));
     const auto y2 = clamp(hn::Add(dy, hn::Mul(along, sy)));
-    const auto y1 = clamp(hn::Div(hn::Add(dy, hn::Mul(sy, hn::Sub(dz, hn::Mul(sx, x1)))), level_y));
-    const auto x2 = clamp(hn::Div(hn::Add(dx, hn::Mul(sx, hn::Sub(dz, hn::Mul(sy, y2)))), level_x));
+    const auto y1 = clamp(hn::Mul(hn::Add(dy, hn::Mul(sy, hn::Sub(dz, hn::Mul(sx, x1)))), per_y));
+    const auto x2 = clamp(hn::Mul(hn::Add(dx, hn::Mul(sx, hn::Sub(dz, hn::Mul(sy, y2)))), per_x));
     const auto square = [&](auto x, auto y) {
       const auto below = hn::Sub(hn::Sub(hn::Sub(dz, hn::Mul(sx, x)), hn::Mul(sy, y)),
                                  hn::Mul(hn::Mul(twist, x), y));
@@ -57,7 +59,16 @@ void find_feet(const TileQuarter& quarter, const QuarterPlace& place, QuarterFee
     hn::Store(smaller, lanes, feet.square.data() + k);
     least = hn::Min(least, smaller);
   }
-  feet.least = hn::GetLane(hn::MinOfLanes(lanes, least));
+  least = hn::MinOfLanes(lanes, least);
+  feet.least = hn::GetLane(least);
+  feet.nearest = 0;
+  for (std::size_t k = 0; k < quarter_cells; k += hn::Lanes(lanes)) {
+    const auto found =
+        hn::FindFirstTrue(lanes, hn::Eq(hn::Load(lanes, feet.square.data() + k), least));
+    if (found < 0) continue;
+    feet.nearest = static_cast<std::uint32_t>(k) + static_cast<std::uint32_t>(found);
+    break;
+  }
 }
 
 }  // namespace spm::HWY_NAMESPACE

@@ -2,6 +2,7 @@
 #include "common/tile_quarter.hpp"
 
 #include <cmath>
+#include <limits>
 
 #include "common/cell_foot.hpp"
 #include "common/quarter_feet.hpp"
@@ -13,16 +14,10 @@ namespace {
 /// How deep a cell lies that is not valid, spacings: its square is a float still.
 constexpr float out_of_reach = 1e15F;
 
-/// The cell of a tile that is a quarter's cell k.
-std::uint32_t cell_of(std::uint32_t which, std::uint32_t k) noexcept {
-  const std::uint32_t column = (which & 1U) * quarter_side + k % quarter_side;
-  const std::uint32_t row = (which >> 1U) * quarter_side + k / quarter_side;
-  return row * tile_cells + column;
-}
-
 }  // namespace
 
-TileQuarter tile_quarter(const Tile& tile, float height_unit, std::uint32_t which) noexcept {
+TileQuarter tile_quarter(const Tile& tile, float height_unit, const SupportPlane& plane,
+                         std::uint32_t which) noexcept {
   TileHeights heights;
   tile_heights(tile, height_unit, heights);
   const float per_spacing = 1 / tile.spacing;
@@ -42,20 +37,36 @@ TileQuarter tile_quarter(const Tile& tile, float height_unit, std::uint32_t whic
     quarter.twist[k] = h00 - h10 - h01 + h11;
     quarter.depth[k] = (h00 + h10 + h01 + h11) * 0.25F;
   }
+  const auto spacing = static_cast<double>(tile.spacing);
+  const std::uint32_t column = (which & 1U) * quarter_side, row = (which >> 1U) * quarter_side;
+  quarter.spacing = tile.spacing;
+  quarter.origin =
+      support_plane_point(plane, tile.eta0 + column * spacing, tile.omega0 + row * spacing) -
+      tile.base * plane.n;
+  for (int k = 0; k < 3; ++k) {
+    const auto axis = static_cast<std::size_t>(k);
+    quarter.axes[0][axis] = static_cast<float>(plane.u[k] / spacing);
+    quarter.axes[1][axis] = static_cast<float>(plane.v[k] / spacing);
+    quarter.axes[2][axis] = static_cast<float>(-plane.n[k] / spacing);
+  }
   return quarter;
 }
 
 TileFoot closest_on_quarter(const Tile& tile, const TileQuarter& quarter, std::uint32_t which,
-                            const SupportPlane& plane, const Vector3& point, float limit) noexcept {
-  const PlaneCoordinates at = project_on_plane(plane, point);
-  const double per_spacing = 1 / static_cast<double>(tile.spacing);
-  const QuarterPlace place{static_cast<float>((at.eta - tile.eta0) * per_spacing) -
-                               static_cast<float>((which & 1U) * quarter_side),
-                           static_cast<float>((at.omega - tile.omega0) * per_spacing) -
-                               static_cast<float>((which >> 1U) * quarter_side),
-                           static_cast<float>((at.depth - tile.base) * per_spacing)};
+                            const Vector3& point, float limit) noexcept {
+  // From the origin in floats: near it they are exact enough.
+  const auto x0 = static_cast<float>(point.x() - quarter.origin.x());
+  const auto y0 = static_cast<float>(point.y() - quarter.origin.y());
+  const auto z0 = static_cast<float>(point.z() - quarter.origin.z());
+  const auto along = [&](const std::array<float, 3>& axis) {
+    return axis[0] * x0 + axis[1] * y0 + axis[2] * z0;
+  };
+  const QuarterPlace place{along(quarter.axes[0]), along(quarter.axes[1]), along(quarter.axes[2])};
   QuarterFeet feet;
   quarter_feet(quarter, place, feet);
+  TileFoot foot;
+  const float spacing = quarter.spacing;
+  if (!(feet.least * (spacing * spacing) < limit * limit)) return foot;
   const auto cell_at = [&](std::uint32_t k) {
     return CellPatch{quarter.slope_eta[k],
                      quarter.slope_omega[k],
@@ -64,28 +75,26 @@ TileFoot closest_on_quarter(const Tile& tile, const TileQuarter& quarter, std::u
                      place.y - (static_cast<float>(k / quarter_side) + 0.5F),
                      place.z - quarter.depth[k]};
   };
-  const float reach = limit * static_cast<float>(per_spacing);
-  const float start = reach * reach;
-  float best = start;
-  if (!(feet.least < start)) return {};
-  std::uint32_t nearest = 0;
-  for (std::uint32_t k = 0; k < quarter_cells; ++k) {
-    if (!(feet.square[k] < best)) continue;
-    const std::uint32_t cell = cell_of(which, k);
-    if (((tile.clipped >> cell) & 1U) != 0) {
-      const CellPatch patch = cell_at(k);
-      if (!clip_foot(patch, cell_clip(tile, cell), 1, feet.x[k], feet.y[k])) continue;
-      feet.square[k] = patch.squared_distance(feet.x[k], feet.y[k]);
+  std::uint32_t nearest = feet.nearest;
+  float best = feet.least;
+  if (((tile.clipped >> cell_of(which, nearest)) & 1U) != 0) {
+    best = std::numeric_limits<float>::infinity();
+    for (std::uint32_t k = 0; k < quarter_cells; ++k) {
       if (!(feet.square[k] < best)) continue;
+      const std::uint32_t cell = cell_of(which, k);
+      if (((tile.clipped >> cell) & 1U) != 0) {
+        const CellPatch patch = cell_at(k);
+        if (!clip_foot(patch, cell_clip(tile, cell), 1, feet.x[k], feet.y[k])) continue;
+        feet.square[k] = patch.squared_distance(feet.x[k], feet.y[k]);
+        if (!(feet.square[k] < best)) continue;
+      }
+      best = feet.square[k];
+      nearest = k;
     }
-    best = feet.square[k];
-    nearest = k;
+    if (!(best * (spacing * spacing) < limit * limit)) return foot;
   }
-  TileFoot foot;
-  if (!(best < start)) return foot;
   const CellPatch patch = cell_at(nearest);
   const float x = feet.x[nearest], y = feet.y[nearest];
-  const float spacing = tile.spacing;
   foot.cell = cell_of(which, nearest);
   foot.slope_eta = patch.slope_x + patch.twist * y;
   foot.slope_omega = patch.slope_y + patch.twist * x;

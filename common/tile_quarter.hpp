@@ -19,16 +19,27 @@ inline constexpr std::uint32_t quarter_cells = quarter_side * quarter_side;
 /// the heights, so that all cells are looked at together.
 struct alignas(64) TileQuarter {
   std::array<float, quarter_cells> slope_eta{}, slope_omega{}, twist{}, depth{};
+  Vector3 origin = Vector3::Zero();  ///< the quarter's first sample, at the tile's base, m
+  /// Along eta, omega and depth, per spacing: a point's places in the quarter are their products
+  /// with what it is from the origin.
+  std::array<std::array<float, 3>, 3> axes{};
+  float spacing = 0;  ///< m
 };
+
+/// The cell of a tile that is cell k of a quarter.
+[[nodiscard]] constexpr std::uint32_t cell_of(std::uint32_t which, std::uint32_t k) noexcept {
+  const std::uint32_t column = (which & 1U) * quarter_side + k % quarter_side;
+  const std::uint32_t row = (which >> 1U) * quarter_side + k / quarter_side;
+  return row * tile_cells + column;
+}
 
 /// Quarter 0 to 3 of a tile: bit 0 the upper half along eta, 1 along omega.
 [[nodiscard]] TileQuarter tile_quarter(const Tile& tile, float height_unit,
-                                       std::uint32_t which) noexcept;
+                                       const SupportPlane& plane, std::uint32_t which) noexcept;
 
-/// closest_on_tile among the cells of a quarter alone, with its patches at hand. Several cells at
-/// once by whatever the processor has; the same bits on each.
+/// closest_on_tile among the cells of a quarter alone, with its patches at hand.
 [[nodiscard]] TileFoot closest_on_quarter(const Tile& tile, const TileQuarter& quarter,
-                                          std::uint32_t which, const SupportPlane& plane,
-                                          const Vector3& point, float limit) noexcept;
+                                          std::uint32_t which, const Vector3& point,
+                                          float limit) noexcept;
 
 }  // namespace spm

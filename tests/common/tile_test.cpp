@@ -1,18 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "common/tile.hpp"
 
-#include <hwy/targets.h>
-
 #include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
-#include <random>
 #include <vector>
 
 #include "asset_by_hand.hpp"
 #include "common/distance_map.hpp"
 #include "common/quarter_feet.hpp"
 #include "common/support_plane_mapping.hpp"
+#include "every_target.hpp"
+#include "random.hpp"
 
 namespace spm {
 namespace {
@@ -20,17 +19,7 @@ namespace {
 constexpr float unit_of_heights = 1e-6F;
 constexpr double rounding = 3e-8;  ///< of single precision at a tile's size, m
 
-class Random {
- public:
-  explicit Random(std::uint64_t seed) : bits_(seed) {}
-  double between(double low, double high) {
-    return low + (high - low) * static_cast<double>(bits_() >> 11U) * 0x1p-53;
-  }
-  std::uint64_t bits() { return bits_(); }
-
- private:
-  std::mt19937_64 bits_;
-};
+using test::Random;
 
 SupportPlane random_plane(Random& random) {
   const Vector3 normal(random.between(-1, 1), random.between(-1, 1), random.between(-1, 1));
@@ -228,13 +217,12 @@ TEST_CASE("The nearest of a tile's quarters is the foot on the tile") {
     const TileFoot whole = closest_on_tile(tile, unit_of_heights, plane, point, 1.0F);
     float least = std::numeric_limits<float>::infinity();
     for (std::uint32_t which = 0; which < tile_quarters; ++which) {
-      const TileQuarter quarter = tile_quarter(tile, unit_of_heights, which);
-      const TileFoot foot = closest_on_quarter(tile, quarter, which, plane, point, 1.0F);
+      const TileQuarter quarter = tile_quarter(tile, unit_of_heights, plane, which);
+      const TileFoot foot = closest_on_quarter(tile, quarter, which, point, 1.0F);
       if (!(foot.distance < least)) continue;
       least = foot.distance;
       CHECK(((tile.valid >> foot.cell) & 1U) == 1);
-      const TileFoot none =
-          closest_on_quarter(tile, quarter, which, plane, point, foot.distance * 0.999F);
+      const TileFoot none = closest_on_quarter(tile, quarter, which, point, foot.distance * 0.999F);
       CHECK(std::isinf(none.distance));
     }
     REQUIRE(std::isfinite(least) == std::isfinite(whole.distance));
@@ -248,35 +236,25 @@ TEST_CASE("The nearest of a tile's quarters is the foot on the tile") {
 
 TEST_CASE("Every processor finds the same feet on a quarter, bit by bit") {
   Random random(10);
-  std::vector<std::int64_t> targets;
-  for (std::int64_t rest = hwy::SupportedTargets(); rest != 0; rest &= rest - 1) {
-    targets.push_back(rest & -rest);
-  }
-  REQUIRE(!targets.empty());
-  const auto feet_by = [](std::int64_t target, const TileQuarter& quarter,
-                          const QuarterPlace& place) {
-    hwy::SetSupportedTargetsForTest(target);
-    hwy::GetChosenTarget().DeInit();
-    QuarterFeet feet;
-    quarter_feet(quarter, place, feet);
-    hwy::SetSupportedTargetsForTest(0);
-    hwy::GetChosenTarget().DeInit();
-    return feet;
-  };
+  const SupportPlane plane = random_plane(random);
   for (int trial = 0; trial < 200; ++trial) {
     const test::TileByHand made = random_tile(random);
-    const TileQuarter quarter = tile_quarter(made.view(unit_of_heights), unit_of_heights,
+    const TileQuarter quarter = tile_quarter(made.view(unit_of_heights), unit_of_heights, plane,
                                              static_cast<std::uint32_t>(trial % 4));
     const QuarterPlace place{static_cast<float>(random.between(-3, 7)),
                              static_cast<float>(random.between(-3, 7)),
                              static_cast<float>(random.between(-10, 10))};
-    const QuarterFeet wanted = feet_by(targets.front(), quarter, place);
-    for (const std::int64_t target : targets) {
-      const QuarterFeet feet = feet_by(target, quarter, place);
+    std::vector<QuarterFeet> found;
+    test::on_every_target([&] { quarter_feet(quarter, place, found.emplace_back()); });
+    REQUIRE(!found.empty());
+    const QuarterFeet& wanted = found.front();
+    CHECK(wanted.square[wanted.nearest] == wanted.least);
+    for (const QuarterFeet& feet : found) {
       CHECK(feet.x == wanted.x);
       CHECK(feet.y == wanted.y);
       CHECK(feet.square == wanted.square);
       CHECK(feet.least == wanted.least);
+      CHECK(feet.nearest == wanted.nearest);
     }
   }
 }

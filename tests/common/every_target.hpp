@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <hwy/targets.h>
+
+#include <cstdint>
+
+namespace spm::test {
+
+/// Runs `work()` once by each kind of instructions that this processor has, the portable one too.
+template <class Work>
+void on_every_target(const Work& work) {
+  for (std::int64_t rest = hwy::SupportedTargets(); rest != 0; rest &= rest - 1) {
+    hwy::SetSupportedTargetsForTest(rest & -rest);
+    hwy::GetChosenTarget().DeInit();
+    work();
+    hwy::SetSupportedTargetsForTest(0);
+    hwy::GetChosenTarget().DeInit();
+  }
+}
+
+}  // namespace spm::test
