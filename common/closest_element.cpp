@@ -58,11 +58,11 @@ class Gatherer {
   }
 
   void visit(const IndexUnit& unit) noexcept {
-    ++reading.visited;
     if ((unit.part & index_triangle) == 0) {
       visit_quarter(unit.element, unit.part);
       return;
     }
+    ++reading.visited;
     const std::uint32_t corner = unit.part & ~index_triangle;
     Vector3 a, b, c;
     if (!stored_corner(asset_, unit.element, a) || !stored_corner(asset_, corner, b) ||
@@ -79,6 +79,19 @@ class Gatherer {
   bool told_;
   double band_end_;
   double limit_;
+  // The last quarters that were searched, in a ring; without initial values.
+  std::array<std::size_t, 16> searched_;
+  std::size_t searches_ = 0;
+
+  /// Whether a quarter was searched, of which another block was nearer; else notes that it is.
+  [[nodiscard]] bool was_searched(std::size_t quarter) noexcept {
+    const std::size_t kept = std::min(searches_, searched_.size());
+    for (std::size_t i = 0; i < kept; ++i) {
+      if (searched_[i] == quarter) return true;
+    }
+    searched_[searches_++ % searched_.size()] = quarter;
+    return false;
+  }
 
   /// Of feet that differ by rounding, those on an edge that elements share, the one that faces the
   /// point most: so that the order of visits does not tell.
@@ -106,6 +119,8 @@ class Gatherer {
   void visit_quarter(std::uint32_t which, std::uint32_t part) noexcept {
     const std::size_t number = std::size_t{which} * tile_quarters + part;
     if (which >= asset_.tiles.size() || number >= asset_.index.quarters.size()) return;
+    if (was_searched(number)) return;
+    ++reading.visited;
     const Tile& tile = asset_.tiles[which];
     keep_foot(tile, closest_on_quarter(tile, asset_.index.quarters[number], part, point_,
                                        static_cast<float>(limit_)));

@@ -38,7 +38,7 @@ struct ElementReading {
   /// error may have put it behind `nearest`: then that is the border of a patch, whose direction
   /// means nothing.
   ElementFoot facing;
-  std::uint32_t visited = 0;  ///< elements that were looked at
+  std::uint32_t visited = 0;  ///< elements or parts of them that were looked at
   SideClaims sides;           ///< filled only where the place does not tell the side
 };
 

@@ -23,9 +23,9 @@ namespace {
 constexpr double cells_along = 16;
 /// A cube whose list names no more groups is not split.
 constexpr std::size_t few_groups = 4;
-/// A cube is not split that is smaller than so many times what is usual for a quarter, or a
+/// A cube is not split that is smaller than so many times what is usual for a block, or a
 /// triangle where there are no tiles.
-constexpr double least_share = 0.4;
+constexpr double least_share = 0.8;
 
 /// How much farther than the nearest a unit may be and matter, tolerances: where claims tell the
 /// side, and where a foot is only sought that faces the point.

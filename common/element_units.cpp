@@ -11,6 +11,9 @@ namespace spm {
 
 namespace {
 
+/// Cells along a side of a block: its box is thinner than its quarter's.
+constexpr std::uint32_t block_side = 2;
+
 /// Axes of which the last is along a normal.
 Eigen::Matrix3d axes_along(const Vector3& normal, const Vector3& side) {
   const Vector3 across = side - side.dot(normal) * normal;
@@ -21,37 +24,52 @@ Eigen::Matrix3d axes_along(const Vector3& normal, const Vector3& side) {
   return axes;
 }
 
-std::vector<ElementUnit> quarters_of(const AssetView& asset, std::uint32_t number) {
+/// A block's cells that have surface; none where it has none.
+struct BlockSurface {
+  std::vector<Vector3> corners,
+      normals;  ///< of the cells; bilinear patches lie within corners' hull
+};
+
+BlockSurface surface_of(const Tile& tile, const SupportPlane& plane, const TileHeights& heights,
+                        std::uint32_t first_column, std::uint32_t first_row) {
+  const auto spacing = static_cast<double>(tile.spacing);
+  const auto place = [&](std::uint32_t column, std::uint32_t row) {
+    return Vector3(
+        support_plane_point(plane, tile.eta0 + column * spacing, tile.omega0 + row * spacing) -
+        (tile.base + static_cast<double>(heights[row * tile_samples + column])) * plane.n);
+  };
+  BlockSurface surface;
+  for (std::uint32_t row = first_row; row < first_row + block_side; ++row) {
+    for (std::uint32_t column = first_column; column < first_column + block_side; ++column) {
+      if (((tile.valid >> (row * tile_cells + column)) & 1U) == 0) continue;
+      const std::array around{place(column, row), place(column + 1, row), place(column, row + 1),
+                              place(column + 1, row + 1)};
+      surface.corners.insert(surface.corners.end(), around.begin(), around.end());
+      surface.normals.emplace_back(
+          (around[3] - around[0]).cross(around[2] - around[1]).normalized());
+    }
+  }
+  return surface;
+}
+
+std::vector<ElementUnit> blocks_of(const AssetView& asset, std::uint32_t number) {
   const Tile& tile = asset.tiles[number];
   const SupportPlane& plane = asset.planes[tile.plane];
   TileHeights heights;
   tile_heights(tile, asset.height_unit, heights);
-  const auto spacing = static_cast<double>(tile.spacing);
   std::vector<ElementUnit> units;
-  for (std::uint32_t quarter = 0; quarter < tile_quarters; ++quarter) {
-    // Bilinear patches lie within their corners' hull.
-    std::vector<Vector3> corners;
-    std::vector<Vector3> normals;
-    Vector3 normal = Vector3::Zero();
-    for (std::uint32_t k = 0; k < quarter_cells; ++k) {
-      const std::uint32_t column = (quarter & 1U) * quarter_side + k % quarter_side;
-      const std::uint32_t row = (quarter >> 1U) * quarter_side + k / quarter_side;
-      if (((tile.valid >> (row * tile_cells + column)) & 1U) == 0) continue;
-      const auto place = [&](std::uint32_t x, std::uint32_t y) {
-        return Vector3(
-            support_plane_point(plane, tile.eta0 + (column + x) * spacing,
-                                tile.omega0 + (row + y) * spacing) -
-            (tile.base + static_cast<double>(heights[(row + y) * tile_samples + column + x])) *
-                plane.n);
-      };
-      const std::array around{place(0, 0), place(1, 0), place(0, 1), place(1, 1)};
-      corners.insert(corners.end(), around.begin(), around.end());
-      normals.emplace_back((around[3] - around[0]).cross(around[2] - around[1]).normalized());
-      normal += normals.back();
+  for (std::uint32_t row = 0; row < tile_cells; row += block_side) {
+    for (std::uint32_t column = 0; column < tile_cells; column += block_side) {
+      BlockSurface surface = surface_of(tile, plane, heights, column, row);
+      if (surface.corners.empty()) continue;
+      Vector3 normal = Vector3::Zero();
+      for (const Vector3& one : surface.normals) normal += one;
+      const std::uint32_t quarter = row / quarter_side * 2 + column / quarter_side;
+      units.push_back({{number, quarter},
+                       box_around(surface.corners, normal.normalized(), plane.u),
+                       std::move(surface.normals),
+                       false});
     }
-    if (corners.empty()) continue;
-    normal.normalize();
-    units.push_back({{number, quarter}, box_around(corners, normal, plane.u), normals, false});
   }
   return units;
 }
@@ -93,7 +111,7 @@ OrientedBox box_around(const std::vector<Vector3>& places, const Vector3& normal
 std::vector<ElementUnit> units_of(const AssetView& asset, const TreeChild& element) {
   if (element.kind == ElementKind::fan) return triangles_of(asset, element);
   if (element.kind != ElementKind::tile || element.first >= asset.tiles.size()) return {};
-  return quarters_of(asset, element.first);
+  return blocks_of(asset, element.first);
 }
 
 }  // namespace spm

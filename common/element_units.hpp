@@ -9,7 +9,8 @@
 
 namespace spm {
 
-/// A part of an element: a tile's quarter, or a triangle.
+/// A part of an element that a box bounds: a block of 2 x 2 cells of a tile, named by its quarter,
+/// or a triangle.
 struct ElementUnit {
   IndexUnit name;
   OrientedBox box;

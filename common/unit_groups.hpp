@@ -16,9 +16,10 @@ inline constexpr std::size_t index_list_groups = 64;
 /// A number for each unit of a group.
 using GroupLanes = std::array<float, group_units>;
 
-/// Oriented boxes around eight quarters of tiles. A place p, m from the tree's origin, has in box
-/// k's frame the coordinates `axes[i][0][k] * p.x + axes[i][1][k] * p.y + axes[i][2][k] * p.z +
-/// offset[i][k]` from its middle, i = 0 to 2. A lane without a quarter is out of all reach.
+/// Oriented boxes around eight blocks of cells of tiles' quarters. A place p, m from the tree's
+/// origin, has in box k's frame the coordinates `axes[i][0][k] * p.x + axes[i][1][k] * p.y +
+/// axes[i][2][k] * p.z + offset[i][k]` from its middle, i = 0 to 2. A lane without a block is out
+/// of all reach.
 struct alignas(64) BoxGroup {
   std::array<std::array<GroupLanes, 3>, 3> axes{};
   std::array<GroupLanes, 3> offset{}, half{};
