@@ -16,11 +16,8 @@ namespace {
 /// What two fields' errors may take off a clearance, in tolerances: at the sample that was asked,
 /// and at the one that is not.
 constexpr double doubtful_tolerances = 2;
-/// Work between two looks at the clock, in samples that a known answer stands for: one that asks a
-/// field takes as long as some of them, one that need not be read as a part of one.
-constexpr std::uint64_t work_a_look = 16;
-constexpr std::uint64_t work_of_asking = 8;
-constexpr int passed_a_look = 64;
+/// Samples that are passed between two looks at the clock, where none of them asks a field.
+constexpr int passed_a_look = 16;
 /// An answer that is used again may be off by this part of how far it reaches at most.
 constexpr double reaches_an_error = 16;
 /// A patch is not asked anew before it moved by so much of its radius: until then what was said of
@@ -55,23 +52,30 @@ class ObjectContact::Clock {
  public:
   explicit Clock(const TickBudget& budget) noexcept
       : now_(budget.now != nullptr ? budget.now : &steady_now), limited_(budget.nanoseconds > 0) {
-    if (limited_) end_ = now_() + budget.nanoseconds;
+    if (!limited_) return;
+    last_ = now_();
+    end_ = last_ + budget.nanoseconds;
   }
-  /// True where time is over.
+  /// True where time is over, or would be if what comes next, and the end of the tick, each took as
+  /// long as the longest yet.
   [[nodiscard]] bool over(const ObjectContactReport& report) noexcept {
     if (!limited_) return false;
-    const std::uint64_t work = report.tested + work_of_asking * report.asked;
-    if (work < work_ + work_a_look && ++passed_ < passed_a_look) return false;
-    work_ = work;
+    if (report.asked == asked_ && ++passed_ < passed_a_look) return false;
+    asked_ = report.asked;
     passed_ = 0;
-    return now_() >= end_;
+    const std::int64_t now = now_();
+    longest_ = std::max(longest_, now - last_);
+    last_ = now;
+    return now + 2 * longest_ >= end_;
   }
 
  private:
   std::int64_t (*now_)() noexcept;
   bool limited_;
   std::int64_t end_ = 0;
-  std::uint64_t work_ = 0;
+  std::int64_t last_ = 0;
+  std::int64_t longest_ = 0;
+  std::uint64_t asked_ = 0;
   int passed_ = 0;
 };
 
@@ -115,15 +119,18 @@ FieldReading ObjectContact::read(std::uint32_t object, std::uint32_t sample, con
   const AssetView& field = *pairs_[object].field;
   FieldReading reading;
   reading.place = place;
-  // Of a large patch it matters only how far away it is; its boxes tell that for less.
   const auto radius = static_cast<double>(tool_.places[sample].radius);
-  if (radius > field.band.margin) {
+  const SpaceKind space = space_at(field.space, place);
+  const bool outside = space == SpaceKind::far || space == SpaceKind::outside;
+  // Of a large patch, or one beyond the margin, it matters only how far away it is; the field's
+  // boxes tell that for less. Inside they tell nothing of the side.
+  if (outside && (radius > field.band.margin || list_at(field.index, place).numbers == nullptr)) {
     reading.distance = box_clearance(field, place);
     reading.reach = 0;
     if (reading.distance > radius + doubtful_tolerances * field.tolerance) return reading;
   }
   ++report.asked;
-  if (space_at(field.space, place) != SpaceKind::far) {
+  if (space != SpaceKind::far) {
     const Answer answer = query_point(field, place);
     if (answer.status == Status::exact || answer.status == Status::deep) {
       reading.distance = answer.distance;

@@ -27,11 +27,7 @@ double box_clearance(const AssetView& asset, const Vector3& point) noexcept {
   const ElementTree& tree = asset.tree;
   const std::size_t nodes = tree.words.size() / tree_node_words;
   if (nodes == 0) return std::numeric_limits<double>::infinity();
-  std::array<float, 3> place{};
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    const int k = static_cast<int>(axis);
-    place[axis] = static_cast<float>(point[k] - tree.origin[k]);
-  }
+  const std::array<float, 3> place = from_origin(tree, point);
   std::array<Pending, static_cast<std::size_t>(most_clearance_nodes) * tree_children> open;
   open[0] = {0, 0, {{}, tree.size}};
   std::size_t pending = 1;
@@ -68,7 +64,10 @@ double surface_clearance(const AssetView& asset, const Vector3& point) noexcept 
   if (!point.allFinite()) return 0;
   // Asked as if inside, nothing is too far away to be found; what is found beyond the band may be a
   // quarter farther than the nearest.
-  const double found = read_elements(asset, point, CubeKind::inside).nearest.distance;
+  const IndexList list = list_at(asset.index, point);
+  const double found = list.numbers != nullptr
+                           ? read_elements(asset, list, point, CubeKind::inside).nearest.distance
+                           : read_elements(asset, point, CubeKind::inside).nearest.distance;
   return std::max(0.0, 0.8 * found - asset.tolerance);
 }
 

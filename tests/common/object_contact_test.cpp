@@ -106,6 +106,20 @@ TEST_CASE("Clear of all objects there is no force, and hardly a sample is asked"
   CHECK(report.sum.wrench.isZero(0));
 }
 
+TEST_CASE("A tool wholly inside an object, deeper than the band, is pushed by all its surface") {
+  const TiledCubeByHand field(field_size);
+  const SurfaceSamples tool = tool_samples(0.0002);
+  ObjectContact contact(tool, settings());
+  const std::array objects{ContactObject{&field.view, Isometry3d::Identity()}};
+  const Isometry3d pose = pressed_by(tool_size + 0.008);
+  const ContactSum wanted = every_sample(tool, pose, objects);
+  CHECK(wanted.forces().force.z() > 1);
+  const ObjectContactReport report = contact.tick(pose, objects);
+  CHECK(report.clear == 0);
+  CHECK((report.sum.forces().force - wanted.forces().force).norm() <
+        0.01 * wanted.forces().force.norm());
+}
+
 TEST_CASE("Culling and memory of the last tick change no force: objects and tool move at random") {
   const TiledCubeByHand field(field_size), small(0.02);
   const SurfaceSamples tool = tool_samples(0.0007);
