@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "common/query.hpp"
+#include "common/rigid_pose.hpp"
 #include "common/surface_clearance.hpp"
 
 namespace spm {
@@ -259,11 +260,11 @@ ObjectContactReport ObjectContact::tick(const Eigen::Isometry3d& tool_pose,
   ObjectContactReport report;
   Clock clock(budget);
   active_.clear();
-  if (tool_.levels.empty() || !tool_pose.matrix().allFinite()) return report;
+  if (tool_.levels.empty() || !keeps_lengths(tool_pose)) return report;
   const std::size_t count = std::min(objects.size(), pairs_.size());
   const SampleLevel& coarsest = tool_.levels.front();
   for (std::uint32_t object = 0; object < count; ++object) {
-    if (objects[object].field == nullptr || !objects[object].pose.matrix().allFinite()) continue;
+    if (objects[object].field == nullptr || !keeps_lengths(objects[object].pose)) continue;
     move(pairs_[object], objects[object], tool_pose);
     for (std::uint32_t k = 0; k < coarsest.count && active_.size() < active_.capacity(); ++k) {
       look(coarsest.first + k, object, {}, active_, report);

@@ -70,8 +70,8 @@ class ObjectContact {
   ObjectContact(const SurfaceSamples& tool, const ObjectContactSettings& settings);
 
   /// `tool_pose` takes the tool's frame to the world's. `objects` in the same order every tick, all
-  /// `sparse`; those beyond the settings' number are left out. A pose that is not finite gives no
-  /// contact.
+  /// `sparse`; those beyond the settings' number are left out. A pose may mirror; one that scales
+  /// (of a quaternion that is not unit, say), shears or is not finite gives no contact.
   [[nodiscard]] ObjectContactReport tick(const Eigen::Isometry3d& tool_pose,
                                          std::span<const ContactObject> objects,
                                          const TickBudget& budget = {}) noexcept;

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "common/query.hpp"
+#include "common/rigid_pose.hpp"
 #include "common/surface_clearance.hpp"
 
 namespace spm {
@@ -126,7 +127,7 @@ OverlapVolume overlap_volume(const SampledObject& object1, const SampledObject& 
                              const Eigen::Isometry3d& pose2) noexcept {
   OverlapVolume result;
   if (object1.field == nullptr || object2.field == nullptr || object1.samples == nullptr ||
-      object2.samples == nullptr || !pose2.matrix().allFinite()) {
+      object2.samples == nullptr || !keeps_lengths(pose2)) {
     return result;
   }
   const Vector3 about = (object1.samples->centre + pose2 * object2.samples->centre) / 2;

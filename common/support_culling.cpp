@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "common/hull_distance.hpp"
+#include "common/rigid_pose.hpp"
 #include "common/support_plane_mapping.hpp"
 
 namespace spm {
@@ -84,7 +85,7 @@ SupportHull support_hull(const SurfaceSamples& samples, double tolerance, std::s
 
 CullResult objects_apart(const SupportHull& object1, const SupportHull& object2,
                          const Eigen::Isometry3d& pose2, SeparatingDirection& last) noexcept {
-  if (object1.points.empty() || object2.points.empty() || !pose2.matrix().allFinite()) return {};
+  if (object1.points.empty() || object2.points.empty() || !keeps_lengths(pose2)) return {};
   const Vector3 line = pose2 * object2.centre - object1.centre;
   const double apart = line.norm() - object1.radius - object2.radius;
   if (apart > 0) return {true, CullStage::ball, apart};

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "common/rigid_pose.hpp"
+
 namespace spm {
 
 namespace {
@@ -63,7 +65,7 @@ VirtualToolReport VirtualTool::tick(const Eigen::Isometry3d& device,
                                     const TickBudget& budget) noexcept {
   VirtualToolReport report;
   report.pose = pose_;
-  if (!device.matrix().allFinite()) return report;
+  if (!keeps_lengths(device)) return report;
   Coupling coupling = couple(device, pose_);
   report.contact = contact_.tick(pose_, objects, budget);
   double limit_share = 1;

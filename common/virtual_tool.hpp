@@ -44,7 +44,7 @@ class VirtualTool {
   void place(const Eigen::Isometry3d& pose) noexcept { pose_ = pose; }
 
   /// One tick: the device is at `device`, whose place is the tool's origin. `budget` holds for each
-  /// step alone. A pose that is not finite moves nothing and gives no wrench.
+  /// step alone. A pose that scales or is not finite moves nothing and gives no wrench.
   [[nodiscard]] VirtualToolReport tick(const Eigen::Isometry3d& device,
                                        std::span<const ContactObject> objects,
                                        const TickBudget& budget = {}) noexcept;

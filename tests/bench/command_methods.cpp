@@ -53,7 +53,7 @@ TimesPlan plan_of(const Settings& settings) {
     plan.tolerances = {25e-6, 50e-6, 100e-6, 200e-6};
     plan.adaptive_tolerances = {100e-6, 200e-6};
     plan.voxels = {1e-3, 0.5e-3, 0.25e-3};
-    plan.grid_cells = {2e-3, 1e-3};
+    plan.grid_cells = {2e-3, 1e-3, 0.6e-3};
   }
   if (settings.samples > 0) plan.samples = settings.samples;
   return plan;

@@ -287,7 +287,39 @@ TEST_CASE("Poses that are no numbers and objects beyond the room give no contact
   CHECK(contact.tick(pressed_by(0.0005), std::span(objects).first(1)).sum.contacts == contacts);
   CHECK(contact.tick(at(std::nan(""), 0, 0), objects).sum.contacts == 0);
   objects[0].pose.translation().x() = INFINITY;
+  CHECK(contact.tick(pressed_by(0.0005), std::span(objects).first(1)).sum.contacts == 0);
+}
+
+TEST_CASE("Poses that scale, such as those of quaternions that are not unit, give no contact") {
+  const TiledCubeByHand field(field_size);
+  const SurfaceSamples tool = tool_samples(0.001);
+  ObjectContact contact(tool, settings());
+  std::array objects{ContactObject{&field.view, Isometry3d::Identity()}};
+  Isometry3d pose = pressed_by(0.0005);
+  CHECK(contact.tick(pose, objects).sum.contacts > 0);
+  pose.linear() = Eigen::Quaterniond(1.1, 0, 0, 0.1).toRotationMatrix();
+  CHECK(contact.tick(pose, objects).sum.contacts == 0);
+  pose.linear() = 2 * Eigen::Matrix3d::Identity();
+  CHECK(contact.tick(pose, objects).sum.contacts == 0);
+  objects[0].pose.linear() = 0.5 * Eigen::Matrix3d::Identity();
   CHECK(contact.tick(pressed_by(0.0005), objects).sum.contacts == 0);
+}
+
+TEST_CASE("Two objects in one place push a tool twice as one, and a mirrored one as its picture") {
+  const TiledCubeByHand field(field_size);
+  const SurfaceSamples tool = tool_samples(0.0005);
+  ObjectContact contact(tool, settings(2)), single(tool, settings()), mirrored(tool, settings());
+  const ContactObject object{&field.view, at(0.003, 0, 0)};
+  const Isometry3d pose = turned(pressed_by(0.0005), {0.05, 0.1, 0.02});
+  const std::array one{object};
+  const std::array both{object, object};
+  const Vector6 alone = single.tick(pose, one).sum.wrench;
+  CHECK(alone.norm() > 1);
+  CHECK(contact.tick(pose, both).sum.wrench.isApprox(2 * alone, 1e-9));
+  // A cube is its own mirror image, so the mirrored field in the same place is the same object.
+  std::array picture{object};
+  picture[0].pose.linear().col(0) *= -1;
+  CHECK(mirrored.tick(pose, picture).sum.wrench.isApprox(alone, 1e-3));
 }
 
 }  // namespace
