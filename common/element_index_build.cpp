@@ -14,6 +14,7 @@
 #include "common/closest_element.hpp"
 #include "common/cube_reach.hpp"
 #include "common/element_units.hpp"
+#include "common/unit_groups_build.hpp"
 
 namespace spm {
 
@@ -42,26 +43,6 @@ constexpr std::size_t most_visits_each = 600;
 
 /// Rounding of groups' bounds, of the longest side of all.
 constexpr double rounding_share = 1e-6;
-
-/// Orders units so that each group's lie near each other: halves them along the longest side of
-/// their middles' box, at a multiple of a group.
-void order_by_place(std::span<ElementUnit> units) {
-  if (units.size() <= group_units) return;
-  Vector3 low = units.front().box.middle, high = low;
-  for (const ElementUnit& unit : units) {
-    low = low.cwiseMin(unit.box.middle);
-    high = high.cwiseMax(unit.box.middle);
-  }
-  Eigen::Index axis = 0;
-  (high - low).maxCoeff(&axis);
-  const std::size_t half = (units.size() / 2 + group_units - 1) / group_units * group_units;
-  std::nth_element(units.begin(), units.begin() + static_cast<std::ptrdiff_t>(half), units.end(),
-                   [axis](const ElementUnit& a, const ElementUnit& b) {
-                     return a.box.middle[axis] < b.box.middle[axis];
-                   });
-  order_by_place(units.first(half));
-  order_by_place(units.subspan(half));
-}
 
 class Builder {
  public:
@@ -95,25 +76,25 @@ class Builder {
   double least_edge_ = 0;
   std::size_t visits_ = 0;
 
-  /// Units that lie near each other follow each other, tiles' quarters first.
+  /// Units that lie near each other follow each other, tiles' blocks first.
   void gather_units() {
     const std::size_t nodes = asset_.tree.words.size() / tree_node_words;
-    std::vector<ElementUnit> quarters, triangles;
+    std::vector<ElementUnit> blocks, triangles;
     for (std::size_t node = 0; node < nodes; ++node) {
       for (std::size_t child = 0; child < tree_children; ++child) {
         const std::uint32_t word = asset_.tree.words[node * tree_node_words + child];
         for (ElementUnit& unit : units_of(asset_, unpack_child(word))) {
           const bool is_triangle = (unit.name.part & index_triangle) != 0;
-          (is_triangle ? triangles : quarters).push_back(std::move(unit));
+          (is_triangle ? triangles : blocks).push_back(std::move(unit));
         }
       }
     }
-    find_least_edge(quarters.empty() ? triangles : quarters);
-    order_by_place(quarters);
+    find_least_edge(blocks.empty() ? triangles : blocks);
+    order_by_place(blocks);
     order_by_place(triangles);
-    add_boxes(quarters);
-    add_triangles(triangles);
-    units_ = std::move(quarters);
+    data_.boxes = box_groups(asset_, blocks);
+    data_.triangles = triangle_groups(asset_, triangles);
+    units_ = std::move(blocks);
     first_triangle_ = units_.size();
     units_.insert(units_.end(), std::make_move_iterator(triangles.begin()),
                   std::make_move_iterator(triangles.end()));
@@ -136,51 +117,6 @@ class Builder {
     const auto middle = widths.begin() + static_cast<std::ptrdiff_t>(widths.size() / 2);
     std::nth_element(widths.begin(), middle, widths.end());
     least_edge_ = least_share * *middle;
-  }
-
-  void add_boxes(const std::vector<ElementUnit>& units) {
-    BoxGroup empty;
-    empty.offset[0].fill(empty_lane);
-    for (std::size_t i = 0; i < units.size(); ++i) {
-      const std::size_t lane = i % group_units;
-      if (lane == 0) data_.boxes.push_back(empty);
-      BoxGroup& group = data_.boxes.back();
-      const OrientedBox& box = units[i].box;
-      const Vector3 offset = box.axes.transpose() * (asset_.tree.origin - box.middle);
-      for (int axis = 0; axis < 3; ++axis) {
-        const auto k = static_cast<std::size_t>(axis);
-        for (int j = 0; j < 3; ++j) {
-          group.axes[k][static_cast<std::size_t>(j)][lane] = static_cast<float>(box.axes(j, axis));
-        }
-        group.offset[k][lane] = static_cast<float>(offset[axis]);
-        group.half[k][lane] = static_cast<float>(box.half[axis]);
-      }
-      group.quarters[lane] = units[i].name.element * tile_quarters + units[i].name.part;
-    }
-  }
-
-  void add_triangles(const std::vector<ElementUnit>& units) {
-    TriangleGroup empty;
-    empty.corner[0].fill(empty_lane);
-    for (std::size_t i = 0; i < units.size(); ++i) {
-      const std::size_t lane = i % group_units;
-      if (lane == 0) data_.triangles.push_back(empty);
-      TriangleGroup& group = data_.triangles.back();
-      group.first[lane] = units[i].name.element;
-      group.second[lane] = units[i].name.part & ~index_triangle;
-      Vector3 a, b, c;
-      if (!stored_corner(asset_, group.first[lane], a) ||
-          !stored_corner(asset_, group.second[lane], b) ||
-          !stored_corner(asset_, group.second[lane] + 1, c)) {
-        continue;
-      }
-      for (int axis = 0; axis < 3; ++axis) {
-        const auto k = static_cast<std::size_t>(axis);
-        group.corner[k][lane] = static_cast<float>(a[axis] - asset_.tree.origin[axis]);
-        group.side[k][lane] = static_cast<float>(b[axis] - a[axis]);
-        group.other[k][lane] = static_cast<float>(c[axis] - a[axis]);
-      }
-    }
   }
 
   [[nodiscard]] Numbers all() const {

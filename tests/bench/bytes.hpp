@@ -2,11 +2,11 @@
 #pragma once
 
 #include <cstdint>
-#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "tests/bench/bench_progress.hpp"
 #include "tests/bench/method.hpp"
 #include "tests/bench/model.hpp"
 #include "tests/bench/score.hpp"
@@ -68,9 +68,6 @@ struct BytesReport {
 
 /// The names of the methods, in the order of the table.
 [[nodiscard]] const std::vector<std::string>& method_names();
-
-/// Called with what is being measured and how much of all is done, 0 to 1; may be empty.
-using BenchProgress = std::function<void(const std::string& what, double done)>;
 
 /// Loads each model, draws its places, then builds, asks and drops one method after another. A bake
 /// that fails is a failure of its row. Throws BakeError where a model cannot be measured at all.

@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <iostream>
-#include <limits>
 #include <memory>
 
 #include "baker/bake_error.hpp"
@@ -51,18 +49,12 @@ BytesPlan plan_of(const Settings& settings) {
 int run(const Settings& settings) {
   cli::configure_messages(settings.global);
   const BytesPlan plan = plan_of(settings);
-  BytesReport report;
-  {
-    cli::ProgressLine line(settings.global);
-    report = measure_bytes(
-        plan, [&line](const std::string& what, double done) { line.update(what.c_str(), done); });
-  }
+  const BytesReport report = measured(settings.global, [&plan](const BenchProgress& progress) {
+    return measure_bytes(plan, progress);
+  });
   warn_of(report.failures);
-  if (settings.global.json) {
-    cli::print_json(to_json(report));
-  } else if (!settings.global.quiet) {
-    std::cout << to_text(report);
-  }
+  print_report(
+      settings.global, [&] { return to_json(report); }, [&] { return to_text(report); });
   return 0;
 }
 
@@ -79,13 +71,9 @@ Command add_bytes_command(CLI::App& app) {
   cli::add_integer(
       *command, "--samples", 1, 100000000, [settings](std::uint64_t n) { settings->samples = n; },
       "places to measure at, 1 to 100000000 (default 100000; 20000 with --quick)");
-  cli::add_integer(
-      *command, "--seed", 0, std::numeric_limits<std::uint64_t>::max(),
-      [settings](std::uint64_t n) { settings->plan.seed = n; }, "seed of the places (default 1)");
-  cli::add_integer(
-      *command, "--threads", 1, 1024,
-      [settings](std::uint64_t n) { settings->plan.threads = static_cast<unsigned>(n); },
-      "threads, 1 to 1024; all but seconds is the same for any (default: all cores)");
+  add_seed_option(*command, settings->plan.seed, "the places");
+  add_threads_option(*command, settings->plan.threads,
+                     ", 1 to 1024; all but seconds is the same for any");
   command->add_flag("--quick", settings->quick,
                     "two small meshes, and fewer settings and places: under 45 s on two cores");
   cli::add_global_options(*command, settings->global);

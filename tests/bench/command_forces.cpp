@@ -2,8 +2,6 @@
 #include <fmt/format.h>
 
 #include <filesystem>
-#include <iostream>
-#include <limits>
 #include <memory>
 
 #include "formats/cli/command_line.hpp"
@@ -73,19 +71,13 @@ void write_traces(const std::string& folder, const ForcesReport& report, const F
 int run(const Settings& settings) {
   cli::configure_messages(settings.global);
   const ForcesPlan plan = plan_of(settings);
-  ForcesReport report;
-  {
-    cli::ProgressLine line(settings.global);
-    report = measure_forces(
-        plan, [&line](const std::string& what, double done) { line.update(what.c_str(), done); });
-  }
+  const ForcesReport report = measured(settings.global, [&plan](const BenchProgress& progress) {
+    return measure_forces(plan, progress);
+  });
   warn_of(report.failures);
   if (!settings.traces.empty()) write_traces(settings.traces, report, plan);
-  if (settings.global.json) {
-    cli::print_json(to_json(report, plan));
-  } else if (!settings.global.quiet) {
-    std::cout << to_text(report);
-  }
+  print_report(
+      settings.global, [&] { return to_json(report, plan); }, [&] { return to_text(report); });
   return 0;
 }
 
@@ -106,14 +98,8 @@ Command add_forces_command(CLI::App& app) {
   cli::add_integer(
       *command, "--ticks", 100, 10000000, [settings](std::uint64_t n) { settings->ticks = n; },
       "of a path, 100 to 10000000 (default 20000; 3000 and 2000 with --quick)");
-  cli::add_integer(
-      *command, "--seed", 0, std::numeric_limits<std::uint64_t>::max(),
-      [settings](std::uint64_t n) { settings->plan.seed = n; },
-      "seed of the walked slides (default 1)");
-  cli::add_integer(
-      *command, "--threads", 1, 1024,
-      [settings](std::uint64_t n) { settings->plan.threads = static_cast<unsigned>(n); },
-      "threads, 1 to 1024; they change no figure (default: all cores)");
+  add_seed_option(*command, settings->plan.seed, "the walked slides");
+  add_threads_option(*command, settings->plan.threads, ", 1 to 1024; they change no figure");
   command->add_flag("--quick", settings->quick,
                     "teeth alone, a coarser bake and fewer ticks: under 45 s on two cores");
   cli::add_global_options(*command, settings->global);

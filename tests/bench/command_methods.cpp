@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <algorithm>
-#include <iostream>
-#include <limits>
 #include <memory>
 
 #include "formats/cli/command_line.hpp"
@@ -62,18 +60,12 @@ TimesPlan plan_of(const Settings& settings) {
 int run(const Settings& settings) {
   cli::configure_messages(settings.global);
   const TimesPlan plan = plan_of(settings);
-  TimesReport report;
-  {
-    cli::ProgressLine line(settings.global);
-    report = measure_times(
-        plan, [&line](const std::string& what, double done) { line.update(what.c_str(), done); });
-  }
+  const TimesReport report = measured(settings.global, [&plan](const BenchProgress& progress) {
+    return measure_times(plan, progress);
+  });
   warn_of(report.failures);
-  if (settings.global.json) {
-    cli::print_json(to_json(report, plan));
-  } else if (!settings.global.quiet) {
-    std::cout << to_text(report);
-  }
+  print_report(
+      settings.global, [&] { return to_json(report, plan); }, [&] { return to_text(report); });
   return 0;
 }
 
@@ -90,14 +82,9 @@ Command add_methods_command(CLI::App& app) {
   cli::add_integer(
       *command, "--samples", 1, 100000000, [settings](std::uint64_t n) { settings->samples = n; },
       "places to measure errors at, 1 to 100000000 (default 100000; 20000 with --quick)");
-  cli::add_integer(
-      *command, "--seed", 0, std::numeric_limits<std::uint64_t>::max(),
-      [settings](std::uint64_t n) { settings->plan.seed = n; },
-      "seed of places and path (default 1)");
-  cli::add_integer(
-      *command, "--threads", 1, 1024,
-      [settings](std::uint64_t n) { settings->plan.threads = static_cast<unsigned>(n); },
-      "threads that build and score, 1 to 1024; timing takes one (default: all cores)");
+  add_seed_option(*command, settings->plan.seed, "places and path");
+  add_threads_option(*command, settings->plan.threads,
+                     " that build and score, 1 to 1024; timing takes one");
   command->add_flag("--quick", settings->quick,
                     "one small mesh, and fewer settings and places: under 45 s on two cores");
   cli::add_global_options(*command, settings->global);

@@ -1,14 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <cstdlib>
 #include <filesystem>
-#include <iostream>
-#include <limits>
 #include <memory>
 #include <optional>
 
-#include "baker/bake_error.hpp"
 #include "formats/cli/command_line.hpp"
 #include "tests/bench/commands.hpp"
+#include "tests/bench/known_meshes.hpp"
 #include "tests/bench/sixdof.hpp"
 #include "tests/bench/sixdof_text.hpp"
 
@@ -24,21 +21,10 @@ struct Settings {
 };
 
 std::string shared_mesh(const char* name) {
-  const char* folder = std::getenv("SPM_SHARED");
-  const std::filesystem::path mesh =
-      std::filesystem::path(folder != nullptr && *folder != '\0' ? folder : SPM_SHARED_FOLDER) /
-      "meshes" / name;
-  if (!std::filesystem::is_regular_file(mesh)) {
-    throw baker::BakeError(ExitCode::file_or_device,
-                           mesh.string() +
-                               ": no such file; name the folder of shared meshes by SPM_SHARED, or "
-                               "give --tool and --mesh");
-  }
-  return mesh.string();
+  return (std::filesystem::path(shared_folder()) / "meshes" / name).string();
 }
 
-int run(const Settings& settings) {
-  cli::configure_messages(settings.global);
+SixdofPlan plan_of(const Settings& settings) {
   SixdofPlan plan = settings.plan;
   if (plan.tool.empty()) plan.tool = shared_mesh("drill.obj");
   if (plan.object.empty()) plan.object = shared_mesh("teeth.obj");
@@ -55,24 +41,18 @@ int run(const Settings& settings) {
   if (settings.tolerance) plan.tolerance = *settings.tolerance;
   if (settings.samples > 0) plan.samples = {settings.samples};
   if (settings.ticks > 0) plan.ticks = settings.ticks;
-  SixdofReport report;
-  {
-    cli::ProgressLine line(settings.global);
-    report = measure_sixdof(
-        plan, [&line](const std::string& what, double done) { line.update(what.c_str(), done); });
-  }
-  if (settings.global.json) {
-    cli::print_json(to_json(report));
-  } else if (!settings.global.quiet) {
-    std::cout << to_text(report);
-  }
-  return 0;
+  return plan;
 }
 
-void check(const Settings& settings) {
-  if (settings.tolerance && !(*settings.tolerance > 0)) {
-    throw CLI::ValidationError("--tolerance", "must be above 0");
-  }
+int run(const Settings& settings) {
+  cli::configure_messages(settings.global);
+  const SixdofPlan plan = plan_of(settings);
+  const SixdofReport report = measured(settings.global, [&plan](const BenchProgress& progress) {
+    return measure_sixdof(plan, progress);
+  });
+  print_report(
+      settings.global, [&] { return to_json(report); }, [&] { return to_text(report); });
+  return 0;
 }
 
 }  // namespace
@@ -99,12 +79,10 @@ Command add_sixdof_command(CLI::App& app) {
   cli::add_integer(
       *command, "--ticks", 1, 10000000, [settings](std::uint64_t n) { settings->ticks = n; },
       "ticks of the path, 1 to 10000000 (default 5000; 1000 with --quick)");
-  cli::add_integer(
-      *command, "--seed", 0, std::numeric_limits<std::uint64_t>::max(),
-      [settings](std::uint64_t n) { settings->plan.seed = n; }, "seed of the path (default 1)");
+  add_seed_option(*command, settings->plan.seed, "the path");
   command->add_flag("--quick", settings->quick, "fewer samples and ticks: under 45 s on two cores");
   cli::add_global_options(*command, settings->global);
-  command->callback([settings] { check(*settings); });
+  command->callback([settings] { check_tolerance(settings->tolerance); });
   return {command, [settings] { return run(*settings); }};
 }
 

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <filesystem>
-#include <iostream>
 #include <memory>
 
 #include "formats/cli/command_line.hpp"
@@ -52,18 +51,12 @@ TablesPlan plan_of(const Settings& settings) {
 int run(const Settings& settings) {
   cli::configure_messages(settings.global);
   const TablesPlan plan = plan_of(settings);
-  TablesReport report;
-  {
-    cli::ProgressLine line(settings.global);
-    report = measure_tables(
-        plan, [&line](const std::string& what, double done) { line.update(what.c_str(), done); });
-  }
+  const TablesReport report = measured(settings.global, [&plan](const BenchProgress& progress) {
+    return measure_tables(plan, progress);
+  });
   warn_of(report.failures);
-  if (settings.global.json) {
-    cli::print_json(to_json(report));
-  } else if (!settings.global.quiet) {
-    std::cout << to_text(report);
-  }
+  print_report(
+      settings.global, [&] { return to_json(report); }, [&] { return to_text(report); });
   return 0;
 }
 
@@ -73,10 +66,7 @@ Command add_tables_command(CLI::App& app) {
   auto settings = std::make_shared<Settings>();
   CLI::App* command = app.add_subcommand(
       "tables", "The paper's Tables 1 to 3 measured: time of a force, on its recorded slides");
-  cli::add_integer(
-      *command, "--threads", 1, 1024,
-      [settings](std::uint64_t n) { settings->threads = static_cast<unsigned>(n); },
-      "threads that bake, 1 to 1024; timing takes one (default: all cores)");
+  add_threads_option(*command, settings->threads, " that bake, 1 to 1024; timing takes one");
   command->add_flag("--quick", settings->quick,
                     "coarser bakes, fewer counts and ticks: under 45 s on two cores");
   cli::add_global_options(*command, settings->global);

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <limits>
 
 namespace spm::bench {
 
@@ -21,6 +22,19 @@ void add_method_option(CLI::App& command, std::vector<std::string>& methods) {
   command.add_option("--method", methods, "measure this one only; may be repeated (default: all)")
       ->allow_extra_args(false)
       ->type_name("NAME");
+}
+
+void add_seed_option(CLI::App& command, std::uint64_t& seed, const std::string& what) {
+  cli::add_integer(
+      command, "--seed", 0, std::numeric_limits<std::uint64_t>::max(),
+      [&seed](std::uint64_t n) { seed = n; }, "seed of " + what + " (default 1)");
+}
+
+void add_threads_option(CLI::App& command, unsigned& threads, const std::string& what) {
+  cli::add_integer(
+      command, "--threads", 1, 1024,
+      [&threads](std::uint64_t n) { threads = static_cast<unsigned>(n); },
+      "threads" + what + " (default: all cores)");
 }
 
 void check_tolerance(const std::optional<double>& tolerance) {

@@ -2,10 +2,14 @@
 #pragma once
 
 #include <CLI/CLI.hpp>
+#include <cstdint>
 #include <functional>
+#include <iostream>
 #include <optional>
 #include <string>
 #include <vector>
+
+#include "formats/cli/command_line.hpp"
 
 namespace spm::bench {
 
@@ -22,9 +26,30 @@ struct Command {
 [[nodiscard]] Command add_sixdof_command(CLI::App& app);
 [[nodiscard]] Command add_tables_command(CLI::App& app);
 
+/// Gives what `measure(progress)` does, beside a line of progress.
+template <class Measure>
+[[nodiscard]] auto measured(const cli::GlobalOptions& global, const Measure& measure) {
+  cli::ProgressLine line(global);
+  return measure(
+      [&line](const std::string& what, double done) { line.update(what.c_str(), done); });
+}
+
+/// Prints a report as asked for: `json()` or `text()`, or nothing.
+template <class Json, class Text>
+void print_report(const cli::GlobalOptions& global, const Json& json, const Text& text) {
+  if (global.json) {
+    cli::print_json(json());
+  } else if (!global.quiet) {
+    std::cout << text();
+  }
+}
+
 /// Options that several modes share; `which` tells what of the table is measured without --mesh.
 void add_mesh_option(CLI::App& command, std::vector<std::string>& meshes, const std::string& which);
 void add_method_option(CLI::App& command, std::vector<std::string>& methods);
+/// `what` tells what the number is for. The number must outlive the command.
+void add_seed_option(CLI::App& command, std::uint64_t& seed, const std::string& what);
+void add_threads_option(CLI::App& command, unsigned& threads, const std::string& what);
 
 /// Usage errors that several modes share: a tolerance must be above 0, a method one of the mode's.
 void check_tolerance(const std::optional<double>& tolerance);

@@ -24,7 +24,7 @@ std::string shared_folder() {
     throw baker::BakeError(ExitCode::file_or_device,
                            meshes.string() +
                                ": no such folder; name the folder of shared meshes by SPM_SHARED, "
-                               "or give --mesh");
+                               "or name the meshes by options");
   }
   return folder.string();
 }

@@ -169,7 +169,7 @@ std::vector<Judged> references(const SixdofPlan& plan, const std::vector<Isometr
 
 }  // namespace
 
-SixdofReport measure_sixdof(const SixdofPlan& plan, const SixdofProgress& progress) {
+SixdofReport measure_sixdof(const SixdofPlan& plan, const BenchProgress& progress) {
   const auto told = [&progress](const std::string& what, double done) {
     if (progress) progress(what, done);
   };

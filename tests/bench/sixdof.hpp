@@ -2,11 +2,11 @@
 #pragma once
 
 #include <cstdint>
-#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "tests/bench/bench_progress.hpp"
 #include "tests/bench/culling.hpp"
 
 namespace spm::bench {
@@ -55,11 +55,8 @@ struct SixdofReport {
   std::vector<CullingRow> culling;
 };
 
-/// Called with what is being measured and how much of all is done, 0 to 1; may be empty.
-using SixdofProgress = std::function<void(const std::string& what, double done)>;
-
 /// Bakes both meshes, makes the path, then lets one method after another follow it on one core.
 /// Throws BakeError.
-[[nodiscard]] SixdofReport measure_sixdof(const SixdofPlan& plan, const SixdofProgress& progress);
+[[nodiscard]] SixdofReport measure_sixdof(const SixdofPlan& plan, const BenchProgress& progress);
 
 }  // namespace spm::bench
