@@ -105,11 +105,11 @@ double CubeReach::farthest(double slack) const {
   return nearest_ + 2 * std::numbers::sqrt3 * half_ + slack + rounding_share * half_;
 }
 
-std::optional<double> CubeReach::distance_to(const OrientedBox& box, double slack) const {
+bool CubeReach::may_matter(const OrientedBox& box, double slack) const {
   const Vector3 away = middle_ - box.closest(middle_);
   const double distance = away.norm();
-  if (distance > farthest(slack)) return std::nullopt;
-  if (!(distance > 1e-9)) return distance;
+  if (distance > farthest(slack)) return false;
+  if (!(distance > 1e-9)) return true;
   const Vector3 step = half_ / distance * away;
   const double start = distance - slack - rounding_share * half_;
   Corners least;
@@ -118,9 +118,9 @@ std::optional<double> CubeReach::distance_to(const OrientedBox& box, double slac
                ((k & 2U) != 0 ? step.y() : -step.y()) + ((k & 4U) != 0 ? step.z() : -step.z());
   }
   for (const Corners& known : known_) {
-    if ((least > known).all()) return std::nullopt;
+    if ((least > known).all()) return false;
   }
-  return distance;
+  return true;
 }
 
 }  // namespace spm

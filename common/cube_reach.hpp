@@ -2,7 +2,6 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <optional>
 #include <vector>
 
 #include "common/asset_view.hpp"
@@ -20,9 +19,9 @@ class CubeReach {
   /// `nearest` is the foot of the cube's middle.
   CubeReach(const AssetView& asset, const Vector3& middle, double half, const ElementFoot& nearest);
 
-  /// How far a box is from the middle, m; nothing where no point of the cube can be so near to it
-  /// that it is farther by less than `slack` (m) than what is known.
-  [[nodiscard]] std::optional<double> distance_to(const OrientedBox& box, double slack) const;
+  /// Whether a point of the cube can be so near to a box that the box is farther by less than
+  /// `slack` (m) than what is known.
+  [[nodiscard]] bool may_matter(const OrientedBox& box, double slack) const;
 
   /// Beyond this from the middle nothing can matter, m.
   [[nodiscard]] double farthest(double slack) const;

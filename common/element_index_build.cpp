@@ -160,7 +160,7 @@ class Builder {
   [[nodiscard]] Numbers near_of(const CubeReach& reach, const Numbers& some, double slack) const {
     Numbers near;
     for (const std::uint32_t number : some) {
-      if (reach.distance_to(units_[number].box, slack)) near.push_back(number);
+      if (reach.may_matter(units_[number].box, slack)) near.push_back(number);
     }
     return near;
   }
@@ -224,11 +224,11 @@ class Builder {
 
     const CubeReach reach(asset_, middle, half, reading.nearest);
     const double slack = claim_slack * asset_.tolerance;
-    Numbers near = near_of(reach, within(middle, reach.farthest(slack), some), slack);
+    const Numbers near = near_of(reach, within(middle, reach.farthest(slack), some), slack);
     const CubeKind kind = kind_of(middle, half, reading, space, near);
-    Numbers few = kind == CubeKind::told || kind == CubeKind::unknown
-                      ? near
-                      : near_of(reach, near, facing_slack * asset_.tolerance);
+    const Numbers few = kind == CubeKind::told || kind == CubeKind::unknown
+                            ? near
+                            : near_of(reach, near, facing_slack * asset_.tolerance);
     const Numbers groups = groups_of(few);
     if (level < index_levels && groups.size() > few_groups &&
         (2 * half >= least_edge_ || groups.size() > index_list_groups)) {

@@ -24,10 +24,22 @@ Eigen::Matrix3d axes_along(const Vector3& normal, const Vector3& side) {
   return axes;
 }
 
+/// The box around places, its last axis along a normal (unit).
+OrientedBox box_around(const std::vector<Vector3>& places, const Vector3& normal,
+                       const Vector3& side) {
+  const Eigen::Matrix3d axes = axes_along(normal, side);
+  Vector3 low = Vector3::Constant(std::numeric_limits<double>::infinity()), high = -low;
+  for (const Vector3& place : places) {
+    low = low.cwiseMin(axes.transpose() * place);
+    high = high.cwiseMax(axes.transpose() * place);
+  }
+  return {axes * ((low + high) / 2), axes, (high - low) / 2};
+}
+
 /// A block's cells that have surface; none where it has none.
 struct BlockSurface {
-  std::vector<Vector3> corners,
-      normals;  ///< of the cells; bilinear patches lie within corners' hull
+  std::vector<Vector3> corners;  ///< of the cells; bilinear patches lie within their hull
+  std::vector<Vector3> normals;
 };
 
 BlockSurface surface_of(const Tile& tile, const SupportPlane& plane, const TileHeights& heights,
@@ -96,17 +108,6 @@ std::vector<ElementUnit> triangles_of(const AssetView& asset, const TreeChild& f
 }
 
 }  // namespace
-
-OrientedBox box_around(const std::vector<Vector3>& places, const Vector3& normal,
-                       const Vector3& side) {
-  const Eigen::Matrix3d axes = axes_along(normal, side);
-  Vector3 low = Vector3::Constant(std::numeric_limits<double>::infinity()), high = -low;
-  for (const Vector3& place : places) {
-    low = low.cwiseMin(axes.transpose() * place);
-    high = high.cwiseMax(axes.transpose() * place);
-  }
-  return {axes * ((low + high) / 2), axes, (high - low) / 2};
-}
 
 std::vector<ElementUnit> units_of(const AssetView& asset, const TreeChild& element) {
   if (element.kind == ElementKind::fan) return triangles_of(asset, element);

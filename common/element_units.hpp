@@ -21,8 +21,4 @@ struct ElementUnit {
 /// The parts of an element that have surface. Allocates.
 [[nodiscard]] std::vector<ElementUnit> units_of(const AssetView& asset, const TreeChild& element);
 
-/// The box around places, its last axis along a normal (unit).
-[[nodiscard]] OrientedBox box_around(const std::vector<Vector3>& places, const Vector3& normal,
-                                     const Vector3& side);
-
 }  // namespace spm

@@ -1,9 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "tests/bench/bytes.hpp"
 
-#include <tbb/global_control.h>
-#include <tbb/info.h>
-
 #include <algorithm>
 #include <memory>
 #include <utility>
@@ -12,6 +9,7 @@
 #include "tests/bench/float_mesh.hpp"
 #include "tests/bench/methods.hpp"
 #include "tests/bench/temporary_folder.hpp"
+#include "tests/bench/thread_limit.hpp"
 
 namespace spm::bench {
 namespace {
@@ -118,9 +116,7 @@ const std::vector<std::string>& method_names() {
 }
 
 BytesReport measure_bytes(const BytesPlan& plan, const BenchProgress& progress) {
-  const unsigned threads =
-      plan.threads > 0 ? plan.threads : static_cast<unsigned>(tbb::info::default_concurrency());
-  const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
+  const tbb::global_control limit = thread_limit(plan.threads);
   BytesReport report;
   Bench bench(plan, progress, report);
   for (const ModelSource& source : plan.models) bench.measure(source);

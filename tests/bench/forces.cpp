@@ -2,8 +2,6 @@
 #include "tests/bench/forces.hpp"
 
 #include <fmt/format.h>
-#include <tbb/global_control.h>
-#include <tbb/info.h>
 
 #include <memory>
 #include <utility>
@@ -14,6 +12,7 @@
 #include "tests/bench/baked_file.hpp"
 #include "tests/bench/paper_maps.hpp"
 #include "tests/bench/temporary_folder.hpp"
+#include "tests/bench/thread_limit.hpp"
 #include "tests/bench/unwrap.hpp"
 
 namespace spm::bench {
@@ -139,9 +138,7 @@ class Course {
 }  // namespace
 
 ForcesReport measure_forces(const ForcesPlan& plan, const BenchProgress& progress) {
-  const unsigned threads =
-      plan.threads > 0 ? plan.threads : static_cast<unsigned>(tbb::info::default_concurrency());
-  const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
+  const tbb::global_control limit = thread_limit(plan.threads);
   ForcesReport report;
   for (std::size_t i = 0; i < plan.sources.size(); ++i) {
     const double done = static_cast<double>(i) / static_cast<double>(plan.sources.size());

@@ -2,8 +2,6 @@
 #include "tests/bench/tables.hpp"
 
 #include <fmt/format.h>
-#include <tbb/global_control.h>
-#include <tbb/info.h>
 
 #include <cmath>
 #include <map>
@@ -18,6 +16,7 @@
 #include "tests/bench/bumpy_sphere.hpp"
 #include "tests/bench/paper_maps.hpp"
 #include "tests/bench/temporary_folder.hpp"
+#include "tests/bench/thread_limit.hpp"
 #include "tests/bench/tick_methods.hpp"
 #include "tests/bench/unwrap.hpp"
 
@@ -194,9 +193,7 @@ void measure_planes(const TablesPlan& plan, TablesReport& report) {
 }  // namespace
 
 TablesReport measure_tables(const TablesPlan& plan, const BenchProgress& progress) {
-  const unsigned threads =
-      plan.threads > 0 ? plan.threads : static_cast<unsigned>(tbb::info::default_concurrency());
-  const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
+  const tbb::global_control limit = thread_limit(plan.threads);
   TablesReport report;
   const auto steps = static_cast<double>(plan.subdivisions.size() + plan.slides.size() + 1);
   double done = 0;

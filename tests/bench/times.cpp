@@ -1,9 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "tests/bench/times.hpp"
 
-#include <tbb/global_control.h>
-#include <tbb/info.h>
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -16,6 +13,7 @@
 #include "tests/bench/quantile.hpp"
 #include "tests/bench/query_sets.hpp"
 #include "tests/bench/temporary_folder.hpp"
+#include "tests/bench/thread_limit.hpp"
 #include "tests/bench/trilinear.hpp"
 
 namespace spm::bench {
@@ -240,9 +238,7 @@ const std::vector<std::string>& timed_method_names() {
 }
 
 TimesReport measure_times(const TimesPlan& plan, const BenchProgress& progress) {
-  const unsigned threads =
-      plan.threads > 0 ? plan.threads : static_cast<unsigned>(tbb::info::default_concurrency());
-  const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
+  const tbb::global_control limit = thread_limit(plan.threads);
   TimesReport report;
   double models_done = 0;
   for (const ModelSource& source : plan.models) {
