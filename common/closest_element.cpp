@@ -57,19 +57,41 @@ class Gatherer {
     visit_fan(child);
   }
 
+  /// Whether the nearest, if there is one, or one close to it faces the point.
+  [[nodiscard]] bool is_faced() const noexcept {
+    const double most = reading.nearest.distance + facing_tolerances * asset_.tolerance;
+    return reading.facing.distance <= most || !std::isfinite(most);
+  }
+
+  /// Reads what a list tells where claims do not count: at once the nearest unit, and if that does
+  /// not face the point the nearest that does. False where there is nothing.
+  [[nodiscard]] bool visit_nearest(const IndexList& list) noexcept {
+    const ElementIndex& index = asset_.index;
+    const std::array<float, 3> place = from_origin(asset_.tree, point_);
+    ListNumbers numbers;
+    // Without initial values: only what is written is read.
+    alignas(64) std::array<float, index_list_groups * group_units> squares;
+    const std::size_t few = read_numbers(index, list, list.nearest, numbers);
+    const NearestUnit nearest =
+        nearest_unit(index.groups, {numbers.data(), few}, place, squares.data());
+    if (!visit_whole(numbers, nearest)) return false;
+    if (is_faced()) return true;
+    const double most = reading.nearest.distance + facing_tolerances * asset_.tolerance;
+    const std::size_t all = read_numbers(index, list, list.count, numbers);
+    const FacingQuery query{static_cast<float>(facing_cosine), static_cast<float>(most * most), few,
+                            squares.data()};
+    const NearestUnit facing = nearest_facing(index.groups, {numbers.data(), all}, place, query);
+    return !(double{facing.square} <= most * most) || visit_whole(numbers, facing);
+  }
+
   void visit(const IndexUnit& unit) noexcept {
-    if ((unit.part & index_triangle) == 0) {
-      visit_quarter(unit.element, unit.part);
-      return;
-    }
     ++reading.visited;
-    const std::uint32_t corner = unit.part & ~index_triangle;
-    Vector3 a, b, c;
-    if (!stored_corner(asset_, unit.element, a) || !stored_corner(asset_, corner, b) ||
-        !stored_corner(asset_, corner + 1, c)) {
+    const UnitGroups& groups = asset_.index.groups;
+    if (unit.group < groups.cells.size()) {
+      visit_cell(groups.cells[unit.group], unit.lane);
       return;
     }
-    visit_triangle(a, b, c, unit.element >= asset_.first_cap);
+    visit_triangle(groups.triangles[unit.group - groups.cells.size()], unit.lane);
   }
 
  private:
@@ -79,20 +101,6 @@ class Gatherer {
   bool told_;
   double band_end_;
   double limit_;
-  // The last quarters that were searched, in a ring; without initial values.
-  std::array<std::size_t, 16> searched_;
-  std::size_t searches_ = 0;
-
-  /// Whether a quarter was searched, of which another block was nearer; else notes that it is.
-  [[nodiscard]] bool was_searched(std::size_t quarter) noexcept {
-    const std::size_t kept = std::min(searches_, searched_.size());
-    for (std::size_t i = 0; i < kept; ++i) {
-      if (searched_[i] == quarter) return true;
-    }
-    searched_[searches_++ % searched_.size()] = quarter;
-    return false;
-  }
-
   /// Of feet that differ by rounding, those on an edge that elements share, the one that faces the
   /// point most: so that the order of visits does not tell.
   [[nodiscard]] static bool is_better(double distance, double along,
@@ -107,23 +115,31 @@ class Gatherer {
     const Tile& tile = asset_.tiles[which];
     if (tile.plane >= asset_.planes.size()) return;
     const SupportPlane& plane = asset_.planes[tile.plane];
-    const auto limit = static_cast<float>(limit_);
-    if (asset_.index.quarters.empty()) {
-      keep_foot(tile, closest_on_tile(tile, asset_.height_unit, plane, point_, limit));
-    } else if (tile_distance_bound(tile, plane, point_) < limit) {
-      for (std::uint32_t part = 0; part < tile_quarters; ++part) visit_quarter(which, part);
-    }
+    keep_foot(tile,
+              closest_on_tile(tile, asset_.height_unit, plane, point_, static_cast<float>(limit_)));
   }
 
-  /// With the patches that the index has at hand.
-  void visit_quarter(std::uint32_t which, std::uint32_t part) noexcept {
-    const std::size_t number = std::size_t{which} * tile_quarters + part;
-    if (which >= asset_.tiles.size() || number >= asset_.index.quarters.size()) return;
-    if (was_searched(number)) return;
+  /// False where there is no unit.
+  [[nodiscard]] bool visit_whole(const ListNumbers& numbers, const NearestUnit& found) noexcept {
+    if (!(found.square < empty_square)) return false;
+    const IndexUnit unit = unit_at(numbers, found.which);
+    const UnitGroups& groups = asset_.index.groups;
     ++reading.visited;
-    const Tile& tile = asset_.tiles[which];
-    keep_foot(tile, closest_on_quarter(tile, asset_.index.quarters[number], part, point_,
-                                       static_cast<float>(limit_)));
+    if (unit.group >= groups.cells.size()) {
+      visit_triangle(groups.triangles[unit.group - groups.cells.size()], unit.lane);
+      return true;
+    }
+    const CellGroup& group = groups.cells[unit.group];
+    const TileFoot foot =
+        foot_on_cell(group, unit.lane, point_ - asset_.tree.origin, found.x, found.y);
+    if (double{foot.distance} < limit_) keep_foot(asset_.tiles[group.tile], foot);
+    return true;
+  }
+
+  void visit_cell(const CellGroup& group, std::uint32_t lane) noexcept {
+    const Tile& tile = asset_.tiles[group.tile];
+    keep_foot(tile, closest_on_cell(tile, group, lane, point_ - asset_.tree.origin,
+                                    static_cast<float>(limit_)));
   }
 
   void keep_foot(const Tile& tile, const TileFoot& foot) noexcept {
@@ -152,6 +168,16 @@ class Gatherer {
       if (!stored_corner(asset_, fan.first + k + 2, c)) return;
       visit_triangle(a, b, c, cap);
     }
+  }
+
+  void visit_triangle(const TriangleGroup& group, std::uint32_t lane) noexcept {
+    const std::uint32_t first = group.first[lane], second = group.second[lane];
+    Vector3 a, b, c;
+    if (!stored_corner(asset_, first, a) || !stored_corner(asset_, second, b) ||
+        !stored_corner(asset_, second + 1, c)) {
+      return;
+    }
+    visit_triangle(a, b, c, first >= asset_.first_cap);
   }
 
   void visit_triangle(const Vector3& a, const Vector3& b, const Vector3& c, bool cap) noexcept {
@@ -257,10 +283,15 @@ ElementReading read_elements(const AssetView& asset, const IndexList& list, cons
                              CubeKind place) noexcept {
   ElementReading reading = empty_reading(asset);
   Gatherer gatherer(asset, point, place, reading);
-  visit_list(
-      asset.index, list, from_origin(asset.tree, point),
-      [&gatherer](const IndexUnit& unit) { gatherer.visit(unit); },
-      [&gatherer] { return gatherer.limit(); });
+  if (place != CubeKind::told && gatherer.visit_nearest(list)) return reading;
+  const auto visit_some = [&](std::uint32_t count) {
+    visit_list(
+        asset.index, {list.numbers, count, count, list.kind}, from_origin(asset.tree, point),
+        [&gatherer](const IndexUnit& unit) { gatherer.visit(unit); },
+        [&gatherer] { return gatherer.limit(); });
+  };
+  if (place != CubeKind::told) visit_some(list.nearest);
+  if (place == CubeKind::told || !gatherer.is_faced()) visit_some(list.count);
   return reading;
 }
 

@@ -17,16 +17,22 @@ struct ElementIndexData {
   std::array<std::uint32_t, 3> cells{0, 0, 0};
   std::vector<std::uint32_t> words;
   double slack = 0;
-  std::vector<BoxGroup> boxes;
-  std::vector<TriangleGroup> triangles;
-  std::vector<TileQuarter> quarters;
+  std::vector<CellGroup> cell_groups;
+  std::vector<ClipGroup> clip_groups;
+  std::vector<TriangleGroup> triangle_groups;
 
   [[nodiscard]] ElementIndex view() const noexcept {
-    return {origin, cell_size, cells, words, slack, boxes, triangles, quarters};
+    return {origin,
+            cell_size,
+            1 / cell_size,
+            cells,
+            words,
+            slack,
+            {cell_groups, clip_groups, triangle_groups}};
   }
   [[nodiscard]] std::size_t bytes() const noexcept {
-    return 4 * words.size() + sizeof(BoxGroup) * boxes.size() +
-           sizeof(TriangleGroup) * triangles.size() + sizeof(TileQuarter) * quarters.size();
+    return 4 * words.size() + sizeof(CellGroup) * cell_groups.size() +
+           sizeof(ClipGroup) * clip_groups.size() + sizeof(TriangleGroup) * triangle_groups.size();
   }
 };
 

@@ -1,23 +1,28 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <span>
+#include <cstdint>
 #include <vector>
 
 #include "common/asset_view.hpp"
-#include "common/element_units.hpp"
 
 namespace spm {
 
-/// Orders units so that those of each group lie near each other.
-void order_by_place(std::span<ElementUnit> units);
+/// All groups of an asset's units, and what building an index asks of the units.
+struct UnitGroupsData {
+  std::vector<CellGroup> cells;
+  std::vector<ClipGroup> clips;
+  std::vector<TriangleGroup> triangles;
+  /// Outward, unit, of each unit, `group_units` a group; 0 where there is none or it tells no side.
+  std::vector<Vector3> normals;
+  std::uint32_t first_cap = 0;  ///< groups from this number on are of caps alone, others have none
+  double usual_width = 0;  ///< of two cells, or a triangle where there are no tiles: the median, m
 
-/// The groups of units in their order, which are blocks of tiles. Allocates.
-[[nodiscard]] std::vector<BoxGroup> box_groups(const AssetView& asset,
-                                               std::span<const ElementUnit> blocks);
+  [[nodiscard]] UnitGroups view() const noexcept { return {cells, clips, triangles}; }
+  [[nodiscard]] std::size_t size() const noexcept { return cells.size() + triangles.size(); }
+};
 
-/// The groups of units in their order, which are triangles. Allocates.
-[[nodiscard]] std::vector<TriangleGroup> triangle_groups(const AssetView& asset,
-                                                         std::span<const ElementUnit> triangles);
+/// Gathers the units of a `sparse` asset into groups of such as lie near each other. Allocates.
+[[nodiscard]] UnitGroupsData gather_unit_groups(const AssetView& asset);
 
 }  // namespace spm

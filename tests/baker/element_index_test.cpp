@@ -52,8 +52,10 @@ void check_alike(const test::Shape& shape, double tolerance, double least_listed
   }
   CHECK(exact > 2000);
   CHECK(static_cast<double>(listed) > least_listed * static_cast<double>(exact));
-  CHECK(far_feet * 500 <= exact);
-  CHECK(other_normals * 1000 <= exact);
+  CHECK(far_feet * 100 <= exact);
+  // By the tree one foot of a tile is looked at, by the index one of each cell: at a kink between
+  // cells another may be found that faces the point.
+  CHECK(other_normals * 40 <= exact);
 }
 
 TEST_CASE("On a torus of many tiles the index answers as the tree does") {

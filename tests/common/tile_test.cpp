@@ -4,13 +4,11 @@
 #include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
-#include <vector>
 
 #include "asset_by_hand.hpp"
+#include "common/cell_group.hpp"
 #include "common/distance_map.hpp"
-#include "common/quarter_feet.hpp"
 #include "common/support_plane_mapping.hpp"
-#include "every_target.hpp"
 #include "random.hpp"
 
 namespace spm {
@@ -203,7 +201,7 @@ TEST_CASE("Points that are not finite have no foot") {
   }
 }
 
-TEST_CASE("The nearest of a tile's quarters is the foot on the tile") {
+TEST_CASE("The nearest of a tile's cells is the foot on the tile") {
   Random random(9);
   int found = 0;
   for (int trial = 0; trial < 500; ++trial) {
@@ -215,15 +213,20 @@ TEST_CASE("The nearest of a tile's quarters is the foot on the tile") {
     const double twist = greatest_twist(heights);
     const Vector3 point = point_near(random, tile, plane);
     const TileFoot whole = closest_on_tile(tile, unit_of_heights, plane, point, 1.0F);
+    const Vector3 origin = point + Vector3(0.02, -0.03, 0.01);
     float least = std::numeric_limits<float>::infinity();
-    for (std::uint32_t which = 0; which < tile_quarters; ++which) {
-      const TileQuarter quarter = tile_quarter(tile, unit_of_heights, plane, which);
-      const TileFoot foot = closest_on_quarter(tile, quarter, which, point, 1.0F);
-      if (!(foot.distance < least)) continue;
-      least = foot.distance;
-      CHECK(((tile.valid >> foot.cell) & 1U) == 1);
-      const TileFoot none = closest_on_quarter(tile, quarter, which, point, foot.distance * 0.999F);
-      CHECK(std::isinf(none.distance));
+    for (std::uint32_t part = 0; part < tile_groups; ++part) {
+      const CellGroup group = cell_group(tile, unit_of_heights, plane, part, origin);
+      for (std::uint32_t lane = 0; lane < group_units; ++lane) {
+        const TileFoot foot = closest_on_cell(tile, group, lane, point - origin, 1.0F);
+        if (!(foot.distance < least)) continue;
+        least = foot.distance;
+        CHECK(((tile.valid >> foot.cell) & 1U) == 1);
+        CHECK(foot.cell == cell_of(group, lane));
+        const TileFoot none =
+            closest_on_cell(tile, group, lane, point - origin, foot.distance * 0.999F);
+        CHECK(std::isinf(none.distance));
+      }
     }
     REQUIRE(std::isfinite(least) == std::isfinite(whole.distance));
     if (!std::isfinite(least)) continue;
@@ -232,31 +235,6 @@ TEST_CASE("The nearest of a tile's quarters is the foot on the tile") {
     CHECK(double{least} == Approx(double{whole.distance}).margin(twist / 2 + rounding));
   }
   CHECK(found > 300);
-}
-
-TEST_CASE("Every processor finds the same feet on a quarter, bit by bit") {
-  Random random(10);
-  const SupportPlane plane = random_plane(random);
-  for (int trial = 0; trial < 200; ++trial) {
-    const test::TileByHand made = random_tile(random);
-    const TileQuarter quarter = tile_quarter(made.view(unit_of_heights), unit_of_heights, plane,
-                                             static_cast<std::uint32_t>(trial % 4));
-    const QuarterPlace place{static_cast<float>(random.between(-3, 7)),
-                             static_cast<float>(random.between(-3, 7)),
-                             static_cast<float>(random.between(-10, 10))};
-    std::vector<QuarterFeet> found;
-    test::on_every_target([&] { quarter_feet(quarter, place, found.emplace_back()); });
-    REQUIRE(!found.empty());
-    const QuarterFeet& wanted = found.front();
-    CHECK(wanted.square[wanted.nearest] == wanted.least);
-    for (const QuarterFeet& feet : found) {
-      CHECK(feet.x == wanted.x);
-      CHECK(feet.y == wanted.y);
-      CHECK(feet.square == wanted.square);
-      CHECK(feet.least == wanted.least);
-      CHECK(feet.nearest == wanted.nearest);
-    }
-  }
 }
 
 }  // namespace spm

@@ -1,0 +1,135 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "common/cell_group.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "common/cell_foot.hpp"
+
+namespace spm {
+
+namespace {
+
+/// How deep a cell lies that is not valid, spacings: its square is a float still.
+constexpr float out_of_reach = 1e15F;
+
+}  // namespace
+
+CellGroup cell_group(const Tile& tile, float height_unit, const SupportPlane& plane,
+                     std::uint32_t part, const Vector3& origin) noexcept {
+  TileHeights heights;
+  tile_heights(tile, height_unit, heights);
+  const float per_spacing = 1 / tile.spacing;
+  CellGroup group;
+  group.part = part;
+  group.spacing = tile.spacing;
+  for (std::uint32_t lane = 0; lane < group_units; ++lane) {
+    const std::uint32_t cell = cell_of(group, lane);
+    if (((tile.valid >> cell) & 1U) == 0) {
+      group.depth[lane] = out_of_reach;
+      continue;
+    }
+    const std::uint32_t first = cell / tile_cells * tile_samples + cell % tile_cells;
+    const float h00 = heights[first] * per_spacing, h10 = heights[first + 1] * per_spacing,
+                h01 = heights[first + tile_samples] * per_spacing,
+                h11 = heights[first + tile_samples + 1] * per_spacing;
+    group.slope_eta[lane] = ((h10 - h00) + (h11 - h01)) * 0.5F;
+    group.slope_omega[lane] = ((h01 - h00) + (h11 - h10)) * 0.5F;
+    group.twist[lane] = h00 - h10 - h01 + h11;
+    group.depth[lane] = (h00 + h10 + h01 + h11) * 0.25F;
+  }
+  const auto spacing = static_cast<double>(tile.spacing);
+  const std::uint32_t first = cell_of(group, 0);
+  const Vector3 corner = support_plane_point(plane, tile.eta0 + first % tile_cells * spacing,
+                                             tile.omega0 + first / tile_cells * spacing) -
+                         tile.base * plane.n - origin;
+  for (int k = 0; k < 3; ++k) {
+    const auto axis = static_cast<std::size_t>(k);
+    group.origin[axis] = static_cast<float>(corner[k]);
+    group.axes[0][axis] = static_cast<float>(plane.u[k] / spacing);
+    group.axes[1][axis] = static_cast<float>(plane.v[k] / spacing);
+    group.axes[2][axis] = static_cast<float>(-plane.n[k] / spacing);
+  }
+  return group;
+}
+
+ClipGroup clip_group(const Tile& tile, const CellGroup& group) noexcept {
+  ClipGroup clips;
+  for (std::uint32_t lane = 0; lane < group_units; ++lane) {
+    const std::uint32_t cell = cell_of(group, lane);
+    if (((tile.clipped >> cell) & 1U) == 0) continue;
+    const Clip clip = cell_clip(tile, cell);
+    ClipSegment segment{out_of_reach, 0, 0, 0};
+    if (!clip_segment(clip, segment)) segment.x = out_of_reach;
+    clips.a[lane] = clip.a;
+    clips.b[lane] = clip.b;
+    clips.c[lane] = clip.c;
+    clips.x[lane] = segment.x;
+    clips.y[lane] = segment.y;
+    clips.to_x[lane] = segment.to_x;
+    clips.to_y[lane] = segment.to_y;
+  }
+  return clips;
+}
+
+namespace {
+
+/// A lane's patch, and a place from its middle.
+CellPatch patch_at(const CellGroup& group, std::uint32_t lane, const Vector3& place) noexcept {
+  // From the group's origin in floats: near it they are exact enough.
+  const auto from = [&](int k) {
+    return static_cast<float>(place[k] -
+                              static_cast<double>(group.origin[static_cast<std::size_t>(k)]));
+  };
+  const float x = from(0), y = from(1), z = from(2);
+  const auto along = [&](const std::array<float, 3>& axis) {
+    return axis[0] * x + axis[1] * y + axis[2] * z;
+  };
+  return {group.slope_eta[lane],
+          group.slope_omega[lane],
+          group.twist[lane],
+          along(group.axes[0]) - (static_cast<float>(lane % group_columns) + 0.5F),
+          along(group.axes[1]) - (static_cast<float>(lane / group_columns) + 0.5F),
+          along(group.axes[2]) - group.depth[lane]};
+}
+
+TileFoot foot_at(const CellGroup& group, std::uint32_t lane, const CellPatch& patch, float x,
+                 float y) noexcept {
+  TileFoot foot;
+  foot.cell = cell_of(group, lane);
+  foot.slope_eta = patch.slope_x + patch.twist * y;
+  foot.slope_omega = patch.slope_y + patch.twist * x;
+  foot.away_eta = (patch.dx - x) * group.spacing;
+  foot.away_omega = (patch.dy - y) * group.spacing;
+  foot.away_depth = (patch.dz - patch.height(x, y)) * group.spacing;
+  settle_foot(foot, std::sqrt(patch.squared_distance(x, y)) * group.spacing);
+  return foot;
+}
+
+}  // namespace
+
+TileFoot foot_on_cell(const CellGroup& group, std::uint32_t lane, const Vector3& place, float x,
+                      float y) noexcept {
+  const CellPatch patch = patch_at(group, lane, place);
+  const bool on_border = std::abs(x) == 0.5F || std::abs(y) == 0.5F;
+  if (on_border && group.clips == 0) closest_on_patch(patch, x, y);
+  return foot_at(group, lane, patch, x, y);
+}
+
+TileFoot closest_on_cell(const Tile& tile, const CellGroup& group, std::uint32_t lane,
+                         const Vector3& place, float limit) noexcept {
+  const CellPatch patch = patch_at(group, lane, place);
+  float x = 0, y = 0;
+  closest_on_patch(patch, x, y);
+  TileFoot foot;
+  foot.cell = cell_of(group, lane);
+  if (((tile.clipped >> foot.cell) & 1U) != 0 &&
+      !clip_foot(patch, cell_clip(tile, foot.cell), 1, x, y)) {
+    return foot;
+  }
+  const float most = limit / group.spacing;
+  if (!(patch.squared_distance(x, y) < most * most)) return foot;
+  return foot_at(group, lane, patch, x, y);
+}
+
+}  // namespace spm
