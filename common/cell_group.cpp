@@ -35,6 +35,10 @@ CellGroup cell_group(const Tile& tile, float height_unit, const SupportPlane& pl
                 h11 = heights[first + tile_samples + 1] * per_spacing;
     group.slope_eta[lane] = ((h10 - h00) + (h11 - h01)) * 0.5F;
     group.slope_omega[lane] = ((h01 - h00) + (h11 - h10)) * 0.5F;
+    const float eta = group.slope_eta[lane], omega = group.slope_omega[lane];
+    group.per_eta[lane] = 1 / (1 + eta * eta);
+    group.per_omega[lane] = 1 / (1 + omega * omega);
+    group.level_eta[lane] = eta / (1 + eta * eta + omega * omega);
     group.twist[lane] = h00 - h10 - h01 + h11;
     group.depth[lane] = (h00 + h10 + h01 + h11) * 0.25F;
   }
@@ -46,9 +50,9 @@ CellGroup cell_group(const Tile& tile, float height_unit, const SupportPlane& pl
   for (int k = 0; k < 3; ++k) {
     const auto axis = static_cast<std::size_t>(k);
     group.origin[axis] = static_cast<float>(corner[k]);
-    group.axes[0][axis] = static_cast<float>(plane.u[k] / spacing);
-    group.axes[1][axis] = static_cast<float>(plane.v[k] / spacing);
-    group.axes[2][axis] = static_cast<float>(-plane.n[k] / spacing);
+    group.steps[axis] = {static_cast<float>(plane.u[k] / spacing),
+                         static_cast<float>(plane.v[k] / spacing),
+                         static_cast<float>(-plane.n[k] / spacing), 0};
   }
   return group;
 }
@@ -82,15 +86,15 @@ CellPatch patch_at(const CellGroup& group, std::uint32_t lane, const Vector3& pl
                               static_cast<double>(group.origin[static_cast<std::size_t>(k)]));
   };
   const float x = from(0), y = from(1), z = from(2);
-  const auto along = [&](const std::array<float, 3>& axis) {
-    return axis[0] * x + axis[1] * y + axis[2] * z;
+  const auto along = [&](std::size_t axis) {
+    return group.steps[0][axis] * x + group.steps[1][axis] * y + group.steps[2][axis] * z;
   };
   return {group.slope_eta[lane],
           group.slope_omega[lane],
           group.twist[lane],
-          along(group.axes[0]) - (static_cast<float>(lane % group_columns) + 0.5F),
-          along(group.axes[1]) - (static_cast<float>(lane / group_columns) + 0.5F),
-          along(group.axes[2]) - group.depth[lane]};
+          along(0) - (static_cast<float>(lane % group_columns) + 0.5F),
+          along(1) - (static_cast<float>(lane / group_columns) + 0.5F),
+          along(2) - group.depth[lane]};
 }
 
 TileFoot foot_at(const CellGroup& group, std::uint32_t lane, const CellPatch& patch, float x,

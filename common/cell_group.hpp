@@ -27,13 +27,14 @@ struct alignas(64) ClipGroup {
 /// middles, with the spacing as the unit. Slopes of the mean plane along eta and omega, twist h00 -
 /// h10 - h01 + h11, and depth of the middle below the tile's base. A cell that is not valid is out
 /// of all reach. Derived from the heights, so that all cells are looked at together.
-struct alignas(64) CellGroup {
+struct alignas(32) CellGroup {
   GroupLanes slope_eta{}, slope_omega{}, twist{}, depth{};
+  /// Of the slopes: 1 / (1 + eta^2), 1 / (1 + omega^2), and eta / (1 + eta^2 + omega^2).
+  GroupLanes per_eta{}, per_omega{}, level_eta{};
+  /// What a step along x, y or z is along eta, omega and depth, spacings per m; the last is 0.
+  std::array<std::array<float, 4>, 3> steps{};
   std::array<float, 3> origin{};  ///< first sample, at the tile's base, m from the tree's origin
   float spacing = 0;              ///< m
-  /// Along eta, omega and depth, per spacing: a place's coordinates in the group are their products
-  /// with what it is from the origin.
-  std::array<std::array<float, 3>, 3> axes{};
   std::uint32_t tile = 0;
   std::uint32_t part =
       0;  ///< of the tile's eighths: bit 0 the upper half along eta, 1-2 which rows

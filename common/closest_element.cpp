@@ -15,9 +15,6 @@ namespace {
 /// of a ball all are equally near.
 constexpr double deep_share = 0.8;
 
-/// A foot whose normal meets the point within this cosine is a face's, not an edge's.
-constexpr double facing_cosine = 0.998;
-
 /// Feet whose distances differ by no more than this share are one.
 constexpr double same_share = 1e-6;
 
@@ -57,33 +54,6 @@ class Gatherer {
     visit_fan(child);
   }
 
-  /// Whether the nearest, if there is one, or one close to it faces the point.
-  [[nodiscard]] bool is_faced() const noexcept {
-    const double most = reading.nearest.distance + facing_tolerances * asset_.tolerance;
-    return reading.facing.distance <= most || !std::isfinite(most);
-  }
-
-  /// Reads what a list tells where claims do not count: at once the nearest unit, and if that does
-  /// not face the point the nearest that does. False where there is nothing.
-  [[nodiscard]] bool visit_nearest(const IndexList& list) noexcept {
-    const ElementIndex& index = asset_.index;
-    const std::array<float, 3> place = from_origin(asset_.tree, point_);
-    ListNumbers numbers;
-    // Without initial values: only what is written is read.
-    alignas(64) std::array<float, index_list_groups * group_units> squares;
-    const std::size_t few = read_numbers(index, list, list.nearest, numbers);
-    const NearestUnit nearest =
-        nearest_unit(index.groups, {numbers.data(), few}, place, squares.data());
-    if (!visit_whole(numbers, nearest)) return false;
-    if (is_faced()) return true;
-    const double most = reading.nearest.distance + facing_tolerances * asset_.tolerance;
-    const std::size_t all = read_numbers(index, list, list.count, numbers);
-    const FacingQuery query{static_cast<float>(facing_cosine), static_cast<float>(most * most), few,
-                            squares.data()};
-    const NearestUnit facing = nearest_facing(index.groups, {numbers.data(), all}, place, query);
-    return !(double{facing.square} <= most * most) || visit_whole(numbers, facing);
-  }
-
   void visit(const IndexUnit& unit) noexcept {
     ++reading.visited;
     const UnitGroups& groups = asset_.index.groups;
@@ -117,23 +87,6 @@ class Gatherer {
     const SupportPlane& plane = asset_.planes[tile.plane];
     keep_foot(tile,
               closest_on_tile(tile, asset_.height_unit, plane, point_, static_cast<float>(limit_)));
-  }
-
-  /// False where there is no unit.
-  [[nodiscard]] bool visit_whole(const ListNumbers& numbers, const NearestUnit& found) noexcept {
-    if (!(found.square < empty_square)) return false;
-    const IndexUnit unit = unit_at(numbers, found.which);
-    const UnitGroups& groups = asset_.index.groups;
-    ++reading.visited;
-    if (unit.group >= groups.cells.size()) {
-      visit_triangle(groups.triangles[unit.group - groups.cells.size()], unit.lane);
-      return true;
-    }
-    const CellGroup& group = groups.cells[unit.group];
-    const TileFoot foot =
-        foot_on_cell(group, unit.lane, point_ - asset_.tree.origin, found.x, found.y);
-    if (double{foot.distance} < limit_) keep_foot(asset_.tiles[group.tile], foot);
-    return true;
   }
 
   void visit_cell(const CellGroup& group, std::uint32_t lane) noexcept {
@@ -279,19 +232,14 @@ ElementReading read_elements(const AssetView& asset, const Vector3& point,
   return reading;
 }
 
-ElementReading read_elements(const AssetView& asset, const IndexList& list, const Vector3& point,
-                             CubeKind place) noexcept {
+ElementReading read_elements(const AssetView& asset, const IndexList& list,
+                             const Vector3& point) noexcept {
   ElementReading reading = empty_reading(asset);
-  Gatherer gatherer(asset, point, place, reading);
-  if (place != CubeKind::told && gatherer.visit_nearest(list)) return reading;
-  const auto visit_some = [&](std::uint32_t count) {
-    visit_list(
-        asset.index, {list.numbers, count, count, list.kind}, from_origin(asset.tree, point),
-        [&gatherer](const IndexUnit& unit) { gatherer.visit(unit); },
-        [&gatherer] { return gatherer.limit(); });
-  };
-  if (place != CubeKind::told) visit_some(list.nearest);
-  if (place == CubeKind::told || !gatherer.is_faced()) visit_some(list.count);
+  Gatherer gatherer(asset, point, CubeKind::told, reading);
+  visit_list(
+      asset.index, list, from_origin(asset.tree, point),
+      [&gatherer](const IndexUnit& unit) { gatherer.visit(unit); },
+      [&gatherer] { return gatherer.limit(); });
   return reading;
 }
 

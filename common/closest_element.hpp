@@ -17,6 +17,9 @@ inline constexpr double tie_tolerances = 1;
 /// Triangles whose feet are no farther apart share one, or no farther than their corners' step.
 inline constexpr double rounding_tolerances = 0.01;
 
+/// A foot whose normal meets the point within this cosine is a face's, not an edge's.
+inline constexpr double facing_cosine = 0.998;
+
 /// How much farther than the nearest foot one that faces the point may be and count, in tolerances.
 inline constexpr double facing_tolerances = 0.7;
 
@@ -55,9 +58,9 @@ struct ElementReading {
 [[nodiscard]] ElementReading read_elements(const AssetView& asset, const Vector3& point,
                                            CubeKind place) noexcept;
 
-/// The same among the elements of a list that was found for the point.
+/// The same among the elements of a list that was found for the point, in a place that is told.
 [[nodiscard]] ElementReading read_elements(const AssetView& asset, const IndexList& list,
-                                           const Vector3& point, CubeKind place) noexcept;
+                                           const Vector3& point) noexcept;
 
 /// The signed distance that a reading comes to by what elements claim, m, finite where it found
 /// one. Where claims for the two sides are close and the surface no farther than the tolerance, it

@@ -58,6 +58,7 @@ struct ElementIndex {
 inline constexpr std::uint32_t index_split = 1U << 31U;
 inline constexpr std::uint32_t index_place = (1U << 28U) - 1;
 inline constexpr int index_levels = 6;  ///< halvings of a cube of the grid at most
+
 /// Groups that a list may name at most.
 inline constexpr std::size_t index_list_groups = 64;
 
@@ -99,26 +100,15 @@ struct IndexList {
   return list_from(index.words.data() + (word & index_place), static_cast<CubeKind>(word >> 28U));
 }
 
-/// The numbers of the groups of a list.
-using ListNumbers = std::array<std::uint32_t, index_list_groups>;
-
-/// Reads the first numbers of a list, at most index_list_groups; gives how many.
-inline std::size_t read_numbers(const ElementIndex& index, const IndexList& list, std::size_t count,
-                                ListNumbers& numbers) noexcept {
-  count = std::min(count, index_list_groups);
-  if (!index.has_small_numbers()) {
-    std::copy_n(list.numbers, count, numbers.begin());
-    return count;
-  }
-  for (std::size_t i = 0; i < count; ++i) {
-    numbers[i] = (list.numbers[i / 2] >> (16 * (i & 1U))) & 0xFFFFU;
-  }
-  return count;
+/// The first groups of a list, at most index_list_groups.
+[[nodiscard]] inline GroupNames names_of(const ElementIndex& index, const IndexList& list,
+                                         std::size_t count) noexcept {
+  return {list.numbers, std::min(count, index_list_groups), index.has_small_numbers()};
 }
 
 /// The unit that a group of a list and a lane name.
-[[nodiscard]] inline IndexUnit unit_at(const ListNumbers& numbers, std::size_t which) noexcept {
-  return {numbers[which / group_units], static_cast<std::uint32_t>(which % group_units)};
+[[nodiscard]] inline IndexUnit unit_at(const GroupNames& names, std::size_t which) noexcept {
+  return {names[which / group_units], static_cast<std::uint32_t>(which % group_units)};
 }
 
 /// Calls `visit(unit)` for the units of a list that may lie nearer to a point (`place`, m from the
@@ -129,20 +119,18 @@ void visit_list(const ElementIndex& index, const IndexList& list, const std::arr
   // Without initial values: only what is written is read.
   alignas(64) std::array<float, index_list_groups * group_units> squares;
   std::array<std::uint32_t, (index_list_groups + 1) * group_units> near;
-  ListNumbers numbers;
-  const std::size_t groups = read_numbers(index, list, list.count, numbers);
-  if (groups == 0) return;
+  const GroupNames names = names_of(index, list, list.count);
+  if (names.size() == 0) return;
   const auto reach = [&limit, slack = index.slack] {
     const double farthest = limit() + slack;
     return static_cast<float>(farthest * farthest * (1 + 1e-6));
   };
-  const std::uint32_t first =
-      group_squares(index.groups, {numbers.data(), groups}, place, squares.data());
-  if (!(squares[first] <= reach()) || !(squares[first] < empty_square)) return;
-  visit(unit_at(numbers, first));
+  const std::uint32_t first = group_squares(index.groups, names, place, squares.data());
+  if (!(squares[first] <= reach()) || !(squares[first] < nothing_square)) return;
+  visit(unit_at(names, first));
   squares[first] = empty_square;
   float farthest = std::min(reach(), empty_square / 2);
-  std::size_t left = near_lanes(squares.data(), groups * group_units, farthest, near.data());
+  std::size_t left = near_lanes(squares.data(), names.size() * group_units, farthest, near.data());
   while (left > 0) {
     std::size_t next = 0;
     for (std::size_t i = 1; i < left; ++i) {
@@ -151,7 +139,7 @@ void visit_list(const ElementIndex& index, const IndexList& list, const std::arr
     const std::size_t which = near[next];
     near[next] = near[--left];
     if (!(squares[which] <= farthest)) return;
-    visit(unit_at(numbers, which));
+    visit(unit_at(names, which));
     farthest = std::min(reach(), empty_square / 2);
   }
 }

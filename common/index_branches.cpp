@@ -69,7 +69,7 @@ ElementReading IndexBrancher::reading_at(const Vector3& point, const GroupNumber
   if (some.size() > index_list_groups) return read_elements(asset_, point, CubeKind::told);
   const std::vector<std::uint32_t> packed =
       IndexLists{{}, some}.packed(asset_.index.has_small_numbers());
-  return read_elements(asset_, list_from(packed.data(), CubeKind::told), point, CubeKind::told);
+  return read_elements(asset_, list_from(packed.data(), CubeKind::told), point);
 }
 
 /// Finds what can matter in a cube, of some groups.

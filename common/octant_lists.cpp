@@ -53,11 +53,11 @@ void look_from_corners(const AssetView& asset, const UnitGroupsData& units,
     std::array<float, index_list_groups> found;
     const std::array<float, 3> place = from_origin(asset.tree, corners.at[k]);
     const NearestUnit nearest =
-        nearest_of_groups(units.view(), {some.data(), surface}, place, found.data());
+        nearest_of_groups(units.view(), std::span(some).first(surface), place, found.data());
     static_cast<void>(nearest_of_groups(units.view(), std::span(some).subspan(surface), place,
                                         found.data() + surface));
     for (std::size_t i = 0; i < some.size(); ++i) corners.squares[i][k] = found[i];
-    if (!(nearest.square < empty_square)) continue;
+    if (!nearest.is_found()) continue;
     corners.feet[k] = foot_on(asset, units,
                               {some[nearest.which / group_units],
                                static_cast<std::uint32_t>(nearest.which % group_units)},

@@ -10,6 +10,7 @@
 #include "common/closest_on_map.hpp"
 #include "common/closest_on_triangle.hpp"
 #include "common/grid_list.hpp"
+#include "common/listed_feet.hpp"
 #include "common/octahedral.hpp"
 #include "common/tile.hpp"
 
@@ -134,8 +135,9 @@ Vector3 normal_of(const AssetView& asset, const ElementFoot& foot, const Vector3
   const SupportPlane& plane = asset.planes[foot.tile->plane];
   const bool faces = std::abs(on.below) >= facing_share * on.distance && (on.below > 0) == inside;
   if (faces || close) {
-    return surface_normal(plane, static_cast<double>(on.slope_eta),
-                          static_cast<double>(on.slope_omega))
+    // Eq. 5, which in the plane's frame is this.
+    return from_plane_frame(plane, static_cast<double>(on.slope_eta),
+                            static_cast<double>(on.slope_omega), -1)
         .normalized();
   }
   return side * from_plane_frame(plane, static_cast<double>(on.away_eta),
@@ -164,29 +166,14 @@ CubeKind kind_of(SpaceKind kind) noexcept {
   }
 }
 
-Answer query_sparse(const AssetView& asset, const Vector3& point) noexcept {
-  const IndexList list = list_at(asset.index, point);
-  CubeKind kind = list.kind;
-  if (kind == CubeKind::unknown) {
-    const SpaceKind space = space_at(asset.space, point);
-    kind = kind_of(space);
-    if (space == SpaceKind::pruned) return unanswered(Status::pruned);
-    if (kind == CubeKind::unknown) return unanswered(Status::far);
+/// What is told by the nearest foot, and the one whose direction counts.
+void set_answer(const AssetView& asset, const ElementFoot& nearest, const ElementFoot& foot,
+                const Vector3& point, bool inside, Answer& answer) noexcept {
+  if (!std::isfinite(nearest.distance)) {
+    answer = unanswered(Status::far);
+    return;
   }
-  const ElementReading reading = list.numbers != nullptr ? read_elements(asset, list, point, kind)
-                                                         : read_elements(asset, point, kind);
-  const ElementFoot& nearest = reading.nearest;
-  if (!std::isfinite(nearest.distance)) return unanswered(Status::far);
-  const bool faced =
-      reading.facing.distance <= nearest.distance + facing_tolerances * asset.tolerance;
-  const ElementFoot& foot = faced ? reading.facing : nearest;
-  const bool inside = kind == CubeKind::told        ? reading.sides.inside()
-                      : kind == CubeKind::one_sheet ? is_inside(foot, point)
-                                                    : kind == CubeKind::inside;
-  Answer answer;
-  answer.distance = kind == CubeKind::told ? told_distance(asset, reading)
-                    : inside               ? -nearest.distance
-                                           : nearest.distance;
+  answer.distance = inside ? -nearest.distance : nearest.distance;
   answer.normal = normal_of(asset, foot, point, inside);
   if (nearest.tile != nullptr) {
     answer.plane = static_cast<std::int32_t>(nearest.tile->plane);
@@ -194,7 +181,42 @@ Answer query_sparse(const AssetView& asset, const Vector3& point) noexcept {
   }
   answer.source = nearest.tile != nullptr ? Source::map : Source::triangles;
   answer.status = Status::exact;
-  return answer;
+}
+
+/// By the elements of the list, or where there is none by the tree.
+void query_elements(const AssetView& asset, const IndexList& list, const Vector3& point,
+                    CubeKind kind, Answer& answer) noexcept {
+  const ElementReading reading = list.numbers != nullptr ? read_elements(asset, list, point)
+                                                         : read_elements(asset, point, kind);
+  const bool told = kind == CubeKind::told;
+  const bool inside = told ? reading.sides.inside() : kind == CubeKind::inside;
+  const ElementFoot& nearest = reading.nearest;
+  const bool faced =
+      reading.facing.distance <= nearest.distance + facing_tolerances * asset.tolerance;
+  set_answer(asset, nearest, faced ? reading.facing : nearest, point, inside, answer);
+  if (told && answer.status == Status::exact) answer.distance = told_distance(asset, reading);
+}
+
+void query_sparse(const AssetView& asset, const Vector3& point, Answer& answer) noexcept {
+  const IndexList list = list_at(asset.index, point);
+  CubeKind kind = list.kind;
+  if (kind == CubeKind::unknown) {
+    const SpaceKind space = space_at(asset.space, point);
+    kind = kind_of(space);
+    if (kind == CubeKind::unknown) {
+      answer = unanswered(space == SpaceKind::pruned ? Status::pruned : Status::far);
+      return;
+    }
+  }
+  if (list.numbers == nullptr || kind == CubeKind::told) {
+    query_elements(asset, list, point, kind, answer);
+    return;
+  }
+  const ListedFeet feet = listed_feet(asset, list, point);
+  const ElementFoot& foot = feet.faced();
+  const bool inside =
+      kind == CubeKind::one_sheet ? is_inside(foot, point) : kind == CubeKind::inside;
+  set_answer(asset, feet.nearest, foot, point, inside, answer);
 }
 
 /// The word that tells what lies around a point: of its grid cell, or of the octant of a split one.
@@ -253,10 +275,16 @@ Answer query_full(const AssetView& asset, const Vector3& point) noexcept {
 }  // namespace
 
 Answer query_point(const AssetView& asset, const Vector3& point) noexcept {
-  Answer answer = asset.full ? query_full(asset, point) : query_sparse(asset, point);
+  Answer answer;
+  if (asset.full) {
+    answer = query_full(asset, point);
+  } else {
+    query_sparse(asset, point, answer);
+  }
   if (answer.status != Status::exact) return answer;
-  if (answer.distance > asset.band.margin + asset.tolerance) return unanswered(Status::far);
-  if (answer.distance < -asset.band.max_depth) {
+  if (answer.distance > asset.band.margin + asset.tolerance) {
+    answer = unanswered(Status::far);
+  } else if (answer.distance < -asset.band.max_depth) {
     answer.distance = -asset.band.max_depth;
     answer.status = Status::deep;
   }

@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "common/closest_element.hpp"
+#include "common/listed_feet.hpp"
 
 namespace spm {
 
@@ -66,7 +67,7 @@ double surface_clearance(const AssetView& asset, const Vector3& point) noexcept 
   // quarter farther than the nearest.
   const IndexList list = list_at(asset.index, point);
   const double found = list.numbers != nullptr
-                           ? read_elements(asset, list, point, CubeKind::inside).nearest.distance
+                           ? listed_nearest(asset, list, point).distance
                            : read_elements(asset, point, CubeKind::inside).nearest.distance;
   return std::max(0.0, 0.8 * found - asset.tolerance);
 }

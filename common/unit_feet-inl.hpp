@@ -10,11 +10,9 @@
 
 #include <hwy/highway.h>
 
-#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
-#include <limits>
 
 #include "common/unit_groups.hpp"
 
@@ -25,9 +23,6 @@ namespace hn = hwy::HWY_NAMESPACE;
 
 // Products and sums are not fused, so that every processor gives the same bits.
 using Lanes = hn::CappedTag<float, group_units>;
-
-/// Square of the sine between a triangle's sides below which rounding tells its normal.
-constexpr float thin_sine_squared = 1e-8F;
 
 /// A group, or where lanes are fewer some of its units, from the k-th.
 template <class Kind>
@@ -52,9 +47,19 @@ HWY_INLINE hn::Vec<Tag> constant(Tag tag, float value) {
   return hn::Set(tag, value);
 }
 
-/// A vector in each lane.
+/// A vector in each lane. Copied part by part: as a block it goes through memory, and is waited
+/// for.
 template <class Tag>
 struct Vectors {
+  HWY_INLINE Vectors(hn::Vec<Tag> x_, hn::Vec<Tag> y_, hn::Vec<Tag> z_) : x(x_), y(y_), z(z_) {}
+  // NOLINTNEXTLINE(modernize-use-equals-default): as said.
+  HWY_INLINE Vectors(const Vectors& from) : x(from.x), y(from.y), z(from.z) {}
+  HWY_INLINE Vectors& operator=(const Vectors& from) {
+    x = from.x;
+    y = from.y;
+    z = from.z;
+    return *this;
+  }
   hn::Vec<Tag> x, y, z;
 };
 
@@ -74,13 +79,6 @@ HWY_INLINE hn::Vec<Tag> dot(const Vectors<Tag>& a, const Vectors<Tag>& b) {
 }
 
 template <class Tag>
-HWY_INLINE Vectors<Tag> cross(const Vectors<Tag>& a, const Vectors<Tag>& b) {
-  return {hn::Sub(hn::Mul(a.y, b.z), hn::Mul(a.z, b.y)),
-          hn::Sub(hn::Mul(a.z, b.x), hn::Mul(a.x, b.z)),
-          hn::Sub(hn::Mul(a.x, b.y), hn::Mul(a.y, b.x))};
-}
-
-template <class Tag>
 HWY_INLINE Vectors<Tag> chosen(hn::Mask<Tag> which, const Vectors<Tag>& yes,
                                const Vectors<Tag>& no) {
   return {hn::IfThenElse(which, yes.x, no.x), hn::IfThenElse(which, yes.y, no.y),
@@ -92,20 +90,26 @@ HWY_INLINE Vectors<Tag> vectors(const std::array<float, 3>& from) {
   return {hn::Set(Tag(), from[0]), hn::Set(Tag(), from[1]), hn::Set(Tag(), from[2])};
 }
 
-/// What a place is from units, and the squares of how far; on cells, from their middles, spacings.
+/// What a place is from units, and the squares of how far; on cells in spacings.
 template <class Tag>
 struct UnitFeet {
+  HWY_INLINE UnitFeet(const Vectors<Tag>& off_, hn::Vec<Tag> square_, hn::Vec<Tag> x_,
+                      hn::Vec<Tag> y_)
+      : off(off_), square(square_), x(x_), y(y_) {}
+  // NOLINTNEXTLINE(modernize-use-equals-default): as Vectors.
+  HWY_INLINE UnitFeet(const UnitFeet& from)
+      : off(from.off), square(from.square), x(from.x), y(from.y) {}
+  HWY_INLINE UnitFeet& operator=(const UnitFeet& from) {
+    off = from.off;
+    square = from.square;
+    x = from.x;
+    y = from.y;
+    return *this;
+  }
   Vectors<Tag> off;
   hn::Vec<Tag> square;
-  hn::Vec<Tag> x, y;  ///< the feet, of cells
+  hn::Vec<Tag> x, y;  ///< of cells, as NearestUnit
 };
-
-template <class Tag>
-HWY_INLINE UnitFeet<Tag> nearer_of(const UnitFeet<Tag>& a, const UnitFeet<Tag>& b) {
-  const auto first = hn::Le(a.square, b.square);
-  return {chosen<Tag>(first, a.off, b.off), hn::Min(a.square, b.square),
-          hn::IfThenElse(first, a.x, b.x), hn::IfThenElse(first, a.y, b.y)};
-}
 
 /// Cells, and a place from their middles; spacings.
 template <class Source>
@@ -113,13 +117,16 @@ struct Cells {
   using Tag = typename Source::Tag;
   using Floats = hn::Vec<Tag>;
   Vectors<Tag> from;
-  Floats slope_x, slope_y, twist;
+  Floats slope_x, slope_y, twist, per_x, per_y, level_x;
 
   HWY_INLINE Cells(const Source& source, const std::array<float, 3>& place)
       : from(from_middles(source, place)),
         slope_x(source.load([](const CellGroup& group) -> auto& { return group.slope_eta; })),
         slope_y(source.load([](const CellGroup& group) -> auto& { return group.slope_omega; })),
-        twist(source.load([](const CellGroup& group) -> auto& { return group.twist; })) {}
+        twist(source.load([](const CellGroup& group) -> auto& { return group.twist; })),
+        per_x(source.load([](const CellGroup& group) -> auto& { return group.per_eta; })),
+        per_y(source.load([](const CellGroup& group) -> auto& { return group.per_omega; })),
+        level_x(source.load([](const CellGroup& group) -> auto& { return group.level_eta; })) {}
 
   /// Feet, which are `twisted` above their planes.
   [[nodiscard]] HWY_INLINE UnitFeet<Tag> feet(Floats x, Floats y, Floats twisted) const {
@@ -138,16 +145,11 @@ struct Cells {
   template <bool on_patch>
   [[nodiscard]] HWY_INLINE UnitFeet<Tag> nearest() const {
     const Tag tag;
-    const Floats half = constant(tag, 0.5F), low = constant(tag, -0.5F), one = constant(tag, 1.0F);
-    // Divisions first, which hang on the group alone: nothing waits for them.
-    const Floats level_x = hn::Add(hn::Mul(slope_x, slope_x), one);
-    const Floats square_y = hn::Mul(slope_y, slope_y);
-    const Floats per_level = hn::Div(one, hn::Add(level_x, square_y));
-    const Floats per_y = hn::Div(one, hn::Add(square_y, one)), per_x = hn::Div(one, level_x);
-    const Floats above = hn::Sub(from.z, hn::Mul(slope_x, from.x));
-    const Floats along = hn::Mul(hn::Sub(above, hn::Mul(slope_y, from.y)), per_level);
+    const Floats half = constant(tag, 0.5F), low = constant(tag, -0.5F);
+    const Floats above =
+        hn::Sub(hn::Sub(from.z, hn::Mul(slope_x, from.x)), hn::Mul(slope_y, from.y));
     const auto clamp = [&](Floats value) { return hn::Min(hn::Max(value, low), half); };
-    const Floats first = clamp(hn::Add(from.x, hn::Mul(along, slope_x)));
+    const Floats first = clamp(hn::Add(from.x, hn::Mul(above, level_x)));
     const Floats y = clamp(hn::Mul(
         hn::Add(from.y, hn::Mul(slope_y, hn::Sub(from.z, hn::Mul(slope_x, first)))), per_y));
     const Floats x = clamp(
@@ -156,26 +158,38 @@ struct Cells {
   }
 
  private:
-  /// A place in the frame of a group of cells, spacings from its first sample.
-  [[nodiscard]] static HWY_INLINE float along(const CellGroup& group,
-                                              const std::array<float, 3>& place, std::size_t axis) {
-    const float x = place[0] - group.origin[0], y = place[1] - group.origin[1],
-                z = place[2] - group.origin[2];
-    return group.axes[axis][0] * x + group.axes[axis][1] * y + group.axes[axis][2] * z;
+  /// What is in all lanes alike, in the group's frame, spacings.
+  [[nodiscard]] static HWY_INLINE Vectors<Tag> in_frame(const Source& source,
+                                                        const Vectors<Tag>& off) {
+    const auto& steps = source.group->steps;
+    const Tag tag;
+    if constexpr (hn::MaxLanes(Tag()) >= 4) {
+      // All three at once, and then each to all lanes.
+      const auto by = [&](std::size_t axis) { return hn::LoadDup128(tag, steps[axis].data()); };
+      const Floats at = dot<Tag>({by(0), by(1), by(2)}, off);
+      return {hn::Broadcast<0>(at), hn::Broadcast<1>(at), hn::Broadcast<2>(at)};
+    } else {
+      const auto along = [&](std::size_t own) {
+        return dot<Tag>(
+            {hn::Set(tag, steps[0][own]), hn::Set(tag, steps[1][own]), hn::Set(tag, steps[2][own])},
+            off);
+      };
+      return {along(0), along(1), along(2)};
+    }
   }
+  /// In the frame of a group of cells, spacings from its first sample, less the middles.
   [[nodiscard]] static HWY_INLINE Vectors<Tag> from_middles(const Source& source,
                                                             const std::array<float, 3>& place) {
     alignas(64) static constexpr GroupLanes middles_x{0.5F, 1.5F, 2.5F, 3.5F,
                                                       0.5F, 1.5F, 2.5F, 3.5F};
     alignas(64) static constexpr GroupLanes middles_y{0.5F, 0.5F, 0.5F, 0.5F,
                                                       1.5F, 1.5F, 1.5F, 1.5F};
-    const auto at = [&](std::size_t axis) {
-      return source.set([&](const CellGroup& group) { return along(group, place, axis); });
-    };
+    const Vectors<Tag> off = minus<Tag>(vectors<Tag>(place), vectors<Tag>(source.group->origin));
+    const Vectors<Tag> at = in_frame(source, off);
     return {
-        hn::Sub(at(0), source.load([](const CellGroup&) -> auto& { return middles_x; })),
-        hn::Sub(at(1), source.load([](const CellGroup&) -> auto& { return middles_y; })),
-        hn::Sub(at(2), source.load([](const CellGroup& group) -> auto& { return group.depth; }))};
+        hn::Sub(at.x, source.load([](const CellGroup&) -> auto& { return middles_x; })),
+        hn::Sub(at.y, source.load([](const CellGroup&) -> auto& { return middles_y; })),
+        hn::Sub(at.z, source.load([](const CellGroup& group) -> auto& { return group.depth; }))};
   }
 };
 
@@ -242,7 +256,8 @@ template <class Source>
 struct Triangles {
   using Tag = typename Source::Tag;
   using Floats = hn::Vec<Tag>;
-  Vectors<Tag> away, side, other, normal;
+  Vectors<Tag> away, side, other, normal, along_side, along_other;
+  Floats per_side, per_other, per_third, least_share;
 
   HWY_INLINE Triangles(const Source& source, const std::array<float, 3>& place)
       : away(minus<Tag>(vectors<Tag>(place),
@@ -252,39 +267,36 @@ struct Triangles {
             source, [](const TriangleGroup& g) -> auto& { return g.side; })),
         other(load(
             source, [](const TriangleGroup& g) -> auto& { return g.other; })),
-        normal(cross<Tag>(side, other)) {}
+        normal(load(
+            source, [](const TriangleGroup& g) -> auto& { return g.normal; })),
+        along_side(load(
+            source, [](const TriangleGroup& g) -> auto& { return g.along_side; })),
+        along_other(load(
+            source, [](const TriangleGroup& g) -> auto& { return g.along_other; })),
+        per_side(source.load([](const TriangleGroup& g) -> auto& { return g.per_side; })),
+        per_other(source.load([](const TriangleGroup& g) -> auto& { return g.per_other; })),
+        per_third(source.load([](const TriangleGroup& g) -> auto& { return g.per_third; })),
+        least_share(source.load([](const TriangleGroup& g) -> auto& { return g.least_share; })) {}
 
   /// Where the foot on the plane is in the triangle or close to it, the height above the plane:
   /// never more than the distance. Elsewhere, and where it is too thin to have a plane, the nearest
   /// of the sides. Close: by a share of its size.
   [[nodiscard]] HWY_INLINE UnitFeet<Tag> nearest(float rounding) const {
     const Tag tag;
-    const Floats zero = hn::Zero(tag);
-    const Floats ss = dot<Tag>(side, side), so = dot<Tag>(side, other), oo = dot<Tag>(other, other);
-    const Floats as = dot<Tag>(away, side), ao = dot<Tag>(away, other);
-    const Floats area = dot<Tag>(normal, normal);
-    const Floats size = hn::Max(area, constant(tag, 1e-37F));
     const Floats height = dot<Tag>(normal, away);
-    const Floats per_size = hn::Div(height, size);
-    const UnitFeet<Tag> level{scaled<Tag>(normal, per_size), hn::Mul(height, per_size), zero, zero};
-    const Floats u = hn::Sub(hn::Mul(oo, as), hn::Mul(so, ao));
-    const Floats v = hn::Sub(hn::Mul(ss, ao), hn::Mul(so, as));
+    const Floats u = dot<Tag>(along_side, away), v = dot<Tag>(along_other, away);
+    const Floats left = hn::Sub(constant(tag, 1.0F), hn::Add(u, v));
     // Rounding must not take a foot out of a triangle.
-    const Floats slack = hn::Mul(size, constant(tag, rounding));
-    const auto inside =
-        hn::And(hn::And(hn::Ge(hn::Add(u, slack), zero), hn::Ge(hn::Add(v, slack), zero)),
-                hn::Le(hn::Add(u, v), hn::Add(size, slack)));
-    const auto thin = hn::Le(area, hn::Mul(hn::Mul(ss, oo), constant(tag, thin_sine_squared)));
-    const UnitFeet<Tag> first = on_segment(away, side, as, ss);
-    const UnitFeet<Tag> second = on_segment(away, other, ao, oo);
-    const Vectors<Tag> across = minus<Tag>(other, side), from = minus<Tag>(away, side);
-    const UnitFeet<Tag> third =
-        on_segment(from, across, dot<Tag>(from, across), dot<Tag>(across, across));
-    const UnitFeet<Tag> sides = nearer_of<Tag>(nearer_of<Tag>(first, second), third);
-    const UnitFeet<Tag> flat = nearer_of<Tag>(level, sides);
-    const auto is_flat = hn::AndNot(thin, inside);
-    return {chosen<Tag>(is_flat, flat.off, sides.off),
-            hn::IfThenElse(is_flat, flat.square, sides.square), zero, zero};
+    const Floats least = hn::Sub(least_share, constant(tag, rounding));
+    const auto is_flat = hn::Ge(hn::Min(hn::Min(u, v), left), least);
+    const Vectors<Tag> level = scaled<Tag>(normal, height);
+    const Vectors<Tag> first = on_segment(away, side, per_side);
+    const Vectors<Tag> second = on_segment(away, other, per_other);
+    const Vectors<Tag> third =
+        on_segment(minus<Tag>(away, side), minus<Tag>(other, side), per_third);
+    const Vectors<Tag> sides = nearer_of(nearer_of(first, second), third);
+    const Vectors<Tag> off = chosen<Tag>(is_flat, level, sides);
+    return {off, dot<Tag>(off, off), hn::Zero(tag), hn::Zero(tag)};
   }
 
  private:
@@ -296,16 +308,17 @@ struct Triangles {
     return {axis(0), axis(1), axis(2)};
   }
   /// From the segment that begins at a corner, of which `off` is the place.
-  [[nodiscard]] static HWY_INLINE UnitFeet<Tag> on_segment(const Vectors<Tag>& off,
-                                                           const Vectors<Tag>& side, Floats along,
-                                                           Floats length) {
+  [[nodiscard]] static HWY_INLINE Vectors<Tag> on_segment(const Vectors<Tag>& off,
+                                                          const Vectors<Tag>& side,
+                                                          Floats per_square) {
     const Tag tag;
-    const Floats zero = hn::Zero(tag);
-    // A side without a length is its corner.
-    const Floats share = hn::Div(along, hn::Max(length, constant(tag, 1e-30F)));
-    const Vectors<Tag> left =
-        minus<Tag>(off, scaled<Tag>(side, hn::Min(hn::Max(share, zero), constant(tag, 1.0F))));
-    return {left, dot<Tag>(left, left), zero, zero};
+    const Floats share = hn::Mul(dot<Tag>(off, side), per_square);
+    return minus<Tag>(
+        off, scaled<Tag>(side, hn::Min(hn::Max(share, hn::Zero(tag)), constant(tag, 1.0F))));
+  }
+  [[nodiscard]] static HWY_INLINE Vectors<Tag> nearer_of(const Vectors<Tag>& a,
+                                                         const Vectors<Tag>& b) {
+    return chosen<Tag>(hn::Le(dot<Tag>(a, a), dot<Tag>(b, b)), a, b);
   }
 };
 
@@ -319,59 +332,14 @@ HWY_INLINE UnitFeet<typename Source::Tag> triangle_feet(const Source& source,
   UnitFeet<Tag> feet = triangles.nearest(rounding);
   if constexpr (facing) {
     const auto height = dot<Tag>(triangles.normal, feet.off);
-    const auto size = hn::Mul(feet.square, dot<Tag>(triangles.normal, triangles.normal));
+    const auto has_normal = hn::Lt(triangles.least_share, constant(tag, no_share));
     const auto meets =
-        hn::Ge(hn::Mul(height, height), hn::Mul(size, constant(tag, cosine * cosine)));
-    feet.square = hn::IfThenElse(meets, feet.square, constant(tag, empty_square));
+        hn::Ge(hn::Mul(height, height), hn::Mul(feet.square, constant(tag, cosine * cosine)));
+    feet.square =
+        hn::IfThenElse(hn::And(has_normal, meets), feet.square, constant(tag, empty_square));
   }
   return feet;
 }
-
-/// The least of what is found lane by lane, and where it is.
-template <class Tag>
-class Least {
- public:
-  HWY_INLINE Least()
-      : least_(constant(Tag(), std::numeric_limits<float>::infinity())),
-        x_(hn::Zero(Tag())),
-        y_(hn::Zero(Tag())),
-        first_(hn::Zero(Whole())) {}
-
-  /// `first`: the number of the first lane.
-  HWY_INLINE void add(const UnitFeet<Tag>& found, std::uint32_t first) {
-    // Counted from a constant: an Iota that begins elsewhere is stored number by number.
-    const auto here =
-        hn::Add(hn::Iota(Whole(), 0), hn::Set(Whole(), static_cast<std::int32_t>(first)));
-    const auto nearer = hn::Lt(found.square, least_);
-    least_ = hn::IfThenElse(nearer, found.square, least_);
-    x_ = hn::IfThenElse(nearer, found.x, x_);
-    y_ = hn::IfThenElse(nearer, found.y, y_);
-    first_ = hn::IfThenElse(hn::RebindMask(Whole(), nearer), here, first_);
-  }
-
-  [[nodiscard]] HWY_INLINE NearestUnit found() const {
-    const Tag tag;
-    const auto least = hn::MinOfLanes(tag, least_);
-    // Of equals the first, so that every processor tells the same.
-    const auto none = hn::Set(Whole(), std::numeric_limits<std::int32_t>::max());
-    const auto numbers =
-        hn::IfThenElse(hn::RebindMask(Whole(), hn::Eq(least_, least)), first_, none);
-    const auto own = hn::RebindMask(tag, hn::Eq(numbers, hn::MinOfLanes(Whole(), numbers)));
-    const auto lane = static_cast<std::size_t>(
-        std::max<std::intptr_t>(0, static_cast<std::intptr_t>(hn::FindFirstTrue(tag, own))));
-    alignas(64) std::array<float, 2 * group_units> x, y;
-    alignas(64) std::array<std::int32_t, 2 * group_units> first;
-    hn::Store(x_, tag, x.data());
-    hn::Store(y_, tag, y.data());
-    hn::Store(first_, Whole(), first.data());
-    return {static_cast<std::uint32_t>(first[lane]), hn::GetLane(least), x[lane], y[lane]};
-  }
-
- private:
-  using Whole = hn::RebindToSigned<Tag>;
-  hn::Vec<Tag> least_, x_, y_;
-  hn::Vec<Whole> first_;
-};
 
 template <bool facing>
 HWY_INLINE UnitFeet<Lanes> feet_of(const UnitGroups& groups, std::uint32_t number,

@@ -60,13 +60,6 @@ void order_by_place(std::span<StoredTriangle> triangles) {
   order_by_place(triangles.subspan(half));
 }
 
-/// Puts a vector into a lane.
-void put(std::array<GroupLanes, 3>& to, std::size_t lane, const Vector3& from) {
-  for (int axis = 0; axis < 3; ++axis) {
-    to[static_cast<std::size_t>(axis)][lane] = static_cast<float>(from[axis]);
-  }
-}
-
 class Gathering {
  public:
   explicit Gathering(const AssetView& asset) : asset_(asset) {}
@@ -124,21 +117,18 @@ class Gathering {
     std::vector<StoredTriangle> triangles = triangles_of(asset_, caps);
     order_by_place(triangles);
     const bool counts = data_.cells.empty() && !caps;
-    TriangleGroup empty;
-    empty.corner[0].fill(empty_lane);
     for (std::size_t i = 0; i < triangles.size(); ++i) {
       const std::size_t lane = i % group_units;
       if (lane == 0) {
-        data_.triangles.push_back(empty);
+        data_.triangles.emplace_back();
         data_.normals.resize(data_.normals.size() + group_units, Vector3::Zero());
       }
       const auto& [a, b, c] = triangles[i].corners;
       TriangleGroup& group = data_.triangles.back();
       group.first[lane] = triangles[i].first;
       group.second[lane] = triangles[i].second;
-      put(group.corner, lane, a - asset_.tree.origin);
-      put(group.side, lane, b - a);
-      put(group.other, lane, c - a);
+      const Vector3& origin = asset_.tree.origin;
+      put_triangle(group, lane, {a - origin, b - origin, c - origin});
       const Vector3 across = (b - a).cross(c - a);
       if (across.norm() > 0) {
         data_.normals[data_.normals.size() - group_units + lane] = across.normalized();

@@ -42,7 +42,7 @@ HWY_INLINE UnitWays cell_ways(const CellGroup& group, const std::array<float, 3>
   const auto thick = hn::Mul(hn::Abs(cells.twist), hn::Set(lanes, 0.25F));
   const auto along = [&](std::size_t axis) {
     const auto part = [&](std::size_t own, hn::Vec<Lanes> way) {
-      return hn::Mul(way, hn::Set(lanes, group.spacing * group.axes[own][axis]));
+      return hn::Mul(way, hn::Set(lanes, group.spacing * group.steps[axis][own]));
     };
     return hn::Add(hn::Add(part(0, ways.away.x), part(1, ways.away.y)), part(2, ways.away.z));
   };

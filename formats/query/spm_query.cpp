@@ -59,16 +59,15 @@ int32_t source_code(spm::Source source) noexcept {
   return SPM_QUERY_NONE;
 }
 
-spm_query_answer answer_at(const spm_query_asset* asset, const double* point) noexcept {
+void answer_at(const spm_query_asset* asset, const double* point,
+               spm_query_answer& answer) noexcept {
   const spm::Answer found = spm::query_point(asset->asset->view(), vector_from(point));
-  spm_query_answer answer{};
   answer.distance = found.distance;
   copy_to(answer.normal, found.normal);
   answer.plane = found.plane;
   answer.layer = found.layer;
   answer.source = source_code(found.source);
   answer.status = status_code(found.status);
-  return answer;
 }
 
 bool in_range(const spm_query_asset* asset, const spm_query_force_settings& settings) noexcept {
@@ -131,13 +130,13 @@ void spm_query_box(const spm_query_asset* asset, double box_min[3], double box_m
 
 void spm_query_point(const spm_query_asset* asset, const double point[3],
                      spm_query_answer* answer) {
-  *answer = answer_at(asset, point);
+  answer_at(asset, point, *answer);
 }
 
 void spm_query_batch(const spm_query_asset* asset, const double* points, size_t count,
                      spm_query_answer* answers) {
   for (size_t index = 0; index < count; ++index) {
-    answers[index] = answer_at(asset, points + 3 * index);
+    answer_at(asset, points + 3 * index, answers[index]);
   }
 }
 

@@ -29,10 +29,6 @@ std::array<float, 3> floats(const Vector3& v) {
   return {static_cast<float>(v.x()), static_cast<float>(v.y()), static_cast<float>(v.z())};
 }
 
-void put(std::array<GroupLanes, 3>& to, std::size_t lane, const Vector3& v) {
-  for (std::size_t axis = 0; axis < 3; ++axis) to[axis][lane] = floats(v)[axis];
-}
-
 /// Triangles, some of them slivers and points, and where their corners are.
 TriangleGroup random_triangles(Random& random, std::vector<std::array<Vector3, 3>>& corners) {
   TriangleGroup group;
@@ -42,9 +38,7 @@ TriangleGroup random_triangles(Random& random, std::vector<std::array<Vector3, 3
     const double thin = lane % 4 == 3 ? 1e-5 : 1;
     const Vector3 other =
         lane == 6 ? side : side * random.between(0, 1) + thin * vector_in(random, 0.003);
-    put(group.corner, lane, a);
-    put(group.side, lane, side);
-    put(group.other, lane, other);
+    put_triangle(group, lane, {a, a + side, a + other});
     corners.push_back({a, a + side, a + other});
   }
   return group;
@@ -103,6 +97,11 @@ struct alignas(64) Squares {
   std::array<float, (tile_groups + 3) * group_units> values{};
 };
 
+template <std::size_t count>
+GroupNames names(const std::array<std::uint32_t, count>& numbers) {
+  return {numbers.data(), count, false};
+}
+
 /// The foot on a tile that a unit of its groups names.
 TileFoot foot_of(const TileGroups& groups, const NearestUnit& unit, const Vector3& point) {
   return foot_on_cell(groups.cells[unit.which / group_units], unit.which % group_units, point,
@@ -116,13 +115,11 @@ TEST_CASE("The nearest unit of a tile's groups is the foot on the tile") {
     const TileGroups groups = random_cells(random);
     const Vector3 point = point_near(random, groups);
     const TileFoot wanted = closest_on_tile(groups.tile, 1e-6F, groups.plane, point, 1.0F);
-    Squares squares;
-    const NearestUnit nearest = nearest_unit({groups.cells, groups.clips, {}}, all_cells,
-                                             floats(point), squares.values.data());
-    REQUIRE((nearest.square < empty_square / 2) == std::isfinite(wanted.distance));
+    const NearestUnit nearest =
+        nearest_unit({groups.cells, groups.clips, {}}, names(all_cells), floats(point));
+    REQUIRE(nearest.is_found() == std::isfinite(wanted.distance));
     if (!std::isfinite(wanted.distance)) continue;
     ++found;
-    CHECK(squares.values[nearest.which] == nearest.square);
     // A cell's twist, and places that are beyond two sides of it.
     CHECK(std::sqrt(double{nearest.square}) == Approx(double{wanted.distance}).margin(2e-5));
     const TileFoot foot = foot_of(groups, nearest, point);
@@ -140,10 +137,7 @@ TEST_CASE("The nearest unit that faces a place has no nearer one that does") {
     const TileGroups groups = random_cells(random);
     const Vector3 point = point_near(random, groups);
     const UnitGroups view{groups.cells, groups.clips, {}};
-    Squares squares;
-    static_cast<void>(nearest_unit(view, all_cells, floats(point), squares.values.data()));
-    const FacingQuery query{cosine, 1e-4F, tile_groups, squares.values.data()};
-    const NearestUnit facing = nearest_facing(view, all_cells, floats(point), query);
+    const NearestUnit facing = nearest_facing(view, names(all_cells), floats(point), cosine);
     float least = std::numeric_limits<float>::infinity();
     for (const CellGroup& group : groups.cells) {
       for (std::uint32_t lane = 0; lane < group_units; ++lane) {
@@ -185,7 +179,7 @@ TEST_CASE("In a cube no unit is nearer than what reaches tell") {
     for (int sample = 0; sample < 20; ++sample) {
       const Vector3 point = middle + vector_in(random, half);
       Squares squares;
-      static_cast<void>(group_squares(view, numbers, floats(point), squares.values.data()));
+      static_cast<void>(group_squares(view, names(numbers), floats(point), squares.values.data()));
       for (std::size_t i = 0; i < numbers.size(); ++i) {
         for (std::size_t lane = 0; lane < group_units; ++lane) {
           const double excess =
@@ -210,8 +204,8 @@ TEST_CASE("The bounds of a group's triangles are their distances, and never more
     const Vector3 place = vector_in(random, 0.012);
     const std::uint32_t number = 0;
     Squares squares;
-    const std::uint32_t first =
-        group_squares({{}, {}, groups}, {&number, 1}, floats(place), squares.values.data());
+    const std::uint32_t first = group_squares({{}, {}, groups}, GroupNames(&number, 1, false),
+                                              floats(place), squares.values.data());
     for (std::size_t lane = 0; lane < group_units; ++lane) {
       const auto& [a, b, c] = corners[lane];
       const double exact = (place - closest_on_triangle(place, a, b, c)).norm();
@@ -223,6 +217,29 @@ TEST_CASE("The bounds of a group's triangles are their distances, and never more
     }
   }
   CHECK(close > all * 0.97);
+}
+
+TEST_CASE("The nearest unit of triangles is the foot on the nearest of them") {
+  Random random(6);
+  for (int trial = 0; trial < 1000; ++trial) {
+    std::vector<std::array<Vector3, 3>> corners;
+    const std::vector<TriangleGroup> groups{random_triangles(random, corners)};
+    const Vector3 place = vector_in(random, 0.012);
+    const std::uint32_t number = 0;
+    const NearestUnit found =
+        nearest_unit({{}, {}, groups}, GroupNames(&number, 1, false), floats(place));
+    REQUIRE(found.is_found());
+    Vector3 foot = Vector3::Constant(1);
+    for (const auto& [a, b, c] : corners) {
+      const Vector3 other = closest_on_triangle(place, a, b, c);
+      if ((place - other).norm() < (place - foot).norm()) foot = other;
+    }
+    const Vector3 away(double{found.away[0]}, double{found.away[1]}, double{found.away[2]});
+    CHECK(std::sqrt(double{found.square}) == Approx((place - foot).norm()).margin(1e-7));
+    CHECK(away.norm() == Approx((place - foot).norm()).margin(1e-7));
+    const auto& [a, b, c] = corners[found.which];
+    CHECK((closest_on_triangle(place, a, b, c) - (place - away)).norm() < 2e-6);
+  }
 }
 
 TEST_CASE("Every processor finds the same of groups, bit by bit, and lists the same") {
@@ -251,19 +268,18 @@ TEST_CASE("Every processor finds the same of groups, bit by bit, and lists the s
       const auto keep = [&](const NearestUnit& unit) {
         list.push_back(unit.which);
         all.insert(all.end(), {unit.square, unit.x, unit.y});
+        all.insert(all.end(), unit.away.begin(), unit.away.end());
       };
-      keep(nearest_unit(groups, numbers, place, squares.values.data()));
-      all.insert(all.end(), squares.values.begin(), squares.values.end());
-      keep(nearest_facing(groups, numbers, place,
-                          {0.99F, 1, numbers.size(), squares.values.data()}));
-      keep(nearest_of_groups(groups, numbers, place, of_groups.data()));
+      keep(nearest_unit(groups, names(numbers), place));
+      keep(nearest_facing(groups, names(numbers), place, 0.99F));
+      keep(nearest_of_groups(groups, names(numbers), place, of_groups.data()));
       all.insert(all.end(), of_groups.begin(), of_groups.end());
       group_reaches(groups, numbers, cube, 1e-3F, reaches.data());
       for (const GroupReach& reach : reaches) {
         all.push_back(reach.least);
         list.push_back(reach.lanes);
       }
-      list.push_back(group_squares(groups, numbers, place, squares.values.data()));
+      list.push_back(group_squares(groups, names(numbers), place, squares.values.data()));
       std::array<std::uint32_t, (numbers.size() + 1) * group_units> near{};
       const std::size_t count =
           near_lanes(squares.values.data(), bounds.size(), farthest, near.data());
@@ -288,14 +304,13 @@ TEST_CASE("Lanes without a unit, and numbers of no group, are out of all reach")
   std::vector<CellGroup> cells(1);
   cells.front().spacing = 1e-3F;
   cells.front().depth.fill(1e15F);
-  std::vector<TriangleGroup> triangles(1);
-  triangles.front().corner[0].fill(empty_lane);
+  const std::vector<TriangleGroup> triangles(1);
   const std::array<std::uint32_t, 3> numbers{0, 1, 7};
   const UnitGroups groups{cells, {}, triangles};
   Squares squares;
-  static_cast<void>(group_squares(groups, numbers, {0.01F, 0, 0}, squares.values.data()));
+  static_cast<void>(group_squares(groups, names(numbers), {0.01F, 0, 0}, squares.values.data()));
   for (std::size_t k = 0; k < numbers.size() * group_units; ++k) CHECK(squares.values[k] > 1e20F);
-  CHECK(nearest_unit(groups, numbers, {0.01F, 0, 0}, squares.values.data()).square > 1e20F);
+  CHECK_FALSE(nearest_unit(groups, names(numbers), {0.01F, 0, 0}).is_found());
 }
 
 }  // namespace
