@@ -24,9 +24,11 @@ constexpr double rounding_share = 1e-6;
 /// its grid at least and at most: where all lie in each other's way it would take minutes.
 constexpr std::size_t most_looks = 20000000, most_looks_a_group = 200000;
 constexpr std::size_t least_looks_a_cube = 10000, most_looks_a_cube = 4000000;
-/// Where a cube of the grid has so many groups in the mean, or more than few and this share of all,
-/// they lie in each other's way: an index would take long to build and be of little use.
-constexpr double most_groups_a_cube = 800, few_groups_a_cube = 64, most_share_a_cube = 0.12;
+/// Where a cube of the grid has this share of all groups in the mean, they lie in each other's way:
+/// an index would take long to build and be of little use. Few groups are none too many, and with
+/// many a cube the share counts that those of a surface are below.
+constexpr double most_share_a_cube = 0.12, surface_share_a_cube = 0.025;
+constexpr double few_groups_a_cube = 64, many_groups_a_cube = 800;
 /// Threads that look at cubes, at most.
 constexpr unsigned most_threads = 8;
 
@@ -115,8 +117,10 @@ class Builder {
       groups += cube.claims.size();
     }
     const double mean = static_cast<double>(groups) / static_cast<double>(count + 1);
-    const double share = most_share_a_cube * static_cast<double>(units_.size());
-    if (mean > std::clamp(share, few_groups_a_cube, most_groups_a_cube)) return false;
+    const auto all_groups = static_cast<double>(units_.size());
+    const double most = std::min(most_share_a_cube * all_groups,
+                                 std::max(many_groups_a_cube, surface_share_a_cube * all_groups));
+    if (mean > std::max(few_groups_a_cube, most)) return false;
     const std::size_t all = most_looks + most_looks_a_group * units_.size();
     const std::size_t looks = std::clamp(all / (count + 1), least_looks_a_cube, most_looks_a_cube);
     std::atomic<std::size_t> next = 0;

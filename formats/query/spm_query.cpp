@@ -14,6 +14,7 @@
 
 struct spm_query_asset {
   std::unique_ptr<spm::MappedAsset> asset;
+  const spm::AssetView* view = nullptr;  ///< the asset's
 };
 
 namespace {
@@ -61,7 +62,7 @@ int32_t source_code(spm::Source source) noexcept {
 
 void answer_at(const spm_query_asset* asset, const double* point,
                spm_query_answer& answer) noexcept {
-  const spm::Answer found = spm::query_point(asset->asset->view(), vector_from(point));
+  const spm::Answer found = spm::query_point(*asset->view, vector_from(point));
   answer.distance = found.distance;
   copy_to(answer.normal, found.normal);
   answer.plane = found.plane;
@@ -97,7 +98,8 @@ int spm_query_open(const char* path, spm_query_asset** asset, char* message, siz
       give_message(message, message_size, opened.error().message);
       return static_cast<int>(opened.error().code);
     }
-    *asset = new spm_query_asset{std::move(*opened)};
+    const spm::AssetView* const view = &(*opened)->view();
+    *asset = new spm_query_asset{std::move(*opened), view};
     return 0;
   } catch (const std::exception& problem) {
     if (message != nullptr && message_size > 0) {
