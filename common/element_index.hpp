@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -25,6 +26,7 @@ enum class CubeKind : std::uint32_t {
   inside = 2,
   outside = 3,
   one_sheet = 4,  ///< what is near looks one way: the nearest tells the side
+  far = 5,        ///< outside, beyond the margin
 };
 
 /// Which parts of elements of a `sparse` asset can matter to a point, cube by cube: what an
@@ -36,7 +38,9 @@ enum class CubeKind : std::uint32_t {
 ///   0: not told here; the tree tells;
 ///   bit 31 set: split; bits 0-30 the place of eight words like these, one an octant (bit 0: upper
 ///     half in x, 1: y, 2: z);
-///   else bits 28-30: the CubeKind; bits 0-27: the place of a list: a word that counts its groups,
+///   else bits 28-30: the CubeKind; where it is `far`, bits 0-27: those of a float but for its last
+///     four, how far beyond the surface all of the cube is at least, m;
+///   else bits 0-27: the place of a list: a word that counts its groups,
 ///     in bits 0-15 those that may hold the nearest unit to a point of the cube, in bits 16-31 all;
 ///     then their numbers, in that order, two of 16 bits a word, or one of 32 where there are more
 ///     than 65536. The others matter where claims tell the side, or the nearest does not face.
@@ -68,11 +72,26 @@ struct IndexList {
   std::uint32_t nearest = 0;               ///< so many of the first may hold the nearest
   std::uint32_t count = 0;
   CubeKind kind = CubeKind::unknown;
+  float beyond = 0;  ///< where the kind is `far`, m: the surface is no nearer
 };
+
+/// The word of a cube that is `far`.
+[[nodiscard]] inline std::uint32_t far_word(float beyond) noexcept {
+  return static_cast<std::uint32_t>(CubeKind::far) << 28U |
+         std::bit_cast<std::uint32_t>(beyond) >> 4U;
+}
 
 /// The list that begins at a place of the words.
 [[nodiscard]] inline IndexList list_from(const std::uint32_t* header, CubeKind kind) noexcept {
-  return {header + 1, *header & 0xFFFFU, *header >> 16U, kind};
+  return {header + 1, *header & 0xFFFFU, *header >> 16U, kind, 0};
+}
+
+/// What a cube's word tells, of one that is not split.
+[[nodiscard]] inline IndexList list_of(const ElementIndex& index, std::uint32_t word) noexcept {
+  if (word == 0 || (word & index_split) != 0) return {};
+  const auto kind = static_cast<CubeKind>(word >> 28U);
+  if (kind == CubeKind::far) return {nullptr, 0, 0, kind, std::bit_cast<float>(word << 4U)};
+  return list_from(index.words.data() + (word & index_place), kind);
 }
 
 /// The list of the cube that a point lies in.
@@ -96,9 +115,13 @@ struct IndexList {
                                  ((at[2] >> (level - 1)) & 1U) << 2U;
     word = index.words[(word & ~index_split) + octant];
   }
-  if (word == 0 || (word & index_split) != 0) return {};
-  return list_from(index.words.data() + (word & index_place), static_cast<CubeKind>(word >> 28U));
+  return list_of(index, word);
 }
+
+/// list_at of several points, one step of each at a time: none waits for the memory of another.
+inline constexpr std::size_t points_at_once = 32;
+void lists_at(const ElementIndex& index, std::span<const Vector3> points,
+              IndexList* lists) noexcept;
 
 /// The first groups of a list, at most index_list_groups.
 [[nodiscard]] inline GroupNames names_of(const ElementIndex& index, const IndexList& list,

@@ -139,6 +139,7 @@ class Builder {
 
   std::uint32_t word_of(const IndexBranch& branch) {
     if (branch.octants == nullptr) {
+      if (branch.kind == CubeKind::far) return far_word(branch.beyond);
       if (branch.lists.all.empty()) return 0;
       return place_of(branch.lists) | static_cast<std::uint32_t>(branch.kind) << 28U;
     }

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <span>
 #include <utility>
 
 #include "common/closest_on_triangle.hpp"
@@ -44,12 +45,14 @@ constexpr std::size_t hopeless_groups = 2048;
 /// One leaf of eight that are alike: what matters in none of them does not matter.
 bool merge(const std::array<IndexBranch, 8>& octants, IndexBranch& whole) {
   whole.kind = octants.front().kind;
+  whole.beyond = octants.front().beyond;
   const bool empty = octants.front().lists.all.empty();
   for (const IndexBranch& octant : octants) {
     if (octant.octants != nullptr || octant.kind != whole.kind ||
         octant.lists.all.empty() != empty) {
       return false;
     }
+    whole.beyond = std::min(octant.beyond, whole.beyond);
     add_numbers(octant.lists.nearest, whole.lists.nearest);
     add_numbers(octant.lists.all, whole.lists.all);
   }
@@ -160,6 +163,47 @@ CubeKind IndexBrancher::kind_of(const IndexCube& cube) const {
   return whole == space_bit(SpaceKind::told) ? CubeKind::told : CubeKind::unknown;
 }
 
+/// Whether a cube that has no place where queries ask for the nearest lies outside.
+bool IndexBrancher::is_far(const IndexCube& cube) const {
+  const unsigned whole = spaces_of_cube(asset_.space, cube.middle, cube.half);
+  constexpr unsigned out = space_bit(SpaceKind::far) | space_bit(SpaceKind::outside);
+  return (whole & ~out) == 0 || kind_of(cube) == CubeKind::outside;
+}
+
+/// The groups that are nearest to the corners of a cube and to its middle.
+GroupNumbers IndexBrancher::nearest_at_corners(const IndexCube& cube) const {
+  GroupNumbers found;
+  for (unsigned k = 0; k <= 8; ++k) {
+    Vector3 at = cube.middle;
+    for (unsigned axis = 0; axis < 3 && k < 8; ++axis) {
+      at[static_cast<int>(axis)] += ((k >> axis) & 1U) != 0 ? cube.half : -cube.half;
+    }
+    const NearestUnit nearest =
+        nearest_unit(units_.view(), std::span(cube.closest), from_origin(asset_.tree, at));
+    if (nearest.is_found()) add_numbers({cube.closest[nearest.which / group_units]}, found);
+  }
+  return found;
+}
+
+/// What is told where queries do not ask for the nearest: outside no more than how far it is. Of
+/// what is deeper than the band only the normal is told, the best known.
+IndexBranch IndexBrancher::branch_beyond(const IndexCube& cube) {
+  IndexBranch branch;
+  if (is_far(cube)) {
+    branch.kind = CubeKind::far;
+    const double beyond = cube.nearest - std::numbers::sqrt3 * cube.half - rounding_;
+    branch.beyond = static_cast<float>(std::min(beyond, 1e30) * (1 - 1e-6));
+    return branch;
+  }
+  const std::size_t looks = 9 * cube.closest.size();
+  if (kind_of(cube) != CubeKind::inside || looks_left_ < looks) return branch;
+  looks_left_ -= looks;
+  branch.kind = CubeKind::inside;
+  branch.lists.nearest = nearest_at_corners(cube);
+  branch.lists.all = branch.lists.nearest;
+  return branch;
+}
+
 IndexBranch IndexBrancher::branch_of(const IndexCube& cube, std::size_t most_looks) {
   looks_left_ = most_looks;
   return branch_at(cube, 0);
@@ -167,7 +211,8 @@ IndexBranch IndexBrancher::branch_of(const IndexCube& cube, std::size_t most_loo
 
 IndexBranch IndexBrancher::branch_at(const IndexCube& cube, int level) {
   IndexBranch branch;
-  if (is_beyond(cube) || looks_left_ == 0) return branch;
+  if (is_beyond(cube)) return branch_beyond(cube);
+  if (looks_left_ == 0) return branch;
   branch.kind = kind_of(cube);
   const bool claims = is_told(branch.kind);
   branch.lists = {cube.closest, claims ? cube.claims : cube.facing};

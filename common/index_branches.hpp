@@ -34,6 +34,7 @@ struct IndexBranch {
   std::unique_ptr<std::array<IndexBranch, 8>> octants;
   CubeKind kind = CubeKind::unknown;
   IndexLists lists;  ///< empty where nothing is told
+  float beyond = 0;  ///< as in IndexList
 };
 
 /// Finds what an index tells of cubes, one after another. For the loading thread.
@@ -64,6 +65,9 @@ class IndexBrancher {
   [[nodiscard]] double cap_distance(std::uint32_t group, const Vector3& point) const;
   [[nodiscard]] bool is_worth_splitting(const IndexBranch& branch, double edge) const;
   [[nodiscard]] CubeKind kind_of(const IndexCube& cube) const;
+  [[nodiscard]] bool is_far(const IndexCube& cube) const;
+  [[nodiscard]] IndexBranch branch_beyond(const IndexCube& cube);
+  [[nodiscard]] GroupNumbers nearest_at_corners(const IndexCube& cube) const;
   [[nodiscard]] IndexBranch branch_at(const IndexCube& cube, int level);
   [[nodiscard]] IndexBranch split(const IndexCube& cube, CubeKind kind,
                                   std::array<IndexLists, 8>& lists, int level);

@@ -75,16 +75,21 @@ ElementFoot listed_nearest(const AssetView& asset, const IndexList& list,
 ListedFeet listed_feet(const AssetView& asset, const IndexList& list,
                        const Vector3& point) noexcept {
   const GroupNames names = names_of(asset.index, list, list.nearest);
-  const std::array<float, 3> place = from_origin(asset.tree, point);
+  return listed_feet(asset, list, point,
+                     nearest_unit(asset.index.groups, names, from_origin(asset.tree, point)));
+}
+
+ListedFeet listed_feet(const AssetView& asset, const IndexList& list, const Vector3& point,
+                       const NearestUnit& found) noexcept {
   ListedFeet feet;
   ElementFoot& nearest = feet.nearest;
-  set_foot(asset, names, nearest_unit(asset.index.groups, names, place), point, nearest);
+  set_foot(asset, names_of(asset.index, list, list.nearest), found, point, nearest);
   if (nearest.along_normal >= facing_cosine * nearest.distance) return feet;
   const double most = nearest.distance + facing_tolerances * asset.tolerance;
   if (!std::isfinite(most)) return feet;
   const GroupNames all = names_of(asset.index, list, list.count);
-  const NearestUnit facing =
-      nearest_facing(asset.index.groups, all, place, static_cast<float>(facing_cosine));
+  const NearestUnit facing = nearest_facing(asset.index.groups, all, from_origin(asset.tree, point),
+                                            static_cast<float>(facing_cosine));
   if (double{facing.square} <= most * most) {
     set_foot(asset, all, facing, point, feet.facing.emplace());
   }

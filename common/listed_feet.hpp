@@ -22,6 +22,10 @@ struct ListedFeet {
 [[nodiscard]] ElementFoot listed_nearest(const AssetView& asset, const IndexList& list,
                                          const Vector3& point) noexcept;
 
+/// What the feet are, from the unit that was found nearest.
+[[nodiscard]] ListedFeet listed_feet(const AssetView& asset, const IndexList& list,
+                                     const Vector3& point, const NearestUnit& found) noexcept;
+
 /// The same, and the nearest that faces the point if that one does not.
 [[nodiscard]] ListedFeet listed_feet(const AssetView& asset, const IndexList& list,
                                      const Vector3& point) noexcept;

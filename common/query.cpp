@@ -7,116 +7,17 @@
 #include <limits>
 
 #include "common/closest_element.hpp"
-#include "common/closest_on_map.hpp"
-#include "common/closest_on_triangle.hpp"
-#include "common/grid_list.hpp"
+#include "common/full_query.hpp"
 #include "common/listed_feet.hpp"
-#include "common/octahedral.hpp"
-#include "common/tile.hpp"
 
 namespace spm {
 
 namespace {
 
-constexpr double infinity = std::numeric_limits<double>::infinity();
-
-/// Feet of triangles closer to each other than this share of a cell are one place: an edge or
-/// corner.
-constexpr double tie_share_of_cell = 2e-5;
 /// A foot whose normal meets the point within this cosine is a face's, not an edge's.
 constexpr float facing_share = 0.9995F;
 /// Nearer to the surface than this share of the tolerance, directions to the foot are noise.
 constexpr double surface_share = 0.1;
-
-Answer unanswered(Status status) noexcept {
-  Answer answer;
-  answer.distance = std::numeric_limits<double>::quiet_NaN();
-  answer.status = status;
-  return answer;
-}
-
-Answer deep_answer(const Band& band, const Vector3& normal) noexcept {
-  Answer answer;
-  answer.distance = -band.max_depth;
-  answer.normal = normal;
-  answer.status = Status::deep;
-  return answer;
-}
-
-/// The foot of least rank among a list's maps.
-Answer closest_of_maps(const AssetView& asset, const GridList& list,
-                       const Vector3& point) noexcept {
-  const DistanceMap* map = nullptr;
-  std::uint32_t layer = 0;
-  MapFoot best;
-  best.rank = infinity;
-  for (std::uint32_t k = 0; k < list.maps(); ++k) {
-    const auto [which, candidate_layer] = unpack_candidate(list.map(k));
-    if (which >= asset.maps.size() || candidate_layer >= asset.maps[which].layers) continue;
-    const DistanceMap& candidate_map = asset.maps[which];
-    const MapFoot foot =
-        closest_on_map(candidate_map, candidate_layer, asset.planes[candidate_map.plane], point);
-    if (!(foot.rank < best.rank)) continue;
-    best = foot;
-    map = &candidate_map;
-    layer = candidate_layer;
-  }
-  if (map == nullptr) return unanswered(Status::far);
-  const Vector3 normal = normal_at(*map, layer, asset.planes[map->plane], best.cell);
-  if (!normal.allFinite()) return unanswered(Status::far);
-  const std::uint32_t crossing = map->first_layer + layer;
-  const double side = side_of_crossing(crossing);
-  Answer answer;
-  answer.distance = side * best.distance;
-  answer.normal = side * normal;
-  answer.plane = static_cast<std::int32_t>(map->plane);
-  answer.layer = static_cast<std::int32_t>(crossing);
-  answer.source = Source::map;
-  answer.status = Status::exact;
-  return answer;
-}
-
-/// The closest of a list's triangles. The side is decided by the closest one, caps included;
-/// where several share the closest point (an edge, a corner), by the one that faces the point most.
-Answer closest_of_triangles(const AssetView& asset, const GridList& list,
-                            const Vector3& point) noexcept {
-  const double tie = tie_share_of_cell * asset.grid.cell_size;
-  double surface = infinity, deciding = infinity, facing = -1, side = 1;
-  Vector3 foot = Vector3::Zero(), face_normal = Vector3::Zero();
-  for (std::uint32_t k = 0; k < list.triangles(); ++k) {
-    const std::uint32_t candidate = list.triangle(k);
-    std::array<Vector3, 3> corners;
-    if (!triangle_corners(asset, candidate >> 1U, corners)) continue;
-    const auto& [a, b, c] = corners;
-    const Vector3 nearest = closest_on_triangle(point, a, b, c);
-    const double distance = (point - nearest).norm();
-    const bool cap = (candidate & 1U) != 0;
-    if (distance > deciding + tie && (cap || distance >= surface)) continue;
-    const Vector3 normal = (b - a).cross(c - a).normalized();
-    const double height = normal.dot(point - nearest);
-    const double faces = distance > 0 ? std::abs(height) / distance : 1;
-    const bool clearly_closer = distance < deciding - tie;
-    if (clearly_closer || (distance <= deciding + tie && faces > facing)) {
-      side = height < 0 ? -1 : 1;
-      facing = faces;
-      deciding = clearly_closer ? distance : std::min(distance, deciding);
-      if (!cap) face_normal = normal;
-    }
-    if (!cap && distance < surface) {
-      surface = distance;
-      foot = nearest;
-      if (face_normal.isZero()) face_normal = normal;
-    }
-  }
-  if (!std::isfinite(surface)) return unanswered(Status::far);
-  Answer answer;
-  answer.distance = side * surface;
-  // On the surface itself the direction to the foot is noise; the face's normal is not.
-  answer.normal = surface > tie ? Vector3(side * (point - foot) / surface) : face_normal;
-  answer.source = Source::triangles;
-  answer.status = Status::exact;
-  return answer;
-}
 
 /// Outward normal of the solid at a foot, for a point on a side of it.
 Vector3 normal_of(const AssetView& asset, const ElementFoot& foot, const Vector3& point,
@@ -197,6 +98,15 @@ void query_elements(const AssetView& asset, const IndexList& list, const Vector3
   if (told && answer.status == Status::exact) answer.distance = told_distance(asset, reading);
 }
 
+/// By the feet on what a list names, in a place that is not told.
+void set_listed(const AssetView& asset, const ListedFeet& feet, const Vector3& point, CubeKind kind,
+                Answer& answer) noexcept {
+  const ElementFoot& foot = feet.faced();
+  const bool inside =
+      kind == CubeKind::one_sheet ? is_inside(foot, point) : kind == CubeKind::inside;
+  set_answer(asset, feet.nearest, foot, point, inside, answer);
+}
+
 void query_sparse(const AssetView& asset, const Vector3& point, Answer& answer) noexcept {
   const IndexList list = list_at(asset.index, point);
   CubeKind kind = list.kind;
@@ -208,68 +118,59 @@ void query_sparse(const AssetView& asset, const Vector3& point, Answer& answer) 
       return;
     }
   }
+  if (kind == CubeKind::far) {
+    answer = unanswered(Status::far);
+    return;
+  }
   if (list.numbers == nullptr || kind == CubeKind::told) {
     query_elements(asset, list, point, kind, answer);
     return;
   }
-  const ListedFeet feet = listed_feet(asset, list, point);
-  const ElementFoot& foot = feet.faced();
-  const bool inside =
-      kind == CubeKind::one_sheet ? is_inside(foot, point) : kind == CubeKind::inside;
-  set_answer(asset, feet.nearest, foot, point, inside, answer);
+  set_listed(asset, listed_feet(asset, list, point), point, kind, answer);
 }
 
-/// The word that tells what lies around a point: of its grid cell, or of the octant of a split one.
-std::uint32_t word_at(const Grid& grid, const Vector3& point) noexcept {
-  constexpr std::uint32_t nothing = static_cast<std::uint32_t>(CellKind::far) << 30U;
-  std::size_t cell = 0;
-  std::array<double, 3> within{};  // place in the cell, 0 to 1
-  for (std::size_t axis = 3; axis-- > 0;) {
-    const double position =
-        (point[static_cast<int>(axis)] - grid.origin[static_cast<int>(axis)]) / grid.cell_size;
-    if (!(position >= 0 && position < static_cast<double>(grid.cells[axis]))) return nothing;
-    const auto whole = static_cast<std::size_t>(position);
-    cell = cell * grid.cells[axis] + whole;
-    within[axis] = position - static_cast<double>(whole);
+/// What is told beyond the band.
+void settle(const AssetView& asset, Answer& answer) noexcept {
+  if (answer.status != Status::exact) return;
+  if (answer.distance > asset.band.margin + asset.tolerance) {
+    answer = unanswered(Status::far);
+  } else if (answer.distance < -asset.band.max_depth) {
+    answer.distance = -asset.band.max_depth;
+    answer.status = Status::deep;
   }
-  if (cell >= grid.index.size()) return nothing;
-  std::uint32_t word = grid.index[cell];
-  for (int level = 0; level < split_levels; ++level) {
-    const std::size_t offset = word & offset_mask;
-    if (!is_split(word) || offset + 8 > grid.records.size()) break;
-    std::size_t octant = 0;
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-      within[axis] *= 2;
-      if (within[axis] < 1) continue;
-      within[axis] -= 1;
-      octant |= std::size_t{1} << axis;
-    }
-    word = grid.records[offset + octant];
-  }
-  return word;
 }
 
-Answer query_full(const AssetView& asset, const Vector3& point) noexcept {
-  const std::uint32_t word = word_at(asset.grid, point);
-  switch (static_cast<CellKind>(word >> 30U)) {
-    case CellKind::far:
-      return unanswered(Status::far);
-    case CellKind::pruned:
-      return unanswered(Status::pruned);
-    case CellKind::deep:
-      return deep_answer(asset.band, unpack_octahedral(word & payload_mask));
-    case CellKind::record:
-      break;
+/// At most points_at_once, a step of each at a time.
+void query_some(const AssetView& asset, std::span<const Vector3> points,
+                std::span<Answer> answers) noexcept {
+  std::array<IndexList, points_at_once> lists;
+  std::array<GroupNames, points_at_once> names;
+  std::array<std::array<float, 3>, points_at_once> places;
+  std::array<std::size_t, points_at_once> listed, others;
+  std::array<NearestUnit, points_at_once> found;
+  std::size_t count = 0, rest = 0;
+  lists_at(asset.index, points, lists.data());
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const IndexList& list = lists[i];
+    const bool by_list =
+        list.numbers != nullptr && list.kind != CubeKind::told && list.kind != CubeKind::unknown;
+    others[rest] = i;
+    rest += by_list ? 0 : 1;
+    listed[count] = i;
+    names[count] = names_of(asset.index, list, list.nearest);
+    places[count] = from_origin(asset.tree, points[i]);
+    count += by_list ? 1 : 0;
   }
-  // A split below the last level: the file was damaged.
-  if (is_split(word)) return unanswered(Status::far);
-  const GridList list(asset.grid, word);
-  const Answer answer = closest_of_maps(asset, list, point);
-  if (list.triangles() == 0) return answer;
-  const Answer exact = closest_of_triangles(asset, list, point);
-  const bool nearer =
-      answer.status != Status::exact || std::abs(exact.distance) < std::abs(answer.distance);
-  return nearer ? exact : answer;
+  nearest_units(asset.index.groups, std::span(names).first(count), std::span(places).first(count),
+                std::span(found).first(count));
+  for (std::size_t k = 0; k < count; ++k) {
+    const std::size_t i = listed[k];
+    answers[i] = {};
+    set_listed(asset, listed_feet(asset, lists[i], points[i], found[k]), points[i], lists[i].kind,
+               answers[i]);
+    settle(asset, answers[i]);
+  }
+  for (std::size_t k = 0; k < rest; ++k) answers[others[k]] = query_point(asset, points[others[k]]);
 }
 
 }  // namespace
@@ -281,14 +182,21 @@ Answer query_point(const AssetView& asset, const Vector3& point) noexcept {
   } else {
     query_sparse(asset, point, answer);
   }
-  if (answer.status != Status::exact) return answer;
-  if (answer.distance > asset.band.margin + asset.tolerance) {
-    answer = unanswered(Status::far);
-  } else if (answer.distance < -asset.band.max_depth) {
-    answer.distance = -asset.band.max_depth;
-    answer.status = Status::deep;
-  }
+  settle(asset, answer);
   return answer;
+}
+
+void query_points(const AssetView& asset, std::span<const Vector3> points,
+                  std::span<Answer> answers) noexcept {
+  const std::size_t count = std::min(points.size(), answers.size());
+  for (std::size_t first = 0; first < count; first += points_at_once) {
+    const std::size_t some = std::min(points_at_once, count - first);
+    if (asset.full || asset.index.words.empty()) {
+      for (std::size_t i = first; i < first + some; ++i) answers[i] = query_point(asset, points[i]);
+    } else {
+      query_some(asset, points.subspan(first, some), answers.subspan(first, some));
+    }
+  }
 }
 
 }  // namespace spm

@@ -2,6 +2,8 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
+#include <span>
 
 #include "common/asset_view.hpp"
 
@@ -26,10 +28,23 @@ struct Answer {
   Status status = Status::far;
 };
 
+/// What is not known where nothing is answered.
+[[nodiscard]] inline Answer unanswered(Status status) noexcept {
+  Answer answer;
+  answer.distance = std::numeric_limits<double>::quiet_NaN();
+  answer.status = status;
+  return answer;
+}
+
 /// Signed distance, normal, plane and layer at a point in the asset's frame (metres): the product's
 /// `spm` query. Bounded time: the elements whose boxes may hold the nearest, a bounded number of
 /// steps each. A NaN or infinite point answers `far`. Never throws, allocates or reads outside the
 /// views.
 [[nodiscard]] Answer query_point(const AssetView& asset, const Vector3& point) noexcept;
+
+/// The same answers for as many points as there are answers, faster: what some wait for from
+/// memory comes while others are worked on.
+void query_points(const AssetView& asset, std::span<const Vector3> points,
+                  std::span<Answer> answers) noexcept;
 
 }  // namespace spm

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "common/unit_groups.hpp"
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <limits>
@@ -85,6 +86,28 @@ NearestUnit find_nearest(const UnitGroups& groups, const GroupNames& numbers,
   return nearest_of<false>(groups, numbers, place, 0);
 }
 
+/// Asks memory for what will be looked at.
+HWY_INLINE void fetch(const UnitGroups& groups, const GroupNames& numbers) {
+  constexpr std::size_t line = 64;
+  for (std::size_t i = 0; i < numbers.size(); ++i) {
+    const std::uint32_t number = numbers[i];
+    if (number >= groups.cells.size()) continue;
+    const auto* from = reinterpret_cast<const char*>(&groups.cells[number]);
+    for (std::size_t k = 0; k < sizeof(CellGroup); k += line) __builtin_prefetch(from + k);
+  }
+}
+
+void find_nearest_of_each(const UnitGroups& groups, std::span<const GroupNames> numbers,
+                          std::span<const std::array<float, 3>> places,
+                          std::span<NearestUnit> found) {
+  constexpr std::size_t ahead = 3;
+  for (std::size_t i = 0; i < std::min(ahead, numbers.size()); ++i) fetch(groups, numbers[i]);
+  for (std::size_t i = 0; i < numbers.size(); ++i) {
+    if (i + ahead < numbers.size()) fetch(groups, numbers[i + ahead]);
+    found[i] = nearest_of<false>(groups, numbers[i], places[i], 0);
+  }
+}
+
 NearestUnit find_facing(const UnitGroups& groups, const GroupNames& numbers,
                         const std::array<float, 3>& place, float cosine) {
   return nearest_of<true>(groups, numbers, place, cosine);
@@ -140,6 +163,7 @@ HWY_AFTER_NAMESPACE();
 namespace spm {
 
 HWY_EXPORT(find_nearest);
+HWY_EXPORT(find_nearest_of_each);
 HWY_EXPORT(find_of_groups);
 HWY_EXPORT(find_facing);
 HWY_EXPORT(find_squares);
@@ -148,6 +172,12 @@ HWY_EXPORT(find_near);
 NearestUnit nearest_unit(const UnitGroups& groups, const GroupNames& numbers,
                          const std::array<float, 3>& place) noexcept {
   return HWY_DYNAMIC_DISPATCH(find_nearest)(groups, numbers, place);
+}
+
+void nearest_units(const UnitGroups& groups, std::span<const GroupNames> numbers,
+                   std::span<const std::array<float, 3>> places,
+                   std::span<NearestUnit> found) noexcept {
+  HWY_DYNAMIC_DISPATCH(find_nearest_of_each)(groups, numbers, places, found);
 }
 
 NearestUnit nearest_of_groups(const UnitGroups& groups, const GroupNames& numbers,

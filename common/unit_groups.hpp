@@ -28,6 +28,7 @@ struct UnitGroups {
 /// Numbers of groups, as they lie in an index: two of 16 bits a word, or one of 32.
 class GroupNames {
  public:
+  GroupNames() noexcept = default;
   GroupNames(const std::uint32_t* words, std::size_t count, bool are_small) noexcept
       : words_(words), count_(count), are_small_(are_small) {}
   // NOLINTNEXTLINE(google-explicit-constructor): numbers in memory are names.
@@ -50,9 +51,9 @@ class GroupNames {
   }
 
  private:
-  const std::uint32_t* words_;
-  std::size_t count_;
-  bool are_small_;
+  const std::uint32_t* words_ = nullptr;
+  std::size_t count_ = 0;
+  bool are_small_ = false;
 };
 
 /// A unit of a list of groups: `group_units` times the group's place in the list, and the lane.
@@ -71,6 +72,11 @@ struct NearestUnit {
 /// whatever the processor has; the same bits on each.
 [[nodiscard]] NearestUnit nearest_unit(const UnitGroups& groups, const GroupNames& numbers,
                                        const std::array<float, 3>& place) noexcept;
+
+/// nearest_unit of several places, each of its own groups.
+void nearest_units(const UnitGroups& groups, std::span<const GroupNames> numbers,
+                   std::span<const std::array<float, 3>> places,
+                   std::span<NearestUnit> found) noexcept;
 
 /// As nearest_unit, and gives for each group the square of the distance of its nearest unit, m^2.
 [[nodiscard]] NearestUnit nearest_of_groups(const UnitGroups& groups, const GroupNames& numbers,

@@ -2,10 +2,12 @@
 #include "spm_query.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstring>
 #include <exception>
 #include <memory>
+#include <span>
 #include <string>
 
 #include "common/force_law.hpp"
@@ -60,9 +62,7 @@ int32_t source_code(spm::Source source) noexcept {
   return SPM_QUERY_NONE;
 }
 
-void answer_at(const spm_query_asset* asset, const double* point,
-               spm_query_answer& answer) noexcept {
-  const spm::Answer found = spm::query_point(*asset->view, vector_from(point));
+void copy_to(spm_query_answer& answer, const spm::Answer& found) noexcept {
   answer.distance = found.distance;
   copy_to(answer.normal, found.normal);
   answer.plane = found.plane;
@@ -132,13 +132,19 @@ void spm_query_box(const spm_query_asset* asset, double box_min[3], double box_m
 
 void spm_query_point(const spm_query_asset* asset, const double point[3],
                      spm_query_answer* answer) {
-  answer_at(asset, point, *answer);
+  copy_to(*answer, spm::query_point(*asset->view, vector_from(point)));
 }
 
 void spm_query_batch(const spm_query_asset* asset, const double* points, size_t count,
                      spm_query_answer* answers) {
-  for (size_t index = 0; index < count; ++index) {
-    answer_at(asset, points + 3 * index, answers[index]);
+  constexpr size_t most = 64;
+  std::array<spm::Vector3, most> places;
+  std::array<spm::Answer, most> found;
+  for (size_t first = 0; first < count; first += most) {
+    const size_t some = std::min(most, count - first);
+    for (size_t i = 0; i < some; ++i) places[i] = vector_from(points + 3 * (first + i));
+    spm::query_points(*asset->view, std::span(places).first(some), std::span(found).first(some));
+    for (size_t i = 0; i < some; ++i) copy_to(answers[first + i], found[i]);
   }
 }
 
