@@ -34,19 +34,6 @@ struct ContactSum {
     deepest = std::max(deepest, depth);
     ++contacts;
   }
-  void take_off(const ContactSum& other) noexcept {
-    wrench -= other.wrench;
-    stiffness -= other.stiffness;
-    energy -= other.energy;
-    contacts -= other.contacts;
-  }
-  void add(const ContactSum& other) noexcept {
-    wrench += other.wrench;
-    stiffness += other.stiffness;
-    energy += other.energy;
-    deepest = std::max(deepest, other.deepest);
-    contacts += other.contacts;
-  }
   [[nodiscard]] Wrench forces() const noexcept { return {wrench.head<3>(), wrench.tail<3>()}; }
 };
 

@@ -51,15 +51,17 @@ Pressed pressed(double depth, double half) noexcept {
 
 class ObjectContact::Clock {
  public:
-  explicit Clock(const TickBudget& budget) noexcept
-      : now_(budget.now != nullptr ? budget.now : &steady_now), limited_(budget.nanoseconds > 0) {
+  Clock(const TickBudget& budget, double press_time) noexcept
+      : now_(budget.now != nullptr ? budget.now : &steady_now),
+        limited_(budget.nanoseconds > 0),
+        press_time_(press_time) {
     if (!limited_) return;
     last_ = now_();
     end_ = last_ + budget.nanoseconds;
   }
   /// True where time is over, or would be if what comes next, and the end of the tick, each took as
-  /// long as the longest yet.
-  [[nodiscard]] bool over(const ObjectContactReport& report) noexcept {
+  /// long as the longest yet, and so many samples were still to be pressed.
+  [[nodiscard]] bool over(const ObjectContactReport& report, std::size_t to_press) noexcept {
     if (!limited_) return false;
     if (report.asked == asked_ && ++passed_ < passed_a_look) return false;
     asked_ = report.asked;
@@ -67,12 +69,29 @@ class ObjectContact::Clock {
     const std::int64_t now = now_();
     longest_ = std::max(longest_, now - last_);
     last_ = now;
-    return now + 2 * longest_ >= end_;
+    const auto pressing = static_cast<std::int64_t>(press_time_ * static_cast<double>(to_press));
+    return now + 2 * longest_ + pressing >= end_;
+  }
+  /// What pressing a sample takes, ns, of so many that `press` presses; more than few of them tell.
+  template <class Press>
+  [[nodiscard]] double time_of(std::size_t samples, const Press& press) noexcept {
+    constexpr std::size_t few = 32;
+    if (!limited_ || samples < few) {
+      press();
+      return press_time_;
+    }
+    const std::int64_t begun = now_();
+    press();
+    const double taken = static_cast<double>(now_() - begun) / static_cast<double>(samples);
+    return std::max(taken, press_time_ * forgotten_share);
   }
 
  private:
+  /// Of the longest time a press took, kept from tick to tick.
+  static constexpr double forgotten_share = 0.98;
   std::int64_t (*now_)() noexcept;
   bool limited_;
+  double press_time_;  ///< ns a sample
   std::int64_t end_ = 0;
   std::int64_t last_ = 0;
   std::int64_t longest_ = 0;
@@ -121,22 +140,28 @@ FieldReading ObjectContact::read(std::uint32_t object, std::uint32_t sample, con
   FieldReading reading;
   reading.place = place;
   const auto radius = static_cast<double>(tool_.places[sample].radius);
-  const SpaceKind space = space_at(field.space, place);
+  const IndexList list = list_at(field.index, place);
+  const SpaceKind space =
+      list.kind == CubeKind::far ? SpaceKind::far : space_at(field.space, place);
   const bool outside = space == SpaceKind::far || space == SpaceKind::outside;
   // Of a large patch, or one beyond the margin, it matters only how far away it is; the field's
   // boxes tell that for less. Inside they tell nothing of the side.
-  if (outside && (radius > field.band.margin || list_at(field.index, place).numbers == nullptr)) {
-    reading.distance = box_clearance(field, place);
+  if (outside && (radius > field.band.margin || list.numbers == nullptr)) {
+    const double clear = radius + doubtful_tolerances * field.tolerance;
+    reading.distance = std::max(double{list.beyond}, box_clearance(field, place));
     reading.reach = 0;
-    if (reading.distance > radius + doubtful_tolerances * field.tolerance) return reading;
+    if (reading.distance > clear) return reading;
+  }
+  if (list.kind == CubeKind::far && radius > 0) {
+    // The tree would tell it better, for as much as several samples below this one take.
+    memories_[object].learn(sample, reading);
+    return reading;
   }
   ++report.asked;
-  if (space != SpaceKind::far) {
-    const Answer answer = query_point(field, place);
-    if (answer.status == Status::exact || answer.status == Status::deep) {
-      reading.distance = answer.distance;
-      reading.normal = answer.normal;
-    }
+  const Answer answer = query_point(field, place);
+  if (answer.status == Status::exact || answer.status == Status::deep) {
+    reading.distance = answer.distance;
+    reading.normal = answer.normal;
   }
   if (reading.normal.isZero()) reading.distance = surface_clearance(field, place);
   memories_[object].learn(sample, reading);
@@ -181,7 +206,16 @@ void ObjectContact::look(std::uint32_t sample, std::uint32_t object, const Field
         return;
       }
     }
-    if (!active.reading.stands_for(place)) active.reading = read(object, sample, place, report);
+    if (!active.reading.stands_for(place)) {
+      // No field changes by more than a step's length: what was read for the sample above may do.
+      const double least = above.distance - (place - above.place).norm() - doubt;
+      if (above.known() && least > radius) {
+        until = pair.travelled + least - radius;
+        report.clear = std::min(report.clear, least - radius);
+        return;
+      }
+      active.reading = read(object, sample, place, report);
+    }
   }
   active.distance = active.reading.distance_at(place);
   const double least = active.distance - doubt;
@@ -221,36 +255,32 @@ void ObjectContact::press(const Active& active, ContactSum& sum) const noexcept 
           pair.to_world * arm);
 }
 
-/// Goes from the active samples to those below them. False where time or room ran out: then
-/// `report.sum` has the finer ones as far as it came, and the coarser ones for the rest.
+/// Goes from the active samples to those below them. False where time or room ran out: then `next_`
+/// has the finer ones as far as it came, and the active ones from `left_` on stand for the rest.
 bool ObjectContact::refine(std::uint32_t level, Clock& clock,
                            ObjectContactReport& report) noexcept {
   next_.clear();
-  ContactSum finer, replaced;
   for (std::size_t i = 0; i < active_.size(); ++i) {
     const Active& parent = active_[i];
     const SampleChildren& below = tool_.children[parent.sample];
     const std::size_t before = next_.size();
     bool over = before + below.count > next_.capacity();
     for (std::uint32_t k = 0; k < below.count && !over; ++k) {
-      over = clock.over(report);
+      over = clock.over(report, next_.size() + active_.size() - i);
       if (!over) look(below.first + k, parent.object, parent.reading, next_, report);
     }
     if (over) {
       // A sample is replaced whole by those below it, or stands for them.
       next_.resize(before);
-      report.sum.take_off(replaced);
-      report.sum.add(finer);
+      left_ = i;
       report.refined = static_cast<double>(i) / static_cast<double>(active_.size());
       report.degraded = true;
       return false;
     }
-    press(parent, replaced);
-    for (std::size_t k = before; k < next_.size(); ++k) press(next_[k], finer);
   }
-  report.sum = finer;
   report.level = level;
   std::swap(active_, next_);
+  next_.clear();
   return true;
 }
 
@@ -258,8 +288,10 @@ ObjectContactReport ObjectContact::tick(const Eigen::Isometry3d& tool_pose,
                                         std::span<const ContactObject> objects,
                                         const TickBudget& budget) noexcept {
   ObjectContactReport report;
-  Clock clock(budget);
+  Clock clock(budget, press_time_);
   active_.clear();
+  next_.clear();
+  left_ = 0;
   if (tool_.levels.empty() || !keeps_lengths(tool_pose)) return report;
   const std::size_t count = std::min(objects.size(), pairs_.size());
   const SampleLevel& coarsest = tool_.levels.front();
@@ -270,7 +302,6 @@ ObjectContactReport ObjectContact::tick(const Eigen::Isometry3d& tool_pose,
       look(coarsest.first + k, object, {}, active_, report);
     }
   }
-  for (const Active& active : active_) press(active, report.sum);
   const auto levels = static_cast<std::uint32_t>(tool_.levels.size());
   for (std::uint32_t level = 1; level < levels && level <= budget.finest_level; ++level) {
     if (active_.empty()) {
@@ -280,6 +311,11 @@ ObjectContactReport ObjectContact::tick(const Eigen::Isometry3d& tool_pose,
     }
     if (!refine(level, clock, report)) break;
   }
+  const std::span<const Active> left = std::span(active_).subspan(left_);
+  press_time_ = clock.time_of(next_.size() + left.size(), [&] {
+    for (const Active& active : next_) press(active, report.sum);
+    for (const Active& active : left) press(active, report.sum);
+  });
   // What was not resolved to the finest may touch.
   if (report.degraded || report.level + 1 < levels) report.clear = 0;
   const Matrix6 whole = report.sum.stiffness.selfadjointView<Eigen::Lower>();

@@ -104,6 +104,8 @@ class ObjectContact {
   /// 0: nothing below it can touch; below 0: it cannot touch, what is below it can.
   std::vector<double> until_;
   std::vector<Active> active_, next_;
+  std::size_t left_ = 0;     ///< of the active samples those from here on count, and the next
+  double press_time_ = 100;  ///< ns a sample, from the ticks before
 
   void move(Pair& pair, const ContactObject& object, const Eigen::Isometry3d& tool) noexcept;
   void look(std::uint32_t sample, std::uint32_t object, const FieldReading& above,
