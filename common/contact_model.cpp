@@ -48,7 +48,7 @@ ContactForce ContactModel::next(const AssetView& asset, const Vector3& point) no
   } else {
     contact = contact_force(asset, force, point);
   }
-  if (force.method == Method::spm && settings_.effects.turn.rate > 0) limit_turn(contact);
+  if (force.method == Method::spm && settings_.effects.turn.rate > 0) limit_turn(point, contact);
   if (settings_.effects.any() && force.stiffness > 0) add_effects(asset, point, contact);
   if (!contact.force.allFinite()) {
     reset();
@@ -57,9 +57,11 @@ ContactForce ContactModel::next(const AssetView& asset, const Vector3& point) no
   return contact;
 }
 
-void ContactModel::limit_turn(ContactForce& contact) noexcept {
+void ContactModel::limit_turn(const Vector3& point, ContactForce& contact) noexcept {
   const TurnLimit& turn = settings_.effects.turn;
-  if (contact.contact && !last_normal_.isZero(0)) {
+  const bool is_near = (point - last_turned_at_).squaredNorm() <= turn.step * turn.step;
+  last_turned_at_ = point;
+  if (contact.contact && !last_normal_.isZero(0) && is_near) {
     contact.normal =
         limited_turn(last_normal_, contact.normal, turn.rate * settings_.tick, turn.jump);
     contact.force = settings_.force.stiffness * contact.depth * contact.normal;

@@ -65,10 +65,11 @@ class ContactModel {
   VelocityEstimate velocity_;
   Vector3 last_point_ = Vector3::Zero();
   Vector3 last_normal_ = Vector3::Zero();  ///< unit; zero where the last tick had no contact
+  Vector3 last_turned_at_ = Vector3::Zero();
   std::uint64_t ticks_ = 0;
   bool last_known_ = false;
 
-  void limit_turn(ContactForce& contact) noexcept;
+  void limit_turn(const Vector3& point, ContactForce& contact) noexcept;
   [[nodiscard]] ContactForce proxy_force(const AssetView& asset, const Vector3& point) noexcept;
   void add_effects(const AssetView& asset, const Vector3& point, ContactForce& contact) noexcept;
   void add_paper_effects(const AssetView& asset, const Vector3& point, const Vector3& motion,

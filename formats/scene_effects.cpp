@@ -103,8 +103,8 @@ EffectSettings read_effects(TableReader& object, double stiffness) {
       object.quantity("damping", Quantity::damping, "2Ns/m", 0, TableReader::Least::zero);
   read_texture(object, effects);
   read_smoothing(object, effects);
-  effects.turn.rate = object.quantity("turn_limit", Quantity::angular_speed, "120rad/s", 0,
-                                      TableReader::Least::zero);
+  effects.turn.rate = object.quantity("turn_limit", Quantity::angular_speed, "120rad/s",
+                                      usual_turn_rate, TableReader::Least::zero);
   return effects;
 }
 

@@ -80,7 +80,9 @@ ForceSettings settings_of(const ForceOptions& options, const SceneObject& object
 Result<ForceChoice> choose_asset(const ForceOptions& options) {
   ForceChoice choice;
   choice.probe_radius = options.probe_radius.value_or(0);
-  choice.scene = scene_of(settings_of(options, {}, choice.probe_radius));
+  EffectSettings effects;
+  effects.turn.rate = usual_turn_rate;
+  choice.scene = scene_of(settings_of(options, {}, choice.probe_radius), effects);
   choice.assets = {options.asset};
   choice.places = {{}};
   if (auto checked = check_settings(choice.scene.objects.front().force); !checked) {

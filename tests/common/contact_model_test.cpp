@@ -203,6 +203,20 @@ TEST_CASE("A limit on turns changes the direction of a force, and neither size n
   }
 }
 
+TEST_CASE("A limit on turns holds for what a hand can do in a tick, not for single places") {
+  const test::TiledCubeByHand cube(size);
+  ContactSettings settings = settings_of(Method::spm);
+  ContactModel plain(settings);
+  settings.effects.turn = {100, 2, 1e-3};
+  ContactModel limited(settings);
+  // To and fro between two sides of an edge.
+  for (int tick = 0; tick < 10; ++tick) {
+    const Vector3 point = tick % 2 == 0 ? Vector3(half - 0.003, 0.003, half - 0.001)
+                                        : Vector3(half - 0.001, 0.003, half - 0.003);
+    CHECK(limited.next(cube.view, point).force == plain.next(cube.view, point).force);
+  }
+}
+
 TEST_CASE("A smoothed force is that of an energy: no closed path gains any") {
   const test::TiledCubeByHand cube(size);
   const ForceSettings force = settings_of(Method::spm).force;

@@ -99,7 +99,7 @@ asset = "b.spm.exr"
 stiffness = "0.8N/mm"
 friction = { slide = 0.3 }
 smoothing = { sigma = "0.2mm", samples = 9 }
-turn_limit = "120rad/s"
+turn_limit = "90rad/s"
 
 [object.texture]
 amplitude = "10um"
@@ -132,8 +132,8 @@ texture = { noise = "10um", seed = 3 }
   CHECK(second.smoothing.samples == 9);
   CHECK(second.texture.amplitude == Approx(1e-5));
   CHECK(second.damping == 0);
-  CHECK(first.turn.rate == 0);
-  CHECK(second.turn.rate == 120);
+  CHECK(first.turn.rate == usual_turn_rate);
+  CHECK(second.turn.rate == 90);
   const EffectSettings& third = scene->objects[2].effects;
   CHECK(scene->objects[2].method == Method::paper);
   CHECK(scene->objects[2].rule == PaperRule::all_planes);
