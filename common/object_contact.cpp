@@ -20,7 +20,7 @@ constexpr double doubtful_tolerances = 2;
 /// Samples that are passed between two looks at the clock, where none of them asks a field.
 constexpr int passed_a_look = 16;
 /// An answer that is used again may be off by this part of how far it reaches at most.
-constexpr double reaches_an_error = 16;
+constexpr double reaches_an_error = 50;
 /// A patch is not asked anew before it moved by so much of its radius: until then what was said of
 /// it bounds its distance, and serves where no finer one is reached.
 constexpr double stale_share = 0.5;

@@ -36,7 +36,7 @@ struct ObjectContactSettings {
       65536;  ///< samples that may touch at once; beyond it coarser ones stand
   /// m: how far from where the field was asked its tangent plane may at most stand for it, for a
   /// sample that moved or one below it; less where the field turns out to be curved. 0: never.
-  double most_reach = 2e-4;
+  double most_reach = 5e-4;
   std::uint32_t remembered =
       65536;  ///< samples an object whose last answer is kept, a power of two
 };
