@@ -21,10 +21,10 @@ FieldMemory::FieldMemory(const Settings& settings)
     : settings_(settings),
       entries_(settings.most_reach > 0 ? std::bit_ceil(std::max(settings.points, 1U)) : 0) {}
 
-FieldReading FieldMemory::recall(std::uint32_t point) const noexcept {
-  if (entries_.empty()) return {};
+const FieldReading& FieldMemory::recall(std::uint32_t point) const noexcept {
+  if (entries_.empty()) return nothing_;
   const Entry& entry = entries_[point & (entries_.size() - 1)];
-  return entry.point == point ? entry.reading : FieldReading{};
+  return entry.point == point ? entry.reading : nothing_;
 }
 
 void FieldMemory::learn(std::uint32_t point, FieldReading& reading) noexcept {

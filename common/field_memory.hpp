@@ -38,8 +38,8 @@ class FieldMemory {
 
   explicit FieldMemory(const Settings& settings);
 
-  /// What is remembered of a point; not known where that is nothing.
-  [[nodiscard]] FieldReading recall(std::uint32_t point) const noexcept;
+  /// What is remembered of a point; not known where that is nothing. Stays until the next `learn`.
+  [[nodiscard]] const FieldReading& recall(std::uint32_t point) const noexcept;
 
   /// Remembers a reading of a point that was just made at `reading.place`, and gives it its reach.
   void learn(std::uint32_t point, FieldReading& reading) noexcept;
@@ -53,6 +53,7 @@ class FieldMemory {
   };
   Settings settings_;
   std::vector<Entry> entries_;
+  FieldReading nothing_;
 };
 
 }  // namespace spm

@@ -141,16 +141,19 @@ FieldReading ObjectContact::read(std::uint32_t object, std::uint32_t sample, con
   reading.place = place;
   const auto radius = static_cast<double>(tool_.places[sample].radius);
   const IndexList list = list_at(field.index, place);
-  const SpaceKind space =
-      list.kind == CubeKind::far ? SpaceKind::far : space_at(field.space, place);
+  SpaceKind space = SpaceKind::told;
+  if (list.kind == CubeKind::far) {
+    space = SpaceKind::far;
+  } else if (list.numbers == nullptr) {
+    space = space_at(field.space, place);
+  }
   const bool outside = space == SpaceKind::far || space == SpaceKind::outside;
-  // Of a large patch, or one beyond the margin, it matters only how far away it is; the field's
-  // boxes tell that for less. Inside they tell nothing of the side.
-  if (outside && (radius > field.band.margin || list.numbers == nullptr)) {
-    const double clear = radius + doubtful_tolerances * field.tolerance;
+  // Of what is beyond the margin it matters only how far away it is; the field's boxes tell that
+  // for less. Inside they tell nothing of the side.
+  if (outside) {
     reading.distance = std::max(double{list.beyond}, box_clearance(field, place));
     reading.reach = 0;
-    if (reading.distance > clear) return reading;
+    if (reading.distance > radius + doubtful_tolerances * field.tolerance) return reading;
   }
   if (list.kind == CubeKind::far && radius > 0) {
     // The tree would tell it better, for as much as several samples below this one take.
@@ -184,52 +187,47 @@ void ObjectContact::look(std::uint32_t sample, std::uint32_t object, const Field
   const Vector3 place = pair.pose * to_vector(tool_.places[sample].position);
   const auto radius = static_cast<double>(tool_.places[sample].radius);
   const double doubt = doubtful_tolerances * pair.field->tolerance;
-  // How near the surface must come for the sample itself to touch.
-  const SampleShare& share = tool_.shares[sample];
-  const double touch =
-      radius > 0 ? to_vector(share.middle).norm() + static_cast<double>(share.spread) : 0;
-  Active active{sample, object, 0, above};
+  const auto let_go = [&](double spare) {
+    until = pair.travelled + spare;
+    report.clear = std::min(report.clear, spare);
+  };
+  // By reference: a reading that was just written is waited for when it is copied.
+  const FieldReading* reading = &above;
+  FieldReading fresh;
   const bool same_place = above.known() && above.place == place;
   if (!same_place && !above.stands_for(place)) {
-    active.reading = memories_[object].recall(sample);
-    if (active.reading.known() && !active.reading.stands_for(place)) {
-      const double moved = (place - active.reading.place).norm();
-      const double least = active.reading.distance - moved - doubt;
-      if (least > radius) {
-        until = pair.travelled + least - radius;
-        report.clear = std::min(report.clear, least - radius);
-        return;
-      }
+    reading = &memories_[object].recall(sample);
+    if (reading->known() && !reading->stands_for(place)) {
+      const double moved = (place - reading->place).norm();
+      const double least = reading->distance - moved - doubt;
+      if (least > radius) return let_go(least - radius);
       if (moved < stale_share * radius) {
-        active.distance = active.reading.distance_at(place);
-        found.push_back(active);
+        found.push_back({sample, object, reading->distance_at(place), *reading});
         return;
       }
     }
-    if (!active.reading.stands_for(place)) {
+    if (!reading->stands_for(place)) {
       // No field changes by more than a step's length: what was read for the sample above may do.
       const double least = above.distance - (place - above.place).norm() - doubt;
-      if (above.known() && least > radius) {
-        until = pair.travelled + least - radius;
-        report.clear = std::min(report.clear, least - radius);
-        return;
-      }
-      active.reading = read(object, sample, place, report);
+      if (above.known() && least > radius) return let_go(least - radius);
+      fresh = read(object, sample, place, report);
+      reading = &fresh;
     }
   }
-  active.distance = active.reading.distance_at(place);
-  const double least = active.distance - doubt;
-  if (least > radius) {
-    until = pair.travelled + least - radius;
-    report.clear = std::min(report.clear, least - radius);
-    return;
+  const double distance = reading->distance_at(place);
+  const double least = distance - doubt;
+  if (least > radius) return let_go(least - radius);
+  if (radius > 0) {
+    // How near the surface must come for the sample itself to touch. A patch so large that it
+    // reaches what is far from its sample says little of the contact.
+    const SampleShare& share = tool_.shares[sample];
+    double own = least - to_vector(share.middle).norm() - static_cast<double>(share.spread);
+    if (reading->normal.isZero()) own = std::max(own, distance / 4);
+    if (own > 0) until = -(pair.travelled + own);
+  } else {
+    report.clear = 0;
   }
-  if (!(radius > 0)) report.clear = 0;
-  // A patch so large that it reaches what is far from its sample says little of the contact.
-  const double own =
-      active.reading.normal.isZero() ? std::max(least - touch, active.distance / 4) : least - touch;
-  if (radius > 0 && own > 0) until = -(pair.travelled + own);
-  if (radius > 0 || active.distance < 0) found.push_back(active);
+  if (radius > 0 || distance < 0) found.push_back({sample, object, distance, *reading});
 }
 
 /// Adds the spring of a sample that touches.
