@@ -94,26 +94,44 @@ struct IndexList {
   return list_from(index.words.data() + (word & index_place), kind);
 }
 
-/// The list of the cube that a point lies in.
-[[nodiscard]] inline IndexList list_at(const ElementIndex& index, const Vector3& point) noexcept {
-  if (index.words.empty()) return {};
-  // In the finest cubes, counted along each axis.
-  constexpr double finest = 1U << index_levels;
+/// Where a point is in an index's grid, in the finest cubes along each axis.
+struct FinestCube {
   std::array<std::uint32_t, 3> at{};
-  std::size_t cell = 0;
+  std::size_t cell = 0;  ///< of the grid; 0 where the point is in none
+  bool is_in = true;
+
+  /// The octant that it lies in of a cube whose octants are halved so often still.
+  [[nodiscard]] std::uint32_t octant(unsigned halvings_left) const noexcept {
+    const auto upper = [&](std::size_t axis) { return (at[axis] >> halvings_left) & 1U; };
+    return upper(0) | upper(1) << 1U | upper(2) << 2U;
+  }
+};
+[[nodiscard]] inline FinestCube finest_cube(const ElementIndex& index,
+                                            const Vector3& point) noexcept {
+  constexpr double finest = 1U << index_levels;
+  FinestCube cube;
   for (std::size_t axis = 3; axis-- > 0;) {
     const int k = static_cast<int>(axis);
     const double position = (point[k] - index.origin[k]) * index.per_cell;
-    if (!(position >= 0 && position < static_cast<double>(index.cells[axis]))) return {};
-    at[axis] = static_cast<std::uint32_t>(position * finest);
-    cell = cell * index.cells[axis] + (at[axis] >> index_levels);
+    const bool is_in = position >= 0 && position < static_cast<double>(index.cells[axis]);
+    cube.is_in = cube.is_in && is_in;
+    cube.at[axis] = is_in ? static_cast<std::uint32_t>(position * finest) : 0;
+    cube.cell = cube.cell * index.cells[axis] + (cube.at[axis] >> index_levels);
   }
-  std::uint32_t word = index.words[cell];
+  return cube;
+}
+
+/// What is told of places outside the grid, which is about the band.
+inline constexpr IndexList outside_grid{nullptr, 0, 0, CubeKind::far, 0};
+
+/// The list of the cube that a point lies in.
+[[nodiscard]] inline IndexList list_at(const ElementIndex& index, const Vector3& point) noexcept {
+  if (index.words.empty()) return {};
+  const FinestCube cube = finest_cube(index, point);
+  if (!cube.is_in) return outside_grid;
+  std::uint32_t word = index.words[cube.cell];
   for (unsigned level = index_levels; level > 0 && (word & index_split) != 0; --level) {
-    const std::uint32_t octant = ((at[0] >> (level - 1)) & 1U) |
-                                 ((at[1] >> (level - 1)) & 1U) << 1U |
-                                 ((at[2] >> (level - 1)) & 1U) << 2U;
-    word = index.words[(word & ~index_split) + octant];
+    word = index.words[(word & ~index_split) + cube.octant(level - 1)];
   }
   return list_of(index, word);
 }

@@ -22,8 +22,8 @@ constexpr double cells_along = 16;
 constexpr double rounding_share = 1e-6;
 /// How often groups may be looked at for an index, and more for each there is; and for a cube of
 /// its grid at least and at most: where all lie in each other's way it would take minutes.
-constexpr std::size_t most_looks = 20000000, most_looks_a_group = 200000;
-constexpr std::size_t least_looks_a_cube = 10000, most_looks_a_cube = 4000000;
+constexpr std::size_t most_looks = 20000000, most_looks_a_group = 400000;
+constexpr std::size_t least_looks_a_cube = 10000, most_looks_a_cube = 16000000;
 /// Where a cube of the grid has this share of all groups in the mean, they lie in each other's way:
 /// an index would take long to build and be of little use. Few groups are none too many, and with
 /// many a cube the share counts that those of a surface are below.

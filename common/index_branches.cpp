@@ -152,8 +152,7 @@ CubeKind IndexBrancher::kind_of(const IndexCube& cube) const {
   if ((whole & space_bit(SpaceKind::pruned)) != 0) return CubeKind::unknown;
   if (whole == space_bit(SpaceKind::inside)) return CubeKind::inside;
   if (whole == space_bit(SpaceKind::outside)) return CubeKind::outside;
-  const bool known = cube.space == SpaceKind::told || cube.space == SpaceKind::inside ||
-                     cube.space == SpaceKind::outside;
+  const bool known = cube.space != SpaceKind::pruned && cube.space != SpaceKind::split;
   const double clear = std::min(cube.nearest, cube.nearest_cap);
   if (known && clear > std::numbers::sqrt3 * cube.half + 2 * asset_.tolerance) {
     return cube.inside ? CubeKind::inside : CubeKind::outside;

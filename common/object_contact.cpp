@@ -148,12 +148,16 @@ FieldReading ObjectContact::read(std::uint32_t object, std::uint32_t sample, con
     space = space_at(field.space, place);
   }
   const bool outside = space == SpaceKind::far || space == SpaceKind::outside;
-  // Of what is beyond the margin it matters only how far away it is; the field's boxes tell that
-  // for less. Inside they tell nothing of the side.
+  // Of what is beyond the margin it matters only how far away it is; the cube and the field's boxes
+  // tell that for less. Inside they tell nothing of the side.
   if (outside) {
-    reading.distance = std::max(double{list.beyond}, box_clearance(field, place));
+    const double clear = radius + doubtful_tolerances * field.tolerance;
+    reading.distance = double{list.beyond};
+    if (reading.distance < clear) {
+      reading.distance = std::max(reading.distance, box_clearance(field, place));
+    }
     reading.reach = 0;
-    if (reading.distance > radius + doubtful_tolerances * field.tolerance) return reading;
+    if (reading.distance > clear) return reading;
   }
   if (list.kind == CubeKind::far && radius > 0) {
     // The tree would tell it better, for as much as several samples below this one take.
@@ -161,12 +165,15 @@ FieldReading ObjectContact::read(std::uint32_t object, std::uint32_t sample, con
     return reading;
   }
   ++report.asked;
-  const Answer answer = query_point(field, place);
+  const auto [answer, distance] = query_point(field, list, place);
   if (answer.status == Status::exact || answer.status == Status::deep) {
     reading.distance = answer.distance;
     reading.normal = answer.normal;
   }
-  if (reading.normal.isZero()) reading.distance = surface_clearance(field, place);
+  if (reading.normal.isZero()) {
+    reading.distance =
+        distance < 0 ? surface_clearance(field, place) : std::max(0.0, distance - field.tolerance);
+  }
   memories_[object].learn(sample, reading);
   return reading;
 }

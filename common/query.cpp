@@ -106,26 +106,29 @@ void set_listed(const AssetView& asset, const ListedFeet& feet, const Vector3& p
   set_answer(asset, feet.nearest, foot, point, inside, answer);
 }
 
-void query_sparse(const AssetView& asset, const Vector3& point, Answer& answer) noexcept {
-  const IndexList list = list_at(asset.index, point);
+/// Gives how far the surface is, as AnswerAndDistance.
+double query_sparse(const AssetView& asset, const IndexList& list, const Vector3& point,
+                    Answer& answer) noexcept {
   CubeKind kind = list.kind;
   if (kind == CubeKind::unknown) {
     const SpaceKind space = space_at(asset.space, point);
     kind = kind_of(space);
     if (kind == CubeKind::unknown) {
       answer = unanswered(space == SpaceKind::pruned ? Status::pruned : Status::far);
-      return;
+      return -1;
     }
   }
   if (kind == CubeKind::far) {
     answer = unanswered(Status::far);
-    return;
+    return -1;
   }
   if (list.numbers == nullptr || kind == CubeKind::told) {
     query_elements(asset, list, point, kind, answer);
-    return;
+    return -1;
   }
-  set_listed(asset, listed_feet(asset, list, point), point, kind, answer);
+  const ListedFeet feet = listed_feet(asset, list, point);
+  set_listed(asset, feet, point, kind, answer);
+  return feet.nearest.distance;
 }
 
 /// What is told beyond the band.
@@ -179,10 +182,18 @@ Answer query_point(const AssetView& asset, const Vector3& point) noexcept {
   if (asset.full) {
     answer = query_full(asset, point);
   } else {
-    query_sparse(asset, point, answer);
+    static_cast<void>(query_sparse(asset, list_at(asset.index, point), point, answer));
   }
   settle(asset, answer);
   return answer;
+}
+
+AnswerAndDistance query_point(const AssetView& asset, const IndexList& list,
+                              const Vector3& point) noexcept {
+  AnswerAndDistance found;
+  found.distance = query_sparse(asset, list, point, found.answer);
+  settle(asset, found.answer);
+  return found;
 }
 
 void query_points(const AssetView& asset, std::span<const Vector3> points,

@@ -42,6 +42,18 @@ struct Answer {
 /// views.
 [[nodiscard]] Answer query_point(const AssetView& asset, const Vector3& point) noexcept;
 
+/// An answer, and how far away the surface is.
+struct AnswerAndDistance {
+  Answer answer;
+  /// m, unsigned, to the tolerance: beyond the margin as well; below 0 where the query did not find
+  /// it.
+  double distance = -1;
+};
+
+/// query_point of a `sparse` asset at a point of whose cube the list is known (list_at).
+[[nodiscard]] AnswerAndDistance query_point(const AssetView& asset, const IndexList& list,
+                                            const Vector3& point) noexcept;
+
 /// The same answers for as many points as there are answers, faster: what some wait for from
 /// memory comes while others are worked on.
 void query_points(const AssetView& asset, std::span<const Vector3> points,
