@@ -27,6 +27,7 @@ enum class CubeKind : std::uint32_t {
   outside = 3,
   one_sheet = 4,  ///< what is near looks one way: the nearest tells the side
   far = 5,        ///< outside, beyond the margin
+  beside = 6,     ///< not in the grid: far, pruned, or deep in what was cut; in no word
 };
 
 /// Which parts of elements of a `sparse` asset can matter to a point, cube by cube: what an
@@ -122,7 +123,7 @@ struct FinestCube {
 }
 
 /// What is told of places outside the grid, which is about the band.
-inline constexpr IndexList outside_grid{nullptr, 0, 0, CubeKind::far, 0};
+inline constexpr IndexList outside_grid{nullptr, 0, 0, CubeKind::beside, 0};
 
 /// The list of the cube that a point lies in.
 [[nodiscard]] inline IndexList list_at(const ElementIndex& index, const Vector3& point) noexcept {

@@ -142,12 +142,10 @@ FieldReading ObjectContact::read(std::uint32_t object, std::uint32_t sample, con
   const auto radius = static_cast<double>(tool_.places[sample].radius);
   const IndexList list = list_at(field.index, place);
   SpaceKind space = SpaceKind::told;
-  if (list.kind == CubeKind::far) {
-    space = SpaceKind::far;
-  } else if (list.numbers == nullptr) {
-    space = space_at(field.space, place);
-  }
-  const bool outside = space == SpaceKind::far || space == SpaceKind::outside;
+  if (list.numbers == nullptr && list.kind != CubeKind::far) space = space_at(field.space, place);
+  const bool is_far =
+      list.kind == CubeKind::far || (list.kind == CubeKind::beside && space != SpaceKind::inside);
+  const bool outside = is_far || space == SpaceKind::far || space == SpaceKind::outside;
   // Of what is beyond the margin it matters only how far away it is; the cube and the field's boxes
   // tell that for less. Inside they tell nothing of the side.
   if (outside) {
@@ -159,7 +157,7 @@ FieldReading ObjectContact::read(std::uint32_t object, std::uint32_t sample, con
     reading.reach = 0;
     if (reading.distance > clear) return reading;
   }
-  if (list.kind == CubeKind::far && radius > 0) {
+  if (is_far && radius > 0) {
     // The tree would tell it better, for as much as several samples below this one take.
     memories_[object].learn(sample, reading);
     return reading;

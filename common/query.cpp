@@ -110,9 +110,10 @@ void set_listed(const AssetView& asset, const ListedFeet& feet, const Vector3& p
 double query_sparse(const AssetView& asset, const IndexList& list, const Vector3& point,
                     Answer& answer) noexcept {
   CubeKind kind = list.kind;
-  if (kind == CubeKind::unknown) {
+  if (kind == CubeKind::unknown || kind == CubeKind::beside) {
     const SpaceKind space = space_at(asset.space, point);
-    kind = kind_of(space);
+    const bool is_solid = space == SpaceKind::inside;
+    kind = kind == CubeKind::unknown || is_solid ? kind_of(space) : CubeKind::unknown;
     if (kind == CubeKind::unknown) {
       answer = unanswered(space == SpaceKind::pruned ? Status::pruned : Status::far);
       return -1;
