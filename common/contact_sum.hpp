@@ -29,7 +29,11 @@ struct ContactSum {
     Vector6 along;
     along << normal, arm.cross(normal);
     wrench += spring * depth * along;
-    stiffness.selfadjointView<Eigen::Lower>().rankUpdate(along, spring * share);
+    // The lower half; ObjectContact mirrors it once a tick. Eigen's own update is a call.
+    for (int column = 0; column < 6; ++column) {
+      const double by = spring * share * along[column];
+      for (int row = column; row < 6; ++row) stiffness(row, column) += by * along[row];
+    }
     energy += spring * square / 2;
     deepest = std::max(deepest, depth);
     ++contacts;

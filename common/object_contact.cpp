@@ -196,9 +196,16 @@ void ObjectContact::look(std::uint32_t sample, std::uint32_t object, const Field
     until = pair.travelled + spare;
     report.clear = std::min(report.clear, spare);
   };
-  // By reference: a reading that was just written is waited for when it is copied.
+  // By reference, and into its place: what was just written is waited for when it is copied.
   const FieldReading* reading = &above;
   FieldReading fresh;
+  const auto add = [&](double distance) {
+    Active& active = found.emplace_back();
+    active.sample = sample;
+    active.object = object;
+    active.distance = distance;
+    active.reading = *reading;
+  };
   const bool same_place = above.known() && above.place == place;
   if (!same_place && !above.stands_for(place)) {
     reading = &memories_[object].recall(sample);
@@ -207,7 +214,7 @@ void ObjectContact::look(std::uint32_t sample, std::uint32_t object, const Field
       const double least = reading->distance - moved - doubt;
       if (least > radius) return let_go(least - radius);
       if (moved < stale_share * radius) {
-        found.push_back({sample, object, reading->distance_at(place), *reading});
+        add(reading->distance_at(place));
         return;
       }
     }
@@ -232,7 +239,7 @@ void ObjectContact::look(std::uint32_t sample, std::uint32_t object, const Field
   } else {
     report.clear = 0;
   }
-  if (radius > 0 || distance < 0) found.push_back({sample, object, distance, *reading});
+  if (radius > 0 || distance < 0) add(distance);
 }
 
 /// Adds the spring of a sample that touches.
