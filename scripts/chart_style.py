@@ -1,5 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
-"""How the charts of spm-bench look: one style, one colour a method, labels beside marks."""
+"""How the charts of spm-bench look: one style, one colour a method, labels beside marks; and the
+command line that the scripts share which draw one report."""
+
+import argparse
+import json
+import sys
 
 import matplotlib
 
@@ -65,3 +70,17 @@ def save(figure, prefix: str) -> None:
     """PREFIX.svg and PREFIX.png; the same bytes for the same figure."""
     figure.savefig(f"{prefix}.svg", dpi=150, metadata={"Date": None})
     figure.savefig(f"{prefix}.png", dpi=150, metadata={"Software": None})
+
+
+def report_and_prefix(description: str, mode: str) -> tuple[dict, str]:
+    """What `spm-bench MODE --json` printed, and where charts go, from a command line; ends the
+    program where that is no such report."""
+    parser = argparse.ArgumentParser(description=description)
+    parser.add_argument("report", help=f"JSON that spm-bench {mode} printed")
+    parser.add_argument("-o", dest="prefix", required=True, help="writes PREFIX.svg and PREFIX.png")
+    arguments = parser.parse_args()
+    with open(arguments.report, encoding="utf-8") as file:
+        report = json.load(file)
+    if not report.get("rows"):
+        sys.exit(f"{arguments.report}: no rows; give what spm-bench {mode} --json printed")
+    return report, arguments.prefix

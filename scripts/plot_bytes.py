@@ -6,11 +6,9 @@ and PREFIX.png; equal input gives equal bytes.
 Needs matplotlib, Debian package python3-matplotlib: run it with /usr/bin/python3.
 """
 
-import argparse
-import json
 import sys
 
-from chart_style import COLOURS, LEAST_ERROR, NAMES, OURS, label, length, save
+from chart_style import COLOURS, LEAST_ERROR, NAMES, OURS, label, length, report_and_prefix, save
 
 import matplotlib.pyplot as plt
 from matplotlib.ticker import FixedLocator, NullLocator
@@ -159,14 +157,7 @@ def draw_key(axes, report: dict) -> None:
 
 
 def main() -> int:
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("report", help="JSON that spm-bench bytes printed")
-    parser.add_argument("-o", dest="prefix", required=True, help="writes PREFIX.svg and PREFIX.png")
-    arguments = parser.parse_args()
-    with open(arguments.report, encoding="utf-8") as file:
-        report = json.load(file)
-    if not report.get("rows"):
-        sys.exit(f"{arguments.report}: no rows; give what spm-bench bytes --json printed")
+    report, prefix = report_and_prefix(__doc__, "bytes")
 
     models = report["meshes"]
     columns = min(COLUMNS, len(models) + 1)
@@ -186,7 +177,7 @@ def main() -> int:
         axes.set_axis_off()
     figure.suptitle("Error against bytes", x=0.008, ha="left", fontsize=15, fontweight="bold")
 
-    save(figure, arguments.prefix)
+    save(figure, prefix)
     return 0
 
 

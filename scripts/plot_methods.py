@@ -6,11 +6,9 @@ and PREFIX.png; equal input gives equal bytes.
 Needs matplotlib, Debian package python3-matplotlib: run it with /usr/bin/python3.
 """
 
-import argparse
-import json
 import sys
 
-from chart_style import BACKGROUND, COLOURS, LEAST_ERROR, NAMES, OURS, length, save
+from chart_style import BACKGROUND, COLOURS, LEAST_ERROR, NAMES, OURS, length, report_and_prefix, save
 from label_places import LabelPlaces
 
 import matplotlib.pyplot as plt
@@ -169,14 +167,7 @@ def draw_key(axes, report: dict) -> None:
 
 
 def main() -> int:
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("report", help="JSON that spm-bench methods printed")
-    parser.add_argument("-o", dest="prefix", required=True, help="writes PREFIX.svg and PREFIX.png")
-    arguments = parser.parse_args()
-    with open(arguments.report, encoding="utf-8") as file:
-        report = json.load(file)
-    if not report.get("rows"):
-        sys.exit(f"{arguments.report}: no rows; give what spm-bench methods --json printed")
+    report, prefix = report_and_prefix(__doc__, "methods")
 
     models = report["meshes"]
     columns = min(COLUMNS, len(models) + 1)
@@ -199,7 +190,7 @@ def main() -> int:
     figure.canvas.draw()
     for axes, model in zip(places, models):
         label_rows(axes, rows_of(report, model["mesh"]), limits, model["tolerance_um"])
-    save(figure, arguments.prefix)
+    save(figure, prefix)
     return 0
 
 

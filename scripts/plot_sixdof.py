@@ -7,11 +7,9 @@ equal bytes.
 Needs matplotlib, Debian package python3-matplotlib: run it with /usr/bin/python3.
 """
 
-import argparse
-import json
 import sys
 
-from chart_style import COLOURS, NAMES, OURS, label, save
+from chart_style import COLOURS, NAMES, OURS, label, report_and_prefix, save
 
 import matplotlib.pyplot as plt
 from matplotlib.ticker import FixedLocator, NullLocator
@@ -114,21 +112,14 @@ def draw_culling(axes, report: dict) -> None:
 
 
 def main() -> int:
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("report", help="JSON that spm-bench sixdof printed")
-    parser.add_argument("-o", dest="prefix", required=True, help="writes PREFIX.svg and PREFIX.png")
-    arguments = parser.parse_args()
-    with open(arguments.report, encoding="utf-8") as file:
-        report = json.load(file)
-    if not report.get("rows"):
-        sys.exit(f"{arguments.report}: no rows; give what spm-bench sixdof --json printed")
+    report, prefix = report_and_prefix(__doc__, "sixdof")
 
     figure, (times, culling) = plt.subplots(1, 2, figsize=(15, 6.4), constrained_layout=True,
                                             gridspec_kw={"width_ratios": [3, 2]})
     draw_times(times, report)
     draw_culling(culling, report)
     figure.suptitle("Object against object", x=0.008, ha="left", fontsize=15, fontweight="bold")
-    save(figure, arguments.prefix)
+    save(figure, prefix)
     return 0
 
 
