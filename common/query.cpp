@@ -173,7 +173,10 @@ void query_some(const AssetView& asset, std::span<const Vector3> points,
                answers[i]);
     settle(asset, answers[i]);
   }
-  for (std::size_t k = 0; k < rest; ++k) answers[others[k]] = query_point(asset, points[others[k]]);
+  for (std::size_t k = 0; k < rest; ++k) {
+    const std::size_t i = others[k];
+    answers[i] = query_point(asset, lists[i], points[i]).answer;
+  }
 }
 
 }  // namespace
