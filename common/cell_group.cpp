@@ -54,6 +54,12 @@ CellGroup cell_group(const Tile& tile, float height_unit, const SupportPlane& pl
                          static_cast<float>(plane.v[k] / spacing),
                          static_cast<float>(-plane.n[k] / spacing), 0};
   }
+  // By the steps as they are rounded: so that their rounding counts from the origin on only.
+  for (std::size_t along = 0; along < 3; ++along) {
+    group.base[along] = static_cast<float>(corner.x() * double{group.steps[0][along]} +
+                                           corner.y() * double{group.steps[1][along]} +
+                                           corner.z() * double{group.steps[2][along]});
+  }
   return group;
 }
 

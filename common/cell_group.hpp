@@ -33,6 +33,7 @@ struct alignas(32) CellGroup {
   GroupLanes per_eta{}, per_omega{}, level_eta{};
   /// What a step along x, y or z is along eta, omega and depth, spacings per m; the last is 0.
   std::array<std::array<float, 4>, 3> steps{};
+  std::array<float, 4> base{};  ///< the origin along eta, omega and depth, spacings; the last is 0
   std::array<float, 3> origin{};  ///< first sample, at the tile's base, m from the tree's origin
   float spacing = 0;              ///< m
   std::uint32_t tile = 0;

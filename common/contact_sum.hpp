@@ -3,6 +3,7 @@
 
 #include <Eigen/Core>
 #include <algorithm>
+#include <array>
 #include <cstdint>
 
 #include "common/wrench.hpp"
@@ -26,9 +27,12 @@ struct ContactSum {
   /// (m2), and `share` of the spring is in contact.
   void add(double spring, double depth, double square, double share, const Vector3& normal,
            const Vector3& arm) noexcept {
-    Vector6 along;
-    along << normal, arm.cross(normal);
-    wrench += spring * depth * along;
+    // Number by number: vectors put together of parts are waited for.
+    const double x = normal[0], y = normal[1], z = normal[2];
+    const std::array<double, 6> along{
+        x, y, z, arm[1] * z - arm[2] * y, arm[2] * x - arm[0] * z, arm[0] * y - arm[1] * x};
+    const double force = spring * depth;
+    for (int row = 0; row < 6; ++row) wrench[row] += force * along[row];
     // The lower half; ObjectContact mirrors it once a tick. Eigen's own update is a call.
     for (int column = 0; column < 6; ++column) {
       const double by = spring * share * along[column];

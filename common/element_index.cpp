@@ -25,7 +25,7 @@ void lists_at(const ElementIndex& index, std::span<const Vector3> points,
   }
   std::array<FinestCube, points_at_once> cubes;
   std::array<std::uint32_t, points_at_once> words;
-  for (std::size_t i = 0; i < count; ++i) cubes[i] = finest_cube(index, points[i]);
+  for (std::size_t i = 0; i < count; ++i) cubes[i].find(index, points[i]);
   std::uint32_t any = 0;
   for (std::size_t i = 0; i < count; ++i) {
     words[i] = index.words[cubes[i].cell];

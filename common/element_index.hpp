@@ -101,34 +101,35 @@ struct FinestCube {
   std::size_t cell = 0;  ///< of the grid; 0 where the point is in none
   bool is_in = true;
 
+  /// In place: a copy of what has just been written part by part is waited for.
+  void find(const ElementIndex& index, const Vector3& point) noexcept {
+    constexpr double finest = 1U << index_levels;
+    cell = 0;
+    is_in = true;
+    for (std::size_t axis = 3; axis-- > 0;) {
+      const int k = static_cast<int>(axis);
+      const double position = (point[k] - index.origin[k]) * index.per_cell;
+      const bool is_between = position >= 0 && position < static_cast<double>(index.cells[axis]);
+      is_in = is_in && is_between;
+      at[axis] = is_between ? static_cast<std::uint32_t>(position * finest) : 0;
+      cell = cell * index.cells[axis] + (at[axis] >> index_levels);
+    }
+  }
+
   /// The octant that it lies in of a cube whose octants are halved so often still.
   [[nodiscard]] std::uint32_t octant(unsigned halvings_left) const noexcept {
     const auto upper = [&](std::size_t axis) { return (at[axis] >> halvings_left) & 1U; };
     return upper(0) | upper(1) << 1U | upper(2) << 2U;
   }
 };
-[[nodiscard]] inline FinestCube finest_cube(const ElementIndex& index,
-                                            const Vector3& point) noexcept {
-  constexpr double finest = 1U << index_levels;
-  FinestCube cube;
-  for (std::size_t axis = 3; axis-- > 0;) {
-    const int k = static_cast<int>(axis);
-    const double position = (point[k] - index.origin[k]) * index.per_cell;
-    const bool is_in = position >= 0 && position < static_cast<double>(index.cells[axis]);
-    cube.is_in = cube.is_in && is_in;
-    cube.at[axis] = is_in ? static_cast<std::uint32_t>(position * finest) : 0;
-    cube.cell = cube.cell * index.cells[axis] + (cube.at[axis] >> index_levels);
-  }
-  return cube;
-}
-
 /// What is told of places outside the grid, which is about the band.
 inline constexpr IndexList outside_grid{nullptr, 0, 0, CubeKind::beside, 0};
 
 /// The list of the cube that a point lies in.
 [[nodiscard]] inline IndexList list_at(const ElementIndex& index, const Vector3& point) noexcept {
   if (index.words.empty()) return {};
-  const FinestCube cube = finest_cube(index, point);
+  FinestCube cube;
+  cube.find(index, point);
   if (!cube.is_in) return outside_grid;
   std::uint32_t word = index.words[cube.cell];
   for (unsigned level = index_levels; level > 0 && (word & index_split) != 0; --level) {

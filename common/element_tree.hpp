@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cstddef>
 #include <cstdint>
 #include <limits>
@@ -70,16 +71,22 @@ struct TreeBox {
   return result;
 }
 
-/// Square of the distance of a place to a box, m^2.
-[[nodiscard]] inline float squared_distance(const TreeBox& box,
-                                            const std::array<float, 3>& place) noexcept {
-  float square = 0;
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    const float off = std::max({box.low[axis] - place[axis], place[axis] - box.high[axis], 0.0F});
-    square += off * off;
+/// The boxes of a node's children, as child_box gives them, and the squares of their distances from
+/// a place, m and m^2; of children that are none too.
+struct NodeBoxes {
+  using Lanes = std::array<float, tree_children>;  ///< a number a child
+  alignas(16) std::array<Lanes, 3> low, high;
+  alignas(16) Lanes squares;
+
+  [[nodiscard]] TreeBox box(std::size_t child) const noexcept {
+    return {{low[0][child], low[1][child], low[2][child]},
+            {high[0][child], high[1][child], high[2][child]}};
   }
-  return square;
-}
+};
+
+/// Finds them, all four at once; `box` is the node's own. A place that is no number is 0 away.
+void find_node_boxes(const TreeBox& box, const std::uint32_t* node,
+                     const std::array<float, 3>& place, NodeBoxes& found) noexcept;
 
 /// A point from the tree's origin, m: floats, as the query computes with them.
 [[nodiscard]] inline std::array<float, 3> from_origin(const ElementTree& tree,
@@ -109,6 +116,7 @@ void visit_elements(const ElementTree& tree, const Vector3& point, const Visit& 
   stack[0] = {0, pack_child({ElementKind::node, 0, 1}), {{}, tree.size}};
   std::size_t pending = 1;
   std::size_t left = nodes;
+  NodeBoxes boxes;
   while (pending > 0) {
     const Pending next = stack[--pending];
     const double reach = limit();
@@ -121,18 +129,23 @@ void visit_elements(const ElementTree& tree, const Vector3& point, const Visit& 
     if (child.first >= nodes || left == 0) continue;
     --left;
     const std::uint32_t* node = tree.words.data() + child.first * tree_node_words;
-    const std::size_t before = pending;
+    find_node_boxes(next.box, node, place, boxes);
+    // Farthest first, so that the nearest is taken first.
+    std::array<std::size_t, tree_children> order;
+    std::size_t count = 0;
     for (std::size_t k = 0; k < tree_children; ++k) {
-      if (unpack_child(node[k]).kind == ElementKind::none) continue;
-      Pending entry;
-      entry.word = node[k];
-      entry.box = child_box(next.box, node, k);
-      entry.square = squared_distance(entry.box, place);
-      if (static_cast<double>(entry.square) > reach * reach || pending == stack.size()) continue;
-      // Farthest first, so that the nearest is taken first.
-      std::size_t at = pending++;
-      for (; at > before && stack[at - 1].square < entry.square; --at) stack[at] = stack[at - 1];
-      stack[at] = entry;
+      const float square = boxes.squares[k];
+      if (unpack_child(node[k]).kind == ElementKind::none ||
+          static_cast<double>(square) > reach * reach) {
+        continue;
+      }
+      std::size_t at = count++;
+      for (; at > 0 && boxes.squares[order[at - 1]] < square; --at) order[at] = order[at - 1];
+      order[at] = k;
+    }
+    for (std::size_t i = 0; i < count && pending < stack.size(); ++i, ++pending) {
+      const std::size_t k = order[i];
+      stack[pending] = {boxes.squares[k], node[k], boxes.box(k)};
     }
   }
 }

@@ -33,7 +33,14 @@ std::int64_t steady_now() noexcept {
       .count();
 }
 
-Vector3 to_vector(const std::array<float, 3>& v) noexcept { return {v[0], v[1], v[2]}; }
+// Number by number: a vector that is written so and loaded in pairs is waited for.
+Vector3 turned(const Eigen::Matrix3d& by, const std::array<float, 3>& v) noexcept {
+  return by.col(0) * double{v[0]} + by.col(1) * double{v[1]} + by.col(2) * double{v[2]};
+}
+double length(const std::array<float, 3>& v) noexcept {
+  const double x = double{v[0]}, y = double{v[1]}, z = double{v[2]};
+  return std::sqrt(x * x + y * y + z * z);
+}
 
 /// Depth of a patch whose parts lie evenly between `depth - half` and `depth + half`: mean of the
 /// part below the surface, mean square of it, and its share.
@@ -189,7 +196,8 @@ void ObjectContact::look(std::uint32_t sample, std::uint32_t object, const Field
   }
   until = 0;
   ++report.tested;
-  const Vector3 place = pair.pose * to_vector(tool_.places[sample].position);
+  const Vector3 place =
+      turned(pair.pose.linear(), tool_.places[sample].position) + pair.pose.translation();
   const auto radius = static_cast<double>(tool_.places[sample].radius);
   const double doubt = doubtful_tolerances * pair.field->tolerance;
   const auto let_go = [&](double spare) {
@@ -233,7 +241,7 @@ void ObjectContact::look(std::uint32_t sample, std::uint32_t object, const Field
     // How near the surface must come for the sample itself to touch. A patch so large that it
     // reaches what is far from its sample says little of the contact.
     const SampleShare& share = tool_.shares[sample];
-    double own = least - to_vector(share.middle).norm() - static_cast<double>(share.spread);
+    double own = least - length(share.middle) - static_cast<double>(share.spread);
     if (reading->normal.isZero()) own = std::max(own, distance / 4);
     if (own > 0) until = -(pair.travelled + own);
   } else {
@@ -248,19 +256,18 @@ void ObjectContact::press(const Active& active, ContactSum& sum) const noexcept 
   if (!active.reading.known() || normal.isZero()) return;
   const Pair& pair = pairs_[active.object];
   const SampleShare& share = tool_.shares[active.sample];
-  Vector3 place = to_vector(tool_.places[active.sample].position);
+  Vector3 arm = turned(pair.pose.linear(), tool_.places[active.sample].position);
   Pressed press{-active.distance, active.distance * active.distance, 1};
   if (tool_.children[active.sample].count > 0) {
-    const Vector3 middle = pair.pose.linear() * to_vector(share.middle);
-    const double cosine = normal.dot(pair.pose.linear() * to_vector(share.normal));
+    const Vector3 middle = turned(pair.pose.linear(), share.middle);
+    const double cosine = normal.dot(turned(pair.pose.linear(), share.normal));
     const double half =
         static_cast<double>(share.spread) * std::sqrt(std::max(0.0, 1 - cosine * cosine));
     press = pressed(-active.distance - normal.dot(middle), half);
-    place += to_vector(share.middle);
+    arm += middle;
   }
   if (!(press.depth > 0)) return;
   const double spring = settings_.stiffness * static_cast<double>(share.area);
-  const Vector3 arm = pair.pose.linear() * place;
   sum.add(spring, press.depth, press.square, press.share, pair.to_world * normal,
           pair.to_world * arm);
 }

@@ -16,10 +16,29 @@ namespace {
 /// What the roundings of boxes of floats may add to a distance, of its size and of the box's.
 constexpr double rounding_share = 2e-6;
 
-struct Pending {
-  float square;
-  std::uint32_t node;
-  TreeBox box;
+/// Nodes that were not opened yet, and the squares of how far they are, m^2.
+struct OpenNodes {
+  static constexpr std::size_t most =
+      static_cast<std::size_t>(most_clearance_nodes) * (tree_children - 1) + 1;
+  struct Node {
+    std::uint32_t number;
+    TreeBox box;
+  };
+  // Without initial values: only what was put is read.
+  std::array<float, most> squares;
+  std::array<Node, most> nodes;
+  std::size_t count = 0;
+
+  [[nodiscard]] std::size_t nearest() const noexcept {
+    std::size_t best = 0;
+    for (std::size_t k = 1; k < count; ++k) best = squares[k] < squares[best] ? k : best;
+    return best;
+  }
+  void put(std::size_t at, float square, std::uint32_t number, const TreeBox& box) noexcept {
+    squares[at] = square;
+    nodes[at].number = number;
+    nodes[at].box = box;
+  }
 };
 
 }  // namespace
@@ -29,32 +48,30 @@ double box_clearance(const AssetView& asset, const Vector3& point) noexcept {
   const std::size_t nodes = tree.words.size() / tree_node_words;
   if (nodes == 0) return std::numeric_limits<double>::infinity();
   const std::array<float, 3> place = from_origin(tree, point);
-  std::array<Pending, static_cast<std::size_t>(most_clearance_nodes) * tree_children> open;
-  open[0] = {0, 0, {{}, tree.size}};
-  std::size_t pending = 1;
+  OpenNodes open;
+  open.put(open.count++, 0, 0, {{}, tree.size});
   float least = std::numeric_limits<float>::infinity();
-  for (int opened = 0; opened < most_clearance_nodes && pending > 0; ++opened) {
+  NodeBoxes boxes;
+  for (int opened = 0; opened < most_clearance_nodes && open.count > 0; ++opened) {
     // The nearest is opened: what is left then bounds everything.
-    const auto nearest =
-        std::min_element(open.begin(), open.begin() + static_cast<std::ptrdiff_t>(pending),
-                         [](const Pending& a, const Pending& b) { return a.square < b.square; });
-    const Pending next = *nearest;
-    if (next.square >= least) break;
-    *nearest = open[--pending];
-    const std::uint32_t* node = tree.words.data() + std::size_t{next.node} * tree_node_words;
+    const std::size_t at = open.nearest();
+    if (open.squares[at] >= least) break;
+    const std::uint32_t* node =
+        tree.words.data() + std::size_t{open.nodes[at].number} * tree_node_words;
+    find_node_boxes(open.nodes[at].box, node, place, boxes);
+    const std::size_t last = --open.count;
+    if (at != last) open.put(at, open.squares[last], open.nodes[last].number, open.nodes[last].box);
     for (std::size_t k = 0; k < tree_children; ++k) {
       const TreeChild child = unpack_child(node[k]);
       if (child.kind == ElementKind::none) continue;
-      const TreeBox box = child_box(next.box, node, k);
-      const float square = squared_distance(box, place);
       if (child.kind == ElementKind::node && child.first < nodes) {
-        open[pending++] = {square, child.first, box};
+        open.put(open.count++, boxes.squares[k], child.first, boxes.box(k));
       } else {
-        least = std::min(least, square);
+        least = std::min(least, boxes.squares[k]);
       }
     }
   }
-  for (std::size_t k = 0; k < pending; ++k) least = std::min(least, open[k].square);
+  for (std::size_t k = 0; k < open.count; ++k) least = std::min(least, open.squares[k]);
   if (!(least >= 0)) return 0;
   const double distance = std::sqrt(static_cast<double>(least));
   const float size = std::max({tree.size[0], tree.size[1], tree.size[2]});

@@ -128,15 +128,12 @@ struct Cells {
         per_y(source.load([](const CellGroup& group) -> auto& { return group.per_omega; })),
         level_x(source.load([](const CellGroup& group) -> auto& { return group.level_eta; })) {}
 
-  /// Feet, which are `twisted` above their planes.
-  [[nodiscard]] HWY_INLINE UnitFeet<Tag> feet(Floats x, Floats y, Floats twisted) const {
-    const Vectors<Tag> off{
-        hn::Sub(from.x, x), hn::Sub(from.y, y),
-        hn::Sub(hn::Sub(hn::Sub(from.z, hn::Mul(slope_x, x)), hn::Mul(slope_y, y)), twisted)};
+  /// Feet; on the patches, or where `twist_` is 0 on their mean planes.
+  [[nodiscard]] HWY_INLINE UnitFeet<Tag> feet(Floats x, Floats y, Floats twist_) const {
+    const Floats steep = hn::Add(slope_x, hn::Mul(twist_, y));
+    const Vectors<Tag> off{hn::Sub(from.x, x), hn::Sub(from.y, y),
+                           hn::Sub(hn::Sub(from.z, hn::Mul(slope_y, y)), hn::Mul(steep, x))};
     return {off, dot<Tag>(off, off), x, y};
-  }
-  [[nodiscard]] HWY_INLINE Floats twisted(Floats x, Floats y) const {
-    return hn::Mul(hn::Mul(twist, x), y);
   }
 
   /// The nearest on the mean planes, and if `on_patch` the patches over them, of whole cells. Where
@@ -146,33 +143,38 @@ struct Cells {
   [[nodiscard]] HWY_INLINE UnitFeet<Tag> nearest() const {
     const Tag tag;
     const Floats half = constant(tag, 0.5F), low = constant(tag, -0.5F);
-    const Floats above =
-        hn::Sub(hn::Sub(from.z, hn::Mul(slope_x, from.x)), hn::Mul(slope_y, from.y));
+    // What waits for the step before is short: the rest of each is worked out beside it.
+    const Floats across = hn::Mul(slope_x, slope_y);
+    const Floats steep_x = hn::Mul(slope_x, from.x), steep_y = hn::Mul(slope_y, from.y);
+    const Floats above = hn::Sub(from.z, hn::Add(steep_x, steep_y));
+    const Floats free_y = hn::Mul(hn::Add(from.y, hn::Mul(slope_y, from.z)), per_y);
+    const Floats free_x = hn::Mul(hn::Add(from.x, hn::Mul(slope_x, from.z)), per_x);
     const auto clamp = [&](Floats value) { return hn::Min(hn::Max(value, low), half); };
     const Floats first = clamp(hn::Add(from.x, hn::Mul(above, level_x)));
-    const Floats y = clamp(hn::Mul(
-        hn::Add(from.y, hn::Mul(slope_y, hn::Sub(from.z, hn::Mul(slope_x, first)))), per_y));
-    const Floats x = clamp(
-        hn::Mul(hn::Add(from.x, hn::Mul(slope_x, hn::Sub(from.z, hn::Mul(slope_y, y)))), per_x));
-    return feet(x, y, on_patch ? twisted(x, y) : hn::Zero(tag));
+    const Floats y = clamp(hn::Sub(free_y, hn::Mul(hn::Mul(across, per_y), first)));
+    const Floats x = clamp(hn::Sub(free_x, hn::Mul(hn::Mul(across, per_x), y)));
+    return feet(x, y, on_patch ? twist : hn::Zero(tag));
   }
 
  private:
-  /// What is in all lanes alike, in the group's frame, spacings.
+  /// A place from the tree's origin, the same in all lanes, in the group's frame from its origin.
   [[nodiscard]] static HWY_INLINE Vectors<Tag> in_frame(const Source& source,
-                                                        const Vectors<Tag>& off) {
+                                                        const Vectors<Tag>& place) {
     const auto& steps = source.group->steps;
+    const auto& base = source.group->base;
     const Tag tag;
     if constexpr (hn::MaxLanes(Tag()) >= 4) {
       // All three at once, and then each to all lanes.
       const auto by = [&](std::size_t axis) { return hn::LoadDup128(tag, steps[axis].data()); };
-      const Floats at = dot<Tag>({by(0), by(1), by(2)}, off);
+      const Floats at =
+          hn::Sub(dot<Tag>({by(0), by(1), by(2)}, place), hn::LoadDup128(tag, base.data()));
       return {hn::Broadcast<0>(at), hn::Broadcast<1>(at), hn::Broadcast<2>(at)};
     } else {
       const auto along = [&](std::size_t own) {
-        return dot<Tag>(
-            {hn::Set(tag, steps[0][own]), hn::Set(tag, steps[1][own]), hn::Set(tag, steps[2][own])},
-            off);
+        return hn::Sub(dot<Tag>({hn::Set(tag, steps[0][own]), hn::Set(tag, steps[1][own]),
+                                 hn::Set(tag, steps[2][own])},
+                                place),
+                       hn::Set(tag, base[own]));
       };
       return {along(0), along(1), along(2)};
     }
@@ -184,8 +186,7 @@ struct Cells {
                                                       0.5F, 1.5F, 2.5F, 3.5F};
     alignas(64) static constexpr GroupLanes middles_y{0.5F, 0.5F, 0.5F, 0.5F,
                                                       1.5F, 1.5F, 1.5F, 1.5F};
-    const Vectors<Tag> off = minus<Tag>(vectors<Tag>(place), vectors<Tag>(source.group->origin));
-    const Vectors<Tag> at = in_frame(source, off);
+    const Vectors<Tag> at = in_frame(source, vectors<Tag>(place));
     return {
         hn::Sub(at.x, source.load([](const CellGroup&) -> auto& { return middles_x; })),
         hn::Sub(at.y, source.load([](const CellGroup&) -> auto& { return middles_y; })),
@@ -209,7 +210,7 @@ HWY_INLINE UnitFeet<Lanes> clipped_feet(const ClipGroup& clips, std::size_t k,
   const auto along = hn::Div(dot<Lanes>(cells.feet(x0, y0, hn::Zero(lanes)).off, to), length);
   const auto share = hn::Min(hn::Max(along, hn::Zero(lanes)), hn::Set(lanes, 1.0F));
   const auto x = hn::Add(x0, hn::Mul(share, to.x)), y = hn::Add(y0, hn::Mul(share, to.y));
-  const UnitFeet<Lanes> clipped = cells.feet(x, y, cells.twisted(x, y));
+  const UnitFeet<Lanes> clipped = cells.feet(x, y, cells.twist);
   return {chosen<Lanes>(kept, whole.off, clipped.off),
           hn::IfThenElse(kept, whole.square, clipped.square), hn::IfThenElse(kept, whole.x, x),
           hn::IfThenElse(kept, whole.y, y)};

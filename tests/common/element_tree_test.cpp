@@ -72,8 +72,41 @@ TEST_CASE("A child's box is its bytes in 255ths of the node's") {
   CHECK(box.high[1] == Approx(24));
   CHECK(box.low[2] == Approx(34));
   CHECK(box.high[2] == Approx(38));
-  CHECK(squared_distance(box, {12, 23, 35}) == 0);
-  CHECK(squared_distance(box, {18, 26, 35}) == Approx(9 + 4));
+}
+
+TEST_CASE("The boxes of all children at once are theirs one by one, and as far from a place") {
+  const std::uint64_t seed = GENERATE(range(0, 20));
+  std::mt19937_64 random(seed);
+  std::vector<std::uint32_t> words(tree_node_words);
+  for (std::uint32_t& word : words) word = static_cast<std::uint32_t>(random());
+  const TreeBox node{{10, 20, 30}, {15, 30, 40}};
+  const auto number = [&](float low, float high) {
+    return low + (high - low) * static_cast<float>(random() % 1000) / 1000;
+  };
+  const std::array<float, 3> place{number(5, 20), number(15, 35), number(25, 45)};
+  NodeBoxes boxes;
+  find_node_boxes(node, words.data(), place, boxes);
+  for (std::size_t k = 0; k < tree_children; ++k) {
+    const TreeBox box = child_box(node, words.data(), k);
+    CHECK(boxes.box(k).low == box.low);
+    CHECK(boxes.box(k).high == box.high);
+    double square = 0;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      // A box of random bytes may be turned inside out: then the farther of the two counts.
+      const float off = std::max({box.low[axis] - place[axis], place[axis] - box.high[axis], 0.0F});
+      square += double{off} * double{off};
+    }
+    CHECK(boxes.squares[k] == Approx(square));
+  }
+}
+
+TEST_CASE("A place that is no number lies 0 from every box") {
+  std::vector<std::uint32_t> words;
+  add_tree_node(words, {slab(0, 100, 110), slab(1, 200, 210)});
+  NodeBoxes boxes;
+  const float none = std::numeric_limits<float>::quiet_NaN();
+  find_node_boxes({{0, 0, 0}, {1, 1, 1}}, words.data(), {none, none, none}, boxes);
+  CHECK(boxes.squares == NodeBoxes::Lanes{0, 0, 0, 0});
 }
 
 TEST_CASE("All leaves within the limit are visited, the nearest box first") {
