@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <hwy/targets.h>
+
 #include <algorithm>
 #include <array>
 
@@ -63,6 +65,39 @@ class SpmBatch final : public Spm {
   }
 };
 
+/// While it lives Highway runs what it has for any processor, a number at a time.
+class ScalarTarget {
+ public:
+  explicit ScalarTarget(std::int64_t usual) : usual_(usual) {
+    hwy::GetChosenTarget().Update(HWY_STATIC_TARGET);
+  }
+  ~ScalarTarget() { hwy::GetChosenTarget().Update(usual_); }
+  ScalarTarget(const ScalarTarget&) = delete;
+  ScalarTarget& operator=(const ScalarTarget&) = delete;
+
+ private:
+  std::int64_t usual_;
+};
+
+/// One point a call, and one unit of a list after the other.
+class SpmScalar final : public Spm {
+ public:
+  explicit SpmScalar(const BakedFile& file)
+      : Spm(file, CountedBytes::memory), usual_(hwy::SupportedTargets()) {
+    facts_.name = "spm-scalar";
+  }
+
+  void query_all(std::span<const Vector3> points,
+                 std::span<Answer> answers) const noexcept override {
+    // A block a time: each switch is for all threads.
+    const ScalarTarget scalar(usual_);
+    Spm::query_all(points, answers);
+  }
+
+ private:
+  std::int64_t usual_;
+};
+
 }  // namespace
 
 std::unique_ptr<Method> make_spm(const BakedFile& file, CountedBytes counted) {
@@ -71,6 +106,10 @@ std::unique_ptr<Method> make_spm(const BakedFile& file, CountedBytes counted) {
 
 std::unique_ptr<Method> make_spm_batch(const BakedFile& file) {
   return std::make_unique<SpmBatch>(file);
+}
+
+std::unique_ptr<Method> make_spm_scalar(const BakedFile& file) {
+  return std::make_unique<SpmScalar>(file);
 }
 
 }  // namespace spm::bench

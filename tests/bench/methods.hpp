@@ -26,6 +26,10 @@ enum class CountedBytes {
 /// The same, many points a call of the library.
 [[nodiscard]] std::unique_ptr<Method> make_spm_batch(const BakedFile& file);
 
+/// The same point by point without lanes: what query_all asks runs no SIMD kernel, in this thread
+/// and in others meanwhile. The same answers.
+[[nodiscard]] std::unique_ptr<Method> make_spm_scalar(const BakedFile& file);
+
 /// The paper's rule: the support plane closest to the point, of all planes; the distance is
 /// D_SP(P_M) - S_SP, uncorrected. Bytes of the planes and their maps. Throws BakeError.
 [[nodiscard]] std::unique_ptr<Method> make_paper(const Model& model, std::size_t planes,

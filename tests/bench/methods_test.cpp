@@ -125,16 +125,17 @@ TEST_CASE("The paper's rule is exact inside a box, whose facets are its planes")
   CHECK(answered > 0.95 * asked);
 }
 
-TEST_CASE("The product answers a batch as it answers point by point") {
+TEST_CASE("The product answers a batch, and without lanes, as it answers point by point") {
   Model model = model_of(test::sphere(ball_radius, 3));
   model.mesh.sha256 = std::string(64, '0');
   const TemporaryFolder folder;
   const BakedFile file = bake_sparse(model.mesh, {model.band, 200e-6}, folder.path());
-  const auto one = make_spm(file, CountedBytes::file), batch = make_spm_batch(file);
+  const auto one = make_spm(file, CountedBytes::file);
+  const auto many = GENERATE(make_spm_batch, make_spm_scalar)(file);
   std::vector<Vector3> points;
   for (std::uint64_t i = 0; i < 200; ++i) points.push_back(place_around(model, i));
   std::vector<Answer> answers(points.size());
-  batch->query_all(points, answers);
+  many->query_all(points, answers);
   std::size_t exact = 0;
   for (std::size_t i = 0; i < points.size(); ++i) {
     const Answer answer = one->query(points[i]);

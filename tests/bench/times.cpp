@@ -115,7 +115,7 @@ class Race {
     attempt(name, [&] { methods_.push_back(make()); });
   }
 
-  /// The curve of tolerances, and at the model's own the library's batch form.
+  /// The curve of tolerances, and at the model's own the library's batch form and the scalar one.
   void add_spm() {
     std::vector<double> tolerances = plan_.tolerances;
     tolerances.push_back(model_.tolerance);
@@ -127,6 +127,7 @@ class Race {
         methods_.push_back(make_spm(file, CountedBytes::memory));
         if (tolerance != model_.tolerance) return;
         methods_.push_back(make_spm_batch(file));
+        methods_.push_back(make_spm_scalar(file));
         probes_.push_back(make_spm_probe(file, plan_.probe_radius));
       });
     }
