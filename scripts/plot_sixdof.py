@@ -32,9 +32,7 @@ def curve_of(row: dict) -> str:
 
 def samples_of(row: dict) -> int:
     """0 where the mesh itself is asked."""
-    if row["samples"]:
-        return row["samples"]
-    return int(row["settings"].split()[0]) if " samples" in row["settings"] else 0
+    return row["samples"] or 0
 
 
 def draw_curve(axes, rows: list[dict], name: str) -> None:

@@ -28,8 +28,9 @@ class EverySample : public Peer {
   }
   [[nodiscard]] std::string name() const override { return "every-sample"; }
   [[nodiscard]] std::string settings() const override {
-    return fmt::format("{} samples", tool_.levels.back().count);
+    return fmt::format("{} samples", samples());
   }
+  [[nodiscard]] std::uint64_t samples() const override { return tool_.levels.back().count; }
   [[nodiscard]] bool same_law() const override { return true; }
 
  private:

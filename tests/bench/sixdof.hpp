@@ -33,14 +33,16 @@ struct Quantiles {
 struct SixdofRow {
   std::string method;
   std::string settings;
-  std::uint64_t samples = 0;                    ///< of the tool; 0 for meshes
-  double p50 = 0, p99 = 0, most = 0, mean = 0;  ///< s a tick, by the clock on the wall
-  double busy_p99 = 0;                          ///< s a tick of the core's time alone
-  double tested = 0;                            ///< samples whose distance was read, mean a tick
-  double asked = 0;                             ///< queries of the baked field, mean a tick
-  double contacts = 0;                          ///< mean a tick
-  double level = 0;                             ///< mean of those that were resolved, 1 the finest
-  double degraded = 0;                          ///< share of the ticks that ended before the finest
+  std::uint64_t samples = 0;  ///< of the tool; 0 for meshes
+  /// s a tick, by the clock on the wall: of the passes over the path the median, most and mean of
+  /// all.
+  double p50 = 0, p99 = 0, most = 0, mean = 0;
+  double busy_p99 = 0;  ///< s a tick of the core's time alone, likewise
+  double tested = 0;    ///< samples whose distance was read, mean a tick
+  double asked = 0;     ///< queries of the baked field, mean a tick
+  double contacts = 0;  ///< mean a tick
+  double level = 0;     ///< mean of those that were resolved, 1 the finest
+  double degraded = 0;  ///< share of the ticks that ended before the finest
   /// Of the force, of that of the reference; none where the method has another law.
   std::optional<Quantiles> force_error;
   Quantiles direction_error;  ///< rad

@@ -27,6 +27,8 @@ class Peer {
   [[nodiscard]] virtual PeerAnswer ask(const Eigen::Isometry3d& tool_pose) = 0;
   [[nodiscard]] virtual std::string name() const = 0;
   [[nodiscard]] virtual std::string settings() const = 0;
+  /// Samples of the tool that it asks; 0 where it takes meshes.
+  [[nodiscard]] virtual std::uint64_t samples() const { return 0; }
   /// True where its forces can be held against ours in size too.
   [[nodiscard]] virtual bool same_law() const { return false; }
 };
