@@ -44,9 +44,10 @@ CellGroup cell_group(const Tile& tile, float height_unit, const SupportPlane& pl
   }
   const auto spacing = static_cast<double>(tile.spacing);
   const std::uint32_t first = cell_of(group, 0);
-  const Vector3 corner = support_plane_point(plane, tile.eta0 + first % tile_cells * spacing,
-                                             tile.omega0 + first / tile_cells * spacing) -
-                         tile.base * plane.n - origin;
+  const std::uint32_t column = first % tile_cells, row = first / tile_cells;
+  const Vector3 corner =
+      support_plane_point(plane, tile.eta0 + column * spacing, tile.omega0 + row * spacing) -
+      tile.base * plane.n - origin;
   for (int k = 0; k < 3; ++k) {
     const auto axis = static_cast<std::size_t>(k);
     group.origin[axis] = static_cast<float>(corner[k]);
@@ -95,11 +96,12 @@ CellPatch patch_at(const CellGroup& group, std::uint32_t lane, const Vector3& pl
   const auto along = [&](std::size_t axis) {
     return group.steps[0][axis] * x + group.steps[1][axis] * y + group.steps[2][axis] * z;
   };
+  const std::uint32_t column = lane % group_columns, row = lane / group_columns;
   return {group.slope_eta[lane],
           group.slope_omega[lane],
           group.twist[lane],
-          along(0) - (static_cast<float>(lane % group_columns) + 0.5F),
-          along(1) - (static_cast<float>(lane / group_columns) + 0.5F),
+          along(0) - (static_cast<float>(column) + 0.5F),
+          along(1) - (static_cast<float>(row) + 0.5F),
           along(2) - group.depth[lane]};
 }
 

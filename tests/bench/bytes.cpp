@@ -41,8 +41,8 @@ class Bench {
     tolerances.erase(std::unique(tolerances.begin(), tolerances.end()), tolerances.end());
     for (const double tolerance : tolerances) {
       add(model, places, "spm", [&] {
-        return make_spm(bake_sparse(model.mesh, {model.band, tolerance}, folder_.path()),
-                        CountedBytes::file);
+        const BakedFile file = bake_sparse(model.mesh, {model.band, tolerance}, folder_.path());
+        return make_spm(file, open_query_asset(file.path), CountedBytes::file);
       });
     }
     for (const double cell : plan_.grid_cells) {

@@ -45,6 +45,7 @@ TimesPlan plan_of(const Settings& settings) {
     plan.voxels = {0.5e-3};
     plan.grid_cells = {2e-3};
     plan.paper_planes = 200;
+    plan.scalar = false;
     plan.samples = 20000;
     plan.path_steps = 1024;
     plan.timing = {7, 0.004, 20};

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <utility>
 
 #include "tests/bench/methods.hpp"
 #include "tests/bench/query_asset.hpp"
@@ -28,7 +29,7 @@ Answer answer_of(const spm_query_answer& told) noexcept {
 /// One point a call.
 class Spm : public Method {
  public:
-  Spm(const BakedFile& file, CountedBytes counted) : asset_(open_query_asset(file.path)) {
+  Spm(const BakedFile& file, QueryAsset asset, CountedBytes counted) : asset_(std::move(asset)) {
     facts_.name = "spm";
     facts_.settings = file.settings;
     facts_.setting = file.tolerance;
@@ -49,7 +50,8 @@ class Spm : public Method {
 /// As many points a call as there are.
 class SpmBatch final : public Spm {
  public:
-  explicit SpmBatch(const BakedFile& file) : Spm(file, CountedBytes::memory) {
+  SpmBatch(const BakedFile& file, QueryAsset asset)
+      : Spm(file, std::move(asset), CountedBytes::memory) {
     facts_.settings += ", batch";
   }
 
@@ -82,8 +84,8 @@ class ScalarTarget {
 /// One point a call, and one unit of a list after the other.
 class SpmScalar final : public Spm {
  public:
-  explicit SpmScalar(const BakedFile& file)
-      : Spm(file, CountedBytes::memory), usual_(hwy::SupportedTargets()) {
+  SpmScalar(const BakedFile& file, QueryAsset asset)
+      : Spm(file, std::move(asset), CountedBytes::memory), usual_(hwy::SupportedTargets()) {
     facts_.name = "spm-scalar";
   }
 
@@ -100,16 +102,16 @@ class SpmScalar final : public Spm {
 
 }  // namespace
 
-std::unique_ptr<Method> make_spm(const BakedFile& file, CountedBytes counted) {
-  return std::make_unique<Spm>(file, counted);
+std::unique_ptr<Method> make_spm(const BakedFile& file, QueryAsset asset, CountedBytes counted) {
+  return std::make_unique<Spm>(file, std::move(asset), counted);
 }
 
-std::unique_ptr<Method> make_spm_batch(const BakedFile& file) {
-  return std::make_unique<SpmBatch>(file);
+std::unique_ptr<Method> make_spm_batch(const BakedFile& file, QueryAsset asset) {
+  return std::make_unique<SpmBatch>(file, std::move(asset));
 }
 
-std::unique_ptr<Method> make_spm_scalar(const BakedFile& file) {
-  return std::make_unique<SpmScalar>(file);
+std::unique_ptr<Method> make_spm_scalar(const BakedFile& file, QueryAsset asset) {
+  return std::make_unique<SpmScalar>(file, std::move(asset));
 }
 
 }  // namespace spm::bench

@@ -8,6 +8,7 @@
 #include "tests/bench/distance_lattice.hpp"
 #include "tests/bench/method.hpp"
 #include "tests/bench/model.hpp"
+#include "tests/bench/query_asset.hpp"
 
 namespace spm::bench {
 
@@ -19,16 +20,16 @@ enum class CountedBytes {
   memory,  ///< and the index that is derived from it when it is opened
 };
 
-/// The product: a baked file, opened and asked through libspm_query, point by point. The file may
-/// be removed once it is open. Throws BakeError.
-[[nodiscard]] std::unique_ptr<Method> make_spm(const BakedFile& file, CountedBytes counted);
+/// The product: a baked file, opened and asked through libspm_query, point by point.
+[[nodiscard]] std::unique_ptr<Method> make_spm(const BakedFile& file, QueryAsset asset,
+                                               CountedBytes counted);
 
 /// The same, many points a call of the library.
-[[nodiscard]] std::unique_ptr<Method> make_spm_batch(const BakedFile& file);
+[[nodiscard]] std::unique_ptr<Method> make_spm_batch(const BakedFile& file, QueryAsset asset);
 
 /// The same point by point without lanes: what query_all asks runs no SIMD kernel, in this thread
 /// and in others meanwhile. The same answers.
-[[nodiscard]] std::unique_ptr<Method> make_spm_scalar(const BakedFile& file);
+[[nodiscard]] std::unique_ptr<Method> make_spm_scalar(const BakedFile& file, QueryAsset asset);
 
 /// The paper's rule: the support plane closest to the point, of all planes; the distance is
 /// D_SP(P_M) - S_SP, uncorrected. Bytes of the planes and their maps. Throws BakeError.

@@ -130,8 +130,9 @@ TEST_CASE("The product answers a batch, and without lanes, as it answers point b
   model.mesh.sha256 = std::string(64, '0');
   const TemporaryFolder folder;
   const BakedFile file = bake_sparse(model.mesh, {model.band, 200e-6}, folder.path());
-  const auto one = make_spm(file, CountedBytes::file);
-  const auto many = GENERATE(make_spm_batch, make_spm_scalar)(file);
+  const QueryAsset asset = open_query_asset(file.path);
+  const auto one = make_spm(file, asset, CountedBytes::file);
+  const auto many = GENERATE(make_spm_batch, make_spm_scalar)(file, asset);
   std::vector<Vector3> points;
   for (std::uint64_t i = 0; i < 200; ++i) points.push_back(place_around(model, i));
   std::vector<Answer> answers(points.size());

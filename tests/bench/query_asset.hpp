@@ -11,10 +11,7 @@
 
 namespace spm::bench {
 
-struct CloseQueryAsset {
-  void operator()(spm_query_asset* asset) const { spm_query_close(asset); }
-};
-using QueryAsset = std::unique_ptr<spm_query_asset, CloseQueryAsset>;
+using QueryAsset = std::shared_ptr<spm_query_asset>;
 
 /// Opens a baked file with libspm_query, as a program outside of the project would. Throws
 /// BakeError.
@@ -23,7 +20,7 @@ using QueryAsset = std::unique_ptr<spm_query_asset, CloseQueryAsset>;
   std::array<char, 512> message{};
   const int code = spm_query_open(path.c_str(), &asset, message.data(), message.size());
   if (code != 0) throw baker::BakeError(static_cast<ExitCode>(code), message.data());
-  return QueryAsset(asset);
+  return {asset, &spm_query_close};
 }
 
 }  // namespace spm::bench

@@ -124,10 +124,11 @@ class Race {
     for (const double tolerance : tolerances) {
       attempt("spm", [&] {
         const BakedFile file = bake_sparse(model_.mesh, {model_.band, tolerance}, folder_.path());
-        methods_.push_back(make_spm(file, CountedBytes::memory));
+        const QueryAsset asset = open_query_asset(file.path);
+        methods_.push_back(make_spm(file, asset, CountedBytes::memory));
         if (tolerance != model_.tolerance) return;
-        methods_.push_back(make_spm_batch(file));
-        methods_.push_back(make_spm_scalar(file));
+        methods_.push_back(make_spm_batch(file, asset));
+        if (plan_.scalar) methods_.push_back(make_spm_scalar(file, asset));
         probes_.push_back(make_spm_probe(file, plan_.probe_radius));
       });
     }

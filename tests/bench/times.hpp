@@ -25,6 +25,7 @@ struct TimesPlan {
   std::size_t path_steps = 4096;
   std::uint64_t seed = 1;
   unsigned threads = 0;  ///< of builds and scores; timing takes one
+  bool scalar = true;    ///< the product without SIMD too
   TimingPlan timing;
 };
 
