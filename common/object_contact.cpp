@@ -131,9 +131,9 @@ void ObjectContact::move(Pair& pair, const ContactObject& object,
     memories_[static_cast<std::size_t>(&pair - pairs_.data())].forget();
   } else {
     // A turn by t moves what lies r from the axis by 2 r sin(t / 2).
-    const double turned = (pose.linear() - pair.pose.linear()).norm() / std::sqrt(2.0);
-    pair.travelled += (pose * tool_.centre - pair.pose * tool_.centre).norm() +
-                      turned * tool_.radius * (1 + 1e-9);
+    const double turn = (pose.linear() - pair.pose.linear()).norm() / std::sqrt(2.0);
+    pair.travelled +=
+        (pose * tool_.centre - pair.pose * tool_.centre).norm() + turn * tool_.radius * (1 + 1e-9);
   }
   pair.field = object.field;
   pair.pose = pose;
