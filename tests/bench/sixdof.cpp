@@ -134,8 +134,7 @@ class Runner {
         times.push_back(seconds_since(start));
         busy.push_back(busy_seconds() - before);
       }
-      const auto count = static_cast<double>(times.size() * passes);
-      for (const double time : times) row.mean += time / count;
+      for (const double time : times) row.mean += time;
       row.most = std::max(row.most, *std::max_element(times.begin(), times.end()));
       middles.push_back(quantile(times, 0.5));
       tails.push_back(quantile(times, 0.99));
@@ -145,7 +144,8 @@ class Runner {
     row.p99 = quantile(tails, 0.5);
     row.busy_p99 = quantile(busy_tails, 0.5);
     const auto count = static_cast<double>(forces.size() * passes);
-    for (double* sum : {&row.tested, &row.asked, &row.contacts, &row.level, &row.degraded})
+    for (double* sum :
+         {&row.mean, &row.tested, &row.asked, &row.contacts, &row.level, &row.degraded})
       *sum /= count;
   }
 

@@ -72,6 +72,11 @@ TEST_CASE("A child's box is its bytes in 255ths of the node's") {
   CHECK(box.high[1] == Approx(24));
   CHECK(box.low[2] == Approx(34));
   CHECK(box.high[2] == Approx(38));
+  NodeBoxes boxes;
+  find_node_boxes(node, words.data(), {12, 23, 35}, boxes);
+  CHECK(boxes.squares[2] == 0);
+  find_node_boxes(node, words.data(), {18, 26, 35}, boxes);
+  CHECK(boxes.squares[2] == Approx(9 + 4));
 }
 
 TEST_CASE("The boxes of all children at once are theirs one by one, and as far from a place") {
