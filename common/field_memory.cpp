@@ -23,24 +23,27 @@ FieldMemory::FieldMemory(const Settings& settings)
 
 const FieldReading& FieldMemory::recall(std::uint32_t point) const noexcept {
   if (entries_.empty()) return nothing_;
-  const Entry& entry = entries_[point & (entries_.size() - 1)];
-  return entry.point == point ? entry.reading : nothing_;
+  const FieldReading& kept = entries_[point & (entries_.size() - 1)].reading;
+  return kept.point == point ? kept : nothing_;
 }
 
 void FieldMemory::learn(std::uint32_t point, FieldReading& reading) noexcept {
-  reading.reach = reading.normal.isZero() ? 0 : first_share * settings_.most_reach;
+  double reach = reading.normal.isZero() ? 0 : first_share * settings_.most_reach;
+  reading.reach = static_cast<float>(reach);
+  reading.point = point;
   if (entries_.empty()) return;
-  Entry& entry = entries_[point & (entries_.size() - 1)];
-  const FieldReading& old = entry.reading;
-  if (entry.point == point && !old.normal.isZero() && !reading.normal.isZero() && old.reach > 0 &&
-      (reading.place - old.place).norm() < judged_reaches * old.reach) {
+  FieldReading& old = entries_[point & (entries_.size() - 1)].reading;
+  const auto before = static_cast<double>(old.reach);
+  if (old.point == point && !old.normal.isZero() && !reading.normal.isZero() && before > 0 &&
+      (reading.place - old.place).norm() < judged_reaches * before) {
     const bool off =
         std::abs(old.distance_at(reading.place) - reading.distance) > settings_.error ||
         old.normal.cross(reading.normal).norm() > turned_sine || old.normal.dot(reading.normal) < 0;
-    reading.reach = std::clamp((off ? 0.5 : growth) * old.reach, least_share * settings_.most_reach,
-                               settings_.most_reach);
+    reach = std::clamp((off ? 0.5 : growth) * before, least_share * settings_.most_reach,
+                       settings_.most_reach);
+    reading.reach = static_cast<float>(reach);
   }
-  entry = {point, reading};
+  old = reading;
 }
 
 void FieldMemory::forget() noexcept { std::fill(entries_.begin(), entries_.end(), Entry{}); }

@@ -10,17 +10,19 @@ namespace spm {
 
 /// What a field said at a place, and how far from it its tangent plane may stand for the field.
 struct FieldReading {
-  Vector3 place = Vector3::Zero();   ///< the field's frame, m
-  double distance = 0;               ///< signed, m; a lower bound where the normal is zero
-  Vector3 normal = Vector3::Zero();  ///< unit, outward
-  double reach = -1;                 ///< m; below 0: nothing is known
+  Vector3 place = Vector3::Zero();    ///< the field's frame, m
+  double distance = 0;                ///< signed, m; a lower bound where the normal is zero
+  Vector3 normal = Vector3::Zero();   ///< unit, outward
+  float reach = -1;                   ///< m; below 0: nothing is known
+  std::uint32_t point = 0xFFFFFFFFU;  ///< whose it is in a FieldMemory
 
   [[nodiscard]] bool known() const noexcept { return reach >= 0; }
-  [[nodiscard]] bool stands_for(const Vector3& point) const noexcept {
-    return (point - place).squaredNorm() <= reach * reach && known() && !normal.isZero();
+  [[nodiscard]] bool stands_for(const Vector3& at) const noexcept {
+    const auto far = static_cast<double>(reach);
+    return (at - place).squaredNorm() <= far * far && known() && !normal.isZero();
   }
-  [[nodiscard]] double distance_at(const Vector3& point) const noexcept {
-    return distance + normal.dot(point - place);
+  [[nodiscard]] double distance_at(const Vector3& at) const noexcept {
+    return distance + normal.dot(at - place);
   }
 };
 
@@ -47,8 +49,8 @@ class FieldMemory {
   void forget() noexcept;
 
  private:
-  struct Entry {
-    std::uint32_t point = 0xFFFFFFFFU;
+  /// A line of the processor's memory.
+  struct alignas(64) Entry {
     FieldReading reading;
   };
   Settings settings_;

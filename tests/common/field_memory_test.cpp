@@ -49,8 +49,8 @@ TEST_CASE("A reading reaches as far as its plane holds: far on flat ground, less
       worst = std::max(worst, std::abs(reading.distance_at(place)));
     }
     CHECK(worst < 2.5e-5);
-    if (radius < 1) CHECK(reading.reach < 1.01e-4);
-    if (radius > 1) CHECK(reading.reach == 2e-4);
+    if (radius < 1) CHECK(reading.reach < 1.01e-4F);
+    if (radius > 1) CHECK(reading.reach == 2e-4F);
   }
 }
 
