@@ -5,6 +5,7 @@
 #include <cmath>
 #include <utility>
 
+#include "common/element_index_build.hpp"
 #include "formats/tile_words.hpp"
 
 namespace spm {
@@ -33,7 +34,7 @@ AssetTables::AssetTables(std::vector<SupportPlane> planes, std::vector<DistanceM
                          std::vector<Tile> tiles, const AssetView& rest)
     : planes_(std::move(planes)),
       maps_(std::move(maps)),
-      tiles_(std::move(tiles)),
+      tiles_(tiles.begin(), tiles.end()),
       layer_offsets_(std::move(layer_offsets)),
       view_(rest) {
   if (rest.full) {
@@ -55,8 +56,15 @@ AssetTables::AssetTables(std::vector<SupportPlane> planes, std::vector<DistanceM
 }
 
 void AssetTables::build_index() {
-  index_ = build_element_index(view_);
-  view_.index = index_.view();
+  const ElementIndexData index = build_element_index(view_);
+  words_.assign(index.words.begin(), index.words.end());
+  cell_groups_.assign(index.cell_groups.begin(), index.cell_groups.end());
+  clip_groups_.assign(index.clip_groups.begin(), index.clip_groups.end());
+  triangle_groups_.assign(index.triangle_groups.begin(), index.triangle_groups.end());
+  index_bytes_ = index.bytes();
+  view_.index = index.view();
+  view_.index.words = words_;
+  view_.index.groups = {cell_groups_, clip_groups_, triangle_groups_};
 }
 
 AssetTables tables_of(const Asset& asset) {

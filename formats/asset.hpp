@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "common/asset_view.hpp"
-#include "common/element_index_build.hpp"
 #include "common/error.hpp"
+#include "formats/large_pages.hpp"
 
 namespace spm {
 
@@ -138,17 +138,25 @@ class AssetTables {
 
   /// Derives the index, by which queries are answered several times faster.
   void build_index();
-  [[nodiscard]] std::size_t index_bytes() const noexcept { return index_.bytes(); }
+  [[nodiscard]] std::size_t index_bytes() const noexcept { return index_bytes_; }
 
   [[nodiscard]] const AssetView& view() const noexcept { return view_; }
 
  private:
+  template <class T>
+  using LargeTable = std::vector<T, LargePageAllocator<T>>;
+
   std::vector<SupportPlane> planes_;
   std::vector<DistanceMap> maps_;
-  std::vector<Tile> tiles_;
+  LargeTable<Tile> tiles_;
   std::vector<std::vector<std::uint32_t>> layer_offsets_;
   std::vector<double> nx_, ny_, nz_, offset_;
-  ElementIndexData index_;
+  // The index's:
+  LargeTable<std::uint32_t> words_;
+  LargeTable<CellGroup> cell_groups_;
+  LargeTable<ClipGroup> clip_groups_;
+  LargeTable<TriangleGroup> triangle_groups_;
+  std::size_t index_bytes_ = 0;
   AssetView view_;
 };
 
