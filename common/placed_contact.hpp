@@ -32,6 +32,15 @@ class PlacedContact {
   /// as ContactModel says. `asset` must be the object's.
   [[nodiscard]] ContactForce next(const AssetView& asset, const Vector3& point) noexcept;
 
+  /// Puts the object where it is from now on, m and a unit rotation; the scale stays. What touches
+  /// it moves with it: a contact lives in the object's frame.
+  void place(const Vector3& position, const Eigen::Quaterniond& rotation) noexcept {
+    position_ = position;
+    rotation_ = rotation.toRotationMatrix();
+  }
+  /// m, world.
+  [[nodiscard]] const Vector3& position() const noexcept { return position_; }
+
   /// Forgets all: at the start, and when the asset was exchanged.
   void reset() noexcept;
 

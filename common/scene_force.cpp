@@ -1,24 +1,53 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "common/scene_force.hpp"
 
+#include <utility>
+
 namespace spm {
 
 ForceScene scene_of(const ForceSettings& force, const EffectSettings& effects) {
   return {{}, {PlacedObject{0, {}, force, effects}}};
 }
 
-SceneForce::SceneForce(const ForceScene& scene, double tick, double encoder_step)
+SceneForce::SceneForce(const ForceScene& scene, double tick, double encoder_step, std::size_t room)
     : rotation_(scene.workspace.rotation.toRotationMatrix()),
       position_(scene.workspace.position),
-      scale_(scene.workspace.scale) {
-  objects_.reserve(scene.objects.size());
-  for (const PlacedObject& object : scene.objects) {
-    objects_.emplace_back(object, tick, encoder_step * scale_);
+      scale_(scene.workspace.scale),
+      tick_(tick),
+      encoder_step_(encoder_step * scale_) {
+  objects_.reserve(scene.objects.size() + room);
+  for (const PlacedObject& object : scene.objects) static_cast<void>(add(object));
+}
+
+std::optional<std::size_t> SceneForce::add(const PlacedObject& object) noexcept {
+  Object added{PlacedContact(object, tick_, encoder_step_), true, {}};
+  for (std::size_t i = 0; i < objects_.size(); ++i) {
+    if (objects_[i].is_there) continue;
+    objects_[i] = std::move(added);
+    return i;
   }
+  // More would allocate.
+  if (objects_.size() == objects_.capacity()) return std::nullopt;
+  objects_.push_back(std::move(added));
+  return objects_.size() - 1;
+}
+
+void SceneForce::remove(std::size_t object) noexcept {
+  if (object >= objects_.size()) return;
+  objects_[object].is_there = false;
+  objects_[object].reaction = {};
+}
+
+void SceneForce::place(std::size_t object, const Vector3& position,
+                       const Eigen::Quaterniond& rotation) noexcept {
+  if (object < objects_.size()) objects_[object].contact.place(position, rotation);
 }
 
 void SceneForce::reset() noexcept {
-  for (PlacedContact& object : objects_) object.reset();
+  for (Object& object : objects_) {
+    object.contact.reset();
+    object.reaction = {};
+  }
 }
 
 ContactForce SceneForce::next(std::span<const AssetView* const> assets,
@@ -29,10 +58,14 @@ ContactForce SceneForce::next(std::span<const AssetView* const> assets,
   }
   const Vector3 point = position_ + scale_ * (rotation_ * hand);
   ContactForce sum;
-  for (PlacedContact& object : objects_) {
-    const ContactForce contact = object.next(*assets[object.asset()], point);
+  for (Object& object : objects_) {
+    if (!object.is_there) continue;
+    object.reaction = {};
+    const ContactForce contact = object.contact.next(*assets[object.contact.asset()], point);
     if (!contact.contact) continue;
     sum.force += contact.force;
+    object.reaction.force = -contact.force;
+    object.reaction.torque = (point - object.contact.position()).cross(-contact.force);
     if (!sum.contact || contact.depth > sum.depth) {
       sum.depth = contact.depth;
       sum.normal = contact.normal;

@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstddef>
+#include <optional>
 #include <span>
 #include <vector>
 
 #include "common/placed_contact.hpp"
+#include "common/wrench.hpp"
 
 namespace spm {
 
@@ -22,8 +25,9 @@ struct ForceScene {
 /// own settings. Construction allocates; nothing else does, or throws.
 class SceneForce {
  public:
-  /// `tick` in s, above 0; `encoder_step` in m of the hand, 0 or more.
-  SceneForce(const ForceScene& scene, double tick, double encoder_step);
+  /// `tick` in s, above 0; `encoder_step` in m of the hand, 0 or more. There is room for so many
+  /// objects beside the scene's.
+  SceneForce(const ForceScene& scene, double tick, double encoder_step, std::size_t room = 0);
 
   /// Force on a probe centred at `hand` in the next tick. Position, force and normal are in the
   /// hand's frame, whose metres the workspace's scale makes metres of the world; newtons stay
@@ -33,6 +37,21 @@ class SceneForce {
   [[nodiscard]] ContactForce next(std::span<const AssetView* const> assets,
                                   const Vector3& hand) noexcept;
 
+  /// How many objects there are, those that were removed included: each has a number below it.
+  [[nodiscard]] std::size_t size() const noexcept { return objects_.size(); }
+  /// Puts an object where it is from now on, m and a unit rotation; its scale stays. Objects that a
+  /// hand touches move under it; one that moves into the hand pushes it.
+  void place(std::size_t object, const Vector3& position,
+             const Eigen::Quaterniond& rotation) noexcept;
+  /// Adds an object and gives its number; nothing where there is no room for one more.
+  [[nodiscard]] std::optional<std::size_t> add(const PlacedObject& object) noexcept;
+  /// Takes an object away, and what it pushed with it; its number may be given to another.
+  void remove(std::size_t object) noexcept;
+  /// What the hand did to an object in the last tick: N, and N m about its origin; world frame.
+  [[nodiscard]] const Wrench& reaction(std::size_t object) const noexcept {
+    return objects_[object].reaction;
+  }
+
   /// Forgets all: at the start, and when an asset was exchanged.
   void reset() noexcept;
 
@@ -40,7 +59,13 @@ class SceneForce {
   Eigen::Matrix3d rotation_;
   Vector3 position_;
   double scale_;
-  std::vector<PlacedContact> objects_;
+  double tick_, encoder_step_;
+  struct Object {
+    PlacedContact contact;
+    bool is_there = true;
+    Wrench reaction;
+  };
+  std::vector<Object> objects_;  ///< never more than it has room for
 };
 
 }  // namespace spm

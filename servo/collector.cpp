@@ -7,11 +7,10 @@
 
 namespace spm::servo {
 
-Collector::Collector(TickRing& ring, std::size_t devices, double rate_hz,
-                     std::optional<TraceCsv> trace, Log warn)
+Collector::Collector(TickRing& ring, std::size_t devices, double rate_hz, Keeps keeps, Log warn)
     : ring_(ring),
       rate_hz_(rate_hz),
-      trace_(std::move(trace)),
+      keeps_(std::move(keeps)),
       warn_(std::move(warn)),
       last_cause_(devices, ForceOff::none) {}
 
@@ -24,16 +23,17 @@ void Collector::take(const TickRecord& record) {
   if (record.device == 0) {
     wake_.add(record.wake_ns);
     busy_.add(record.busy_ns);
-    if (trace_) {
+    if (keeps_.trace) {
       TraceRow row;
       row.t = static_cast<double>(record.tick) / rate_hz_;
       row.position = record.position;
       row.force = record.force;
       row.depth = record.depth;
       row.contact = record.contact;
-      trace_->append(row);
+      keeps_.trace->append(row);
     }
   }
+  if (keeps_.recording || keeps_.black_box) keep(to_row(record));
   ForceOff& last = last_cause_[record.device];
   const bool fault = record.cause != ForceOff::none && record.cause != ForceOff::stopping;
   if (record.cause != last && fault) {
@@ -45,9 +45,27 @@ void Collector::take(const TickRecord& record) {
   last = record.cause;
 }
 
+void Collector::keep(const RecordingRow& row) {
+  if (keeps_.black_box) keeps_.black_box->take(row);
+  if (!keeps_.recording || told_full_) return;
+  keeps_.recording->append(row);
+  if (keeps_.recording->ok()) return;
+  told_full_ = true;
+  warn_(fmt::format(
+      "tick {}: the recording could not be written any further and is given up; free the disk, or "
+      "record elsewhere. The loop goes on",
+      row.tick));
+}
+
 Result<void> Collector::finish() {
-  if (!trace_) return {};
-  return trace_->commit();
+  if (keeps_.black_box) keeps_.black_box->finish();
+  Result<void> done;
+  if (keeps_.trace) done = keeps_.trace->commit();
+  if (keeps_.recording) {
+    auto recorded = keeps_.recording->commit();
+    if (done) done = std::move(recorded);
+  }
+  return done;
 }
 
 }  // namespace spm::servo

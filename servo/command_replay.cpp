@@ -1,9 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <fmt/format.h>
+#include <spdlog/spdlog.h>
 
+#include <cmath>
 #include <memory>
+#include <optional>
 
+#include "common/instruction_set.hpp"
 #include "formats/mapped_asset.hpp"
+#include "formats/recording.hpp"
 #include "servo/commands.hpp"
 #include "servo/force_choice.hpp"
 #include "servo/replay.hpp"
@@ -18,13 +23,15 @@ using nlohmann::ordered_json;
 struct ReplayCommand {
   cli::GlobalOptions global;
   std::string trajectory, out;
+  double device = 0;  ///< of a recording
   ForceOptions force;
   ReplayOptions options;
 };
 
-struct Replayed {
-  ReplayResult result;
-  ordered_json report;
+/// What is replayed: positions, or a device's ticks of a recording.
+struct Source {
+  RecordedTicks ticks;
+  std::optional<RecordingHeader> recording;
 };
 
 using Assets = std::vector<std::unique_ptr<MappedAsset>>;
@@ -37,8 +44,57 @@ ordered_json asset_json(const std::string& path, const MappedAsset& asset) {
           {"content_sha256", asset.content_sha256()}};
 }
 
+Result<Source> read_source(const ReplayCommand& command) {
+  Source source;
+  if (!is_recording(command.trajectory)) {
+    auto trajectory = read_trajectory(command.trajectory);
+    if (!trajectory) return tl::make_unexpected(std::move(trajectory.error()));
+    source.ticks.trajectory = std::move(*trajectory);
+    return source;
+  }
+  auto recording = read_recording(command.trajectory);
+  if (!recording) return tl::make_unexpected(std::move(recording.error()));
+  const std::size_t devices = recording->header.devices.size();
+  if (command.device != std::floor(command.device) ||
+      command.device >= static_cast<double>(devices)) {
+    return fail(ExitCode::usage,
+                fmt::format("--device-number {}: {} is of {} device{}, counted "
+                            "from 0",
+                            command.device, command.trajectory, devices, devices == 1 ? "" : "s"));
+  }
+  source.ticks = ticks_of(*recording, static_cast<std::size_t>(command.device));
+  source.recording = std::move(recording->header);
+  return source;
+}
+
+/// The forces are those of the recording only with what it was made with.
+void warn_of_changes(const RecordingHeader& header, const Assets& assets) {
+  bool same = header.assets.size() == assets.size();
+  for (std::size_t i = 0; same && i < assets.size(); ++i) {
+    same = header.assets[i] == assets[i]->content_sha256();
+  }
+  if (!same) spdlog::warn("the recording was made with other assets; its forces were others");
+  if (header.instruction_set != instruction_set() || header.spm_version != SPM_VERSION) {
+    spdlog::warn("the recording was made by version {} with {}, this is {} with {}",
+                 header.spm_version, header.instruction_set, SPM_VERSION, instruction_set());
+  }
+}
+
+ordered_json recording_json(const Source& source, const ReplayResult& result) {
+  const ForceDifference found = difference(result, source.ticks.wanted);
+  ordered_json json = {{"spm_version", source.recording->spm_version},
+                       {"instruction_set", source.recording->instruction_set},
+                       {"lost", source.ticks.lost},
+                       {"forces_equal", found.ticks == 0},
+                       {"differing_ticks", found.ticks},
+                       {"largest_difference_n", found.largest}};
+  if (found.ticks > 0) json["first_difference_row"] = found.first_row;
+  return json;
+}
+
 ordered_json report_of(const ReplayCommand& command, const ForceChoice& choice,
-                       const Assets& assets, const ReplayResult& result) {
+                       const Assets& assets, const ReplayOptions& options, const Source& source,
+                       const ReplayResult& result) {
   const Summary us = us_per_tick(result);
   ordered_json times = {{"mean", us.mean}, {"sd", us.sd}};
   times.update(percentiles_json(us));
@@ -47,8 +103,9 @@ ordered_json report_of(const ReplayCommand& command, const ForceChoice& choice,
   add_forces(report, choice);
   report["us_per_tick"] = std::move(times);
   report["force_step_n"] = percentiles_json(force_steps(result));
-  report["rate_hz"] = command.options.rate_hz;
-  report["pace"] = command.options.pace == Pace::realtime ? "realtime" : "none";
+  if (source.recording) report["recording"] = recording_json(source, result);
+  report["rate_hz"] = options.rate_hz;
+  report["pace"] = options.pace == Pace::realtime ? "realtime" : "none";
   if (choice.scene_path.empty()) {
     report["asset"] = asset_json(choice.assets.front(), *assets.front());
   } else {
@@ -83,8 +140,9 @@ Result<ordered_json> replay_file(const ReplayCommand& command) {
   if (auto checked = check_output_path(command.out); !checked) {
     return tl::make_unexpected(std::move(checked.error()));
   }
-  const auto trajectory = read_trajectory(command.trajectory);
-  if (!trajectory) return tl::make_unexpected(trajectory.error());
+  const auto source = read_source(command);
+  if (!source) return tl::make_unexpected(source.error());
+  const std::vector<TrajectorySample>& trajectory = source->ticks.trajectory;
   const auto assets = open_assets(*choice);
   if (!assets) return tl::make_unexpected(assets.error());
   std::vector<const AssetView*> views;
@@ -93,16 +151,23 @@ Result<ordered_json> replay_file(const ReplayCommand& command) {
   options.scene = choice->scene;
   if (choice->device.profile != nullptr)
     options.encoder_step = choice->device.profile->encoder_step;
-  const ReplayResult result = replay(views, *trajectory, options);
+  options.marks = source->ticks.marks;
+  if (source->recording) {
+    options.rate_hz = source->recording->rate_hz;
+    options.encoder_step =
+        source->recording->devices[static_cast<std::size_t>(command.device)].encoder_step;
+    warn_of_changes(*source->recording, *assets);
+  }
+  const ReplayResult result = replay(views, trajectory, options);
   for (const auto& asset : *assets) {
     if (asset->lost()) {
       return fail(ExitCode::file_or_device,
                   asset->path() + ": was cut short while it was read; bake it again");
     }
   }
-  const Result<void> written = write_replay(command.out, *trajectory, result, options.rate_hz);
+  const Result<void> written = write_replay(command.out, trajectory, result, options.rate_hz);
   if (!written) return tl::make_unexpected(written.error());
-  return report_of(command, *choice, *assets, result);
+  return report_of(command, *choice, *assets, options, *source, result);
 }
 
 std::string to_text(const ordered_json& report) {
@@ -112,7 +177,7 @@ std::string to_text(const ordered_json& report) {
                               ? fmt::format("in a scene of {} object{}", report["objects"].size(),
                                             report["objects"].size() == 1 ? "" : "s")
                               : fmt::format("by {}", report["method"].get<std::string>());
-  return fmt::format(
+  std::string text = fmt::format(
       "{} ticks {}, {} in contact\n"
       "a tick takes {:.3f} us on average (p50 {:.3f}, p99 {:.3f}, p99.9 {:.3f}, max {:.3f})\n"
       "force steps from tick to tick: p50 {:.4f}, p99 {:.4f}, p99.9 {:.4f}, max {:.4f} N\n"
@@ -122,6 +187,15 @@ std::string to_text(const ordered_json& report) {
       us["p999"].get<double>(), us["max"].get<double>(), step["p50"].get<double>(),
       step["p99"].get<double>(), step["p999"].get<double>(), step["max"].get<double>(),
       report["out"].get<std::string>());
+  if (report.contains("recording")) {
+    const ordered_json& recording = report["recording"];
+    const auto differing = recording["differing_ticks"].get<std::uint64_t>();
+    text += differing == 0
+                ? "all forces equal those of the recording, bit by bit\n"
+                : fmt::format("{} forces differ from the recording's, by {:.3g} N at most\n",
+                              differing, recording["largest_difference_n"].get<double>());
+  }
+  return text;
 }
 
 int execute(const ReplayCommand& command) {
@@ -144,10 +218,14 @@ void add_replay_command(CLI::App& program, Action& action) {
       program.add_subcommand("replay", "Run the loop's force law on recorded positions");
   cli::add_global_options(*app, command->global);
   app->add_option("trajectory", command->trajectory,
-                  "Positions, 'x y z' or 'x y z qw qx qy qz' in metres a line, a line a tick")
+                  "Positions, 'x y z' or 'x y z qw qx qy qz' in metres a line, a line a tick; or a "
+                  "recording of run --record, whose rate it then takes")
       ->type_name("TRAJECTORY")
       ->required();
   app->add_option("--out", command->out, "Table to write, CSV")->type_name("FILE")->required();
+  add_number(*app, "--device-number", 0, 65535, command->device,
+             "Which device of a recording, counted from 0 (default 0)")
+      ->type_name("N");
   add_rate_option(*app, command->options.rate_hz);
   cli::add_choice<Pace>(*app, "--pace", command->options.pace,
                         {{"none", Pace::none}, {"realtime", Pace::realtime}},

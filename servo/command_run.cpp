@@ -63,6 +63,15 @@ void add_run_command(CLI::App& program, Action& action) {
   add_force_options(*app, options.force);
   app->add_option("--trace", options.trace, "Write one row a tick of the first device as CSV")
       ->type_name("FILE");
+  app->add_option("--record", options.record,
+                  "Write every tick of every device as a recording, for replay")
+      ->type_name("FILE");
+  app->add_option_function<std::string>(
+         "--black-box",
+         [&options](const std::string& path) { options.black_box = path == "off" ? "" : path; },
+         "Where the last 10 s of ticks are kept after a fault, or off (default "
+         "$XDG_STATE_HOME/spm-servo/black-box.spmrec, or the same in ~/.local/state)")
+      ->type_name("FILE|off");
   app->callback([command, &action] { action = [command] { return execute(*command); }; });
 }
 

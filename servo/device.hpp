@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <Eigen/Geometry>
 #include <cstdint>
 #include <nlohmann/json_fwd.hpp>
 #include <span>
@@ -8,38 +9,43 @@
 
 #include "common/error.hpp"
 #include "common/scene_force.hpp"
+#include "common/wrench.hpp"
+#include "servo/realtime.hpp"
 
 namespace spm::servo {
 
-/// What acts on the hand: force in newtons, torque in newton metres about the tool's origin; world
-/// frame.
-struct Wrench {
-  Vector3 force = Vector3::Zero();
-  Vector3 torque = Vector3::Zero();
-};
+/// What acts on the hand: N, and N m about the tool's origin; world frame.
+using spm::Wrench;
 
-/// What a device measured: position of the tool's origin in metres, world frame; one bit a button.
+/// What a device measured: position of the tool's origin in metres, and how the tool is turned,
+/// world frame; one bit a button.
 struct DeviceState {
   Vector3 position = Vector3::Zero();
+  Eigen::Quaterniond orientation = Eigen::Quaterniond::Identity();  ///< unit
   std::uint32_t buttons = 0;
 };
 
-/// Whether the last exchange with the device can be trusted.
+/// Whether a device can be trusted now. Anything but `ok` means zero force, with a cause of its
+/// own.
 enum class DeviceHealth : std::uint8_t {
   ok,
-  fault,  ///< no answer, or one that makes no sense; the loop sends zero force until it is over
+  fault,      ///< it answered what makes no sense
+  silent,     ///< it is there, but no report came for longer than it may take
+  gone,       ///< it was unplugged; it is looked for
+  not_homed,  ///< its encoders do not know yet where they are
 };
 
 /// What a device can do; fixed once it is open.
 struct DeviceCapabilities {
   std::string name;
-  double force_cap = 0;     ///< N, largest force that may ever be sent to it
+  double force_cap = 0;     ///< N, largest force that may ever be sent to it; 0: it gives none
   double encoder_step = 0;  ///< m, smallest step that it resolves at its centre
 };
 
 /// What a device may need to know before the loop starts.
 struct DeviceSetup {
   double rate_hz = 1000;
+  RealtimeMode realtime = RealtimeMode::attempt;  ///< of threads that a device may have
   ForceScene scene;
   std::span<const AssetView* const> assets;  ///< the scene's; valid while `open` runs, not later
 };

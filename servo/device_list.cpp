@@ -2,6 +2,7 @@
 #include "servo/device_list.hpp"
 
 #include "servo/device_sim.hpp"
+#include "servo/devices/device_external.hpp"
 
 namespace spm::servo {
 
@@ -17,6 +18,17 @@ std::string device_of(const SceneDevice& scene) {
   return device + "," + profile;
 }
 
+namespace {
+
+/// A device from what its own options parse to.
+template <class Made, class Options>
+Result<std::unique_ptr<Device>> made_of(const Result<Options>& options) {
+  if (!options) return tl::make_unexpected(options.error());
+  return std::make_unique<Made>(*options);
+}
+
+}  // namespace
+
 Result<std::unique_ptr<Device>> make_device(const std::string& specification) {
   const std::size_t colon = specification.find(':');
   const std::string name = specification.substr(0, colon);
@@ -26,13 +38,10 @@ Result<std::unique_ptr<Device>> make_device(const std::string& specification) {
     return fail(ExitCode::usage,
                 "--device auto takes no options; name the device, as in sim:" + options);
   }
-  if (name != "sim" && name != "auto") {
-    return fail(ExitCode::usage,
-                "--device '" + name + "' is not known; the devices are auto and sim");
-  }
-  const Result<SimOptions> parsed = parse_sim_options(options);
-  if (!parsed) return tl::make_unexpected(parsed.error());
-  return std::make_unique<DeviceSim>(*parsed);
+  if (name == "sim" || name == "auto") return made_of<DeviceSim>(parse_sim_options(options));
+  if (name == "external") return made_of<DeviceExternal>(parse_external_options(options));
+  return fail(ExitCode::usage,
+              "--device '" + name + "' is not known; the devices are auto, sim and external");
 }
 
 }  // namespace spm::servo

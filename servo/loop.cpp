@@ -16,6 +16,22 @@ constexpr std::int64_t lead_ns = 2'000'000;
 
 constexpr int warm_up_rounds = 64;
 
+ForceOff cause_of(DeviceHealth health) noexcept {
+  switch (health) {
+    case DeviceHealth::ok:
+      return ForceOff::none;
+    case DeviceHealth::fault:
+      return ForceOff::device_fault;
+    case DeviceHealth::silent:
+      return ForceOff::device_silent;
+    case DeviceHealth::gone:
+      return ForceOff::device_gone;
+    case DeviceHealth::not_homed:
+      return ForceOff::not_homed;
+  }
+  return ForceOff::device_fault;
+}
+
 /// The stiffest that one object can feel, N a metre of the hand.
 double stiffness_at_hand(const ForceScene& scene) {
   double stiffest = 0;
@@ -41,6 +57,7 @@ Loop::Loop(const LoopSettings& settings, std::vector<Device*> devices,
     const double stiffness = stiffness_at_hand(settings.scene);
     Channel channel{devices[i],
                     SafetyStage(safety_settings(cap, stiffness, settings.rate_hz)),
+                    JumpGate(settings.rate_hz),
                     SceneForce(settings.scene, 1 / settings.rate_hz, device.encoder_step),
                     {},
                     {}};
@@ -67,7 +84,7 @@ void Loop::run_ticks(TickSchedule schedule) noexcept {
                (settings_.ticks > 0 && schedule.index() + 1 >= settings_.ticks);
 
     take_up();
-    for (Channel& channel : channels_) serve(channel, stopping);
+    for (Channel& channel : channels_) serve(channel, schedule.index(), stopping);
 
     const std::int64_t finished = now_ns();
     bool touching = false;
@@ -76,7 +93,9 @@ void Loop::run_ticks(TickSchedule schedule) noexcept {
       channel.record.tick = schedule.index();
       channel.record.wake_ns = wake_lateness;
       channel.record.busy_ns = finished - woke;
-      if (!ring_.try_enqueue(channel.record)) ++counters_.unrecorded;
+      const bool kept = ring_.try_enqueue(channel.record);
+      channel.record.lost = !kept;
+      counters_.unrecorded += kept ? 0 : 1;
     }
     ++counters_.ticks;
     counters_.contact_ticks += touching ? 1 : 0;
@@ -94,21 +113,32 @@ ForceOff Loop::assets_off() const noexcept {
   return lost ? ForceOff::asset_lost : ForceOff::none;
 }
 
-void Loop::serve(Channel& channel, bool stopping) noexcept {
+/// Why what a device says cannot be used, if it cannot.
+ForceOff Loop::device_off(Channel& channel, DeviceHealth health, const Vector3& position,
+                          std::uint64_t tick) noexcept {
+  ForceOff cause = cause_of(health);
+  if (cause == ForceOff::none) cause = cause_of(channel.written);
+  if (cause == ForceOff::none && !position.allFinite()) cause = ForceOff::not_a_number;
+  if (cause != ForceOff::none) {
+    channel.gate.forget();
+    return cause;
+  }
+  return channel.gate.jumped(position, tick) ? ForceOff::jumped : ForceOff::none;
+}
+
+void Loop::serve(Channel& channel, std::uint64_t tick, bool stopping) noexcept {
   DeviceState state;
   const DeviceHealth health = channel.device->read(state);
+  const ForceOff device = device_off(channel, health, state.position, tick);
 
+  // Whatever the cause, the device is read and sent zero all the same.
   ForceOff cause = assets_off();
-  if (cause != ForceOff::none) {
-    // The device is read and sent zero all the same.
-  } else if (health != DeviceHealth::ok || channel.written != DeviceHealth::ok) {
-    cause = ForceOff::device_fault;
-  } else if (!state.position.allFinite()) {
-    cause = ForceOff::not_a_number;
-  }
+  if (cause == ForceOff::none) cause = device;
 
   ContactForce contact;
+  channel.record.forgot = channel.forgot;
   if (cause == ForceOff::none) {
+    channel.forgot = false;
     contact = channel.force.next(views_, state.position);
     // A page may have gone while the force was computed from it.
     cause = assets_off();
@@ -116,14 +146,16 @@ void Loop::serve(Channel& channel, bool stopping) noexcept {
   if (stopping) cause = ForceOff::stopping;
   if (cause != ForceOff::none) {
     contact = ContactForce{};
-    channel.force.reset();
+    forget(channel);
   }
 
   const SafeForce sent = channel.safety.apply(contact.force, cause);
   channel.written = channel.device->write(Wrench{sent.force, Vector3::Zero()});
 
   channel.record.position = state.position;
+  channel.record.wanted = contact.force;
   channel.record.force = sent.force;
+  channel.record.buttons = state.buttons;
   channel.record.depth = contact.depth;
   channel.record.contact = contact.contact;
   channel.record.cause = sent.cause;
@@ -163,8 +195,13 @@ void Loop::take_up() noexcept {
   if (!changed) return;
   for (Channel& channel : channels_) {
     channel.safety.restart();
-    channel.force.reset();
+    forget(channel);
   }
+}
+
+void Loop::forget(Channel& channel) noexcept {
+  channel.force.reset();
+  channel.forgot = true;
 }
 
 /// Runs every function of a tick without a device, so that their code, the lazy bindings of the
@@ -189,7 +226,7 @@ void Loop::warm_up() noexcept {
   had_assets_ = false;
   for (Channel& channel : channels_) {
     static_cast<void>(channel.safety.apply(Vector3::Zero(), ForceOff::starting));
-    channel.force.reset();
+    forget(channel);
   }
 }
 

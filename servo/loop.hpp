@@ -66,21 +66,26 @@ class Loop {
   struct Channel {
     Device* device;
     SafetyStage safety;
+    JumpGate gate;
     SceneForce force;
     DeviceCounters counters;
     TickRecord record;
     Vector3 last_position = Vector3::Zero();
     Vector3 last_force = Vector3::Zero();
     bool position_known = false;
+    bool forgot = true;  ///< the force law was reset since it was last asked
     DeviceHealth written = DeviceHealth::ok;
   };
 
   void warm_up() noexcept;
   void run_ticks(TickSchedule schedule) noexcept;
-  void serve(Channel& channel, bool stopping) noexcept;
+  void serve(Channel& channel, std::uint64_t tick, bool stopping) noexcept;
+  [[nodiscard]] static ForceOff device_off(Channel& channel, DeviceHealth health,
+                                           const Vector3& position, std::uint64_t tick) noexcept;
   [[nodiscard]] ForceOff assets_off() const noexcept;
   void account(Channel& channel, const SafeForce& sent) noexcept;
   void take_up() noexcept;
+  static void forget(Channel& channel) noexcept;
   void send_zero() noexcept;
 
   LoopSettings settings_;

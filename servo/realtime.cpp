@@ -17,6 +17,7 @@ namespace {
 
 /// Above every ordinary process and the threaded interrupts' default of 50, below watchdogs.
 constexpr int loop_priority = 80;
+constexpr int device_priority = 85;
 
 constexpr std::size_t stack_bytes = std::size_t{256} * 1024;
 
@@ -69,6 +70,14 @@ Result<RealtimeState> enter_realtime(RealtimeMode mode) {
                 "real time was required, but " + state.warnings.front());
   }
   return state;
+}
+
+void enter_device_thread(RealtimeMode mode) noexcept {
+  if (mode == RealtimeMode::off) return;
+  prctl(PR_SET_TIMERSLACK, 1UL);
+  sched_param parameters{};
+  parameters.sched_priority = device_priority;
+  static_cast<void>(pthread_setschedparam(pthread_self(), SCHED_FIFO, &parameters));
 }
 
 }  // namespace spm::servo

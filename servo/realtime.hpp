@@ -23,4 +23,8 @@ struct RealtimeState {
 /// realtime_refused.
 [[nodiscard]] Result<RealtimeState> enter_realtime(RealtimeMode mode);
 
+/// Makes the calling thread, which talks to a device, a real-time one above the loop where that is
+/// allowed: it does little, and the loop waits for nobody. The loop's warnings tell what is not.
+void enter_device_thread(RealtimeMode mode) noexcept;
+
 }  // namespace spm::servo

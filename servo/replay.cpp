@@ -27,11 +27,37 @@ ReplayResult replay(std::span<const AssetView* const> assets,
       sleep_until(schedule.due());
       schedule.advance(now_ns());
     }
+    const ReplayMark mark = options.marks.empty() ? ReplayMark{} : options.marks[row];
+    if (mark.forgot || mark.off) force.reset();
     const std::int64_t begin = now_ns();
-    result.contacts[row] = force.next(assets, trajectory[row].position);
+    if (!mark.off) result.contacts[row] = force.next(assets, trajectory[row].position);
     result.busy_ns[row] = now_ns() - begin;
   }
   return result;
+}
+
+RecordedTicks ticks_of(const Recording& recording, std::size_t device) {
+  RecordedTicks ticks;
+  for (const RecordingRow& row : recording.rows) {
+    if (row.device != device) continue;
+    const auto vector = [](const std::array<double, 3>& v) { return Vector3(v[0], v[1], v[2]); };
+    ticks.trajectory.push_back({vector(row.position)});
+    ticks.marks.push_back({(row.flags & recorded_forgot) != 0, row.cause != 0});
+    ticks.wanted.push_back(vector(row.wanted));
+    ticks.lost += (row.flags & recorded_lost) != 0 ? 1 : 0;
+  }
+  return ticks;
+}
+
+ForceDifference difference(const ReplayResult& result, const std::vector<Vector3>& wanted) {
+  ForceDifference found;
+  for (std::size_t row = 0; row < wanted.size(); ++row) {
+    const Vector3& force = result.contacts[row].force;
+    if (force == wanted[row]) continue;
+    if (found.ticks++ == 0) found.first_row = row;
+    found.largest = std::max(found.largest, (force - wanted[row]).norm());
+  }
+  return found;
 }
 
 Summary us_per_tick(const ReplayResult& result) {

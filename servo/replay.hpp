@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "common/scene_force.hpp"
+#include "formats/recording.hpp"
 #include "formats/trajectory.hpp"
 #include "servo/statistics.hpp"
 
@@ -17,11 +18,18 @@ enum class Pace {
   realtime,  ///< each tick at its time
 };
 
+/// What befell the force law in a tick of a recording, beside its position.
+struct ReplayMark {
+  bool forgot = false;  ///< it had forgotten what was before
+  bool off = false;     ///< it was not asked: the force was off
+};
+
 struct ReplayOptions {
   ForceScene scene = scene_of({});
   double rate_hz = 1000;
   double encoder_step = 0;  ///< m, of the hand: how far a recorded position may be off
   Pace pace = Pace::none;
+  std::vector<ReplayMark> marks;  ///< a row each; none: it was asked in every tick
 };
 
 /// What the loop's force law answered, a row of the trajectory each.
@@ -37,6 +45,24 @@ struct ReplayResult {
 [[nodiscard]] ReplayResult replay(std::span<const AssetView* const> assets,
                                   const std::vector<TrajectorySample>& trajectory,
                                   const ReplayOptions& options);
+
+/// One device's rows of a recording, as replay() takes them.
+struct RecordedTicks {
+  std::vector<TrajectorySample> trajectory;
+  std::vector<ReplayMark> marks;
+  std::vector<Vector3> wanted;  ///< N, what the law said then
+  std::uint64_t lost = 0;       ///< places where ticks are missing
+};
+[[nodiscard]] RecordedTicks ticks_of(const Recording& recording, std::size_t device);
+
+/// How a replay's forces differ from those that were recorded.
+struct ForceDifference {
+  std::uint64_t ticks = 0;      ///< in which any bit differs
+  std::uint64_t first_row = 0;  ///< the first of them
+  double largest = 0;           ///< N
+};
+[[nodiscard]] ForceDifference difference(const ReplayResult& result,
+                                         const std::vector<Vector3>& wanted);
 
 /// Times of a replay's ticks, microseconds.
 [[nodiscard]] Summary us_per_tick(const ReplayResult& result);

@@ -12,6 +12,7 @@
 #include <thread>
 #include <utility>
 
+#include "common/instruction_set.hpp"
 #include "servo/collector.hpp"
 #include "servo/device_list.hpp"
 #include "servo/stop_signals.hpp"
@@ -81,11 +82,41 @@ Result<Assets> open_assets(const RunOptions& options, const ForceChoice& choice)
   return assets;
 }
 
-Result<std::optional<TraceCsv>> open_trace(const std::string& path) {
-  if (path.empty()) return std::optional<TraceCsv>();
-  Result<TraceCsv> trace = TraceCsv::create(path);
-  if (!trace) return tl::make_unexpected(std::move(trace.error()));
-  return std::optional<TraceCsv>(std::move(*trace));
+RecordingHeader header_of(const RunOptions& options, const Assets& assets,
+                          const std::vector<Device*>& devices) {
+  RecordingHeader header;
+  header.spm_version = SPM_VERSION;
+  header.instruction_set = instruction_set();
+  header.rate_hz = options.rate_hz;
+  for (const Device* device : devices) {
+    header.devices.push_back({device->capabilities().name, device->capabilities().encoder_step});
+  }
+  for (std::size_t i = 0; i < force_off_count; ++i) {
+    header.causes.emplace_back(to_string(static_cast<ForceOff>(i)));
+  }
+  for (const auto& keeper : assets.keepers) {
+    header.assets.push_back(keeper->report().content_sha256);
+  }
+  return header;
+}
+
+/// Opens what is to be kept, so that a file that cannot be written is told before the first tick.
+Result<Collector::Keeps> open_keeps(const RunOptions& options, const RecordingHeader& header) {
+  Collector::Keeps keeps;
+  if (!options.trace.empty()) {
+    Result<TraceCsv> trace = TraceCsv::create(options.trace);
+    if (!trace) return tl::make_unexpected(std::move(trace.error()));
+    keeps.trace.emplace(std::move(*trace));
+  }
+  if (!options.record.empty()) {
+    Result<RecordingWriter> recording = RecordingWriter::create(options.record, header);
+    if (!recording) return tl::make_unexpected(std::move(recording.error()));
+    keeps.recording.emplace(std::move(*recording));
+  }
+  if (!options.black_box.empty()) {
+    keeps.black_box.emplace(options.black_box, header, log_warning);
+  }
+  return keeps;
 }
 
 /// Runs the loop in a thread of its own while this one takes its records.
@@ -135,24 +166,25 @@ Result<RunReport> run(const RunOptions& options) {
   if (!devices) return tl::make_unexpected(std::move(devices.error()));
   auto assets = open_assets(options, *choice);
   if (!assets) return tl::make_unexpected(std::move(assets.error()));
-  auto trace = open_trace(options.trace);
-  if (!trace) return tl::make_unexpected(std::move(trace.error()));
 
   std::vector<Device*> open_devices;
   const std::vector<const AssetView*> views = assets->views();
   for (const auto& device : *devices) {
-    const DeviceSetup setup{options.rate_hz, choice->scene, views};
+    const DeviceSetup setup{options.rate_hz, options.realtime, choice->scene, views};
     if (auto opened = device->open(setup); !opened) {
       return tl::make_unexpected(std::move(opened.error()));
     }
     open_devices.push_back(device.get());
   }
 
+  auto keeps = open_keeps(options, header_of(options, *assets, open_devices));
+  if (!keeps) return tl::make_unexpected(std::move(keeps.error()));
+
   StopSignals signals;
   TickRing ring = make_tick_ring(options.rate_hz, open_devices.size());
   Loop loop(loop_settings(options, *choice), open_devices, assets->all_slots(), ring,
             signals.flag());
-  Collector collector(ring, open_devices.size(), options.rate_hz, std::move(*trace), log_warning);
+  Collector collector(ring, open_devices.size(), options.rate_hz, std::move(*keeps), log_warning);
   for (const auto& keeper : assets->keepers) keeper->watch();
   Result<RealtimeState> realtime = drive(loop, collector, options.realtime, signals);
   if (!realtime) return tl::make_unexpected(std::move(realtime.error()));
@@ -167,6 +199,7 @@ Result<RunReport> run(const RunOptions& options) {
   report.busy_us = collector.busy_us();
   report.realtime = std::move(*realtime);
   report.force = *choice;
+  report.black_boxes = collector.black_boxes();
   for (const auto& keeper : assets->keepers) report.assets.push_back(keeper->report());
   for (std::size_t i = 0; i < open_devices.size(); ++i) {
     report.devices.push_back(

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "servo/asset_keeper.hpp"
+#include "servo/black_box.hpp"
 #include "servo/force_choice.hpp"
 #include "servo/loop.hpp"
 #include "servo/realtime.hpp"
@@ -21,6 +22,8 @@ struct RunOptions {
   MapMode map = MapMode::file;
   double duration = 0;  ///< s, from the first tick; 0: until a signal
   std::string trace;    ///< file for one row a tick of the first device; empty for none
+  std::string record;   ///< file for a recording of all; empty for none
+  std::string black_box = default_black_box();  ///< file for the ticks about a fault; empty: none
 };
 
 /// What one device did in a run.
@@ -39,6 +42,7 @@ struct RunReport {
   RealtimeState realtime;
   std::vector<DeviceReport> devices;
   std::vector<KeeperReport> assets;  ///< in the order of the choice's
+  std::uint64_t black_boxes = 0;     ///< how often the black box was written
 };
 
 /// Serves forces from a baked asset or a scene until the duration is over or SIGINT, SIGTERM or

@@ -138,6 +138,8 @@ ordered_json to_json(const RunReport& report) {
   json["force_off"] = force_off_json(sum_force_off(report));
   json["force_n"] = {{"max", totals.force_max}, {"cap_hits", totals.cap_hits}};
   json["energy_j"] = {{"generated_max", totals.generated_max}};
+  if (!report.options.record.empty()) json["recording"] = report.options.record;
+  json["black_box"] = {{"path", report.options.black_box}, {"written", report.black_boxes}};
   json["devices"] = devices_json(report);
   json["assets"] = assets_json(report);
   return json;

@@ -40,6 +40,14 @@ const char* to_string(ForceOff cause) noexcept {
       return "device_fault";
     case ForceOff::stopping:
       return "stopping";
+    case ForceOff::device_silent:
+      return "device_silent";
+    case ForceOff::device_gone:
+      return "device_gone";
+    case ForceOff::not_homed:
+      return "not_homed";
+    case ForceOff::jumped:
+      return "jumped";
   }
   return "unknown";
 }
@@ -57,8 +65,25 @@ const char* cure_of(ForceOff cause) noexcept {
       return "check the device's calibration, then bake the asset again";
     case ForceOff::device_fault:
       return "check the device's cable and power";
+    case ForceOff::device_silent:
+      return "check the device's cable, its power and the hub; the loop goes on when it answers";
+    case ForceOff::device_gone:
+      return "plug the device in again, the loop takes it up by itself";
+    case ForceOff::not_homed:
+      return "move the tool through its whole range once, as the device's page says";
+    case ForceOff::jumped:
+      return "check the device's encoders and its cable; the force fades in again by itself";
   }
   return "";
+}
+
+bool JumpGate::jumped(const Vector3& position, std::uint64_t tick) noexcept {
+  const double ticks = static_cast<double>(tick > last_tick_ ? tick - last_tick_ : 1);
+  const bool is_too_far = is_known_ && (position - last_).norm() > most_a_tick_ * ticks;
+  last_ = position;
+  last_tick_ = tick;
+  is_known_ = true;
+  return is_too_far;
 }
 
 SafetySettings safety_settings(double force_cap, double stiffness, double rate_hz) noexcept {

@@ -12,14 +12,18 @@ namespace spm::servo {
 /// Why the force was zero in a tick. The names are part of the contract (`force_off`).
 enum class ForceOff : std::uint8_t {
   none,
-  starting,      ///< no asset was handed over yet
-  asset_lost,    ///< the asset's file was truncated, edited, replaced or deleted
-  not_a_number,  ///< a position or a force that is not finite
-  device_fault,  ///< the device did not answer, or made no sense
-  stopping,      ///< the last tick
+  starting,       ///< no asset was handed over yet
+  asset_lost,     ///< the asset's file was truncated, edited, replaced or deleted
+  not_a_number,   ///< a position or a force that is not finite
+  device_fault,   ///< the device answered what makes no sense, or could not be written to
+  stopping,       ///< the last tick
+  device_silent,  ///< no report came for longer than it may take
+  device_gone,    ///< the device was unplugged
+  not_homed,      ///< the device's encoders do not know yet where they are
+  jumped,         ///< the position moved farther since the last tick than any hand can
 };
 
-inline constexpr std::size_t force_off_count = 6;
+inline constexpr std::size_t force_off_count = 10;
 
 /// Ticks without force, a cause each.
 using ForceOffTicks = std::array<std::uint64_t, force_off_count>;
@@ -34,6 +38,29 @@ struct SafetySettings {
   double force_cap = 0;          ///< N; the magnitude is held to it, the direction kept
   double slew_limit = 0;         ///< N a tick, on growth and turning only
   std::uint32_t ramp_ticks = 1;  ///< ticks of the soft start, 1 or more
+};
+
+/// Faster than a hand moves a tool: quick reaches peak at about 3 m/s. A position that moved
+/// faster was not measured but made up, by a slipped encoder or a lost report.
+inline constexpr double fastest_motion = 10;  // m/s
+
+/// Tells positions that no hand can have come to since the last tick.
+class JumpGate {
+ public:
+  explicit JumpGate(double rate_hz) noexcept : most_a_tick_(fastest_motion / rate_hz) {}
+
+  /// Whether the position of a tick (its index on the grid) is too far from the last one that was
+  /// shown; the next is judged from this one.
+  [[nodiscard]] bool jumped(const Vector3& position, std::uint64_t tick) noexcept;
+
+  /// To be called when a device was away: its next position is taken as it comes.
+  void forget() noexcept { is_known_ = false; }
+
+ private:
+  double most_a_tick_;
+  Vector3 last_ = Vector3::Zero();
+  std::uint64_t last_tick_ = 0;
+  bool is_known_ = false;
 };
 
 /// Limits for a device at a stiffness (N/m) and rate (Hz). The slew limit is twice what the

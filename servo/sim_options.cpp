@@ -6,6 +6,7 @@
 #include <charconv>
 
 #include "common/units.hpp"
+#include "servo/devices/option_list.hpp"
 #include "servo/hand_motion.hpp"
 
 namespace spm::servo {
@@ -14,9 +15,7 @@ namespace {
 
 constexpr double deepest = 0.1;  // m
 
-tl::unexpected<Error> usage(std::string message) {
-  return fail(ExitCode::usage, "--device sim: " + std::move(message));
-}
+tl::unexpected<Error> usage(const std::string& message) { return option_error("sim", message); }
 
 Result<void> set_profile(SimOptions& options, std::string_view value) {
   options.profile = find_sim_profile(value);
@@ -81,16 +80,10 @@ Result<void> set(SimOptions& options, std::string_view key, std::string_view val
 Result<SimOptions> parse_sim_options(std::string_view text) {
   SimOptions options;
   bool hand_given = false;
-  while (!text.empty()) {
-    const std::size_t comma = text.find(',');
-    const std::string_view item = text.substr(0, comma);
-    text = comma == std::string_view::npos ? std::string_view() : text.substr(comma + 1);
-    const std::size_t equals = item.find('=');
-    if (equals == std::string_view::npos) {
-      return usage(fmt::format("'{}' has no value; write option=value, separated by commas", item));
-    }
-    const std::string_view key = item.substr(0, equals);
-    const Result<void> done = set(options, key, item.substr(equals + 1));
+  const auto list = split_options("sim", text);
+  if (!list) return tl::make_unexpected(list.error());
+  for (const auto& [key, value] : *list) {
+    const Result<void> done = set(options, key, value);
     if (!done) return tl::make_unexpected(done.error());
     hand_given = hand_given || key == "hand";
   }

@@ -7,6 +7,7 @@
 #include <cstdint>
 
 #include "common/vector.hpp"
+#include "formats/recording.hpp"
 #include "servo/safety.hpp"
 
 namespace spm::servo {
@@ -18,11 +19,18 @@ struct TickRecord {
   std::int64_t wake_ns = 0;            ///< how late the loop woke up
   std::int64_t busy_ns = 0;            ///< from waking up to the last device's write
   Vector3 position = Vector3::Zero();  ///< m
+  Vector3 wanted = Vector3::Zero();    ///< N, what the force law said
   Vector3 force = Vector3::Zero();     ///< N, as sent
   double depth = 0;                    ///< m
+  std::uint32_t buttons = 0;
   bool contact = false;
+  bool forgot = false;  ///< the force law had forgotten what was before this tick
+  bool lost = false;    ///< records before this one were lost, for the ring was full
   ForceOff cause = ForceOff::none;
 };
+
+/// A record as files have it.
+[[nodiscard]] RecordingRow to_row(const TickRecord& record) noexcept;
 
 /// Lock-free ring from the loop to the statistics thread.
 using TickRing = moodycamel::ReaderWriterQueue<TickRecord>;

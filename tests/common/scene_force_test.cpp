@@ -196,6 +196,79 @@ TEST_CASE("A proxy holds a hand that crosses the whole object between two ticks"
   CHECK(force.next(assets, {1e-4, 1e-4, -0.005}).force.z() > held.force.z());
 }
 
+TEST_CASE("An object that moves into a still hand pushes as if the hand had moved into it") {
+  const test::TiledCubeByHand cube(size);
+  for (const Method method : {Method::spm, Method::proxy}) {
+    const ForceScene scene{{}, {object_of(method)}};
+    SceneForce pressed(scene, tick, 0), met(scene, tick, 0);
+    const Vector3 start(0.002, 0.003, half + 5e-4);
+    for (int at = 0; at < 150; ++at) {
+      const double way = 1e-5 * at;
+      met.place(0, Vector3(0, 0, way), Eigen::Quaterniond::Identity());
+      const ContactForce wanted = pressed.next(Assets{&cube.view}, start - Vector3(0, 0, way));
+      const ContactForce found = met.next(Assets{&cube.view}, start);
+      CHECK((found.force - wanted.force).norm() < 1e-9);
+      CHECK(found.contact == wanted.contact);
+    }
+  }
+}
+
+TEST_CASE("What holds a hand moves with its object: carried together, the force stays") {
+  const test::TiledCubeByHand cube(size);
+  for (const Method method : {Method::spm, Method::proxy}) {
+    PlacedObject object = object_of(method);
+    object.effects.friction = {0.5, 0.4, 2000};
+    SceneForce scene({{}, {object}}, tick, 0);
+    const Vector3 held(0.002, 0.003, half - 1e-3);
+    static_cast<void>(scene.next(Assets{&cube.view}, Vector3(0.002, 0.003, half + 1e-4)));
+    const ContactForce first = scene.next(Assets{&cube.view}, held);
+    REQUIRE(first.contact);
+    for (int at = 1; at < 100; ++at) {
+      const Eigen::Quaterniond turn(Eigen::AngleAxisd(1e-3 * at, Vector3(1, 2, 3).normalized()));
+      const Vector3 moved(1e-4 * at, -5e-5 * at, 2e-5 * at);
+      scene.place(0, moved, turn);
+      const ContactForce found = scene.next(Assets{&cube.view}, moved + turn * held);
+      CHECK((found.force - turn * first.force).norm() < 1e-6);
+    }
+  }
+}
+
+TEST_CASE("Objects come and go while there is room, and one that went pushes no more") {
+  const test::TiledCubeByHand cube(size);
+  SceneForce scene({{}, {object_of(Method::spm)}}, tick, 0, 2);
+  PlacedObject second = object_of(Method::spm);
+  second.placement.position = {0.1, 0, 0};
+  REQUIRE(scene.add(second) == std::size_t{1});
+  REQUIRE(scene.add(second) == std::size_t{2});
+  CHECK_FALSE(scene.add(second));
+  const Vector3 pressed(0.102, 0.003, half - 1e-3);
+  const double both = scene.next(Assets{&cube.view}, pressed).force.norm();
+  scene.remove(1);
+  CHECK(scene.next(Assets{&cube.view}, pressed).force.norm() == Approx(both / 2));
+  CHECK(scene.add(second) == std::size_t{1});
+  scene.remove(1);
+  scene.remove(2);
+  CHECK(scene.next(Assets{&cube.view}, pressed).force.isZero());
+  scene.remove(7);
+  scene.place(7, Vector3::Zero(), Eigen::Quaterniond::Identity());
+  CHECK(scene.size() == 3);
+}
+
+TEST_CASE("What a hand does to an object is told about the object's own origin") {
+  const test::TiledCubeByHand cube(size);
+  PlacedObject object = object_of(Method::spm);
+  object.placement.position = {0.1, 0.2, 0.3};
+  SceneForce scene({{}, {object}}, tick, 0);
+  const Vector3 from_origin(0.004, 0.003, half - 1e-3);
+  const ContactForce found =
+      scene.next(Assets{&cube.view}, object.placement.position + from_origin);
+  REQUIRE(found.contact);
+  CHECK(scene.reaction(0).force == -found.force);
+  CHECK((scene.reaction(0).torque + from_origin.cross(found.force)).norm() < 1e-12);
+  static_cast<void>(scene.next(Assets{&cube.view}, Vector3(1, 1, 1)));
+  CHECK(scene.reaction(0).force.isZero());
+}
+
 TEST_CASE("Positions that are not finite or far beyond any object give nothing") {
   const test::TiledCubeByHand cube(size);
   PlacedObject object = object_of(Method::spm);

@@ -17,7 +17,7 @@ TEST_CASE("The ring takes its seconds of ticks of every device and then refuses 
 TEST_CASE("The collector tells once when the force goes off and once when it is back") {
   TickRing ring = make_tick_ring(1000, 1);
   std::vector<std::string> messages;
-  Collector collector(ring, 1, 1000, std::nullopt,
+  Collector collector(ring, 1, 1000, {},
                       [&](const std::string& message) { messages.push_back(message); });
   TickRecord record;
   for (std::uint64_t tick = 0; tick < 30; ++tick) {
@@ -37,7 +37,7 @@ TEST_CASE("The collector tells once when the force goes off and once when it is 
 TEST_CASE("Stopping is no event to warn of") {
   TickRing ring = make_tick_ring(1000, 1);
   int messages = 0;
-  Collector collector(ring, 1, 1000, std::nullopt, [&](const std::string&) { ++messages; });
+  Collector collector(ring, 1, 1000, {}, [&](const std::string&) { ++messages; });
   TickRecord record;
   record.cause = ForceOff::stopping;
   REQUIRE(ring.try_enqueue(record));

@@ -130,6 +130,36 @@ TEST_CASE("A run reports everything that the contract names, and nothing else on
   REQUIRE(report["assets"][0]["form"] == "sparse");
 }
 
+TEST_CASE("A recording of a run replays to forces equal bit by bit, friction and all") {
+  const Workshop shop;
+  const std::string scene = shop.scene(
+      "[[object]]\nasset = \"sparse.spm.exr\"\nfriction = { slide = 0.3, stick = 0.5 }\n"
+      "damping = \"1Ns/m\"\ntexture = { amplitude = \"50um\", wavelength = \"2mm\" }\n");
+  const std::string recording = shop.folder.file("run.spmrec");
+  const Outcome run =
+      servo(shop.folder, {"run", "--scene", scene, "--duration", "1", "--json", "--record",
+                          recording, "--device", "sim:seed=3", "--device", "sim:hand=push"});
+  REQUIRE(run.code == 0);
+  for (const char* device : {"0", "1"}) {
+    const Outcome replay = servo(shop.folder, {"replay", recording, "--scene", scene, "--out",
+                                               shop.out, "--device-number", device, "--json"});
+    REQUIRE(replay.code == 0);
+    const json report = json::parse(replay.out);
+    CHECK(report["recording"]["forces_equal"] == true);
+    CHECK(report["recording"]["lost"] == 0);
+    CHECK(report["contact_ticks"] ==
+          json::parse(run.out)["devices"][std::stoi(device)]["contact_ticks"]);
+    CHECK(report["contact_ticks"].get<int>() > 0);
+  }
+  const Outcome stiffer = servo(shop.folder, {"replay", recording, "--scene", scene, "--stiffness",
+                                              "2N/mm", "--out", shop.out, "--json"});
+  CHECK(json::parse(stiffer.out)["recording"]["forces_equal"] == false);
+  const Outcome third = servo(shop.folder, {"replay", recording, "--scene", scene, "--out",
+                                            shop.out, "--device-number", "2"});
+  CHECK(third.code == 1);
+  require_one_sentence(third.err);
+}
+
 TEST_CASE("A run of a scene reports its objects, and holds the scene's cap after the sum") {
   const Workshop shop;
   const std::string scene = shop.scene(
@@ -267,7 +297,8 @@ TEST_CASE("A wrong command ends with the contract's exit code and one sentence")
       {run + shop.full + " --stiffness -1N/mm", 1},
       {run + shop.full + " --method voxels", 1},
       {run + shop.full + " --method paper --probe sphere:1mm", 1},
-      {run + shop.full + " --record a", 1},
+      {run + shop.full + " --record", 1},
+      {run + shop.full + " --record /nonexistent/a", 2},
       {run + shop.full + " --scene a", 1},
       {"run --duration 0.1 --scene " + shop.folder.file("none.toml"), 2},
       {"run --duration 0.1 --scene " + shop.scene("[[object]]\nasset = \"none.spm.exr\"\n"), 2},

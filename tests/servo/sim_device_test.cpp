@@ -24,7 +24,7 @@ Felt feel(const Asset& asset, const SimOptions& options, std::size_t ticks,
   const AssetTables tables = tables_of(asset);
   DeviceSim device(options);
   const std::array<const AssetView*, 1> assets{&tables.view()};
-  const DeviceSetup setup{rate_hz, scene_of(force), assets};
+  const DeviceSetup setup{rate_hz, RealtimeMode::off, scene_of(force), assets};
   const auto opened = device.open(setup);
   REQUIRE(opened);
   Felt felt;
@@ -136,7 +136,7 @@ TEST_CASE("A recorded hand without its file is refused with exit code 2") {
   options.hand = HandKind::recorded;
   options.path = "/nonexistent/path.txt";
   DeviceSim device(options);
-  const auto opened = device.open({1000, scene_of({}), assets});
+  const auto opened = device.open({1000, RealtimeMode::off, scene_of({}), assets});
   REQUIRE_FALSE(opened);
   REQUIRE(opened.error().code == ExitCode::file_or_device);
 }
@@ -147,7 +147,7 @@ TEST_CASE("An asset without any surface gives the hand nothing to touch, exit co
   const AssetTables tables = tables_of(asset);
   const std::array<const AssetView*, 1> assets{&tables.view()};
   DeviceSim device{SimOptions{}};
-  const auto opened = device.open({1000, scene_of({}), assets});
+  const auto opened = device.open({1000, RealtimeMode::off, scene_of({}), assets});
   REQUIRE_FALSE(opened);
   REQUIRE(opened.error().code == ExitCode::invalid_input);
 }
@@ -164,7 +164,7 @@ TEST_CASE("The simulated hand finds a scene's object where it lies, in the hand'
   scene.workspace.rotation = Eigen::AngleAxisd(1, Vector3::UnitY());
   scene.workspace.scale = 1.5;
   DeviceSim device{SimOptions{}};
-  REQUIRE(device.open({1000, scene, assets}));
+  REQUIRE(device.open({1000, RealtimeMode::off, scene, assets}));
   SceneForce force(scene, 1e-3, 20e-6);
   std::size_t touching = 0;
   for (int i = 0; i < 3000; ++i) {

@@ -79,7 +79,7 @@ TEST_CASE("A tick neither allocates, locks nor writes") {
     settings.ticks = ticks;
     settings.scene.objects.front().force.method = method;
     WatchedSim device;
-    REQUIRE(device.open({settings.rate_hz, settings.scene, assets}));
+    REQUIRE(device.open({settings.rate_hz, RealtimeMode::off, settings.scene, assets}));
     TickRing ring = make_tick_ring(settings.rate_hz, 1);
     const std::atomic<bool> stop{false};
     Loop loop(settings, {&device}, {&slot}, ring, stop);
@@ -111,7 +111,7 @@ TEST_CASE("A tick does not fault a page once the memory is locked") {
   LoopSettings settings;
   settings.ticks = 2000;
   DeviceSim device{SimOptions{}};
-  REQUIRE(device.open({settings.rate_hz, settings.scene, assets}));
+  REQUIRE(device.open({settings.rate_hz, RealtimeMode::off, settings.scene, assets}));
   TickRing ring = make_tick_ring(settings.rate_hz, 1);
   const std::atomic<bool> stop{false};
   Loop loop(settings, {&device}, {&slot}, ring, stop);

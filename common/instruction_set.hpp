@@ -1,0 +1,9 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+namespace spm {
+
+/// Name of the instructions that queries use on this processor, as Highway names it ("AVX2").
+[[nodiscard]] const char* instruction_set() noexcept;
+
+}  // namespace spm

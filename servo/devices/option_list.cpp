@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "servo/devices/option_list.hpp"
+
+#include <fmt/format.h>
+
+namespace spm::servo {
+
+tl::unexpected<Error> option_error(const std::string& device, const std::string& message) {
+  return fail(ExitCode::usage, fmt::format("--device {}: {}", device, message));
+}
+
+Result<std::vector<DeviceOption>> split_options(const std::string& device, std::string_view text) {
+  std::vector<DeviceOption> options;
+  while (!text.empty()) {
+    const std::size_t comma = text.find(',');
+    const std::string_view item = text.substr(0, comma);
+    text = comma == std::string_view::npos ? std::string_view() : text.substr(comma + 1);
+    const std::size_t equals = item.find('=');
+    if (equals == std::string_view::npos) {
+      return option_error(
+          device, fmt::format("'{}' has no value; write option=value, separated by commas", item));
+    }
+    options.push_back({item.substr(0, equals), item.substr(equals + 1)});
+  }
+  return options;
+}
+
+}  // namespace spm::servo

@@ -1,0 +1,192 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* For a process that drives a device whose vendor's library is closed, and lends it to spm-servo:
+ * it supplies poses and takes wrenches, over memory that the daemon shares. Header alone, C11 or
+ * C++; Linux, GCC or Clang. external_example.c is a whole process, to be filled in.
+ *
+ * The daemon is started with --device external:name=NAME. It may be started, and end, before or
+ * after this process: spm_external_open fails while it does not run, and spm_external_get_wrench
+ * gives zero once it is silent. SI units; frame: x to the right, y up, z towards the user. */
+#ifndef SPM_EXTERNAL_H
+#define SPM_EXTERNAL_H
+
+#include <errno.h>
+#include <fcntl.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/mman.h>
+#include <sys/stat.h>
+#include <time.h>
+#include <unistd.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+#define SPM_EXTERNAL_MAGIC 0x4C58454D5053ULL /* "SPMEXL" */
+#define SPM_EXTERNAL_VERSION 1U
+/** After so long without a new wrench the daemon counts as gone, and after so long without a new
+ * pose the device does: no force either way. */
+#define SPM_EXTERNAL_SILENCE_NS 20000000LL
+
+/** One side's latest values: odd `sequence` while they are written. Numbers are the bits of
+ * doubles. */
+struct spm_external_values {
+  uint32_t sequence;
+  uint32_t word;       /* of poses the buttons, one bit each; of wrenches 0 */
+  uint64_t counter;    /* one more with each, the heartbeat */
+  uint64_t numbers[7]; /* position and orientation w x y z; or force and torque, the last unused */
+  uint64_t unused[7];
+};
+
+/** What both processes see. */
+struct spm_external_memory {
+  uint64_t magic;
+  uint32_t version;
+  uint32_t bytes;
+  uint64_t unused[14];
+  struct spm_external_values pose;   /* written by the device's process */
+  struct spm_external_values wrench; /* written by the daemon */
+};
+
+/** A device's end. */
+struct spm_external {
+  struct spm_external_memory* memory;
+  uint64_t last_counter;
+  int64_t last_ns;
+};
+
+/** Time that never goes back, ns. */
+static inline int64_t spm_external_now(void) {
+  struct timespec time;
+  clock_gettime(CLOCK_MONOTONIC, &time);
+  return (int64_t)time.tv_sec * 1000000000 + time.tv_nsec;
+}
+
+/** Writes values; one writer. */
+static inline void spm_external_put(struct spm_external_values* values, uint32_t word,
+                                    const double* numbers) {
+  const uint32_t sequence = __atomic_load_n(&values->sequence, __ATOMIC_RELAXED) | 1U;
+  __atomic_store_n(&values->sequence, sequence, __ATOMIC_RELAXED);
+  __atomic_thread_fence(__ATOMIC_RELEASE);
+  for (int i = 0; i < 7; ++i) {
+    uint64_t bits;
+    memcpy(&bits, &numbers[i], sizeof bits);
+    __atomic_store_n(&values->numbers[i], bits, __ATOMIC_RELAXED);
+  }
+  __atomic_store_n(&values->word, word, __ATOMIC_RELAXED);
+  __atomic_store_n(&values->counter, __atomic_load_n(&values->counter, __ATOMIC_RELAXED) + 1,
+                   __ATOMIC_RELAXED);
+  __atomic_store_n(&values->sequence, sequence + 1, __ATOMIC_RELEASE);
+}
+
+/** Reads values; 1, or 0 where the writer was at it for a few tries. */
+static inline int spm_external_get(struct spm_external_values* values, uint32_t* word,
+                                   uint64_t* counter, double* numbers) {
+  for (int tries = 0; tries < 8; ++tries) {
+    const uint32_t before = __atomic_load_n(&values->sequence, __ATOMIC_ACQUIRE);
+    if ((before & 1U) != 0) continue;
+    for (int i = 0; i < 7; ++i) {
+      const uint64_t bits = __atomic_load_n(&values->numbers[i], __ATOMIC_RELAXED);
+      memcpy(&numbers[i], &bits, sizeof bits);
+    }
+    *word = __atomic_load_n(&values->word, __ATOMIC_RELAXED);
+    *counter = __atomic_load_n(&values->counter, __ATOMIC_RELAXED);
+    __atomic_thread_fence(__ATOMIC_ACQUIRE);
+    if (__atomic_load_n(&values->sequence, __ATOMIC_RELAXED) == before) return 1;
+  }
+  return 0;
+}
+
+/** Where the memory of a name is found; 1, or 0 where it does not fit. */
+static inline int spm_external_path(const char* name, char* path, size_t size) {
+  const char* folder = getenv("XDG_RUNTIME_DIR");
+  const int length =
+      folder != NULL && folder[0] == '/'
+          ? snprintf(path, size, "%s/spm-servo/external-%s", folder, name)
+          : snprintf(path, size, "/tmp/spm-servo-%u/external-%s", (unsigned)getuid(), name);
+  return length > 0 && (size_t)length < size;
+}
+
+/** Finds the daemon's memory. 0, or -1 with a sentence in `message`, for which 1024 bytes do. */
+static inline int spm_external_open(struct spm_external* device, const char* name, char* message,
+                                    size_t message_size) {
+  char path[512];
+  memset(device, 0, sizeof *device);
+  if (!spm_external_path(name, path, sizeof path)) {
+    snprintf(message, message_size, "the name '%s' is too long; take a shorter one", name);
+    return -1;
+  }
+  const int file = open(path, O_RDWR | O_CLOEXEC);
+  if (file < 0) {
+    snprintf(message, message_size,
+             "%s: %s; start spm-servo run --device external:name=%s, as the same user", path,
+             strerror(errno), name);
+    return -1;
+  }
+  struct stat status;
+  void* memory = MAP_FAILED;
+  if (fstat(file, &status) == 0 && (size_t)status.st_size == sizeof(struct spm_external_memory)) {
+    memory =
+        mmap(NULL, sizeof(struct spm_external_memory), PROT_READ | PROT_WRITE, MAP_SHARED, file, 0);
+  }
+  close(file);
+  struct spm_external_memory* shared = (struct spm_external_memory*)memory;
+  if (memory == MAP_FAILED || shared->magic != SPM_EXTERNAL_MAGIC ||
+      shared->version != SPM_EXTERNAL_VERSION) {
+    if (memory != MAP_FAILED) munmap(memory, sizeof(struct spm_external_memory));
+    snprintf(message, message_size,
+             "%s: is of another version of spm-servo; build this process with its spm_external.h",
+             path);
+    return -1;
+  }
+  device->memory = shared;
+  return 0;
+}
+
+/** Tells the daemon a pose: position m, orientation w x y z, buttons one bit each. Once a tick. */
+static inline void spm_external_put_pose(struct spm_external* device, const double position[3],
+                                         const double orientation[4], uint32_t buttons) {
+  double numbers[7];
+  memcpy(numbers, position, 3 * sizeof(double));
+  memcpy(numbers + 3, orientation, 4 * sizeof(double));
+  spm_external_put(&device->memory->pose, buttons, numbers);
+}
+
+/** Gives the wrench to apply, N and N m. 1; or 0, and zero, once the daemon is silent: then open
+ * again. Once a tick. */
+static inline int spm_external_get_wrench(struct spm_external* device, double force[3],
+                                          double torque[3]) {
+  double numbers[7];
+  uint32_t word;
+  uint64_t counter;
+  const int64_t now = spm_external_now();
+  const int got = spm_external_get(&device->memory->wrench, &word, &counter, numbers);
+  if (device->last_ns == 0) device->last_ns = now;
+  if (got && counter != device->last_counter) {
+    device->last_counter = counter;
+    device->last_ns = now;
+  }
+  const int is_alive = now - device->last_ns <= SPM_EXTERNAL_SILENCE_NS;
+  for (int axis = 0; axis < 3; ++axis) {
+    /* Kept from the last tick where this one was not to be had: a wrench acts until the next. */
+    if (got || !is_alive) {
+      force[axis] = is_alive ? numbers[axis] : 0;
+      torque[axis] = is_alive ? numbers[3 + axis] : 0;
+    }
+  }
+  return is_alive;
+}
+
+/** Lets go of the memory. */
+static inline void spm_external_close(struct spm_external* device) {
+  if (device->memory != NULL) munmap(device->memory, sizeof(struct spm_external_memory));
+  device->memory = NULL;
+}
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif
