@@ -13,6 +13,7 @@ struct PlacedObject {
   Placement placement;    ///< of the asset's frame
   ForceSettings force;
   EffectSettings effects;
+  bool movable = false;  ///< an application may move it
 };
 
 /// What a contact model in the asset's frame is given, so that the world feels the settings of the

@@ -32,6 +32,11 @@ std::optional<std::size_t> SceneForce::add(const PlacedObject& object) noexcept 
   return objects_.size() - 1;
 }
 
+void SceneForce::change(std::size_t object, const PlacedObject& settings) noexcept {
+  if (object >= objects_.size()) return;
+  objects_[object].contact = PlacedContact(settings, tick_, encoder_step_);
+}
+
 void SceneForce::remove(std::size_t object) noexcept {
   if (object >= objects_.size()) return;
   objects_[object].is_there = false;

@@ -45,6 +45,8 @@ class SceneForce {
              const Eigen::Quaterniond& rotation) noexcept;
   /// Adds an object and gives its number; nothing where there is no room for one more.
   [[nodiscard]] std::optional<std::size_t> add(const PlacedObject& object) noexcept;
+  /// Gives an object other settings, its place included; what touched it is forgotten.
+  void change(std::size_t object, const PlacedObject& settings) noexcept;
   /// Takes an object away, and what it pushed with it; its number may be given to another.
   void remove(std::size_t object) noexcept;
   /// What the hand did to an object in the last tick: N, and N m about its origin; world frame.

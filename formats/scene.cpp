@@ -123,6 +123,7 @@ SceneObject read_object(TableReader&& reader, const std::string& scene) {
   object.stiffness = reader.quantity("stiffness", Quantity::stiffness, "1.5N/mm", object.stiffness);
   object.stiffness_given = reader.has("stiffness");
   object.effects = read_effects(reader, object.stiffness);
+  object.movable = reader.flag("movable", object.movable);
   if (!reader.has("asset") && !reader.has("mesh")) {
     reader.refuse("asset",
                   "an object needs 'mesh', what it is baked from, or 'asset', its baked "
@@ -164,7 +165,7 @@ Scene read_document(const std::string& path, const toml::table& document,
   for (const toml::node& node : *objects->as_array()) {
     TableReader reader(path, *node.as_table(), "[[object]]",
                        {"asset", "mesh", "pose", "scale", "stiffness", "method", "paper_rule",
-                        "friction", "damping", "texture", "smoothing", "turn_limit"},
+                        "friction", "damping", "texture", "smoothing", "turn_limit", "movable"},
                        error);
     scene.objects.push_back(read_object(std::move(reader), path));
     scene.objects.back().line = static_cast<int>(node.source().begin.line);

@@ -30,6 +30,7 @@ struct SceneObject {
   Method method = Method::spm;
   PaperRule rule = PaperRule::closest_plane;
   EffectSettings effects;  ///< lengths, forces and damping of the world
+  bool movable = false;    ///< an application may move it
   int line = 0;            ///< of its `[[object]]` in the file
 
   static constexpr double default_stiffness = 1000;

@@ -130,6 +130,14 @@ std::uint64_t TableReader::whole(const char* key, std::uint64_t least, std::uint
   return otherwise;
 }
 
+bool TableReader::flag(const char* key, bool otherwise) {
+  const toml::node* value = table_.get(key);
+  if (value == nullptr) return otherwise;
+  if (const auto* found = value->as_boolean()) return found->get();
+  refuse(key, in_quotes(key) + " must be true or false, without quotes");
+  return otherwise;
+}
+
 std::optional<TableReader> TableReader::table(const char* key, const std::string& example,
                                               std::initializer_list<const char*> keys) {
   const toml::node* value = table_.get(key);

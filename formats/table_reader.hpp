@@ -53,6 +53,9 @@ class TableReader {
   [[nodiscard]] std::uint64_t whole(const char* key, std::uint64_t least, std::uint64_t most,
                                     std::uint64_t otherwise);
 
+  /// true or false.
+  [[nodiscard]] bool flag(const char* key, bool otherwise);
+
   /// The node at the key, or null.
   [[nodiscard]] const toml::node* node(const char* key) const { return table_.get(key); }
 

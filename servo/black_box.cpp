@@ -26,6 +26,7 @@ bool is_fault(std::uint8_t cause) noexcept {
     case ForceOff::starting:
     case ForceOff::stopping:
     case ForceOff::not_homed:
+    case ForceOff::clutched:
       return false;
   }
   return true;

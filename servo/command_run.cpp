@@ -40,11 +40,13 @@ void add_run_command(CLI::App& program, Action& action) {
       program.add_subcommand("run", "Serve forces from a baked asset or a scene to a device");
   RunOptions& options = command->options;
   cli::add_global_options(*app, command->global);
-  app->add_option("--device", options.devices,
-                  "Device: auto (default, or what the scene says) or sim[:option=value,...] with "
-                  "profile=low|falcon|touch|"
-                  "omega3|wooden, hand=slide|push|path, path=FILE, depth=LENGTH, speed=SPEED, "
-                  "seed=N; may be repeated")
+  app->add_option(
+         "--device", options.devices,
+         "Device: auto (the first that is plugged in, or sim; the default unless the scene "
+         "says another), falcon, woodenhaptics, spacemouse, external:name=NAME, or sim with "
+         "profile=low|falcon|touch|omega3|wooden, hand=slide|push|path, path=FILE, "
+         "depth=LENGTH, speed=SPEED, seed=N; options follow a colon, with commas between; "
+         "may be repeated")
       ->type_name("NAME")
       ->allow_extra_args(false);
   add_rate_option(*app, options.rate_hz);
@@ -71,6 +73,14 @@ void add_run_command(CLI::App& program, Action& action) {
          [&options](const std::string& path) { options.black_box = path == "off" ? "" : path; },
          "Where the last 10 s of ticks are kept after a fault, or off (default "
          "$XDG_STATE_HOME/spm-servo/black-box.spmrec, or the same in ~/.local/state)")
+      ->type_name("FILE|off");
+  app->add_option_function<std::string>(
+         "--socket",
+         [&options](const std::string& path) {
+           options.serve = path != "off";
+           options.socket = options.serve ? path : "";
+         },
+         "Where applications connect, or off (default $XDG_RUNTIME_DIR/spm-servo/default.sock)")
       ->type_name("FILE|off");
   app->callback([command, &action] { action = [command] { return execute(*command); }; });
 }

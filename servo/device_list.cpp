@@ -1,8 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "servo/device_list.hpp"
 
+#include "servo/device_finder.hpp"
 #include "servo/device_sim.hpp"
 #include "servo/devices/device_external.hpp"
+#include "servo/devices/device_falcon.hpp"
+#include "servo/devices/device_spacemouse.hpp"
+#include "servo/devices/device_wooden.hpp"
 
 namespace spm::servo {
 
@@ -29,19 +33,33 @@ Result<std::unique_ptr<Device>> made_of(const Result<Options>& options) {
 
 }  // namespace
 
-Result<std::unique_ptr<Device>> make_device(const std::string& specification) {
+std::string first_device_found() {
+  for (const FoundDevice& found : find_devices().devices) {
+    if (found.match.driven && found.permitted()) return specification_of(found);
+  }
+  return "sim";
+}
+
+Result<std::unique_ptr<Device>> make_device(const std::string& asked) {
+  const std::string specification = asked == "auto" ? first_device_found() : asked;
   const std::size_t colon = specification.find(':');
   const std::string name = specification.substr(0, colon);
   const std::string options =
       colon == std::string::npos ? std::string() : specification.substr(colon + 1);
-  if (name == "auto" && colon != std::string::npos) {
+  if (name == "auto") {
     return fail(ExitCode::usage,
                 "--device auto takes no options; name the device, as in sim:" + options);
   }
-  if (name == "sim" || name == "auto") return made_of<DeviceSim>(parse_sim_options(options));
+  if (name == "sim") return made_of<DeviceSim>(parse_sim_options(options));
+  if (name == "falcon") return made_of<DeviceFalcon>(parse_falcon_options(options));
+  if (name == "woodenhaptics") return made_of<DeviceWooden>(parse_wooden_options(options));
+  if (name == "spacemouse") return made_of<DeviceSpaceMouse>(parse_spacemouse_options(options));
   if (name == "external") return made_of<DeviceExternal>(parse_external_options(options));
-  return fail(ExitCode::usage,
-              "--device '" + name + "' is not known; the devices are auto, sim and external");
+  return fail(
+      ExitCode::usage,
+      "--device '" + name +
+          "' is not known; the devices are auto, sim, falcon, woodenhaptics, spacemouse and "
+          "external");
 }
 
 }  // namespace spm::servo

@@ -110,8 +110,8 @@ Result<ForceChoice> choose_scene(const ForceOptions& options) {
     if (auto checked = check_settings(settings, object.effects, place); !checked) {
       return tl::make_unexpected(std::move(checked.error()));
     }
-    choice.scene.objects.push_back(
-        {asset_number(choice, object.asset), object.placement, settings, object.effects});
+    choice.scene.objects.push_back({asset_number(choice, object.asset), object.placement, settings,
+                                    object.effects, object.movable});
     choice.places.push_back(place);
   }
   return choice;

@@ -43,27 +43,35 @@ double stiffness_at_hand(const ForceScene& scene) {
 
 }  // namespace
 
+Loop::Channel::Channel(Device* driven, const SafetySettings& limits, const LoopSettings& settings,
+                       std::size_t room)
+    : device(driven),
+      safety(limits),
+      gate(settings.rate_hz),
+      force(settings.scene, 1 / settings.rate_hz, driven->capabilities().encoder_step, room),
+      velocity(driven->capabilities().encoder_step, 1 / settings.rate_hz) {}
+
 Loop::Loop(const LoopSettings& settings, std::vector<Device*> devices,
-           std::vector<AssetSlot*> assets, TickRing& ring, const std::atomic<bool>& stop)
+           std::vector<AssetSlot*> assets, TickRing& ring, const std::atomic<bool>& stop,
+           AppState* app)
     : settings_(settings),
       slots_(std::move(assets)),
       ring_(ring),
       stop_(stop),
       served_(slots_.size(), nullptr),
       views_(slots_.size(), nullptr) {
+  const std::size_t room = app != nullptr ? AppScene::room(settings.scene) : 0;
   for (std::size_t i = 0; i < devices.size(); ++i) {
     const DeviceCapabilities& device = devices[i]->capabilities();
     const double cap = std::min(device.force_cap, settings.force_cap);
     const double stiffness = stiffness_at_hand(settings.scene);
-    Channel channel{devices[i],
-                    SafetyStage(safety_settings(cap, stiffness, settings.rate_hz)),
-                    JumpGate(settings.rate_hz),
-                    SceneForce(settings.scene, 1 / settings.rate_hz, device.encoder_step),
-                    {},
-                    {}};
+    Channel channel(devices[i], safety_settings(cap, stiffness, settings.rate_hz), settings, room);
     channel.record.device = static_cast<std::uint32_t>(i);
     channels_.push_back(std::move(channel));
   }
+  for (Channel& channel : channels_) forces_.push_back(&channel.force);
+  if (app != nullptr) app_.emplace(*app, settings_.scene);
+  told_.reserve(channels_.size());
 }
 
 void Loop::run() noexcept {
@@ -84,7 +92,9 @@ void Loop::run_ticks(TickSchedule schedule) noexcept {
                (settings_.ticks > 0 && schedule.index() + 1 >= settings_.ticks);
 
     take_up();
+    begin_app(woke);
     for (Channel& channel : channels_) serve(channel, schedule.index(), stopping);
+    end_app(schedule.index(), woke);
 
     const std::int64_t finished = now_ns();
     bool touching = false;
@@ -134,12 +144,14 @@ void Loop::serve(Channel& channel, std::uint64_t tick, bool stopping) noexcept {
   // Whatever the cause, the device is read and sent zero all the same.
   ForceOff cause = assets_off();
   if (cause == ForceOff::none) cause = device;
+  const Vector3 tool = device == ForceOff::none ? tool_of(channel, state.position) : state.position;
+  if (cause == ForceOff::none && channel.clutched) cause = ForceOff::clutched;
 
   ContactForce contact;
   channel.record.forgot = channel.forgot;
   if (cause == ForceOff::none) {
     channel.forgot = false;
-    contact = channel.force.next(views_, state.position);
+    contact = channel.force.next(views_, tool);
     // A page may have gone while the force was computed from it.
     cause = assets_off();
   }
@@ -152,7 +164,7 @@ void Loop::serve(Channel& channel, std::uint64_t tick, bool stopping) noexcept {
   const SafeForce sent = channel.safety.apply(contact.force, cause);
   channel.written = channel.device->write(Wrench{sent.force, Vector3::Zero()});
 
-  channel.record.position = state.position;
+  channel.record.position = tool;
   channel.record.wanted = contact.force;
   channel.record.force = sent.force;
   channel.record.buttons = state.buttons;
@@ -160,6 +172,55 @@ void Loop::serve(Channel& channel, std::uint64_t tick, bool stopping) noexcept {
   channel.record.contact = contact.contact;
   channel.record.cause = sent.cause;
   account(channel, sent);
+  if (app_) tell(channel, state, health, sent);
+}
+
+/// Where the tool is for a hand: elsewhere by as much as the hand moved while it was clutched.
+Vector3 Loop::tool_of(Channel& channel, const Vector3& hand) noexcept {
+  if (channel.clutched) channel.clutch = channel.tool - hand;
+  channel.tool = hand + channel.clutch;
+  return channel.tool;
+}
+
+void Loop::begin_app(std::int64_t now_ns) noexcept {
+  if (!app_) return;
+  const AppChanges changes = app_->begin(now_ns, forces_);
+  for (Channel& channel : channels_) {
+    if (changes.felt_anew) channel.safety.restart();
+  }
+  for (const AppClutch& clutch : changes.clutches) {
+    if (clutch.device < channels_.size()) channels_[clutch.device].clutched = clutch.on;
+  }
+}
+
+void Loop::end_app(std::uint64_t tick, std::int64_t now_ns) noexcept {
+  if (!app_) return;
+  told_.clear();
+  for (const Channel& channel : channels_) told_.push_back(channel.told);
+  app_->end(tick, now_ns, told_, forces_);
+}
+
+/// What applications are told of a device, in the world's frame.
+void Loop::tell(Channel& channel, const DeviceState& state, DeviceHealth health,
+                const SafeForce& sent) const noexcept {
+  const Placement& workspace = settings_.scene.workspace;
+  AppDevice& told = channel.told;
+  told.health = health;
+  told.cause = sent.cause;
+  told.contact = channel.record.contact;
+  told.depth = channel.record.depth;
+  told.wrench = {workspace.rotation * sent.force, Vector3::Zero()};
+  told.state.buttons = state.buttons;
+  if (health != DeviceHealth::ok || !channel.record.position.allFinite()) {
+    // Where it was is what is known.
+    channel.velocity.reset();
+    told.velocity.setZero();
+    return;
+  }
+  told.state.position = workspace.to_world(channel.record.position);
+  told.state.orientation = workspace.rotation * state.orientation;
+  told.velocity =
+      workspace.scale * (workspace.rotation * channel.velocity.next(channel.record.position));
 }
 
 void Loop::account(Channel& channel, const SafeForce& sent) noexcept {

@@ -4,9 +4,12 @@
 #include <atomic>
 #include <cstdint>
 #include <limits>
+#include <optional>
 #include <vector>
 
 #include "common/scene_force.hpp"
+#include "common/velocity_estimate.hpp"
+#include "servo/app_scene.hpp"
 #include "servo/asset_slot.hpp"
 #include "servo/device.hpp"
 #include "servo/schedule.hpp"
@@ -47,10 +50,11 @@ struct LoopCounters {
 /// allocates, locks, logs nor faults.
 class Loop {
  public:
-  /// Devices must be open. `assets`: a slot for each asset that the scene's objects name.
-  /// Everything referred to must outlive the loop.
+  /// Devices must be open. `assets`: a slot for each asset that the scene's objects name. `app`:
+  /// what the loop shares with applications; null for nothing. Everything referred to must outlive
+  /// the loop.
   Loop(const LoopSettings& settings, std::vector<Device*> devices, std::vector<AssetSlot*> assets,
-       TickRing& ring, const std::atomic<bool>& stop);
+       TickRing& ring, const std::atomic<bool>& stop, AppState* app = nullptr);
 
   /// Runs until `stop`, or until the settings' ticks are over; the last wrench sent is zero.
   void run() noexcept;
@@ -64,6 +68,10 @@ class Loop {
  private:
   /// One device and what the loop remembers of it from tick to tick.
   struct Channel {
+    /// `room`: objects that may be added to the scene.
+    Channel(Device* driven, const SafetySettings& limits, const LoopSettings& settings,
+            std::size_t room);
+
     Device* device;
     SafetyStage safety;
     JumpGate gate;
@@ -73,7 +81,12 @@ class Loop {
     Vector3 last_position = Vector3::Zero();
     Vector3 last_force = Vector3::Zero();
     bool position_known = false;
-    bool forgot = true;  ///< the force law was reset since it was last asked
+    bool forgot = true;                ///< the force law was reset since it was last asked
+    bool clutched = false;             ///< the hand moves freely, the tool stays
+    Vector3 clutch = Vector3::Zero();  ///< m, from the hand to the tool
+    Vector3 tool = Vector3::Zero();    ///< m, where the force law was last asked
+    VelocityEstimate velocity;         ///< of the tool
+    AppDevice told;                    ///< what applications are told
     DeviceHealth written = DeviceHealth::ok;
   };
 
@@ -84,12 +97,20 @@ class Loop {
                                            const Vector3& position, std::uint64_t tick) noexcept;
   [[nodiscard]] ForceOff assets_off() const noexcept;
   void account(Channel& channel, const SafeForce& sent) noexcept;
+  [[nodiscard]] static Vector3 tool_of(Channel& channel, const Vector3& hand) noexcept;
+  void begin_app(std::int64_t now_ns) noexcept;
+  void end_app(std::uint64_t tick, std::int64_t now_ns) noexcept;
+  void tell(Channel& channel, const DeviceState& state, DeviceHealth health,
+            const SafeForce& sent) const noexcept;
   void take_up() noexcept;
   static void forget(Channel& channel) noexcept;
   void send_zero() noexcept;
 
   LoopSettings settings_;
   std::vector<Channel> channels_;
+  std::vector<SceneForce*> forces_;  ///< of the channels
+  std::optional<AppScene> app_;
+  std::vector<AppDevice> told_;
   std::vector<AssetSlot*> slots_;
   TickRing& ring_;
   const std::atomic<bool>& stop_;

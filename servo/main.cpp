@@ -2,6 +2,7 @@
 #include <exception>
 
 #include "servo/commands.hpp"
+#include "servo/tool_commands.hpp"
 
 int main(int argc, char** argv) {
   try {
@@ -11,6 +12,8 @@ int main(int argc, char** argv) {
     spm::servo::Action action;
     spm::servo::add_run_command(program, action);
     spm::servo::add_replay_command(program, action);
+    spm::servo::add_devices_command(program, action);
+    spm::servo::add_doctor_command(program, action);
     if (const auto code = spm::cli::parse(program, argc, argv)) return *code;
     return action();
   } catch (const std::exception& problem) {

@@ -6,6 +6,7 @@
 #include <atomic>
 #include <chrono>
 #include <cmath>
+#include <filesystem>
 #include <future>
 #include <memory>
 #include <optional>
@@ -13,6 +14,7 @@
 #include <utility>
 
 #include "common/instruction_set.hpp"
+#include "servo/app_server.hpp"
 #include "servo/collector.hpp"
 #include "servo/device_list.hpp"
 #include "servo/stop_signals.hpp"
@@ -33,7 +35,8 @@ Result<std::vector<std::unique_ptr<Device>>> make_devices(const RunOptions& opti
   const bool from_scene = wanted.empty();
   if (from_scene) wanted = {device_of(choice.device)};
   std::vector<std::unique_ptr<Device>> devices;
-  for (const std::string& specification : wanted) {
+  for (std::string& specification : wanted) {
+    if (specification == "auto") specification = first_device_found();
     auto device = make_device(specification);
     if (!device && from_scene && !choice.device.driver.empty()) {
       return fail(ExitCode::invalid_input,
@@ -44,6 +47,13 @@ Result<std::vector<std::unique_ptr<Device>>> make_devices(const RunOptions& opti
     devices.push_back(std::move(*device));
   }
   return devices;
+}
+
+/// Whether the simulated device was taken for want of another.
+bool nothing_plugged_in(const RunOptions& options, const ForceChoice& choice,
+                        const std::vector<Device*>& devices) {
+  const std::string asked = options.devices.empty() ? device_of(choice.device) : options.devices[0];
+  return asked == "auto" && devices.front()->capabilities().name == "sim";
 }
 
 /// The assets of a scene, each with the slot that hands it to the loop.
@@ -145,6 +155,16 @@ Result<RealtimeState> drive(Loop& loop, Collector& collector, RealtimeMode mode,
   return realtime;
 }
 
+AppNames names_of(const ForceChoice& choice, const std::vector<Device*>& devices) {
+  AppNames names;
+  for (const Device* device : devices) names.devices.push_back(device->capabilities().name);
+  names.assets = choice.assets;
+  for (const PlacedObject& object : choice.scene.objects) {
+    names.objects.push_back(std::filesystem::path(choice.assets[object.asset]).filename().string());
+  }
+  return names;
+}
+
 LoopSettings loop_settings(const RunOptions& options, const ForceChoice& choice) {
   LoopSettings settings;
   settings.rate_hz = options.rate_hz;
@@ -180,10 +200,33 @@ Result<RunReport> run(const RunOptions& options) {
   auto keeps = open_keeps(options, header_of(options, *assets, open_devices));
   if (!keeps) return tl::make_unexpected(std::move(keeps.error()));
 
+  auto state = AppState::create(options.rate_hz, names_of(*choice, open_devices));
+  if (!state) return tl::make_unexpected(std::move(state.error()));
+  // A machine without a place for the socket serves forces all the same.
+  std::unique_ptr<AppServer> server;
+  if (options.serve) {
+    AppServerOptions served;
+    served.path = options.socket;
+    served.warn = log_warning;
+    auto started = AppServer::start(std::move(served), **state);
+    if (started) {
+      server = std::move(*started);
+    } else if (!options.socket.empty()) {
+      return tl::make_unexpected(std::move(started.error()));
+    } else {
+      log_warning("applications cannot connect: " + started.error().message);
+    }
+  }
+
+  if (nothing_plugged_in(options, *choice, open_devices)) {
+    log_warning(
+        "no haptic device is plugged in that may be opened (spm-servo devices tells more): the "
+        "simulated one is taken");
+  }
   StopSignals signals;
   TickRing ring = make_tick_ring(options.rate_hz, open_devices.size());
   Loop loop(loop_settings(options, *choice), open_devices, assets->all_slots(), ring,
-            signals.flag());
+            signals.flag(), state->get());
   Collector collector(ring, open_devices.size(), options.rate_hz, std::move(*keeps), log_warning);
   for (const auto& keeper : assets->keepers) keeper->watch();
   Result<RealtimeState> realtime = drive(loop, collector, options.realtime, signals);

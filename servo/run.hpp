@@ -23,6 +23,8 @@ struct RunOptions {
   double duration = 0;  ///< s, from the first tick; 0: until a signal
   std::string trace;    ///< file for one row a tick of the first device; empty for none
   std::string record;   ///< file for a recording of all; empty for none
+  bool serve = true;    ///< applications may connect
+  std::string socket;   ///< where; empty: the usual place
   std::string black_box = default_black_box();  ///< file for the ticks about a fault; empty: none
 };
 

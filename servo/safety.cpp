@@ -48,6 +48,8 @@ const char* to_string(ForceOff cause) noexcept {
       return "not_homed";
     case ForceOff::jumped:
       return "jumped";
+    case ForceOff::clutched:
+      return "clutched";
   }
   return "unknown";
 }
@@ -73,6 +75,8 @@ const char* cure_of(ForceOff cause) noexcept {
       return "move the tool through its whole range once, as the device's page says";
     case ForceOff::jumped:
       return "check the device's encoders and its cable; the force fades in again by itself";
+    case ForceOff::clutched:
+      return "let the clutch go, in the application that holds it";
   }
   return "";
 }

@@ -21,9 +21,10 @@ enum class ForceOff : std::uint8_t {
   device_gone,    ///< the device was unplugged
   not_homed,      ///< the device's encoders do not know yet where they are
   jumped,         ///< the position moved farther since the last tick than any hand can
+  clutched,       ///< an application let the hand move freely
 };
 
-inline constexpr std::size_t force_off_count = 10;
+inline constexpr std::size_t force_off_count = 11;
 
 /// Ticks without force, a cause each.
 using ForceOffTicks = std::array<std::uint64_t, force_off_count>;

@@ -31,7 +31,7 @@ function(spm_write_link_graph file)
 endfunction()
 
 spm_write_link_graph(${CMAKE_BINARY_DIR}/link-graph.txt spm-bake spm-servo spm_query
-                     spm_query_example)
+                     spm_query_example spm_client spm_client_example)
 
 find_package(Python3 3.11 REQUIRED COMPONENTS Interpreter)
 add_test(NAME "The layout, links and licences are the agreed ones"

@@ -30,7 +30,8 @@ TOP_LEVEL = {
 }
 HEAVY_HEADER = re.compile(r"^(CGAL|embree\d*|openvdb|fcl)/|^bt[A-Z]")
 HEAVY_TARGET = re.compile(r"cgal|embree|gmp|mpfr|openvdb|fcl|bullet", re.IGNORECASE)
-LEAN_TARGETS = ("spm-servo", "spm_query", "spm_query_example", "spm_common", "spm_formats")
+LEAN_TARGETS = ("spm-servo", "spm_query", "spm_query_example", "spm_client", "spm_client_example",
+                "spm_common", "spm_formats")
 DATA_FILE = re.compile(r"\.(obj|ply|stl|off|3ds|glb|gltf|exr|bin)$", re.IGNORECASE)
 INCLUDE = re.compile(r'^\s*#\s*include\s*(["<])([^">]+)[">]', re.MULTILINE)
 MOST_LINES = 450

@@ -27,8 +27,9 @@ class LoopOnBox {
   }
 
   void run(ScriptedDevice& device, std::uint64_t ticks) {
-    LoopSettings settings;
-    settings.ticks = ticks;
+    const LoopSettings settings;
+    stop_.store(false);
+    if (ticks > 0) device.end_after(ticks, stop_);
     Loop loop(settings, {&device}, {&slot_}, ring_, stop_);
     loop.run();
     counters = loop.counters();
@@ -206,17 +207,17 @@ TEST_CASE("A scene of two assets gives the sum, and no force while one of them i
   AssetSlot slots[2];
   for (int i = 0; i < 2; ++i) slots[i].offer(&served[i]);
   LoopSettings settings;
-  settings.ticks = 500;
   settings.scene.objects.push_back(settings.scene.objects.front());
   settings.scene.objects[1].asset = 1;
   settings.scene.objects[1].force.stiffness = 500;
   TickRing ring = make_tick_ring(1000, 1);
-  const std::atomic<bool> stop{false};
+  std::atomic<bool> stop{false};
   ScriptedDevice device([&](std::size_t read, DeviceState& state, DeviceHealth& health) {
     press(read, state, health);
     if (read == 200) slots[1].offer(nullptr);
     if (read == 250) slots[1].offer(&served[1]);
   });
+  device.end_after(500, stop);
   Loop loop(settings, {&device}, {&slots[0], &slots[1]}, ring, stop);
   loop.run();
   REQUIRE(device.forces()[190].z() == Approx(1.5).epsilon(1e-4));
@@ -233,12 +234,12 @@ TEST_CASE("A scene's force cap holds in the loop beside the device's, after the 
   AssetSlot slot;
   slot.offer(&served);
   LoopSettings settings;
-  settings.ticks = 300;
   settings.force_cap = 1.2;
   settings.scene.objects.push_back(settings.scene.objects.front());
   TickRing ring = make_tick_ring(1000, 1);
-  const std::atomic<bool> stop{false};
+  std::atomic<bool> stop{false};
   ScriptedDevice device(press);
+  device.end_after(300, stop);
   Loop loop(settings, {&device}, {&slot}, ring, stop);
   loop.run();
   REQUIRE(loop.device_counters(0).force_max == Approx(1.2));

@@ -13,6 +13,7 @@ ScriptedDevice::ScriptedDevice(Script script, double force_cap)
 
 servo::DeviceHealth ScriptedDevice::read(servo::DeviceState& state) noexcept {
   servo::DeviceHealth health = servo::DeviceHealth::ok;
+  if (stop_ != nullptr && reads_ == last_read_) stop_->store(true);
   script_(reads_++, state, health);
   return health;
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <atomic>
 #include <functional>
 #include <vector>
 
@@ -17,6 +18,13 @@ class ScriptedDevice final : public servo::Device {
 
   explicit ScriptedDevice(Script script, double force_cap = 10);
 
+  /// Has the loop stop in its tick of so many, 2 or more: ticks that are run, since how many a
+  /// machine is late for is not the test's matter.
+  void end_after(std::size_t ticks, std::atomic<bool>& stop) {
+    last_read_ = ticks - 2;
+    stop_ = &stop;
+  }
+
   [[nodiscard]] Result<void> open(const servo::DeviceSetup&) override { return {}; }
   [[nodiscard]] const servo::DeviceCapabilities& capabilities() const noexcept override {
     return capabilities_;
@@ -30,7 +38,8 @@ class ScriptedDevice final : public servo::Device {
  private:
   Script script_;
   servo::DeviceCapabilities capabilities_;
-  std::size_t reads_ = 0;
+  std::size_t reads_ = 0, last_read_ = 0;
+  std::atomic<bool>* stop_ = nullptr;
   std::vector<Vector3> forces_;
 };
 

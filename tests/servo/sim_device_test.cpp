@@ -193,7 +193,7 @@ TEST_CASE("A scene's driver and profile make one device; the driver's own profil
 }
 
 TEST_CASE("Unknown devices are usage errors that name the known ones") {
-  for (const char* name : {"falcon", "", "simulated", "auto:profile=low"}) {
+  for (const char* name : {"omega", "", "simulated", "auto:profile=low"}) {
     const auto device = make_device(name);
     REQUIRE_FALSE(device);
     REQUIRE(device.error().code == ExitCode::usage);

@@ -1,0 +1,195 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "servo/app_scene.hpp"
+
+#include <algorithm>
+#include <limits>
+
+#include "common/turn_limit.hpp"
+
+namespace spm::servo {
+
+namespace {
+
+/// Of the connection that added an object; 0: the scene.
+std::uint32_t owner_of(std::uint64_t id) noexcept { return static_cast<std::uint32_t>(id >> 32U); }
+
+void set_material(const AppMaterial& material, PlacedObject& object) noexcept {
+  if ((material.given & SPM_MATERIAL_STIFFNESS) != 0) object.force.stiffness = material.stiffness;
+  if ((material.given & SPM_MATERIAL_FRICTION) != 0) {
+    object.effects.friction.stick = material.friction_stick;
+    object.effects.friction.slide = material.friction_slide;
+    // Where a scene says nothing else a point that sticks hangs on the object's own stiffness.
+    if (object.effects.friction.stiffness <= 0) {
+      object.effects.friction.stiffness = object.force.stiffness;
+    }
+  }
+  if ((material.given & SPM_MATERIAL_DAMPING) != 0) object.effects.damping = material.damping;
+  if ((material.given & SPM_MATERIAL_TEXTURE) != 0) object.effects.texture = material.texture;
+}
+
+}  // namespace
+
+AppScene::AppScene(AppState& state, const ForceScene& scene)
+    : state_(state), probe_radius_(scene.objects.front().force.probe_radius) {
+  objects_.reserve(scene.objects.size() + room(scene));
+  told_.reserve(SPM_MOST_OBJECTS);
+  for (const PlacedObject& object : scene.objects) {
+    if (object.asset >= least_scales_.size()) {
+      least_scales_.resize(object.asset + 1, std::numeric_limits<double>::infinity());
+    }
+    // A smaller one would need a larger probe than was checked when the asset was opened.
+    double& least = least_scales_[object.asset];
+    least = probe_radius_ > 0 ? std::min(least, object.placement.scale) : 0;
+    objects_.push_back({objects_.size(), object, PoseInterpolator({}, object.placement)});
+  }
+}
+
+std::size_t AppScene::room(const ForceScene& scene) noexcept {
+  return SPM_MOST_OBJECTS - std::min<std::size_t>(SPM_MOST_OBJECTS, scene.objects.size());
+}
+
+AppScene::Object* AppScene::find(std::uint64_t id) noexcept {
+  const auto found = std::find_if(objects_.begin(), objects_.end(), [id](const Object& object) {
+    return object.is_there && object.id == id;
+  });
+  return found == objects_.end() ? nullptr : &*found;
+}
+
+AppChanges AppScene::begin(std::int64_t now_ns, std::span<SceneForce* const> forces) noexcept {
+  clutch_count_ = 0;
+  felt_anew_ = false;
+  for (const AppCommand& command : state_.take(now_ns)) {
+    const Refusal refusal = follow(command, now_ns, forces);
+    if (refusal != Refusal::none) state_.refuse(command, refusal);
+  }
+  for (std::size_t i = 0; i < objects_.size(); ++i) {
+    const InterpolatedPose now = objects_[i].motion.at(now_ns);
+    if (!objects_[i].is_there || !now.driven) continue;
+    for (SceneForce* force : forces) force->place(i, now.pose.position, now.pose.rotation);
+  }
+  return {felt_anew_, std::span(clutches_).first(clutch_count_)};
+}
+
+Refusal AppScene::follow(const AppCommand& command, std::int64_t now_ns,
+                         std::span<SceneForce* const> forces) noexcept {
+  switch (command.action) {
+    case AppAction::add:
+      return add(command, forces);
+    case AppAction::move:
+      return move(command, now_ns);
+    case AppAction::remove:
+      return remove(command, forces);
+    case AppAction::material:
+      return change(command, now_ns, forces);
+    case AppAction::clutch:
+      if (clutch_count_ < clutches_.size())
+        clutches_[clutch_count_++] = {command.index, command.on};
+      return Refusal::none;
+    case AppAction::departure:
+      depart(command.connection, forces);
+      return Refusal::none;
+  }
+  return Refusal::unknown_kind;
+}
+
+Refusal AppScene::add(const AppCommand& command, std::span<SceneForce* const> forces) noexcept {
+  if (command.index >= least_scales_.size()) return Refusal::unknown_asset;
+  if (!(command.pose.scale >= least_scales_[command.index])) return Refusal::out_of_range;
+  const bool is_own = owner_of(command.object) == command.connection;
+  if (!is_own || find(command.object) != nullptr) return Refusal::not_yours;
+  Object added{command.object, {}, PoseInterpolator({}, command.pose)};
+  added.settings.asset = command.index;
+  added.settings.placement = command.pose;
+  added.settings.force.probe_radius = probe_radius_;
+  added.settings.effects.turn.rate = usual_turn_rate;
+  added.settings.movable = true;
+  set_material(command.material, added.settings);
+  std::size_t place = objects_.size();
+  for (SceneForce* force : forces) {
+    const auto given = force->add(added.settings);
+    if (!given) return Refusal::too_many_objects;
+    place = *given;  // the same in all, since all are told the same
+  }
+  if (place < objects_.size()) {
+    objects_[place] = added;
+  } else if (objects_.size() < objects_.capacity()) {
+    objects_.push_back(added);
+  } else {
+    return Refusal::too_many_objects;
+  }
+  felt_anew_ = true;
+  return Refusal::none;
+}
+
+Refusal AppScene::move(const AppCommand& command, std::int64_t now_ns) noexcept {
+  Object* object = find(command.object);
+  if (object == nullptr) return Refusal::unknown_object;
+  if (!object->settings.movable) return Refusal::not_movable;
+  object->motion.give(command.pose, command.period, now_ns);
+  return Refusal::none;
+}
+
+Refusal AppScene::remove(const AppCommand& command, std::span<SceneForce* const> forces) noexcept {
+  Object* object = find(command.object);
+  if (object == nullptr) return Refusal::unknown_object;
+  if (owner_of(command.object) != command.connection) return Refusal::not_yours;
+  object->is_there = false;
+  const auto place = static_cast<std::size_t>(object - objects_.data());
+  for (SceneForce* force : forces) force->remove(place);
+  return Refusal::none;
+}
+
+Refusal AppScene::change(const AppCommand& command, std::int64_t now_ns,
+                         std::span<SceneForce* const> forces) noexcept {
+  Object* object = find(command.object);
+  if (object == nullptr) return Refusal::unknown_object;
+  // The paper's forms know other effects.
+  if (object->settings.force.method == Method::paper &&
+      (command.material.given & ~std::uint32_t{SPM_MATERIAL_STIFFNESS}) != 0) {
+    return Refusal::out_of_range;
+  }
+  set_material(command.material, object->settings);
+  PlacedObject changed = object->settings;
+  const InterpolatedPose now = object->motion.at(now_ns);
+  changed.placement.position = now.pose.position;
+  changed.placement.rotation = now.pose.rotation;
+  const auto place = static_cast<std::size_t>(object - objects_.data());
+  for (SceneForce* force : forces) force->change(place, changed);
+  felt_anew_ = true;
+  return Refusal::none;
+}
+
+void AppScene::depart(std::uint32_t connection, std::span<SceneForce* const> forces) noexcept {
+  for (std::size_t i = 0; i < objects_.size(); ++i) {
+    if (!objects_[i].is_there || owner_of(objects_[i].id) != connection) continue;
+    objects_[i].is_there = false;
+    for (SceneForce* force : forces) force->remove(i);
+  }
+}
+
+void AppScene::end(std::uint64_t tick, std::int64_t now_ns, std::span<const AppDevice> devices,
+                   std::span<SceneForce* const> forces) noexcept {
+  told_.clear();
+  for (std::size_t i = 0; i < objects_.size() && told_.size() < SPM_MOST_OBJECTS; ++i) {
+    const Object& object = objects_[i];
+    if (!object.is_there) continue;
+    const InterpolatedPose now = object.motion.at(now_ns);
+    AppObject told;
+    told.id = object.id;
+    told.asset = static_cast<std::uint32_t>(object.settings.asset);
+    told.pose = now.pose;
+    told.pose.scale = object.settings.placement.scale;
+    for (const SceneForce* force : forces) {
+      told.reaction.force += force->reaction(i).force;
+      told.reaction.torque += force->reaction(i).torque;
+    }
+    told.silent = now.silent;
+    told.movable = object.settings.movable;
+    told.contact = !told.reaction.force.isZero();
+    told.driven = now.driven;
+    told_.push_back(told);
+  }
+  state_.publish({tick, now_ns, devices, told_});
+}
+
+}  // namespace spm::servo

@@ -1,0 +1,159 @@
+// SPDX-License-Identifier: Apache-2.0
+// The commands of spm_client.h: each is checked as the daemon will check it, and put into the ring.
+#include <cmath>
+#include <ctime>
+
+#include "servo/app_command.hpp"
+#include "servo/client/client.hpp"
+#include "servo/client/shared_words.hpp"
+#include "servo/client/state_reader.hpp"
+
+namespace {
+
+using namespace spm::servo;
+
+static_assert(int{SPM_CLIENT_STIFFNESS} == int{SPM_MATERIAL_STIFFNESS});
+static_assert(int{SPM_CLIENT_FRICTION} == int{SPM_MATERIAL_FRICTION});
+static_assert(int{SPM_CLIENT_DAMPING} == int{SPM_MATERIAL_DAMPING});
+static_assert(int{SPM_CLIENT_TEXTURE} == int{SPM_MATERIAL_TEXTURE});
+
+constexpr double longest_deadline = 1e6;  // s
+
+std::int64_t monotonic_ns() noexcept {
+  timespec time{};
+  clock_gettime(CLOCK_MONOTONIC, &time);
+  return std::int64_t{time.tv_sec} * 1'000'000'000 + time.tv_nsec;
+}
+
+/// Fills in a pose; false where it is none of any version.
+bool read_pose(const spm_client_pose* pose, spm_shared_command& to) noexcept {
+  if (pose == nullptr || pose->size < sizeof *pose) return false;
+  if (!(pose->deadline >= 0 && pose->deadline <= longest_deadline)) return false;
+  std::memcpy(to.position, pose->position, sizeof to.position);
+  std::memcpy(to.orientation, pose->orientation, sizeof to.orientation);
+  to.period = pose->period;
+  if (pose->deadline > 0) {
+    to.deadline_ns = monotonic_ns() + static_cast<std::int64_t>(pose->deadline * 1e9);
+  }
+  return true;
+}
+
+bool read_material(const spm_client_material* material, spm_shared_command& to) noexcept {
+  if (material == nullptr || material->size < sizeof *material) return false;
+  to.fields = material->fields;
+  to.stiffness = material->stiffness;
+  to.friction_stick = material->friction_stick;
+  to.friction_slide = material->friction_slide;
+  to.damping = material->damping;
+  to.texture_amplitude = material->texture_amplitude;
+  to.texture_wavelength = material->texture_wavelength;
+  to.texture_seed = material->texture_seed;
+  return true;
+}
+
+/// What the daemon would say of a command's numbers now.
+int checked(const spm_client& client, const spm_shared_command& command) noexcept {
+  AppCommandLimits limits;
+  const bool read = read_info(client.connection.state(), [&](const spm_shared_info& info) {
+    limits.assets = load_relaxed(info.asset_count);
+    limits.devices = load_relaxed(info.device_count);
+  });
+  if (!read) return SPM_CLIENT_BUSY;
+  AppCommand ignored;
+  switch (check_command(command, limits, ignored)) {
+    case Refusal::none:
+      return SPM_CLIENT_OK;
+    case Refusal::unknown_asset:
+    case Refusal::unknown_device:
+      return SPM_CLIENT_NOT_THERE;
+    default:
+      return SPM_CLIENT_BAD_ARGUMENT;
+  }
+}
+
+/// Puts a command into the ring; by the thread that holds the client's mutex.
+int put(spm_client& client, spm_shared_command& command) noexcept {
+  if (load_relaxed(client.connection.state().ended) != 0) return SPM_CLIENT_NO_DAEMON;
+  spm_shared_ring& ring = client.connection.ring();
+  if (client.head - load_acquire(ring.tail) >= SPM_RING_SLOTS) return SPM_CLIENT_RING_FULL;
+  command.sequence = client.head + 1;
+  store_record(ring.slots[client.head % SPM_RING_SLOTS], command);
+  store_release(ring.head, ++client.head);
+  return SPM_CLIENT_OK;
+}
+
+int send(spm_client* client, spm_shared_command& command) {
+  if (const int wrong = checked(*client, command); wrong != SPM_CLIENT_OK) return wrong;
+  const std::lock_guard lock(client->mutex);
+  return put(*client, command);
+}
+
+}  // namespace
+
+int spm_client_add_object(spm_client* client, uint32_t asset, const spm_client_pose* pose,
+                          double scale, const spm_client_material* material, uint64_t* object) {
+  spm_shared_command command{};
+  command.kind = SPM_COMMAND_ADD;
+  command.index = asset;
+  command.scale = scale;
+  if (client == nullptr || object == nullptr || !read_pose(pose, command) ||
+      (material != nullptr && !read_material(material, command))) {
+    return SPM_CLIENT_BAD_ARGUMENT;
+  }
+  *object = 0;
+  if (const int wrong = checked(*client, command); wrong != SPM_CLIENT_OK) return wrong;
+  const std::lock_guard lock(client->mutex);
+  command.object =
+      (std::uint64_t{client->connection.number()} << 32U) | (client->objects_added + 1);
+  const int code = put(*client, command);
+  if (code != SPM_CLIENT_OK) return code;
+  ++client->objects_added;
+  *object = command.object;
+  return SPM_CLIENT_OK;
+}
+
+int spm_client_move_object(spm_client* client, uint64_t object, const spm_client_pose* pose) {
+  spm_shared_command command{};
+  command.kind = SPM_COMMAND_MOVE;
+  command.object = object;
+  if (client == nullptr || !read_pose(pose, command)) return SPM_CLIENT_BAD_ARGUMENT;
+  return send(client, command);
+}
+
+int spm_client_remove_object(spm_client* client, uint64_t object) {
+  if (client == nullptr) return SPM_CLIENT_BAD_ARGUMENT;
+  spm_shared_command command{};
+  command.kind = SPM_COMMAND_REMOVE;
+  command.object = object;
+  return send(client, command);
+}
+
+int spm_client_set_material(spm_client* client, uint64_t object,
+                            const spm_client_material* material) {
+  spm_shared_command command{};
+  command.kind = SPM_COMMAND_MATERIAL;
+  command.object = object;
+  if (client == nullptr || !read_material(material, command)) return SPM_CLIENT_BAD_ARGUMENT;
+  return send(client, command);
+}
+
+int spm_client_set_clutch(spm_client* client, uint32_t device, int on) {
+  if (client == nullptr || (on != 0 && on != 1)) return SPM_CLIENT_BAD_ARGUMENT;
+  spm_shared_command command{};
+  command.kind = SPM_COMMAND_CLUTCH;
+  command.index = device;
+  command.on = static_cast<std::uint32_t>(on);
+  return send(client, command);
+}
+
+int spm_client_refusals(const spm_client* client, spm_client_command_counts* counts) {
+  if (client == nullptr || counts == nullptr) return SPM_CLIENT_BAD_ARGUMENT;
+  const spm_shared_ring& ring = client->connection.ring();
+  spm_client_command_counts found{};
+  found.sent = load_relaxed(ring.head);
+  found.taken = load_acquire(ring.tail);
+  found.refused = load_acquire(ring.refused);
+  found.last_refused = load_relaxed(ring.last_refused);
+  found.last_refusal = static_cast<std::uint32_t>(load_relaxed(ring.last_refusal));
+  return give(counts, found);
+}

@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <tl/expected.hpp>
+
+#include "servo/client/shared_layout.h"
+
+namespace spm::servo {
+
+/// Why there is no connection: one of spm_client.h's codes, and a sentence with the cure.
+struct NoConnection {
+  int code = 0;
+  std::string sentence;
+};
+
+/// The client's end of a connection: the socket, and both regions mapped.
+class Connection {
+ public:
+  /// Connects to the socket at `path`, and waits for the daemon at most `timeout`.
+  [[nodiscard]] static tl::expected<Connection, NoConnection> open(
+      const std::string& path, const std::string& application, std::chrono::milliseconds timeout);
+
+  Connection(Connection&& other) noexcept;
+  Connection& operator=(Connection&&) = delete;
+  Connection(const Connection&) = delete;
+  Connection& operator=(const Connection&) = delete;
+  ~Connection();
+
+  [[nodiscard]] const spm_shared_state& state() const noexcept { return *state_; }
+  [[nodiscard]] spm_shared_ring& ring() const noexcept { return *ring_; }
+  /// Numbered by the daemon, from 1.
+  [[nodiscard]] std::uint32_t number() const noexcept { return number_; }
+  /// False once the daemon's end of the socket is closed. One system call.
+  [[nodiscard]] bool daemon_is_there() const noexcept;
+
+ private:
+  Connection() = default;
+
+  int socket_ = -1;
+  const spm_shared_state* state_ = nullptr;
+  spm_shared_ring* ring_ = nullptr;
+  std::uint32_t number_ = 0;
+
+  friend class Handshake;
+};
+
+}  // namespace spm::servo

@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+
+#include "servo/client/shared_layout.h"
+#include "servo/client/spm_client.h"
+
+namespace spm::servo {
+
+/// Events of the devices, by comparing each look with the one before.
+class EventQueue {
+ public:
+  /// Whether all events were taken: only then may it look again.
+  [[nodiscard]] bool empty() const noexcept { return taken_ == count_; }
+
+  /// Takes a look at devices; the first look of a device tells nothing.
+  void look(std::uint64_t tick, const std::array<spm_shared_device, SPM_MOST_DEVICES>& devices,
+            std::uint32_t count) noexcept;
+
+  /// The next event; the queue must not be empty.
+  [[nodiscard]] spm_client_event take() noexcept { return events_[taken_++]; }
+
+ private:
+  void compare(std::uint32_t device, const spm_shared_device& before,
+               const spm_shared_device& now) noexcept;
+  void tell(std::uint32_t kind, std::uint32_t device, std::uint32_t value) noexcept;
+
+  /// Of one device: two of contact, three of cuts, one of its being there, and one a button.
+  static constexpr std::size_t most_of_device = 3 + 3 + 1 + 32;
+
+  std::array<spm_shared_device, SPM_MOST_DEVICES> seen_{};
+  std::uint32_t seen_count_ = 0;
+  std::uint64_t tick_ = 0;
+  std::array<spm_client_event, SPM_MOST_DEVICES * most_of_device> events_{};
+  std::size_t count_ = 0, taken_ = 0;
+};
+
+}  // namespace spm::servo

@@ -1,0 +1,330 @@
+# SPDX-License-Identifier: Apache-2.0
+"""libspm_client from Python: applications beside the daemon `spm-servo run`.
+
+The daemon computes the force beside the device. An application reads what the hand does, moves the
+objects of the scene and changes how they feel, at its own pace. Lengths in metres, forces in
+newtons, torques in newton metres, quaternions unit with w first, all in the world frame.
+
+    from spm_client import Client
+
+    with Client(application="my study") as client:
+        hand = client.device(0)
+        print(hand.position, hand.force, hand.cause_text)
+        client.move(0, position=(0.0, 0.01, 0.0), period=1 / 90)
+
+The library is looked for in $SPM_CLIENT_LIBRARY, beside this file, and where the system has its
+libraries. Nothing but the standard library is needed.
+"""
+
+from __future__ import annotations
+
+import ctypes
+import enum
+import os
+from dataclasses import dataclass
+from types import TracebackType
+from typing import Iterator, Optional, Sequence
+
+from spm_client_library import (SENTENCES, ClientError, Code, CountsData, DeviceData, EventData,
+                                InfoData, MaterialData, ObjectData, OptionsData, PoseData,
+                                TickData, load, sized)
+
+__all__ = ["Client", "ClientError", "Code", "Cause", "DaemonState", "Device", "Event", "EventKind",
+           "Info", "Material", "Object", "Refusals"]
+
+Vector = tuple[float, float, float]
+Quaternion = tuple[float, float, float, float]
+
+NAME_BYTES = 64
+MOST_DEVICES = 8
+MOST_OBJECTS = 64
+IDENTITY: Quaternion = (1.0, 0.0, 0.0, 0.0)
+
+
+class DaemonState(enum.IntEnum):
+    RUNNING = 0
+    STALLED = 1
+    ENDED = 2
+    GONE = 3
+
+
+class Cause(enum.IntEnum):
+    """Why the force is zero. A newer daemon may have further causes: those stay numbers."""
+    FORCE_ON = 0
+    STARTING = 1
+    ASSET_LOST = 2
+    NOT_A_NUMBER = 3
+    DEVICE_FAULT = 4
+    STOPPING = 5
+    DEVICE_SILENT = 6
+    DEVICE_GONE = 7
+    NOT_HOMED = 8
+    JUMPED = 9
+    CLUTCHED = 10
+
+
+class EventKind(enum.IntEnum):
+    CONTACT_BEGAN = 1
+    CONTACT_ENDED = 2
+    BUTTON_PRESSED = 3
+    BUTTON_RELEASED = 4
+    FORCE_CUT = 5
+    FORCE_BACK = 6
+    DEVICE_LOST = 7
+    DEVICE_FOUND = 8
+
+
+@dataclass(frozen=True)
+class Info:
+    rate_hz: float
+    process: int
+    devices: list[str]
+    assets: list[str]
+    objects: list[str]
+    daemon_version: str
+    library_version: str
+
+
+@dataclass(frozen=True)
+class Device:
+    """One device in one tick."""
+    tick: int
+    connected: bool
+    position: Vector
+    orientation: Quaternion
+    velocity: Vector
+    force: Vector
+    torque: Vector
+    depth: float
+    contact: bool
+    buttons: int
+    cause: int
+    cause_text: str  # empty while there is force
+    health: int
+    contacts: int
+    cuts: int
+
+
+@dataclass(frozen=True)
+class Object:
+    """One object in one tick; force and torque are the reaction on it."""
+    id: int
+    asset: int
+    tick: int
+    position: Vector
+    orientation: Quaternion
+    scale: float
+    force: Vector
+    torque: Vector
+    silent: float
+    movable: bool
+    contact: bool
+    driven: bool
+
+
+@dataclass(frozen=True)
+class Material:
+    """How an object feels; what is None stays as it is."""
+    stiffness: Optional[float] = None               # N/m
+    friction: Optional[tuple[float, float]] = None  # mu at rest, mu in motion
+    damping: Optional[float] = None                 # N s/m
+    texture: Optional[tuple[float, float, int]] = None  # amplitude m, wavelength m, seed
+
+
+@dataclass(frozen=True)
+class Refusals:
+    sent: int
+    taken: int
+    refused: int
+    last_refused: int
+    reason: str
+
+
+@dataclass(frozen=True)
+class Event:
+    kind: EventKind
+    device: int
+    value: int
+    tick: int
+
+
+class Client:
+    """A connection to the daemon, closed by `close` or at the end of `with`. Raises ClientError."""
+
+    def __init__(self, *, path: Optional[str] = None, name: Optional[str] = None,
+                 application: str = "python", timeout: float = 1.0) -> None:
+        self._handle = ctypes.c_void_p()
+        self._library = load()
+        options = sized(OptionsData)
+        options.timeout_ms = max(1, round(timeout * 1000))
+        options.path = os.fsencode(path) if path is not None else None
+        options.name = os.fsencode(name) if name is not None else None
+        options.application = application.encode("ascii", "replace")
+        message = ctypes.create_string_buffer(512)
+        code = self._library.spm_client_connect(ctypes.byref(options), ctypes.byref(self._handle),
+                                                message, len(message))
+        if code != Code.OK:
+            raise ClientError(code, message.value.decode("utf-8", "replace"))
+
+    def close(self) -> None:
+        """Hangs up; objects that were added leave the scene. May be called again."""
+        handle, self._handle = self._handle, ctypes.c_void_p()
+        if handle:
+            self._library.spm_client_disconnect(handle)
+
+    def __enter__(self) -> Client:
+        return self
+
+    def __exit__(self, kind: Optional[type[BaseException]], value: Optional[BaseException],
+                 trace: Optional[TracebackType]) -> None:
+        self.close()
+
+    def daemon_state(self) -> tuple[DaemonState, float]:
+        """Whether the daemon lives, and how long ago its last tick was, s (-1: none so far)."""
+        age = ctypes.c_double()
+        state = self._library.spm_client_daemon_state(self._open(), ctypes.byref(age))
+        return DaemonState(state), age.value
+
+    def info(self) -> Info:
+        found = sized(InfoData)
+        self._check(self._library.spm_client_read_info(self._open(), ctypes.byref(found)))
+        return Info(found.rate_hz, found.process,
+                    self._names("device", found.device_count),
+                    self._names("asset", found.asset_count),
+                    self._names("object", found.object_count),
+                    found.daemon_version.decode(), found.library_version.decode())
+
+    def cause(self, cause: int) -> tuple[str, str]:
+        """Name of a cause of zero force, and what to do about it; empty where there is none such."""
+        name, cure = ctypes.c_char_p(), ctypes.c_char_p()
+        self._library.spm_client_cause(self._open(), cause, ctypes.byref(name), ctypes.byref(cure))
+        return (name.value or b"").decode(), (cure.value or b"").decode()
+
+    def device(self, device: int = 0) -> Device:
+        found = sized(DeviceData)
+        self._check(self._library.spm_client_read_device(self._open(), device,
+                                                         ctypes.byref(found)))
+        return self._device(found)
+
+    def object(self, id: int) -> Object:
+        found = sized(ObjectData)
+        self._check(self._library.spm_client_read_object(self._open(), id, ctypes.byref(found)))
+        return self._object(found)
+
+    def all(self) -> tuple[list[Device], list[Object]]:
+        """All devices and objects, of one and the same tick."""
+        tick = sized(TickData)
+        devices, objects = (DeviceData * MOST_DEVICES)(), (ObjectData * MOST_OBJECTS)()
+        devices[0].size, objects[0].size = ctypes.sizeof(DeviceData), ctypes.sizeof(ObjectData)
+        self._check(self._library.spm_client_read_all(self._open(), ctypes.byref(tick), devices,
+                                                      MOST_DEVICES, objects, MOST_OBJECTS))
+        return ([self._device(devices[i]) for i in range(tick.device_count)],
+                [self._object(objects[i]) for i in range(tick.object_count)])
+
+    def events(self) -> Iterator[Event]:
+        """What has changed since the last call."""
+        event = sized(EventData)
+        while True:
+            code = self._library.spm_client_next_event(self._open(), ctypes.byref(event))
+            if code in (Code.NOT_THERE, Code.BUSY):
+                return
+            self._check(code)
+            yield Event(EventKind(event.kind), event.device, event.value, event.tick)
+
+    def add(self, asset: int, position: Sequence[float] = (0.0, 0.0, 0.0),
+            orientation: Sequence[float] = IDENTITY, *, scale: float = 1.0,
+            material: Optional[Material] = None) -> int:
+        """Adds an object; gives its id."""
+        identity = ctypes.c_uint64()
+        feel = ctypes.byref(_material(material)) if material is not None else None
+        self._check(self._library.spm_client_add_object(
+            self._open(), asset, ctypes.byref(_pose(position, orientation, 0.0, 0.0)), scale, feel,
+            ctypes.byref(identity)))
+        return identity.value
+
+    def move(self, id: int, position: Sequence[float], orientation: Sequence[float] = IDENTITY, *,
+             period: float = 0.0, deadline: float = 0.0) -> None:
+        """Sends an object's pose; `period` in s is the time to the next one, where it is known."""
+        pose = _pose(position, orientation, period, deadline)
+        self._check(self._library.spm_client_move_object(self._open(), id, ctypes.byref(pose)))
+
+    def remove(self, id: int) -> None:
+        self._check(self._library.spm_client_remove_object(self._open(), id))
+
+    def set_material(self, id: int, material: Material) -> None:
+        feel = _material(material)
+        self._check(self._library.spm_client_set_material(self._open(), id, ctypes.byref(feel)))
+
+    def set_clutch(self, device: int, on: bool) -> None:
+        """While it is on, the hand moves freely and the tool stays."""
+        self._check(self._library.spm_client_set_clutch(self._open(), device, int(on)))
+
+    def refusals(self) -> Refusals:
+        """How many commands were sent, taken and refused, and why the last one was."""
+        counts = sized(CountsData)
+        self._check(self._library.spm_client_refusals(self._open(), ctypes.byref(counts)))
+        reason = self._library.spm_client_refusal(counts.last_refusal) if counts.refused else b""
+        return Refusals(counts.sent, counts.taken, counts.refused, counts.last_refused,
+                        reason.decode())
+
+    def _open(self) -> ctypes.c_void_p:
+        if not self._handle:
+            raise ClientError(Code.BAD_ARGUMENT, "the connection is closed; make a new Client")
+        return self._handle
+
+    def _check(self, code: int) -> None:
+        if code != Code.OK:
+            raise ClientError(code, SENTENCES[Code(code)])
+
+    def _names(self, kind: str, count: int) -> list[str]:
+        names = []
+        for index in range(count):
+            name = ctypes.create_string_buffer(NAME_BYTES)
+            function = getattr(self._library, f"spm_client_{kind}_name")
+            self._check(function(self._open(), index, name, len(name)))
+            names.append(name.value.decode("utf-8", "replace"))
+        return names
+
+    def _device(self, found: DeviceData) -> Device:
+        text = ""
+        if found.cause != Cause.FORCE_ON:
+            name, cure = self.cause(found.cause)
+            text = f"{name}: {cure}"
+        return Device(found.tick, bool(found.connected), tuple(found.position),
+                      tuple(found.orientation), tuple(found.velocity), tuple(found.force),
+                      tuple(found.torque), found.depth, bool(found.contact), found.buttons,
+                      found.cause, text, found.health, found.contacts, found.cuts)
+
+    @staticmethod
+    def _object(found: ObjectData) -> Object:
+        return Object(found.id, found.asset, found.tick, tuple(found.position),
+                      tuple(found.orientation), found.scale, tuple(found.force),
+                      tuple(found.torque), found.silent, bool(found.movable), bool(found.contact),
+                      bool(found.driven))
+
+
+def _pose(position: Sequence[float], orientation: Sequence[float], period: float,
+          deadline: float) -> PoseData:
+    pose = sized(PoseData)
+    pose.position = (ctypes.c_double * 3)(*position)
+    pose.orientation = (ctypes.c_double * 4)(*orientation)
+    pose.period = period
+    pose.deadline = deadline
+    return pose
+
+
+def _material(material: Material) -> MaterialData:
+    feel = sized(MaterialData)
+    if material.stiffness is not None:
+        feel.fields |= 1
+        feel.stiffness = material.stiffness
+    if material.friction is not None:
+        feel.fields |= 2
+        feel.friction_stick, feel.friction_slide = material.friction
+    if material.damping is not None:
+        feel.fields |= 4
+        feel.damping = material.damping
+    if material.texture is not None:
+        feel.fields |= 8
+        feel.texture_amplitude, feel.texture_wavelength, feel.texture_seed = material.texture
+    return feel

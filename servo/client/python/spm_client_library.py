@@ -1,0 +1,162 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The shared library behind spm_client.py: finding it, its structs, and its functions' types."""
+
+from __future__ import annotations
+
+import ctypes
+import ctypes.util
+import enum
+import os
+from pathlib import Path
+
+
+class Code(enum.IntEnum):
+    """What a call of the library gives; see spm_client.h."""
+    OK = 0
+    BAD_ARGUMENT = 1
+    NO_DAEMON = 2
+    REFUSED = 3
+    INTERNAL = 4
+    VERSION_DIFFERS = 5
+    RING_FULL = 6
+    BUSY = 7
+    NOT_THERE = 8
+
+
+SENTENCES = {
+    Code.BAD_ARGUMENT: "a number is not finite or out of range; spm_client.h tells the limits",
+    Code.NO_DAEMON: "the daemon has ended; start it again with 'spm-servo run' and connect anew",
+    Code.REFUSED: "the daemon refused",
+    Code.INTERNAL: "the library failed; report it as a bug",
+    Code.VERSION_DIFFERS: "library and daemon differ; install the same version of both",
+    Code.RING_FULL: "the daemon has not come to so many commands; send fewer, or look whether its "
+                    "loop runs",
+    Code.BUSY: "the state changed too often while it was read; try again",
+    Code.NOT_THERE: "there is no such device, object or asset, or no tick so far",
+}
+
+
+class ClientError(Exception):
+    """A call failed: `code` tells how, the text what to do."""
+
+    def __init__(self, code: int, text: str) -> None:
+        super().__init__(text)
+        self.code = Code(code)
+
+
+# The structs of spm_client.h, in its order.
+
+class OptionsData(ctypes.Structure):
+    _fields_ = [("size", ctypes.c_uint32), ("timeout_ms", ctypes.c_int32),
+                ("path", ctypes.c_char_p), ("name", ctypes.c_char_p),
+                ("application", ctypes.c_char_p)]
+
+
+class InfoData(ctypes.Structure):
+    _fields_ = [("size", ctypes.c_uint32), ("process", ctypes.c_uint32),
+                ("rate_hz", ctypes.c_double), ("device_count", ctypes.c_uint32),
+                ("asset_count", ctypes.c_uint32), ("object_count", ctypes.c_uint32),
+                ("cause_count", ctypes.c_uint32), ("daemon_version", ctypes.c_char * 32),
+                ("library_version", ctypes.c_char * 32)]
+
+
+class TickData(ctypes.Structure):
+    _fields_ = [("size", ctypes.c_uint32), ("device_count", ctypes.c_uint32),
+                ("object_count", ctypes.c_uint32), ("reserved", ctypes.c_uint32),
+                ("tick", ctypes.c_uint64), ("time_ns", ctypes.c_int64)]
+
+
+class DeviceData(ctypes.Structure):
+    _fields_ = [("size", ctypes.c_uint32), ("connected", ctypes.c_uint32),
+                ("tick", ctypes.c_uint64), ("position", ctypes.c_double * 3),
+                ("orientation", ctypes.c_double * 4), ("velocity", ctypes.c_double * 3),
+                ("force", ctypes.c_double * 3), ("torque", ctypes.c_double * 3),
+                ("depth", ctypes.c_double), ("contact", ctypes.c_uint32),
+                ("buttons", ctypes.c_uint32), ("cause", ctypes.c_uint32),
+                ("health", ctypes.c_uint32), ("contacts", ctypes.c_uint32),
+                ("cuts", ctypes.c_uint32)]
+
+
+class ObjectData(ctypes.Structure):
+    _fields_ = [("size", ctypes.c_uint32), ("asset", ctypes.c_uint32), ("id", ctypes.c_uint64),
+                ("tick", ctypes.c_uint64), ("position", ctypes.c_double * 3),
+                ("orientation", ctypes.c_double * 4), ("scale", ctypes.c_double),
+                ("force", ctypes.c_double * 3), ("torque", ctypes.c_double * 3),
+                ("silent", ctypes.c_double), ("movable", ctypes.c_uint32),
+                ("contact", ctypes.c_uint32), ("driven", ctypes.c_uint32),
+                ("reserved", ctypes.c_uint32)]
+
+
+class PoseData(ctypes.Structure):
+    _fields_ = [("size", ctypes.c_uint32), ("reserved", ctypes.c_uint32),
+                ("position", ctypes.c_double * 3), ("orientation", ctypes.c_double * 4),
+                ("period", ctypes.c_double), ("deadline", ctypes.c_double)]
+
+
+class MaterialData(ctypes.Structure):
+    _fields_ = [("size", ctypes.c_uint32), ("fields", ctypes.c_uint32),
+                ("stiffness", ctypes.c_double), ("friction_stick", ctypes.c_double),
+                ("friction_slide", ctypes.c_double), ("damping", ctypes.c_double),
+                ("texture_amplitude", ctypes.c_double), ("texture_wavelength", ctypes.c_double),
+                ("texture_seed", ctypes.c_uint64)]
+
+
+class CountsData(ctypes.Structure):
+    _fields_ = [("size", ctypes.c_uint32), ("last_refusal", ctypes.c_uint32),
+                ("sent", ctypes.c_uint64), ("taken", ctypes.c_uint64),
+                ("refused", ctypes.c_uint64), ("last_refused", ctypes.c_uint64)]
+
+
+class EventData(ctypes.Structure):
+    _fields_ = [("size", ctypes.c_uint32), ("kind", ctypes.c_uint32), ("device", ctypes.c_uint32),
+                ("value", ctypes.c_uint32), ("tick", ctypes.c_uint64)]
+
+
+def sized(kind: type[ctypes.Structure]) -> ctypes.Structure:
+    return kind(size=ctypes.sizeof(kind))
+
+
+def load() -> ctypes.CDLL:
+    candidates = [os.environ.get("SPM_CLIENT_LIBRARY"),
+                  str(Path(__file__).resolve().parent / "libspm_client.so"),
+                  ctypes.util.find_library("spm_client"), "libspm_client.so.1"]
+    for candidate in filter(None, candidates):
+        try:
+            library = ctypes.CDLL(candidate)
+        except OSError:
+            continue
+        _declare(library)
+        return library
+    raise ClientError(Code.INTERNAL, "libspm_client.so was not found: install it, or name it in "
+                                     "the environment variable SPM_CLIENT_LIBRARY")
+
+
+def _declare(library: ctypes.CDLL) -> None:
+    handle, u32, u64, size = ctypes.c_void_p, ctypes.c_uint32, ctypes.c_uint64, ctypes.c_size_t
+    text, pointer = ctypes.c_char_p, ctypes.POINTER
+    code = ctypes.c_int
+    for name, result, arguments in [
+        ("connect", code, [pointer(OptionsData), pointer(handle), text, size]),
+        ("disconnect", None, [handle]),
+        ("daemon_state", code, [handle, pointer(ctypes.c_double)]),
+        ("read_info", code, [handle, pointer(InfoData)]),
+        ("device_name", code, [handle, u32, text, size]),
+        ("asset_name", code, [handle, u32, text, size]),
+        ("object_name", code, [handle, u64, text, size]),
+        ("cause", code, [handle, u32, pointer(text), pointer(text)]),
+        ("read_device", code, [handle, u32, pointer(DeviceData)]),
+        ("read_object", code, [handle, u64, pointer(ObjectData)]),
+        ("read_all", code, [handle, pointer(TickData), pointer(DeviceData), size, pointer(ObjectData), size]),
+        ("add_object", code,
+         [handle, u32, pointer(PoseData), ctypes.c_double, pointer(MaterialData), pointer(u64)]),
+        ("move_object", code, [handle, u64, pointer(PoseData)]),
+        ("remove_object", code, [handle, u64]),
+        ("set_material", code, [handle, u64, pointer(MaterialData)]),
+        ("set_clutch", code, [handle, u32, ctypes.c_int]),
+        ("refusals", code, [handle, pointer(CountsData)]),
+        ("refusal", text, [u32]),
+        ("next_event", code, [handle, pointer(EventData)]),
+    ]:
+        function = getattr(library, f"spm_client_{name}")
+        function.restype = result
+        function.argtypes = arguments

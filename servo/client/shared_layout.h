@@ -1,0 +1,210 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/** The memory that the daemon and its clients share. Internal to both: programs use spm_client.h.
+ *
+ *  Two regions, so that a client that writes garbage hurts nobody but itself:
+ *  - spm_shared_state, one for all, which clients map read-only: what the loop publishes each tick;
+ *  - spm_shared_ring, one a client, which that client and the daemon map for writing: commands.
+ *
+ *  No pointers, fixed-width types, no padding that the compiler chooses. Every field is read and
+ *  written by shared_words.hpp, as atomic words. Any change of this file that moves a field or
+ * gives one another meaning raises SPM_LAYOUT_VERSION: daemon and library of different layouts
+ * refuse each other with a sentence. Lengths in metres, forces in newtons, torques in newton
+ * metres, times of CLOCK_MONOTONIC in nanoseconds, quaternions unit with w first, all in the world
+ * frame. */
+#ifndef SPM_SHARED_LAYOUT_H
+#define SPM_SHARED_LAYOUT_H
+
+#ifdef __cplusplus
+#include <cstddef>
+#include <cstdint>
+#define SPM_LAYOUT_ASSERT static_assert
+#else
+#include <stddef.h>
+#include <stdint.h>
+#define SPM_LAYOUT_ASSERT _Static_assert
+#endif
+
+#define SPM_LAYOUT_VERSION 1u
+
+#define SPM_STATE_MAGIC UINT64_C(0x65746174534d5053) /* the bytes SPMState */
+#define SPM_RING_MAGIC UINT64_C(0x676e6952204d5053)  /* the bytes SPM Ring */
+
+enum {
+  SPM_MOST_DEVICES = 8,
+  SPM_MOST_OBJECTS = 64,
+  SPM_MOST_ASSETS = 32,
+  SPM_MOST_CAUSES = 32,
+  SPM_MOST_CLIENTS = 16,
+  SPM_NAME_BYTES = 64, /* of every name, its closing zero included */
+  SPM_CURE_BYTES = 192,
+  SPM_VERSION_BYTES = 32,
+  SPM_RING_SLOTS = 256 /* a power of two: four frames of all the objects there may be */
+};
+
+/* Bits of spm_shared_device.flags. */
+enum { SPM_DEVICE_CONNECTED = 1, SPM_DEVICE_CONTACT = 2 };
+
+/** One device in one tick. */
+typedef struct spm_shared_device {
+  double position[3];
+  double orientation[4];
+  double velocity[3]; /* m/s */
+  double force[3];    /* on the hand, as sent */
+  double torque[3];   /* about the tool's origin, as sent */
+  double depth;
+  uint32_t buttons;
+  uint32_t cause;  /* of zero force: row of spm_shared_info.causes */
+  uint32_t health; /* spm::servo::DeviceHealth */
+  uint32_t flags;
+  uint32_t contacts; /* how often contact began */
+  uint32_t cuts;     /* how often the force was cut to zero */
+} spm_shared_device;
+
+/* Bits of spm_shared_object.flags. */
+enum { SPM_OBJECT_MOVABLE = 1, SPM_OBJECT_CONTACT = 2, SPM_OBJECT_DRIVEN = 4 };
+
+/** One object in one tick. */
+typedef struct spm_shared_object {
+  uint64_t id; /* the connection that added it, 0 the scene, times 2^32, and a number */
+  double position[3];
+  double orientation[4];
+  double scale;
+  double force[3];  /* reaction: what the tools did to it */
+  double torque[3]; /* about the object's origin */
+  double silent;    /* s since the last pose from an application */
+  uint32_t asset;
+  uint32_t flags;
+} spm_shared_object;
+
+/** One tick. Two of these take turns, each behind a sequence lock: a reader copies the one that was
+ *  finished last, and has a whole tick for it before the loop comes back to that one. */
+typedef struct spm_shared_snapshot {
+  uint64_t sequence; /* odd while it is written */
+  uint64_t tick;
+  int64_t time_ns;
+  uint32_t device_count;
+  uint32_t object_count;
+  uint64_t reserved[4];
+  spm_shared_device devices[SPM_MOST_DEVICES];
+  spm_shared_object objects[SPM_MOST_OBJECTS];
+} spm_shared_snapshot;
+
+/** Why a force may be zero, in words, so that a library knows the causes of a newer daemon. */
+typedef struct spm_shared_cause {
+  char name[SPM_NAME_BYTES];
+  char cure[SPM_CURE_BYTES];
+} spm_shared_cause;
+
+/** What seldom changes: names, all closed by a zero. Behind a sequence lock of its own. */
+typedef struct spm_shared_info {
+  uint32_t device_count;
+  uint32_t asset_count;
+  uint32_t object_count; /* of the scene; added objects have no name */
+  uint32_t cause_count;
+  char devices[SPM_MOST_DEVICES][SPM_NAME_BYTES];
+  char assets[SPM_MOST_ASSETS][SPM_NAME_BYTES];
+  char objects[SPM_MOST_OBJECTS][SPM_NAME_BYTES];
+  spm_shared_cause causes[SPM_MOST_CAUSES];
+} spm_shared_info;
+
+/** The region that all clients map read-only. */
+typedef struct spm_shared_state {
+  uint64_t magic;
+  uint32_t layout_version;
+  uint32_t bytes;
+  char daemon_version[SPM_VERSION_BYTES];
+  uint32_t process; /* the daemon's */
+  uint32_t reserved;
+  double rate_hz;
+  int64_t heartbeat_ns; /* the loop's last tick */
+  uint64_t published; /* snapshots so far; the newest is number published - 1, at its lowest bit */
+  uint64_t ended;     /* 1 once the daemon ended in order */
+  uint64_t info_sequence;
+  uint64_t more_reserved[4];
+  spm_shared_snapshot snapshots[2];
+  spm_shared_info info;
+} spm_shared_state;
+
+/* Kinds of commands. */
+enum {
+  SPM_COMMAND_ADD = 1,
+  SPM_COMMAND_MOVE = 2,
+  SPM_COMMAND_REMOVE = 3,
+  SPM_COMMAND_MATERIAL = 4,
+  SPM_COMMAND_CLUTCH = 5
+};
+
+/* Bits of spm_shared_command.fields: what of the material is set. */
+enum {
+  SPM_MATERIAL_STIFFNESS = 1,
+  SPM_MATERIAL_FRICTION = 2,
+  SPM_MATERIAL_DAMPING = 4,
+  SPM_MATERIAL_TEXTURE = 8,
+  SPM_MATERIAL_ALL = 15
+};
+
+/** One command. The daemon believes nothing in it before it has checked it (app_command.hpp). */
+typedef struct spm_shared_command {
+  uint64_t sequence; /* 1 for a ring's first command, and so on */
+  uint32_t kind;
+  uint32_t index; /* ADD: asset; CLUTCH: device */
+  uint64_t object;
+  int64_t deadline_ns; /* later than this it is refused; 0: never */
+  double position[3];
+  double orientation[4];
+  double scale;  /* ADD */
+  double period; /* MOVE: s to the next pose, a hint; 0: not known */
+  double stiffness;
+  double friction_stick;
+  double friction_slide;
+  double damping;
+  double texture_amplitude;
+  double texture_wavelength;
+  uint64_t texture_seed;
+  uint32_t fields; /* ADD and MATERIAL */
+  uint32_t on;     /* CLUTCH: 1 holds the scene while the hand moves freely */
+  uint64_t reserved[3];
+} spm_shared_command;
+
+/** A client's region: commands from the one thread that writes them to the loop. */
+typedef struct spm_shared_ring {
+  uint64_t magic;
+  uint32_t layout_version;
+  uint32_t bytes;
+  uint64_t reserved[6];
+  uint64_t head; /* by the client: commands written so far */
+  uint64_t more_reserved[7];
+  uint64_t tail; /* by the daemon, who never reads it back: commands taken so far */
+  uint64_t refused;
+  uint64_t garbage;      /* heads and sequence numbers that made no sense */
+  uint64_t last_refused; /* its sequence number */
+  uint64_t last_refusal; /* why: spm::servo::Refusal */
+  uint64_t still_more_reserved[3];
+  spm_shared_command slots[SPM_RING_SLOTS];
+} spm_shared_ring;
+
+SPM_LAYOUT_ASSERT(sizeof(double) == 8, "doubles of 64 bits");
+SPM_LAYOUT_ASSERT(sizeof(spm_shared_device) == 160, "layout");
+SPM_LAYOUT_ASSERT(offsetof(spm_shared_device, buttons) == 136, "layout");
+SPM_LAYOUT_ASSERT(offsetof(spm_shared_device, cuts) == 156, "layout");
+SPM_LAYOUT_ASSERT(sizeof(spm_shared_object) == 136, "layout");
+SPM_LAYOUT_ASSERT(offsetof(spm_shared_object, silent) == 120, "layout");
+SPM_LAYOUT_ASSERT(sizeof(spm_shared_snapshot) == 64 + 8 * 160 + 64 * 136, "layout");
+SPM_LAYOUT_ASSERT(offsetof(spm_shared_snapshot, devices) == 64, "layout");
+SPM_LAYOUT_ASSERT(offsetof(spm_shared_snapshot, objects) == 1344, "layout");
+SPM_LAYOUT_ASSERT(sizeof(spm_shared_cause) == 256, "layout");
+SPM_LAYOUT_ASSERT(sizeof(spm_shared_info) == 16 + (8 + 32 + 64) * 64 + 32 * 256, "layout");
+SPM_LAYOUT_ASSERT(offsetof(spm_shared_state, rate_hz) == 56, "layout");
+SPM_LAYOUT_ASSERT(offsetof(spm_shared_state, heartbeat_ns) == 64, "layout");
+SPM_LAYOUT_ASSERT(offsetof(spm_shared_state, snapshots) == 128, "layout");
+SPM_LAYOUT_ASSERT(offsetof(spm_shared_state, info) == 128 + 2 * 10048, "layout");
+SPM_LAYOUT_ASSERT(sizeof(spm_shared_state) == 128 + 2 * 10048 + 14864, "layout");
+SPM_LAYOUT_ASSERT(sizeof(spm_shared_command) == 192, "layout");
+SPM_LAYOUT_ASSERT(offsetof(spm_shared_command, texture_seed) == 152, "layout");
+SPM_LAYOUT_ASSERT(offsetof(spm_shared_ring, head) == 64, "layout");
+SPM_LAYOUT_ASSERT(offsetof(spm_shared_ring, tail) == 128, "layout");
+SPM_LAYOUT_ASSERT(offsetof(spm_shared_ring, slots) == 192, "layout");
+SPM_LAYOUT_ASSERT(sizeof(spm_shared_ring) == 192 + 256 * 192, "layout");
+SPM_LAYOUT_ASSERT((SPM_RING_SLOTS & (SPM_RING_SLOTS - 1)) == 0, "a power of two");
+
+#endif

@@ -1,0 +1,349 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "servo/client/spm_client.h"
+
+#include <chrono>
+#include <ctime>
+#include <exception>
+#include <memory>
+#include <string>
+
+#include "servo/client/client.hpp"
+#include "servo/client/socket_path.hpp"
+#include "servo/client/state_reader.hpp"
+#include "servo/refusal.hpp"
+
+namespace {
+
+using namespace spm::servo;
+
+constexpr int default_timeout_ms = 1000;
+/// Without a tick for so long the loop counts as stalled: a hundred ticks, and more than any
+/// process is kept from its processor on a machine that is fit for a servo.
+constexpr std::int64_t stalled_ns = 100'000'000;
+
+void give_message(char* message, size_t size, const std::string& text) noexcept {
+  if (message == nullptr || size == 0) return;
+  const size_t count = std::min(size - 1, text.size());
+  std::memcpy(message, text.data(), count);
+  message[count] = '\0';
+}
+
+template <std::size_t Size>
+void copy_text(char (&to)[Size], const char* from) noexcept {
+  const std::size_t count = strnlen(from, Size - 1);
+  std::memcpy(to, from, count);
+  std::memset(to + count, 0, Size - count);
+}
+
+std::int64_t monotonic_ns() noexcept {
+  timespec time{};
+  clock_gettime(CLOCK_MONOTONIC, &time);
+  return std::int64_t{time.tv_sec} * 1'000'000'000 + time.tv_nsec;
+}
+
+int code_of(ReadResult result) noexcept {
+  switch (result) {
+    case ReadResult::fine:
+      return SPM_CLIENT_OK;
+    case ReadResult::busy:
+      return SPM_CLIENT_BUSY;
+    case ReadResult::none:
+      return SPM_CLIENT_NOT_THERE;
+  }
+  return SPM_CLIENT_INTERNAL;
+}
+
+template <std::size_t Count>
+void copy_to(double (&to)[Count], const double (&from)[Count]) noexcept {
+  std::memcpy(to, from, sizeof to);
+}
+
+spm_client_device public_device(const spm_shared_device& from, std::uint64_t tick) noexcept {
+  spm_client_device to{};
+  to.connected = (from.flags & SPM_DEVICE_CONNECTED) != 0 ? 1 : 0;
+  to.tick = tick;
+  copy_to(to.position, from.position);
+  copy_to(to.orientation, from.orientation);
+  copy_to(to.velocity, from.velocity);
+  copy_to(to.force, from.force);
+  copy_to(to.torque, from.torque);
+  to.depth = from.depth;
+  to.contact = (from.flags & SPM_DEVICE_CONTACT) != 0 ? 1 : 0;
+  to.buttons = from.buttons;
+  to.cause = from.cause;
+  to.health = from.health;
+  to.contacts = from.contacts;
+  to.cuts = from.cuts;
+  return to;
+}
+
+spm_client_object public_object(const spm_shared_object& from, std::uint64_t tick) noexcept {
+  spm_client_object to{};
+  to.asset = from.asset;
+  to.id = from.id;
+  to.tick = tick;
+  copy_to(to.position, from.position);
+  copy_to(to.orientation, from.orientation);
+  to.scale = from.scale;
+  copy_to(to.force, from.force);
+  copy_to(to.torque, from.torque);
+  to.silent = from.silent;
+  to.movable = (from.flags & SPM_OBJECT_MOVABLE) != 0 ? 1 : 0;
+  to.contact = (from.flags & SPM_OBJECT_CONTACT) != 0 ? 1 : 0;
+  to.driven = (from.flags & SPM_OBJECT_DRIVEN) != 0 ? 1 : 0;
+  return to;
+}
+
+spm_client_tick public_tick(const spm_shared_snapshot& from) noexcept {
+  spm_client_tick to{};
+  to.tick = load_relaxed(from.tick);
+  to.time_ns = load_relaxed(from.time_ns);
+  to.device_count = device_count(from);
+  to.object_count = object_count(from);
+  return to;
+}
+
+/// Fills an array of a caller whose struct may be longer than ours.
+template <class Record>
+void give_at(Record* first, std::size_t index, const Record& from) noexcept {
+  const std::uint32_t size = first->size;
+  Record record = from;
+  record.size = size;
+  std::memcpy(reinterpret_cast<unsigned char*>(first) + index * size, &record, sizeof record);
+}
+
+/// Copies a name of the daemon's by `find(info)`, which gives it or null.
+template <class Find>
+int give_name(const spm_client* client, char* name, std::size_t size, const Find& find) noexcept {
+  if (client == nullptr || name == nullptr || size == 0) return SPM_CLIENT_BAD_ARGUMENT;
+  name[0] = '\0';
+  char text[SPM_NAME_BYTES] = {};
+  bool found = false;
+  const bool read = read_info(client->connection.state(), [&](const spm_shared_info& info) {
+    const char* const from = find(info);
+    found = from != nullptr;
+    if (found) load_words(text, from, sizeof text);
+  });
+  if (!read) return SPM_CLIENT_BUSY;
+  if (!found) return SPM_CLIENT_NOT_THERE;
+  give_message(name, size, std::string(text, strnlen(text, sizeof text - 1)));
+  return SPM_CLIENT_OK;
+}
+
+template <std::size_t Most>
+const char* name_at(const char (&names)[Most][SPM_NAME_BYTES], std::uint32_t count,
+                    std::uint64_t index) noexcept {
+  return index < std::min<std::uint64_t>(count, Most) ? names[index] : nullptr;
+}
+
+void keep_causes(spm_client& client) {
+  static_cast<void>(read_info(client.connection.state(), [&](const spm_shared_info& info) {
+    client.cause_count = std::min<std::uint32_t>(load_relaxed(info.cause_count), SPM_MOST_CAUSES);
+    load_words(client.causes.data(), info.causes, sizeof info.causes);
+  }));
+  for (spm_shared_cause& cause : client.causes) {
+    cause.name[SPM_NAME_BYTES - 1] = '\0';
+    cause.cure[SPM_CURE_BYTES - 1] = '\0';
+  }
+}
+
+int connect(const spm_client_options& options, spm_client** client, char* message,
+            size_t message_size) {
+  const std::string name(options.name != nullptr ? options.name : default_daemon_name);
+  if (options.path == nullptr && !valid_daemon_name(name)) {
+    give_message(message, message_size,
+                 "'" + name +
+                     "' is no name of a daemon: take 1 to 32 letters, digits, '-', '_' "
+                     "and '.', the first a letter or digit");
+    return SPM_CLIENT_BAD_ARGUMENT;
+  }
+  const std::string path = options.path != nullptr ? options.path : socket_path(name);
+  const int timeout = options.timeout_ms > 0 ? options.timeout_ms : default_timeout_ms;
+  auto opened = Connection::open(path, options.application != nullptr ? options.application : "",
+                                 std::chrono::milliseconds(timeout));
+  if (!opened) {
+    give_message(message, message_size, opened.error().sentence);
+    return opened.error().code;
+  }
+  auto made = std::make_unique<spm_client>(std::move(*opened));
+  keep_causes(*made);
+  *client = made.release();
+  return SPM_CLIENT_OK;
+}
+
+}  // namespace
+
+int spm_client_connect(const spm_client_options* options, spm_client** client, char* message,
+                       size_t message_size) {
+  give_message(message, message_size, "");
+  if (client == nullptr || (options != nullptr && options->size < sizeof *options)) {
+    give_message(message, message_size,
+                 "spm_client_connect was called wrongly: give it a place for the client, and "
+                 "options with their size");
+    return SPM_CLIENT_BAD_ARGUMENT;
+  }
+  *client = nullptr;
+  try {
+    return connect(options != nullptr ? *options : spm_client_options{}, client, message,
+                   message_size);
+  } catch (const std::exception&) {
+    give_message(message, message_size, "no memory is left to connect: close other programs");
+  } catch (...) {
+    give_message(message, message_size, "an unknown failure: report it as a bug");
+  }
+  return SPM_CLIENT_INTERNAL;
+}
+
+void spm_client_disconnect(spm_client* client) { delete client; }
+
+int spm_client_daemon_state(const spm_client* client, double* age) {
+  if (age != nullptr) *age = -1;
+  if (client == nullptr) return SPM_CLIENT_GONE;
+  const spm_shared_state& state = client->connection.state();
+  const bool ticked = load_acquire(state.published) > 0;
+  const std::int64_t since = monotonic_ns() - load_relaxed(state.heartbeat_ns);
+  if (ticked && age != nullptr) *age = static_cast<double>(since) * 1e-9;
+  if (load_acquire(state.ended) != 0) return SPM_CLIENT_ENDED;
+  if (!client->connection.daemon_is_there()) return SPM_CLIENT_GONE;
+  return ticked && since < stalled_ns ? SPM_CLIENT_RUNNING : SPM_CLIENT_STALLED;
+}
+
+int spm_client_read_info(const spm_client* client, spm_client_info* info) {
+  if (client == nullptr || info == nullptr) return SPM_CLIENT_BAD_ARGUMENT;
+  const spm_shared_state& state = client->connection.state();
+  spm_client_info found{};
+  const bool read = read_info(state, [&](const spm_shared_info& from) {
+    found.device_count = load_relaxed(from.device_count);
+    found.asset_count = load_relaxed(from.asset_count);
+    found.object_count = load_relaxed(from.object_count);
+  });
+  if (!read) return SPM_CLIENT_BUSY;
+  found.cause_count = client->cause_count;
+  found.process = state.process;
+  found.rate_hz = state.rate_hz;
+  copy_text(found.daemon_version, state.daemon_version);
+  copy_text(found.library_version, SPM_VERSION);
+  return give(info, found);
+}
+
+int spm_client_device_name(const spm_client* client, uint32_t device, char* name, size_t size) {
+  return give_name(client, name, size, [&](const spm_shared_info& info) {
+    return name_at(info.devices, load_relaxed(info.device_count), device);
+  });
+}
+
+int spm_client_asset_name(const spm_client* client, uint32_t asset, char* name, size_t size) {
+  return give_name(client, name, size, [&](const spm_shared_info& info) {
+    return name_at(info.assets, load_relaxed(info.asset_count), asset);
+  });
+}
+
+int spm_client_object_name(const spm_client* client, uint64_t object, char* name, size_t size) {
+  return give_name(client, name, size, [&](const spm_shared_info& info) {
+    return name_at(info.objects, load_relaxed(info.object_count), object);
+  });
+}
+
+int spm_client_cause(const spm_client* client, uint32_t cause, const char** name,
+                     const char** cure) {
+  if (client == nullptr || name == nullptr || cure == nullptr) return SPM_CLIENT_BAD_ARGUMENT;
+  const bool known = cause < client->cause_count;
+  *name = known ? client->causes[cause].name : "";
+  *cure = known ? client->causes[cause].cure : "";
+  return known ? SPM_CLIENT_OK : SPM_CLIENT_NOT_THERE;
+}
+
+int spm_client_read_tick(const spm_client* client, spm_client_tick* tick) {
+  if (client == nullptr || tick == nullptr) return SPM_CLIENT_BAD_ARGUMENT;
+  spm_client_tick found{};
+  const ReadResult result = read_newest(client->connection.state(), [&](const auto& snapshot) {
+    found = public_tick(snapshot);
+    return true;
+  });
+  return result == ReadResult::fine ? give(tick, found) : code_of(result);
+}
+
+int spm_client_read_device(const spm_client* client, uint32_t device, spm_client_device* state) {
+  if (client == nullptr || state == nullptr) return SPM_CLIENT_BAD_ARGUMENT;
+  spm_shared_device found;
+  std::uint64_t tick = 0;
+  const ReadResult result = read_newest(client->connection.state(), [&](const auto& snapshot) {
+    if (device >= device_count(snapshot)) return false;
+    tick = load_relaxed(snapshot.tick);
+    found = load_record(snapshot.devices[device]);
+    return true;
+  });
+  return result == ReadResult::fine ? give(state, public_device(found, tick)) : code_of(result);
+}
+
+int spm_client_read_object(const spm_client* client, uint64_t object, spm_client_object* state) {
+  if (client == nullptr || state == nullptr) return SPM_CLIENT_BAD_ARGUMENT;
+  spm_shared_object found;
+  std::uint64_t tick = 0;
+  const ReadResult result = read_newest(client->connection.state(), [&](const auto& snapshot) {
+    tick = load_relaxed(snapshot.tick);
+    for (std::uint32_t i = 0; i < object_count(snapshot); ++i) {
+      if (load_relaxed(snapshot.objects[i].id) != object) continue;
+      found = load_record(snapshot.objects[i]);
+      return true;
+    }
+    return false;
+  });
+  return result == ReadResult::fine ? give(state, public_object(found, tick)) : code_of(result);
+}
+
+int spm_client_read_all(const spm_client* client, spm_client_tick* tick, spm_client_device* devices,
+                        size_t most_devices, spm_client_object* objects, size_t most_objects) {
+  if (client == nullptr || tick == nullptr || tick->size < sizeof *tick ||
+      (most_devices > 0 && (devices == nullptr || devices->size < sizeof *devices)) ||
+      (most_objects > 0 && (objects == nullptr || objects->size < sizeof *objects))) {
+    return SPM_CLIENT_BAD_ARGUMENT;
+  }
+  spm_client_tick found{};
+  std::array<spm_shared_device, SPM_MOST_DEVICES> found_devices;
+  std::array<spm_shared_object, SPM_MOST_OBJECTS> found_objects;
+  std::size_t devices_read = 0, objects_read = 0;
+  const ReadResult result = read_newest(client->connection.state(), [&](const auto& snapshot) {
+    found = public_tick(snapshot);
+    devices_read = std::min<std::size_t>(found.device_count, most_devices);
+    objects_read = std::min<std::size_t>(found.object_count, most_objects);
+    load_words(found_devices.data(), snapshot.devices, devices_read * sizeof(spm_shared_device));
+    load_words(found_objects.data(), snapshot.objects, objects_read * sizeof(spm_shared_object));
+    return true;
+  });
+  if (result != ReadResult::fine) return code_of(result);
+  for (std::size_t i = 0; i < devices_read; ++i) {
+    give_at(devices, i, public_device(found_devices[i], found.tick));
+  }
+  for (std::size_t i = 0; i < objects_read; ++i) {
+    give_at(objects, i, public_object(found_objects[i], found.tick));
+  }
+  return give(tick, found);
+}
+
+const char* spm_client_refusal(uint32_t refusal) {
+  // A newer daemon may know further reasons, for which there is a sentence too.
+  return to_sentence(static_cast<Refusal>(std::min<uint32_t>(refusal, 255)));
+}
+
+int spm_client_next_event(spm_client* client, spm_client_event* event) {
+  if (client == nullptr || event == nullptr || event->size < sizeof *event) {
+    return SPM_CLIENT_BAD_ARGUMENT;
+  }
+  const std::lock_guard lock(client->mutex);
+  if (client->events.empty()) {
+    std::array<spm_shared_device, SPM_MOST_DEVICES> devices;
+    std::uint64_t tick = 0;
+    std::uint32_t count = 0;
+    const ReadResult result = read_newest(client->connection.state(), [&](const auto& snapshot) {
+      tick = load_relaxed(snapshot.tick);
+      count = device_count(snapshot);
+      load_words(devices.data(), snapshot.devices, count * sizeof(spm_shared_device));
+      return true;
+    });
+    if (result != ReadResult::fine) return code_of(result);
+    client->events.look(tick, devices, count);
+    if (client->events.empty()) return SPM_CLIENT_NOT_THERE;
+  }
+  return give(event, client->events.take());
+}

@@ -1,0 +1,292 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/** libspm_client: for applications beside the daemon `spm-servo run`. The daemon computes the force
+ *  beside the device; the application reads what the hand does, moves the objects of the scene and
+ *  changes how they feel, at its own pace.
+ *
+ *  Reading copies from shared memory, without a lock or a system call, and never makes the daemon
+ *  wait. Commands go into a ring that the daemon empties each tick, checking every number; what it
+ *  could not follow is told by spm_client_refusals. Whatever the application does, the loop keeps
+ *  its tick.
+ *
+ *  Positions in metres, forces in newtons, torques in newton metres, quaternions unit with w first
+ *  (w x y z), all in the world frame: x to the right, y up, z towards the user. Every struct begins
+ *  with its size, which the caller sets (`spm_client_device d = {.size = sizeof d};`): fields are
+ *  only ever added at the end. Any thread may call anything, but for spm_client_disconnect, which
+ *  must be the last call. Functions give SPM_CLIENT_OK or what was wrong. */
+#ifndef SPM_CLIENT_H
+#define SPM_CLIENT_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+#if defined(__GNUC__)
+#define SPM_CLIENT_API __attribute__((visibility("default")))
+#else
+#define SPM_CLIENT_API
+#endif
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+#define SPM_CLIENT_VERSION 1
+
+/** Names and texts fit into so many bytes, their closing zero included. */
+#define SPM_CLIENT_NAME_BYTES 64
+
+typedef struct spm_client spm_client;
+
+enum spm_client_code {
+  SPM_CLIENT_OK = 0,
+  SPM_CLIENT_BAD_ARGUMENT = 1, /**< a null pointer, a size that no version had, a wrong name */
+  SPM_CLIENT_NO_DAEMON = 2,    /**< none answers there, or it does not any more */
+  SPM_CLIENT_REFUSED = 3,  /**< the daemon does not want this application; the message says why */
+  SPM_CLIENT_INTERNAL = 4, /**< no memory, or a defect */
+  SPM_CLIENT_VERSION_DIFFERS = 5, /**< daemon and library do not belong together */
+  SPM_CLIENT_RING_FULL = 6, /**< the daemon has not come to so many commands: try again later */
+  SPM_CLIENT_BUSY = 7,      /**< the state changed under the reader too often: try again */
+  SPM_CLIENT_NOT_THERE = 8  /**< no such device, object, asset or cause; no tick so far */
+};
+
+enum spm_client_daemon {
+  SPM_CLIENT_RUNNING = 0, /**< the loop ticks */
+  SPM_CLIENT_STALLED = 1, /**< no tick for 0.1 s: the loop was not begun, is stopped, or hangs */
+  SPM_CLIENT_ENDED = 2,   /**< the daemon ended in order */
+  SPM_CLIENT_GONE = 3     /**< the daemon hung up without a word: it crashed or was killed */
+};
+
+/** Why the force is zero. A newer daemon may have further causes; their names and cures come from
+ *  the daemon: spm_client_cause. */
+enum spm_client_force_off {
+  SPM_CLIENT_FORCE_ON = 0,
+  SPM_CLIENT_OFF_STARTING = 1,
+  SPM_CLIENT_OFF_ASSET_LOST = 2,
+  SPM_CLIENT_OFF_NOT_A_NUMBER = 3,
+  SPM_CLIENT_OFF_DEVICE_FAULT = 4,
+  SPM_CLIENT_OFF_STOPPING = 5,
+  SPM_CLIENT_OFF_DEVICE_SILENT = 6,
+  SPM_CLIENT_OFF_DEVICE_GONE = 7,
+  SPM_CLIENT_OFF_NOT_HOMED = 8,
+  SPM_CLIENT_OFF_JUMPED = 9,
+  SPM_CLIENT_OFF_CLUTCHED = 10
+};
+
+enum spm_client_health {
+  SPM_CLIENT_HEALTH_OK = 0,
+  SPM_CLIENT_HEALTH_FAULT = 1,
+  SPM_CLIENT_HEALTH_SILENT = 2,
+  SPM_CLIENT_HEALTH_GONE = 3,
+  SPM_CLIENT_HEALTH_NOT_HOMED = 4
+};
+
+/* --- Connecting ------------------------------------------------------------------------------ */
+
+typedef struct spm_client_options {
+  uint32_t size;
+  int32_t timeout_ms;      /**< how long to wait for the daemon's answer; 0: 1000 */
+  const char* path;        /**< of the socket; NULL: that of `name` */
+  const char* name;        /**< of the daemon; NULL: "default" */
+  const char* application; /**< what the daemon's `top` calls this application; may be NULL */
+} spm_client_options;
+
+/** Connects; `options` may be NULL. Gives SPM_CLIENT_OK and sets *client, or writes one sentence to
+ *  `message` (which may be NULL), cut to `message_size` with its closing zero: what is the matter
+ *  with the daemon, and the cure. */
+SPM_CLIENT_API int spm_client_connect(const spm_client_options* options, spm_client** client,
+                                      char* message, size_t message_size);
+
+/** Hangs up; NULL is allowed. The objects that the application added leave the scene. */
+SPM_CLIENT_API void spm_client_disconnect(spm_client* client);
+
+/** Whether the daemon lives: enum spm_client_daemon. `age` (s, may be NULL) is how long ago the
+ *  loop's last tick was, -1 before the first. One system call. */
+SPM_CLIENT_API int spm_client_daemon_state(const spm_client* client, double* age);
+
+typedef struct spm_client_info {
+  uint32_t size;
+  uint32_t process; /**< the daemon's */
+  double rate_hz;
+  uint32_t device_count;
+  uint32_t asset_count;
+  uint32_t object_count; /**< of the scene; their ids are 0, 1, ... */
+  uint32_t cause_count;
+  char daemon_version[32];
+  char library_version[32];
+} spm_client_info;
+
+SPM_CLIENT_API int spm_client_read_info(const spm_client* client, spm_client_info* info);
+
+/** Names, cut to `size` with the closing zero. */
+SPM_CLIENT_API int spm_client_device_name(const spm_client* client, uint32_t device, char* name,
+                                          size_t size);
+SPM_CLIENT_API int spm_client_asset_name(const spm_client* client, uint32_t asset, char* name,
+                                         size_t size);
+SPM_CLIENT_API int spm_client_object_name(const spm_client* client, uint64_t object, char* name,
+                                          size_t size);
+
+/** A cause of zero force by name (such as "device_gone") and what to do about it. The texts live as
+ *  long as the connection; a cause that there is not gives "" for both. */
+SPM_CLIENT_API int spm_client_cause(const spm_client* client, uint32_t cause, const char** name,
+                                    const char** cure);
+
+/* --- Reading ---------------------------------------------------------------------------------- */
+
+/** When a state was published. */
+typedef struct spm_client_tick {
+  uint32_t size;
+  uint32_t device_count;
+  uint32_t object_count;
+  uint32_t reserved;
+  uint64_t tick;   /**< index on the loop's time grid */
+  int64_t time_ns; /**< of CLOCK_MONOTONIC */
+} spm_client_tick;
+
+/** One device. */
+typedef struct spm_client_device {
+  uint32_t size;
+  uint32_t connected;    /**< 0 while it is unplugged */
+  uint64_t tick;         /**< that the rest belongs to */
+  double position[3];    /**< of the tool's origin */
+  double orientation[4]; /**< of the tool */
+  double velocity[3];    /**< m/s */
+  double force[3];       /**< on the hand, as sent to the device */
+  double torque[3];      /**< about the tool's origin, as sent */
+  double depth;          /**< m, how deep it presses into what it presses deepest; 0 or more */
+  uint32_t contact;      /**< 1 while it touches */
+  uint32_t buttons;      /**< a bit each */
+  uint32_t cause;        /**< of zero force: enum spm_client_force_off */
+  uint32_t health;       /**< enum spm_client_health */
+  uint32_t contacts;     /**< how often contact has begun: none is missed between two reads */
+  uint32_t cuts;         /**< how often the force was cut to zero */
+} spm_client_device;
+
+/** One object of the scene. */
+typedef struct spm_client_object {
+  uint32_t size;
+  uint32_t asset;
+  uint64_t id;
+  uint64_t tick; /**< that the rest belongs to */
+  double position[3];
+  double orientation[4];
+  double scale;
+  double force[3];  /**< reaction: what the tools did to it in that tick */
+  double torque[3]; /**< about the object's origin */
+  double silent;    /**< s since an application gave its last pose; 0 where none ever did */
+  uint32_t movable;
+  uint32_t contact; /**< 1 while a tool touches it */
+  uint32_t driven;  /**< 1 once an application gave it a pose */
+  uint32_t reserved;
+} spm_client_object;
+
+SPM_CLIENT_API int spm_client_read_tick(const spm_client* client, spm_client_tick* tick);
+
+/** Reads one device: about 100 ns. */
+SPM_CLIENT_API int spm_client_read_device(const spm_client* client, uint32_t device,
+                                          spm_client_device* state);
+
+/** Reads one object by its id. */
+SPM_CLIENT_API int spm_client_read_object(const spm_client* client, uint64_t object,
+                                          spm_client_object* state);
+
+/** Reads a whole tick, all of it of the same: up to so many devices and objects. The first of each
+ *  array has its `size` set, which then is that of all. `tick` tells how many there are; arrays may
+ *  be NULL where their count is 0. */
+SPM_CLIENT_API int spm_client_read_all(const spm_client* client, spm_client_tick* tick,
+                                       spm_client_device* devices, size_t most_devices,
+                                       spm_client_object* objects, size_t most_objects);
+
+/* --- Commands --------------------------------------------------------------------------------- */
+
+/** Where an object lies. The application owns the dynamics: it sends poses at its own 60 to 120 Hz,
+ *  and the servo moves the object over the time between them. */
+typedef struct spm_client_pose {
+  uint32_t size;
+  uint32_t reserved;
+  double position[3];    /**< within 100 m of the origin */
+  double orientation[4]; /**< unit within a thousandth */
+  double period;         /**< s until the next pose, at most 1; 0: not known */
+  double deadline;       /**< s from now, after which it is not followed any more; 0: none */
+} spm_client_pose;
+
+enum spm_client_material_field {
+  SPM_CLIENT_STIFFNESS = 1,
+  SPM_CLIENT_FRICTION = 2,
+  SPM_CLIENT_DAMPING = 4,
+  SPM_CLIENT_TEXTURE = 8
+};
+
+/** How an object feels. What is not among `fields` stays as it is. The daemon's caps hold beside
+ *  this. */
+typedef struct spm_client_material {
+  uint32_t size;
+  uint32_t fields;           /**< enum spm_client_material_field, added up */
+  double stiffness;          /**< N/m, 0 to 1e5 */
+  double friction_stick;     /**< mu at rest, friction_slide to 10 */
+  double friction_slide;     /**< mu in motion, 0 or more */
+  double damping;            /**< N s/m, 0 to 1000 */
+  double texture_amplitude;  /**< m, 0 to 0.1 */
+  double texture_wavelength; /**< m, 1e-6 to 1 */
+  uint64_t texture_seed;
+} spm_client_material;
+
+/** Adds an object of an asset that the daemon serves, at `pose`, scaled by `scale` (above 0). What
+ *  `material` (which may be NULL) does not give is as in a scene that does not give it. Sets
+ * *object to the id that it will have. */
+SPM_CLIENT_API int spm_client_add_object(spm_client* client, uint32_t asset,
+                                         const spm_client_pose* pose, double scale,
+                                         const spm_client_material* material, uint64_t* object);
+SPM_CLIENT_API int spm_client_move_object(spm_client* client, uint64_t object,
+                                          const spm_client_pose* pose);
+/** Removes an object that this application added. */
+SPM_CLIENT_API int spm_client_remove_object(spm_client* client, uint64_t object);
+SPM_CLIENT_API int spm_client_set_material(spm_client* client, uint64_t object,
+                                           const spm_client_material* material);
+/** With `on` 1 the device's hand moves freely while its tool stays in the scene; with 0 the tool
+ *  follows again from there. */
+SPM_CLIENT_API int spm_client_set_clutch(spm_client* client, uint32_t device, int on);
+
+typedef struct spm_client_command_counts {
+  uint32_t size;
+  uint32_t last_refusal; /**< why: a number for spm_client_refusal */
+  uint64_t sent;         /**< put into the ring */
+  uint64_t taken;        /**< that the loop has come to */
+  uint64_t refused;      /**< that it did not follow */
+  uint64_t last_refused; /**< its number, from 1 for the first that was sent */
+} spm_client_command_counts;
+
+SPM_CLIENT_API int spm_client_refusals(const spm_client* client, spm_client_command_counts* counts);
+
+/** Why a command was refused and what to do, a sentence; never NULL. */
+SPM_CLIENT_API const char* spm_client_refusal(uint32_t refusal);
+
+/* --- Events ----------------------------------------------------------------------------------- */
+
+enum spm_client_event_kind {
+  SPM_CLIENT_CONTACT_BEGAN = 1,
+  SPM_CLIENT_CONTACT_ENDED = 2,
+  SPM_CLIENT_BUTTON_PRESSED = 3,  /**< value: the button's bit number */
+  SPM_CLIENT_BUTTON_RELEASED = 4, /**< value: the button's bit number */
+  SPM_CLIENT_FORCE_CUT = 5,       /**< value: the cause */
+  SPM_CLIENT_FORCE_BACK = 6,
+  SPM_CLIENT_DEVICE_LOST = 7,
+  SPM_CLIENT_DEVICE_FOUND = 8
+};
+
+typedef struct spm_client_event {
+  uint32_t size;
+  uint32_t kind; /**< enum spm_client_event_kind */
+  uint32_t device;
+  uint32_t value;
+  uint64_t tick; /**< in which it was seen */
+} spm_client_event;
+
+/** The next change of a device since the last call; SPM_CLIENT_NOT_THERE where there is none. A
+ *  contact or a cut that began and ended between two calls is told with both its ends; a button
+ * that was pressed and released between them is not. One thread. */
+SPM_CLIENT_API int spm_client_next_event(spm_client* client, spm_client_event* event);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

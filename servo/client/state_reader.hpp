@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+
+#include "servo/client/shared_layout.h"
+#include "servo/client/shared_words.hpp"
+
+namespace spm::servo {
+
+enum class ReadResult : std::uint8_t { fine, busy, none };
+
+/// How often a reader tries at most. A try fails only where it took longer than a tick.
+inline constexpr int most_reads = 64;
+
+/// Reads the newest snapshot by `read(snapshot)`, which loads words by shared_words.hpp and gives
+/// whether what was looked for is there. `none` also where there was no tick so far.
+template <class Read>
+[[nodiscard]] ReadResult read_newest(const spm_shared_state& state, const Read& read) noexcept {
+  for (int attempt = 0; attempt < most_reads; ++attempt) {
+    const std::uint64_t published = load_acquire(state.published);
+    if (published == 0) return ReadResult::none;
+    const spm_shared_snapshot& snapshot = state.snapshots[(published - 1) & 1];
+    bool found = false;
+    if (read_sequenced(snapshot.sequence, [&] { found = read(snapshot); })) {
+      return found ? ReadResult::fine : ReadResult::none;
+    }
+  }
+  return ReadResult::busy;
+}
+
+/// How many devices and objects a snapshot has; never more than there is room for.
+[[nodiscard]] inline std::uint32_t device_count(const spm_shared_snapshot& snapshot) noexcept {
+  return std::min<std::uint32_t>(load_relaxed(snapshot.device_count), SPM_MOST_DEVICES);
+}
+[[nodiscard]] inline std::uint32_t object_count(const spm_shared_snapshot& snapshot) noexcept {
+  return std::min<std::uint32_t>(load_relaxed(snapshot.object_count), SPM_MOST_OBJECTS);
+}
+
+/// Reads part of what seldom changes by `read(info)`; false where it kept changing.
+template <class Read>
+[[nodiscard]] bool read_info(const spm_shared_state& state, const Read& read) noexcept {
+  for (int attempt = 0; attempt < most_reads; ++attempt) {
+    if (read_sequenced(state.info_sequence, [&] { read(state.info); })) return true;
+  }
+  return false;
+}
+
+}  // namespace spm::servo

@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <memory>
+#include <mutex>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+
+#include "servo/device.hpp"
+#include "servo/devices/falcon_firmware.hpp"
+#include "servo/devices/falcon_options.hpp"
+#include "servo/devices/falcon_packet.hpp"
+#include "servo/devices/falcon_tracker.hpp"
+#include "servo/devices/port.hpp"
+#include "servo/devices/port_threads.hpp"
+
+namespace spm::servo {
+
+/// A Novint Falcon on a USB port. It gives no force before it is homed: pull its grip all the way
+/// out once, and push it in. Its lights show red until then, green while it is used, and blue when
+/// there is no force because its reports make no sense or do not come. Unverified, since no real
+/// Falcon was at hand: homing, forces, the timing of its firmware, and what it does by itself when
+/// it hears no packet.
+class DeviceFalcon final : public Device {
+ public:
+  explicit DeviceFalcon(FalconOptions options);
+
+  /// Finds the device, and loads its firmware where none runs, which takes some seconds. Errors:
+  /// those of the firmware file, of USB, and of the upload.
+  [[nodiscard]] Result<void> open(const DeviceSetup& setup) override;
+  [[nodiscard]] const DeviceCapabilities& capabilities() const noexcept override {
+    return capabilities_;
+  }
+  [[nodiscard]] DeviceHealth read(DeviceState& state) noexcept override;
+  [[nodiscard]] DeviceHealth write(const Wrench& wrench) noexcept override;
+  [[nodiscard]] nlohmann::ordered_json describe() const override;
+
+ private:
+  using FalconThreads = PortThreads<FalconReport, FalconCommand>;
+
+  /// What the last opening found; written by the thread that opens.
+  struct Connection {
+    std::string path;
+    bool uploaded = false;      ///< whether it had to be given its firmware
+    std::uint32_t uploads = 0;  ///< since the start
+    std::string last_failure;   ///< of an attempt to open it again; empty after it succeeded
+  };
+
+  [[nodiscard]] Result<std::unique_ptr<FalconThreads::DevicePort>> connect(
+      const std::atomic<bool>& stop);
+  [[nodiscard]] Result<std::unique_ptr<FalconThreads::DevicePort>> try_to_connect(
+      const std::atomic<bool>& stop);
+  [[nodiscard]] DeviceHealth look() noexcept;
+  /// Motor commands for a force, N; false where there are none.
+  [[nodiscard]] bool push(const Vector3& force, FalconCommand& command) noexcept;
+
+  FalconOptions options_;
+  DeviceCapabilities capabilities_;
+  std::optional<FalconFirmwareFile> firmware_;
+
+  mutable std::mutex mutex_;  ///< guards the connection; read and write never take it
+  Connection connection_;
+
+  // The loop's alone, but for the atomic.
+  FalconTracker tracker_;
+  DeviceHealth health_ = DeviceHealth::silent;
+  DeviceHealth followed_ = DeviceHealth::silent;  ///< what the newest report gave
+  std::uint32_t seen_reopened_ = 0;
+  std::uint32_t buttons_ = 0;
+  std::int64_t came_ns_ = 0;
+  std::atomic<bool> homed_{false};
+
+  FalconThreads threads_;  ///< last, so that its threads end before what they use
+};
+
+}  // namespace spm::servo

@@ -1,0 +1,224 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
+"""The Python package and the examples in C, Python and C#, against one server.
+
+Usage: client_package_test.py [unittest options]; in the build folder, or with
+SPM_BIN: folder of client_test_daemon and spm_client_example; SPM_CLIENT_LIBRARY: libspm_client.so.
+"""
+
+import ctypes
+import math
+import os
+import re
+import shutil
+import subprocess
+import sys
+import tempfile
+import time
+import unittest
+from pathlib import Path
+
+SOURCE = Path(__file__).resolve().parents[3]
+BIN = Path(os.environ.get("SPM_BIN", Path.cwd() / "bin"))
+LIBRARY = Path(os.environ.setdefault("SPM_CLIENT_LIBRARY",
+                                     str(Path.cwd() / "lib" / "libspm_client.so")))
+EXAMPLES = SOURCE / "servo" / "client" / "examples"
+PATIENCE = 20.0  # s, beyond any machine's worst moment
+
+sys.path.insert(0, str(SOURCE / "servo" / "client" / "python"))
+import spm_client_library  # noqa: E402
+from spm_client import Cause, Client, ClientError, Code, DaemonState, EventKind, Material  # noqa: E402
+
+
+def eventually(so) -> bool:
+    deadline = time.monotonic() + PATIENCE
+    while not so():
+        if time.monotonic() > deadline:
+            return False
+        time.sleep(0.002)
+    return True
+
+
+class WithDaemon(unittest.TestCase):
+    """Each test has a server of its own."""
+
+    def setUp(self) -> None:
+        self.folder = tempfile.TemporaryDirectory(prefix="spm-client-")
+        self.addCleanup(self.folder.cleanup)
+        self.socket = os.path.join(self.folder.name, "a.sock")
+        self.daemon = subprocess.Popen([BIN / "client_test_daemon", self.socket],
+                                       stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
+        self.addCleanup(self.end_daemon)
+        self.assertEqual(self.daemon.stdout.readline(), "ready\n")
+
+    def end_daemon(self) -> None:
+        if self.daemon.poll() is None:
+            self.daemon.stdin.close()
+            self.assertEqual(self.daemon.wait(timeout=PATIENCE), 0)
+        self.daemon.stdout.close()
+
+    def tell(self, what: str) -> None:
+        self.daemon.stdin.write(what)
+        self.daemon.stdin.flush()
+
+    def client(self, **options) -> Client:
+        client = Client(path=self.socket, timeout=PATIENCE, **options)
+        self.addCleanup(client.close)
+        return client
+
+
+class Package(WithDaemon):
+    def test_the_daemon_is_described(self) -> None:
+        info = self.client().info()
+        self.assertEqual((info.devices, info.assets, info.objects), (["hand"], ["bunny"], ["first"]))
+        self.assertEqual(info.rate_hz, 1000)
+        self.assertEqual(info.process, self.daemon.pid)
+        self.assertEqual(info.daemon_version, info.library_version)
+
+    def test_the_state_moves_on_with_the_ticks(self) -> None:
+        client = self.client()
+        self.assertTrue(eventually(lambda: client.daemon_state()[0] == DaemonState.RUNNING))
+        first = client.device(0)
+        self.assertTrue(eventually(lambda: client.device(0).tick > first.tick + 10))
+        later = client.device(0)
+        self.assertAlmostEqual(later.position[0], later.tick * 1e-6, places=12)
+        devices, objects = client.all()
+        self.assertEqual((len(devices), len(objects)), (1, 1))
+
+    def test_objects_are_added_moved_and_removed(self) -> None:
+        client = self.client()
+        added = client.add(0, (0.1, 0.0, 0.0), scale=2.0,
+                           material=Material(stiffness=800.0, friction=(0.5, 0.4),
+                                             texture=(5e-5, 1e-3, 3)))
+        self.assertTrue(eventually(lambda: len(client.all()[1]) == 2))
+        client.move(added, (0.2, 0.3, 0.4), (0.0, 1.0, 0.0, 0.0), period=1 / 90)
+        self.assertTrue(eventually(lambda: client.object(added).position == (0.2, 0.3, 0.4)))
+        self.assertEqual(client.object(added).orientation, (0.0, 1.0, 0.0, 0.0))
+        client.set_material(added, Material(damping=2.0))
+        client.set_clutch(0, True)
+        client.remove(added)
+        self.assertTrue(eventually(lambda: len(client.all()[1]) == 1))
+        self.assertEqual(client.refusals().refused, 0)
+
+    def test_what_cannot_be_done_is_told_with_its_reason(self) -> None:
+        client = self.client()
+        client.move(4711, (0.0, 0.0, 0.0))
+        self.assertTrue(eventually(lambda: client.refusals().refused == 1))
+        self.assertIn("no such object", client.refusals().reason)
+        for wrong in (lambda: client.move(0, (math.nan, 0.0, 0.0)),
+                      lambda: client.move(0, (0.0, 0.0, 0.0), (0.0, 0.0, 0.0, 0.0))):
+            with self.assertRaises(ClientError) as caught:
+                wrong()
+            self.assertEqual(caught.exception.code, Code.BAD_ARGUMENT)
+        with self.assertRaises(ClientError) as caught:
+            client.add(7)
+        self.assertEqual(caught.exception.code, Code.NOT_THERE)
+
+    def test_a_cause_of_zero_force_comes_with_its_cure(self) -> None:
+        client = self.client()
+        self.tell("g")
+        self.assertTrue(eventually(lambda: client.device(0).cause == Cause.DEVICE_GONE))
+        self.assertTrue(client.device(0).cause_text.startswith("device_gone: "))
+        self.assertIn("plug", client.device(0).cause_text)
+        self.tell("n")
+        self.assertTrue(eventually(lambda: client.device(0).cause_text == ""))
+
+    def test_events_are_told_once(self) -> None:
+        client = self.client()
+        self.assertTrue(eventually(lambda: client.daemon_state()[0] == DaemonState.RUNNING))
+        self.assertEqual(list(client.events()), [])
+        kinds: list[EventKind] = []
+
+        def has(kind: EventKind) -> bool:
+            kinds.extend(event.kind for event in client.events())
+            return kind in kinds
+
+        self.tell("c")
+        self.assertTrue(eventually(lambda: has(EventKind.CONTACT_BEGAN)))
+        self.tell("fb")
+        self.assertTrue(eventually(lambda: has(EventKind.CONTACT_ENDED)))
+        self.assertTrue(eventually(lambda: has(EventKind.BUTTON_PRESSED)))
+        self.assertEqual(kinds.count(EventKind.CONTACT_BEGAN), 1)
+
+    def test_a_daemon_that_is_killed_is_gone(self) -> None:
+        client = self.client()
+        self.daemon.kill()
+        self.daemon.wait()
+        self.daemon.stdin.close()
+        self.assertEqual(client.daemon_state()[0], DaemonState.GONE)
+        with self.assertRaises(ClientError) as caught:
+            Client(path=self.socket)
+        self.assertEqual(caught.exception.code, Code.NO_DAEMON)
+        self.assertIn("has ended", str(caught.exception))
+
+    def test_without_a_daemon_the_error_names_the_cure(self) -> None:
+        with self.assertRaises(ClientError) as caught:
+            Client(path=self.socket + ".not")
+        self.assertEqual(caught.exception.code, Code.NO_DAEMON)
+        self.assertIn("spm-servo run", str(caught.exception))
+
+    def test_a_client_that_is_closed_says_so(self) -> None:
+        with self.client() as client:
+            client.device(0) if eventually(lambda: client.daemon_state()[1] >= 0) else None
+        client.close()
+        with self.assertRaises(ClientError):
+            client.device(0)
+
+
+class Structs(unittest.TestCase):
+    def test_the_structs_are_as_long_as_the_headers(self) -> None:
+        """Counted from the text of spm_client.h, so that a field that is added there shows."""
+        header = (SOURCE / "servo" / "client" / "spm_client.h").read_text(encoding="utf-8")
+        sizes = {"uint32_t": 4, "int32_t": 4, "uint64_t": 8, "int64_t": 8, "double": 8, "char": 1}
+        found = dict(re.findall(r"typedef struct spm_client_(\w+) \{(.*?)\} spm_client_\w+;", header,
+                                re.DOTALL))
+        for name, kind in {"options": "OptionsData", "info": "InfoData", "tick": "TickData",
+                           "device": "DeviceData", "object": "ObjectData", "pose": "PoseData",
+                           "material": "MaterialData", "command_counts": "CountsData",
+                           "event": "EventData"}.items():
+            total = 0
+            body = re.sub(r"/\*.*?\*/", "", found[name], flags=re.DOTALL)
+            for line in filter(None, map(str.strip, body.split(";"))):
+                field = re.fullmatch(r"(const )?(\w+)(\*?) (\w+)(?:\[(\d+)\])?", line)
+                self.assertIsNotNone(field, line)
+                size = 8 if field[3] else sizes[field[2]]
+                total += size * int(field[5] or 1)
+            with self.subTest(struct=name):
+                self.assertEqual(ctypes.sizeof(getattr(spm_client_library, kind)), total)
+
+
+class Examples(WithDaemon):
+    def run_example(self, *command, environment=None) -> str:
+        done = subprocess.run(command, capture_output=True, text=True, timeout=120,
+                              env={**os.environ, **(environment or {})})
+        self.assertEqual(done.returncode, 0, done.stderr)
+        return done.stdout
+
+    def test_the_c_example_prints_the_state(self) -> None:
+        shown = self.run_example(BIN / "spm_client_example", self.socket, "3")
+        self.assertEqual(len(re.findall(r"^tick \d+: at .* mm, force .* N", shown, re.M)), 3)
+
+    def test_the_python_example_moves_the_object(self) -> None:
+        shown = self.run_example(sys.executable, EXAMPLES / "move_object.py", self.socket, "0.5")
+        self.assertGreater(len(set(re.findall(r"object at (\S+) mm", shown))), 2)
+
+    def test_the_c_sharp_example_prints_the_state(self) -> None:
+        if not (shutil.which("mcs") and shutil.which("mono")):
+            self.skipTest("mcs or mono is not installed (packages mono-mcs and mono-runtime)")
+        program = os.path.join(self.folder.name, "ReadState.exe")
+        subprocess.run(["mcs", f"-out:{program}", EXAMPLES / "SpmClient.cs",
+                        EXAMPLES / "ReadState.cs"], check=True, capture_output=True)
+        shown = self.run_example(
+            "mono", program, self.socket, "3",
+            environment={"LD_LIBRARY_PATH": str(LIBRARY.parent), "LC_ALL": "C.UTF-8"})
+        self.assertEqual(len(re.findall(r"^tick \d+: hand at .* mm, force .* N", shown, re.M)), 3)
+
+    def test_examples_without_a_daemon_end_with_the_sentence(self) -> None:
+        for command in ([BIN / "spm_client_example"], [sys.executable, EXAMPLES / "move_object.py"]):
+            done = subprocess.run([*command, self.socket + ".not"], capture_output=True, text=True)
+            self.assertEqual(done.returncode, 2)
+            self.assertIn("no daemon answers at", done.stderr)
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <sys/un.h>
+
+#include <functional>
+#include <memory>
+#include <string>
+
+#include "servo/app_server.hpp"
+#include "servo/client/spm_client.h"
+
+namespace spm::test {
+
+/// Waits until something is so; false where it never came to be, beyond any machine's worst moment.
+[[nodiscard]] bool eventually(const std::function<bool()>& so);
+
+[[nodiscard]] bool contains(const std::string& text, const std::string& part);
+
+/// A struct of spm_client.h with its size.
+template <class Record>
+[[nodiscard]] Record sized() {
+  Record record{};
+  record.size = sizeof record;
+  return record;
+}
+
+/// A pose that may be sent, at x metres.
+[[nodiscard]] spm_client_pose pose_at(double x);
+
+/// Starts a server; throws its error.
+[[nodiscard]] std::unique_ptr<servo::AppServer> started(servo::AppState& state,
+                                                        servo::AppServerOptions options);
+[[nodiscard]] std::unique_ptr<servo::AppServer> started(servo::AppState& state,
+                                                        const std::string& path);
+
+[[nodiscard]] sockaddr_un address_of(const std::string& path);
+/// A socket of the kind that the daemon listens at.
+[[nodiscard]] int new_socket();
+
+/// A connection by the library, or why there is none.
+class Connected {
+ public:
+  explicit Connected(const std::string& path, int timeout_ms = 20000);
+  Connected(const Connected&) = delete;
+  Connected& operator=(const Connected&) = delete;
+  ~Connected();
+
+  /// Whether the loop takes a command.
+  [[nodiscard]] bool commands_work() const;
+
+  spm_client* client = nullptr;
+  int code = 0;
+  std::string message;
+};
+
+}  // namespace spm::test
