@@ -39,14 +39,7 @@ Result<void> set_hand(SimOptions& options, std::string_view value) {
 
 Result<void> set_quantity(double& target, std::string_view key, std::string_view value,
                           Quantity quantity, double most) {
-  const Result<double> parsed = parse_quantity(value, quantity);
-  if (!parsed) return usage(fmt::format("{}: {}", key, parsed.error().message));
-  if (!(*parsed > 0 && *parsed <= most)) {
-    return usage(fmt::format("{} {} is out of range; it must be above 0 and at most {}", key, value,
-                             format_quantity(most, quantity)));
-  }
-  target = *parsed;
-  return {};
+  return set_option_quantity("sim", target, key, value, quantity, most);
 }
 
 Result<void> set_seed(SimOptions& options, std::string_view value) {

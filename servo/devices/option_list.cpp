@@ -25,4 +25,17 @@ Result<std::vector<DeviceOption>> split_options(const std::string& device, std::
   return options;
 }
 
+Result<void> set_option_quantity(const std::string& device, double& target, std::string_view key,
+                                 std::string_view value, Quantity quantity, double most) {
+  const Result<double> parsed = parse_quantity(value, quantity);
+  if (!parsed) return option_error(device, fmt::format("{}: {}", key, parsed.error().message));
+  if (!(*parsed > 0 && *parsed <= most)) {
+    return option_error(
+        device, fmt::format("{} {} is out of range; it must be above 0 and at most {}", key, value,
+                            format_quantity(most, quantity)));
+  }
+  target = *parsed;
+  return {};
+}
+
 }  // namespace spm::servo

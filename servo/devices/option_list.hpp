@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "common/error.hpp"
+#include "common/units.hpp"
 
 namespace spm::servo {
 
@@ -21,5 +22,10 @@ struct DeviceOption {
 /// A usage error of a device's options.
 [[nodiscard]] tl::unexpected<Error> option_error(const std::string& device,
                                                  const std::string& message);
+
+/// Sets a quantity that is above 0 and at most so much, SI. Errors: usage.
+[[nodiscard]] Result<void> set_option_quantity(const std::string& device, double& target,
+                                               std::string_view key, std::string_view value,
+                                               Quantity quantity, double most);
 
 }  // namespace spm::servo
