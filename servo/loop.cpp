@@ -71,7 +71,7 @@ Loop::Loop(const LoopSettings& settings, std::vector<Device*> devices,
   }
   for (Channel& channel : channels_) forces_.push_back(&channel.force);
   if (app != nullptr) app_.emplace(*app, settings_.scene);
-  told_.reserve(channels_.size());
+  told_.resize(channels_.size());
 }
 
 void Loop::run() noexcept {
@@ -194,17 +194,14 @@ void Loop::begin_app(std::int64_t now_ns) noexcept {
 }
 
 void Loop::end_app(std::uint64_t tick, std::int64_t now_ns) noexcept {
-  if (!app_) return;
-  told_.clear();
-  for (const Channel& channel : channels_) told_.push_back(channel.told);
-  app_->end(tick, now_ns, told_, forces_);
+  if (app_) app_->end(tick, now_ns, told_, forces_);
 }
 
 /// What applications are told of a device, in the world's frame.
 void Loop::tell(Channel& channel, const DeviceState& state, DeviceHealth health,
-                const SafeForce& sent) const noexcept {
+                const SafeForce& sent) noexcept {
   const Placement& workspace = settings_.scene.workspace;
-  AppDevice& told = channel.told;
+  AppDevice& told = told_[channel.record.device];
   told.health = health;
   told.cause = sent.cause;
   told.contact = channel.record.contact;

@@ -86,7 +86,6 @@ class Loop {
     Vector3 clutch = Vector3::Zero();  ///< m, from the hand to the tool
     Vector3 tool = Vector3::Zero();    ///< m, where the force law was last asked
     VelocityEstimate velocity;         ///< of the tool
-    AppDevice told;                    ///< what applications are told
     DeviceHealth written = DeviceHealth::ok;
   };
 
@@ -101,7 +100,7 @@ class Loop {
   void begin_app(std::int64_t now_ns) noexcept;
   void end_app(std::uint64_t tick, std::int64_t now_ns) noexcept;
   void tell(Channel& channel, const DeviceState& state, DeviceHealth health,
-            const SafeForce& sent) const noexcept;
+            const SafeForce& sent) noexcept;
   void take_up() noexcept;
   static void forget(Channel& channel) noexcept;
   void send_zero() noexcept;
@@ -110,7 +109,7 @@ class Loop {
   std::vector<Channel> channels_;
   std::vector<SceneForce*> forces_;  ///< of the channels
   std::optional<AppScene> app_;
-  std::vector<AppDevice> told_;
+  std::vector<AppDevice> told_;  ///< what applications are told, one a channel
   std::vector<AssetSlot*> slots_;
   TickRing& ring_;
   const std::atomic<bool>& stop_;

@@ -35,8 +35,7 @@ Result<std::vector<std::unique_ptr<Device>>> make_devices(const RunOptions& opti
   const bool from_scene = wanted.empty();
   if (from_scene) wanted = {device_of(choice.device)};
   std::vector<std::unique_ptr<Device>> devices;
-  for (std::string& specification : wanted) {
-    if (specification == "auto") specification = first_device_found();
+  for (const std::string& specification : wanted) {
     auto device = make_device(specification);
     if (!device && from_scene && !choice.device.driver.empty()) {
       return fail(ExitCode::invalid_input,

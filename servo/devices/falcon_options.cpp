@@ -49,15 +49,7 @@ bool is_usb_path(std::string_view text) {
 
 Result<void> set_quantity(double& target, std::string_view key, std::string_view value,
                           Quantity quantity, double least, double most) {
-  const Result<double> parsed = parse_quantity(value, quantity);
-  if (!parsed) return usage(fmt::format("{}: {}", key, parsed.error().message));
-  if (!(*parsed > 0 && *parsed >= least && *parsed <= most)) {
-    const std::string low = least > 0 ? "at least " + format_quantity(least, quantity) : "above 0";
-    return usage(fmt::format("{} {} is out of range; it must be {} and at most {}", key, value, low,
-                             format_quantity(most, quantity)));
-  }
-  target = *parsed;
-  return {};
+  return set_option_quantity(device, target, key, value, quantity, most, least);
 }
 
 Result<void> set(FalconOptions& options, std::string_view key, std::string_view value) {

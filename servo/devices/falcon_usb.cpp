@@ -8,6 +8,8 @@
 #include <span>
 #include <utility>
 
+#include "servo/usb_place.hpp"
+
 namespace spm::servo {
 
 namespace {
@@ -22,7 +24,6 @@ constexpr std::uint8_t vendor_request = 0x40;  // to the device itself
 constexpr unsigned control_timeout = 1000;     // ms
 constexpr std::uint8_t reset_request = 0;
 constexpr std::uint16_t purge_sending = 2;
-constexpr int deepest_port = 7;  // of hubs behind each other, as USB allows
 
 struct DeviceListDeleter {
   void operator()(libusb_device** list) const noexcept { libusb_free_device_list(list, 1); }
@@ -39,16 +40,6 @@ struct Found {
   DeviceList list;
   std::vector<FoundFalcon> falcons;
 };
-
-std::string path_of(libusb_device* device) {
-  std::string path = std::to_string(libusb_get_bus_number(device));
-  std::array<std::uint8_t, deepest_port> ports{};
-  const int count = libusb_get_port_numbers(device, ports.data(), deepest_port);
-  for (int i = 0; i < count; ++i) {
-    path += fmt::format("{}{}", i == 0 ? '-' : '.', ports[static_cast<std::size_t>(i)]);
-  }
-  return path;
-}
 
 Result<UsbContext> make_context() {
   libusb_context* context = nullptr;
@@ -75,7 +66,7 @@ Result<Found> find_falcons(libusb_context* context) {
     libusb_device_descriptor descriptor{};
     if (libusb_get_device_descriptor(device, &descriptor) != LIBUSB_SUCCESS) continue;
     if (descriptor.idVendor == vendor && descriptor.idProduct == product) {
-      found.falcons.push_back({device, path_of(device)});
+      found.falcons.push_back({device, usb_place(device)});
     }
   }
   return found;

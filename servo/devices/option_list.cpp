@@ -26,13 +26,14 @@ Result<std::vector<DeviceOption>> split_options(const std::string& device, std::
 }
 
 Result<void> set_option_quantity(const std::string& device, double& target, std::string_view key,
-                                 std::string_view value, Quantity quantity, double most) {
+                                 std::string_view value, Quantity quantity, double most,
+                                 double least) {
   const Result<double> parsed = parse_quantity(value, quantity);
   if (!parsed) return option_error(device, fmt::format("{}: {}", key, parsed.error().message));
-  if (!(*parsed > 0 && *parsed <= most)) {
-    return option_error(
-        device, fmt::format("{} {} is out of range; it must be above 0 and at most {}", key, value,
-                            format_quantity(most, quantity)));
+  if (!(*parsed > 0 && *parsed >= least && *parsed <= most)) {
+    const std::string low = least > 0 ? "at least " + format_quantity(least, quantity) : "above 0";
+    return option_error(device, fmt::format("{} {} is out of range; it must be {} and at most {}",
+                                            key, value, low, format_quantity(most, quantity)));
   }
   target = *parsed;
   return {};

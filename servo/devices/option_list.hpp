@@ -23,9 +23,9 @@ struct DeviceOption {
 [[nodiscard]] tl::unexpected<Error> option_error(const std::string& device,
                                                  const std::string& message);
 
-/// Sets a quantity that is above 0 and at most so much, SI. Errors: usage.
+/// Sets a quantity that is above 0, at least and at most so much, SI. Errors: usage.
 [[nodiscard]] Result<void> set_option_quantity(const std::string& device, double& target,
                                                std::string_view key, std::string_view value,
-                                               Quantity quantity, double most);
+                                               Quantity quantity, double most, double least = 0);
 
 }  // namespace spm::servo
