@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "common/scene_force.hpp"
 
+#include <algorithm>
 #include <utility>
 
 namespace spm {
@@ -9,18 +10,28 @@ ForceScene scene_of(const ForceSettings& force, const EffectSettings& effects) {
   return {{}, {PlacedObject{0, {}, force, effects}}};
 }
 
-SceneForce::SceneForce(const ForceScene& scene, double tick, double encoder_step, std::size_t room)
+SceneForce::SceneForce(const ForceScene& scene, double tick, double encoder_step, std::size_t room,
+                       double stiffness_cap)
     : rotation_(scene.workspace.rotation.toRotationMatrix()),
       position_(scene.workspace.position),
       scale_(scene.workspace.scale),
       tick_(tick),
-      encoder_step_(encoder_step * scale_) {
+      encoder_step_(encoder_step * scale_),
+      stiffness_cap_(stiffness_cap / scale_) {
   objects_.reserve(scene.objects.size() + room);
   for (const PlacedObject& object : scene.objects) static_cast<void>(add(object));
 }
 
+PlacedContact SceneForce::contact_of(const PlacedObject& object) const {
+  PlacedObject capped = object;
+  capped.force.stiffness = std::min(object.force.stiffness, stiffness_cap_);
+  FrictionSettings& friction = capped.effects.friction;
+  friction.stiffness = std::min(friction.stiffness, stiffness_cap_);
+  return PlacedContact(capped, tick_, encoder_step_);
+}
+
 std::optional<std::size_t> SceneForce::add(const PlacedObject& object) noexcept {
-  Object added{PlacedContact(object, tick_, encoder_step_), true, {}};
+  Object added{contact_of(object), true, {}};
   for (std::size_t i = 0; i < objects_.size(); ++i) {
     if (objects_[i].is_there) continue;
     objects_[i] = std::move(added);
@@ -34,7 +45,7 @@ std::optional<std::size_t> SceneForce::add(const PlacedObject& object) noexcept 
 
 void SceneForce::change(std::size_t object, const PlacedObject& settings) noexcept {
   if (object >= objects_.size()) return;
-  objects_[object].contact = PlacedContact(settings, tick_, encoder_step_);
+  objects_[object].contact = contact_of(settings);
 }
 
 void SceneForce::remove(std::size_t object) noexcept {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <limits>
 #include <optional>
 #include <span>
 #include <vector>
@@ -26,8 +27,10 @@ struct ForceScene {
 class SceneForce {
  public:
   /// `tick` in s, above 0; `encoder_step` in m of the hand, 0 or more. There is room for so many
-  /// objects beside the scene's.
-  SceneForce(const ForceScene& scene, double tick, double encoder_step, std::size_t room = 0);
+  /// objects beside the scene's. `stiffness_cap`: no object is felt stiffer, N a metre of the hand,
+  /// above 0, whatever its settings say.
+  SceneForce(const ForceScene& scene, double tick, double encoder_step, std::size_t room = 0,
+             double stiffness_cap = std::numeric_limits<double>::infinity());
 
   /// Force on a probe centred at `hand` in the next tick. Position, force and normal are in the
   /// hand's frame, whose metres the workspace's scale makes metres of the world; newtons stay
@@ -58,10 +61,13 @@ class SceneForce {
   void reset() noexcept;
 
  private:
+  [[nodiscard]] PlacedContact contact_of(const PlacedObject& object) const;
+
   Eigen::Matrix3d rotation_;
   Vector3 position_;
   double scale_;
   double tick_, encoder_step_;
+  double stiffness_cap_;  ///< N a metre of the world
   struct Object {
     PlacedContact contact;
     bool is_there = true;

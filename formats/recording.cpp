@@ -5,6 +5,7 @@
 #include <xxhash.h>
 
 #include <bit>
+#include <cmath>
 #include <cstddef>
 #include <cstring>
 #include <fstream>
@@ -47,6 +48,9 @@ Json to_json(const RecordingHeader& header) {
   Json devices = Json::array();
   for (const RecordedDevice& device : header.devices) {
     devices.push_back({{"name", device.name}, {"encoder_step_m", device.encoder_step}});
+    if (std::isfinite(device.stiffness_cap)) {
+      devices.back()["stiffness_cap_n_m"] = device.stiffness_cap;
+    }
   }
   return {{"spm_version", header.spm_version},
           {"instruction_set", header.instruction_set},
@@ -86,6 +90,8 @@ RecordingHeader header_of(const Json& json, std::string& problem) {
   for (const Json& entry : fields.array("devices")) {
     JsonFields device(entry, "devices", problem);
     header.devices.push_back({device.text("name"), device.number("encoder_step_m", 0)});
+    if (device.optional("stiffness_cap_n_m").is_null()) continue;
+    header.devices.back().stiffness_cap = device.number("stiffness_cap_n_m", 0);
   }
   return header;
 }

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstdint>
+#include <limits>
 #include <memory>
 #include <string>
 #include <vector>
@@ -38,6 +39,8 @@ enum RecordingFlag : std::uint8_t {
 struct RecordedDevice {
   std::string name;
   double encoder_step = 0;  ///< m
+  /// N a metre of the hand, that no object was felt above; infinity for none.
+  double stiffness_cap = std::numeric_limits<double>::infinity();
 };
 
 /// What a recording says of itself.

@@ -10,6 +10,10 @@ namespace spm::servo {
 
 namespace {
 
+/// So long an application that moves objects may give no sign of life, s: a frame that took long,
+/// or a scene that is loaded, is not felt. The scene is held meanwhile.
+constexpr double longest_silence = 1;
+
 /// Of the connection that added an object; 0: the scene.
 std::uint32_t owner_of(std::uint64_t id) noexcept { return static_cast<std::uint32_t>(id >> 32U); }
 
@@ -33,19 +37,24 @@ AppScene::AppScene(AppState& state, const ForceScene& scene)
     : state_(state), probe_radius_(scene.objects.front().force.probe_radius) {
   objects_.reserve(scene.objects.size() + room(scene));
   told_.reserve(SPM_MOST_OBJECTS);
+  std::size_t assets = 0;
+  for (const PlacedObject& object : scene.objects) assets = std::max(assets, object.asset + 1);
+  least_scales_.resize(assets + spare_assets, std::numeric_limits<double>::infinity());
   for (const PlacedObject& object : scene.objects) {
-    if (object.asset >= least_scales_.size()) {
-      least_scales_.resize(object.asset + 1, std::numeric_limits<double>::infinity());
-    }
-    // A smaller one would need a larger probe than was checked when the asset was opened.
-    double& least = least_scales_[object.asset];
-    least = probe_radius_ > 0 ? std::min(least, object.placement.scale) : 0;
+    note_scale(object);
     objects_.push_back({objects_.size(), object, PoseInterpolator({}, object.placement)});
   }
 }
 
 std::size_t AppScene::room(const ForceScene& scene) noexcept {
   return SPM_MOST_OBJECTS - std::min<std::size_t>(SPM_MOST_OBJECTS, scene.objects.size());
+}
+
+/// A smaller one would need a larger probe than was checked for the scene.
+void AppScene::note_scale(const PlacedObject& object) noexcept {
+  if (object.asset >= least_scales_.size()) return;
+  double& least = least_scales_[object.asset];
+  least = probe_radius_ > 0 ? std::min(least, object.placement.scale) : 0;
 }
 
 AppScene::Object* AppScene::find(std::uint64_t id) noexcept {
@@ -62,12 +71,21 @@ AppChanges AppScene::begin(std::int64_t now_ns, std::span<SceneForce* const> for
     const Refusal refusal = follow(command, now_ns, forces);
     if (refusal != Refusal::none) state_.refuse(command, refusal);
   }
+  bool silent = false;
   for (std::size_t i = 0; i < objects_.size(); ++i) {
     const InterpolatedPose now = objects_[i].motion.at(now_ns);
     if (!objects_[i].is_there || !now.driven) continue;
+    silent = silent || is_left_alone(objects_[i]);
     for (SceneForce* force : forces) force->place(i, now.pose.position, now.pose.rotation);
   }
-  return {felt_anew_, std::span(clutches_).first(clutch_count_)};
+  return {felt_anew_, silent, std::span(clutches_).first(clutch_count_)};
+}
+
+/// Whether an application that moves an object hangs. One that has left is no danger: what it moved
+/// stays where it is.
+bool AppScene::is_left_alone(const Object& object) const noexcept {
+  return object.driver != 0 && object.motion.is_streamed() &&
+         state_.silence(object.driver) > longest_silence;
 }
 
 Refusal AppScene::follow(const AppCommand& command, std::int64_t now_ns,
@@ -104,10 +122,17 @@ Refusal AppScene::add(const AppCommand& command, std::span<SceneForce* const> fo
   added.settings.effects.turn.rate = usual_turn_rate;
   added.settings.movable = true;
   set_material(command.material, added.settings);
+  if (!put(added, forces)) return Refusal::too_many_objects;
+  felt_anew_ = true;
+  return Refusal::none;
+}
+
+/// Whether there was room for it.
+bool AppScene::put(const Object& added, std::span<SceneForce* const> forces) noexcept {
   std::size_t place = objects_.size();
   for (SceneForce* force : forces) {
     const auto given = force->add(added.settings);
-    if (!given) return Refusal::too_many_objects;
+    if (!given) return false;
     place = *given;  // the same in all, since all are told the same
   }
   if (place < objects_.size()) {
@@ -115,10 +140,9 @@ Refusal AppScene::add(const AppCommand& command, std::span<SceneForce* const> fo
   } else if (objects_.size() < objects_.capacity()) {
     objects_.push_back(added);
   } else {
-    return Refusal::too_many_objects;
+    return false;
   }
-  felt_anew_ = true;
-  return Refusal::none;
+  return true;
 }
 
 Refusal AppScene::move(const AppCommand& command, std::int64_t now_ns) noexcept {
@@ -126,6 +150,7 @@ Refusal AppScene::move(const AppCommand& command, std::int64_t now_ns) noexcept 
   if (object == nullptr) return Refusal::unknown_object;
   if (!object->settings.movable) return Refusal::not_movable;
   object->motion.give(command.pose, command.period, now_ns);
+  object->driver = command.connection;
   return Refusal::none;
 }
 
@@ -133,10 +158,13 @@ Refusal AppScene::remove(const AppCommand& command, std::span<SceneForce* const>
   Object* object = find(command.object);
   if (object == nullptr) return Refusal::unknown_object;
   if (owner_of(command.object) != command.connection) return Refusal::not_yours;
-  object->is_there = false;
-  const auto place = static_cast<std::size_t>(object - objects_.data());
-  for (SceneForce* force : forces) force->remove(place);
+  drop(static_cast<std::size_t>(object - objects_.data()), forces);
   return Refusal::none;
+}
+
+void AppScene::drop(std::size_t place, std::span<SceneForce* const> forces) noexcept {
+  objects_[place].is_there = false;
+  for (SceneForce* force : forces) force->remove(place);
 }
 
 Refusal AppScene::change(const AppCommand& command, std::int64_t now_ns,
@@ -161,10 +189,53 @@ Refusal AppScene::change(const AppCommand& command, std::int64_t now_ns,
 
 void AppScene::depart(std::uint32_t connection, std::span<SceneForce* const> forces) noexcept {
   for (std::size_t i = 0; i < objects_.size(); ++i) {
-    if (!objects_[i].is_there || owner_of(objects_[i].id) != connection) continue;
-    objects_[i].is_there = false;
-    for (SceneForce* force : forces) force->remove(i);
+    if (objects_[i].is_there && owner_of(objects_[i].id) == connection) drop(i, forces);
+    if (objects_[i].driver == connection) objects_[i].driver = 0;
   }
+}
+
+std::size_t AppScene::free_places() const noexcept {
+  const auto gone = std::count_if(objects_.begin(), objects_.end(),
+                                  [](const Object& object) { return !object.is_there; });
+  return objects_.capacity() - objects_.size() + static_cast<std::size_t>(gone);
+}
+
+bool AppScene::uses(std::size_t asset) const noexcept {
+  return std::any_of(objects_.begin(), objects_.end(), [asset](const Object& object) {
+    return object.is_there && object.settings.asset == asset;
+  });
+}
+
+bool AppScene::edit(const SceneEdit& edit, std::int64_t now_ns,
+                    std::span<SceneForce* const> forces) noexcept {
+  if (edit.added.size() > free_places() + edit.removed.size()) return false;
+  for (const std::uint64_t id : edit.removed) {
+    if (const Object* object = find(id)) {
+      drop(static_cast<std::size_t>(object - objects_.data()), forces);
+    }
+  }
+  for (const EditedObject& edited : edit.changed) {
+    Object* object = find(edited.id);
+    if (object == nullptr) continue;
+    PlacedObject changed = edited.settings;
+    if (edited.moved) {
+      object->motion = PoseInterpolator({}, changed.placement);
+      object->driver = 0;
+    }
+    const Placement now = object->motion.at(now_ns).pose;
+    object->settings = changed;
+    changed.placement.position = now.position;
+    changed.placement.rotation = now.rotation;
+    note_scale(changed);
+    const auto place = static_cast<std::size_t>(object - objects_.data());
+    for (SceneForce* force : forces) force->change(place, changed);
+  }
+  for (const EditedObject& added : edit.added) {
+    note_scale(added.settings);
+    static_cast<void>(
+        put({added.id, added.settings, PoseInterpolator({}, added.settings.placement)}, forces));
+  }
+  return true;
 }
 
 void AppScene::end(std::uint64_t tick, std::int64_t now_ns, std::span<const AppDevice> devices,

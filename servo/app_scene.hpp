@@ -9,6 +9,7 @@
 #include "common/scene_force.hpp"
 #include "servo/app_state.hpp"
 #include "servo/pose_interpolator.hpp"
+#include "servo/scene_edit.hpp"
 
 namespace spm::servo {
 
@@ -21,6 +22,7 @@ struct AppClutch {
 /// What applications asked for in a tick, beside moving objects.
 struct AppChanges {
   bool felt_anew = false;  ///< objects came or feel different: forces have to fade in again
+  bool silent = false;     ///< an application that moved objects does not answer any longer
   std::span<const AppClutch> clutches;
 };
 
@@ -39,9 +41,22 @@ class AppScene {
   /// on each hand. `forces` must be of this scene, with this room, and changed by nobody else.
   AppChanges begin(std::int64_t now_ns, std::span<SceneForce* const> forces) noexcept;
 
+  /// Before a tick's devices: takes up an edited scene, all of it, or nothing, and gives false,
+  /// where there is no room for its objects. What it moves is there at once; what it does not touch
+  /// stays as applications made it, and an object that they moved stays where it is unless its pose
+  /// was edited.
+  [[nodiscard]] bool edit(const SceneEdit& edit, std::int64_t now_ns,
+                          std::span<SceneForce* const> forces) noexcept;
+
+  /// Whether there is an object of an asset.
+  [[nodiscard]] bool uses(std::size_t asset) const noexcept;
+
   /// After them: publishes the tick.
   void end(std::uint64_t tick, std::int64_t now_ns, std::span<const AppDevice> devices,
            std::span<SceneForce* const> forces) noexcept;
+
+  /// Once the tick is over and its length known: tells what was counted.
+  void count(const AppLoop& loop) noexcept { state_.count(loop); }
 
  private:
   struct Object {
@@ -49,6 +64,7 @@ class AppScene {
     PlacedObject settings;  ///< the place as it was at the start
     PoseInterpolator motion;
     bool is_there = true;
+    std::uint32_t driver = 0;  ///< connection that gave the last pose; 0: none that is there
   };
 
   [[nodiscard]] Object* find(std::uint64_t id) noexcept;
@@ -62,6 +78,11 @@ class AppScene {
   [[nodiscard]] Refusal change(const AppCommand& command, std::int64_t now_ns,
                                std::span<SceneForce* const> forces) noexcept;
   void depart(std::uint32_t connection, std::span<SceneForce* const> forces) noexcept;
+  [[nodiscard]] bool put(const Object& added, std::span<SceneForce* const> forces) noexcept;
+  void drop(std::size_t place, std::span<SceneForce* const> forces) noexcept;
+  [[nodiscard]] std::size_t free_places() const noexcept;
+  void note_scale(const PlacedObject& object) noexcept;
+  [[nodiscard]] bool is_left_alone(const Object& object) const noexcept;
 
   AppState& state_;
   double probe_radius_;               ///< m

@@ -170,6 +170,7 @@ void AppServer::hear(std::uint32_t place) {
       return;
     case Heard::ready:
       state_.rings()[place].offer(clients_[place]->ring());
+      state_.tell_clients(clients());
       if (!clients_[place]->confirm()) part(place, "");
       return;
     case Heard::gone:
@@ -182,13 +183,16 @@ void AppServer::hear(std::uint32_t place) {
 /// Lets a client go; its ring is freed when the loop does not use it any more.
 void AppServer::part(std::uint32_t place, const std::string& why) {
   state_.rings()[place].offer(nullptr);
-  const std::lock_guard lock(mutex_);
-  if (!why.empty()) {
-    warn("application of process " + std::to_string(clients_[place]->report().process) +
-         " was let go: " + why);
+  {
+    const std::lock_guard lock(mutex_);
+    if (!why.empty()) {
+      warn("application of process " + std::to_string(clients_[place]->report().process) +
+           " was let go: " + why);
+    }
+    clients_[place]->hang_up();
+    departed_.push_back(std::move(clients_[place]));
   }
-  clients_[place]->hang_up();
-  departed_.push_back(std::move(clients_[place]));
+  state_.tell_clients(clients());
 }
 
 void AppServer::drop_the_slow() {

@@ -7,6 +7,8 @@
 #include <cstring>
 #include <utility>
 
+#include "servo/app_client.hpp"
+#include "servo/client/shared_buckets.hpp"
 #include "servo/client/shared_words.hpp"
 #include "servo/client/spm_client.h"
 
@@ -27,7 +29,9 @@ static_assert(static_cast<int>(ForceOff::device_gone) == SPM_CLIENT_OFF_DEVICE_G
 static_assert(static_cast<int>(ForceOff::not_homed) == SPM_CLIENT_OFF_NOT_HOMED);
 static_assert(static_cast<int>(ForceOff::jumped) == SPM_CLIENT_OFF_JUMPED);
 static_assert(static_cast<int>(ForceOff::clutched) == SPM_CLIENT_OFF_CLUTCHED);
-static_assert(force_off_count == 11, "name a new cause in spm_client.h and spm_client.py too");
+static_assert(static_cast<int>(ForceOff::outside_workspace) == SPM_CLIENT_OFF_OUTSIDE_WORKSPACE);
+static_assert(static_cast<int>(ForceOff::application_silent) == SPM_CLIENT_OFF_APPLICATION_SILENT);
+static_assert(force_off_count == 13, "name a new cause in spm_client.h and spm_client.py too");
 static_assert(static_cast<int>(DeviceHealth::ok) == SPM_CLIENT_HEALTH_OK);
 static_assert(static_cast<int>(DeviceHealth::fault) == SPM_CLIENT_HEALTH_FAULT);
 static_assert(static_cast<int>(DeviceHealth::silent) == SPM_CLIENT_HEALTH_SILENT);
@@ -75,6 +79,20 @@ void pack(double (&to)[4], const Eigen::Quaterniond& from) noexcept {
 }
 
 std::uint32_t bit(bool on, std::uint32_t mask) noexcept { return on ? mask : 0; }
+
+/// Raises a word that only the loop writes.
+void raise(std::uint64_t& shared, std::uint64_t by) noexcept {
+  store_relaxed(shared, load_relaxed(shared) + by);
+}
+
+void raise_to(std::uint64_t& shared, std::uint64_t value) noexcept {
+  store_relaxed(shared, std::max(load_relaxed(shared), value));
+}
+
+spm_shared_device_counts packed(const AppLoopDevice& device, std::uint32_t last_cause) noexcept {
+  return {device.contact_ticks, device.cap_hits,      device.slew_hits, device.force_max,
+          device.energy,        device.generated_max, last_cause,       0};
+}
 
 spm_shared_object packed(const AppObject& object) noexcept {
   spm_shared_object to{};
@@ -148,6 +166,47 @@ void AppState::publish(const AppTick& tick) noexcept {
   store_relaxed(state.heartbeat_ns, tick.time_ns);
 }
 
+void AppState::count(const AppLoop& loop) noexcept {
+  spm_shared_loop& to = shared().loop;
+  const std::size_t devices = std::min<std::size_t>(loop.devices.size(), SPM_MOST_DEVICES);
+  const auto wake = static_cast<std::uint64_t>(std::max<std::int64_t>(loop.wake_ns, 0));
+  const auto busy = static_cast<std::uint64_t>(std::max<std::int64_t>(loop.busy_ns, 0));
+  const AppCounters commands = counters();
+  write_sequenced(to.sequence, [&] {
+    store_relaxed(to.time_ns, loop.time_ns);
+    store_relaxed(to.ticks, loop.ticks);
+    store_relaxed(to.missed, loop.missed);
+    store_relaxed(to.skipped, loop.skipped);
+    raise(to.busy_ns, busy);
+    raise_to(to.wake_max_ns, wake);
+    raise_to(to.busy_max_ns, busy);
+    raise(to.wake[shared_bucket(loop.wake_ns)], 1);
+    raise(to.busy[shared_bucket(loop.busy_ns)], 1);
+    store_relaxed(to.taken, commands.taken);
+    store_relaxed(to.refused, commands.refused);
+    store_relaxed(to.garbage, commands.garbage);
+    store_relaxed(to.device_count, static_cast<std::uint32_t>(devices));
+    for (std::size_t i = 0; i < devices; ++i) {
+      store_record(to.devices[i], servo::packed(loop.devices[i], seen_[i].last_cause));
+    }
+  });
+}
+
+void AppState::tell_clients(std::span<const AppClientReport> clients) noexcept {
+  spm_shared_applications& to = shared().applications;
+  const std::size_t count = std::min<std::size_t>(clients.size(), SPM_MOST_CLIENTS);
+  write_sequenced(to.sequence, [&] {
+    store_relaxed(to.count, static_cast<std::uint32_t>(count));
+    for (std::size_t i = 0; i < count; ++i) {
+      spm_shared_application application{};
+      application.connection = clients[i].connection;
+      application.process = static_cast<std::uint32_t>(clients[i].process);
+      copy_name(application.name, clients[i].application);
+      store_words(&to.list[i], &application, sizeof application);
+    }
+  });
+}
+
 spm_shared_device AppState::packed(std::size_t index, const AppDevice& device) noexcept {
   Seen& seen = seen_[index];
   const bool cut = device.cause != ForceOff::none;
@@ -155,6 +214,7 @@ spm_shared_device AppState::packed(std::size_t index, const AppDevice& device) n
   seen.cuts += cut && !seen.cut ? 1 : 0;
   seen.contact = device.contact;
   seen.cut = cut;
+  if (cut) seen.last_cause = static_cast<std::uint32_t>(device.cause);
 
   spm_shared_device to{};
   pack(to.position, device.state.position);
@@ -177,6 +237,7 @@ std::span<const AppCommand> AppState::take(std::int64_t now_ns) noexcept {
   const AppCommandLimits limits{assets_.load(std::memory_order_relaxed),
                                 devices_.load(std::memory_order_relaxed), now_ns};
   taken_count_ = 0;
+  now_ns_ = now_ns;
   std::size_t left = most_of_all;
   std::uint32_t next = first_client_;
   for (std::uint32_t turn = 0; turn < SPM_MOST_CLIENTS; ++turn) {
@@ -195,6 +256,11 @@ std::size_t AppState::take_from(std::uint32_t client, std::size_t most,
   ClientRing& ring = rings_[client];
   const std::uint32_t connection = ring.begin();
   if (connection != ring.adopted()) meet(client);
+  if (connection != 0) {
+    const std::uint64_t sign = ring.sign_of_life();
+    Alive& alive = alive_[client];
+    if (alive.connection != connection || alive.sign != sign) alive = {connection, sign, now_ns_};
+  }
   std::size_t looked_at = 0;
   for (; connection != 0 && looked_at < most; ++looked_at) {
     spm_shared_command command;
@@ -241,6 +307,14 @@ void AppState::keep_or_refuse(ClientRing& ring, const spm_shared_command& comman
   to.connection = ring.adopted();
   ++taken_count_;
   taken_total_.fetch_add(1, std::memory_order_relaxed);
+}
+
+double AppState::silence(std::uint32_t connection) const noexcept {
+  for (const Alive& alive : alive_) {
+    if (connection == 0 || alive.connection != connection) continue;
+    return static_cast<double>(now_ns_ - alive.at_ns) * 1e-9;
+  }
+  return 0;
 }
 
 void AppState::refuse(const AppCommand& command, Refusal refusal) noexcept {

@@ -12,6 +12,7 @@
 #include "common/error.hpp"
 #include "common/placement.hpp"
 #include "servo/app_command.hpp"
+#include "servo/app_loop.hpp"
 #include "servo/client_ring.hpp"
 #include "servo/device.hpp"
 #include "servo/safety.hpp"
@@ -57,6 +58,8 @@ struct AppNames {
   std::vector<std::string> objects;  ///< the scene's, with the ids 0, 1, ...
 };
 
+struct AppClientReport;
+
 /// What applications asked for so far.
 struct AppCounters {
   std::uint64_t taken = 0;    ///< commands handed to the loop
@@ -65,8 +68,8 @@ struct AppCounters {
 };
 
 /// The loop's side of the memory that it shares with applications: publishes what a tick did, and
-/// takes their commands. Construction allocates; `publish`, `take` and `refuse` belong to the
-/// loop's thread: they allocate nothing, take no lock, make no system call, and take no longer
+/// takes their commands. Construction allocates; `publish`, `count`, `take` and `refuse` belong to
+/// the loop's thread: they allocate nothing, take no lock, make no system call, and take no longer
 /// whatever an application does.
 class AppState {
  public:
@@ -85,10 +88,18 @@ class AppState {
   /// Loop: publishes a tick; readers never see two ticks mixed.
   void publish(const AppTick& tick) noexcept;
 
+  /// Loop: counts a tick that is over. Not part of `publish`, since a tick that publishes is not
+  /// over.
+  void count(const AppLoop& loop) noexcept;
+
   /// Loop: the valid commands that are due now, oldest first of each client, and the departure of
   /// clients that are gone. Where there are more than a tick takes, the clients take turns. Valid
   /// until the next call.
   [[nodiscard]] std::span<const AppCommand> take(std::int64_t now_ns) noexcept;
+
+  /// Loop: how long ago a client, by its connection, gave a sign of life, s, as of the last `take`;
+  /// 0 where it is not connected.
+  [[nodiscard]] double silence(std::uint32_t connection) const noexcept;
 
   /// Loop: tells the application that one of the commands taken last could not be followed.
   void refuse(const AppCommand& command, Refusal refusal) noexcept;
@@ -98,6 +109,8 @@ class AppState {
 
   /// Server: tells applications that the daemon ends in order.
   void end() noexcept;
+  /// Server, one thread: who is connected; at most SPM_MOST_CLIENTS are told.
+  void tell_clients(std::span<const AppClientReport> clients) noexcept;
   /// Server: the places for clients' rings.
   [[nodiscard]] std::array<ClientRing, SPM_MOST_CLIENTS>& rings() noexcept { return rings_; }
   /// Server: what clients map.
@@ -123,10 +136,20 @@ class AppState {
     bool contact = false;
     bool cut = true;
     std::uint32_t contacts = 0, cuts = 0;
+    std::uint32_t last_cause = 0;
+  };
+
+  /// When a client gave a sign of life last.
+  struct Alive {
+    std::uint32_t connection = 0;
+    std::uint64_t sign = 0;
+    std::int64_t at_ns = 0;
   };
 
   SharedMemory memory_;
   std::array<ClientRing, SPM_MOST_CLIENTS> rings_;
+  std::array<Alive, SPM_MOST_CLIENTS> alive_;
+  std::int64_t now_ns_ = 0;  ///< of the last `take`
   std::array<Seen, SPM_MOST_DEVICES> seen_;
   std::array<AppCommand, most_of_all + SPM_MOST_CLIENTS> taken_;  ///< and departures
   std::size_t taken_count_ = 0;

@@ -27,6 +27,8 @@ bool is_fault(std::uint8_t cause) noexcept {
     case ForceOff::stopping:
     case ForceOff::not_homed:
     case ForceOff::clutched:
+    case ForceOff::outside_workspace:
+    case ForceOff::application_silent:
       return false;
   }
   return true;

@@ -58,6 +58,12 @@ class ClientRing {
     tail_ = refused_ = garbage_ = 0;
   }
 
+  /// Loop, between `begin` and `end`, where a ring is there: a number that changes with whatever
+  /// the application's library does.
+  [[nodiscard]] std::uint64_t sign_of_life() const noexcept {
+    return load_relaxed(current_->ring->calls) + load_relaxed(current_->ring->head);
+  }
+
   /// Loop, between `begin` and `end`, where a ring is there: the next command. Garbage costs no
   /// more than a command.
   [[nodiscard]] RingEntry next(spm_shared_command& command) noexcept {

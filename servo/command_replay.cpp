@@ -154,8 +154,10 @@ Result<ordered_json> replay_file(const ReplayCommand& command) {
   options.marks = source->ticks.marks;
   if (source->recording) {
     options.rate_hz = source->recording->rate_hz;
-    options.encoder_step =
-        source->recording->devices[static_cast<std::size_t>(command.device)].encoder_step;
+    const RecordedDevice& device =
+        source->recording->devices[static_cast<std::size_t>(command.device)];
+    options.encoder_step = device.encoder_step;
+    options.stiffness_cap = device.stiffness_cap;
     warn_of_changes(*source->recording, *assets);
   }
   const ReplayResult result = replay(views, trajectory, options);

@@ -43,13 +43,19 @@ void add_run_command(CLI::App& program, Action& action) {
   app->add_option(
          "--device", options.devices,
          "Device: auto (the first that is plugged in, or sim; the default unless the scene "
-         "says another), falcon, woodenhaptics, spacemouse, external:name=NAME, or sim with "
+         "says another), falcon, woodenhaptics, spacemouse, pid:full_force=FORCE, "
+         "external:name=NAME, or sim with "
          "profile=low|falcon|touch|omega3|wooden, hand=slide|push|path, path=FILE, "
          "depth=LENGTH, speed=SPEED, seed=N; options follow a colon, with commas between; "
          "may be repeated")
       ->type_name("NAME")
       ->allow_extra_args(false);
   add_rate_option(*app, options.rate_hz);
+  cli::add_word(
+      *app, "--pace", {"clock", "device"},
+      [&options](std::size_t i) { options.paced_by_device = i == 1; },
+      "What a tick follows: the clock (default), or each report of the first device, which then "
+      "should report about --rate times a second");
   cli::add_choice<RealtimeMode>(*app, "--realtime", options.realtime,
                                 {{"require", RealtimeMode::require},
                                  {"try", RealtimeMode::attempt},
@@ -82,6 +88,10 @@ void add_run_command(CLI::App& program, Action& action) {
          },
          "Where applications connect, or off (default $XDG_RUNTIME_DIR/spm-servo/default.sock)")
       ->type_name("FILE|off");
+  cli::add_word(
+      *app, "--supervisor", {"on", "off"},
+      [&options](std::size_t i) { options.supervisor = i == 0; },
+      "Whether another process sends the devices zero force where this one is killed (default on)");
   app->callback([command, &action] { action = [command] { return execute(*command); }; });
 }
 

@@ -2,11 +2,15 @@
 #pragma once
 
 #include <Eigen/Geometry>
+#include <array>
 #include <cstdint>
+#include <limits>
 #include <nlohmann/json_fwd.hpp>
 #include <span>
 #include <string>
+#include <utility>
 
+#include "common/device_profile.hpp"
 #include "common/error.hpp"
 #include "common/scene_force.hpp"
 #include "common/wrench.hpp"
@@ -40,7 +44,20 @@ struct DeviceCapabilities {
   std::string name;
   double force_cap = 0;     ///< N, largest force that may ever be sent to it; 0: it gives none
   double encoder_step = 0;  ///< m, smallest step that it resolves at its centre
+  /// N/m, largest stiffness that may be felt with it.
+  double stiffness_cap = std::numeric_limits<double>::infinity();
+  /// m, half edges of the box about its origin that holds every place of its tool; 0: not known.
+  Vector3 workspace = Vector3::Zero();
+  std::uint32_t clutch_button = 0;  ///< while it is held the hand moves freely, from 1; 0: none
 };
+
+/// What a profile tells of a device.
+[[nodiscard]] inline DeviceCapabilities capabilities_of(std::string name,
+                                                        const DeviceProfile& profile) {
+  const std::array<double, 3>& edges = profile.workspace;
+  return {std::move(name), profile.force_cap, profile.encoder_step, profile.stiffness_cap,
+          Vector3(edges[0], edges[1], edges[2]) / 2};
+}
 
 /// What a device may need to know before the loop starts.
 struct DeviceSetup {
@@ -67,6 +84,12 @@ class Device {
   [[nodiscard]] virtual DeviceHealth read(DeviceState& state) noexcept = 0;
   /// Sends a wrench, which acts until the next one. Called by the loop, as `read`.
   [[nodiscard]] virtual DeviceHealth write(const Wrench& wrench) noexcept = 0;
+  /// Waits for a report that `read` has not taken yet, at most until a time of CLOCK_MONOTONIC;
+  /// false where none came, or the device cannot pace a loop. Called by the loop, as `read`.
+  [[nodiscard]] virtual bool wait_for_report(std::int64_t until_ns) noexcept {
+    static_cast<void>(until_ns);
+    return false;
+  }
   /// What a report says of this device beside its capabilities.
   [[nodiscard]] virtual nlohmann::ordered_json describe() const = 0;
 };

@@ -182,7 +182,7 @@ std::string cure_of(const FoundDevice& device) {
 std::string specification_of(const FoundDevice& device) {
   std::string driver = device.match.driver;
   if (driver == "falcon" && !device.usb.empty()) return driver + ":path=" + device.usb;
-  const bool by_serial = driver == "woodenhaptics" || driver == "spacemouse";
+  const bool by_serial = driver == "woodenhaptics" || driver == "spacemouse" || driver == "pid";
   // Options are separated by commas.
   if (by_serial && !device.serial.empty() && device.serial.find(',') == std::string::npos) {
     return driver + ":serial=" + device.serial;

@@ -10,12 +10,7 @@ namespace spm::servo {
 
 namespace {
 
-constexpr DeviceIds falcon{0x0403, 0xCB48};
-
-/// The default ids of the mbed library, which nobody registered, and those of any Teensy with raw
-/// HID: other boards have them too, so that usage and name must agree.
-constexpr DeviceIds wooden_mbed{0x1234, 0x0006};
-constexpr DeviceIds wooden_teensy{0x16C0, 0x0486};
+/// Other boards have a WoodenHaptics' ids too, so that usage and name must agree.
 constexpr std::string_view wooden_mbed_name = "HID DEVICE";
 constexpr std::uint16_t wooden_usage_page = 0xFFAB;
 constexpr std::uint16_t wooden_usage = 0x0200;
@@ -51,8 +46,8 @@ bool is_spacemouse(const HidIdentity& hid) noexcept {
 
 bool is_woodenhaptics(const HidIdentity& hid) noexcept {
   if (hid.usage_page != wooden_usage_page || hid.usage != wooden_usage) return false;
-  return hid.ids == wooden_teensy ||
-         (hid.ids == wooden_mbed && hid.product_name == wooden_mbed_name);
+  return hid.ids == wooden_teensy_ids ||
+         (hid.ids == wooden_mbed_ids && hid.product_name == wooden_mbed_name);
 }
 
 bool is_digits(std::string_view text) noexcept {
@@ -63,7 +58,7 @@ bool is_digits(std::string_view text) noexcept {
 }  // namespace
 
 std::optional<DeviceMatch> match_usb(DeviceIds ids) noexcept {
-  if (ids == falcon) return DeviceMatch{"falcon", true, ""};
+  if (ids == falcon_ids) return DeviceMatch{"falcon", true, ""};
   return std::nullopt;
 }
 
@@ -73,9 +68,9 @@ std::optional<DeviceMatch> match_hid(const HidIdentity& hid) noexcept {
     return DeviceMatch{"spacemouse", true, "It moves a tool or the scene and gives no force."};
   }
   if (hid.has_pid_page) {
-    return DeviceMatch{"pid", false,
-                       "A force feedback device of the HID PID class; this version does not drive "
-                       "it yet."};
+    return DeviceMatch{"pid", true,
+                       "A force feedback device of the HID PID class; say how strong it is, as in "
+                       "--device pid:full_force=8N, which auto cannot know."};
   }
   return std::nullopt;
 }

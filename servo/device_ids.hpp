@@ -17,6 +17,14 @@ struct DeviceIds {
   [[nodiscard]] bool operator==(const DeviceIds&) const = default;
 };
 
+/// A Novint Falcon's FTDI chip.
+inline constexpr DeviceIds falcon_ids{0x0403, 0xCB48};
+
+/// WoodenHaptics boards of V1 and V2: the default ids of the mbed library, which nobody registered.
+inline constexpr DeviceIds wooden_mbed_ids{0x1234, 0x0006};
+/// Of V3: those of any Teensy with raw HID.
+inline constexpr DeviceIds wooden_teensy_ids{0x16C0, 0x0486};
+
 /// What one HID interface tells of itself without being opened.
 struct HidIdentity {
   DeviceIds ids;

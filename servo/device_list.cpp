@@ -1,12 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "servo/device_list.hpp"
 
+#include <string_view>
+
 #include "servo/device_finder.hpp"
+#include "servo/device_placed.hpp"
 #include "servo/device_sim.hpp"
 #include "servo/devices/device_external.hpp"
 #include "servo/devices/device_falcon.hpp"
+#include "servo/devices/device_pid.hpp"
 #include "servo/devices/device_spacemouse.hpp"
 #include "servo/devices/device_wooden.hpp"
+#include "servo/devices/option_list.hpp"
 
 namespace spm::servo {
 
@@ -31,10 +36,38 @@ Result<std::unique_ptr<Device>> made_of(const Result<Options>& options) {
   return std::make_unique<Made>(*options);
 }
 
+Result<std::unique_ptr<Device>> make_sim(const std::string& own, const DeviceAxes& axes) {
+  const auto options = parse_sim_options(own);
+  if (options && options->hand != HandKind::recorded && axes.mirrored()) {
+    return option_error("sim", "axes=" + axes.text() +
+                                   " mirrors, and a hand is planned in a scene that is not; change "
+                                   "one sign, or give the hand's motion with hand=path");
+  }
+  return made_of<DeviceSim>(options);
+}
+
+/// A device of that name from its driver's own options.
+Result<std::unique_ptr<Device>> make_driver(const std::string& name, const PlacedOptions& all) {
+  const std::string& options = all.own;
+  if (name == "sim") return make_sim(options, all.placement.axes);
+  if (name == "falcon") return made_of<DeviceFalcon>(parse_falcon_options(options));
+  if (name == "woodenhaptics") return made_of<DeviceWooden>(parse_wooden_options(options));
+  if (name == "spacemouse") return made_of<DeviceSpaceMouse>(parse_spacemouse_options(options));
+  if (name == "pid") return made_of<DevicePid>(parse_pid_options(options));
+  if (name == "external") return made_of<DeviceExternal>(parse_external_options(options));
+  return fail(
+      ExitCode::usage,
+      "--device '" + name +
+          "' is not known; the devices are auto, sim, falcon, woodenhaptics, spacemouse, pid "
+          "and external");
+}
+
 }  // namespace
 
 std::string first_device_found() {
   for (const FoundDevice& found : find_devices().devices) {
+    // How strong a pid device is only the user can say.
+    if (std::string_view(found.match.driver) == "pid") continue;
     if (found.match.driven && found.permitted()) return specification_of(found);
   }
   return "sim";
@@ -50,16 +83,11 @@ Result<std::unique_ptr<Device>> make_device(const std::string& asked) {
     return fail(ExitCode::usage,
                 "--device auto takes no options; name the device, as in sim:" + options);
   }
-  if (name == "sim") return made_of<DeviceSim>(parse_sim_options(options));
-  if (name == "falcon") return made_of<DeviceFalcon>(parse_falcon_options(options));
-  if (name == "woodenhaptics") return made_of<DeviceWooden>(parse_wooden_options(options));
-  if (name == "spacemouse") return made_of<DeviceSpaceMouse>(parse_spacemouse_options(options));
-  if (name == "external") return made_of<DeviceExternal>(parse_external_options(options));
-  return fail(
-      ExitCode::usage,
-      "--device '" + name +
-          "' is not known; the devices are auto, sim, falcon, woodenhaptics, spacemouse and "
-          "external");
+  const auto split = take_placement(name, options);
+  if (!split) return tl::make_unexpected(split.error());
+  auto device = make_driver(name, *split);
+  if (!device) return device;
+  return place_device(std::move(*device), split->placement);
 }
 
 }  // namespace spm::servo

@@ -13,8 +13,9 @@ namespace spm::servo {
 /// there is none.
 [[nodiscard]] std::string first_device_found();
 
-/// Makes the device that a command line asks for, NAME or NAME:option=value,...; it is not open
-/// yet. `auto` is the first device found, and the simulated one where there is none. Errors: usage.
+/// Makes the device that a command line asks for, NAME or NAME:option=value,..., with the options
+/// of its driver and those that any device has (take_placement); it is not open yet. `auto` is the
+/// first device found, and the simulated one where there is none. Errors: usage.
 [[nodiscard]] Result<std::unique_ptr<Device>> make_device(const std::string& asked);
 
 /// What a scene asks for, as make_device takes it: its driver, with the scene's profile where that

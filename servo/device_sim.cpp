@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "servo/device_sim.hpp"
 
+#include <limits>
 #include <vector>
 
+#include "common/device_profile.hpp"
 #include "formats/trajectory.hpp"
 #include "servo/hand_planner.hpp"
 
@@ -39,8 +41,13 @@ const char* name_of(HandKind hand) {
 
 DeviceSim::DeviceSim(const SimOptions& options)
     : options_(options),
-      capabilities_{"sim", options.profile->force_cap, options.profile->encoder_step},
-      dynamics_(*options.profile, 1e-3) {}
+      capabilities_(capabilities_of("sim", *find_device_profile(options.profile->name))),
+      dynamics_(*options.profile, 1e-3) {
+  // What a real one could not render stably is to be tried here; and its hand goes wherever the
+  // scene's objects lie.
+  capabilities_.stiffness_cap = std::numeric_limits<double>::infinity();
+  capabilities_.workspace.setZero();
+}
 
 Result<void> DeviceSim::open(const DeviceSetup& setup) {
   const double period = 1 / setup.rate_hz;

@@ -40,6 +40,11 @@ Check judge_scheduling(const RealtimeState& state, const ProcessLimits& limits) 
     return {"scheduling", Verdict::good,
             fmt::format("SCHED_FIFO with priority {} ({})", state.priority, allowed), ""};
   }
+  if (state.policy == "rtkit") {
+    return {"scheduling", Verdict::fair,
+            fmt::format("RealtimeKit gave priority {} ({})", state.priority, allowed),
+            install_limits};
+  }
   const bool promised = limits.root || !limits.priority || *limits.priority >= wanted_priority;
   return {"scheduling", Verdict::poor, fmt::format("SCHED_FIFO was refused ({})", allowed),
           promised ? "The limit allows it, so a container or a control group refuses: give it "

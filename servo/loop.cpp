@@ -16,6 +16,18 @@ constexpr std::int64_t lead_ns = 2'000'000;
 
 constexpr int warm_up_rounds = 64;
 
+/// Where a device paces the loop: so much of a period before a tick is due reports are waited for,
+/// and so much after it the tick begins without one. A device that reports more often than the
+/// loop's rate cannot make it run away, and one that falls silent cannot stop it.
+constexpr double pace_lead = 0.25, pace_patience = 0.5;
+
+/// How many assets a scene's objects name.
+std::size_t assets_of(const ForceScene& scene) {
+  std::size_t count = 0;
+  for (const PlacedObject& object : scene.objects) count = std::max(count, object.asset + 1);
+  return count;
+}
+
 ForceOff cause_of(DeviceHealth health) noexcept {
   switch (health) {
     case DeviceHealth::ok:
@@ -32,7 +44,8 @@ ForceOff cause_of(DeviceHealth health) noexcept {
   return ForceOff::device_fault;
 }
 
-/// The stiffest that one object can feel, N a metre of the hand.
+}  // namespace
+
 double stiffness_at_hand(const ForceScene& scene) {
   double stiffest = 0;
   for (const PlacedObject& object : scene.objects) {
@@ -41,21 +54,23 @@ double stiffness_at_hand(const ForceScene& scene) {
   return stiffest * scene.workspace.scale;
 }
 
-}  // namespace
-
 Loop::Channel::Channel(Device* driven, const SafetySettings& limits, const LoopSettings& settings,
                        std::size_t room)
     : device(driven),
       safety(limits),
       gate(settings.rate_hz),
-      force(settings.scene, 1 / settings.rate_hz, driven->capabilities().encoder_step, room),
+      force(settings.scene, 1 / settings.rate_hz, driven->capabilities().encoder_step, room,
+            driven->capabilities().stiffness_cap),
       velocity(driven->capabilities().encoder_step, 1 / settings.rate_hz) {}
 
 Loop::Loop(const LoopSettings& settings, std::vector<Device*> devices,
            std::vector<AssetSlot*> assets, TickRing& ring, const std::atomic<bool>& stop,
-           AppState* app)
+           AppState* app, SceneEditSlot* edits)
     : settings_(settings),
+      edits_(app != nullptr ? edits : nullptr),
       slots_(std::move(assets)),
+      slots_in_use_(edits_ != nullptr ? std::min(slots_.size(), assets_of(settings.scene))
+                                      : slots_.size()),
       ring_(ring),
       stop_(stop),
       served_(slots_.size(), nullptr),
@@ -64,7 +79,7 @@ Loop::Loop(const LoopSettings& settings, std::vector<Device*> devices,
   for (std::size_t i = 0; i < devices.size(); ++i) {
     const DeviceCapabilities& device = devices[i]->capabilities();
     const double cap = std::min(device.force_cap, settings.force_cap);
-    const double stiffness = stiffness_at_hand(settings.scene);
+    const double stiffness = std::min(stiffness_at_hand(settings.scene), device.stiffness_cap);
     Channel channel(devices[i], safety_settings(cap, stiffness, settings.rate_hz), settings, room);
     channel.record.device = static_cast<std::uint32_t>(i);
     channels_.push_back(std::move(channel));
@@ -72,6 +87,7 @@ Loop::Loop(const LoopSettings& settings, std::vector<Device*> devices,
   for (Channel& channel : channels_) forces_.push_back(&channel.force);
   if (app != nullptr) app_.emplace(*app, settings_.scene);
   told_.resize(channels_.size());
+  counted_.resize(channels_.size());
 }
 
 void Loop::run() noexcept {
@@ -83,16 +99,35 @@ void Loop::run() noexcept {
   for (AssetSlot* slot : slots_) slot->release();
 }
 
+/// Waits until a tick is due.
+void Loop::wait_for(TickSchedule& schedule) noexcept {
+  if (!settings_.paced_by_device) {
+    sleep_until(schedule.due());
+    return;
+  }
+  const double period = schedule.period_ns();
+  sleep_until(schedule.due() - static_cast<std::int64_t>(pace_lead * period));
+  const std::int64_t latest = schedule.due() + static_cast<std::int64_t>(pace_patience * period);
+  // The grid follows the device's clock. Without a report the tick is late, and counted so.
+  if (channels_.front().device->wait_for_report(latest)) {
+    schedule.shift_to(now_ns());
+  } else {
+    sleep_until(schedule.due());
+  }
+}
+
 void Loop::run_ticks(TickSchedule schedule) noexcept {
   for (bool stopping = false; !stopping;) {
-    sleep_until(schedule.due());
+    wait_for(schedule);
     const std::int64_t woke = now_ns();
     const std::int64_t wake_lateness = woke - schedule.due();
     stopping = stop_.load(std::memory_order_relaxed) ||
                (settings_.ticks > 0 && schedule.index() + 1 >= settings_.ticks);
 
-    take_up();
+    take_edit(woke);
     begin_app(woke);
+    // After these: they may bring an object of an asset that was not needed before.
+    take_up();
     for (Channel& channel : channels_) serve(channel, schedule.index(), stopping);
     end_app(schedule.index(), woke);
 
@@ -112,15 +147,33 @@ void Loop::run_ticks(TickSchedule schedule) noexcept {
     const std::uint64_t skipped = schedule.advance(finished);
     counters_.skipped += skipped;
     counters_.missed += skipped > 0 ? skipped + 1 : 0;
+    tell_counts(woke, wake_lateness, finished - woke);
   }
 }
 
 /// Without one of its objects a scene gives no force at all.
 ForceOff Loop::assets_off() const noexcept {
   if (!complete_) return had_assets_ ? ForceOff::asset_lost : ForceOff::starting;
-  const bool lost = std::any_of(served_.begin(), served_.end(),
-                                [](const ServedAsset* asset) { return asset->lost(); });
-  return lost ? ForceOff::asset_lost : ForceOff::none;
+  for (std::size_t i = 0; i < slots_in_use_; ++i) {
+    if (served_[i] != nullptr && served_[i]->lost() && is_needed(i)) return ForceOff::asset_lost;
+  }
+  return ForceOff::none;
+}
+
+/// Of an asset without objects it does not matter what became of it.
+bool Loop::is_needed(std::size_t asset) const noexcept { return !app_ || app_->uses(asset); }
+
+void Loop::take_edit(std::int64_t now_ns) noexcept {
+  const SceneEdit* edit = edits_ != nullptr ? edits_->pending() : nullptr;
+  if (edit == nullptr) return;
+  const bool done = app_->edit(*edit, now_ns, forces_);
+  if (done) {
+    slots_in_use_ = std::clamp(edit->assets, slots_in_use_, slots_.size());
+    for (Channel& channel : channels_) {
+      if (edit->felt) channel.safety.restart();
+    }
+  }
+  edits_->answer_with(done ? EditAnswer::done : EditAnswer::no_room);
 }
 
 /// Why what a device says cannot be used, if it cannot.
@@ -129,11 +182,20 @@ ForceOff Loop::device_off(Channel& channel, DeviceHealth health, const Vector3& 
   ForceOff cause = cause_of(health);
   if (cause == ForceOff::none) cause = cause_of(channel.written);
   if (cause == ForceOff::none && !position.allFinite()) cause = ForceOff::not_a_number;
+  if (cause == ForceOff::none && is_outside(position, channel.device->capabilities().workspace)) {
+    cause = ForceOff::outside_workspace;
+  }
   if (cause != ForceOff::none) {
     channel.gate.forget();
     return cause;
   }
   return channel.gate.jumped(position, tick) ? ForceOff::jumped : ForceOff::none;
+}
+
+/// Whether the hand moves freely, by an application or by the device's own button.
+bool Loop::is_clutched(const Channel& channel, const DeviceState& state) noexcept {
+  const std::uint32_t button = channel.device->capabilities().clutch_button;
+  return channel.app_clutched || (button > 0 && ((state.buttons >> (button - 1)) & 1U) != 0);
 }
 
 void Loop::serve(Channel& channel, std::uint64_t tick, bool stopping) noexcept {
@@ -144,6 +206,7 @@ void Loop::serve(Channel& channel, std::uint64_t tick, bool stopping) noexcept {
   // Whatever the cause, the device is read and sent zero all the same.
   ForceOff cause = assets_off();
   if (cause == ForceOff::none) cause = device;
+  channel.clutched = device == ForceOff::none && is_clutched(channel, state);
   const Vector3 tool = device == ForceOff::none ? tool_of(channel, state.position) : state.position;
   if (cause == ForceOff::none && channel.clutched) cause = ForceOff::clutched;
 
@@ -161,7 +224,7 @@ void Loop::serve(Channel& channel, std::uint64_t tick, bool stopping) noexcept {
     forget(channel);
   }
 
-  const SafeForce sent = channel.safety.apply(contact.force, cause);
+  const SafeForce sent = channel.safety.apply(contact.force, cause, app_silent_);
   channel.written = channel.device->write(Wrench{sent.force, Vector3::Zero()});
 
   channel.record.position = tool;
@@ -185,16 +248,29 @@ Vector3 Loop::tool_of(Channel& channel, const Vector3& hand) noexcept {
 void Loop::begin_app(std::int64_t now_ns) noexcept {
   if (!app_) return;
   const AppChanges changes = app_->begin(now_ns, forces_);
+  app_silent_ = changes.silent;
   for (Channel& channel : channels_) {
     if (changes.felt_anew) channel.safety.restart();
   }
   for (const AppClutch& clutch : changes.clutches) {
-    if (clutch.device < channels_.size()) channels_[clutch.device].clutched = clutch.on;
+    if (clutch.device < channels_.size()) channels_[clutch.device].app_clutched = clutch.on;
   }
 }
 
 void Loop::end_app(std::uint64_t tick, std::int64_t now_ns) noexcept {
   if (app_) app_->end(tick, now_ns, told_, forces_);
+}
+
+/// Tells applications what was counted, now that the tick's length is known.
+void Loop::tell_counts(std::int64_t woke, std::int64_t wake_ns, std::int64_t busy_ns) noexcept {
+  if (!app_) return;
+  for (std::size_t i = 0; i < channels_.size(); ++i) {
+    const DeviceCounters& from = channels_[i].counters;
+    counted_[i] = {from.contact_ticks, from.cap_hits, from.slew_hits,
+                   from.force_max,     from.energy,   from.generated_max};
+  }
+  app_->count(
+      {woke, wake_ns, busy_ns, counters_.ticks, counters_.missed, counters_.skipped, counted_});
 }
 
 /// What applications are told of a device, in the world's frame.
@@ -242,12 +318,12 @@ void Loop::account(Channel& channel, const SafeForce& sent) noexcept {
 void Loop::take_up() noexcept {
   bool changed = false;
   complete_ = true;
-  for (std::size_t i = 0; i < slots_.size(); ++i) {
+  for (std::size_t i = 0; i < slots_in_use_; ++i) {
     const ServedAsset* asset = slots_[i]->acquire();
     changed = changed || (asset != served_[i] && asset != nullptr);
     served_[i] = asset;
     views_[i] = asset != nullptr ? asset->view : nullptr;
-    complete_ = complete_ && asset != nullptr;
+    complete_ = complete_ && (asset != nullptr || !is_needed(i));
   }
   had_assets_ = had_assets_ || complete_;
   if (!changed) return;

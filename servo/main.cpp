@@ -14,6 +14,8 @@ int main(int argc, char** argv) {
     spm::servo::add_replay_command(program, action);
     spm::servo::add_devices_command(program, action);
     spm::servo::add_doctor_command(program, action);
+    spm::servo::add_top_command(program, action);
+    spm::servo::add_plot_command(program, action);
     if (const auto code = spm::cli::parse(program, argc, argv)) return *code;
     return action();
   } catch (const std::exception& problem) {

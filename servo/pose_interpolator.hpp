@@ -49,6 +49,9 @@ class PoseInterpolator {
   /// The pose at a time, not before that of the last call.
   [[nodiscard]] InterpolatedPose at(std::int64_t now_ns) const noexcept;
 
+  /// Whether poses came one after the other, as from an application that moves the object.
+  [[nodiscard]] bool is_streamed() const noexcept { return measured_; }
+
   /// The time between poses as it is known, s.
   [[nodiscard]] double period() const noexcept { return period_; }
 

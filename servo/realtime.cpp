@@ -8,8 +8,11 @@
 #include <sys/resource.h>
 #include <unistd.h>
 
+#include <cerrno>
 #include <cstddef>
 #include <cstring>
+
+#include "servo/realtime_kit.hpp"
 
 namespace spm::servo {
 
@@ -18,6 +21,10 @@ namespace {
 /// Above every ordinary process and the threaded interrupts' default of 50, below watchdogs.
 constexpr int loop_priority = 80;
 constexpr int device_priority = 85;
+
+/// How far below the most that RealtimeKit gives: in the same order.
+constexpr int loop_below_most = 1;
+constexpr int device_below_most = 0;
 
 constexpr std::size_t stack_bytes = std::size_t{256} * 1024;
 
@@ -35,6 +42,26 @@ bool lock_memory() noexcept {
   return mlockall(unlimited ? MCL_CURRENT | MCL_FUTURE : MCL_CURRENT) == 0;
 }
 
+struct GivenPriority {
+  const char* policy;
+  int priority;
+};
+
+/// By the process's own limits, or else by RealtimeKit. Errors: realtime_refused, by both.
+Result<GivenPriority> take_priority(int priority, int below_most) {
+  sched_param parameters{};
+  parameters.sched_priority = priority;
+  const int refused = pthread_setschedparam(pthread_self(), SCHED_FIFO, &parameters);
+  if (refused == 0) return GivenPriority{"fifo", priority};
+  std::string why = std::strerror(refused);
+  if (refused == EPERM) {
+    const Result<int> given = ask_realtime_kit(below_most);
+    if (given) return GivenPriority{"rtkit", *given};
+    why += "; " + given.error().message;
+  }
+  return fail(ExitCode::realtime_refused, why);
+}
+
 }  // namespace
 
 Result<RealtimeState> enter_realtime(RealtimeMode mode) {
@@ -42,18 +69,15 @@ Result<RealtimeState> enter_realtime(RealtimeMode mode) {
   touch_stack();
   if (mode == RealtimeMode::off) return state;
 
-  // Where SCHED_FIFO is refused, at least no slack of 50 us is added to each sleep.
+  // Where a priority is refused, at least no slack of 50 us is added to each sleep.
   prctl(PR_SET_TIMERSLACK, 1UL);
 
-  sched_param parameters{};
-  parameters.sched_priority = loop_priority;
-  const int refused = pthread_setschedparam(pthread_self(), SCHED_FIFO, &parameters);
-  if (refused == 0) {
-    state.policy = "fifo";
-    state.priority = loop_priority;
+  const Result<GivenPriority> given = take_priority(loop_priority, loop_below_most);
+  if (given) {
+    state.policy = given->policy;
+    state.priority = given->priority;
   } else {
-    state.warnings.push_back(std::string("the loop has no real-time priority (") +
-                             std::strerror(refused) +
+    state.warnings.push_back("the loop has no real-time priority (" + given.error().message +
                              "): run as root, or allow it with 'rtprio 90' in "
                              "/etc/security/limits.d and log in again");
   }
@@ -75,9 +99,13 @@ Result<RealtimeState> enter_realtime(RealtimeMode mode) {
 void enter_device_thread(RealtimeMode mode) noexcept {
   if (mode == RealtimeMode::off) return;
   prctl(PR_SET_TIMERSLACK, 1UL);
-  sched_param parameters{};
-  parameters.sched_priority = device_priority;
-  static_cast<void>(pthread_setschedparam(pthread_self(), SCHED_FIFO, &parameters));
+  static_cast<void>(take_priority(device_priority, device_below_most));
+}
+
+void leave_realtime() noexcept {
+  const sched_param parameters{};
+  // Nobody is refused less than he has.
+  static_cast<void>(pthread_setschedparam(pthread_self(), SCHED_OTHER, &parameters));
 }
 
 }  // namespace spm::servo

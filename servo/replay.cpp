@@ -21,7 +21,8 @@ ReplayResult replay(std::span<const AssetView* const> assets,
   result.contacts.resize(trajectory.size());
   result.busy_ns.resize(trajectory.size());
   TickSchedule schedule(now_ns() + lead_ns, options.rate_hz);
-  SceneForce force(options.scene, 1 / options.rate_hz, options.encoder_step);
+  SceneForce force(options.scene, 1 / options.rate_hz, options.encoder_step, 0,
+                   options.stiffness_cap);
   for (std::size_t row = 0; row < trajectory.size(); ++row) {
     if (options.pace == Pace::realtime) {
       sleep_until(schedule.due());

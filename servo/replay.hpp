@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <span>
 #include <string>
 #include <vector>
@@ -28,6 +29,8 @@ struct ReplayOptions {
   ForceScene scene = scene_of({});
   double rate_hz = 1000;
   double encoder_step = 0;  ///< m, of the hand: how far a recorded position may be off
+  /// N a metre of the hand, as the device's was.
+  double stiffness_cap = std::numeric_limits<double>::infinity();
   Pace pace = Pace::none;
   std::vector<ReplayMark> marks;  ///< a row each; none: it was asked in every tick
 };

@@ -14,10 +14,13 @@
 #include <utility>
 
 #include "common/instruction_set.hpp"
+#include "common/units.hpp"
 #include "servo/app_server.hpp"
 #include "servo/collector.hpp"
 #include "servo/device_list.hpp"
+#include "servo/scene_keeper.hpp"
 #include "servo/stop_signals.hpp"
+#include "servo/supervisor.hpp"
 
 namespace spm::servo {
 
@@ -26,6 +29,7 @@ namespace {
 constexpr std::chrono::milliseconds drain_interval{4};
 
 void log_warning(const std::string& message) { spdlog::warn("{}", message); }
+void log_message(const std::string& message) { spdlog::info("{}", message); }
 
 /// What the command line gives, or else the scene: its driver, and its profile where that names
 /// none.
@@ -55,56 +59,30 @@ bool nothing_plugged_in(const RunOptions& options, const ForceChoice& choice,
   return asked == "auto" && devices.front()->capabilities().name == "sim";
 }
 
-/// The assets of a scene, each with the slot that hands it to the loop.
-struct Assets {
-  std::vector<std::unique_ptr<AssetSlot>> slots;
-  std::vector<std::unique_ptr<AssetKeeper>> keepers;  ///< these end before the slots
-
-  [[nodiscard]] std::vector<AssetSlot*> all_slots() const {
-    std::vector<AssetSlot*> list;
-    for (const auto& slot : slots) list.push_back(slot.get());
-    return list;
-  }
-  [[nodiscard]] std::vector<const AssetView*> views() const {
-    std::vector<const AssetView*> list;
-    for (const auto& keeper : keepers) list.push_back(&keeper->view());
-    return list;
-  }
-};
-
-Result<Assets> open_assets(const RunOptions& options, const ForceChoice& choice) {
-  Assets assets;
-  for (std::size_t i = 0; i < choice.assets.size(); ++i) {
-    KeeperOptions keeper;
-    keeper.path = choice.assets[i];
-    keeper.mode = options.map;
-    keeper.lock = options.realtime != RealtimeMode::off;
-    keeper.warn = log_warning;
-    keeper.accept = [&choice, i](const AssetMetadata& metadata) {
-      return check_asset(metadata, choice, i);
-    };
-    assets.slots.push_back(std::make_unique<AssetSlot>());
-    auto opened = AssetKeeper::open(std::move(keeper), *assets.slots.back());
-    if (!opened) return tl::make_unexpected(std::move(opened.error()));
-    assets.keepers.push_back(std::move(*opened));
-  }
-  return assets;
+Result<std::unique_ptr<SceneAssets>> open_assets(const RunOptions& options,
+                                                 const ForceChoice& choice) {
+  KeeperOptions each;
+  each.mode = options.map;
+  each.lock = options.realtime != RealtimeMode::off;
+  each.warn = log_warning;
+  return SceneAssets::open(std::move(each), choice, options.force.scene.empty() ? 0 : spare_assets);
 }
 
-RecordingHeader header_of(const RunOptions& options, const Assets& assets,
+RecordingHeader header_of(const RunOptions& options, const SceneAssets& assets,
                           const std::vector<Device*>& devices) {
   RecordingHeader header;
   header.spm_version = SPM_VERSION;
   header.instruction_set = instruction_set();
   header.rate_hz = options.rate_hz;
   for (const Device* device : devices) {
-    header.devices.push_back({device->capabilities().name, device->capabilities().encoder_step});
+    const DeviceCapabilities& can = device->capabilities();
+    header.devices.push_back({can.name, can.encoder_step, can.stiffness_cap});
   }
   for (std::size_t i = 0; i < force_off_count; ++i) {
     header.causes.emplace_back(to_string(static_cast<ForceOff>(i)));
   }
-  for (const auto& keeper : assets.keepers) {
-    header.assets.push_back(keeper->report().content_sha256);
+  for (const KeeperReport& asset : assets.reports()) {
+    header.assets.push_back(asset.content_sha256);
   }
   return header;
 }
@@ -126,6 +104,20 @@ Result<Collector::Keeps> open_keeps(const RunOptions& options, const RecordingHe
     keeps.black_box.emplace(options.black_box, header, log_warning);
   }
   return keeps;
+}
+
+/// Says where a device cannot be as stiff as the scene asks.
+void warn_of_stiffness(const ForceChoice& choice, const std::vector<Device*>& devices) {
+  const double wanted = stiffness_at_hand(choice.scene);
+  for (const Device* device : devices) {
+    const DeviceCapabilities& can = device->capabilities();
+    if (wanted <= can.stiffness_cap) continue;
+    log_warning(can.name + ": the scene asks for " + format_quantity(wanted, Quantity::stiffness) +
+                " at the hand, more than the " +
+                format_quantity(can.stiffness_cap, Quantity::stiffness) +
+                " that this device renders stably: what is stiffer is held to that "
+                "(stiffness_cap= of the device changes it)");
+  }
 }
 
 /// Runs the loop in a thread of its own while this one takes its records.
@@ -154,12 +146,15 @@ Result<RealtimeState> drive(Loop& loop, Collector& collector, RealtimeMode mode,
   return realtime;
 }
 
-AppNames names_of(const ForceChoice& choice, const std::vector<Device*>& devices) {
+AppNames names_of(const ServedScene& scene, const std::vector<Device*>& devices) {
+  const ForceChoice& choice = scene.choice;
   AppNames names;
   for (const Device* device : devices) names.devices.push_back(device->capabilities().name);
   names.assets = choice.assets;
-  for (const PlacedObject& object : choice.scene.objects) {
-    names.objects.push_back(std::filesystem::path(choice.assets[object.asset]).filename().string());
+  for (std::size_t i = 0; i < scene.ids.size(); ++i) {
+    const std::string& asset = choice.assets[choice.scene.objects[i].asset];
+    names.objects.resize(std::max<std::size_t>(names.objects.size(), scene.ids[i] + 1));
+    names.objects[scene.ids[i]] = std::filesystem::path(asset).filename().string();
   }
   return names;
 }
@@ -167,6 +162,7 @@ AppNames names_of(const ForceChoice& choice, const std::vector<Device*>& devices
 LoopSettings loop_settings(const RunOptions& options, const ForceChoice& choice) {
   LoopSettings settings;
   settings.rate_hz = options.rate_hz;
+  settings.paced_by_device = options.paced_by_device;
   settings.scene = choice.scene;
   settings.force_cap = choice.device.force_cap.value_or(settings.force_cap);
   if (options.duration > 0) {
@@ -176,9 +172,33 @@ LoopSettings loop_settings(const RunOptions& options, const ForceChoice& choice)
   return settings;
 }
 
+/// Watches the scene's file; null where an asset alone is served.
+std::unique_ptr<SceneKeeper> make_scene_keeper(const RunOptions& options, SceneAssets& assets,
+                                               const std::vector<Device*>& devices,
+                                               AppState& state) {
+  if (options.force.scene.empty()) return nullptr;
+  SceneKeeperOptions keeper;
+  keeper.force = options.force;
+  keeper.tell = log_message;
+  keeper.warn = log_warning;
+  keeper.taken_up = [&devices, &state](const ServedScene& scene) {
+    state.rename(names_of(scene, devices));
+    warn_of_stiffness(scene.choice, devices);
+  };
+  return std::make_unique<SceneKeeper>(std::move(keeper), assets);
+}
+
 }  // namespace
 
 Result<RunReport> run(const RunOptions& options) {
+  // First of all, as it forks: there are no threads yet; and ends last, when the devices are
+  // closed.
+  std::unique_ptr<Supervisor> supervisor;
+  if (options.supervisor) {
+    auto started = Supervisor::start();
+    if (!started) return tl::make_unexpected(std::move(started.error()));
+    supervisor = std::move(*started);
+  }
   const auto choice = choose_forces(options.force);
   if (!choice) return tl::make_unexpected(choice.error());
   auto devices = make_devices(options, *choice);
@@ -187,7 +207,7 @@ Result<RunReport> run(const RunOptions& options) {
   if (!assets) return tl::make_unexpected(std::move(assets.error()));
 
   std::vector<Device*> open_devices;
-  const std::vector<const AssetView*> views = assets->views();
+  const std::vector<const AssetView*> views = (*assets)->views();
   for (const auto& device : *devices) {
     const DeviceSetup setup{options.rate_hz, options.realtime, choice->scene, views};
     if (auto opened = device->open(setup); !opened) {
@@ -195,11 +215,19 @@ Result<RunReport> run(const RunOptions& options) {
     }
     open_devices.push_back(device.get());
   }
+  if (supervisor != nullptr) {
+    std::vector<std::string> targets;
+    for (const Device* device : open_devices) targets.push_back(zero_force_target(*device));
+    if (auto watched = supervisor->watch(targets); !watched) {
+      return tl::make_unexpected(std::move(watched.error()));
+    }
+  }
 
-  auto keeps = open_keeps(options, header_of(options, *assets, open_devices));
+  auto keeps = open_keeps(options, header_of(options, **assets, open_devices));
   if (!keeps) return tl::make_unexpected(std::move(keeps.error()));
 
-  auto state = AppState::create(options.rate_hz, names_of(*choice, open_devices));
+  auto state = AppState::create(
+      options.rate_hz, names_of({*choice, first_ids(choice->scene.objects.size())}, open_devices));
   if (!state) return tl::make_unexpected(std::move(state.error()));
   // A machine without a place for the socket serves forces all the same.
   std::unique_ptr<AppServer> server;
@@ -222,14 +250,19 @@ Result<RunReport> run(const RunOptions& options) {
         "no haptic device is plugged in that may be opened (spm-servo devices tells more): the "
         "simulated one is taken");
   }
+  warn_of_stiffness(*choice, open_devices);
   StopSignals signals;
   TickRing ring = make_tick_ring(options.rate_hz, open_devices.size());
-  Loop loop(loop_settings(options, *choice), open_devices, assets->all_slots(), ring,
-            signals.flag(), state->get());
+  std::unique_ptr<SceneKeeper> scene_keeper =
+      make_scene_keeper(options, **assets, open_devices, **state);
+  Loop loop(loop_settings(options, *choice), open_devices, (*assets)->slots(), ring, signals.flag(),
+            state->get(), scene_keeper ? &scene_keeper->edits() : nullptr);
   Collector collector(ring, open_devices.size(), options.rate_hz, std::move(*keeps), log_warning);
-  for (const auto& keeper : assets->keepers) keeper->watch();
+  (*assets)->watch();
+  if (scene_keeper) scene_keeper->watch();
   Result<RealtimeState> realtime = drive(loop, collector, options.realtime, signals);
   if (!realtime) return tl::make_unexpected(std::move(realtime.error()));
+  scene_keeper.reset();
   if (auto written = collector.finish(); !written) {
     return tl::make_unexpected(std::move(written.error()));
   }
@@ -240,9 +273,10 @@ Result<RunReport> run(const RunOptions& options) {
   report.wake_us = collector.wake_us();
   report.busy_us = collector.busy_us();
   report.realtime = std::move(*realtime);
-  report.force = *choice;
+  report.force = (*assets)->choice();
+  report.force.assets = (*assets)->paths();
   report.black_boxes = collector.black_boxes();
-  for (const auto& keeper : assets->keepers) report.assets.push_back(keeper->report());
+  report.assets = (*assets)->reports();
   for (std::size_t i = 0; i < open_devices.size(); ++i) {
     report.devices.push_back(
         {open_devices[i]->capabilities(), open_devices[i]->describe(), loop.device_counters(i)});

@@ -18,13 +18,15 @@ struct RunOptions {
   ForceOptions force;
   std::vector<std::string> devices;  ///< as make_device takes them; none: the scene's, or auto
   double rate_hz = 1000;
+  bool paced_by_device = false;  ///< ticks follow the first device's reports
   RealtimeMode realtime = RealtimeMode::attempt;
   MapMode map = MapMode::file;
-  double duration = 0;  ///< s, from the first tick; 0: until a signal
-  std::string trace;    ///< file for one row a tick of the first device; empty for none
-  std::string record;   ///< file for a recording of all; empty for none
-  bool serve = true;    ///< applications may connect
-  std::string socket;   ///< where; empty: the usual place
+  double duration = 0;     ///< s, from the first tick; 0: until a signal
+  std::string trace;       ///< file for one row a tick of the first device; empty for none
+  std::string record;      ///< file for a recording of all; empty for none
+  bool supervisor = true;  ///< another process sends zero force where this one is killed
+  bool serve = true;       ///< applications may connect
+  std::string socket;      ///< where; empty: the usual place
   std::string black_box = default_black_box();  ///< file for the ticks about a fault; empty: none
 };
 

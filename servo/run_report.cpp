@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "servo/force_choice.hpp"
 
@@ -41,6 +42,11 @@ ordered_json devices_json(const RunReport& report) {
     ordered_json entry = {{"name", device.capabilities.name},
                           {"force_cap_n", force_cap_of(report, device.capabilities)},
                           {"encoder_step_m", device.capabilities.encoder_step}};
+    if (std::isfinite(device.capabilities.stiffness_cap)) {
+      entry["stiffness_cap_n_per_m"] = device.capabilities.stiffness_cap;
+    }
+    const Vector3& half = device.capabilities.workspace;
+    if (!half.isZero()) entry["workspace_m"] = {2 * half.x(), 2 * half.y(), 2 * half.z()};
     entry.update(device.details);
     entry["contact_ticks"] = device.counters.contact_ticks;
     entry["force_max_n"] = device.counters.force_max;

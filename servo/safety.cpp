@@ -12,6 +12,7 @@ constexpr double fastest_hand = 1.0;  // m/s
 constexpr double slew_margin = 2.0;
 constexpr double least_slew = 1.0;  // N a tick, so that a soft asset is not held back by rounding
 constexpr double ramp_seconds = 0.1;
+constexpr double fade_seconds = 0.5;  // slow enough that a hand that leans on a surface follows it
 
 /// Limits how far the force may grow or turn in a tick. Falling is free: a force that ends must
 /// end.
@@ -50,6 +51,10 @@ const char* to_string(ForceOff cause) noexcept {
       return "jumped";
     case ForceOff::clutched:
       return "clutched";
+    case ForceOff::outside_workspace:
+      return "outside_workspace";
+    case ForceOff::application_silent:
+      return "application_silent";
   }
   return "unknown";
 }
@@ -76,9 +81,23 @@ const char* cure_of(ForceOff cause) noexcept {
     case ForceOff::jumped:
       return "check the device's encoders and its cable; the force fades in again by itself";
     case ForceOff::clutched:
-      return "let the clutch go, in the application that holds it";
+      return "let the clutch go, the device's button or the application that holds it";
+    case ForceOff::outside_workspace:
+      return "bring the tool back towards its home, and home the device again if it is there";
+    case ForceOff::application_silent:
+      return "look after the application that moved objects, or end it; the force fades in again "
+             "by "
+             "itself";
   }
   return "";
+}
+
+bool is_outside(const Vector3& position, const Vector3& half_edges) noexcept {
+  for (int axis = 0; axis < 3; ++axis) {
+    const double most = (1 + workspace_margin) * half_edges[axis];
+    if (most > 0 && std::abs(position[axis]) > most) return true;
+  }
+  return false;
 }
 
 bool JumpGate::jumped(const Vector3& position, std::uint64_t tick) noexcept {
@@ -96,12 +115,32 @@ SafetySettings safety_settings(double force_cap, double stiffness, double rate_h
   settings.slew_limit = std::max(least_slew, slew_margin * stiffness * fastest_hand / rate_hz);
   settings.ramp_ticks =
       std::max(1U, static_cast<std::uint32_t>(std::lround(ramp_seconds * rate_hz)));
+  settings.fade_ticks =
+      std::max(1U, static_cast<std::uint32_t>(std::lround(fade_seconds * rate_hz)));
   return settings;
 }
 
-SafeForce SafetyStage::apply(const Vector3& wanted, ForceOff cause) noexcept {
+void SafetyStage::restart() noexcept {
+  ramp_tick_ = 0;
+  from_ = previous_;
+}
+
+/// What is left of a force in this tick, 0 to 1.
+double SafetyStage::next_fade(bool fading) noexcept {
+  if (fading) {
+    fade_tick_ = std::min(fade_tick_ + 1, settings_.fade_ticks);
+  } else if (fade_tick_ > 0) {
+    fade_tick_ = 0;
+    restart();
+  }
+  return 1 - static_cast<double>(fade_tick_) / settings_.fade_ticks;
+}
+
+SafeForce SafetyStage::apply(const Vector3& wanted, ForceOff cause, bool fading) noexcept {
   SafeForce safe;
   if (cause == ForceOff::none && !wanted.allFinite()) cause = ForceOff::not_a_number;
+  const double left = next_fade(fading);
+  if (cause == ForceOff::none && left == 0) cause = ForceOff::application_silent;
   if (cause != ForceOff::none) {
     safe.cause = cause;
     previous_.setZero();
@@ -110,7 +149,8 @@ SafeForce SafetyStage::apply(const Vector3& wanted, ForceOff cause) noexcept {
   }
 
   ramp_tick_ = std::min(ramp_tick_ + 1, settings_.ramp_ticks);
-  safe.force = wanted * (static_cast<double>(ramp_tick_) / settings_.ramp_ticks);
+  const double share = static_cast<double>(ramp_tick_) / settings_.ramp_ticks;
+  safe.force = left * ((1 - share) * from_ + share * wanted);
 
   const Vector3 slewed = limit_slew(previous_, safe.force, settings_.slew_limit);
   safe.slewed = slewed != safe.force;

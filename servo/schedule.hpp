@@ -30,6 +30,9 @@ class TickSchedule {
     return skipped;
   }
 
+  /// Moves the grid so that this tick is due at `now_ns`: where a device's reports pace the loop.
+  void shift_to(std::int64_t now_ns) noexcept { start_ns_ += now_ns - due(); }
+
  private:
   [[nodiscard]] std::int64_t due_at(std::uint64_t index) const noexcept {
     return start_ns_ + std::llround(static_cast<double>(index) * period_ns_);

@@ -19,7 +19,7 @@ enum class HandKind : std::uint8_t {
 /// Options of the simulated device: `sim:profile=NAME,hand=slide|push|path,path=FILE,depth=LENGTH,
 /// speed=SPEED,seed=N`.
 struct SimOptions {
-  const SimProfile* profile = &sim_profiles[0];
+  const SimProfile* profile = &sim_profiles[0];  ///< one of these
   HandKind hand = HandKind::slide;
   std::string path;     ///< trajectory of a recorded hand, one row a tick
   double depth = 1e-3;  ///< m, above 0

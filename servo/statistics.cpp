@@ -2,9 +2,9 @@
 #include "servo/statistics.hpp"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
-#include <cstddef>
+
+#include "servo/duration_buckets.hpp"
 
 namespace spm::servo {
 
@@ -12,30 +12,7 @@ namespace {
 
 constexpr double us_per_ns = 1e-3;
 
-/// Values below 2^9 have a bucket each; above, every power of two has 2^8 buckets.
-constexpr unsigned fraction_bits = 8;
-constexpr std::uint64_t first_wide = std::uint64_t{2} << fraction_bits;
-constexpr std::size_t bucket_count = (64 - fraction_bits) << fraction_bits;
-
-std::size_t bucket_of(std::uint64_t value) noexcept {
-  if (value < first_wide) return value;
-  const unsigned shift = static_cast<unsigned>(std::bit_width(value)) - 1 - fraction_bits;
-  return (std::size_t{shift} << fraction_bits) + (value >> shift);
-}
-
-/// Largest value that a bucket holds.
-std::uint64_t upper_edge(std::size_t bucket) noexcept {
-  if (bucket < first_wide) return bucket;
-  const std::size_t shift = (bucket >> fraction_bits) - 1;
-  const std::uint64_t mantissa = bucket - (shift << fraction_bits);
-  return ((mantissa + 1) << shift) - 1;
-}
-
-/// Nearest rank, 1 to count.
-std::uint64_t rank_of(double share, std::uint64_t count) noexcept {
-  const double rank = std::ceil(share * static_cast<double>(count));
-  return std::clamp<std::uint64_t>(static_cast<std::uint64_t>(rank), 1, count);
-}
+using Buckets = DurationBuckets<8>;
 
 }  // namespace
 
@@ -48,7 +25,7 @@ Summary summarise(std::vector<double>& values) {
   double squares = 0;
   for (const double value : values) squares += (value - summary.mean) * (value - summary.mean);
   summary.sd = std::sqrt(squares / count);
-  const auto ranked = [&](double share) { return values[rank_of(share, values.size()) - 1]; };
+  const auto ranked = [&](double share) { return values[nearest_rank(share, values.size()) - 1]; };
   summary.p50 = ranked(0.5);
   summary.p99 = ranked(0.99);
   summary.p999 = ranked(0.999);
@@ -56,11 +33,11 @@ Summary summarise(std::vector<double>& values) {
   return summary;
 }
 
-DurationHistogram::DurationHistogram() : buckets_(bucket_count, 0) {}
+DurationHistogram::DurationHistogram() : buckets_(Buckets::count, 0) {}
 
 void DurationHistogram::add(std::int64_t duration_ns) {
   const auto value = static_cast<std::uint64_t>(std::max<std::int64_t>(duration_ns, 0));
-  ++buckets_[bucket_of(value)];
+  ++buckets_[Buckets::of(value)];
   ++count_;
   max_ = std::max(max_, value);
   const double difference = static_cast<double>(value) - mean_;
@@ -69,13 +46,8 @@ void DurationHistogram::add(std::int64_t duration_ns) {
 }
 
 double DurationHistogram::percentile_ns(double share) const {
-  const std::uint64_t rank = rank_of(share, count_);
-  std::uint64_t seen = 0;
-  for (std::size_t bucket = 0; bucket < buckets_.size(); ++bucket) {
-    seen += buckets_[bucket];
-    if (seen >= rank) return static_cast<double>(std::min(upper_edge(bucket), max_));
-  }
-  return static_cast<double>(max_);
+  const std::uint64_t edge = Buckets::ranked(buckets_, nearest_rank(share, count_));
+  return static_cast<double>(std::min(edge, max_));
 }
 
 Summary DurationHistogram::summary_us() const {

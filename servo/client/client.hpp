@@ -11,6 +11,7 @@
 
 #include "servo/client/connection.hpp"
 #include "servo/client/event_queue.hpp"
+#include "servo/client/shared_words.hpp"
 #include "servo/client/spm_client.h"
 
 /// What spm_client.h's handle stands for.
@@ -28,6 +29,14 @@ struct spm_client {
 };
 
 namespace spm::servo {
+
+/// The daemon's state, for a look at it; the daemon learns that the application is alive.
+[[nodiscard]] inline const spm_shared_state& look(const spm_client& client) noexcept {
+  std::uint64_t& calls = client.connection.ring().calls;
+  // Two threads at once may count one call: the daemon only needs it to change.
+  store_relaxed(calls, load_relaxed(calls) + 1);
+  return client.connection.state();
+}
 
 /// Copies a result into a caller's struct, as much of it as the caller's version has. `Record`
 /// begins with its size, which is what all versions have had at least.

@@ -24,7 +24,7 @@
 #define SPM_LAYOUT_ASSERT _Static_assert
 #endif
 
-#define SPM_LAYOUT_VERSION 1u
+#define SPM_LAYOUT_VERSION 2u
 
 #define SPM_STATE_MAGIC UINT64_C(0x65746174534d5053) /* the bytes SPMState */
 #define SPM_RING_MAGIC UINT64_C(0x676e6952204d5053)  /* the bytes SPM Ring */
@@ -38,6 +38,7 @@ enum {
   SPM_NAME_BYTES = 64, /* of every name, its closing zero included */
   SPM_CURE_BYTES = 192,
   SPM_VERSION_BYTES = 32,
+  SPM_BUCKETS = 64,    /* of durations: shared_buckets.hpp */
   SPM_RING_SLOTS = 256 /* a power of two: four frames of all the objects there may be */
 };
 
@@ -107,6 +108,55 @@ typedef struct spm_shared_info {
   spm_shared_cause causes[SPM_MOST_CAUSES];
 } spm_shared_info;
 
+/** What the loop counted for one device since it began. */
+typedef struct spm_shared_device_counts {
+  uint64_t contact_ticks;
+  uint64_t cap_hits;
+  uint64_t slew_hits;
+  double force_max;     /* as sent */
+  double energy;        /* J, net work that the forces sent did on the hand */
+  double generated_max; /* J, largest positive value of energy */
+  uint32_t last_cause;  /* of zero force, the last that there was; 0: none so far */
+  uint32_t reserved;
+} spm_shared_device_counts;
+
+/** What the loop counted since it began, a tick later than its snapshots. Behind a sequence lock of
+ *  its own. */
+typedef struct spm_shared_loop {
+  uint64_t sequence;
+  int64_t time_ns; /* when the last tick that is counted began */
+  uint64_t ticks;
+  uint64_t missed;  /* not finished before the next was due, skipped ones included */
+  uint64_t skipped; /* of the missed ones, those not run at all */
+  uint64_t busy_ns; /* sum */
+  uint64_t wake_max_ns;
+  uint64_t busy_max_ns;
+  uint64_t taken; /* commands of all applications */
+  uint64_t refused;
+  uint64_t garbage;
+  uint32_t device_count;
+  uint32_t reserved;
+  uint64_t more_reserved[4];
+  uint64_t wake[SPM_BUCKETS]; /* ticks by how late they began */
+  uint64_t busy[SPM_BUCKETS]; /* ticks by how long they worked */
+  spm_shared_device_counts devices[SPM_MOST_DEVICES];
+} spm_shared_loop;
+
+/** A client, as the others see it. */
+typedef struct spm_shared_application {
+  uint32_t connection;
+  uint32_t process;
+  char name[SPM_NAME_BYTES]; /* as it calls itself, printable ASCII */
+} spm_shared_application;
+
+/** Who is connected. Behind a sequence lock of its own; the loop has no part in it. */
+typedef struct spm_shared_applications {
+  uint64_t sequence;
+  uint32_t count;
+  uint32_t reserved;
+  spm_shared_application list[SPM_MOST_CLIENTS];
+} spm_shared_applications;
+
 /** The region that all clients map read-only. */
 typedef struct spm_shared_state {
   uint64_t magic;
@@ -123,6 +173,8 @@ typedef struct spm_shared_state {
   uint64_t more_reserved[4];
   spm_shared_snapshot snapshots[2];
   spm_shared_info info;
+  spm_shared_loop loop;
+  spm_shared_applications applications;
 } spm_shared_state;
 
 /* Kinds of commands. */
@@ -172,8 +224,9 @@ typedef struct spm_shared_ring {
   uint32_t layout_version;
   uint32_t bytes;
   uint64_t reserved[6];
-  uint64_t head; /* by the client: commands written so far */
-  uint64_t more_reserved[7];
+  uint64_t head;  /* by the client: commands written so far */
+  uint64_t calls; /* by the client: changes with every look at the state, a sign of life */
+  uint64_t more_reserved[6];
   uint64_t tail; /* by the daemon, who never reads it back: commands taken so far */
   uint64_t refused;
   uint64_t garbage;      /* heads and sequence numbers that made no sense */
@@ -198,7 +251,15 @@ SPM_LAYOUT_ASSERT(offsetof(spm_shared_state, rate_hz) == 56, "layout");
 SPM_LAYOUT_ASSERT(offsetof(spm_shared_state, heartbeat_ns) == 64, "layout");
 SPM_LAYOUT_ASSERT(offsetof(spm_shared_state, snapshots) == 128, "layout");
 SPM_LAYOUT_ASSERT(offsetof(spm_shared_state, info) == 128 + 2 * 10048, "layout");
-SPM_LAYOUT_ASSERT(sizeof(spm_shared_state) == 128 + 2 * 10048 + 14864, "layout");
+SPM_LAYOUT_ASSERT(sizeof(spm_shared_device_counts) == 56, "layout");
+SPM_LAYOUT_ASSERT(offsetof(spm_shared_loop, wake) == 128, "layout");
+SPM_LAYOUT_ASSERT(offsetof(spm_shared_loop, devices) == 128 + 2 * 64 * 8, "layout");
+SPM_LAYOUT_ASSERT(sizeof(spm_shared_loop) == 128 + 2 * 64 * 8 + 8 * 56, "layout");
+SPM_LAYOUT_ASSERT(sizeof(spm_shared_application) == 72, "layout");
+SPM_LAYOUT_ASSERT(sizeof(spm_shared_applications) == 16 + 16 * 72, "layout");
+SPM_LAYOUT_ASSERT(offsetof(spm_shared_state, loop) == 128 + 2 * 10048 + 14864, "layout");
+SPM_LAYOUT_ASSERT(offsetof(spm_shared_state, applications) == 35088 + 1600, "layout");
+SPM_LAYOUT_ASSERT(sizeof(spm_shared_state) == 35088 + 1600 + 1168, "layout");
 SPM_LAYOUT_ASSERT(sizeof(spm_shared_command) == 192, "layout");
 SPM_LAYOUT_ASSERT(offsetof(spm_shared_command, texture_seed) == 152, "layout");
 SPM_LAYOUT_ASSERT(offsetof(spm_shared_ring, head) == 64, "layout");

@@ -199,7 +199,7 @@ void spm_client_disconnect(spm_client* client) { delete client; }
 int spm_client_daemon_state(const spm_client* client, double* age) {
   if (age != nullptr) *age = -1;
   if (client == nullptr) return SPM_CLIENT_GONE;
-  const spm_shared_state& state = client->connection.state();
+  const spm_shared_state& state = look(*client);
   const bool ticked = load_acquire(state.published) > 0;
   const std::int64_t since = monotonic_ns() - load_relaxed(state.heartbeat_ns);
   if (ticked && age != nullptr) *age = static_cast<double>(since) * 1e-9;
@@ -256,7 +256,7 @@ int spm_client_cause(const spm_client* client, uint32_t cause, const char** name
 int spm_client_read_tick(const spm_client* client, spm_client_tick* tick) {
   if (client == nullptr || tick == nullptr) return SPM_CLIENT_BAD_ARGUMENT;
   spm_client_tick found{};
-  const ReadResult result = read_newest(client->connection.state(), [&](const auto& snapshot) {
+  const ReadResult result = read_newest(look(*client), [&](const auto& snapshot) {
     found = public_tick(snapshot);
     return true;
   });
@@ -267,7 +267,7 @@ int spm_client_read_device(const spm_client* client, uint32_t device, spm_client
   if (client == nullptr || state == nullptr) return SPM_CLIENT_BAD_ARGUMENT;
   spm_shared_device found;
   std::uint64_t tick = 0;
-  const ReadResult result = read_newest(client->connection.state(), [&](const auto& snapshot) {
+  const ReadResult result = read_newest(look(*client), [&](const auto& snapshot) {
     if (device >= device_count(snapshot)) return false;
     tick = load_relaxed(snapshot.tick);
     found = load_record(snapshot.devices[device]);
@@ -280,7 +280,7 @@ int spm_client_read_object(const spm_client* client, uint64_t object, spm_client
   if (client == nullptr || state == nullptr) return SPM_CLIENT_BAD_ARGUMENT;
   spm_shared_object found;
   std::uint64_t tick = 0;
-  const ReadResult result = read_newest(client->connection.state(), [&](const auto& snapshot) {
+  const ReadResult result = read_newest(look(*client), [&](const auto& snapshot) {
     tick = load_relaxed(snapshot.tick);
     for (std::uint32_t i = 0; i < object_count(snapshot); ++i) {
       if (load_relaxed(snapshot.objects[i].id) != object) continue;
@@ -303,7 +303,7 @@ int spm_client_read_all(const spm_client* client, spm_client_tick* tick, spm_cli
   std::array<spm_shared_device, SPM_MOST_DEVICES> found_devices;
   std::array<spm_shared_object, SPM_MOST_OBJECTS> found_objects;
   std::size_t devices_read = 0, objects_read = 0;
-  const ReadResult result = read_newest(client->connection.state(), [&](const auto& snapshot) {
+  const ReadResult result = read_newest(look(*client), [&](const auto& snapshot) {
     found = public_tick(snapshot);
     devices_read = std::min<std::size_t>(found.device_count, most_devices);
     objects_read = std::min<std::size_t>(found.object_count, most_objects);
@@ -335,7 +335,7 @@ int spm_client_next_event(spm_client* client, spm_client_event* event) {
     std::array<spm_shared_device, SPM_MOST_DEVICES> devices;
     std::uint64_t tick = 0;
     std::uint32_t count = 0;
-    const ReadResult result = read_newest(client->connection.state(), [&](const auto& snapshot) {
+    const ReadResult result = read_newest(look(*client), [&](const auto& snapshot) {
       tick = load_relaxed(snapshot.tick);
       count = device_count(snapshot);
       load_words(devices.data(), snapshot.devices, count * sizeof(spm_shared_device));

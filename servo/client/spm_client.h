@@ -8,6 +8,10 @@
  *  could not follow is told by spm_client_refusals. Whatever the application does, the loop keeps
  *  its tick.
  *
+ *  Reading and commands are signs of life. Where an application that moves objects gives none for a
+ *  second, while it stays connected, it hangs: the scene was held so long, now the force fades out
+ *  over half a second (SPM_CLIENT_OFF_APPLICATION_SILENT), and fades in again with its next call.
+ *
  *  Positions in metres, forces in newtons, torques in newton metres, quaternions unit with w first
  *  (w x y z), all in the world frame: x to the right, y up, z towards the user. Every struct begins
  *  with its size, which the caller sets (`spm_client_device d = {.size = sizeof d};`): fields are
@@ -68,7 +72,9 @@ enum spm_client_force_off {
   SPM_CLIENT_OFF_DEVICE_GONE = 7,
   SPM_CLIENT_OFF_NOT_HOMED = 8,
   SPM_CLIENT_OFF_JUMPED = 9,
-  SPM_CLIENT_OFF_CLUTCHED = 10
+  SPM_CLIENT_OFF_CLUTCHED = 10,
+  SPM_CLIENT_OFF_OUTSIDE_WORKSPACE = 11,
+  SPM_CLIENT_OFF_APPLICATION_SILENT = 12
 };
 
 enum spm_client_health {
@@ -284,6 +290,61 @@ typedef struct spm_client_event {
  *  contact or a cut that began and ended between two calls is told with both its ends; a button
  * that was pressed and released between them is not. One thread. */
 SPM_CLIENT_API int spm_client_next_event(spm_client* client, spm_client_event* event);
+
+/* --- Counts ----------------------------------------------------------------------------------- */
+
+/** What the loop counted since it began; nothing where it has not. Of the last second, say, tells
+ *  the difference of two of these. */
+typedef struct spm_client_loop {
+  uint32_t size;
+  uint32_t reserved;
+  int64_t time_ns;      /**< when the last tick that is counted began, of CLOCK_MONOTONIC */
+  uint64_t ticks;       /**< run */
+  uint64_t missed;      /**< not finished before the next was due, skipped ones included */
+  uint64_t skipped;     /**< of the missed ones, those not run at all */
+  uint64_t busy_ns;     /**< how long all ticks worked, together */
+  uint64_t wake_max_ns; /**< the latest that a tick began */
+  uint64_t busy_max_ns; /**< the longest that one worked */
+  uint64_t taken;       /**< commands of all applications */
+  uint64_t refused;     /**< commands that were not followed */
+  uint64_t garbage;     /**< what applications wrote that was no command */
+  uint64_t wake[64];    /**< ticks by how late they began; spm_client_bucket_end */
+  uint64_t busy[64];    /**< ticks by how long they worked */
+} spm_client_loop;
+
+SPM_CLIENT_API int spm_client_read_loop(const spm_client* client, spm_client_loop* loop);
+
+/** Where a bucket of `wake` and `busy` ends, ns: what is in it is shorter, and not shorter than the
+ *  end of the one before. In the last one is everything longer too. 0 where there is none such. */
+SPM_CLIENT_API uint64_t spm_client_bucket_end(uint32_t bucket);
+
+/** What the loop counted for one device since it began. */
+typedef struct spm_client_device_counts {
+  uint32_t size;
+  uint32_t last_cause;    /**< of zero force, the last that there was; 0: none so far */
+  uint64_t contact_ticks; /**< in which it touched */
+  uint64_t cap_hits;      /**< in which the force cap held the force down */
+  uint64_t slew_hits;     /**< in which the slew limit held the force back */
+  double force_max;       /**< N, as sent */
+  double energy;          /**< J, net work that the forces sent did on the hand */
+  double generated_max;   /**< J, largest positive value of `energy` */
+} spm_client_device_counts;
+
+SPM_CLIENT_API int spm_client_read_device_counts(const spm_client* client, uint32_t device,
+                                                 spm_client_device_counts* counts);
+
+/** An application that is connected, this one among them. */
+typedef struct spm_client_application {
+  uint32_t size;
+  uint32_t connection; /**< numbered from 1, never used again */
+  uint32_t process;
+  uint32_t reserved;
+  char name[64]; /**< as it calls itself: spm_client_options.application */
+} spm_client_application;
+
+/** SPM_CLIENT_NOT_THERE from the number of those on that there are. */
+SPM_CLIENT_API int spm_client_read_application(const spm_client* client, uint32_t index,
+                                               spm_client_application* application);
 
 #ifdef __cplusplus
 }

@@ -36,8 +36,7 @@ bool leads_somewhere(const std::string& link) noexcept {
 }  // namespace
 
 DeviceExternal::DeviceExternal(const ExternalOptions& options)
-    : options_(options),
-      capabilities_{"external", options.profile->force_cap, options.profile->encoder_step} {}
+    : options_(options), capabilities_(capabilities_of("external", *options.profile)) {}
 
 DeviceExternal::~DeviceExternal() {
   if (!link_.empty()) ::unlink(link_.c_str());

@@ -36,9 +36,10 @@ void set_lights(FalconCommand& command, DeviceHealth health) noexcept {
 
 DeviceFalcon::DeviceFalcon(FalconOptions options)
     : options_(std::move(options)),
-      capabilities_{"falcon", std::min(options_.force_cap, profile.force_cap),
-                    profile.encoder_step},
-      tracker_(options_.home_angle) {}
+      capabilities_(capabilities_of("falcon", profile)),
+      tracker_(options_.home_angle) {
+  capabilities_.force_cap = std::min(options_.force_cap, profile.force_cap);
+}
 
 Result<void> DeviceFalcon::open(const DeviceSetup& setup) {
   if (!options_.firmware.empty()) {
@@ -52,21 +53,16 @@ Result<void> DeviceFalcon::open(const DeviceSetup& setup) {
     }
     firmware_ = std::move(*file);
   }
-  return threads_.start([this](const std::atomic<bool>& stop) { return connect(stop); },
-                        setup.realtime);
+  return start([this](const std::atomic<bool>& stop) { return connect(stop); }, setup.realtime);
 }
 
-Result<std::unique_ptr<DeviceFalcon::FalconThreads::DevicePort>> DeviceFalcon::connect(
-    const std::atomic<bool>& stop) {
-  auto port = try_to_connect(stop);
-  const std::lock_guard lock(mutex_);
-  connection_.last_failure = port ? std::string() : port.error().message;
-  return port;
+Result<void> DeviceFalcon::start(Threads::Open open, RealtimeMode realtime) {
+  return threads_.start(std::move(open), realtime);
 }
 
-Result<std::unique_ptr<DeviceFalcon::FalconThreads::DevicePort>> DeviceFalcon::try_to_connect(
+Result<std::unique_ptr<DeviceFalcon::Threads::DevicePort>> DeviceFalcon::connect(
     const std::atomic<bool>& stop) {
-  auto usb = FalconUsb::open(options_.path);
+  auto usb = FalconUsb::open(options_.path, options_.product);
   if (!usb) return tl::make_unexpected(std::move(usb.error()));
   const auto set = set_falcon_normal_mode(**usb);
   if (!set) return tl::make_unexpected(set.error());
@@ -91,7 +87,7 @@ Result<std::unique_ptr<DeviceFalcon::FalconThreads::DevicePort>> DeviceFalcon::t
   }
   auto port = FalconPort::start(std::move(*usb));
   if (!port) return tl::make_unexpected(std::move(port.error()));
-  return std::unique_ptr<FalconThreads::DevicePort>(std::move(*port));
+  return std::unique_ptr<Threads::DevicePort>(std::move(*port));
 }
 
 DeviceHealth DeviceFalcon::read(DeviceState& state) noexcept {
@@ -122,6 +118,10 @@ DeviceHealth DeviceFalcon::look() noexcept {
   return now - came_ns_ > longest_silence_ns ? DeviceHealth::silent : followed_;
 }
 
+bool DeviceFalcon::wait_for_report(std::int64_t until_ns) noexcept {
+  return threads_.wait(until_ns);
+}
+
 DeviceHealth DeviceFalcon::write(const Wrench& wrench) noexcept {
   FalconCommand command;
   DeviceHealth written = threads_.is_open() ? DeviceHealth::ok : DeviceHealth::gone;
@@ -148,16 +148,19 @@ bool DeviceFalcon::push(const Vector3& force, FalconCommand& command) noexcept {
 nlohmann::ordered_json DeviceFalcon::describe() const {
   const std::lock_guard lock(mutex_);
   nlohmann::ordered_json json{{"usb_path", connection_.path},
+                              {"usb_product", fmt::format("{:04x}", options_.product)},
                               {"homed", homed_.load(std::memory_order_relaxed)},
                               {"reopened", threads_.reopened()},
                               {"firmware", connection_.uploaded ? "uploaded" : "was_running"},
                               {"firmware_uploads", connection_.uploads},
-                              {"home_angle_rad", options_.home_angle}};
+                              {"home_angle_rad", options_.home_angle},
+                              {"latency_us", threads_.latency_us()}};
   if (firmware_) {
     json["firmware_file"] = {
         {"path", firmware_->path}, {"sha256", firmware_->sha256}, {"known", firmware_->known}};
   }
-  if (!connection_.last_failure.empty()) json["last_failure"] = connection_.last_failure;
+  const std::string error = threads_.last_error();
+  if (!error.empty()) json["last_error"] = error;
   return json;
 }
 

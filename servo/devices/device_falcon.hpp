@@ -26,33 +26,32 @@ namespace spm::servo {
 /// it hears no packet.
 class DeviceFalcon final : public Device {
  public:
+  using Threads = PortThreads<FalconReport, FalconCommand>;
+
   explicit DeviceFalcon(FalconOptions options);
 
   /// Finds the device, and loads its firmware where none runs, which takes some seconds. Errors:
   /// those of the firmware file, of USB, and of the upload.
   [[nodiscard]] Result<void> open(const DeviceSetup& setup) override;
+  /// As `open`, over connections that somebody else makes. Errors: theirs.
+  [[nodiscard]] Result<void> start(Threads::Open open, RealtimeMode realtime);
   [[nodiscard]] const DeviceCapabilities& capabilities() const noexcept override {
     return capabilities_;
   }
   [[nodiscard]] DeviceHealth read(DeviceState& state) noexcept override;
   [[nodiscard]] DeviceHealth write(const Wrench& wrench) noexcept override;
+  [[nodiscard]] bool wait_for_report(std::int64_t until_ns) noexcept override;
   [[nodiscard]] nlohmann::ordered_json describe() const override;
 
  private:
-  using FalconThreads = PortThreads<FalconReport, FalconCommand>;
-
   /// What the last opening found; written by the thread that opens.
   struct Connection {
     std::string path;
     bool uploaded = false;      ///< whether it had to be given its firmware
     std::uint32_t uploads = 0;  ///< since the start
-    std::string last_failure;   ///< of an attempt to open it again; empty after it succeeded
   };
 
-  [[nodiscard]] Result<std::unique_ptr<FalconThreads::DevicePort>> connect(
-      const std::atomic<bool>& stop);
-  [[nodiscard]] Result<std::unique_ptr<FalconThreads::DevicePort>> try_to_connect(
-      const std::atomic<bool>& stop);
+  [[nodiscard]] Result<std::unique_ptr<Threads::DevicePort>> connect(const std::atomic<bool>& stop);
   [[nodiscard]] DeviceHealth look() noexcept;
   /// Motor commands for a force, N; false where there are none.
   [[nodiscard]] bool push(const Vector3& force, FalconCommand& command) noexcept;
@@ -73,7 +72,7 @@ class DeviceFalcon final : public Device {
   std::int64_t came_ns_ = 0;
   std::atomic<bool> homed_{false};
 
-  FalconThreads threads_;  ///< last, so that its threads end before what they use
+  Threads threads_;  ///< last, so that its threads end before what they use
 };
 
 }  // namespace spm::servo

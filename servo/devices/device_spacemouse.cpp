@@ -60,6 +60,10 @@ nlohmann::ordered_json DeviceSpaceMouse::describe() const {
                               {"serial", found_.serial},        {"speed_m_s", options_.speed},
                               {"turn_rad_s", options_.turn},    {"dead_zone", options_.dead_zone},
                               {"box_m", options_.box},          {"reopened", threads_.reopened()}};
+  // What it is sent is its light alone.
+  json["latency_us"]["report_age"] = threads_.report_age().json_us();
+  const std::string error = threads_.last_error();
+  if (!error.empty()) json["last_error"] = error;
   if (battery >= 0) json["battery_percent"] = battery;
   return json;
 }

@@ -2,6 +2,7 @@
 #include "servo/devices/device_wooden.hpp"
 
 #include <algorithm>
+#include <utility>
 
 #include "common/device_profile.hpp"
 #include "servo/clock.hpp"
@@ -10,9 +11,12 @@ namespace spm::servo {
 
 DeviceWooden::DeviceWooden(const WoodenOptions& options)
     : options_(options),
-      capabilities_{"woodenhaptics", wooden_force_cap(*options.model),
-                    find_device_profile("wooden")->encoder_step},
+      capabilities_(capabilities_of("woodenhaptics", *find_device_profile("wooden"))),
       tracker_(options) {
+  capabilities_.force_cap = wooden_force_cap(*options.model);
+  // The profile's box holds the arm's reach, but nobody says where it lies; the home pose, 0.2 m
+  // above the origin, is outside of one about that. The arm itself ends its workspace.
+  capabilities_.workspace.setZero();
   // The options may be made by hand, without a cap of their own.
   if (!(options_.force_cap > 0)) options_.force_cap = capabilities_.force_cap;
   capabilities_.force_cap = std::min(capabilities_.force_cap, options_.force_cap);
@@ -30,7 +34,11 @@ Result<void> DeviceWooden::open(const DeviceSetup& setup) {
     found_protocol_ = (*port)->protocol();
     return Opened(std::move(*port));
   };
-  return threads_.start(open_port, setup.realtime);
+  return start(open_port, setup.realtime);
+}
+
+Result<void> DeviceWooden::start(Threads::Open open, RealtimeMode realtime) {
+  return threads_.start(std::move(open), realtime);
 }
 
 DeviceHealth DeviceWooden::health(std::int64_t at_ns) const noexcept {
@@ -45,6 +53,10 @@ DeviceHealth DeviceWooden::read(DeviceState& state) noexcept {
   return health(now_ns());
 }
 
+bool DeviceWooden::wait_for_report(std::int64_t until_ns) noexcept {
+  return threads_.wait(until_ns);
+}
+
 DeviceHealth DeviceWooden::write(const Wrench& wrench) noexcept {
   if (!threads_.is_open()) return DeviceHealth::gone;
   const std::int64_t now = now_ns();
@@ -56,18 +68,22 @@ DeviceHealth DeviceWooden::write(const Wrench& wrench) noexcept {
 nlohmann::ordered_json DeviceWooden::describe() const {
   const std::lock_guard lock(found_mutex_);
   const WoodenCalibration calibration = wooden_calibration(options_, found_protocol_);
-  return {{"model", options_.model->name},
-          {"protocol", to_string(found_protocol_)},
-          {"path", found_.path},
-          {"serial", found_.serial},
-          {"signs", signs_text(calibration.count_signs.data(), 6)},
-          {"motor_signs", signs_text(calibration.motor_signs.data(), 3)},
-          {"home_counts", calibration.home},
-          {"home_confirmed", to_string(options_.home_confirmed)},
-          {"imax_A", options_.full_scale_current},
-          {"current_limit_A", options_.current_limit},
-          {"gravity", options_.gravity},
-          {"reopened", threads_.reopened()}};
+  nlohmann::ordered_json json{{"model", options_.model->name},
+                              {"protocol", to_string(found_protocol_)},
+                              {"path", found_.path},
+                              {"serial", found_.serial},
+                              {"signs", signs_text(calibration.count_signs.data(), 6)},
+                              {"motor_signs", signs_text(calibration.motor_signs.data(), 3)},
+                              {"home_counts", calibration.home},
+                              {"home_confirmed", to_string(options_.home_confirmed)},
+                              {"imax_A", options_.full_scale_current},
+                              {"current_limit_A", options_.current_limit},
+                              {"gravity", options_.gravity},
+                              {"reopened", threads_.reopened()},
+                              {"latency_us", threads_.latency_us()}};
+  const std::string error = threads_.last_error();
+  if (!error.empty()) json["last_error"] = error;
+  return json;
 }
 
 }  // namespace spm::servo

@@ -21,15 +21,20 @@ namespace spm::servo {
 /// [U].
 class DeviceWooden final : public Device {
  public:
+  using Threads = PortThreads<WoodenReport, WoodenCommand>;
+
   explicit DeviceWooden(const WoodenOptions& options);
 
   /// Errors: those of WoodenPort::open.
   [[nodiscard]] Result<void> open(const DeviceSetup& setup) override;
+  /// As `open`, over connections that somebody else makes. Errors: theirs.
+  [[nodiscard]] Result<void> start(Threads::Open open, RealtimeMode realtime);
   [[nodiscard]] const DeviceCapabilities& capabilities() const noexcept override {
     return capabilities_;
   }
   [[nodiscard]] DeviceHealth read(DeviceState& state) noexcept override;
   [[nodiscard]] DeviceHealth write(const Wrench& wrench) noexcept override;
+  [[nodiscard]] bool wait_for_report(std::int64_t until_ns) noexcept override;
   [[nodiscard]] nlohmann::ordered_json describe() const override;
 
  private:
@@ -42,7 +47,7 @@ class DeviceWooden final : public Device {
   mutable std::mutex found_mutex_;
   HidDevice found_;  ///< the last one opened, as is its protocol
   WoodenProtocol found_protocol_ = WoodenProtocol::v1;
-  PortThreads<WoodenReport, WoodenCommand> threads_;  ///< last: its threads use the rest
+  Threads threads_;  ///< last: its threads use the rest
 };
 
 }  // namespace spm::servo

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <charconv>
 #include <cstddef>
 #include <cstdlib>
 
@@ -47,6 +48,21 @@ bool is_usb_path(std::string_view text) {
   return text.empty();
 }
 
+Result<void> set_product(FalconOptions& options, std::string_view value) {
+  constexpr std::size_t id_digits = 4;
+  const char* const end = value.data() + value.size();
+  std::uint16_t product = 0;
+  const auto parsed = std::from_chars(value.data(), end, product, 16);
+  if (value.size() != id_digits || parsed.ec != std::errc{} || parsed.ptr != end) {
+    return usage(fmt::format(
+        "product '{}' is no USB product id; write its four hexadecimal digits, as in product=6001, "
+        "as lsusb shows them behind the colon",
+        value));
+  }
+  options.product = product;
+  return {};
+}
+
 Result<void> set_quantity(double& target, std::string_view key, std::string_view value,
                           Quantity quantity, double least, double most) {
   return set_option_quantity(device, target, key, value, quantity, most, least);
@@ -67,6 +83,7 @@ Result<void> set(FalconOptions& options, std::string_view key, std::string_view 
     options.path = value;
     return {};
   }
+  if (key == "product") return set_product(options, value);
   if (key == "force_cap") {
     return set_quantity(options.force_cap, key, value, Quantity::force, 0, profile_force_cap);
   }
@@ -75,7 +92,8 @@ Result<void> set(FalconOptions& options, std::string_view key, std::string_view 
                         most_home_angle);
   }
   return usage(fmt::format(
-      "option '{}' is not known; the options are firmware, path, force_cap and home_angle", key));
+      "option '{}' is not known; the options are firmware, path, product, force_cap and home_angle",
+      key));
 }
 
 }  // namespace

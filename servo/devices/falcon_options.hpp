@@ -1,19 +1,24 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstdint>
 #include <string>
 #include <string_view>
 
 #include "common/error.hpp"
 #include "servo/devices/falcon_kinematics.hpp"
+#include "servo/devices/falcon_usb.hpp"
 
 namespace spm::servo {
 
-/// Options of a Novint Falcon: `falcon:firmware=FILE,path=BUS-PORT.PORT,force_cap=FORCE,
+/// Options of a Novint Falcon: `falcon:firmware=FILE,path=BUS-PORT.PORT,product=ID,force_cap=FORCE,
 /// home_angle=ANGLE`.
 struct FalconOptions {
-  std::string firmware;                   ///< file; empty: none, the device must run one already
-  std::string path;                       ///< USB path; empty: the first that is found
+  std::string firmware;  ///< file; empty: none, the device must run one already
+  std::string path;      ///< USB path; empty: the first that is found
+  /// USB product id. Another than a Falcon's only where its chip lost the one it was given: it then
+  /// shows itself as any other FTDI chip, 6001, and every such chip would be taken for a Falcon.
+  std::uint16_t product = falcon_product;
   double force_cap = 0;                   ///< N, above 0, at most that of the device's profile
   double home_angle = falcon_home_angle;  ///< rad, of a thigh whose encoder counts zero
 };

@@ -17,7 +17,6 @@ namespace {
 using std::chrono::milliseconds;
 using std::chrono::steady_clock;
 
-constexpr std::uint16_t vendor = 0x0403, product = 0xCB48;
 constexpr int data_interface = 0;
 constexpr std::uint8_t out_endpoint = 0x02;
 constexpr std::uint8_t vendor_request = 0x40;  // to the device itself
@@ -51,7 +50,7 @@ Result<UsbContext> make_context() {
                           libusb_error_name(code)));
 }
 
-Result<Found> find_falcons(libusb_context* context) {
+Result<Found> find_falcons(libusb_context* context, std::uint16_t product) {
   libusb_device** list = nullptr;
   const ssize_t count = libusb_get_device_list(context, &list);
   if (count < 0) {
@@ -65,18 +64,20 @@ Result<Found> find_falcons(libusb_context* context) {
   for (libusb_device* device : std::span(list, static_cast<std::size_t>(count))) {
     libusb_device_descriptor descriptor{};
     if (libusb_get_device_descriptor(device, &descriptor) != LIBUSB_SUCCESS) continue;
-    if (descriptor.idVendor == vendor && descriptor.idProduct == product) {
+    if (descriptor.idVendor == falcon_vendor && descriptor.idProduct == product) {
       found.falcons.push_back({device, usb_place(device)});
     }
   }
   return found;
 }
 
-tl::unexpected<Error> not_found(const std::string& path, std::span<const FoundFalcon> falcons) {
+tl::unexpected<Error> not_found(const std::string& path, std::uint16_t product,
+                                std::span<const FoundFalcon> falcons) {
   if (path.empty() || falcons.empty()) {
     return fail(ExitCode::file_or_device,
-                "no Novint Falcon (USB 0403:cb48) is plugged in; plug in its USB cable and its "
-                "power supply");
+                fmt::format("no Novint Falcon (USB {:04x}:{:04x}) is plugged in; plug in its USB "
+                            "cable and its power supply",
+                            falcon_vendor, product));
   }
   std::string paths;
   for (const FoundFalcon& falcon : falcons) paths.append(" ").append(falcon.path);
@@ -147,7 +148,7 @@ void UsbHandleDeleter::operator()(libusb_device_handle* handle) const noexcept {
 Result<std::vector<std::string>> list_falcons() {
   const Result<UsbContext> context = make_context();
   if (!context) return tl::make_unexpected(context.error());
-  const Result<Found> found = find_falcons(context->get());
+  const Result<Found> found = find_falcons(context->get(), falcon_product);
   if (!found) return tl::make_unexpected(found.error());
   std::vector<std::string> paths;
   for (const FoundFalcon& falcon : found->falcons) paths.push_back(falcon.path);
@@ -157,10 +158,10 @@ Result<std::vector<std::string>> list_falcons() {
 FalconUsb::FalconUsb(UsbContext context, UsbHandle handle, std::string path)
     : context_(std::move(context)), handle_(std::move(handle)), path_(std::move(path)) {}
 
-Result<std::unique_ptr<FalconUsb>> FalconUsb::open(const std::string& path) {
+Result<std::unique_ptr<FalconUsb>> FalconUsb::open(const std::string& path, std::uint16_t product) {
   Result<UsbContext> context = make_context();
   if (!context) return tl::make_unexpected(std::move(context.error()));
-  const Result<Found> found = find_falcons(context->get());
+  const Result<Found> found = find_falcons(context->get(), product);
   if (!found) return tl::make_unexpected(found.error());
 
   const FoundFalcon* refused = nullptr;
@@ -179,7 +180,7 @@ Result<std::unique_ptr<FalconUsb>> FalconUsb::open(const std::string& path) {
     }
   }
   if (refused != nullptr) return not_opened(refused->path, refusal);
-  return not_found(path, found->falcons);
+  return not_found(path, product, found->falcons);
 }
 
 FalconUsb::~FalconUsb() {

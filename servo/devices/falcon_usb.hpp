@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "common/error.hpp"
+#include "servo/device_ids.hpp"
 #include "servo/devices/byte_link.hpp"
 #include "servo/devices/ftdi_stream.hpp"
 
@@ -27,6 +28,10 @@ struct UsbHandleDeleter {
 };
 using UsbHandle = std::unique_ptr<libusb_device_handle, UsbHandleDeleter>;
 
+/// A Falcon's USB ids: FTDI's vendor, and the product that its chip was given.
+inline constexpr std::uint16_t falcon_vendor = falcon_ids.vendor,
+                               falcon_product = falcon_ids.product;
+
 /// The endpoint that a Falcon's FTDI chip is read from.
 inline constexpr std::uint8_t falcon_in_endpoint = 0x81;
 
@@ -37,8 +42,10 @@ inline constexpr std::uint8_t falcon_in_endpoint = 0x81;
 class FalconUsb final : public ByteLink {
  public:
   /// Opens the Falcon at a USB path, BUS-PORT.PORT, or where that is empty the first that may be
-  /// opened. Errors: file_or_device, with the permission or the program that is in the way.
-  [[nodiscard]] static Result<std::unique_ptr<FalconUsb>> open(const std::string& path);
+  /// opened. `product`: its USB product id. Errors: file_or_device, with the permission or the
+  /// program that is in the way.
+  [[nodiscard]] static Result<std::unique_ptr<FalconUsb>> open(
+      const std::string& path, std::uint16_t product = falcon_product);
   ~FalconUsb() override;
 
   [[nodiscard]] LinkStatus control(std::uint8_t request, std::uint16_t value) override;

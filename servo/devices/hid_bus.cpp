@@ -73,8 +73,8 @@ tl::unexpected<Error> open_error(const HidDevice& device, std::string_view what,
     case EPERM:
       return fail(ExitCode::file_or_device,
                   name + " may not be opened by this user (" + std::strerror(error_number) +
-                      "): copy scripts/packaging/70-spm-haptics.rules to /etc/udev/rules.d and "
-                      "plug the device in again");
+                      "): copy scripts/packaging/70-spm-haptics.rules to /etc/udev/rules.d, or do "
+                      "what spm-servo devices says, and plug the device in again");
     case EBUSY:
     case EWOULDBLOCK:
       return fail(ExitCode::file_or_device,
@@ -184,6 +184,18 @@ bool HidHandle::write(std::span<const std::uint8_t> bytes) noexcept {
     if (errno != EINTR) return false;
   }
   return true;  // twice interrupted: this report is lost, the next one is due soon
+}
+
+bool HidHandle::send_feature(std::span<const std::uint8_t> bytes) noexcept {
+  return hid_send_feature_report(handle_, bytes.data(), bytes.size()) >= 0;
+}
+
+int HidHandle::get_feature(std::span<std::uint8_t> bytes) noexcept {
+  return hid_get_feature_report(handle_, bytes.data(), bytes.size());
+}
+
+int HidHandle::get_input(std::span<std::uint8_t> bytes) noexcept {
+  return hid_get_input_report(handle_, bytes.data(), bytes.size());
 }
 
 Result<OpenHid> open_hid(const HidFilter& filter, HidUse use) {

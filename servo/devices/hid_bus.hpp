@@ -56,6 +56,14 @@ class HidHandle {
   [[nodiscard]] int read(std::span<std::uint8_t> bytes, int milliseconds) noexcept;
   /// Writes a report, the report id first; false where the device is gone.
   [[nodiscard]] bool write(std::span<const std::uint8_t> bytes) noexcept;
+  /// Sets a feature report, its id first (0 where it has none); false where the device refuses it,
+  /// or is gone.
+  [[nodiscard]] bool send_feature(std::span<const std::uint8_t> bytes) noexcept;
+  /// Asks for the feature report whose id is in the first byte, and which has so many bytes with
+  /// it: how many came, or -1 where the device refuses it, or is gone.
+  [[nodiscard]] int get_feature(std::span<std::uint8_t> bytes) noexcept;
+  /// The same for an input report, which is asked instead of waited for.
+  [[nodiscard]] int get_input(std::span<std::uint8_t> bytes) noexcept;
 
  private:
   HidHandle(std::shared_ptr<HidLibrary> library, hid_device_* handle, int claim) noexcept;

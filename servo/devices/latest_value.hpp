@@ -11,6 +11,7 @@ namespace spm::servo {
 /// The newest of the values that one thread puts and one other takes. Neither ever waits: three
 /// slots change hands, and values that nobody took are written over.
 template <class Value>
+// NOLINTNEXTLINE(clang-analyzer-optin.performance.Padding): a cache line for each thread.
 class LatestValue {
   static_assert(std::is_trivially_copyable_v<Value>);
 
@@ -22,9 +23,14 @@ class LatestValue {
         between_.exchange(own_by_putter_ | fresh, std::memory_order_acq_rel) & slot_mask;
   }
 
+  /// By the taking thread alone: whether a value was put since the last take.
+  [[nodiscard]] bool is_fresh() const noexcept {
+    return (between_.load(std::memory_order_relaxed) & fresh) != 0;
+  }
+
   /// By the taking thread alone: true, and the newest value, where one was put since the last take.
   [[nodiscard]] bool take(Value& value) noexcept {
-    if ((between_.load(std::memory_order_relaxed) & fresh) == 0) return false;
+    if (!is_fresh()) return false;
     own_by_taker_ = between_.exchange(own_by_taker_, std::memory_order_acq_rel) & slot_mask;
     value = slots_[own_by_taker_];
     return true;

@@ -99,13 +99,22 @@ static inline int spm_external_get(struct spm_external_values* values, uint32_t*
   return 0;
 }
 
-/** Where the memory of a name is found; 1, or 0 where it does not fit. */
+/** Where the memory of a name is found: beside the daemon's socket, in $XDG_RUNTIME_DIR, or else in
+ * /run/user/UID, or else in /tmp. 1, or 0 where it does not fit. */
 static inline int spm_external_path(const char* name, char* path, size_t size) {
-  const char* folder = getenv("XDG_RUNTIME_DIR");
-  const int length =
-      folder != NULL && folder[0] == '/'
-          ? snprintf(path, size, "%s/spm-servo/external-%s", folder, name)
-          : snprintf(path, size, "/tmp/spm-servo-%u/external-%s", (unsigned)getuid(), name);
+  const char* given = getenv("XDG_RUNTIME_DIR");
+  const unsigned user = (unsigned)geteuid();
+  char usual[32];
+  struct stat status;
+  int length = 0;
+  snprintf(usual, sizeof usual, "/run/user/%u", user);
+  if (given != NULL && given[0] == '/') {
+    length = snprintf(path, size, "%s/spm-servo/external-%s", given, name);
+  } else if (stat(usual, &status) == 0 && S_ISDIR(status.st_mode) && status.st_uid == user) {
+    length = snprintf(path, size, "%s/spm-servo/external-%s", usual, name);
+  } else {
+    length = snprintf(path, size, "/tmp/spm-servo-%u/external-%s", user, name);
+  }
   return length > 0 && (size_t)length < size;
 }
 

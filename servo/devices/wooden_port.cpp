@@ -4,23 +4,17 @@
 #include <fmt/format.h>
 
 #include <array>
+#include <string_view>
 #include <utility>
 #include <variant>
+
+#include "servo/device_ids.hpp"
 
 namespace spm::servo {
 
 namespace {
 
 constexpr std::string_view name = "WoodenHaptics";
-
-// Raw HID of mbed (V1, V2) and of Teensy (V3).
-constexpr std::uint16_t raw_usage_page = 0xFFAB;
-constexpr std::uint16_t raw_usage = 0x0200;
-constexpr std::uint16_t mbed_vendor = 0x1234;
-constexpr std::uint16_t mbed_product = 0x0006;
-constexpr std::string_view mbed_name = "HID DEVICE";
-constexpr std::uint16_t teensy_vendor = 0x16C0;
-constexpr std::uint16_t teensy_product = 0x0486;
 
 /// How long a first report is waited for; a V1 board sends one each millisecond or so.
 constexpr std::chrono::milliseconds first_report_wait{100};
@@ -29,7 +23,9 @@ constexpr std::chrono::milliseconds first_report_step{10};
 /// One byte more than the longest report, so that a longer one is not taken for it.
 using Buffer = std::array<std::uint8_t, longest_wooden_report + 1>;
 
-bool is_teensy(const HidDevice& device) noexcept { return device.vendor == teensy_vendor; }
+bool is_teensy(const HidDevice& device) noexcept {
+  return DeviceIds{device.vendor, device.product} == wooden_teensy_ids;
+}
 
 /// Waits for a report of V1 or V2, in steps, so that a stop is heard. Gives the protocol, or the
 /// length of the last report, which fits neither: 0 where none came, -1 where the board is gone.
@@ -73,12 +69,13 @@ Result<WoodenProtocol> told_by_length(HidHandle& reader, const std::atomic<bool>
 }  // namespace
 
 bool is_wooden_board(const HidDevice& device, std::optional<WoodenProtocol> protocol) noexcept {
-  if (device.usage_page != raw_usage_page || device.usage != raw_usage) return false;
-  const bool teensy = device.vendor == teensy_vendor && device.product == teensy_product;
-  const bool mbed = device.vendor == mbed_vendor && device.product == mbed_product &&
-                    device.product_name == mbed_name;
-  if (!protocol) return teensy || mbed;
-  return *protocol == WoodenProtocol::v3 ? teensy : mbed;
+  const auto match = match_hid({{device.vendor, device.product},
+                                device.usage_page,
+                                device.usage,
+                                false,
+                                device.product_name});
+  if (!match || std::string_view(match->driver) != "woodenhaptics") return false;
+  return !protocol || (*protocol == WoodenProtocol::v3) == is_teensy(device);
 }
 
 Result<std::unique_ptr<WoodenPort>> WoodenPort::open(const WoodenOptions& options,

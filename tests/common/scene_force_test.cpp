@@ -147,6 +147,22 @@ TEST_CASE("A workspace turns, moves and scales the hand; the force comes back in
   CHECK((found.normal - Vector3(0, -1, 0)).norm() < 1e-3);
 }
 
+TEST_CASE("No object is felt stiffer than the cap, an added or a changed one neither") {
+  const test::TiledCubeByHand cube(size);
+  ForceScene scene;
+  scene.objects = {object_of(Method::spm, 3000)};
+  scene.workspace.scale = 2;  // so that 1000 N/m of the hand are 500 of the world
+  SceneForce force(scene, tick, 0, 1, 1000);
+  const Vector3 hand = scene.workspace.from_world({0.002, 0.003, half - 0.001});
+  CHECK(force.next(Assets{&cube.view}, hand).force.z() == Approx(0.5).epsilon(1e-4));
+  force.change(0, object_of(Method::spm, 2000));
+  CHECK(force.next(Assets{&cube.view}, hand).force.z() == Approx(0.5).epsilon(1e-4));
+  force.change(0, object_of(Method::spm, 200));
+  CHECK(force.next(Assets{&cube.view}, hand).force.z() == Approx(0.2).epsilon(1e-4));
+  REQUIRE(force.add(object_of(Method::spm, 9000)));
+  CHECK(force.next(Assets{&cube.view}, hand).force.z() == Approx(0.7).epsilon(1e-4));
+}
+
 TEST_CASE("Friction, damping and texture each belong to their own object") {
   const test::TiledCubeByHand cube(size);
   ForceScene scene;

@@ -20,7 +20,7 @@ RecordingHeader header_of_two() {
   header.spm_version = "1.2.3";
   header.instruction_set = "AVX2";
   header.rate_hz = 2000;
-  header.devices = {{"falcon", 6.4e-5}, {"sim", 2e-5}};
+  header.devices = {{"falcon", 6.4e-5, 3000}, {"sim", 2e-5}};
   header.causes = {"none", "starting"};
   header.assets = {"abc", "def"};
   return header;
@@ -69,6 +69,8 @@ TEST_CASE("A recording is read back bit by bit, however many rows it has") {
     CHECK(recording->header.instruction_set == "AVX2");
     CHECK(recording->header.rate_hz == 2000);
     CHECK(recording->header.devices[1].encoder_step == 2e-5);
+    CHECK(recording->header.devices[0].stiffness_cap == 3000);
+    CHECK(recording->header.devices[1].stiffness_cap == std::numeric_limits<double>::infinity());
     CHECK(recording->header.assets == header_of_two().assets);
     REQUIRE(recording->rows.size() == rows);
     std::mt19937_64 random(5);

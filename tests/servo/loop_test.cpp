@@ -7,6 +7,7 @@
 #include <limits>
 #include <thread>
 
+#include "servo/clock.hpp"
 #include "tests/servo/scripted_device.hpp"
 #include "tests/servo/shape_asset.hpp"
 
@@ -27,7 +28,6 @@ class LoopOnBox {
   }
 
   void run(ScriptedDevice& device, std::uint64_t ticks) {
-    const LoopSettings settings;
     stop_.store(false);
     if (ticks > 0) device.end_after(ticks, stop_);
     Loop loop(settings, {&device}, {&slot_}, ring_, stop_);
@@ -45,6 +45,7 @@ class LoopOnBox {
     return device_counters.force_off[static_cast<std::size_t>(cause)];
   }
 
+  LoopSettings settings;
   LoopCounters counters;
   DeviceCounters device_counters;
   std::vector<TickRecord> records;
@@ -278,4 +279,66 @@ TEST_CASE("A hand that is pushed out receives energy, one that pushes in gives i
   loop.run(in, 300);
   REQUIRE(loop.device_counters.generated_max == 0);
   REQUIRE(loop.device_counters.energy == Approx(-0.5e-3).epsilon(0.03));
+}
+
+TEST_CASE("No object is felt stiffer than the device renders stably") {
+  LoopOnBox loop;
+  ScriptedDevice device(press);
+  device.can().stiffness_cap = 400;
+  loop.run(device, 300);
+  REQUIRE(device.forces()[250].z() == Approx(0.4).epsilon(1e-4));
+}
+
+TEST_CASE(
+    "Outside the device's workspace there is no force, with its cause, and then a soft start") {
+  LoopOnBox loop;
+  ScriptedDevice device([](std::size_t read, DeviceState& state, DeviceHealth& health) {
+    press(read, state, health);
+    // As far as no jump is: the tool drifts out and comes back.
+    if (read >= 150 && read < 200) state.position.x() = 6e-3;
+  });
+  device.can().workspace = {4e-3, half, half};
+  loop.run(device, 400);
+  REQUIRE(loop.off(ForceOff::outside_workspace) == 50);
+  REQUIRE(device.forces()[149].z() > 0.9);
+  for (std::size_t i = 150; i < 200; ++i) REQUIRE(device.forces()[i] == Vector3::Zero());
+  REQUIRE(device.forces()[200].z() == Approx(0.01).epsilon(1e-3));
+}
+
+TEST_CASE("While its clutch button is held the hand moves freely and the tool stays") {
+  LoopOnBox loop;
+  ScriptedDevice device([](std::size_t read, DeviceState& state, DeviceHealth& health) {
+    press(read, state, health);
+    if (read < 150) return;
+    // Held, the hand goes 5 mm out of the surface, 50 um a tick; then it stays there.
+    const double moved = 50e-6 * std::min(100.0, static_cast<double>(read) - 150);
+    state.position.z() += moved;
+    state.buttons = read < 260 ? 2 : 0;
+  });
+  device.can().clutch_button = 2;
+  loop.run(device, 500);
+  REQUIRE(loop.off(ForceOff::clutched) == 110);
+  for (std::size_t i = 150; i < 260; ++i) REQUIRE(device.forces()[i] == Vector3::Zero());
+  REQUIRE(loop.records[255].position.z() == Approx(half - 1e-3).epsilon(1e-9));
+  REQUIRE(device.forces()[400].z() == Approx(1).epsilon(1e-4));
+}
+
+TEST_CASE("Paced by its device the loop ticks once a report, and by the clock where none comes") {
+  LoopOnBox loop;
+  loop.settings.paced_by_device = true;
+  std::vector<std::int64_t> times;
+  ScriptedDevice timed([&](std::size_t read, DeviceState& state, DeviceHealth& health) {
+    press(read, state, health);
+    times.push_back(now_ns());
+  });
+  timed.report_every(1'250'000);
+  loop.run(timed, 300);
+  // 0.8 ticks a millisecond, however late single ones were.
+  const double took = static_cast<double>(times.back() - times.front()) * 1e-9;
+  REQUIRE(took >= 299 * 1.25e-3 * 0.99);
+  REQUIRE(loop.records.size() == 300);
+
+  ScriptedDevice silent(press);
+  loop.run(silent, 100);
+  REQUIRE(silent.forces()[50].z() > 0);
 }

@@ -12,7 +12,7 @@ using spm::Vector3;
 
 namespace {
 
-constexpr SafetySettings settings{8.0, 2.0, 100};
+constexpr SafetySettings settings{8.0, 2.0, 100, 500};
 
 SafetyStage engaged() {
   SafetyStage stage(settings);
@@ -129,4 +129,59 @@ TEST_CASE("A force that turns round passes through smaller ones") {
     last = sent;
   }
   REQUIRE(last.x() == -5.0);
+}
+
+TEST_CASE(
+    "What is not trusted for long is held, fades out evenly, and fades in from where it was") {
+  SafetyStage stage = engaged();
+  const Vector3 wanted(1, 0, 0);
+  double last = stage.apply(wanted, ForceOff::none).force.x();
+  REQUIRE(last == 1);
+  for (int i = 1; i < 500; ++i) {
+    const SafeForce sent = stage.apply(wanted, ForceOff::none, true);
+    REQUIRE(sent.cause == ForceOff::none);
+    REQUIRE(sent.force.x() == Approx(1 - i / 500.0));
+  }
+  for (int i = 0; i < 10; ++i) {
+    const SafeForce sent = stage.apply(wanted, ForceOff::none, true);
+    REQUIRE(sent.force == Vector3::Zero());
+    REQUIRE(sent.cause == ForceOff::application_silent);
+  }
+  REQUIRE(stage.apply(wanted, ForceOff::none).force.x() == Approx(0.01));
+
+  stage = engaged();
+  for (int i = 0; i < 250; ++i) last = stage.apply(wanted, ForceOff::none, true).force.x();
+  for (int i = 0; i < 100; ++i) {
+    const double next = stage.apply(wanted, ForceOff::none).force.x();
+    REQUIRE(std::abs(next - last) <= 0.01 + 1e-12);
+    last = next;
+  }
+  REQUIRE(last == 1);
+}
+
+TEST_CASE(
+    "Where what is felt changes, the force goes evenly from what was sent to what is wanted") {
+  SafetyStage stage = engaged();
+  for (int i = 0; i < 200; ++i) static_cast<void>(stage.apply({3, 0, 0}, ForceOff::none));
+  stage.restart();
+  for (int i = 1; i <= 100; ++i) {
+    const SafeForce sent = stage.apply({1, 1, 0}, ForceOff::none);
+    REQUIRE((sent.force - Vector3(3 - 0.02 * i, 0.01 * i, 0)).norm() < 1e-9);
+  }
+}
+
+TEST_CASE("A cause of zero force wins over fading, and the force then begins at zero") {
+  SafetyStage stage = engaged();
+  for (int i = 0; i < 100; ++i) static_cast<void>(stage.apply({1, 0, 0}, ForceOff::none, true));
+  REQUIRE(stage.apply({1, 0, 0}, ForceOff::device_gone, true).cause == ForceOff::device_gone);
+  REQUIRE(stage.apply({1, 0, 0}, ForceOff::none, true).force.x() < 0.01);
+  REQUIRE(stage.apply({1, 0, 0}, ForceOff::none).force.x() < 0.02);
+}
+
+TEST_CASE("A workspace has a margin, and one that is not known bounds nothing") {
+  const Vector3 half_edges(0.1, 0.2, 0);
+  REQUIRE_FALSE(is_outside({0.12, -0.24, 7}, half_edges));
+  REQUIRE(is_outside({0.126, 0, 0}, half_edges));
+  REQUIRE(is_outside({0, -0.251, 0}, half_edges));
+  REQUIRE_FALSE(is_outside({5, 5, 5}, Vector3::Zero()));
 }

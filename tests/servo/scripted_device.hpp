@@ -33,11 +33,18 @@ class ScriptedDevice final : public servo::Device {
   [[nodiscard]] servo::DeviceHealth write(const servo::Wrench& wrench) noexcept override;
   [[nodiscard]] nlohmann::ordered_json describe() const override;
 
+  /// What the device can do; to be changed before a loop has it.
+  [[nodiscard]] servo::DeviceCapabilities& can() { return capabilities_; }
+  /// Has the device report so long after its last report, ns; otherwise it cannot pace a loop.
+  void report_every(std::int64_t period_ns) { period_ns_ = period_ns; }
+  [[nodiscard]] bool wait_for_report(std::int64_t until_ns) noexcept override;
+
   [[nodiscard]] const std::vector<Vector3>& forces() const { return forces_; }
 
  private:
   Script script_;
   servo::DeviceCapabilities capabilities_;
+  std::int64_t period_ns_ = 0, reported_ns_ = 0;
   std::size_t reads_ = 0, last_read_ = 0;
   std::atomic<bool>* stop_ = nullptr;
   std::vector<Vector3> forces_;

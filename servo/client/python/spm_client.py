@@ -25,12 +25,13 @@ from dataclasses import dataclass
 from types import TracebackType
 from typing import Iterator, Optional, Sequence
 
-from spm_client_library import (SENTENCES, ClientError, Code, CountsData, DeviceData, EventData,
-                                InfoData, MaterialData, ObjectData, OptionsData, PoseData,
-                                TickData, load, sized)
+from spm_client_library import (SENTENCES, ApplicationData, ClientError, Code, CountsData,
+                                DeviceCountsData, DeviceData, EventData, InfoData, LoopData,
+                                MaterialData, ObjectData, OptionsData, PoseData, TickData, load,
+                                sized)
 
-__all__ = ["Client", "ClientError", "Code", "Cause", "DaemonState", "Device", "Event", "EventKind",
-           "Info", "Material", "Object", "Refusals"]
+__all__ = ["Application", "Client", "ClientError", "Code", "Cause", "DaemonState", "Device",
+           "DeviceCounts", "Event", "EventKind", "Info", "Loop", "Material", "Object", "Refusals"]
 
 Vector = tuple[float, float, float]
 Quaternion = tuple[float, float, float, float]
@@ -61,6 +62,8 @@ class Cause(enum.IntEnum):
     NOT_HOMED = 8
     JUMPED = 9
     CLUTCHED = 10
+    OUTSIDE_WORKSPACE = 11
+    APPLICATION_SILENT = 12
 
 
 class EventKind(enum.IntEnum):
@@ -146,6 +149,41 @@ class Event:
     device: int
     value: int
     tick: int
+
+
+@dataclass(frozen=True)
+class Loop:
+    """What the loop counted since it began; of `wake` and `busy` the time that bucket i ends at is
+    Client.bucket_end(i)."""
+    time: float          # s of CLOCK_MONOTONIC, when the last tick that is counted began
+    ticks: int
+    missed: int          # not finished before the next was due, skipped ones included
+    skipped: int         # of the missed ones, those not run at all
+    busy_time: float     # s, of all ticks together
+    wake_max: float      # s
+    busy_max: float      # s
+    wake: list[int]      # ticks by how late they began
+    busy: list[int]      # ticks by how long they worked
+
+
+@dataclass(frozen=True)
+class DeviceCounts:
+    """What the loop counted for one device since it began."""
+    contact_ticks: int
+    cap_hits: int
+    slew_hits: int
+    force_max: float      # N
+    energy: float         # J, net work that the forces sent did on the hand
+    generated_max: float  # J, largest positive value of energy
+    last_cause: int
+
+
+@dataclass(frozen=True)
+class Application:
+    """One that is connected."""
+    connection: int
+    process: int
+    name: str
 
 
 class Client:
@@ -266,6 +304,37 @@ class Client:
         reason = self._library.spm_client_refusal(counts.last_refusal) if counts.refused else b""
         return Refusals(counts.sent, counts.taken, counts.refused, counts.last_refused,
                         reason.decode())
+
+    def loop(self) -> Loop:
+        found = sized(LoopData)
+        self._check(self._library.spm_client_read_loop(self._open(), ctypes.byref(found)))
+        return Loop(found.time_ns * 1e-9, found.ticks, found.missed, found.skipped,
+                    found.busy_ns * 1e-9, found.wake_max_ns * 1e-9, found.busy_max_ns * 1e-9,
+                    list(found.wake), list(found.busy))
+
+    def bucket_end(self, bucket: int) -> float:
+        """Where a bucket of a loop's `wake` and `busy` ends, s."""
+        return self._library.spm_client_bucket_end(bucket) * 1e-9
+
+    def device_counts(self, device: int = 0) -> DeviceCounts:
+        found = sized(DeviceCountsData)
+        self._check(self._library.spm_client_read_device_counts(self._open(), device,
+                                                                ctypes.byref(found)))
+        return DeviceCounts(found.contact_ticks, found.cap_hits, found.slew_hits, found.force_max,
+                            found.energy, found.generated_max, found.last_cause)
+
+    def applications(self) -> list[Application]:
+        """Who is connected, this one among them."""
+        connected: list[Application] = []
+        found = sized(ApplicationData)
+        while True:
+            code = self._library.spm_client_read_application(self._open(), len(connected),
+                                                             ctypes.byref(found))
+            if code == Code.NOT_THERE:
+                return connected
+            self._check(code)
+            connected.append(Application(found.connection, found.process,
+                                         found.name.decode("ascii", "replace")))
 
     def _open(self) -> ctypes.c_void_p:
         if not self._handle:

@@ -112,6 +112,29 @@ class EventData(ctypes.Structure):
                 ("value", ctypes.c_uint32), ("tick", ctypes.c_uint64)]
 
 
+class LoopData(ctypes.Structure):
+    _fields_ = [("size", ctypes.c_uint32), ("reserved", ctypes.c_uint32),
+                ("time_ns", ctypes.c_int64), ("ticks", ctypes.c_uint64),
+                ("missed", ctypes.c_uint64), ("skipped", ctypes.c_uint64),
+                ("busy_ns", ctypes.c_uint64), ("wake_max_ns", ctypes.c_uint64),
+                ("busy_max_ns", ctypes.c_uint64), ("taken", ctypes.c_uint64),
+                ("refused", ctypes.c_uint64), ("garbage", ctypes.c_uint64),
+                ("wake", ctypes.c_uint64 * 64), ("busy", ctypes.c_uint64 * 64)]
+
+
+class DeviceCountsData(ctypes.Structure):
+    _fields_ = [("size", ctypes.c_uint32), ("last_cause", ctypes.c_uint32),
+                ("contact_ticks", ctypes.c_uint64), ("cap_hits", ctypes.c_uint64),
+                ("slew_hits", ctypes.c_uint64), ("force_max", ctypes.c_double),
+                ("energy", ctypes.c_double), ("generated_max", ctypes.c_double)]
+
+
+class ApplicationData(ctypes.Structure):
+    _fields_ = [("size", ctypes.c_uint32), ("connection", ctypes.c_uint32),
+                ("process", ctypes.c_uint32), ("reserved", ctypes.c_uint32),
+                ("name", ctypes.c_char * 64)]
+
+
 def sized(kind: type[ctypes.Structure]) -> ctypes.Structure:
     return kind(size=ctypes.sizeof(kind))
 
@@ -156,6 +179,10 @@ def _declare(library: ctypes.CDLL) -> None:
         ("refusals", code, [handle, pointer(CountsData)]),
         ("refusal", text, [u32]),
         ("next_event", code, [handle, pointer(EventData)]),
+        ("read_loop", code, [handle, pointer(LoopData)]),
+        ("bucket_end", u64, [u32]),
+        ("read_device_counts", code, [handle, u32, pointer(DeviceCountsData)]),
+        ("read_application", code, [handle, u32, pointer(ApplicationData)]),
     ]:
         function = getattr(library, f"spm_client_{name}")
         function.restype = result

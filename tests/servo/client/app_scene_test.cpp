@@ -78,6 +78,8 @@ class Beside {
     return refused ? spm_client_refusal(counts.last_refusal) : "";
   }
 
+  [[nodiscard]] const std::string& path() const { return server_->path(); }
+
   /// The application hangs up; gives where another may connect.
   std::string leave() {
     here.reset();
@@ -183,4 +185,50 @@ TEST_CASE("A clutched hand moves freely, without force, and its tool stays") {
   REQUIRE(spm_client_set_clutch(beside.here->client, 0, 0) == SPM_CLIENT_OK);
   REQUIRE(beside.comes_to(1));
   CHECK(beside.device().position[0] == Approx(0).margin(1e-12));
+}
+
+TEST_CASE("While an application that moves objects hangs its scene is held, then let go") {
+  const Beside beside;
+  const Connected other(beside.path());
+  const auto seen = [&other] {
+    auto read = sized<spm_client_device>();
+    static_cast<void>(spm_client_read_device(other.client, 0, &read));
+    return read;
+  };
+  const spm_client_pose up = raised(2 * above);
+  // Poses that come one after the other, until both are sure to have come.
+  REQUIRE(eventually([&] {
+    static_cast<void>(spm_client_move_object(beside.here->client, 0, &up));
+    return std::abs(seen().force[2] - 1) < 0.02;
+  }));
+  // The application does nothing from here on. For a second nothing changes.
+  const std::uint64_t begun = seen().tick;
+  REQUIRE(eventually([&] { return seen().cause == SPM_CLIENT_OFF_APPLICATION_SILENT; }));
+  CHECK(seen().tick > begun + 1000);
+  CHECK(seen().force[2] == 0);
+  // Its next sign of life brings the force back.
+  CHECK(beside.device().cause == SPM_CLIENT_OFF_APPLICATION_SILENT);
+  REQUIRE(eventually([&] {
+    static_cast<void>(beside.device());
+    return std::abs(seen().force[2] - 1) < 0.02;
+  }));
+}
+
+TEST_CASE("What an application moved stays where it is, and is felt, when the application leaves") {
+  Beside beside;
+  const spm_client_pose up = raised(2 * above);
+  REQUIRE(eventually([&] {
+    static_cast<void>(spm_client_move_object(beside.here->client, 0, &up));
+    return std::abs(beside.device().force[2] - 1) < 0.02;
+  }));
+  const Connected other(beside.leave());
+  const auto seen = [&other] {
+    auto read = sized<spm_client_device>();
+    static_cast<void>(spm_client_read_device(other.client, 0, &read));
+    return read;
+  };
+  REQUIRE(eventually([&] { return seen().tick > 0; }));
+  const std::uint64_t begun = seen().tick;
+  REQUIRE(eventually([&] { return seen().tick > begun + 2000; }));
+  CHECK(seen().force[2] == Approx(1).epsilon(0.05));
 }

@@ -18,6 +18,7 @@ TEST_CASE("What a tick does for applications neither allocates, locks, writes no
   state->rings()[0].offer(ring.attached());
   const std::vector<AppDevice> devices(SPM_MOST_DEVICES, test::device_of(1));
   const std::vector<AppObject> objects(SPM_MOST_OBJECTS, test::object_of(1, 1));
+  const std::vector<AppLoopDevice> counted(SPM_MOST_DEVICES);
   PoseInterpolator interpolator({}, Placement());
   std::size_t taken = 0;
   const auto tick = [&](std::uint64_t number) {
@@ -28,6 +29,7 @@ TEST_CASE("What a tick does for applications neither allocates, locks, writes no
     }
     static_cast<void>(interpolator.at(static_cast<std::int64_t>(number)));
     state->publish({number, 0, devices, objects});
+    state->count({1, 2, 3, number + 1, 0, 0, counted});
   };
   // The code itself comes into memory with the first ticks, as in the loop's warm-up.
   for (std::uint64_t number = 0; number < 4; ++number) {

@@ -175,7 +175,9 @@ class Structs(unittest.TestCase):
         for name, kind in {"options": "OptionsData", "info": "InfoData", "tick": "TickData",
                            "device": "DeviceData", "object": "ObjectData", "pose": "PoseData",
                            "material": "MaterialData", "command_counts": "CountsData",
-                           "event": "EventData"}.items():
+                           "event": "EventData", "loop": "LoopData",
+                           "device_counts": "DeviceCountsData",
+                           "application": "ApplicationData"}.items():
             total = 0
             body = re.sub(r"/\*.*?\*/", "", found[name], flags=re.DOTALL)
             for line in filter(None, map(str.strip, body.split(";"))):

@@ -12,6 +12,7 @@
 #include <limits>
 #include <thread>
 
+#include "servo/client/socket_path.hpp"
 #include "servo/devices/spm_external.h"
 #include "tests/servo/shape_asset.hpp"
 
@@ -117,6 +118,19 @@ TEST_CASE("The memory cannot be shrunk under the loop") {
   REQUIRE(file >= 0);
   CHECK(::ftruncate(file, 0) != 0);
   ::close(file);
+}
+
+TEST_CASE("The memory is found beside the daemon's socket, whatever the environment says") {
+  const char* const before = std::getenv("XDG_RUNTIME_DIR");
+  const std::string kept = before != nullptr ? before : "";
+  for (const char* folder :
+       {"/some/where", "not/absolute", "", static_cast<const char*>(nullptr)}) {
+    folder != nullptr ? ::setenv("XDG_RUNTIME_DIR", folder, 1) : ::unsetenv("XDG_RUNTIME_DIR");
+    char path[512] = "";
+    CHECK(spm_external_path("arm", path, sizeof path) == 1);
+    CHECK(path == socket_folder() + "/external-arm");
+  }
+  before != nullptr ? ::setenv("XDG_RUNTIME_DIR", kept.c_str(), 1) : ::unsetenv("XDG_RUNTIME_DIR");
 }
 
 TEST_CASE("A name in use is refused, one that a daemon left behind is taken over") {

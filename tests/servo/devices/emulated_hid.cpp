@@ -6,6 +6,8 @@
 #include <cstdlib>
 #include <numbers>
 
+#include "tests/servo/devices/emulated_pid.hpp"
+
 namespace spm::test {
 
 namespace {
@@ -239,7 +241,7 @@ std::unique_ptr<EmulatedHid> make_emulated_hid(std::string_view name,
   if (name == "wooden-v2") return std::make_unique<EmulatedWooden>(Wire::v2, options);
   if (name == "wooden-v3") return std::make_unique<EmulatedWooden>(Wire::v3, options);
   if (name == "spacemouse") return std::make_unique<EmulatedSpaceMouse>();
-  return nullptr;
+  return make_emulated_pid(name);
 }
 
 }  // namespace spm::test

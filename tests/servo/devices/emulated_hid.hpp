@@ -43,6 +43,21 @@ class EmulatedHid {
   virtual std::vector<HidBytes> written(const HidBytes& bytes) = 0;
   /// The host took a report; what it sends next.
   virtual std::vector<HidBytes> taken() = 0;
+  /// A feature report that the host set, its id first; false where the device refuses it.
+  virtual bool feature_written(const HidBytes& bytes) {
+    static_cast<void>(bytes);
+    return false;
+  }
+  /// The feature report, or the input report, of an id, which the host asked for; nothing where the
+  /// device refuses that.
+  virtual std::optional<HidBytes> feature_asked(std::uint8_t id) {
+    static_cast<void>(id);
+    return std::nullopt;
+  }
+  virtual std::optional<HidBytes> input_asked(std::uint8_t id) {
+    static_cast<void>(id);
+    return std::nullopt;
+  }
   /// What it saw. `wrong` counts packets that its protocol does not know.
   [[nodiscard]] virtual nlohmann::ordered_json seen() const = 0;
   [[nodiscard]] virtual int wrong() const = 0;
@@ -54,7 +69,8 @@ struct EmulatedOptions {
   std::array<int, 3> start{};  ///< counters A to C when it gets power
 };
 
-/// A device by name: wooden-v1, wooden-v2, wooden-v3 or spacemouse; or null.
+/// A device by name: wooden-v1, wooden-v2, wooden-v3, spacemouse, or one of make_emulated_pid; or
+/// null.
 [[nodiscard]] std::unique_ptr<EmulatedHid> make_emulated_hid(std::string_view name,
                                                              const EmulatedOptions& options);
 

@@ -37,6 +37,7 @@ TEST_CASE("Without options any Falcon is taken, without a firmware file, at its 
   REQUIRE(options);
   REQUIRE(options->firmware.empty());
   REQUIRE(options->path.empty());
+  REQUIRE(options->product == falcon_product);
   REQUIRE(options->force_cap == 8);
   REQUIRE(options->home_angle == falcon_home_angle);
 }
@@ -49,6 +50,7 @@ TEST_CASE("Every option of a Falcon is read with its unit") {
   REQUIRE(options->path == "1-2.3");
   REQUIRE(options->force_cap == 0.5);
   REQUIRE(options->home_angle == Approx(34.5 * std::numbers::pi / 180));
+  REQUIRE(parse_falcon_options("product=6001")->product == 0x6001);
   REQUIRE(parse_falcon_options("path=12-4")->path == "12-4");
   REQUIRE(parse_falcon_options("path=1-2.3.4.10")->path == "1-2.3.4.10");
   REQUIRE(parse_falcon_options("force_cap=8N")->force_cap == 8);
@@ -63,7 +65,13 @@ TEST_CASE("The environment names the firmware file where the options do not") {
 
 TEST_CASE("A wrong option of a Falcon is a usage error that says what would do") {
   const auto [text, hint] = GENERATE(table<std::string, std::string>({
-      {"colour=red", "firmware, path, force_cap and home_angle"},
+      {"colour=red", "firmware, path, product, force_cap and home_angle"},
+      {"product=", "product=6001"},
+      {"product=60", "product=6001"},
+      {"product=0x6001", "product=6001"},
+      {"product=16001", "product=6001"},
+      {"product=600g", "product=6001"},
+      {"product=-001", "product=6001"},
       {"firmware=", "empty"},
       {"path=", "1-2.3"},
       {"path=1", "1-2.3"},

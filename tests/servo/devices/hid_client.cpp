@@ -3,9 +3,8 @@
 // Runs a HID device at 1 kHz without a loop around it, pushes the tool to the right with 1 N while
 // the device may be pushed, and prints what it saw as JSON.
 //
-// Usage: hid_client woodenhaptics|spacemouse TICKS OPTIONS, with the options of --device. SIGTERM
-// ends it before.
-// Exit code 2, and the sentence, where the device does not open.
+// Usage: hid_client woodenhaptics|spacemouse|pid TICKS OPTIONS, with the options of --device.
+// SIGTERM ends it before. Exit code 2, and the sentence, where the device does not open.
 
 #include <fmt/format.h>
 
@@ -21,6 +20,7 @@
 #include <string_view>
 
 #include "servo/clock.hpp"
+#include "servo/devices/device_pid.hpp"
 #include "servo/devices/device_spacemouse.hpp"
 #include "servo/devices/device_wooden.hpp"
 #include "servo/realtime.hpp"
@@ -140,7 +140,8 @@ int main(int count, char** arguments) try {
   if (name == "spacemouse") {
     return run_with<DeviceSpaceMouse>(parse_spacemouse_options(arguments[3]), ticks);
   }
-  fmt::print(stderr, "usage: hid_client woodenhaptics|spacemouse TICKS OPTIONS\n");
+  if (name == "pid") return run_with<DevicePid>(parse_pid_options(arguments[3]), ticks);
+  fmt::print(stderr, "usage: hid_client woodenhaptics|spacemouse|pid TICKS OPTIONS\n");
   return 1;
 } catch (const std::exception& problem) {
   std::fprintf(stderr, "hid_client: %s\n", problem.what());

@@ -193,6 +193,8 @@ class HidDevices(unittest.TestCase):
         self.assertEqual(seen["most_m"][1:], [0, 0])
         self.assertEqual(seen["buttons"], 1)
         self.assertEqual(mock["light"], [1, 0])
+        self.assertEqual(list(seen["device"]["latency_us"]), ["report_age"])
+        self.assertGreater(seen["device"]["latency_us"]["report_age"]["p50"], 0)
 
     def test_an_unplugged_spacemouse_is_gone_and_taken_up_again(self) -> None:
         seen, mock = self.run_client("spacemouse", 100, "", "unplug=40:50")

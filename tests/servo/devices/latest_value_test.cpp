@@ -27,8 +27,11 @@ TEST_CASE("Nothing is taken before anything was put, and nothing twice") {
   int value = 7;
   REQUIRE_FALSE(latest.take(value));
   REQUIRE(value == 7);
+  REQUIRE_FALSE(latest.is_fresh());
   latest.put(1);
+  REQUIRE(latest.is_fresh());
   REQUIRE(latest.take(value));
+  REQUIRE_FALSE(latest.is_fresh());
   REQUIRE(value == 1);
   REQUIRE_FALSE(latest.take(value));
   REQUIRE(value == 1);

@@ -4,7 +4,8 @@
 ///
 ///     mock_hid DEVICE [FAULT...] -- PROGRAM [ARGUMENT...]
 ///
-/// DEVICE is wooden-v1, wooden-v2, wooden-v3 or spacemouse. Faults, counted in reports:
+/// DEVICE is wooden-v1, wooden-v2, wooden-v3, spacemouse, pid, pid-axes, pid-no-constant, pid-full
+/// or pid-busy. Faults, counted in reports:
 ///     short=N        every Nth report lacks its last byte
 ///     late=N:MS      every Nth report comes so much later
 ///     silence=N:MS   after N reports none comes for so long, once
@@ -131,7 +132,8 @@ int main(int argc, char** argv) try {
   auto device = spm::test::make_emulated_hid(line.device, line.emulated);
   if (device == nullptr) {
     std::cerr << "mock_hid: device '" << line.device
-              << "' is not known; there are wooden-v1, wooden-v2, wooden-v3 and spacemouse\n";
+              << "' is not known; there are wooden-v1, wooden-v2, wooden-v3, spacemouse, pid, "
+                 "pid-axes, pid-no-constant, pid-full and pid-busy\n";
     return 1;
   }
   // Where it is allowed, so that a busy machine does not make the device a slow one.

@@ -24,6 +24,15 @@ constexpr const char* interface_path = "/sys/devices/pci0000:00/0000:00:14.0/usb
 /// The kernel keeps so many reports that nobody fetched, and drops what comes then.
 constexpr std::size_t kept_reports = 64;
 
+/// Numbers of the ioctls that exchange a report.
+constexpr unsigned set_feature = _IOC_NR(HIDIOCSFEATURE(0));
+constexpr unsigned get_feature = _IOC_NR(HIDIOCGFEATURE(0));
+constexpr unsigned get_input = _IOC_NR(HIDIOCGINPUT(0));
+
+constexpr bool is_exchange(unsigned number) {
+  return number == set_feature || number == get_feature || number == get_input;
+}
+
 [[noreturn]] void give_up(const char* why) {
   std::cerr << "mock_hid: " << why << '\n';
   std::exit(EXIT_FAILURE);
@@ -185,7 +194,7 @@ void MockHidBus::queue(const std::vector<HidBytes>& reports) {
     if (faults_.silent_after > 0 && count_ > faults_.silent_after && silent_until_ == 0) {
       silent_until_ = g_get_monotonic_time() + std::int64_t{faults_.silent_ms} * 1000;
     }
-    if (g_get_monotonic_time() < silent_until_) {
+    if (is_silent()) {
       hold(report, static_cast<int>((silent_until_ - g_get_monotonic_time()) / 1000) + 1);
     } else if (faults_.late_every > 0 && count_ % faults_.late_every == 0) {
       hold(report, faults_.late_ms);
@@ -239,6 +248,25 @@ bool MockHidBus::is_present(UMockdevIoctlClient* client) const {
          GPOINTER_TO_INT(g_object_get_data(G_OBJECT(client), "generation")) == generation_;
 }
 
+bool MockHidBus::is_silent() const { return g_get_monotonic_time() < silent_until_; }
+
+int MockHidBus::exchange(UMockdevIoctlClient* client, unsigned number, HidBytes& bytes,
+                         int& error_number) {
+  error_number = ENODEV;
+  if (!is_present(client)) return -1;
+  error_number = is_silent() ? ETIMEDOUT : EPIPE;
+  if (is_silent() || bytes.empty()) return -1;
+  if (number == set_feature) {
+    return device_->feature_written(bytes) ? static_cast<int>(bytes.size()) : -1;
+  }
+  const auto answer =
+      number == get_feature ? device_->feature_asked(bytes[0]) : device_->input_asked(bytes[0]);
+  if (!answer) return -1;
+  const std::size_t size = std::min(answer->size(), bytes.size());
+  std::copy_n(answer->begin(), size, bytes.begin());
+  return static_cast<int>(size);
+}
+
 void MockHidBus::on_connected(UMockdevIoctlBase*, UMockdevIoctlClient* client, gpointer self) {
   auto* bus = static_cast<MockHidBus*>(self);
   const std::lock_guard lock(bus->mutex_);
@@ -253,6 +281,7 @@ gboolean MockHidBus::on_ioctl(UMockdevIoctlBase*, UMockdevIoctlClient* client, g
   auto* bus = static_cast<MockHidBus*>(self);
   const HidLooks looks = bus->device_->looks();
   const auto request = umockdev_ioctl_client_get_request(client);
+  const auto number = static_cast<unsigned>(_IOC_NR(request));
   UMockdevIoctlData* argument = umockdev_ioctl_client_get_arg(client);
   const auto resolve = [argument](std::size_t size) {
     GError* error = nullptr;
@@ -274,6 +303,18 @@ gboolean MockHidBus::on_ioctl(UMockdevIoctlBase*, UMockdevIoctlClient* client, g
     info.vendor = static_cast<std::int16_t>(looks.vendor);
     info.product = static_cast<std::int16_t>(looks.product);
     std::memcpy(resolve(sizeof info)->data, &info, sizeof info);
+  } else if (_IOC_TYPE(request) == 'H' && is_exchange(number)) {
+    // Their size is part of their number.
+    UMockdevIoctlData* data = resolve(_IOC_SIZE(request));
+    HidBytes bytes(data->data, data->data + _IOC_SIZE(request));
+    int result = 0, error_number = 0;
+    {
+      const std::lock_guard lock(bus->mutex_);
+      result = bus->exchange(client, number, bytes, error_number);
+    }
+    std::memcpy(data->data, bytes.data(), bytes.size());
+    umockdev_ioctl_client_complete(client, result, result < 0 ? error_number : 0);
+    return TRUE;
   } else {
     return FALSE;
   }

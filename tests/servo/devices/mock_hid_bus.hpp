@@ -61,6 +61,10 @@ class MockHidBus {
   void hold(const HidBytes& report, int milliseconds);
   [[nodiscard]] long fetch(UMockdevIoctlClient* client);
   [[nodiscard]] bool is_present(UMockdevIoctlClient* client) const;
+  [[nodiscard]] bool is_silent() const;
+  /// A report that is set or asked for by an ioctl: what that returns, or -1 and an error number.
+  [[nodiscard]] int exchange(UMockdevIoctlClient* client, unsigned number, HidBytes& bytes,
+                             int& error_number);
 
   static void on_connected(UMockdevIoctlBase*, UMockdevIoctlClient* client, gpointer self);
   static gboolean on_ioctl(UMockdevIoctlBase*, UMockdevIoctlClient* client, gpointer self);

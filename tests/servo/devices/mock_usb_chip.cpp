@@ -158,8 +158,18 @@ std::uint64_t MockUsbChip::packets() const {
 void MockUsbChip::submit(UMockdevIoctlClient* client) {
   UMockdevIoctlData* const arg = umockdev_ioctl_client_get_arg(client);
   UMockdevIoctlData* const urb = umockdev_ioctl_data_resolve(arg, 0, sizeof(usbdevfs_urb), nullptr);
+  // Of a program that was killed meanwhile there is no memory to be had.
+  if (urb == nullptr) {
+    umockdev_ioctl_client_complete(client, -1, EFAULT);
+    return;
+  }
   UMockdevIoctlData* const buffer = umockdev_ioctl_data_resolve(
       urb, offsetof(usbdevfs_urb, buffer), static_cast<gsize>(urb_of(urb).buffer_length), nullptr);
+  if (buffer == nullptr) {
+    g_object_unref(urb);
+    umockdev_ioctl_client_complete(client, -1, EFAULT);
+    return;
+  }
   umockdev_ioctl_client_complete(client, 0, 0);
   const Transfer transfer{urb, buffer};
   if (urb_of(urb).type == USBDEVFS_URB_TYPE_BULK && urb_of(urb).endpoint == in_endpoint) {
@@ -204,11 +214,15 @@ void MockUsbChip::reap(UMockdevIoctlClient* client) {
     umockdev_ioctl_client_complete(client, -1, dead ? ENODEV : EAGAIN);
     return;
   }
+  UMockdevIoctlData* const arg = umockdev_ioctl_client_get_arg(client);
+  UMockdevIoctlData* const pointer = umockdev_ioctl_data_resolve(arg, 0, sizeof(void*), nullptr);
+  if (pointer == nullptr) {
+    umockdev_ioctl_client_complete(client, -1, EFAULT);
+    return;
+  }
   const Transfer transfer = ended_.front();
   ended_.pop_front();
   if (ended_.empty()) tcflow(slave_, TCOOFF);
-  UMockdevIoctlData* const arg = umockdev_ioctl_client_get_arg(client);
-  UMockdevIoctlData* const pointer = umockdev_ioctl_data_resolve(arg, 0, sizeof(void*), nullptr);
   umockdev_ioctl_data_set_ptr(pointer, 0, transfer.urb);
   umockdev_ioctl_client_complete(client, 0, 0);
   g_object_unref(pointer);

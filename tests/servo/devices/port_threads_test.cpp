@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "servo/devices/port_threads.hpp"
 
+#include <pthread.h>
+#include <sched.h>
+
 #include <algorithm>
 #include <catch2/catch.hpp>
 #include <condition_variable>
@@ -128,6 +131,101 @@ TEST_CASE("The newest report is taken, once, with the time that it came") {
   REQUIRE(came >= before);
   REQUIRE(came <= now_ns());
   REQUIRE_FALSE(threads.take(report, came));
+}
+
+TEST_CASE("A report that was not taken is not waited for, and one that was is") {
+  Script script;
+  Threads threads;
+  REQUIRE(threads.start(opens(script), RealtimeMode::off));
+  const std::int64_t soon = now_ns() + 30'000'000;
+  REQUIRE_FALSE(threads.wait(soon));
+  REQUIRE(now_ns() >= soon);
+  const auto much_later = [] { return now_ns() + 20'000'000'000; };
+  int report = 0;
+  std::int64_t came = 0;
+  for (int i = 1; i <= 200; ++i) {
+    script.change([&] { script.reports.push_back(i); });
+    REQUIRE(threads.wait(much_later()));
+    REQUIRE(threads.wait(0));
+    REQUIRE(threads.take(report, came));
+    REQUIRE(report == i);
+    REQUIRE_FALSE(threads.wait(0));
+  }
+}
+
+TEST_CASE("Ages of reports and times of commands are counted, not those from before a loss") {
+  Script script;
+  Threads threads;
+  REQUIRE(threads.start(opens(script), RealtimeMode::off));
+  const std::string nothing = LatencyHistogram().json_us().dump();
+  int report = 0;
+  std::int64_t came = 0;
+  const auto bring_one = [&](int value) {
+    script.change([&] { script.reports.push_back(value); });
+    REQUIRE(threads.wait(now_ns() + 20'000'000'000));
+  };
+  bring_one(1);
+  std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  REQUIRE(threads.take(report, came));
+  CHECK(threads.report_age().json_us().dump() == nothing);  // may have lain there for long
+
+  bring_one(2);
+  std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  REQUIRE(threads.take(report, came));
+  CHECK(threads.report_age().json_us().at("p50").get<double>() >= 5000);
+  const std::string two = threads.report_age().json_us().dump();
+
+  bring_one(3);
+  script.change([&] { script.plugged_in = false; });
+  REQUIRE(eventually([&] { return !threads.is_open(); }));
+  script.change([&] { script.plugged_in = true; });
+  REQUIRE(eventually([&] { return threads.is_open(); }));
+  REQUIRE(threads.take(report, came));
+  CHECK(report == 3);
+  CHECK(threads.report_age().json_us().dump() == two);
+
+  CHECK(threads.command_sent().json_us().dump() == nothing);
+  threads.give(1);
+  REQUIRE(eventually([&] { return threads.command_sent().json_us().dump() != nothing; }));
+  CHECK(threads.latency_us().at("command_sent").at("max").get<double>() > 0);
+}
+
+TEST_CASE("A zero that is sent for a stalled loop is no command whose time counts") {
+  Script script;
+  Threads threads;
+  REQUIRE(threads.start(opens(script), RealtimeMode::off));
+  threads.give(5);
+  REQUIRE(eventually([&] { return threads.command_sent().json_us().at("max") > 0; }));
+  const std::string once = threads.command_sent().json_us().dump();
+  REQUIRE(script.wait([&] { return script.sent.size() >= 3; }));
+  threads.end();
+  CHECK(threads.command_sent().json_us().dump() == once);
+}
+
+TEST_CASE("A lost device is looked for without real-time priority, and why it is not found told") {
+  Script script;
+  Threads threads;
+  std::atomic<int> tries{0}, realtime_tries{0};
+  const auto open = opens(script);
+  REQUIRE(threads.start(
+      [&](const std::atomic<bool>& stop) {
+        int policy = 0;
+        sched_param parameters{};
+        pthread_getschedparam(pthread_self(), &policy, &parameters);
+        realtime_tries.fetch_add(policy == SCHED_OTHER ? 0 : 1);
+        tries.fetch_add(1);
+        return open(stop);
+      },
+      RealtimeMode::attempt));
+  CHECK(threads.last_error().empty());
+  script.change([&] { script.plugged_in = false; });
+  REQUIRE(eventually([&] { return !threads.last_error().empty(); }));
+  CHECK(threads.last_error() == "not plugged in: plug it in");
+  script.change([&] { script.plugged_in = true; });
+  REQUIRE(eventually([&] { return threads.is_open(); }));
+  CHECK(threads.last_error().empty());
+  CHECK(tries >= 3);
+  CHECK(realtime_tries == 0);
 }
 
 TEST_CASE("A command that is given is sent, in order") {

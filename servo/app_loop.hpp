@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <span>
+
+namespace spm::servo {
+
+/// What the loop counted for one device since it began, for applications.
+struct AppLoopDevice {
+  std::uint64_t contact_ticks = 0;
+  std::uint64_t cap_hits = 0;
+  std::uint64_t slew_hits = 0;
+  double force_max = 0;      ///< N, as sent
+  double energy = 0;         ///< J, net work that the forces sent did on the hand
+  double generated_max = 0;  ///< J, largest positive value of `energy`
+};
+
+/// What applications are told of a tick once it is over and its duration known.
+struct AppLoop {
+  std::int64_t time_ns = 0;  ///< when it began, of CLOCK_MONOTONIC
+  std::int64_t wake_ns = 0;  ///< how late that was
+  std::int64_t busy_ns = 0;  ///< how long it worked
+  // Since the loop began, this tick included:
+  std::uint64_t ticks = 0;    ///< run
+  std::uint64_t missed = 0;   ///< not finished before the next was due, skipped ones included
+  std::uint64_t skipped = 0;  ///< of the missed ones, those not run at all
+  std::span<const AppLoopDevice> devices;  ///< at most SPM_MOST_DEVICES are told
+};
+
+}  // namespace spm::servo

@@ -1,0 +1,87 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <nlohmann/json_fwd.hpp>
+#include <string>
+#include <vector>
+
+#include "servo/client/spm_client.h"
+
+namespace spm::servo {
+
+/// One look at a running daemon, as libspm_client tells it.
+struct TopSample {
+  /// A device, with what the daemon says of its causes of zero force: the one there is now, or else
+  /// the last one.
+  struct Device {
+    std::string name;
+    spm_client_device state{};
+    spm_client_device_counts counts{};
+    std::string cause, cure;
+  };
+  int daemon = SPM_CLIENT_STALLED;  ///< enum spm_client_daemon
+  double age = -1;                  ///< s since the last tick; below 0: none so far
+  spm_client_info info{};
+  spm_client_loop loop{};
+  std::vector<Device> devices;
+  std::vector<spm_client_application> applications;
+};
+
+/// Durations of the ticks between two samples, us. At most a quarter too long, never too short; the
+/// maximum exact where it is the longest since the loop began.
+struct TopTimes {
+  double p50 = 0, p99 = 0, max = 0;
+};
+
+/// What was counted between two samples, and since the loop began.
+struct TopCount {
+  std::uint64_t lately = 0, ever = 0;
+};
+
+struct TopDevice {
+  std::string name;
+  bool connected = false;
+  bool contact = false;
+  std::uint64_t contacts = 0;  ///< how often contact began
+  double force = 0;            ///< N, now
+  double force_max = 0;        ///< N
+  TopCount cap_hits, slew_hits;
+  double energy = 0;         ///< J, net work of the forces on the hand
+  double generated_max = 0;  ///< J
+  bool off = false;          ///< the force is zero for a cause
+  TopCount cuts;             ///< how often the force was cut to zero
+  std::string cause, cure;   ///< of zero force now, or else of the last cut; empty: there was none
+};
+
+/// What `top` shows of the time between two samples.
+struct TopView {
+  int daemon = SPM_CLIENT_STALLED;
+  double age = -1;  ///< s
+  std::string version;
+  std::uint32_t process = 0;
+  double seconds = 0;         ///< from the first tick counted to the last
+  double rate_hz = 0;         ///< ticks a second; 0 where there was no time
+  double wanted_rate_hz = 0;  ///< Hz
+  TopTimes wake, busy;
+  double busy_share = 0;  ///< of the time, 0 to 1
+  std::uint64_t ticks = 0;
+  TopCount missed, skipped;
+  std::vector<TopDevice> devices;
+  std::vector<spm_client_application> applications;
+  std::uint64_t commands = 0, refused = 0, garbage = 0;
+};
+
+/// Percentiles (nearest rank) of what two histograms of the loop differ by. `longest`: ns, since
+/// the loop began, at each.
+[[nodiscard]] TopTimes times_between(const std::uint64_t (&before)[64],
+                                     const std::uint64_t (&now)[64], std::uint64_t longest_before,
+                                     std::uint64_t longest);
+
+/// What happened between two samples of one connection, the earlier one first.
+[[nodiscard]] TopView view_between(const TopSample& before, const TopSample& now);
+
+/// One object for `--json`.
+[[nodiscard]] nlohmann::ordered_json to_json(const TopView& view);
+
+}  // namespace spm::servo

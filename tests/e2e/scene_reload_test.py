@@ -1,0 +1,169 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
+"""A scene that is edited while `spm-servo run` serves it to the simulated device."""
+
+import json
+import math
+import os
+import queue
+import shutil
+import signal
+import struct
+import subprocess
+import sys
+import tempfile
+import threading
+import time
+import unittest
+
+from programs import BAKE, SERVO, Case, obj, run, sphere
+
+GENERATOR = os.path.join(os.path.dirname(__file__), os.pardir, os.pardir, "models", "generate.py")
+TOP = 0.032  # m, half the height of models/box
+GRIP = 700  # N/m, servo/sim_profile.hpp
+FRICTION = 0.02  # N, of the profile `low`, beside the hand's spring
+DEPTH = 0.002  # m, where the hand wants to be below the box's top
+RADIUS = 0.02  # m, of the ball
+PATIENCE = 60  # s
+ROW = struct.Struct("<Q9dd2iIHBB")  # formats/recording.hpp
+SIZE_AT, HEADER_AT, FOOT = 8, 16, 16  # bytes
+HEAD = f"[workspace]\npose = [0, 0, {TOP}]\n"
+
+
+def balance(*springs):
+    """The force between the hand's spring and surfaces, each its stiffness and how far it is raised
+    above the box's top."""
+    stiffness = sum(k for k, _ in springs)
+    # At a depth x below the top: GRIP (DEPTH - x) = sum of k (x + raised).
+    depth = (GRIP * DEPTH - sum(k * raised for k, raised in springs)) / (GRIP + stiffness)
+    return sum(k * (depth + raised) for k, raised in springs)
+
+
+class SceneReload(Case):
+    @classmethod
+    def setUpClass(cls):
+        cls.models = tempfile.mkdtemp(prefix="spm-e2e-models-")
+        cls.addClassCleanup(shutil.rmtree, cls.models, ignore_errors=True)
+        subprocess.run([sys.executable, GENERATOR, "--out", cls.models, "box"], check=True,
+                       capture_output=True)
+        with open(os.path.join(cls.models, "ball.obj"), "w", encoding="ascii") as file:
+            file.write(obj(sphere(RADIUS)))
+        for name in ("box", "ball"):
+            base = os.path.join(cls.models, name)
+            result = run("build", base + ".obj", "-o", base + ".spm.exr", "--tolerance", "50um",
+                         "--quiet", program=BAKE)
+            assert result.returncode == 0, result.stderr
+
+    def start(self, scene):
+        """The daemon, a hand that presses on the box's top, and what it says, line by line."""
+        steps = [DEPTH - 2e-5 * i for i in range(int(2 * DEPTH / 2e-5) + 1)]
+        path = self.write("hand.txt", "".join(f"0.001 0.002 {z!r}\n" for z in steps))
+        daemon = subprocess.Popen(
+            [SERVO, "run", "--scene", scene, "--device", f"sim:profile=low,hand=path,path={path}",
+             "--record", self.path("out.spmrec"), "--black-box", "off",
+             "--socket", self.path("socket"), "--realtime", "off", "--json"],
+            stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
+            env={**os.environ, "LC_ALL": "C.UTF-8"})
+        self.addCleanup(daemon.wait)
+        self.addCleanup(daemon.kill)
+        lines = queue.Queue()
+        # What it says of scenes; of the machine it may say more.
+        reader = threading.Thread(target=lambda: [lines.put(line) for line in daemon.stderr
+                                                  if "taken up" in line])
+        reader.start()
+        self.addCleanup(daemon.stderr.close)
+        self.addCleanup(reader.join)
+        self.addCleanup(daemon.kill)  # the first to run: the reader then comes to its end
+        end = time.monotonic() + PATIENCE
+        while not os.path.exists(self.path("socket")) and time.monotonic() < end:
+            time.sleep(0.01)
+        self.lines = lines
+        return daemon
+
+    def says(self, *parts):
+        """The next sentence of the daemon has all of these in it."""
+        line = self.lines.get(timeout=PATIENCE)
+        for part in parts:
+            self.assertIn(part, line)
+
+    def save(self, *objects):
+        """As editors do: another file, renamed over the old one."""
+        text = HEAD + "".join("[[object]]\n" + content.replace("@", self.models + os.sep) + "\n"
+                              for content in objects)
+        os.replace(self.write("scene.toml.new", text), self.path("scene.toml"))
+        return self.path("scene.toml")
+
+    def rows(self):
+        """Ticks, positions and forces along z, and causes of zero force, of the recording."""
+        with open(self.path("out.spmrec"), "rb") as file:
+            content = file.read()
+        start = HEADER_AT + int.from_bytes(content[SIZE_AT:SIZE_AT + 4], "little")
+        rows = list(ROW.iter_unpack(content[start:-FOOT]))
+        causes = json.loads(content[HEADER_AT:start])["causes"]
+        return [(row[0], row[9], causes[row[-2]]) for row in rows]
+
+    def test_an_edited_scene_is_felt_and_one_that_will_not_do_changes_nothing(self):
+        box = 'asset = "@box.spm.exr"\n'
+        raised = 0.001
+        ball = f'asset = "@ball.spm.exr"\npose = [0.001, 0.002, {TOP - RADIUS!r}]\n'
+        scene = self.save(box)
+        daemon = self.start(scene)
+        steady = 0.7  # s, in which a force fades in and the hand comes to rest
+
+        time.sleep(steady)
+        self.save(box + 'stiffness = "2N/mm"')
+        self.says("info", "scene.toml: taken up again: object 0: stiffness")
+        time.sleep(steady)
+        self.save(box + f'stiffness = "2N/mm"\npose = [0, 0, {raised!r}]')
+        self.says("object 0: pose")
+        time.sleep(steady)
+        self.write("scene.toml", HEAD + "[[object]]\nasset = \"box.spm.exr\"\nstiffness = 2N/mm\n")
+        self.says("warning", "the scene stays as it was", "scene.toml: line 5", "not TOML")
+        self.save(box + 'stiffness = "2N/mm"\nstifness = "1N/mm"')
+        self.says("warning", "scene.toml: line 6", "did you mean 'stiffness'?")
+        self.save(box, 'asset = "@missing.spm.exr"')
+        self.says("warning", "missing.spm.exr")
+        os.replace(self.write("new.toml", "[device]\nforce_cap = \"1N\"\n[[object]]\n" +
+                              box.replace("@", self.models + os.sep)), scene)
+        self.says("warning", "'force_cap' of [device]", "start it again")
+        self.save(box, ball)
+        self.says("object 0: pose, stiffness; object 1 added (ball.spm.exr)")
+        time.sleep(steady)
+        self.save(ball)
+        self.says("object 0 removed")
+        time.sleep(steady)
+
+        daemon.send_signal(signal.SIGINT)
+        report = json.loads(daemon.stdout.read())
+        daemon.stdout.close()
+        self.assertEqual(daemon.wait(timeout=PATIENCE), 0)
+        self.assertEqual([os.path.basename(asset["path"]) for asset in report["assets"]],
+                         ["box.spm.exr", "ball.spm.exr"])
+        self.assertEqual([os.path.basename(o["asset"]) for o in report["objects"]],
+                         ["ball.spm.exr"])
+        self.assertTrue(self.lines.empty())
+
+        rows = self.rows()
+        self.assertEqual(len(rows), report["ticks"])
+        self.assertEqual(report["unrecorded"], 0)
+        self.assertTrue(all(a[0] < b[0] for a, b in zip(rows, rows[1:])))
+        # From the first tick to the last but the end, nothing ever took the force away.
+        off = [cause for _, _, cause in rows if cause != "none"]
+        self.assertEqual(set(off) - {"starting", "stopping"}, set())
+        self.assertLess(len(off), len(rows) / 10)
+        # Each scene was felt, in its turn.
+        at, last = 0, len(rows)
+        for wanted in (balance((1000, 0)), balance((2000, 0)), balance((2000, raised)),
+                       balance((1000, 0), (1000, 0)), balance((1000, 0))):
+            held = 0
+            while held < 50:
+                self.assertLess(at, last, f"{wanted:.3f} N was not felt")
+                near = math.isclose(rows[at][1], wanted, abs_tol=2 * FRICTION)
+                held, at = held + 1 if near else 0, at + 1
+        # No scene kicked: at once, the millimetre that the box was raised would be 2 N.
+        kick = max(b[1] - a[1] for a, b in zip(rows, rows[1:]))
+        self.assertLess(kick, 0.5)
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,136 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
+"""Kills the real spm-servo while it drives devices that umockdev plugs in, and looks what these
+heard last: zero force from its supervisor, or without one the daemon's last command.
+
+Usage: supervisor_test.py MOCK_HID MOCK_FALCON SERVO BAKE [unittest options], the programs mock_hid,
+mock_usb_falcon, spm-servo and spm-bake. No time decides a test.
+"""
+
+import json
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+import unittest
+from collections.abc import Callable
+from functools import partial
+from pathlib import Path
+
+MOCK_HID = MOCK_FALCON = SERVO = BAKE = ""
+LONGEST_RUN = 120  # s
+MOST_KILLS = 5
+TETRAHEDRON = ("v 0 0 0\nv 0.05 0 0\nv 0 0.05 0\nv 0 0 0.05\n"
+               "f 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n")
+# The motors hold the arm's weight, wherever it is: there is a current in every tick.
+WOODEN = "woodenhaptics:home_confirmed=always,gravity=on"
+SENTENCE = "error: spm-servo ended without a good-bye, killed or crashed: zero force was sent to "
+
+
+def drives(trace: Path) -> bool:
+    """Whether a daemon has written the first rows of its trace, which are some hundred ticks; until
+    its end into a file of a longer name."""
+    return any(path.stat().st_size > 0 for path in trace.parent.glob(trace.name + "*"))
+
+
+def end(how: str, trace: str, *command: str) -> int:
+    """Beside the device: starts a daemon, ends it once it drives the device, and waits until nobody
+    holds its standard error any longer, its supervisor neither."""
+    with subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE,
+                          text=True) as daemon:
+        while daemon.poll() is None and not drives(Path(trace)):
+            time.sleep(0.005)
+        daemon.send_signal(signal.SIGKILL if how == "kill" else signal.SIGTERM)
+        sys.stderr.write(daemon.stderr.read())
+    expected = -signal.SIGKILL if how == "kill" else 0
+    return 0 if daemon.returncode == expected else 1
+
+
+class KilledDaemon(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls) -> None:
+        folder = tempfile.TemporaryDirectory()
+        cls.addClassCleanup(folder.cleanup)
+        cls.folder = Path(folder.name)
+        mesh = cls.folder / "mesh.obj"
+        mesh.write_text(TETRAHEDRON, encoding="utf-8")
+        cls.asset = cls.folder / "asset.spm.exr"
+        subprocess.run([BAKE, "build", mesh, "-o", cls.asset, "--max-depth", "0.1mm", "--margin",
+                        "0.05mm", "--quiet"], check=True, timeout=LONGEST_RUN)
+
+    def run_beside(self, mock: list[str], device: str, how: str,
+                   supervisor: str) -> tuple[str, dict]:
+        """What the daemon and its supervisor said, and what the device saw."""
+        folder = tempfile.TemporaryDirectory(dir=self.folder)
+        self.addCleanup(folder.cleanup)
+        trace = Path(folder.name) / "trace.csv"
+        command = [SERVO, "run", "--asset", self.asset, "--device", device, "--trace", trace,
+                   "--socket", "off", "--black-box", "off", "--supervisor", supervisor, "--quiet"]
+        inside = [sys.executable, __file__, "--end", how, trace, *command]
+        done = subprocess.run([*mock, "--", *inside], capture_output=True, text=True,
+                              timeout=LONGEST_RUN, check=False)
+        messages, _, last = done.stderr.rstrip("\n").rpartition("\n")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        return messages, json.loads(last)
+
+    def run_wooden(self, device: str, how: str, supervisor: str) -> tuple[str, dict]:
+        said, seen = self.run_beside([MOCK_HID, device], WOODEN, how, supervisor)
+        self.assertEqual(seen["wrong_commands"], 0, seen)
+        self.assertGreater(seen["commands_with_current"], 10, seen)
+        return said, seen
+
+    def test_a_wooden_arm_is_sent_no_current_after_the_daemon_was_killed(self) -> None:
+        for device in ("wooden-v1", "wooden-v2", "wooden-v3"):
+            with self.subTest(device):
+                said, seen = self.run_wooden(device, "kill", "on")
+                self.assertEqual(seen["last_mA"], [0, 0, 0])
+                self.assertIn(f"{SENTENCE}woodenhaptics:protocol={device[-2:]},serial=", said)
+
+    def leaves(self, forceful: Callable[[dict], bool], run: Callable[[], tuple[str, dict]]) -> bool:
+        """Whether some daemon without a supervisor left its device so when it was killed; one that
+        the machine kept waiting just then had sent zero force itself."""
+        for _ in range(MOST_KILLS):
+            said, seen = run()
+            self.assertNotIn("good-bye", said)
+            if forceful(seen):
+                return True
+        return False
+
+    def test_without_a_supervisor_a_wooden_arm_keeps_its_currents(self) -> None:
+        for device in ("wooden-v1", "wooden-v2", "wooden-v3"):
+            with self.subTest(device):
+                self.assertTrue(self.leaves(lambda seen: any(seen["last_mA"]),
+                                            partial(self.run_wooden, device, "kill", "off")))
+
+    def test_after_a_clean_end_the_supervisor_says_nothing(self) -> None:
+        said, _ = self.run_wooden("wooden-v2", "end", "on")
+        self.assertNotIn("good-bye", said)
+
+    def test_a_stick_s_effects_are_ended_after_the_daemon_was_killed(self) -> None:
+        # Without its watchdog they are endless.
+        stick = [MOCK_HID, "pid"], "pid:full_force=4N,watchdog=off"
+        said, seen = self.run_beside(*stick, "kill", "on")
+        self.assertEqual(seen["resets"], 2)
+        self.assertEqual([seen["playing"], *seen["last_force"]], [0, 0, 0])
+        self.assertIn(SENTENCE + "pid:full_force=1N,serial=", said)
+        self.assertTrue(self.leaves(lambda seen: seen["playing"] > 0,
+                                    partial(self.run_beside, *stick, "kill", "off")))
+
+    def test_a_falcon_hears_a_last_packet_that_no_daemon_sends(self) -> None:
+        # A running daemon lights one of its lamps in every packet; the supervisor's have no lamp.
+        mock = [MOCK_FALCON, "--mode", "running"]
+        said, seen = self.run_beside(mock, "falcon", "kill", "on")
+        self.assertTrue(seen["rules_kept"], seen)
+        self.assertEqual(seen["boots"], 0)
+        self.assertEqual(seen["last_lights"], 0)
+        self.assertIn(SENTENCE + "falcon:path=1-2", said)
+        self.assertTrue(self.leaves(lambda seen: seen["last_lights"] != 0,
+                                    partial(self.run_beside, mock, "falcon", "kill", "off")))
+
+
+if __name__ == "__main__":
+    if sys.argv[1:2] == ["--end"]:
+        sys.exit(end(*sys.argv[2:]))
+    MOCK_HID, MOCK_FALCON, SERVO, BAKE = sys.argv[1:5]
+    unittest.main(argv=sys.argv[:1] + sys.argv[5:])
