@@ -64,7 +64,7 @@ def draw(header: dict, rows: np.ndarray, device: int, prefix: str) -> None:
     for name, colour, width in (("wanted", WANTED_COLOUR, 2.2), ("sent", SENT_COLOUR, 1.0)):
         force.plot(time, np.linalg.norm(rows[name], axis=1), color=colour, linewidth=width,
                    label=name)
-    force.legend(loc="upper right", frameon=False)
+    force.legend(loc="lower left", frameon=False)
     force.set_title(f"Force on the hand: {header['devices'][device]['name']} "
                     "(grey ground: off, and why)")
     force.set_ylabel("N")

@@ -61,6 +61,9 @@ void add_run_command(CLI::App& program, Action& action) {
                                  {"try", RealtimeMode::attempt},
                                  {"off", RealtimeMode::off}},
                                 "Real-time priority and locked memory (default try)");
+  app->add_option("--core", options.core,
+                  "Core that the loop and the threads of its devices run on (default: any)")
+      ->type_name("N");
   cli::add_choice<MapMode>(*app, "--map", options.map,
                            {{"file", MapMode::file}, {"sealed", MapMode::sealed}},
                            "Map the file itself (default), or a sealed copy of it, for stores that "

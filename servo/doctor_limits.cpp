@@ -9,8 +9,8 @@ namespace spm::servo {
 
 namespace {
 
-/// The highest priority that the servo asks for, that of its devices' threads.
-constexpr std::uint64_t wanted_priority = 85;
+/// The highest priority that the servo asks for, that of its loop.
+constexpr std::uint64_t wanted_priority = 80;
 
 constexpr const char* install_limits =
     "Install 95-spm-haptics.conf in /etc/security/limits.d, join its group with 'sudo usermod -aG "

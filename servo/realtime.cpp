@@ -20,11 +20,13 @@ namespace {
 
 /// Above every ordinary process and the threaded interrupts' default of 50, below watchdogs.
 constexpr int loop_priority = 80;
-constexpr int device_priority = 85;
+/// Below the loop: else the thread that the loop wakes to send takes its processor from it in the
+/// middle of a tick. The loop sleeps most of the time, and these threads do little.
+constexpr int device_priority = 75;
 
 /// How far below the most that RealtimeKit gives: in the same order.
-constexpr int loop_below_most = 1;
-constexpr int device_below_most = 0;
+constexpr int loop_below_most = 0;
+constexpr int device_below_most = 1;
 
 constexpr std::size_t stack_bytes = std::size_t{256} * 1024;
 
@@ -83,6 +85,8 @@ Result<RealtimeState> enter_realtime(RealtimeMode mode) {
   }
 
   state.memory_locked = lock_memory();
+  // Else the kernel makes large pages of small ones behind the loop's back, which then faults.
+  prctl(PR_SET_THP_DISABLE, 1UL, 0UL, 0UL, 0UL);
   if (!state.memory_locked) {
     state.warnings.push_back(
         "the memory could not be locked (its limit is too low): run as root, or allow it with "

@@ -24,8 +24,8 @@ struct RealtimeState {
 /// becomes a warning; with `require` an error of realtime_refused. May block for seconds.
 [[nodiscard]] Result<RealtimeState> enter_realtime(RealtimeMode mode);
 
-/// Makes the calling thread, which talks to a device, a real-time one above the loop where that is
-/// allowed: it does little, and the loop waits for nobody. The loop's warnings tell what is not.
+/// Makes the calling thread, which talks to a device, a real-time one below the loop where that is
+/// allowed. The loop's warnings tell what is not.
 void enter_device_thread(RealtimeMode mode) noexcept;
 
 /// Makes the calling thread an ordinary one; one begins with the priority of the thread that made

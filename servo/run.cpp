@@ -17,6 +17,7 @@
 #include "common/units.hpp"
 #include "servo/app_server.hpp"
 #include "servo/collector.hpp"
+#include "servo/core_pinning.hpp"
 #include "servo/device_list.hpp"
 #include "servo/scene_keeper.hpp"
 #include "servo/stop_signals.hpp"
@@ -121,12 +122,13 @@ void warn_of_stiffness(const ForceChoice& choice, const std::vector<Device*>& de
 }
 
 /// Runs the loop in a thread of its own while this one takes its records.
-Result<RealtimeState> drive(Loop& loop, Collector& collector, RealtimeMode mode,
+Result<RealtimeState> drive(Loop& loop, Collector& collector, const RunOptions& options,
                             StopSignals& signals) {
   std::promise<Result<RealtimeState>> entered;
   std::atomic<bool> done{false};
   std::thread thread([&] {
-    Result<RealtimeState> realtime = enter_realtime(mode);
+    const auto pinned = CorePinning::hold(options.core);
+    Result<RealtimeState> realtime = enter_realtime(options.realtime);
     const bool refused = !realtime;
     entered.set_value(std::move(realtime));
     if (!refused) loop.run();
@@ -188,6 +190,44 @@ std::unique_ptr<SceneKeeper> make_scene_keeper(const RunOptions& options, SceneA
   return std::make_unique<SceneKeeper>(std::move(keeper), assets);
 }
 
+/// Opens all, their threads on the loop's core, and names them to the supervisor (null for none).
+Result<std::vector<Device*>> open_devices(const RunOptions& options, const ForceChoice& choice,
+                                          std::span<const AssetView* const> views,
+                                          const std::vector<std::unique_ptr<Device>>& devices,
+                                          Supervisor* supervisor) {
+  const auto pinned = CorePinning::hold(options.core);
+  if (!pinned) return tl::make_unexpected(pinned.error());
+  std::vector<Device*> open;
+  std::vector<std::string> targets;
+  for (const auto& device : devices) {
+    const DeviceSetup setup{options.rate_hz, options.realtime, choice.scene, views};
+    if (auto opened = device->open(setup); !opened) {
+      return tl::make_unexpected(std::move(opened.error()));
+    }
+    open.push_back(device.get());
+    targets.push_back(zero_force_target(*device));
+  }
+  if (supervisor != nullptr) {
+    if (auto watched = supervisor->watch(targets); !watched) {
+      return tl::make_unexpected(std::move(watched.error()));
+    }
+  }
+  return open;
+}
+
+/// Null where none is asked for; and where there is no place for its socket and none was named,
+/// since such a machine serves forces all the same.
+Result<std::unique_ptr<AppServer>> start_server(const RunOptions& options, AppState& state) {
+  if (!options.serve) return std::unique_ptr<AppServer>();
+  AppServerOptions served;
+  served.path = options.socket;
+  served.warn = log_warning;
+  auto started = AppServer::start(std::move(served), state);
+  if (started || !options.socket.empty()) return started;
+  log_warning("applications cannot connect: " + started.error().message);
+  return std::unique_ptr<AppServer>();
+}
+
 }  // namespace
 
 Result<RunReport> run(const RunOptions& options) {
@@ -206,22 +246,9 @@ Result<RunReport> run(const RunOptions& options) {
   auto assets = open_assets(options, *choice);
   if (!assets) return tl::make_unexpected(std::move(assets.error()));
 
-  std::vector<Device*> open_devices;
-  const std::vector<const AssetView*> views = (*assets)->views();
-  for (const auto& device : *devices) {
-    const DeviceSetup setup{options.rate_hz, options.realtime, choice->scene, views};
-    if (auto opened = device->open(setup); !opened) {
-      return tl::make_unexpected(std::move(opened.error()));
-    }
-    open_devices.push_back(device.get());
-  }
-  if (supervisor != nullptr) {
-    std::vector<std::string> targets;
-    for (const Device* device : open_devices) targets.push_back(zero_force_target(*device));
-    if (auto watched = supervisor->watch(targets); !watched) {
-      return tl::make_unexpected(std::move(watched.error()));
-    }
-  }
+  auto opened = open_devices(options, *choice, (*assets)->views(), *devices, supervisor.get());
+  if (!opened) return tl::make_unexpected(std::move(opened.error()));
+  const std::vector<Device*> open_devices = std::move(*opened);
 
   auto keeps = open_keeps(options, header_of(options, **assets, open_devices));
   if (!keeps) return tl::make_unexpected(std::move(keeps.error()));
@@ -229,21 +256,8 @@ Result<RunReport> run(const RunOptions& options) {
   auto state = AppState::create(
       options.rate_hz, names_of({*choice, first_ids(choice->scene.objects.size())}, open_devices));
   if (!state) return tl::make_unexpected(std::move(state.error()));
-  // A machine without a place for the socket serves forces all the same.
-  std::unique_ptr<AppServer> server;
-  if (options.serve) {
-    AppServerOptions served;
-    served.path = options.socket;
-    served.warn = log_warning;
-    auto started = AppServer::start(std::move(served), **state);
-    if (started) {
-      server = std::move(*started);
-    } else if (!options.socket.empty()) {
-      return tl::make_unexpected(std::move(started.error()));
-    } else {
-      log_warning("applications cannot connect: " + started.error().message);
-    }
-  }
+  const auto server = start_server(options, **state);
+  if (!server) return tl::make_unexpected(server.error());
 
   if (nothing_plugged_in(options, *choice, open_devices)) {
     log_warning(
@@ -260,7 +274,7 @@ Result<RunReport> run(const RunOptions& options) {
   Collector collector(ring, open_devices.size(), options.rate_hz, std::move(*keeps), log_warning);
   (*assets)->watch();
   if (scene_keeper) scene_keeper->watch();
-  Result<RealtimeState> realtime = drive(loop, collector, options.realtime, signals);
+  Result<RealtimeState> realtime = drive(loop, collector, options, signals);
   if (!realtime) return tl::make_unexpected(std::move(realtime.error()));
   scene_keeper.reset();
   if (auto written = collector.finish(); !written) {

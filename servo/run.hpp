@@ -2,6 +2,7 @@
 #pragma once
 
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -20,6 +21,7 @@ struct RunOptions {
   double rate_hz = 1000;
   bool paced_by_device = false;  ///< ticks follow the first device's reports
   RealtimeMode realtime = RealtimeMode::attempt;
+  std::optional<unsigned> core;  ///< that the loop and its devices' threads run on; none: any
   MapMode map = MapMode::file;
   double duration = 0;     ///< s, from the first tick; 0: until a signal
   std::string trace;       ///< file for one row a tick of the first device; empty for none

@@ -4,7 +4,6 @@
 from __future__ import annotations
 
 import ctypes
-import ctypes.util
 import enum
 import os
 from pathlib import Path
@@ -142,7 +141,7 @@ def sized(kind: type[ctypes.Structure]) -> ctypes.Structure:
 def load() -> ctypes.CDLL:
     candidates = [os.environ.get("SPM_CLIENT_LIBRARY"),
                   str(Path(__file__).resolve().parent / "libspm_client.so"),
-                  ctypes.util.find_library("spm_client"), "libspm_client.so.1"]
+                  "libspm_client.so.1"]
     for candidate in filter(None, candidates):
         try:
             library = ctypes.CDLL(candidate)

@@ -5,7 +5,9 @@
 #include <cmath>
 #include <cstdlib>
 #include <numbers>
+#include <random>
 
+#include "servo/clock.hpp"
 #include "tests/servo/devices/emulated_pid.hpp"
 
 namespace spm::test {
@@ -105,7 +107,8 @@ class EmulatedWooden final : public EmulatedHid {
             {"commands_with_current_before_set", before_set_},
             {"commands_with_current", with_current_},
             {"largest_mA", largest_},
-            {"last_mA", last_}};
+            {"last_mA", last_},
+            {"steps", steps_}};
   }
   [[nodiscard]] int wrong() const override { return wrong_; }
 
@@ -116,6 +119,7 @@ class EmulatedWooden final : public EmulatedHid {
 
   /// Counts of the swung arm, which are 0 at the first report.
   [[nodiscard]] std::array<int, 3> swing() const {
+    if (options_.step > 0) return {0, 0, inwards_ ? options_.step : -options_.step};
     const double time = reports_ * 1e-3;
     const auto sine = [time](double size, double hertz) {
       return static_cast<int>(std::lround(size * std::sin(2 * std::numbers::pi * hertz * time)));
@@ -123,7 +127,24 @@ class EmulatedWooden final : public EmulatedHid {
     return {sine(300, 0.7), sine(200, 0.5), sine(250, 0.9)};
   }
 
+  /// Steps to the other side when it is time to, and notes when.
+  void step_on() {
+    if (options_.step == 0 || stepped_ns_ != 0 || --until_step_ > 0) return;
+    inwards_ = !inwards_;
+    stepped_ns_ = servo::now_ns();
+    until_step_ = options_.step_every + static_cast<int>(random_()) % options_.step_every;
+  }
+
+  /// Notes the first command that agrees with a step.
+  void answer_step(bool any_current) {
+    if (stepped_ns_ == 0 || any_current != inwards_) return;
+    steps_.push_back(
+        {{"reported_ns", stepped_ns_}, {"answered_ns", servo::now_ns()}, {"inwards", inwards_}});
+    stepped_ns_ = 0;
+  }
+
   std::vector<HidBytes> send() {
+    step_on();
     const std::array<int, 3> arm = swing();
     HidBytes bytes;
     for (std::size_t i = 0; i < 3; ++i) put(bytes, arm[i] + offset_[i]);
@@ -147,6 +168,7 @@ class EmulatedWooden final : public EmulatedHid {
       largest_ = std::max(largest_, std::abs(last_[i]));
       any = any || last_[i] != 0;
     }
+    answer_step(any);
     with_current_ += any ? 1 : 0;
     before_set_ += any && sets_ == 0 ? 1 : 0;
   }
@@ -168,6 +190,11 @@ class EmulatedWooden final : public EmulatedHid {
   bool pressed_ = false, waiting_ = false, answered_ = false, quiet_once_ = false;
   int reports_ = 0, commands_ = 0, wrong_ = 0, sets_ = 0, with_current_ = 0, before_set_ = 0;
   int largest_ = 0;
+  bool inwards_ = false;
+  int until_step_ = options_.step_every;
+  std::int64_t stepped_ns_ = 0;  ///< when a step was reported that is not answered yet; or 0
+  nlohmann::ordered_json steps_ = nlohmann::ordered_json::array();
+  std::minstd_rand random_;
 };
 
 /// A SpaceNavigator that is pushed to the right for a while, let go, and pushed again; its left

@@ -67,6 +67,8 @@ struct EmulatedOptions {
   int press_at = -1;   ///< V2 and V3: the calibration button at this report; -1: never
   bool quiet = false;  ///< V2 and V3: its first report was lost, so that it waits to be asked
   std::array<int, 3> start{};  ///< counters A to C when it gets power
+  int step = 0;                ///< counts that C steps to each side; 0: it swings
+  int step_every = 1;          ///< reports between an answered step and the next, at least
 };
 
 /// A device by name: wooden-v1, wooden-v2, wooden-v3, spacemouse, or one of make_emulated_pid; or

@@ -13,6 +13,8 @@
 ///     press=N        V2 and V3: the calibration button is pressed at this report
 ///     quiet          V2 and V3: the first report was lost
 ///     start=A:B:C    counters when it gets power
+///     step=N:M       WoodenHaptics: the third counter steps between -N and N instead of swinging,
+///                    M to 2 M reports after the last step was answered by a current (N) or none
 ///     until=N        the program is told to end (SIGTERM) when so many reports were sent
 ///     report=FILE    where to write what the device saw (JSON); else to the error output
 /// The exit code is the program's, or 70 where the device was sent what its protocol does not know.
@@ -89,6 +91,9 @@ bool take_fault(CommandLine& line, const std::string& text) {
   } else if (key == "unplug" && given.size() == 2) {
     faults.unplug_after = given[0];
     faults.unplug_ms = given[1];
+  } else if (key == "step" && given.size() == 2 && given[1] > 0) {
+    line.emulated.step = given[0];
+    line.emulated.step_every = given[1];
   } else if (key == "start" && given.size() == 3) {
     line.emulated.start = {given[0], given[1], given[2]};
   } else {

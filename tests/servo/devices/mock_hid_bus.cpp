@@ -167,6 +167,8 @@ nlohmann::ordered_json MockHidBus::seen() {
   nlohmann::ordered_json json = device_->seen();
   json["unplugged"] = unplugged_;
   json["dropped_reports"] = dropped_;
+  json["unplugged_ns"] = unplugged_ns_;
+  json["plugged_in_ns"] = plugged_in_ns_;
   return json;
 }
 
@@ -372,13 +374,20 @@ gboolean MockHidBus::on_held(gpointer given) {
 
 gboolean MockHidBus::on_unplug(gpointer self) {
   auto* bus = static_cast<MockHidBus*>(self);
+  {
+    const std::lock_guard lock(bus->mutex_);
+    bus->unplugged_ns_.push_back(g_get_monotonic_time() * 1000);
+  }
   bus->unplug();
   g_timeout_add(static_cast<guint>(bus->faults_.unplug_ms), &MockHidBus::on_plug_in, self);
   return G_SOURCE_REMOVE;
 }
 
 gboolean MockHidBus::on_plug_in(gpointer self) {
-  static_cast<MockHidBus*>(self)->plug_in();
+  auto* bus = static_cast<MockHidBus*>(self);
+  bus->plug_in();
+  const std::lock_guard lock(bus->mutex_);
+  bus->plugged_in_ns_.push_back(g_get_monotonic_time() * 1000);
   return G_SOURCE_REMOVE;
 }
 

@@ -88,6 +88,7 @@ class MockHidBus {
   int master_ = -1, tokens_ = -1;
   int generation_ = 0, count_ = 0, since_plug_in_ = 0, unplugged_ = 0, dropped_ = 0;
   bool plugged_in_ = false, powered_ = false;
+  std::vector<std::int64_t> unplugged_ns_, plugged_in_ns_;  ///< when, of CLOCK_MONOTONIC
 };
 
 }  // namespace spm::test

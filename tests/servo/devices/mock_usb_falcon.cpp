@@ -221,17 +221,23 @@ int run(const Options& options) {
   const bool unplugs = options.mode == "replug" || options.mode == "power";
   const int times = unplugs ? options.times : 0;
   int unplugged = 0;
+  std::vector<std::int64_t> unplugged_ns, plugged_in_ns;  // of CLOCK_MONOTONIC
+  const auto note = [](std::vector<std::int64_t>& list) {
+    list.push_back(std::chrono::nanoseconds(steady_clock::now().time_since_epoch()).count());
+  };
   std::uint64_t next = options.act_after;
   int status = 0;
   const pid_t child = start(options);
   while (waitpid(child, &status, WNOHANG) == 0) {
     std::this_thread::sleep_for(milliseconds(5));
     if (unplugged == times || chip.packets() < next) continue;
+    note(unplugged_ns);
     bus.unplug();
     ++unplugged;
     if (options.mode == "power") chip.lose_power();
     std::this_thread::sleep_for(options.replug);
     bus.plug(chip);
+    note(plugged_in_ns);
     next = chip.packets() + options.act_after;
   }
 
@@ -243,10 +249,12 @@ int run(const Options& options) {
       "{{\"mode\": \"{}\", \"program_exit\": {}, \"boots\": {}, \"calls\": {}, "
       "\"loaded_bytes\": {}, \"packets\": {}, \"packets_with_homing\": {}, "
       "\"wrong_packets\": {}, \"pushing_packets\": {}, \"pushes_before_homing\": {}, "
-      "\"largest_motor\": {}, \"last_lights\": {}, \"unplugged\": {}, \"rules_kept\": {}}}\n",
+      "\"largest_motor\": {}, \"last_lights\": {}, \"unplugged\": {}, \"unplugged_ns\": [{}], "
+      "\"plugged_in_ns\": [{}], \"rules_kept\": {}}}\n",
       options.mode, code, falcon.boots(), falcon.calls(), falcon.loaded().size(), falcon.packets(),
       falcon.homing_packets(), falcon.wrong_packets(), falcon.pushing_packets(),
-      falcon.early_pushes(), falcon.largest_motor(), falcon.lights(), unplugged, rules_kept);
+      falcon.early_pushes(), falcon.largest_motor(), falcon.lights(), unplugged,
+      fmt::join(unplugged_ns, ", "), fmt::join(plugged_in_ns, ", "), rules_kept);
   return code == 0 && !rules_kept ? 3 : code;
 }
 

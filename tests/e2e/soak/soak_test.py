@@ -1,0 +1,60 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
+"""The short form of replug.py and applications.py. No time decides a test, only what happened."""
+
+import sys
+import unittest
+
+import applications
+import hostile
+import replug
+from soak_tools import Folder
+
+CYCLES, ROUNDS = 5, 20
+
+
+class Replug(unittest.TestCase):
+    def check(self, name: str) -> None:
+        with Folder() as folder:
+            run = replug.run_cycles(name, CYCLES, None, folder)
+        outages = replug.outages(run["rows"])
+        recovered = [end for _, end in outages if end is not None]
+        self.assertGreaterEqual(len(recovered), CYCLES, outages)
+        self.assertGreaterEqual(run["device"]["unplugged"], CYCLES)
+        self.assertGreaterEqual(run["report"]["devices"][0]["reopened"], CYCLES)
+        self.assertEqual(replug.force_while_off(run["rows"]), 0)
+        # There was a force to lose, and it came back.
+        for begin, (end, _) in zip((0, *recovered), outages):
+            self.assertGreater(max(row.size for row in run["rows"][begin:end]), 0)
+        for begin, end in outages:
+            off = run["rows"][begin:end]
+            self.assertEqual({row.size for row in off}, {0.0})
+
+    def test_an_unplugged_woodenhaptics_gets_no_force_and_is_taken_up_each_time(self) -> None:
+        self.check("woodenhaptics")
+
+    def test_an_unplugged_falcon_gets_no_force_and_is_taken_up_each_time(self) -> None:
+        self.check("falcon")
+
+
+class Applications(unittest.TestCase):
+    def test_the_daemon_and_honest_applications_outlive_hostile_ones(self) -> None:
+        with Folder() as folder:
+            run = applications.Run(folder, None, seed=1)
+            try:
+                self.assertEqual(run.check(), [])
+                applications.attack(run, ROUNDS)
+                self.assertEqual(run.check(), [])
+                done = run.rounds.done
+                failures = [run.readers.noted(place)[1] for place in range(applications.READERS)]
+            finally:
+                report = run.end()
+        self.assertEqual(done["rounds"], ROUNDS)
+        self.assertGreater(done["connected"], ROUNDS)
+        for kind in hostile.KINDS:
+            self.assertGreater(done[kind], 0)
+        self.assertLess(max(failures), report["ticks"])
+
+
+if __name__ == "__main__":
+    unittest.main(argv=sys.argv)
