@@ -5,13 +5,13 @@
 
 #include "servo/device_finder.hpp"
 #include "servo/device_placed.hpp"
-#include "servo/device_sim.hpp"
 #include "servo/devices/device_external.hpp"
 #include "servo/devices/device_falcon.hpp"
 #include "servo/devices/device_pid.hpp"
 #include "servo/devices/device_spacemouse.hpp"
 #include "servo/devices/device_wooden.hpp"
 #include "servo/devices/option_list.hpp"
+#include "servo/devices/sim/device_sim.hpp"
 
 namespace spm::servo {
 

@@ -9,10 +9,10 @@
 
 #include "common/scene_force.hpp"
 #include "common/velocity_estimate.hpp"
-#include "servo/app_scene.hpp"
-#include "servo/asset_slot.hpp"
+#include "servo/app/app_scene.hpp"
 #include "servo/device.hpp"
-#include "servo/scene_edit.hpp"
+#include "servo/scene/asset_slot.hpp"
+#include "servo/scene/scene_edit.hpp"
 #include "servo/schedule.hpp"
 #include "servo/tick_record.hpp"
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <exception>
 
-#include "servo/commands.hpp"
-#include "servo/tool_commands.hpp"
+#include "servo/commands/commands.hpp"
+#include "servo/commands/tool_commands.hpp"
 
 int main(int argc, char** argv) {
   try {

@@ -15,11 +15,11 @@
 
 #include "common/instruction_set.hpp"
 #include "common/units.hpp"
-#include "servo/app_server.hpp"
+#include "servo/app/app_server.hpp"
 #include "servo/collector.hpp"
 #include "servo/core_pinning.hpp"
 #include "servo/device_list.hpp"
-#include "servo/scene_keeper.hpp"
+#include "servo/scene/scene_keeper.hpp"
 #include "servo/stop_signals.hpp"
 #include "servo/supervisor.hpp"
 

@@ -6,11 +6,11 @@
 #include <string>
 #include <vector>
 
-#include "servo/asset_keeper.hpp"
 #include "servo/black_box.hpp"
-#include "servo/force_choice.hpp"
 #include "servo/loop.hpp"
 #include "servo/realtime.hpp"
+#include "servo/scene/asset_keeper.hpp"
+#include "servo/scene/force_choice.hpp"
 #include "servo/statistics.hpp"
 
 namespace spm::servo {

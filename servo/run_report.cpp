@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "servo/force_choice.hpp"
+#include "servo/scene/force_choice.hpp"
 
 namespace spm::servo {
 

@@ -3,7 +3,7 @@
 #include <cmath>
 #include <ctime>
 
-#include "servo/app_command.hpp"
+#include "servo/app/app_command.hpp"
 #include "servo/client/client.hpp"
 #include "servo/client/shared_words.hpp"
 #include "servo/client/state_reader.hpp"

@@ -7,10 +7,10 @@
 #include <memory>
 #include <string>
 
+#include "servo/app/refusal.hpp"
 #include "servo/client/client.hpp"
 #include "servo/client/socket_path.hpp"
 #include "servo/client/state_reader.hpp"
-#include "servo/refusal.hpp"
 
 namespace {
 

@@ -20,7 +20,7 @@ from programs import BAKE, SERVO, Case, obj, run, sphere
 
 GENERATOR = os.path.join(os.path.dirname(__file__), os.pardir, os.pardir, "models", "generate.py")
 TOP = 0.032  # m, half the height of models/box
-GRIP = 700  # N/m, servo/sim_profile.hpp
+GRIP = 700  # N/m, servo/devices/sim/sim_profile.hpp
 FRICTION = 0.02  # N, of the profile `low`, beside the hand's spring
 DEPTH = 0.002  # m, where the hand wants to be below the box's top
 RADIUS = 0.02  # m, of the ball

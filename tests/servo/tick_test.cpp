@@ -10,7 +10,7 @@
 #include <thread>
 #include <vector>
 
-#include "servo/device_sim.hpp"
+#include "servo/devices/sim/device_sim.hpp"
 #include "servo/loop.hpp"
 #include "servo/realtime.hpp"
 #include "tests/servo/intercepted_calls.hpp"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "servo/app_command.hpp"
+#include "servo/app/app_command.hpp"
 
 #include <catch2/catch.hpp>
 #include <cmath>
@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "servo/app_state.hpp"
+#include "servo/app/app_state.hpp"
 #include "servo/client/shared_words.hpp"
 #include "servo/random.hpp"
 #include "tests/servo/client/loop_stand_in.hpp"

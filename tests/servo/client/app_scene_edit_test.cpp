@@ -4,7 +4,7 @@
 #include <map>
 #include <memory>
 
-#include "servo/app_scene.hpp"
+#include "servo/app/app_scene.hpp"
 #include "servo/client/state_reader.hpp"
 #include "tests/servo/client/loop_stand_in.hpp"
 #include "tests/servo/shape_asset.hpp"

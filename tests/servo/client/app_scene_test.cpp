@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // An application beside the real loop: what it asks for is felt by the hand.
-#include "servo/app_scene.hpp"
+#include "servo/app/app_scene.hpp"
 
 #include <atomic>
 #include <catch2/catch.hpp>

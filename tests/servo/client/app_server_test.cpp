@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "servo/app_server.hpp"
+#include "servo/app/app_server.hpp"
 
 #include <fcntl.h>
 #include <poll.h>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "servo/app_state.hpp"
+#include "servo/app/app_state.hpp"
 
 #include <sys/mman.h>
 #include <unistd.h>

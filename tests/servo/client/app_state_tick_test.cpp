@@ -3,9 +3,9 @@
 #include <thread>
 #include <vector>
 
-#include "servo/app_state.hpp"
+#include "servo/app/app_state.hpp"
+#include "servo/app/pose_interpolator.hpp"
 #include "servo/page_faults.hpp"
-#include "servo/pose_interpolator.hpp"
 #include "tests/servo/client/loop_stand_in.hpp"
 #include "tests/servo/intercepted_calls.hpp"
 

@@ -9,7 +9,7 @@
 #include <thread>
 #include <vector>
 
-#include "servo/app_server.hpp"
+#include "servo/app/app_server.hpp"
 #include "servo/client/spm_client.h"
 #include "tests/servo/client/connected_client.hpp"
 #include "tests/servo/client/loop_stand_in.hpp"

@@ -3,7 +3,7 @@
 // use: the Python package and the examples. Ends with its standard input.
 #include <cstdio>
 
-#include "servo/app_server.hpp"
+#include "servo/app/app_server.hpp"
 #include "tests/servo/client/loop_stand_in.hpp"
 
 int main(int argc, char** argv) {

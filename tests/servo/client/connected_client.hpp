@@ -7,7 +7,7 @@
 #include <memory>
 #include <string>
 
-#include "servo/app_server.hpp"
+#include "servo/app/app_server.hpp"
 #include "servo/client/spm_client.h"
 
 namespace spm::test {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "servo/listening_socket.hpp"
+#include "servo/app/listening_socket.hpp"
 
 #include <sys/socket.h>
 #include <sys/stat.h>

@@ -8,7 +8,7 @@
 #include <thread>
 #include <vector>
 
-#include "servo/app_state.hpp"
+#include "servo/app/app_state.hpp"
 
 namespace spm::test {
 

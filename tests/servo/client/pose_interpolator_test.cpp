@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "servo/pose_interpolator.hpp"
+#include "servo/app/pose_interpolator.hpp"
 
 #include <algorithm>
 #include <catch2/catch.hpp>

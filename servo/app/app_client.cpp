@@ -1,0 +1,162 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "servo/app/app_client.hpp"
+
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <cstring>
+#include <string_view>
+#include <utility>
+
+namespace spm::servo {
+
+namespace {
+
+constexpr std::size_t most_sent = 2;
+
+template <std::size_t Size>
+void copy_text(char (&to)[Size], std::string_view from) noexcept {
+  const std::size_t count = std::min(Size - 1, from.size());
+  std::memcpy(to, from.data(), count);
+  std::memset(to + count, 0, Size - count);
+}
+
+/// Text of a client as it may be shown in a terminal: ASCII, cut at its closing zero.
+template <std::size_t Size>
+std::string printable(const char (&text)[Size]) {
+  std::string shown(text, strnlen(text, Size));
+  std::replace_if(
+      shown.begin(), shown.end(), [](char c) { return c < ' ' || c > '~'; }, '?');
+  return shown;
+}
+
+spm_socket_answer plain_answer() noexcept {
+  spm_socket_answer answer{};
+  answer.magic = SPM_SOCKET_MAGIC;
+  answer.socket_version = SPM_SOCKET_VERSION;
+  answer.layout_version = SPM_LAYOUT_VERSION;
+  copy_text(answer.daemon_version, SPM_VERSION);
+  return answer;
+}
+
+}  // namespace
+
+bool send_answer(int descriptor, const spm_socket_answer& answer, const int* sent,
+                 std::size_t sent_count) noexcept {
+  spm_socket_answer copy = answer;
+  iovec part{&copy, sizeof copy};
+  msghdr message{};
+  message.msg_iov = &part;
+  message.msg_iovlen = 1;
+  alignas(cmsghdr) std::array<unsigned char, CMSG_SPACE(most_sent * sizeof(int))> control{};
+  if (sent_count > 0) {
+    message.msg_control = control.data();
+    message.msg_controllen = CMSG_SPACE(sent_count * sizeof(int));
+    cmsghdr* const header = CMSG_FIRSTHDR(&message);
+    header->cmsg_level = SOL_SOCKET;
+    header->cmsg_type = SCM_RIGHTS;
+    header->cmsg_len = CMSG_LEN(sent_count * sizeof(int));
+    std::memcpy(CMSG_DATA(header), sent, sent_count * sizeof(int));
+  }
+  return sendmsg(descriptor, &message, MSG_DONTWAIT | MSG_NOSIGNAL) == sizeof answer;
+}
+
+spm_socket_answer refusing_answer(std::uint32_t status, const std::string& sentence) noexcept {
+  spm_socket_answer answer = plain_answer();
+  answer.status = status;
+  copy_text(answer.sentence, sentence);
+  return answer;
+}
+
+Result<std::unique_ptr<AppClient>> AppClient::make(int descriptor, std::uint32_t connection,
+                                                   pid_t process) {
+  auto memory = SharedMemory::create("spm-servo-commands", sizeof(spm_shared_ring));
+  if (!memory) {
+    close(descriptor);
+    return tl::make_unexpected(std::move(memory.error()));
+  }
+  auto* const ring = static_cast<spm_shared_ring*>(memory->data());
+  ring->magic = SPM_RING_MAGIC;
+  ring->layout_version = SPM_LAYOUT_VERSION;
+  ring->bytes = sizeof(spm_shared_ring);
+  return std::unique_ptr<AppClient>(
+      new AppClient(descriptor, connection, process, std::move(*memory)));
+}
+
+AppClient::AppClient(int descriptor, std::uint32_t connection, pid_t process,
+                     SharedMemory memory) noexcept
+    : descriptor_(descriptor),
+      process_(process),
+      memory_(std::move(memory)),
+      attached_{static_cast<spm_shared_ring*>(memory_.data()), connection} {}
+
+AppClient::~AppClient() { hang_up(); }
+
+void AppClient::hang_up() noexcept {
+  if (descriptor_ >= 0) close(std::exchange(descriptor_, -1));
+}
+
+bool AppClient::greet(const SharedMemory& state) {
+  const Result<int> read_only = state.read_only_descriptor();
+  if (!read_only) return false;
+  spm_socket_answer answer = plain_answer();
+  answer.status = SPM_SOCKET_WELCOME;
+  answer.connection = attached_.connection;
+  answer.state_bytes = static_cast<std::uint32_t>(sizeof(spm_shared_state));
+  answer.ring_bytes = static_cast<std::uint32_t>(sizeof(spm_shared_ring));
+  const std::array<int, most_sent> sent{*read_only, memory_.descriptor()};
+  const bool went = send_answer(descriptor_, answer, sent.data(), sent.size());
+  close(*read_only);
+  return went;
+}
+
+Heard AppClient::hear() {
+  spm_socket_ready message{};
+  // What it sends beside the message, descriptors say, is dropped by the kernel.
+  const ssize_t got = recv(descriptor_, &message, sizeof message, MSG_DONTWAIT | MSG_TRUNC);
+  if (got < 0) {
+    return errno == EAGAIN || errno == EINTR ? Heard::nothing : Heard::gone;
+  }
+  if (got == 0) return Heard::gone;
+  if (ready_ || got < 16 || message.magic != SPM_SOCKET_MAGIC) return Heard::nonsense;
+  if (got != sizeof message || message.socket_version != SPM_SOCKET_VERSION ||
+      message.layout_version != SPM_LAYOUT_VERSION) {
+    static_cast<void>(send_answer(
+        descriptor_,
+        refusing_answer(
+            SPM_SOCKET_OTHER_VERSION,
+            "the application's library has layout " + std::to_string(message.layout_version) +
+                ", the daemon " + std::to_string(SPM_LAYOUT_VERSION) +
+                " (version " SPM_VERSION "): install library and daemon of the same version"),
+        nullptr, 0));
+    return Heard::nonsense;
+  }
+  application_ = printable(message.application);
+  if (!memory_.close_to_others()) {
+    static_cast<void>(send_answer(
+        descriptor_,
+        refusing_answer(SPM_SOCKET_REFUSED,
+                        "the memory for commands was sealed by the application: leave its "
+                        "descriptor to the library"),
+        nullptr, 0));
+    return Heard::nonsense;
+  }
+  ready_ = true;
+  return Heard::ready;
+}
+
+bool AppClient::confirm() noexcept {
+  spm_socket_answer answer = plain_answer();
+  answer.connection = attached_.connection;
+  return send_answer(descriptor_, answer, nullptr, 0);
+}
+
+AppClientReport AppClient::report() const {
+  return {attached_.connection, process_, application_, load_relaxed(attached_.ring->tail),
+          load_relaxed(attached_.ring->refused)};
+}
+
+}  // namespace spm::servo

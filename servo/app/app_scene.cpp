@@ -1,0 +1,266 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "servo/app/app_scene.hpp"
+
+#include <algorithm>
+#include <limits>
+
+#include "common/turn_limit.hpp"
+
+namespace spm::servo {
+
+namespace {
+
+/// So long an application that moves objects may give no sign of life, s: a frame that took long,
+/// or a scene that is loaded, is not felt. The scene is held meanwhile.
+constexpr double longest_silence = 1;
+
+/// Of the connection that added an object; 0: the scene.
+std::uint32_t owner_of(std::uint64_t id) noexcept { return static_cast<std::uint32_t>(id >> 32U); }
+
+void set_material(const AppMaterial& material, PlacedObject& object) noexcept {
+  if ((material.given & SPM_MATERIAL_STIFFNESS) != 0) object.force.stiffness = material.stiffness;
+  if ((material.given & SPM_MATERIAL_FRICTION) != 0) {
+    object.effects.friction.stick = material.friction_stick;
+    object.effects.friction.slide = material.friction_slide;
+    // Where a scene says nothing else a point that sticks hangs on the object's own stiffness.
+    if (object.effects.friction.stiffness <= 0) {
+      object.effects.friction.stiffness = object.force.stiffness;
+    }
+  }
+  if ((material.given & SPM_MATERIAL_DAMPING) != 0) object.effects.damping = material.damping;
+  if ((material.given & SPM_MATERIAL_TEXTURE) != 0) object.effects.texture = material.texture;
+}
+
+}  // namespace
+
+AppScene::AppScene(AppState& state, const ForceScene& scene)
+    : state_(state), probe_radius_(scene.objects.front().force.probe_radius) {
+  objects_.reserve(scene.objects.size() + room(scene));
+  told_.reserve(SPM_MOST_OBJECTS);
+  std::size_t assets = 0;
+  for (const PlacedObject& object : scene.objects) assets = std::max(assets, object.asset + 1);
+  least_scales_.resize(assets + spare_assets, std::numeric_limits<double>::infinity());
+  for (const PlacedObject& object : scene.objects) {
+    note_scale(object);
+    objects_.push_back({objects_.size(), object, PoseInterpolator({}, object.placement)});
+  }
+}
+
+std::size_t AppScene::room(const ForceScene& scene) noexcept {
+  return SPM_MOST_OBJECTS - std::min<std::size_t>(SPM_MOST_OBJECTS, scene.objects.size());
+}
+
+/// A smaller one would need a larger probe than was checked for the scene.
+void AppScene::note_scale(const PlacedObject& object) noexcept {
+  if (object.asset >= least_scales_.size()) return;
+  double& least = least_scales_[object.asset];
+  least = probe_radius_ > 0 ? std::min(least, object.placement.scale) : 0;
+}
+
+AppScene::Object* AppScene::find(std::uint64_t id) noexcept {
+  const auto found = std::find_if(objects_.begin(), objects_.end(), [id](const Object& object) {
+    return object.is_there && object.id == id;
+  });
+  return found == objects_.end() ? nullptr : &*found;
+}
+
+AppChanges AppScene::begin(std::int64_t now_ns, std::span<SceneForce* const> forces) noexcept {
+  clutch_count_ = 0;
+  felt_anew_ = false;
+  for (const AppCommand& command : state_.take(now_ns)) {
+    const Refusal refusal = follow(command, now_ns, forces);
+    if (refusal != Refusal::none) state_.refuse(command, refusal);
+  }
+  bool silent = false;
+  for (std::size_t i = 0; i < objects_.size(); ++i) {
+    const InterpolatedPose now = objects_[i].motion.at(now_ns);
+    if (!objects_[i].is_there || !now.driven) continue;
+    silent = silent || is_left_alone(objects_[i]);
+    for (SceneForce* force : forces) force->place(i, now.pose.position, now.pose.rotation);
+  }
+  return {felt_anew_, silent, std::span(clutches_).first(clutch_count_)};
+}
+
+/// Whether an application that moves an object hangs. One that has left is no danger: what it moved
+/// stays where it is.
+bool AppScene::is_left_alone(const Object& object) const noexcept {
+  return object.driver != 0 && object.motion.is_streamed() &&
+         state_.silence(object.driver) > longest_silence;
+}
+
+Refusal AppScene::follow(const AppCommand& command, std::int64_t now_ns,
+                         std::span<SceneForce* const> forces) noexcept {
+  switch (command.action) {
+    case AppAction::add:
+      return add(command, forces);
+    case AppAction::move:
+      return move(command, now_ns);
+    case AppAction::remove:
+      return remove(command, forces);
+    case AppAction::material:
+      return change(command, now_ns, forces);
+    case AppAction::clutch:
+      if (clutch_count_ < clutches_.size())
+        clutches_[clutch_count_++] = {command.index, command.on};
+      return Refusal::none;
+    case AppAction::departure:
+      depart(command.connection, forces);
+      return Refusal::none;
+  }
+  return Refusal::unknown_kind;
+}
+
+Refusal AppScene::add(const AppCommand& command, std::span<SceneForce* const> forces) noexcept {
+  if (command.index >= least_scales_.size()) return Refusal::unknown_asset;
+  if (!(command.pose.scale >= least_scales_[command.index])) return Refusal::out_of_range;
+  const bool is_own = owner_of(command.object) == command.connection;
+  if (!is_own || find(command.object) != nullptr) return Refusal::not_yours;
+  Object added{command.object, {}, PoseInterpolator({}, command.pose)};
+  added.settings.asset = command.index;
+  added.settings.placement = command.pose;
+  added.settings.force.probe_radius = probe_radius_;
+  added.settings.effects.turn.rate = usual_turn_rate;
+  added.settings.movable = true;
+  set_material(command.material, added.settings);
+  if (!put(added, forces)) return Refusal::too_many_objects;
+  felt_anew_ = true;
+  return Refusal::none;
+}
+
+/// Whether there was room for it.
+bool AppScene::put(const Object& added, std::span<SceneForce* const> forces) noexcept {
+  std::size_t place = objects_.size();
+  for (SceneForce* force : forces) {
+    const auto given = force->add(added.settings);
+    if (!given) return false;
+    place = *given;  // the same in all, since all are told the same
+  }
+  if (place < objects_.size()) {
+    objects_[place] = added;
+  } else if (objects_.size() < objects_.capacity()) {
+    objects_.push_back(added);
+  } else {
+    return false;
+  }
+  return true;
+}
+
+Refusal AppScene::move(const AppCommand& command, std::int64_t now_ns) noexcept {
+  Object* object = find(command.object);
+  if (object == nullptr) return Refusal::unknown_object;
+  if (!object->settings.movable) return Refusal::not_movable;
+  object->motion.give(command.pose, command.period, now_ns);
+  object->driver = command.connection;
+  return Refusal::none;
+}
+
+Refusal AppScene::remove(const AppCommand& command, std::span<SceneForce* const> forces) noexcept {
+  Object* object = find(command.object);
+  if (object == nullptr) return Refusal::unknown_object;
+  if (owner_of(command.object) != command.connection) return Refusal::not_yours;
+  drop(static_cast<std::size_t>(object - objects_.data()), forces);
+  return Refusal::none;
+}
+
+void AppScene::drop(std::size_t place, std::span<SceneForce* const> forces) noexcept {
+  objects_[place].is_there = false;
+  for (SceneForce* force : forces) force->remove(place);
+}
+
+Refusal AppScene::change(const AppCommand& command, std::int64_t now_ns,
+                         std::span<SceneForce* const> forces) noexcept {
+  Object* object = find(command.object);
+  if (object == nullptr) return Refusal::unknown_object;
+  // The paper's forms know other effects.
+  if (object->settings.force.method == Method::paper &&
+      (command.material.given & ~std::uint32_t{SPM_MATERIAL_STIFFNESS}) != 0) {
+    return Refusal::out_of_range;
+  }
+  set_material(command.material, object->settings);
+  PlacedObject changed = object->settings;
+  const InterpolatedPose now = object->motion.at(now_ns);
+  changed.placement.position = now.pose.position;
+  changed.placement.rotation = now.pose.rotation;
+  const auto place = static_cast<std::size_t>(object - objects_.data());
+  for (SceneForce* force : forces) force->change(place, changed);
+  felt_anew_ = true;
+  return Refusal::none;
+}
+
+void AppScene::depart(std::uint32_t connection, std::span<SceneForce* const> forces) noexcept {
+  for (std::size_t i = 0; i < objects_.size(); ++i) {
+    if (objects_[i].is_there && owner_of(objects_[i].id) == connection) drop(i, forces);
+    if (objects_[i].driver == connection) objects_[i].driver = 0;
+  }
+}
+
+std::size_t AppScene::free_places() const noexcept {
+  const auto gone = std::count_if(objects_.begin(), objects_.end(),
+                                  [](const Object& object) { return !object.is_there; });
+  return objects_.capacity() - objects_.size() + static_cast<std::size_t>(gone);
+}
+
+bool AppScene::uses(std::size_t asset) const noexcept {
+  return std::any_of(objects_.begin(), objects_.end(), [asset](const Object& object) {
+    return object.is_there && object.settings.asset == asset;
+  });
+}
+
+bool AppScene::edit(const SceneEdit& edit, std::int64_t now_ns,
+                    std::span<SceneForce* const> forces) noexcept {
+  if (edit.added.size() > free_places() + edit.removed.size()) return false;
+  for (const std::uint64_t id : edit.removed) {
+    if (const Object* object = find(id)) {
+      drop(static_cast<std::size_t>(object - objects_.data()), forces);
+    }
+  }
+  for (const EditedObject& edited : edit.changed) {
+    Object* object = find(edited.id);
+    if (object == nullptr) continue;
+    PlacedObject changed = edited.settings;
+    if (edited.moved) {
+      object->motion = PoseInterpolator({}, changed.placement);
+      object->driver = 0;
+    }
+    const Placement now = object->motion.at(now_ns).pose;
+    object->settings = changed;
+    changed.placement.position = now.position;
+    changed.placement.rotation = now.rotation;
+    note_scale(changed);
+    const auto place = static_cast<std::size_t>(object - objects_.data());
+    for (SceneForce* force : forces) force->change(place, changed);
+  }
+  for (const EditedObject& added : edit.added) {
+    note_scale(added.settings);
+    static_cast<void>(
+        put({added.id, added.settings, PoseInterpolator({}, added.settings.placement)}, forces));
+  }
+  return true;
+}
+
+void AppScene::end(std::uint64_t tick, std::int64_t now_ns, std::span<const AppDevice> devices,
+                   std::span<SceneForce* const> forces) noexcept {
+  told_.clear();
+  for (std::size_t i = 0; i < objects_.size() && told_.size() < SPM_MOST_OBJECTS; ++i) {
+    const Object& object = objects_[i];
+    if (!object.is_there) continue;
+    const InterpolatedPose now = object.motion.at(now_ns);
+    AppObject told;
+    told.id = object.id;
+    told.asset = static_cast<std::uint32_t>(object.settings.asset);
+    told.pose = now.pose;
+    told.pose.scale = object.settings.placement.scale;
+    for (const SceneForce* force : forces) {
+      told.reaction.force += force->reaction(i).force;
+      told.reaction.torque += force->reaction(i).torque;
+    }
+    told.silent = now.silent;
+    told.movable = object.settings.movable;
+    told.contact = !told.reaction.force.isZero();
+    told.driven = now.driven;
+    told_.push_back(told);
+  }
+  state_.publish({tick, now_ns, devices, told_});
+}
+
+}  // namespace spm::servo

@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <sys/types.h>
+#include <unistd.h>
+
+#include <array>
+#include <atomic>
+#include <chrono>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "common/error.hpp"
+#include "servo/app/app_client.hpp"
+#include "servo/app/app_state.hpp"
+#include "servo/app/listening_socket.hpp"
+
+namespace spm::servo {
+
+struct AppServerOptions {
+  std::string path;              ///< of the socket; empty: the usual one of the name
+  std::string name = "default";  ///< of the daemon
+  uid_t user = geteuid();        ///< who may connect beside root
+  /// How long a client may take to map what it was sent.
+  std::chrono::milliseconds patience{5000};
+  /// Tells a person what happened; called on the server's thread. May be empty.
+  std::function<void(const std::string&)> warn;
+};
+
+/// Lets applications find the daemon: a Unix socket, served by a thread of ordinary priority. Who
+/// may connect is given the loop's state to read, and a ring for its commands; after that the
+/// socket only shows that the client is still there. Nothing that a client does on it blocks the
+/// thread, and the loop never waits for the thread.
+class AppServer {
+ public:
+  /// Begins to listen and starts the thread; the caller's signals are blocked in it. `state` must
+  /// outlive the server. Errors: those of ListeningSocket::open.
+  [[nodiscard]] static Result<std::unique_ptr<AppServer>> start(AppServerOptions options,
+                                                                AppState& state);
+  AppServer(const AppServer&) = delete;
+  AppServer& operator=(const AppServer&) = delete;
+  /// Tells all clients that the daemon ends, lets them go, stops the thread and removes the socket.
+  /// The loop may still run, or have ended.
+  ~AppServer();
+
+  [[nodiscard]] const std::string& path() const noexcept { return socket_.path(); }
+
+  /// Who is connected. Any thread.
+  [[nodiscard]] std::vector<AppClientReport> clients() const;
+
+ private:
+  AppServer(AppServerOptions options, AppState& state, ListeningSocket socket, int wake) noexcept;
+  void run();
+  void accept_one();
+  void welcome(int connection);
+  void hear(std::uint32_t place);
+  void part(std::uint32_t place, const std::string& why);
+  void drop_the_slow();
+  void free_released();
+  [[nodiscard]] int poll_timeout() const noexcept;
+  void warn(const std::string& message);
+
+  AppServerOptions options_;
+  AppState& state_;
+  ListeningSocket socket_;
+  int wake_;  ///< an eventfd that ends the thread
+  std::atomic<bool> stop_{false};
+  std::uint32_t connections_ = 0;                     ///< so far
+  std::uint32_t warnings_ = 0;                        ///< so far
+  bool accepting_ = true;                             ///< off for a while when descriptors ran out
+  std::vector<std::unique_ptr<AppClient>> departed_;  ///< whose rings the loop may still use
+
+  mutable std::mutex mutex_;  ///< guards what follows; the loop never takes it
+  std::array<std::unique_ptr<AppClient>, SPM_MOST_CLIENTS> clients_;
+  std::thread thread_;
+};
+
+}  // namespace spm::servo

@@ -1,0 +1,335 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "servo/app/app_state.hpp"
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <cstring>
+#include <utility>
+
+#include "servo/app/app_client.hpp"
+#include "servo/client/shared_buckets.hpp"
+#include "servo/client/shared_words.hpp"
+#include "servo/client/spm_client.h"
+
+namespace spm::servo {
+
+namespace {
+
+// The numbers that applications know.
+static_assert(force_off_count <= SPM_MOST_CAUSES);
+static_assert(static_cast<int>(ForceOff::none) == SPM_CLIENT_FORCE_ON);
+static_assert(static_cast<int>(ForceOff::starting) == SPM_CLIENT_OFF_STARTING);
+static_assert(static_cast<int>(ForceOff::asset_lost) == SPM_CLIENT_OFF_ASSET_LOST);
+static_assert(static_cast<int>(ForceOff::not_a_number) == SPM_CLIENT_OFF_NOT_A_NUMBER);
+static_assert(static_cast<int>(ForceOff::device_fault) == SPM_CLIENT_OFF_DEVICE_FAULT);
+static_assert(static_cast<int>(ForceOff::stopping) == SPM_CLIENT_OFF_STOPPING);
+static_assert(static_cast<int>(ForceOff::device_silent) == SPM_CLIENT_OFF_DEVICE_SILENT);
+static_assert(static_cast<int>(ForceOff::device_gone) == SPM_CLIENT_OFF_DEVICE_GONE);
+static_assert(static_cast<int>(ForceOff::not_homed) == SPM_CLIENT_OFF_NOT_HOMED);
+static_assert(static_cast<int>(ForceOff::jumped) == SPM_CLIENT_OFF_JUMPED);
+static_assert(static_cast<int>(ForceOff::clutched) == SPM_CLIENT_OFF_CLUTCHED);
+static_assert(static_cast<int>(ForceOff::outside_workspace) == SPM_CLIENT_OFF_OUTSIDE_WORKSPACE);
+static_assert(static_cast<int>(ForceOff::application_silent) == SPM_CLIENT_OFF_APPLICATION_SILENT);
+static_assert(force_off_count == 13, "name a new cause in spm_client.h and spm_client.py too");
+static_assert(static_cast<int>(DeviceHealth::ok) == SPM_CLIENT_HEALTH_OK);
+static_assert(static_cast<int>(DeviceHealth::fault) == SPM_CLIENT_HEALTH_FAULT);
+static_assert(static_cast<int>(DeviceHealth::silent) == SPM_CLIENT_HEALTH_SILENT);
+static_assert(static_cast<int>(DeviceHealth::gone) == SPM_CLIENT_HEALTH_GONE);
+static_assert(static_cast<int>(DeviceHealth::not_homed) == SPM_CLIENT_HEALTH_NOT_HOMED);
+
+template <std::size_t Size>
+void copy_name(char (&to)[Size], const std::string& from) noexcept {
+  const std::size_t count = std::min(Size - 1, from.size());
+  std::memcpy(to, from.data(), count);
+  std::memset(to + count, 0, Size - count);
+}
+
+/// Copies names, and gives how many there was room for.
+template <std::size_t Most>
+std::uint32_t copy_names(char (&to)[Most][SPM_NAME_BYTES], const std::vector<std::string>& from) {
+  const std::size_t count = std::min(Most, from.size());
+  for (std::size_t i = 0; i < count; ++i) copy_name(to[i], from[i]);
+  return static_cast<std::uint32_t>(count);
+}
+
+std::unique_ptr<spm_shared_info> info_of(const AppNames& names) {
+  auto info = std::make_unique<spm_shared_info>();
+  std::memset(info.get(), 0, sizeof *info);
+  info->device_count = copy_names(info->devices, names.devices);
+  info->asset_count = copy_names(info->assets, names.assets);
+  info->object_count = copy_names(info->objects, names.objects);
+  info->cause_count = force_off_count;
+  for (std::size_t i = 0; i < force_off_count; ++i) {
+    copy_name(info->causes[i].name, to_string(static_cast<ForceOff>(i)));
+    copy_name(info->causes[i].cure, cure_of(static_cast<ForceOff>(i)));
+  }
+  return info;
+}
+
+void pack(double (&to)[3], const Vector3& from) noexcept {
+  for (int axis = 0; axis < 3; ++axis) to[axis] = from[axis];
+}
+
+void pack(double (&to)[4], const Eigen::Quaterniond& from) noexcept {
+  to[0] = from.w();
+  to[1] = from.x();
+  to[2] = from.y();
+  to[3] = from.z();
+}
+
+std::uint32_t bit(bool on, std::uint32_t mask) noexcept { return on ? mask : 0; }
+
+/// Raises a word that only the loop writes.
+void raise(std::uint64_t& shared, std::uint64_t by) noexcept {
+  store_relaxed(shared, load_relaxed(shared) + by);
+}
+
+void raise_to(std::uint64_t& shared, std::uint64_t value) noexcept {
+  store_relaxed(shared, std::max(load_relaxed(shared), value));
+}
+
+spm_shared_device_counts packed(const AppLoopDevice& device, std::uint32_t last_cause) noexcept {
+  return {device.contact_ticks, device.cap_hits,      device.slew_hits, device.force_max,
+          device.energy,        device.generated_max, last_cause,       0};
+}
+
+spm_shared_object packed(const AppObject& object) noexcept {
+  spm_shared_object to{};
+  to.id = object.id;
+  pack(to.position, object.pose.position);
+  pack(to.orientation, object.pose.rotation);
+  to.scale = object.pose.scale;
+  pack(to.force, object.reaction.force);
+  pack(to.torque, object.reaction.torque);
+  to.silent = object.silent;
+  to.asset = object.asset;
+  to.flags = bit(object.movable, SPM_OBJECT_MOVABLE) | bit(object.contact, SPM_OBJECT_CONTACT) |
+             bit(object.driven, SPM_OBJECT_DRIVEN);
+  return to;
+}
+
+}  // namespace
+
+Result<std::unique_ptr<AppState>> AppState::create(double rate_hz, const AppNames& names) {
+  auto memory = SharedMemory::create("spm-servo-state", sizeof(spm_shared_state));
+  if (!memory) return tl::make_unexpected(std::move(memory.error()));
+  std::unique_ptr<AppState> state(new AppState(std::move(*memory)));
+  if (!state->memory_.close_to_others()) {
+    return fail(ExitCode::internal,
+                "the shared memory of the loop's state could not be sealed; report it as a bug");
+  }
+  spm_shared_state& shared = state->shared();
+  shared.magic = SPM_STATE_MAGIC;
+  shared.layout_version = SPM_LAYOUT_VERSION;
+  shared.bytes = sizeof(spm_shared_state);
+  copy_name(shared.daemon_version, SPM_VERSION);
+  shared.process = static_cast<std::uint32_t>(getpid());
+  shared.rate_hz = rate_hz;
+  state->rename(names);
+  return state;
+}
+
+AppState::AppState(SharedMemory memory) noexcept : memory_(std::move(memory)) {}
+
+AppState::~AppState() { end(); }
+
+void AppState::end() noexcept { store_release(shared().ended, 1); }
+
+void AppState::rename(const AppNames& names) {
+  const std::unique_ptr<spm_shared_info> info = info_of(names);
+  spm_shared_state& to = shared();
+  write_sequenced(to.info_sequence, [&] { store_words(&to.info, info.get(), sizeof *info); });
+  devices_.store(info->device_count, std::memory_order_relaxed);
+  assets_.store(info->asset_count, std::memory_order_relaxed);
+}
+
+void AppState::publish(const AppTick& tick) noexcept {
+  spm_shared_state& state = shared();
+  const std::uint64_t number = load_relaxed(state.published);
+  spm_shared_snapshot& to = state.snapshots[number & 1];
+  const std::size_t devices = std::min<std::size_t>(tick.devices.size(), SPM_MOST_DEVICES);
+  const std::size_t objects = std::min<std::size_t>(tick.objects.size(), SPM_MOST_OBJECTS);
+  write_sequenced(to.sequence, [&] {
+    store_relaxed(to.tick, tick.tick);
+    store_relaxed(to.time_ns, tick.time_ns);
+    store_relaxed(to.device_count, static_cast<std::uint32_t>(devices));
+    store_relaxed(to.object_count, static_cast<std::uint32_t>(objects));
+    for (std::size_t i = 0; i < devices; ++i) {
+      store_record(to.devices[i], packed(i, tick.devices[i]));
+    }
+    for (std::size_t i = 0; i < objects; ++i) {
+      store_record(to.objects[i], servo::packed(tick.objects[i]));
+    }
+  });
+  store_release(state.published, number + 1);
+  store_relaxed(state.heartbeat_ns, tick.time_ns);
+}
+
+void AppState::count(const AppLoop& loop) noexcept {
+  spm_shared_loop& to = shared().loop;
+  const std::size_t devices = std::min<std::size_t>(loop.devices.size(), SPM_MOST_DEVICES);
+  const auto wake = static_cast<std::uint64_t>(std::max<std::int64_t>(loop.wake_ns, 0));
+  const auto busy = static_cast<std::uint64_t>(std::max<std::int64_t>(loop.busy_ns, 0));
+  const AppCounters commands = counters();
+  write_sequenced(to.sequence, [&] {
+    store_relaxed(to.time_ns, loop.time_ns);
+    store_relaxed(to.ticks, loop.ticks);
+    store_relaxed(to.missed, loop.missed);
+    store_relaxed(to.skipped, loop.skipped);
+    raise(to.busy_ns, busy);
+    raise_to(to.wake_max_ns, wake);
+    raise_to(to.busy_max_ns, busy);
+    raise(to.wake[shared_bucket(loop.wake_ns)], 1);
+    raise(to.busy[shared_bucket(loop.busy_ns)], 1);
+    store_relaxed(to.taken, commands.taken);
+    store_relaxed(to.refused, commands.refused);
+    store_relaxed(to.garbage, commands.garbage);
+    store_relaxed(to.device_count, static_cast<std::uint32_t>(devices));
+    for (std::size_t i = 0; i < devices; ++i) {
+      store_record(to.devices[i], servo::packed(loop.devices[i], seen_[i].last_cause));
+    }
+  });
+}
+
+void AppState::tell_clients(std::span<const AppClientReport> clients) noexcept {
+  spm_shared_applications& to = shared().applications;
+  const std::size_t count = std::min<std::size_t>(clients.size(), SPM_MOST_CLIENTS);
+  write_sequenced(to.sequence, [&] {
+    store_relaxed(to.count, static_cast<std::uint32_t>(count));
+    for (std::size_t i = 0; i < count; ++i) {
+      spm_shared_application application{};
+      application.connection = clients[i].connection;
+      application.process = static_cast<std::uint32_t>(clients[i].process);
+      copy_name(application.name, clients[i].application);
+      store_words(&to.list[i], &application, sizeof application);
+    }
+  });
+}
+
+spm_shared_device AppState::packed(std::size_t index, const AppDevice& device) noexcept {
+  Seen& seen = seen_[index];
+  const bool cut = device.cause != ForceOff::none;
+  seen.contacts += device.contact && !seen.contact ? 1 : 0;
+  seen.cuts += cut && !seen.cut ? 1 : 0;
+  seen.contact = device.contact;
+  seen.cut = cut;
+  if (cut) seen.last_cause = static_cast<std::uint32_t>(device.cause);
+
+  spm_shared_device to{};
+  pack(to.position, device.state.position);
+  pack(to.orientation, device.state.orientation);
+  pack(to.velocity, device.velocity);
+  pack(to.force, device.wrench.force);
+  pack(to.torque, device.wrench.torque);
+  to.depth = device.depth;
+  to.buttons = device.state.buttons;
+  to.cause = static_cast<std::uint32_t>(device.cause);
+  to.health = static_cast<std::uint32_t>(device.health);
+  to.flags = bit(device.health != DeviceHealth::gone, SPM_DEVICE_CONNECTED) |
+             bit(device.contact, SPM_DEVICE_CONTACT);
+  to.contacts = seen.contacts;
+  to.cuts = seen.cuts;
+  return to;
+}
+
+std::span<const AppCommand> AppState::take(std::int64_t now_ns) noexcept {
+  const AppCommandLimits limits{assets_.load(std::memory_order_relaxed),
+                                devices_.load(std::memory_order_relaxed), now_ns};
+  taken_count_ = 0;
+  now_ns_ = now_ns;
+  std::size_t left = most_of_all;
+  std::uint32_t next = first_client_;
+  for (std::uint32_t turn = 0; turn < SPM_MOST_CLIENTS; ++turn) {
+    const std::uint32_t client = (first_client_ + turn) % SPM_MOST_CLIENTS;
+    const bool had_a_turn = left > 0;
+    left -= take_from(client, std::min(left, most_of_client), limits);
+    if (had_a_turn && left == 0) next = (client + 1) % SPM_MOST_CLIENTS;
+  }
+  first_client_ = next;
+  return {taken_.data(), taken_count_};
+}
+
+/// Gives how many places it looked at, at most `most`.
+std::size_t AppState::take_from(std::uint32_t client, std::size_t most,
+                                const AppCommandLimits& limits) noexcept {
+  ClientRing& ring = rings_[client];
+  const std::uint32_t connection = ring.begin();
+  if (connection != ring.adopted()) meet(client);
+  if (connection != 0) {
+    const std::uint64_t sign = ring.sign_of_life();
+    Alive& alive = alive_[client];
+    if (alive.connection != connection || alive.sign != sign) alive = {connection, sign, now_ns_};
+  }
+  std::size_t looked_at = 0;
+  for (; connection != 0 && looked_at < most; ++looked_at) {
+    spm_shared_command command;
+    const RingEntry entry = ring.next(command);
+    if (entry == RingEntry::empty) break;
+    if (entry == RingEntry::garbage) {
+      garbage_total_.fetch_add(1, std::memory_order_relaxed);
+    } else {
+      keep_or_refuse(ring, command, client, limits);
+    }
+  }
+  ring.end();
+  return looked_at;
+}
+
+/// Another client, or none, is where one was before.
+void AppState::meet(std::uint32_t client) noexcept {
+  ClientRing& ring = rings_[client];
+  if (ring.adopted() != 0) {
+    AppCommand& departure = taken_[taken_count_++];
+    departure = AppCommand{};
+    departure.action = AppAction::departure;
+    departure.client = client;
+    departure.connection = ring.adopted();
+  }
+  ring.adopt();
+}
+
+void AppState::keep_or_refuse(ClientRing& ring, const spm_shared_command& command,
+                              std::uint32_t client, const AppCommandLimits& limits) noexcept {
+  AppCommand& to = taken_[taken_count_];
+  Refusal refusal = check_command(command, limits, to);
+  // An id carries who made it: nobody adds or removes objects in another's name.
+  const bool of_owner = to.action == AppAction::add || to.action == AppAction::remove;
+  if (refusal == Refusal::none && of_owner && to.object >> 32U != ring.adopted()) {
+    refusal = Refusal::not_yours;
+  }
+  if (refusal != Refusal::none) {
+    ring.refuse(command.sequence, static_cast<std::uint32_t>(refusal));
+    refused_total_.fetch_add(1, std::memory_order_relaxed);
+    return;
+  }
+  to.client = client;
+  to.connection = ring.adopted();
+  ++taken_count_;
+  taken_total_.fetch_add(1, std::memory_order_relaxed);
+}
+
+double AppState::silence(std::uint32_t connection) const noexcept {
+  for (const Alive& alive : alive_) {
+    if (connection == 0 || alive.connection != connection) continue;
+    return static_cast<double>(now_ns_ - alive.at_ns) * 1e-9;
+  }
+  return 0;
+}
+
+void AppState::refuse(const AppCommand& command, Refusal refusal) noexcept {
+  refused_total_.fetch_add(1, std::memory_order_relaxed);
+  ClientRing& ring = rings_[command.client];
+  if (ring.begin() == command.connection && ring.adopted() == command.connection) {
+    ring.refuse(command.sequence, static_cast<std::uint32_t>(refusal));
+  }
+  ring.end();
+}
+
+AppCounters AppState::counters() const noexcept {
+  return {taken_total_.load(std::memory_order_relaxed),
+          refused_total_.load(std::memory_order_relaxed),
+          garbage_total_.load(std::memory_order_relaxed)};
+}
+
+}  // namespace spm::servo

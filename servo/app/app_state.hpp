@@ -1,0 +1,161 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <atomic>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "common/error.hpp"
+#include "common/placement.hpp"
+#include "servo/app/app_command.hpp"
+#include "servo/app/app_loop.hpp"
+#include "servo/app/client_ring.hpp"
+#include "servo/app/shared_memory.hpp"
+#include "servo/device.hpp"
+#include "servo/safety.hpp"
+
+namespace spm::servo {
+
+/// One device in a tick, as applications see it; world frame.
+struct AppDevice {
+  DeviceState state;
+  DeviceHealth health = DeviceHealth::ok;
+  Vector3 velocity = Vector3::Zero();  ///< m/s
+  Wrench wrench;                       ///< as sent
+  double depth = 0;                    ///< m
+  bool contact = false;
+  ForceOff cause = ForceOff::none;
+};
+
+/// One object in a tick, as applications see it; world frame.
+struct AppObject {
+  std::uint64_t id = 0;
+  std::uint32_t asset = 0;
+  Placement pose;
+  Wrench reaction;    ///< on the object, about its origin
+  double silent = 0;  ///< s since the last pose from an application
+  bool movable = false;
+  bool contact = false;
+  bool driven = false;  ///< an application has given it a pose
+};
+
+/// What a tick tells applications. At most SPM_MOST_DEVICES and SPM_MOST_OBJECTS are told.
+struct AppTick {
+  std::uint64_t tick = 0;
+  std::int64_t time_ns = 0;  ///< of CLOCK_MONOTONIC
+  std::span<const AppDevice> devices;
+  std::span<const AppObject> objects;
+};
+
+/// The names of things; longer ones are cut.
+struct AppNames {
+  std::vector<std::string> devices;
+  std::vector<std::string> assets;
+  std::vector<std::string> objects;  ///< the scene's, with the ids 0, 1, ...
+};
+
+struct AppClientReport;
+
+/// What applications asked for so far.
+struct AppCounters {
+  std::uint64_t taken = 0;    ///< commands handed to the loop
+  std::uint64_t refused = 0;  ///< commands that were not followed
+  std::uint64_t garbage = 0;  ///< heads and sequence numbers that made no sense
+};
+
+/// The loop's side of the memory that it shares with applications: publishes what a tick did, and
+/// takes their commands. Construction allocates; `publish`, `count`, `take` and `refuse` belong to
+/// the loop's thread: they allocate nothing, take no lock, make no system call, and take no longer
+/// whatever an application does.
+class AppState {
+ public:
+  /// Places in rings that one tick looks at, of one client and of all.
+  static constexpr std::size_t most_of_client = 16;
+  static constexpr std::size_t most_of_all = 32;
+
+  /// Errors: file_or_device where there is no memory.
+  [[nodiscard]] static Result<std::unique_ptr<AppState>> create(double rate_hz,
+                                                                const AppNames& names);
+  AppState(const AppState&) = delete;
+  AppState& operator=(const AppState&) = delete;
+  /// Tells applications that the daemon has ended.
+  ~AppState();
+
+  /// Loop: publishes a tick; readers never see two ticks mixed.
+  void publish(const AppTick& tick) noexcept;
+
+  /// Loop: counts a tick that is over. Not part of `publish`, since a tick that publishes is not
+  /// over.
+  void count(const AppLoop& loop) noexcept;
+
+  /// Loop: the valid commands that are due now, oldest first of each client, and the departure of
+  /// clients that are gone. Where there are more than a tick takes, the clients take turns. Valid
+  /// until the next call.
+  [[nodiscard]] std::span<const AppCommand> take(std::int64_t now_ns) noexcept;
+
+  /// Loop: how long ago a client, by its connection, gave a sign of life, s, as of the last `take`;
+  /// 0 where it is not connected.
+  [[nodiscard]] double silence(std::uint32_t connection) const noexcept;
+
+  /// Loop: tells the application that one of the commands taken last could not be followed.
+  void refuse(const AppCommand& command, Refusal refusal) noexcept;
+
+  /// Any one thread beside the loop: new names, after a scene was exchanged.
+  void rename(const AppNames& names);
+
+  /// Server: tells applications that the daemon ends in order.
+  void end() noexcept;
+  /// Server, one thread: who is connected; at most SPM_MOST_CLIENTS are told.
+  void tell_clients(std::span<const AppClientReport> clients) noexcept;
+  /// Server: the places for clients' rings.
+  [[nodiscard]] std::array<ClientRing, SPM_MOST_CLIENTS>& rings() noexcept { return rings_; }
+  /// Server: what clients map.
+  [[nodiscard]] const SharedMemory& memory() const noexcept { return memory_; }
+
+  /// Any thread.
+  [[nodiscard]] AppCounters counters() const noexcept;
+
+ private:
+  explicit AppState(SharedMemory memory) noexcept;
+  [[nodiscard]] spm_shared_state& shared() const noexcept {
+    return *static_cast<spm_shared_state*>(memory_.data());
+  }
+  [[nodiscard]] spm_shared_device packed(std::size_t index, const AppDevice& device) noexcept;
+  std::size_t take_from(std::uint32_t client, std::size_t most,
+                        const AppCommandLimits& limits) noexcept;
+  void meet(std::uint32_t client) noexcept;
+  void keep_or_refuse(ClientRing& ring, const spm_shared_command& command, std::uint32_t client,
+                      const AppCommandLimits& limits) noexcept;
+
+  /// What was published of a device last, to count how often it changed.
+  struct Seen {
+    bool contact = false;
+    bool cut = true;
+    std::uint32_t contacts = 0, cuts = 0;
+    std::uint32_t last_cause = 0;
+  };
+
+  /// When a client gave a sign of life last.
+  struct Alive {
+    std::uint32_t connection = 0;
+    std::uint64_t sign = 0;
+    std::int64_t at_ns = 0;
+  };
+
+  SharedMemory memory_;
+  std::array<ClientRing, SPM_MOST_CLIENTS> rings_;
+  std::array<Alive, SPM_MOST_CLIENTS> alive_;
+  std::int64_t now_ns_ = 0;  ///< of the last `take`
+  std::array<Seen, SPM_MOST_DEVICES> seen_;
+  std::array<AppCommand, most_of_all + SPM_MOST_CLIENTS> taken_;  ///< and departures
+  std::size_t taken_count_ = 0;
+  std::uint32_t first_client_ = 0;  ///< whose turn it is
+  std::atomic<std::uint32_t> devices_{0}, assets_{0};
+  std::atomic<std::uint64_t> taken_total_{0}, refused_total_{0}, garbage_total_{0};
+};
+
+}  // namespace spm::servo

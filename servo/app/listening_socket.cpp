@@ -1,0 +1,208 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "servo/app/listening_socket.hpp"
+
+#include <fcntl.h>
+#include <sys/file.h>
+#include <sys/socket.h>
+#include <sys/stat.h>
+#include <sys/un.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <chrono>
+#include <cstring>
+#include <filesystem>
+#include <thread>
+#include <utility>
+
+#include "servo/client/socket_path.hpp"
+
+namespace spm::servo {
+
+namespace {
+
+/// Clients that wait while the server is busy with another one.
+constexpr int backlog = 32;
+/// How long another daemon that starts at the same moment is waited for.
+constexpr std::chrono::milliseconds longest_wait{1000}, wait_step{10};
+
+tl::unexpected<Error> failed(const std::string& path, const std::string& why) {
+  return fail(ExitCode::file_or_device, path + ": " + why);
+}
+
+tl::unexpected<Error> refused(const std::string& path, const std::string& what, int code) {
+  return failed(path, what + " (" + std::strerror(code) +
+                          "): name another socket with --socket, in a folder that you may write");
+}
+
+/// A descriptor that closes itself.
+class Descriptor {
+ public:
+  explicit Descriptor(int descriptor) noexcept : descriptor_(descriptor) {}
+  Descriptor(const Descriptor&) = delete;
+  Descriptor& operator=(const Descriptor&) = delete;
+  ~Descriptor() {
+    if (descriptor_ >= 0) close(descriptor_);
+  }
+  [[nodiscard]] int get() const noexcept { return descriptor_; }
+  [[nodiscard]] int release() noexcept { return std::exchange(descriptor_, -1); }
+
+ private:
+  int descriptor_;
+};
+
+/// The folder of the sockets must be this user's, and closed to others.
+Result<void> make_private_folder(const std::string& folder) {
+  std::error_code ignored;
+  std::filesystem::create_directories(std::filesystem::path(folder).parent_path(), ignored);
+  if (mkdir(folder.c_str(), 0700) != 0 && errno != EEXIST) {
+    return refused(folder, "the folder could not be made", errno);
+  }
+  struct stat status {};
+  if (lstat(folder.c_str(), &status) != 0) return refused(folder, "cannot be looked at", errno);
+  if (!S_ISDIR(status.st_mode)) {
+    return failed(folder, "is no folder: remove it, or name a socket elsewhere with --socket");
+  }
+  if (status.st_uid != geteuid()) {
+    return failed(folder,
+                  "belongs to another user: remove it, or name a socket elsewhere with "
+                  "--socket");
+  }
+  if ((status.st_mode & 077) != 0) {
+    return failed(folder, "is open to other users: close it with 'chmod 700 " + folder + "'");
+  }
+  return {};
+}
+
+sockaddr_un address_of(const std::string& path) noexcept {
+  sockaddr_un address{};
+  address.sun_family = AF_UNIX;
+  std::memcpy(address.sun_path, path.c_str(), path.size() + 1);
+  return address;
+}
+
+Result<int> new_socket(const std::string& path) {
+  const int descriptor = socket(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
+  if (descriptor < 0) return refused(path, "no socket could be made", errno);
+  return descriptor;
+}
+
+/// Whether somebody listens at a path already, or something that is no socket lies there.
+Result<void> check_free(const std::string& path) {
+  struct stat status {};
+  if (lstat(path.c_str(), &status) != 0) {
+    if (errno == ENOENT) return {};
+    return refused(path, "cannot be looked at", errno);
+  }
+  if (!S_ISSOCK(status.st_mode)) {
+    return failed(path,
+                  "is there already and is no socket: remove it, or name another socket with "
+                  "--socket");
+  }
+  auto made = new_socket(path);
+  if (!made) return tl::make_unexpected(std::move(made.error()));
+  const Descriptor probe(*made);
+  const sockaddr_un address = address_of(path);
+  const int connected =
+      connect(probe.get(), reinterpret_cast<const sockaddr*>(&address), sizeof address);
+  // One whose queue is full is alive too.
+  if (connected != 0 && errno == ECONNREFUSED) return {};
+  if (connected != 0 && errno != EAGAIN) return refused(path, "cannot be asked", errno);
+  ucred peer{};
+  socklen_t size = sizeof peer;
+  std::string who;
+  if (getsockopt(probe.get(), SOL_SOCKET, SO_PEERCRED, &peer, &size) == 0 && peer.pid > 0) {
+    who = " (process " + std::to_string(peer.pid) + ")";
+  }
+  return failed(path, "a daemon" + who +
+                          " answers there already: end that one, or give this one a socket of its "
+                          "own with --socket");
+}
+
+/// Keeps other daemons out of the folder while this one looks and binds.
+Result<int> lock_folder(const std::string& folder) {
+  Descriptor locked(::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
+  if (locked.get() < 0) return refused(folder, "the folder cannot be opened", errno);
+  for (auto waited = std::chrono::milliseconds(0); waited < longest_wait; waited += wait_step) {
+    if (flock(locked.get(), LOCK_EX | LOCK_NB) == 0) return locked.release();
+    if (errno != EWOULDBLOCK && errno != EINTR) break;
+    std::this_thread::sleep_for(wait_step);
+  }
+  return refused(folder, "the folder is locked by another program", errno);
+}
+
+Result<std::string> chosen_path(const std::string& path, const std::string& name) {
+  if (path.empty() && !valid_daemon_name(name)) {
+    return fail(ExitCode::usage, "'" + name +
+                                     "' is no name for a daemon; take 1 to 32 letters, digits, "
+                                     "'-', '_' and '.', the first a letter or digit");
+  }
+  std::string chosen = path.empty() ? socket_path(name) : path;
+  if (chosen.size() > longest_socket_path || chosen.find('\0') != std::string::npos) {
+    return fail(ExitCode::usage, chosen + ": is too long for a socket, which has at most " +
+                                     std::to_string(longest_socket_path) +
+                                     " bytes; name a shorter one with --socket");
+  }
+  return chosen;
+}
+
+std::string folder_of(const std::string& path) {
+  const std::string folder = std::filesystem::path(path).parent_path().string();
+  return folder.empty() ? "." : folder;
+}
+
+}  // namespace
+
+Result<ListeningSocket> ListeningSocket::open(const std::string& path, const std::string& name) {
+  auto chosen = chosen_path(path, name);
+  if (!chosen) return tl::make_unexpected(std::move(chosen.error()));
+  const std::string folder = folder_of(*chosen);
+  if (path.empty()) {
+    if (auto made = make_private_folder(folder); !made) {
+      return tl::make_unexpected(std::move(made.error()));
+    }
+  }
+  auto locked = lock_folder(folder);
+  if (!locked) return tl::make_unexpected(std::move(locked.error()));
+  const Descriptor lock(*locked);
+  if (auto is_free = check_free(*chosen); !is_free) {
+    return tl::make_unexpected(std::move(is_free.error()));
+  }
+  auto made = new_socket(*chosen);
+  if (!made) return tl::make_unexpected(std::move(made.error()));
+  Descriptor descriptor(*made);
+  if (unlink(chosen->c_str()) != 0 && errno != ENOENT) {
+    return refused(*chosen, "what an ended daemon left there cannot be removed", errno);
+  }
+  const sockaddr_un address = address_of(*chosen);
+  if (bind(descriptor.get(), reinterpret_cast<const sockaddr*>(&address), sizeof address) != 0 ||
+      listen(descriptor.get(), backlog) != 0) {
+    return refused(*chosen, "no socket can be made there", errno);
+  }
+  return ListeningSocket(descriptor.release(), std::move(*chosen));
+}
+
+ListeningSocket::ListeningSocket(int descriptor, std::string path) noexcept
+    : descriptor_(descriptor), path_(std::move(path)) {
+  struct stat status {};
+  if (lstat(path_.c_str(), &status) != 0) return;
+  device_ = status.st_dev;
+  file_ = status.st_ino;
+}
+
+ListeningSocket::ListeningSocket(ListeningSocket&& other) noexcept
+    : descriptor_(std::exchange(other.descriptor_, -1)),
+      path_(std::move(other.path_)),
+      device_(other.device_),
+      file_(other.file_) {}
+
+ListeningSocket::~ListeningSocket() {
+  if (descriptor_ < 0) return;
+  struct stat status {};
+  if (lstat(path_.c_str(), &status) == 0 && status.st_dev == device_ && status.st_ino == file_) {
+    unlink(path_.c_str());
+  }
+  close(descriptor_);
+}
+
+}  // namespace spm::servo

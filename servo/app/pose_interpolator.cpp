@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "servo/app/pose_interpolator.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace spm::servo {
+
+namespace {
+
+/// Of a new measurement in the period that is known.
+constexpr double weight = 0.125;
+/// A measurement counts as at most so many known periods.
+constexpr double most_growth = 2;
+
+double seconds_between(std::int64_t from_ns, std::int64_t to_ns) noexcept {
+  return static_cast<double>(to_ns - from_ns) * 1e-9;
+}
+
+/// Axis times angle, rad, of the shorter turn from one orientation to another; world frame.
+Vector3 turn_between(const Eigen::Quaterniond& from, const Eigen::Quaterniond& to) noexcept {
+  const Eigen::Quaterniond turn = to * from.conjugate();
+  const double sine = turn.vec().norm();
+  if (sine == 0) return Vector3::Zero();
+  const double angle = 2 * std::atan2(sine, std::abs(turn.w()));
+  return turn.vec() * (std::copysign(angle, turn.w()) / sine);
+}
+
+/// An orientation turned by axis times angle.
+Eigen::Quaterniond turned(const Eigen::Quaterniond& from, const Vector3& turn) noexcept {
+  const double angle = turn.norm();
+  if (angle == 0) return from;
+  const Eigen::Quaterniond by(Eigen::AngleAxisd(angle, turn / angle));
+  return (by * from).normalized();
+}
+
+}  // namespace
+
+PoseInterpolator::PoseInterpolator(const PoseInterpolatorSettings& settings,
+                                   const Placement& start) noexcept
+    : settings_(settings), from_(start), to_(start), period_(settings.first_period) {}
+
+void PoseInterpolator::give(const Placement& pose, double period, std::int64_t now_ns) noexcept {
+  from_ = at(now_ns).pose;
+  begun_ns_ = now_ns;
+  to_.position = pose.position;
+  to_.rotation = pose.rotation;
+  turn_ = turn_between(from_.rotation, to_.rotation);
+  measure(period, now_ns);
+  const double way = (to_.position - from_.position).norm();
+  duration_ =
+      std::max({stretch * period_, way / settings_.most_speed, turn_.norm() / settings_.most_turn});
+}
+
+/// Learns the time between poses from the newest one.
+void PoseInterpolator::measure(double period, std::int64_t now_ns) noexcept {
+  const double since = seconds_between(given_ns_, now_ns);
+  const bool plausible = driven_ && since >= shortest_period && since <= longest_period;
+  if (plausible) {
+    // A single frame that took long says little of the next ones.
+    const double counted = std::min(since, most_growth * period_);
+    period_ = measured_ ? period_ + weight * (counted - period_) : since;
+    measured_ = true;
+  } else if (!measured_ && period > 0) {
+    period_ = std::clamp(period, shortest_period, longest_period);
+  }
+  // The same frame told twice does not begin a new period.
+  if (!driven_ || since >= shortest_period) given_ns_ = now_ns;
+  driven_ = true;
+}
+
+InterpolatedPose PoseInterpolator::at(std::int64_t now_ns) const noexcept {
+  InterpolatedPose now;
+  now.driven = driven_;
+  now.silent = driven_ ? std::max(0.0, seconds_between(given_ns_, now_ns)) : 0;
+  const double since = seconds_between(begun_ns_, now_ns);
+  if (!driven_ || since >= duration_) {
+    now.pose = to_;
+    return now;
+  }
+  const double share = std::max(0.0, since) / duration_;
+  now.pose = from_;
+  now.pose.position += share * (to_.position - from_.position);
+  now.pose.rotation = turned(from_.rotation, share * turn_);
+  now.velocity = (to_.position - from_.position) / duration_;
+  now.angular_velocity = turn_ / duration_;
+  return now;
+}
+
+}  // namespace spm::servo

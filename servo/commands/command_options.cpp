@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+
+#include <array>
+#include <charconv>
+
+#include "servo/commands/commands.hpp"
+
+namespace spm::servo {
+
+namespace {
+
+constexpr double slowest = 500;   // Hz
+constexpr double fastest = 4000;  // Hz
+
+}  // namespace
+
+void add_force_options(CLI::App& command, ForceOptions& options) {
+  command.add_option("--asset", options.asset, "Baked asset, FILE.spm.exr")->type_name("FILE");
+  command
+      .add_option("--scene", options.scene,
+                  "Objects with their places, stiffnesses and effects (TOML), instead of --asset; "
+                  "what else the command line gives wins, for every object")
+      ->type_name("SCENE.toml");
+  constexpr std::array methods{Method::spm, Method::paper, Method::proxy};
+  cli::add_word(
+      command, "--method", {"spm", "paper", "proxy"},
+      [&options, methods](std::size_t i) { options.method = methods[i]; },
+      "How forces are made: spm (default), by the depth in the surface; proxy, "
+      "by a point that the surface holds back; or paper, the paper's "
+      "equations to the letter, for assets baked with --form full");
+  constexpr std::array rules{PaperRule::closest_plane, PaperRule::closest_surface,
+                             PaperRule::all_planes};
+  cli::add_word(
+      command, "--paper-rule", {"closest-plane", "closest-surface", "all-planes"},
+      [&options, rules](std::size_t i) { options.rule = rules[i]; },
+      "Reading of the paper's rule that picks the plane (default closest-plane)");
+  cli::add_quantity(command, "--stiffness", options.stiffness, Quantity::stiffness,
+                    "Stiffness of the contact (default 1N/mm)");
+  cli::add_probe(command, options.probe_radius);
+}
+
+CLI::Option* add_number(CLI::App& command, const std::string& name, double least, double most,
+                        double& target, const std::string& description) {
+  return command.add_option_function<std::string>(
+      name,
+      [name, least, most, &target](const std::string& text) {
+        const char* end = text.data() + text.size();
+        double value = 0;
+        const auto parsed = std::from_chars(text.data(), end, value);
+        // Written so that NaN is out of range.
+        if (parsed.ec != std::errc{} || parsed.ptr != end || !(value >= least && value <= most)) {
+          throw CLI::ValidationError(
+              name,
+              fmt::format("'{}' will not do: write a number from {} to {}", text, least, most));
+        }
+        target = value;
+      },
+      description);
+}
+
+void add_rate_option(CLI::App& command, double& rate_hz) {
+  add_number(command, "--rate", slowest, fastest, rate_hz,
+             "Ticks a second, 500 to 4000 (default 1000)")
+      ->type_name("HZ");
+}
+
+}  // namespace spm::servo

@@ -1,0 +1,101 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+
+#include <cstdio>
+#include <memory>
+
+#include "servo/commands/commands.hpp"
+#include "servo/run.hpp"
+#include "servo/run_report.hpp"
+
+namespace spm::servo {
+
+namespace {
+
+constexpr double longest_run = 366.0 * 24 * 3600;  // s
+constexpr double shortest_run = 1e-3;              // s
+
+struct RunCommand {
+  cli::GlobalOptions global;
+  RunOptions options;
+};
+
+int execute(const RunCommand& command) {
+  cli::configure_messages(command.global);
+  const Result<RunReport> report = run(command.options);
+  if (!report) return cli::report(report.error());
+  if (command.global.json) {
+    cli::print_json(to_json(*report));
+  } else if (!command.global.quiet) {
+    fmt::print("{}", to_text(*report));
+  }
+  return static_cast<int>(ExitCode::done);
+}
+
+}  // namespace
+
+void add_run_command(CLI::App& program, Action& action) {
+  auto command = std::make_shared<RunCommand>();
+  CLI::App* app =
+      program.add_subcommand("run", "Serve forces from a baked asset or a scene to a device");
+  RunOptions& options = command->options;
+  cli::add_global_options(*app, command->global);
+  app->add_option(
+         "--device", options.devices,
+         "Device: auto (the first that is plugged in, or sim; the default unless the scene "
+         "says another), falcon, woodenhaptics, spacemouse, pid:full_force=FORCE, "
+         "external:name=NAME, or sim with "
+         "profile=low|falcon|touch|omega3|wooden, hand=slide|push|path, path=FILE, "
+         "depth=LENGTH, speed=SPEED, seed=N; options follow a colon, with commas between; "
+         "may be repeated")
+      ->type_name("NAME")
+      ->allow_extra_args(false);
+  add_rate_option(*app, options.rate_hz);
+  cli::add_word(
+      *app, "--pace", {"clock", "device"},
+      [&options](std::size_t i) { options.paced_by_device = i == 1; },
+      "What a tick follows: the clock (default), or each report of the first device, which then "
+      "should report about --rate times a second");
+  cli::add_choice<RealtimeMode>(*app, "--realtime", options.realtime,
+                                {{"require", RealtimeMode::require},
+                                 {"try", RealtimeMode::attempt},
+                                 {"off", RealtimeMode::off}},
+                                "Real-time priority and locked memory (default try)");
+  app->add_option("--core", options.core,
+                  "Core that the loop and the threads of its devices run on (default: any)")
+      ->type_name("N");
+  cli::add_choice<MapMode>(*app, "--map", options.map,
+                           {{"file", MapMode::file}, {"sealed", MapMode::sealed}},
+                           "Map the file itself (default), or a sealed copy of it, for stores that "
+                           "others may write to");
+  add_number(*app, "--duration", shortest_run, longest_run, options.duration,
+             "Stop so long after the first tick (default: at a signal)")
+      ->type_name("SECONDS");
+  add_force_options(*app, options.force);
+  app->add_option("--trace", options.trace, "Write one row a tick of the first device as CSV")
+      ->type_name("FILE");
+  app->add_option("--record", options.record,
+                  "Write every tick of every device as a recording, for replay")
+      ->type_name("FILE");
+  app->add_option_function<std::string>(
+         "--black-box",
+         [&options](const std::string& path) { options.black_box = path == "off" ? "" : path; },
+         "Where the last 10 s of ticks are kept after a fault, or off (default "
+         "$XDG_STATE_HOME/spm-servo/black-box.spmrec, or the same in ~/.local/state)")
+      ->type_name("FILE|off");
+  app->add_option_function<std::string>(
+         "--socket",
+         [&options](const std::string& path) {
+           options.serve = path != "off";
+           options.socket = options.serve ? path : "";
+         },
+         "Where applications connect, or off (default $XDG_RUNTIME_DIR/spm-servo/default.sock)")
+      ->type_name("FILE|off");
+  cli::add_word(
+      *app, "--supervisor", {"on", "off"},
+      [&options](std::size_t i) { options.supervisor = i == 0; },
+      "Whether another process sends the devices zero force where this one is killed (default on)");
+  app->callback([command, &action] { action = [command] { return execute(*command); }; });
+}
+
+}  // namespace spm::servo

@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <nlohmann/json.hpp>
+
+#include "servo/device.hpp"
+#include "servo/devices/sim/hand_motion.hpp"
+#include "servo/devices/sim/sim_dynamics.hpp"
+#include "servo/devices/sim/sim_options.hpp"
+
+namespace spm::servo {
+
+/// A simulated device in a simulated hand. One write is one tick of its time, so that what it does
+/// depends on its options and the forces alone, never on the clock.
+class DeviceSim final : public Device {
+ public:
+  explicit DeviceSim(const SimOptions& options);
+
+  /// Errors: those of the hand's trajectory file, or an asset without any surface.
+  [[nodiscard]] Result<void> open(const DeviceSetup& setup) override;
+  [[nodiscard]] const DeviceCapabilities& capabilities() const noexcept override {
+    return capabilities_;
+  }
+  [[nodiscard]] DeviceHealth read(DeviceState& state) noexcept override;
+  [[nodiscard]] DeviceHealth write(const Wrench& wrench) noexcept override;
+  [[nodiscard]] nlohmann::ordered_json describe() const override;
+
+ private:
+  SimOptions options_;
+  DeviceCapabilities capabilities_;
+  SimDynamics dynamics_;
+  HandMotion hand_;
+};
+
+}  // namespace spm::servo

@@ -1,0 +1,149 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "servo/devices/sim/hand_planner.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "servo/devices/sim/surface_walk.hpp"
+
+namespace spm::servo {
+
+namespace {
+
+constexpr int lines_tried = 512;
+constexpr int plans_wanted = 24;
+constexpr double good_share = 0.9;    // of the worst second
+constexpr double longest_walk = 0.2;  // m
+constexpr std::size_t longest_trial = 12000;
+
+/// A slide that gets stuck before this length shows little; it counts as so much worse.
+constexpr double shortest_walk = 0.02;  // m
+constexpr double stuck_penalty = 0.2;
+
+/// A hand that wants more than this share of a wall's thickness is pushed out on its other side.
+constexpr double share_of_thickness = 0.35;
+
+/// Thickness that is looked for, in depths: a full press fits in it.
+constexpr double thickness_in_depths = 1 / share_of_thickness;
+
+/// How deep, in depths, the places must be firm in each round of the search: good places first.
+constexpr double rounds[] = {1, 0.5, 0.25, 0.1, 0.05, 0};
+
+struct Plan {
+  HandMotion motion;
+  double worth = -1;  ///< share of the worst second, less a penalty
+};
+
+/// An object as a hand comes to it: its asset, and how its frame and the hand's lie to each other.
+struct Reached {
+  const AssetView& asset;
+  Placement object, hand;
+  double probe_radius, depth;  ///< m, asset's frame
+
+  Reached(std::span<const AssetView* const> assets, const HandTask& task, std::size_t which)
+      : asset(*assets[task.scene.objects[which].asset]),
+        object(task.scene.objects[which].placement),
+        hand(task.scene.workspace),
+        probe_radius(task.scene.objects[which].force.probe_radius / object.scale),
+        depth(task.depth * hand.scale / object.scale) {}
+
+  [[nodiscard]] Vector3 in_hand(const Vector3& point) const {
+    return hand.from_world(object.to_world(point));
+  }
+};
+
+/// The hand's target below a touch.
+Vector3 target_below(const Reached& reached, const Touch& touch) {
+  const double limit = thickness_in_depths * reached.depth;
+  const double thickness = thickness_below(reached.asset, reached.probe_radius, touch, limit);
+  const double depth = std::min(reached.depth, share_of_thickness * thickness);
+  return reached.in_hand(touch.centre - depth * touch.normal);
+}
+
+HandMotion motion_from(const Reached& reached, const HandTask& task, const Touch& start,
+                       double firm_depth, Random& random) {
+  const Vector3 approach = reached.in_hand(start.centre + reached.depth * start.normal);
+  if (!task.slide) {
+    return HandMotion::press(approach, target_below(reached, start), task.speed, task.period);
+  }
+  WalkSettings settings;
+  settings.probe_radius = reached.probe_radius;
+  settings.length = longest_walk;
+  settings.firm_depth = firm_depth;
+  std::vector<Vector3> points{approach};
+  for (const Touch& touch : walk(reached.asset, settings, start, random)) {
+    points.push_back(target_below(reached, touch));
+  }
+  return HandMotion::back_and_forth(std::move(points), 1, task.speed, task.period);
+}
+
+/// How much a motion is worth to a task.
+double worth_of(std::span<const AssetView* const> assets, const HandTask& task,
+                const SimProfile& profile, const HandMotion& motion) {
+  const std::size_t ticks = std::min(motion.cycle_ticks(), longest_trial);
+  const double share = contact_share(assets, task, profile, motion, ticks);
+  const bool stuck =
+      task.slide &&
+      static_cast<double>(motion.cycle_ticks()) * task.period * task.speed < 2 * shortest_walk;
+  return share - (stuck ? stuck_penalty : 0);
+}
+
+/// Plans on one object, until a plan is good; `best` is the best of all so far.
+void plan_on(std::span<const AssetView* const> assets, const HandTask& task,
+             const SimProfile& profile, std::size_t which, Random& random, Plan& best) {
+  const Reached reached(assets, task, which);
+  for (const double firm : rounds) {
+    int plans = 0;
+    for (int line = 0; line < lines_tried && plans < plans_wanted; ++line) {
+      const auto touch = touch_from_outside(reached.asset, reached.probe_radius, random);
+      if (!touch) continue;
+      const double firm_depth = firm * reached.depth;
+      if (!firm_below(reached.asset, reached.probe_radius, *touch, firm_depth)) continue;
+      ++plans;
+      HandMotion motion = motion_from(reached, task, *touch, firm_depth, random);
+      const double worth = worth_of(assets, task, profile, motion);
+      if (worth > best.worth) best = {std::move(motion), worth};
+      if (best.worth >= good_share) return;
+    }
+  }
+}
+
+}  // namespace
+
+double contact_share(std::span<const AssetView* const> assets, const HandTask& task,
+                     const SimProfile& profile, HandMotion motion, std::size_t ticks) {
+  SimDynamics tool(profile, task.period);
+  tool.place(motion.start());
+  const auto second = static_cast<std::size_t>(std::ceil(1 / task.period));
+  SceneForce force(task.scene, task.period, profile.encoder_step);
+  double worst = 1;
+  for (std::size_t begin = 0; begin < ticks; begin += second) {
+    std::size_t touching = 0;
+    for (std::size_t tick = 0; tick < second; ++tick) {
+      const ContactForce contact = force.next(assets, tool.measured_position());
+      touching += contact.contact ? 1 : 0;
+      tool.step(contact.force, motion.next());
+    }
+    worst = std::min(worst, static_cast<double>(touching) / static_cast<double>(second));
+  }
+  return worst;
+}
+
+Result<HandMotion> plan_hand(std::span<const AssetView* const> assets, const HandTask& task,
+                             const SimProfile& profile) {
+  Random random(task.seed);
+  Plan best;
+  for (std::size_t i = 0; i < task.scene.objects.size() && best.worth < good_share; ++i) {
+    plan_on(assets, task, profile, i, random, best);
+  }
+  if (best.worth < -stuck_penalty) {
+    return fail(
+        ExitCode::invalid_input,
+        "device sim: the asset shows no surface for the hand to touch; bake it again with a "
+        "larger --margin, or give the hand its way with sim:hand=path,path=FILE");
+  }
+  return best.motion;
+}
+
+}  // namespace spm::servo

@@ -1,0 +1,140 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "servo/scene/asset_keeper.hpp"
+
+#include <algorithm>
+#include <utility>
+
+namespace spm::servo {
+
+using std::chrono::steady_clock;
+
+AssetKeeper::AssetKeeper(KeeperOptions options, AssetSlot& slot)
+    : options_(std::move(options)), slot_(slot) {}
+
+Result<std::unique_ptr<AssetKeeper>> AssetKeeper::open(KeeperOptions options, AssetSlot& slot) {
+  std::unique_ptr<AssetKeeper> keeper(new AssetKeeper(std::move(options), slot));
+  auto holding = keeper->load();
+  if (!holding) return tl::make_unexpected(std::move(holding.error()));
+  keeper->install(std::move(*holding));
+  return keeper;
+}
+
+AssetKeeper::~AssetKeeper() {
+  {
+    const std::lock_guard lock(mutex_);
+    stop_ = true;
+  }
+  wake_.notify_all();
+  if (thread_.joinable()) thread_.join();
+  slot_.offer(nullptr);
+}
+
+void AssetKeeper::watch() { thread_ = std::thread(&AssetKeeper::run, this); }
+
+KeeperReport AssetKeeper::report() const {
+  const std::lock_guard lock(mutex_);
+  return report_;
+}
+
+Result<std::unique_ptr<AssetKeeper::Holding>> AssetKeeper::load() const {
+  MapOptions map;
+  map.mode = options_.mode;
+  map.prefault = true;
+  map.lock = options_.lock;
+  auto asset = MappedAsset::open(options_.path, map);
+  if (!asset) return tl::make_unexpected(std::move(asset.error()));
+  if (options_.accept) {
+    const Result<void> accepted = options_.accept((*asset)->metadata());
+    if (!accepted) return tl::make_unexpected(accepted.error());
+  }
+  // Reads the whole file: not while it is served, when the file must be watched.
+  static_cast<void>((*asset)->content_sha256());
+  auto holding = std::make_unique<Holding>();
+  holding->asset = std::move(*asset);
+  holding->served = {&holding->asset->view(), holding->asset.get()};
+  return holding;
+}
+
+void AssetKeeper::run() {
+  std::unique_lock lock(mutex_);
+  while (!wake_.wait_for(lock, options_.poll, [this] { return stop_; })) {
+    lock.unlock();
+    look();
+    lock.lock();
+  }
+}
+
+void AssetKeeper::look() {
+  free_released();
+  if (current_ != nullptr && !reload_wanted_) {
+    const AssetState state = current_->asset->check_file();
+    if (state == AssetState::intact && !current_->served.lost()) return;
+    if (damaged(state)) withdraw(state);
+    reload_wanted_ = true;
+    next_try_ = steady_clock::now();
+    wait_ = options_.retry;
+    last_refusal_.clear();
+  } else if (current_ != nullptr && current_->served.lost()) {
+    withdraw(AssetState::truncated);
+  }
+  if (reload_wanted_ && steady_clock::now() >= next_try_) try_reload();
+}
+
+/// A sealed copy stays as it was, whatever became of its file.
+bool AssetKeeper::damaged(AssetState state) const {
+  return current_->served.lost() || (options_.mode == MapMode::file && state != AssetState::intact);
+}
+
+void AssetKeeper::withdraw(AssetState state) {
+  slot_.offer(nullptr);
+  warn(options_.path + ": was " + to_string(state) +
+       " while in use; the force is off until an intact asset is there again");
+  retired_.push_back(std::move(current_));
+  const std::lock_guard lock(mutex_);
+  ++report_.losses;
+  report_.serving = false;
+}
+
+void AssetKeeper::try_reload() {
+  auto holding = load();
+  if (!holding) {
+    if (holding.error().message != last_refusal_) {
+      last_refusal_ = holding.error().message;
+      warn("not loaded again yet: " + last_refusal_);
+    }
+    next_try_ = steady_clock::now() + wait_;
+    wait_ = std::min(2 * wait_, options_.longest_retry);
+    return;
+  }
+  reload_wanted_ = false;
+  install(std::move(*holding));
+  {
+    const std::lock_guard lock(mutex_);
+    ++report_.reloads;
+  }
+  warn(options_.path + ": loaded again");
+}
+
+void AssetKeeper::install(std::unique_ptr<Holding> holding) {
+  slot_.offer(&holding->served);
+  if (current_ != nullptr) retired_.push_back(std::move(current_));
+  current_ = std::move(holding);
+  const std::lock_guard lock(mutex_);
+  report_.content_sha256 = current_->asset->content_sha256();
+  report_.metadata = current_->asset->metadata();
+  report_.bytes = current_->asset->bytes();
+  report_.locked = current_->asset->locked();
+  report_.serving = true;
+}
+
+void AssetKeeper::free_released() {
+  std::erase_if(retired_, [this](const std::unique_ptr<Holding>& holding) {
+    return slot_.released(&holding->served);
+  });
+}
+
+void AssetKeeper::warn(const std::string& message) const {
+  if (options_.warn) options_.warn(message);
+}
+
+}  // namespace spm::servo

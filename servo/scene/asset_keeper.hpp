@@ -1,0 +1,102 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <chrono>
+#include <condition_variable>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "common/error.hpp"
+#include "formats/mapped_asset.hpp"
+#include "servo/scene/asset_slot.hpp"
+
+namespace spm::servo {
+
+struct KeeperOptions {
+  std::string path;
+  MapMode mode = MapMode::file;
+  bool lock = true;                      ///< lock the mapping in memory when permitted
+  std::chrono::milliseconds poll{5};     ///< between two looks at the file
+  std::chrono::milliseconds retry{100};  ///< after a failed reload; doubles up to `longest_retry`
+  std::chrono::milliseconds longest_retry{1000};
+  /// Refuses an intact asset that the loop cannot serve with its settings. May be empty.
+  std::function<Result<void>(const AssetMetadata&)> accept;
+  /// Tells a person what happened; called on the loading thread. May be empty.
+  std::function<void(const std::string&)> warn;
+};
+
+/// What a report says of an asset.
+struct KeeperReport {
+  std::string content_sha256;
+  AssetMetadata metadata;
+  AssetBytes bytes;
+  bool locked = false;
+  bool serving = false;
+  std::uint64_t losses = 0;
+  std::uint64_t reloads = 0;
+};
+
+/// The loading thread: opens and validates an asset, hands it to the loop, watches its file, and
+/// takes the asset away when the file is truncated, edited, replaced or deleted. It then loads the
+/// file again until it is intact, and hands it over. A `sealed` asset is served on from its old
+/// bytes until the new ones are validated. An old mapping is freed once the loop let go of it.
+class AssetKeeper {
+ public:
+  /// Opens the asset and offers it; no thread runs yet. Errors: those of MappedAsset::open and of
+  /// `accept`.
+  [[nodiscard]] static Result<std::unique_ptr<AssetKeeper>> open(KeeperOptions options,
+                                                                 AssetSlot& slot);
+  AssetKeeper(const AssetKeeper&) = delete;
+  AssetKeeper& operator=(const AssetKeeper&) = delete;
+  /// Stops the thread. The loop must have ended.
+  ~AssetKeeper();
+
+  /// The asset that `open` offered; valid until `watch`.
+  [[nodiscard]] const AssetView& view() const { return *current_->served.view; }
+
+  /// Starts the thread that watches the file.
+  void watch();
+
+  /// Any thread, any time.
+  [[nodiscard]] KeeperReport report() const;
+
+ private:
+  /// A mapping and the record that the loop is given of it.
+  struct Holding {
+    std::unique_ptr<MappedAsset> asset;
+    ServedAsset served;
+  };
+
+  AssetKeeper(KeeperOptions options, AssetSlot& slot);
+  [[nodiscard]] Result<std::unique_ptr<Holding>> load() const;
+  void run();
+  void look();
+  void withdraw(AssetState state);
+  void try_reload();
+  void install(std::unique_ptr<Holding> holding);
+  void free_released();
+  void warn(const std::string& message) const;
+  [[nodiscard]] bool damaged(AssetState state) const;
+
+  KeeperOptions options_;
+  AssetSlot& slot_;
+  std::unique_ptr<Holding> current_;
+  std::vector<std::unique_ptr<Holding>> retired_;
+  bool reload_wanted_ = false;
+  std::chrono::steady_clock::time_point next_try_{};
+  std::chrono::milliseconds wait_{0};
+  std::string last_refusal_;
+
+  mutable std::mutex mutex_;  ///< guards what follows; the loop never takes it
+  std::condition_variable wake_;
+  bool stop_ = false;
+  KeeperReport report_;
+  std::thread thread_;
+};
+
+}  // namespace spm::servo

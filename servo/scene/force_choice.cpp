@@ -1,0 +1,198 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "servo/scene/force_choice.hpp"
+
+#include <algorithm>
+#include <filesystem>
+#include <utility>
+
+#include "common/units.hpp"
+
+namespace spm::servo {
+
+namespace {
+
+/// Stiffest that any device is rated for is 8 N/mm; a hundred times that is a slip of the unit.
+constexpr double stiffest = 1e6;  // N/m
+
+/// A radius that went through a decimal text may differ by rounding from the recorded one.
+constexpr double radius_slack = 1e-9;
+
+std::string radius_text(double radius) {
+  return radius == 0 ? "point" : "sphere:" + format_quantity(radius, Quantity::length);
+}
+
+/// Why a method does not know an effect, and what to do; empty where it does.
+std::string unknown_effect(Method method, const EffectSettings& effects) {
+  if (method == Method::paper) {
+    if (std::max(effects.friction.stick, effects.friction.slide) > 0) {
+      return "friction by 'stick' and 'slide' is not of method paper; give 'force' and "
+             "'depth_gain', or take method spm or proxy";
+    }
+    if (effects.texture.amplitude > 0) {
+      return "texture by 'amplitude' and 'wavelength' is not of method paper; give 'noise', or "
+             "take method spm or proxy";
+    }
+  } else if (effects.friction_force > 0) {
+    return "friction by 'force' and 'depth_gain' is of method paper alone; give 'slide' and "
+           "'stick', or take method paper";
+  } else if (effects.texture_noise > 0) {
+    return "texture by 'noise' is of method paper alone; give 'amplitude' and 'wavelength', or "
+           "take method paper";
+  }
+  if (method != Method::spm && effects.smoothing.sigma > 0) {
+    return "'smoothing' is of method spm alone; leave it out, or take method spm";
+  }
+  return {};
+}
+
+/// What is wrong with settings, and what to do; empty where nothing is.
+std::string objection(const ForceSettings& settings, const EffectSettings& effects) {
+  if (settings.method == Method::paper && settings.probe_radius > 0) {
+    return "method paper knows a point probe only; take the probe point, or method spm";
+  }
+  if (!(settings.stiffness >= 0 && settings.stiffness <= stiffest)) {
+    return "the stiffness is out of range; it must be from 0N/mm to " +
+           format_quantity(stiffest, Quantity::stiffness);
+  }
+  return unknown_effect(settings.method, effects);
+}
+
+/// The number of a file among those of a choice, which gets it if it is new.
+std::size_t asset_number(ForceChoice& choice, const std::string& path) {
+  const std::string plain = std::filesystem::path(path).lexically_normal().string();
+  const auto found = std::find(choice.assets.begin(), choice.assets.end(), plain);
+  if (found != choice.assets.end()) return static_cast<std::size_t>(found - choice.assets.begin());
+  choice.assets.push_back(plain);
+  return choice.assets.size() - 1;
+}
+
+/// What a command line and a scene's object, or the defaults, say together.
+ForceSettings settings_of(const ForceOptions& options, const SceneObject& object,
+                          double probe_radius) {
+  ForceSettings settings;
+  settings.method = options.method.value_or(object.method);
+  settings.rule = options.rule.value_or(object.rule);
+  settings.stiffness = options.stiffness.value_or(object.stiffness);
+  settings.probe_radius = probe_radius;
+  return settings;
+}
+
+Result<ForceChoice> choose_asset(const ForceOptions& options) {
+  ForceChoice choice;
+  choice.probe_radius = options.probe_radius.value_or(0);
+  EffectSettings effects;
+  effects.turn.rate = usual_turn_rate;
+  choice.scene = scene_of(settings_of(options, {}, choice.probe_radius), effects);
+  choice.assets = {options.asset};
+  choice.places = {{}};
+  if (auto checked = check_settings(choice.scene.objects.front().force); !checked) {
+    return tl::make_unexpected(std::move(checked.error()));
+  }
+  return choice;
+}
+
+Result<ForceChoice> choose_scene(const ForceOptions& options) {
+  const Result<Scene> scene = read_scene(options.scene);
+  if (!scene) return tl::make_unexpected(scene.error());
+  ForceChoice choice;
+  choice.scene_path = scene->path;
+  choice.device = scene->device;
+  choice.scene.workspace = scene->workspace;
+  choice.probe_radius = options.probe_radius.value_or(scene->probe_radius.value_or(0));
+  for (const SceneObject& object : scene->objects) {
+    const std::string place = scene->path + ": line " + std::to_string(object.line) + ": ";
+    if (object.asset.empty()) {
+      return fail(ExitCode::invalid_input,
+                  place + "the object has no 'asset'; bake its mesh with spm-bake build " +
+                      object.mesh + " --scene " + scene->path + ", and name the baked file");
+    }
+    const ForceSettings settings = settings_of(options, object, choice.probe_radius);
+    if (auto checked = check_settings(settings, object.effects, place); !checked) {
+      return tl::make_unexpected(std::move(checked.error()));
+    }
+    choice.scene.objects.push_back({asset_number(choice, object.asset), object.placement, settings,
+                                    object.effects, object.movable});
+    choice.places.push_back(place);
+  }
+  return choice;
+}
+
+}  // namespace
+
+const char* to_string(Method method) noexcept {
+  switch (method) {
+    case Method::spm:
+      return "spm";
+    case Method::paper:
+      return "paper";
+    case Method::proxy:
+      return "proxy";
+  }
+  return "";
+}
+
+const char* to_string(PaperRule rule) noexcept {
+  switch (rule) {
+    case PaperRule::closest_plane:
+      return "closest-plane";
+    case PaperRule::closest_surface:
+      return "closest-surface";
+    case PaperRule::all_planes:
+      return "all-planes";
+  }
+  return "";
+}
+
+const char* to_string(AssetForm form) noexcept {
+  return form == AssetForm::full ? "full" : "sparse";
+}
+
+Result<ForceChoice> choose_forces(const ForceOptions& options) {
+  if (!options.asset.empty() && !options.scene.empty()) {
+    return fail(ExitCode::usage, "--asset and --scene exclude each other; give one of them");
+  }
+  if (options.asset.empty() && options.scene.empty()) {
+    return fail(ExitCode::usage,
+                "nothing is there to touch; give --asset FILE.spm.exr or --scene SCENE.toml");
+  }
+  return options.scene.empty() ? choose_asset(options) : choose_scene(options);
+}
+
+Result<void> check_settings(const ForceSettings& settings, const EffectSettings& effects,
+                            const std::string& place) {
+  const std::string cause = objection(settings, effects);
+  if (cause.empty()) return {};
+  return fail(place.empty() ? ExitCode::usage : ExitCode::invalid_input, place + cause);
+}
+
+Result<void> check_asset(const AssetMetadata& asset, const ForceSettings& settings,
+                         const std::string& path, double scale) {
+  if (settings.method == Method::paper && asset.form != AssetForm::full) {
+    return fail(ExitCode::invalid_input,
+                path +
+                    ": is a sparse asset, which method paper cannot read; bake the mesh again with "
+                    "--form full, or take method spm");
+  }
+  const double radius = settings.probe_radius / scale;
+  if (radius > asset.probe_radius * (1 + radius_slack)) {
+    return fail(ExitCode::invalid_input,
+                path + ": was baked for probe " + radius_text(asset.probe_radius) +
+                    ", which is smaller than " + radius_text(radius) +
+                    (scale == 1 ? "" : ", the scene's over the object's scale") +
+                    "; bake the mesh again with --probe and the larger radius");
+  }
+  return {};
+}
+
+Result<void> check_asset(const AssetMetadata& asset, const ForceChoice& choice, std::size_t which) {
+  for (std::size_t i = 0; i < choice.scene.objects.size(); ++i) {
+    const PlacedObject& object = choice.scene.objects[i];
+    if (object.asset != which) continue;
+    auto checked = check_asset(asset, object.force, choice.places[i] + choice.assets[which],
+                               object.placement.scale);
+    if (!checked) return checked;
+  }
+  return {};
+}
+
+}  // namespace spm::servo

@@ -1,0 +1,104 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "servo/scene/scene_assets.hpp"
+
+#include <algorithm>
+#include <utility>
+
+namespace spm::servo {
+
+Result<std::unique_ptr<SceneAssets>> SceneAssets::open(KeeperOptions each, ForceChoice choice,
+                                                       std::size_t spare) {
+  const std::vector<std::string> paths = choice.assets;
+  std::unique_ptr<SceneAssets> assets(
+      new SceneAssets(std::move(each), std::move(choice), paths.size() + spare));
+  for (const std::string& path : paths) {
+    if (auto opened = assets->open_next(path); !opened) {
+      return tl::make_unexpected(std::move(opened.error()));
+    }
+  }
+  return assets;
+}
+
+SceneAssets::SceneAssets(KeeperOptions each, ForceChoice choice, std::size_t slots)
+    : each_(std::move(each)), choice_(std::move(choice)) {
+  for (std::size_t i = 0; i < slots; ++i) slots_.push_back(std::make_unique<AssetSlot>());
+}
+
+Result<void> SceneAssets::open_next(const std::string& path) {
+  const std::size_t number = keepers_.size();
+  KeeperOptions options = each_;
+  options.path = path;
+  options.accept = [this, number](const AssetMetadata& metadata) {
+    return check_asset(metadata, choice(), number);
+  };
+  auto opened = AssetKeeper::open(std::move(options), *slots_[number]);
+  if (!opened) return tl::make_unexpected(std::move(opened.error()));
+  const std::lock_guard lock(mutex_);
+  paths_.push_back(path);
+  keepers_.push_back(std::move(*opened));
+  return {};
+}
+
+std::vector<AssetSlot*> SceneAssets::slots() const {
+  std::vector<AssetSlot*> list;
+  for (const auto& slot : slots_) list.push_back(slot.get());
+  return list;
+}
+
+std::vector<const AssetView*> SceneAssets::views() const {
+  std::vector<const AssetView*> list;
+  for (const auto& keeper : keepers_) list.push_back(&keeper->view());
+  return list;
+}
+
+void SceneAssets::watch() {
+  for (const auto& keeper : keepers_) keeper->watch();
+}
+
+Result<std::size_t> SceneAssets::number_of(const std::string& path) {
+  const auto found = std::find(paths_.begin(), paths_.end(), path);
+  if (found != paths_.end()) return static_cast<std::size_t>(found - paths_.begin());
+  if (keepers_.size() == slots_.size()) {
+    return fail(ExitCode::unsupported,
+                path +
+                    ": no more new assets can be taken up while the daemon runs; start it again "
+                    "with this scene");
+  }
+  if (auto opened = open_next(path); !opened) {
+    return tl::make_unexpected(std::move(opened.error()));
+  }
+  keepers_.back()->watch();
+  return keepers_.size() - 1;
+}
+
+Result<void> SceneAssets::check(const ForceChoice& choice) const {
+  for (std::size_t i = 0; i < keepers_.size(); ++i) {
+    auto checked = check_asset(keepers_[i]->report().metadata, choice, i);
+    if (!checked) return checked;
+  }
+  return {};
+}
+
+void SceneAssets::serve(ForceChoice choice) {
+  const std::lock_guard lock(mutex_);
+  choice_ = std::move(choice);
+}
+
+std::vector<std::string> SceneAssets::paths() const {
+  const std::lock_guard lock(mutex_);
+  return paths_;
+}
+
+std::vector<KeeperReport> SceneAssets::reports() const {
+  const std::lock_guard lock(mutex_);
+  std::vector<KeeperReport> list;
+  for (const auto& keeper : keepers_) list.push_back(keeper->report());
+  return list;
+}
+
+ForceChoice SceneAssets::choice() const {
+  const std::lock_guard lock(mutex_);
+  return choice_;
+}
+
+}  // namespace spm::servo

@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "servo/scene/scene_edit.hpp"
+
+#include <numeric>
+#include <set>
+
+namespace spm::servo {
+
+std::vector<std::uint64_t> first_ids(std::size_t count) {
+  std::vector<std::uint64_t> ids(count);
+  std::iota(ids.begin(), ids.end(), 0);
+  return ids;
+}
+
+std::vector<std::uint64_t> edited_ids(const SceneDifference& difference,
+                                      std::span<const std::uint64_t> ids, std::size_t count) {
+  std::vector<std::uint64_t> after(count);
+  for (const KeptObject& object : difference.kept) after[object.after] = ids[object.before];
+  // An application that still means the one that was removed shall not meet another.
+  const std::set<std::uint64_t> taken(ids.begin(), ids.end());
+  std::uint64_t next = 0;
+  for (const std::size_t added : difference.added) {
+    while (taken.contains(next)) ++next;
+    after[added] = next++;
+  }
+  return after;
+}
+
+SceneEdit scene_edit(const SceneDifference& difference, std::span<const std::uint64_t> ids,
+                     std::span<const PlacedObject> objects,
+                     std::span<const std::uint64_t> ids_after) {
+  SceneEdit edit;
+  edit.felt = difference.felt();
+  for (const std::size_t removed : difference.removed) edit.removed.push_back(ids[removed]);
+  for (const KeptObject& object : difference.kept) {
+    if (object.aspects == 0) continue;
+    edit.changed.push_back(
+        {ids_after[object.after], objects[object.after], (object.aspects & aspect_pose) != 0});
+  }
+  for (const std::size_t added : difference.added) {
+    edit.added.push_back({ids_after[added], objects[added], true});
+  }
+  return edit;
+}
+
+}  // namespace spm::servo

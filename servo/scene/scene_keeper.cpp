@@ -1,0 +1,194 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "servo/scene/scene_keeper.hpp"
+
+#include <sys/stat.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <utility>
+
+namespace spm::servo {
+
+using std::chrono::steady_clock;
+
+namespace {
+
+/// Of an edit in words: a sentence that a person reads to its end.
+constexpr std::size_t most_told = 8;
+
+std::int64_t nanoseconds(const timespec& time) {
+  return std::int64_t{time.tv_sec} * 1'000'000'000 + time.tv_nsec;
+}
+
+FileStamp stamp_of(const std::string& path) {
+  struct stat now {};
+  if (::stat(path.c_str(), &now) != 0) return {};
+  return {true,
+          now.st_dev,
+          now.st_ino,
+          now.st_size,
+          nanoseconds(now.st_mtim),
+          nanoseconds(now.st_ctim)};
+}
+
+/// What of an edited scene takes a restart; null where nothing does.
+const char* fixed_part(const ForceChoice& before, const ForceChoice& after) {
+  if (before.device.driver != after.device.driver) return "'driver' of [device]";
+  if (before.device.profile != after.device.profile) return "'profile' of [device]";
+  if (before.device.force_cap != after.device.force_cap) return "'force_cap' of [device]";
+  if (before.probe_radius != after.probe_radius) return "'probe' of [tool]";
+  const Placement& old_place = before.scene.workspace;
+  const Placement& new_place = after.scene.workspace;
+  const bool same = old_place.position == new_place.position &&
+                    old_place.rotation.coeffs() == new_place.rotation.coeffs() &&
+                    old_place.scale == new_place.scale;
+  return same ? nullptr : "[workspace]";
+}
+
+std::string in_words(const SceneEdit& edit, const SceneDifference& difference,
+                     const ServedScene& after) {
+  std::vector<std::string> parts;
+  for (const KeptObject& object : difference.kept) {
+    if (object.aspects == 0) continue;
+    parts.push_back("object " + std::to_string(after.ids[object.after]) + ": " +
+                    names_of_aspects(object.aspects));
+  }
+  for (const EditedObject& object : edit.added) {
+    const std::filesystem::path asset = after.choice.assets[object.settings.asset];
+    parts.push_back("object " + std::to_string(object.id) + " added (" + asset.filename().string() +
+                    ")");
+  }
+  for (const std::uint64_t id : edit.removed) {
+    parts.push_back("object " + std::to_string(id) + " removed");
+  }
+  std::string text;
+  for (std::size_t i = 0; i < std::min(parts.size(), most_told); ++i) {
+    text += (i > 0 ? "; " : "") + parts[i];
+  }
+  if (parts.size() > most_told) {
+    text += "; and " + std::to_string(parts.size() - most_told) + " more";
+  }
+  return text;
+}
+
+}  // namespace
+
+SceneKeeper::SceneKeeper(SceneKeeperOptions options, SceneAssets& assets)
+    : options_(std::move(options)), assets_(assets) {
+  served_.choice = assets_.choice();
+  served_.ids = first_ids(served_.choice.scene.objects.size());
+}
+
+SceneKeeper::~SceneKeeper() {
+  {
+    const std::lock_guard lock(mutex_);
+    stop_ = true;
+  }
+  wake_.notify_all();
+  if (thread_.joinable()) thread_.join();
+}
+
+void SceneKeeper::watch() { thread_ = std::thread(&SceneKeeper::run, this); }
+
+void SceneKeeper::run() {
+  std::unique_lock lock(mutex_);
+  while (!wake_.wait_for(lock, options_.poll, [this] { return stop_; })) {
+    lock.unlock();
+    look();
+    lock.lock();
+  }
+}
+
+void SceneKeeper::look() {
+  if (offered_) {
+    const EditAnswer answer = slot_.answer();
+    if (answer == EditAnswer::none) return;
+    finish(answer);
+  }
+  const FileStamp now = stamp_of(options_.force.scene);
+  const bool settled = now == std::exchange(seen_, now);
+  if (!settled) return;
+  const bool due = retry_wanted_ && steady_clock::now() >= next_try_;
+  if (tried_ == now && !due) return;
+  if (tried_ != now) last_refusal_.clear();
+  // At the first look the file may have been edited since the daemon read it.
+  const bool first = !tried_;
+  tried_ = now;
+  try_scene(first);
+}
+
+void SceneKeeper::try_scene(bool first) {
+  retry_wanted_ = false;
+  Result<ForceChoice> edited = read_edited();
+  if (!edited) return refuse(edited.error().message);
+  const SceneDifference difference =
+      scene_difference(served_.choice.scene.objects, edited->scene.objects);
+  if (!difference.empty()) return offer(difference, std::move(*edited));
+  // Another order, and other lines for messages.
+  served_.ids = edited_ids(difference, served_.ids, edited->scene.objects.size());
+  served_.choice = std::move(*edited);
+  assets_.serve(served_.choice);
+  if (!first && options_.tell) {
+    options_.tell(served_.choice.scene_path + ": read again, nothing is different");
+  }
+}
+
+/// The scene as the file has it now, its assets opened and numbered by their slots.
+Result<ForceChoice> SceneKeeper::read_edited() {
+  Result<ForceChoice> edited = choose_forces(options_.force);
+  if (!edited) return edited;
+  if (const char* part = fixed_part(served_.choice, *edited); part != nullptr) {
+    return fail(ExitCode::unsupported,
+                edited->scene_path + ": " + part +
+                    " is another now, which a running daemon cannot take up; start it again, or "
+                    "put back what it was");
+  }
+  std::vector<std::size_t> numbers;
+  for (const std::string& path : edited->assets) {
+    const Result<std::size_t> number = assets_.number_of(path);
+    if (!number) return tl::make_unexpected(number.error());
+    numbers.push_back(*number);
+  }
+  for (PlacedObject& object : edited->scene.objects) object.asset = numbers[object.asset];
+  edited->assets = assets_.paths();
+  if (auto checked = assets_.check(*edited); !checked) {
+    return tl::make_unexpected(std::move(checked.error()));
+  }
+  return edited;
+}
+
+void SceneKeeper::offer(const SceneDifference& difference, ForceChoice edited) {
+  const std::vector<PlacedObject>& objects = edited.scene.objects;
+  next_.ids = edited_ids(difference, served_.ids, objects.size());
+  edit_ = scene_edit(difference, served_.ids, objects, next_.ids);
+  edit_.assets = edited.assets.size();
+  next_.choice = std::move(edited);
+  change_ = in_words(edit_, difference, next_);
+  // An asset that is loaded again from here on has to serve the edited scene.
+  assets_.serve(next_.choice);
+  offered_ = true;
+  slot_.offer(edit_);
+}
+
+void SceneKeeper::finish(EditAnswer answer) {
+  offered_ = false;
+  if (answer == EditAnswer::no_room) {
+    assets_.serve(served_.choice);
+    return refuse(served_.choice.scene_path +
+                  ": there is no room for so many objects beside those that applications added; "
+                  "remove some, or start the daemon again");
+  }
+  served_ = std::move(next_);
+  if (options_.tell) options_.tell(served_.choice.scene_path + ": taken up again: " + change_);
+  if (options_.taken_up) options_.taken_up(served_);
+}
+
+void SceneKeeper::refuse(const std::string& message) {
+  retry_wanted_ = true;
+  next_try_ = steady_clock::now() + options_.retry;
+  if (message == last_refusal_) return;
+  last_refusal_ = message;
+  if (options_.warn) options_.warn("not taken up, the scene stays as it was: " + message);
+}
+
+}  // namespace spm::servo

@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+#include <string>
+
+#include "servo/top/top.hpp"
+
+namespace spm::servo {
+
+/// Narrower than this a screen is not made.
+inline constexpr std::size_t narrowest_screen = 40;
+
+/// What `top` shows, a line each, plain ASCII, none longer than `width` columns (at least
+/// `narrowest_screen`): sentences are broken between words, rows of the table are cut.
+[[nodiscard]] std::string top_screen(const TopView& view, std::size_t width);
+
+}  // namespace spm::servo

@@ -1,0 +1,218 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "servo/scene/asset_keeper.hpp"
+
+#include <fcntl.h>
+#include <unistd.h>
+
+#include <atomic>
+#include <catch2/catch.hpp>
+#include <chrono>
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <functional>
+
+#include "servo/devices/sim/device_sim.hpp"
+#include "servo/loop.hpp"
+#include "tests/servo/scripted_device.hpp"
+#include "tests/servo/shape_asset.hpp"
+
+using namespace spm;
+using namespace spm::servo;
+using spm::test::TemporaryFolder;
+
+namespace {
+
+constexpr double size = 0.04;
+
+/// A damage to a file, as another process may do it.
+struct Damage {
+  const char* name;
+  std::function<void(const std::string&)> apply;
+};
+
+void truncate_file(const std::string& path) {
+  std::filesystem::resize_file(path, std::filesystem::file_size(path) / 3);
+}
+
+void edit_file(const std::string& path) {
+  std::fstream file(path, std::ios::in | std::ios::out | std::ios::binary);
+  file.seekp(static_cast<std::streamoff>(std::filesystem::file_size(path) / 2));
+  file.write("edited in place", 15);
+}
+
+void replace_file(const std::string& path) {
+  std::ofstream(path + ".new") << "something else";
+  std::filesystem::rename(path + ".new", path);
+}
+
+void delete_file(const std::string& path) { std::filesystem::remove(path); }
+
+const std::vector<Damage> damages{{"truncated", truncate_file},
+                                  {"edited", edit_file},
+                                  {"replaced", replace_file},
+                                  {"deleted", delete_file}};
+
+bool eventually(const std::function<bool()>& condition) {
+  const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(20);
+  while (std::chrono::steady_clock::now() < end) {
+    if (condition()) return true;
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  }
+  return false;
+}
+
+KeeperOptions options_for(const std::string& path) {
+  KeeperOptions options;
+  options.path = path;
+  options.lock = false;
+  options.poll = std::chrono::milliseconds(2);
+  options.retry = std::chrono::milliseconds(10);
+  options.longest_retry = std::chrono::milliseconds(20);
+  return options;
+}
+
+}  // namespace
+
+TEST_CASE("An asset that is damaged under the loop is taken away and loaded when it is back") {
+  for (const Damage& damage : damages) {
+    CAPTURE(damage.name);
+    const TemporaryFolder folder;
+    const std::string path = folder.file("box.spm.exr");
+    test::write(test::box_asset(size), path);
+    AssetSlot slot;
+    auto keeper = AssetKeeper::open(options_for(path), slot);
+    REQUIRE(keeper);
+    const ServedAsset* first = slot.acquire();
+    REQUIRE(first != nullptr);
+    (*keeper)->watch();
+
+    damage.apply(path);
+    REQUIRE(eventually([&] { return slot.acquire() == nullptr; }));
+    REQUIRE(eventually([&] { return (*keeper)->report().losses == 1; }));
+    REQUIRE_FALSE((*keeper)->report().serving);
+    REQUIRE((*keeper)->report().reloads == 0);
+
+    test::write(test::box_asset(size), path);
+    REQUIRE(eventually([&] { return slot.acquire() != nullptr; }));
+    REQUIRE(eventually([&] { return (*keeper)->report().reloads == 1; }));
+    REQUIRE((*keeper)->report().serving);
+    slot.release();
+  }
+}
+
+TEST_CASE("A file that is replaced by another intact asset is served instead") {
+  const TemporaryFolder folder;
+  const std::string path = folder.file("box.spm.exr");
+  test::write(test::box_asset(size), path);
+  AssetSlot slot;
+  auto keeper = AssetKeeper::open(options_for(path), slot);
+  REQUIRE(keeper);
+  const std::string before = (*keeper)->report().content_sha256;
+  (*keeper)->watch();
+  test::write(test::box_asset(size / 2), path);
+  REQUIRE(eventually([&] {
+    static_cast<void>(slot.acquire());
+    return (*keeper)->report().reloads == 1;
+  }));
+  const ServedAsset* served = slot.acquire();
+  REQUIRE(served != nullptr);
+  REQUIRE(served->mapping->metadata().box_max.x() == Approx(size / 4));
+  REQUIRE((*keeper)->report().content_sha256 != before);
+  slot.release();
+}
+
+TEST_CASE("A sealed asset is served on from its old bytes, whatever becomes of the file") {
+  for (const Damage& damage : damages) {
+    CAPTURE(damage.name);
+    const TemporaryFolder folder;
+    const std::string path = folder.file("box.spm.exr");
+    test::write(test::box_asset(size), path);
+    AssetSlot slot;
+    KeeperOptions options = options_for(path);
+    options.mode = MapMode::sealed;
+    std::atomic<int> refusals{0};
+    options.warn = [&](const std::string&) { refusals.fetch_add(1); };
+    auto keeper = AssetKeeper::open(options, slot);
+    REQUIRE(keeper);
+    (*keeper)->watch();
+    damage.apply(path);
+    REQUIRE(eventually([&] { return refusals.load() > 0; }));
+    REQUIRE(slot.acquire() != nullptr);
+    REQUIRE((*keeper)->report().losses == 0);
+
+    test::write(test::box_asset(size / 2), path);
+    REQUIRE(eventually([&] { return (*keeper)->report().reloads == 1; }));
+    REQUIRE(slot.acquire()->mapping->metadata().box_max.x() == Approx(size / 4));
+    slot.release();
+  }
+}
+
+TEST_CASE("An intact asset that does not fit the settings is not loaded") {
+  const TemporaryFolder folder;
+  const std::string path = folder.file("box.spm.exr");
+  test::write(test::box_asset(size), path);
+  AssetSlot slot;
+  KeeperOptions options = options_for(path);
+  options.accept = [](const AssetMetadata&) -> Result<void> {
+    return fail(ExitCode::invalid_input, "not this one");
+  };
+  const auto keeper = AssetKeeper::open(options, slot);
+  REQUIRE_FALSE(keeper);
+  REQUIRE(keeper.error().message == "not this one");
+}
+
+TEST_CASE("A file that is no asset is refused with exit code 3, a missing one with 2") {
+  const TemporaryFolder folder;
+  AssetSlot slot;
+  std::ofstream(folder.file("text.spm.exr")) << "no asset";
+  const auto text = AssetKeeper::open(options_for(folder.file("text.spm.exr")), slot);
+  REQUIRE(text.error().code == ExitCode::invalid_input);
+  const auto missing = AssetKeeper::open(options_for(folder.file("none.spm.exr")), slot);
+  REQUIRE(missing.error().code == ExitCode::file_or_device);
+}
+
+TEST_CASE("The loop outlives an asset that is damaged while it is felt") {
+  for (const Damage& damage : damages) {
+    CAPTURE(damage.name);
+    const TemporaryFolder folder;
+    const std::string path = folder.file("box.spm.exr");
+    test::write(test::box_asset(size), path);
+    AssetSlot slot;
+    auto keeper = AssetKeeper::open(options_for(path), slot);
+    REQUIRE(keeper);
+    (*keeper)->watch();
+
+    std::atomic<bool> stop{false};
+    std::atomic<std::uint64_t> reads{0};
+    test::ScriptedDevice device([&](std::size_t, DeviceState& state, DeviceHealth&) {
+      state.position = {0, 0, size / 2 - 1e-3};
+      reads.fetch_add(1);
+    });
+    TickRing ring = make_tick_ring(1000, 1);
+    Loop loop(LoopSettings{}, {&device}, {&slot}, ring, stop);
+    std::thread thread([&] { loop.run(); });
+    const auto ticks_later = [&](std::uint64_t count) {
+      const std::uint64_t end = reads.load() + count;
+      return eventually([&] { return reads.load() >= end; });
+    };
+
+    CHECK(ticks_later(150));
+    damage.apply(path);
+    CHECK(eventually([&] { return (*keeper)->report().losses == 1; }));
+    CHECK(ticks_later(20));
+    test::write(test::box_asset(size), path);
+    CHECK(eventually([&] { return (*keeper)->report().reloads == 1; }));
+    CHECK(ticks_later(150));
+    stop.store(true);
+    thread.join();
+
+    const DeviceCounters& counters = loop.device_counters(0);
+    REQUIRE(counters.force_off[static_cast<std::size_t>(ForceOff::asset_lost)] >= 15);
+    const auto& forces = device.forces();
+    REQUIRE(forces.back() == Vector3::Zero());
+    REQUIRE(forces[forces.size() - 4].z() > 0.9);
+    // Nothing but the box's own force, faded or whole, was ever sent.
+    for (const Vector3& force : forces) REQUIRE(force.norm() <= 1.001);
+  }
+}
