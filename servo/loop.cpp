@@ -21,13 +21,6 @@ constexpr int warm_up_rounds = 64;
 /// loop's rate cannot make it run away, and one that falls silent cannot stop it.
 constexpr double pace_lead = 0.25, pace_patience = 0.5;
 
-/// How many assets a scene's objects name.
-std::size_t assets_of(const ForceScene& scene) {
-  std::size_t count = 0;
-  for (const PlacedObject& object : scene.objects) count = std::max(count, object.asset + 1);
-  return count;
-}
-
 ForceOff cause_of(DeviceHealth health) noexcept {
   switch (health) {
     case DeviceHealth::ok:
@@ -69,7 +62,7 @@ Loop::Loop(const LoopSettings& settings, std::vector<Device*> devices,
     : settings_(settings),
       edits_(app != nullptr ? edits : nullptr),
       slots_(std::move(assets)),
-      slots_in_use_(edits_ != nullptr ? std::min(slots_.size(), assets_of(settings.scene))
+      slots_in_use_(edits_ != nullptr ? std::min(slots_.size(), assets_of(settings.scene.objects))
                                       : slots_.size()),
       ring_(ring),
       stop_(stop),

@@ -11,18 +11,13 @@
 #include <string_view>
 #include <utility>
 
+#include "servo/client/fixed_text.hpp"
+
 namespace spm::servo {
 
 namespace {
 
 constexpr std::size_t most_sent = 2;
-
-template <std::size_t Size>
-void copy_text(char (&to)[Size], std::string_view from) noexcept {
-  const std::size_t count = std::min(Size - 1, from.size());
-  std::memcpy(to, from.data(), count);
-  std::memset(to + count, 0, Size - count);
-}
 
 /// Text of a client as it may be shown in a terminal: ASCII, cut at its closing zero.
 template <std::size_t Size>

@@ -37,9 +37,8 @@ AppScene::AppScene(AppState& state, const ForceScene& scene)
     : state_(state), probe_radius_(scene.objects.front().force.probe_radius) {
   objects_.reserve(scene.objects.size() + room(scene));
   told_.reserve(SPM_MOST_OBJECTS);
-  std::size_t assets = 0;
-  for (const PlacedObject& object : scene.objects) assets = std::max(assets, object.asset + 1);
-  least_scales_.resize(assets + spare_assets, std::numeric_limits<double>::infinity());
+  least_scales_.resize(assets_of(scene.objects) + spare_assets,
+                       std::numeric_limits<double>::infinity());
   for (const PlacedObject& object : scene.objects) {
     note_scale(object);
     objects_.push_back({objects_.size(), object, PoseInterpolator({}, object.placement)});
@@ -158,7 +157,7 @@ Refusal AppScene::remove(const AppCommand& command, std::span<SceneForce* const>
   Object* object = find(command.object);
   if (object == nullptr) return Refusal::unknown_object;
   if (owner_of(command.object) != command.connection) return Refusal::not_yours;
-  drop(static_cast<std::size_t>(object - objects_.data()), forces);
+  drop(place_of(*object), forces);
   return Refusal::none;
 }
 
@@ -177,14 +176,19 @@ Refusal AppScene::change(const AppCommand& command, std::int64_t now_ns,
     return Refusal::out_of_range;
   }
   set_material(command.material, object->settings);
-  PlacedObject changed = object->settings;
-  const InterpolatedPose now = object->motion.at(now_ns);
-  changed.placement.position = now.pose.position;
-  changed.placement.rotation = now.pose.rotation;
-  const auto place = static_cast<std::size_t>(object - objects_.data());
-  for (SceneForce* force : forces) force->change(place, changed);
+  hand_on(*object, now_ns, forces);
   felt_anew_ = true;
   return Refusal::none;
+}
+
+/// Tells the forces an object's settings, where it is now.
+void AppScene::hand_on(const Object& object, std::int64_t now_ns,
+                       std::span<SceneForce* const> forces) const noexcept {
+  PlacedObject settings = object.settings;
+  const Placement now = object.motion.at(now_ns).pose;
+  settings.placement.position = now.position;
+  settings.placement.rotation = now.rotation;
+  for (SceneForce* force : forces) force->change(place_of(object), settings);
 }
 
 void AppScene::depart(std::uint32_t connection, std::span<SceneForce* const> forces) noexcept {
@@ -211,24 +215,19 @@ bool AppScene::edit(const SceneEdit& edit, std::int64_t now_ns,
   if (edit.added.size() > free_places() + edit.removed.size()) return false;
   for (const std::uint64_t id : edit.removed) {
     if (const Object* object = find(id)) {
-      drop(static_cast<std::size_t>(object - objects_.data()), forces);
+      drop(place_of(*object), forces);
     }
   }
   for (const EditedObject& edited : edit.changed) {
     Object* object = find(edited.id);
     if (object == nullptr) continue;
-    PlacedObject changed = edited.settings;
+    object->settings = edited.settings;
     if (edited.moved) {
-      object->motion = PoseInterpolator({}, changed.placement);
+      object->motion = PoseInterpolator({}, edited.settings.placement);
       object->driver = 0;
     }
-    const Placement now = object->motion.at(now_ns).pose;
-    object->settings = changed;
-    changed.placement.position = now.position;
-    changed.placement.rotation = now.rotation;
-    note_scale(changed);
-    const auto place = static_cast<std::size_t>(object - objects_.data());
-    for (SceneForce* force : forces) force->change(place, changed);
+    note_scale(edited.settings);
+    hand_on(*object, now_ns, forces);
   }
   for (const EditedObject& added : edit.added) {
     note_scale(added.settings);

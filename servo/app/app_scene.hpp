@@ -79,6 +79,11 @@ class AppScene {
                                std::span<SceneForce* const> forces) noexcept;
   void depart(std::uint32_t connection, std::span<SceneForce* const> forces) noexcept;
   [[nodiscard]] bool put(const Object& added, std::span<SceneForce* const> forces) noexcept;
+  [[nodiscard]] std::size_t place_of(const Object& object) const noexcept {
+    return static_cast<std::size_t>(&object - objects_.data());
+  }
+  void hand_on(const Object& object, std::int64_t now_ns,
+               std::span<SceneForce* const> forces) const noexcept;
   void drop(std::size_t place, std::span<SceneForce* const> forces) noexcept;
   [[nodiscard]] std::size_t free_places() const noexcept;
   void note_scale(const PlacedObject& object) noexcept;

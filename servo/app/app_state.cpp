@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "servo/app/app_client.hpp"
+#include "servo/client/fixed_text.hpp"
 #include "servo/client/shared_buckets.hpp"
 #include "servo/client/shared_words.hpp"
 #include "servo/client/spm_client.h"
@@ -38,18 +39,11 @@ static_assert(static_cast<int>(DeviceHealth::silent) == SPM_CLIENT_HEALTH_SILENT
 static_assert(static_cast<int>(DeviceHealth::gone) == SPM_CLIENT_HEALTH_GONE);
 static_assert(static_cast<int>(DeviceHealth::not_homed) == SPM_CLIENT_HEALTH_NOT_HOMED);
 
-template <std::size_t Size>
-void copy_name(char (&to)[Size], const std::string& from) noexcept {
-  const std::size_t count = std::min(Size - 1, from.size());
-  std::memcpy(to, from.data(), count);
-  std::memset(to + count, 0, Size - count);
-}
-
 /// Copies names, and gives how many there was room for.
 template <std::size_t Most>
 std::uint32_t copy_names(char (&to)[Most][SPM_NAME_BYTES], const std::vector<std::string>& from) {
   const std::size_t count = std::min(Most, from.size());
-  for (std::size_t i = 0; i < count; ++i) copy_name(to[i], from[i]);
+  for (std::size_t i = 0; i < count; ++i) copy_text(to[i], from[i]);
   return static_cast<std::uint32_t>(count);
 }
 
@@ -61,8 +55,8 @@ std::unique_ptr<spm_shared_info> info_of(const AppNames& names) {
   info->object_count = copy_names(info->objects, names.objects);
   info->cause_count = force_off_count;
   for (std::size_t i = 0; i < force_off_count; ++i) {
-    copy_name(info->causes[i].name, to_string(static_cast<ForceOff>(i)));
-    copy_name(info->causes[i].cure, cure_of(static_cast<ForceOff>(i)));
+    copy_text(info->causes[i].name, to_string(static_cast<ForceOff>(i)));
+    copy_text(info->causes[i].cure, cure_of(static_cast<ForceOff>(i)));
   }
   return info;
 }
@@ -123,7 +117,7 @@ Result<std::unique_ptr<AppState>> AppState::create(double rate_hz, const AppName
   shared.magic = SPM_STATE_MAGIC;
   shared.layout_version = SPM_LAYOUT_VERSION;
   shared.bytes = sizeof(spm_shared_state);
-  copy_name(shared.daemon_version, SPM_VERSION);
+  copy_text(shared.daemon_version, SPM_VERSION);
   shared.process = static_cast<std::uint32_t>(getpid());
   shared.rate_hz = rate_hz;
   state->rename(names);
@@ -201,7 +195,7 @@ void AppState::tell_clients(std::span<const AppClientReport> clients) noexcept {
       spm_shared_application application{};
       application.connection = clients[i].connection;
       application.process = static_cast<std::uint32_t>(clients[i].process);
-      copy_name(application.name, clients[i].application);
+      copy_text(application.name, clients[i].application);
       store_words(&to.list[i], &application, sizeof application);
     }
   });

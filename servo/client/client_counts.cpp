@@ -10,16 +10,12 @@ namespace {
 
 using namespace spm::servo;
 
-/// Reads behind a sequence lock by `read`, which gives whether what was looked for is there.
-template <class Read>
-int read_behind(const std::uint64_t& sequence, const Read& read) noexcept {
-  for (int attempt = 0; attempt < most_reads; ++attempt) {
-    bool found = false;
-    if (read_sequenced(sequence, [&] { found = read(); })) {
-      return found ? SPM_CLIENT_OK : SPM_CLIENT_NOT_THERE;
-    }
-  }
-  return SPM_CLIENT_BUSY;
+/// Looks something up behind a sequence lock by `find`, which gives whether it is there.
+template <class Find>
+int look_up(const std::uint64_t& sequence, const Find& find) noexcept {
+  bool found = false;
+  if (!read_behind(sequence, [&] { found = find(); })) return SPM_CLIENT_BUSY;
+  return found ? SPM_CLIENT_OK : SPM_CLIENT_NOT_THERE;
 }
 
 spm_client_loop public_loop(const spm_shared_loop& from) noexcept {
@@ -66,7 +62,7 @@ int spm_client_read_loop(const spm_client* client, spm_client_loop* loop) {
   if (client == nullptr || loop == nullptr) return SPM_CLIENT_BAD_ARGUMENT;
   const spm_shared_loop& shared = look(*client).loop;
   spm_client_loop found{};
-  const int code = read_behind(shared.sequence, [&] {
+  const int code = look_up(shared.sequence, [&] {
     found = public_loop(shared);
     return found.ticks > 0;
   });
@@ -82,7 +78,7 @@ int spm_client_read_device_counts(const spm_client* client, uint32_t device,
   if (client == nullptr || counts == nullptr) return SPM_CLIENT_BAD_ARGUMENT;
   const spm_shared_loop& shared = look(*client).loop;
   spm_shared_device_counts found{};
-  const int code = read_behind(shared.sequence, [&] {
+  const int code = look_up(shared.sequence, [&] {
     const bool there = device < SPM_MOST_DEVICES && device < load_relaxed(shared.device_count);
     if (there) found = load_record(shared.devices[device]);
     return there;
@@ -95,7 +91,7 @@ int spm_client_read_application(const spm_client* client, uint32_t index,
   if (client == nullptr || application == nullptr) return SPM_CLIENT_BAD_ARGUMENT;
   const spm_shared_applications& shared = look(*client).applications;
   spm_shared_application found{};
-  const int code = read_behind(shared.sequence, [&] {
+  const int code = look_up(shared.sequence, [&] {
     const bool there = index < SPM_MOST_CLIENTS && index < load_relaxed(shared.count);
     if (there) load_words(&found, &shared.list[index], sizeof found);
     return there;

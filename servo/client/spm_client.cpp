@@ -2,15 +2,16 @@
 #include "servo/client/spm_client.h"
 
 #include <chrono>
-#include <ctime>
 #include <exception>
 #include <memory>
 #include <string>
 
 #include "servo/app/refusal.hpp"
 #include "servo/client/client.hpp"
+#include "servo/client/fixed_text.hpp"
 #include "servo/client/socket_path.hpp"
 #include "servo/client/state_reader.hpp"
+#include "servo/clock.hpp"
 
 namespace {
 
@@ -26,19 +27,6 @@ void give_message(char* message, size_t size, const std::string& text) noexcept 
   const size_t count = std::min(size - 1, text.size());
   std::memcpy(message, text.data(), count);
   message[count] = '\0';
-}
-
-template <std::size_t Size>
-void copy_text(char (&to)[Size], const char* from) noexcept {
-  const std::size_t count = strnlen(from, Size - 1);
-  std::memcpy(to, from, count);
-  std::memset(to + count, 0, Size - count);
-}
-
-std::int64_t monotonic_ns() noexcept {
-  timespec time{};
-  clock_gettime(CLOCK_MONOTONIC, &time);
-  return std::int64_t{time.tv_sec} * 1'000'000'000 + time.tv_nsec;
 }
 
 int code_of(ReadResult result) noexcept {
@@ -201,7 +189,7 @@ int spm_client_daemon_state(const spm_client* client, double* age) {
   if (client == nullptr) return SPM_CLIENT_GONE;
   const spm_shared_state& state = look(*client);
   const bool ticked = load_acquire(state.published) > 0;
-  const std::int64_t since = monotonic_ns() - load_relaxed(state.heartbeat_ns);
+  const std::int64_t since = now_ns() - load_relaxed(state.heartbeat_ns);
   if (ticked && age != nullptr) *age = static_cast<double>(since) * 1e-9;
   if (load_acquire(state.ended) != 0) return SPM_CLIENT_ENDED;
   if (!client->connection.daemon_is_there()) return SPM_CLIENT_GONE;
@@ -221,7 +209,8 @@ int spm_client_read_info(const spm_client* client, spm_client_info* info) {
   found.cause_count = client->cause_count;
   found.process = state.process;
   found.rate_hz = state.rate_hz;
-  copy_text(found.daemon_version, state.daemon_version);
+  copy_text(found.daemon_version,
+            {state.daemon_version, strnlen(state.daemon_version, sizeof state.daemon_version)});
   copy_text(found.library_version, SPM_VERSION);
   return give(info, found);
 }

@@ -38,13 +38,19 @@ template <class Read>
   return std::min<std::uint32_t>(load_relaxed(snapshot.object_count), SPM_MOST_OBJECTS);
 }
 
+/// Reads what has a sequence lock of its own by `read`; false where it kept changing.
+template <class Read>
+[[nodiscard]] bool read_behind(const std::uint64_t& sequence, const Read& read) noexcept {
+  for (int attempt = 0; attempt < most_reads; ++attempt) {
+    if (read_sequenced(sequence, read)) return true;
+  }
+  return false;
+}
+
 /// Reads part of what seldom changes by `read(info)`; false where it kept changing.
 template <class Read>
 [[nodiscard]] bool read_info(const spm_shared_state& state, const Read& read) noexcept {
-  for (int attempt = 0; attempt < most_reads; ++attempt) {
-    if (read_sequenced(state.info_sequence, [&] { read(state.info); })) return true;
-  }
-  return false;
+  return read_behind(state.info_sequence, [&] { read(state.info); });
 }
 
 }  // namespace spm::servo

@@ -1,10 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "servo/scene/scene_edit.hpp"
 
+#include <algorithm>
 #include <numeric>
 #include <set>
 
 namespace spm::servo {
+
+std::size_t assets_of(std::span<const PlacedObject> objects) noexcept {
+  std::size_t count = 0;
+  for (const PlacedObject& object : objects) count = std::max(count, object.asset + 1);
+  return count;
+}
 
 std::vector<std::uint64_t> first_ids(std::size_t count) {
   std::vector<std::uint64_t> ids(count);

@@ -32,6 +32,9 @@ struct SceneEdit {
   bool felt = true;        ///< forces have to fade in again
 };
 
+/// How many assets a scene's objects name.
+[[nodiscard]] std::size_t assets_of(std::span<const PlacedObject> objects) noexcept;
+
 /// The ids of a scene's objects at the start: 0, 1, ...
 [[nodiscard]] std::vector<std::uint64_t> first_ids(std::size_t count);
 

@@ -1,0 +1,19 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <cstring>
+#include <string_view>
+
+namespace spm::servo {
+
+/// Copies a text into a place of fixed size, cut where it is longer, with zeros behind it.
+template <std::size_t Size>
+void copy_text(char (&to)[Size], std::string_view from) noexcept {
+  const std::size_t count = std::min(Size - 1, from.size());
+  std::memcpy(to, from.data(), count);
+  std::memset(to + count, 0, Size - count);
+}
+
+}  // namespace spm::servo
