@@ -17,8 +17,9 @@ namespace {
 
 /// A cube is not split further where no more groups may hold the nearest.
 constexpr std::size_t few_groups = 2;
-/// One with so many, or where claims tell the side, is split once more than others.
-constexpr std::size_t many_groups = 12;
+/// One with so many, or where claims tell the side, is split once more than others; with so very
+/// many twice.
+constexpr std::size_t many_groups = 5, very_many_groups = 10;
 /// Nor one that is smaller than so many times what is usual for two cells, or a triangle where
 /// there are no tiles.
 constexpr double least_share = 0.8;
@@ -142,7 +143,8 @@ bool IndexBrancher::is_worth_splitting(const IndexBranch& branch, double edge) c
   const std::size_t count = branch.lists.nearest.size();
   if (count <= few_groups) return false;
   if (edge >= least_edge_) return true;
-  return edge >= least_edge_ / 2 && (count >= many_groups || branch.kind == CubeKind::told);
+  if (edge >= least_edge_ / 2) return count >= many_groups || branch.kind == CubeKind::told;
+  return edge >= least_edge_ / 4 && count >= very_many_groups;
 }
 
 /// What a whole cube is. Clear of all that is near, the side of its middle is that of all; caps
