@@ -183,7 +183,7 @@ TEST_CASE("The C library's errors carry the exit code and a message that fits it
 }
 
 TEST_CASE("An asset that is truncated while the C library maps it is told as lost") {
-  const Both both(sparse_asset(1, {.tiles = 1000}));
+  const Both both(sparse_asset(1));
   std::filesystem::resize_file(both.path, 1);
   for (const Vector3& point : points()) {
     c_client_point(both.c, point.x(), point.y(), point.z());

@@ -120,7 +120,8 @@ TEST_CASE("A sparse asset reads back as it was written") {
   for (const std::uint32_t tiles : {0U, 1U, 2U, 31U, 100U, 700U, 1999U}) {
     const Asset asset =
         sparse_asset(tiles, {.tiles = tiles, .triangles = tiles % 3 * 7, .small = tiles % 4 == 0});
-    const auto opened = written_and_opened(asset, folder.path("sparse.spm.exr"));
+    // The index is derived and not read.
+    const auto opened = written_and_opened(asset, folder.path("sparse.spm.exr"), {.index = false});
     check_same_content(asset, opened->view());
   }
 }
