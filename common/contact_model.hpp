@@ -4,6 +4,7 @@
 #include <cstdint>
 
 #include "common/coulomb_friction.hpp"
+#include "common/coupling_point.hpp"
 #include "common/force_law.hpp"
 #include "common/proxy.hpp"
 #include "common/surface_texture.hpp"
@@ -36,17 +37,19 @@ struct EffectSettings {
 struct ContactSettings {
   ForceSettings force;
   EffectSettings effects;
-  double tick = 1e-3;       ///< s, above 0
-  double encoder_step = 0;  ///< m, 0 or more: how far a position may be off
+  double tick = 1e-3;           ///< s, above 0
+  double encoder_step = 0;      ///< m, 0 or more: how far a position may be off
+  CouplingSettings coupling{};  ///< between the hand and what touches the object
+  VelocityBy velocity = VelocityBy::estimate;
 };
 
 /// The force on one probe at one object, tick by tick: reaction by the method that was chosen, and
-/// on it friction, damping and texture (eq. 18). It remembers what these need, in the object's
-/// frame. Nothing in it allocates or throws.
+/// on it friction, damping and texture (eq. 18). Through a coupling the hand feels no more than
+/// felt_stiffness, and the method is asked where the coupling's point is. It remembers what these
+/// need, in the object's frame. Nothing in it allocates or throws.
 class ContactModel {
  public:
-  explicit ContactModel(const ContactSettings& settings) noexcept
-      : settings_(settings), velocity_(settings.encoder_step, settings.tick) {}
+  explicit ContactModel(const ContactSettings& settings) noexcept;
 
   /// Force for a probe centred at `point` (object's frame, m) in the next tick. Without effects,
   /// for `spm` and `paper`, that of contact_force. Never NaN; none where stiffness is below 0 or no
@@ -56,6 +59,7 @@ class ContactModel {
   /// Forgets all: at the start, and when the object was exchanged.
   void reset() noexcept;
 
+  /// As they were given, but for the stiffness, which is the one that is felt.
   [[nodiscard]] const ContactSettings& settings() const noexcept { return settings_; }
 
  private:
@@ -63,12 +67,17 @@ class ContactModel {
   ProxyState proxy_;
   FrictionState friction_;
   VelocityEstimate velocity_;
+  CouplingPoint coupling_;
   Vector3 last_point_ = Vector3::Zero();
   Vector3 last_normal_ = Vector3::Zero();  ///< unit; zero where the last tick had no contact
   Vector3 last_turned_at_ = Vector3::Zero();
   std::uint64_t ticks_ = 0;
   bool last_known_ = false;
 
+  [[nodiscard]] ContactForce reaction(const AssetView& asset, const Vector3& point) noexcept;
+  [[nodiscard]] ContactForce holding(const AssetView& asset, const Vector3& at,
+                                     const Vector3& hand) noexcept;
+  [[nodiscard]] ContactForce coupled(const AssetView& asset, const Vector3& hand) noexcept;
   void limit_turn(const Vector3& point, ContactForce& contact) noexcept;
   [[nodiscard]] ContactForce proxy_force(const AssetView& asset, const Vector3& point) noexcept;
   void add_effects(const AssetView& asset, const Vector3& point, ContactForce& contact) noexcept;

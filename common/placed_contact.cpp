@@ -10,10 +10,13 @@ constexpr double kernel_reach = 2.5;
 
 }  // namespace
 
-ContactSettings in_asset_frame(const PlacedObject& object, double tick,
-                               double encoder_step) noexcept {
+ContactSettings in_asset_frame(const PlacedObject& object, double tick, double encoder_step,
+                               const CouplingSettings& coupling, VelocityBy velocity) noexcept {
   const double scale = object.placement.scale;
-  ContactSettings settings{object.force, object.effects, tick, encoder_step / scale};
+  ContactSettings settings{object.force,         object.effects, tick,
+                           encoder_step / scale, coupling,       velocity};
+  settings.coupling.stiffness *= scale;
+  settings.coupling.damping *= scale;
   settings.force.stiffness *= scale;
   settings.force.probe_radius /= scale;
   EffectSettings& effects = settings.effects;
@@ -27,20 +30,30 @@ ContactSettings in_asset_frame(const PlacedObject& object, double tick,
   return settings;
 }
 
-PlacedContact::PlacedContact(const PlacedObject& object, double tick, double encoder_step) noexcept
+PlacedContact::PlacedContact(const PlacedObject& object, double tick, double encoder_step,
+                             const CouplingSettings& coupling, VelocityBy velocity) noexcept
     : asset_(object.asset),
       rotation_(object.placement.rotation.toRotationMatrix()),
       position_(object.placement.position),
+      seat_rotation_(rotation_),
+      seat_(position_),
       scale_(object.placement.scale),
       reach_(kernel_reach * object.effects.smoothing.sigma / object.placement.scale),
       // Of the paper's readings this one may find contact anywhere.
       may_skip_(object.force.method != Method::paper ||
                 object.force.rule != PaperRule::closest_surface),
-      model_(in_asset_frame(object, tick, encoder_step)) {}
+      model_(in_asset_frame(object, tick, encoder_step, coupling, velocity)) {}
 
 void PlacedContact::reset() noexcept {
   model_.reset();
   last_known_ = touching_ = away_ = false;
+}
+
+Vector3 PlacedContact::carried(const Vector3& point) noexcept {
+  const Vector3 before = seat_ + seat_rotation_ * (rotation_.transpose() * (point - position_));
+  seat_ = position_;
+  seat_rotation_ = rotation_;
+  return point - before;
 }
 
 /// Whether the hand's way since the last tick may have met the box of the asset's band.

@@ -18,16 +18,20 @@ struct PlacedObject {
 
 /// What a contact model in the asset's frame is given, so that the world feels the settings of the
 /// object: lengths divided by its scale, forces a length multiplied. `tick` in s, above 0;
-/// `encoder_step` in m of the world.
+/// `encoder_step` in m of the world; `coupling` is the world's too.
 [[nodiscard]] ContactSettings in_asset_frame(const PlacedObject& object, double tick,
-                                             double encoder_step) noexcept;
+                                             double encoder_step,
+                                             const CouplingSettings& coupling = {},
+                                             VelocityBy velocity = VelocityBy::estimate) noexcept;
 
 /// The force of one object in the world, tick by tick. Where the hand is farther from the object
 /// than its band it is not asked. Nothing in it allocates or throws.
 class PlacedContact {
  public:
   /// `tick` in s, above 0; `encoder_step` in m of the world, 0 or more.
-  PlacedContact(const PlacedObject& object, double tick, double encoder_step) noexcept;
+  PlacedContact(const PlacedObject& object, double tick, double encoder_step,
+                const CouplingSettings& coupling = {},
+                VelocityBy velocity = VelocityBy::estimate) noexcept;
 
   /// Force for a probe centred at `point` in the next tick; force, normal and depth in the world,
   /// as ContactModel says. `asset` must be the object's.
@@ -39,11 +43,24 @@ class PlacedContact {
     position_ = position;
     rotation_ = rotation.toRotationMatrix();
   }
+  /// Puts the object where another is.
+  void place_as(const PlacedContact& other) noexcept {
+    position_ = seat_ = other.position_;
+    rotation_ = seat_rotation_ = other.rotation_;
+  }
   /// m, world.
   [[nodiscard]] const Vector3& position() const noexcept { return position_; }
 
   /// Forgets all: at the start, and when the asset was exchanged.
   void reset() noexcept;
+
+  /// N/m that is felt, world.
+  [[nodiscard]] double stiffness() const noexcept {
+    return model_.settings().force.stiffness / scale_;
+  }
+  /// How far the object carried its place that is now at `point` since this was asked last, m,
+  /// world.
+  [[nodiscard]] Vector3 carried(const Vector3& point) noexcept;
 
   /// Which of the scene's assets it is.
   [[nodiscard]] std::size_t asset() const noexcept { return asset_; }
@@ -52,6 +69,8 @@ class PlacedContact {
   std::size_t asset_;
   Eigen::Matrix3d rotation_;
   Vector3 position_;
+  Eigen::Matrix3d seat_rotation_;  ///< where it was when `carried` was asked last
+  Vector3 seat_;
   double scale_;
   double reach_;   ///< m, asset's frame: how far outside of the asset's box there may be contact
   bool may_skip_;  ///< there is none beyond

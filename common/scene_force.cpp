@@ -7,8 +7,19 @@
 namespace spm {
 
 ForceScene scene_of(const ForceSettings& force, const EffectSettings& effects) {
-  return {{}, {PlacedObject{0, {}, force, effects}}};
+  return {{}, {PlacedObject{0, {}, force, effects}}, {}};
 }
+
+namespace {
+
+/// What acts on the sum: the coupling is each object's.
+StabilityCures cures_of_sum(const CureSettings& cures, double tick, double encoder_step) noexcept {
+  CureSettings settings = cures;
+  settings.coupling = 0;
+  return StabilityCures(settings, tick, encoder_step, 0);
+}
+
+}  // namespace
 
 SceneForce::SceneForce(const ForceScene& scene, double tick, double encoder_step, std::size_t room,
                        double stiffness_cap)
@@ -17,21 +28,29 @@ SceneForce::SceneForce(const ForceScene& scene, double tick, double encoder_step
       scale_(scene.workspace.scale),
       tick_(tick),
       encoder_step_(encoder_step * scale_),
-      stiffness_cap_(stiffness_cap / scale_) {
+      stiffness_cap_(stiffness_cap / scale_),
+      cures_(scene.cures),
+      cured_(cures_of_sum(scene.cures, tick, encoder_step)) {
   objects_.reserve(scene.objects.size() + room);
   for (const PlacedObject& object : scene.objects) static_cast<void>(add(object));
 }
 
-PlacedContact SceneForce::contact_of(const PlacedObject& object) const {
+PlacedContact SceneForce::contact_of(const PlacedObject& object) const noexcept {
   PlacedObject capped = object;
   capped.force.stiffness = std::min(object.force.stiffness, stiffness_cap_);
   FrictionSettings& friction = capped.effects.friction;
   friction.stiffness = std::min(friction.stiffness, stiffness_cap_);
-  return PlacedContact(capped, tick_, encoder_step_);
+  if (cures_.potential > 0 && object.force.method == Method::spm) {
+    RuntimeSmoothing& smoothing = capped.effects.smoothing;
+    smoothing.sigma = std::max(smoothing.sigma, cures_.potential * scale_);
+    capped.effects.turn.rate = 0;
+  }
+  const CouplingSettings coupling{cures_.coupling / scale_, cures_.coupling_damping / scale_};
+  return PlacedContact(capped, tick_, encoder_step_, coupling, cures_.velocity);
 }
 
 std::optional<std::size_t> SceneForce::add(const PlacedObject& object) noexcept {
-  Object added{contact_of(object), true, {}};
+  Object added{object, contact_of(object), true, {}};
   for (std::size_t i = 0; i < objects_.size(); ++i) {
     if (objects_[i].is_there) continue;
     objects_[i] = std::move(added);
@@ -45,13 +64,27 @@ std::optional<std::size_t> SceneForce::add(const PlacedObject& object) noexcept 
 
 void SceneForce::change(std::size_t object, const PlacedObject& settings) noexcept {
   if (object >= objects_.size()) return;
+  objects_[object].settings = settings;
   objects_[object].contact = contact_of(settings);
+  cured_.reset();
+}
+
+void SceneForce::cure(const CureSettings& cures) noexcept {
+  cures_ = cures;
+  cured_ = cures_of_sum(cures, tick_, encoder_step_ / scale_);
+  for (Object& object : objects_) {
+    PlacedContact contact = contact_of(object.settings);
+    contact.place_as(object.contact);
+    object.contact = contact;
+    object.reaction = {};
+  }
 }
 
 void SceneForce::remove(std::size_t object) noexcept {
   if (object >= objects_.size()) return;
   objects_[object].is_there = false;
   objects_[object].reaction = {};
+  cured_.reset();
 }
 
 void SceneForce::place(std::size_t object, const Vector3& position,
@@ -60,10 +93,27 @@ void SceneForce::place(std::size_t object, const Vector3& position,
 }
 
 void SceneForce::reset() noexcept {
+  cured_.reset();
   for (Object& object : objects_) {
     object.contact.reset();
     object.reaction = {};
   }
+}
+
+/// What the objects that touch a place of the world can give back; as the hand feels it, whose
+/// metres are others.
+ContactEnergy SceneForce::energy(const Vector3& point) noexcept {
+  ContactEnergy energy;
+  for (Object& object : objects_) {
+    if (!object.is_there) continue;
+    const Vector3 carried = object.contact.carried(point);
+    if (!(object.pressed > 0)) continue;
+    const double stiffness = object.contact.stiffness();
+    energy.stiffness += stiffness * scale_;
+    energy.stored += 0.5 * stiffness * object.pressed * object.pressed / scale_;
+    energy.carried -= object.reaction.force.dot(carried) / scale_;
+  }
+  return energy;
 }
 
 ContactForce SceneForce::next(std::span<const AssetView* const> assets,
@@ -77,8 +127,10 @@ ContactForce SceneForce::next(std::span<const AssetView* const> assets,
   for (Object& object : objects_) {
     if (!object.is_there) continue;
     object.reaction = {};
+    object.pressed = 0;
     const ContactForce contact = object.contact.next(*assets[object.contact.asset()], point);
     if (!contact.contact) continue;
+    object.pressed = contact.depth;
     sum.force += contact.force;
     object.reaction.force = -contact.force;
     object.reaction.torque = (point - object.contact.position()).cross(-contact.force);
@@ -89,11 +141,13 @@ ContactForce SceneForce::next(std::span<const AssetView* const> assets,
     }
     sum.contact = true;
   }
-  if (!sum.contact) return sum;
-  sum.force = rotation_.transpose() * sum.force;
-  sum.normal = rotation_.transpose() * sum.normal;
-  // Each is finite; their sum may not be.
-  return sum.force.allFinite() ? sum : ContactForce{};
+  if (sum.contact) {
+    sum.force = rotation_.transpose() * sum.force;
+    sum.normal = rotation_.transpose() * sum.normal;
+    // Each is finite; their sum may not be.
+    if (!sum.force.allFinite()) return {};
+  }
+  return cures_.acts_on_sum() ? cured_.apply(sum, hand, energy(point)) : sum;
 }
 
 }  // namespace spm

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "common/placed_contact.hpp"
+#include "common/stability_cures.hpp"
 #include "common/wrench.hpp"
 
 namespace spm {
@@ -17,13 +18,15 @@ namespace spm {
 struct ForceScene {
   Placement workspace;                ///< of the hand's frame; its scale is of lengths alone
   std::vector<PlacedObject> objects;  ///< one or more
+  CureSettings cures{};               ///< of the sum, and how the objects are touched
 };
 
 /// The scene of one object whose frame is the hand's.
 [[nodiscard]] ForceScene scene_of(const ForceSettings& force, const EffectSettings& effects = {});
 
 /// The force of all objects of a scene on one hand, tick by tick: the sum of what each gives by its
-/// own settings. Construction allocates; nothing else does, or throws.
+/// own settings, and on it what keeps it stable. Construction allocates; nothing else does, or
+/// throws.
 class SceneForce {
  public:
   /// `tick` in s, above 0; `encoder_step` in m of the hand, 0 or more. There is room for so many
@@ -50,9 +53,12 @@ class SceneForce {
   [[nodiscard]] std::optional<std::size_t> add(const PlacedObject& object) noexcept;
   /// Gives an object other settings, its place included; what touched it is forgotten.
   void change(std::size_t object, const PlacedObject& settings) noexcept;
+  /// Gives the scene other cures; what was felt is forgotten.
+  void cure(const CureSettings& cures) noexcept;
   /// Takes an object away, and what it pushed with it; its number may be given to another.
   void remove(std::size_t object) noexcept;
   /// What the hand did to an object in the last tick: N, and N m about its origin; world frame.
+  /// What the cures take from the hand acts on no object.
   [[nodiscard]] const Wrench& reaction(std::size_t object) const noexcept {
     return objects_[object].reaction;
   }
@@ -61,18 +67,24 @@ class SceneForce {
   void reset() noexcept;
 
  private:
-  [[nodiscard]] PlacedContact contact_of(const PlacedObject& object) const;
+  struct Object {
+    PlacedObject settings;  ///< as they were given; the place may be another now
+    PlacedContact contact;
+    bool is_there = true;
+    Wrench reaction;
+    double pressed = 0;  ///< m of the world, in the last tick
+  };
+
+  [[nodiscard]] PlacedContact contact_of(const PlacedObject& object) const noexcept;
+  [[nodiscard]] ContactEnergy energy(const Vector3& point) noexcept;
 
   Eigen::Matrix3d rotation_;
   Vector3 position_;
   double scale_;
   double tick_, encoder_step_;
   double stiffness_cap_;  ///< N a metre of the world
-  struct Object {
-    PlacedContact contact;
-    bool is_there = true;
-    Wrench reaction;
-  };
+  CureSettings cures_;
+  StabilityCures cured_;         ///< the sum
   std::vector<Object> objects_;  ///< never more than it has room for
 };
 

@@ -3,10 +3,17 @@
 
 #include <array>
 #include <cstddef>
+#include <cstdint>
 
 #include "common/vector.hpp"
 
 namespace spm {
+
+/// How a velocity is told from positions.
+enum class VelocityBy : std::uint8_t {
+  estimate,    ///< the longest straight window
+  difference,  ///< the last two positions alone: noise of one encoder step a tick
+};
 
 /// The velocity of a position that an encoder counts in steps, from the last ticks: of all windows
 /// that end now the longest through which a straight line meets every position within the step; its
@@ -18,17 +25,23 @@ class VelocityEstimate {
   static constexpr std::size_t most_ticks = 32;
 
   /// `step`: how far a position may be off, m, 0 or more; `tick` in s, above 0.
-  VelocityEstimate(double step, double tick) noexcept : step_(step), tick_(tick) {}
+  VelocityEstimate(double step, double tick, VelocityBy by = VelocityBy::estimate) noexcept
+      : step_(step), tick_(tick), longest_(by == VelocityBy::difference ? 2 : most_ticks) {}
 
   /// Takes the next tick's position, m, and gives the velocity, m/s; axis by axis. A position that
   /// is not finite starts anew and gives zero.
   [[nodiscard]] Vector3 next(const Vector3& position) noexcept;
+
+  /// The two halves of it, for ticks in which nobody asks for the velocity.
+  void take(const Vector3& position) noexcept;
+  [[nodiscard]] Vector3 velocity() const noexcept;
 
   /// Forgets all: after a jump that is no motion.
   void reset() noexcept { count_ = 0; }
 
  private:
   double step_, tick_;
+  std::size_t longest_;                     ///< positions that are looked at
   std::array<Vector3, most_ticks> last_{};  ///< a ring
   std::size_t newest_ = 0, count_ = 0;
 
@@ -36,6 +49,7 @@ class VelocityEstimate {
   [[nodiscard]] double ago(std::size_t ticks, int axis) const noexcept {
     return last_[(newest_ + most_ticks - ticks) % most_ticks][axis];
   }
+  [[nodiscard]] bool meets_all(double slope, std::size_t ticks, int axis) const noexcept;
   [[nodiscard]] double slope(int axis) const noexcept;
 };
 

@@ -52,17 +52,20 @@ Json to_json(const RecordingHeader& header) {
       devices.back()["stiffness_cap_n_m"] = device.stiffness_cap;
     }
   }
-  return {{"spm_version", header.spm_version},
-          {"instruction_set", header.instruction_set},
-          {"rate_hz", header.rate_hz},
-          {"devices", std::move(devices)},
-          {"causes", header.causes},
-          {"assets", header.assets},
-          {"row_bytes", sizeof(RecordingRow)},
-          {"row",
-           {"tick u64", "position f64 x3 m", "wanted f64 x3 N", "sent f64 x3 N", "depth f64 m",
-            "wake_ns i32", "busy_ns i32", "buttons u32", "device u16", "cause u8",
-            "flags u8: 1 contact, 2 forgot, 4 lost"}}};
+  Json json;
+  if (header.form > 1) json["form"] = header.form;
+  json.update({{"spm_version", header.spm_version},
+               {"instruction_set", header.instruction_set},
+               {"rate_hz", header.rate_hz},
+               {"devices", std::move(devices)},
+               {"causes", header.causes},
+               {"assets", header.assets},
+               {"row_bytes", sizeof(RecordingRow)},
+               {"row",
+                {"tick u64", "position f64 x3 m", "wanted f64 x3 N", "sent f64 x3 N", "depth f64 m",
+                 "wake_ns i32", "busy_ns i32", "buttons u32", "device u16", "cause u8",
+                 "flags u8: 1 contact, 2 forgot, 4 lost, 8 touched, 16 edited"}}});
+  return json;
 }
 
 std::vector<std::string> texts(JsonFields& fields, const char* key) {
@@ -81,6 +84,10 @@ std::vector<std::string> texts(JsonFields& fields, const char* key) {
 RecordingHeader header_of(const Json& json, std::string& problem) {
   RecordingHeader header;
   JsonFields fields(json, "", problem);
+  // The first files did not name their form.
+  header.form = fields.optional("form").is_null()
+                    ? 1
+                    : static_cast<std::uint32_t>(fields.integer("form", 1, recording_form));
   header.spm_version = fields.text("spm_version");
   header.instruction_set = fields.text("instruction_set");
   header.rate_hz = fields.number("rate_hz", slowest, fastest);
@@ -185,6 +192,10 @@ Result<Recording> read_recording(const std::string& path) {
       bytes->begin() + start_bytes,
       bytes->begin() + static_cast<std::ptrdiff_t>(start_bytes + header_bytes), nullptr, false);
   if (!json.is_object()) return bad(path, "has a header that is no JSON object");
+  if (json.contains("form") && json["form"].is_number_integer() && json["form"] > recording_form) {
+    return fail(ExitCode::invalid_input,
+                path + ": is of a form that a newer spm-servo writes; read it with that version");
+  }
   Recording recording;
   std::string problem;
   recording.header = header_of(json, problem);

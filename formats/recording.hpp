@@ -32,9 +32,15 @@ static_assert(sizeof(RecordingRow) == 8 + 9 * 8 + 8 + 2 * 4 + 4 + 2 + 2);
 /// Bits of RecordingRow::flags.
 enum RecordingFlag : std::uint8_t {
   recorded_contact = 1,
-  recorded_forgot = 2,  ///< the force law had forgotten what was before this tick
-  recorded_lost = 4,    ///< ticks before this one are missing: the recorder was too slow
+  recorded_forgot = 2,   ///< the force law had forgotten what was before this tick
+  recorded_lost = 4,     ///< ticks before this one are missing: the recorder was too slow
+  recorded_touched = 8,  ///< applications have moved, added or changed objects since the loop began
+  recorded_edited = 16,  ///< an edited scene was taken up before this tick's forces
 };
+
+/// The form of files that are written. Form 1, which its header does not name, has no marks of
+/// changed scenes (`recorded_touched`, `recorded_edited`), and is read too.
+inline constexpr std::uint32_t recording_form = 2;
 
 struct RecordedDevice {
   std::string name;
@@ -45,6 +51,7 @@ struct RecordedDevice {
 
 /// What a recording says of itself.
 struct RecordingHeader {
+  std::uint32_t form = recording_form;
   std::string spm_version;
   std::string instruction_set;  ///< that the forces were computed with
   double rate_hz = 1000;
@@ -99,7 +106,7 @@ class RecordingWriter {
 [[nodiscard]] bool is_recording(const std::string& path);
 
 /// Reads a recording whole. Errors: file_or_device; invalid_input where it is no recording, was cut
-/// short or changed, or is of another version.
+/// short or changed, or is of a newer form.
 [[nodiscard]] Result<Recording> read_recording(const std::string& path);
 
 }  // namespace spm

@@ -7,7 +7,9 @@
 #include <cmath>
 #include <filesystem>
 
+#include "common/stable_stiffness.hpp"
 #include "common/units.hpp"
+#include "formats/scene_cures.hpp"
 #include "formats/scene_effects.hpp"
 #include "formats/table_reader.hpp"
 #include "formats/text_file.hpp"
@@ -105,10 +107,28 @@ std::optional<double> read_tool(TableReader&& reader) {
   return std::nullopt;
 }
 
-SceneObject read_object(TableReader&& reader, const std::string& scene) {
+/// `chosen`: what "auto" is, N/m of the scene's world; nothing where no device is named.
+void read_stiffness(TableReader& reader, std::optional<double> chosen, SceneObject& object) {
+  object.stiffness_given = reader.has("stiffness");
+  const toml::node* value = reader.node("stiffness");
+  object.stiffness_chosen = value != nullptr && value->value<std::string_view>() == "auto";
+  if (!object.stiffness_chosen) {
+    object.stiffness =
+        reader.quantity("stiffness", Quantity::stiffness, "1.5N/mm", object.stiffness);
+  } else if (chosen) {
+    object.stiffness = *chosen;
+  } else {
+    reader.refuse(
+        "stiffness",
+        "'stiffness' \"auto\" is chosen by the device; add 'profile' to [device], one of" +
+            device_profile_names());
+  }
+}
+
+SceneObject read_object(TableReader&& reader, const Scene& scene) {
   SceneObject object;
-  object.asset = resolved(scene, reader.text("asset", "teeth.spm.exr"));
-  object.mesh = resolved(scene, reader.text("mesh", "teeth.obj"));
+  object.asset = resolved(scene.path, reader.text("asset", "teeth.spm.exr"));
+  object.mesh = resolved(scene.path, reader.text("mesh", "teeth.obj"));
   object.placement = read_placement(reader);
   constexpr std::array methods{Method::spm, Method::proxy, Method::paper};
   if (const auto word = reader.word("method", {"spm", "proxy", "paper"})) {
@@ -120,8 +140,11 @@ SceneObject read_object(TableReader&& reader, const std::string& scene) {
           reader.word("paper_rule", {"closest-plane", "closest-surface", "all-planes"})) {
     object.rule = rules[*word];
   }
-  object.stiffness = reader.quantity("stiffness", Quantity::stiffness, "1.5N/mm", object.stiffness);
-  object.stiffness_given = reader.has("stiffness");
+  std::optional<double> chosen;
+  if (scene.device.profile != nullptr) {
+    chosen = stable_stiffness(*scene.device.profile) / scene.workspace.scale;
+  }
+  read_stiffness(reader, chosen, object);
   object.effects = read_effects(reader, object.stiffness);
   object.movable = reader.flag("movable", object.movable);
   if (!reader.has("asset") && !reader.has("mesh")) {
@@ -137,8 +160,9 @@ Scene read_document(const std::string& path, const toml::table& document,
                     std::optional<Error>& error) {
   Scene scene;
   scene.path = path;
-  TableReader top(path, document, "a scene", {"device", "tool", "workspace", "object"}, error);
-  for (const char* name : {"device", "tool", "workspace"}) {
+  TableReader top(path, document, "a scene", {"device", "tool", "workspace", "cures", "object"},
+                  error);
+  for (const char* name : {"device", "tool", "workspace", "cures"}) {
     const toml::node* node = document.get(name);
     if (node == nullptr) continue;
     if (!node->is_table()) {
@@ -152,6 +176,9 @@ Scene read_document(const std::string& path, const toml::table& document,
           read_device(TableReader(path, table, in, {"driver", "profile", "force_cap"}, error));
     } else if (name == std::string_view("tool")) {
       scene.probe_radius = read_tool(TableReader(path, table, in, {"probe"}, error));
+    } else if (name == std::string_view("cures")) {
+      TableReader reader(path, table, in, cure_keys, error);
+      scene.cures = read_cures(reader, scene.device.profile);
     } else {
       TableReader reader(path, table, in, {"pose", "scale"}, error);
       scene.workspace = read_placement(reader);
@@ -167,7 +194,7 @@ Scene read_document(const std::string& path, const toml::table& document,
                        {"asset", "mesh", "pose", "scale", "stiffness", "method", "paper_rule",
                         "friction", "damping", "texture", "smoothing", "turn_limit", "movable"},
                        error);
-    scene.objects.push_back(read_object(std::move(reader), path));
+    scene.objects.push_back(read_object(std::move(reader), scene));
     scene.objects.back().line = static_cast<int>(node.source().begin.line);
   }
   return scene;

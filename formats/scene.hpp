@@ -9,6 +9,7 @@
 #include "common/device_profile.hpp"
 #include "common/error.hpp"
 #include "common/placement.hpp"
+#include "common/stability_cures.hpp"
 
 namespace spm {
 
@@ -27,6 +28,7 @@ struct SceneObject {
   Placement placement;  ///< of the asset's frame
   double stiffness = default_stiffness;  ///< N/m, of the contact
   bool stiffness_given = false;
+  bool stiffness_chosen = false;  ///< by the device: the scene says "auto"
   Method method = Method::spm;
   PaperRule rule = PaperRule::closest_plane;
   EffectSettings effects;  ///< lengths, forces and damping of the world
@@ -42,7 +44,8 @@ struct Scene {
   SceneDevice device;
   std::optional<double> probe_radius;  ///< m, 0 for a point
   Placement workspace;                 ///< of the device's frame, whose origin is its tool's centre
-  std::vector<SceneObject> objects;    ///< at least one
+  CureSettings cures;
+  std::vector<SceneObject> objects;  ///< at least one
 };
 
 /// Reads a scene (TOML), formats/README.md tells its keys. Lengths, forces and stiffnesses are

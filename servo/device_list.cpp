@@ -15,19 +15,14 @@
 
 namespace spm::servo {
 
-std::string device_of(const SceneDevice& scene) {
-  std::string device = scene.driver.empty() ? "auto" : scene.driver;
-  const std::string name = device.substr(0, device.find(':'));
-  const bool simulated = name == "sim" || name == "auto";
-  if (scene.profile == nullptr || !simulated || device.find("profile=") != std::string::npos) {
-    return device;
-  }
-  const std::string profile = "profile=" + std::string(scene.profile->name);
-  if (device == name) return "sim:" + profile;
-  return device + "," + profile;
-}
-
 namespace {
+
+/// The simulated device, NAME or NAME:option=value,..., with a scene's profile unless it names one.
+std::string with_profile(std::string device, const SceneDevice& scene) {
+  if (scene.profile == nullptr || device.find("profile=") != std::string::npos) return device;
+  device += device == "sim" ? ":profile=" : ",profile=";
+  return device + std::string(scene.profile->name);
+}
 
 /// A device from what its own options parse to.
 template <class Made, class Options>
@@ -64,17 +59,26 @@ Result<std::unique_ptr<Device>> make_driver(const std::string& name, const Place
 
 }  // namespace
 
-std::string first_device_found() {
-  for (const FoundDevice& found : find_devices().devices) {
+std::string device_of(const SceneDevice& scene) {
+  if (scene.driver.empty()) return "auto";
+  const bool simulated = scene.driver == "sim" || scene.driver.starts_with("sim:");
+  return simulated ? with_profile(scene.driver, scene) : scene.driver;
+}
+
+std::string simulated_device_of(const SceneDevice& scene) { return with_profile("sim", scene); }
+
+std::string first_of(const DeviceSearch& search, const std::string& simulated) {
+  for (const FoundDevice& found : search.devices) {
     // How strong a pid device is only the user can say.
     if (std::string_view(found.match.driver) == "pid") continue;
     if (found.match.driven && found.permitted()) return specification_of(found);
   }
-  return "sim";
+  return simulated;
 }
 
-Result<std::unique_ptr<Device>> make_device(const std::string& asked) {
-  const std::string specification = asked == "auto" ? first_device_found() : asked;
+Result<std::unique_ptr<Device>> make_device(const std::string& asked,
+                                            const std::string& simulated) {
+  const std::string specification = asked == "auto" ? first_of(find_devices(), simulated) : asked;
   const std::size_t colon = specification.find(':');
   const std::string name = specification.substr(0, colon);
   const std::string options =

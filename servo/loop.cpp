@@ -67,12 +67,13 @@ Loop::Loop(const LoopSettings& settings, std::vector<Device*> devices,
       ring_(ring),
       stop_(stop),
       served_(slots_.size(), nullptr),
-      views_(slots_.size(), nullptr) {
+      views_(slots_.size(), nullptr),
+      stiffness_(stiffness_at_hand(settings.scene)) {
   const std::size_t room = app != nullptr ? AppScene::room(settings.scene) : 0;
   for (std::size_t i = 0; i < devices.size(); ++i) {
     const DeviceCapabilities& device = devices[i]->capabilities();
     const double cap = std::min(device.force_cap, settings.force_cap);
-    const double stiffness = std::min(stiffness_at_hand(settings.scene), device.stiffness_cap);
+    const double stiffness = std::min(stiffness_, device.stiffness_cap);
     Channel channel(devices[i], safety_settings(cap, stiffness, settings.rate_hz), settings, room);
     channel.record.device = static_cast<std::uint32_t>(i);
     channels_.push_back(std::move(channel));
@@ -80,7 +81,7 @@ Loop::Loop(const LoopSettings& settings, std::vector<Device*> devices,
   for (Channel& channel : channels_) forces_.push_back(&channel.force);
   if (app != nullptr) app_.emplace(*app, settings_.scene);
   told_.resize(channels_.size());
-  counted_.resize(channels_.size());
+  device_counters_.resize(channels_.size());
 }
 
 void Loop::run() noexcept {
@@ -133,6 +134,8 @@ void Loop::run_ticks(TickSchedule schedule) noexcept {
       channel.record.busy_ns = finished - woke;
       const bool kept = ring_.try_enqueue(channel.record);
       channel.record.lost = !kept;
+      // What is told of one tick alone waits for a record that is kept.
+      channel.record.edited = channel.record.edited && !kept;
       counters_.unrecorded += kept ? 0 : 1;
     }
     ++counters_.ticks;
@@ -164,6 +167,7 @@ void Loop::take_edit(std::int64_t now_ns) noexcept {
     slots_in_use_ = std::clamp(edit->assets, slots_in_use_, slots_.size());
     for (Channel& channel : channels_) {
       if (edit->felt) channel.safety.restart();
+      channel.record.edited = true;
     }
   }
   edits_->answer_with(done ? EditAnswer::done : EditAnswer::no_room);
@@ -242,11 +246,23 @@ void Loop::begin_app(std::int64_t now_ns) noexcept {
   if (!app_) return;
   const AppChanges changes = app_->begin(now_ns, forces_);
   app_silent_ = changes.silent;
+  follow_stiffness(changes.stiffest * settings_.scene.workspace.scale);
   for (Channel& channel : channels_) {
     if (changes.felt_anew) channel.safety.restart();
+    channel.record.touched = changes.touched;
   }
   for (const AppClutch& clutch : changes.clutches) {
     if (clutch.device < channels_.size()) channels_[clutch.device].app_clutched = clutch.on;
+  }
+}
+
+/// The slew limit is that of what is felt now, be it edited or an application's.
+void Loop::follow_stiffness(double stiffness) noexcept {
+  if (stiffness == stiffness_) return;
+  stiffness_ = stiffness;
+  for (Channel& channel : channels_) {
+    const double felt = std::min(stiffness, channel.device->capabilities().stiffness_cap);
+    channel.safety.set_slew_limit(slew_limit(felt, settings_.rate_hz));
   }
 }
 
@@ -257,13 +273,8 @@ void Loop::end_app(std::uint64_t tick, std::int64_t now_ns) noexcept {
 /// Tells applications what was counted, now that the tick's length is known.
 void Loop::tell_counts(std::int64_t woke, std::int64_t wake_ns, std::int64_t busy_ns) noexcept {
   if (!app_) return;
-  for (std::size_t i = 0; i < channels_.size(); ++i) {
-    const DeviceCounters& from = channels_[i].counters;
-    counted_[i] = {from.contact_ticks, from.cap_hits, from.slew_hits,
-                   from.force_max,     from.energy,   from.generated_max};
-  }
-  app_->count(
-      {woke, wake_ns, busy_ns, counters_.ticks, counters_.missed, counters_.skipped, counted_});
+  app_->count({woke, wake_ns, busy_ns, counters_.ticks, counters_.missed, counters_.skipped,
+               device_counters_});
 }
 
 /// What applications are told of a device, in the world's frame.
@@ -290,7 +301,7 @@ void Loop::tell(Channel& channel, const DeviceState& state, DeviceHealth health,
 }
 
 void Loop::account(Channel& channel, const SafeForce& sent) noexcept {
-  DeviceCounters& counters = channel.counters;
+  DeviceCounters& counters = device_counters_[channel.record.device];
   const Vector3& position = channel.record.position;
   if (position.allFinite()) {
     if (channel.position_known) {

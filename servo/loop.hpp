@@ -11,6 +11,7 @@
 #include "common/velocity_estimate.hpp"
 #include "servo/app/app_scene.hpp"
 #include "servo/device.hpp"
+#include "servo/device_counters.hpp"
 #include "servo/scene/asset_slot.hpp"
 #include "servo/scene/scene_edit.hpp"
 #include "servo/schedule.hpp"
@@ -29,17 +30,6 @@ struct LoopSettings {
 
 /// The stiffest that one object of a scene can feel, N a metre of the hand.
 [[nodiscard]] double stiffness_at_hand(const ForceScene& scene);
-
-/// What the loop counted for one device.
-struct DeviceCounters {
-  std::uint64_t contact_ticks = 0;
-  std::uint64_t cap_hits = 0;
-  std::uint64_t slew_hits = 0;
-  double force_max = 0;       ///< N, as sent
-  double energy = 0;          ///< J, net work that the forces sent did on the hand: sum of F . dx
-  double generated_max = 0;   ///< J, largest positive value of `energy`
-  ForceOffTicks force_off{};  ///< indexed by ForceOff
-};
 
 /// What the loop counted.
 struct LoopCounters {
@@ -69,7 +59,7 @@ class Loop {
   /// Valid when `run` has returned.
   [[nodiscard]] const LoopCounters& counters() const noexcept { return counters_; }
   [[nodiscard]] const DeviceCounters& device_counters(std::size_t device) const {
-    return channels_[device].counters;
+    return device_counters_[device];
   }
 
  private:
@@ -83,7 +73,6 @@ class Loop {
     SafetyStage safety;
     JumpGate gate;
     SceneForce force;
-    DeviceCounters counters;
     TickRecord record;
     Vector3 last_position = Vector3::Zero();
     Vector3 last_force = Vector3::Zero();
@@ -110,6 +99,7 @@ class Loop {
   [[nodiscard]] bool is_needed(std::size_t asset) const noexcept;
   void take_edit(std::int64_t now_ns) noexcept;
   void begin_app(std::int64_t now_ns) noexcept;
+  void follow_stiffness(double stiffness) noexcept;
   void end_app(std::uint64_t tick, std::int64_t now_ns) noexcept;
   void tell_counts(std::int64_t woke, std::int64_t wake_ns, std::int64_t busy_ns) noexcept;
   void tell(Channel& channel, const DeviceState& state, DeviceHealth health,
@@ -122,8 +112,8 @@ class Loop {
   std::vector<Channel> channels_;
   std::vector<SceneForce*> forces_;  ///< of the channels
   std::optional<AppScene> app_;
-  std::vector<AppDevice> told_;         ///< what applications are told, one a channel
-  std::vector<AppLoopDevice> counted_;  ///< and what was counted
+  std::vector<AppDevice> told_;                  ///< what applications are told, one a channel
+  std::vector<DeviceCounters> device_counters_;  ///< one a channel
   SceneEditSlot* edits_;
   std::vector<AssetSlot*> slots_;
   std::size_t slots_in_use_;  ///< the others are spare
@@ -133,6 +123,7 @@ class Loop {
   // One an asset, null where there is none now:
   std::vector<const ServedAsset*> served_;
   std::vector<const AssetView*> views_;
+  double stiffness_;         ///< N a metre of the hand, of the stiffest object that there is
   bool app_silent_ = false;  ///< an application that moved objects does not answer
   bool complete_ = false;    ///< all assets are there
   bool had_assets_ = false;  ///< they were once

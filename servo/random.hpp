@@ -27,6 +27,12 @@ class Random {
     return low + (high - low) * (static_cast<double>(next() >> 11U) * 0x1p-53);
   }
 
+  /// Normally distributed, mean 0 and standard deviation 1.
+  [[nodiscard]] double normal() noexcept {
+    const double radius = std::sqrt(-2 * std::log(1 - between(0, 1)));
+    return radius * std::cos(between(0, 2 * std::numbers::pi));
+  }
+
   /// A direction, evenly over the sphere.
   [[nodiscard]] Vector3 direction() noexcept {
     const double z = between(-1, 1);

@@ -13,6 +13,11 @@ namespace {
 
 constexpr std::int64_t lead_ns = 2'000'000;
 
+SceneChange change_in(const RecordingRow& row) {
+  if ((row.flags & recorded_edited) != 0) return SceneChange::edit;
+  return (row.flags & recorded_touched) != 0 ? SceneChange::application : SceneChange::none;
+}
+
 }  // namespace
 
 ReplayResult replay(std::span<const AssetView* const> assets,
@@ -46,11 +51,15 @@ RecordedTicks ticks_of(const Recording& recording, std::size_t device) {
     ticks.marks.push_back({(row.flags & recorded_forgot) != 0, row.cause != 0});
     ticks.wanted.push_back(vector(row.wanted));
     ticks.lost += (row.flags & recorded_lost) != 0 ? 1 : 0;
+    if (ticks.change != SceneChange::none) continue;
+    ticks.change = change_in(row);
+    ticks.changed_tick = row.tick;
+    ticks.comparable += ticks.change == SceneChange::none ? 1 : 0;
   }
   return ticks;
 }
 
-ForceDifference difference(const ReplayResult& result, const std::vector<Vector3>& wanted) {
+ForceDifference difference(const ReplayResult& result, std::span<const Vector3> wanted) {
   ForceDifference found;
   for (std::size_t row = 0; row < wanted.size(); ++row) {
     const Vector3& force = result.contacts[row].force;

@@ -49,23 +49,34 @@ struct ReplayResult {
                                   const std::vector<TrajectorySample>& trajectory,
                                   const ReplayOptions& options);
 
+/// Why the rows of a recording stop being those of the scene that its daemon began with.
+enum class SceneChange {
+  none,
+  application,  ///< one moved, added or changed objects
+  edit,         ///< an edited scene was taken up
+};
+
 /// One device's rows of a recording, as replay() takes them.
 struct RecordedTicks {
   std::vector<TrajectorySample> trajectory;
   std::vector<ReplayMark> marks;
-  std::vector<Vector3> wanted;  ///< N, what the law said then
-  std::uint64_t lost = 0;       ///< places where ticks are missing
+  std::vector<Vector3> wanted;             ///< N, what the law said then
+  std::uint64_t lost = 0;                  ///< places where ticks are missing
+  SceneChange change = SceneChange::none;  ///< the first one
+  std::uint64_t changed_tick = 0;          ///< on the loop's grid, of the first row it was felt in
+  /// Rows before it, whose forces a replay gives again; all of them where there is none.
+  std::size_t comparable = 0;
 };
 [[nodiscard]] RecordedTicks ticks_of(const Recording& recording, std::size_t device);
 
-/// How a replay's forces differ from those that were recorded.
+/// How a replay's forces differ from those that were recorded, in the first rows.
 struct ForceDifference {
   std::uint64_t ticks = 0;      ///< in which any bit differs
   std::uint64_t first_row = 0;  ///< the first of them
   double largest = 0;           ///< N
 };
 [[nodiscard]] ForceDifference difference(const ReplayResult& result,
-                                         const std::vector<Vector3>& wanted);
+                                         std::span<const Vector3> wanted);
 
 /// Times of a replay's ticks, microseconds.
 [[nodiscard]] Summary us_per_tick(const ReplayResult& result);

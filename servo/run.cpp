@@ -32,16 +32,17 @@ constexpr std::chrono::milliseconds drain_interval{4};
 void log_warning(const std::string& message) { spdlog::warn("{}", message); }
 void log_message(const std::string& message) { spdlog::info("{}", message); }
 
-/// What the command line gives, or else the scene: its driver, and its profile where that names
-/// none.
+/// What the command line gives, or else the scene: its driver, or `auto`; and its profile for a
+/// simulated one that names none.
 Result<std::vector<std::unique_ptr<Device>>> make_devices(const RunOptions& options,
                                                           const ForceChoice& choice) {
   std::vector<std::string> wanted = options.devices;
   const bool from_scene = wanted.empty();
   if (from_scene) wanted = {device_of(choice.device)};
+  const std::string simulated = from_scene ? simulated_device_of(choice.device) : "sim";
   std::vector<std::unique_ptr<Device>> devices;
   for (const std::string& specification : wanted) {
-    auto device = make_device(specification);
+    auto device = make_device(specification, simulated);
     if (!device && from_scene && !choice.device.driver.empty()) {
       return fail(ExitCode::invalid_input,
                   choice.scene_path + ": line " + std::to_string(choice.device.driver_line) +

@@ -109,10 +109,14 @@ bool JumpGate::jumped(const Vector3& position, std::uint64_t tick) noexcept {
   return is_too_far;
 }
 
+double slew_limit(double stiffness, double rate_hz) noexcept {
+  return std::max(least_slew, slew_margin * stiffness * fastest_hand / rate_hz);
+}
+
 SafetySettings safety_settings(double force_cap, double stiffness, double rate_hz) noexcept {
   SafetySettings settings;
   settings.force_cap = force_cap;
-  settings.slew_limit = std::max(least_slew, slew_margin * stiffness * fastest_hand / rate_hz);
+  settings.slew_limit = slew_limit(stiffness, rate_hz);
   settings.ramp_ticks =
       std::max(1U, static_cast<std::uint32_t>(std::lround(ramp_seconds * rate_hz)));
   settings.fade_ticks =

@@ -75,9 +75,12 @@ class JumpGate {
   bool is_known_ = false;
 };
 
-/// Limits for a device at a stiffness (N/m) and rate (Hz). The slew limit is twice what the
+/// How far a force may grow in a tick, N, at a stiffness (N/m) and rate (Hz): twice what the
 /// stiffness gives a hand at 1 m/s, faster than people press, so that it only meets steps that no
 /// motion makes.
+[[nodiscard]] double slew_limit(double stiffness, double rate_hz) noexcept;
+
+/// Limits for a device at a stiffness (N/m) and rate (Hz).
 [[nodiscard]] SafetySettings safety_settings(double force_cap, double stiffness,
                                              double rate_hz) noexcept;
 
@@ -105,6 +108,9 @@ class SafetyStage {
   /// Begins the soft start again, from the force that is sent now: after engaging, and where what
   /// is felt has changed under the hand.
   void restart() noexcept;
+
+  /// N a tick, from the next tick on: where another stiffness is felt.
+  void set_slew_limit(double limit) noexcept { settings_.slew_limit = limit; }
 
  private:
   [[nodiscard]] double next_fade(bool fading) noexcept;

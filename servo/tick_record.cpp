@@ -31,9 +31,10 @@ RecordingRow to_row(const TickRecord& record) noexcept {
   row.buttons = record.buttons;
   row.device = static_cast<std::uint16_t>(record.device);
   row.cause = static_cast<std::uint8_t>(record.cause);
-  row.flags = static_cast<std::uint8_t>((record.contact ? recorded_contact : 0) |
-                                        (record.forgot ? recorded_forgot : 0) |
-                                        (record.lost ? recorded_lost : 0));
+  row.flags = static_cast<std::uint8_t>(
+      (record.contact ? recorded_contact : 0) | (record.forgot ? recorded_forgot : 0) |
+      (record.lost ? recorded_lost : 0) | (record.touched ? recorded_touched : 0) |
+      (record.edited ? recorded_edited : 0));
   return row;
 }
 

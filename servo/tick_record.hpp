@@ -24,8 +24,10 @@ struct TickRecord {
   double depth = 0;                    ///< m
   std::uint32_t buttons = 0;
   bool contact = false;
-  bool forgot = false;  ///< the force law had forgotten what was before this tick
-  bool lost = false;    ///< records before this one were lost, for the ring was full
+  bool forgot = false;   ///< the force law had forgotten what was before this tick
+  bool lost = false;     ///< records before this one were lost, for the ring was full
+  bool touched = false;  ///< applications have moved, added or changed objects since the loop began
+  bool edited = false;   ///< an edited scene was taken up before this tick's forces
   ForceOff cause = ForceOff::none;
 };
 

@@ -4,17 +4,9 @@
 #include <cstdint>
 #include <span>
 
-namespace spm::servo {
+#include "servo/device_counters.hpp"
 
-/// What the loop counted for one device since it began, for applications.
-struct AppLoopDevice {
-  std::uint64_t contact_ticks = 0;
-  std::uint64_t cap_hits = 0;
-  std::uint64_t slew_hits = 0;
-  double force_max = 0;      ///< N, as sent
-  double energy = 0;         ///< J, net work that the forces sent did on the hand
-  double generated_max = 0;  ///< J, largest positive value of `energy`
-};
+namespace spm::servo {
 
 /// What applications are told of a tick once it is over and its duration known.
 struct AppLoop {
@@ -25,7 +17,7 @@ struct AppLoop {
   std::uint64_t ticks = 0;    ///< run
   std::uint64_t missed = 0;   ///< not finished before the next was due, skipped ones included
   std::uint64_t skipped = 0;  ///< of the missed ones, those not run at all
-  std::span<const AppLoopDevice> devices;  ///< at most SPM_MOST_DEVICES are told
+  std::span<const DeviceCounters> devices;  ///< at most SPM_MOST_DEVICES are told
 };
 
 }  // namespace spm::servo

@@ -43,6 +43,7 @@ AppScene::AppScene(AppState& state, const ForceScene& scene)
     note_scale(object);
     objects_.push_back({objects_.size(), object, PoseInterpolator({}, object.placement)});
   }
+  note_stiffness();
 }
 
 std::size_t AppScene::room(const ForceScene& scene) noexcept {
@@ -54,6 +55,14 @@ void AppScene::note_scale(const PlacedObject& object) noexcept {
   if (object.asset >= least_scales_.size()) return;
   double& least = least_scales_[object.asset];
   least = probe_radius_ > 0 ? std::min(least, object.placement.scale) : 0;
+}
+
+/// To be called where objects came, went or feel different.
+void AppScene::note_stiffness() noexcept {
+  stiffest_ = 0;
+  for (const Object& object : objects_) {
+    if (object.is_there) stiffest_ = std::max(stiffest_, object.settings.force.stiffness);
+  }
 }
 
 AppScene::Object* AppScene::find(std::uint64_t id) noexcept {
@@ -72,12 +81,16 @@ AppChanges AppScene::begin(std::int64_t now_ns, std::span<SceneForce* const> for
   }
   bool silent = false;
   for (std::size_t i = 0; i < objects_.size(); ++i) {
-    const InterpolatedPose now = objects_[i].motion.at(now_ns);
-    if (!objects_[i].is_there || !now.driven) continue;
-    silent = silent || is_left_alone(objects_[i]);
+    Object& object = objects_[i];
+    if (!object.is_there) continue;
+    const InterpolatedPose& now = object.now = object.motion.at(now_ns);
+    if (!now.driven) continue;
+    silent = silent || is_left_alone(object);
+    touched_ = true;
     for (SceneForce* force : forces) force->place(i, now.pose.position, now.pose.rotation);
   }
-  return {felt_anew_, silent, std::span(clutches_).first(clutch_count_)};
+  touched_ = touched_ || felt_anew_;
+  return {felt_anew_, silent, touched_, stiffest_, std::span(clutches_).first(clutch_count_)};
 }
 
 /// Whether an application that moves an object hangs. One that has left is no danger: what it moved
@@ -141,6 +154,7 @@ bool AppScene::put(const Object& added, std::span<SceneForce* const> forces) noe
   } else {
     return false;
   }
+  note_stiffness();
   return true;
 }
 
@@ -164,6 +178,7 @@ Refusal AppScene::remove(const AppCommand& command, std::span<SceneForce* const>
 void AppScene::drop(std::size_t place, std::span<SceneForce* const> forces) noexcept {
   objects_[place].is_there = false;
   for (SceneForce* force : forces) force->remove(place);
+  note_stiffness();
 }
 
 Refusal AppScene::change(const AppCommand& command, std::int64_t now_ns,
@@ -177,6 +192,7 @@ Refusal AppScene::change(const AppCommand& command, std::int64_t now_ns,
   }
   set_material(command.material, object->settings);
   hand_on(*object, now_ns, forces);
+  note_stiffness();
   felt_anew_ = true;
   return Refusal::none;
 }
@@ -213,6 +229,9 @@ bool AppScene::uses(std::size_t asset) const noexcept {
 bool AppScene::edit(const SceneEdit& edit, std::int64_t now_ns,
                     std::span<SceneForce* const> forces) noexcept {
   if (edit.added.size() > free_places() + edit.removed.size()) return false;
+  if (edit.cures) {
+    for (SceneForce* force : forces) force->cure(*edit.cures);
+  }
   for (const std::uint64_t id : edit.removed) {
     if (const Object* object = find(id)) {
       drop(place_of(*object), forces);
@@ -229,6 +248,7 @@ bool AppScene::edit(const SceneEdit& edit, std::int64_t now_ns,
     note_scale(edited.settings);
     hand_on(*object, now_ns, forces);
   }
+  note_stiffness();
   for (const EditedObject& added : edit.added) {
     note_scale(added.settings);
     static_cast<void>(
@@ -243,7 +263,7 @@ void AppScene::end(std::uint64_t tick, std::int64_t now_ns, std::span<const AppD
   for (std::size_t i = 0; i < objects_.size() && told_.size() < SPM_MOST_OBJECTS; ++i) {
     const Object& object = objects_[i];
     if (!object.is_there) continue;
-    const InterpolatedPose now = object.motion.at(now_ns);
+    const InterpolatedPose& now = object.now;
     AppObject told;
     told.id = object.id;
     told.asset = static_cast<std::uint32_t>(object.settings.asset);

@@ -23,6 +23,8 @@ struct AppClutch {
 struct AppChanges {
   bool felt_anew = false;  ///< objects came or feel different: forces have to fade in again
   bool silent = false;     ///< an application that moved objects does not answer any longer
+  bool touched = false;    ///< since the loop began one has moved, added or changed objects
+  double stiffest = 0;     ///< N/m, of the objects that there are now
   std::span<const AppClutch> clutches;
 };
 
@@ -51,7 +53,7 @@ class AppScene {
   /// Whether there is an object of an asset.
   [[nodiscard]] bool uses(std::size_t asset) const noexcept;
 
-  /// After them: publishes the tick.
+  /// After them: publishes the tick, with objects where `begin` put them.
   void end(std::uint64_t tick, std::int64_t now_ns, std::span<const AppDevice> devices,
            std::span<SceneForce* const> forces) noexcept;
 
@@ -63,6 +65,7 @@ class AppScene {
     std::uint64_t id = 0;
     PlacedObject settings;  ///< the place as it was at the start
     PoseInterpolator motion;
+    InterpolatedPose now = {};  ///< in this tick
     bool is_there = true;
     std::uint32_t driver = 0;  ///< connection that gave the last pose; 0: none that is there
   };
@@ -86,6 +89,7 @@ class AppScene {
                std::span<SceneForce* const> forces) const noexcept;
   void drop(std::size_t place, std::span<SceneForce* const> forces) noexcept;
   [[nodiscard]] std::size_t free_places() const noexcept;
+  void note_stiffness() noexcept;
   void note_scale(const PlacedObject& object) noexcept;
   [[nodiscard]] bool is_left_alone(const Object& object) const noexcept;
 
@@ -96,6 +100,8 @@ class AppScene {
   std::array<AppClutch, SPM_MOST_DEVICES> clutches_;
   std::size_t clutch_count_ = 0;
   bool felt_anew_ = false;
+  bool touched_ = false;
+  double stiffest_ = 0;  ///< N/m
   std::vector<AppObject> told_;
 };
 

@@ -83,7 +83,7 @@ void raise_to(std::uint64_t& shared, std::uint64_t value) noexcept {
   store_relaxed(shared, std::max(load_relaxed(shared), value));
 }
 
-spm_shared_device_counts packed(const AppLoopDevice& device, std::uint32_t last_cause) noexcept {
+spm_shared_device_counts packed(const DeviceCounters& device, std::uint32_t last_cause) noexcept {
   return {device.contact_ticks, device.cap_hits,      device.slew_hits, device.force_max,
           device.energy,        device.generated_max, last_cause,       0};
 }

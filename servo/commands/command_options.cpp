@@ -35,8 +35,18 @@ void add_force_options(CLI::App& command, ForceOptions& options) {
       command, "--paper-rule", {"closest-plane", "closest-surface", "all-planes"},
       [&options, rules](std::size_t i) { options.rule = rules[i]; },
       "Reading of the paper's rule that picks the plane (default closest-plane)");
-  cli::add_quantity(command, "--stiffness", options.stiffness, Quantity::stiffness,
-                    "Stiffness of the contact (default 1N/mm)");
+  cli::add_parsed(
+      command, "--stiffness",
+      [&options](const std::string& text) -> Result<void> {
+        options.stiffness_chosen = text == "auto";
+        if (options.stiffness_chosen) return {};
+        const Result<double> value = parse_quantity(text, Quantity::stiffness);
+        if (!value) return tl::make_unexpected(value.error());
+        options.stiffness = *value;
+        return {};
+      },
+      "Stiffness of the contact (default 1N/mm); auto: what the scene's device renders stably",
+      "STIFFNESS|auto");
   cli::add_probe(command, options.probe_radius);
 }
 

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <memory>
 #include <optional>
+#include <span>
 
 #include "common/instruction_set.hpp"
 #include "formats/mapped_asset.hpp"
@@ -80,16 +81,61 @@ void warn_of_changes(const RecordingHeader& header, const Assets& assets) {
   }
 }
 
+/// Of forces that came from another scene than the one that is replayed nothing can be said.
+void warn_of_scene(const Source& source) {
+  const RecordedTicks& ticks = source.ticks;
+  if (source.recording->form < 2) {
+    spdlog::warn(
+        "the recording is of a form that does not mark changes of the scene: if an application "
+        "moved objects, or the scene was edited, its forces were others");
+  }
+  if (ticks.change == SceneChange::none) return;
+  spdlog::warn(
+      "from tick {} of the recording on {}: forces there are of another scene than the "
+      "one that is replayed, and {} compared",
+      ticks.changed_tick,
+      ticks.change == SceneChange::edit ? "an edited scene was served"
+                                        : "objects were moved, added or changed by an application",
+      ticks.comparable == 0 ? "none is"
+                            : fmt::format("only the {} ticks before it are", ticks.comparable));
+}
+
 ordered_json recording_json(const Source& source, const ReplayResult& result) {
-  const ForceDifference found = difference(result, source.ticks.wanted);
+  const RecordedTicks& ticks = source.ticks;
+  const ForceDifference found = difference(result, std::span(ticks.wanted).first(ticks.comparable));
   ordered_json json = {{"spm_version", source.recording->spm_version},
                        {"instruction_set", source.recording->instruction_set},
-                       {"lost", source.ticks.lost},
+                       {"lost", ticks.lost},
+                       {"compared_ticks", ticks.comparable},
+                       {"scene_changed", nullptr},
                        {"forces_equal", found.ticks == 0},
                        {"differing_ticks", found.ticks},
                        {"largest_difference_n", found.largest}};
   if (found.ticks > 0) json["first_difference_row"] = found.first_row;
+  if (ticks.change != SceneChange::none) {
+    json["scene_changed"] = {{"tick", ticks.changed_tick},
+                             {"row", ticks.comparable},
+                             {"by", ticks.change == SceneChange::edit ? "edit" : "application"}};
+    if (ticks.comparable == 0) json["forces_equal"] = nullptr;
+  }
   return json;
+}
+
+/// How the forces are beside the recording's, a line.
+std::string comparison_text(const ordered_json& recording) {
+  const auto differing = recording["differing_ticks"].get<std::uint64_t>();
+  const auto compared = recording["compared_ticks"].get<std::uint64_t>();
+  if (recording["forces_equal"].is_null()) {
+    return "none of the recording's forces is of the scene that was replayed\n";
+  }
+  if (differing > 0) {
+    return fmt::format("{} forces differ from the recording's, by {:.3g} N at most\n", differing,
+                       recording["largest_difference_n"].get<double>());
+  }
+  if (recording["scene_changed"].is_null()) {
+    return "all forces equal those of the recording, bit by bit\n";
+  }
+  return fmt::format("the first {} forces equal those of the recording, bit by bit\n", compared);
 }
 
 ordered_json report_of(const ReplayCommand& command, const ForceChoice& choice,
@@ -159,6 +205,7 @@ Result<ordered_json> replay_file(const ReplayCommand& command) {
     options.encoder_step = device.encoder_step;
     options.stiffness_cap = device.stiffness_cap;
     warn_of_changes(*source->recording, *assets);
+    warn_of_scene(*source);
   }
   const ReplayResult result = replay(views, trajectory, options);
   for (const auto& asset : *assets) {
@@ -189,14 +236,7 @@ std::string to_text(const ordered_json& report) {
       us["p999"].get<double>(), us["max"].get<double>(), step["p50"].get<double>(),
       step["p99"].get<double>(), step["p999"].get<double>(), step["max"].get<double>(),
       report["out"].get<std::string>());
-  if (report.contains("recording")) {
-    const ordered_json& recording = report["recording"];
-    const auto differing = recording["differing_ticks"].get<std::uint64_t>();
-    text += differing == 0
-                ? "all forces equal those of the recording, bit by bit\n"
-                : fmt::format("{} forces differ from the recording's, by {:.3g} N at most\n",
-                              differing, recording["largest_difference_n"].get<double>());
-  }
+  if (report.contains("recording")) text += comparison_text(report["recording"]);
   return text;
 }
 

@@ -46,7 +46,9 @@ void add_run_command(CLI::App& program, Action& action) {
          "says another), falcon, woodenhaptics, spacemouse, pid:full_force=FORCE, "
          "external:name=NAME, or sim with "
          "profile=low|falcon|touch|omega3|wooden, hand=slide|push|path, path=FILE, "
-         "depth=LENGTH, speed=SPEED, seed=N; options follow a colon, with commas between; "
+         "depth=LENGTH, speed=SPEED, seed=N, hand_model=spring|arm, mass=constant|device, "
+         "delay=TICKS, jitter=TICKS, lost=SHARE, noise=LENGTH; options follow a colon, with commas "
+         "between; "
          "may be repeated")
       ->type_name("NAME")
       ->allow_extra_args(false);

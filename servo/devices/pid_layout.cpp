@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <initializer_list>
+#include <iterator>
 
 #include "servo/device_ids.hpp"
 
@@ -72,38 +73,31 @@ class Finder {
 
   [[nodiscard]] std::optional<HidField> field(Types types, HidUsage collection,
                                               HidUsage usage) const {
-    for (const HidReportType type : types) {
-      for (const HidField& field : descriptor_.fields) {
-        if (!field.is_array && field.usages.front() == usage && fits(field, type, collection)) {
-          return field;
-        }
-      }
-    }
-    return std::nullopt;
+    return first(types, collection, [usage](const HidField& field) {
+      return !field.is_array && field.usages.front() == usage;
+    });
   }
 
   /// A usage that an array picks among others, or that is a bit.
   [[nodiscard]] std::optional<PidChoice> choice(Types types, HidUsage collection,
                                                 HidUsage usage) const {
-    for (const HidReportType type : types) {
-      for (const HidField& field : descriptor_.fields) {
-        if (!fits(field, type, collection)) continue;
-        const auto found = std::find(field.usages.begin(), field.usages.end(), usage);
-        if (found == field.usages.end()) continue;
-        const std::int64_t place = found - field.usages.begin();
-        return PidChoice{field, field.is_array ? field.logical_min + place : field.logical_max};
-      }
-    }
-    return std::nullopt;
+    const auto place_in = [usage](const HidField& field) {
+      return std::find(field.usages.begin(), field.usages.end(), usage) - field.usages.begin();
+    };
+    const auto found = first(types, collection, [&](const HidField& field) {
+      return place_in(field) < std::ssize(field.usages);
+    });
+    if (!found) return std::nullopt;
+    return PidChoice{*found,
+                     found->is_array ? found->logical_min + place_in(*found) : found->logical_max};
   }
 
   /// The first field of a collection whatever its usage, or the one that has the collection's.
   [[nodiscard]] std::optional<HidField> first_in(HidUsage collection, HidUsage inner) const {
-    for (const HidField& field : descriptor_.fields) {
-      if (field.is_array || !fits(field, HidReportType::output, collection)) continue;
-      if (descriptor_.is_within(field, inner) || field.usages.front() == inner) return field;
-    }
-    return std::nullopt;
+    return first({HidReportType::output}, collection, [&](const HidField& field) {
+      const bool is_inner = descriptor_.is_within(field, inner) || field.usages.front() == inner;
+      return !field.is_array && is_inner;
+    });
   }
 
   [[nodiscard]] bool has_collection(HidUsage usage) const {
@@ -112,6 +106,18 @@ class Finder {
   }
 
  private:
+  /// Types in their order, and fields of a type in the descriptor's.
+  template <class Match>
+  [[nodiscard]] std::optional<HidField> first(Types types, HidUsage collection,
+                                              const Match& matches) const {
+    for (const HidReportType type : types) {
+      for (const HidField& field : descriptor_.fields) {
+        if (fits(field, type, collection) && matches(field)) return field;
+      }
+    }
+    return std::nullopt;
+  }
+
   [[nodiscard]] bool fits(const HidField& field, HidReportType type, HidUsage collection) const {
     if (report_ && (field.type != report_->type || field.report_id != report_->id)) return false;
     return field.type == type &&

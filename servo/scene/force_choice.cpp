@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <utility>
 
+#include "common/stable_stiffness.hpp"
 #include "common/units.hpp"
 
 namespace spm::servo {
@@ -66,6 +67,20 @@ std::size_t asset_number(ForceChoice& choice, const std::string& path) {
   return choice.assets.size() - 1;
 }
 
+/// The options with the stiffness that the scene's device is for. Errors: usage.
+Result<ForceOptions> with_stiffness(const ForceOptions& options, const Scene& scene) {
+  ForceOptions settled = options;
+  if (!options.stiffness_chosen) return settled;
+  if (scene.device.profile == nullptr) {
+    return fail(ExitCode::usage,
+                "--stiffness auto is chosen by the device; add 'profile' to "
+                "[device] of " +
+                    options.scene + ", one of" + device_profile_names());
+  }
+  settled.stiffness = stable_stiffness(*scene.device.profile) / scene.workspace.scale;
+  return settled;
+}
+
 /// What a command line and a scene's object, or the defaults, say together.
 ForceSettings settings_of(const ForceOptions& options, const SceneObject& object,
                           double probe_radius) {
@@ -78,6 +93,11 @@ ForceSettings settings_of(const ForceOptions& options, const SceneObject& object
 }
 
 Result<ForceChoice> choose_asset(const ForceOptions& options) {
+  if (options.stiffness_chosen) {
+    return fail(ExitCode::usage,
+                "--stiffness auto is chosen by the device that a scene names; give --scene, or a "
+                "stiffness such as 1N/mm");
+  }
   ForceChoice choice;
   choice.probe_radius = options.probe_radius.value_or(0);
   EffectSettings effects;
@@ -94,10 +114,13 @@ Result<ForceChoice> choose_asset(const ForceOptions& options) {
 Result<ForceChoice> choose_scene(const ForceOptions& options) {
   const Result<Scene> scene = read_scene(options.scene);
   if (!scene) return tl::make_unexpected(scene.error());
+  const Result<ForceOptions> settled = with_stiffness(options, *scene);
+  if (!settled) return tl::make_unexpected(settled.error());
   ForceChoice choice;
   choice.scene_path = scene->path;
   choice.device = scene->device;
   choice.scene.workspace = scene->workspace;
+  choice.scene.cures = scene->cures;
   choice.probe_radius = options.probe_radius.value_or(scene->probe_radius.value_or(0));
   for (const SceneObject& object : scene->objects) {
     const std::string place = scene->path + ": line " + std::to_string(object.line) + ": ";
@@ -106,7 +129,7 @@ Result<ForceChoice> choose_scene(const ForceOptions& options) {
                   place + "the object has no 'asset'; bake its mesh with spm-bake build " +
                       object.mesh + " --scene " + scene->path + ", and name the baked file");
     }
-    const ForceSettings settings = settings_of(options, object, choice.probe_radius);
+    const ForceSettings settings = settings_of(*settled, object, choice.probe_radius);
     if (auto checked = check_settings(settings, object.effects, place); !checked) {
       return tl::make_unexpected(std::move(checked.error()));
     }

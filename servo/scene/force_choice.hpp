@@ -24,6 +24,7 @@ struct ForceOptions {
   std::optional<Method> method;
   std::optional<PaperRule> rule;
   std::optional<double> stiffness;     ///< N/m
+  bool stiffness_chosen = false;       ///< by the device that the scene names
   std::optional<double> probe_radius;  ///< m
 };
 

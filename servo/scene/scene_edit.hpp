@@ -4,10 +4,12 @@
 #include <atomic>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
 #include "common/placed_contact.hpp"
+#include "common/stability_cures.hpp"
 #include "servo/scene/scene_difference.hpp"
 
 namespace spm::servo {
@@ -28,8 +30,9 @@ struct SceneEdit {
   std::vector<std::uint64_t> removed;  ///< ids
   std::vector<EditedObject> changed;
   std::vector<EditedObject> added;
-  std::size_t assets = 0;  ///< so many of the loop's slots are in use from now on
-  bool felt = true;        ///< forces have to fade in again
+  std::optional<CureSettings> cures;  ///< where the scene has others
+  std::size_t assets = 0;             ///< so many of the loop's slots are in use from now on
+  bool felt = true;                   ///< forces have to fade in again
 };
 
 /// How many assets a scene's objects name.

@@ -53,6 +53,7 @@ std::string in_words(const SceneEdit& edit, const SceneDifference& difference,
     parts.push_back("object " + std::to_string(after.ids[object.after]) + ": " +
                     names_of_aspects(object.aspects));
   }
+  if (edit.cures) parts.emplace_back("cures");
   for (const EditedObject& object : edit.added) {
     const std::filesystem::path asset = after.choice.assets[object.settings.asset];
     parts.push_back("object " + std::to_string(object.id) + " added (" + asset.filename().string() +
@@ -123,7 +124,8 @@ void SceneKeeper::try_scene(bool first) {
   if (!edited) return refuse(edited.error().message);
   const SceneDifference difference =
       scene_difference(served_.choice.scene.objects, edited->scene.objects);
-  if (!difference.empty()) return offer(difference, std::move(*edited));
+  const bool same_cures = served_.choice.scene.cures == edited->scene.cures;
+  if (!difference.empty() || !same_cures) return offer(difference, std::move(*edited));
   // Another order, and other lines for messages.
   served_.ids = edited_ids(difference, served_.ids, edited->scene.objects.size());
   served_.choice = std::move(*edited);
@@ -162,6 +164,10 @@ void SceneKeeper::offer(const SceneDifference& difference, ForceChoice edited) {
   next_.ids = edited_ids(difference, served_.ids, objects.size());
   edit_ = scene_edit(difference, served_.ids, objects, next_.ids);
   edit_.assets = edited.assets.size();
+  if (edited.scene.cures != served_.choice.scene.cures) {
+    edit_.cures = edited.scene.cures;
+    edit_.felt = true;
+  }
   next_.choice = std::move(edited);
   change_ = in_words(edit_, difference, next_);
   // An asset that is loaded again from here on has to serve the edited scene.

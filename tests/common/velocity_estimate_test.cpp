@@ -5,6 +5,8 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <limits>
+#include <random>
+#include <vector>
 
 namespace spm {
 namespace {
@@ -13,6 +15,45 @@ constexpr double tick = 1e-3;
 constexpr double step = 1e-4;
 
 double counted(double position) { return step * std::round(position / step); }
+
+/// The definition, window by window: the positions end now, m; m a tick.
+double by_definition(const std::vector<double>& positions) {
+  const std::size_t count = std::min(positions.size(), VelocityEstimate::most_ticks);
+  const auto ago = [&](std::size_t ticks) { return positions[positions.size() - 1 - ticks]; };
+  double slope = 0;
+  for (std::size_t ticks = 1; ticks < count; ++ticks) {
+    const double tried = (ago(0) - ago(ticks)) / static_cast<double>(ticks);
+    for (std::size_t k = 1; k < ticks; ++k) {
+      if (std::abs(ago(0) - tried * static_cast<double>(k) - ago(k)) > step) return slope;
+    }
+    slope = tried;
+  }
+  return slope;
+}
+
+TEST_CASE("The velocity is that of the longest straight window, to the bit") {
+  std::mt19937_64 random(3);
+  std::normal_distribution<double> push(0, 1);
+  for (const double size : {1e-6, 2e-5, 2e-4, 2e-3}) {
+    VelocityEstimate estimate(step, tick);
+    std::vector<double> positions;
+    double place = 0, speed = 0;
+    for (int i = 0; i < 3000; ++i) {
+      speed = 0.97 * speed + size * push(random);
+      place += speed;
+      positions.push_back(counted(place));
+      const double told = estimate.next({positions.back(), 0, 0}).x();
+      REQUIRE(told == by_definition(positions) / tick);
+    }
+  }
+}
+
+TEST_CASE("By difference the last two positions tell it alone") {
+  VelocityEstimate estimate(step, tick, VelocityBy::difference);
+  CHECK(estimate.next({1, 0, 0}).x() == 0);
+  CHECK(estimate.next({1 + step, 0, 0}).x() == Approx(step / tick));
+  CHECK(estimate.next({1 + step, 0, 0}).x() == 0);
+}
 
 TEST_CASE("A steady motion is told from counts without the noise of a count a tick") {
   for (const double velocity : {0.0, 0.001, 0.02, -0.1, 0.5}) {

@@ -102,6 +102,24 @@ class SceneReload(Case):
         causes = json.loads(content[HEADER_AT:start])["causes"]
         return [(row[0], row[9], causes[row[-2]]) for row in rows]
 
+    def replay_of_the_first_scene_ends_where_it_was_edited(self, box, rows):
+        """Forces from there on are of other scenes, and are not compared."""
+        result = run("replay", self.path("out.spmrec"), "--scene", self.save(box), "--out",
+                     self.path("out.csv"), "--json", program=SERVO)
+        self.assertEqual(result.returncode, 0, result.stderr)
+        recording = json.loads(result.stdout)["recording"]
+        changed = recording["scene_changed"]
+        self.assertEqual(changed["by"], "edit")
+        self.assertEqual(rows[changed["row"]][0], changed["tick"])
+        self.assertEqual(recording["compared_ticks"], changed["row"])
+        self.assertIs(recording["forces_equal"], True)
+        # The first edit came after the force of the first scene was held.
+        self.assertGreater(rows[changed["row"] - 1][1], 0)
+        warnings = result.stderr.splitlines()
+        self.assertEqual(len(warnings), 1, result.stderr)
+        self.assertIn(f"from tick {changed['tick']} of the recording on an edited scene was served",
+                      warnings[0])
+
     def test_an_edited_scene_is_felt_and_one_that_will_not_do_changes_nothing(self):
         box = 'asset = "@box.spm.exr"\n'
         raised = 0.001
@@ -160,6 +178,7 @@ class SceneReload(Case):
                 self.assertLess(at, last, f"{wanted:.3f} N was not felt")
                 near = math.isclose(rows[at][1], wanted, abs_tol=2 * FRICTION)
                 held, at = held + 1 if near else 0, at + 1
+        self.replay_of_the_first_scene_ends_where_it_was_edited(box, rows)
         # No scene kicked: at once, the millimetre that the box was raised would be 2 N.
         kick = max(b[1] - a[1] for a, b in zip(rows, rows[1:]))
         self.assertLess(kick, 0.5)

@@ -119,3 +119,27 @@ TEST_CASE("A recording that is not committed leaves no file") {
   }
   CHECK(std::filesystem::is_empty(folder.path("")));
 }
+
+TEST_CASE("A recording of the first form is read as such, and one of a newer form refused") {
+  const TemporaryFolder folder;
+  const auto written = [&](std::uint32_t form) {
+    RecordingHeader header = header_of_two();
+    header.form = form;
+    auto writer = RecordingWriter::create(folder.path("a.spmrec"), header);
+    REQUIRE(writer);
+    REQUIRE(writer->commit());
+    return read_recording(folder.path("a.spmrec"));
+  };
+  const auto first = written(1);
+  REQUIRE(first);
+  CHECK(first->header.form == 1);
+  // As the programs wrote it that knew no other.
+  CHECK(content(folder.path("a.spmrec")).find("\"form\"") == std::string::npos);
+  const auto now = written(recording_form);
+  REQUIRE(now);
+  CHECK(now->header.form == 2);
+  const auto newer = written(recording_form + 1);
+  REQUIRE_FALSE(newer);
+  CHECK(newer.error().code == ExitCode::invalid_input);
+  CHECK(newer.error().message.find("newer") != std::string::npos);
+}

@@ -245,7 +245,7 @@ TEST_CASE("What is wrong in a scene is told by its line, cause and cure") {
            Case{"[[object]]\nmsh = \"a.obj\"\n", "line 2", "did you mean 'mesh'?"},
            Case{"[[object]]\ncolour = 1\n", "line 2", "its keys are asset mesh pose scale"},
            Case{"[tools]\n", "line 1", "did you mean 'tool'?"},
-           Case{"[physics]\n", "line 1", "its keys are device tool workspace object"},
+           Case{"[physics]\n", "line 1", "its keys are device tool workspace cures object"},
            Case{"device = \"sim\"\n", "line 1", "write [device]"},
            Case{"[device]\nprofile = \"falcn\"\n", "line 2", "low falcon touch omega3 wooden"},
            Case{"[device]\nforce_cap = 3\n", "line 2", "\"3N\""},

@@ -10,6 +10,7 @@
 #include <random>
 #include <vector>
 
+#include "servo/device_list.hpp"
 #include "tests/servo/shape_asset.hpp"
 
 using namespace spm::servo;
@@ -225,4 +226,23 @@ TEST_CASE("Looking for devices ends well on any machine, and finds the same agai
   for (std::size_t i = 0; i < first.devices.size(); ++i) {
     REQUIRE(first.devices[i].node == second.devices[i].node);
   }
+}
+
+TEST_CASE("auto is the first device that may be opened and whose strength is known, or simulated") {
+  const auto found = [](const char* driver, bool driven, NodeAccess access) {
+    FoundDevice device;
+    device.match = {driver, driven, ""};
+    device.usb = "1-2";
+    device.access = access;
+    return device;
+  };
+  DeviceSearch search;
+  CHECK(first_of(search, "sim") == "sim");
+  search.devices = {found("falcon", true, NodeAccess::denied),
+                    found("woodenhaptics", false, NodeAccess::granted),
+                    found("pid", true, NodeAccess::granted)};
+  CHECK(first_of(search, "sim:profile=touch") == "sim:profile=touch");
+  search.devices.push_back(found("falcon", true, NodeAccess::granted));
+  search.devices.push_back(found("spacemouse", true, NodeAccess::granted));
+  CHECK(first_of(search, "sim:profile=touch") == "falcon:path=1-2");
 }

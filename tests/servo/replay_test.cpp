@@ -79,6 +79,27 @@ TEST_CASE("The depth is that below the nearest face of a box") {
   }
 }
 
+TEST_CASE("A replay has the cures of its scene, and none where the scene has none") {
+  const Asset asset = test::box_asset(2 * half);
+  const AssetTables tables = tables_of(asset);
+  std::vector<TrajectorySample> pressed(60);
+  for (std::size_t i = 0; i < pressed.size(); ++i) {
+    pressed[i].position = {0.001, 0.002, half - 2e-5 * static_cast<double>(i)};
+  }
+  ReplayOptions options;
+  const ReplayResult bare = replay(one(tables), pressed, options);
+  options.scene.cures = advised_cures;
+  const ReplayResult cured = replay(one(tables), pressed, options);
+  options.scene.cures.coupling = 500;
+  const ReplayResult coupled = replay(one(tables), pressed, options);
+  const double depth = bare.contacts.back().depth;
+  CHECK(bare.contacts.back().force.z() == Approx(1000 * depth));
+  // At 20 mm/s.
+  const double damping = matched_damping(advised_damping_share, 1000, 1, 1e-3);
+  CHECK(cured.contacts.back().force.z() == Approx(1000 * depth + damping * 0.02));
+  CHECK(coupled.contacts.back().force.z() == Approx(400 * depth + 0.4 * damping * 0.02));
+}
+
 TEST_CASE("Force steps are the differences of consecutive forces") {
   ReplayResult result;
   for (const double force : {0.0, 1.0, 1.0, -2.0}) {
@@ -131,4 +152,46 @@ TEST_CASE("The table of a replay has one row a tick") {
   }
   REQUIRE(lines == 778);
   REQUIRE(last.substr(0, 6) == "0.388,");
+}
+
+TEST_CASE("Rows of a recording are compared up to the first that is of another scene") {
+  Recording recording;
+  recording.header.devices.resize(2);
+  const auto add = [&](std::uint64_t tick, std::uint16_t device, int flags) {
+    RecordingRow row;
+    row.tick = tick;
+    row.device = device;
+    row.flags = static_cast<std::uint8_t>(flags);
+    recording.rows.push_back(row);
+  };
+  for (std::uint64_t tick = 100; tick < 110; ++tick) {
+    add(tick, 0, (tick >= 104 ? recorded_touched : 0) | (tick == 107 ? recorded_edited : 0));
+    add(tick, 1, tick == 109 ? recorded_edited : recorded_contact);
+  }
+  const RecordedTicks moved = ticks_of(recording, 0);
+  CHECK(moved.change == SceneChange::application);
+  CHECK(moved.changed_tick == 104);
+  CHECK(moved.comparable == 4);
+  CHECK(moved.wanted.size() == 10);
+  const RecordedTicks edited = ticks_of(recording, 1);
+  CHECK(edited.change == SceneChange::edit);
+  CHECK(edited.changed_tick == 109);
+  CHECK(edited.comparable == 9);
+  for (RecordingRow& row : recording.rows) row.flags = recorded_forgot;
+  const RecordedTicks same = ticks_of(recording, 0);
+  CHECK(same.change == SceneChange::none);
+  CHECK(same.comparable == 10);
+}
+
+TEST_CASE("Forces are compared in the rows that are asked for, and in no other") {
+  ReplayResult result;
+  result.contacts.resize(4);
+  std::vector<Vector3> wanted(4, Vector3::Zero());
+  wanted[2] = {0, 0.5, 0};
+  wanted[3] = {0, 0, 2};
+  CHECK(difference(result, std::span(wanted).first(2)).ticks == 0);
+  const ForceDifference two = difference(result, wanted);
+  CHECK(two.ticks == 2);
+  CHECK(two.first_row == 2);
+  CHECK(two.largest == 2);
 }

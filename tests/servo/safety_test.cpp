@@ -118,6 +118,16 @@ TEST_CASE("A sudden force grows no faster than the slew limit, and ends at once"
   REQUIRE(stage.apply({0, 0, 0}, ForceOff::none).force == Vector3::Zero());
 }
 
+TEST_CASE("Another slew limit holds from the next tick on") {
+  SafetyStage stage = engaged();
+  stage.set_slew_limit(0.5);
+  REQUIRE(stage.apply({0, 7, 0}, ForceOff::none).force.norm() == Approx(0.5));
+  stage.set_slew_limit(3);
+  REQUIRE(stage.apply({0, 7, 0}, ForceOff::none).force.norm() == Approx(3.5));
+  REQUIRE(slew_limit(2000, 1000) == Approx(safety_settings(1, 2000, 1000).slew_limit));
+  REQUIRE(slew_limit(2000, 1000) > slew_limit(1000, 1000));
+}
+
 TEST_CASE("A force that turns round passes through smaller ones") {
   SafetyStage stage = engaged();
   for (int i = 0; i < 10; ++i) static_cast<void>(stage.apply({5, 0, 0}, ForceOff::none));

@@ -1,99 +1,74 @@
 // SPDX-License-Identifier: Apache-2.0
 // libspm_client from C#, as Unity uses native libraries: put libspm_client.so into
-// Assets/Plugins/x86_64 and this file anywhere under Assets. World frame: right-handed, x to the
-// right, y up, z towards the user, metres; Unity's z points away from the user, so negate z of
-// positions and forces, and x and y of quaternions, on the way in and out.
+// Assets/Plugins/x86_64 and the three files SpmClient*.cs anywhere under Assets. World frame:
+// right-handed, x to the right, y up, z towards the user, metres; Unity's z points away from the
+// user, so negate z of positions and forces, and x and y of quaternions, on the way in and out.
 using System;
+using System.Collections.Generic;
 using System.Runtime.InteropServices;
 using System.Text;
 
 namespace SpmHaptics
 {
-    public enum ClientCode
-    {
-        Ok = 0, BadArgument = 1, NoDaemon = 2, Refused = 3, Internal = 4, VersionDiffers = 5,
-        RingFull = 6, Busy = 7, NotThere = 8
-    }
-
-    public enum DaemonState { Running = 0, Stalled = 1, Ended = 2, Gone = 3 }
-
-    [StructLayout(LayoutKind.Sequential)]
-    public struct DeviceData
-    {
-        public uint Size;
-        public uint Connected;
-        public ulong Tick;
-        [MarshalAs(UnmanagedType.ByValArray, SizeConst = 3)] public double[] Position;
-        [MarshalAs(UnmanagedType.ByValArray, SizeConst = 4)] public double[] Orientation; // w x y z
-        [MarshalAs(UnmanagedType.ByValArray, SizeConst = 3)] public double[] Velocity;
-        [MarshalAs(UnmanagedType.ByValArray, SizeConst = 3)] public double[] Force;
-        [MarshalAs(UnmanagedType.ByValArray, SizeConst = 3)] public double[] Torque;
-        public double Depth;
-        public uint Contact;
-        public uint Buttons;
-        public uint Cause;
-        public uint Health;
-        public uint Contacts;
-        public uint Cuts;
-    }
-
-    [StructLayout(LayoutKind.Sequential)]
-    public struct ObjectData
-    {
-        public uint Size;
-        public uint Asset;
-        public ulong Id;
-        public ulong Tick;
-        [MarshalAs(UnmanagedType.ByValArray, SizeConst = 3)] public double[] Position;
-        [MarshalAs(UnmanagedType.ByValArray, SizeConst = 4)] public double[] Orientation;
-        public double Scale;
-        [MarshalAs(UnmanagedType.ByValArray, SizeConst = 3)] public double[] Force;
-        [MarshalAs(UnmanagedType.ByValArray, SizeConst = 3)] public double[] Torque;
-        public double Silent;
-        public uint Movable;
-        public uint Contact;
-        public uint Driven;
-        public uint Reserved;
-    }
-
-    public sealed class ClientException : Exception
-    {
-        public ClientCode Code { get; }
-        public ClientException(ClientCode code, string message) : base(message) { Code = code; }
-    }
-
-    /// <summary>A connection to spm-servo. Dispose it when the scene ends.</summary>
+    /// <summary>A connection to spm-servo. Dispose it when the scene ends. What fails throws
+    /// ClientException.</summary>
     public sealed class SpmClient : IDisposable
     {
+        private const int NameBytes = 64;
         private IntPtr handle;
 
         public SpmClient(string path = null, string application = "unity", int timeoutMs = 1000)
         {
-            var options = new Options
+            var options = new OptionsData
             {
-                Size = (uint)Marshal.SizeOf(typeof(Options)),
+                Size = SizeOf<OptionsData>(),
                 TimeoutMs = timeoutMs,
                 Path = path,
                 Application = application
             };
             var message = new byte[512];
-            var code = spm_client_connect(ref options, out handle, message,
-                                          (UIntPtr)message.Length);
+            var code = Library.spm_client_connect(ref options, out handle, message,
+                                                  (UIntPtr)message.Length);
             if (code != ClientCode.Ok) throw new ClientException(code, TextOf(message));
         }
 
         public void Dispose()
         {
-            if (handle != IntPtr.Zero) spm_client_disconnect(handle);
+            if (handle != IntPtr.Zero) Library.spm_client_disconnect(handle);
             handle = IntPtr.Zero;
         }
 
-        public DaemonState State(out double age) { return spm_client_daemon_state(handle, out age); }
+        /// <summary>Whether the daemon lives; age in s is how long ago its last tick was.</summary>
+        public DaemonState State(out double age)
+        {
+            return Library.spm_client_daemon_state(Open(), out age);
+        }
+
+        public InfoData Info()
+        {
+            var data = new InfoData { Size = SizeOf<InfoData>() };
+            Check(Library.spm_client_read_info(Open(), ref data));
+            return data;
+        }
 
         public string DeviceName(uint device)
         {
-            var name = new byte[64];
-            Check(spm_client_device_name(handle, device, name, (UIntPtr)name.Length));
+            var name = new byte[NameBytes];
+            Check(Library.spm_client_device_name(Open(), device, name, (UIntPtr)name.Length));
+            return TextOf(name);
+        }
+
+        public string AssetName(uint asset)
+        {
+            var name = new byte[NameBytes];
+            Check(Library.spm_client_asset_name(Open(), asset, name, (UIntPtr)name.Length));
+            return TextOf(name);
+        }
+
+        public string ObjectName(ulong id)
+        {
+            var name = new byte[NameBytes];
+            Check(Library.spm_client_object_name(Open(), id, name, (UIntPtr)name.Length));
             return TextOf(name);
         }
 
@@ -102,36 +77,136 @@ namespace SpmHaptics
         {
             if (cause == 0) return "";
             IntPtr name, cure;
-            spm_client_cause(handle, cause, out name, out cure);
+            Library.spm_client_cause(Open(), cause, out name, out cure);  // "" for an unknown one
             return Marshal.PtrToStringAnsi(name) + ": " + Marshal.PtrToStringAnsi(cure);
         }
 
         public DeviceData Device(uint device = 0)
         {
-            var data = new DeviceData { Size = (uint)Marshal.SizeOf(typeof(DeviceData)) };
-            Check(spm_client_read_device(handle, device, ref data));
+            var data = new DeviceData { Size = SizeOf<DeviceData>() };
+            Check(Library.spm_client_read_device(Open(), device, ref data));
             return data;
         }
 
         public ObjectData Object(ulong id)
         {
-            var data = new ObjectData { Size = (uint)Marshal.SizeOf(typeof(ObjectData)) };
-            Check(spm_client_read_object(handle, id, ref data));
+            var data = new ObjectData { Size = SizeOf<ObjectData>() };
+            Check(Library.spm_client_read_object(Open(), id, ref data));
             return data;
+        }
+
+        /// <summary>Adds an object of an asset, w x y z; gives its id. What the material does not
+        /// give is as in a scene that does not give it.</summary>
+        public ulong Add(uint asset, double[] position, double[] orientation, double scale = 1,
+                         MaterialData material = default(MaterialData))
+        {
+            var pose = PoseOf(position, orientation, 0);
+            material.Size = SizeOf<MaterialData>();
+            ulong id;
+            Check(Library.spm_client_add_object(Open(), asset, ref pose, scale, ref material,
+                                                out id));
+            return id;
         }
 
         /// <summary>Sends a pose, w x y z; period in s is the time to the next one.</summary>
         public void Move(ulong id, double[] position, double[] orientation, double period)
         {
-            var pose = new Pose
+            var pose = PoseOf(position, orientation, period);
+            Check(Library.spm_client_move_object(Open(), id, ref pose));
+        }
+
+        /// <summary>Removes an object that this application added.</summary>
+        public void Remove(ulong id) { Check(Library.spm_client_remove_object(Open(), id)); }
+
+        public void SetMaterial(ulong id, MaterialData material)
+        {
+            material.Size = SizeOf<MaterialData>();
+            Check(Library.spm_client_set_material(Open(), id, ref material));
+        }
+
+        /// <summary>While it is on the hand moves freely and the tool stays.</summary>
+        public void SetClutch(uint device, bool on)
+        {
+            Check(Library.spm_client_set_clutch(Open(), device, on ? 1 : 0));
+        }
+
+        /// <summary>How many commands were sent, taken and refused.</summary>
+        public CommandCountsData Commands()
+        {
+            var data = new CommandCountsData { Size = SizeOf<CommandCountsData>() };
+            Check(Library.spm_client_refusals(Open(), ref data));
+            return data;
+        }
+
+        /// <summary>Why a command was refused, a sentence.</summary>
+        public static string RefusalText(uint refusal)
+        {
+            return Marshal.PtrToStringAnsi(Library.spm_client_refusal(refusal));
+        }
+
+        /// <summary>The next change of a device since the last call; false where there is none.</summary>
+        public bool NextEvent(out EventData next)
+        {
+            next = new EventData { Size = SizeOf<EventData>() };
+            var code = Library.spm_client_next_event(Open(), ref next);
+            if (code == ClientCode.NotThere || code == ClientCode.Busy) return false;
+            Check(code);
+            return true;
+        }
+
+        /// <summary>What the loop counted since it began; bucket i of Wake and Busy ends at
+        /// BucketEnd(i).</summary>
+        public LoopData Loop()
+        {
+            var data = new LoopData { Size = SizeOf<LoopData>() };
+            Check(Library.spm_client_read_loop(Open(), ref data));
+            return data;
+        }
+
+        /// <summary>ns.</summary>
+        public static ulong BucketEnd(uint bucket) { return Library.spm_client_bucket_end(bucket); }
+
+        /// <summary>What the loop counted for one device since it began.</summary>
+        public DeviceCountsData DeviceCounts(uint device = 0)
+        {
+            var data = new DeviceCountsData { Size = SizeOf<DeviceCountsData>() };
+            Check(Library.spm_client_read_device_counts(Open(), device, ref data));
+            return data;
+        }
+
+        /// <summary>Who is connected, this one among them.</summary>
+        public List<ApplicationData> Applications()
+        {
+            var connected = new List<ApplicationData>();
+            for (;;)
             {
-                Size = (uint)Marshal.SizeOf(typeof(Pose)),
+                var data = new ApplicationData { Size = SizeOf<ApplicationData>() };
+                var code = Library.spm_client_read_application(Open(), (uint)connected.Count,
+                                                               ref data);
+                if (code == ClientCode.NotThere) return connected;
+                Check(code);
+                connected.Add(data);
+            }
+        }
+
+        private IntPtr Open()
+        {
+            if (handle == IntPtr.Zero) throw new ObjectDisposedException("SpmClient");
+            return handle;
+        }
+
+        private static PoseData PoseOf(double[] position, double[] orientation, double period)
+        {
+            return new PoseData
+            {
+                Size = SizeOf<PoseData>(),
                 Position = position,
                 Orientation = orientation,
                 Period = period
             };
-            Check(spm_client_move_object(handle, id, ref pose));
         }
+
+        private static uint SizeOf<T>() { return (uint)Marshal.SizeOf(typeof(T)); }
 
         private static void Check(ClientCode code)
         {
@@ -146,51 +221,5 @@ namespace SpmHaptics
             int end = Array.IndexOf(bytes, (byte)0);
             return Encoding.UTF8.GetString(bytes, 0, end < 0 ? bytes.Length : end);
         }
-
-        [StructLayout(LayoutKind.Sequential, CharSet = CharSet.Ansi)]
-        private struct Options
-        {
-            public uint Size;
-            public int TimeoutMs;
-            [MarshalAs(UnmanagedType.LPStr)] public string Path;
-            [MarshalAs(UnmanagedType.LPStr)] public string Name;
-            [MarshalAs(UnmanagedType.LPStr)] public string Application;
-        }
-
-        [StructLayout(LayoutKind.Sequential)]
-        private struct Pose
-        {
-            public uint Size;
-            public uint Reserved;
-            [MarshalAs(UnmanagedType.ByValArray, SizeConst = 3)] public double[] Position;
-            [MarshalAs(UnmanagedType.ByValArray, SizeConst = 4)] public double[] Orientation;
-            public double Period;
-            public double Deadline;
-        }
-
-        private const string Library = "spm_client";
-
-        [DllImport(Library)]
-        private static extern ClientCode spm_client_connect(ref Options options, out IntPtr client,
-                                                            [Out] byte[] message, UIntPtr size);
-        [DllImport(Library)]
-        private static extern void spm_client_disconnect(IntPtr client);
-        [DllImport(Library)]
-        private static extern DaemonState spm_client_daemon_state(IntPtr client, out double age);
-        [DllImport(Library)]
-        private static extern ClientCode spm_client_device_name(IntPtr client, uint device,
-                                                                [Out] byte[] name, UIntPtr size);
-        [DllImport(Library)]
-        private static extern ClientCode spm_client_cause(IntPtr client, uint cause,
-                                                          out IntPtr name, out IntPtr cure);
-        [DllImport(Library)]
-        private static extern ClientCode spm_client_read_device(IntPtr client, uint device,
-                                                                ref DeviceData data);
-        [DllImport(Library)]
-        private static extern ClientCode spm_client_read_object(IntPtr client, ulong id,
-                                                                ref ObjectData data);
-        [DllImport(Library)]
-        private static extern ClientCode spm_client_move_object(IntPtr client, ulong id,
-                                                                ref Pose pose);
     }
 }

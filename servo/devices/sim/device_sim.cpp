@@ -25,6 +25,21 @@ Result<HandMotion> recorded_hand(const std::string& path, double period) {
   return HandMotion::recorded(std::move(positions), period);
 }
 
+PlantSettings plant_of(const SimOptions& options, double period) {
+  PlantSettings plant;
+  plant.profile = *options.profile;
+  plant.period = period;
+  plant.hand = options.hand_model;
+  plant.mass = options.mass;
+  plant.delay_ticks = options.delay_ticks;
+  plant.jitter = options.jitter_ticks * period;
+  plant.lost_share = options.lost_share;
+  plant.noise = options.noise;
+  plant.seed = options.seed;
+  plant.substeps = substeps_for(period);
+  return plant;
+}
+
 const char* name_of(HandKind hand) {
   switch (hand) {
     case HandKind::slide:
@@ -42,7 +57,7 @@ const char* name_of(HandKind hand) {
 DeviceSim::DeviceSim(const SimOptions& options)
     : options_(options),
       capabilities_(capabilities_of("sim", *find_device_profile(options.profile->name))),
-      dynamics_(*options.profile, 1e-3) {
+      plant_(plant_of(options, 1e-3)) {
   // What a real one could not render stably is to be tried here; and its hand goes wherever the
   // scene's objects lie.
   capabilities_.stiffness_cap = std::numeric_limits<double>::infinity();
@@ -51,6 +66,7 @@ DeviceSim::DeviceSim(const SimOptions& options)
 
 Result<void> DeviceSim::open(const DeviceSetup& setup) {
   const double period = 1 / setup.rate_hz;
+  const PlantSettings plant = plant_of(options_, period);
   Result<HandMotion> hand;
   if (options_.hand == HandKind::recorded) {
     hand = recorded_hand(options_.path, period);
@@ -60,25 +76,25 @@ Result<void> DeviceSim::open(const DeviceSetup& setup) {
     task.depth = options_.depth;
     task.speed = options_.speed;
     task.seed = options_.seed;
-    task.period = period;
+    task.plant = plant;
     task.scene = setup.scene;
-    hand = plan_hand(setup.assets, task, *options_.profile);
+    hand = plan_hand(setup.assets, task);
   }
   if (!hand) return tl::make_unexpected(hand.error());
   hand_ = std::move(*hand);
-  dynamics_ = SimDynamics(*options_.profile, period);
-  dynamics_.place(hand_.start());
+  plant_ = SimPlant(plant);
+  plant_.place(hand_.start());
   return {};
 }
 
 DeviceHealth DeviceSim::read(DeviceState& state) noexcept {
-  state.position = dynamics_.measured_position();
+  state.position = plant_.measured_position();
   state.buttons = 0;
   return DeviceHealth::ok;
 }
 
 DeviceHealth DeviceSim::write(const Wrench& wrench) noexcept {
-  dynamics_.step(wrench.force, hand_.next());
+  plant_.step(wrench.force, hand_.next());
   return DeviceHealth::ok;
 }
 
@@ -87,7 +103,13 @@ nlohmann::ordered_json DeviceSim::describe() const {
           {"hand", name_of(options_.hand)},
           {"depth_m", options_.depth},
           {"speed_m_s", options_.speed},
-          {"seed", options_.seed}};
+          {"seed", options_.seed},
+          {"hand_model", options_.hand_model == HandModel::arm ? "arm" : "spring"},
+          {"mass", options_.mass == MovingMass::constant ? "constant" : "device"},
+          {"delay_ticks", options_.delay_ticks},
+          {"jitter_ticks", options_.jitter_ticks},
+          {"lost_share", options_.lost_share},
+          {"noise_m", options_.noise}};
 }
 
 }  // namespace spm::servo

@@ -5,8 +5,8 @@
 
 #include "servo/device.hpp"
 #include "servo/devices/sim/hand_motion.hpp"
-#include "servo/devices/sim/sim_dynamics.hpp"
 #include "servo/devices/sim/sim_options.hpp"
+#include "servo/devices/sim/sim_plant.hpp"
 
 namespace spm::servo {
 
@@ -28,7 +28,7 @@ class DeviceSim final : public Device {
  private:
   SimOptions options_;
   DeviceCapabilities capabilities_;
-  SimDynamics dynamics_;
+  SimPlant plant_;
   HandMotion hand_;
 };
 

@@ -4,7 +4,7 @@
 #include <cstddef>
 #include <vector>
 
-#include "servo/devices/sim/sim_dynamics.hpp"
+#include "servo/devices/sim/hand_model.hpp"
 
 namespace spm::servo {
 

@@ -65,7 +65,7 @@ HandMotion motion_from(const Reached& reached, const HandTask& task, const Touch
                        double firm_depth, Random& random) {
   const Vector3 approach = reached.in_hand(start.centre + reached.depth * start.normal);
   if (!task.slide) {
-    return HandMotion::press(approach, target_below(reached, start), task.speed, task.period);
+    return HandMotion::press(approach, target_below(reached, start), task.speed, task.plant.period);
   }
   WalkSettings settings;
   settings.probe_radius = reached.probe_radius;
@@ -75,23 +75,23 @@ HandMotion motion_from(const Reached& reached, const HandTask& task, const Touch
   for (const Touch& touch : walk(reached.asset, settings, start, random)) {
     points.push_back(target_below(reached, touch));
   }
-  return HandMotion::back_and_forth(std::move(points), 1, task.speed, task.period);
+  return HandMotion::back_and_forth(std::move(points), 1, task.speed, task.plant.period);
 }
 
 /// How much a motion is worth to a task.
 double worth_of(std::span<const AssetView* const> assets, const HandTask& task,
-                const SimProfile& profile, const HandMotion& motion) {
+                const HandMotion& motion) {
   const std::size_t ticks = std::min(motion.cycle_ticks(), longest_trial);
-  const double share = contact_share(assets, task, profile, motion, ticks);
+  const double share = contact_share(assets, task, motion, ticks);
   const bool stuck =
-      task.slide &&
-      static_cast<double>(motion.cycle_ticks()) * task.period * task.speed < 2 * shortest_walk;
+      task.slide && static_cast<double>(motion.cycle_ticks()) * task.plant.period * task.speed <
+                        2 * shortest_walk;
   return share - (stuck ? stuck_penalty : 0);
 }
 
 /// Plans on one object, until a plan is good; `best` is the best of all so far.
-void plan_on(std::span<const AssetView* const> assets, const HandTask& task,
-             const SimProfile& profile, std::size_t which, Random& random, Plan& best) {
+void plan_on(std::span<const AssetView* const> assets, const HandTask& task, std::size_t which,
+             Random& random, Plan& best) {
   const Reached reached(assets, task, which);
   for (const double firm : rounds) {
     int plans = 0;
@@ -102,7 +102,7 @@ void plan_on(std::span<const AssetView* const> assets, const HandTask& task,
       if (!firm_below(reached.asset, reached.probe_radius, *touch, firm_depth)) continue;
       ++plans;
       HandMotion motion = motion_from(reached, task, *touch, firm_depth, random);
-      const double worth = worth_of(assets, task, profile, motion);
+      const double worth = worth_of(assets, task, motion);
       if (worth > best.worth) best = {std::move(motion), worth};
       if (best.worth >= good_share) return;
     }
@@ -112,11 +112,11 @@ void plan_on(std::span<const AssetView* const> assets, const HandTask& task,
 }  // namespace
 
 double contact_share(std::span<const AssetView* const> assets, const HandTask& task,
-                     const SimProfile& profile, HandMotion motion, std::size_t ticks) {
-  SimDynamics tool(profile, task.period);
+                     HandMotion motion, std::size_t ticks) {
+  SimPlant tool(task.plant);
   tool.place(motion.start());
-  const auto second = static_cast<std::size_t>(std::ceil(1 / task.period));
-  SceneForce force(task.scene, task.period, profile.encoder_step);
+  const auto second = static_cast<std::size_t>(std::ceil(1 / task.plant.period));
+  SceneForce force(task.scene, task.plant.period, task.plant.profile.encoder_step);
   double worst = 1;
   for (std::size_t begin = 0; begin < ticks; begin += second) {
     std::size_t touching = 0;
@@ -130,12 +130,11 @@ double contact_share(std::span<const AssetView* const> assets, const HandTask& t
   return worst;
 }
 
-Result<HandMotion> plan_hand(std::span<const AssetView* const> assets, const HandTask& task,
-                             const SimProfile& profile) {
+Result<HandMotion> plan_hand(std::span<const AssetView* const> assets, const HandTask& task) {
   Random random(task.seed);
   Plan best;
   for (std::size_t i = 0; i < task.scene.objects.size() && best.worth < good_share; ++i) {
-    plan_on(assets, task, profile, i, random, best);
+    plan_on(assets, task, i, random, best);
   }
   if (best.worth < -stuck_penalty) {
     return fail(

@@ -3,17 +3,32 @@
 
 #include <fmt/format.h>
 
+#include <array>
 #include <charconv>
 
 #include "common/units.hpp"
 #include "servo/devices/option_list.hpp"
+#include "servo/devices/sim/actuator_line.hpp"
 #include "servo/devices/sim/hand_motion.hpp"
 
 namespace spm::servo {
 
 namespace {
 
-constexpr double deepest = 0.1;  // m
+constexpr double deepest = 0.1;    // m
+constexpr double noisiest = 1e-3;  // m
+
+/// An option that is a number without a unit.
+struct SimNumber {
+  std::string_view key, unit;
+  double SimOptions::*target;
+  double most;
+};
+
+constexpr std::array<SimNumber, 3> numbers{
+    {{"delay", "ticks", &SimOptions::delay_ticks, longest_delay},
+     {"jitter", "ticks", &SimOptions::jitter_ticks, longest_delay},
+     {"lost", "shares of the ticks", &SimOptions::lost_share, 1}}};
 
 tl::unexpected<Error> usage(const std::string& message) { return option_error("sim", message); }
 
@@ -49,7 +64,41 @@ Result<void> set_seed(SimOptions& options, std::string_view value) {
   return usage(fmt::format("seed '{}' is not a whole number from 0", value));
 }
 
-Result<void> set(SimOptions& options, std::string_view key, std::string_view value) {
+Result<void> set_hand_model(SimOptions& options, std::string_view value) {
+  if (value == "spring") {
+    options.hand_model = HandModel::spring;
+  } else if (value == "arm") {
+    options.hand_model = HandModel::arm;
+  } else {
+    return usage(fmt::format("hand_model '{}' is not known; it is spring or arm", value));
+  }
+  return {};
+}
+
+/// Sets a number without a unit, from 0 to the most.
+Result<void> set_number(double& target, const SimNumber& option, std::string_view value) {
+  double number = 0;
+  const char* end = value.data() + value.size();
+  const auto parsed = std::from_chars(value.data(), end, number);
+  if (parsed.ec == std::errc{} && parsed.ptr == end && number >= 0 && number <= option.most) {
+    target = number;
+    return {};
+  }
+  return usage(fmt::format("{} '{}' is not a number of {} from 0 to {}", option.key, value,
+                           option.unit, option.most));
+}
+
+/// `device` needs the profile, which may come later: it is looked up when all is read.
+Result<void> set_mass(bool& of_device, std::string_view value) {
+  if (value != "constant" && value != "device") {
+    return usage(fmt::format("mass '{}' is not known; it is constant or device", value));
+  }
+  of_device = value == "device";
+  return {};
+}
+
+Result<void> set(SimOptions& options, bool& mass_of_device, std::string_view key,
+                 std::string_view value) {
   if (key == "profile") return set_profile(options, value);
   if (key == "hand") return set_hand(options, value);
   if (key == "depth") {
@@ -59,13 +108,22 @@ Result<void> set(SimOptions& options, std::string_view key, std::string_view val
     return set_quantity(options.speed, key, value, Quantity::speed, fastest_target);
   }
   if (key == "seed") return set_seed(options, value);
+  if (key == "hand_model") return set_hand_model(options, value);
+  if (key == "mass") return set_mass(mass_of_device, value);
+  if (key == "noise") return set_quantity(options.noise, key, value, Quantity::length, noisiest);
+  for (const SimNumber& option : numbers) {
+    if (key == option.key) return set_number(options.*option.target, option, value);
+  }
   if (key == "path") {
     if (value.empty()) return usage("path is empty; name a trajectory file");
     options.path = value;
     return {};
   }
-  return usage(fmt::format(
-      "option '{}' is not known; the options are profile, hand, path, depth, speed and seed", key));
+  return usage(
+      fmt::format("option '{}' is not known; the options are profile, hand, path, depth, speed, "
+                  "seed, hand_model, mass, "
+                  "delay, jitter, lost and noise",
+                  key));
 }
 
 }  // namespace
@@ -73,10 +131,11 @@ Result<void> set(SimOptions& options, std::string_view key, std::string_view val
 Result<SimOptions> parse_sim_options(std::string_view text) {
   SimOptions options;
   bool hand_given = false;
+  bool mass_of_device = false;
   const auto list = split_options("sim", text);
   if (!list) return tl::make_unexpected(list.error());
   for (const auto& [key, value] : *list) {
-    const Result<void> done = set(options, key, value);
+    const Result<void> done = set(options, mass_of_device, key, value);
     if (!done) return tl::make_unexpected(done.error());
     hand_given = hand_given || key == "hand";
   }
@@ -86,6 +145,16 @@ Result<SimOptions> parse_sim_options(std::string_view text) {
   }
   if (options.hand != HandKind::recorded && !options.path.empty()) {
     return usage("path=FILE goes with hand=path only");
+  }
+  if (mass_of_device) {
+    const auto mass = moving_mass_of(options.profile->name);
+    if (!mass) {
+      return usage(
+          fmt::format("mass=device: the kinematics of profile '{}' are not known; those of falcon "
+                      "and wooden are",
+                      options.profile->name));
+    }
+    options.mass = *mass;
   }
   return options;
 }

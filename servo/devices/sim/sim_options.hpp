@@ -6,6 +6,8 @@
 #include <string_view>
 
 #include "common/error.hpp"
+#include "servo/devices/sim/hand_model.hpp"
+#include "servo/devices/sim/moving_mass.hpp"
 #include "servo/devices/sim/sim_profile.hpp"
 
 namespace spm::servo {
@@ -17,7 +19,8 @@ enum class HandKind : std::uint8_t {
 };
 
 /// Options of the simulated device: `sim:profile=NAME,hand=slide|push|path,path=FILE,depth=LENGTH,
-/// speed=SPEED,seed=N`.
+/// speed=SPEED,seed=N,hand_model=spring|arm,mass=constant|device,delay=TICKS,jitter=TICKS,lost=SHARE,
+/// noise=LENGTH`.
 struct SimOptions {
   const SimProfile* profile = &sim_profiles[0];  ///< one of these
   HandKind hand = HandKind::slide;
@@ -25,10 +28,16 @@ struct SimOptions {
   double depth = 1e-3;  ///< m, above 0
   double speed = 0.04;  ///< m/s, above 0, at most fastest_target
   std::uint64_t seed = 1;
+  HandModel hand_model = HandModel::spring;
+  MovingMass mass = MovingMass::constant;
+  double delay_ticks = 0;   ///< 0 to longest_delay
+  double jitter_ticks = 0;  ///< 0 to longest_delay, standard deviation
+  double lost_share = 0;    ///< 0 to 1, of the ticks' forces
+  double noise = 0;         ///< m, 0 or more, standard deviation of a reading
 };
 
 /// Parses what follows `sim:`; the empty text gives the defaults. Errors: usage, an unknown key or
-/// word with the valid ones, a value out of range.
+/// word with the valid ones, a value out of range, a profile whose kinematics are not known.
 [[nodiscard]] Result<SimOptions> parse_sim_options(std::string_view text);
 
 }  // namespace spm::servo

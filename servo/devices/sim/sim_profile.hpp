@@ -8,8 +8,8 @@
 
 namespace spm::servo {
 
-/// A device with one moving mass, seen from its tool. Mass, damping and friction are assumed: no
-/// data sheet gives them. Encoder step and force cap are those of device_profile.hpp, the
+/// A device with one moving mass, seen from its tool. Damping and friction are assumed: no data
+/// sheet gives them. Mass, encoder step and force cap are those of device_profile.hpp, the
 /// actuator's bandwidth is a guess by its kind.
 struct SimProfile {
   std::string_view name;
@@ -22,20 +22,20 @@ struct SimProfile {
 };
 
 /// A profile of device_profile.hpp with what a simulation needs beside it.
-[[nodiscard]] constexpr SimProfile sim_profile(const DeviceProfile& device, double mass,
-                                               double damping, double friction,
-                                               double bandwidth) noexcept {
-  return {device.name, mass, damping, friction, device.encoder_step, device.force_cap, bandwidth};
+[[nodiscard]] constexpr SimProfile sim_profile(const DeviceProfile& device, double damping,
+                                               double friction, double bandwidth) noexcept {
+  return {device.name,         device.moving_mass, damping,  friction,
+          device.encoder_step, device.force_cap,   bandwidth};
 }
 
 /// In the order of `device_profiles`. `low` is the worst case for stability: light, and hardly
 /// damped.
 inline constexpr std::array<SimProfile, device_profiles.size()> sim_profiles{{
-    sim_profile(device_profiles[0], 0.10, 0.3, 0.02, 500),
-    sim_profile(device_profiles[1], 0.25, 1.5, 0.35, 200),
-    sim_profile(device_profiles[2], 0.045, 0.1, 0.20, 200),
-    sim_profile(device_profiles[3], 0.25, 0.6, 0.20, 500),
-    sim_profile(device_profiles[4], 0.30, 0.8, 0.50, 200),
+    sim_profile(device_profiles[0], 0.3, 0.02, 500),
+    sim_profile(device_profiles[1], 1.5, 0.35, 200),
+    sim_profile(device_profiles[2], 0.1, 0.20, 200),
+    sim_profile(device_profiles[3], 0.6, 0.20, 500),
+    sim_profile(device_profiles[4], 0.8, 0.50, 200),
 }};
 static_assert(sim_profiles[1].name == "falcon" && sim_profiles[2].name == "touch" &&
               sim_profiles[3].name == "omega3" && sim_profiles[4].name == "wooden");
@@ -47,10 +47,5 @@ static_assert(sim_profiles[1].name == "falcon" && sim_profiles[2].name == "touch
   }
   return nullptr;
 }
-
-/// How a hand holds the tool: a spring and a damper towards where the hand wants to be. Assumed
-/// from one published trial of a finger grip.
-inline constexpr double grip_stiffness = 700;  // N/m
-inline constexpr double grip_damping = 2.5;    // N s/m
 
 }  // namespace spm::servo

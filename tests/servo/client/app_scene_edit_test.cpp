@@ -33,7 +33,7 @@ class Edited {
   /// A second later, when all is where it was sent.
   void tick() {
     now_ns_ += second;
-    static_cast<void>(app_->begin(now_ns_, forces()));
+    changes_ = app_->begin(now_ns_, forces());
     app_->end(1, now_ns_, {}, forces());
   }
   [[nodiscard]] bool edit(const SceneEdit& edit) { return app_->edit(edit, now_ns_, forces()); }
@@ -59,6 +59,8 @@ class Edited {
   }
   [[nodiscard]] PlacedObject settings(std::size_t object) const { return scene_.objects[object]; }
   [[nodiscard]] const AppScene& app() const { return *app_; }
+  /// What the last tick told the loop.
+  [[nodiscard]] const AppChanges& changes() const { return changes_; }
 
  private:
   static ForceScene scene_of_boxes(std::size_t count) {
@@ -80,6 +82,7 @@ class Edited {
   RawRing ring_{1};
   std::unique_ptr<SceneForce> force_;
   std::unique_ptr<AppScene> app_;
+  AppChanges changes_;
   std::int64_t now_ns_ = 0;
 };
 
@@ -168,6 +171,56 @@ TEST_CASE("Objects of an edit come and go under their ids") {
   REQUIRE(scene.edit(edit));
   CHECK_FALSE(scene.app().uses(0));
   CHECK(scene.force_at(0) == 0);
+}
+
+TEST_CASE("The loop is told how stiff the stiffest object is, whoever brought it or took it away") {
+  Edited scene(2);
+  const double before = scene.settings(0).force.stiffness;
+  CHECK(scene.changes().stiffest == before);
+  PlacedObject stiff = scene.settings(1);
+  stiff.force.stiffness = 4 * before;
+  REQUIRE(scene.edit(change_of(1, stiff, false)));
+  scene.tick();
+  CHECK(scene.changes().stiffest == 4 * before);
+
+  stiff.force.stiffness = 5 * before;
+  SceneEdit edit;
+  edit.added.push_back({2, stiff, true});
+  edit.removed = {1};
+  edit.assets = 1;
+  REQUIRE(scene.edit(edit));
+  scene.tick();
+  CHECK(scene.changes().stiffest == 5 * before);
+
+  edit = {};
+  edit.removed = {2};
+  edit.assets = 1;
+  REQUIRE(scene.edit(edit));
+  scene.tick();
+  CHECK(scene.changes().stiffest == before);
+
+  spm_shared_command softer{};
+  softer.kind = SPM_COMMAND_MATERIAL;
+  softer.fields = SPM_MATERIAL_STIFFNESS;
+  softer.stiffness = before / 2;
+  scene.send(softer);
+  scene.tick();
+  CHECK(scene.changes().stiffest == before / 2);
+}
+
+TEST_CASE("An edit alone does not count as an application's doing, a move does from then on") {
+  Edited scene(2);
+  PlacedObject moved = scene.settings(1);
+  moved.placement.position.y() = 3;
+  REQUIRE(scene.edit(change_of(1, moved, true)));
+  scene.tick();
+  CHECK_FALSE(scene.changes().touched);
+  scene.send(move_command(0, 5));
+  scene.tick();
+  CHECK(scene.changes().touched);
+  REQUIRE(scene.edit(change_of(0, moved, true)));
+  scene.tick();
+  CHECK(scene.changes().touched);
 }
 
 TEST_CASE("An edit that there is no room for changes nothing, one that makes room is taken up") {

@@ -2,12 +2,14 @@
 // An application beside the real loop: what it asks for is felt by the hand.
 #include "servo/app/app_scene.hpp"
 
+#include <algorithm>
 #include <atomic>
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <memory>
 #include <string>
 #include <thread>
+#include <vector>
 
 #include "servo/loop.hpp"
 #include "tests/servo/client/connected_client.hpp"
@@ -80,6 +82,14 @@ class Beside {
 
   [[nodiscard]] const std::string& path() const { return server_->path(); }
 
+  /// Records of the ticks since the last call.
+  [[nodiscard]] std::vector<TickRecord> records() {
+    std::vector<TickRecord> taken;
+    TickRecord record;
+    while (ring_.try_dequeue(record)) taken.push_back(record);
+    return taken;
+  }
+
   /// The application hangs up; gives where another may connect.
   std::string leave() {
     here.reset();
@@ -134,6 +144,47 @@ TEST_CASE("An object that the scene holds still stays, and the application is to
   CHECK(beside.object(0).position[2] == 0);
 }
 
+TEST_CASE("Records say from which tick on an application has touched the scene") {
+  Beside beside;
+  REQUIRE(eventually([&] { return beside.device().tick > 20; }));
+  // Looking on touches nothing, nor does what is refused.
+  const spm_client_pose up = raised(2 * above);
+  REQUIRE(spm_client_move_object(beside.here->client, 7, &up) == SPM_CLIENT_OK);
+  REQUIRE_FALSE(beside.refusal().empty());
+  for (const TickRecord& record : beside.records()) REQUIRE_FALSE(record.touched);
+  REQUIRE(spm_client_move_object(beside.here->client, 0, &up) == SPM_CLIENT_OK);
+  REQUIRE(beside.comes_to(1));
+  const std::vector<TickRecord> records = beside.records();
+  const auto first = std::find_if(records.begin(), records.end(),
+                                  [](const TickRecord& record) { return record.touched; });
+  REQUIRE(first != records.end());
+  // No force came of it before, and from then on it stays so, whatever the application does.
+  for (auto record = records.begin(); record != first; ++record) CHECK_FALSE(record->contact);
+  CHECK(std::all_of(first, records.end(), [](const TickRecord& record) { return record.touched; }));
+  beside.leave();
+  REQUIRE(eventually([&] {
+    const auto later = beside.records();
+    return !later.empty() && later.back().touched;
+  }));
+}
+
+TEST_CASE("Records say that an application made an object feel different, or added one") {
+  const bool adds = GENERATE(false, true);
+  Beside beside;
+  auto material = sized<spm_client_material>();
+  material.fields = SPM_CLIENT_STIFFNESS;
+  material.stiffness = 500;
+  const spm_client_pose pose = raised(1);
+  std::uint64_t added = 0;
+  const int code = adds ? spm_client_add_object(beside.here->client, 0, &pose, 1, nullptr, &added)
+                        : spm_client_set_material(beside.here->client, 0, &material);
+  REQUIRE(code == SPM_CLIENT_OK);
+  CHECK(eventually([&] {
+    const auto records = beside.records();
+    return !records.empty() && records.back().touched;
+  }));
+}
+
 TEST_CASE("Objects that an application adds push, feel as it says, and leave with it") {
   Beside beside;
   auto material = sized<spm_client_material>();
@@ -159,6 +210,38 @@ TEST_CASE("Objects that an application adds push, feel as it says, and leave wit
     static_cast<void>(spm_client_read_device(other.client, 0, &read));
     return read.tick > 0 && read.contact == 0;
   }));
+}
+
+TEST_CASE("The slew limit is that of the stiffest object there is, and holds no motion back") {
+  Beside beside;
+  const auto counts = [&] {
+    auto read = sized<spm_client_device_counts>();
+    static_cast<void>(spm_client_read_device_counts(beside.here->client, 0, &read));
+    return read;
+  };
+  const spm_client_pose up = raised(2 * above);
+  REQUIRE(spm_client_move_object(beside.here->client, 0, &up) == SPM_CLIENT_OK);
+  auto material = sized<spm_client_material>();
+  material.fields = SPM_CLIENT_STIFFNESS;
+  material.stiffness = 5000;
+  REQUIRE(spm_client_set_material(beside.here->client, 0, &material) == SPM_CLIENT_OK);
+  REQUIRE(beside.comes_to(5));
+  beside.hand_x.store(0.007);
+  const std::uint64_t tick = beside.device().tick;
+  REQUIRE(eventually([&] { return beside.device().tick > tick + 2; }));
+  beside.hand_x.store(0.014);
+  const std::uint64_t next = beside.device().tick;
+  REQUIRE(eventually([&] { return beside.device().tick > next + 2; }));
+  beside.hand_x.store(0.021);
+  REQUIRE(beside.comes_to(0));
+  // Long enough for the force to have faded in, had there been one.
+  const std::uint64_t out = beside.device().tick;
+  REQUIRE(eventually([&] { return beside.device().tick > out + 200; }));
+  const std::uint64_t held = counts().slew_hits;
+  // 5 N in a tick: what the stiffness that the scene began with allows is 2 N.
+  beside.hand_x.store(0.015);
+  REQUIRE(beside.comes_to(5));
+  CHECK(counts().slew_hits == held);
 }
 
 TEST_CASE("What belongs to the scene is not an application's to remove") {

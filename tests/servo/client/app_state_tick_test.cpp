@@ -18,7 +18,7 @@ TEST_CASE("What a tick does for applications neither allocates, locks, writes no
   state->rings()[0].offer(ring.attached());
   const std::vector<AppDevice> devices(SPM_MOST_DEVICES, test::device_of(1));
   const std::vector<AppObject> objects(SPM_MOST_OBJECTS, test::object_of(1, 1));
-  const std::vector<AppLoopDevice> counted(SPM_MOST_DEVICES);
+  const std::vector<DeviceCounters> counted(SPM_MOST_DEVICES);
   PoseInterpolator interpolator({}, Placement());
   std::size_t taken = 0;
   const auto tick = [&](std::uint64_t number) {

@@ -29,8 +29,8 @@ struct Daemon {
 /// Counts of a tick all of whose numbers are told by it.
 void count_tick(AppState& state, std::uint64_t tick) {
   const auto number = static_cast<double>(tick);
-  const std::vector<AppLoopDevice> devices(
-      2, {tick + 1, tick + 2, tick + 3, number + 4, number + 5, number + 6});
+  const std::vector<DeviceCounters> devices(
+      2, {tick + 1, tick + 2, tick + 3, number + 4, number + 5, number + 6, {}});
   const auto ns = static_cast<std::int64_t>(tick);
   state.count({ns, 2 * ns, 3 * ns, tick, tick + 7, tick + 8, devices});
 }

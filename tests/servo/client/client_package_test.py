@@ -23,11 +23,47 @@ BIN = Path(os.environ.get("SPM_BIN", Path.cwd() / "bin"))
 LIBRARY = Path(os.environ.setdefault("SPM_CLIENT_LIBRARY",
                                      str(Path.cwd() / "lib" / "libspm_client.so")))
 EXAMPLES = SOURCE / "servo" / "client" / "examples"
+C_SHARP = sorted(EXAMPLES.glob("SpmClient*.cs"))
+CAN_C_SHARP = shutil.which("mcs") and shutil.which("mono")
 PATIENCE = 20.0  # s, beyond any machine's worst moment
 
 sys.path.insert(0, str(SOURCE / "servo" / "client" / "python"))
 import spm_client_library  # noqa: E402
 from spm_client import Cause, Client, ClientError, Code, DaemonState, EventKind, Material  # noqa: E402
+
+
+# As the header, the Python package and the C# one call them.
+STRUCTS = (("options", "OptionsData"), ("info", "InfoData"), ("tick", "TickData"),
+           ("device", "DeviceData"), ("object", "ObjectData"), ("pose", "PoseData"),
+           ("material", "MaterialData"), ("command_counts", "CountsData"), ("event", "EventData"),
+           ("loop", "LoopData"), ("device_counts", "DeviceCountsData"),
+           ("application", "ApplicationData"))
+
+
+def header_sizes() -> dict[str, int]:
+    """Counted from the text of spm_client.h, so that a field that is added there shows."""
+    header = (SOURCE / "servo" / "client" / "spm_client.h").read_text(encoding="utf-8")
+    sizes = {"uint32_t": 4, "int32_t": 4, "uint64_t": 8, "int64_t": 8, "double": 8, "char": 1}
+    found = {}
+    structs = r"typedef struct spm_client_(\w+) \{(.*?)\} spm_client_\w+;"
+    for name, body in re.findall(structs, header, re.DOTALL):
+        found[name] = 0
+        body = re.sub(r"/\*.*?\*/", "", body, flags=re.DOTALL)
+        for line in filter(None, map(str.strip, body.split(";"))):
+            field = re.fullmatch(r"(const )?(\w+)(\*?) (\w+)(?:\[(\d+)\])?", line)
+            assert field is not None, line
+            found[name] += (8 if field[3] else sizes[field[2]]) * int(field[5] or 1)
+    return found
+
+
+def compile_c_sharp(program: str, *sources: Path) -> None:
+    done = subprocess.run(["mcs", "-warn:4", "-warnaserror", f"-out:{program}", *C_SHARP, *sources],
+                          capture_output=True, text=True)
+    assert done.returncode == 0, done.stdout + done.stderr
+
+
+def c_sharp_environment() -> dict[str, str]:
+    return {**os.environ, "LD_LIBRARY_PATH": str(LIBRARY.parent), "LC_ALL": "C.UTF-8"}
 
 
 def eventually(so) -> bool:
@@ -140,6 +176,22 @@ class Package(WithDaemon):
         self.assertTrue(eventually(lambda: has(EventKind.BUTTON_PRESSED)))
         self.assertEqual(kinds.count(EventKind.CONTACT_BEGAN), 1)
 
+    def test_what_the_loop_counted_is_read(self) -> None:
+        client = self.client(application="counts")
+        self.tell("c")
+        self.assertTrue(eventually(lambda: client.daemon_state()[0] == DaemonState.RUNNING and
+                                   client.device_counts().contact_ticks > 0))
+        # What tests/servo/client/loop_stand_in.cpp counts.
+        loop, counts = client.loop(), client.device_counts()
+        self.assertEqual((loop.missed, loop.skipped), (loop.ticks + 7, loop.ticks + 8))
+        self.assertEqual((sum(loop.wake), sum(loop.busy)), (loop.ticks, loop.ticks))
+        self.assertEqual((loop.wake[1], loop.busy[3]), (loop.ticks, loop.ticks))
+        self.assertAlmostEqual(client.bucket_end(1), 256e-9)
+        self.assertEqual((counts.cap_hits, counts.slew_hits), (12, 13))
+        self.assertEqual((counts.force_max, counts.energy, counts.generated_max), (1.5, 2.5, 3.5))
+        self.assertEqual([(one.name, one.process) for one in client.applications()],
+                         [("counts", os.getpid())])
+
     def test_a_daemon_that_is_killed_is_gone(self) -> None:
         client = self.client()
         self.daemon.kill()
@@ -167,32 +219,72 @@ class Package(WithDaemon):
 
 class Structs(unittest.TestCase):
     def test_the_structs_are_as_long_as_the_headers(self) -> None:
-        """Counted from the text of spm_client.h, so that a field that is added there shows."""
-        header = (SOURCE / "servo" / "client" / "spm_client.h").read_text(encoding="utf-8")
-        sizes = {"uint32_t": 4, "int32_t": 4, "uint64_t": 8, "int64_t": 8, "double": 8, "char": 1}
-        found = dict(re.findall(r"typedef struct spm_client_(\w+) \{(.*?)\} spm_client_\w+;", header,
-                                re.DOTALL))
-        for name, kind in {"options": "OptionsData", "info": "InfoData", "tick": "TickData",
-                           "device": "DeviceData", "object": "ObjectData", "pose": "PoseData",
-                           "material": "MaterialData", "command_counts": "CountsData",
-                           "event": "EventData", "loop": "LoopData",
-                           "device_counts": "DeviceCountsData",
-                           "application": "ApplicationData"}.items():
-            total = 0
-            body = re.sub(r"/\*.*?\*/", "", found[name], flags=re.DOTALL)
-            for line in filter(None, map(str.strip, body.split(";"))):
-                field = re.fullmatch(r"(const )?(\w+)(\*?) (\w+)(?:\[(\d+)\])?", line)
-                self.assertIsNotNone(field, line)
-                size = 8 if field[3] else sizes[field[2]]
-                total += size * int(field[5] or 1)
+        sizes = header_sizes()
+        self.assertEqual(set(sizes), {name for name, _ in STRUCTS})
+        for name, kind in STRUCTS:
             with self.subTest(struct=name):
-                self.assertEqual(ctypes.sizeof(getattr(spm_client_library, kind)), total)
+                self.assertEqual(ctypes.sizeof(getattr(spm_client_library, kind)), sizes[name])
+
+
+@unittest.skipUnless(CAN_C_SHARP, "mcs or mono is not installed (mono-mcs and mono-runtime)")
+class CSharp(WithDaemon):
+    """SpmClient.cs, by a program that uses each of its functions and says what came of it."""
+
+    @classmethod
+    def setUpClass(cls) -> None:
+        folder = tempfile.TemporaryDirectory(prefix="spm-client-")
+        cls.addClassCleanup(folder.cleanup)
+        cls.program = os.path.join(folder.name, "ClientTest.exe")
+        compile_c_sharp(cls.program, Path(__file__).with_name("ClientTest.cs"))
+
+    def facts(self, argument: str):
+        """Pairs of name and value, as they come."""
+        with subprocess.Popen(["mono", self.program, argument], stdout=subprocess.PIPE, text=True,
+                              env=c_sharp_environment()) as process:
+            for line in process.stdout:
+                yield line.rstrip("\n").split("=", 1)
+        self.assertEqual(process.returncode, 0)
+
+    def test_the_structs_are_as_long_as_the_headers(self) -> None:
+        sizes = header_sizes()
+        # C# reads one device or object at a time.
+        expected = {kind: sizes[name] for name, kind in STRUCTS if name != "tick"}
+        expected["CommandCountsData"] = expected.pop("CountsData")
+        self.assertEqual({name: int(size) for name, size in self.facts("sizes")}, expected)
+
+    def test_each_function_does_what_the_header_says(self) -> None:
+        commands = {"contact": "c", "button": "b", "gone": "g"}
+        found, applications = {}, []
+        for name, value in self.facts(self.socket):
+            if name == "now":
+                self.tell(commands[value])
+            elif name == "application":
+                applications.append(value)
+            else:
+                found[name] = value
+        for name in ("running", "versions", "added", "moved", "removed", "refused_then", "contact",
+                     "button", "cut", "all_woke", "contact_ticks"):
+            self.assertEqual(found[name], "True", name)
+        self.assertEqual((found["process"], found["rate"]), (str(self.daemon.pid), "1000"))
+        self.assertEqual(found["names"], "hand bunny first")
+        self.assertEqual((found["turned"], found["refused"]), ("1", "0"))
+        self.assertIn("no such object", found["reason"])
+        self.assertEqual(found["not_a_number"], "BadArgument")
+        self.assertTrue(found["cause"].startswith("device_gone: plug"), found["cause"])
+        # What tests/servo/client/loop_stand_in.cpp counts.
+        self.assertGreater(int(found["ticks"]), 0)
+        self.assertEqual((found["missed"], found["skipped"], found["busy_max"]), ("7", "8", "500"))
+        self.assertEqual((found["wake"], found["busy"]), ("1", "3"))
+        self.assertEqual(found["bucket_end"], "256")
+        self.assertEqual(found["counts"], "12 13 1.5 2.5 3.5")
+        self.assertEqual([line.rpartition(" ")[0] for line in applications], ["C# test"])
+        self.assertIn("NoDaemon no daemon answers at", found["without_daemon"])
 
 
 class Examples(WithDaemon):
     def run_example(self, *command, environment=None) -> str:
         done = subprocess.run(command, capture_output=True, text=True, timeout=120,
-                              env={**os.environ, **(environment or {})})
+                              env=environment)
         self.assertEqual(done.returncode, 0, done.stderr)
         return done.stdout
 
@@ -204,16 +296,21 @@ class Examples(WithDaemon):
         shown = self.run_example(sys.executable, EXAMPLES / "move_object.py", self.socket, "0.5")
         self.assertGreater(len(set(re.findall(r"object at (\S+) mm", shown))), 2)
 
-    def test_the_c_sharp_example_prints_the_state(self) -> None:
-        if not (shutil.which("mcs") and shutil.which("mono")):
-            self.skipTest("mcs or mono is not installed (packages mono-mcs and mono-runtime)")
+    @unittest.skipUnless(CAN_C_SHARP, "mcs or mono is not installed (mono-mcs and mono-runtime)")
+    def test_the_c_sharp_example_prints_the_state_and_what_was_counted(self) -> None:
         program = os.path.join(self.folder.name, "ReadState.exe")
-        subprocess.run(["mcs", f"-out:{program}", EXAMPLES / "SpmClient.cs",
-                        EXAMPLES / "ReadState.cs"], check=True, capture_output=True)
-        shown = self.run_example(
-            "mono", program, self.socket, "3",
-            environment={"LD_LIBRARY_PATH": str(LIBRARY.parent), "LC_ALL": "C.UTF-8"})
+        compile_c_sharp(program, EXAMPLES / "ReadState.cs")
+        shown = self.run_example("mono", program, self.socket, "3",
+                                 environment=c_sharp_environment())
         self.assertEqual(len(re.findall(r"^tick \d+: hand at .* mm, force .* N", shown, re.M)), 3)
+        self.assertRegex(
+            shown, r"\nloop: \d+ ticks, \d+ missed, late p99 0\.3 us, busy p99 0\.5 us\n"
+                   r"hand: \d+ ticks in contact, largest force 1\.50 N\n"
+                   r"connected: ReadState example \(process \d+\)\n")
+        missing = subprocess.run(["mono", program, self.socket + ".not"], capture_output=True,
+                                 text=True, env=c_sharp_environment())
+        self.assertEqual(missing.returncode, 2)
+        self.assertIn("no daemon answers at", missing.stderr)
 
     def test_examples_without_a_daemon_end_with_the_sentence(self) -> None:
         for command in ([BIN / "spm_client_example"], [sys.executable, EXAMPLES / "move_object.py"]):

@@ -133,6 +133,7 @@ LoopStandIn::~LoopStandIn() {
 
 void LoopStandIn::run() {
   std::int64_t due = now_ns();
+  std::uint64_t contact_ticks = 0;
   for (std::uint64_t tick = 0; !stop_.load(); ++tick) {
     sleep_until(due);
     due = std::max(due + tick_ns, now_ns());
@@ -143,8 +144,17 @@ void LoopStandIn::run() {
     devices[0].contact = contact_.load();
     devices[0].cause = cause_.load();
     state_.publish({tick, now_ns(), devices, objects_});
+    contact_ticks += devices[0].contact ? 1 : 0;
+    count(tick + 1, contact_ticks);
     ticks_.fetch_add(1);
   }
+}
+
+/// Numbers that a reader can tell from each other.
+void LoopStandIn::count(std::uint64_t ticks, std::uint64_t contact_ticks) {
+  const std::array<DeviceCounters, 1> devices{{{contact_ticks, 12, 13, 1.5, 2.5, 3.5, {}}}};
+  state_.count(
+      {now_ns(), stand_in_wake_ns, stand_in_busy_ns, ticks, ticks + 7, ticks + 8, devices});
 }
 
 void LoopStandIn::follow(const AppCommand& command) {

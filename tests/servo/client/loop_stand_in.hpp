@@ -57,6 +57,9 @@ class RawRing {
 /// A pose that may be sent, at x metres.
 [[nodiscard]] spm_shared_command move_command(std::uint64_t object, double x);
 
+/// How late each tick of the stand-in is said to have begun, and how long to have worked.
+inline constexpr std::int64_t stand_in_wake_ns = 200, stand_in_busy_ns = 500;
+
 /// A thread in the place of the loop: it publishes 1000 ticks a second, moves the object along x by
 /// what it is told, and does what commands say as far as an application can see it.
 class LoopStandIn {
@@ -75,6 +78,7 @@ class LoopStandIn {
 
  private:
   void run();
+  void count(std::uint64_t ticks, std::uint64_t contact_ticks);
   void follow(const servo::AppCommand& command);
   [[nodiscard]] servo::Refusal apply(const servo::AppCommand& command);
 

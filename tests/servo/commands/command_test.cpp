@@ -12,6 +12,7 @@
 #include <sstream>
 
 #include "servo/clock.hpp"
+#include "servo/device_list.hpp"
 #include "tests/servo/shape_asset.hpp"
 
 using nlohmann::json;
@@ -184,6 +185,21 @@ TEST_CASE("A run of a scene reports its objects, and holds the scene's cap after
   REQUIRE(report["force_n"]["cap_hits"].get<int>() > 0);
 }
 
+TEST_CASE("A scene with a profile and no driver takes what is plugged in, or says what it takes") {
+  const Workshop shop;
+  const std::string scene =
+      shop.scene("[device]\nprofile = \"falcon\"\n[[object]]\nasset = \"sparse.spm.exr\"\n");
+  const Outcome run = servo(shop.folder, {"run", "--scene", scene, "--duration", "0.2", "--json"});
+  if (spm::servo::first_of(spm::servo::find_devices(), "") != "") {
+    WARN("a haptic device is plugged in: what a scene takes without one is not tested");
+    return;
+  }
+  REQUIRE(run.code == 0);
+  REQUIRE(run.err.find("the simulated one is taken") != std::string::npos);
+  REQUIRE(json::parse(run.out)["devices"][0]["name"] == "sim");
+  REQUIRE(json::parse(run.out)["devices"][0]["profile"] == "falcon");
+}
+
 TEST_CASE("A replay of a scene without effects writes what a replay of its asset writes") {
   const Workshop shop;
   const std::string scene = shop.scene("[[object]]\nasset = \"sparse.spm.exr\"\n");
@@ -297,6 +313,7 @@ TEST_CASE("A wrong command ends with the contract's exit code and one sentence")
       {run + shop.full + " --device sim:depth=1", 1},
       {run + shop.full + " --stiffness 1000", 1},
       {run + shop.full + " --stiffness -1N/mm", 1},
+      {run + shop.full + " --stiffness auto", 1},
       {run + shop.full + " --method voxels", 1},
       {run + shop.full + " --method paper --probe sphere:1mm", 1},
       {run + shop.full + " --record", 1},

@@ -4,6 +4,7 @@
 #include <catch2/catch.hpp>
 #include <fstream>
 
+#include "common/stable_stiffness.hpp"
 #include "tests/servo/shape_asset.hpp"
 
 using namespace spm;
@@ -32,6 +33,38 @@ TEST_CASE("An asset alone is a scene of one object in the hand's frame") {
   REQUIRE(choice->scene.objects[0].force.method == Method::spm);
   REQUIRE(choice->scene.objects[0].placement.scale == 1);
   REQUIRE_FALSE(choice->scene.objects[0].effects.any());
+}
+
+TEST_CASE("A stiffness may be left to the device that the scene names, for every object") {
+  const std::string objects =
+      "[[object]]\nasset = \"a\"\nstiffness = \"9N/mm\"\n[[object]]\nasset = \"a\"\n";
+  ForceOptions options;
+  options.stiffness_chosen = true;
+  const auto choice =
+      choose("[device]\nprofile = \"touch\"\n[workspace]\nscale = 2\n" + objects, options);
+  REQUIRE(choice);
+  for (const PlacedObject& object : choice->scene.objects) {
+    CHECK(object.force.stiffness == stable_stiffness(*find_device_profile("touch")) / 2);
+  }
+  const auto nobody = choose(objects, options);
+  REQUIRE_FALSE(nobody);
+  CHECK(nobody.error().code == ExitCode::usage);
+  CHECK(nobody.error().message.find("'profile'") != std::string::npos);
+  options.asset = "duck.spm.exr";
+  const auto alone = choose_forces(options);
+  REQUIRE_FALSE(alone);
+  CHECK(alone.error().code == ExitCode::usage);
+}
+
+TEST_CASE("A scene's cures come to the loop, and an asset alone has none") {
+  const auto choice = choose("[cures]\ndamping = 0.8\n[[object]]\nasset = \"a\"\n");
+  REQUIRE(choice);
+  CHECK(choice->scene.cures.damping_share == 0.8);
+  ForceOptions options;
+  options.asset = "duck.spm.exr";
+  const auto alone = choose_forces(options);
+  REQUIRE(alone);
+  CHECK_FALSE(alone->scene.cures.any());
 }
 
 TEST_CASE("Neither or both of asset and scene is a usage error") {

@@ -153,6 +153,27 @@ TEST_CASE("An edit in place is taken up as one that replaces the file") {
   CHECK(edit.changed[0].settings.effects.damping == 3);
 }
 
+TEST_CASE("Other cures of a scene are handed to the loop, and the same ones are nothing") {
+  const Edited edited;
+  edited.keeper->watch();
+  edited.save("[cures]\ndamping = 0.8\npassivity = true\n" + box);
+  const SceneEdit edit = edited.take();
+  REQUIRE(edit.cures);
+  CHECK(edit.cures->damping_share == 0.8);
+  CHECK(edit.cures->passivity);
+  CHECK(edit.felt);
+  CHECK(edit.changed.empty());
+  CHECK(contains(edited.said(0), "taken up again: cures"));
+  edited.save("[cures]\npassivity = true\ndamping = 0.8\n" + box);
+  CHECK(contains(edited.said(1), "nothing is different"));
+  edited.save("[cures]\npassivity = true\ndamping = 0.8\n" + box + "movable = true\n");
+  CHECK_FALSE(edited.take().cures);
+  edited.save(box);
+  const SceneEdit off = edited.take();
+  REQUIRE(off.cures);
+  CHECK_FALSE(off.cures->any());
+}
+
 TEST_CASE("What was edited between the daemon's reading and its first look is taken up") {
   const Edited edited;
   edited.save(box + "movable = true\n");
@@ -312,6 +333,8 @@ TEST_CASE("Edits in a row are felt by the hand, each faded in") {
   CHECK(comes_to(3));
   edited.save(box + "stiffness = \"2N/mm\"\npose = [0, 0, 0.0005]\n" + other);
   CHECK(comes_to(4));
+  edited.save("[cures]\ncoupling = \"1N/mm\"\n" + other);
+  CHECK(comes_to(0.8));
   edited.save(other);
   CHECK(comes_to(1));
   // What became of the asset of an object that is gone is of no matter.
@@ -336,5 +359,5 @@ TEST_CASE("Edits in a row are felt by the hand, each faded in") {
   const std::vector<std::string> said = edited.said();
   CHECK(std::count_if(said.begin(), said.end(), [](const std::string& text) {
           return contains(text, "taken up again");
-        }) == 4);
+        }) == 5);
 }

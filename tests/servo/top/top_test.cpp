@@ -278,7 +278,7 @@ TEST_CASE("What the loop counts of its ticks is in the shared state, each tick o
     wake.add(late);
     busy.add(worked);
     busy_sum += static_cast<std::uint64_t>(worked);
-    const std::vector<AppLoopDevice> devices{{tick, 2 * tick, 3 * tick, 4.5, -5.5, 6.5}};
+    const std::vector<DeviceCounters> devices{{tick, 2 * tick, 3 * tick, 4.5, -5.5, 6.5, {}}};
     (*state)->count({static_cast<std::int64_t>(tick), late, worked, tick, 3, 2, devices});
   }
   REQUIRE(shared.ticks == 500);
@@ -300,7 +300,7 @@ TEST_CASE("The last cause of zero force stays to be read when there is force aga
   auto state = AppState::create(1000, {{"hand"}, {"asset"}, {"object"}});
   REQUIRE(state);
   const auto& shared = static_cast<const spm_shared_state*>((*state)->memory().data())->loop;
-  const std::vector<AppLoopDevice> counted(1);
+  const std::vector<DeviceCounters> counted(1);
   std::vector<AppDevice> devices(1);
   std::uint64_t tick = 0;
   const auto cause_after = [&](ForceOff cause) {
@@ -319,7 +319,7 @@ TEST_CASE("More devices and applications than there is room for are left out of 
   auto state = AppState::create(1000, {{"hand"}, {"asset"}, {"object"}});
   REQUIRE(state);
   const auto& shared = *static_cast<const spm_shared_state*>((*state)->memory().data());
-  const std::vector<AppLoopDevice> devices(SPM_MOST_DEVICES + 2);
+  const std::vector<DeviceCounters> devices(SPM_MOST_DEVICES + 2);
   (*state)->count({1, 1, 1, 1, 0, 0, devices});
   REQUIRE(shared.loop.device_count == SPM_MOST_DEVICES);
   const std::vector<AppClientReport> clients(SPM_MOST_CLIENTS + 3,

@@ -112,6 +112,28 @@ TEST_CASE("The same options and seed give the same ticks, another seed others") 
   REQUIRE(feel(asset, options, 2000).positions != first.positions);
 }
 
+TEST_CASE("The plant's options reach the simulated device, which stays the same again with them") {
+  const Asset asset = test::box_asset(0.04);
+  SimOptions options;
+  options.hand = HandKind::push;
+  options.profile = find_sim_profile("falcon");
+  const Felt plain = feel(asset, options, 500);
+  for (int which = 0; which < 6; ++which) {
+    CAPTURE(which);
+    SimOptions harder = options;
+    if (which == 0) harder.delay_ticks = 1.5;
+    if (which == 1) harder.jitter_ticks = 0.5;
+    if (which == 2) harder.lost_share = 0.3;
+    if (which == 3) harder.noise = 50e-6;
+    if (which == 4) harder.mass = MovingMass::falcon;
+    if (which == 5) harder.hand_model = HandModel::arm;
+    const Felt felt = feel(asset, harder, 500);
+    REQUIRE(felt.positions != plain.positions);
+    REQUIRE(feel(asset, harder, 500).positions == felt.positions);
+    REQUIRE(DeviceSim(harder).describe() != DeviceSim(options).describe());
+  }
+}
+
 TEST_CASE("A recorded hand leads the tool along its file") {
   const test::TemporaryFolder folder;
   {
@@ -180,8 +202,14 @@ TEST_CASE("The simulated hand finds a scene's object where it lies, in the hand'
 TEST_CASE("A scene's driver and profile make one device; the driver's own profile wins") {
   SceneDevice scene;
   REQUIRE(device_of(scene) == "auto");
+  REQUIRE(simulated_device_of(scene) == "sim");
   scene.profile = find_device_profile("touch");
-  REQUIRE(device_of(scene) == "sim:profile=touch");
+  REQUIRE(device_of(scene) == "auto");
+  REQUIRE(simulated_device_of(scene) == "sim:profile=touch");
+  scene.driver = "auto";
+  REQUIRE(device_of(scene) == "auto");
+  scene.driver = "simulated";
+  REQUIRE(device_of(scene) == "simulated");
   scene.driver = "sim";
   REQUIRE(device_of(scene) == "sim:profile=touch");
   scene.driver = "sim:hand=push";

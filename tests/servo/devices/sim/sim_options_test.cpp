@@ -24,6 +24,24 @@ TEST_CASE("Every option is read with its unit") {
   REQUIRE(options->seed == 42);
 }
 
+TEST_CASE("The plant's options are read, and by default it is plain") {
+  const auto plain = parse_sim_options("");
+  REQUIRE(plain);
+  REQUIRE(plain->hand_model == HandModel::spring);
+  REQUIRE(plain->mass == MovingMass::constant);
+  REQUIRE(plain->delay_ticks == 0);
+  REQUIRE(plain->noise == 0);
+  const auto options = parse_sim_options(
+      "mass=device,profile=falcon,hand_model=arm,delay=1.5,jitter=0.2,lost=0.05,noise=5um");
+  REQUIRE(options);
+  REQUIRE(options->hand_model == HandModel::arm);
+  REQUIRE(options->mass == MovingMass::falcon);
+  REQUIRE(options->delay_ticks == 1.5);
+  REQUIRE(options->jitter_ticks == 0.2);
+  REQUIRE(options->lost_share == 0.05);
+  REQUIRE(options->noise == Approx(5e-6));
+}
+
 TEST_CASE("A path without a word about the hand is a recorded hand") {
   const auto options = parse_sim_options("path=slide.txt");
   REQUIRE(options);
@@ -33,7 +51,7 @@ TEST_CASE("A path without a word about the hand is a recorded hand") {
 
 TEST_CASE("A wrong option is a usage error that says what would do") {
   const auto [text, hint] = GENERATE(table<std::string, std::string>({
-      {"colour=red", "profile, hand, path, depth, speed and seed"},
+      {"colour=red", "profile, hand, path, depth, speed, seed"},
       {"profile=omega7", "low falcon touch omega3 wooden"},
       {"profile=", "low falcon touch omega3 wooden"},
       {"hand=wave", "slide, push or path"},
@@ -50,6 +68,19 @@ TEST_CASE("A wrong option is a usage error that says what would do") {
       {"seed=-1", "whole number"},
       {"seed=1.5", "whole number"},
       {"seed=", "whole number"},
+      {"hand_model=claw", "spring or arm"},
+      {"mass=heavy", "constant or device"},
+      {"mass=device", "falcon and wooden"},
+      {"mass=device,profile=omega3", "falcon and wooden"},
+      {"delay=1ms", "0 to 32"},
+      {"delay=-1", "0 to 32"},
+      {"delay=33", "0 to 32"},
+      {"delay=nan", "0 to 32"},
+      {"delay=", "0 to 32"},
+      {"jitter=fast", "0 to 32"},
+      {"lost=2", "0 to 1"},
+      {"noise=0um", "out of range"},
+      {"noise=5", "unit"},
       {"profile", "option=value"},
       {",", "option=value"},
   }));

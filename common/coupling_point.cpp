@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "common/coupling_point.hpp"
+
+#include <algorithm>
+
+namespace spm {
+
+CouplingPoint::CouplingPoint(const CouplingSettings& settings, double asked, double tick) noexcept
+    : coupling_(settings.stiffness),
+      asked_(asked),
+      felt_(felt_stiffness(asked, settings.stiffness)) {
+  if (!on()) return;
+  share_ = felt_ / coupling_;
+  inner_ = felt_ / (1 - share_);
+  damper_ = settings.damping / tick;
+}
+
+Vector3 CouplingPoint::expected(const Vector3& hand) const noexcept {
+  const double depth = touching_ ? normal_.dot(foot_ - hand) : 0;
+  return depth > 0 ? Vector3(hand + share_ * depth * normal_) : hand;
+}
+
+/// The balance K_s (w - e) = K_c e + b (e - e') / T of the point's way e from the hand, where w is
+/// the way to what holds it and e' that of the tick before; without contact K_s is 0.
+Vector3 CouplingPoint::damped(const Vector3& way) noexcept {
+  if (!(damper_ > 0)) return Vector3::Zero();
+  const Vector3 held = damper_ * stretch_;
+  const Vector3 stretch = (inner_ * way + held) / (inner_ + coupling_ + damper_);
+  const Vector3 force = inner_ * (way - stretch);
+  if (force.dot(way) > 0) {
+    stretch_ = stretch;
+    return force - felt_ * way;
+  }
+  stretch_ = held / (coupling_ + damper_);
+  return -felt_ * way;
+}
+
+void CouplingPoint::reset() noexcept {
+  touching_ = false;
+  stretch_.setZero();
+}
+
+}  // namespace spm

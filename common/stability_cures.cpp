@@ -1,0 +1,108 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "common/stability_cures.hpp"
+
+#include <algorithm>
+
+namespace spm {
+
+namespace {
+
+bool set_cure(std::string_view word, CureSettings& cures) noexcept {
+  if (word == "damping") {
+    cures.damping_share = advised_damping_share;
+  } else if (word == "coupling") {
+    cures.coupling = advised_coupling;
+  } else if (word == "passivity") {
+    cures.passivity = true;
+  } else if (word == "velocity") {
+    cures.velocity = VelocityBy::estimate;
+  } else if (word == "difference") {
+    cures.velocity = VelocityBy::difference;
+  } else if (word == "potential") {
+    cures.potential = advised_potential;
+  } else if (word == "default") {
+    const CureSettings loop = cures;
+    cures = advised_cures;
+    cures.delay_ticks = loop.delay_ticks;
+    cures.device_mass = loop.device_mass;
+  } else {
+    return false;
+  }
+  return true;
+}
+
+}  // namespace
+
+bool parse_cures(std::string_view words, CureSettings& cures) noexcept {
+  CureSettings read = cures;
+  while (!words.empty()) {
+    const std::size_t end = std::min(words.find('+'), words.size());
+    if (!set_cure(words.substr(0, end), read)) return false;
+    if (end + 1 == words.size()) return false;
+    words.remove_prefix(std::min(end + 1, words.size()));
+  }
+  cures = read;
+  return true;
+}
+
+StabilityCures::StabilityCures(const CureSettings& settings, double tick, double encoder_step,
+                               double stiffness) noexcept
+    : settings_(settings),
+      tick_(tick),
+      stiffness_(felt_stiffness(stiffness, settings.coupling)),
+      most_damping_(spm::most_damping(settings.device_mass, tick)),
+      coupling_({settings.coupling, settings.coupling_damping}, stiffness, tick),
+      velocity_(encoder_step, tick, settings.velocity),
+      passivity_({settings.delay_ticks, tick, encoder_step, settings.device_mass}) {}
+
+void StabilityCures::reset() noexcept {
+  coupling_.reset();
+  velocity_.reset();
+  passivity_.reset();
+}
+
+ContactForce StabilityCures::apply(const ContactForce& wanted, const Vector3& hand) noexcept {
+  ContactForce coupled = wanted;
+  if (coupling_.on()) {
+    // What holds the hand is as far from it as the law's spring is pressed.
+    const double softer = coupling_.asked() > 0 ? coupling_.felt() / coupling_.asked() : 0;
+    const Vector3 way = coupling_.asked() > 0 && wanted.contact
+                            ? Vector3(wanted.force / coupling_.asked())
+                            : Vector3::Zero();
+    coupled.force = softer * wanted.force + coupling_.damped(way);
+  }
+  const double stored =
+      stiffness_ > 0 && wanted.contact ? coupled.force.squaredNorm() / (2 * stiffness_) : 0;
+  return apply(coupled, hand, {stiffness_, stored, 0});
+}
+
+ContactForce StabilityCures::apply(const ContactForce& wanted, const Vector3& hand,
+                                   const ContactEnergy& energy) noexcept {
+  if (!hand.allFinite() || !wanted.force.allFinite()) {
+    reset();
+    return {};
+  }
+  if (!settings_.acts_on_sum()) return wanted;
+  velocity_.take(hand);
+  if (!wanted.contact || !(energy.stiffness > 0)) {
+    passivity_.rest();
+    return wanted;
+  }
+  const Vector3 velocity = velocity_.velocity();
+  ContactForce cured = wanted;
+  if (settings_.damping_share > 0) {
+    const double damping = std::min(
+        matched_damping(settings_.damping_share, energy.stiffness, settings_.delay_ticks, tick_),
+        most_damping_);
+    cured.force += within_reaction(-damping * velocity, wanted.force.norm());
+  }
+  if (settings_.passivity) {
+    cured.force = passivity_.next(cured.force, hand, velocity, energy.stiffness, energy.stored,
+                                  energy.carried);
+  }
+  if (cured.force.allFinite()) return cured;
+  reset();
+  return {};
+}
+
+}  // namespace spm

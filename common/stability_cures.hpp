@@ -1,0 +1,104 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string_view>
+
+#include "common/coupling_point.hpp"
+#include "common/device_profile.hpp"
+#include "common/force_law.hpp"
+#include "common/matched_damping.hpp"
+#include "common/passivity_control.hpp"
+#include "common/velocity_estimate.hpp"
+
+namespace spm {
+
+/// What keeps a force stable in a sampled loop with a hand in it; each is off until it is set, and
+/// then costs a comparison. Lengths, stiffness and damping are the hand's.
+struct CureSettings {
+  /// Of K (1/2 + d) T: braking in contact, see matched_damping; 0 to 2, 0 is off.
+  double damping_share = 0;
+  /// d: ticks between a reading and the force that answers it, 0 to most_delay_ticks; 0 holds the
+  /// force for the tick alone.
+  double delay_ticks = 1;
+  double coupling = 0;          ///< N/m of a virtual coupling, see CouplingPoint; 0 is off
+  double coupling_damping = 0;  ///< N s/m beside it, 0 or more
+  bool passivity = false;       ///< observer and controller, see PassivityControl
+  /// m: the force of `spm` is the gradient of one potential, that of the field smoothed by this
+  /// (RuntimeSmoothing), and its turns are not limited; 0 is off.
+  double potential = 0;
+  /// What the two dampings, and eq. 18's, take for the hand's velocity.
+  VelocityBy velocity = VelocityBy::estimate;
+  double device_mass = 0.1;  ///< kg at the tool, above 0: bounds all damping
+
+  /// Whether there is a cure at all.
+  [[nodiscard]] bool any() const noexcept { return acts_on_sum() || coupling > 0 || potential > 0; }
+  /// Whether there is one that acts on the sum of the objects' forces.
+  [[nodiscard]] bool acts_on_sum() const noexcept { return damping_share > 0 || passivity; }
+  [[nodiscard]] bool operator==(const CureSettings&) const noexcept = default;
+};
+
+/// The share of matched damping that is advised: raises the border of a flat wall and costs no
+/// static stiffness.
+inline constexpr double advised_damping_share = 0.8;
+/// The smoothing that the word `potential` stands for, m.
+inline constexpr double advised_potential = 1e-4;
+/// The coupling that the word `coupling` stands for, N/m: as stiff as a flat wall may be on the
+/// worst device (stable_stiffness.hpp).
+inline constexpr double advised_coupling = 2000;
+
+/// The combination that is advised where nothing else is known.
+inline constexpr CureSettings advised_cures{.damping_share = advised_damping_share};
+
+/// The same for a device.
+[[nodiscard]] constexpr CureSettings default_cures(const DeviceProfile& device) noexcept {
+  CureSettings cures = advised_cures;
+  cures.device_mass = device.moving_mass;
+  return cures;
+}
+
+/// Sets the cures that are named, joined by "+": `damping`, `coupling`, `passivity`, `velocity`
+/// (the estimate, as it is anyway) or `difference` (a plain one, for comparison), `potential`, each
+/// as it is advised; `default` is the combination that is, and clears the others. What has no word
+/// is left as it is. False, and nothing set, where a word is not known.
+[[nodiscard]] bool parse_cures(std::string_view words, CureSettings& cures) noexcept;
+
+/// What a contact's force can give back, for the observer.
+struct ContactEnergy {
+  double stiffness = 0;  ///< N/m of the hand, of all that touches it together
+  double stored = 0;     ///< J, in the springs of the contact
+  double carried = 0;    ///< J, that objects which moved did on the hand since the last tick
+};
+
+/// The cures that act on a force whatever made it, tick by tick. A tick allocates nothing and does
+/// not throw.
+class StabilityCures {
+ public:
+  /// `tick` in s, above 0; `encoder_step` in m of the hand, 0 or more; `stiffness` in N/m that the
+  /// hand feels.
+  StabilityCures(const CureSettings& settings, double tick, double encoder_step,
+                 double stiffness) noexcept;
+
+  /// The force to send for what the law wants with the hand at `hand` (m, the same frame), coupling
+  /// included: the law is then taken to push with its stiffness from where it holds the hand. What
+  /// is wanted comes back as it is where there is no contact, or no cure. Never NaN: a position or
+  /// a force that is not finite gives zero, and what came before is forgotten.
+  [[nodiscard]] ContactForce apply(const ContactForce& wanted, const Vector3& hand) noexcept;
+
+  /// The same without the coupling, which the objects of a scene have each for itself, and with
+  /// the energy of several objects.
+  [[nodiscard]] ContactForce apply(const ContactForce& wanted, const Vector3& hand,
+                                   const ContactEnergy& energy) noexcept;
+
+  /// Forgets all: at the start, and when what is felt was exchanged.
+  void reset() noexcept;
+
+ private:
+  CureSettings settings_;
+  double tick_, stiffness_;
+  double most_damping_;  ///< N s/m
+  CouplingPoint coupling_;
+  VelocityEstimate velocity_;
+  PassivityControl passivity_;
+};
+
+}  // namespace spm

@@ -1,0 +1,183 @@
+// SPDX-License-Identifier: Apache-2.0
+// What spm_client.h exchanges, in its order and units: each struct is one of the header's, laid out
+// as C does. SpmClient.cs sets every Size.
+using System;
+using System.Runtime.InteropServices;
+
+namespace SpmHaptics
+{
+    public enum ClientCode
+    {
+        Ok = 0, BadArgument = 1, NoDaemon = 2, Refused = 3, Internal = 4, VersionDiffers = 5,
+        RingFull = 6, Busy = 7, NotThere = 8
+    }
+
+    public enum DaemonState { Running = 0, Stalled = 1, Ended = 2, Gone = 3 }
+
+    public enum EventKind
+    {
+        ContactBegan = 1, ContactEnded = 2, ButtonPressed = 3, ButtonReleased = 4, ForceCut = 5,
+        ForceBack = 6, DeviceLost = 7, DeviceFound = 8
+    }
+
+    /// <summary>What of a material is set; the rest stays as it is.</summary>
+    [Flags]
+    public enum MaterialFields : uint { None = 0, Stiffness = 1, Friction = 2, Damping = 4, Texture = 8 }
+
+    public sealed class ClientException : Exception
+    {
+        public ClientCode Code { get; }
+        public ClientException(ClientCode code, string message) : base(message) { Code = code; }
+    }
+
+    [StructLayout(LayoutKind.Sequential, CharSet = CharSet.Ansi)]
+    public struct OptionsData
+    {
+        public uint Size;
+        public int TimeoutMs;
+        [MarshalAs(UnmanagedType.LPStr)] public string Path;
+        [MarshalAs(UnmanagedType.LPStr)] public string Name;
+        [MarshalAs(UnmanagedType.LPStr)] public string Application;
+    }
+
+    [StructLayout(LayoutKind.Sequential, CharSet = CharSet.Ansi)]
+    public struct InfoData
+    {
+        public uint Size;
+        public uint Process;
+        public double RateHz;
+        public uint DeviceCount;
+        public uint AssetCount;
+        public uint ObjectCount;
+        public uint CauseCount;
+        [MarshalAs(UnmanagedType.ByValTStr, SizeConst = 32)] public string DaemonVersion;
+        [MarshalAs(UnmanagedType.ByValTStr, SizeConst = 32)] public string LibraryVersion;
+    }
+
+    [StructLayout(LayoutKind.Sequential)]
+    public struct DeviceData
+    {
+        public uint Size;
+        public uint Connected;
+        public ulong Tick;
+        [MarshalAs(UnmanagedType.ByValArray, SizeConst = 3)] public double[] Position;
+        [MarshalAs(UnmanagedType.ByValArray, SizeConst = 4)] public double[] Orientation; // w x y z
+        [MarshalAs(UnmanagedType.ByValArray, SizeConst = 3)] public double[] Velocity;
+        [MarshalAs(UnmanagedType.ByValArray, SizeConst = 3)] public double[] Force;
+        [MarshalAs(UnmanagedType.ByValArray, SizeConst = 3)] public double[] Torque;
+        public double Depth;
+        public uint Contact;
+        public uint Buttons;
+        public uint Cause;
+        public uint Health;
+        public uint Contacts;
+        public uint Cuts;
+    }
+
+    [StructLayout(LayoutKind.Sequential)]
+    public struct ObjectData
+    {
+        public uint Size;
+        public uint Asset;
+        public ulong Id;
+        public ulong Tick;
+        [MarshalAs(UnmanagedType.ByValArray, SizeConst = 3)] public double[] Position;
+        [MarshalAs(UnmanagedType.ByValArray, SizeConst = 4)] public double[] Orientation;
+        public double Scale;
+        [MarshalAs(UnmanagedType.ByValArray, SizeConst = 3)] public double[] Force;
+        [MarshalAs(UnmanagedType.ByValArray, SizeConst = 3)] public double[] Torque;
+        public double Silent;
+        public uint Movable;
+        public uint Contact;
+        public uint Driven;
+        public uint Reserved;
+    }
+
+    [StructLayout(LayoutKind.Sequential)]
+    public struct PoseData
+    {
+        public uint Size;
+        public uint Reserved;
+        [MarshalAs(UnmanagedType.ByValArray, SizeConst = 3)] public double[] Position;
+        [MarshalAs(UnmanagedType.ByValArray, SizeConst = 4)] public double[] Orientation;
+        public double Period;
+        public double Deadline;
+    }
+
+    [StructLayout(LayoutKind.Sequential)]
+    public struct MaterialData
+    {
+        public uint Size;
+        public MaterialFields Fields;
+        public double Stiffness;
+        public double FrictionStick;
+        public double FrictionSlide;
+        public double Damping;
+        public double TextureAmplitude;
+        public double TextureWavelength;
+        public ulong TextureSeed;
+    }
+
+    [StructLayout(LayoutKind.Sequential)]
+    public struct CommandCountsData
+    {
+        public uint Size;
+        public uint LastRefusal;
+        public ulong Sent;
+        public ulong Taken;
+        public ulong Refused;
+        public ulong LastRefused;
+    }
+
+    [StructLayout(LayoutKind.Sequential)]
+    public struct EventData
+    {
+        public uint Size;
+        public EventKind Kind;
+        public uint Device;
+        public uint Value;
+        public ulong Tick;
+    }
+
+    [StructLayout(LayoutKind.Sequential)]
+    public struct LoopData
+    {
+        public uint Size;
+        public uint Reserved;
+        public long TimeNs;
+        public ulong Ticks;
+        public ulong Missed;
+        public ulong Skipped;
+        public ulong BusyNs;
+        public ulong WakeMaxNs;
+        public ulong BusyMaxNs;
+        public ulong Taken;
+        public ulong Refused;
+        public ulong Garbage;
+        [MarshalAs(UnmanagedType.ByValArray, SizeConst = 64)] public ulong[] Wake;
+        [MarshalAs(UnmanagedType.ByValArray, SizeConst = 64)] public ulong[] Busy;
+    }
+
+    [StructLayout(LayoutKind.Sequential)]
+    public struct DeviceCountsData
+    {
+        public uint Size;
+        public uint LastCause;
+        public ulong ContactTicks;
+        public ulong CapHits;
+        public ulong SlewHits;
+        public double ForceMax;
+        public double Energy;
+        public double GeneratedMax;
+    }
+
+    [StructLayout(LayoutKind.Sequential, CharSet = CharSet.Ansi)]
+    public struct ApplicationData
+    {
+        public uint Size;
+        public uint Connection;
+        public uint Process;
+        public uint Reserved;
+        [MarshalAs(UnmanagedType.ByValTStr, SizeConst = 64)] public string Name;
+    }
+}

@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <optional>
+#include <string_view>
+
+#include "common/vector.hpp"
+
+namespace spm::servo {
+
+/// What moves with a simulated tool.
+enum class MovingMass : std::uint8_t {
+  constant,    ///< the profile's mass, the same in every pose and direction
+  falcon,      ///< the Falcon's three legs and its grip
+  serial_arm,  ///< a WoodenHaptics arm
+};
+
+/// The mass felt at the tool, kg, symmetric and positive definite; scaled by an assumed handle so
+/// that its mean over the directions is `mass` (kg, above 0) where the device's tool is at the
+/// origin. `position` in m, world frame; beyond the reach for which it is known, as at its edge.
+[[nodiscard]] Eigen::Matrix3d mass_at(MovingMass kind, double mass,
+                                      const Vector3& position) noexcept;
+
+/// The forces (N, on the tool) by which a mass that changes with the pose resists its own motion:
+/// minus the centrifugal and Coriolis terms of Lagrange's equations, so that energy is kept.
+[[nodiscard]] Vector3 gyroscopic_force(MovingMass kind, double mass, const Vector3& position,
+                                       const Vector3& velocity) noexcept;
+
+/// The kinematics that are known for a device profile, or nothing.
+[[nodiscard]] std::optional<MovingMass> moving_mass_of(std::string_view profile) noexcept;
+
+}  // namespace spm::servo
