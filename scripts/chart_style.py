@@ -37,6 +37,9 @@ COLOURS = {
     "cgal-aabb": "#7a6a4f",
     "fcl": "#4f7a99",
     "bullet": "#99604f",
+    "distance-field": "#1f5f8b",
+    "exact-penalty": "#555555",
+    "default": "#d4351c",
 }
 NAMES = {
     "dense-sdf": "dense SDF",
@@ -49,6 +52,9 @@ NAMES = {
     "cgal-aabb": "CGAL",
     "fcl": "FCL",
     "bullet": "Bullet",
+    "distance-field": "distance field",
+    "exact-penalty": "exact penalty",
+    "default": "our default",
 }
 LEAST_ERROR = 0.05  # um; below it only single precision errs
 BACKGROUND = {"facecolor": "white", "edgecolor": "none", "alpha": 0.75, "pad": 0.4}
@@ -72,7 +78,7 @@ def save(figure, prefix: str) -> None:
     figure.savefig(f"{prefix}.png", dpi=150, metadata={"Software": None})
 
 
-def report_and_prefix(description: str, mode: str) -> tuple[dict, str]:
+def report_and_prefix(description: str, mode: str, key: str = "rows") -> tuple[dict, str]:
     """What `spm-bench MODE --json` printed, and where charts go, from a command line; ends the
     program where that is no such report."""
     parser = argparse.ArgumentParser(description=description)
@@ -81,6 +87,6 @@ def report_and_prefix(description: str, mode: str) -> tuple[dict, str]:
     arguments = parser.parse_args()
     with open(arguments.report, encoding="utf-8") as file:
         report = json.load(file)
-    if not report.get("rows"):
-        sys.exit(f"{arguments.report}: no rows; give what spm-bench {mode} --json printed")
+    if not report.get(key):
+        sys.exit(f"{arguments.report}: no {key}; give what spm-bench {mode} --json printed")
     return report, arguments.prefix

@@ -184,7 +184,8 @@ class Sources(unittest.TestCase):
         wrong = []
         for path in filter(is_source, project_files()):
             baker = path.parts[0] == "baker" or path.parts[:2] in {("tests", "baker"),
-                                                                   ("tests", "bench")}
+                                                                   ("tests", "bench"),
+                                                                   ("tests", "stability")}
             if path.parts[0] == "tests" and is_cpp(path):
                 baker = baker or any(HEAVY_HEADER.match(name) or name.startswith("baker/")
                                      for name, _ in includes(path))

@@ -93,7 +93,7 @@ class Bytes(Bench):
         self.assertIn("SPM_SHARED", result.stderr)
 
     def test_it_explains_itself(self):
-        for arguments in ((), ("bytes",), ("forces",), ("methods",), ("tables",)):
+        for arguments in ((), ("bytes",), ("forces",), ("methods",), ("stability",), ("tables",)):
             result = run(*arguments, "--help")
             self.assertEqual(result.returncode, 0)
             self.assertIn("Usage: " + " ".join(("spm-bench", *arguments)), result.stdout)
@@ -222,6 +222,56 @@ class Forces(Bench):
         result = run("forces", shared=os.path.join(self.folder, "nowhere"))
         self.assertEqual(result.returncode, 2)
         self.assertIn("SPM_SHARED", result.stderr)
+
+
+class Stability(unittest.TestCase):
+    """One small case on one profile; the whole catalogue takes its time."""
+
+    def stability(self, *arguments, shared=None):
+        return run("stability", "--quick", "--case", "plate-500um-at-50-mm-s", "--method",
+                   "exact-penalty", "--method", "proxy", *arguments, shared=shared)
+
+    def test_json_has_a_row_a_case_method_device_and_stiffness_and_traces_a_line_a_tick(self):
+        with tempfile.TemporaryDirectory(prefix="spm-bench-test-") as folder:
+            result = self.stability("--json", "--traces", folder)
+            self.assertEqual(result.returncode, 0, result.stderr)
+            self.assertEqual(result.stderr, "")
+            report = json.loads(result.stdout)
+            with open(os.path.join(folder, "exact-penalty.csv"), encoding="ascii") as file:
+                self.assertGreater(len(file.read().splitlines()), 1000)
+        self.assertEqual([(row["method"], row["device"], row["fraction"])
+                          for row in report["cases"]],
+                         [("exact-penalty", "low", 0.6), ("exact-penalty", "low", 1.7),
+                          ("proxy", "low", 0.6), ("proxy", "low", 1.7)])
+        for row in report["cases"]:
+            self.assertEqual(row["stable"], row["reason"] == "")
+            self.assertGreaterEqual(row["energy_generated_j"], 0)
+        self.assertTrue(report["cases"][0]["popped"])  # a plate thinner than the penalty's reach
+        self.assertFalse(report["cases"][2]["popped"])
+        self.assertEqual({row["kind"] for row in report["theory"]} >= {"stability", "passivity"},
+                         True)
+        self.assertIn("processor", report["machine"])
+
+    def test_figures_do_not_depend_on_threads(self):
+        outputs = [self.stability("--json", "--threads", threads).stdout for threads in ("1", "2")]
+        self.assertEqual(*outputs)
+
+    def test_the_table_names_cases_and_methods(self):
+        result = self.stability()
+        self.assertEqual(result.returncode, 0, result.stderr)
+        for word in ("plate-500um-at-50-mm-s", "exact-penalty", "at 0.6 of"):
+            self.assertIn(word, result.stdout)
+
+    def test_wrong_words_are_told_with_the_nearest_valid_one(self):
+        for arguments, words in ((("--case", "flat-wal"), "did you mean flat-wall?"),
+                                 (("--method", "poxy"), "did you mean proxy?"),
+                                 (("--device", "omega"), "did you mean omega3?"),
+                                 (("--method", "magic-of-all-sorts"), "write one of"),
+                                 (("--traces", "/nowhere/at/all"), "--traces")):
+            with self.subTest(arguments):
+                result = self.stability(*arguments)
+                self.assertEqual(result.returncode, 1, result.stderr)
+                self.assertIn(words, result.stderr)
 
 
 class Tables(Bench):

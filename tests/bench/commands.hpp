@@ -24,6 +24,7 @@ struct Command {
 [[nodiscard]] Command add_forces_command(CLI::App& app);
 [[nodiscard]] Command add_methods_command(CLI::App& app);
 [[nodiscard]] Command add_sixdof_command(CLI::App& app);
+[[nodiscard]] Command add_stability_command(CLI::App& app);
 [[nodiscard]] Command add_tables_command(CLI::App& app);
 
 /// Gives what `measure(progress)` does, beside a line of progress.

@@ -36,10 +36,10 @@ int main(int argc, char** argv) {
   CLI::App app{"Measures the baked form beside other ways to answer distance and direction.",
                "spm-bench"};
   app.require_subcommand(1);
-  const std::array commands{spm::bench::add_bytes_command(app), spm::bench::add_forces_command(app),
-                            spm::bench::add_methods_command(app),
-                            spm::bench::add_sixdof_command(app),
-                            spm::bench::add_tables_command(app)};
+  const std::array commands{
+      spm::bench::add_bytes_command(app),     spm::bench::add_forces_command(app),
+      spm::bench::add_methods_command(app),   spm::bench::add_sixdof_command(app),
+      spm::bench::add_stability_command(app), spm::bench::add_tables_command(app)};
   if (const auto code = spm::cli::parse(app, argc, argv)) return *code;
   for (const spm::bench::Command& command : commands) {
     if (command.options->parsed()) return run(command);

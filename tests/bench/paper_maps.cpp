@@ -12,8 +12,8 @@
 
 namespace spm::bench {
 
-PaperMaps::PaperMaps(const baker::Mesh& mesh, const baker::Caster& caster, std::size_t planes,
-                     std::uint32_t resolution)
+PaperMaps::PaperMaps(const baker::Mesh& mesh, const baker::Caster& caster,
+                     std::optional<std::size_t> planes, std::uint32_t resolution)
     : asset_(std::make_unique<Asset>()) {
   const Clock::time_point start = Clock::now();
   baker::BakeOptions options;

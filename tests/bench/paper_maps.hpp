@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "baker/cast.hpp"
@@ -15,9 +16,9 @@ namespace spm::bench {
 /// them, without the partition of space that the product adds and the paper does not know.
 class PaperMaps {
  public:
-  /// `caster` casts on the surface of `mesh`; resolution x resolution samples a plane. Throws
-  /// BakeError.
-  PaperMaps(const baker::Mesh& mesh, const baker::Caster& caster, std::size_t planes,
+  /// `caster` casts on the surface of `mesh`; as many planes, or as a bake takes by itself;
+  /// resolution x resolution samples a plane. Throws BakeError.
+  PaperMaps(const baker::Mesh& mesh, const baker::Caster& caster, std::optional<std::size_t> planes,
             std::uint32_t resolution);
 
   [[nodiscard]] const AssetView& view() const noexcept { return tables_.view(); }

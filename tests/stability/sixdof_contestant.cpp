@@ -1,0 +1,231 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "tests/stability/sixdof_contestant.hpp"
+
+#include <utility>
+#include <vector>
+
+#include "baker/bake_error.hpp"
+#include "common/paper_force.hpp"
+#include "common/stability_cures.hpp"
+#include "common/virtual_tool.hpp"
+#include "tests/stability/contestants.hpp"
+
+namespace spm::stability {
+
+namespace {
+
+/// Of the contact between the virtual tool and the objects, N/m3: its samples, of about a square
+/// millimetre, are far stiffer than any coupling.
+constexpr double virtual_contact = 5e10;
+
+ObjectContactSettings contact_settings(const SixdofScene& scene, double stiffness) {
+  ObjectContactSettings settings;
+  settings.stiffness = stiffness;
+  settings.objects = static_cast<std::uint32_t>(scene.places().size());
+  return settings;
+}
+
+/// ObjectContact at the device's pose.
+class DirectPenalty final : public SixdofContestant {
+ public:
+  DirectPenalty(const SixdofScene& scene, double stiffness)
+      : contact_(scene.tool(), contact_settings(scene, stiffness)),
+        objects_(scene.contact_objects()) {}
+
+  void begin(const Eigen::Isometry3d&) override {
+    for (std::uint32_t i = 0; i < objects_.size(); ++i) contact_.forget(i);
+  }
+  SixdofAnswer next(const Eigen::Isometry3d& measured) override {
+    const ContactSum sum = contact_.tick(measured, objects_).sum;
+    return {sum.forces(), measured, sum.deepest, sum.contacts > 0};
+  }
+
+ private:
+  ObjectContact contact_;
+  std::vector<ContactObject> objects_;
+};
+
+/// The product's virtual tool.
+class CoupledTool final : public SixdofContestant {
+ public:
+  CoupledTool(const SixdofScene& scene, const VirtualToolSettings& settings)
+      : contact_(scene.tool(), contact_settings(scene, virtual_contact)),
+        tool_(contact_, settings, scene.tool_radius()),
+        objects_(scene.contact_objects()) {}
+
+  void begin(const Eigen::Isometry3d& start) override {
+    for (std::uint32_t i = 0; i < objects_.size(); ++i) contact_.forget(i);
+    tool_.place(start);
+  }
+  SixdofAnswer next(const Eigen::Isometry3d& measured) override {
+    const VirtualToolReport report = tool_.tick(measured, objects_);
+    const ContactSum& sum = report.contact.sum;
+    return {report.wrench, report.pose, sum.deepest, sum.contacts > 0};
+  }
+
+ private:
+  ObjectContact contact_;
+  VirtualTool tool_;
+  std::vector<ContactObject> objects_;
+};
+
+/// A field that remembers nothing.
+class DistanceField final : public SampledField {
+ public:
+  explicit DistanceField(const bench::Method& method) : method_(method) {}
+  std::optional<SampleDepth> at(std::size_t, const Vector3& place) override {
+    const Answer answer = method_.query(place);
+    if (!(answer.distance < 0)) return std::nullopt;
+    return SampleDepth{-answer.distance, answer.normal};
+  }
+
+ private:
+  const bench::Method& method_;
+};
+
+/// The paper's rule and eq. 9 at every sample.
+class PaperField final : public SampledField {
+ public:
+  explicit PaperField(const AssetView& asset) : asset_(asset) {}
+  std::optional<SampleDepth> at(std::size_t, const Vector3& place) override {
+    const PaperContact contact = paper_contact(asset_, place, PaperRule::closest_plane);
+    if (!contact.contact) return std::nullopt;
+    return SampleDepth{contact.depth, contact.normal};
+  }
+
+ private:
+  const AssetView& asset_;
+};
+
+/// Every finest sample, asked one by one.
+class EverySample final : public SixdofContestant {
+ public:
+  EverySample(const SixdofScene& scene, std::vector<std::unique_ptr<SampledField>> fields,
+              double stiffness)
+      : scene_(scene), fields_(std::move(fields)), stiffness_(stiffness) {}
+
+  void begin(const Eigen::Isometry3d&) override {}
+  SixdofAnswer next(const Eigen::Isometry3d& measured) override {
+    const SampledContact found = scene_.contact(fields_, measured, stiffness_);
+    return {found.wrench, measured, found.deepest, found.deepest > 0};
+  }
+
+ private:
+  const SixdofScene& scene_;
+  std::vector<std::unique_ptr<SampledField>> fields_;
+  double stiffness_;
+};
+
+/// Another law's wrench, cured: its force by the hand's place, and its torque likewise, as a force
+/// at sixdof_lever by the hand's turn.
+class Cured final : public SixdofContestant {
+ public:
+  Cured(std::unique_ptr<SixdofContestant> law, const CureSettings& settings, double period,
+        double encoder_step, double turn_step, double stiffness)
+      : law_(std::move(law)),
+        forces_(settings, period, encoder_step, stiffness),
+        torques_(settings, period, turn_step * sixdof_lever, stiffness) {}
+
+  void begin(const Eigen::Isometry3d& start) override {
+    law_->begin(start);
+    forces_.reset();
+    torques_.reset();
+    start_ = Eigen::Quaterniond(start.linear());
+  }
+  SixdofAnswer next(const Eigen::Isometry3d& measured) override {
+    SixdofAnswer answer = law_->next(measured);
+    const Vector3 turn = turn_between(start_, Eigen::Quaterniond(measured.linear()));
+    ContactForce force, torque;
+    force.contact = torque.contact = answer.contact;
+    force.force = answer.wrench.force;
+    torque.force = answer.wrench.torque / sixdof_lever;
+    answer.wrench.force = forces_.apply(force, measured.translation()).force;
+    answer.wrench.torque = sixdof_lever * torques_.apply(torque, sixdof_lever * turn).force;
+    return answer;
+  }
+
+ private:
+  std::unique_ptr<SixdofContestant> law_;
+  StabilityCures forces_, torques_;
+  Eigen::Quaterniond start_ = Eigen::Quaterniond::Identity();
+};
+
+/// The cures that a contender names, those that have no form here left out of the default's.
+CureSettings cures_of(const Contender& contender) {
+  CureSettings cures;
+  std::string words = contender.cures;
+  if (contender.method == "default") {
+    words = default_contender().cures;
+    if (!contender.cures.empty()) words += "+" + contender.cures;
+  }
+  if (!words.empty() && !parse_cures(words, cures)) {
+    throw baker::BakeError(ExitCode::usage, "unknown cure in '" + words + "'");
+  }
+  if (contender.method == "default") cures.coupling = cures.potential = 0;
+  return cures;
+}
+
+std::unique_ptr<SixdofContestant> every_sample(const Contender& contender, const SixdofScene& scene,
+                                               double stiffness) {
+  if (contender.method == "exact-penalty") {
+    return std::make_unique<EverySample>(scene, scene.exact_fields(), stiffness);
+  }
+  std::vector<std::unique_ptr<SampledField>> fields;
+  for (std::size_t i = 0; i < scene.places().size(); ++i) {
+    if (contender.method == "paper") {
+      fields.push_back(std::make_unique<PaperField>(scene.object().paper()));
+    } else {
+      fields.push_back(std::make_unique<DistanceField>(scene.object().distance_field()));
+    }
+  }
+  return std::make_unique<EverySample>(scene, std::move(fields), stiffness);
+}
+
+VirtualToolSettings tool_settings(const SixdofCase& tried, const RunSettings& settings) {
+  const SixdofPlant plant(sixdof_settings(tried, settings));
+  VirtualToolSettings made;
+  made.stiffness = settings.stiffness;
+  made.turning = settings.stiffness * sixdof_lever * sixdof_lever;
+  // What the device can do, or a held weight would tear the coupling before the device gives way.
+  made.most_force = settings.profile->force_cap;
+  made.most_torque = plant.torque_cap();
+  return made;
+}
+
+}  // namespace
+
+std::string why_not_sixdof(const Contender& contender) {
+  const std::string reason = why_not(contender, StabilityCase{});
+  if (!reason.empty()) return reason;
+  if (contender.method == "mesh-proxy") return "mesh-proxy knows a point and a ball alone";
+  const CureSettings cures = cures_of(contender);
+  if (cures.coupling > 0) return "the coupling of a tool that turns is what proxy is";
+  if (cures.potential > 0) return "the force of samples is one potential's already";
+  return {};
+}
+
+std::unique_ptr<SixdofContestant> make_sixdof_contestant(const Contender& contender,
+                                                         const SixdofScene& scene,
+                                                         const SixdofCase& tried,
+                                                         const RunSettings& settings) {
+  const std::string reason = why_not_sixdof(contender);
+  if (!reason.empty()) throw baker::BakeError(ExitCode::usage, tried.name + ": " + reason);
+  std::unique_ptr<SixdofContestant> made;
+  if (contender.method == "proxy" || contender.method == "default") {
+    made = std::make_unique<CoupledTool>(scene, tool_settings(tried, settings));
+  } else if (contender.method == "spm") {
+    made = std::make_unique<DirectPenalty>(scene, scene.area_stiffness(settings.stiffness));
+  } else {
+    made = every_sample(contender, scene, scene.area_stiffness(settings.stiffness));
+  }
+  CureSettings cures = cures_of(contender);
+  if (!cures.any()) return made;
+  const SixdofPlant plant(sixdof_settings(tried, settings));
+  cures.delay_ticks = tried.delay_ticks;
+  cures.device_mass = settings.profile->mass;
+  return std::make_unique<Cured>(std::move(made), cures, settings.period,
+                                 settings.profile->encoder_step, plant.turn_step(),
+                                 settings.stiffness);
+}
+
+}  // namespace spm::stability

@@ -1,0 +1,171 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "tests/stability/stability_targets.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+namespace spm::stability {
+namespace {
+
+constexpr double gentle_fraction = 0.6;  ///< of the flat border: where the default is to hold
+
+/// Keeps the worst of what it is shown, and what that was.
+class Worst {
+ public:
+  Worst(std::string name, std::string unit, double floor, double goal, bool larger_is_better) {
+    row_.name = std::move(name);
+    row_.unit = std::move(unit);
+    row_.floor = floor;
+    row_.goal = goal;
+    row_.larger_is_better = larger_is_better;
+  }
+  void show(double value, const std::string& what) {
+    const bool worse = row_.larger_is_better ? value < row_.value : value > row_.value;
+    if (seen_ && !worse) return;
+    seen_ = true;
+    row_.value = value;
+    row_.worst = what;
+  }
+  void append_to(std::vector<TargetRow>& rows) const {
+    if (seen_) rows.push_back(row_);
+  }
+
+ private:
+  TargetRow row_;
+  bool seen_ = false;
+};
+
+bool is_gentle_default(const CaseRow& row) {
+  return row.method == "default" && row.fraction == gentle_fraction;
+}
+
+void add_theory(const StabilityReport& report, std::vector<TargetRow>& rows) {
+  Worst eigenvalue("linear border off the exact eigenvalue", "share", 0.01, 0.002, false);
+  Worst passivity("passivity formulas, each by its adversary", "share", 0.02, 0.005, false);
+  for (const TheoryRow& row : report.theory) {
+    const std::string what = row.criterion + ", " + row.settings;
+    if (row.kind == "stability") eigenvalue.show(std::abs(row.off()), what);
+    if (row.kind == "passivity") passivity.show(std::abs(row.off()), what);
+  }
+  eigenvalue.append_to(rows);
+  passivity.append_to(rows);
+}
+
+/// Shares of what is good at 0.6: of the pairs of case and profile, and of the cases everywhere.
+void add_shares(const StabilityReport& report, std::vector<TargetRow>& rows) {
+  std::map<std::string, bool> everywhere;
+  std::string failed;
+  double good = 0, all = 0;
+  for (const CaseRow& row : report.cases) {
+    if (!is_gentle_default(row)) continue;
+    all += 1;
+    if (row.verdict.good) good += 1;
+    if (!row.verdict.good && failed.size() < 200) failed += " " + row.name + "/" + row.device;
+    const auto [found, added] = everywhere.try_emplace(row.name, true);
+    found->second = found->second && row.verdict.good;
+  }
+  if (!(all > 0)) return;
+  const auto cases = static_cast<double>(std::count_if(
+      everywhere.begin(), everywhere.end(), [](const auto& entry) { return entry.second; }));
+  if (failed.empty()) failed = " none failed";
+  rows.push_back({"default good at 0.6, of cases and profiles", good / all, 0.9, 1, true, "share",
+                  failed.substr(1)});
+  rows.push_back({"default good at 0.6 on every profile, of cases",
+                  cases / static_cast<double>(everywhere.size()), 0.9, 1, true, "share",
+                  failed.substr(1)});
+}
+
+void add_energy(const StabilityReport& report, std::vector<TargetRow>& rows) {
+  Worst energy("net energy of the default at 0.6, of its bound", "times", 2, 1, false);
+  for (const CaseRow& row : report.cases) {
+    const Findings& found = row.verdict.findings;
+    if (!is_gentle_default(row) || !(found.generated_bound_j > 0)) continue;
+    energy.show(found.generated_j / found.generated_bound_j, row.name + ", " + row.device);
+  }
+  energy.append_to(rows);
+}
+
+/// The border that another method has in the same case on the same profile; nothing without one.
+const BorderRow* beside(const StabilityReport& report, const BorderRow& row,
+                        const std::string& method) {
+  for (const BorderRow& other : report.borders) {
+    if (other.method == method && other.name == row.name && other.device == row.device) {
+      return &other;
+    }
+  }
+  return nullptr;
+}
+
+bool is_sphere_between_walls(const std::string& name) {
+  return name.starts_with("sphere-groove") || name.starts_with("sphere-in-groove") ||
+         name.starts_with("sphere-corner") || name.starts_with("sphere-in-corner");
+}
+
+void add_borders(const StabilityReport& report, std::vector<TargetRow>& rows) {
+  Worst worst("worst case's border over the flat border, default", "times", 0.6, 0.9, true);
+  Worst sphere("sphere in groove and corner: default over exact penalty", "times", 3, 4.5, true);
+  Worst cures("border with one cure over without", "times", 0.8, 1, true);
+  for (const BorderRow& row : report.borders) {
+    const std::string what = row.name + ", " + row.device;
+    if (row.method == "default") {
+      worst.show(row.border / row.flat, what);
+      const BorderRow* exact = beside(report, row, "exact-penalty");
+      if (is_sphere_between_walls(row.name) && exact != nullptr && exact->border > 0) {
+        sphere.show(row.border / exact->border, what);
+      }
+    }
+    const std::size_t plus = row.method.find('+');
+    if (plus == std::string::npos) continue;
+    const BorderRow* bare = beside(report, row, row.method.substr(0, plus));
+    if (bare != nullptr && bare->border > 0) {
+      cures.show(row.border / bare->border, row.method + ", " + what);
+    }
+  }
+  worst.append_to(rows);
+  sphere.append_to(rows);
+  cures.append_to(rows);
+}
+
+void add_loops(const StabilityReport& report, std::vector<TargetRow>& rows) {
+  Worst gained("static loop energy of spm on real assets", "J", 10e-6, 1e-6, false);
+  for (const LoopRow& row : report.loops) {
+    if (row.method == "spm") gained.show(row.gained_j, row.object);
+  }
+  gained.append_to(rows);
+}
+
+void add_costs(const StabilityReport& report, std::vector<TargetRow>& rows) {
+  Worst idle("cures idle on a gentle press: added force step", "N", 0.1, 0.03, false);
+  for (const IdleRow& row : report.idle) {
+    idle.show(row.added_step_n, row.method + ", " + row.device);
+  }
+  idle.append_to(rows);
+  const auto mean_of = [&report](const std::string& method) {
+    for (const CostRow& row : report.costs) {
+      if (row.method == method) return row.mean_us;
+    }
+    return std::nan("");
+  };
+  const double added = mean_of("default") - mean_of("proxy");
+  if (std::isnan(added)) return;
+  rows.push_back({"cost of the default's cures in the tick", added, 1, 0.2, false, "us",
+                  "mean of the slide's ticks, default less proxy"});
+}
+
+}  // namespace
+
+std::vector<TargetRow> targets_of(const StabilityReport& report) {
+  std::vector<TargetRow> rows;
+  add_theory(report, rows);
+  add_shares(report, rows);
+  add_borders(report, rows);
+  add_energy(report, rows);
+  add_loops(report, rows);
+  add_costs(report, rows);
+  return rows;
+}
+
+}  // namespace spm::stability
