@@ -1,8 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "tests/stability/asset_cache.hpp"
 
+#include <fcntl.h>
 #include <fmt/format.h>
+#include <sys/file.h>
+#include <unistd.h>
 
+#include <cerrno>
 #include <cstdlib>
 #include <filesystem>
 #include <system_error>
@@ -19,8 +23,30 @@ namespace fs = std::filesystem;
 /// Of a text, short enough for a file's name.
 std::string short_hash(const std::string& text) { return sha256_bytes(text).substr(0, 20); }
 
+/// Keeps other processes that ask for the same file's lock waiting while it lives.
+class FileLock {
+ public:
+  explicit FileLock(const fs::path& path)
+      : file_(::open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0600)) {
+    if (file_ < 0 || ::flock(file_, LOCK_EX) != 0) {
+      const std::error_code why(errno, std::generic_category());
+      if (file_ >= 0) ::close(file_);
+      throw fs::filesystem_error("cannot be locked", path, why);
+    }
+  }
+  ~FileLock() { ::close(file_); }
+  FileLock(const FileLock&) = delete;
+  FileLock& operator=(const FileLock&) = delete;
+
+ private:
+  int file_;
+};
+
 /// The folder of the program that runs: one a program, and in it one a build.
 fs::path build_folder() {
+  fs::create_directories(cache_folder());
+  // So that no process clears away what another has just made.
+  const FileLock lock(fs::path(cache_folder()) / "lock");
   const fs::path program = fs::read_symlink("/proc/self/exe");
   const auto written = fs::last_write_time(program).time_since_epoch().count();
   const fs::path all = fs::path(cache_folder()) / short_hash(program.string());
@@ -53,6 +79,8 @@ std::unique_ptr<MappedAsset> cached_asset(const baker::Mesh& mesh, const std::st
       fmt::format("{} {:.17g} {:.17g} {:.17g}", content, options.tolerance.value_or(-1),
                   options.max_depth, options.probe_radius);
   const std::string path = (build_folder() / (short_hash(asked) + ".spm.exr")).string();
+  // One process bakes, the others wait for it.
+  const FileLock lock(path + ".lock");
   if (!fs::exists(path)) {
     const baker::BakeResult baked = baker::bake(mesh, options);
     static_cast<void>(bench::unwrap(write_asset(baked.asset, path)));
