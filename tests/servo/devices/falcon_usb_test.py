@@ -136,4 +136,4 @@ class FalconOverUsb(unittest.TestCase):
 
 if __name__ == "__main__":
     MOCK, CLIENT = sys.argv[1:3]
-    unittest.main(argv=sys.argv[:1] + sys.argv[3:])
+    unittest.main(argv=sys.argv[:1] + sys.argv[3:], verbosity=2)

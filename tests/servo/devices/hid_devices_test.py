@@ -205,4 +205,4 @@ class HidDevices(unittest.TestCase):
 
 if __name__ == "__main__":
     MOCK, CLIENT = sys.argv[1:3]
-    unittest.main(argv=sys.argv[:1] + sys.argv[3:])
+    unittest.main(argv=sys.argv[:1] + sys.argv[3:], verbosity=2)

@@ -189,4 +189,4 @@ class PidDevice(unittest.TestCase):
 
 if __name__ == "__main__":
     MOCK, CLIENT = sys.argv[1:3]
-    unittest.main(argv=sys.argv[:1] + sys.argv[3:])
+    unittest.main(argv=sys.argv[:1] + sys.argv[3:], verbosity=2)

@@ -133,4 +133,4 @@ if __name__ == "__main__":
     if sys.argv[1:2] == ["--end"]:
         sys.exit(end(*sys.argv[2:]))
     MOCK_HID, MOCK_FALCON, SERVO, BAKE = sys.argv[1:5]
-    unittest.main(argv=sys.argv[:1] + sys.argv[5:])
+    unittest.main(argv=sys.argv[:1] + sys.argv[5:], verbosity=2)
