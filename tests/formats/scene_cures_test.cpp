@@ -4,26 +4,20 @@
 
 #include "common/stable_stiffness.hpp"
 #include "formats/scene.hpp"
-#include "tests/formats/synthetic_asset.hpp"
+#include "tests/formats/scene_text.hpp"
 
 namespace {
 
 using namespace spm;
 using namespace spm::test;
 
-Result<Scene> read(const std::string& text) {
-  const TemporaryFolder folder;
-  write_bytes(folder.path("scene.toml"), text);
-  return read_scene(folder.path("scene.toml"));
-}
-
 }  // namespace
 
 TEST_CASE("A scene's cures become SI, and are off without their table") {
-  const auto none = read("[device]\nprofile = \"touch\"\n[[object]]\nasset = \"a\"\n");
+  const auto none = scene_of_text("[device]\nprofile = \"touch\"\n[[object]]\nasset = \"a\"\n");
   REQUIRE(none);
   CHECK_FALSE(none->cures.any());
-  const auto scene = read(R"(
+  const auto scene = scene_of_text(R"(
 [device]
 profile = "touch"
 [cures]
@@ -49,10 +43,11 @@ asset = "a"
   wanted.device_mass = find_device_profile("touch")->moving_mass;
   CHECK(scene->cures == wanted);
   CHECK(scene->cures.potential == Approx(2e-4));
-  const auto advised = read("[cures]\nadvised = true\n[[object]]\nasset = \"a\"\n");
+  const auto advised = scene_of_text("[cures]\nadvised = true\n[[object]]\nasset = \"a\"\n");
   REQUIRE(advised);
   CHECK(advised->cures == advised_cures);
-  const auto without = read("[cures]\nadvised = true\ndamping = 0\n[[object]]\nasset = \"a\"\n");
+  const auto without =
+      scene_of_text("[cures]\nadvised = true\ndamping = 0\n[[object]]\nasset = \"a\"\n");
   REQUIRE(without);
   CHECK(without->cures.damping_share == 0);
 }
@@ -82,8 +77,8 @@ TEST_CASE("What is wrong in a scene's cures is told by its line, cause and cure"
            Case{"potential = \"-1mm\"", "0 or more"},
        }) {
     INFO(wrong.key);
-    const auto scene =
-        read("[cures]\n" + std::string(wrong.key) + "\n[[object]]\nasset = \"a.spm.exr\"\n");
+    const auto scene = scene_of_text("[cures]\n" + std::string(wrong.key) +
+                                     "\n[[object]]\nasset = \"a.spm.exr\"\n");
     REQUIRE(!scene);
     INFO(scene.error().message);
     CHECK(scene.error().code == ExitCode::invalid_input);
@@ -95,16 +90,16 @@ TEST_CASE("What is wrong in a scene's cures is told by its line, cause and cure"
 TEST_CASE("A stiffness may be left to the device, and is the same at the hand by any workspace") {
   const std::string touch = "[device]\nprofile = \"touch\"\n";
   const std::string object = "[[object]]\nasset = \"a\"\nstiffness = \"auto\"\n";
-  const auto scene = read(touch + object + "friction = { slide = 0.3 }\n");
+  const auto scene = scene_of_text(touch + object + "friction = { slide = 0.3 }\n");
   REQUIRE(scene);
   CHECK(scene->objects[0].stiffness == stable_stiffness(*find_device_profile("touch")));
   CHECK(scene->objects[0].stiffness_chosen);
   CHECK(scene->objects[0].stiffness_given);
   CHECK(scene->objects[0].effects.friction.stiffness == scene->objects[0].stiffness);
-  const auto scaled = read("[workspace]\nscale = 4\n" + touch + object);
+  const auto scaled = scene_of_text("[workspace]\nscale = 4\n" + touch + object);
   REQUIRE(scaled);
   CHECK(scaled->objects[0].stiffness == Approx(scene->objects[0].stiffness / 4));
-  const auto nobody = read(object);
+  const auto nobody = scene_of_text(object);
   REQUIRE(!nobody);
   CHECK(nobody.error().message.find("line 3: ") != std::string::npos);
   CHECK(nobody.error().message.find("add 'profile' to [device], one of low falcon") !=

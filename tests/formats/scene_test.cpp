@@ -5,18 +5,13 @@
 #include <clocale>
 #include <cmath>
 
+#include "tests/formats/scene_text.hpp"
 #include "tests/formats/synthetic_asset.hpp"
 
 namespace {
 
 using namespace spm;
 using namespace spm::test;
-
-Result<Scene> read(const std::string& text) {
-  const TemporaryFolder folder;
-  write_bytes(folder.path("scene.toml"), text);
-  return read_scene(folder.path("scene.toml"));
-}
 
 }  // namespace
 
@@ -71,7 +66,7 @@ asset = "spot.spm.exr"
 }
 
 TEST_CASE("What a scene leaves out has a default or stays open") {
-  const auto scene = read("[[object]]\nmesh = \"a.obj\"\n");
+  const auto scene = scene_of_text("[[object]]\nmesh = \"a.obj\"\n");
   REQUIRE(scene);
   CHECK(scene->device.driver.empty());
   CHECK(scene->device.profile == nullptr);
@@ -82,13 +77,13 @@ TEST_CASE("What a scene leaves out has a default or stays open") {
   CHECK(scene->objects[0].stiffness == 1000);
   CHECK_FALSE(scene->objects[0].stiffness_given);
   CHECK(scene->objects[0].placement.scale == 1);
-  const auto point = read("tool.probe = \"point\"\n[[object]]\nmesh = \"a.obj\"\n");
+  const auto point = scene_of_text("tool.probe = \"point\"\n[[object]]\nmesh = \"a.obj\"\n");
   REQUIRE(point);
   CHECK(point->probe_radius == 0.0);
 }
 
 TEST_CASE("An object's effects become SI: friction, damping, texture and smoothing") {
-  const auto scene = read(R"(
+  const auto scene = scene_of_text(R"(
 [[object]]
 asset = "a.spm.exr"
 method = "proxy"
@@ -147,11 +142,11 @@ texture = { noise = "10um", seed = 3 }
 }
 
 TEST_CASE("Without their keys there are no effects, and 0 turns one off") {
-  const auto none = read("[[object]]\nasset = \"a\"\n");
+  const auto none = scene_of_text("[[object]]\nasset = \"a\"\n");
   REQUIRE(none);
   CHECK_FALSE(none->objects[0].effects.any());
   CHECK(none->objects[0].effects.smoothing.sigma == 0);
-  const auto off = read(
+  const auto off = scene_of_text(
       "[[object]]\nasset = \"a\"\nfriction = { slide = 0 }\ndamping = \"0Ns/m\"\n"
       "texture = { amplitude = \"0mm\", wavelength = \"1mm\" }\nsmoothing = { sigma = \"0um\" }\n");
   REQUIRE(off);
@@ -210,7 +205,8 @@ TEST_CASE("What is wrong in an object's effects is told by its line, cause and c
            Case{"pose = [0, 0, 0, 1.02, 0, 0, 0]", "1 %"},
        }) {
     INFO(wrong.key);
-    const auto scene = read("[[object]]\nasset = \"a.spm.exr\"\n" + std::string(wrong.key) + "\n");
+    const auto scene =
+        scene_of_text("[[object]]\nasset = \"a.spm.exr\"\n" + std::string(wrong.key) + "\n");
     REQUIRE(!scene);
     INFO(scene.error().message);
     CHECK(scene.error().code == ExitCode::invalid_input);
@@ -220,10 +216,11 @@ TEST_CASE("What is wrong in an object's effects is told by its line, cause and c
 }
 
 TEST_CASE("A quaternion within 1 % of unit length is made one, and a scene of nothing is refused") {
-  const auto scene = read("[[object]]\nasset = \"a\"\npose = [0, 0, 0, 0.704, 0, 0.704, 0]\n");
+  const auto scene =
+      scene_of_text("[[object]]\nasset = \"a\"\npose = [0, 0, 0, 0.704, 0, 0.704, 0]\n");
   REQUIRE(scene);
   CHECK(std::abs(scene->objects[0].placement.rotation.norm() - 1) < 1e-12);
-  const auto empty = read("object = []\n");
+  const auto empty = scene_of_text("object = []\n");
   REQUIRE(!empty);
   CHECK(empty.error().code == ExitCode::invalid_input);
   CHECK(empty.error().message.find("needs an object") != std::string::npos);
@@ -269,7 +266,7 @@ TEST_CASE("What is wrong in a scene is told by its line, cause and cure") {
            Case{"[tool]\nprobe = \"point\"\nprobe = \"point\"\n", "line 3", "not TOML"},
        }) {
     INFO(wrong.text);
-    const auto scene = read(wrong.text);
+    const auto scene = scene_of_text(wrong.text);
     REQUIRE(!scene);
     INFO(scene.error().message);
     CHECK(scene.error().code == ExitCode::invalid_input);
@@ -291,7 +288,8 @@ TEST_CASE("A missing scene and a folder are file errors") {
 
 TEST_CASE("A scene is read the same in a locale with decimal commas") {
   const char* set = std::setlocale(LC_ALL, "de_DE.UTF-8");
-  const auto scene = read("[[object]]\nmesh = \"a.obj\"\nscale = 1.5\nstiffness = \"1.5N/mm\"\n");
+  const auto scene =
+      scene_of_text("[[object]]\nmesh = \"a.obj\"\nscale = 1.5\nstiffness = \"1.5N/mm\"\n");
   std::setlocale(LC_ALL, "C");
   if (set == nullptr) WARN("the locale de_DE.UTF-8 is not installed; checked in the C locale");
   REQUIRE(scene);

@@ -13,6 +13,13 @@ struct InterceptedCalls {
   std::uint64_t writes = 0;
 };
 
+/// What was counted after `before`.
+[[nodiscard]] constexpr InterceptedCalls operator-(const InterceptedCalls& after,
+                                                   const InterceptedCalls& before) noexcept {
+  return {after.allocations - before.allocations, after.locks - before.locks,
+          after.writes - before.writes};
+}
+
 /// Turns the counting of the current thread on or off.
 void watch(bool on) noexcept;
 

@@ -88,9 +88,7 @@ TEST_CASE("A tick neither allocates, locks nor writes") {
       const auto before = test::intercepted_calls();
       loop.run();
       test::watch(false);
-      const auto after = test::intercepted_calls();
-      calls = {after.allocations - before.allocations, after.locks - before.locks,
-               after.writes - before.writes};
+      calls = test::intercepted_calls() - before;
     });
     thread.join();
     REQUIRE(device.reads() > 1000);

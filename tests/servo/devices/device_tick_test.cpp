@@ -78,9 +78,7 @@ test::InterceptedCalls calls_of_ticks(Device& device, std::uint64_t good_ticks) 
       good += device.write({Vector3(1, 0.5, 0.2), Vector3::Zero()}) == health && is_good ? 1 : 0;
     }
     test::watch(false);
-    const auto after = test::intercepted_calls();
-    calls = {after.allocations - before.allocations, after.locks - before.locks,
-             after.writes - before.writes};
+    calls = test::intercepted_calls() - before;
   });
   loop.join();
   return calls;

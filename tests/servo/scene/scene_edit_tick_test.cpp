@@ -41,9 +41,7 @@ TEST_CASE("A tick that takes up an edited scene neither allocates, locks nor wri
     const auto before = test::intercepted_calls();
     loop.run();
     test::watch(false);
-    const auto after = test::intercepted_calls();
-    calls = {after.allocations - before.allocations, after.locks - before.locks,
-             after.writes - before.writes};
+    calls = test::intercepted_calls() - before;
   });
 
   const auto taken_up = [&edits](const SceneEdit& edit) {
