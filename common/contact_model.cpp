@@ -28,7 +28,8 @@ double gaussian_number(std::uint64_t seed, std::uint64_t place) noexcept {
 ContactModel::ContactModel(const ContactSettings& settings) noexcept
     : settings_(settings),
       velocity_(settings.encoder_step, settings.tick, settings.velocity),
-      coupling_(settings.coupling, settings.force.stiffness, settings.tick) {
+      coupling_(settings.coupling, settings.force.stiffness, settings.tick),
+      lattice_(settings.potential) {
   settings_.force.stiffness = coupling_.felt();
 }
 
@@ -37,6 +38,7 @@ void ContactModel::reset() noexcept {
   friction_ = {};
   velocity_.reset();
   coupling_.reset();
+  lattice_.forget();
   last_normal_.setZero();
   last_known_ = false;
 }
@@ -48,7 +50,7 @@ ContactForce ContactModel::next(const AssetView& asset, const Vector3& point) no
     return {};
   }
   const ForceSettings& force = settings_.force;
-  ContactForce contact = coupling_.on() ? coupled(asset, point) : reaction(asset, point);
+  ContactForce contact = reaction(asset, point);
   if (force.method == Method::spm && settings_.effects.turn.rate > 0) limit_turn(point, contact);
   if (settings_.effects.any() && force.stiffness > 0) add_effects(asset, point, contact);
   if (coupling_.on()) contact.force += coupling_.damped(contact.depth * contact.normal);
@@ -59,49 +61,18 @@ ContactForce ContactModel::next(const AssetView& asset, const Vector3& point) no
   return contact;
 }
 
-/// The force at a point by the method, without a coupling.
+/// The force at a point by the method.
 ContactForce ContactModel::reaction(const AssetView& asset, const Vector3& point) noexcept {
   const ForceSettings& force = settings_.force;
   if (force.method == Method::proxy) return proxy_force(asset, point);
-  if (force.method == Method::spm && settings_.effects.smoothing.sigma > 0) {
-    return smoothed_force(asset, force, settings_.effects.smoothing, point);
+  if (force.method != Method::spm) return contact_force(asset, force, point);
+  const RuntimeSmoothing& smoothing = settings_.effects.smoothing;
+  if (lattice_.on()) {
+    const auto contact = lattice_.force(asset, force, smoothing, point);
+    if (contact) return *contact;
   }
-  return contact_force(asset, force, point);
-}
-
-/// What holds a coupling's point that is at `at`, as seen from the hand; no contact where it does
-/// not press the hand.
-ContactForce ContactModel::holding(const AssetView& asset, const Vector3& at,
-                                   const Vector3& hand) noexcept {
-  const ContactForce there = reaction(asset, at);
-  const Vector3 foot = at + there.depth * there.normal;
-  const Vector3 way = foot - hand;
-  if (!there.contact || !(way.dot(there.normal) > 0)) return {};
-  coupling_.touch(foot, there.normal);
-  ContactForce contact = there;
-  contact.depth = way.norm();
-  contact.normal = way / contact.depth;
-  contact.force = settings_.force.stiffness * way;
-  return contact;
-}
-
-ContactForce ContactModel::coupled(const AssetView& asset, const Vector3& hand) noexcept {
-  // A proxy goes to the same place, whether the hand pulls it or a point on the way to the hand.
-  if (settings_.force.method == Method::proxy) return proxy_force(asset, hand);
-  const Vector3 expected = coupling_.expected(hand);
-  if (expected != hand) {
-    const ContactForce contact = holding(asset, expected, hand);
-    if (contact.contact) return contact;
-  }
-  // The surface is not where it was expected to be: it is looked for from the hand.
-  const ContactForce contact = holding(asset, hand, hand);
-  if (!contact.contact) {
-    coupling_.release();
-    return contact;
-  }
-  const Vector3 foot = hand + contact.depth * contact.normal;
-  const ContactForce nearer = holding(asset, coupling_.balanced(hand, foot), hand);
-  return nearer.contact ? nearer : contact;
+  return smoothing.sigma > 0 ? smoothed_force(asset, force, smoothing, point)
+                             : contact_force(asset, force, point);
 }
 
 void ContactModel::limit_turn(const Vector3& point, ContactForce& contact) noexcept {

@@ -6,6 +6,7 @@
 #include "common/coulomb_friction.hpp"
 #include "common/coupling_point.hpp"
 #include "common/force_law.hpp"
+#include "common/potential_lattice.hpp"
 #include "common/proxy.hpp"
 #include "common/surface_texture.hpp"
 #include "common/turn_limit.hpp"
@@ -41,11 +42,14 @@ struct ContactSettings {
   double encoder_step = 0;      ///< m, 0 or more: how far a position may be off
   CouplingSettings coupling{};  ///< between the hand and what touches the object
   VelocityBy velocity = VelocityBy::estimate;
+  /// m, 0 or more: spacing of the lattice whose potential the force of `spm` is of
+  /// (PotentialLattice); 0 is off.
+  double potential = 0;
 };
 
 /// The force on one probe at one object, tick by tick: reaction by the method that was chosen, and
 /// on it friction, damping and texture (eq. 18). Through a coupling the hand feels no more than
-/// felt_stiffness, and the method is asked where the coupling's point is. It remembers what these
+/// felt_stiffness; the method is asked at the hand, see CouplingPoint. It remembers what these
 /// need, in the object's frame. Nothing in it allocates or throws.
 class ContactModel {
  public:
@@ -68,6 +72,7 @@ class ContactModel {
   FrictionState friction_;
   VelocityEstimate velocity_;
   CouplingPoint coupling_;
+  PotentialLattice lattice_;
   Vector3 last_point_ = Vector3::Zero();
   Vector3 last_normal_ = Vector3::Zero();  ///< unit; zero where the last tick had no contact
   Vector3 last_turned_at_ = Vector3::Zero();
@@ -75,9 +80,6 @@ class ContactModel {
   bool last_known_ = false;
 
   [[nodiscard]] ContactForce reaction(const AssetView& asset, const Vector3& point) noexcept;
-  [[nodiscard]] ContactForce holding(const AssetView& asset, const Vector3& at,
-                                     const Vector3& hand) noexcept;
-  [[nodiscard]] ContactForce coupled(const AssetView& asset, const Vector3& hand) noexcept;
   void limit_turn(const Vector3& point, ContactForce& contact) noexcept;
   [[nodiscard]] ContactForce proxy_force(const AssetView& asset, const Vector3& point) noexcept;
   void add_effects(const AssetView& asset, const Vector3& point, ContactForce& contact) noexcept;

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "common/coupling_point.hpp"
 
-#include <algorithm>
-
 namespace spm {
 
 CouplingPoint::CouplingPoint(const CouplingSettings& settings, double asked, double tick) noexcept
@@ -10,14 +8,8 @@ CouplingPoint::CouplingPoint(const CouplingSettings& settings, double asked, dou
       asked_(asked),
       felt_(felt_stiffness(asked, settings.stiffness)) {
   if (!on()) return;
-  share_ = felt_ / coupling_;
-  inner_ = felt_ / (1 - share_);
+  inner_ = felt_ / (1 - felt_ / coupling_);
   damper_ = settings.damping / tick;
-}
-
-Vector3 CouplingPoint::expected(const Vector3& hand) const noexcept {
-  const double depth = touching_ ? normal_.dot(foot_ - hand) : 0;
-  return depth > 0 ? Vector3(hand + share_ * depth * normal_) : hand;
 }
 
 /// The balance K_s (w - e) = K_c e + b (e - e') / T of the point's way e from the hand, where w is
@@ -33,11 +25,6 @@ Vector3 CouplingPoint::damped(const Vector3& way) noexcept {
   }
   stretch_ = held / (coupling_ + damper_);
   return -felt_ * way;
-}
-
-void CouplingPoint::reset() noexcept {
-  touching_ = false;
-  stretch_.setZero();
 }
 
 }  // namespace spm

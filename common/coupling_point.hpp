@@ -23,10 +23,11 @@ inline constexpr double most_felt_share = 0.8;
 
 /// Virtual coupling of a point (3DoF; Colgate, Stanley and Brown 1995, with a point that has no
 /// mass, in balance at each tick): hand - spring and damper - virtual point - contact. The virtual
-/// point lies nearer to the surface than the hand, and on the side that the hand came from, so that
-/// there the contact is looked for; of a proxy it is a place between hand and proxy, and changes
-/// nothing but what is felt. A hand that is pressed against a plane feels the same with and without
-/// a coupling that is stiff enough, unless this has a damper. VirtualTool is the same for 6DoF.
+/// point lies between the hand and what holds it, so the contact is looked for at the hand, and
+/// what is felt of it is the two springs in series. A contact that is looked for at the virtual
+/// point needs the last tick's to say where that is, and jumps between two walls that take turns. A
+/// hand that is pressed against a surface feels the same with and without a coupling that is stiff
+/// enough, unless this has a damper. VirtualTool is the same for 6DoF.
 class CouplingPoint {
  public:
   /// `asked`: the stiffness that the hand should feel, N/m; `tick` in s, above 0.
@@ -37,39 +38,18 @@ class CouplingPoint {
   [[nodiscard]] double asked() const noexcept { return asked_; }
   [[nodiscard]] double felt() const noexcept { return felt_; }
 
-  /// Where to look for the contact with the hand at `hand` (m): where the point is in balance if
-  /// the surface is the plane that it touched last; at the hand where it touched nothing.
-  [[nodiscard]] Vector3 expected(const Vector3& hand) const noexcept;
-  /// Where the point is in balance between the hand and what holds it, m.
-  [[nodiscard]] Vector3 balanced(const Vector3& hand, const Vector3& foot) const noexcept {
-    return hand + share_ * (foot - hand);
-  }
-
-  /// Takes what held the point in this tick: `foot` (m), and the surface's normal there (unit).
-  void touch(const Vector3& foot, const Vector3& normal) noexcept {
-    foot_ = foot;
-    normal_ = normal;
-    touching_ = true;
-  }
-  /// Nothing holds it.
-  void release() noexcept { touching_ = false; }
-
   /// Force on the hand, N, that the damper adds in this tick to that of the springs, which is
   /// felt() times `way`, from the hand to what holds the point (m; zero without contact). Together
   /// they never pull. To be asked once a tick.
   [[nodiscard]] Vector3 damped(const Vector3& way) noexcept;
 
   /// Forgets all.
-  void reset() noexcept;
+  void reset() noexcept { stretch_.setZero(); }
 
  private:
   double coupling_ = 0, inner_ = 0, damper_ = 0;  ///< N/m; the damper's over a tick
   double asked_, felt_;                           ///< N/m
-  double share_ = 0;  ///< of the way to what holds it, that the coupling takes
-  Vector3 foot_ = Vector3::Zero();
-  Vector3 normal_ = Vector3::Zero();
-  Vector3 stretch_ = Vector3::Zero();  ///< m, from the hand to the virtual point
-  bool touching_ = false;
+  Vector3 stretch_ = Vector3::Zero();             ///< m, from the hand to the virtual point
 };
 
 }  // namespace spm

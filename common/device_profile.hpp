@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <numbers>
 #include <string>
 #include <string_view>
 
@@ -16,6 +17,12 @@ struct DeviceProfile {
   std::array<double, 3> workspace;  ///< m, edges of the box that holds every place of its tool:
                                     ///< x to the right, y up, z towards the user
   double moving_mass;               ///< kg at the tool; assumed, no data sheet gives it
+  double bandwidth;                 ///< Hz, of the actuator, a first-order lag; assumed by its kind
+
+  /// s, 1 / (2 pi bandwidth).
+  [[nodiscard]] constexpr double actuator_lag() const noexcept {
+    return 1 / (2 * std::numbers::pi * bandwidth);
+  }
 };
 
 /// Force, stiffness and step are what the makers rate, as CHAI3D 3.3 ships them; for `wooden`,
@@ -24,11 +31,11 @@ struct DeviceProfile {
 /// `wooden` its longest published edge each way. `low` is the worst case for stability: as strong
 /// and as stiff as any, and it reaches where any of them does.
 inline constexpr std::array<DeviceProfile, 5> device_profiles{{
-    {"low", 20e-6, 12, 5000, {0.45, 0.45, 0.45}, 0.10},
-    {"falcon", 64e-6, 8, 3000, {0.102, 0.102, 0.102}, 0.25},
-    {"touch", 55e-6, 3.3, 400, {0.431, 0.348, 0.165}, 0.045},
-    {"omega3", 9e-6, 12, 5000, {0.16, 0.16, 0.11}, 0.25},
-    {"wooden", 55e-6, 10, 1000, {0.3, 0.3, 0.3}, 0.30},
+    {"low", 20e-6, 12, 5000, {0.45, 0.45, 0.45}, 0.10, 500},
+    {"falcon", 64e-6, 8, 3000, {0.102, 0.102, 0.102}, 0.25, 200},
+    {"touch", 55e-6, 3.3, 400, {0.431, 0.348, 0.165}, 0.045, 200},
+    {"omega3", 9e-6, 12, 5000, {0.16, 0.16, 0.11}, 0.25, 500},
+    {"wooden", 55e-6, 10, 1000, {0.3, 0.3, 0.3}, 0.30, 200},
 }};
 
 /// The profile of that name, or null.

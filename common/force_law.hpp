@@ -40,8 +40,7 @@ struct ContactForce {
 [[nodiscard]] ContactForce contact_force(const AssetView& asset, const ForceSettings& settings,
                                          const Vector3& point) noexcept;
 
-/// The same for `spm` with the field smoothed: the force of the energy k depth^2 / 2. `depth` is
-/// such that |force| = stiffness * depth.
+/// The same for `spm` with the field smoothed, along its gradient. |force| = stiffness * depth.
 [[nodiscard]] ContactForce smoothed_force(const AssetView& asset, const ForceSettings& settings,
                                           const RuntimeSmoothing& smoothing,
                                           const Vector3& point) noexcept;

@@ -6,12 +6,25 @@
 
 namespace spm {
 
-Vector3 within_reaction(const Vector3& braking, double reaction) noexcept {
-  const double size = braking.norm();
-  const double share = std::min(1.0, reaction / whole_braking_from);
+double braking_share(double braking, double reaction, double whole_from) noexcept {
+  const double share = std::min(1.0, reaction / whole_from);
   // Written so that what is no number brakes nothing.
-  if (!(size * share > 0) || !std::isfinite(size)) return Vector3::Zero();
-  return std::min(share, reaction / size) * braking;
+  if (!(braking * share > 0) || !std::isfinite(braking)) return 0;
+  return std::min(share, reaction / braking);
+}
+
+Vector3 within_reaction(const Vector3& braking, double reaction, double whole_from) noexcept {
+  const double share = braking_share(braking.norm(), reaction, whole_from);
+  if (!(share > 0)) return Vector3::Zero();
+  return share * braking;
+}
+
+Vector3 along_reaction(const Vector3& braking, const Vector3& reaction,
+                       double whole_from) noexcept {
+  const double size = reaction.norm();
+  if (!(size > 0)) return Vector3::Zero();
+  const Vector3 direction = reaction / size;
+  return within_reaction(braking.dot(direction) * direction, size, whole_from);
 }
 
 }  // namespace spm

@@ -11,10 +11,11 @@ constexpr double kernel_reach = 2.5;
 }  // namespace
 
 ContactSettings in_asset_frame(const PlacedObject& object, double tick, double encoder_step,
-                               const CouplingSettings& coupling, VelocityBy velocity) noexcept {
+                               const CouplingSettings& coupling, VelocityBy velocity,
+                               double potential) noexcept {
   const double scale = object.placement.scale;
-  ContactSettings settings{object.force,         object.effects, tick,
-                           encoder_step / scale, coupling,       velocity};
+  ContactSettings settings{object.force, object.effects,   tick, encoder_step / scale, coupling,
+                           velocity,     potential / scale};
   settings.coupling.stiffness *= scale;
   settings.coupling.damping *= scale;
   settings.force.stiffness *= scale;
@@ -31,7 +32,8 @@ ContactSettings in_asset_frame(const PlacedObject& object, double tick, double e
 }
 
 PlacedContact::PlacedContact(const PlacedObject& object, double tick, double encoder_step,
-                             const CouplingSettings& coupling, VelocityBy velocity) noexcept
+                             const CouplingSettings& coupling, VelocityBy velocity,
+                             double potential) noexcept
     : asset_(object.asset),
       rotation_(object.placement.rotation.toRotationMatrix()),
       position_(object.placement.position),
@@ -42,7 +44,7 @@ PlacedContact::PlacedContact(const PlacedObject& object, double tick, double enc
       // Of the paper's readings this one may find contact anywhere.
       may_skip_(object.force.method != Method::paper ||
                 object.force.rule != PaperRule::closest_surface),
-      model_(in_asset_frame(object, tick, encoder_step, coupling, velocity)) {}
+      model_(in_asset_frame(object, tick, encoder_step, coupling, velocity, potential)) {}
 
 void PlacedContact::reset() noexcept {
   model_.reset();

@@ -18,11 +18,12 @@ struct PlacedObject {
 
 /// What a contact model in the asset's frame is given, so that the world feels the settings of the
 /// object: lengths divided by its scale, forces a length multiplied. `tick` in s, above 0;
-/// `encoder_step` in m of the world; `coupling` is the world's too.
+/// `encoder_step` in m of the world; `coupling` and `potential` (m) are the world's too.
 [[nodiscard]] ContactSettings in_asset_frame(const PlacedObject& object, double tick,
                                              double encoder_step,
                                              const CouplingSettings& coupling = {},
-                                             VelocityBy velocity = VelocityBy::estimate) noexcept;
+                                             VelocityBy velocity = VelocityBy::estimate,
+                                             double potential = 0) noexcept;
 
 /// The force of one object in the world, tick by tick. Where the hand is farther from the object
 /// than its band it is not asked. Nothing in it allocates or throws.
@@ -30,8 +31,8 @@ class PlacedContact {
  public:
   /// `tick` in s, above 0; `encoder_step` in m of the world, 0 or more.
   PlacedContact(const PlacedObject& object, double tick, double encoder_step,
-                const CouplingSettings& coupling = {},
-                VelocityBy velocity = VelocityBy::estimate) noexcept;
+                const CouplingSettings& coupling = {}, VelocityBy velocity = VelocityBy::estimate,
+                double potential = 0) noexcept;
 
   /// Force for a probe centred at `point` in the next tick; force, normal and depth in the world,
   /// as ContactModel says. `asset` must be the object's.

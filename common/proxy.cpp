@@ -19,7 +19,10 @@ constexpr double on_surface = 2e-7;
 /// A step that ends inside by no more than this share of its length follows a curved wall, and is
 /// lifted; one that ends deeper met another wall.
 constexpr double lifted_share = 0.5;
-constexpr int most_lifts = 4;
+/// How often it is lifted. Within the tolerance over a surface that is off by it, places may be
+/// told to lie inside: with 4 a proxy stays behind on flat teeth in 29 % of a slide's ticks, with 6
+/// in none.
+constexpr int most_lifts = 8;
 /// How often a step that ends inside is tried again, an eighth as long.
 constexpr int most_shorter = 2;
 

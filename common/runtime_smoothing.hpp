@@ -21,14 +21,14 @@ struct SmoothedAnswer {
   bool known = false;                  ///< some of the kernel's samples were answered
   bool deep = false;                   ///< the place itself lies deeper than the band
   double distance = 0;                 ///< signed, m: mean of the samples' by their weight
-  Vector3 gradient = Vector3::Zero();  ///< of that mean: the mean of the normals, at most 1 long
+  Vector3 gradient = Vector3::Zero();  ///< the mean of the normals, at most 1 long
 };
 
 /// The signed distance as eq. 16 smooths a map, but in space: the mean over a fixed set of places
-/// about the point, spread like the Gaussian's weight. The gradient is that of the very mean, so
-/// that a force along it, in proportion to it and to the depth, is that of a potential. Samples
-/// beyond the band count for the nearest value that is known of them. Point in the asset's frame,
-/// m.
+/// about the point, spread like the Gaussian's weight. The gradient is the mean of the samples'
+/// normals: that of the mean distance only where each normal is its own distance's gradient, which
+/// where two patches of a field meet it is not (PotentialLattice is for that). Samples beyond the
+/// band count for the nearest value that is known of them. Point in the asset's frame, m.
 [[nodiscard]] SmoothedAnswer smoothed_query(const AssetView& asset,
                                             const RuntimeSmoothing& smoothing,
                                             const Vector3& point) noexcept;

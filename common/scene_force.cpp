@@ -40,13 +40,11 @@ PlacedContact SceneForce::contact_of(const PlacedObject& object) const noexcept 
   capped.force.stiffness = std::min(object.force.stiffness, stiffness_cap_);
   FrictionSettings& friction = capped.effects.friction;
   friction.stiffness = std::min(friction.stiffness, stiffness_cap_);
-  if (cures_.potential > 0 && object.force.method == Method::spm) {
-    RuntimeSmoothing& smoothing = capped.effects.smoothing;
-    smoothing.sigma = std::max(smoothing.sigma, cures_.potential * scale_);
-    capped.effects.turn.rate = 0;
-  }
+  // Turned, a force is no potential's.
+  if (cures_.potential > 0) capped.effects.turn.rate = 0;
   const CouplingSettings coupling{cures_.coupling / scale_, cures_.coupling_damping / scale_};
-  return PlacedContact(capped, tick_, encoder_step_, coupling, cures_.velocity);
+  return PlacedContact(capped, tick_, encoder_step_, coupling, cures_.velocity,
+                       cures_.potential * scale_);
 }
 
 std::optional<std::size_t> SceneForce::add(const PlacedObject& object) noexcept {

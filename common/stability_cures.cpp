@@ -24,6 +24,7 @@ bool set_cure(std::string_view word, CureSettings& cures) noexcept {
     const CureSettings loop = cures;
     cures = advised_cures;
     cures.delay_ticks = loop.delay_ticks;
+    cures.lag = loop.lag;
     cures.device_mass = loop.device_mass;
   } else {
     return false;
@@ -50,13 +51,15 @@ StabilityCures::StabilityCures(const CureSettings& settings, double tick, double
     : settings_(settings),
       tick_(tick),
       stiffness_(felt_stiffness(stiffness, settings.coupling)),
-      most_damping_(spm::most_damping(settings.device_mass, tick)),
+      most_damping_(spm::most_damping(settings.device_mass, tick, settings.whole_delay(tick))),
       coupling_({settings.coupling, settings.coupling_damping}, stiffness, tick),
+      encoder_step_(encoder_step),
       velocity_(encoder_step, tick, settings.velocity),
-      passivity_({settings.delay_ticks, tick, encoder_step, settings.device_mass}) {}
+      passivity_({settings.whole_delay(tick), tick, encoder_step, settings.device_mass}) {}
 
 void StabilityCures::reset() noexcept {
   coupling_.reset();
+  noise_.reset();
   velocity_.reset();
   passivity_.reset();
 }
@@ -76,6 +79,17 @@ ContactForce StabilityCures::apply(const ContactForce& wanted, const Vector3& ha
   return apply(coupled, hand, {stiffness_, stored, 0});
 }
 
+/// What matched damping adds to a reaction (N) of that stiffness, N.
+Vector3 StabilityCures::damped(const Vector3& velocity, const Vector3& reaction,
+                               double stiffness) const noexcept {
+  const double damping = std::min(
+      matched_damping(settings_.damping_share, stiffness, settings_.whole_delay(tick_), tick_),
+      most_damping_);
+  const double whole_from =
+      std::max(whole_braking_from, whole_braking_steps * stiffness * encoder_step_);
+  return along_reaction(-damping * velocity, reaction, whole_from);
+}
+
 ContactForce StabilityCures::apply(const ContactForce& wanted, const Vector3& hand,
                                    const ContactEnergy& energy) noexcept {
   if (!hand.allFinite() || !wanted.force.allFinite()) {
@@ -83,19 +97,16 @@ ContactForce StabilityCures::apply(const ContactForce& wanted, const Vector3& ha
     return {};
   }
   if (!settings_.acts_on_sum()) return wanted;
+  noise_.take(hand);
+  velocity_.allow(std::max(encoder_step_, noise_.as_step()));
   velocity_.take(hand);
   if (!wanted.contact || !(energy.stiffness > 0)) {
     passivity_.rest();
     return wanted;
   }
-  const Vector3 velocity = velocity_.velocity();
+  const Vector3 velocity = velocity_.beyond(doubted_steps);
   ContactForce cured = wanted;
-  if (settings_.damping_share > 0) {
-    const double damping = std::min(
-        matched_damping(settings_.damping_share, energy.stiffness, settings_.delay_ticks, tick_),
-        most_damping_);
-    cured.force += within_reaction(-damping * velocity, wanted.force.norm());
-  }
+  if (settings_.damping_share > 0) cured.force += damped(velocity, wanted.force, energy.stiffness);
   if (settings_.passivity) {
     cured.force = passivity_.next(cured.force, hand, velocity, energy.stiffness, energy.stored,
                                   energy.carried);

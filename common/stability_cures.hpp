@@ -8,6 +8,7 @@
 #include "common/force_law.hpp"
 #include "common/matched_damping.hpp"
 #include "common/passivity_control.hpp"
+#include "common/reading_noise.hpp"
 #include "common/velocity_estimate.hpp"
 
 namespace spm {
@@ -15,16 +16,20 @@ namespace spm {
 /// What keeps a force stable in a sampled loop with a hand in it; each is off until it is set, and
 /// then costs a comparison. Lengths, stiffness and damping are the hand's.
 struct CureSettings {
-  /// Of K (1/2 + d) T: braking in contact, see matched_damping; 0 to 2, 0 is off.
+  /// Of K (1/2 + d + lag/T) T: braking in contact along the force, see matched_damping; 0 to 2, 0
+  /// is off.
   double damping_share = 0;
   /// d: ticks between a reading and the force that answers it, 0 to most_delay_ticks; 0 holds the
   /// force for the tick alone.
   double delay_ticks = 1;
+  /// s, of the device's actuator, first order: counts as delay. 0 or more.
+  double lag = 0;
   double coupling = 0;          ///< N/m of a virtual coupling, see CouplingPoint; 0 is off
   double coupling_damping = 0;  ///< N s/m beside it, 0 or more
   bool passivity = false;       ///< observer and controller, see PassivityControl
-  /// m: the force of `spm` is the gradient of one potential, that of the field smoothed by this
-  /// (RuntimeSmoothing), and its turns are not limited; 0 is off.
+  /// m: the force of `spm` is minus the gradient of one potential, of distances interpolated
+  /// between the corners of a lattice so far apart (PotentialLattice), and its turns are not
+  /// limited; 0 is off.
   double potential = 0;
   /// What the two dampings, and eq. 18's, take for the hand's velocity.
   VelocityBy velocity = VelocityBy::estimate;
@@ -34,25 +39,29 @@ struct CureSettings {
   [[nodiscard]] bool any() const noexcept { return acts_on_sum() || coupling > 0 || potential > 0; }
   /// Whether there is one that acts on the sum of the objects' forces.
   [[nodiscard]] bool acts_on_sum() const noexcept { return damping_share > 0 || passivity; }
+  /// Ticks after which a force acts in the mean; `tick` in s.
+  [[nodiscard]] double whole_delay(double tick) const noexcept { return delay_ticks + lag / tick; }
   [[nodiscard]] bool operator==(const CureSettings&) const noexcept = default;
 };
 
-/// The share of matched damping that is advised: raises the border of a flat wall and costs no
-/// static stiffness.
-inline constexpr double advised_damping_share = 0.8;
-/// The smoothing that the word `potential` stands for, m.
-inline constexpr double advised_potential = 1e-4;
+/// The share of matched damping that is advised, all that the sampling gives back: raises the
+/// border of a flat wall and costs no static stiffness.
+inline constexpr double advised_damping_share = 1;
+/// The lattice that the word `potential` stands for, m.
+inline constexpr double advised_potential = 4e-5;
 /// The coupling that the word `coupling` stands for, N/m: as stiff as a flat wall may be on the
 /// worst device (stable_stiffness.hpp).
 inline constexpr double advised_coupling = 2000;
 
 /// The combination that is advised where nothing else is known.
-inline constexpr CureSettings advised_cures{.damping_share = advised_damping_share};
+inline constexpr CureSettings advised_cures{.damping_share = advised_damping_share,
+                                            .passivity = true};
 
 /// The same for a device.
 [[nodiscard]] constexpr CureSettings default_cures(const DeviceProfile& device) noexcept {
   CureSettings cures = advised_cures;
   cures.device_mass = device.moving_mass;
+  cures.lag = device.actuator_lag();
   return cures;
 }
 
@@ -68,6 +77,10 @@ struct ContactEnergy {
   double stored = 0;     ///< J, in the springs of the contact
   double carried = 0;    ///< J, that objects which moved did on the hand since the last tick
 };
+
+/// Of the noise that readings show, as an encoder's steps, this is taken off the way that tells the
+/// velocity which is braked: a tool at rest between two steps is left alone.
+inline constexpr double doubted_steps = 0.5;
 
 /// The cures that act on a force whatever made it, tick by tick. A tick allocates nothing and does
 /// not throw.
@@ -93,10 +106,15 @@ class StabilityCures {
   void reset() noexcept;
 
  private:
+  [[nodiscard]] Vector3 damped(const Vector3& velocity, const Vector3& reaction,
+                               double stiffness) const noexcept;
+
   CureSettings settings_;
   double tick_, stiffness_;
   double most_damping_;  ///< N s/m
   CouplingPoint coupling_;
+  double encoder_step_;  ///< m
+  ReadingNoise noise_;
   VelocityEstimate velocity_;
   PassivityControl passivity_;
 };

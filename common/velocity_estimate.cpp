@@ -32,7 +32,7 @@ bool VelocityEstimate::meets_all(double slope, std::size_t ticks, int axis) cons
 
 /// Each position leaves a range of slopes whose line meets it, so that one look at each is enough;
 /// but for slopes at the very end of what all of them leave, which rounding must not decide.
-double VelocityEstimate::slope(int axis) const noexcept {
+double VelocityEstimate::slope(int axis, double but) const noexcept {
   const double now = ago(0, axis);
   const double rounding = 1e-12 * (std::abs(now) + step_);
   double least = -std::numeric_limits<double>::infinity();
@@ -50,7 +50,9 @@ double VelocityEstimate::slope(int axis) const noexcept {
     least = std::max(least, tried - reach);
     most = std::min(most, tried + reach);
   }
-  return longest > 0 ? (now - ago(longest, axis)) / static_cast<double>(longest) : 0;
+  if (longest == 0) return 0;
+  const double way = now - ago(longest, axis);
+  return (way - std::clamp(way, -but, but)) / static_cast<double>(longest);
 }
 
 void VelocityEstimate::take(const Vector3& position) noexcept {
@@ -60,8 +62,9 @@ void VelocityEstimate::take(const Vector3& position) noexcept {
   count_ = std::min(count_ + 1, longest_);
 }
 
-Vector3 VelocityEstimate::velocity() const noexcept {
-  return Vector3(slope(0), slope(1), slope(2)) / tick_;
+Vector3 VelocityEstimate::beyond(double steps) const noexcept {
+  const double but = steps * step_;
+  return Vector3(slope(0, but), slope(1, but), slope(2, but)) / tick_;
 }
 
 Vector3 VelocityEstimate::next(const Vector3& position) noexcept {

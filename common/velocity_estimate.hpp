@@ -34,7 +34,13 @@ class VelocityEstimate {
 
   /// The two halves of it, for ticks in which nobody asks for the velocity.
   void take(const Vector3& position) noexcept;
-  [[nodiscard]] Vector3 velocity() const noexcept;
+  [[nodiscard]] Vector3 velocity() const noexcept { return beyond(0); }
+  /// The same of the window's way but for so many steps (0 or more): for who would rather brake too
+  /// little than answer the encoder.
+  [[nodiscard]] Vector3 beyond(double steps) const noexcept;
+
+  /// From now on positions may be off by so much, m.
+  void allow(double step) noexcept { step_ = step; }
 
   /// Forgets all: after a jump that is no motion.
   void reset() noexcept { count_ = 0; }
@@ -50,7 +56,7 @@ class VelocityEstimate {
     return last_[(newest_ + most_ticks - ticks) % most_ticks][axis];
   }
   [[nodiscard]] bool meets_all(double slope, std::size_t ticks, int axis) const noexcept;
-  [[nodiscard]] double slope(int axis) const noexcept;
+  [[nodiscard]] double slope(int axis, double but) const noexcept;
 };
 
 }  // namespace spm

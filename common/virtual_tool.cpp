@@ -101,6 +101,7 @@ VirtualToolReport VirtualTool::tick(const Eigen::Isometry3d& device,
     report.contact = tried_contact;
   }
   report.pose = pose_;
+  report.energy = coupling.energy + report.contact.sum.energy;
   report.wrench = {-coupling.wrench.head<3>(), -coupling.wrench.tail<3>()};
   // The springs act at the tool's origin; the hand holds the device's.
   report.wrench.torque += (pose_.translation() - device.translation()).cross(report.wrench.force);

@@ -22,6 +22,7 @@ struct VirtualToolSettings {
 struct VirtualToolReport {
   Wrench wrench;  ///< on the hand, about the device's origin, world frame
   Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();  ///< of the virtual tool
+  double energy = 0;  ///< J, in the springs and in the contact at that pose
   std::uint32_t steps = 0;
   bool balanced = false;        ///< the last step was less than a thousandth of the largest
   ObjectContactReport contact;  ///< of the last pose that was looked at

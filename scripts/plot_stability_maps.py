@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
 """Draws the stability maps of `spm-bench stability --json`: a panel a method and device, over added
-damping and stiffness, the colour the longest delay that is still stable, the theory's border of each
-delay as a line. Writes PREFIX.svg and PREFIX.png; equal input gives equal bytes.
+damping and stiffness, the colour the longest delay that is still held well, and theory's border of each
+delay as a broken line. Writes PREFIX.svg and PREFIX.png; equal input gives equal bytes.
 
 Needs matplotlib, Debian package python3-matplotlib: run it with /usr/bin/python3.
 """
@@ -13,12 +13,14 @@ from chart_style import COLOURS, NAMES, report_and_prefix, save
 
 import matplotlib.pyplot as plt
 import numpy as np
+from matplotlib import patheffects as path_effects
 from matplotlib.colors import BoundaryNorm, ListedColormap
 from matplotlib.ticker import FixedLocator, NullLocator
 
 # From never stable to stable at the longest delay.
 SHADES = ["#f4f1ec", "#cfe0ee", "#93bfdd", "#4f93c4", "#1f5f8b", "#0d3a5c"]
-LINES = ["#7a1f12", "#b5302a", "#d9722e", "#e8b04a", "#c9a227"]
+LINES = ["#7a1f12", "#b5302a", "#d9622e", "#e89a2a", "#c9a227"]
+CASING = [path_effects.withStroke(linewidth=3.2, foreground="white", alpha=0.9)]
 STIFFNESS_TICKS = {250: "0.25", 500: "0.5", 1e3: "1", 2e3: "2", 4e3: "4", 8e3: "8", 16e3: "16",
                    32e3: "32"}
 
@@ -48,8 +50,15 @@ def draw_map(axes, one: dict, shades: ListedColormap) -> None:
     theory = np.array([[np.nan if value is None else value for value in row] for row in
                        np.array(one["theory_border_n_m"], dtype=object).reshape(len(delays), -1)],
                       dtype=float)
-    for line, colour in zip(theory, LINES):
-        axes.plot(one["damping_n_s_m"], line, color=colour, linewidth=1.5)
+    dampings = one["damping_n_s_m"]
+    for i, (line, colour, delay) in enumerate(zip(theory, LINES, delays)):
+        axes.plot(one["damping_n_s_m"], line, color=colour, linewidth=1.5, linestyle=(0, (5, 1.6)),
+                  path_effects=CASING)
+        at = dampings[-1] * (0.97 - 0.08 * i)
+        height = np.interp(at, dampings, line)
+        if np.isfinite(height):
+            axes.text(at, height, f"{delay:g}", color=colour, ha="center", va="center", fontsize=9,
+                      fontweight="bold", path_effects=CASING)
     axes.set_yscale("log")
     axes.set_ylim(one["stiffness_n_m"][0], one["stiffness_n_m"][-1])
     axes.set_xlim(one["damping_n_s_m"][0], one["damping_n_s_m"][-1])
@@ -61,15 +70,17 @@ def draw_map(axes, one: dict, shades: ListedColormap) -> None:
 
 
 def draw_key(figure, delays: list[float]) -> None:
-    patches = [plt.Rectangle((0, 0), 1, 1, color=SHADES[0])]
-    words = ["never stable"]
+    patches = [plt.Rectangle((0, 0), 1, 1, facecolor=SHADES[0], edgecolor="#bbbbbb")]
+    words = ["measured: never held well"]
     for i, delay in enumerate(delays):
-        patches.append(plt.Rectangle((0, 0), 1, 1, color=SHADES[i + 1]))
-        words.append(f"stable up to a delay of {delay:g}" if i else f"stable at a delay of {delay:g}")
+        patches.append(plt.Rectangle((0, 0), 1, 1, facecolor=SHADES[i + 1]))
+        words.append(f"measured: held well up to a delay of {delay:g} ticks" if delay
+                     else "measured: held well without delay only")
     for delay, colour in zip(delays, LINES):
-        patches.append(plt.Line2D([0], [0], color=colour, linewidth=2))
-        words.append(f"theory, delay of {delay:g}")
-    figure.legend(patches, words, loc="lower center", ncol=5, frameon=False, fontsize=9)
+        patches.append(plt.Line2D([0], [0], color=colour, linewidth=2, linestyle=(0, (5, 1.6))))
+        words.append(f"theory: border at a delay of {delay:g} ticks")
+    figure.legend(patches, words, loc="lower center", ncol=3 if len(words) > 6 else 2,
+                  frameon=False, fontsize=9.5, bbox_to_anchor=(0.5, 0.02 / figure.get_figheight()))
 
 
 def main() -> int:
@@ -78,11 +89,11 @@ def main() -> int:
     methods = list(dict.fromkeys(one["method"] for one in maps))
     devices = list(dict.fromkeys(one["device"] for one in maps))
     figure, panels = plt.subplots(
-        len(methods), len(devices), figsize=(max(2.7 * len(devices) + 0.9, 11), 2.1 * len(methods) + 1.6),
+        len(methods), len(devices), figsize=(max(2.7 * len(devices) + 1.1, 9.5), 2.1 * len(methods) + 2.3),
         squeeze=False, sharex=True, sharey=True)
     height = figure.get_figheight()
-    figure.subplots_adjust(left=0.085, right=0.99, top=1 - 0.75 / height, bottom=1.05 / height,
-                           wspace=0.08, hspace=0.12)
+    figure.subplots_adjust(left=1 / figure.get_figwidth(), right=0.99, top=1 - 1.05 / height,
+                           bottom=1.4 / height, wspace=0.08, hspace=0.12)
     delays = maps[0]["delay_ticks"]
     shades = ListedColormap(SHADES[:len(delays) + 1])
     drawn = {(one["method"], one["device"]): one for one in maps}
@@ -93,16 +104,18 @@ def main() -> int:
             else:
                 axes.set_axis_off()
         name = NAMES.get(method, method)
-        row[0].set_ylabel(f"{name}\nN/mm", color=COLOURS.get(method.split("+")[0], "#222222"),
+        row[0].set_ylabel(f"{name}\nstiffness, N/mm", color=COLOURS.get(method.split("+")[0], "#222222"),
                           fontweight="bold")
     for axes, device in zip(panels[0], devices):
         axes.set_title(device, fontweight="bold")
     for axes in panels[-1]:
         axes.set_xlabel("added damping, N s/m")
     draw_key(figure, delays)
-    figure.suptitle("Pressed flat wall: stable stiffness over damping and delay; lines: spectral "
-                    "radius of the sampled loop = 1", x=0.008, ha="left", fontsize=13,
-                    fontweight="bold")
+    figure.suptitle("How stiff a flat wall may be", x=0.008, y=1 - 0.08 / height, ha="left",
+                    va="top", fontsize=15, fontweight="bold")
+    figure.text(0.008, 1 - 0.42 / height, "Theory: spectral radius of the sampled loop = 1, which "
+                "knows neither the device's friction nor the damping of our default, and not the "
+                "steps of encoders.", fontsize=9.5, color="#555555", va="top")
     save(figure, prefix)
     return 0
 

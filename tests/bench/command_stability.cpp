@@ -3,6 +3,7 @@
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
+#include <chrono>
 #include <filesystem>
 #include <memory>
 
@@ -20,8 +21,10 @@ namespace {
 
 struct Settings {
   stability::StabilityPlan plan;
+  std::vector<std::string> parts;
   std::string traces;
   bool quick = false;
+  bool verbose = false;
   cli::GlobalOptions global;
 };
 
@@ -38,9 +41,30 @@ void check_names(const std::string& option, const std::vector<std::string>& aske
   }
 }
 
+/// Tells on stderr what is being measured, a line a phase and a quarter of it.
+class PhaseLines {
+ public:
+  void tell(const std::string& what, double done) {
+    const int quarter = static_cast<int>(4 * done);
+    if (what == what_ && quarter == quarter_) return;
+    what_ = what;
+    quarter_ = quarter;
+    const std::chrono::duration<double> passed = std::chrono::steady_clock::now() - began_;
+    std::string line = fmt::format("after {:.0f} s: {}", passed.count(), what);
+    if (quarter > 0) line += fmt::format(", {} %", 25 * quarter);
+    spdlog::info("{}", line);
+  }
+
+ private:
+  std::chrono::steady_clock::time_point began_ = std::chrono::steady_clock::now();
+  std::string what_;
+  int quarter_ = 0;
+};
+
 stability::StabilityPlan plan_of(const Settings& settings) {
   stability::StabilityPlan plan = settings.plan;
   if (settings.quick) stability::make_quick(plan);
+  stability::keep_parts(plan, settings.parts);
   return plan;
 }
 
@@ -57,8 +81,12 @@ int run(const Settings& settings) {
   const stability::StabilityPlan plan = plan_of(settings);
   const auto limit = thread_limit(plan.threads);
   const stability::StabilityReport report =
-      measured(settings.global, [&plan](const BenchProgress& progress) {
-        return stability::measure_stability(plan, progress);
+      measured(settings.global, [&](const BenchProgress& progress) {
+        PhaseLines lines;
+        return stability::measure_stability(plan, [&](const std::string& what, double done) {
+          progress(what, done);
+          if (settings.verbose) lines.tell(what, done);
+        });
       });
   for (const stability::StabilityFailure& failure : report.failures) {
     spdlog::warn("{}, {}: no row: {}", failure.name, failure.method, failure.reason);
@@ -89,6 +117,10 @@ Command add_stability_command(CLI::App& app) {
       "cure, default for the product's default");
   add_name_option(*command, "--device", settings->plan.devices,
                   "try this profile only; may be repeated (default: all five; low with --quick)");
+  add_name_option(*command, "--part", settings->parts,
+                  "beside cases and flat borders measure this part only, of " +
+                      fmt::format("{}", fmt::join(stability::part_names(), ", ")) +
+                      "; may be repeated (default: all; theory and maps with --quick)");
   command
       ->add_option("--traces", settings->traces,
                    "folder to write the run of each method's worst case to, a CSV a method")
@@ -99,11 +131,14 @@ Command add_stability_command(CLI::App& app) {
   command->add_flag(
       "--quick", settings->quick,
       "some shapes on low, coarser bakes, fewer seeds and maps: under 45 s on two cores");
+  command->add_flag("-v,--verbose", settings->verbose,
+                    "tell on stderr what is being measured, a line a phase");
   cli::add_global_options(*command, settings->global);
   command->callback([settings] {
     check_names("--case", settings->plan.cases, stability::case_names());
     check_names("--method", settings->plan.methods, stability::method_names());
     check_names("--device", settings->plan.devices, stability::device_names());
+    check_names("--part", settings->parts, stability::part_names());
   });
   return {command, [settings] { return run(*settings); }};
 }

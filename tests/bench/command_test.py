@@ -256,6 +256,22 @@ class Stability(unittest.TestCase):
         outputs = [self.stability("--json", "--threads", threads).stdout for threads in ("1", "2")]
         self.assertEqual(*outputs)
 
+    def test_a_named_part_is_measured_and_no_other(self):
+        result = self.stability("--json", "--part", "theory")
+        self.assertEqual(result.returncode, 0, result.stderr)
+        report = json.loads(result.stdout)
+        for part, is_there in (("cases", True), ("flat_borders", True), ("theory", True),
+                               ("borders", False), ("loops", False), ("maps", False),
+                               ("costs", False)):
+            self.assertEqual(bool(report[part]), is_there, part)
+
+    def test_phases_are_told_where_asked_for(self):
+        result = self.stability("--json", "--part", "theory", "--verbose")
+        self.assertEqual(result.returncode, 0, result.stderr)
+        json.loads(result.stdout)
+        for phase in ("preparing plate-500um-at-50-mm-s", "flat borders", "cases", "theory"):
+            self.assertRegex(result.stderr, r"(?m)^info: after \d+ s: " + phase)
+
     def test_the_table_names_cases_and_methods(self):
         result = self.stability()
         self.assertEqual(result.returncode, 0, result.stderr)
@@ -267,6 +283,7 @@ class Stability(unittest.TestCase):
                                  (("--method", "poxy"), "did you mean proxy?"),
                                  (("--device", "omega"), "did you mean omega3?"),
                                  (("--method", "magic-of-all-sorts"), "write one of"),
+                                 (("--part", "border"), "did you mean borders?"),
                                  (("--traces", "/nowhere/at/all"), "--traces")):
             with self.subTest(arguments):
                 result = self.stability(*arguments)

@@ -135,10 +135,11 @@ class Proxy final : public MeshProxy {
     const Vector3 line = first.normal.cross(second.normal);
     const double size = line.squaredNorm();
     const Vector3 rest = goal - proxy_;
-    // Two planes that are almost one hold it as the second does.
-    const Vector3 along =
-        size > 1e-6 ? Vector3(line * (rest.dot(line) / size))
-                    : Vector3(rest - second.normal * std::min(0.0, rest.dot(second.normal)));
+    // Where the second plane alone leads away from the first, as where they are almost one, the
+    // first holds it no more.
+    const Vector3 by_second = rest - second.normal * std::min(0.0, rest.dot(second.normal));
+    const bool leaves = !(size > 1e-6) || !(by_second.dot(first.normal) < 0);
+    const Vector3 along = leaves ? by_second : Vector3(line * (rest.dot(line) / size));
     advance(proxy_ + along, third);
     return first;
   }

@@ -23,9 +23,15 @@ struct Moved {
   double largest_damping = 0;  ///< N s/m
 };
 
-/// `gain`: how many times as strong the wall pushes a hand that leaves: above 1 it is active.
-Moved moved_by(double gain, bool controlled, int delay, double encoder_step, double frequency) {
-  PassivityControl control({static_cast<double>(delay), tick, encoder_step, 0.1});
+/// `gain`: how many times as strong the wall pushes a hand that leaves: above 1 it is active. The
+/// hand moves along one of the components.
+template <int components = 3>
+Moved moved_by(double gain, bool controlled, int delay, double encoder_step, double frequency,
+               int along = 2) {
+  using Control = PassivityControlOf<components>;
+  Control control({static_cast<double>(delay), tick, encoder_step, 0.1, encoder_step, 0.1});
+  const auto only = [along](double value) ->
+      typename Control::Vector { return value * Control::Vector::Unit(along); };
   VelocityEstimate velocity(encoder_step, tick);
   constexpr int ticks = 2000;
   std::vector<double> sent;
@@ -39,18 +45,17 @@ Moved moved_by(double gain, bool controlled, int delay, double encoder_step, dou
     }
     last = z;
     const double told = encoder_step > 0 ? encoder_step * std::round(z / encoder_step) : z;
-    const Vector3 hand(0, 0, told);
-    const Vector3 speed = velocity.next(hand);
+    const double speed = velocity.next({0, 0, told}).z();
     double force = 0;
     if (told < 0) {
       const double wanted = (told > before ? gain : 1) * -stiffness * told;
       force = wanted;
       if (controlled) {
         const double stored = 0.5 * stiffness * told * told;
-        force = control.next({0, 0, wanted}, hand, speed, stiffness, stored, 0).z();
-        if (std::abs(speed.z()) > 0) {
+        force = control.next(only(wanted), only(told), only(speed), stiffness, stored, 0)[along];
+        if (std::abs(speed) > 0) {
           moved.largest_damping =
-              std::max(moved.largest_damping, std::abs((force - wanted) / speed.z()));
+              std::max(moved.largest_damping, std::abs((force - wanted) / speed));
         }
       }
     } else {
@@ -114,6 +119,53 @@ TEST_CASE("What an object that moves into a still hand does is no fault of the l
                                       0.5 * stiffness * depth * depth, carried);
     if (i > 1) CHECK((sent - wanted).norm() < 0.01);
   }
+}
+
+TEST_CASE("Energy that is generated in the turn alone is taken by the turn's damping") {
+  const Moved bare = moved_by<6>(1.1, false, 1, 0, 5, 4);
+  const Moved controlled = moved_by<6>(1.1, true, 1, 0, 5, 4);
+  CHECK(bare.work > 1e-3);
+  CHECK(controlled.work < 0.2 * bare.work);
+  CHECK(controlled.largest_damping > 1);
+  const WrenchPassivityControl control({1, tick, 1e-4, 0.1, 1e-5, 0.02});
+  CHECK(control.most_damping(0) == Approx(1));
+  CHECK(control.most_damping(1) == Approx(5));
+}
+
+TEST_CASE("A hand that does not turn is controlled as one that cannot") {
+  for (const double step : {0.0, 2e-5}) {
+    const Moved three = moved_by<3>(1.1, true, 1, step, 5);
+    const Moved six = moved_by<6>(1.1, true, 1, step, 5);
+    CHECK(three.work == six.work);
+    CHECK(three.largest_damping == six.largest_damping);
+  }
+}
+
+TEST_CASE("Energy that passes from the place to the turn and back is no one's to take") {
+  WrenchPassivityControl whole({1, tick, 0, 0.1, 0, 0.1});
+  PassivityControl place({1, tick, 0, 0.1}), turn({1, tick, 0, 0.1});
+  // A contact two levers away: as the place rises the turn lets it sink, and the spring rests.
+  constexpr double depth = 1e-3, arms = 2, speed = 2 * std::numbers::pi * 5;
+  const Vector3 force(0, 0, stiffness * depth), torque(0, arms * stiffness * depth, 0);
+  double answered = 0, answered_apart = 0;
+  for (int i = 0; i < 1000; ++i) {
+    const double z = 2e-3 * std::sin(speed * tick * i);
+    const double rate = 2e-3 * speed * std::cos(speed * tick * i);
+    const Vector3 at(0, 0, z), turned(0, -z / arms, 0), going(0, 0, rate),
+        turning(0, -rate / arms, 0);
+    WrenchPassivityControl::Vector wanted, hand, velocity;
+    wanted << force, torque;
+    hand << at, turned;
+    velocity << going, turning;
+    constexpr double stored = 0.5 * stiffness * depth * depth;
+    answered = std::max(answered,
+                        (whole.next(wanted, hand, velocity, stiffness, stored, 0) - wanted).norm());
+    answered_apart = std::max(
+        {answered_apart, (place.next(force, at, going, stiffness, stored, 0) - force).norm(),
+         (turn.next(torque, turned, turning, stiffness, stored, 0) - torque).norm()});
+  }
+  CHECK(answered < 1e-6);
+  CHECK(answered_apart > 0.1);
 }
 
 TEST_CASE("Each contact begins anew, and what is no number leaves the force as it was wanted") {

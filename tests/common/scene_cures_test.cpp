@@ -90,22 +90,18 @@ TEST_CASE("The stiffness that is felt through a coupling is the hand's, whatever
   CHECK(found.force.z() == Approx(800 * 0.5e-3).epsilon(1e-3));
 }
 
-TEST_CASE("A coupling keeps a hand on its side of a plate that a penalty lets through") {
-  const test::TiledCubeByHand plate(0.001);
-  const auto pushed = [&](const CureSettings& cures, double depth) {
-    SceneForce force(scene_of_cube(Method::spm, cures), tick, 0);
-    ContactForce found;
-    for (double at = -1e-4; at < depth; at += 2e-5) {
-      found = force.next(Assets{&plate.view}, {2e-5, 3e-5, 5e-4 - at});
-    }
-    return found.force.z();
-  };
+TEST_CASE("A coupling that is stiff enough changes nothing for a force without memory") {
+  const test::TiledCubeByHand cube(size);
   CureSettings cures;
-  cures.coupling = 1250;
-  CHECK(pushed({}, 4e-4) > 0.3);
-  CHECK(pushed({}, 7e-4) < 0);
-  CHECK(pushed(cures, 4e-4) > 0.3);
-  CHECK(pushed(cures, 7e-4) == Approx(0.7).epsilon(0.05));
+  cures.coupling = 2000;
+  SceneForce bare(scene_of_cube(Method::spm), tick, 0);
+  SceneForce coupled(scene_of_cube(Method::spm, cures), tick, 0);
+  // Into an edge, where two sides take turns at holding the hand.
+  for (int at = 0; at < 400; ++at) {
+    const Vector3 hand(half - 1e-3 + 3e-4 * std::sin(0.9 * at), 0.003, half - 1e-3);
+    CHECK(coupled.next(Assets{&cube.view}, hand).force ==
+          bare.next(Assets{&cube.view}, hand).force);
+  }
 }
 
 TEST_CASE("Damping is matched to what is touched, at the hand") {
@@ -126,37 +122,54 @@ TEST_CASE("Damping is matched to what is touched, at the hand") {
     }
     return (found.force.z() - stiffness * depth) / 0.02;
   };
-  CHECK(damping(0.002, 1000) == Approx(matched_damping(0.8, 2000, 1, tick)).epsilon(1e-2));
+  CHECK(damping(0.002, 1000) ==
+        Approx(matched_damping(advised_damping_share, 2000, 1, tick)).epsilon(1e-2));
   force.reset();
-  CHECK(damping(0.102, 500) == Approx(matched_damping(0.8, 1000, 1, tick)).epsilon(1e-2));
+  CHECK(damping(0.102, 500) ==
+        Approx(matched_damping(advised_damping_share, 1000, 1, tick)).epsilon(1e-2));
 }
 
-TEST_CASE("Of one potential is the force of the smoothed field, whose turns are not limited") {
+TEST_CASE("Of one potential is the force of the lattice, whose turns are not limited") {
   const test::TiledCubeByHand cube(size);
   CureSettings cures;
   cures.potential = 2e-4;
-  ForceScene cured = scene_of_cube(Method::spm, cures), smoothed = scene_of_cube(Method::spm);
-  cured.objects[0].effects.turn.rate = 10;
-  smoothed.objects[0].effects.smoothing.sigma = 2e-4;
-  SceneForce found(cured, tick, 0), wanted(smoothed, tick, 0);
-  for (int at = 0; at < 900; ++at) {
-    CHECK(found.next(Assets{&cube.view}, sliding(at)).force ==
-          wanted.next(Assets{&cube.view}, sliding(at)).force);
+  for (const double sigma : {0.0, 1e-4}) {
+    ForceScene cured = scene_of_cube(Method::spm, cures);
+    cured.objects[0].effects.turn.rate = 10;
+    cured.objects[0].effects.smoothing.sigma = sigma;
+    // Of an object twice as large for a hand whose metres are half of the world's.
+    cured.objects[0].placement.scale = 4;
+    cured.workspace.scale = 2;
+    SceneForce found(cured, tick, 0);
+    PotentialLattice lattice(1e-4);
+    ForceSettings force = cured.objects[0].force;
+    force.stiffness *= 4;
+    const RuntimeSmoothing smoothing{sigma / 4};
+    int contacts = 0;
+    for (int at = 0; at < 900; ++at) {
+      const Vector3 local = sliding(at);
+      const auto wanted = lattice.force(cube.view, force, smoothing, local);
+      const ContactForce felt = found.next(Assets{&cube.view}, 2 * local);
+      if (!wanted) continue;
+      CHECK((felt.force - wanted->force).norm() < 1e-9);
+      contacts += felt.contact ? 1 : 0;
+    }
+    CHECK(contacts > 300);
   }
-  // A closed path through the edge gives nothing back: the sum of F dx by the trapezoid rule.
-  double work = 0;
-  Vector3 last = Vector3::Zero(), last_force = Vector3::Zero();
-  constexpr int steps = 4000;
-  for (int at = 0; at <= steps; ++at) {
-    const double angle = 2 * std::numbers::pi * at / steps;
-    const Vector3 hand(half - 8e-4 + 5e-4 * std::cos(angle), 0.003,
-                       half - 8e-4 + 5e-4 * std::sin(angle));
-    const Vector3 force = found.next(Assets{&cube.view}, hand).force;
-    if (at > 0) work += (force + last_force).dot(hand - last) / 2;
-    last = hand;
-    last_force = force;
+}
+
+TEST_CASE("Deeper than its band an object of one potential pushes as hard as any") {
+  const test::TiledCubeByHand cube(size);
+  CureSettings cures;
+  cures.potential = 1e-4;
+  SceneForce force(scene_of_cube(Method::spm, cures), tick, 0);
+  double last = 0;
+  for (int at = 0; at < 400; ++at) {
+    const ContactForce found = force.next(Assets{&cube.view}, {0.002, 0.003, half - 1e-5 * at});
+    CHECK(found.force.z() >= last - 1e-5);
+    last = found.force.z();
   }
-  CHECK(std::abs(work) < 1e-6);
+  CHECK(last == Approx(2));
 }
 
 TEST_CASE("Cures that a running scene is given are those of a scene that began with them") {

@@ -94,6 +94,28 @@ TEST_CASE("Each axis has a window of its own") {
   CHECK(told.z() == 0);
 }
 
+TEST_CASE("Beyond half a step a tool between two counts rests, and a quick one is hardly slower") {
+  VelocityEstimate estimate(step, tick);
+  for (int i = 0; i < 100; ++i) {
+    (void)estimate.next({(i / 3) % 2 == 0 ? 0 : step, 0, 0});
+    if (i > 2) CHECK(std::abs(estimate.beyond(1).x()) == 0);
+  }
+  estimate.reset();
+  for (int i = 0; i < 100; ++i) (void)estimate.next({counted(0.02 * tick * i), 0, 0});
+  CHECK(estimate.velocity().x() == Approx(0.02).epsilon(0.2));
+  CHECK(estimate.beyond(0.5).x() < estimate.velocity().x());
+  CHECK(estimate.beyond(0.5).x() == Approx(0.02).epsilon(0.2));
+  CHECK(estimate.beyond(0).x() == estimate.velocity().x());
+}
+
+TEST_CASE("A wider step that is allowed makes longer windows") {
+  VelocityEstimate estimate(step, tick);
+  for (int i = 0; i < 100; ++i) (void)estimate.next({i % 2 == 0 ? 0 : 2 * step, 0, 0});
+  CHECK(std::abs(estimate.velocity().x()) == Approx(2 * step / tick));
+  estimate.allow(2 * step);
+  CHECK(std::abs(estimate.velocity().x()) < 0.1 * step / tick);
+}
+
 TEST_CASE("A position that is no number starts anew") {
   VelocityEstimate estimate(step, tick);
   for (int i = 0; i < 10; ++i) (void)estimate.next({1e-3 * i, 0, 0});

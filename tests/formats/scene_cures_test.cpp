@@ -41,6 +41,7 @@ asset = "a"
   wanted.velocity = VelocityBy::difference;
   wanted.potential = scene->cures.potential;
   wanted.device_mass = find_device_profile("touch")->moving_mass;
+  wanted.lag = find_device_profile("touch")->actuator_lag();
   CHECK(scene->cures == wanted);
   CHECK(scene->cures.potential == Approx(2e-4));
   const auto advised = scene_of_text("[cures]\nadvised = true\n[[object]]\nasset = \"a\"\n");

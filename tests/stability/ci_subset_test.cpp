@@ -115,6 +115,7 @@ struct GoldenTrace {
   const char* method;
   const char* cures;
   EffectSettings effects;
+  bool is_felt = true;  ///< on this block; a stiff coupling and a potential's are to change nothing
 };
 
 std::vector<GoldenTrace> golden_traces() {
@@ -128,10 +129,10 @@ std::vector<GoldenTrace> golden_traces() {
           {"texture", "proxy", "", texture},
           {"smoothing", "spm", "", smoothing},
           {"cure-damping", "proxy", "damping", {}},
-          {"cure-coupling", "spm", "coupling", {}},
+          {"cure-coupling", "spm", "coupling", {}, false},
           {"cure-passivity", "spm", "passivity", {}},
           {"cure-velocity", "proxy", "damping+velocity", {}},
-          {"cure-potential", "spm", "potential", {}}};
+          {"cure-potential", "spm", "potential", {}, false}};
 }
 
 /// A block of 20 x 20 x 10 mm, whose upper face is pressed and slid over, past an edge.
@@ -195,16 +196,17 @@ TEST_CASE("The forces of each effect and each cure are those that were kept") {
   }
 }
 
-TEST_CASE("Each effect and each cure changes the force that was kept without it") {
+TEST_CASE("Each effect and each cure changes the force on a block, but those that are not to") {
   for (const GoldenTrace& trace : golden_traces()) {
     INFO(trace.name);
-    const GoldenTrace bare{trace.name, trace.method, "", {}};
+    const GoldenTrace bare{trace.name, trace.method, "", {}, false};
     const std::vector<Vector3> with = traced_forces(trace), without = traced_forces(bare);
     double off = 0;
     for (std::size_t i = 0; i < with.size(); ++i) {
       off = std::max(off, (with[i] - without[i]).norm());
     }
-    CHECK(off > 2 * force_tolerance);
+    CHECK((off > 2 * force_tolerance) == trace.is_felt);
+    if (!trace.is_felt) CHECK(off < force_tolerance / 10);
   }
 }
 

@@ -13,6 +13,7 @@ const std::vector<Contender>& all_contenders() {
         all.push_back({method, cure});
       }
     }
+    all.push_back({"proxy", "damping+passivity"});
     all.push_back({"default", {}});
     return all;
   }();

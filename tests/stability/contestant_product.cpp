@@ -66,6 +66,7 @@ CureSettings cures_of(const Contender& contender, const StabilityCase& tried,
     throw baker::BakeError(ExitCode::usage, "unknown cure in '" + contender.cures + "'");
   }
   cures.delay_ticks = tried.delay_ticks;
+  cures.lag = judged_loop(tried, settings).lag;
   cures.device_mass = settings.profile->mass;
   return cures;
 }

@@ -9,6 +9,7 @@
 #include "common/stability_cures.hpp"
 #include "common/virtual_tool.hpp"
 #include "tests/stability/contestants.hpp"
+#include "tests/stability/sixdof_cured.hpp"
 
 namespace spm::stability {
 
@@ -18,11 +19,20 @@ namespace {
 /// millimetre, are far stiffer than any coupling.
 constexpr double virtual_contact = 5e10;
 
+/// m: a virtual tool that is farther from the device than this is held off by something.
+constexpr double free_stretch = 1e-6;
+
 ObjectContactSettings contact_settings(const SixdofScene& scene, double stiffness) {
   ObjectContactSettings settings;
   settings.stiffness = stiffness;
   settings.objects = static_cast<std::uint32_t>(scene.places().size());
   return settings;
+}
+
+/// Of a symmetric stiffness, along a direction; 0 where there is none.
+double stiffness_along(const Eigen::Matrix3d& stiffness, const Vector3& direction) {
+  const double square = direction.squaredNorm();
+  return square > 0 ? direction.dot(stiffness * direction) / square : 0;
 }
 
 /// ObjectContact at the device's pose.
@@ -37,7 +47,14 @@ class DirectPenalty final : public SixdofContestant {
   }
   SixdofAnswer next(const Eigen::Isometry3d& measured) override {
     const ContactSum sum = contact_.tick(measured, objects_).sum;
-    return {sum.forces(), measured, sum.deepest, sum.contacts > 0};
+    const Wrench wrench = sum.forces();
+    return {wrench,
+            measured,
+            sum.deepest,
+            sum.contacts > 0,
+            stiffness_along(sum.stiffness.topLeftCorner<3, 3>(), wrench.force),
+            stiffness_along(sum.stiffness.bottomRightCorner<3, 3>(), wrench.torque),
+            sum.energy};
   }
 
  private:
@@ -50,6 +67,7 @@ class CoupledTool final : public SixdofContestant {
  public:
   CoupledTool(const SixdofScene& scene, const VirtualToolSettings& settings)
       : contact_(scene.tool(), contact_settings(scene, virtual_contact)),
+        settings_(settings),
         tool_(contact_, settings, scene.tool_radius()),
         objects_(scene.contact_objects()) {}
 
@@ -60,11 +78,15 @@ class CoupledTool final : public SixdofContestant {
   SixdofAnswer next(const Eigen::Isometry3d& measured) override {
     const VirtualToolReport report = tool_.tick(measured, objects_);
     const ContactSum& sum = report.contact.sum;
-    return {report.wrench, report.pose, sum.deepest, sum.contacts > 0};
+    // Just off a surface that it cannot go back into it is held up as well as in it.
+    const bool held = report.wrench.force.norm() > free_stretch * settings_.stiffness;
+    return {report.wrench,       report.pose,       sum.deepest,  sum.contacts > 0 || held,
+            settings_.stiffness, settings_.turning, report.energy};
   }
 
  private:
   ObjectContact contact_;
+  VirtualToolSettings settings_;
   VirtualTool tool_;
   std::vector<ContactObject> objects_;
 };
@@ -114,40 +136,6 @@ class EverySample final : public SixdofContestant {
   const SixdofScene& scene_;
   std::vector<std::unique_ptr<SampledField>> fields_;
   double stiffness_;
-};
-
-/// Another law's wrench, cured: its force by the hand's place, and its torque likewise, as a force
-/// at sixdof_lever by the hand's turn.
-class Cured final : public SixdofContestant {
- public:
-  Cured(std::unique_ptr<SixdofContestant> law, const CureSettings& settings, double period,
-        double encoder_step, double turn_step, double stiffness)
-      : law_(std::move(law)),
-        forces_(settings, period, encoder_step, stiffness),
-        torques_(settings, period, turn_step * sixdof_lever, stiffness) {}
-
-  void begin(const Eigen::Isometry3d& start) override {
-    law_->begin(start);
-    forces_.reset();
-    torques_.reset();
-    start_ = Eigen::Quaterniond(start.linear());
-  }
-  SixdofAnswer next(const Eigen::Isometry3d& measured) override {
-    SixdofAnswer answer = law_->next(measured);
-    const Vector3 turn = turn_between(start_, Eigen::Quaterniond(measured.linear()));
-    ContactForce force, torque;
-    force.contact = torque.contact = answer.contact;
-    force.force = answer.wrench.force;
-    torque.force = answer.wrench.torque / sixdof_lever;
-    answer.wrench.force = forces_.apply(force, measured.translation()).force;
-    answer.wrench.torque = sixdof_lever * torques_.apply(torque, sixdof_lever * turn).force;
-    return answer;
-  }
-
- private:
-  std::unique_ptr<SixdofContestant> law_;
-  StabilityCures forces_, torques_;
-  Eigen::Quaterniond start_ = Eigen::Quaterniond::Identity();
 };
 
 /// The cures that a contender names, those that have no form here left out of the default's.
@@ -222,10 +210,11 @@ std::unique_ptr<SixdofContestant> make_sixdof_contestant(const Contender& conten
   if (!cures.any()) return made;
   const SixdofPlant plant(sixdof_settings(tried, settings));
   cures.delay_ticks = tried.delay_ticks;
+  cures.lag = judged_loop(StabilityCase{}, settings).lag;
   cures.device_mass = settings.profile->mass;
-  return std::make_unique<Cured>(std::move(made), cures, settings.period,
-                                 settings.profile->encoder_step, plant.turn_step(),
-                                 settings.stiffness);
+  const SixdofLoop loop{settings.period, settings.profile->encoder_step, plant.turn_step(),
+                        plant.inertia().minCoeff()};
+  return std::make_unique<CuredWrench>(std::move(made), cures, loop);
 }
 
 }  // namespace spm::stability

@@ -23,6 +23,9 @@ struct SixdofAnswer {
   Eigen::Isometry3d drawn = Eigen::Isometry3d::Identity();  ///< where it shows the tool
   double depth = 0;                                         ///< m, that the law used
   bool contact = false;
+  double stiffness = 0;  ///< N/m, along the force; 0 where the law does not tell
+  double turning = 0;    ///< N m/rad, about the torque
+  double stored = 0;     ///< J, in all springs together
 };
 
 /// A way to make wrenches that the laboratory judges. One tick after another, the tool's reading

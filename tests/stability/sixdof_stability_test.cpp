@@ -141,6 +141,62 @@ TEST_CASE("A tool that was dropped on its edge stays on its side of the plate") 
   CHECK(damped.good);
 }
 
+TEST_CASE("What a law's springs store is the potential of its wrench") {
+  const SixdofCase tried = sixdof_case("tool-set-on-its-edge");
+  for (const char* method : {"spm", "proxy"}) {
+    INFO(method);
+    const auto law =
+        make_sixdof_contestant({method, {}}, sixdof_scene(tried), tried, default_coupling());
+    law->begin(tried.touch);
+    // Long enough for a virtual tool to come to its balance.
+    const auto at = [&](const Eigen::Isometry3d& pose) {
+      for (int tick = 0; tick < 50; ++tick) static_cast<void>(law->next(pose));
+      return law->next(pose);
+    };
+    Eigen::Isometry3d pressed = tried.touch;
+    pressed.pretranslate(tried.press * 1e-3);
+    const Wrench wrench = at(pressed).wrench;
+    const auto moved = [&](const Vector3& way, const Vector3& turn) {
+      Eigen::Isometry3d pose = pressed;
+      pose.pretranslate(way);
+      pose.linear() = orientation_of(turn).toRotationMatrix() * pose.linear();
+      return at(pose).stored;
+    };
+    constexpr double step = 2e-5;  // m, and as many levers of turn
+    const Vector3 way = step * tried.press, turn = step / sixdof_lever * wrench.torque.normalized();
+    const Vector3 none = Vector3::Zero();
+    const double work = wrench.force.dot(2 * way), turning_work = wrench.torque.dot(2 * turn);
+    CHECK(std::abs(work) > 5e-6);
+    CHECK(moved(-way, none) - moved(way, none) == Approx(work).epsilon(0.05));
+    CHECK(moved(none, -turn) - moved(none, turn) == Approx(turning_work).epsilon(0.05));
+  }
+}
+
+TEST_CASE("A tool that is held up just off a surface counts as in contact") {
+  const SixdofCase tried = sixdof_case("peg-in-hole");
+  RunSettings settings;
+  settings.stiffness = 1870;
+  for (settings.seed = 1; settings.seed <= 3; ++settings.seed) {
+    const Trace trace = run_of(tried, {"proxy", {}}, settings).trace;
+    const std::size_t rest = trace.ticks.size() - 500;
+    for (std::size_t i = rest; i < trace.ticks.size(); ++i) REQUIRE(trace.ticks[i].contact);
+  }
+}
+
+TEST_CASE(
+    "The passivity controller takes nothing from a peg that is pressed on two sides at rest") {
+  const SixdofCase tried = sixdof_case("peg-in-hole");
+  RunSettings settings;
+  settings.stiffness = 1232;
+  for (const char* method : {"proxy", "spm"}) {
+    for (settings.seed = 1; settings.seed <= 3; ++settings.seed) {
+      const Verdict verdict = run_of(tried, {method, "passivity"}, settings).verdict;
+      INFO(method << ", seed " << settings.seed << ": " << verdict.reason);
+      CHECK(verdict.good);
+    }
+  }
+}
+
 TEST_CASE("The same seed gives the same run, bit by bit; another gives another") {
   const SixdofCase tried = sixdof_case("tool-set-on-its-edge");
   RunSettings settings = default_coupling();

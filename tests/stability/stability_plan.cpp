@@ -55,4 +55,21 @@ void make_quick(StabilityPlan& plan) {
   plan.map.delays = {0, 1, 2};
 }
 
+const std::vector<std::string>& part_names() {
+  static const std::vector<std::string> names{"borders", "theory", "loops", "maps", "costs"};
+  return names;
+}
+
+void keep_parts(StabilityPlan& plan, const std::vector<std::string>& parts) {
+  if (parts.empty()) return;
+  const auto is_kept = [&parts](const char* part) {
+    return std::find(parts.begin(), parts.end(), part) != parts.end();
+  };
+  plan.borders = is_kept("borders");
+  plan.theory = is_kept("theory");
+  plan.loops = is_kept("loops");
+  plan.maps = is_kept("maps");
+  plan.costs = is_kept("costs");
+}
+
 }  // namespace spm::stability

@@ -18,8 +18,6 @@
 namespace spm::stability {
 namespace {
 
-/// How far borders are looked for, as shares of the profile's flat border.
-constexpr double least_share = 0.05, most_share = 4;
 /// Of the flat border, where cures are to be idle.
 constexpr double gentle_share = 0.5;
 /// N/m, between which the flat borders are looked for.
@@ -54,6 +52,7 @@ class Measurement {
     prepare();
     find_flats();
     try_cases();
+    weigh_energy();
     if (plan_.borders) find_borders();
     keep_worst();
     if (plan_.theory) check_theory();
@@ -84,12 +83,17 @@ class Measurement {
         fail(one.name(), "all", reason);
         continue;
       }
-      report_.catalogue.push_back({one.name(), one.title(), one.degrees()});
+      report_.catalogue.push_back({one.name(), one.title(), theme_of(one), one.degrees()});
       cases_.push_back(std::move(one));
     }
   }
 
+  static std::string theme_of(const TriedCase& tried) {
+    return tried.three() != nullptr ? tried.three()->theme : "six degrees of freedom";
+  }
+
   void find_flats() {
+    tell("flat borders", 0);
     const StabilityCase wall = wall_cases().front();
     report_.flats.resize(profiles_.size());
     tbb::parallel_for(std::size_t{0}, profiles_.size(), [&](std::size_t i) {
@@ -149,7 +153,40 @@ class Measurement {
     return row;
   }
 
-  /// On the worst profile for all, on the others for the default alone.
+  /// What the default generates at 1 N/mm, wherever there is a loop in three degrees of freedom.
+  void weigh_energy() {
+    const auto product =
+        std::find_if(contenders_.begin(), contenders_.end(),
+                     [](const Contender& contender) { return contender.method == "default"; });
+    if (product == contenders_.end()) return;
+    std::vector<Cell> cells;
+    for (const TriedCase& tried : cases_) {
+      const bool counts = tried.degrees() == 3 && tried.has_border() && !(tried.of_border() > 0);
+      if (!counts || !tried.why_not(*product).empty()) continue;
+      for (const servo::SimProfile* profile : profiles_) {
+        cells.push_back({&tried, &*product, profile, 0, 0});
+      }
+    }
+    report_.energies.resize(cells.size());
+    in_parallel("energy at 1 N/mm", cells.size(), [&](std::size_t i) {
+      const Cell& cell = cells[i];
+      EnergyRow& row = report_.energies[i];
+      row.name = cell.tried->name();
+      row.device = cell.profile->name;
+      RunSettings settings = settings_of(*cell.profile);
+      settings.stiffness = row.stiffness;
+      row.verdict = cell.tried->verdict(settings, *cell.contender, 1).worst;
+    });
+  }
+
+  /// On the worst profile for all; on the others, in three degrees of freedom, for the default and
+  /// for what it is without cures.
+  static bool has_border_on_all(const TriedCase& tried, const Contender& contender) {
+    const bool is_asked_of =
+        contender.method == "default" || (contender.method == "proxy" && contender.cures.empty());
+    return is_asked_of && tried.degrees() == 3;
+  }
+
   void find_borders() {
     std::vector<Cell> cells;
     for (const TriedCase& tried : cases_) {
@@ -157,18 +194,18 @@ class Measurement {
       for (const Contender& contender : contenders_) {
         if (!tried.why_not(contender).empty()) continue;
         for (std::size_t i = 0; i < profiles_.size(); ++i) {
-          if (i > 0 && (contender.method != "default" || tried.degrees() > 3)) break;
+          if (i > 0 && !has_border_on_all(tried, contender)) break;
           cells.push_back(
-              {&tried, &contender, profiles_[i], report_.flats[i].measured, most_share});
+              {&tried, &contender, profiles_[i], report_.flats[i].measured, most_border_share});
         }
       }
     }
     report_.borders.resize(cells.size());
     in_parallel("borders", cells.size(), [&](std::size_t i) {
       const Cell& cell = cells[i];
-      const double border =
-          cell.tried->border(settings_of(*cell.profile), *cell.contender, least_share * cell.flat,
-                             most_share * cell.flat, plan_.border_share, plan_.most_border_seeds);
+      const double border = cell.tried->border(
+          settings_of(*cell.profile), *cell.contender, least_border_share * cell.flat,
+          most_border_share * cell.flat, plan_.border_share, plan_.most_border_seeds);
       report_.borders[i] = {cell.tried->name(),
                             name_of(*cell.contender),
                             std::string(cell.profile->name),
@@ -248,8 +285,8 @@ class Measurement {
         if (!tried.why_not(contender).empty()) continue;
         tell("closed loops on " + one->mesh, 0);
         const LoopEnergy energy = loop_energy(*one, contender, loops);
-        report_.loops.push_back({one->mesh, name_of(contender), energy.largest_j, energy.median_j,
-                                 static_cast<int>(energy.loops)});
+        report_.loops.push_back({one->mesh, name_of(contender), one->tolerance, energy.largest_j,
+                                 energy.median_j, static_cast<int>(energy.loops)});
       }
     }
   }
@@ -272,12 +309,13 @@ class Measurement {
     try {
       CostPlan costs;
       costs.seed = plan_.seed;
-      report_.costs = measure_costs(contenders_, costs);
+      report_.costs = measure_costs(contenders_, slid_teeth(), costs);
     } catch (const baker::BakeError& error) {
       fail("slide for errors and times", "all", error.what());
     }
     for (const Contender& contender : contenders_) {
       if (contender.method != "default" && contender.cures.empty()) continue;
+      if (!why_not(contender, wall_cases().front()).empty()) continue;
       for (std::size_t i = 0; i < profiles_.size(); ++i) {
         report_.idle.push_back(
             measure_idle(contender, *profiles_[i], gentle_share * report_.flats[i].measured));

@@ -23,9 +23,9 @@ struct StabilityPlan {
   double border_share = 0.05;               ///< how exactly borders are found
   double least_tolerance = 0;               ///< m: no bake is finer
   bool borders = true;
-  bool maps = true;
   bool theory = true;
   bool loops = true;
+  bool maps = true;
   bool costs = true;
   int most_seeds = 30;           ///< of a verdict; 1 or more
   int most_border_seeds = 5;     ///< of a try of a border
@@ -40,6 +40,10 @@ struct StabilityPlan {
 [[nodiscard]] std::vector<std::string> quick_cases();
 /// Cuts a plan to what ends in under 45 s on two cores; devices and cases that were named stay.
 void make_quick(StabilityPlan& plan);
+/// Parts of a report that can be left out: borders, theory, loops, maps, costs.
+[[nodiscard]] const std::vector<std::string>& part_names();
+/// Keeps the parts that are named, of `part_names`, and whatever has none: all where none is named.
+void keep_parts(StabilityPlan& plan, const std::vector<std::string>& parts);
 
 /// The largest good stiffness of a pressed flat wall by the exact penalty on a profile.
 struct FlatBorder {
@@ -50,7 +54,7 @@ struct FlatBorder {
 
 /// What a case is about.
 struct CaseTitle {
-  std::string name, title;
+  std::string name, title, theme;
   int degrees = 3;  ///< of freedom
 };
 
@@ -68,6 +72,9 @@ struct CaseRow {
   Verdict verdict;
 };
 
+/// How far borders are looked for, as shares of the profile's flat border.
+inline constexpr double least_border_share = 0.05, most_border_share = 4;
+
 /// The largest good stiffness of a case.
 struct BorderRow {
   std::string name, method, device;
@@ -76,10 +83,18 @@ struct BorderRow {
   double flat = 0;    ///< N/m, the profile's
 };
 
+/// Energy that the default makes in a case at a stiffness that is the same for all, one seed.
+struct EnergyRow {
+  std::string name, device;
+  double stiffness = 1000;  ///< N/m
+  Verdict verdict;
+};
+
 /// What a static field gains on a closed loop of 10 mm, without dynamics.
 struct LoopRow {
   std::string object, method;
-  double gained_j = 0;  ///< J, the most of all loops
+  double tolerance = 0;  ///< m, that the object was baked to
+  double gained_j = 0;   ///< J, the most of all loops
   double median_j = 0;
   int loops = 0;
 };
@@ -102,6 +117,7 @@ struct StabilityReport {
   std::vector<FlatBorder> flats;
   std::vector<CaseRow> cases;
   std::vector<BorderRow> borders;
+  std::vector<EnergyRow> energies;
   std::vector<TheoryRow> theory;
   std::vector<LoopRow> loops;
   std::vector<StabilityMap> maps;

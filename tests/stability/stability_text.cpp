@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <iterator>
 
+#include "common/units.hpp"
 #include "tests/bench/machine.hpp"
 #include "tests/stability/stability_targets.hpp"
 
@@ -50,6 +51,15 @@ Json case_json(const CaseRow& row) {
 Json border_json(const BorderRow& row) {
   return {{"case", row.name},       {"method", row.method},     {"device", row.device},
           {"degrees", row.degrees}, {"border_n_m", row.border}, {"flat_border_n_m", row.flat}};
+}
+
+Json energy_json(const EnergyRow& row) {
+  return {{"case", row.name},
+          {"device", row.device},
+          {"stiffness_n_m", row.stiffness},
+          {"stable", row.verdict.good},
+          {"energy_generated_j", row.verdict.findings.generated_j},
+          {"energy_bound_j", row.verdict.findings.generated_bound_j}};
 }
 
 Json theory_json(const TheoryRow& row) {
@@ -169,20 +179,22 @@ void append_loops(const StabilityReport& report, std::string& text) {
   const auto out = std::back_inserter(text);
   fmt::format_to(out, "\nmost energy that a static loop of 10 mm gains, uJ\n");
   for (const LoopRow& row : report.loops) {
-    fmt::format_to(out, "  {:<20} {:<16} {:>10.3f} (median {:.3f}) of {} loops\n", row.object,
-                   row.method, 1e6 * row.gained_j, 1e6 * row.median_j, row.loops);
+    fmt::format_to(out, "  {:<20} at {:<8} {:<24} {:>10.3f} (median {:.3f}) of {} loops\n",
+                   row.object, format_quantity(row.tolerance, Quantity::length), row.method,
+                   1e6 * row.gained_j, 1e6 * row.median_j, row.loops);
   }
 }
 
 void append_costs(const StabilityReport& report, std::string& text) {
   const auto out = std::back_inserter(text);
   if (!report.costs.empty()) {
-    fmt::format_to(out, "\n  {:<18} {:>16} {:>10} {:>10}\n", "method", "force error, %", "mean us",
-                   "p99 us");
+    fmt::format_to(out, "\n  {:<24} {:>16} {:>12} {:>10} {:>10} {:>10}\n", "method",
+                   "force error, %", "median, %", "lost, %", "mean us", "p99 us");
   }
   for (const CostRow& row : report.costs) {
-    fmt::format_to(out, "  {:<18} {:>16.2f} {:>10.2f} {:>10.2f}\n", row.method,
-                   100 * row.relative_error, row.mean_us, row.p99_us);
+    fmt::format_to(out, "  {:<24} {:>16.2f} {:>12.2f} {:>10.2f} {:>10.2f} {:>10.2f}\n", row.method,
+                   100 * row.relative_error, 100 * row.median_error, 100 * row.lost_share,
+                   row.mean_us, row.p99_us);
   }
 }
 
@@ -207,25 +219,27 @@ Json to_json(const StabilityReport& report, const StabilityPlan& plan) {
   json["fractions"] = plan.fractions;
   json["border_share"] = plan.border_share;
   json["catalogue"] = list(report.catalogue, [](const CaseTitle& row) {
-    return Json{{"case", row.name}, {"title", row.title}, {"degrees", row.degrees}};
+    return Json{
+        {"case", row.name}, {"theme", row.theme}, {"title", row.title}, {"degrees", row.degrees}};
   });
   json["flat_borders"] = list(report.flats, [](const FlatBorder& row) {
     return Json{{"device", row.device}, {"border_n_m", row.measured}, {"linear_n_m", row.linear}};
   });
   json["cases"] = list(report.cases, case_json);
   json["borders"] = list(report.borders, border_json);
+  json["energies"] = list(report.energies, energy_json);
   json["theory"] = list(report.theory, theory_json);
   json["loops"] = list(report.loops, [](const LoopRow& row) {
-    return Json{{"object", row.object},
-                {"method", row.method},
-                {"gained_j", row.gained_j},
-                {"median_j", row.median_j},
-                {"loops", row.loops}};
+    return Json{{"object", row.object},         {"method", row.method},
+                {"tolerance_m", row.tolerance}, {"gained_j", row.gained_j},
+                {"median_j", row.median_j},     {"loops", row.loops}};
   });
   json["maps"] = list(report.maps, map_json);
   json["costs"] = list(report.costs, [](const CostRow& row) {
     return Json{{"method", row.method},
                 {"relative_error", row.relative_error},
+                {"median_error", row.median_error},
+                {"lost_share", row.lost_share},
                 {"mean_us", row.mean_us},
                 {"p99_us", row.p99_us}};
   });

@@ -8,8 +8,8 @@
 
 namespace spm::stability {
 
-/// `machine`, `cases`, `borders`, `flat_borders`, `theory`, `loops`, `maps`, `costs`, `targets`,
-/// `worst`, `failures`; SI units.
+/// `machine`, `catalogue`, `flat_borders`, `cases`, `borders`, `energies`, `theory`, `loops`,
+/// `maps`, `costs`, `idle`, `targets`, `worst`, `failures`; SI units.
 [[nodiscard]] nlohmann::ordered_json to_json(const StabilityReport& report,
                                              const StabilityPlan& plan);
 

@@ -9,8 +9,7 @@
 namespace spm::servo {
 
 /// A device with one moving mass, seen from its tool. Damping and friction are assumed: no data
-/// sheet gives them. Mass, encoder step and force cap are those of device_profile.hpp, the
-/// actuator's bandwidth is a guess by its kind.
+/// sheet gives them. All else is that of device_profile.hpp.
 struct SimProfile {
   std::string_view name;
   double mass;          ///< kg
@@ -23,19 +22,19 @@ struct SimProfile {
 
 /// A profile of device_profile.hpp with what a simulation needs beside it.
 [[nodiscard]] constexpr SimProfile sim_profile(const DeviceProfile& device, double damping,
-                                               double friction, double bandwidth) noexcept {
-  return {device.name,         device.moving_mass, damping,  friction,
-          device.encoder_step, device.force_cap,   bandwidth};
+                                               double friction) noexcept {
+  return {device.name,         device.moving_mass, damping,         friction,
+          device.encoder_step, device.force_cap,   device.bandwidth};
 }
 
 /// In the order of `device_profiles`. `low` is the worst case for stability: light, and hardly
 /// damped.
 inline constexpr std::array<SimProfile, device_profiles.size()> sim_profiles{{
-    sim_profile(device_profiles[0], 0.3, 0.02, 500),
-    sim_profile(device_profiles[1], 1.5, 0.35, 200),
-    sim_profile(device_profiles[2], 0.1, 0.20, 200),
-    sim_profile(device_profiles[3], 0.6, 0.20, 500),
-    sim_profile(device_profiles[4], 0.8, 0.50, 200),
+    sim_profile(device_profiles[0], 0.3, 0.02),
+    sim_profile(device_profiles[1], 1.5, 0.35),
+    sim_profile(device_profiles[2], 0.1, 0.20),
+    sim_profile(device_profiles[3], 0.6, 0.20),
+    sim_profile(device_profiles[4], 0.8, 0.50),
 }};
 static_assert(sim_profiles[1].name == "falcon" && sim_profiles[2].name == "touch" &&
               sim_profiles[3].name == "omega3" && sim_profiles[4].name == "wooden");
