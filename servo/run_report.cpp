@@ -121,14 +121,15 @@ void add_forces(ordered_json& report, const ForceChoice& choice) {
       if (object.force.method == Method::paper) entry["paper_rule"] = to_string(object.force.rule);
       report["objects"].push_back(std::move(entry));
     }
-    const CureSettings& cures = choice.scene.cures;
-    if (cures.any()) {
-      report["cures"] = {{"damping_share", cures.damping_share},
-                         {"delay_ticks", cures.delay_ticks},
-                         {"coupling_n_m", cures.coupling},
-                         {"passivity", cures.passivity},
-                         {"potential_m", cures.potential}};
-    }
+  }
+  const CureSettings& cures = choice.scene.cures;
+  if (cures.any()) {
+    report["cures"] = {{"damping_share", cures.damping_share},
+                       {"delay_ticks", cures.delay_ticks},
+                       {"lag_s", cures.lag},
+                       {"coupling_n_m", cures.coupling},
+                       {"passivity", cures.passivity},
+                       {"potential_m", cures.potential}};
   }
   report["probe_radius_m"] = choice.probe_radius;
 }

@@ -48,6 +48,22 @@ void add_force_options(CLI::App& command, ForceOptions& options) {
       "Stiffness of the contact (default 1N/mm); auto: what the scene's device renders stably",
       "STIFFNESS|auto");
   cli::add_probe(command, options.probe_radius);
+  cli::add_parsed(
+      command, "--cures",
+      [&options](const std::string& text) -> Result<void> {
+        CureSettings cures;
+        if (text != "none" && !parse_cures(text == "advised" ? "default" : text, cures)) {
+          return fail(ExitCode::usage,
+                      "'" + text +
+                          "' will not do: write none, advised, or some of damping, "
+                          "coupling, passivity and potential, joined by +");
+        }
+        options.cures = cures;
+        return {};
+      },
+      "What keeps stiff contacts from shaking (default: what the scene says, or none); advised: "
+      "damping+passivity",
+      "none|advised|WORDS");
 }
 
 CLI::Option* add_number(CLI::App& command, const std::string& name, double least, double most,

@@ -81,6 +81,16 @@ Result<ForceOptions> with_stiffness(const ForceOptions& options, const Scene& sc
   return settled;
 }
 
+/// The scene's cures, or those of the command line for its device.
+CureSettings cures_of(const ForceOptions& options, const Scene& scene) {
+  if (!options.cures) return scene.cures;
+  CureSettings cures = *options.cures;
+  cures.delay_ticks = scene.cures.delay_ticks;
+  cures.lag = scene.cures.lag;
+  cures.device_mass = scene.cures.device_mass;
+  return cures;
+}
+
 /// What a command line and a scene's object, or the defaults, say together.
 ForceSettings settings_of(const ForceOptions& options, const SceneObject& object,
                           double probe_radius) {
@@ -105,6 +115,7 @@ Result<ForceChoice> choose_asset(const ForceOptions& options) {
   choice.scene = scene_of(settings_of(options, {}, choice.probe_radius), effects);
   choice.assets = {options.asset};
   choice.places = {{}};
+  if (options.cures) choice.scene.cures = *options.cures;
   if (auto checked = check_settings(choice.scene.objects.front().force); !checked) {
     return tl::make_unexpected(std::move(checked.error()));
   }
@@ -120,7 +131,7 @@ Result<ForceChoice> choose_scene(const ForceOptions& options) {
   choice.scene_path = scene->path;
   choice.device = scene->device;
   choice.scene.workspace = scene->workspace;
-  choice.scene.cures = scene->cures;
+  choice.scene.cures = cures_of(options, *scene);
   choice.probe_radius = options.probe_radius.value_or(scene->probe_radius.value_or(0));
   for (const SceneObject& object : scene->objects) {
     const std::string place = scene->path + ": line " + std::to_string(object.line) + ": ";

@@ -26,6 +26,8 @@ struct ForceOptions {
   std::optional<double> stiffness;     ///< N/m
   bool stiffness_chosen = false;       ///< by the device that the scene names
   std::optional<double> probe_radius;  ///< m
+  /// Which, instead of the scene's; delay and device stay the scene's.
+  std::optional<CureSettings> cures;
 };
 
 /// What forces come from.
