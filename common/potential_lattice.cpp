@@ -2,6 +2,7 @@
 #include "common/potential_lattice.hpp"
 
 #include <cmath>
+#include <utility>
 
 namespace spm {
 
@@ -27,25 +28,13 @@ struct Interpolated {
   Vector3 slope = Vector3::Zero();
 };
 
-/// Trilinear, at shares of a cube of this edge (m), by its corners, x fastest.
-Interpolated interpolated(const std::array<double, 8>& corners, const Vector3& share,
-                          double edge) noexcept {
-  const auto between = [](double low, double high, double at) { return low + at * (high - low); };
-  const auto along_x = [&](std::size_t row) {
-    return between(corners[2 * row], corners[2 * row + 1], share.x());
-  };
-  const auto step_x = [&](std::size_t row) { return corners[2 * row + 1] - corners[2 * row]; };
-  const std::array rows{along_x(0), along_x(1), along_x(2), along_x(3)};
-  const double low = between(rows[0], rows[1], share.y());
-  const double high = between(rows[2], rows[3], share.y());
-  Interpolated result;
-  result.distance = between(low, high, share.z());
-  result.slope.x() = between(between(step_x(0), step_x(1), share.y()),
-                             between(step_x(2), step_x(3), share.y()), share.z());
-  result.slope.y() = between(rows[1] - rows[0], rows[3] - rows[2], share.z());
-  result.slope.z() = high - low;
-  result.slope /= edge;
-  return result;
+/// The axes by their share of a cube, the largest first.
+std::array<int, 3> by_share(const Vector3& share) noexcept {
+  std::array<int, 3> axes{0, 1, 2};
+  if (share[axes[0]] < share[axes[1]]) std::swap(axes[0], axes[1]);
+  if (share[axes[1]] < share[axes[2]]) std::swap(axes[1], axes[2]);
+  if (share[axes[0]] < share[axes[1]]) std::swap(axes[0], axes[1]);
+  return axes;
 }
 
 }  // namespace
@@ -73,15 +62,21 @@ std::optional<ContactForce> PotentialLattice::force(const AssetView& asset,
   // Written so that what is no number is nowhere.
   if (!(at.cwiseAbs().maxCoeff() < lattice_end) || !at.allFinite()) return std::nullopt;
   const Vector3 low = at.array().floor();
-  std::array<double, 8> corners{};
-  for (std::size_t i = 0; i < corners.size(); ++i) {
-    const Place place{static_cast<std::int32_t>(low.x()) + static_cast<std::int32_t>(i & 1U),
-                      static_cast<std::int32_t>(low.y()) + static_cast<std::int32_t>(i >> 1U & 1U),
-                      static_cast<std::int32_t>(low.z()) + static_cast<std::int32_t>(i >> 2U)};
-    corners[i] = distance_at(asset, smoothing, place);
-    if (std::isnan(corners[i])) return std::nullopt;
+  const Vector3 share = at - low;
+  Place place{static_cast<std::int32_t>(low.x()), static_cast<std::int32_t>(low.y()),
+              static_cast<std::int32_t>(low.z())};
+  Interpolated found;
+  double last = found.distance = distance_at(asset, smoothing, place);
+  // Along the cube's edges to its far corner, the largest share first: the tetrahedron about it.
+  for (const int axis : by_share(share)) {
+    ++place[static_cast<std::size_t>(axis)];
+    const double next = distance_at(asset, smoothing, place);
+    found.distance += share[axis] * (next - last);
+    found.slope[axis] = (next - last) / spacing_;
+    last = next;
   }
-  const auto [distance, slope] = interpolated(corners, at - low, spacing_);
+  if (!std::isfinite(found.distance) || !found.slope.allFinite()) return std::nullopt;
+  const auto [distance, slope] = found;
   const double steepness = slope.norm();
   ContactForce result;
   if (!(distance < settings.probe_radius) || !(steepness > 0)) return result;

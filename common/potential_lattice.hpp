@@ -13,11 +13,12 @@ namespace spm {
 /// The penalty force as minus the gradient of one potential, U = k max(0, r - d)^2 / 2, r being the
 /// probe's radius and d the field's signed distance, interpolated between the corners of a cubic
 /// lattice in the asset's frame. Where patches of a baked field meet, its distance jumps and its
-/// normals do not tell: along a closed path their force may give energy. A trilinear interpolant
-/// goes through such a place without a jump, and its own gradient is the force's direction, as on a
-/// stored distance field. On a plane it is the field itself. Corners are asked when they are first
-/// needed and remembered, which is all that it remembers: the force depends on the place alone.
-/// Nothing in it allocates or throws.
+/// normals do not tell: along a closed path their force may give energy. An interpolant goes
+/// through such a place without a jump, and its own gradient is the force's direction, as on a
+/// stored distance field. It is linear in each of the six tetrahedra about a cube's diagonal, so
+/// that four corners are asked and not eight. On a plane it is the field itself. Corners are asked
+/// when they are first needed and remembered, which is all that it remembers: the force depends on
+/// the place alone. Nothing in it allocates or throws.
 class PotentialLattice {
  public:
   /// `spacing`: m, of the asset's frame; 0: off.
