@@ -48,9 +48,10 @@ class AlongSlide final : public bench::TickMethod {
  private:
   void lead_in(const Vector3& from, const Vector3& to) {
     contestant_->begin(from);
-    const double ticks = std::ceil((to - from).norm() / tick_way);
-    for (double done = 0; done < ticks; ++done) {
-      static_cast<void>(contestant_->next(from + done / ticks * (to - from), Vector3::Zero()));
+    const auto ticks = static_cast<int>(std::ceil((to - from).norm() / tick_way));
+    for (int done = 0; done < ticks; ++done) {
+      const double share = static_cast<double>(done) / ticks;
+      static_cast<void>(contestant_->next(from + share * (to - from), Vector3::Zero()));
     }
     for (int i = 0; i < rest_ticks; ++i) {
       static_cast<void>(contestant_->next(to, Vector3::Zero()));
@@ -75,7 +76,7 @@ bool passes_an_edge(const bench::SlidePath& path, std::size_t i) {
 Vector3 free_place(const bench::Model& model, const Vector3& foot, const Vector3& outward,
                    double height) {
   for (;; height /= 2) {
-    const Vector3 place = foot + height * outward;
+    Vector3 place = foot + height * outward;
     const double clearance = (place - model.truth.closest(place).position).norm();
     if ((!model.truth.inside(place) && clearance > 0.9 * height) || height < 1e-6) return place;
   }

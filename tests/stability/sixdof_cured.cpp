@@ -66,7 +66,7 @@ void CuredWrench::begin(const Eigen::Isometry3d& start) {
 /// The turn is added up by small ones: only along those does the torque work by their product.
 Vector3 CuredWrench::moved_to(const Eigen::Isometry3d& measured) noexcept {
   const Eigen::Quaterniond orientation(measured.linear());
-  const Vector3 turned = hand_.tail<3>() + sixdof_lever * turn_between(orientation_, orientation);
+  Vector3 turned = hand_.tail<3>() + sixdof_lever * turn_between(orientation_, orientation);
   orientation_ = orientation;
   hand_ << measured.translation(), turned;
   return turned;
