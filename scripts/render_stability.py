@@ -121,7 +121,7 @@ def border_lines(report: dict) -> list[str]:
     methods = methods_of(report["borders"])
     lines = ["## Largest good stiffness", "",
              f"As a share of the profile's flat border, within {100 * report['border_share']:g} %; 0: it "
-             "fails at the least that is tried.", "", f"On {first}:", ""]
+             "fails at all that was tried.", "", f"On {first}:", ""]
     lines += table(["case", *methods], [
         [case, *(share_text(cells.get((case, method, first))) for method in methods)]
         for case in cases])

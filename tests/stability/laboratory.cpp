@@ -18,6 +18,8 @@ namespace spm::stability {
 namespace {
 
 constexpr std::uint64_t offset_seed = 0x6F6666736574;
+/// In which a border's search looks for a first stiffness that is good.
+constexpr double first_steps = std::numbers::sqrt2;
 
 /// Where between encoder steps the hand's path lies, m: no run begins on a step by chance.
 Vector3 path_offset(double encoder_step, std::uint64_t seed) {
@@ -211,7 +213,11 @@ CaseVerdict gathered(const std::vector<Verdict>& verdicts, std::uint64_t first_s
 }
 
 double stiffest(const std::function<bool(double)>& is_good, double low, double high, double share) {
-  if (!is_good(low)) return 0;
+  // Below what a law needs to hold the tool at all it sinks through.
+  while (!is_good(low)) {
+    low *= first_steps;
+    if (low > high) return 0;
+  }
   if (is_good(high)) return high;
   while (high > low * (1 + share)) {
     const double middle = std::sqrt(low * high);

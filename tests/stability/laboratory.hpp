@@ -74,7 +74,8 @@ struct CaseVerdict {
 [[nodiscard]] CaseVerdict gathered(const std::vector<Verdict>& verdicts, std::uint64_t first_seed);
 
 /// The largest stiffness (N/m) that is good, by bisection of its logarithm between `low` and `high`
-/// until they are within a share. 0 where `low` is not good, `high` where it is.
+/// until they are within a share, from the first that is good on a ladder of sqrt(2) from `low` up.
+/// 0 where none is, `high` where that is good.
 [[nodiscard]] double stiffest(const std::function<bool(double)>& is_good, double low, double high,
                               double share);
 
@@ -89,9 +90,7 @@ struct CaseVerdict {
                             const Contender& contender,
                             int most_seeds = std::numeric_limits<int>::max());
 
-/// The largest stiffness (N/m) at which a case is good, by bisection (of its logarithm) between
-/// `low` and `high` until they are within a share; all seeds must agree. 0 where it is not good at
-/// `low`, `high` where it is good there.
+/// The largest stiffness (N/m) at which a case is good, by `stiffest`; all seeds must agree.
 [[nodiscard]] double case_border(const StabilityCase& tried, const RunSettings& settings,
                                  const Contender& contender, double low, double high, double share,
                                  int most_seeds = std::numeric_limits<int>::max());

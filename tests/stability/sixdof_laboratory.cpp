@@ -18,8 +18,6 @@ namespace {
 constexpr double gravity = 9.81;  // m/s2
 /// The drawn tool is held against the exact object every so many ticks.
 constexpr std::size_t looked_at = 10;
-/// Ladder on which a border's search looks for a first stiffness that is good.
-constexpr double softer_by = 1.41421356;
 
 /// Where between encoder steps a run lies, so that none begins on one by chance; in steps.
 Vector3 offset_of(servo::Random& random) {
@@ -224,11 +222,6 @@ double sixdof_border(const SixdofCase& tried, const SixdofScene& scene, const Ru
     }
     return true;
   };
-  // Below what a law needs to hold the tool at all it sinks through.
-  while (!is_good(low)) {
-    low *= softer_by;
-    if (low > high) return 0;
-  }
   return stiffest(is_good, low, high, share);
 }
 
