@@ -15,10 +15,13 @@ namespace spm {
 /// lattice in the asset's frame. Where patches of a baked field meet, its distance jumps and its
 /// normals do not tell: along a closed path their force may give energy. An interpolant goes
 /// through such a place without a jump, and its own gradient is the force's direction, as on a
-/// stored distance field. It is linear in each of the six tetrahedra about a cube's diagonal, so
-/// that four corners are asked and not eight. On a plane it is the field itself. Corners are asked
-/// when they are first needed and remembered, which is all that it remembers: the force depends on
-/// the place alone. Nothing in it allocates or throws.
+/// stored distance field. It is quadratic in each of the six tetrahedra about a cube's diagonal:
+/// along an edge the parabola through both corners' distances whose slopes differ as their normals
+/// do, which is the same from every tetrahedron about it. So four corners are asked and not ten,
+/// and between two tetrahedra the direction turns by hardly more than the field does (linear in
+/// each, it would jump by the lattice's spacing over the surface's radius). On a plane it is the
+/// field itself. Corners are asked when they are first needed and remembered, which is all that it
+/// remembers: the force depends on the place alone. Nothing in it allocates or throws.
 class PotentialLattice {
  public:
   /// `spacing`: m, of the asset's frame; 0: off.
@@ -44,6 +47,12 @@ class PotentialLattice {
     Place place{};
     bool is_asked = false;
     double distance = std::numeric_limits<double>::quiet_NaN();  ///< m; no number: not in the band
+    Vector3 gradient = Vector3::Zero();
+  };
+  /// The potential's distance (m) and its gradient at a place; no numbers where it is not known.
+  struct Interpolated {
+    double distance = 0;
+    Vector3 slope = Vector3::Zero();
   };
   /// Corners that are remembered along each axis, a power of two.
   static constexpr std::int32_t kept = 4;
@@ -51,8 +60,11 @@ class PotentialLattice {
   double spacing_;
   std::array<Corner, std::size_t{kept} * kept * kept> corners_;
 
-  [[nodiscard]] double distance_at(const AssetView& asset, const RuntimeSmoothing& smoothing,
-                                   const Place& place) noexcept;
+  [[nodiscard]] Corner corner_at(const AssetView& asset, const RuntimeSmoothing& smoothing,
+                                 const Place& place) noexcept;
+  /// At a place in spacings.
+  [[nodiscard]] Interpolated interpolated(const AssetView& asset, const RuntimeSmoothing& smoothing,
+                                          const Vector3& at) noexcept;
 };
 
 }  // namespace spm

@@ -10,17 +10,6 @@ ForceScene scene_of(const ForceSettings& force, const EffectSettings& effects) {
   return {{}, {PlacedObject{0, {}, force, effects}}, {}};
 }
 
-namespace {
-
-/// What acts on the sum: the coupling is each object's.
-StabilityCures cures_of_sum(const CureSettings& cures, double tick, double encoder_step) noexcept {
-  CureSettings settings = cures;
-  settings.coupling = 0;
-  return StabilityCures(settings, tick, encoder_step, 0);
-}
-
-}  // namespace
-
 SceneForce::SceneForce(const ForceScene& scene, double tick, double encoder_step, std::size_t room,
                        double stiffness_cap)
     : rotation_(scene.workspace.rotation.toRotationMatrix()),
@@ -30,7 +19,7 @@ SceneForce::SceneForce(const ForceScene& scene, double tick, double encoder_step
       encoder_step_(encoder_step * scale_),
       stiffness_cap_(stiffness_cap / scale_),
       cures_(scene.cures),
-      cured_(cures_of_sum(scene.cures, tick, encoder_step)) {
+      cured_(scene.cures, tick, encoder_step) {
   objects_.reserve(scene.objects.size() + room);
   for (const PlacedObject& object : scene.objects) static_cast<void>(add(object));
 }
@@ -69,7 +58,7 @@ void SceneForce::change(std::size_t object, const PlacedObject& settings) noexce
 
 void SceneForce::cure(const CureSettings& cures) noexcept {
   cures_ = cures;
-  cured_ = cures_of_sum(cures, tick_, encoder_step_ / scale_);
+  cured_ = StabilityCures(cures, tick_, encoder_step_ / scale_);
   for (Object& object : objects_) {
     PlacedContact contact = contact_of(object.settings);
     contact.place_as(object.contact);

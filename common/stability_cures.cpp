@@ -21,11 +21,7 @@ bool set_cure(std::string_view word, CureSettings& cures) noexcept {
   } else if (word == "potential") {
     cures.potential = advised_potential;
   } else if (word == "default") {
-    const CureSettings loop = cures;
-    cures = advised_cures;
-    cures.delay_ticks = loop.delay_ticks;
-    cures.lag = loop.lag;
-    cures.device_mass = loop.device_mass;
+    cures = in_loop_of(cures, advised_cures);
   } else {
     return false;
   }
@@ -46,37 +42,18 @@ bool parse_cures(std::string_view words, CureSettings& cures) noexcept {
   return true;
 }
 
-StabilityCures::StabilityCures(const CureSettings& settings, double tick, double encoder_step,
-                               double stiffness) noexcept
+StabilityCures::StabilityCures(const CureSettings& settings, double tick,
+                               double encoder_step) noexcept
     : settings_(settings),
       tick_(tick),
-      stiffness_(felt_stiffness(stiffness, settings.coupling)),
       most_damping_(spm::most_damping(settings.device_mass, tick, settings.whole_delay(tick))),
-      coupling_({settings.coupling, settings.coupling_damping}, stiffness, tick),
       encoder_step_(encoder_step),
       velocity_(encoder_step, tick, settings.velocity),
       passivity_({settings.whole_delay(tick), tick, encoder_step, settings.device_mass}) {}
 
 void StabilityCures::reset() noexcept {
-  coupling_.reset();
-  noise_.reset();
   velocity_.reset();
   passivity_.reset();
-}
-
-ContactForce StabilityCures::apply(const ContactForce& wanted, const Vector3& hand) noexcept {
-  ContactForce coupled = wanted;
-  if (coupling_.on()) {
-    // What holds the hand is as far from it as the law's spring is pressed.
-    const double softer = coupling_.asked() > 0 ? coupling_.felt() / coupling_.asked() : 0;
-    const Vector3 way = coupling_.asked() > 0 && wanted.contact
-                            ? Vector3(wanted.force / coupling_.asked())
-                            : Vector3::Zero();
-    coupled.force = softer * wanted.force + coupling_.damped(way);
-  }
-  const double stored =
-      stiffness_ > 0 && wanted.contact ? coupled.force.squaredNorm() / (2 * stiffness_) : 0;
-  return apply(coupled, hand, {stiffness_, stored, 0});
 }
 
 /// What matched damping adds to a reaction (N) of that stiffness, N.
@@ -97,14 +74,12 @@ ContactForce StabilityCures::apply(const ContactForce& wanted, const Vector3& ha
     return {};
   }
   if (!settings_.acts_on_sum()) return wanted;
-  noise_.take(hand);
-  velocity_.allow(std::max(encoder_step_, noise_.as_step()));
   velocity_.take(hand);
   if (!wanted.contact || !(energy.stiffness > 0)) {
     passivity_.rest();
     return wanted;
   }
-  const Vector3 velocity = velocity_.beyond(doubted_steps);
+  const Vector3 velocity = velocity_.now();
   ContactForce cured = wanted;
   if (settings_.damping_share > 0) cured.force += damped(velocity, wanted.force, energy.stiffness);
   if (settings_.passivity) {

@@ -3,12 +3,11 @@
 
 #include <string_view>
 
-#include "common/coupling_point.hpp"
+#include "common/braking_velocity.hpp"
 #include "common/device_profile.hpp"
 #include "common/force_law.hpp"
 #include "common/matched_damping.hpp"
 #include "common/passivity_control.hpp"
-#include "common/reading_noise.hpp"
 #include "common/velocity_estimate.hpp"
 
 namespace spm {
@@ -48,7 +47,7 @@ struct CureSettings {
 /// border of a flat wall and costs no static stiffness.
 inline constexpr double advised_damping_share = 1;
 /// The lattice that the word `potential` stands for, m.
-inline constexpr double advised_potential = 4e-5;
+inline constexpr double advised_potential = 5e-5;
 /// The coupling that the word `coupling` stands for, N/m: as stiff as a flat wall may be on the
 /// worst device (stable_stiffness.hpp).
 inline constexpr double advised_coupling = 2000;
@@ -57,11 +56,20 @@ inline constexpr double advised_coupling = 2000;
 inline constexpr CureSettings advised_cures{.damping_share = advised_damping_share,
                                             .passivity = true};
 
-/// The same for a device.
-[[nodiscard]] constexpr CureSettings default_cures(const DeviceProfile& device) noexcept {
-  CureSettings cures = advised_cures;
-  cures.device_mass = device.moving_mass;
+/// Cures in the loop of other ones: its delay, lag and mass, which no choice of cures changes.
+[[nodiscard]] constexpr CureSettings in_loop_of(const CureSettings& loop,
+                                                CureSettings cures) noexcept {
+  cures.delay_ticks = loop.delay_ticks;
+  cures.lag = loop.lag;
+  cures.device_mass = loop.device_mass;
+  return cures;
+}
+
+/// The same with what is known of a device.
+[[nodiscard]] constexpr CureSettings in_loop_of(const DeviceProfile& device,
+                                                CureSettings cures) noexcept {
   cures.lag = device.actuator_lag();
+  cures.device_mass = device.moving_mass;
   return cures;
 }
 
@@ -78,27 +86,16 @@ struct ContactEnergy {
   double carried = 0;    ///< J, that objects which moved did on the hand since the last tick
 };
 
-/// Of the noise that readings show, as an encoder's steps, this is taken off the way that tells the
-/// velocity which is braked: a tool at rest between two steps is left alone.
-inline constexpr double doubted_steps = 0.5;
-
-/// The cures that act on a force whatever made it, tick by tick. A tick allocates nothing and does
-/// not throw.
+/// The cures that act on the sum of the objects' forces, whatever made it, tick by tick; coupling
+/// and potential are each object's. A tick allocates nothing and does not throw.
 class StabilityCures {
  public:
-  /// `tick` in s, above 0; `encoder_step` in m of the hand, 0 or more; `stiffness` in N/m that the
-  /// hand feels.
-  StabilityCures(const CureSettings& settings, double tick, double encoder_step,
-                 double stiffness) noexcept;
+  /// `tick` in s, above 0; `encoder_step` in m of the hand, 0 or more.
+  StabilityCures(const CureSettings& settings, double tick, double encoder_step) noexcept;
 
-  /// The force to send for what the law wants with the hand at `hand` (m, the same frame), coupling
-  /// included: the law is then taken to push with its stiffness from where it holds the hand. What
-  /// is wanted comes back as it is where there is no contact, or no cure. Never NaN: a position or
-  /// a force that is not finite gives zero, and what came before is forgotten.
-  [[nodiscard]] ContactForce apply(const ContactForce& wanted, const Vector3& hand) noexcept;
-
-  /// The same without the coupling, which the objects of a scene have each for itself, and with
-  /// the energy of several objects.
+  /// The force to send for what the law wants with the hand at `hand` (m, the same frame). What is
+  /// wanted comes back as it is where there is no contact, or no cure. Never NaN: a position or a
+  /// force that is not finite gives zero, and what came before is forgotten.
   [[nodiscard]] ContactForce apply(const ContactForce& wanted, const Vector3& hand,
                                    const ContactEnergy& energy) noexcept;
 
@@ -110,12 +107,10 @@ class StabilityCures {
                                double stiffness) const noexcept;
 
   CureSettings settings_;
-  double tick_, stiffness_;
+  double tick_;
   double most_damping_;  ///< N s/m
-  CouplingPoint coupling_;
   double encoder_step_;  ///< m
-  ReadingNoise noise_;
-  VelocityEstimate velocity_;
+  BrakingVelocity velocity_;
   PassivityControl passivity_;
 };
 

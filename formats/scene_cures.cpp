@@ -11,10 +11,7 @@ constexpr double most_share = 2;  // more than all that the sampling leaks, twic
 
 CureSettings read_cures(TableReader& cures, const DeviceProfile* device) {
   CureSettings read = cures.flag("advised", false) ? advised_cures : CureSettings{};
-  if (device != nullptr) {
-    read.device_mass = device->moving_mass;
-    read.lag = device->actuator_lag();
-  }
+  if (device != nullptr) read = in_loop_of(*device, read);
   read.damping_share = cures.number("damping", 0, most_share, read.damping_share);
   read.delay_ticks = cures.number("delay", 0, most_delay_ticks, read.delay_ticks);
   read.coupling = cures.quantity("coupling", Quantity::stiffness, "2N/mm", read.coupling,

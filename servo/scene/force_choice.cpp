@@ -83,12 +83,7 @@ Result<ForceOptions> with_stiffness(const ForceOptions& options, const Scene& sc
 
 /// The scene's cures, or those of the command line for its device.
 CureSettings cures_of(const ForceOptions& options, const Scene& scene) {
-  if (!options.cures) return scene.cures;
-  CureSettings cures = *options.cures;
-  cures.delay_ticks = scene.cures.delay_ticks;
-  cures.lag = scene.cures.lag;
-  cures.device_mass = scene.cures.device_mass;
-  return cures;
+  return options.cures ? in_loop_of(scene.cures, *options.cures) : scene.cures;
 }
 
 /// What a command line and a scene's object, or the defaults, say together.

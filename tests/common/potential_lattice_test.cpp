@@ -99,6 +99,31 @@ TEST_CASE("The lattice's force is minus the gradient of k depth^2 / 2 by its own
   CHECK((found->force - 1000 * found->depth * found->normal).norm() < 1e-12);
 }
 
+TEST_CASE("About an edge the direction turns with the field, and does not jump") {
+  const test::TiledCubeByHand cube(size);
+  PotentialLattice lattice(5e-5);
+  ForceSettings ball = spring;
+  ball.probe_radius = 4e-4;
+  constexpr double round = 3e-4;  // from the edge, m
+  constexpr int steps = 1000;
+  Vector3 last = Vector3::Zero();
+  double sharpest = 0, farthest = 0;
+  for (int at = 0; at < steps; ++at) {
+    const double turn = 0.1 + (std::numbers::pi / 2 - 0.2) * at / steps;
+    const Vector3 away(std::cos(turn), 0, std::sin(turn));
+    const Vector3 point = Vector3(half, 0.003, half) + round * away;
+    const auto found = lattice.force(cube.view, ball, sharp, point);
+    REQUIRE(found);
+    REQUIRE(found->contact);
+    farthest = std::max(farthest, (found->normal - away).norm());
+    if (at > 0) sharpest = std::max(sharpest, (found->normal - last).norm());
+    last = found->normal;
+  }
+  // Linear in each tetrahedron it would jump by spacing over radius, 0.17.
+  CHECK(farthest < 0.02);
+  CHECK(sharpest < 0.02);
+}
+
 TEST_CASE("On a flat side the lattice's force is the field's, for a point and a ball") {
   const test::TiledCubeByHand cube(size);
   PotentialLattice lattice(spacing);

@@ -18,8 +18,8 @@ namespace spm::stability {
 namespace {
 
 constexpr std::uint64_t offset_seed = 0x6F6666736574;
-/// In which a border's search looks for a first stiffness that is good.
-constexpr double first_steps = std::numbers::sqrt2;
+/// In which a border's search goes up: the fourth root of 2.
+constexpr double border_steps = 1.189207115002721;
 
 /// Where between encoder steps the hand's path lies, m: no run begins on a step by chance.
 Vector3 path_offset(double encoder_step, std::uint64_t seed) {
@@ -215,13 +215,18 @@ CaseVerdict gathered(const std::vector<Verdict>& verdicts, std::uint64_t first_s
 double stiffest(const std::function<bool(double)>& is_good, double low, double high, double share) {
   // Below what a law needs to hold the tool at all it sinks through.
   while (!is_good(low)) {
-    low *= first_steps;
+    low *= border_steps;
     if (low > high) return 0;
   }
-  if (is_good(high)) return high;
-  while (high > low * (1 + share)) {
-    const double middle = std::sqrt(low * high);
-    (is_good(middle) ? low : high) = middle;
+  double fails = low;
+  do {
+    low = fails;
+    if (low >= high) return high;
+    fails = std::min(low * border_steps, high);
+  } while (is_good(fails));
+  while (fails > low * (1 + share)) {
+    const double middle = std::sqrt(low * fails);
+    (is_good(middle) ? low : fails) = middle;
   }
   return low;
 }

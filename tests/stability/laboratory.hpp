@@ -73,9 +73,11 @@ struct CaseVerdict {
 /// What verdicts of consecutive seeds say together; at least one.
 [[nodiscard]] CaseVerdict gathered(const std::vector<Verdict>& verdicts, std::uint64_t first_seed);
 
-/// The largest stiffness (N/m) that is good, by bisection of its logarithm between `low` and `high`
-/// until they are within a share, from the first that is good on a ladder of sqrt(2) from `low` up.
-/// 0 where none is, `high` where that is good.
+/// The largest stiffness (N/m) that is good and all tried below it as well, but for those at which
+/// nothing holds yet: up a ladder from `low`, each step a fourth root of 2, from the first that is
+/// good to the first that is not, and between these by bisection until they are within a share.
+/// Good and bad may alternate there: all who are compared are tried at the same steps. 0 where none
+/// is good, `high` where all are.
 [[nodiscard]] double stiffest(const std::function<bool(double)>& is_good, double low, double high,
                               double share);
 

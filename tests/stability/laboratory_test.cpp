@@ -55,6 +55,16 @@ bool same(const Trace& one, const Trace& other) {
                     });
 }
 
+TEST_CASE("A border is where the first good stiffnesses end, whatever is good beyond") {
+  const auto in_two = [](double k) { return (k > 300 && k < 800) || (k > 1200 && k < 5000); };
+  const double border = stiffest(in_two, 100, 8000, 0.02);
+  CHECK(border < 800);
+  CHECK(border > 800 / 1.02);
+  CHECK(stiffest([](double) { return false; }, 100, 8000, 0.02) == 0);
+  CHECK(stiffest([](double) { return true; }, 100, 8000, 0.02) == 8000);
+  CHECK(stiffest([](double k) { return k < 100.5; }, 100, 8000, 0.02) == 100);
+}
+
 TEST_CASE("A flat wall is good at 0.6 of its border and is not at 1.7, and all seeds agree") {
   const StabilityCase tried = pressed_box();
   for (const char* method : {"exact-penalty", "spm", "proxy", "mesh-proxy", "distance-field"}) {

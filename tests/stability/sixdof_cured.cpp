@@ -30,24 +30,13 @@ PassivitySettings account_of(const CureSettings& cures, const SixdofLoop& loop) 
 
 }  // namespace
 
-void CuredWrench::Speed::take(const Vector3& place) noexcept {
-  noise_.take(place);
-  estimate_.allow(std::max(step_, noise_.as_step()));
-  estimate_.take(place);
-}
-
-void CuredWrench::Speed::reset() noexcept {
-  noise_.reset();
-  estimate_.reset();
-}
-
 CuredWrench::CuredWrench(std::unique_ptr<SixdofContestant> law, const CureSettings& settings,
                          const SixdofLoop& loop)
     : law_(std::move(law)),
       controls_(settings.passivity),
-      forces_(damping_of(settings, settings.device_mass), loop.period, loop.encoder_step, 0),
+      forces_(damping_of(settings, settings.device_mass), loop.period, loop.encoder_step),
       torques_(damping_of(settings, at_lever(loop.turning_inertia)), loop.period,
-               loop.turn_step * sixdof_lever, 0),
+               loop.turn_step * sixdof_lever),
       passivity_(account_of(settings, loop)),
       place_speed_(loop.encoder_step, loop.period),
       turn_speed_(loop.turn_step * sixdof_lever, loop.period) {}

@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include "common/braking_velocity.hpp"
 #include "common/passivity_control.hpp"
-#include "common/reading_noise.hpp"
 #include "common/stability_cures.hpp"
-#include "common/velocity_estimate.hpp"
 #include "tests/stability/sixdof_contestant.hpp"
 
 namespace spm::stability {
@@ -31,21 +30,6 @@ class CuredWrench final : public SixdofContestant {
  private:
   using Vector = WrenchPassivityControl::Vector;
 
-  /// How fast the hand goes along three of the components, to brake it by.
-  class Speed {
-   public:
-    Speed(double step, double period) noexcept : step_(step), estimate_(step, period) {}
-    void take(const Vector3& place) noexcept;
-    /// m/s
-    [[nodiscard]] Vector3 now() const noexcept { return estimate_.beyond(doubted_steps); }
-    void reset() noexcept;
-
-   private:
-    double step_;
-    ReadingNoise noise_;
-    VelocityEstimate estimate_;
-  };
-
   [[nodiscard]] Vector3 moved_to(const Eigen::Isometry3d& measured) noexcept;
   [[nodiscard]] Vector controlled(const Vector& wanted, const SixdofAnswer& answer) noexcept;
 
@@ -53,7 +37,7 @@ class CuredWrench final : public SixdofContestant {
   bool controls_;
   StabilityCures forces_, torques_;  ///< damping alone
   WrenchPassivityControl passivity_;
-  Speed place_speed_, turn_speed_;
+  BrakingVelocity place_speed_, turn_speed_;
   Vector hand_ = Vector::Zero();  ///< place, and the sum of all small turns, m
   Eigen::Quaterniond orientation_ = Eigen::Quaterniond::Identity();
 };
