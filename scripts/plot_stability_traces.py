@@ -14,7 +14,7 @@ import sys
 import textwrap
 
 from chart_style import COLOURS, NAMES, save
-from stability_rows import methods_of, told
+from stability_rows import methods_of
 
 import matplotlib.pyplot as plt
 import numpy as np
@@ -45,7 +45,7 @@ def draw_band(axes, time: np.ndarray, values: np.ndarray, colour: str, **style) 
 def words_of(worst: dict) -> str:
     row = worst["row"]
     settings = f"{row['case']}, {row['stiffness_n_m'] / 1e3:.2g} N/mm on {row['device']}"
-    return f"{settings}: {told(row['reason']) or 'good, as are all others'}"
+    return f"{settings}: {row['reason'] or 'good, as are all others'}"
 
 
 def draw_energy(axes, time: np.ndarray, joules: np.ndarray, colour: str) -> None:

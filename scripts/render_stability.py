@@ -8,16 +8,16 @@ import argparse
 import json
 import sys
 
-from stability_rows import methods_of, names_of, themes_of, told, verdict_of
+from markdown_table import table
+from stability_rows import methods_of, names_of, themes_of, verdict_of
 
 LETTERS = {"good": "+", "between": "~", "bad": "x", "popped": "P"}
 WORDS = {"good": "good", "between": "between", "bad": "**BAD**", "popped": "**BAD**: popped"}
 GENTLE = 0.6  # of the flat border: where the default is to hold
 
 
-def table(head: list[str], rows: list[list[str]]) -> list[str]:
-    lines = ["| " + " | ".join(head) + " |", "|" + "---|" * len(head)]
-    return [*lines, *("| " + " | ".join(row) + " |" for row in rows), ""]
+def spaced_table(head: list[str], rows: list[list[str]]) -> list[str]:
+    return [*table(head, rows), ""]
 
 
 def verdict_cell(rows: list[dict]) -> str:
@@ -37,14 +37,14 @@ def reasons(rows: list[dict]) -> str:
     if not failed:
         return ""
     others = [row["device"] for row in failed[1:]]
-    return f"{failed[0]['device']}: {told(failed[0]['reason'])}" + (
+    return f"{failed[0]['device']}: {failed[0]['reason']}" + (
         f" (and {', '.join(others)})" if others else "")
 
 
 def flat_lines(report: dict) -> list[str]:
     return ["## Flat borders", "",
             "The largest stiffness at which the exact penalty holds a flat wall. The second is by the "
-            "exact eigenvalue, which knows neither friction nor encoder steps.", "", *table(
+            "exact eigenvalue, which knows neither friction nor encoder steps.", "", *spaced_table(
                 ["profile", "flat border, N/m", "of all that is linear, N/m"],
                 [[row["device"], f"{row['border_n_m']:.0f}",
                   "" if row["linear_n_m"] is None else f"{row['linear_n_m']:.0f}"]
@@ -55,7 +55,7 @@ def target_lines(report: dict) -> list[str]:
     def met(row: dict) -> str:
         return "goal" if row["meets_goal"] else "floor" if row["meets_floor"] else "**no**"
 
-    return ["## Targets", "", *table(
+    return ["## Targets", "", *spaced_table(
         ["what", "measured", "floor", "goal", "met", "decided by"],
         [[row["target"] + (f", {row['unit']}" if row["unit"] else ""), f"{row['value']:.4g}",
           f"{row['floor']:.3g}", f"{row['goal']:g}", met(row), row["worst"]]
@@ -68,8 +68,8 @@ def failing_lines(report: dict) -> list[str]:
     lines = [f"## Where the default still fails at {GENTLE:g}", ""]
     if not rows:
         return [*lines, "Nowhere in this run.", ""]
-    return lines + table(["case", "profile", "verdict", "reason"], [
-        [row["case"], row["device"], row["verdict"], told(row["reason"])] for row in rows])
+    return lines + spaced_table(["case", "profile", "verdict", "reason"], [
+        [row["case"], row["device"], row["verdict"], row["reason"]] for row in rows])
 
 
 def verdicts_at(report: dict, fraction: float) -> list[str]:
@@ -90,7 +90,7 @@ def verdicts_at(report: dict, fraction: float) -> list[str]:
         tried = [row["stable"] for row in rows if row["method"] == method]
         share.append(f"{100 * sum(tried) / len(tried):.0f} %" if tried else "")
     return [f"At {fraction:g} of each profile's own flat border:", "",
-            *table(["case", *methods, "why the default is not good"], body + [
+            *spaced_table(["case", *methods, "why the default is not good"], body + [
                 ["share good", *share, ""]])]
 
 
@@ -122,7 +122,7 @@ def border_lines(report: dict) -> list[str]:
     lines = ["## Largest good stiffness", "",
              f"As a share of the profile's flat border, within {100 * report['border_share']:g} %; 0: it "
              "fails at all that was tried.", "", f"On {first}:", ""]
-    lines += table(["case", *methods], [
+    lines += spaced_table(["case", *methods], [
         [case, *(share_text(cells.get((case, method, first))) for method in methods)]
         for case in cases])
     devices = names_of(report["borders"], "device")
@@ -130,7 +130,7 @@ def border_lines(report: dict) -> list[str]:
     if len(devices) > 1 and everywhere:
         pairs = [(device, method) for device in devices for method in everywhere]
         lines += ["On every profile, bare and with the default's cures:", ""]
-        lines += table(["case", *(f"{device}, {method}" for device, method in pairs)], [
+        lines += spaced_table(["case", *(f"{device}, {method}" for device, method in pairs)], [
             [case, *(share_text(cells.get((case, method, device))) for device, method in pairs)]
             for case in cases if any((case, method, devices[1]) in cells for method in everywhere)])
     return lines
@@ -146,13 +146,13 @@ def theory_lines(report: dict) -> list[str]:
         body.append([criterion, rows[0]["kind"], str(len(rows)), f"{offs[0]:+.3f} to {offs[-1]:+.3f} %"])
     return ["## Theory against the plant", "",
             "Passivity and stability are different borders; each is held against its own criterion.",
-            "", *table(["criterion", "kind", "loops", "the plant is off by"], body)]
+            "", *spaced_table(["criterion", "kind", "loops", "the plant is off by"], body)]
 
 
 def loop_lines(report: dict) -> list[str]:
     if not report["loops"]:
         return []
-    return ["## Static loops of 10 mm", "", *table(
+    return ["## Static loops of 10 mm", "", *spaced_table(
         ["object", "baked to, um", "method", "most gained, uJ", "median, uJ", "loops"],
         [[row["object"], f"{1e6 * row['tolerance_m']:g}", row["method"],
           f"{1e6 * row['gained_j']:.3g}", f"{1e6 * row['median_j']:.3g}", str(row["loops"])]
@@ -165,7 +165,7 @@ def cost_lines(report: dict) -> list[str]:
     costs = {row["method"]: row for row in report["costs"]}
     return ["## Errors and times on a slide over teeth", "",
             "Force off the exact penalty's, of its RMS. A proxy that is left behind weighs most in the "
-            "RMS; lost are the ticks that are off by more than all of the exact force.", "", *table(
+            "RMS; lost are the ticks that are off by more than all of the exact force.", "", *spaced_table(
                 ["method", "RMS, %", "median, %", "ticks lost, %", "mean, us", "99th per cent, us"],
                 [[method, f"{100 * costs[method]['relative_error']:.3g}",
                   f"{100 * costs[method]['median_error']:.2g}",
@@ -180,7 +180,7 @@ def idle_lines(report: dict) -> list[str]:
     devices = names_of(report["idle"], "device")
     return ["## Cures on a gentle press", "",
             "How much a tick's step of force grows by the cure at half of the flat border, N.", "",
-            *table(["method", *devices], [
+            *spaced_table(["method", *devices], [
                 [method, *(f"{cells[method, device]:.3f}" if (method, device) in cells else ""
                            for device in devices)] for method in methods_of(report["idle"])])]
 

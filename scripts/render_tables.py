@@ -6,6 +6,8 @@ import argparse
 import json
 import sys
 
+from markdown_table import table
+
 SLIDES = {2: "Table 2: Galeon", 3: "Table 3: Teeth"}
 
 
@@ -19,11 +21,6 @@ def number(value: float) -> str:
 
 def search(row: dict) -> str:
     return "with" if row["with_collision_detection"] else "without"
-
-
-def table(head: list[str], rows: list[list[str]]) -> list[str]:
-    lines = ["| " + " | ".join(head) + " |", "|" + "---|" * len(head)]
-    return lines + ["| " + " | ".join(row) + " |" for row in rows]
 
 
 def slide_lines(report: dict, which: int) -> list[str]:

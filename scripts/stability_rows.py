@@ -2,7 +2,6 @@
 """What the charts and tables of `spm-bench stability` share: the order of methods, the themes of the
 cases, words and colours of a verdict."""
 
-import re
 
 COLOURS = {"good": "#3f9168", "between": "#edc55a", "bad": "#cf4a32", "popped": "#4a1942"}
 WORDS = {"good": "good", "between": "between good and bad", "bad": "bad: vibrates, never settles",
@@ -42,8 +41,3 @@ def themes_of(report: dict) -> list[tuple[str, list[str]]]:
         name = row.get("theme", "")
         themes.setdefault(THEMES.get(name, name), []).append(row["case"])
     return list(themes.items())
-
-
-def told(reason: str) -> str:
-    """A reason with lengths of 1 mm and more in mm."""
-    return re.sub(r"([\d.]+e\+\d+) um", lambda found: f"{float(found[1]) / 1000:.2g} mm", reason)

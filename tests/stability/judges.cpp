@@ -8,6 +8,8 @@
 #include <cstddef>
 #include <limits>
 
+#include "common/units.hpp"
+
 namespace spm::stability {
 namespace {
 
@@ -147,7 +149,6 @@ bool should_rest(const JudgedLoop& loop, const Trace& trace, const Hold& hold) {
 }
 
 std::string newtons(double force) { return fmt::format("{:.3g} N", force); }
-std::string micrometres(double length) { return fmt::format("{:.3g} um", 1e6 * length); }
 
 /// Collects what is wrong.
 class Judgement {
@@ -174,7 +175,7 @@ void judge_ripple(const JudgedLoop& loop, const Findings& found, Judgement& judg
     judgement.passes_not("ripple of " + newtons(found.ripple_n) + " RMS");
   }
   if (found.ripple_m > motion_limit(loop)) {
-    judgement.fails("the tool swings by " + micrometres(found.ripple_m));
+    judgement.fails("the tool swings by " + format_quantity(found.ripple_m, Quantity::length));
   }
 }
 
@@ -226,7 +227,7 @@ Verdict judge(const StabilityCase& tried, const JudgedLoop& loop, const Trace& t
     judgement.passes_not("it does not come to rest");
   }
   if (found.penetration_m > judged.longest_penetration) {
-    judgement.fails("penetrates by " + micrometres(found.penetration_m));
+    judgement.fails("penetrates by " + format_quantity(found.penetration_m, Quantity::length));
   }
   if (judged.energy) {
     verdict.within_energy = found.generated_j <= found.generated_bound_j;

@@ -1,13 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "tests/stability/sixdof_laboratory.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numbers>
 
+#include "common/units.hpp"
 #include "servo/devices/sim/sim_plant.hpp"
 #include "servo/random.hpp"
 
@@ -194,7 +193,7 @@ Verdict judge_sixdof(const SixdofCase& tried, const RunSettings& settings, const
     verdict.good = false;
     verdict.bad = true;
     if (!verdict.reason.empty()) verdict.reason += "; ";
-    verdict.reason += fmt::format("the drawn tool lies {:.3g} um deep", 1e6 * deepest);
+    verdict.reason += "the drawn tool lies " + format_quantity(deepest, Quantity::length) + " deep";
   }
   verdict.within_energy = !tried.judged.energy || found.generated_j <= found.generated_bound_j;
   return verdict;

@@ -11,6 +11,7 @@
 #include <filesystem>
 #include <fstream>
 #include <functional>
+#include <memory>
 
 #include "servo/devices/sim/device_sim.hpp"
 #include "servo/loop.hpp"
@@ -72,79 +73,78 @@ KeeperOptions options_for(const std::string& path) {
   return options;
 }
 
+/// A baked box that is served and watched.
+struct WatchedBox {
+  explicit WatchedBox(const std::function<void(KeeperOptions&)>& set = {}) {
+    test::write(test::box_asset(size), path);
+    KeeperOptions options = options_for(path);
+    if (set) set(options);
+    auto opened = AssetKeeper::open(options, slot);
+    REQUIRE(opened);
+    keeper = std::move(*opened);
+    keeper->watch();
+  }
+
+  TemporaryFolder folder;
+  std::string path = folder.file("box.spm.exr");
+  AssetSlot slot;
+  std::unique_ptr<AssetKeeper> keeper;
+};
+
 }  // namespace
 
 TEST_CASE("An asset that is damaged under the loop is taken away and loaded when it is back") {
   for (const Damage& damage : damages) {
     CAPTURE(damage.name);
-    const TemporaryFolder folder;
-    const std::string path = folder.file("box.spm.exr");
-    test::write(test::box_asset(size), path);
-    AssetSlot slot;
-    auto keeper = AssetKeeper::open(options_for(path), slot);
-    REQUIRE(keeper);
-    const ServedAsset* first = slot.acquire();
-    REQUIRE(first != nullptr);
-    (*keeper)->watch();
+    WatchedBox box;
+    REQUIRE(box.slot.acquire() != nullptr);
 
-    damage.apply(path);
-    REQUIRE(eventually([&] { return slot.acquire() == nullptr; }));
-    REQUIRE(eventually([&] { return (*keeper)->report().losses == 1; }));
-    REQUIRE_FALSE((*keeper)->report().serving);
-    REQUIRE((*keeper)->report().reloads == 0);
+    damage.apply(box.path);
+    REQUIRE(eventually([&] { return box.slot.acquire() == nullptr; }));
+    REQUIRE(eventually([&] { return box.keeper->report().losses == 1; }));
+    REQUIRE_FALSE(box.keeper->report().serving);
+    REQUIRE(box.keeper->report().reloads == 0);
 
-    test::write(test::box_asset(size), path);
-    REQUIRE(eventually([&] { return slot.acquire() != nullptr; }));
-    REQUIRE(eventually([&] { return (*keeper)->report().reloads == 1; }));
-    REQUIRE((*keeper)->report().serving);
-    slot.release();
+    test::write(test::box_asset(size), box.path);
+    REQUIRE(eventually([&] { return box.slot.acquire() != nullptr; }));
+    REQUIRE(eventually([&] { return box.keeper->report().reloads == 1; }));
+    REQUIRE(box.keeper->report().serving);
+    box.slot.release();
   }
 }
 
 TEST_CASE("A file that is replaced by another intact asset is served instead") {
-  const TemporaryFolder folder;
-  const std::string path = folder.file("box.spm.exr");
-  test::write(test::box_asset(size), path);
-  AssetSlot slot;
-  auto keeper = AssetKeeper::open(options_for(path), slot);
-  REQUIRE(keeper);
-  const std::string before = (*keeper)->report().content_sha256;
-  (*keeper)->watch();
-  test::write(test::box_asset(size / 2), path);
+  WatchedBox box;
+  const std::string before = box.keeper->report().content_sha256;
+  test::write(test::box_asset(size / 2), box.path);
   REQUIRE(eventually([&] {
-    static_cast<void>(slot.acquire());
-    return (*keeper)->report().reloads == 1;
+    static_cast<void>(box.slot.acquire());
+    return box.keeper->report().reloads == 1;
   }));
-  const ServedAsset* served = slot.acquire();
+  const ServedAsset* served = box.slot.acquire();
   REQUIRE(served != nullptr);
   REQUIRE(served->mapping->metadata().box_max.x() == Approx(size / 4));
-  REQUIRE((*keeper)->report().content_sha256 != before);
-  slot.release();
+  REQUIRE(box.keeper->report().content_sha256 != before);
+  box.slot.release();
 }
 
 TEST_CASE("A sealed asset is served on from its old bytes, whatever becomes of the file") {
   for (const Damage& damage : damages) {
     CAPTURE(damage.name);
-    const TemporaryFolder folder;
-    const std::string path = folder.file("box.spm.exr");
-    test::write(test::box_asset(size), path);
-    AssetSlot slot;
-    KeeperOptions options = options_for(path);
-    options.mode = MapMode::sealed;
     std::atomic<int> refusals{0};
-    options.warn = [&](const std::string&) { refusals.fetch_add(1); };
-    auto keeper = AssetKeeper::open(options, slot);
-    REQUIRE(keeper);
-    (*keeper)->watch();
-    damage.apply(path);
+    WatchedBox box([&](KeeperOptions& options) {
+      options.mode = MapMode::sealed;
+      options.warn = [&](const std::string&) { refusals.fetch_add(1); };
+    });
+    damage.apply(box.path);
     REQUIRE(eventually([&] { return refusals.load() > 0; }));
-    REQUIRE(slot.acquire() != nullptr);
-    REQUIRE((*keeper)->report().losses == 0);
+    REQUIRE(box.slot.acquire() != nullptr);
+    REQUIRE(box.keeper->report().losses == 0);
 
-    test::write(test::box_asset(size / 2), path);
-    REQUIRE(eventually([&] { return (*keeper)->report().reloads == 1; }));
-    REQUIRE(slot.acquire()->mapping->metadata().box_max.x() == Approx(size / 4));
-    slot.release();
+    test::write(test::box_asset(size / 2), box.path);
+    REQUIRE(eventually([&] { return box.keeper->report().reloads == 1; }));
+    REQUIRE(box.slot.acquire()->mapping->metadata().box_max.x() == Approx(size / 4));
+    box.slot.release();
   }
 }
 
@@ -175,13 +175,7 @@ TEST_CASE("A file that is no asset is refused with exit code 3, a missing one wi
 TEST_CASE("The loop outlives an asset that is damaged while it is felt") {
   for (const Damage& damage : damages) {
     CAPTURE(damage.name);
-    const TemporaryFolder folder;
-    const std::string path = folder.file("box.spm.exr");
-    test::write(test::box_asset(size), path);
-    AssetSlot slot;
-    auto keeper = AssetKeeper::open(options_for(path), slot);
-    REQUIRE(keeper);
-    (*keeper)->watch();
+    WatchedBox box;
 
     std::atomic<bool> stop{false};
     std::atomic<std::uint64_t> reads{0};
@@ -190,7 +184,7 @@ TEST_CASE("The loop outlives an asset that is damaged while it is felt") {
       reads.fetch_add(1);
     });
     TickRing ring = make_tick_ring(1000, 1);
-    Loop loop(LoopSettings{}, {&device}, {&slot}, ring, stop);
+    Loop loop(LoopSettings{}, {&device}, {&box.slot}, ring, stop);
     std::thread thread([&] { loop.run(); });
     const auto ticks_later = [&](std::uint64_t count) {
       const std::uint64_t end = reads.load() + count;
@@ -198,11 +192,11 @@ TEST_CASE("The loop outlives an asset that is damaged while it is felt") {
     };
 
     CHECK(ticks_later(150));
-    damage.apply(path);
-    CHECK(eventually([&] { return (*keeper)->report().losses == 1; }));
+    damage.apply(box.path);
+    CHECK(eventually([&] { return box.keeper->report().losses == 1; }));
     CHECK(ticks_later(20));
-    test::write(test::box_asset(size), path);
-    CHECK(eventually([&] { return (*keeper)->report().reloads == 1; }));
+    test::write(test::box_asset(size), box.path);
+    CHECK(eventually([&] { return box.keeper->report().reloads == 1; }));
     CHECK(ticks_later(150));
     stop.store(true);
     thread.join();
