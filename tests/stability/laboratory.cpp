@@ -20,6 +20,8 @@ namespace {
 constexpr std::uint64_t offset_seed = 0x6F6666736574;
 /// In which a border's search goes up: the fourth root of 2.
 constexpr double border_steps = 1.189207115002721;
+/// How far from a stiffness that fails both neighbours are that may excuse it.
+constexpr double chance_share = 1.01;
 
 /// Where between encoder steps the hand's path lies, m: no run begins on a step by chance.
 Vector3 path_offset(double encoder_step, std::uint64_t seed) {
@@ -213,8 +215,13 @@ CaseVerdict gathered(const std::vector<Verdict>& verdicts, std::uint64_t first_s
 }
 
 double stiffest(const std::function<bool(double)>& is_good, double low, double high, double share) {
+  // Some tool rests on the edge of an encoder's step by chance, and there it is never quiet.
+  const auto holds = [&is_good](double stiffness) {
+    return is_good(stiffness) ||
+           (is_good(stiffness / chance_share) && is_good(stiffness * chance_share));
+  };
   // Below what a law needs to hold the tool at all it sinks through.
-  while (!is_good(low)) {
+  while (!holds(low)) {
     low *= border_steps;
     if (low > high) return 0;
   }
@@ -223,10 +230,10 @@ double stiffest(const std::function<bool(double)>& is_good, double low, double h
     low = fails;
     if (low >= high) return high;
     fails = std::min(low * border_steps, high);
-  } while (is_good(fails));
+  } while (holds(fails));
   while (fails > low * (1 + share)) {
     const double middle = std::sqrt(low * fails);
-    (is_good(middle) ? low : fails) = middle;
+    (holds(middle) ? low : fails) = middle;
   }
   return low;
 }

@@ -76,8 +76,9 @@ struct CaseVerdict {
 /// The largest stiffness (N/m) that is good and all tried below it as well, but for those at which
 /// nothing holds yet: up a ladder from `low`, each step a fourth root of 2, from the first that is
 /// good to the first that is not, and between these by bisection until they are within a share.
-/// Good and bad may alternate there: all who are compared are tried at the same steps. 0 where none
-/// is good, `high` where all are.
+/// Good and bad may alternate there: all who are compared are tried at the same steps. A stiffness
+/// that fails alone, between two that are good 1 % away, is taken for good. 0 where none is good,
+/// `high` where all are.
 [[nodiscard]] double stiffest(const std::function<bool(double)>& is_good, double low, double high,
                               double share);
 

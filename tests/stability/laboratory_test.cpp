@@ -60,6 +60,8 @@ TEST_CASE("A border is where the first good stiffnesses end, whatever is good be
   const double border = stiffest(in_two, 100, 8000, 0.02);
   CHECK(border < 800);
   CHECK(border > 800 / 1.02);
+  const auto but_for_one = [](double k) { return k < 800 && std::abs(k / 400 - 1) > 5e-3; };
+  CHECK(stiffest(but_for_one, 100, 3200, 0.02) == Approx(border).epsilon(0.02));
   CHECK(stiffest([](double) { return false; }, 100, 8000, 0.02) == 0);
   CHECK(stiffest([](double) { return true; }, 100, 8000, 0.02) == 8000);
   CHECK(stiffest([](double k) { return k < 100.5; }, 100, 8000, 0.02) == 100);
