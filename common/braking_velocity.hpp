@@ -9,8 +9,9 @@
 namespace spm {
 
 /// Of the noise that readings show, as an encoder's steps, this is taken off the way that tells the
-/// velocity which is braked: a tool at rest between two steps is left alone.
-inline constexpr double doubted_steps = 0.5;
+/// velocity which is braked: a tool that swings between two steps is left alone, for what one step
+/// tells of a velocity would be braked with a knock, and keep it swinging.
+inline constexpr double doubted_steps = 1;
 
 /// The velocity of a position that is to be braked: told from as long a window as the encoder's
 /// step or the readings' own noise ask for, and rather too small than the encoder's.
