@@ -8,9 +8,9 @@
 
 namespace spm {
 
-/// Of the noise that readings show, as an encoder's steps, this is taken off the way that tells the
-/// velocity which is braked: a tool that swings between two steps is left alone, for what one step
-/// tells of a velocity would be braked with a knock, and keep it swinging.
+/// A way of so many of the encoder's steps, or of the noise's that readings show, tells no velocity
+/// to brake: a tool that swings between two steps would be braked with knocks that keep it
+/// swinging.
 inline constexpr double doubted_steps = 1;
 
 /// The velocity of a position that is to be braked: told from as long a window as the encoder's

@@ -52,7 +52,9 @@ double VelocityEstimate::slope(int axis, double but) const noexcept {
   }
   if (longest == 0) return 0;
   const double way = now - ago(longest, axis);
-  return (way - std::clamp(way, -but, but)) / static_cast<double>(longest);
+  // Nothing up to `but`, all of it from twice that on, without a jump between.
+  const double told = std::min(std::abs(way), 2 * std::max(0.0, std::abs(way) - but));
+  return std::copysign(told, way) / static_cast<double>(longest);
 }
 
 void VelocityEstimate::take(const Vector3& position) noexcept {

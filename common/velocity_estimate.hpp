@@ -35,8 +35,9 @@ class VelocityEstimate {
   /// The two halves of it, for ticks in which nobody asks for the velocity.
   void take(const Vector3& position) noexcept;
   [[nodiscard]] Vector3 velocity() const noexcept { return beyond(0); }
-  /// The same of the window's way but for so many steps (0 or more): for who would rather brake too
-  /// little than answer the encoder.
+  /// The same, but a window's way of up to so many steps (0 or more) counts for nothing, and for
+  /// all that it is from twice as many on: for who would rather brake too little than answer the
+  /// encoder.
   [[nodiscard]] Vector3 beyond(double steps) const noexcept;
 
   /// From now on positions may be off by so much, m.
