@@ -21,7 +21,10 @@ class ReadingNoise {
   [[nodiscard]] double as_step() const noexcept;
 
   /// Forgets all.
-  void reset() noexcept { *this = {}; }
+  void reset() noexcept {
+    newest_ = count_ = 0;
+    square_.setZero();
+  }
 
  private:
   static constexpr std::size_t kept = 5;  ///< readings that a fourth difference is of
