@@ -8,27 +8,8 @@ namespace spm {
 
 namespace {
 
-constexpr double nothing = std::numeric_limits<double>::quiet_NaN();
 /// Farther from the origin, in spacings, there is no lattice.
 constexpr double lattice_end = 1e9;
-
-/// What the field says at a place of the band: signed distance (m) and its gradient.
-struct FieldValue {
-  double distance = nothing;  ///< no number: not in the band
-  Vector3 gradient = Vector3::Zero();
-};
-
-FieldValue field_value(const AssetView& asset, const RuntimeSmoothing& smoothing,
-                       const Vector3& point) noexcept {
-  if (smoothing.sigma > 0) {
-    const SmoothedAnswer answer = smoothed_query(asset, smoothing, point);
-    if (!answer.known || answer.deep) return {};
-    return {answer.distance, answer.gradient};
-  }
-  const Answer answer = query_point(asset, point);
-  if (answer.status != Status::exact) return {};
-  return {answer.distance, answer.normal};
-}
 
 /// The axes by their share of a cube, the largest first.
 std::array<int, 3> by_share(const Vector3& share) noexcept {
@@ -41,9 +22,22 @@ std::array<int, 3> by_share(const Vector3& share) noexcept {
 
 }  // namespace
 
-PotentialLattice::Corner PotentialLattice::corner_at(const AssetView& asset,
-                                                     const RuntimeSmoothing& smoothing,
-                                                     const Place& place) noexcept {
+PotentialLattice::FieldValue PotentialLattice::field_at(const AssetView& asset,
+                                                        const RuntimeSmoothing& smoothing,
+                                                        const Vector3& point) noexcept {
+  if (smoothing.sigma > 0) {
+    const SmoothedAnswer answer = smoothed_query(asset, smoothing, point);
+    if (!answer.known || answer.deep) return {};
+    return {answer.distance, answer.gradient};
+  }
+  const Answer answer = query_point(asset, point);
+  if (answer.status != Status::exact) return {};
+  return {answer.distance, answer.normal};
+}
+
+const PotentialLattice::FieldValue& PotentialLattice::corner_at(const AssetView& asset,
+                                                                const RuntimeSmoothing& smoothing,
+                                                                const Place& place) noexcept {
   // Neighbours never share a place in memory.
   std::size_t where = 0;
   for (const std::int32_t number : place) {
@@ -52,46 +46,45 @@ PotentialLattice::Corner PotentialLattice::corner_at(const AssetView& asset,
   Corner& corner = corners_[where];
   if (!corner.is_asked || corner.place != place) {
     const Vector3 point = spacing_ * Vector3(place[0], place[1], place[2]);
-    const auto [distance, gradient] = field_value(asset, smoothing, point);
-    corner = {place, true, distance, gradient};
+    corner = {place, true, field_at(asset, smoothing, point)};
   }
-  return corner;
+  return corner.value;
 }
 
-PotentialLattice::Interpolated PotentialLattice::interpolated(const AssetView& asset,
-                                                              const RuntimeSmoothing& smoothing,
-                                                              const Vector3& at) noexcept {
+PotentialLattice::FieldValue PotentialLattice::interpolated(const AssetView& asset,
+                                                            const RuntimeSmoothing& smoothing,
+                                                            const Vector3& at) noexcept {
   const Vector3 low = at.array().floor();
   const Vector3 share = at - low;
   Place place{static_cast<std::int32_t>(low.x()), static_cast<std::int32_t>(low.y()),
               static_cast<std::int32_t>(low.z())};
   // Along the cube's edges to its far corner, the largest share first: the tetrahedron about it.
   const std::array<int, 3> axes = by_share(share);
-  std::array<Corner, 4> corners;
-  corners[0] = corner_at(asset, smoothing, place);
+  std::array<const FieldValue*, 4> corners{&corner_at(asset, smoothing, place)};
   for (std::size_t i = 0; i < 3; ++i) {
     ++place[static_cast<std::size_t>(axes[i])];
-    corners[i + 1] = corner_at(asset, smoothing, place);
+    corners[i + 1] = &corner_at(asset, smoothing, place);
   }
   const std::array<double, 4> weights{1 - share[axes[0]], share[axes[0]] - share[axes[1]],
                                       share[axes[1]] - share[axes[2]], share[axes[2]]};
-  Interpolated found;
+  FieldValue found;
+  found.distance = 0;
   std::array<double, 4> by_weight{};  // how the distance changes with each weight
   for (std::size_t i = 0; i < 4; ++i) {
-    found.distance += weights[i] * corners[i].distance;
-    by_weight[i] += corners[i].distance;
+    found.distance += weights[i] * corners[i]->distance;
+    by_weight[i] += corners[i]->distance;
     Vector3 edge = Vector3::Zero();
     for (std::size_t j = i + 1; j < 4; ++j) {
       edge[axes[j - 1]] = spacing_;
       // Along an edge a parabola, bent as the slopes at its ends differ.
-      const double bend = (corners[i].gradient - corners[j].gradient).dot(edge) / 2;
+      const double bend = (corners[i]->gradient - corners[j]->gradient).dot(edge) / 2;
       found.distance += weights[i] * weights[j] * bend;
       by_weight[i] += weights[j] * bend;
       by_weight[j] += weights[i] * bend;
     }
   }
   for (std::size_t i = 0; i < 3; ++i) {
-    found.slope[axes[i]] = (by_weight[i + 1] - by_weight[i]) / spacing_;
+    found.gradient[axes[i]] = (by_weight[i + 1] - by_weight[i]) / spacing_;
   }
   return found;
 }

@@ -42,17 +42,16 @@ class PotentialLattice {
   void forget() noexcept { corners_.fill({}); }
 
  private:
+  /// Signed distance (m) and its gradient at a place.
+  struct FieldValue {
+    double distance = std::numeric_limits<double>::quiet_NaN();  ///< no number: not in the band
+    Vector3 gradient = Vector3::Zero();
+  };
   using Place = std::array<std::int32_t, 3>;  ///< in spacings
   struct Corner {
     Place place{};
     bool is_asked = false;
-    double distance = std::numeric_limits<double>::quiet_NaN();  ///< m; no number: not in the band
-    Vector3 gradient = Vector3::Zero();
-  };
-  /// The potential's distance (m) and its gradient at a place; no numbers where it is not known.
-  struct Interpolated {
-    double distance = 0;
-    Vector3 slope = Vector3::Zero();
+    FieldValue value;
   };
   /// Corners that are remembered along each axis, a power of two.
   static constexpr std::int32_t kept = 4;
@@ -60,11 +59,15 @@ class PotentialLattice {
   double spacing_;
   std::array<Corner, std::size_t{kept} * kept * kept> corners_;
 
-  [[nodiscard]] Corner corner_at(const AssetView& asset, const RuntimeSmoothing& smoothing,
-                                 const Place& place) noexcept;
-  /// At a place in spacings.
-  [[nodiscard]] Interpolated interpolated(const AssetView& asset, const RuntimeSmoothing& smoothing,
-                                          const Vector3& at) noexcept;
+  [[nodiscard]] static FieldValue field_at(const AssetView& asset,
+                                           const RuntimeSmoothing& smoothing,
+                                           const Vector3& point) noexcept;
+  [[nodiscard]] const FieldValue& corner_at(const AssetView& asset,
+                                            const RuntimeSmoothing& smoothing,
+                                            const Place& place) noexcept;
+  /// At a place in spacings; no numbers where a corner has none.
+  [[nodiscard]] FieldValue interpolated(const AssetView& asset, const RuntimeSmoothing& smoothing,
+                                        const Vector3& at) noexcept;
 };
 
 }  // namespace spm

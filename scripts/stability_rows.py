@@ -2,7 +2,6 @@
 """What the charts and tables of `spm-bench stability` share: the order of methods, the themes of the
 cases, words and colours of a verdict."""
 
-
 COLOURS = {"good": "#3f9168", "between": "#edc55a", "bad": "#cf4a32", "popped": "#4a1942"}
 WORDS = {"good": "good", "between": "between good and bad", "bad": "bad: vibrates, never settles",
          "popped": "popped through the surface"}

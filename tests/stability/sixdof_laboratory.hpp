@@ -31,9 +31,7 @@ struct SixdofRun {
                                          int most_seeds = std::numeric_limits<int>::max());
 
 /// The largest stiffness (N/m) at which a case is good with all of its seeds, or `most_seeds` of
-/// them: as case_border, but that where `low` is not good, because the tool sinks through what is
-/// too soft to hold it, the search begins at the first stiffness above that is. 0 where there is
-/// none.
+/// them, by `stiffest`.
 [[nodiscard]] double sixdof_border(const SixdofCase& tried, const SixdofScene& scene,
                                    const RunSettings& settings, const Contender& contender,
                                    double low, double high, double share,
