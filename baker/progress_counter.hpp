@@ -5,7 +5,7 @@
 #include <cstddef>
 #include <mutex>
 
-#include "baker/bake.hpp"
+#include "baker/progress.hpp"
 
 namespace spm::baker {
 

@@ -5,9 +5,9 @@
 #include <memory>
 #include <optional>
 
-#include "baker/bake.hpp"
 #include "baker/cast.hpp"
 #include "baker/oriented_box.hpp"
+#include "baker/progress.hpp"
 #include "common/asset_view.hpp"
 
 namespace spm::baker {

@@ -6,9 +6,9 @@
 #include <optional>
 #include <vector>
 
-#include "baker/bake.hpp"
 #include "baker/cast.hpp"
 #include "baker/oriented_box.hpp"
+#include "baker/progress.hpp"
 
 namespace spm::baker {
 

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "baker/bake.hpp"
+#include "baker/bake_options.hpp"
 #include "baker/mesh.hpp"
 
 namespace spm::baker {

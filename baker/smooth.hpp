@@ -3,8 +3,8 @@
 
 #include <cstddef>
 
-#include "baker/bake.hpp"
 #include "baker/mesh.hpp"
+#include "baker/progress.hpp"
 #include "baker/smooth_options.hpp"
 
 namespace spm::baker {

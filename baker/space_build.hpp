@@ -6,8 +6,8 @@
 #include <functional>
 #include <memory>
 
-#include "baker/bake.hpp"
 #include "baker/cast.hpp"
+#include "baker/progress.hpp"
 #include "baker/reach.hpp"
 #include "common/space_tree.hpp"
 #include "formats/asset.hpp"

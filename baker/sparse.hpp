@@ -2,8 +2,11 @@
 #pragma once
 
 #include "baker/bake.hpp"
+#include "baker/bake_options.hpp"
+#include "baker/bake_report.hpp"
 #include "baker/cast.hpp"
 #include "baker/hull.hpp"
+#include "baker/progress.hpp"
 #include "baker/stages.hpp"
 
 namespace spm::baker {

@@ -5,7 +5,8 @@
 #include <numbers>
 #include <vector>
 
-#include "baker/bake.hpp"
+#include "baker/bake_report.hpp"
+#include "baker/progress.hpp"
 #include "baker/reach.hpp"
 #include "baker/space_build.hpp"
 #include "baker/tiles.hpp"

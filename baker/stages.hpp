@@ -4,18 +4,13 @@
 #include <cstdint>
 #include <vector>
 
-#include "baker/bake.hpp"
+#include "baker/bake_options.hpp"
+#include "baker/bake_report.hpp"
 #include "baker/cast.hpp"
+#include "baker/progress.hpp"
 #include "formats/asset.hpp"
 
 namespace spm::baker {
-
-/// What casting the maps counted.
-struct CastCounts {
-  std::uint64_t rays = 0;
-  std::uint64_t inconsistent = 0;  ///< rays whose crossings did not alternate
-  std::uint32_t layers_max = 0;    ///< most crossings met along one ray
-};
 
 /// Distance maps of a `full` asset, one a plane over the plane's own region; moves each plane's x0
 /// to its map's first sample. Scalar or vectorial as `options.layers` says.

@@ -7,8 +7,8 @@
 #include <cstdint>
 #include <vector>
 
-#include "baker/bake.hpp"
 #include "baker/cast.hpp"
+#include "baker/progress.hpp"
 #include "common/tile.hpp"
 #include "formats/asset.hpp"
 

@@ -4,9 +4,9 @@
 #include <cstdint>
 #include <vector>
 
-#include "baker/bake.hpp"
+#include "baker/bake_options.hpp"
 #include "baker/cast.hpp"
-#include "baker/stages.hpp"
+#include "baker/progress.hpp"
 #include "baker/surface_points.hpp"
 #include "formats/asset.hpp"
 

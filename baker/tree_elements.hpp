@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "baker/bake.hpp"
+#include "baker/bake_report.hpp"
 #include "baker/fallback_triangles.hpp"
 #include "baker/space_build.hpp"
 #include "baker/surface_proof.hpp"

@@ -5,12 +5,10 @@
 #include <array>
 #include <cstddef>
 
+#include "common/stabilization_settings.hpp"
 #include "common/vector.hpp"
 
 namespace spm {
-
-/// Longest delay that is reckoned with, ticks.
-inline constexpr double most_delay_ticks = 8;
 
 struct PassivitySettings {
   double delay_ticks = 1;    ///< between a reading and the force that answers it, 0 or more

@@ -5,15 +5,10 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "common/stabilization_settings.hpp"
 #include "common/vector.hpp"
 
 namespace spm {
-
-/// How a velocity is told from positions.
-enum class VelocityBy : std::uint8_t {
-  estimate,    ///< the longest straight window
-  difference,  ///< the last two positions alone: noise of one encoder step a tick
-};
 
 /// The velocity of a position that an encoder counts in steps, from the last ticks: of all windows
 /// that end now the longest through which a straight line meets every position within the step; its

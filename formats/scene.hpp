@@ -5,11 +5,12 @@
 #include <string>
 #include <vector>
 
-#include "common/contact_model.hpp"
 #include "common/device_profile.hpp"
+#include "common/effect_settings.hpp"
 #include "common/error.hpp"
+#include "common/force_law.hpp"
 #include "common/placement.hpp"
-#include "common/stability_cures.hpp"
+#include "common/stabilization_settings.hpp"
 
 namespace spm {
 

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "common/device_profile.hpp"
-#include "common/stability_cures.hpp"
+#include "common/stabilization_settings.hpp"
 #include "formats/table_reader.hpp"
 
 namespace spm {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "common/contact_model.hpp"
+#include "common/effect_settings.hpp"
 #include "formats/table_reader.hpp"
 
 namespace spm {
