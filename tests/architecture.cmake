@@ -33,6 +33,10 @@ endfunction()
 spm_write_link_graph(${CMAKE_BINARY_DIR}/link-graph.txt spm-bake spm-servo spm_query
                      spm_query_example spm_client spm_client_example)
 
+get_property(rooms GLOBAL PROPERTY spm_rooms)
+list(JOIN rooms "\n" rooms)
+file(WRITE ${CMAKE_BINARY_DIR}/rooms.txt "${rooms}\n")
+
 find_package(Python3 3.11 REQUIRED COMPONENTS Interpreter)
 add_test(NAME "The layout, links and licences are the agreed ones"
          COMMAND ${Python3_EXECUTABLE} -B ${CMAKE_CURRENT_LIST_DIR}/architecture_test.py

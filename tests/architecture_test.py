@@ -31,10 +31,11 @@ TOP_LEVEL = {
 HEAVY_HEADER = re.compile(r"^(CGAL|embree\d*|openvdb|fcl)/|^bt[A-Z]")
 HEAVY_TARGET = re.compile(r"cgal|embree|gmp|mpfr|openvdb|fcl|bullet", re.IGNORECASE)
 LEAN_TARGETS = ("spm-servo", "spm_query", "spm_query_example", "spm_client", "spm_client_example",
-                "spm_common", "spm_formats")
+                "spm_common_query", "spm_formats_asset")
 DATA_FILE = re.compile(r"\.(obj|ply|stl|off|3ds|glb|gltf|exr|bin)$", re.IGNORECASE)
 INCLUDE = re.compile(r'^\s*#\s*include\s*(["<])([^">]+)[">]', re.MULTILINE)
 MOST_LINES = 450
+MOST_FILES = 32
 EQUATIONS = range(1, 10)
 
 
@@ -95,6 +96,23 @@ def link_graph() -> dict[str, set[str]]:
     return graph
 
 
+def rooms() -> dict[str, set[str]]:
+    """Rooms and those they may use, as the CMake files say (written by architecture.cmake)."""
+    found = {}
+    for line in (BUILD / "rooms.txt").read_text(encoding="utf-8").splitlines():
+        room, _, used = line.partition(":")
+        found[room] = set(used.split())
+    return found
+
+
+def file_of_include(path: Path, name: str) -> Path | None:
+    """Our file that a quoted include names; None where it is none of ours."""
+    for found in (Path(name), path.parent / name):
+        if (SOURCE / found).is_file():
+            return Path(str(found))
+    return None
+
+
 def reachable(graph: dict[str, set[str]], start: str) -> set[str]:
     found, open_ends = set(), [start]
     while open_ends:
@@ -125,6 +143,38 @@ class Folders(unittest.TestCase):
                 if folder and folder != path.parts[0]:
                     uses.setdefault(path.parts[0], set()).add(folder)
         self.assertIn("common", list(TopologicalSorter(uses).static_order()))
+
+    def test_a_room_includes_only_what_its_cmake_file_says_and_uses_all_of_that(self) -> None:
+        allowed = rooms()
+        self.assertGreater(len(allowed), 40)
+        used: dict[str, set[str]] = {room: set() for room in allowed}
+        wrong = []
+        for path in filter(is_cpp, project_files()):
+            room = str(path.parent)
+            if path.parts[0] == "tests" or room in {"formats/query", "servo/client/examples"}:
+                continue
+            if room not in allowed:
+                wrong.append(f"{path}: lies in no room")
+                continue
+            for name, quoted in includes(path):
+                found = file_of_include(path, name) if quoted else None
+                if found is None or found.parent == path.parent:
+                    continue
+                used[room].add(str(found.parent))
+                if str(found.parent) not in allowed[room]:
+                    wrong.append(f'{path}: {room} must not include "{name}"')
+        self.assertEqual(wrong, [])
+        self.assertEqual({room: allowed[room] - used[room] for room in allowed
+                          if allowed[room] - used[room]}, {})
+
+    def test_the_rooms_form_no_cycle(self) -> None:
+        self.assertGreater(len(list(TopologicalSorter(rooms()).static_order())), 40)
+
+    def test_no_room_is_fuller_than_a_reader_likes(self) -> None:
+        files: dict[str, int] = {}
+        for path in filter(is_cpp, project_files()):
+            files[str(path.parent)] = files.get(str(path.parent), 0) + 1
+        self.assertEqual({room: many for room, many in files.items() if many > MOST_FILES}, {})
 
     def test_only_the_baker_and_tests_include_cgal_and_embree(self) -> None:
         wrong = [f"{path}: <{name}>" for path in filter(is_cpp, project_files())
@@ -187,7 +237,7 @@ class Sources(unittest.TestCase):
                                                                    ("tests", "bench"),
                                                                    ("tests", "stability")}
             if path.parts[0] == "tests" and is_cpp(path):
-                baker = baker or any(HEAVY_HEADER.match(name) or name.startswith("baker/")
+                baker = baker or any(HEAVY_HEADER.match(name) or name.startswith(("baker/", "tests/baker/"))
                                      for name, _ in includes(path))
             wanted = "GPL-3.0-or-later" if baker else "Apache-2.0"
             head = "\n".join(text_of(path).splitlines()[:2])

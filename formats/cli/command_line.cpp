@@ -12,7 +12,7 @@
 #include <iostream>
 #include <memory>
 
-#include "formats/cli/nearest_word.hpp"
+#include "formats/files/nearest_word.hpp"
 #include "formats/cli/progress_text.hpp"
 
 namespace spm::cli {

@@ -11,8 +11,8 @@
 #include <utility>
 #include <vector>
 
-#include "common/error.hpp"
-#include "common/units.hpp"
+#include "common/base/error.hpp"
+#include "common/base/units.hpp"
 
 namespace spm::cli {
 

@@ -10,9 +10,9 @@
 #include <span>
 #include <string>
 
-#include "common/force_law.hpp"
-#include "common/query.hpp"
-#include "formats/mapped_asset.hpp"
+#include "common/contact/force_law.hpp"
+#include "common/query/query.hpp"
+#include "formats/asset/mapped_asset.hpp"
 
 struct spm_query_asset {
   std::unique_ptr<spm::MappedAsset> asset;

@@ -11,7 +11,7 @@
 #include <string_view>
 #include <utility>
 
-#include "servo/client/fixed_text.hpp"
+#include "servo/shared/fixed_text.hpp"
 
 namespace spm::servo {
 

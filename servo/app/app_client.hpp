@@ -8,10 +8,10 @@
 #include <memory>
 #include <string>
 
-#include "common/error.hpp"
+#include "common/base/error.hpp"
 #include "servo/app/client_ring.hpp"
 #include "servo/app/shared_memory.hpp"
-#include "servo/client/socket_messages.h"
+#include "servo/shared/socket_messages.h"
 
 namespace spm::servo {
 

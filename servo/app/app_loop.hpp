@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <span>
 
-#include "servo/device_counters.hpp"
+#include "servo/safety/device_counters.hpp"
 
 namespace spm::servo {
 

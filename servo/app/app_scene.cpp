@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <limits>
 
-#include "common/turn_limit.hpp"
+#include "common/contact/turn_limit.hpp"
 
 namespace spm::servo {
 

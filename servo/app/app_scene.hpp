@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-#include "common/scene_force.hpp"
+#include "servo/force/scene_force.hpp"
 #include "servo/app/app_state.hpp"
 #include "servo/app/pose_interpolator.hpp"
 #include "servo/scene/scene_edit.hpp"

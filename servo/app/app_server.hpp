@@ -15,7 +15,7 @@
 #include <thread>
 #include <vector>
 
-#include "common/error.hpp"
+#include "common/base/error.hpp"
 #include "servo/app/app_client.hpp"
 #include "servo/app/app_state.hpp"
 #include "servo/app/listening_socket.hpp"

@@ -8,9 +8,9 @@
 #include <utility>
 
 #include "servo/app/app_client.hpp"
-#include "servo/client/fixed_text.hpp"
-#include "servo/client/shared_buckets.hpp"
-#include "servo/client/shared_words.hpp"
+#include "servo/shared/fixed_text.hpp"
+#include "servo/shared/shared_buckets.hpp"
+#include "servo/shared/shared_words.hpp"
 #include "servo/client/spm_client.h"
 
 namespace spm::servo {

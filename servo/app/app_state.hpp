@@ -9,14 +9,14 @@
 #include <string>
 #include <vector>
 
-#include "common/error.hpp"
-#include "common/placement.hpp"
-#include "servo/app/app_command.hpp"
+#include "common/base/error.hpp"
+#include "common/base/placement.hpp"
+#include "servo/shared/app_command.hpp"
 #include "servo/app/app_loop.hpp"
 #include "servo/app/client_ring.hpp"
 #include "servo/app/shared_memory.hpp"
-#include "servo/device.hpp"
-#include "servo/safety.hpp"
+#include "servo/devices/base/device.hpp"
+#include "servo/safety/safety.hpp"
 
 namespace spm::servo {
 

@@ -15,7 +15,7 @@
 #include <thread>
 #include <utility>
 
-#include "servo/client/socket_path.hpp"
+#include "servo/shared/socket_path.hpp"
 
 namespace spm::servo {
 

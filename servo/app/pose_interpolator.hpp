@@ -3,8 +3,8 @@
 
 #include <cstdint>
 
-#include "common/placement.hpp"
-#include "common/vector.hpp"
+#include "common/base/placement.hpp"
+#include "common/base/vector.hpp"
 
 namespace spm::servo {
 

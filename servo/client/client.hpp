@@ -11,7 +11,7 @@
 
 #include "servo/client/connection.hpp"
 #include "servo/client/event_queue.hpp"
-#include "servo/client/shared_words.hpp"
+#include "servo/shared/shared_words.hpp"
 #include "servo/client/spm_client.h"
 
 /// What spm_client.h's handle stands for.

@@ -3,9 +3,9 @@
 #include <cmath>
 #include <ctime>
 
-#include "servo/app/app_command.hpp"
+#include "servo/shared/app_command.hpp"
 #include "servo/client/client.hpp"
-#include "servo/client/shared_words.hpp"
+#include "servo/shared/shared_words.hpp"
 #include "servo/client/state_reader.hpp"
 
 namespace {

@@ -2,7 +2,7 @@
 #include <cstring>
 
 #include "servo/client/client.hpp"
-#include "servo/client/shared_buckets.hpp"
+#include "servo/shared/shared_buckets.hpp"
 #include "servo/client/spm_client.h"
 #include "servo/client/state_reader.hpp"
 

@@ -15,9 +15,9 @@
 #include <thread>
 #include <utility>
 
-#include "servo/client/shared_words.hpp"
-#include "servo/client/socket_messages.h"
-#include "servo/client/socket_path.hpp"
+#include "servo/shared/shared_words.hpp"
+#include "servo/shared/socket_messages.h"
+#include "servo/shared/socket_path.hpp"
 #include "servo/client/spm_client.h"
 
 namespace spm::servo {

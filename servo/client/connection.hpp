@@ -7,7 +7,7 @@
 #include <string>
 #include <tl/expected.hpp>
 
-#include "servo/client/shared_layout.h"
+#include "servo/shared/shared_layout.h"
 
 namespace spm::servo {
 

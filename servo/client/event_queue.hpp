@@ -5,7 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "servo/client/shared_layout.h"
+#include "servo/shared/shared_layout.h"
 #include "servo/client/spm_client.h"
 
 namespace spm::servo {

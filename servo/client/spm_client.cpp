@@ -6,12 +6,12 @@
 #include <memory>
 #include <string>
 
-#include "servo/app/refusal.hpp"
+#include "servo/shared/refusal.hpp"
 #include "servo/client/client.hpp"
-#include "servo/client/fixed_text.hpp"
-#include "servo/client/socket_path.hpp"
+#include "servo/shared/fixed_text.hpp"
+#include "servo/shared/socket_path.hpp"
 #include "servo/client/state_reader.hpp"
-#include "servo/clock.hpp"
+#include "servo/base/clock.hpp"
 
 namespace {
 

@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <cstdint>
 
-#include "servo/client/shared_layout.h"
-#include "servo/client/shared_words.hpp"
+#include "servo/shared/shared_layout.h"
+#include "servo/shared/shared_words.hpp"
 
 namespace spm::servo {
 

@@ -4,7 +4,7 @@
 #include <memory>
 
 #include "servo/commands/tool_commands.hpp"
-#include "servo/device_finder.hpp"
+#include "servo/devices/finder/device_finder.hpp"
 
 namespace spm::servo {
 

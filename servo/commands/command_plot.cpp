@@ -10,8 +10,8 @@
 #include <memory>
 #include <vector>
 
-#include "formats/output_file.hpp"
-#include "formats/recording.hpp"
+#include "formats/files/output_file.hpp"
+#include "formats/motion/recording.hpp"
 #include "servo/commands/child_program.hpp"
 #include "servo/commands/tool_commands.hpp"
 

@@ -7,12 +7,12 @@
 #include <optional>
 #include <span>
 
-#include "common/instruction_set.hpp"
-#include "formats/mapped_asset.hpp"
-#include "formats/recording.hpp"
+#include "common/base/instruction_set.hpp"
+#include "formats/asset/mapped_asset.hpp"
+#include "formats/motion/recording.hpp"
 #include "servo/commands/commands.hpp"
-#include "servo/replay.hpp"
-#include "servo/run_report.hpp"
+#include "servo/loop/replay.hpp"
+#include "servo/loop/run_report.hpp"
 #include "servo/scene/force_choice.hpp"
 
 namespace spm::servo {

@@ -5,8 +5,8 @@
 #include <memory>
 
 #include "servo/commands/commands.hpp"
-#include "servo/run.hpp"
-#include "servo/run_report.hpp"
+#include "servo/loop/run.hpp"
+#include "servo/loop/run_report.hpp"
 
 namespace spm::servo {
 

@@ -11,7 +11,7 @@
 
 #include "servo/client/spm_client.h"
 #include "servo/commands/tool_commands.hpp"
-#include "servo/stop_signals.hpp"
+#include "servo/realtime/stop_signals.hpp"
 #include "servo/top/top_screen.hpp"
 #include "servo/top/top_terminal.hpp"
 

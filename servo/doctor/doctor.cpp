@@ -6,7 +6,7 @@
 #include "servo/doctor/doctor_limits.hpp"
 #include "servo/doctor/doctor_machine.hpp"
 #include "servo/doctor/doctor_usb.hpp"
-#include "servo/run_report.hpp"
+#include "servo/loop/run_report.hpp"
 
 namespace spm::servo {
 

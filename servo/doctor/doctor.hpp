@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "servo/device_finder.hpp"
+#include "servo/devices/finder/device_finder.hpp"
 #include "servo/doctor/doctor_wakeup.hpp"
 #include "servo/doctor/verdict.hpp"
 

@@ -5,7 +5,7 @@
 #include <optional>
 
 #include "servo/doctor/verdict.hpp"
-#include "servo/realtime.hpp"
+#include "servo/realtime/realtime.hpp"
 
 namespace spm::servo {
 

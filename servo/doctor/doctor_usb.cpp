@@ -9,8 +9,8 @@
 #include <memory>
 #include <span>
 
-#include "servo/clock.hpp"
-#include "servo/usb_place.hpp"
+#include "servo/base/clock.hpp"
+#include "servo/devices/base/usb_place.hpp"
 
 namespace spm::servo {
 

@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
-#include "servo/device_finder.hpp"
+#include "servo/devices/finder/device_finder.hpp"
 #include "servo/doctor/verdict.hpp"
-#include "servo/statistics.hpp"
+#include "servo/base/statistics.hpp"
 
 namespace spm::servo {
 

@@ -8,8 +8,8 @@
 #include <cmath>
 #include <thread>
 
-#include "servo/clock.hpp"
-#include "servo/schedule.hpp"
+#include "servo/base/clock.hpp"
+#include "servo/base/schedule.hpp"
 
 namespace spm::servo {
 

@@ -5,8 +5,8 @@
 #include <functional>
 
 #include "servo/doctor/verdict.hpp"
-#include "servo/realtime.hpp"
-#include "servo/statistics.hpp"
+#include "servo/realtime/realtime.hpp"
+#include "servo/base/statistics.hpp"
 
 namespace spm::servo {
 

@@ -11,8 +11,8 @@
 #include <thread>
 #include <vector>
 
-#include "common/error.hpp"
-#include "formats/mapped_asset.hpp"
+#include "common/base/error.hpp"
+#include "formats/asset/mapped_asset.hpp"
 #include "servo/scene/asset_slot.hpp"
 
 namespace spm::servo {

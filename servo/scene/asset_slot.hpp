@@ -3,8 +3,8 @@
 
 #include <atomic>
 
-#include "common/asset_view.hpp"
-#include "formats/mapped_asset.hpp"
+#include "common/asset/asset_view.hpp"
+#include "formats/asset/mapped_asset.hpp"
 
 namespace spm::servo {
 

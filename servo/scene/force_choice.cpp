@@ -5,8 +5,8 @@
 #include <filesystem>
 #include <utility>
 
-#include "common/stable_stiffness.hpp"
-#include "common/units.hpp"
+#include "common/contact/stable_stiffness.hpp"
+#include "common/base/units.hpp"
 
 namespace spm::servo {
 

@@ -5,10 +5,10 @@
 #include <string>
 #include <vector>
 
-#include "common/error.hpp"
-#include "common/scene_force.hpp"
-#include "formats/asset.hpp"
-#include "formats/scene.hpp"
+#include "common/base/error.hpp"
+#include "servo/force/scene_force.hpp"
+#include "formats/asset/asset.hpp"
+#include "formats/scene/scene.hpp"
 
 namespace spm::servo {
 

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "common/placed_contact.hpp"
+#include "servo/force/placed_contact.hpp"
 
 namespace spm::servo {
 

@@ -8,8 +8,8 @@
 #include <span>
 #include <vector>
 
-#include "common/placed_contact.hpp"
-#include "common/stability_cures.hpp"
+#include "servo/force/placed_contact.hpp"
+#include "servo/force/stability_cures.hpp"
 #include "servo/scene/scene_difference.hpp"
 
 namespace spm::servo {

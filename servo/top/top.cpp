@@ -6,7 +6,7 @@
 #include <cstddef>
 #include <nlohmann/json.hpp>
 
-#include "servo/client/shared_buckets.hpp"
+#include "servo/shared/shared_buckets.hpp"
 
 namespace spm::servo {
 

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-add_executable(bake_tests bake_accuracy_test.cpp element_index_test.cpp bake_test.cpp cast_test.cpp
-                          direction_error_test.cpp export_test.cpp elements_test.cpp
-                          overlap_volume_test.cpp surface_samples_test.cpp
-                          tiles_test.cpp)
+add_executable(bake_tests pipeline/bake_accuracy_test.cpp ../common/index/element_index_test.cpp pipeline/bake_test.cpp cast/cast_test.cpp
+                          trials/direction_error_test.cpp pictures/export_test.cpp trees/elements_test.cpp
+                          ../common/sixdof/overlap_volume_baked_test.cpp ../common/sixdof/surface_samples_baked_test.cpp
+                          tiles/tiles_test.cpp)
 target_link_libraries(bake_tests PRIVATE spm_baker spm_test_main)
 catch_discover_tests(bake_tests TEST_PREFIX "bake: ")

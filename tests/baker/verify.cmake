@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 # The reference that assets are measured against, and the measuring.
-add_executable(verify_tests exact_surface_test.cpp exact_winding_test.cpp render_test.cpp
-                            verify_test.cpp)
+add_executable(verify_tests verify/exact_surface_test.cpp verify/exact_winding_test.cpp verify/render_test.cpp
+                            verify/verify_test.cpp)
 target_link_libraries(verify_tests PRIVATE spm_baker spm_test_main)
 catch_discover_tests(verify_tests TEST_PREFIX "verify: ")

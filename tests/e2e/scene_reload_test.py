@@ -25,7 +25,7 @@ FRICTION = 0.02  # N, of the profile `low`, beside the hand's spring
 DEPTH = 0.002  # m, where the hand wants to be below the box's top
 RADIUS = 0.02  # m, of the ball
 PATIENCE = 60  # s
-ROW = struct.Struct("<Q9dd2iIHBB")  # formats/recording.hpp
+ROW = struct.Struct("<Q9dd2iIHBB")  # formats/motion/recording.hpp
 SIZE_AT, HEADER_AT, FOOT = 8, 16, 16  # bytes
 HEAD = f"[workspace]\npose = [0, 0, {TOP}]\n"
 

@@ -14,7 +14,7 @@
 #include <utility>
 #include <vector>
 
-#include "common/vector.hpp"
+#include "common/base/vector.hpp"
 
 namespace spm::test {
 

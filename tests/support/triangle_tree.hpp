@@ -5,7 +5,7 @@
 #include <cmath>
 #include <vector>
 
-#include "formats/asset.hpp"
+#include "formats/asset/asset.hpp"
 
 namespace spm::test {
 

@@ -5,8 +5,8 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "common/vector.hpp"
-#include "servo/random.hpp"
+#include "common/base/vector.hpp"
+#include "servo/base/random.hpp"
 
 namespace spm::servo {
 

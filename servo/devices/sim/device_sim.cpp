@@ -4,8 +4,8 @@
 #include <limits>
 #include <vector>
 
-#include "common/device_profile.hpp"
-#include "formats/trajectory.hpp"
+#include "common/base/device_profile.hpp"
+#include "formats/motion/trajectory.hpp"
 #include "servo/devices/sim/hand_planner.hpp"
 
 namespace spm::servo {

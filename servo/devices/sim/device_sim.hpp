@@ -3,7 +3,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "servo/device.hpp"
+#include "servo/devices/base/device.hpp"
 #include "servo/devices/sim/hand_motion.hpp"
 #include "servo/devices/sim/sim_options.hpp"
 #include "servo/devices/sim/sim_plant.hpp"

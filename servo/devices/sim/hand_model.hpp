@@ -3,7 +3,7 @@
 
 #include <cstdint>
 
-#include "common/vector.hpp"
+#include "common/base/vector.hpp"
 
 namespace spm::servo {
 

@@ -4,8 +4,8 @@
 #include <cstdint>
 #include <span>
 
-#include "common/error.hpp"
-#include "common/scene_force.hpp"
+#include "common/base/error.hpp"
+#include "servo/force/scene_force.hpp"
 #include "servo/devices/sim/hand_motion.hpp"
 #include "servo/devices/sim/sim_plant.hpp"
 

@@ -3,8 +3,8 @@
 
 #include <algorithm>
 
-#include "servo/devices/falcon_kinematics.hpp"
-#include "servo/devices/wooden_kinematics.hpp"
+#include "servo/devices/falcon/falcon_kinematics.hpp"
+#include "servo/devices/wooden/wooden_kinematics.hpp"
 
 namespace spm::servo {
 

@@ -6,7 +6,7 @@
 #include <optional>
 #include <string_view>
 
-#include "common/vector.hpp"
+#include "common/base/vector.hpp"
 
 namespace spm::servo {
 

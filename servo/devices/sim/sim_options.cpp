@@ -6,8 +6,8 @@
 #include <array>
 #include <charconv>
 
-#include "common/units.hpp"
-#include "servo/devices/option_list.hpp"
+#include "common/base/units.hpp"
+#include "servo/devices/base/option_list.hpp"
 #include "servo/devices/sim/actuator_line.hpp"
 #include "servo/devices/sim/hand_motion.hpp"
 

@@ -5,7 +5,7 @@
 #include <string>
 #include <string_view>
 
-#include "common/error.hpp"
+#include "common/base/error.hpp"
 #include "servo/devices/sim/hand_model.hpp"
 #include "servo/devices/sim/moving_mass.hpp"
 #include "servo/devices/sim/sim_profile.hpp"

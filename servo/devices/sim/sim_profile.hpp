@@ -4,7 +4,7 @@
 #include <array>
 #include <string_view>
 
-#include "common/device_profile.hpp"
+#include "common/base/device_profile.hpp"
 
 namespace spm::servo {
 

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "common/query.hpp"
+#include "common/query/query.hpp"
 
 namespace spm::servo {
 

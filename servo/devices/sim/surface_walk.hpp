@@ -4,8 +4,8 @@
 #include <optional>
 #include <vector>
 
-#include "common/asset_view.hpp"
-#include "servo/random.hpp"
+#include "common/asset/asset_view.hpp"
+#include "servo/base/random.hpp"
 
 namespace spm::servo {
 

@@ -2,7 +2,7 @@
 """Applications that misbehave, as child processes: they flood the daemon with commands, write
 garbage into the memory that they share with it, stop in the middle of a command, or connect and say
 nothing. None of them ends by itself. The numbers of the layout are those of
-servo/client/shared_layout.h."""
+servo/shared/shared_layout.h."""
 
 import math
 import mmap

@@ -12,8 +12,8 @@
 #include <cstdio>
 #include <string>
 
-#include "servo/devices/wooden_port.hpp"
-#include "servo/realtime.hpp"
+#include "servo/devices/wooden/wooden_port.hpp"
+#include "servo/realtime/realtime.hpp"
 
 namespace {
 

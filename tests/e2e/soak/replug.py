@@ -7,7 +7,7 @@ force outlived the device, and how often it came back.
 The emulated device notes when it was unplugged (CLOCK_MONOTONIC); the recording's tick 0 is placed
 on the same clock by what the daemon tells applications. 1 means that the next tick that was due had
 no force any more: a thread of the daemon waits for reports, is woken up by the loss itself, and
-leaves word for the loop (servo/devices/port_threads.hpp).
+leaves word for the loop (servo/devices/base/port_threads.hpp).
 """
 
 import argparse

@@ -188,7 +188,7 @@ class Row(NamedTuple):
 
 
 def read_recording(path: str) -> tuple[float, list[Row]]:
-    """Rate in Hz and the rows of the first device; the layout is that of formats/recording.hpp."""
+    """Rate in Hz and the rows of the first device; the layout is that of formats/motion/recording.hpp."""
     layout = struct.Struct("<Q10d2iIH2B")
     with open(path, "rb") as file:
         content = file.read()

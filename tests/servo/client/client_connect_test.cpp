@@ -8,10 +8,10 @@
 #include <thread>
 #include <utility>
 
-#include "servo/client/socket_messages.h"
+#include "servo/shared/socket_messages.h"
 #include "servo/client/spm_client.h"
-#include "tests/servo/client/connected_client.hpp"
-#include "tests/servo/client/loop_stand_in.hpp"
+#include "tests/servo/support/connected_client.hpp"
+#include "tests/servo/support/loop_stand_in.hpp"
 
 using namespace spm::test;
 

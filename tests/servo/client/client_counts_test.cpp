@@ -9,10 +9,10 @@
 #include <vector>
 
 #include "servo/app/app_server.hpp"
-#include "servo/client/shared_buckets.hpp"
+#include "servo/shared/shared_buckets.hpp"
 #include "servo/client/spm_client.h"
-#include "tests/servo/client/connected_client.hpp"
-#include "tests/servo/client/loop_stand_in.hpp"
+#include "tests/servo/support/connected_client.hpp"
+#include "tests/servo/support/loop_stand_in.hpp"
 
 using namespace spm;
 using namespace spm::servo;

@@ -11,8 +11,8 @@
 
 #include "servo/app/app_server.hpp"
 #include "servo/client/spm_client.h"
-#include "tests/servo/client/connected_client.hpp"
-#include "tests/servo/client/loop_stand_in.hpp"
+#include "tests/servo/support/connected_client.hpp"
+#include "tests/servo/support/loop_stand_in.hpp"
 
 using namespace spm;
 using namespace spm::servo;

@@ -181,7 +181,7 @@ class Package(WithDaemon):
         self.tell("c")
         self.assertTrue(eventually(lambda: client.daemon_state()[0] == DaemonState.RUNNING and
                                    client.device_counts().contact_ticks > 0))
-        # What tests/servo/client/loop_stand_in.cpp counts.
+        # What tests/servo/support/loop_stand_in.cpp counts.
         loop, counts = client.loop(), client.device_counts()
         self.assertEqual((loop.missed, loop.skipped), (loop.ticks + 7, loop.ticks + 8))
         self.assertEqual((sum(loop.wake), sum(loop.busy)), (loop.ticks, loop.ticks))
@@ -271,7 +271,7 @@ class CSharp(WithDaemon):
         self.assertIn("no such object", found["reason"])
         self.assertEqual(found["not_a_number"], "BadArgument")
         self.assertTrue(found["cause"].startswith("device_gone: plug"), found["cause"])
-        # What tests/servo/client/loop_stand_in.cpp counts.
+        # What tests/servo/support/loop_stand_in.cpp counts.
         self.assertGreater(int(found["ticks"]), 0)
         self.assertEqual((found["missed"], found["skipped"], found["busy_max"]), ("7", "8", "500"))
         self.assertEqual((found["wake"], found["busy"]), ("1", "3"))

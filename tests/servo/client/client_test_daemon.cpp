@@ -4,7 +4,7 @@
 #include <cstdio>
 
 #include "servo/app/app_server.hpp"
-#include "tests/servo/client/loop_stand_in.hpp"
+#include "tests/servo/support/loop_stand_in.hpp"
 
 int main(int argc, char** argv) {
   if (argc != 2) {

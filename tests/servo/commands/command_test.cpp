@@ -11,9 +11,9 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
-#include "servo/clock.hpp"
-#include "servo/device_list.hpp"
-#include "tests/servo/shape_asset.hpp"
+#include "servo/base/clock.hpp"
+#include "servo/devices/finder/device_list.hpp"
+#include "tests/servo/support/shape_asset.hpp"
 
 using nlohmann::json;
 using spm::test::TemporaryFolder;

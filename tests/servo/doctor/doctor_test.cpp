@@ -8,7 +8,7 @@
 #include "servo/doctor/doctor_limits.hpp"
 #include "servo/doctor/doctor_machine.hpp"
 #include "servo/doctor/doctor_usb.hpp"
-#include "tests/servo/shape_asset.hpp"
+#include "tests/servo/support/shape_asset.hpp"
 
 using namespace spm::servo;
 using spm::test::TemporaryFolder;

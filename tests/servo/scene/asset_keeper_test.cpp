@@ -14,9 +14,9 @@
 #include <memory>
 
 #include "servo/devices/sim/device_sim.hpp"
-#include "servo/loop.hpp"
-#include "tests/servo/scripted_device.hpp"
-#include "tests/servo/shape_asset.hpp"
+#include "servo/loop/loop.hpp"
+#include "tests/servo/support/scripted_device.hpp"
+#include "tests/servo/support/shape_asset.hpp"
 
 using namespace spm;
 using namespace spm::servo;

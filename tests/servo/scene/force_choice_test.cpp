@@ -4,8 +4,8 @@
 #include <catch2/catch.hpp>
 #include <fstream>
 
-#include "common/stable_stiffness.hpp"
-#include "tests/servo/shape_asset.hpp"
+#include "common/contact/stable_stiffness.hpp"
+#include "tests/servo/support/shape_asset.hpp"
 
 using namespace spm;
 using namespace spm::servo;

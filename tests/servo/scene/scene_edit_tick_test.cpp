@@ -5,10 +5,10 @@
 #include <catch2/catch.hpp>
 #include <thread>
 
-#include "servo/loop.hpp"
-#include "tests/servo/intercepted_calls.hpp"
-#include "tests/servo/scripted_device.hpp"
-#include "tests/servo/shape_asset.hpp"
+#include "servo/loop/loop.hpp"
+#include "tests/servo/support/intercepted_calls.hpp"
+#include "tests/servo/support/scripted_device.hpp"
+#include "tests/servo/support/shape_asset.hpp"
 
 using namespace spm;
 using namespace spm::servo;

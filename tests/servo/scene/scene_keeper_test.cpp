@@ -15,9 +15,9 @@
 #include <thread>
 #include <vector>
 
-#include "servo/loop.hpp"
-#include "tests/servo/scripted_device.hpp"
-#include "tests/servo/shape_asset.hpp"
+#include "servo/loop/loop.hpp"
+#include "tests/servo/support/scripted_device.hpp"
+#include "tests/servo/support/shape_asset.hpp"
 
 using namespace spm;
 using namespace spm::servo;

@@ -22,7 +22,7 @@
 #include <thread>
 #include <vector>
 
-#include "tests/servo/devices/emulated_hid.hpp"
+#include "tests/servo/devices/hid/emulated_hid.hpp"
 #include "tests/servo/virtual_machine/emulator_program.hpp"
 
 namespace spm::test {

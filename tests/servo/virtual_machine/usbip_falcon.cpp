@@ -22,7 +22,7 @@
 #include <thread>
 #include <vector>
 
-#include "tests/servo/devices/scripted_falcon.hpp"
+#include "tests/servo/devices/falcon/scripted_falcon.hpp"
 #include "tests/servo/virtual_machine/emulator_program.hpp"
 #include "tests/servo/virtual_machine/usbip_link.hpp"
 

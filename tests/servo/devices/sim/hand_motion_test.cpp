@@ -3,7 +3,7 @@
 
 #include <catch2/catch.hpp>
 
-#include "servo/random.hpp"
+#include "servo/base/random.hpp"
 
 using namespace spm::servo;
 using spm::Vector3;

@@ -4,9 +4,9 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
-#include "servo/device_list.hpp"
+#include "servo/devices/finder/device_list.hpp"
 #include "servo/devices/sim/device_sim.hpp"
-#include "tests/servo/shape_asset.hpp"
+#include "tests/servo/support/shape_asset.hpp"
 
 using namespace spm;
 using namespace spm::servo;

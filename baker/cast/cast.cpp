@@ -1,0 +1,358 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "baker/cast/cast.hpp"
+
+#include <embree3/rtcore.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <optional>
+
+#include "baker/base/bake_error.hpp"
+#include "baker/mesh/winding_number.hpp"
+#include "common/surface/closest_on_triangle.hpp"
+
+namespace spm::baker {
+
+namespace {
+
+/// Hits closer along a ray than this share of the diagonal are one crossing of a shared edge.
+constexpr double same_crossing_share = 2e-8;
+/// Feet closer than this share of the diagonal compete for deciding the side.
+constexpr double tie_share = 1e-5;
+/// Nearer to the surface than this share of the diagonal, the direction to it is noise.
+constexpr double surface_share = 1e-7;
+/// A ray that grazes a triangle more flatly than this keeps Embree's own distance.
+constexpr double grazing_cosine = 1e-6;
+
+struct HitCollector {
+  RTCIntersectContext context;
+  std::vector<std::uint32_t>* triangles;
+  std::vector<float>* distances;
+};
+
+struct Candidate {
+  double distance;
+  Vector3 foot;
+  std::uint32_t triangle;
+};
+
+}  // namespace
+
+struct Caster::Implementation {
+  RTCDevice device = nullptr;
+  RTCScene rays = nullptr;    // surface only: caps carry no distance
+  RTCScene points = nullptr;  // surface and caps
+  std::vector<std::array<Vector3, 3>> corners;
+  std::vector<Vector3> normals;
+  std::size_t surface_count = 0;
+  Vector3 centre = Vector3::Zero();
+  double diagonal = 0;
+  std::optional<WindingNumber> winding;
+
+  ~Implementation() {
+    if (rays != nullptr) rtcReleaseScene(rays);
+    if (points != nullptr) rtcReleaseScene(points);
+    if (device != nullptr) rtcReleaseDevice(device);
+  }
+
+  RTCScene make_scene(std::size_t count, bool collecting) {
+    RTCScene scene = rtcNewScene(device);
+    rtcSetSceneFlags(scene, collecting
+                                ? RTC_SCENE_FLAG_ROBUST | RTC_SCENE_FLAG_CONTEXT_FILTER_FUNCTION
+                                : RTC_SCENE_FLAG_ROBUST);
+    RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
+    auto* vertices = static_cast<float*>(rtcSetNewGeometryBuffer(
+        geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, 3 * sizeof(float), 3 * count));
+    auto* indices = static_cast<unsigned*>(rtcSetNewGeometryBuffer(
+        geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, 3 * sizeof(unsigned), count));
+    for (std::size_t i = 0; i < count; ++i) {
+      for (std::size_t k = 0; k < 3; ++k) {
+        // Around the object's middle single precision has the most digits.
+        const Vector3 local = corners[i][k] - centre;
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+          vertices[9 * i + 3 * k + axis] = static_cast<float>(local[static_cast<int>(axis)]);
+        }
+        indices[3 * i + k] = static_cast<unsigned>(3 * i + k);
+      }
+    }
+    rtcCommitGeometry(geometry);
+    rtcAttachGeometry(scene, geometry);
+    rtcReleaseGeometry(geometry);
+    rtcCommitScene(scene);
+    return scene;
+  }
+
+  void collect(const Vector3& origin, const Vector3& direction, double lift,
+               std::vector<Crossing>& crossings) const {
+    thread_local std::vector<std::uint32_t> triangles;
+    thread_local std::vector<float> distances;
+    triangles.clear();
+    distances.clear();
+    HitCollector collector{};
+    rtcInitIntersectContext(&collector.context);
+    collector.context.filter = [](const RTCFilterFunctionNArguments* arguments) {
+      auto* out = reinterpret_cast<HitCollector*>(arguments->context);
+      out->triangles->push_back(RTCHitN_primID(arguments->hit, arguments->N, 0));
+      out->distances->push_back(RTCRayN_tfar(arguments->ray, arguments->N, 0));
+      arguments->valid[0] = 0;
+    };
+    collector.triangles = &triangles;
+    collector.distances = &distances;
+    const Vector3 local = origin - centre;
+    RTCRayHit ray{};
+    ray.ray.org_x = static_cast<float>(local.x());
+    ray.ray.org_y = static_cast<float>(local.y());
+    ray.ray.org_z = static_cast<float>(local.z());
+    ray.ray.dir_x = static_cast<float>(direction.x());
+    ray.ray.dir_y = static_cast<float>(direction.y());
+    ray.ray.dir_z = static_cast<float>(direction.z());
+    ray.ray.tfar = std::numeric_limits<float>::infinity();
+    ray.ray.mask = ~0U;
+    ray.hit.geomID = RTC_INVALID_GEOMETRY_ID;
+    rtcIntersect1(rays, &collector.context, &ray);
+    crossings.clear();
+    for (std::size_t i = 0; i < triangles.size(); ++i) {
+      const std::uint32_t triangle = triangles[i];
+      const double cosine = normals[triangle].dot(direction);
+      const double distance = std::abs(cosine) > grazing_cosine
+                                  ? normals[triangle].dot(corners[triangle][0] - origin) / cosine
+                                  : static_cast<double>(distances[i]);
+      crossings.push_back({distance - lift, triangle, cosine < 0});
+    }
+  }
+};
+
+namespace {
+
+/// Sorts crossings, and makes one of the several that a ray through a shared edge or corner has.
+void merge_crossings(std::vector<Crossing>& crossings, double same) {
+  std::sort(crossings.begin(), crossings.end(), [](const Crossing& a, const Crossing& b) {
+    return a.depth != b.depth ? a.depth < b.depth : a.triangle < b.triangle;
+  });
+  std::vector<Crossing> merged;
+  for (std::size_t i = 0; i < crossings.size();) {
+    std::size_t end = i + 1;
+    while (end < crossings.size() && crossings[end].depth - crossings[end - 1].depth < same) ++end;
+    const auto first_of = [&](bool entry) {
+      return std::find_if(crossings.begin() + static_cast<std::ptrdiff_t>(i),
+                          crossings.begin() + static_cast<std::ptrdiff_t>(end),
+                          [entry](const Crossing& c) { return c.entry == entry; });
+    };
+    const auto stop = crossings.begin() + static_cast<std::ptrdiff_t>(end);
+    const bool has_entry = first_of(true) != stop;
+    const bool has_exit = first_of(false) != stop;
+    // An entry and an exit at one place: the ray touches a silhouette edge and does not cross.
+    if (has_entry != has_exit) merged.push_back(*first_of(has_entry));
+    i = end;
+  }
+  crossings.swap(merged);
+}
+
+bool alternates(const std::vector<Crossing>& crossings) {
+  if (crossings.size() % 2 != 0) return false;
+  for (std::size_t i = 0; i < crossings.size(); ++i) {
+    if (crossings[i].entry != (i % 2 == 0)) return false;
+  }
+  return true;
+}
+
+}  // namespace
+
+Caster::Caster(const OuterSurface& surface) : implementation_(std::make_unique<Implementation>()) {
+  Implementation& self = *implementation_;
+  self.surface_count = surface.surface_count;
+  Vector3 low = Vector3::Constant(std::numeric_limits<double>::infinity());
+  Vector3 high = -low;
+  for (const Triangle& triangle : surface.triangles) {
+    const std::array<Vector3, 3> corners{surface.vertices[triangle[0]],
+                                         surface.vertices[triangle[1]],
+                                         surface.vertices[triangle[2]]};
+    for (const Vector3& corner : corners) {
+      low = low.cwiseMin(corner);
+      high = high.cwiseMax(corner);
+    }
+    self.corners.push_back(corners);
+    self.normals.push_back((corners[1] - corners[0]).cross(corners[2] - corners[0]).normalized());
+  }
+  self.centre = (low + high) / 2;
+  self.diagonal = (high - low).norm();
+  self.winding.emplace(surface.vertices, surface.triangles);
+  self.device = rtcNewDevice(nullptr);
+  if (self.device == nullptr) throw BakeError(ExitCode::internal, "Embree could not be started");
+  self.rays = self.make_scene(self.surface_count, true);
+  self.points = self.make_scene(self.corners.size(), false);
+}
+
+Caster::~Caster() = default;
+
+void Caster::cast(const SupportPlane& plane, double eta, double omega, Column& column) const {
+  const Implementation& self = *implementation_;
+  // The ray starts above its plane: the plane touches the object, which must not be missed.
+  const double lift = 0.01 * self.diagonal;
+  constexpr std::array<std::array<double, 2>, 4> nudges{
+      {{0, 0}, {3e-7, 1e-7}, {-1e-7, 4e-7}, {-3e-7, -5e-7}}};
+  std::vector<Crossing> first_try;
+  for (std::size_t attempt = 0; attempt < nudges.size(); ++attempt) {
+    const Vector3 origin = support_plane_point(plane, eta + nudges[attempt][0] * self.diagonal,
+                                               omega + nudges[attempt][1] * self.diagonal) +
+                           lift * plane.n;
+    self.collect(origin, -plane.n, lift, column.crossings);
+    merge_crossings(column.crossings, same_crossing_share * self.diagonal);
+    column.consistent = alternates(column.crossings);
+    if (column.consistent) return;
+    if (attempt == 0) first_try = column.crossings;
+  }
+  column.crossings.swap(first_try);
+}
+
+std::optional<Crossing> Caster::first_between(const SupportPlane& plane, double eta, double omega,
+                                              double from, double to) const {
+  const Implementation& self = *implementation_;
+  const Vector3 origin = support_plane_point(plane, eta, omega) - from * plane.n;
+  const Vector3 local = origin - self.centre;
+  RTCIntersectContext context;
+  rtcInitIntersectContext(&context);
+  RTCRayHit ray{};
+  ray.ray.org_x = static_cast<float>(local.x());
+  ray.ray.org_y = static_cast<float>(local.y());
+  ray.ray.org_z = static_cast<float>(local.z());
+  ray.ray.dir_x = static_cast<float>(-plane.n.x());
+  ray.ray.dir_y = static_cast<float>(-plane.n.y());
+  ray.ray.dir_z = static_cast<float>(-plane.n.z());
+  ray.ray.tfar = static_cast<float>(to - from);
+  ray.ray.mask = ~0U;
+  ray.hit.geomID = RTC_INVALID_GEOMETRY_ID;
+  rtcIntersect1(self.rays, &context, &ray);
+  if (ray.hit.geomID == RTC_INVALID_GEOMETRY_ID) return std::nullopt;
+  const std::uint32_t triangle = ray.hit.primID;
+  const Vector3& normal = self.normals[triangle];
+  const double cosine = -normal.dot(plane.n);
+  const double distance = std::abs(cosine) > grazing_cosine
+                              ? normal.dot(self.corners[triangle][0] - origin) / cosine
+                              : static_cast<double>(ray.ray.tfar);
+  return Crossing{from + distance, triangle, cosine < 0};
+}
+
+ClosestPoint Caster::closest(const Vector3& point) const {
+  const Implementation& self = *implementation_;
+  struct Search {
+    const Implementation* self;
+    Vector3 point;
+    double tie;
+    double nearest;  // surface or cap
+    double nearest_surface;
+    std::vector<Candidate>* candidates;
+  };
+  thread_local std::vector<Candidate> candidates;
+  candidates.clear();
+  constexpr double infinity = std::numeric_limits<double>::infinity();
+  Search search{&self, point, tie_share * self.diagonal, infinity, infinity, &candidates};
+  const Vector3 local = point - self.centre;
+  RTCPointQuery query{};
+  query.x = static_cast<float>(local.x());
+  query.y = static_cast<float>(local.y());
+  query.z = static_cast<float>(local.z());
+  query.radius = std::numeric_limits<float>::infinity();
+  RTCPointQueryContext context;
+  rtcInitPointQueryContext(&context);
+  const auto visit = [](RTCPointQueryFunctionArguments* arguments) {
+    auto& io = *static_cast<Search*>(arguments->userPtr);
+    const std::uint32_t triangle = arguments->primID;
+    const auto& corners = io.self->corners[triangle];
+    const Vector3 foot = closest_on_triangle(io.point, corners[0], corners[1], corners[2]);
+    const double distance = (foot - io.point).norm();
+    const bool cap = triangle >= io.self->surface_count;
+    if (distance > io.nearest + io.tie && (cap || distance > io.nearest_surface + io.tie))
+      return false;
+    io.candidates->push_back({distance, foot, triangle});
+    io.nearest = std::min(io.nearest, distance);
+    if (cap || distance >= io.nearest_surface) return false;
+    io.nearest_surface = distance;
+    // Single precision: keep enough slack that no triangle within the tie is lost.
+    arguments->query->radius =
+        static_cast<float>((distance + io.tie) * (1 + 1e-5) + 1e-6 * io.self->diagonal);
+    return true;
+  };
+  rtcPointQuery(self.points, &query, &context, visit, &search);
+
+  ClosestPoint result;
+  bool claimed_inside = false, claimed_outside = false;
+  double least = infinity;
+  const Candidate* nearest = nullptr;
+  for (const Candidate& candidate : candidates) {
+    if (candidate.distance <= search.nearest + search.tie) {
+      const double height = self.normals[candidate.triangle].dot(point - candidate.foot);
+      (height < 0 ? claimed_inside : claimed_outside) = true;
+      // A cap is a guess: it may be creased or cross the surface.
+      if (candidate.triangle >= self.surface_count) claimed_inside = claimed_outside = true;
+    }
+    if (candidate.triangle >= self.surface_count) continue;
+    const bool closer = candidate.distance < least ||
+                        (candidate.distance == least && candidate.triangle < nearest->triangle);
+    if (closer) {
+      least = candidate.distance;
+      nearest = &candidate;
+    }
+  }
+  if (nearest == nullptr) throw BakeError(ExitCode::internal, "the surface has no triangle");
+  // At an edge or a corner triangles may disagree, and neither the nearest nor the one that faces
+  // the point most is always right.
+  const bool inside =
+      claimed_inside && claimed_outside ? self.winding->at(point) > 0.5 : claimed_inside;
+  const double side = inside ? -1 : 1;
+  result.distance = side * least;
+  result.clear = search.nearest;
+  result.foot = nearest->foot;
+  result.triangle = nearest->triangle;
+  result.direction = least > surface_share * self.diagonal
+                         ? Vector3(side * (point - nearest->foot) / least)
+                         : self.normals[nearest->triangle];
+  return result;
+}
+
+void Caster::within(const Vector3& point, double radius,
+                    std::vector<std::uint32_t>& triangles) const {
+  const Implementation& self = *implementation_;
+  struct Search {
+    const Implementation* self;
+    Vector3 point;
+    double radius;
+    std::vector<std::uint32_t>* triangles;
+  };
+  triangles.clear();
+  Search search{&self, point, radius, &triangles};
+  const Vector3 local = point - self.centre;
+  RTCPointQuery query{};
+  query.x = static_cast<float>(local.x());
+  query.y = static_cast<float>(local.y());
+  query.z = static_cast<float>(local.z());
+  query.radius = static_cast<float>(radius * (1 + 1e-5) + 1e-6 * self.diagonal);
+  RTCPointQueryContext context;
+  rtcInitPointQueryContext(&context);
+  const auto visit = [](RTCPointQueryFunctionArguments* arguments) {
+    const auto& in = *static_cast<Search*>(arguments->userPtr);
+    const auto& corners = in.self->corners[arguments->primID];
+    const Vector3 foot = closest_on_triangle(in.point, corners[0], corners[1], corners[2]);
+    if ((foot - in.point).norm() <= in.radius) in.triangles->push_back(arguments->primID);
+    return false;
+  };
+  rtcPointQuery(self.points, &query, &context, visit, &search);
+  std::sort(triangles.begin(), triangles.end());
+}
+
+const Vector3& Caster::corner(std::uint32_t triangle, int which) const {
+  return implementation_->corners[triangle][static_cast<std::size_t>(which)];
+}
+const Vector3& Caster::normal(std::uint32_t triangle) const {
+  return implementation_->normals[triangle];
+}
+bool Caster::is_cap(std::uint32_t triangle) const {
+  return triangle >= implementation_->surface_count;
+}
+std::size_t Caster::surface_count() const { return implementation_->surface_count; }
+std::size_t Caster::triangle_count() const { return implementation_->corners.size(); }
+double Caster::diagonal() const { return implementation_->diagonal; }
+
+}  // namespace spm::baker

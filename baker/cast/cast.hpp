@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "baker/surface/outer_surface.hpp"
+#include "common/surface/support_plane.hpp"
+
+namespace spm::baker {
+
+/// Where a ray meets the surface: distance from its plane, metres, double precision.
+struct Crossing {
+  double depth = 0;
+  std::uint32_t triangle = 0;
+  bool entry = false;  ///< into the solid; otherwise out of it
+};
+
+/// All crossings of one ray in order. Consistent: entries and exits alternate, an entry first and
+/// an exit last, as on every closed surface.
+struct Column {
+  std::vector<Crossing> crossings;
+  bool consistent = true;
+};
+
+/// Closest point of the surface, and the side the point lies on.
+struct ClosestPoint {
+  double distance = 0;  ///< signed, m, negative inside
+  Vector3 foot = Vector3::Zero();
+  Vector3 direction = Vector3::UnitZ();  ///< unit, outward: gradient of the signed distance
+  std::uint32_t triangle = 0;
+  double clear = 0;  ///< to the nearest of surface and caps, m: as far the side is the same
+};
+
+/// Rays and closest points on an outer surface. Embree finds the primitives, in single precision;
+/// hits and distances are computed anew in doubles, so that the result is the same on every CPU.
+/// Any number of threads may use one caster.
+class Caster {
+ public:
+  explicit Caster(const OuterSurface& surface);
+  ~Caster();
+  Caster(const Caster&) = delete;
+  Caster& operator=(const Caster&) = delete;
+
+  /// ICD of eq. 2 with all sections of the ray (vectorial, Fig. 2): crossings along -n from the
+  /// plane's point at (eta, omega). A ray whose crossings do not alternate is cast again up to
+  /// three times, displaced by less than a millionth of the object; then it stays marked.
+  void cast(const SupportPlane& plane, double eta, double omega, Column& column) const;
+
+  /// First crossing of the same ray between two depths below the plane, whichever way it goes;
+  /// nothing where there is none.
+  [[nodiscard]] std::optional<Crossing> first_between(const SupportPlane& plane, double eta,
+                                                      double omega, double from, double to) const;
+
+  /// Closest point of the surface (caps carry no distance, but decide the side).
+  [[nodiscard]] ClosestPoint closest(const Vector3& point) const;
+
+  /// Triangles, caps included, with a point within `radius` metres of `point`, ascending.
+  void within(const Vector3& point, double radius, std::vector<std::uint32_t>& triangles) const;
+
+  /// A corner of a triangle, and a triangle's unit normal.
+  [[nodiscard]] const Vector3& corner(std::uint32_t triangle, int which) const;
+  [[nodiscard]] const Vector3& normal(std::uint32_t triangle) const;
+  [[nodiscard]] bool is_cap(std::uint32_t triangle) const;
+  [[nodiscard]] std::size_t surface_count() const;
+  [[nodiscard]] std::size_t triangle_count() const;  ///< with caps
+  [[nodiscard]] double diagonal() const;
+
+ private:
+  struct Implementation;
+  std::unique_ptr<Implementation> implementation_;
+};
+
+}  // namespace spm::baker

@@ -1,0 +1,324 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "baker/commands/build.hpp"
+
+#include <fmt/format.h>
+#include <sys/resource.h>
+#include <tbb/info.h>
+
+#include <filesystem>
+#include <numbers>
+#include <system_error>
+
+#include "baker/base/bake_error.hpp"
+#include "baker/commands/caps_report.hpp"
+#include "baker/reach/reach.hpp"
+#include "baker/base/stopwatch.hpp"
+#include "baker/commands/time_limit.hpp"
+#include "common/base/units.hpp"
+#include "formats/files/sha256.hpp"
+
+namespace spm::baker {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr std::uint64_t check_samples = 20000;
+
+std::string length(double metres) { return format_quantity(metres, Quantity::length); }
+
+void check_paths(const BuildRequest& request) {
+  if (const Result<void> writable = check_output_path(request.output); !writable) {
+    throw BakeError(writable.error().code, writable.error().message);
+  }
+  std::error_code ignored;
+  if (std::filesystem::equivalent(request.mesh, request.output, ignored)) {
+    throw BakeError(ExitCode::usage, request.output +
+                                         ": is the mesh itself; give -o another name, such as "
+                                         "FILE.spm.exr");
+  }
+}
+
+Json vector_json(const Vector3& v) { return Json::array({v.x(), v.y(), v.z()}); }
+
+Json error_json(const VerifyReport& check) {
+  constexpr double micro = 1e6;
+  return {{"rms", check.distance.rms * micro}, {"p50", check.distance.p50 * micro},
+          {"p99", check.distance.p99 * micro}, {"p999", check.distance.p999 * micro},
+          {"max", check.distance.max * micro}, {"samples", check.samples}};
+}
+
+Json mesh_json(const Mesh& mesh) {
+  return {{"path", mesh.path},
+          {"triangles", mesh.file_triangles},
+          {"vertices", mesh.file_vertices},
+          {"closed", mesh.closed()},
+          {"components", mesh.components},
+          {"border_edges", mesh.border_edges},
+          {"bbox_m", {{"min", vector_json(mesh.box_min)}, {"max", vector_json(mesh.box_max)}}},
+          {"sha256", mesh.sha256}};
+}
+
+Json spm_json(const BakeResult& baked) {
+  const Asset& asset = baked.asset;
+  return {{"form", asset.metadata.form == AssetForm::full ? "full" : "sparse"},
+          {"kind", asset.metadata.kind},
+          {"planes", asset.planes.size()},
+          {"tiles", asset.maps.size() + asset.tiles.size()},
+          {"samples", baked.report.samples},
+          {"layers_max", asset.metadata.layers_max},
+          {"cells", baked.report.record_cells}};
+}
+
+/// Refuses to write what breaks its promise, unless that was allowed.
+void judge(const BuildRequest& request, const AssetMetadata& metadata, const VerifyReport& check,
+           BuildReport& report) {
+  if (!metadata.tolerance || metadata.tolerance_met) return;
+  std::string finding;
+  if (metadata.certified && *metadata.certified > *metadata.tolerance) {
+    finding = fmt::format("no error below {} can be proven in the floats of a baked file",
+                          length(*metadata.certified));
+  } else if (check.distance.max > *metadata.tolerance) {
+    const Vector3& at = check.worst_point;
+    finding = fmt::format(
+        "the error reaches {} at ({:.6g}, {:.6g}, {:.6g}) m, above the tolerance of {}",
+        length(check.distance.max), at.x(), at.y(), at.z(), length(*metadata.tolerance));
+  } else {
+    finding = fmt::format("{:.2g} % of the band is left without an answer", 100 * check.unanswered);
+  }
+  if (!request.allow_inexact) {
+    throw BakeError(ExitCode::tolerance_not_met,
+                    fmt::format("{}: not written: {}; ask for a larger --tolerance, mend the mesh "
+                                "there, or add --allow-inexact",
+                                request.output, finding));
+  }
+  report.warnings.push_back("the tolerance is not met: " + finding);
+}
+
+/// What smoothing did, and apart from the fit's error what it added.
+Json smooth_json(const std::optional<SmoothReport>& smooth) {
+  if (!smooth) return {{"kind", "none"}};
+  constexpr double micro = 1e6;
+  const SmoothOptions& options = smooth->options;
+  const bool crease = options.kind == Smoothing::crease;
+  Json json = {{"kind", crease ? "crease" : "gaussian"}};
+  if (crease) json["angle_deg"] = options.angle * 180 / std::numbers::pi;
+  json["sigma_um"] = options.sigma * micro;
+  json["error_um"] = {
+      {"rms", smooth->rms * micro}, {"p99", smooth->p99 * micro}, {"max", smooth->max * micro}};
+  return json;
+}
+
+double share(std::uint64_t part, std::uint64_t whole) {
+  return whole > 0 ? static_cast<double>(part) / static_cast<double>(whole) : 0;
+}
+
+std::uint64_t peak_memory() {
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  return static_cast<std::uint64_t>(usage.ru_maxrss) * 1024;
+}
+
+/// Queries the asset in memory with the servo's own code and sets whether its tolerance is met.
+VerifyReport check_asset(const Mesh& mesh, const BakeOptions& options, Asset& asset) {
+  const AssetTables tables = tables_of(asset);
+  VerifyOptions verify;
+  verify.samples = check_samples;
+  verify.seed = options.seed;
+  verify.threads = options.threads;
+  VerifyReport check = verify_against(mesh, tables.view(), asset.metadata, verify);
+  asset.metadata.tolerance_met = asset.metadata.tolerance && check.unanswered == 0 &&
+                                 check.distance.max <= *asset.metadata.tolerance;
+  std::optional<double>& certified = asset.metadata.certified;
+  if (certified && *certified > *asset.metadata.tolerance) {
+    asset.metadata.tolerance_met = false;
+  } else if (!asset.metadata.tolerance_met) {
+    certified.reset();
+  }
+  return check;
+}
+
+struct Written {
+  AssetBytes bytes;
+  std::string sha256;
+};
+
+Written write(const Asset& asset, const std::string& path) {
+  const Result<AssetBytes> bytes = write_asset(asset, path);
+  if (!bytes) throw BakeError(bytes.error().code, bytes.error().message);
+  const Result<std::string> hash = sha256_file(path);
+  if (!hash) throw BakeError(hash.error().code, hash.error().message);
+  return {*bytes, *hash};
+}
+
+/// Bakes; what cannot be baked is told with the mesh's name, which the inner stages do not know.
+BakeResult bake_named(const Mesh& mesh, const BakeOptions& options, const Progress& progress) {
+  try {
+    return bake(mesh, options, progress);
+  } catch (const BakeError& error) {
+    const std::string message = error.what();
+    if (error.code() != ExitCode::invalid_input || message.find(mesh.path) != std::string::npos)
+      throw;
+    throw BakeError(error.code(), mesh.path + ": " + message);
+  }
+}
+
+/// Why a rule leaves places out, for a person.
+std::string reason_of(const std::string& rule) {
+  if (rule == name_of(PruneRule::workspace)) return "outside the device's workspace";
+  if (rule == name_of(PruneRule::probe)) return "where the probe does not fit";
+  if (rule == name_of(PruneRule::unreachable)) return "in hollows that no way leads into";
+  return rule;
+}
+
+struct Seconds {
+  double load = 0, verify = 0, write = 0, total = 0;
+};
+
+Json to_json(const BuildRequest& request, const Mesh& mesh, const BakeResult& baked,
+             const VerifyReport& check, const Written& written, const Seconds& seconds) {
+  const AssetMetadata& metadata = baked.asset.metadata;
+  Json json;
+  json["output"] = request.output;
+  json["mesh"] = mesh_json(mesh);
+  json["spm"] = spm_json(baked);
+  json["proof"] = {{"refused_cells", baked.report.refused_tile_cells},
+                   {"mended_places", baked.report.mended_places},
+                   {"wrong_trials", baked.report.wrong_trials},
+                   {"fallback_area", baked.report.fallback_area}};
+  json["fallback"] = {{"cells", share(baked.report.fallback_cells, baked.report.record_cells)},
+                      {"answers", check.fallback_answers},
+                      {"bytes", share(written.bytes.triangles, written.bytes.total)}};
+  json["bytes"] = written.bytes.total;
+  json["content_sha256"] = written.sha256;
+  json["tolerance_um"] = metadata.tolerance ? Json(*metadata.tolerance * 1e6) : Json();
+  json["tolerance_met"] = metadata.tolerance_met;
+  json["error_um"] = error_json(check);
+  json["smooth"] = smooth_json(baked.report.smooth);
+  json["unanswered"] = check.unanswered;
+  json["pruned"] = Json::array();
+  json["pruned_nothing"] = Json::array();
+  for (const Pruned& pruned : baked.report.pruned) {
+    if (pruned.bytes == 0) {
+      json["pruned_nothing"].push_back(pruned.rule);
+      continue;
+    }
+    json["pruned"].push_back({{"rule", pruned.rule}, {"bytes", pruned.bytes}});
+  }
+  add_caps_json(baked.report.caps, json);
+  json["seconds"] = {{"load", seconds.load},
+                     {"fit", baked.report.seconds_fit},
+                     {"cast", baked.report.seconds_cast},
+                     {"write", seconds.write},
+                     {"verify", seconds.verify},
+                     {"total", seconds.total}};
+  json["threads"] = request.bake.threads > 0 ? static_cast<int>(request.bake.threads)
+                                             : tbb::info::default_concurrency();
+  json["peak_rss_bytes"] = peak_memory();
+  json["notes"] = baked.report.notes;
+  return json;
+}
+
+}  // namespace
+
+BuildReport run_build(const BuildRequest& request, const Progress& progress) {
+  const auto tell = [&](const char* stage) {
+    if (progress) progress(stage, 0);
+  };
+  const Clock::time_point start = Clock::now();
+  Seconds seconds;
+  TimeLimit time_limit(request.time_limit, request.output);
+  check_paths(request);
+  BakeOptions options = request.bake;
+  BuildReport report;
+  report.derived = derive_limits(request.limits, request.mesh, options);
+  tell("load");
+  const Mesh mesh = load_mesh(request.mesh, request.load);
+  seconds.load = seconds_since(start);
+
+  check_limits(request.limits, options, mesh, request.allow_inexact);
+  BakeResult baked = bake_named(mesh, options, progress);
+  const AssetMetadata& metadata = baked.asset.metadata;
+  if (metadata.tolerance && !options.tolerance) {
+    report.warnings.push_back(fmt::format("no --tolerance: taking 1/1000 of the diagonal, {}",
+                                          length(*metadata.tolerance)));
+  }
+
+  const Clock::time_point verifying = Clock::now();
+  tell("verify");
+  const VerifyReport check =
+      check_asset(baked.smoothed ? *baked.smoothed : mesh, options, baked.asset);
+  seconds.verify = seconds_since(verifying);
+  judge(request, metadata, check, report);
+
+  time_limit.disarm();
+  const Clock::time_point writing = Clock::now();
+  tell("write");
+  const Written written = write(baked.asset, request.output);
+  seconds.write = seconds_since(writing);
+  seconds.total = seconds_since(start);
+
+  report.notes = baked.report.notes;
+  report.json = to_json(request, mesh, baked, check, written, seconds);
+  report.json["derived"] = report.derived;
+  return report;
+}
+
+std::string describe(const BuildReport& report) {
+  const Json& json = report.json;
+  const Json& mesh = json["mesh"];
+  const Json& spm = json["spm"];
+  std::string text = fmt::format(
+      "mesh     {}: {} triangles, {} {}, {}\n", mesh["path"].get<std::string>(),
+      mesh["triangles"].get<std::uint64_t>(), mesh["components"].get<std::uint64_t>(),
+      mesh["components"] == 1 ? "part" : "parts",
+      mesh["closed"].get<bool>()
+          ? std::string("closed")
+          : fmt::format("open ({} border edges)", mesh["border_edges"].get<std::uint64_t>()));
+  text += fmt::format("asset    {}: {} bytes, {} form, {} support planes, {} distance maps\n",
+                      json["output"].get<std::string>(), json["bytes"].get<std::uint64_t>(),
+                      spm["form"].get<std::string>(), spm["planes"].get<std::uint64_t>(),
+                      spm["tiles"].get<std::uint64_t>());
+  const Json& error = json["error_um"];
+  text +=
+      fmt::format("error    rms {:.3g} um, 99 % below {:.3g} um, largest {:.3g} um of {} samples",
+                  error["rms"].get<double>(), error["p99"].get<double>(),
+                  error["max"].get<double>(), error["samples"].get<std::uint64_t>());
+  if (!json["tolerance_um"].is_null()) {
+    text += fmt::format("; tolerance {:.4g} um {}", json["tolerance_um"].get<double>(),
+                        json["tolerance_met"].get<bool>() ? "met" : "NOT met");
+  }
+  if (const Json& smooth = json["smooth"]; smooth.contains("error_um")) {
+    text += fmt::format(
+        "\nsmooth   {} of sigma {:.4g} um moved the surface by rms {:.3g} um, 99 % below {:.3g} "
+        "um, "
+        "at most {:.3g} um; the error above is against the smoothed surface",
+        smooth["kind"] == "crease" ? fmt::format("all but edges over {:.4g} deg, by a Gaussian",
+                                                 smooth["angle_deg"].get<double>())
+                                   : "a Gaussian",
+        smooth["sigma_um"].get<double>(), smooth["error_um"]["rms"].get<double>(),
+        smooth["error_um"]["p99"].get<double>(), smooth["error_um"]["max"].get<double>());
+  }
+  const Json& fallback = json["fallback"];
+  text += fmt::format(
+      "\nfallback {:.1f} % of the cells hold exact triangles, for places that no map answers\n",
+      100 * fallback["cells"].get<double>());
+  const Json& seconds = json["seconds"];
+  text += fmt::format(
+      "seconds  {:.2f}: load {:.2f}, fit {:.2f}, cast {:.2f}, verify {:.2f}, write {:.2f}\n",
+      seconds["total"].get<double>(), seconds["load"].get<double>(), seconds["fit"].get<double>(),
+      seconds["cast"].get<double>(), seconds["verify"].get<double>(),
+      seconds["write"].get<double>());
+  text += caps_text(json);
+  for (const Json& pruned : json["pruned"]) {
+    text += fmt::format("pruned   {} bytes: {}\n", pruned["bytes"].get<std::uint64_t>(),
+                        reason_of(pruned["rule"].get<std::string>()));
+  }
+  for (const Json& rule : json["pruned_nothing"]) {
+    text += fmt::format("pruned   nothing: {}\n", reason_of(rule.get<std::string>()));
+  }
+  for (const std::string& derived : report.derived) text += "derived  " + derived + "\n";
+  for (const std::string& note : report.notes) text += "note     " + note + "\n";
+  return text;
+}
+
+}  // namespace spm::baker

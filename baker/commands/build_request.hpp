@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <cstdint>
+#include <string>
+
+#include "baker/pipeline/bake.hpp"
+#include "baker/mesh/mesh.hpp"
+#include "baker/commands/scene_limits.hpp"
+
+namespace spm::baker {
+
+/// What a `build` is asked to do.
+struct BuildRequest {
+  std::string mesh;
+  std::string output;
+  BakeOptions bake;
+  LoadOptions load;
+  LimitSources limits;
+  bool allow_inexact = false;
+  std::uint64_t time_limit = 3600;  ///< s
+};
+
+/// Adds MESH, -o and the options of a bake to a command, with their checks: values out of range and
+/// options that contradict each other are usage errors. A manifest's entries go through the same
+/// table. `request` must outlive the command.
+void add_build_options(CLI::App& command, BuildRequest& request);
+
+}  // namespace spm::baker

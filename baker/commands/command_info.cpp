@@ -1,0 +1,230 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <iostream>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "baker/base/bake_error.hpp"
+#include "baker/commands/commands.hpp"
+#include "baker/pictures/grid_walk.hpp"
+#include "baker/pictures/picture.hpp"
+#include "baker/pictures/picture_files.hpp"
+#include "formats/cli/command_line.hpp"
+#include "formats/asset/mapped_asset.hpp"
+
+namespace spm::baker {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr std::uint32_t picture_side = 512;
+constexpr std::uint32_t thumbnail_side = 160;
+constexpr std::size_t most_thumbnails = 100;
+
+struct Settings {
+  std::string asset;
+  std::string pictures;
+  std::size_t picture_limit = 16;
+  cli::GlobalOptions global;
+};
+
+/// Planes that have maps or tiles, by index.
+std::vector<std::size_t> planes_with_maps(const AssetView& view) {
+  std::vector<std::size_t> planes;
+  for (const DistanceMap& map : view.maps) planes.push_back(map.plane);
+  for (const Tile& tile : view.tiles) planes.push_back(tile.plane);
+  std::sort(planes.begin(), planes.end());
+  planes.erase(std::unique(planes.begin(), planes.end()), planes.end());
+  return planes;
+}
+
+/// Writes an overview and the first planes' pictures; returns their paths.
+std::vector<std::string> write_pictures(const AssetView& view, const Settings& settings) {
+  const std::filesystem::path folder = make_picture_folder(settings.pictures);
+  const std::vector<std::size_t> planes = planes_with_maps(view);
+  std::vector<Picture> thumbnails;
+  for (std::size_t i = 0; i < std::min(planes.size(), most_thumbnails); ++i) {
+    thumbnails.push_back(plane_picture(view, planes[i], thumbnail_side));
+  }
+  std::vector<std::string> paths;
+  if (!thumbnails.empty()) {
+    paths.push_back(
+        save_picture(contact_sheet(thumbnails, thumbnail_side), folder / "overview.png"));
+  }
+  for (std::size_t i = 0; i < std::min(planes.size(), settings.picture_limit); ++i) {
+    paths.push_back(save_picture(plane_picture(view, planes[i], picture_side),
+                                 folder / fmt::format("plane-{:04}.png", planes[i])));
+  }
+  return paths;
+}
+
+Json vector_json(const Vector3& v) { return Json::array({v.x(), v.y(), v.z()}); }
+
+Json parts_json(const MappedAsset& asset) {
+  Json parts = Json::array();
+  for (const PartInfo& part : asset.parts()) {
+    parts.push_back({{"name", part.name},
+                     {"width", part.width},
+                     {"height", part.height},
+                     {"tile", {part.tile_width, part.tile_height}},
+                     {"channels", part.channels},
+                     {"bytes", part.payload_bytes}});
+  }
+  return parts;
+}
+
+std::uint64_t samples_of(const AssetView& view) {
+  std::uint64_t samples = std::uint64_t{tile_sample_count} * view.tiles.size();
+  for (const DistanceMap& map : view.maps) {
+    samples += std::uint64_t{map.columns} * map.rows * map.layers;
+  }
+  return samples;
+}
+
+/// Cells of the partition that touch the band.
+std::uint64_t band_cells(const AssetView& view) {
+  std::uint64_t cells = 0;
+  if (view.full) visit_all_lists(view.grid, [&cells](const GridList&) { ++cells; });
+  for (std::size_t i = 0; i < view.space.words.size(); i += space_node_words) {
+    for (std::uint32_t octant = 0; octant < 8; ++octant) {
+      const SpaceKind kind = octant_kind(view.space.words[i], octant);
+      cells += kind <= SpaceKind::outside ? 1 : 0;
+    }
+  }
+  return cells;
+}
+
+Json to_json(const MappedAsset& asset, const std::vector<std::string>& pictures) {
+  const AssetMetadata& metadata = asset.metadata();
+  const AssetView& view = asset.view();
+  const AssetBytes bytes = asset.bytes();
+  Json json;
+  json["path"] = asset.path();
+  json["bytes"] = bytes.total;
+  json["content_sha256"] = asset.content_sha256();
+  json["format_version"] = asset_format_version;
+  json["spm"] = {{"form", metadata.form == AssetForm::full ? "full" : "sparse"},
+                 {"kind", metadata.kind},
+                 {"planes", view.planes.size()},
+                 {"tiles", view.maps.size() + view.tiles.size()},
+                 {"samples", samples_of(view)},
+                 {"layers_max", metadata.layers_max},
+                 {"cells", band_cells(view)}};
+  json["band"] = {{"max_depth_m", view.band.max_depth}, {"margin_m", view.band.margin}};
+  json["probe_radius_m"] = metadata.probe_radius;
+  json["tolerance_um"] = metadata.tolerance ? Json(*metadata.tolerance * 1e6) : Json();
+  json["tolerance_met"] = metadata.tolerance_met;
+  json["certified_um"] = metadata.certified ? Json(*metadata.certified * 1e6) : Json();
+  json["mesh"] = {
+      {"sha256", metadata.mesh_sha256},
+      {"triangles", metadata.mesh_triangles},
+      {"closed", metadata.closed},
+      {"border_edges", metadata.border_edges},
+      {"diagonal_m", metadata.diagonal},
+      {"bbox_m", {{"min", vector_json(metadata.box_min)}, {"max", vector_json(metadata.box_max)}}},
+      {"unit_m", metadata.mesh_unit},
+      {"scale", metadata.scale}};
+  if (view.full) {
+    json["grid"] = {{"origin_m", vector_json(view.grid.origin)},
+                    {"cell_m", view.grid.cell_size},
+                    {"cells", view.grid.cells}};
+  } else {
+    json["space"] = {{"origin_m", vector_json(view.space.origin)},
+                     {"edge_m", view.space.edge},
+                     {"nodes", view.space.words.size() / space_node_words}};
+    json["tree"] = {{"origin_m", vector_json(view.tree.origin)},
+                    {"size_m", view.tree.size},
+                    {"nodes", view.tree.words.size() / tree_node_words}};
+  }
+  json["fallback"] = {
+      {"cells", metadata.fallback_cells},
+      {"bytes", static_cast<double>(bytes.triangles) / static_cast<double>(bytes.total)}};
+  json["inconsistent_samples"] = metadata.inconsistent_samples;
+  json["bytes_by_kind"] = {{"samples", bytes.samples},
+                           {"grid", bytes.grid},
+                           {"triangles", bytes.triangles},
+                           {"other", bytes.total - bytes.samples - bytes.grid - bytes.triangles}};
+  json["parts"] = parts_json(asset);
+  json["options"] = Json::parse(metadata.options, nullptr, false);
+  json["pictures"] = pictures;
+  return json;
+}
+
+std::string length(double metres) { return format_quantity(metres, Quantity::length); }
+
+/// What is proven of the error, as the end of a line.
+std::string certified(const AssetMetadata& metadata) {
+  return metadata.certified ? fmt::format("; proven largest error {}", length(*metadata.certified))
+                            : std::string();
+}
+
+std::string describe(const MappedAsset& asset, const std::vector<std::string>& pictures) {
+  const AssetMetadata& metadata = asset.metadata();
+  const AssetView& view = asset.view();
+  const AssetBytes bytes = asset.bytes();
+  std::string text = fmt::format("{}: intact, {} bytes, format version {}\n", asset.path(),
+                                 bytes.total, asset_format_version);
+  text += fmt::format("form      {}: {} {}-based support planes, {} {}, {} samples\n",
+                      view.full ? "full" : "sparse", view.planes.size(), metadata.kind,
+                      view.maps.size() + view.tiles.size(),
+                      view.full ? "distance maps" : "tiles of distance maps", samples_of(view));
+  text += fmt::format("layers    up to {} crossings along a ray\n", metadata.layers_max);
+  text += fmt::format(
+      "band      {} inside, {} outside, probe {}\n", length(view.band.max_depth),
+      length(view.band.margin),
+      metadata.probe_radius > 0 ? "of radius " + length(metadata.probe_radius) : "point");
+  text += metadata.tolerance
+              ? fmt::format("tolerance {}, {}{}\n", length(*metadata.tolerance),
+                            metadata.tolerance_met ? "met" : "NOT met", certified(metadata))
+              : std::string("tolerance none: a full asset promises none\n");
+  text += fmt::format(
+      "mesh      {} triangles, {}, diagonal {}, scale {}, SHA-256 {}\n", metadata.mesh_triangles,
+      metadata.closed ? std::string("closed")
+                      : fmt::format("open ({} border edges)", metadata.border_edges),
+      length(metadata.diagonal), metadata.scale, metadata.mesh_sha256);
+  text += fmt::format("bytes     samples {}, grid {}, triangles {}, other {}\n", bytes.samples,
+                      bytes.grid, bytes.triangles,
+                      bytes.total - bytes.samples - bytes.grid - bytes.triangles);
+  for (const PartInfo& part : asset.parts()) {
+    text += fmt::format("part      {}: {} x {}, {} channels, {} bytes\n", part.name, part.width,
+                        part.height, part.channels.size(), part.payload_bytes);
+  }
+  for (const std::string& picture : pictures) text += "picture   " + picture + "\n";
+  return text;
+}
+
+int run(const Settings& settings) {
+  cli::configure_messages(settings.global);
+  const auto asset = MappedAsset::open(settings.asset, {.index = false});
+  if (!asset) return cli::report(asset.error());
+  std::vector<std::string> pictures;
+  if (!settings.pictures.empty()) pictures = write_pictures((*asset)->view(), settings);
+  if (settings.global.json) {
+    cli::print_json(to_json(**asset, pictures));
+  } else if (!settings.global.quiet) {
+    std::cout << describe(**asset, pictures);
+  }
+  return 0;
+}
+
+}  // namespace
+
+Command add_info_command(CLI::App& app) {
+  auto settings = std::make_shared<Settings>();
+  CLI::App* command =
+      app.add_subcommand("info", "Checks a baked file, every byte, and tells what is in it");
+  command->add_option("FILE", settings->asset, "baked file")->required()->type_name("");
+  command->add_option("--png", settings->pictures, "write the maps as pictures into this folder")
+      ->type_name("DIR");
+  cli::add_integer(
+      *command, "--png-limit", 1, 100000,
+      [settings = settings.get()](std::uint64_t n) { settings->picture_limit = n; },
+      "planes that get a picture of their own, 1 to 100000 (default 16)");
+  cli::add_global_options(*command, settings->global);
+  return {command, [settings] { return run(*settings); }};
+}
+
+}  // namespace spm::baker

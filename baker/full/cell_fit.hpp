@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "baker/cast/cast.hpp"
+#include "baker/cast/surface_points.hpp"
+#include "common/asset/asset_view.hpp"
+#include "formats/asset/asset.hpp"
+
+namespace spm::baker {
+
+/// Chooses, for a cell of the partition, the few maps and layers that answer all of it.
+/// What is chosen must agree with the true closest point at every sample point of the cell.
+/// Thread-safe once built.
+class CellFitter {
+ public:
+  CellFitter(const AssetView& asset, const GridData& grid, const Caster& caster, const Band& band,
+             double tolerance, std::uint64_t seed);
+
+  /// Candidate words (AssetView's Grid) for the cube around `middle`, tried at its
+  /// own sample points and at `more` points of it; false, and none, where no
+  /// choice of maps is good enough.
+  [[nodiscard]] bool fit(const Vector3& middle, double edge, std::span<const Vector3> more,
+                         std::vector<std::uint32_t>& chosen) const;
+
+  /// True where the chosen maps answer the probe's point rightly.
+  [[nodiscard]] bool holds_at(const std::vector<std::uint32_t>& chosen, const Probe& probe) const;
+
+  /// The grid cell of a point, or -1 outside the grid.
+  [[nodiscard]] std::int64_t bin_of(const Vector3& point) const;
+
+ private:
+  struct Sample;
+  struct Reply;
+
+  void list_candidates();
+  void list_probes(std::uint64_t seed);
+  [[nodiscard]] std::vector<Probe> probes_through(const Vector3& middle, double edge) const;
+  [[nodiscard]] bool finds(const std::vector<std::uint32_t>& chosen, const Probe& probe) const;
+  [[nodiscard]] Reply answer(const std::vector<std::uint32_t>& chosen, const Sample& sample) const;
+  void list_layer(std::uint32_t which, std::uint32_t layer,
+                  std::vector<std::uint64_t>& places) const;
+  [[nodiscard]] Sample sample_at(const Vector3& point) const;
+  [[nodiscard]] Reply ask(std::uint32_t candidate, const Sample& sample) const;
+  [[nodiscard]] Vector3 normal_of(const Reply& reply) const;
+  [[nodiscard]] bool agrees(const Reply& reply, const Sample& sample) const;
+  [[nodiscard]] bool covers(std::uint32_t candidate, const Vector3& foot) const;
+  [[nodiscard]] bool holds(const std::vector<std::uint32_t>& chosen, const Sample& sample) const;
+  [[nodiscard]] std::vector<std::uint32_t> candidates_of(const std::vector<Sample>& samples) const;
+  [[nodiscard]] std::vector<std::uint32_t> choose(const std::vector<std::uint32_t>& candidates,
+                                                  const std::vector<Sample>& samples) const;
+
+  const AssetView& asset_;
+  const GridData& grid_;
+  const Caster& caster_;
+  Band band_;
+  double tolerance_;
+  std::vector<std::uint64_t> starts_;        ///< per grid cell, first of its candidates
+  std::vector<std::uint32_t> candidates_;    ///< that have surface in the cell
+  std::vector<std::uint64_t> probe_starts_;  ///< per grid cell, first of its probes
+  std::vector<Probe> probes_;                ///< on the surface
+};
+
+}  // namespace spm::baker

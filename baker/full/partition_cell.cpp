@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "baker/full/partition_cell.hpp"
+
+#include <cmath>
+
+#include "baker/full/fallback.hpp"
+#include "baker/base/octant.hpp"
+#include "common/base/octahedral.hpp"
+
+namespace spm::baker {
+
+namespace {
+
+/// Octants cost bytes and bake time: only where triangles would cost the tick more.
+constexpr std::size_t few_triangles = 24;
+/// More splits made four times the records for a third less fallback.
+constexpr int splits = 1;
+
+}  // namespace
+
+PartitionCell& PartitionCell::leaf(const Vector3& point) {
+  PartitionCell* cell = this;
+  while (cell->octants) {
+    std::size_t octant = 0;
+    for (int axis = 0; axis < 3; ++axis) {
+      if (point[axis] >= cell->middle[axis])
+        octant |= std::size_t{1} << static_cast<unsigned>(axis);
+    }
+    cell = &(*cell->octants)[octant];
+  }
+  return *cell;
+}
+
+void fall_back(PartitionCell& cell, const Caster& caster) {
+  cell.maps.clear();
+  cell.triangles =
+      closest_candidates(caster, cell.middle, cell.edge, caster.closest(cell.middle).distance);
+}
+
+void decide(PartitionCell& cell, const CellFitter& fitter, const Caster& caster, const Band& band,
+            int level) {
+  const double radius = cell.edge * std::sqrt(3.0) / 2;
+  const ClosestPoint centre = caster.closest(cell.middle);
+  if (centre.distance - radius > band.margin) return;
+  if (centre.distance + radius < -band.max_depth) {
+    cell.kind = CellKind::deep;
+    cell.normal = pack_octahedral(centre.direction);
+    return;
+  }
+  cell.kind = CellKind::record;
+  if (fitter.fit(cell.middle, cell.edge, {}, cell.maps)) return;
+  cell.triangles = closest_candidates(caster, cell.middle, cell.edge, centre.distance);
+  if (level == splits || cell.triangles.size() <= few_triangles) return;
+  cell.triangles.clear();
+  cell.octants = std::make_unique<std::array<PartitionCell, 8>>();
+  for (std::size_t octant = 0; octant < 8; ++octant) {
+    PartitionCell& part = (*cell.octants)[octant];
+    part.edge = cell.edge / 2;
+    part.middle = cell.middle + part.edge / 2 * octant_direction(octant);
+    decide(part, fitter, caster, band, level + 1);
+  }
+}
+
+}  // namespace spm::baker

@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "baker/full/cell_fit.hpp"
+
+namespace spm::baker {
+
+/// One cell of the partition as decided, before the records are laid out: far, deep, or a record of
+/// maps or triangles, or split into octants (x fastest).
+struct PartitionCell {
+  CellKind kind = CellKind::far;
+  Vector3 middle = Vector3::Zero();
+  double edge = 0;
+  std::uint32_t normal = 0;              ///< of a deep cell, octahedral
+  std::vector<std::uint32_t> maps;       ///< candidate words
+  std::vector<std::uint32_t> triangles;  ///< of the caster
+  std::vector<Vector3> hard_points;      ///< where an earlier choice failed
+  std::unique_ptr<std::array<PartitionCell, 8>> octants;
+
+  /// The unsplit cell that holds a point of this one.
+  [[nodiscard]] PartitionCell& leaf(const Vector3& point);
+};
+
+/// Decides a cell: where no few maps serve it whole, its octants are decided instead, and where
+/// they cannot be split further triangles serve.
+void decide(PartitionCell& cell, const CellFitter& fitter, const Caster& caster, const Band& band,
+            int level);
+
+/// Turns a cell to triangles.
+void fall_back(PartitionCell& cell, const Caster& caster);
+
+}  // namespace spm::baker

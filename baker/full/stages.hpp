@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "baker/options/bake_options.hpp"
+#include "baker/options/bake_report.hpp"
+#include "baker/cast/cast.hpp"
+#include "baker/base/progress.hpp"
+#include "formats/asset/asset.hpp"
+
+namespace spm::baker {
+
+/// Distance maps of a `full` asset, one a plane over the plane's own region; moves each plane's x0
+/// to its map's first sample. Scalar or vectorial as `options.layers` says.
+[[nodiscard]] std::vector<MapData> cast_full_maps(const Caster& caster,
+                                                  std::vector<SupportPlane>& planes,
+                                                  const BakeOptions& options,
+                                                  const Progress& progress, CastCounts& counts);
+
+/// What the spatial partition came to.
+struct PartitionCounts {
+  std::uint64_t records = 0;
+  std::uint64_t fallback = 0;  ///< records with triangles
+};
+
+/// Fills `asset.grid` and `asset.triangles` of a `full` asset: for every grid cell that touches the
+/// band the maps that answer its points within `tolerance`, as measured at sample points with the
+/// servo's own query, or where none do the triangles that can be closest. `asset.maps` and `planes`
+/// must be final.
+[[nodiscard]] PartitionCounts partition_space(Asset& asset, const Caster& caster, double tolerance,
+                                              std::uint64_t seed, const Progress& progress);
+
+}  // namespace spm::baker

@@ -1,0 +1,299 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "baker/mesh/mesh_orient.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <optional>
+#include <tuple>
+#include <utility>
+
+#include "baker/mesh/winding_number.hpp"
+
+namespace spm::baker {
+namespace {
+
+struct HalfEdge {
+  std::uint32_t low, high;  ///< vertices
+  std::uint32_t triangle;
+  bool forward;  ///< the triangle runs from low to high
+};
+
+struct Patch {
+  std::vector<std::uint32_t> triangles;
+  Eigen::AlignedBox3d box;
+  double volume = 0;  ///< signed, of a closed patch
+  bool closed = true;
+};
+
+void turn(Triangle& triangle) { std::swap(triangle[1], triangle[2]); }
+
+/// All edges, those of one pair of vertices side by side.
+[[nodiscard]] std::vector<HalfEdge> sorted_edges(const std::vector<Triangle>& triangles) {
+  std::vector<HalfEdge> edges;
+  edges.reserve(triangles.size() * 3);
+  for (std::uint32_t t = 0; t < triangles.size(); ++t) {
+    for (std::size_t k = 0; k < 3; ++k) {
+      const std::uint32_t from = triangles[t][k];
+      const std::uint32_t to = triangles[t][(k + 1) % 3];
+      edges.push_back({std::min(from, to), std::max(from, to), t, from < to});
+    }
+  }
+  std::sort(edges.begin(), edges.end(), [](const HalfEdge& a, const HalfEdge& b) {
+    return std::tie(a.low, a.high, a.triangle) < std::tie(b.low, b.high, b.triangle);
+  });
+  return edges;
+}
+
+template <class Visit>
+void for_each_edge(const std::vector<HalfEdge>& edges, Visit visit) {
+  for (std::size_t begin = 0; begin < edges.size();) {
+    std::size_t end = begin + 1;
+    while (end < edges.size() && edges[end].low == edges[begin].low &&
+           edges[end].high == edges[begin].high) {
+      ++end;
+    }
+    visit(std::span(edges).subspan(begin, end - begin));
+    begin = end;
+  }
+}
+
+[[nodiscard]] std::uint32_t count_components(const std::vector<HalfEdge>& edges,
+                                             std::size_t triangles) {
+  std::vector<std::uint32_t> parent(triangles);
+  std::iota(parent.begin(), parent.end(), 0U);
+  const auto root = [&](std::uint32_t t) {
+    while (parent[t] != t) t = parent[t] = parent[parent[t]];
+    return t;
+  };
+  auto components = static_cast<std::uint32_t>(triangles);
+  for_each_edge(edges, [&](std::span<const HalfEdge> users) {
+    for (const HalfEdge& user : users.subspan(1)) {
+      const std::uint32_t a = root(users[0].triangle);
+      const std::uint32_t b = root(user.triangle);
+      if (a == b) continue;
+      parent[b] = a;
+      --components;
+    }
+  });
+  return components;
+}
+
+/// Makes neighbours agree and gathers them into patches.
+class Patcher {
+ public:
+  Patcher(std::vector<Triangle>& triangles, const std::vector<HalfEdge>& edges,
+          Orientation& orientation)
+      : triangles_(triangles), orientation_(orientation), neighbours_(triangles.size()) {
+    for_each_edge(edges, [&](std::span<const HalfEdge> users) {
+      if (users.size() > 2) ++orientation_.crowded;
+      if (users.size() != 2) return;
+      const bool agree = users[0].forward != users[1].forward;
+      neighbours_[users[0].triangle].push_back({users[1].triangle, agree});
+      neighbours_[users[1].triangle].push_back({users[0].triangle, agree});
+    });
+  }
+
+  [[nodiscard]] std::vector<Patch> patches() {
+    std::vector<Patch> found;
+    std::vector<char> turned(triangles_.size(), 0);
+    std::vector<char> seen(triangles_.size(), 0);
+    for (std::uint32_t seed = 0; seed < triangles_.size(); ++seed) {
+      if (seen[seed] != 0) continue;
+      Patch patch;
+      patch.triangles.push_back(seed);
+      seen[seed] = 1;
+      std::uint64_t turns = 0;
+      std::uint64_t conflicts = 0;
+      for (std::size_t next = 0; next < patch.triangles.size(); ++next) {
+        const std::uint32_t from = patch.triangles[next];
+        for (const auto& [to, agree] : neighbours_[from]) {
+          const char wanted = static_cast<char>(agree ? turned[from] : 1 - turned[from]);
+          if (seen[to] != 0) {
+            conflicts += turned[to] != wanted ? 1U : 0U;
+            continue;
+          }
+          seen[to] = 1;
+          turned[to] = wanted;
+          turns += static_cast<std::uint64_t>(wanted);
+          patch.triangles.push_back(to);
+        }
+      }
+      const bool minority = 2 * turns <= patch.triangles.size();
+      for (const std::uint32_t t : patch.triangles) {
+        if ((turned[t] != 0) == minority) turn(triangles_[t]);
+      }
+      orientation_.flipped += minority ? turns : patch.triangles.size() - turns;
+      orientation_.unorientable += conflicts / 2;
+      std::sort(patch.triangles.begin(), patch.triangles.end());
+      found.push_back(std::move(patch));
+    }
+    return found;
+  }
+
+ private:
+  struct Neighbour {
+    std::uint32_t triangle;
+    bool agree;
+  };
+  std::vector<Triangle>& triangles_;
+  Orientation& orientation_;
+  std::vector<std::vector<Neighbour>> neighbours_;
+};
+
+/// Decides which patches to turn.
+class Turner {
+ public:
+  Turner(std::span<const Vector3> points, std::vector<Triangle>& triangles,
+         std::vector<Patch>& patches)
+      : points_(points), triangles_(triangles), patches_(patches), numbers_(patches.size()) {
+    for (Patch& patch : patches_) measure(patch);
+  }
+
+  void run(Orientation& orientation) {
+    // The largest first: a patch's surroundings are settled before the patch.
+    std::vector<std::size_t> order(patches_.size());
+    std::iota(order.begin(), order.end(), std::size_t{0});
+    std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
+      return std::abs(patches_[a].volume) > std::abs(patches_[b].volume);
+    });
+    std::vector<std::size_t> settled;
+    std::vector<char> inverted(patches_.size(), 0);
+    for (const std::size_t i : order) {
+      if (!patches_[i].closed) {
+        settle_open(i, orientation);
+        continue;
+      }
+      inverted[i] = patches_[i].volume < 0 ? 1 : 0;
+      std::optional<std::size_t> outermost;
+      int around = 0;
+      for (const std::size_t other : settled) {
+        if (!encloses(other, i)) continue;
+        if (!outermost) outermost = other;
+        around += patches_[other].volume < 0 ? -1 : 1;
+      }
+      // An inverted solid brings its cavities along: they are judged as if it had been right.
+      const bool inward = outermost ? inverted[i] != inverted[*outermost] : inverted[i] != 0;
+      const bool cavity = inward && around > 0;
+      if (cavity != (patches_[i].volume < 0)) turn_patch(i, orientation);
+      settled.push_back(i);
+    }
+  }
+
+ private:
+  void measure(Patch& patch) const {
+    std::vector<std::pair<std::uint64_t, int>> sides;
+    for (const std::uint32_t t : patch.triangles) {
+      for (std::size_t k = 0; k < 3; ++k) {
+        const std::uint64_t from = triangles_[t][k];
+        const std::uint64_t to = triangles_[t][(k + 1) % 3];
+        sides.emplace_back(std::min(from, to) << 32U | std::max(from, to), from < to ? 1 : -1);
+        patch.box.extend(points_[from]);
+      }
+    }
+    std::sort(sides.begin(), sides.end());
+    for (std::size_t begin = 0; begin < sides.size() && patch.closed;) {
+      int balance = 0;
+      std::size_t end = begin;
+      for (; end < sides.size() && sides[end].first == sides[begin].first; ++end) {
+        balance += sides[end].second;
+      }
+      patch.closed = balance == 0;
+      begin = end;
+    }
+    if (!patch.closed) return;
+    const Vector3 origin = patch.box.center();
+    for (const std::uint32_t t : patch.triangles) {
+      const auto& [a, b, c] = triangles_[t];
+      patch.volume +=
+          (points_[a] - origin).dot((points_[b] - origin).cross(points_[c] - origin)) / 6;
+    }
+  }
+
+  [[nodiscard]] const WindingNumber& number(std::size_t patch) {
+    if (!numbers_[patch]) {
+      std::vector<Triangle> own;
+      for (const std::uint32_t t : patches_[patch].triangles) own.push_back(triangles_[t]);
+      numbers_[patch].emplace(points_, own);
+    }
+    return *numbers_[patch];
+  }
+
+  /// True where the inner patch lies inside the outer one, whichever way that one faces.
+  [[nodiscard]] bool encloses(std::size_t outer, std::size_t inner) {
+    constexpr std::size_t kProbes = 64;
+    if (!patches_[outer].box.contains(patches_[inner].box)) return false;
+    const auto& own = patches_[inner].triangles;
+    const std::size_t step = std::max<std::size_t>(1, own.size() / kProbes);
+    const WindingNumber& winding = number(outer);
+    for (std::size_t i = 0; i < own.size(); i += step) {
+      if (std::abs(winding.at(points_[triangles_[own[i]][0]])) < 0.5) return false;
+    }
+    return true;
+  }
+
+  /// Seen from its own faces, an open patch that faces outward has most of a turn behind it and
+  /// little before it; on the faces themselves the mean of both is near 1/2, or -1/2 if inverted.
+  void settle_open(std::size_t index, Orientation& orientation) {
+    constexpr std::size_t kProbes = 256;
+    constexpr double kUndecided = 0.05;
+    const auto& own = patches_[index].triangles;
+    const std::size_t step = std::max<std::size_t>(1, own.size() / kProbes);
+    const double offset = 1e-6 * patches_[index].box.diagonal().norm();
+    const WindingNumber& winding = number(index);
+    double sum = 0;
+    double weight = 0;
+    for (std::size_t i = 0; i < own.size(); i += step) {
+      const auto& [a, b, c] = triangles_[own[i]];
+      const Vector3 twice = (points_[b] - points_[a]).cross(points_[c] - points_[a]);
+      const double size = twice.norm();
+      if (!(size > 0)) continue;
+      const Vector3 centroid = (points_[a] + points_[b] + points_[c]) / 3;
+      const Vector3 step_out = offset / size * twice;
+      sum += size * (winding.at(centroid + step_out) + winding.at(centroid - step_out)) / 2;
+      weight += size;
+    }
+    const double mean = weight > 0 ? sum / weight : 0;
+    if (mean < -kUndecided) turn_patch(index, orientation);
+    if (std::abs(mean) <= kUndecided) ++orientation.undecided;
+  }
+
+  void turn_patch(std::size_t index, Orientation& orientation) {
+    for (const std::uint32_t t : patches_[index].triangles) turn(triangles_[t]);
+    patches_[index].volume = -patches_[index].volume;
+    ++orientation.turned;
+  }
+
+  std::span<const Vector3> points_;
+  std::vector<Triangle>& triangles_;
+  std::vector<Patch>& patches_;
+  std::vector<std::optional<WindingNumber>> numbers_;
+};
+
+/// Edges that more triangles run along one way than the other.
+[[nodiscard]] std::vector<std::array<std::uint32_t, 2>> border_of(
+    const std::vector<Triangle>& triangles) {
+  std::vector<std::array<std::uint32_t, 2>> border;
+  for_each_edge(sorted_edges(triangles), [&](std::span<const HalfEdge> users) {
+    const auto forward = std::count_if(users.begin(), users.end(),
+                                       [](const HalfEdge& user) { return user.forward; });
+    const auto balance = 2 * forward - static_cast<std::ptrdiff_t>(users.size());
+    if (balance > 0) border.push_back({users[0].low, users[0].high});
+    if (balance < 0) border.push_back({users[0].high, users[0].low});
+  });
+  return border;
+}
+
+}  // namespace
+
+Orientation orient(std::span<const Vector3> points, std::vector<Triangle>& triangles) {
+  Orientation orientation;
+  const std::vector<HalfEdge> edges = sorted_edges(triangles);
+  orientation.components = count_components(edges, triangles.size());
+  std::vector<Patch> patches = Patcher(triangles, edges, orientation).patches();
+  Turner(points, triangles, patches).run(orientation);
+  orientation.border = border_of(triangles);
+  return orientation;
+}
+
+}  // namespace spm::baker

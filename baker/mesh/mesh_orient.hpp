@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "baker/mesh/mesh.hpp"
+
+namespace spm::baker {
+
+struct Orientation {
+  std::uint32_t components = 0;    ///< parts connected by edges
+  std::uint32_t turned = 0;        ///< patches that were inside out
+  std::uint32_t undecided = 0;     ///< open patches without a recognisable inside
+  std::uint64_t flipped = 0;       ///< triangles that disagreed with their neighbours
+  std::uint64_t unorientable = 0;  ///< edges whose two triangles cannot agree
+  std::uint64_t crowded = 0;       ///< edges of more than two triangles
+  std::vector<std::array<std::uint32_t, 2>> border;  ///< edges that some triangle leaves open
+};
+
+/// Orients triangles in place so that their normals point out of the solid. Neighbours across edges
+/// of two triangles agree; a patch of them follows the majority of its triangles, is turned where
+/// it is inside out, and kept where it bounds a cavity of a patch around it.
+[[nodiscard]] Orientation orient(std::span<const Vector3> points, std::vector<Triangle>& triangles);
+
+}  // namespace spm::baker

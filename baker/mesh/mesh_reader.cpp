@@ -1,0 +1,115 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "baker/mesh/mesh_reader.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <filesystem>
+#include <optional>
+
+#include "baker/base/bake_error.hpp"
+
+namespace spm::baker {
+namespace {
+
+struct Format {
+  std::string_view name;
+  std::string_view extension;
+  PolygonSoup (*read)(const std::string& path, std::string_view bytes);
+  bool (*resembles)(std::string_view bytes);
+};
+
+[[nodiscard]] std::string_view first_word(std::string_view bytes) {
+  constexpr std::string_view kBlank = " \t\r\n\v\f";
+  const std::size_t begin = std::min(bytes.find_first_not_of(kBlank), bytes.size());
+  return bytes.substr(begin, bytes.find_first_of(kBlank, begin) - begin);
+}
+
+[[nodiscard]] bool resembles_stl(std::string_view bytes) {
+  constexpr std::size_t kLongName = 1024;
+  return is_binary_stl(bytes) ||
+         (first_word(bytes) == "solid" &&
+          bytes.substr(0, kLongName).find("facet") != std::string_view::npos);
+}
+
+[[nodiscard]] bool resembles_ply(std::string_view bytes) { return first_word(bytes) == "ply"; }
+
+[[nodiscard]] bool resembles_off(std::string_view bytes) {
+  return first_word(bytes).ends_with("OFF") && first_word(bytes).size() <= 8;
+}
+
+/// OBJ has no signature: a line that begins a vertex or a face, and no binary data.
+[[nodiscard]] bool resembles_obj(std::string_view bytes) {
+  if (bytes.find('\0') != std::string_view::npos) return false;
+  for (const std::string_view start : {"\nv ", "\nv\t", "\rv ", "\nf "}) {
+    if (bytes.starts_with(start.substr(1)) || bytes.find(start) != std::string_view::npos) {
+      return true;
+    }
+  }
+  return false;
+}
+
+constexpr std::array<Format, 4> kFormats{{{"STL", ".stl", read_stl, resembles_stl},
+                                          {"PLY", ".ply", read_ply, resembles_ply},
+                                          {"OFF", ".off", read_off, resembles_off},
+                                          {"OBJ", ".obj", read_obj, resembles_obj}}};
+
+[[nodiscard]] const Format* format_of_extension(const std::string& extension) {
+  const auto* found = std::find_if(kFormats.begin(), kFormats.end(),
+                                   [&](const Format& f) { return f.extension == extension; });
+  return found == kFormats.end() ? nullptr : found;
+}
+
+[[nodiscard]] const Format* format_of_content(std::string_view bytes) {
+  const auto* found = std::find_if(kFormats.begin(), kFormats.end(),
+                                   [&](const Format& f) { return f.resembles(bytes); });
+  return found == kFormats.end() ? nullptr : found;
+}
+
+[[noreturn]] void fail(const std::string& message) {
+  throw BakeError(ExitCode::invalid_input, message);
+}
+
+[[nodiscard]] const Format& choose_format(const std::string& path, std::string_view bytes) {
+  std::string extension = std::filesystem::path(path).extension().string();
+  std::transform(extension.begin(), extension.end(), extension.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  const Format* named = format_of_extension(extension);
+  const Format* seen = format_of_content(bytes);
+  if (named == nullptr && seen == nullptr) {
+    fail(path +
+         ": neither its extension nor its content is that of a mesh; give an OBJ, PLY, STL " +
+         "or OFF file");
+  }
+  if (named == nullptr) {
+    fail(path + ": the extension '" + extension +
+         "' is not that of a mesh, but the content looks " + "like " + std::string(seen->name) +
+         "; rename the file to end in " + std::string(seen->extension));
+  }
+  if (seen != nullptr && seen != named) {
+    fail(path + ": the extension says " + std::string(named->name) + ", but the content looks " +
+         "like " + std::string(seen->name) + "; rename the file to end in " +
+         std::string(seen->extension));
+  }
+  return *named;
+}
+
+}  // namespace
+
+void add_polygon(std::span<const std::uint32_t> polygon, PolygonSoup& soup) {
+  for (std::size_t i = 2; i < polygon.size(); ++i) {
+    soup.triangles.push_back({polygon[0], polygon[i - 1], polygon[i]});
+  }
+}
+
+PolygonSoup read_soup(const std::string& path, std::string_view bytes) {
+  if (bytes.empty()) fail(path + ": the file is empty; export the mesh again");
+  PolygonSoup soup = choose_format(path, bytes).read(path, bytes);
+  if (soup.triangles.empty()) {
+    fail(path + ": the file holds " + std::to_string(soup.points.size()) +
+         " vertices and no face; export the mesh with its faces, a point cloud cannot be baked");
+  }
+  return soup;
+}
+
+}  // namespace spm::baker

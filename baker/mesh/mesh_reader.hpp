@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "baker/mesh/mesh.hpp"
+
+namespace spm::baker {
+
+/// A mesh as its file has it, in the file's unit: points may repeat and triangles may be
+/// degenerate, but coordinates are finite and indices in range.
+struct PolygonSoup {
+  std::vector<Vector3> points;
+  std::vector<Triangle> triangles;
+};
+
+/// Fans a polygon from its first vertex.
+void add_polygon(std::span<const std::uint32_t> polygon, PolygonSoup& soup);
+
+/// Reads the bytes of a mesh file in the format that its extension and its content agree on. Own
+/// readers: CGAL's pass over cut, non-finite and out-of-range input, and name no line.
+/// Throws BakeError invalid_input naming file, place, cause and cure.
+[[nodiscard]] PolygonSoup read_soup(const std::string& path, std::string_view bytes);
+
+[[nodiscard]] PolygonSoup read_obj(const std::string& path, std::string_view bytes);
+[[nodiscard]] PolygonSoup read_off(const std::string& path, std::string_view bytes);
+[[nodiscard]] PolygonSoup read_ply(const std::string& path, std::string_view bytes);
+[[nodiscard]] PolygonSoup read_stl(const std::string& path, std::string_view bytes);
+
+/// True where the bytes are a binary STL by their own count of triangles.
+[[nodiscard]] bool is_binary_stl(std::string_view bytes);
+
+}  // namespace spm::baker

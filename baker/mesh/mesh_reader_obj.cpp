@@ -1,0 +1,106 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "baker/mesh/mesh_reader.hpp"
+#include "baker/mesh/mesh_text.hpp"
+
+namespace spm::baker {
+namespace {
+
+/// Faces as the file has them, resolved to indices from 0 but not yet checked against the number of
+/// vertices: a face may stand before its vertices.
+struct Faces {
+  std::vector<std::int64_t> corners;
+  std::vector<std::size_t> ends;   ///< of each face in `corners`
+  std::vector<std::size_t> lines;  ///< of each face
+};
+
+[[nodiscard]] Vector3 read_vertex(MeshText& text) {
+  Vector3 point;
+  for (int axis = 0; axis < 3; ++axis) {
+    const std::string_view word = text.next_word();
+    if (word.empty()) {
+      text.fail("vertex has " + std::to_string(axis) + " coordinates instead of 3",
+                "the file may be cut short, export the mesh again");
+    }
+    point[axis] = text.number(word, "coordinate");
+  }
+  return point;
+}
+
+void read_face(MeshText& text, std::size_t vertices, Faces& faces) {
+  const std::size_t begin = faces.corners.size();
+  for (std::string_view word = text.next_word(); !word.empty(); word = text.next_word()) {
+    const std::int64_t index = text.integer(word.substr(0, word.find('/')), "vertex index");
+    if (index == 0) {
+      text.fail("vertex index 0, but OBJ counts from 1", "export the mesh again");
+    }
+    const std::int64_t resolved =
+        index > 0 ? index - 1 : static_cast<std::int64_t>(vertices) + index;
+    if (resolved < 0) {
+      text.fail("vertex index " + std::to_string(index) + " reaches back before the first of " +
+                    std::to_string(vertices) + " vertices",
+                "export the mesh again");
+    }
+    faces.corners.push_back(resolved);
+  }
+  if (faces.corners.size() - begin < 3) {
+    text.fail("face with " + std::to_string(faces.corners.size() - begin) + " vertices",
+              "a face needs 3 or more, export the mesh again");
+  }
+  faces.ends.push_back(faces.corners.size());
+  faces.lines.push_back(text.line());
+}
+
+/// Lines that end in a backslash go on in the next one.
+[[nodiscard]] std::string joined_lines(std::string_view bytes) {
+  std::string joined(bytes);
+  for (std::size_t at = joined.find('\\'); at != std::string::npos;
+       at = joined.find('\\', at + 1)) {
+    std::size_t end = at + 1;
+    if (end < joined.size() && joined[end] == '\r') ++end;
+    if (end >= joined.size() || joined[end] != '\n') continue;
+    for (std::size_t i = at; i <= end; ++i) joined[i] = ' ';
+  }
+  return joined;
+}
+
+}  // namespace
+
+PolygonSoup read_obj(const std::string& path, std::string_view bytes) {
+  std::string joined;
+  if (bytes.find('\\') != std::string_view::npos) bytes = joined = joined_lines(bytes);
+  MeshText text(path, bytes);
+  PolygonSoup soup;
+  Faces faces;
+  while (text.next_line()) {
+    const std::string_view keyword = text.next_word();
+    if (keyword == "v") {
+      soup.points.push_back(read_vertex(text));
+    } else if (keyword == "f") {
+      read_face(text, soup.points.size(), faces);
+    }
+  }
+  std::size_t begin = 0;
+  std::vector<std::uint32_t> polygon;
+  for (std::size_t face = 0; face < faces.ends.size(); ++face) {
+    polygon.clear();
+    for (std::size_t i = begin; i < faces.ends[face]; ++i) {
+      if (faces.corners[i] >= static_cast<std::int64_t>(soup.points.size())) {
+        text.fail_at(faces.lines[face],
+                     "vertex index " + std::to_string(faces.corners[i] + 1) + " is out of range (" +
+                         std::to_string(soup.points.size()) + " vertices)",
+                     "the file may be cut short, export the mesh again");
+      }
+      polygon.push_back(static_cast<std::uint32_t>(faces.corners[i]));
+    }
+    begin = faces.ends[face];
+    add_polygon(polygon, soup);
+  }
+  return soup;
+}
+
+}  // namespace spm::baker

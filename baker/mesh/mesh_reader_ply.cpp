@@ -1,0 +1,333 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cmath>
+#include <cstdint>
+#include <cstring>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "baker/base/bake_error.hpp"
+#include "baker/mesh/mesh_reader.hpp"
+#include "baker/mesh/mesh_text.hpp"
+
+namespace spm::baker {
+namespace {
+
+enum class Encoding { text, little_endian, big_endian };
+
+struct Type {
+  std::size_t bytes = 0;
+  bool real = false;
+  bool is_signed = false;
+};
+
+struct Property {
+  std::string name;
+  Type type;                  ///< of the value, or of each item of a list
+  std::optional<Type> count;  ///< of a list's length
+};
+
+struct Element {
+  std::string name;
+  std::size_t items = 0;
+  std::vector<Property> properties;
+};
+
+struct Header {
+  Encoding encoding = Encoding::text;
+  std::vector<Element> elements;
+};
+
+[[nodiscard]] Type parse_type(const MeshText& text, std::string_view word) {
+  struct Named {
+    std::string_view name, alias;
+    Type type;
+  };
+  static constexpr std::array<Named, 8> kTypes{{{"char", "int8", {1, false, true}},
+                                                {"uchar", "uint8", {1, false, false}},
+                                                {"short", "int16", {2, false, true}},
+                                                {"ushort", "uint16", {2, false, false}},
+                                                {"int", "int32", {4, false, true}},
+                                                {"uint", "uint32", {4, false, false}},
+                                                {"float", "float32", {4, true, true}},
+                                                {"double", "float64", {8, true, true}}}};
+  for (const Named& known : kTypes) {
+    if (word == known.name || word == known.alias) return known.type;
+  }
+  text.fail("unknown type in the PLY header", "the file is damaged, export the mesh again");
+}
+
+void parse_property(MeshText& text, Header& header) {
+  if (header.elements.empty()) {
+    text.fail("property before the first element", "the file is damaged, export the mesh again");
+  }
+  Property property;
+  std::string_view word = text.next_word();
+  if (word == "list") {
+    property.count = parse_type(text, text.next_word());
+    word = text.next_word();
+  }
+  property.type = parse_type(text, word);
+  property.name = text.next_word();
+  if (property.count && property.count->real) {
+    text.fail("a list's length cannot be a real number", "export the mesh again");
+  }
+  header.elements.back().properties.push_back(property);
+}
+
+[[nodiscard]] Encoding parse_encoding(MeshText& text) {
+  const std::string_view word = text.next_word();
+  if (word == "ascii") return Encoding::text;
+  if (word == "binary_little_endian") return Encoding::little_endian;
+  if (word == "binary_big_endian") return Encoding::big_endian;
+  text.fail("unknown PLY format", "export the mesh as ascii or binary_little_endian");
+}
+
+[[nodiscard]] Header parse_header(MeshText& text) {
+  Header header;
+  bool has_format = false;
+  while (text.next_line()) {
+    const std::string_view keyword = text.next_word();
+    if (keyword == "end_header") {
+      if (!has_format) text.fail("the PLY header names no format", "export the mesh again");
+      return header;
+    }
+    if (keyword == "format") {
+      header.encoding = parse_encoding(text);
+      has_format = true;
+    } else if (keyword == "element") {
+      Element element;
+      element.name = text.next_word();
+      const std::int64_t items = text.integer(text.next_word(), "number of elements");
+      if (items < 0) text.fail("the number of elements is negative", "export the mesh again");
+      element.items = static_cast<std::size_t>(items);
+      header.elements.push_back(element);
+    } else if (keyword == "property") {
+      parse_property(text, header);
+    } else if (keyword != "ply" && keyword != "comment" && keyword != "obj_info") {
+      text.fail("unknown word in the PLY header", "the file is damaged, export the mesh again");
+    }
+  }
+  text.fail_cut_short("end_header");
+}
+
+/// Values in the order of the file, from text or binary.
+class Values {
+ public:
+  Values(const std::string& path, std::string_view bytes, const MeshText& after_header,
+         Encoding encoding)
+      : path_(path),
+        bytes_(bytes),
+        encoding_(encoding),
+        position_(after_header.position()),
+        text_(encoding == Encoding::text
+                  ? MeshText(path, bytes, after_header.position(), after_header.line())
+                  : MeshText(path, {})) {}
+
+  /// Place of the value read last, as messages name it.
+  [[nodiscard]] std::string place(const Element& element, std::size_t item) const {
+    if (encoding_ == Encoding::text) return "line " + std::to_string(text_.line());
+    return element.name + " " + std::to_string(item) + " (counted from 0)";
+  }
+
+  [[nodiscard]] double next(const Type& type, const Element& element, std::size_t item) {
+    if (encoding_ == Encoding::text) {
+      return text_.number(text_.next_word_anywhere(element.name + " " + std::to_string(item)),
+                          "value");
+    }
+    if (bytes_.size() - position_ < type.bytes) {
+      throw BakeError(ExitCode::invalid_input,
+                      path_ + ": the file ends within " + element.name + " " +
+                          std::to_string(item) + " of " + std::to_string(element.items) +
+                          "; it was cut short, copy or export the mesh again");
+    }
+    std::array<char, 8> raw{};
+    std::memcpy(raw.data(), bytes_.data() + position_, type.bytes);
+    position_ += type.bytes;
+    const bool big = encoding_ == Encoding::big_endian;
+    if (big != (std::endian::native == std::endian::big)) {
+      std::reverse(raw.begin(), raw.begin() + static_cast<std::ptrdiff_t>(type.bytes));
+    }
+    return decode(raw, type);
+  }
+
+  /// Refuses counts that the rest of the file cannot hold, before anything is allocated for them.
+  void expect(const Element& element) const {
+    std::size_t least = 0;
+    for (const Property& property : element.properties) {
+      const std::size_t binary = property.count ? property.count->bytes : property.type.bytes;
+      least += encoding_ == Encoding::text ? 2 : binary;
+    }
+    // The last value of a text file may lack its line end.
+    const std::size_t rest = bytes_.size() - position_ + 1;
+    if (least > 0 && element.items > rest / least) {
+      throw BakeError(ExitCode::invalid_input,
+                      path_ + ": the PLY header announces " + std::to_string(element.items) + " " +
+                          element.name + " elements, more than the file holds; it was cut short " +
+                          "or is damaged, copy or export the mesh again");
+    }
+  }
+
+ private:
+  template <class T>
+  [[nodiscard]] static double decode_as(const std::array<char, 8>& raw) {
+    T value;
+    std::memcpy(&value, raw.data(), sizeof value);
+    return static_cast<double>(value);
+  }
+
+  [[nodiscard]] static double decode(const std::array<char, 8>& raw, const Type& type) {
+    if (type.real) return type.bytes == 8 ? decode_as<double>(raw) : decode_as<float>(raw);
+    switch (type.bytes) {
+      case 1:
+        return type.is_signed ? decode_as<std::int8_t>(raw) : decode_as<std::uint8_t>(raw);
+      case 2:
+        return type.is_signed ? decode_as<std::int16_t>(raw) : decode_as<std::uint16_t>(raw);
+      default:
+        return type.is_signed ? decode_as<std::int32_t>(raw) : decode_as<std::uint32_t>(raw);
+    }
+  }
+
+  const std::string& path_;
+  std::string_view bytes_;
+  Encoding encoding_;
+  std::size_t position_;
+  MeshText text_;
+};
+
+class Reader {
+ public:
+  Reader(const std::string& path, Values& values) : path_(path), values_(values) {}
+
+  void read_vertices(const Element& element) {
+    std::array<std::size_t, 3> axes{};
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      const std::string name(1, static_cast<char>('x' + axis));
+      const auto found =
+          std::find_if(element.properties.begin(), element.properties.end(),
+                       [&](const Property& p) { return p.name == name && !p.count; });
+      if (found == element.properties.end()) {
+        fail("the PLY header gives vertices no property " + name + "; export the mesh again");
+      }
+      axes[axis] = static_cast<std::size_t>(found - element.properties.begin());
+    }
+    soup.points.reserve(element.items);
+    std::vector<double> item(element.properties.size());
+    for (std::size_t i = 0; i < element.items; ++i) {
+      for (std::size_t k = 0; k < item.size(); ++k) {
+        item[k] = read_property(element.properties[k], element, i);
+      }
+      const Vector3 point(item[axes[0]], item[axes[1]], item[axes[2]]);
+      if (!point.allFinite()) {
+        fail(values_.place(element, i) +
+             ": a coordinate is not finite; remove or mend this vertex and export the mesh again");
+      }
+      soup.points.push_back(point);
+    }
+  }
+
+  void read_faces(const Element& element) {
+    const auto corners =
+        std::find_if(element.properties.begin(), element.properties.end(), [](const Property& p) {
+          return p.count && (p.name == "vertex_indices" || p.name == "vertex_index");
+        });
+    if (corners == element.properties.end()) {
+      fail("the PLY header gives faces no list vertex_indices; export the mesh again");
+    }
+    for (std::size_t i = 0; i < element.items; ++i) {
+      for (const Property& property : element.properties) {
+        (void)read_property(property, element, i);
+        if (&property == &*corners) polygon_ = list_;
+      }
+      add_face(element, i);
+    }
+  }
+
+  void skip(const Element& element) {
+    for (std::size_t i = 0; i < element.items; ++i) {
+      for (const Property& property : element.properties) {
+        (void)read_property(property, element, i);
+      }
+    }
+  }
+
+  PolygonSoup soup;
+
+ private:
+  [[noreturn]] void fail(const std::string& message) const {
+    throw BakeError(ExitCode::invalid_input, path_ + ": " + message);
+  }
+
+  /// The value, or of a list its length; the list's items are kept in list_.
+  [[nodiscard]] double read_property(const Property& property, const Element& element,
+                                     std::size_t item) {
+    if (!property.count) return values_.next(property.type, element, item);
+    const double length = values_.next(*property.count, element, item);
+    if (length < 0) fail(values_.place(element, item) + ": negative length; export the mesh again");
+    list_.clear();
+    for (double i = 0; i < length; ++i) {
+      list_.push_back(values_.next(property.type, element, item));
+    }
+    return length;
+  }
+
+  void add_face(const Element& element, std::size_t item) {
+    if (polygon_.size() < 3) {
+      fail(values_.place(element, item) + ": face with " + std::to_string(polygon_.size()) +
+           " vertices; a face needs 3 or more, export the mesh again");
+    }
+    indices_.clear();
+    for (const double index : polygon_) {
+      if (!(index >= 0) || index >= static_cast<double>(soup.points.size()) ||
+          index != std::floor(index)) {
+        fail(values_.place(element, item) + ": vertex index " +
+             std::to_string(static_cast<std::int64_t>(index)) + " is out of range (" +
+             std::to_string(soup.points.size()) + " vertices); export the mesh again");
+      }
+      indices_.push_back(static_cast<std::uint32_t>(index));
+    }
+    add_polygon(indices_, soup);
+  }
+
+  const std::string& path_;
+  Values& values_;
+  std::vector<double> list_, polygon_;
+  std::vector<std::uint32_t> indices_;
+};
+
+/// The header is text even in a binary file: only this much may be searched for stray bytes.
+[[nodiscard]] std::string_view header_bytes(std::string_view bytes) {
+  const std::size_t end = bytes.find("end_header");
+  if (end == std::string_view::npos) return bytes;
+  const std::size_t line_end = bytes.find('\n', end);
+  return bytes.substr(0, line_end == std::string_view::npos ? bytes.size() : line_end + 1);
+}
+
+}  // namespace
+
+PolygonSoup read_ply(const std::string& path, std::string_view bytes) {
+  MeshText text(path, header_bytes(bytes));
+  if (!text.next_line() || text.next_word() != "ply") {
+    text.fail("the first word is not ply", "the file is of another format, or damaged");
+  }
+  const Header header = parse_header(text);
+  Values values(path, bytes, text, header.encoding);
+  Reader reader(path, values);
+  for (const Element& element : header.elements) {
+    values.expect(element);
+    if (element.name == "vertex") {
+      reader.read_vertices(element);
+    } else if (element.name == "face") {
+      reader.read_faces(element);
+    } else {
+      reader.skip(element);
+    }
+  }
+  return std::move(reader.soup);
+}
+
+}  // namespace spm::baker

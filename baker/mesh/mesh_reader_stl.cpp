@@ -1,0 +1,128 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <cstdint>
+#include <cstring>
+#include <string>
+#include <string_view>
+
+#include "baker/base/bake_error.hpp"
+#include "baker/mesh/mesh_reader.hpp"
+#include "baker/mesh/mesh_text.hpp"
+
+namespace spm::baker {
+namespace {
+
+static_assert(std::endian::native == std::endian::little, "binary STL is little-endian");
+
+constexpr std::size_t kHeaderBytes = 84;
+constexpr std::size_t kTriangleBytes = 50;
+constexpr std::size_t kNormalBytes = 12;
+
+[[nodiscard]] std::uint32_t triangle_count(std::string_view bytes) {
+  std::uint32_t count = 0;
+  std::memcpy(&count, bytes.data() + kHeaderBytes - sizeof count, sizeof count);
+  return count;
+}
+
+void add_triangle(PolygonSoup& soup) {
+  const auto last = static_cast<std::uint32_t>(soup.points.size());
+  soup.triangles.push_back({last - 3, last - 2, last - 1});
+}
+
+[[noreturn]] void fail(const std::string& message) {
+  throw BakeError(ExitCode::invalid_input, message);
+}
+
+[[nodiscard]] PolygonSoup read_binary(const std::string& path, std::string_view bytes) {
+  if (bytes.size() < kHeaderBytes) {
+    fail(path + ": the file ends within the STL header after " + std::to_string(bytes.size()) +
+         " bytes; it was cut short, copy or export the mesh again");
+  }
+  const std::uint32_t count = triangle_count(bytes);
+  const std::uint64_t expected = kHeaderBytes + std::uint64_t{count} * kTriangleBytes;
+  if (bytes.size() != expected) {
+    fail(path + ": the STL header announces " + std::to_string(count) + " triangles in " +
+         std::to_string(expected) + " bytes, but the file has " + std::to_string(bytes.size()) +
+         "; it was cut short or is damaged, copy or export the mesh again");
+  }
+  PolygonSoup soup;
+  soup.points.reserve(std::size_t{count} * 3);
+  soup.triangles.reserve(count);
+  for (std::uint32_t triangle = 0; triangle < count; ++triangle) {
+    const char* at = bytes.data() + kHeaderBytes + std::size_t{triangle} * kTriangleBytes;
+    float coordinates[9];
+    std::memcpy(coordinates, at + kNormalBytes, sizeof coordinates);
+    for (int corner = 0; corner < 3; ++corner) {
+      const float* xyz = coordinates + 3 * corner;
+      const Vector3 point(xyz[0], xyz[1], xyz[2]);
+      if (!point.allFinite()) {
+        fail(path + ": triangle " + std::to_string(triangle) +
+             " (counted from 0): a coordinate is not finite; remove or mend it and export the "
+             "mesh again");
+      }
+      soup.points.push_back(point);
+    }
+    add_triangle(soup);
+  }
+  return soup;
+}
+
+/// One facet; its "facet" was read. The normal is passed over: the vertices' order says more.
+void read_facet(MeshText& text, PolygonSoup& soup) {
+  std::size_t corners = 0;
+  while (true) {
+    const std::string_view word = text.next_word_anywhere("endfacet");
+    if (word == "endfacet") break;
+    if (word != "vertex") continue;
+    Vector3 point;
+    for (int axis = 0; axis < 3; ++axis) {
+      point[axis] = text.number(text.next_word_anywhere("a vertex's coordinates"), "coordinate");
+    }
+    soup.points.push_back(point);
+    ++corners;
+  }
+  if (corners != 3) {
+    text.fail("facet with " + std::to_string(corners) + " vertices",
+              "STL holds triangles only, export the mesh again");
+  }
+  add_triangle(soup);
+}
+
+[[nodiscard]] PolygonSoup read_text(const std::string& path, std::string_view bytes) {
+  MeshText text(path, bytes);
+  PolygonSoup soup;
+  bool open = false;
+  while (text.next_line()) {
+    const std::string_view keyword = text.next_word();
+    if (keyword == "solid") {
+      open = true;
+    } else if (keyword == "facet") {
+      read_facet(text, soup);
+    } else if (keyword == "endsolid") {
+      open = false;
+    } else {
+      text.fail("neither solid, facet nor endsolid", "the file is damaged, export the mesh again");
+    }
+  }
+  if (open) text.fail_cut_short("endsolid");
+  return soup;
+}
+
+}  // namespace
+
+bool is_binary_stl(std::string_view bytes) {
+  return bytes.size() >= kHeaderBytes &&
+         bytes.size() == kHeaderBytes + std::uint64_t{triangle_count(bytes)} * kTriangleBytes;
+}
+
+PolygonSoup read_stl(const std::string& path, std::string_view bytes) {
+  // A binary file may begin with "solid" too; text never has a zero byte.
+  const std::size_t start = std::min(bytes.find_first_not_of(" \t\r\n"), bytes.size());
+  const bool text = !is_binary_stl(bytes) && bytes.substr(start).starts_with("solid") &&
+                    bytes.find('\0') == std::string_view::npos;
+  return text ? read_text(path, bytes) : read_binary(path, bytes);
+}
+
+}  // namespace spm::baker

@@ -1,0 +1,17 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include "baker/mesh/mesh.hpp"
+#include "baker/mesh/mesh_reader.hpp"
+
+namespace spm::baker {
+
+/// Merges equal points, drops zero-area and duplicated triangles and unreferenced points, orients,
+/// turns what is inside out, and fills everything of the mesh but path, hash, unit, scale and box.
+/// The mesh has no triangle where the soup has none with an area.
+void repair(PolygonSoup soup, Mesh& mesh);
+
+/// True where three points lie on a line or coincide, by exact arithmetic.
+[[nodiscard]] bool collinear(const Vector3& a, const Vector3& b, const Vector3& c);
+
+}  // namespace spm::baker

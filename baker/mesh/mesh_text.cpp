@@ -1,0 +1,119 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "baker/mesh/mesh_text.hpp"
+
+#include <charconv>
+#include <cmath>
+#include <system_error>
+#include <utility>
+
+#include "baker/base/bake_error.hpp"
+
+namespace spm::baker {
+namespace {
+
+constexpr std::string_view kBlank = " \t\r\v\f";
+
+/// A word as a message quotes it: short, and printable whatever the file holds.
+[[nodiscard]] std::string quoted(std::string_view word) {
+  constexpr std::size_t kLongest = 24;
+  std::string text = "'";
+  for (const char c : word.substr(0, kLongest)) {
+    text += c >= ' ' && c <= '~' ? c : '?';
+  }
+  return text + (word.size() > kLongest ? "...'" : "'");
+}
+
+[[nodiscard]] std::string_view without_plus(std::string_view word) {
+  return word.size() > 1 && word.front() == '+' ? word.substr(1) : word;
+}
+
+}  // namespace
+
+MeshText::MeshText(std::string path, std::string_view bytes, std::size_t start, std::size_t line)
+    : path_(std::move(path)), bytes_(bytes), position_(start), line_(line) {
+  constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
+  const std::size_t zero = bytes.find('\0', start);
+  if (zero != std::string_view::npos) {
+    throw BakeError(ExitCode::invalid_input,
+                    path_ + ": byte " + std::to_string(zero) +
+                        ": binary data where text is expected; the file is damaged or of another "
+                        "format, export the mesh again");
+  }
+  if (start == 0 && bytes.starts_with(kByteOrderMark)) position_ = kByteOrderMark.size();
+}
+
+bool MeshText::next_line() {
+  while (position_ < bytes_.size()) {
+    // A lone carriage return ends a line too, as old exporters write it.
+    const std::size_t end = std::min(bytes_.find_first_of("\r\n", position_), bytes_.size());
+    rest_ = bytes_.substr(position_, end - position_);
+    position_ = bytes_.substr(end).starts_with("\r\n") ? end + 2 : std::min(end + 1, bytes_.size());
+    ++line_;
+    rest_ = rest_.substr(0, rest_.find('#'));
+    if (rest_.find_first_not_of(kBlank) != std::string_view::npos) return true;
+  }
+  rest_ = {};
+  return false;
+}
+
+std::string_view MeshText::next_word() {
+  const std::size_t begin = rest_.find_first_not_of(kBlank);
+  if (begin == std::string_view::npos) return rest_ = {};
+  const std::size_t end = std::min(rest_.find_first_of(kBlank, begin), rest_.size());
+  const std::string_view word = rest_.substr(begin, end - begin);
+  rest_ = rest_.substr(end);
+  return word;
+}
+
+std::string_view MeshText::next_word_anywhere(std::string_view what) {
+  std::string_view word = next_word();
+  while (word.empty()) {
+    if (!next_line()) fail_cut_short(what);
+    word = next_word();
+  }
+  return word;
+}
+
+double MeshText::number(std::string_view word, std::string_view what) const {
+  const std::string_view digits = without_plus(word);
+  double value = 0;
+  const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
+  if (error == std::errc::invalid_argument || end != digits.data() + digits.size()) {
+    fail(std::string(what) + " " + quoted(word) + " is no number", "export the mesh again");
+  }
+  if (error == std::errc::result_out_of_range && word.find("e-") == std::string_view::npos &&
+      word.find("E-") == std::string_view::npos) {
+    fail(std::string(what) + " " + quoted(word) + " is too large", "export the mesh again");
+  }
+  if (!std::isfinite(value)) {
+    fail(std::string(what) + " " + quoted(word) + " is not finite",
+         "remove or mend this vertex and export the mesh again");
+  }
+  return value;
+}
+
+std::int64_t MeshText::integer(std::string_view word, std::string_view what) const {
+  const std::string_view digits = without_plus(word);
+  std::int64_t value = 0;
+  const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
+  if (error != std::errc{} || end != digits.data() + digits.size()) {
+    fail(std::string(what) + " " + quoted(word) + " is no whole number", "export the mesh again");
+  }
+  return value;
+}
+
+void MeshText::fail(const std::string& cause, const std::string& cure) const {
+  fail_at(line_, cause, cure);
+}
+
+void MeshText::fail_at(std::size_t line, const std::string& cause, const std::string& cure) const {
+  throw BakeError(ExitCode::invalid_input,
+                  path_ + ": line " + std::to_string(line) + ": " + cause + "; " + cure);
+}
+
+void MeshText::fail_cut_short(std::string_view missing) const {
+  fail("the file ends before " + std::string(missing),
+       "it was cut short, copy or export the mesh again");
+}
+
+}  // namespace spm::baker

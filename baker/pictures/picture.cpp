@@ -1,0 +1,242 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "baker/pictures/picture.hpp"
+
+#include <png.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <optional>
+
+#include "baker/tiles/tile_cells.hpp"
+#include "common/surface/distance_map.hpp"
+
+namespace spm::baker {
+namespace {
+
+constexpr std::uint8_t background = 40;
+
+/// Dark blue over green to pale yellow, so that lightness rises evenly and colour blind eyes see
+/// it.
+constexpr std::array<Colour, 5> ramp{{{0.17, 0.17, 0.40},
+                                      {0.16, 0.39, 0.53},
+                                      {0.19, 0.60, 0.54},
+                                      {0.57, 0.79, 0.40},
+                                      {0.98, 0.92, 0.55}}};
+
+}  // namespace
+
+Colour ramp_at(double position) {
+  const double scaled = std::clamp(position, 0.0, 1.0) * (ramp.size() - 1);
+  const auto low = std::min(static_cast<std::size_t>(scaled), ramp.size() - 2);
+  const double share = scaled - static_cast<double>(low);
+  Colour colour{};
+  for (std::size_t i = 0; i < 3; ++i) {
+    colour[i] = (1 - share) * ramp[low][i] + share * ramp[low + 1][i];
+  }
+  return colour;
+}
+
+namespace {
+
+struct Extent {
+  double left = std::numeric_limits<double>::infinity();
+  double bottom = std::numeric_limits<double>::infinity();
+  double right = -std::numeric_limits<double>::infinity();
+  double top = -std::numeric_limits<double>::infinity();
+};
+
+/// Widens an extent by a rectangle from its lower left corner.
+void widen(Extent& extent, double eta0, double omega0, double width, double height) {
+  extent.left = std::min(extent.left, eta0);
+  extent.bottom = std::min(extent.bottom, omega0);
+  extent.right = std::max(extent.right, eta0 + width);
+  extent.top = std::max(extent.top, omega0 + height);
+}
+
+double side_of(const Tile& tile) { return tile_cells * static_cast<double>(tile.spacing); }
+
+Extent extent_of(const AssetView& asset, std::size_t plane) {
+  Extent extent;
+  for (const DistanceMap& map : asset.maps) {
+    if (map.plane != plane) continue;
+    widen(extent, map.eta0, map.omega0, (map.columns - 1) * map.spacing,
+          (map.rows - 1) * map.spacing);
+  }
+  for (const Tile& tile : asset.tiles) {
+    if (tile.plane == plane) widen(extent, tile.eta0, tile.omega0, side_of(tile), side_of(tile));
+  }
+  return extent;
+}
+
+/// Canvas of heights: for each pixel the surface nearest to the plane.
+struct Canvas {
+  std::uint32_t width = 0;
+  std::uint32_t height = 0;
+  Extent extent;
+  double pitch = 0;  ///< metres a pixel
+  std::vector<Height> heights;
+
+  [[nodiscard]] double eta(std::uint32_t x) const { return extent.left + (x + 0.5) * pitch; }
+  [[nodiscard]] double omega(std::uint32_t y) const { return extent.top - (y + 0.5) * pitch; }
+};
+
+/// Keeps a height where it is nearer to the plane than what the pixel shows.
+void show(Height& pixel, const Height& found) {
+  if (std::isfinite(found.value) && found.value < pixel.value) pixel = found;
+}
+
+/// Calls `visit` with the pixels that a rectangle may cover, and with their place on the plane.
+template <class Visit>
+void visit_pixels(Canvas& canvas, double eta0, double omega0, double width, double height,
+                  const Visit& visit) {
+  const auto first = [&](double offset) {
+    return static_cast<std::uint32_t>(std::max(0.0, std::floor(offset / canvas.pitch)));
+  };
+  const std::uint32_t x0 = first(eta0 - canvas.extent.left);
+  const std::uint32_t y0 = first(canvas.extent.top - omega0 - height);
+  const std::uint32_t x1 = std::min(canvas.width, first(eta0 + width - canvas.extent.left) + 1);
+  const std::uint32_t y1 = std::min(canvas.height, first(canvas.extent.top - omega0) + 1);
+  for (std::uint32_t y = y0; y < y1; ++y) {
+    for (std::uint32_t x = x0; x < x1; ++x) {
+      visit(canvas.heights[std::size_t{y} * canvas.width + x], canvas.eta(x), canvas.omega(y));
+    }
+  }
+}
+
+void draw_map(Canvas& canvas, const DistanceMap& map) {
+  visit_pixels(canvas, map.eta0, map.omega0, (map.columns - 1) * map.spacing,
+               (map.rows - 1) * map.spacing, [&map](Height& pixel, double eta, double omega) {
+                 const MapCell cell = locate(map, eta, omega);
+                 if (!cell.inside) return;
+                 for (std::uint32_t layer = 0; layer < map.layers; ++layer) {
+                   if (!map.cell_valid(layer, cell.column, cell.row)) continue;
+                   show(pixel, height_at(map, layer, cell));
+                 }
+               });
+}
+
+void draw_tile(Canvas& canvas, const Tile& tile, float height_unit) {
+  TileHeights heights;
+  tile_heights(tile, height_unit, heights);
+  const auto spacing = static_cast<double>(tile.spacing);
+  visit_pixels(canvas, tile.eta0, tile.omega0, side_of(tile), side_of(tile),
+               [&](Height& pixel, double eta, double omega) {
+                 const double x = (eta - tile.eta0) / spacing, y = (omega - tile.omega0) / spacing;
+                 if (!(x >= 0 && y >= 0 && x < tile_cells && y < tile_cells)) return;
+                 const auto column = static_cast<std::uint32_t>(x);
+                 const auto row = static_cast<std::uint32_t>(y);
+                 const std::uint32_t cell = row * tile_cells + column;
+                 if (((tile.valid >> cell) & 1U) == 0) return;
+                 const double from_x = x - column - 0.5, from_y = y - row - 0.5;
+                 const std::optional<Clip> clip = clip_of(tile, cell);
+                 if (clip && beyond_clip(*clip, from_x, from_y) > 0) return;
+                 show(pixel, height_at(tile, heights, cell, from_x, from_y));
+               });
+}
+
+/// Light on a surface of that slope, from the upper left of the picture and above.
+double shade(const Height& height) {
+  const Vector3 normal = Vector3(height.d_eta, height.d_omega, 1).normalized();
+  static const Vector3 light = Vector3(-1, 1, 2).normalized();
+  return 0.35 + 0.65 * std::max(0.0, normal.dot(light));
+}
+
+std::uint8_t to_byte(double value) {
+  return static_cast<std::uint8_t>(std::lround(std::clamp(value, 0.0, 1.0) * 255));
+}
+
+void append_to(png_structp png, png_bytep data, png_size_t size) {
+  static_cast<std::string*>(png_get_io_ptr(png))->append(reinterpret_cast<const char*>(data), size);
+}
+
+}  // namespace
+
+Picture plane_picture(const AssetView& asset, std::size_t plane, std::uint32_t longest_side) {
+  Canvas canvas;
+  canvas.extent = extent_of(asset, plane);
+  const double width = canvas.extent.right - canvas.extent.left;
+  const double height = canvas.extent.top - canvas.extent.bottom;
+  Picture picture;
+  if (!(width > 0) || !(height > 0)) {
+    picture = {1, 1, {background, background, background}};
+    return picture;
+  }
+  canvas.pitch = std::max(width, height) / longest_side;
+  canvas.width = std::max(1U, static_cast<std::uint32_t>(std::lround(width / canvas.pitch)));
+  canvas.height = std::max(1U, static_cast<std::uint32_t>(std::lround(height / canvas.pitch)));
+  Height none;
+  none.value = std::numeric_limits<double>::infinity();
+  canvas.heights.assign(std::size_t{canvas.width} * canvas.height, none);
+  for (const DistanceMap& map : asset.maps) {
+    if (map.plane == plane) draw_map(canvas, map);
+  }
+  for (const Tile& tile : asset.tiles) {
+    if (tile.plane == plane) draw_tile(canvas, tile, asset.height_unit);
+  }
+  double nearest = std::numeric_limits<double>::infinity();
+  double farthest = -nearest;
+  for (const Height& pixel : canvas.heights) {
+    if (!std::isfinite(pixel.value)) continue;
+    nearest = std::min(nearest, pixel.value);
+    farthest = std::max(farthest, pixel.value);
+  }
+  picture = {canvas.width, canvas.height, {}};
+  picture.pixels.reserve(3 * canvas.heights.size());
+  for (const Height& pixel : canvas.heights) {
+    if (!std::isfinite(pixel.value)) {
+      picture.pixels.insert(picture.pixels.end(), 3, background);
+      continue;
+    }
+    const double depth = farthest > nearest ? (pixel.value - nearest) / (farthest - nearest) : 0;
+    for (const double part : ramp_at(1 - depth))
+      picture.pixels.push_back(to_byte(part * shade(pixel)));
+  }
+  return picture;
+}
+
+Picture contact_sheet(std::span<const Picture> pictures, std::uint32_t side) {
+  const auto columns =
+      static_cast<std::uint32_t>(std::ceil(std::sqrt(static_cast<double>(pictures.size()))));
+  const std::uint32_t pitch = side + 4;
+  const auto rows = static_cast<std::uint32_t>((pictures.size() + columns - 1) / columns);
+  Picture sheet{columns * pitch, rows * pitch, {}};
+  sheet.pixels.assign(std::size_t{3} * sheet.width * sheet.height, background / 2);
+  for (std::size_t i = 0; i < pictures.size(); ++i) {
+    const Picture& picture = pictures[i];
+    const std::uint32_t width = std::min(picture.width, side);
+    const std::uint32_t x0 = static_cast<std::uint32_t>(i % columns) * pitch + (pitch - width) / 2;
+    const std::uint32_t height = std::min(picture.height, side);
+    const std::uint32_t y0 = static_cast<std::uint32_t>(i / columns) * pitch + (pitch - height) / 2;
+    for (std::uint32_t y = 0; y < height; ++y) {
+      const auto from = picture.pixels.begin() + std::ptrdiff_t{3} * y * picture.width;
+      std::copy(
+          from, from + std::ptrdiff_t{3} * width,
+          sheet.pixels.begin() + std::ptrdiff_t{3} * (std::ptrdiff_t{y0 + y} * sheet.width + x0));
+    }
+  }
+  return sheet;
+}
+
+Result<std::string> to_png(const Picture& picture) {
+  std::string bytes;
+  png_structp png = png_create_write_struct(PNG_LIBPNG_VER_STRING, nullptr, nullptr, nullptr);
+  png_infop info = png != nullptr ? png_create_info_struct(png) : nullptr;
+  if (info == nullptr || setjmp(png_jmpbuf(png)) != 0) {
+    png_destroy_write_struct(&png, &info);
+    return fail(ExitCode::internal, "the picture cannot be encoded as PNG");
+  }
+  png_set_write_fn(png, &bytes, append_to, nullptr);
+  png_set_IHDR(png, info, picture.width, picture.height, 8, PNG_COLOR_TYPE_RGB, PNG_INTERLACE_NONE,
+               PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
+  png_write_info(png, info);
+  for (std::uint32_t y = 0; y < picture.height; ++y) {
+    png_write_row(png, picture.pixels.data() + std::size_t{3} * y * picture.width);
+  }
+  png_write_end(png, nullptr);
+  png_destroy_write_struct(&png, &info);
+  return bytes;
+}
+
+}  // namespace spm::baker

@@ -1,0 +1,189 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "baker/pipeline/bake.hpp"
+
+#include <tbb/global_control.h>
+#include <tbb/info.h>
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "baker/base/bake_error.hpp"
+#include "baker/cast/cast.hpp"
+#include "baker/planes/hull.hpp"
+#include "baker/surface/outer_surface.hpp"
+#include "baker/smooth/smooth.hpp"
+#include "baker/pipeline/sparse.hpp"
+#include "baker/full/stages.hpp"
+#include "baker/base/stopwatch.hpp"
+
+namespace spm::baker {
+
+namespace {
+
+/// Share of the diagonal that stands for a tolerance where none was asked for.
+constexpr double default_tolerance_share = 1e-3;
+/// Height samples, over all planes and before layers, that a `full` asset may have: 2 GB of floats.
+constexpr double most_samples = 5e8;
+/// What the partition of a `full` asset, which promises nothing, aims at.
+constexpr double full_aim_share = 5e-4;
+
+void check_options(const BakeOptions& options, double margin) {
+  const auto refuse = [](const std::string& message) { throw BakeError(ExitCode::usage, message); };
+  if (!(options.max_depth > 0)) refuse("--max-depth must be more than 0");
+  if (!(options.probe_radius >= 0)) refuse("--probe must have a radius of 0 or more");
+  if (!(margin >= options.probe_radius)) {
+    refuse("--margin must be at least the probe's radius, or the probe would touch unfelt");
+  }
+  if (options.tolerance && !(*options.tolerance > 0)) refuse("--tolerance must be more than 0");
+  if (options.resolution < 2 || options.resolution > 4097) {
+    refuse("--resolution must be from 2 to 4097 samples");
+  }
+  if (options.layers == Layers::limited && (options.layer_limit < 1 || options.layer_limit > 255)) {
+    refuse("--layers must be auto, scalar or a number from 1 to 255");
+  }
+}
+
+std::string options_json(const BakeOptions& options, const AssetMetadata& metadata) {
+  nlohmann::ordered_json json;
+  json["form"] = options.form == AssetForm::full ? "full" : "sparse";
+  json["max_depth"] = metadata.band.max_depth;
+  json["margin"] = metadata.band.margin;
+  json["probe_radius"] = metadata.probe_radius;
+  json["unit"] = metadata.mesh_unit;
+  json["scale"] = metadata.scale;
+  json["seed"] = options.seed;
+  if (options.smooth.kind != Smoothing::none) {
+    json["smooth"] = smoothing_json(fitted_to(options.smooth, metadata.diagonal));
+  }
+  if (options.workspace) json["workspace"] = to_json(*options.workspace);
+  if (options.form == AssetForm::full) {
+    json["kind"] = metadata.kind;
+    json["planes"] =
+        options.planes ? nlohmann::ordered_json(*options.planes) : nlohmann::ordered_json();
+    json["resolution"] = options.resolution;
+    json["layers"] =
+        options.layers == Layers::automatic
+            ? nlohmann::ordered_json("auto")
+            : nlohmann::ordered_json(options.layers == Layers::scalar ? 1 : options.layer_limit);
+  } else {
+    json["tolerance"] = *metadata.tolerance;
+  }
+  return json.dump();
+}
+
+AssetMetadata describe(const Mesh& mesh, const BakeOptions& options) {
+  AssetMetadata metadata;
+  metadata.form = options.form;
+  metadata.mesh_sha256 = mesh.sha256;
+  metadata.mesh_unit = mesh.unit;
+  metadata.scale = mesh.scale;
+  metadata.diagonal = mesh.diagonal;
+  metadata.box_min = mesh.box_min;
+  metadata.box_max = mesh.box_max;
+  metadata.closed = mesh.closed();
+  metadata.border_edges = mesh.border_edges;
+  metadata.mesh_triangles = mesh.file_triangles;
+  metadata.probe_radius = options.probe_radius;
+  metadata.band.max_depth = options.max_depth;
+  metadata.band.margin = options.margin.value_or(options.probe_radius + options.max_depth / 4);
+  if (options.form == AssetForm::sparse) {
+    metadata.tolerance = options.tolerance.value_or(default_tolerance_share * mesh.diagonal);
+  }
+  return metadata;
+}
+
+/// Support planes and maps of the `full` form, and their partition.
+void bake_full(BakeResult& result, const Caster& caster, const Hull& hull,
+               const BakeOptions& options, const Progress& progress, CastCounts& counts) {
+  Asset& asset = result.asset;
+  SupportPlaneSet set = make_support_planes(hull, options.kind, options.planes);
+  const double samples =
+      static_cast<double>(set.planes.size()) * options.resolution * options.resolution;
+  if (samples > most_samples) {
+    throw BakeError(ExitCode::usage,
+                    std::to_string(set.planes.size()) + " planes of " +
+                        std::to_string(options.resolution) + " x " +
+                        std::to_string(options.resolution) +
+                        " samples are more than 500 million; ask for fewer --planes or a smaller "
+                        "--resolution");
+  }
+  asset.planes = std::move(set.planes);
+  asset.metadata.kind = set.kind == PlaneKind::vertex ? "vertex" : "face";
+  const Clock::time_point casting = Clock::now();
+  asset.maps = cast_full_maps(caster, asset.planes, options, progress, counts);
+  result.report.seconds_cast = seconds_since(casting);
+  const Clock::time_point partitioning = Clock::now();
+  const PartitionCounts partition = partition_space(
+      asset, caster, full_aim_share * asset.metadata.diagonal, options.seed, progress);
+  result.report.seconds_fit += seconds_since(partitioning);
+  for (const MapData& map : asset.maps) result.report.samples += map.samples.size();
+  result.report.record_cells = partition.records;
+  result.report.fallback_cells = partition.fallback;
+}
+
+void add_notes(const Mesh& mesh, const OuterSurface& surface, const CastCounts& counts,
+               BakeReport& report) {
+  report.notes.insert(report.notes.begin(), mesh.notes.begin(), mesh.notes.end());
+  if (surface.hidden > 0) {
+    report.notes.push_back(std::to_string(surface.hidden) +
+                           " pieces of surface lie inside other parts and were left out");
+  }
+  if (counts.inconsistent > 0) {
+    report.notes.push_back(
+        std::to_string(counts.inconsistent) + " of " + std::to_string(counts.rays) +
+        " rays met entries and exits that do not alternate; their samples are marked");
+  }
+}
+
+}  // namespace
+
+BakeResult bake(const Mesh& mesh, const BakeOptions& options, const Progress& progress) {
+  const unsigned threads = options.threads > 0
+                               ? options.threads
+                               : static_cast<unsigned>(tbb::info::default_concurrency());
+  const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
+  BakeResult result;
+  Asset& asset = result.asset;
+  asset.metadata = describe(mesh, options);
+  check_options(options, asset.metadata.band.margin);
+
+  const Clock::time_point start = Clock::now();
+  if (options.smooth.kind != Smoothing::none) {
+    SmoothReport& smooth = result.report.smooth.emplace();
+    result.smoothed = smoothed_mesh(mesh, options.smooth, progress, smooth);
+  }
+  const Mesh& solid = result.smoothed ? *result.smoothed : mesh;
+  OuterSurface surface = outer_surface(solid);
+  if (result.report.smooth) surface.hidden += result.report.smooth->hidden;
+  if (surface.surface_count == 0) {
+    throw BakeError(ExitCode::invalid_input,
+                    mesh.path +
+                        ": no part of its surface separates an inside from an outside; close "
+                        "the mesh, or give it a thickness");
+  }
+  const Hull hull = convex_hull(solid.vertices);
+  const Caster caster(surface);
+  result.report.seconds_fit = seconds_since(start);
+
+  CastCounts counts;
+  if (options.form == AssetForm::full) {
+    bake_full(result, caster, hull, options, progress, counts);
+  } else {
+    bake_sparse(result, caster, hull, options, progress, counts);
+  }
+  result.report.rays = counts.rays;
+  result.report.caps = surface.caps;
+  add_notes(mesh, surface, counts, result.report);
+  asset.metadata.layers_max = counts.layers_max;
+  asset.metadata.inconsistent_samples =
+      counts.rays > 0 ? static_cast<double>(counts.inconsistent) / static_cast<double>(counts.rays)
+                      : 0;
+  asset.metadata.fallback_cells = result.report.record_cells > 0
+                                      ? static_cast<double>(result.report.fallback_cells) /
+                                            static_cast<double>(result.report.record_cells)
+                                      : 0;
+  asset.metadata.options = options_json(options, asset.metadata);
+  return result;
+}
+
+}  // namespace spm::baker

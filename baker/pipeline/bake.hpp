@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <optional>
+
+#include "baker/options/bake_options.hpp"
+#include "baker/options/bake_report.hpp"
+#include "baker/mesh/mesh.hpp"
+#include "baker/base/progress.hpp"
+#include "formats/asset/asset.hpp"
+
+namespace spm::baker {
+
+struct BakeResult {
+  Asset asset;  ///< metadata complete but for tolerance_met, which the caller sets after verifying
+  BakeReport report;
+  std::optional<Mesh> smoothed;  ///< what the asset stands for in the mesh's place
+};
+
+/// Bakes a mesh: outer surface, hull, planes, ray casting, fit, spatial partition. Deterministic.
+/// Throws BakeError: usage for options that contradict, invalid_input for meshes it cannot bake.
+[[nodiscard]] BakeResult bake(const Mesh& mesh, const BakeOptions& options,
+                              const Progress& progress = {});
+
+}  // namespace spm::baker

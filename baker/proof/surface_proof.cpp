@@ -1,0 +1,273 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "baker/proof/surface_proof.hpp"
+
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <optional>
+
+#include "baker/base/progress_counter.hpp"
+#include "baker/proof/tile_bins.hpp"
+
+namespace spm::baker {
+
+namespace {
+
+/// A piece with edges shorter than this share of the bound that is not proven never will be.
+constexpr double smallest_share = 0.3;
+/// A triangle that is not proven in so many pieces is not worth more; see worthwhile_tries.
+constexpr int most_tries = 20000;
+/// The fallback's pieces are no smaller than this, in bounds: many small ones cost more bytes.
+constexpr double emitted_bounds = 4;
+constexpr double emitted_share = 1.0 / 400;  ///< of the diagonal
+/// Pieces larger than this, in bounds, are cut before they are measured against single cells.
+constexpr double close_bounds = 8;
+/// Samples along a side that the first test looks at; a larger piece is cut first.
+constexpr int most_samples = 10;
+
+/// A cell near a piece stands for it only where it looks the same way: it is to tell the side too.
+constexpr double like_cosine = 0.5;
+
+using Piece = std::array<Vector3, 3>;
+
+double longest_edge(const Piece& piece) {
+  return std::max(
+      {(piece[1] - piece[0]).norm(), (piece[2] - piece[1]).norm(), (piece[0] - piece[2]).norm()});
+}
+
+std::array<Piece, 4> quarters(const Piece& piece) {
+  const Vector3 ab = (piece[0] + piece[1]) / 2, bc = (piece[1] + piece[2]) / 2,
+                ca = (piece[2] + piece[0]) / 2;
+  return {{{piece[0], ab, ca}, {ab, piece[1], bc}, {ca, bc, piece[2]}, {ab, bc, ca}}};
+}
+
+/// Asks whether tiles stand for pieces of surface.
+class SurfaceProof {
+ public:
+  SurfaceProof(const std::vector<SupportPlane>& planes, const std::vector<Tile>& tiles,
+               double height_unit, double bound, double farthest, double emitted, double bin_edge)
+      : planes_(planes),
+        tiles_(tiles),
+        height_unit_(static_cast<float>(height_unit)),
+        bound_(bound),
+        farthest_(farthest),
+        emitted_(std::max(emitted_bounds * bound, emitted)),
+        bins_(planes, tiles, height_unit_, bin_edge, bound) {
+    heights_.resize(tiles.size());
+    tbb::parallel_for(std::size_t{0}, tiles.size(),
+                      [&](std::size_t i) { tile_heights(tiles[i], height_unit_, heights_[i]); });
+  }
+
+  /// Appends what of a piece is not stood for; true where that is all of it, appended as a whole.
+  bool open(const Piece& piece, const Vector3& normal, std::uint32_t triangle,
+            std::vector<SurfacePiece>& found, std::vector<TileUse>& uses, int& tries) const {
+    if (const std::optional<TileUse> use = stood_for(piece, normal)) {
+      const auto same = std::find_if(uses.begin(), uses.end(),
+                                     [&](const TileUse& one) { return one.tile == use->tile; });
+      if (same == uses.end()) {
+        uses.push_back(*use);
+      } else {
+        same->cells |= use->cells;
+      }
+      return false;
+    }
+    const double size = longest_edge(piece);
+    if (size < smallest_share * bound_ || --tries < 0) {
+      found.push_back({piece, triangle});
+      return true;
+    }
+    const std::size_t before = found.size();
+    int whole = 0;
+    for (const Piece& quarter : quarters(piece)) {
+      whole += open(quarter, normal, triangle, found, uses, tries) ? 1 : 0;
+      if (found.size() > before && size < emitted_) whole = 4;
+      if (whole == 4) break;
+    }
+    if (whole < 4) return false;
+    found.resize(before);
+    found.push_back({piece, triangle});
+    return true;
+  }
+
+ private:
+  const std::vector<SupportPlane>& planes_;
+  const std::vector<Tile>& tiles_;
+  float height_unit_;
+  double bound_;
+  double farthest_;
+  double emitted_;
+  TileBins bins_;
+  std::vector<TileHeights> heights_;
+
+  [[nodiscard]] std::optional<TileUse> stood_for(const Piece& piece, const Vector3& normal) const {
+    const Vector3 middle = (piece[0] + piece[1] + piece[2]) / 3;
+    const std::span<const std::uint32_t> near = bins_.near(middle);
+    // A sheet that looks the other way is the other side of a thin wall.
+    const auto looks_away = [&](std::uint32_t which) {
+      return normal.dot(planes_[tiles_[which].plane].n) <= 0;
+    };
+    for (const std::uint32_t which : near) {
+      if (looks_away(which)) continue;
+      if (const std::uint64_t cells = lies_along(which, piece)) return TileUse{which, cells};
+    }
+    const double radius = std::max(
+        {(piece[0] - middle).norm(), (piece[1] - middle).norm(), (piece[2] - middle).norm()});
+    if (radius > close_bounds * bound_) return std::nullopt;
+    for (const std::uint32_t which : near) {
+      if (looks_away(which)) continue;
+      if (const std::uint64_t cell = lies_by(which, piece, normal, middle, radius)) {
+        return TileUse{which, cell};
+      }
+    }
+    return std::nullopt;
+  }
+
+  /// The cells around the piece, where the depths of all their samples are the triangle's, within
+  /// the bound; else none.
+  [[nodiscard]] std::uint64_t lies_along(std::uint32_t which, const Piece& piece) const {
+    const Tile& tile = tiles_[which];
+    const SupportPlane& plane = planes_[tile.plane];
+    const auto spacing = static_cast<double>(tile.spacing);
+    std::array<Vector3, 3> local;  // in samples along eta and omega, and below the base in m
+    for (std::size_t k = 0; k < 3; ++k) {
+      const PlaneCoordinates place = project_on_plane(plane, piece[k]);
+      local[k] = {(place.eta - tile.eta0) / spacing, (place.omega - tile.omega0) / spacing,
+                  place.depth - tile.base};
+    }
+    const Vector3 low = local[0].cwiseMin(local[1]).cwiseMin(local[2]);
+    const Vector3 high = local[0].cwiseMax(local[1]).cwiseMax(local[2]);
+    if (!(low.x() >= 0 && low.y() >= 0 && high.x() <= tile_cells && high.y() <= tile_cells)) {
+      return 0;
+    }
+    const int x0 = static_cast<int>(low.x()), y0 = static_cast<int>(low.y());
+    const int x1 = std::max(x0 + 1, static_cast<int>(std::ceil(high.x())));
+    const int y1 = std::max(y0 + 1, static_cast<int>(std::ceil(high.y())));
+    if (x1 - x0 > most_samples || y1 - y0 > most_samples || x1 > 8 || y1 > 8) return 0;
+    for (int y = y0; y < y1; ++y) {
+      const std::uint64_t row = ((std::uint64_t{1} << (x1 - x0)) - 1) << (y * 8 + x0);
+      if ((tile.valid & ~tile.clipped & row) != row) return 0;
+    }
+    const Vector3 across = (local[1] - local[0]).cross(local[2] - local[0]);
+    if (!(std::abs(across.z()) > 1e-12)) return 0;
+    const auto depth = [&](double x, double y) {
+      return local[0].z() -
+             (across.x() * (x - local[0].x()) + across.y() * (y - local[0].y())) / across.z();
+    };
+    const TileHeights& heights = heights_[which];
+    const auto height = [&](int x, int y) {
+      return static_cast<double>(
+          heights[static_cast<std::size_t>(y) * tile_samples + static_cast<std::size_t>(x)]);
+    };
+    double slack = 0;
+    std::uint64_t cells = 0;
+    for (int y = y0; y < y1; ++y) {
+      for (int x = x0; x < x1; ++x) {
+        slack = std::max(slack, foot_slack(which, x, y));
+        cells |= std::uint64_t{1} << (y * 8 + x);
+      }
+    }
+    const double allowed = bound_ - slack;
+    if (x1 - x0 == 1 && y1 - y0 == 1) {
+      // Plane less patch is bilinear, so largest at a corner of any rectangle.
+      for (const double x : {low.x(), high.x()}) {
+        for (const double y : {low.y(), high.y()}) {
+          const double fx = x - x0, fy = y - y0;
+          const double patch = (1 - fy) * ((1 - fx) * height(x0, y0) + fx * height(x1, y0)) +
+                               fy * ((1 - fx) * height(x0, y1) + fx * height(x1, y1));
+          if (!(std::abs(depth(x, y) - patch) <= allowed)) return 0;
+        }
+      }
+      return cells;
+    }
+    for (int y = y0; y <= y1; ++y) {
+      for (int x = x0; x <= x1; ++x) {
+        if (!(std::abs(depth(x, y) - height(x, y)) <= allowed)) return 0;
+      }
+    }
+    return cells;
+  }
+
+  /// How much farther than the nearest point of a cell's patch the query's foot may be, m. The
+  /// patch leaves its mean plane by slopes of at most s, so that its points are no nearer than the
+  /// foot's distance over sqrt(1 + s^2).
+  [[nodiscard]] double foot_slack(std::uint32_t which, int x, int y) const {
+    const TileHeights& h = heights_[which];
+    const std::size_t first =
+        static_cast<std::size_t>(y) * tile_samples + static_cast<std::size_t>(x);
+    const double twist = static_cast<double>(h[first] - h[first + 1] - h[first + tile_samples] +
+                                             h[first + tile_samples + 1]) /
+                         static_cast<double>(tiles_[which].spacing);
+    return farthest_ * twist * twist / 4;
+  }
+
+  /// The cell that is nearest to the piece's middle, where the whole piece is within the bound of
+  /// it, or its middle by so much less as the piece is large; else none.
+  [[nodiscard]] std::uint64_t lies_by(std::uint32_t which, const Piece& piece,
+                                      const Vector3& normal, const Vector3& middle,
+                                      double radius) const {
+    const Tile& tile = tiles_[which];
+    const SupportPlane& plane = planes_[tile.plane];
+    const TileFoot foot =
+        closest_on_tile(tile, height_unit_, plane, middle, static_cast<float>(bound_));
+    if (!std::isfinite(foot.distance)) return 0;
+    const Vector3 looks = surface_normal(plane, static_cast<double>(foot.slope_eta),
+                                         static_cast<double>(foot.slope_omega));
+    if (looks.normalized().dot(normal) < like_cosine) return 0;
+    const std::uint32_t cell = foot.cell;
+    const int x = static_cast<int>(cell % tile_cells), y = static_cast<int>(cell / tile_cells);
+    const double slack = foot_slack(which, x, y);
+    const std::uint64_t bit = std::uint64_t{1} << cell;
+    if (static_cast<double>(foot.distance) + radius + slack <= bound_) {
+      return bit;
+    }
+    const TileHeights& h = heights_[which];
+    const std::size_t first = cell / tile_cells * tile_samples + cell % tile_cells;
+    const double twist = std::abs(static_cast<double>(
+        h[first] - h[first + 1] - h[first + tile_samples] + h[first + tile_samples + 1]));
+    // A quarter of the twist each way for the patch against its mean plane, whose distance is
+    // convex.
+    const double allowed = bound_ - slack - twist / 2;
+    if (!(allowed > 0)) return 0;
+    Tile one = tile;
+    one.clips += std::popcount(tile.clipped & (bit - 1));
+    one.valid = bit;
+    one.clipped &= bit;
+    const bool all = std::all_of(piece.begin(), piece.end(), [&](const Vector3& corner) {
+      return std::isfinite(
+          closest_on_tile(one, height_unit_, plane, corner, static_cast<float>(allowed)).distance);
+    });
+    return all ? bit : 0;
+  }
+};
+
+}  // namespace
+
+SurfaceCover prove_surface(const Caster& caster, const std::vector<SupportPlane>& planes,
+                           const std::vector<Tile>& tiles, double height_unit, double bound,
+                           double farthest, const Progress& progress) {
+  const SurfaceProof proof(planes, tiles, height_unit, bound, farthest,
+                           emitted_share * caster.diagonal(), caster.diagonal() / 80);
+  constexpr std::size_t batch = 64;
+  const std::size_t batches = (caster.surface_count() + batch - 1) / batch;
+  const double share = worthwhile_tries(bound, caster.diagonal());
+  SurfaceCover cover;
+  cover.uses.resize(caster.surface_count());
+  cover.open.resize(caster.surface_count());
+  ProgressCounter counter(progress, "proof of surface", batches);
+  tbb::parallel_for(std::size_t{0}, batches, [&](std::size_t i) {
+    const std::size_t end = std::min(caster.surface_count(), (i + 1) * batch);
+    for (std::size_t k = i * batch; k < end; ++k) {
+      const auto triangle = static_cast<std::uint32_t>(k);
+      int tries = static_cast<int>(most_tries * share);
+      proof.open(
+          {caster.corner(triangle, 0), caster.corner(triangle, 1), caster.corner(triangle, 2)},
+          caster.normal(triangle), triangle, cover.open[k], cover.uses[k], tries);
+    }
+    counter.done();
+  });
+  return cover;
+}
+
+}  // namespace spm::baker

@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <limits>
+#include <span>
+#include <vector>
+
+#include "common/asset/asset_view.hpp"
+
+namespace spm::baker {
+
+/// An axis-aligned box, m.
+struct Box {
+  Vector3 low = Vector3::Constant(std::numeric_limits<double>::infinity());
+  Vector3 high = Vector3::Constant(-std::numeric_limits<double>::infinity());
+
+  void include(const Vector3& point) {
+    low = low.cwiseMin(point);
+    high = high.cwiseMax(point);
+  }
+};
+
+/// The box around a tile's valid cells.
+[[nodiscard]] Box tile_box(const SupportPlane& plane, const Tile& tile, float height_unit);
+
+/// Tiles by the cubes of space that their valid surface passes through.
+class TileBins {
+ public:
+  /// Cubes of `edge` metres; a tile counts as `reach` metres thick.
+  TileBins(std::span<const SupportPlane> planes, std::span<const Tile> tiles, float height_unit,
+           double edge, double reach);
+
+  /// Tiles whose surface may come within `reach` of a point.
+  [[nodiscard]] std::span<const std::uint32_t> near(const Vector3& point) const;
+
+ private:
+  double edge_;
+  Vector3 low_ = Vector3::Zero();
+  std::array<std::int64_t, 3> count_{1, 1, 1};
+  std::vector<std::uint64_t> starts_;
+  std::vector<std::uint32_t> members_;
+};
+
+}  // namespace spm::baker

@@ -1,0 +1,292 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "baker/smooth/sheet_refine.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <unordered_map>
+#include <unordered_set>
+#include <utility>
+
+#include "baker/base/bake_error.hpp"
+
+namespace spm::baker {
+namespace {
+
+/// Edges that turn by less, rad, may be replaced by the other diagonal of their two triangles: that
+/// moves the surface by less than a millionth of their length.
+constexpr double flat_turn = 1e-6;
+/// What rounding leaves between two diagonals of which neither is better.
+constexpr double toss_up = 1e-9;
+constexpr int flip_rounds = 3;  // between two rounds of halving
+
+/// Space in cubes that have numbers.
+class Cells {
+ public:
+  Cells(const Vector3& low, double edge) : low_(low), edge_(edge) {}
+
+  /// The cube of a point, with room for some below it; no coordinate may be below the lowest.
+  [[nodiscard]] std::array<std::int64_t, 3> of(const Vector3& point) const {
+    const Vector3 cells = (point - low_) / edge_;
+    return {static_cast<std::int64_t>(cells.x()) + 4, static_cast<std::int64_t>(cells.y()) + 4,
+            static_cast<std::int64_t>(cells.z()) + 4};
+  }
+  [[nodiscard]] static std::uint64_t key(std::int64_t x, std::int64_t y, std::int64_t z) {
+    return (static_cast<std::uint64_t>(x) << 42U) | (static_cast<std::uint64_t>(y) << 21U) |
+           static_cast<std::uint64_t>(z);
+  }
+
+ private:
+  Vector3 low_;
+  double edge_;
+};
+
+/// Space about some edges, in cubes: what is within the reach of an edge is in a marked one.
+class Zones {
+ public:
+  Zones(const Vector3& low, double reach) : cell_(reach / 2), cells_(low, cell_) {}
+
+  void add(const Vector3& from, const Vector3& to) {
+    // Marks half a cell apart, so that the edge is at most a quarter of a cell from one.
+    const double steps = std::max(1.0, std::ceil(2 * (to - from).norm() / cell_));
+    for (double i = 0; i <= steps; ++i) {
+      const std::array<std::int64_t, 3> at = cells_.of(from + i / steps * (to - from));
+      if (marks_.insert(Cells::key(at[0], at[1], at[2])).second) mark_about(at);
+    }
+  }
+
+  /// True for every edge that comes near a marked place, and for edges that are long beside a cell.
+  [[nodiscard]] bool near(const Vector3& from, const Vector3& to) const {
+    const std::array<std::int64_t, 3> low = cells_.of(from.cwiseMin(to));
+    const std::array<std::int64_t, 3> high = cells_.of(from.cwiseMax(to));
+    constexpr std::int64_t most_cells = 64;
+    if ((high[0] - low[0] + 1) * (high[1] - low[1] + 1) * (high[2] - low[2] + 1) > most_cells) {
+      return !near_.empty();
+    }
+    for (std::int64_t x = low[0]; x <= high[0]; ++x) {
+      for (std::int64_t y = low[1]; y <= high[1]; ++y) {
+        for (std::int64_t z = low[2]; z <= high[2]; ++z) {
+          if (near_.contains(Cells::key(x, y, z))) return true;
+        }
+      }
+    }
+    return false;
+  }
+
+ private:
+  /// Marks the cells that have a point within the reach and a quarter of a cell of one.
+  void mark_about(const std::array<std::int64_t, 3>& at) {
+    constexpr std::int64_t farthest = 3;
+    constexpr double reach_in_cells = 2.25;
+    const auto gap2 = [](std::int64_t offset) {
+      const auto between = static_cast<double>(std::max<std::int64_t>(0, std::abs(offset) - 1));
+      return between * between;
+    };
+    for (std::int64_t x = -farthest; x <= farthest; ++x) {
+      for (std::int64_t y = -farthest; y <= farthest; ++y) {
+        for (std::int64_t z = -farthest; z <= farthest; ++z) {
+          if (gap2(x) + gap2(y) + gap2(z) > reach_in_cells * reach_in_cells) continue;
+          near_.insert(Cells::key(at[0] + x, at[1] + y, at[2] + z));
+        }
+      }
+    }
+  }
+
+  double cell_;
+  Cells cells_;
+  std::unordered_set<std::uint64_t> marks_;
+  std::unordered_set<std::uint64_t> near_;
+};
+
+/// Points that keep their distance from each other.
+class SpacedPoints {
+ public:
+  SpacedPoints(const Vector3& low, double spacing) : spacing_(spacing), cells_(low, spacing) {}
+
+  /// Adds a point, but none that is nearer to another than the spacing; tells whether it did.
+  bool add(const Vector3& point) {
+    const std::array<std::int64_t, 3> at = cells_.of(point);
+    for (std::int64_t x = -1; x <= 1; ++x) {
+      for (std::int64_t y = -1; y <= 1; ++y) {
+        for (std::int64_t z = -1; z <= 1; ++z) {
+          const auto found = points_.find(Cells::key(at[0] + x, at[1] + y, at[2] + z));
+          if (found == points_.end()) continue;
+          for (const Vector3& other : found->second) {
+            if ((other - point).norm() < spacing_) return false;
+          }
+        }
+      }
+    }
+    points_[Cells::key(at[0], at[1], at[2])].push_back(point);
+    return true;
+  }
+
+ private:
+  double spacing_;
+  Cells cells_;
+  std::unordered_map<std::uint64_t, std::vector<Vector3>> points_;
+};
+
+Vector3 lowest(const Sheet& sheet) {
+  Vector3 low = sheet.vertices.front();
+  for (const Vector3& vertex : sheet.vertices) low = low.cwiseMin(vertex);
+  return low;
+}
+
+Zones zones_about(const Sheet& sheet, const EdgeChoice& choice, double reach) {
+  Zones zones(lowest(sheet), reach);
+  for (const SheetEdge& edge : edges_of(sheet).edges) {
+    if (choice(edge)) zones.add(sheet.vertices[edge.ends[0]], sheet.vertices[edge.ends[1]]);
+  }
+  return zones;
+}
+
+constexpr std::uint32_t whole = 0xFFFFFFFF;  // an edge that stays as it is
+
+/// Cuts a triangle at the middles of its sides, where they have one.
+void split(const Sheet& sheet, const Triangle& t, const std::array<std::uint32_t, 3>& middle,
+           std::vector<Triangle>& pieces) {
+  const auto halved = [&](std::size_t k) { return middle[k] != whole; };
+  const int count = (halved(0) ? 1 : 0) + (halved(1) ? 1 : 0) + (halved(2) ? 1 : 0);
+  if (count == 0) {
+    pieces.push_back(t);
+    return;
+  }
+  if (count == 3) {
+    pieces.insert(pieces.end(), {{t[0], middle[0], middle[2]},
+                                 {middle[0], t[1], middle[1]},
+                                 {middle[2], middle[1], t[2]},
+                                 {middle[0], middle[1], middle[2]}});
+    return;
+  }
+  // Turned so that side 0 is the only one cut, or side 2 the only one whole.
+  std::size_t turn = 0;
+  while (count == 1 ? !halved(turn) : halved((turn + 2) % 3)) ++turn;
+  const std::uint32_t a = t[turn];
+  const std::uint32_t b = t[(turn + 1) % 3];
+  const std::uint32_t c = t[(turn + 2) % 3];
+  const std::uint32_t ab = middle[turn];
+  if (count == 1) {
+    pieces.insert(pieces.end(), {{a, ab, c}, {ab, b, c}});
+    return;
+  }
+  const std::uint32_t bc = middle[(turn + 1) % 3];
+  pieces.push_back({ab, b, bc});
+  const auto distance2 = [&](std::uint32_t p, std::uint32_t q) {
+    return (sheet.vertices[p] - sheet.vertices[q]).squaredNorm();
+  };
+  if (distance2(a, bc) <= distance2(ab, c)) {
+    pieces.insert(pieces.end(), {{a, ab, bc}, {a, bc, c}});
+  } else {
+    pieces.insert(pieces.end(), {{a, ab, c}, {ab, bc, c}});
+  }
+}
+
+/// True for an edge that the shape of the surface needs.
+bool is_rigid(const SheetEdge& edge) {
+  return edge.triangles != 2 || !edge.paired || edge.turn > flat_turn;
+}
+
+/// Halves long edges near the zones once: the rigid ones, or of the others those whose middles keep
+/// their distance, for flips make the rest of them shorter. False where there was none.
+bool halve(Sheet& sheet, const Zones& zones, double longest, bool rigid) {
+  const SheetEdges edges = edges_of(sheet);
+  std::vector<std::pair<double, std::uint32_t>> lengths;
+  for (std::uint32_t i = 0; i < edges.edges.size(); ++i) {
+    const SheetEdge& edge = edges.edges[i];
+    if (is_rigid(edge) != rigid) continue;
+    const Vector3& from = sheet.vertices[edge.ends[0]];
+    const Vector3& to = sheet.vertices[edge.ends[1]];
+    const double length = (to - from).norm();
+    if (length > longest && zones.near(from, to)) lengths.emplace_back(-length, i);
+  }
+  std::sort(lengths.begin(), lengths.end());
+  SpacedPoints spaced(lowest(sheet), longest / 2);
+  std::vector<std::uint32_t> middles(edges.edges.size(), whole);
+  std::size_t halved = 0;
+  for (const auto& [length, index] : lengths) {
+    const auto& [from, to] = edges.edges[index].ends;
+    const Vector3 middle = (sheet.vertices[from] + sheet.vertices[to]) / 2;
+    if (!rigid && !spaced.add(middle)) continue;
+    middles[index] = static_cast<std::uint32_t>(sheet.vertices.size());
+    sheet.vertices.push_back(middle);
+    ++halved;
+  }
+  if (halved == 0) return false;
+  std::vector<Triangle> pieces;
+  pieces.reserve(sheet.triangles.size() + 2 * halved);
+  for (std::size_t i = 0; i < sheet.triangles.size(); ++i) {
+    const auto& sides = edges.of_sides[i];
+    split(sheet, sheet.triangles[i], {middles[sides[0]], middles[sides[1]], middles[sides[2]]},
+          pieces);
+  }
+  sheet.triangles = std::move(pieces);
+  return true;
+}
+
+/// True where the other diagonal of two triangles over an edge (a, b), with the opposite corners p
+/// and q, makes less pointed ones: the angles at p and q have more than pi together (Delaunay).
+bool better_flipped(const Sheet& sheet, std::uint32_t a, std::uint32_t b, std::uint32_t p,
+                    std::uint32_t q) {
+  const auto arms = [&](std::uint32_t corner) {
+    const Vector3 to_a = sheet.vertices[a] - sheet.vertices[corner];
+    const Vector3 to_b = sheet.vertices[b] - sheet.vertices[corner];
+    return std::pair(to_a.cross(to_b).norm(), to_a.dot(to_b));
+  };
+  const auto [sine_p, cosine_p] = arms(p);
+  const auto [sine_q, cosine_q] = arms(q);
+  const double size = std::hypot(sine_p, cosine_p) * std::hypot(sine_q, cosine_q);
+  return sine_p * cosine_q + cosine_p * sine_q < -toss_up * size;
+}
+
+/// Replaces flat edges by better ones, each triangle's at most once; false where there was none.
+bool flip(Sheet& sheet) {
+  const SheetEdges edges = edges_of(sheet);
+  std::vector<std::uint32_t> first(edges.edges.size(), whole);
+  std::vector<char> used(sheet.triangles.size(), 0);
+  bool flipped = false;
+  for (std::uint32_t side = 0; side < 3 * sheet.triangles.size(); ++side) {
+    const std::uint32_t index = edges.of_sides[side / 3][side % 3];
+    if (is_rigid(edges.edges[index])) continue;
+    if (first[index] == whole) {
+      first[index] = side;
+      continue;
+    }
+    const std::uint32_t one = first[index] / 3, other = side / 3;
+    if (used[one] != 0 || used[other] != 0) continue;
+    const Triangle t = sheet.triangles[one];
+    const std::uint32_t a = t[first[index] % 3], b = t[(first[index] % 3 + 1) % 3];
+    const std::uint32_t p = t[(first[index] % 3 + 2) % 3];
+    const std::uint32_t q = sheet.triangles[other][(side % 3 + 2) % 3];
+    if (p == q || !better_flipped(sheet, a, b, p, q)) continue;
+    sheet.triangles[one] = {a, q, p};
+    sheet.triangles[other] = {q, b, p};
+    used[one] = used[other] = 1;
+    flipped = true;
+  }
+  return flipped;
+}
+
+}  // namespace
+
+Sheet refined(Sheet sheet, const EdgeChoice& choice, double longest, double reach,
+              std::size_t most) {
+  if (sheet.triangles.empty()) return sheet;
+  const Zones zones = zones_about(sheet, choice, reach);
+  // What spans a long and narrow strip gets short by flips, once the strip's borders are halved.
+  for (const bool rigid : {true, false}) {
+    while (halve(sheet, zones, longest, rigid)) {
+      if (sheet.triangles.size() > most) {
+        throw BakeError(ExitCode::usage,
+                        "--smooth: a kernel this small cuts the surface into more than " +
+                            std::to_string(most / 1000000) +
+                            " million triangles; ask for a larger one");
+      }
+      for (int round = 0; round < flip_rounds && flip(sheet); ++round) {
+      }
+    }
+  }
+  return sheet;
+}
+
+}  // namespace spm::baker

@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstddef>
+#include <functional>
+
+#include "baker/smooth/sheet.hpp"
+
+namespace spm::baker {
+
+/// Says of an edge whether what is about it matters.
+using EdgeChoice = std::function<bool(const SheetEdge&)>;
+
+/// Halves the edges longer than `longest` metres that are within `reach` metres of a chosen edge,
+/// until there is none; vertices keep their places and indices; where the sheet is flat, edges may
+/// run anew. Throws BakeError usage where that takes more than `most` triangles.
+[[nodiscard]] Sheet refined(Sheet sheet, const EdgeChoice& choice, double longest, double reach,
+                            std::size_t most);
+
+}  // namespace spm::baker

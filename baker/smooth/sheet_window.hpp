@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "baker/smooth/sheet.hpp"
+
+namespace spm::baker {
+
+/// A sheet and who is whose neighbour on it; immutable, any number of threads may read it.
+class SheetNeighbours {
+ public:
+  /// A triangle seen from one of its corners, anticlockwise.
+  struct Corner {
+    std::uint32_t next, last;  ///< the other corners
+    double to_next, to_last;   ///< lengths of the sides from here, m
+    double across;             ///< of the third one
+    double twice_area;         ///< m2
+  };
+  /// The other end of an edge.
+  struct Neighbour {
+    std::uint32_t vertex;
+    double length2;  ///< m2
+    double area;     ///< a third of the edge's triangles, m2
+  };
+
+  /// `fixed` vertices stay where they are and end every window; at `bent` ones the sheet is not
+  /// flat. A flag a vertex. The sheet must outlive this.
+  SheetNeighbours(const Sheet& sheet, const SheetEdges& edges, std::vector<char> fixed,
+                  std::vector<char> bent);
+
+  [[nodiscard]] const Sheet& sheet() const { return sheet_; }
+  [[nodiscard]] bool fixed(std::uint32_t vertex) const { return fixed_[vertex] != 0; }
+  [[nodiscard]] bool bent(std::uint32_t vertex) const { return bent_[vertex] != 0; }
+  [[nodiscard]] std::span<const Corner> corners(std::uint32_t vertex) const {
+    return std::span(corners_).subspan(first_corner_[vertex],
+                                       first_corner_[vertex + 1] - first_corner_[vertex]);
+  }
+  [[nodiscard]] std::span<const Neighbour> neighbours(std::uint32_t vertex) const {
+    return std::span(neighbours_)
+        .subspan(first_neighbour_[vertex], first_neighbour_[vertex + 1] - first_neighbour_[vertex]);
+  }
+
+ private:
+  void add_corners();
+  void add_neighbours(const SheetEdges& edges);
+
+  const Sheet& sheet_;
+  std::vector<char> fixed_, bent_;
+  std::vector<std::uint32_t> first_corner_, first_neighbour_;
+  std::vector<Corner> corners_;
+  std::vector<Neighbour> neighbours_;
+};
+
+/// The window of a filter about a vertex, unrolled along the sheet from triangle to triangle, so
+/// that neither what lies beyond a silhouette nor another layer can come into it. One a thread.
+class SheetWindow {
+ public:
+  explicit SheetWindow(const SheetNeighbours& neighbours);
+
+  /// Where eq. 16 moves a vertex's point of the surface: the mean of the sheet about it, weighted
+  /// by the Gaussian of the distance along the sheet. The window ends at the nearest fixed vertex,
+  /// and the kernel narrows with it. Metres. Nothing where the vertex is fixed or the sheet is flat
+  /// all over the window.
+  [[nodiscard]] std::optional<Vector3> smoothed(std::uint32_t vertex, double sigma);
+
+  /// The vertices that are within `reach` metres of a bent one along the sheet, as flags: where
+  /// others lie, the sheet is flat all about.
+  [[nodiscard]] std::vector<char> near_bends(double reach);
+
+ private:
+  using Entry = std::pair<double, std::uint32_t>;
+
+  /// Goes outwards from where distances were offered, up to `limit` metres, or to the first fixed
+  /// vertex where those end the window; returns how far.
+  [[nodiscard]] double explore(double limit, bool fixed_end);
+  void forget();
+  void pass_on(std::uint32_t vertex);
+  void pass_across(double near, double far, const SheetNeighbours::Corner& corner, double arm,
+                   double side, std::uint32_t to);
+  void offer(std::uint32_t vertex, double distance);
+
+  const SheetNeighbours& neighbours_;
+  std::vector<double> distance_;      ///< along the sheet from the start, infinite where unknown
+  std::vector<char> settled_;         ///< the distance is final
+  std::vector<std::uint32_t> known_;  ///< vertices with a distance, to be forgotten after
+  std::vector<std::uint32_t> window_;
+  std::vector<Entry> heap_;
+};
+
+}  // namespace spm::baker

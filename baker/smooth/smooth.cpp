@@ -1,0 +1,243 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "baker/smooth/smooth.hpp"
+
+#include <tbb/blocked_range.h>
+#include <tbb/enumerable_thread_specific.h>
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+#include <vector>
+
+#include "baker/base/bake_error.hpp"
+#include "baker/cast/cast.hpp"
+#include "baker/surface/outer_surface.hpp"
+#include "baker/base/progress_counter.hpp"
+#include "baker/smooth/sheet.hpp"
+#include "baker/smooth/sheet_refine.hpp"
+#include "baker/smooth/sheet_window.hpp"
+#include "common/paper/smoothing.hpp"
+#include "common/base/units.hpp"
+
+namespace spm::baker {
+namespace {
+
+constexpr double largest_sigma_share = 0.1;  // of the diagonal
+constexpr double smallest_sigma_share = 1e-4;
+/// Longest edges, in sigmas, for windows to be integrated over, and for a rounded edge to be drawn.
+constexpr double longest_edge = 1.0;
+constexpr double longest_edge_when_sharp = 0.5;
+constexpr double sharp_turn = 0.35;  // rad, 20 degrees
+/// A vertex moves where a bend is in its window, and its window needs short edges all over.
+constexpr double window_reach = 2 * gaussian_reach + longest_edge;  // in sigmas
+constexpr double sharp_reach = 2;                                   // in sigmas
+constexpr std::size_t most_triangles = 2000000;
+/// Visits of vertices, all windows together: minutes.
+constexpr double most_visits = 4e9;
+/// Edges that turn by less, rad, count as flat: a kernel's sigma moves them by less than 1e-4 of
+/// it.
+constexpr double least_turn = 1e-4;
+constexpr std::size_t grain = 64;
+
+[[noreturn]] void refuse(const std::string& message) {
+  throw BakeError(ExitCode::usage, "--smooth: " + message);
+}
+
+double area_of(const std::vector<Vector3>& points, const Triangle& t) {
+  return (points[t[1]] - points[t[0]]).cross(points[t[2]] - points[t[0]]).norm() / 2;
+}
+
+/// The outer surface without its caps.
+Sheet sheet_of(OuterSurface surface) {
+  surface.triangles.resize(surface.surface_count);
+  return {std::move(surface.vertices), std::move(surface.triangles)};
+}
+
+bool is_crease(const SheetEdge& edge, const SmoothOptions& options) {
+  return options.kind == Smoothing::crease && edge.turn > options.angle;
+}
+
+SheetNeighbours neighbours_of(const Sheet& sheet, const SmoothOptions& options) {
+  const SheetEdges edges = edges_of(sheet);
+  std::vector<char> fixed(sheet.vertices.size(), 0);
+  std::vector<char> bent(sheet.vertices.size(), 0);
+  for (const SheetEdge& edge : edges.edges) {
+    for (const std::uint32_t end : edge.ends) {
+      if (!edge.paired || is_crease(edge, options)) fixed[end] = 1;
+      if (edge.turn > least_turn && !is_crease(edge, options)) bent[end] = 1;
+    }
+  }
+  return {sheet, edges, std::move(fixed), std::move(bent)};
+}
+
+/// Halves edges near bends that are to be smoothed, the more so near sharp ones.
+Sheet refined_for(Sheet sheet, const SmoothOptions& options) {
+  const auto turns_by = [&](double least) {
+    return [&options, least](const SheetEdge& edge) {
+      return edge.turn > least && !is_crease(edge, options);
+    };
+  };
+  const double sigma = options.sigma;
+  // Halved edges turn as the whole ones did, so that the second round finds the sharp ones again.
+  sheet = refined(std::move(sheet), turns_by(least_turn), longest_edge * sigma,
+                  window_reach * sigma, most_triangles);
+  return in_order_of_space(refined(std::move(sheet), turns_by(sharp_turn),
+                                   longest_edge_when_sharp * sigma, sharp_reach * sigma,
+                                   most_triangles));
+}
+
+/// Refuses what would take hours: a large kernel on a fine mesh.
+void check_work(const Sheet& sheet, double sigma) {
+  double area = 0;
+  for (const Triangle& triangle : sheet.triangles) area += area_of(sheet.vertices, triangle);
+  const double reach = gaussian_reach * sigma;
+  const auto count = static_cast<double>(sheet.vertices.size());
+  if (count * count * std::min(1.0, 3.14 * reach * reach / area) > most_visits) {
+    refuse("the mesh is too fine for a kernel of sigma " +
+           format_quantity(sigma, Quantity::length) + "; ask for a smaller one, or give a mesh " +
+           "with fewer triangles");
+  }
+}
+
+std::vector<Vector3> smoothed_points(const SheetNeighbours& neighbours, double sigma,
+                                     const Progress& progress) {
+  std::vector<Vector3> points = neighbours.sheet().vertices;
+  // Some more than a window's reach, for what is rounded on the way.
+  const std::vector<char> moves = SheetWindow(neighbours).near_bends(1.01 * gaussian_reach * sigma);
+  tbb::enumerable_thread_specific<SheetWindow> windows([&] { return SheetWindow(neighbours); });
+  ProgressCounter counter(progress, "smooth", points.size() / grain + 1);
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, points.size(), grain),
+                    [&](const tbb::blocked_range<std::size_t>& range) {
+                      SheetWindow& window = windows.local();
+                      for (std::size_t i = range.begin(); i != range.end(); ++i) {
+                        if (moves[i] == 0) continue;
+                        const auto moved = window.smoothed(static_cast<std::uint32_t>(i), sigma);
+                        if (moved) points[i] = *moved;
+                      }
+                      counter.done();
+                    });
+  return points;
+}
+
+/// A distance between the surfaces, and the area that it stands for.
+struct Gap {
+  double distance = 0;
+  double area = 0;
+};
+
+/// Distances from corners and middles of the triangles of one surface to the other, where they are
+/// not in common; `third` is a third of each corner's triangles' area.
+std::vector<Gap> gaps(const std::vector<Vector3>& points, const std::vector<Vector3>& others,
+                      const std::vector<Triangle>& triangles, const Caster& other) {
+  std::vector<Gap> found(points.size() + triangles.size());
+  for (std::size_t i = 0; i < triangles.size(); ++i) {
+    const double area = area_of(points, triangles[i]);
+    found[points.size() + i].area = area;
+    for (const std::uint32_t corner : triangles[i]) found[corner].area += area / 3;
+  }
+  const auto same = [&](std::uint32_t corner) { return points[corner] == others[corner]; };
+  tbb::parallel_for(std::size_t{0}, found.size(), [&](std::size_t i) {
+    if (i < points.size()) {
+      if (!same(static_cast<std::uint32_t>(i))) {
+        found[i].distance = std::abs(other.closest(points[i]).distance);
+      }
+      return;
+    }
+    const Triangle& t = triangles[i - points.size()];
+    if (std::all_of(t.begin(), t.end(), same)) return;
+    const Vector3 middle = (points[t[0]] + points[t[1]] + points[t[2]]) / 3;
+    found[i].distance = std::abs(other.closest(middle).distance);
+  });
+  return found;
+}
+
+Caster caster_of(const std::vector<Vector3>& points, const std::vector<Triangle>& triangles) {
+  OuterSurface surface;
+  surface.vertices = points;
+  surface.triangles = triangles;
+  surface.surface_count = triangles.size();
+  return Caster(surface);
+}
+
+/// What lies between the two surfaces, seen from either: a thorn that was smoothed away is near the
+/// new surface only from there.
+void measure(const Sheet& before, const std::vector<Vector3>& after, SmoothReport& report) {
+  const Caster old_surface = caster_of(before.vertices, before.triangles);
+  const Caster new_surface = caster_of(after, before.triangles);
+  std::vector<Gap> all = gaps(after, before.vertices, before.triangles, old_surface);
+  const std::vector<Gap> back = gaps(before.vertices, after, before.triangles, new_surface);
+  all.insert(all.end(), back.begin(), back.end());
+  std::sort(all.begin(), all.end(), [](const Gap& a, const Gap& b) {
+    return a.distance != b.distance ? a.distance < b.distance : a.area < b.area;
+  });
+  double area = 0, squares = 0;
+  for (const Gap& gap : all) {
+    area += gap.area;
+    squares += gap.area * gap.distance * gap.distance;
+  }
+  report.rms = area > 0 ? std::sqrt(squares / area) : 0;
+  report.max = all.back().distance;
+  double below = 0;
+  for (const Gap& gap : all) {
+    report.p99 = gap.distance;
+    below += gap.area;
+    if (below >= 0.99 * area) break;
+  }
+}
+
+/// The smoothed surface as a mesh of the same file, without what lost its area.
+Mesh mesh_from(const Mesh& mesh, const Sheet& sheet, std::vector<Vector3> points) {
+  Mesh smoothed = mesh;
+  smoothed.vertices = std::move(points);
+  smoothed.triangles = sheet.triangles;
+  std::erase_if(smoothed.triangles,
+                [&](const Triangle& t) { return !(area_of(smoothed.vertices, t) > 0); });
+  smoothed.border.clear();
+  smoothed.notes.clear();
+  // What rounding left open where parts of a closed mesh intersect is no hole.
+  if (!mesh.closed()) {
+    for (const SheetEdge& edge : edges_of(sheet).edges) {
+      if (!edge.paired) smoothed.border.push_back(edge.ends);
+    }
+  }
+  smoothed.border_edges = smoothed.border.size();
+  return smoothed;
+}
+
+}  // namespace
+
+SmoothOptions fitted_to(SmoothOptions options, double diagonal) {
+  const auto length = [](double metres) { return format_quantity(metres, Quantity::length); };
+  if (options.kind == Smoothing::crease && options.sigma == 0) {
+    options.sigma = crease_sigma_share * diagonal;
+  }
+  if (options.sigma > largest_sigma_share * diagonal) {
+    refuse("a SIGMA of " + length(options.sigma) +
+           " is more than a tenth of the object's diagonal, " + length(diagonal) +
+           ", and would leave little of it; ask for a smaller one");
+  }
+  if (options.kind != Smoothing::none && options.sigma < smallest_sigma_share * diagonal) {
+    refuse("a SIGMA of " + length(options.sigma) +
+           " is less than a ten-thousandth of the object's diagonal, " + length(diagonal) +
+           "; ask for a larger one, or for none");
+  }
+  return options;
+}
+
+Mesh smoothed_mesh(const Mesh& mesh, const SmoothOptions& options, const Progress& progress,
+                   SmoothReport& report) {
+  const SmoothOptions fitted = fitted_to(options, mesh.diagonal);
+  OuterSurface surface = outer_surface(mesh);
+  report = {};
+  report.options = fitted;
+  report.hidden = surface.hidden;
+  const Sheet sheet = refined_for(sheet_of(std::move(surface)), fitted);
+  check_work(sheet, fitted.sigma);
+  std::vector<Vector3> points =
+      smoothed_points(neighbours_of(sheet, fitted), fitted.sigma, progress);
+  if (!sheet.triangles.empty()) measure(sheet, points, report);
+  return mesh_from(mesh, sheet, std::move(points));
+}
+
+}  // namespace spm::baker

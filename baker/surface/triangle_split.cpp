@@ -1,0 +1,206 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "baker/surface/triangle_split.hpp"
+
+// Cuts of one triangle seldom cross: the triangulation that CGAL recommends instead costs more.
+#define CGAL_NO_CDT_2_WARNING
+#include <CGAL/Constrained_Delaunay_triangulation_2.h>
+#include <CGAL/Constrained_triangulation_face_base_2.h>
+#include <CGAL/Exact_predicates_exact_constructions_kernel.h>
+#include <CGAL/Triangulation_vertex_base_with_info_2.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+
+namespace spm::baker {
+namespace {
+
+// Not safe across threads in CGAL 5.5: all of it stays on the calling thread.
+using Exact = CGAL::Exact_predicates_exact_constructions_kernel;
+using Vertex = CGAL::Triangulation_vertex_base_with_info_2<std::uint32_t, Exact>;
+using Face = CGAL::Constrained_triangulation_face_base_2<Exact>;
+using Triangulation = CGAL::Constrained_Delaunay_triangulation_2<
+    Exact, CGAL::Triangulation_data_structure_2<Vertex, Face>, CGAL::Exact_intersections_tag>;
+
+/// Height over the longest side, relative to the diagonal: below it a piece is only rounding.
+constexpr double kThinnest = 1e-13;
+
+/// What other triangles leave on one: points and segments of its own plane.
+struct Cuts {
+  std::vector<Exact::Point_3> points;
+  std::vector<std::pair<Exact::Point_3, Exact::Point_3>> segments;
+};
+
+void add_outline(const std::vector<Exact::Point_3>& outline, Cuts& cuts) {
+  for (std::size_t i = 0; i < outline.size(); ++i) {
+    cuts.segments.emplace_back(outline[i], outline[(i + 1) % outline.size()]);
+  }
+}
+
+[[nodiscard]] Exact::Point_3 exact_point(const Vector3& p) { return {p.x(), p.y(), p.z()}; }
+
+/// Nearest double, the same however the number came about: the exact value is worked out first.
+[[nodiscard]] double rounded(const Exact::FT& value) {
+  (void)value.exact();
+  return CGAL::to_double(value);
+}
+
+/// The plane of a triangle seen along the axis its normal follows most; keeps its turning sense.
+class Projection {
+ public:
+  explicit Projection(const std::array<Exact::Point_3, 3>& corners) : origin_(corners[0]) {
+    const Exact::Vector_3 normal =
+        CGAL::cross_product(corners[1] - corners[0], corners[2] - corners[0]);
+    drop_ = 0;
+    for (int axis = 1; axis < 3; ++axis) {
+      if (CGAL::abs(normal[axis]) > CGAL::abs(normal[drop_])) drop_ = axis;
+    }
+    first_ = (drop_ + 1) % 3;
+    second_ = (drop_ + 2) % 3;
+    if (normal[drop_] < 0) std::swap(first_, second_);
+    slope_first_ = -normal[first_] / normal[drop_];
+    slope_second_ = -normal[second_] / normal[drop_];
+  }
+
+  [[nodiscard]] Exact::Point_2 down(const Exact::Point_3& p) const {
+    return {p[first_], p[second_]};
+  }
+
+  /// The point of the plane over q, rounded.
+  [[nodiscard]] Vector3 up(const Exact::Point_2& q) const {
+    Vector3 p;
+    p[first_] = rounded(q.x());
+    p[second_] = rounded(q.y());
+    p[drop_] = rounded(origin_[drop_] + slope_first_ * (q.x() - origin_[first_]) +
+                       slope_second_ * (q.y() - origin_[second_]));
+    return p;
+  }
+
+ private:
+  Exact::Point_3 origin_;
+  int drop_ = 0, first_ = 0, second_ = 0;
+  Exact::FT slope_first_, slope_second_;
+};
+
+class Splitter {
+ public:
+  Splitter(std::span<const Vector3> points, std::span<const Triangle> triangles)
+      : points_(points), triangles_(triangles) {
+    mesh_.points.assign(points.begin(), points.end());
+    Eigen::AlignedBox3d box;
+    for (const Vector3& point : points) box.extend(point);
+    thinnest_ = kThinnest * box.diagonal().norm();
+    for (std::uint32_t i = 0; i < points.size(); ++i) numbers_.try_emplace(key(points[i]), i);
+  }
+
+  void intersect(const TrianglePair& pair) {
+    const auto common = CGAL::intersection(triangle(pair.first), triangle(pair.second));
+    if (!common) return;
+    Cuts cuts;
+    bool overlap = false;
+    if (const auto* point = boost::get<Exact::Point_3>(&*common)) {
+      cuts.points.push_back(*point);
+    } else if (const auto* segment = boost::get<Exact::Segment_3>(&*common)) {
+      cuts.segments.emplace_back(segment->source(), segment->target());
+    } else if (const auto* face = boost::get<Exact::Triangle_3>(&*common)) {
+      add_outline({face->vertex(0), face->vertex(1), face->vertex(2)}, cuts);
+      overlap = true;
+    } else if (const auto* outline = boost::get<std::vector<Exact::Point_3>>(&*common)) {
+      add_outline(*outline, cuts);
+      overlap = true;
+    }
+    if (overlap) {
+      mesh_.coplanar.push_back(pair);
+      mesh_.coplanar.emplace_back(pair.second, pair.first);
+    }
+    for (const std::uint32_t side : {pair.first, pair.second}) {
+      Cuts& own = cuts_[side];
+      own.points.insert(own.points.end(), cuts.points.begin(), cuts.points.end());
+      own.segments.insert(own.segments.end(), cuts.segments.begin(), cuts.segments.end());
+    }
+  }
+
+  [[nodiscard]] SplitMesh finish() {
+    for (std::uint32_t i = 0; i < triangles_.size(); ++i) {
+      const auto cuts = cuts_.find(i);
+      if (cuts == cuts_.end()) {
+        add_piece(triangles_[i], i);
+      } else {
+        split(i, cuts->second);
+      }
+    }
+    std::sort(mesh_.coplanar.begin(), mesh_.coplanar.end());
+    return std::move(mesh_);
+  }
+
+ private:
+  using Key = std::array<double, 3>;
+  [[nodiscard]] static Key key(const Vector3& p) { return {p.x(), p.y(), p.z()}; }
+
+  [[nodiscard]] std::array<Exact::Point_3, 3> corners(std::uint32_t index) const {
+    const auto& [a, b, c] = triangles_[index];
+    return {exact_point(points_[a]), exact_point(points_[b]), exact_point(points_[c])};
+  }
+  [[nodiscard]] Exact::Triangle_3 triangle(std::uint32_t index) const {
+    const auto [a, b, c] = corners(index);
+    return {a, b, c};
+  }
+
+  void split(std::uint32_t index, const Cuts& cuts) {
+    const std::array<Exact::Point_3, 3> own = corners(index);
+    const Projection projection(own);
+    Triangulation triangulation;
+    std::array<Triangulation::Vertex_handle, 3> ends;
+    for (std::size_t k = 0; k < 3; ++k) ends[k] = triangulation.insert(projection.down(own[k]));
+    for (const Exact::Point_3& point : cuts.points) triangulation.insert(projection.down(point));
+    for (const auto& [from, to] : cuts.segments) {
+      triangulation.insert_constraint(projection.down(from), projection.down(to));
+    }
+    for (const auto vertex : triangulation.finite_vertex_handles()) {
+      vertex->info() = number(projection.up(vertex->point()));
+    }
+    // The corners keep their number, though another vertex may lie in the same place.
+    for (std::size_t k = 0; k < 3; ++k) ends[k]->info() = triangles_[index][k];
+    if (triangulation.number_of_faces() > 1) ++mesh_.split;
+    for (const auto face : triangulation.finite_face_handles()) {
+      add_piece({face->vertex(0)->info(), face->vertex(1)->info(), face->vertex(2)->info()}, index);
+    }
+  }
+
+  [[nodiscard]] std::uint32_t number(const Vector3& point) {
+    const auto [found, added] =
+        numbers_.try_emplace(key(point), static_cast<std::uint32_t>(mesh_.points.size()));
+    if (added) mesh_.points.push_back(point);
+    return found->second;
+  }
+
+  void add_piece(const Triangle& piece, std::uint32_t parent) {
+    const Vector3& a = mesh_.points[piece[0]];
+    const Vector3& b = mesh_.points[piece[1]];
+    const Vector3& c = mesh_.points[piece[2]];
+    const double longest =
+        std::sqrt(std::max({(b - a).squaredNorm(), (c - b).squaredNorm(), (a - c).squaredNorm()}));
+    if (!((b - a).cross(c - a).norm() > thinnest_ * longest)) return;
+    mesh_.pieces.push_back(piece);
+    mesh_.parents.push_back(parent);
+  }
+
+  std::span<const Vector3> points_;
+  std::span<const Triangle> triangles_;
+  SplitMesh mesh_;
+  double thinnest_ = 0;
+  std::map<std::uint32_t, Cuts> cuts_;
+  std::map<Key, std::uint32_t> numbers_;
+};
+
+}  // namespace
+
+SplitMesh split_triangles(std::span<const Vector3> points, std::span<const Triangle> triangles,
+                          std::span<const TrianglePair> pairs) {
+  Splitter splitter(points, triangles);
+  for (const TrianglePair& pair : pairs) splitter.intersect(pair);
+  return splitter.finish();
+}
+
+}  // namespace spm::baker

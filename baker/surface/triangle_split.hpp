@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "baker/mesh/mesh.hpp"
+
+namespace spm::baker {
+
+using TrianglePair = std::pair<std::uint32_t, std::uint32_t>;
+
+/// Pairs of triangles, first below second, sorted, that have more in common than the corner or edge
+/// they share. Exact predicates.
+[[nodiscard]] std::vector<TrianglePair> intersecting_pairs(std::span<const Vector3> points,
+                                                           std::span<const Triangle> triangles);
+
+/// Triangles cut along each other so that two pieces meet at most along their edges, up to the
+/// rounding of new points to doubles.
+struct SplitMesh {
+  std::vector<Vector3> points;         ///< the mesh's own first
+  std::vector<Triangle> pieces;        ///< oriented as the triangles they come from
+  std::vector<std::uint32_t> parents;  ///< triangle that each piece comes from, ascending
+  std::size_t split = 0;               ///< triangles that became more than one piece
+  /// Pairs that overlap in a common plane, both ways round and sorted.
+  std::vector<TrianglePair> coplanar;
+};
+
+/// Exact constructions, sequential and deterministic. Pieces without area after rounding are left
+/// out.
+[[nodiscard]] SplitMesh split_triangles(std::span<const Vector3> points,
+                                        std::span<const Triangle> triangles,
+                                        std::span<const TrianglePair> pairs);
+
+}  // namespace spm::baker

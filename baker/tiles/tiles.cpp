@@ -1,0 +1,339 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "baker/tiles/tiles.hpp"
+
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <queue>
+#include <tuple>
+
+#include "baker/base/progress_counter.hpp"
+#include "baker/cast/surface_points.hpp"
+#include "baker/tiles/tile_cells.hpp"
+#include "baker/tiles/tile_fit.hpp"
+#include "common/surface/support_plane_mapping.hpp"
+
+namespace spm::baker {
+
+namespace {
+
+/// At the last level normals may be off by so much.
+constexpr double last_angle = 0.5;
+/// A place where fewer surfels than this share of what a tile must cover face its plane best is not
+/// tried: the rest would have to be other planes'.
+constexpr double least_members = 0.5;
+/// Tiles side by side are worth it where they cover so many times the least that a tile must: what
+/// is left between them may take fewer tiles that are shifted.
+constexpr double first_worth = 2;
+/// Edge of the cubes that surfels are found by, of the diagonal.
+constexpr double bin_share = 1.0 / 90;
+
+/// Gives each point of the surface to the direction that faces its triangle best.
+std::vector<Surfel> assign_surface(const Caster& caster, const std::vector<SupportPlane>& planes,
+                                   const std::vector<SurfacePoint>& points) {
+  std::vector<std::uint32_t> direction(caster.surface_count(), 0);
+  for (std::uint32_t triangle = 0; triangle < direction.size(); ++triangle) {
+    direction[triangle] =
+        static_cast<std::uint32_t>(support_plane_mapping(planes, caster.normal(triangle)));
+  }
+  std::vector<Surfel> surfels;
+  for (const SurfacePoint& sample : points) {
+    const std::uint32_t which = direction[sample.triangle];
+    const PlaneCoordinates place = project_on_plane(planes[which], sample.point);
+    surfels.push_back({sample.point, sample.triangle, which, place.eta, place.omega, place.depth});
+  }
+  return surfels;
+}
+
+struct TileKey {
+  std::uint32_t direction;
+  std::int32_t column, row;
+  [[nodiscard]] auto tuple() const { return std::tie(direction, column, row); }
+};
+
+/// Surfels by the cube of space that they lie in.
+class SurfelBins {
+ public:
+  SurfelBins(const std::vector<Surfel>& surfels, double edge) : edge_(edge) {
+    low_ = Vector3::Constant(std::numeric_limits<double>::infinity());
+    Vector3 high = -low_;
+    for (const Surfel& surfel : surfels) {
+      low_ = low_.cwiseMin(surfel.point);
+      high = high.cwiseMax(surfel.point);
+    }
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      const int k = static_cast<int>(axis);
+      count_[axis] = static_cast<std::int64_t>((high[k] - low_[k]) / edge) + 1;
+    }
+    starts_.assign(static_cast<std::size_t>(count_[0] * count_[1] * count_[2]) + 1, 0);
+    for (const Surfel& surfel : surfels) ++starts_[bin_of(surfel.point) + 1];
+    for (std::size_t i = 1; i < starts_.size(); ++i) starts_[i] += starts_[i - 1];
+    std::vector<std::uint32_t> next(starts_.begin(), starts_.end() - 1);
+    members_.resize(surfels.size());
+    for (std::uint32_t i = 0; i < surfels.size(); ++i) {
+      members_[next[bin_of(surfels[i].point)]++] = i;
+    }
+  }
+
+  template <class Visit>
+  void visit_box(const Vector3& low, const Vector3& high, const Visit& visit) const {
+    std::array<std::int64_t, 3> from{}, to{};
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      from[axis] = place(low, axis);
+      to[axis] = place(high, axis);
+    }
+    for (std::int64_t z = from[2]; z <= to[2]; ++z) {
+      for (std::int64_t y = from[1]; y <= to[1]; ++y) {
+        const auto row = static_cast<std::size_t>((z * count_[1] + y) * count_[0]);
+        const std::uint32_t end = starts_[row + static_cast<std::size_t>(to[0]) + 1];
+        for (std::uint32_t i = starts_[row + static_cast<std::size_t>(from[0])]; i < end; ++i) {
+          visit(members_[i]);
+        }
+      }
+    }
+  }
+
+ private:
+  double edge_;
+  Vector3 low_;
+  std::array<std::int64_t, 3> count_{};
+  std::vector<std::uint32_t> starts_, members_;
+
+  [[nodiscard]] std::int64_t place(const Vector3& point, std::size_t axis) const {
+    const int k = static_cast<int>(axis);
+    return std::clamp(static_cast<std::int64_t>(std::floor((point[k] - low_[k]) / edge_)),
+                      std::int64_t{0}, count_[axis] - 1);
+  }
+  [[nodiscard]] std::size_t bin_of(const Vector3& point) const {
+    return static_cast<std::size_t>((place(point, 2) * count_[1] + place(point, 1)) * count_[0] +
+                                    place(point, 0));
+  }
+};
+
+/// A fitted tile and the surfels it covers.
+struct Candidate {
+  TileData data;
+  std::vector<std::uint32_t> covers;
+};
+
+/// Chooses tiles level by level.
+class TileChooser {
+ public:
+  TileChooser(const Caster& caster, const std::vector<SupportPlane>& planes,
+              const TileSettings& settings, const std::vector<SurfacePoint>& points)
+      : caster_(caster),
+        planes_(planes),
+        settings_(settings),
+        surfels_(assign_surface(caster, planes, points)),
+        bins_(surfels_, bin_share * caster.diagonal()),
+        covered_(surfels_.size(), 0) {}
+
+  std::vector<TileData> tiles;
+
+  /// Chooses tiles of a level that each cover `least` times what is worthwhile: of those side by
+  /// side, or `shifted` by half a tile as well, for the gaps that others leave.
+  void run_level(std::uint32_t level, bool shifted, const Progress& progress) {
+    const double least =
+        least_at(level) * (shifted || settings_.least_surfels > 0 ? 1 : first_worth);
+    const double stride =
+        std::ldexp(settings_.tile_spacing * tile_stride, -static_cast<int>(level));
+    std::vector<std::pair<TileKey, std::uint32_t>> placed;
+    for (std::uint32_t i = 0; i < surfels_.size(); ++i) {
+      if (covered_[i] != 0) continue;
+      const Surfel& surfel = surfels_[i];
+      const auto column = static_cast<std::int32_t>(std::floor(surfel.eta / stride));
+      const auto row = static_cast<std::int32_t>(std::floor(surfel.omega / stride));
+      for (std::int32_t k = 0; k < 4; ++k) {
+        const std::int32_t c = column - k % 2, r = row - k / 2;
+        if (!shifted && ((c | r) & 1) != 0) continue;
+        placed.push_back({{surfel.direction, c, r}, i});
+      }
+    }
+    std::stable_sort(placed.begin(), placed.end(), [](const auto& a, const auto& b) {
+      return a.first.tuple() < b.first.tuple();
+    });
+    std::vector<std::size_t> starts;
+    for (std::size_t i = 0; i < placed.size(); ++i) {
+      if (i == 0 || placed[i].first.tuple() != placed[i - 1].first.tuple()) starts.push_back(i);
+    }
+    if (starts.empty()) return;
+    starts.push_back(placed.size());
+    std::vector<std::vector<Candidate>> found(starts.size() - 1);
+    ProgressCounter counter(progress, "casting", found.size());
+    tbb::parallel_for(std::size_t{0}, found.size(), [&](std::size_t i) {
+      std::vector<std::uint32_t> members;
+      for (std::size_t k = starts[i]; k < starts[i + 1]; ++k) members.push_back(placed[k].second);
+      found[i] = candidates_at(level, placed[starts[i]].first, members);
+      counter.done();
+    });
+    std::vector<Candidate> candidates;
+    for (auto& one : found) std::move(one.begin(), one.end(), std::back_inserter(candidates));
+    choose(candidates, least);
+  }
+
+ private:
+  const Caster& caster_;
+  const std::vector<SupportPlane>& planes_;
+  const TileSettings& settings_;
+  std::vector<Surfel> surfels_;
+  SurfelBins bins_;
+  std::vector<std::uint8_t> covered_;
+
+  [[nodiscard]] bool is_last(std::uint32_t level) const { return level + 1 == settings_.levels; }
+
+  /// Surfels that a tile of a level must newly cover.
+  [[nodiscard]] double least_at(std::uint32_t level) const {
+    if (settings_.least_surfels > 0) return settings_.least_surfels;
+    const double extent = std::ldexp(settings_.tile_spacing * tile_cells, -static_cast<int>(level));
+    const double whole = std::max(1.0, std::pow(extent / settings_.surfel_spacing, 2));
+    return whole * (is_last(level) ? settings_.last_worthwhile : settings_.worthwhile);
+  }
+
+  /// One candidate for each sheet of surface that the members of a place lie on.
+  [[nodiscard]] std::vector<Candidate> candidates_at(
+      std::uint32_t level, const TileKey& key, const std::vector<std::uint32_t>& members) const {
+    const bool any_angle = is_last(level) || settings_.least_surfels > 0;
+    const SupportPlane& plane = planes_[key.direction];
+    const TileSite site{
+        plane,
+        key.direction,
+        level,
+        key.column,
+        key.row,
+        std::ldexp(settings_.tile_spacing, -static_cast<int>(level)),
+        settings_.height_unit,
+        settings_.residual,
+        any_angle ? last_angle : std::ldexp(settings_.angle, static_cast<int>(level)),
+        any_angle ? last_angle : settings_.cell_angle,
+        settings_.faceted};
+    std::vector<Candidate> candidates;
+    if (static_cast<double>(members.size()) < least_members * least_at(level)) return candidates;
+    std::vector<bool> tried(members.size(), false);
+    for (std::size_t i = 0; i < members.size(); ++i) {
+      if (tried[i]) continue;
+      const Surfel& seed = surfels_[members[i]];
+      std::optional<TileFit> fit = fit_tile(caster_, site, {seed.eta, seed.omega, seed.depth});
+      tried[i] = true;
+      if (!fit) continue;
+      const Tile view = view_of(fit->data, settings_.tile_spacing, settings_.height_unit);
+      for (std::size_t k = i + 1; k < members.size(); ++k) {
+        if (!tried[k]) tried[k] = std::abs(height_over(view, surfels_[members[k]])) <= site.spacing;
+      }
+      if (!fit->good) continue;
+      Candidate candidate{std::move(fit->data), covered_by(view)};
+      if (static_cast<double>(candidate.covers.size()) >= least_at(level)) {
+        candidates.push_back(std::move(candidate));
+      }
+    }
+    return candidates;
+  }
+
+  /// How far a surfel lies below a tile's patch, m; its own plane only.
+  [[nodiscard]] double height_over(const Tile& tile, const Surfel& surfel) const {
+    const double s = static_cast<double>(tile.spacing);
+    const double x = std::clamp((surfel.eta - tile.eta0) / s, 0.0, 7.999);
+    const double y = std::clamp((surfel.omega - tile.omega0) / s, 0.0, 7.999);
+    return surfel.depth - patch_height(tile, x, y);
+  }
+
+  [[nodiscard]] double patch_height(const Tile& tile, double x, double y) const {
+    const auto column = static_cast<std::uint32_t>(x), row = static_cast<std::uint32_t>(y);
+    const double fx = x - column, fy = y - row;
+    const auto at = [&](std::uint32_t i, std::uint32_t j) {
+      return static_cast<double>(half_to_float(tile.heights[j * tile_samples + i])) *
+             settings_.height_unit;
+    };
+    const double residual = (1 - fy) * ((1 - fx) * at(column, row) + fx * at(column + 1, row)) +
+                            fy * ((1 - fx) * at(column, row + 1) + fx * at(column + 1, row + 1));
+    return tile.base + residual +
+           static_cast<double>(tile.spacing) * (x * static_cast<double>(tile.slope_eta) +
+                                                y * static_cast<double>(tile.slope_omega));
+  }
+
+  /// Surfels, of any direction, on the tile's valid cells that no chosen tile covers yet.
+  [[nodiscard]] std::vector<std::uint32_t> covered_by(const Tile& tile) const {
+    const SupportPlane& plane = planes_[tile.plane];
+    const double s = static_cast<double>(tile.spacing), extent = s * tile_cells;
+    Vector3 low = Vector3::Constant(std::numeric_limits<double>::infinity()), high = -low;
+    for (int corner = 0; corner < 8; ++corner) {
+      const double x = (corner & 1) * extent, y = (corner >> 1 & 1) * extent;
+      const double residual = static_cast<double>((corner & 4) != 0 ? tile.highest : tile.lowest);
+      const double depth = tile.base + x * static_cast<double>(tile.slope_eta) +
+                           y * static_cast<double>(tile.slope_omega) + residual;
+      const Vector3 point =
+          support_plane_point(plane, tile.eta0 + x, tile.omega0 + y) - depth * plane.n;
+      low = low.cwiseMin(point);
+      high = high.cwiseMax(point);
+    }
+    const Vector3 slack = Vector3::Constant(2 * settings_.residual);
+    std::vector<std::uint32_t> found;
+    bins_.visit_box(low - slack, high + slack, [&](std::uint32_t i) {
+      if (covered_[i] == 0 && covers(tile, plane, surfels_[i])) found.push_back(i);
+    });
+    return found;
+  }
+
+  [[nodiscard]] bool covers(const Tile& tile, const SupportPlane& plane,
+                            const Surfel& surfel) const {
+    const PlaneCoordinates place = project_on_plane(plane, surfel.point);
+    const double s = static_cast<double>(tile.spacing);
+    const double x = (place.eta - tile.eta0) / s, y = (place.omega - tile.omega0) / s;
+    if (!(x >= 0 && y >= 0 && x < tile_cells && y < tile_cells)) return false;
+    const auto cell = static_cast<std::uint32_t>(y) * tile_cells + static_cast<std::uint32_t>(x);
+    if (((tile.valid >> cell) & 1U) == 0) return false;
+    const double facing = caster_.normal(surfel.triangle).dot(plane.n);
+    if (std::abs(patch_height(tile, x, y) - place.depth) * facing > 1.2 * settings_.residual ||
+        facing <= 0) {
+      return false;
+    }
+    if (((tile.clipped >> cell) & 1U) == 0) return true;
+    const Clip clip = cell_clip(tile, cell);
+    const double beyond = beyond_clip(clip, x - std::floor(x) - 0.5, y - std::floor(y) - 0.5);
+    return beyond * s <= settings_.residual *
+                             std::hypot(static_cast<double>(clip.a), static_cast<double>(clip.b));
+  }
+
+  /// Greedy cover: always the candidate that covers most surfels still open.
+  void choose(std::vector<Candidate>& candidates, double least) {
+    struct Entry {
+      std::size_t gain, index;
+      bool operator<(const Entry& other) const {
+        return gain != other.gain ? gain < other.gain : index > other.index;
+      }
+    };
+    std::priority_queue<Entry> queue;
+    for (std::size_t i = 0; i < candidates.size(); ++i)
+      queue.push({candidates[i].covers.size(), i});
+    while (!queue.empty()) {
+      const Entry top = queue.top();
+      queue.pop();
+      std::vector<std::uint32_t>& covers = candidates[top.index].covers;
+      std::erase_if(covers, [&](std::uint32_t i) { return covered_[i] != 0; });
+      if (static_cast<double>(covers.size()) < least) continue;
+      if (covers.size() < top.gain) {
+        queue.push({covers.size(), top.index});
+        continue;
+      }
+      for (const std::uint32_t i : covers) covered_[i] = 1;
+      tiles.push_back(std::move(candidates[top.index].data));
+    }
+  }
+};
+
+}  // namespace
+
+std::vector<TileData> cast_tiles(const Caster& caster, const std::vector<SupportPlane>& planes,
+                                 const TileSettings& settings,
+                                 const std::vector<SurfacePoint>& points,
+                                 const Progress& progress) {
+  TileChooser chooser(caster, planes, settings, points);
+  for (std::uint32_t level = 0; level < settings.levels; ++level) {
+    for (const bool shifted : {false, true}) chooser.run_level(level, shifted, progress);
+  }
+  return std::move(chooser.tiles);
+}
+
+}  // namespace spm::baker

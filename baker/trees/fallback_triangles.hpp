@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <array>
+
+#include "baker/cast/cast.hpp"
+#include "baker/trees/triangle_fans.hpp"
+#include "formats/asset/asset.hpp"
+
+namespace spm::baker {
+
+/// How the fallback of a `sparse` asset stores its triangles: in 16 bits a coordinate where the
+/// tolerance allows, else as floats.
+class FallbackTriangles {
+ public:
+  FallbackTriangles(const Caster& caster, double tolerance);
+
+  /// How far the rounding of triangles may move them, m: the proof leaves as much room.
+  [[nodiscard]] static double rounding(double tolerance);
+
+  /// Corners as the file gives them back.
+  [[nodiscard]] std::array<Vector3, 3> stored(const std::array<Vector3, 3>& corners) const;
+  /// True where the rounding took a triangle's direction: then it is left out, since the ones
+  /// beside it lie as near.
+  [[nodiscard]] bool lost(const std::array<Vector3, 3>& corners) const;
+
+  /// Sets the form's origin and step.
+  void describe(Asset& asset) const;
+  /// Appends the corners of a fan to an asset.
+  void append(const TriangleFan& fan, Asset& asset) const;
+
+ private:
+  Vector3 origin_ = Vector3::Zero();
+  double step_ = 0;  ///< 0 where stored as floats
+
+  [[nodiscard]] std::uint16_t steps(const Vector3& corner, int axis) const;
+};
+
+}  // namespace spm::baker

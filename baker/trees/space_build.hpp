@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <functional>
+#include <memory>
+
+#include "baker/cast/cast.hpp"
+#include "baker/base/progress.hpp"
+#include "baker/reach/reach.hpp"
+#include "common/asset/space_tree.hpp"
+#include "formats/asset/asset.hpp"
+
+namespace spm::baker {
+
+/// A cube of space while the tree is made.
+struct SpaceNode {
+  SpaceKind kind = SpaceKind::told;
+  PruneRule rule = PruneRule::none;  ///< of a pruned one
+  Vector3 middle = Vector3::Zero();
+  double edge = 0;
+  std::unique_ptr<std::array<SpaceNode, 8>> octants;
+};
+
+/// Divides the space around a surface into cubes: those that lie on one side of it, since their
+/// middle is farther from the surface than their corners are from the middle; those that the bake
+/// leaves out; and those that the surface passes through, where its elements tell the side.
+class SpaceBuilder {
+ public:
+  /// `reach` may be null: nothing is left out. Keeps references.
+  SpaceBuilder(const Caster& caster, const Band& band, double tolerance, const Reach* reach,
+               const Progress& progress);
+
+  /// Divides the cubes around a point of the band down to one that lies on one side: for places
+  /// where the elements tell the side wrong. False where that is so already, or where no division
+  /// helps.
+  bool mend(const Vector3& point);
+
+  /// What the cube around a point is; `far` outside all.
+  [[nodiscard]] SpaceKind place(const Vector3& point) const;
+
+  /// Calls `visit` with every cube that is not divided.
+  void visit_leaves(const std::function<void(const SpaceNode&)>& visit) const;
+
+  [[nodiscard]] SpaceData data() const;
+
+ private:
+  const Caster& caster_;
+  Band band_;
+  double tolerance_;
+  const Reach* reach_;
+  SpaceNode root_;
+
+  void decide(SpaceNode& node, int level) const;
+};
+
+}  // namespace spm::baker

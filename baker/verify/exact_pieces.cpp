@@ -1,0 +1,279 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "baker/verify/exact_pieces.hpp"
+
+#include <CGAL/Bbox_3.h>
+#include <CGAL/Box_intersection_d/Box_with_info_d.h>
+#include <CGAL/box_intersection_d.h>
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <utility>
+
+namespace spm::baker {
+namespace {
+
+using Vector2 = Eigen::Vector2d;
+using Polygon = std::vector<Vector2>;  // convex, anticlockwise
+using Corners = std::array<Vector3, 3>;
+
+double cross(const Vector2& a, const Vector2& b) { return a.x() * b.y() - a.y() * b.x(); }
+
+/// Lengths that count as nothing, fixed shares of the mesh's diagonal.
+struct Scale {
+  double touching;  ///< points nearer than this to a plane or line are on it
+  double probe;     ///< how far above and below a piece the winding number is asked
+  double finest;    ///< pieces of mixed visibility are halved down to this edge
+};
+
+Corners corners_of(const Mesh& mesh, std::size_t triangle) {
+  const Triangle& t = mesh.triangles[triangle];
+  return {mesh.vertices[t[0]], mesh.vertices[t[1]], mesh.vertices[t[2]]};
+}
+
+Vector3 normal_of(const Corners& t) { return (t[1] - t[0]).cross(t[2] - t[0]).normalized(); }
+
+/// A triangle's plane with coordinates in it.
+struct Frame {
+  explicit Frame(const Corners& t)
+      : origin(t[0]), n(normal_of(t)), u((t[1] - t[0]).normalized()), v(n.cross(u)) {}
+  [[nodiscard]] Vector2 flat(const Vector3& p) const {
+    return {u.dot(p - origin), v.dot(p - origin)};
+  }
+  [[nodiscard]] Vector3 lifted(const Vector2& p) const { return origin + p.x() * u + p.y() * v; }
+  [[nodiscard]] double height(const Vector3& p) const { return n.dot(p - origin); }
+  Vector3 origin, n, u, v;
+};
+
+using Segment = std::pair<Vector2, Vector2>;
+
+/// Where a triangle meets a plane: a segment, its three edges when it lies in the plane, or
+/// nothing.
+std::vector<Segment> meeting(const Frame& frame, const Corners& other, double touching) {
+  std::array<double, 3> height{};
+  for (std::size_t i = 0; i < 3; ++i) {
+    height[i] = frame.height(other[i]);
+    if (std::abs(height[i]) <= touching) height[i] = 0;
+  }
+  std::vector<Segment> segments;
+  std::vector<Vector2> points;
+  for (std::size_t i = 0; i < 3; ++i) {
+    const std::size_t j = (i + 1) % 3;
+    if (height[i] == 0) points.push_back(frame.flat(other[i]));
+    if (height[i] * height[j] < 0) {
+      const double share = height[i] / (height[i] - height[j]);
+      points.push_back(frame.flat(other[i] + share * (other[j] - other[i])));
+    }
+  }
+  if (points.size() == 2) segments.emplace_back(points[0], points[1]);
+  if (points.size() == 3) {
+    for (std::size_t i = 0; i < 3; ++i) segments.emplace_back(points[i], points[(i + 1) % 3]);
+  }
+  return segments;
+}
+
+/// True where more of the segment than a touch runs through the polygon's inside.
+bool runs_through(const Polygon& polygon, const Segment& segment, double touching) {
+  double enter = 0;
+  double leave = 1;
+  for (std::size_t i = 0; i < polygon.size(); ++i) {
+    const Vector2& from = polygon[i];
+    const Vector2 edge = (polygon[(i + 1) % polygon.size()] - from).normalized();
+    const double start = cross(edge, segment.first - from);
+    const double end = cross(edge, segment.second - from);
+    if (start <= touching && end <= touching) return false;
+    if (start < 0) enter = std::max(enter, start / (start - end));
+    if (end < 0) leave = std::min(leave, start / (start - end));
+  }
+  return (leave - enter) * (segment.second - segment.first).norm() > touching;
+}
+
+/// Cuts the polygons that a segment runs through along the segment's line.
+void cut(std::vector<Polygon>& polygons, const Segment& segment, double touching) {
+  const Vector2 along = segment.second - segment.first;
+  if (along.norm() <= touching) return;
+  const Vector2 direction = along.normalized();
+  const std::size_t count = polygons.size();
+  for (std::size_t p = 0; p < count; ++p) {
+    if (!runs_through(polygons[p], segment, touching)) continue;
+    const Polygon polygon = polygons[p];
+    Polygon left;
+    Polygon right;
+    double highest = 0;
+    double lowest = 0;
+    for (std::size_t i = 0; i < polygon.size(); ++i) {
+      const Vector2& a = polygon[i];
+      const Vector2& b = polygon[(i + 1) % polygon.size()];
+      double side_a = cross(direction, a - segment.first);
+      double side_b = cross(direction, b - segment.first);
+      if (std::abs(side_a) <= touching) side_a = 0;
+      if (std::abs(side_b) <= touching) side_b = 0;
+      highest = std::max(highest, side_a);
+      lowest = std::min(lowest, side_a);
+      if (side_a >= 0) left.push_back(a);
+      if (side_a <= 0) right.push_back(a);
+      if (side_a * side_b < 0) {
+        left.emplace_back(a + side_a / (side_a - side_b) * (b - a));
+        right.push_back(left.back());
+      }
+    }
+    if (highest == 0 || lowest == 0) continue;
+    polygons[p] = std::move(left);
+    polygons.push_back(std::move(right));
+  }
+}
+
+/// For each triangle those whose boxes meet its box.
+std::vector<std::vector<std::uint32_t>> neighbours(const Mesh& mesh) {
+  using Box = CGAL::Box_intersection_d::Box_with_info_d<double, 3, std::uint32_t>;
+  std::vector<Box> boxes;
+  boxes.reserve(mesh.triangles.size());
+  for (std::uint32_t i = 0; i < mesh.triangles.size(); ++i) {
+    const Corners t = corners_of(mesh, i);
+    const Vector3 low = t[0].cwiseMin(t[1]).cwiseMin(t[2]);
+    const Vector3 high = t[0].cwiseMax(t[1]).cwiseMax(t[2]);
+    boxes.emplace_back(CGAL::Bbox_3(low.x(), low.y(), low.z(), high.x(), high.y(), high.z()), i);
+  }
+  std::vector<std::vector<std::uint32_t>> found(boxes.size());
+  CGAL::box_self_intersection_d(boxes.begin(), boxes.end(), [&](const Box& a, const Box& b) {
+    found[a.info()].push_back(b.info());
+    found[b.info()].push_back(a.info());
+  });
+  for (auto& list : found) std::sort(list.begin(), list.end());
+  return found;
+}
+
+enum class Side { outer, turned, hidden };
+
+/// What a small piece of surface is, and by how much the winding numbers beside it clear one half.
+struct Judgement {
+  Side side;  ///< the boundary of the solid, the same seen from behind, or no boundary
+  double clearance;
+};
+
+Judgement judge(const ExactWinding& winding, const Vector3& point, const Vector3& normal,
+                double probe) {
+  const double above = winding.at(point + probe * normal) - 0.5;
+  const double below = winding.at(point - probe * normal) - 0.5;
+  const double clearance = std::min(std::abs(above), std::abs(below));
+  if ((above > 0) == (below > 0)) return {Side::hidden, clearance};
+  return {below > 0 ? Side::outer : Side::turned, clearance};
+}
+
+struct Sorted {
+  std::vector<Corners> kept;
+  double hidden_area = 0;
+};
+
+void keep(Sorted& sorted, const Corners& piece, Side side) {
+  if (side == Side::hidden) {
+    sorted.hidden_area += (piece[1] - piece[0]).cross(piece[2] - piece[0]).norm() / 2;
+  } else if (side == Side::outer) {
+    sorted.kept.push_back(piece);
+  } else {
+    sorted.kept.push_back({piece[0], piece[2], piece[1]});
+  }
+}
+
+/// Sorts a piece whose visibility may change without a step, as it does near holes.
+void sort_halving(const ExactWinding& winding, const Corners& piece, const Vector3& normal,
+                  const Scale& scale, Sorted& sorted) {
+  const Vector3 centre = (piece[0] + piece[1] + piece[2]) / 3;
+  const auto [side, clearance] = judge(winding, centre, normal, scale.probe);
+  double longest = 0;
+  double reach = 0;
+  std::size_t split = 0;
+  for (std::size_t i = 0; i < 3; ++i) {
+    reach = std::max(reach, (piece[i] - centre).norm());
+    const double length = (piece[(i + 1) % 3] - piece[i]).norm();
+    if (length > longest) {
+      longest = length;
+      split = i;
+    }
+  }
+  const bool settled =
+      longest < scale.finest || winding.variation(centre, reach) < clearance ||
+      std::all_of(piece.begin(), piece.end(), [&, side = side](const Vector3& corner) {
+        const Vector3 point = 0.95 * corner + 0.05 * centre;
+        return judge(winding, point, normal, scale.probe).side == side;
+      });
+  if (settled) {
+    keep(sorted, piece, side);
+    return;
+  }
+  const Vector3& a = piece[split];
+  const Vector3& b = piece[(split + 1) % 3];
+  const Vector3& c = piece[(split + 2) % 3];
+  const Vector3 middle = (a + b) / 2;
+  sort_halving(winding, {a, middle, c}, normal, scale, sorted);
+  sort_halving(winding, {middle, b, c}, normal, scale, sorted);
+}
+
+/// Sorts the pieces of a cut triangle.
+Sorted sort_pieces(const Mesh& mesh, const ExactWinding& winding, const Frame& frame,
+                   const std::vector<Polygon>& polygons, const Scale& scale) {
+  Sorted sorted;
+  for (const Polygon& polygon : polygons) {
+    Vector2 centre = Vector2::Zero();
+    for (const Vector2& corner : polygon) centre += corner / static_cast<double>(polygon.size());
+    const Side side = mesh.closed()
+                          ? judge(winding, frame.lifted(centre), frame.n, scale.probe).side
+                          : Side::hidden;
+    for (std::size_t i = 2; i < polygon.size(); ++i) {
+      const Corners piece{frame.lifted(polygon[0]), frame.lifted(polygon[i - 1]),
+                          frame.lifted(polygon[i])};
+      if (mesh.closed()) {
+        keep(sorted, piece, side);
+      } else {
+        sort_halving(winding, piece, frame.n, scale, sorted);
+      }
+    }
+  }
+  return sorted;
+}
+
+}  // namespace
+
+SurfacePieces outer_pieces(const Mesh& mesh, const ExactWinding& winding) {
+  const Scale scale{1e-9 * mesh.diagonal, 1e-6 * mesh.diagonal, 2e-4 * mesh.diagonal};
+  const auto near = neighbours(mesh);
+  std::vector<std::vector<Polygon>> polygons(mesh.triangles.size());
+  tbb::parallel_for(std::size_t{0}, mesh.triangles.size(), [&](std::size_t i) {
+    const Corners own = corners_of(mesh, i);
+    const Frame frame(own);
+    polygons[i] = {{frame.flat(own[0]), frame.flat(own[1]), frame.flat(own[2])}};
+    for (const std::uint32_t other : near[i]) {
+      for (const Segment& segment : meeting(frame, corners_of(mesh, other), scale.touching)) {
+        cut(polygons[i], segment, scale.touching);
+      }
+    }
+  });
+  const bool whole = std::all_of(polygons.begin(), polygons.end(),
+                                 [](const auto& pieces) { return pieces.size() == 1; });
+  // One closed part that does not cut itself is its own outer surface.
+  const bool simple = whole && mesh.closed() && mesh.components == 1;
+  std::vector<Sorted> sorted(mesh.triangles.size());
+  tbb::parallel_for(std::size_t{0}, mesh.triangles.size(), [&](std::size_t i) {
+    const Corners own = corners_of(mesh, i);
+    if (simple) {
+      sorted[i].kept.push_back(own);
+    } else if (polygons[i].size() == 1 && mesh.closed()) {
+      keep(sorted[i], own,
+           judge(winding, (own[0] + own[1] + own[2]) / 3, normal_of(own), scale.probe).side);
+    } else {
+      sorted[i] = sort_pieces(mesh, winding, Frame(own), polygons[i], scale);
+    }
+  });
+  SurfacePieces pieces;
+  for (const Sorted& part : sorted) {
+    pieces.triangles.insert(pieces.triangles.end(), part.kept.begin(), part.kept.end());
+    pieces.hidden_area += part.hidden_area;
+  }
+  for (const Corners& t : pieces.triangles) {
+    pieces.area += (t[1] - t[0]).cross(t[2] - t[0]).norm() / 2;
+  }
+  return pieces;
+}
+
+}  // namespace spm::baker

@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <memory>
+
+#include "baker/mesh/mesh.hpp"
+#include "common/base/vector.hpp"
+
+namespace spm::baker {
+
+/// A point of the outer surface and the outward normal of the triangle it lies on.
+struct SurfacePoint {
+  Vector3 position = Vector3::Zero();
+  Vector3 normal = Vector3::Zero();
+};
+
+/// The reference that assets are measured against: signed distance to the boundary of the union of
+/// a mesh's parts, exact up to rounding. It shares no code with the fit. Immutable; any number of
+/// threads may ask it.
+class ExactSurface {
+ public:
+  explicit ExactSurface(const Mesh& mesh);
+  ~ExactSurface();
+  ExactSurface(const ExactSurface&) = delete;
+  ExactSurface& operator=(const ExactSurface&) = delete;
+
+  [[nodiscard]] bool empty() const noexcept;          ///< no surface bounds a solid
+  [[nodiscard]] double area() const noexcept;         ///< m2
+  [[nodiscard]] double hidden_area() const noexcept;  ///< m2, of the mesh, inside other parts
+
+  /// Whether a point is in the solid: its generalised winding number is above one half.
+  [[nodiscard]] bool inside(const Vector3& point) const noexcept;
+
+  /// The closest point of the outer surface.
+  [[nodiscard]] SurfacePoint closest(const Vector3& point) const;
+
+  /// A point of the surface, uniform by area for `choice`, `a` and `b` uniform in [0, 1).
+  [[nodiscard]] SurfacePoint at(double choice, double a, double b) const;
+
+  /// True where another feature of the surface, one in a direction that differs by more than a
+  /// degree from that of `closest`, is at most `window` metres farther away: within that of the
+  /// medial axis the closest feature, and so the direction, is a toss-up.
+  [[nodiscard]] bool contested(const Vector3& point, const Vector3& closest, double window) const;
+
+  /// Distance from a point to the nearest border edge of the mesh; infinite for a closed one.
+  [[nodiscard]] double border_distance(const Vector3& point) const;
+
+ private:
+  struct Implementation;
+  std::unique_ptr<Implementation> implementation_;
+};
+
+}  // namespace spm::baker

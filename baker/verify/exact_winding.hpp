@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "baker/mesh/mesh.hpp"
+#include "common/base/vector.hpp"
+
+namespace spm::baker {
+
+/// Signed solid angle of a triangle seen from a point, divided by 4 pi: its share of the winding
+/// number, positive where the point is behind it (Van Oosterom and Strackee 1983).
+[[nodiscard]] double triangle_winding(const Vector3& point, const Vector3& a, const Vector3& b,
+                                      const Vector3& c) noexcept;
+
+/// Generalised winding number of a mesh, exact up to rounding: 1 inside one part, 2 where two
+/// overlap, 0 outside, in between near holes. Seen from outside its box, a cluster of triangles has
+/// the solid angle of any surface with the same boundary, so a fan over its boundary edges stands
+/// for it (Jacobson et al. 2013, section 4.2).
+class ExactWinding {
+ public:
+  explicit ExactWinding(const Mesh& mesh);
+  [[nodiscard]] double at(const Vector3& point) const noexcept;
+
+  /// How much the winding number can change by a move of `reach` metres that crosses no triangle:
+  /// it is the solid angle of the mesh's boundary, whose gradient is at most that of a current
+  /// along it.
+  [[nodiscard]] double variation(const Vector3& point, double reach) const noexcept;
+
+ private:
+  using Edge = std::array<std::uint32_t, 2>;
+
+  struct Node {
+    Vector3 low, high, apex;
+    std::uint32_t first = 0, last = 0;            ///< triangles
+    std::uint32_t first_edge = 0, last_edge = 0;  ///< boundary edges, directed
+    std::int32_t left = -1, right = -1;
+  };
+
+  std::int32_t build(std::uint32_t first, std::uint32_t last, std::vector<Edge>& boundary);
+  [[nodiscard]] double cluster(const Node& node, const Vector3& point) const noexcept;
+
+  std::vector<Vector3> vertices_;
+  std::vector<Triangle> triangles_;
+  std::vector<Edge> edges_;
+  std::vector<Node> nodes_;
+};
+
+}  // namespace spm::baker

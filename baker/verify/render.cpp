@@ -1,0 +1,139 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "baker/verify/render.hpp"
+
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <optional>
+
+#include "common/query/query.hpp"
+#include "common/surface/support_plane_mapping.hpp"
+
+namespace spm::baker {
+
+namespace {
+
+constexpr double background = 0.16;
+/// Of an error beyond the tolerance.
+constexpr Colour beyond{0.85, 0.1, 0.1};
+/// Windows on a whole object leave so much room around it.
+constexpr double room = 1.05;
+
+/// Fills a square picture, row by row from the top, by a colour a place: eta to the right, omega
+/// upward, metres from the window's middle.
+template <class Shade>
+Picture paint(const Window& window, std::uint32_t side, const Shade& shade) {
+  Picture picture{side, side, std::vector<std::uint8_t>(std::size_t{3} * side * side)};
+  tbb::parallel_for(std::uint32_t{0}, side, [&](std::uint32_t row) {
+    for (std::uint32_t column = 0; column < side; ++column) {
+      const double eta = ((column + 0.5) / side - 0.5) * window.edge;
+      const double omega = (0.5 - (row + 0.5) / side) * window.edge;
+      const Colour parts = shade(eta, omega);
+      for (std::size_t k = 0; k < 3; ++k) {
+        picture.pixels[std::size_t{3} * (std::size_t{row} * side + column) + k] =
+            static_cast<std::uint8_t>(std::lround(255 * std::clamp(parts[k], 0.0, 1.0)));
+      }
+    }
+  });
+  return picture;
+}
+
+/// Casts from beyond a surface to what a window shows of it.
+class Eye {
+ public:
+  Eye(const Caster& surface, const Window& window)
+      : surface_(surface),
+        plane_(plane_with_normal(window.middle + 2 * surface.diagonal() * window.toward,
+                                 window.toward)) {}
+
+  [[nodiscard]] std::optional<Crossing> at(double eta, double omega) const {
+    return surface_.first_between(plane_, eta, omega, 0, 4 * surface_.diagonal());
+  }
+  [[nodiscard]] Vector3 place(double eta, double omega, const Crossing& crossing) const {
+    return support_plane_point(plane_, eta, omega) - crossing.depth * plane_.n;
+  }
+  /// 0 to 1: how much light from the upper left falls on a triangle, whichever side it shows.
+  [[nodiscard]] double light(const Crossing& crossing) const {
+    const Vector3& normal = surface_.normal(crossing.triangle);
+    const Vector3 seen = normal.dot(plane_.n) < 0 ? Vector3(-normal) : normal;
+    const Vector3 lamp = (-plane_.u + plane_.v + 2 * plane_.n).normalized();
+    return 0.25 + 0.75 * std::max(0.0, seen.dot(lamp));
+  }
+
+ private:
+  const Caster& surface_;
+  SupportPlane plane_;
+};
+
+/// Error of an asset's distance at a place of the band, m; nothing outside it or without an answer.
+std::optional<double> error_at(const ErrorScale& scale, const Vector3& place) {
+  const double distance = (place - scale.exact.closest(place).position).norm();
+  const double truth = scale.exact.inside(place) ? -distance : distance;
+  if (truth < -scale.band.max_depth || truth > scale.band.margin) return std::nullopt;
+  const Answer answer = query_point(scale.asset, place);
+  if (!std::isfinite(answer.distance)) return std::nullopt;
+  return std::abs(answer.distance - truth);
+}
+
+Colour colour_of(double error, double tolerance) {
+  return error > tolerance ? beyond : ramp_at(error / tolerance);
+}
+
+}  // namespace
+
+Window whole_of(const Vector3& low, const Vector3& high, const Vector3& toward) {
+  return {(low + high) / 2, toward, room * (high - low).norm()};
+}
+
+Caster caster_of(const KnownSurface& surface) {
+  OuterSurface loose;
+  for (const auto& [x, y, z] : surface.vertices) loose.vertices.emplace_back(x, y, z);
+  loose.triangles = surface.triangles;
+  loose.surface_count = loose.triangles.size();
+  return Caster(loose);
+}
+
+Picture render(const Caster& surface, const Window& window, std::uint32_t side) {
+  const Eye eye(surface, window);
+  return paint(window, side, [&](double eta, double omega) -> Colour {
+    const std::optional<Crossing> crossing = eye.at(eta, omega);
+    const double grey = crossing ? eye.light(*crossing) : background;
+    return {grey, grey, grey};
+  });
+}
+
+Picture error_on_surface(const Caster& surface, const ErrorScale& scale, const Window& window,
+                         std::uint32_t side) {
+  const Eye eye(surface, window);
+  return paint(window, side, [&](double eta, double omega) -> Colour {
+    const std::optional<Crossing> crossing = eye.at(eta, omega);
+    if (!crossing) return {background, background, background};
+    const Vector3 place = eye.place(eta, omega, *crossing);
+    const Vector3 step = scale.tolerance * surface.normal(crossing->triangle);
+    std::optional<double> largest;
+    for (const int k : {-1, 0, 1}) {
+      const std::optional<double> error = error_at(scale, place + k * step);
+      if (error) largest = std::max(largest.value_or(0), *error);
+    }
+    if (!largest) return {background, background, background};
+    Colour colour = colour_of(*largest, scale.tolerance);
+    for (double& part : colour) part *= 0.4 + 0.6 * eye.light(*crossing);
+    return colour;
+  });
+}
+
+Picture error_in_section(const ErrorScale& scale, const Window& window, std::uint32_t side) {
+  const SupportPlane plane = plane_with_normal(window.middle, window.toward);
+  const double line = window.edge / side;  // a pixel
+  return paint(window, side, [&](double eta, double omega) -> Colour {
+    const Vector3 place = support_plane_point(plane, eta, omega);
+    if ((scale.exact.closest(place).position - place).norm() < line / 2) return {1, 1, 1};
+    const std::optional<double> error = error_at(scale, place);
+    if (!error) return {background, background, background};
+    return colour_of(*error, scale.tolerance);
+  });
+}
+
+}  // namespace spm::baker

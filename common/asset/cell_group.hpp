@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+
+#include "common/surface/support_plane.hpp"
+#include "common/surface/tile.hpp"
+
+namespace spm {
+
+/// How many units of an index are looked at together.
+inline constexpr std::size_t group_units = 8;
+
+/// A number for each unit of a group.
+using GroupLanes = std::array<float, group_units>;
+
+/// The clip lines of a group's cells, from the cells' middles, with the spacing as the unit: what
+/// is left of a cell is where a x + b y <= c; the line crosses the cell from (x, y) by (to_x,
+/// to_y). Where there is no line (a, b) is 0; where nothing is left, x is out of all reach.
+struct alignas(64) ClipGroup {
+  GroupLanes a{}, b{}, c{}, x{}, y{}, to_x{}, to_y{};
+};
+
+/// Eight cells of a tile, four along eta and two along omega: their bilinear patches about their
+/// middles, with the spacing as the unit. Slopes of the mean plane along eta and omega, twist h00 -
+/// h10 - h01 + h11, and depth of the middle below the tile's base. A cell that is not valid is out
+/// of all reach. Derived from the heights, so that all cells are looked at together.
+struct alignas(32) CellGroup {
+  GroupLanes slope_eta{}, slope_omega{}, twist{}, depth{};
+  /// Of the slopes: 1 / (1 + eta^2), 1 / (1 + omega^2), and eta / (1 + eta^2 + omega^2).
+  GroupLanes per_eta{}, per_omega{}, level_eta{};
+  /// What a step along x, y or z is along eta, omega and depth, spacings per m; the last is 0.
+  std::array<std::array<float, 4>, 3> steps{};
+  std::array<float, 4> base{};  ///< the origin along eta, omega and depth, spacings; the last is 0
+  std::array<float, 3> origin{};  ///< first sample, at the tile's base, m from the tree's origin
+  float spacing = 0;              ///< m
+  std::uint32_t tile = 0;
+  std::uint32_t part =
+      0;  ///< of the tile's eighths: bit 0 the upper half along eta, 1-2 which rows
+  std::uint32_t clips = 0;  ///< number of its ClipGroup, from 1; 0 where none is clipped
+};
+inline constexpr std::uint32_t group_columns = 4;
+inline constexpr std::uint32_t group_rows = 2;
+
+/// The cell of its tile that is a lane of a group of cells.
+[[nodiscard]] constexpr std::uint32_t cell_of(const CellGroup& group, std::uint32_t lane) noexcept {
+  const std::uint32_t column = (group.part & 1U) * group_columns + lane % group_columns;
+  const std::uint32_t row = (group.part >> 1U) * group_rows + lane / group_columns;
+  return row * tile_cells + column;
+}
+
+/// The groups of a tile's cells; some may have none that is valid.
+inline constexpr std::uint32_t tile_groups = tile_cell_count / group_units;
+
+/// Group `part` of a tile's cells, places from an origin (m).
+[[nodiscard]] CellGroup cell_group(const Tile& tile, float height_unit, const SupportPlane& plane,
+                                   std::uint32_t part, const Vector3& origin) noexcept;
+
+/// The clip lines of a group of a tile's cells.
+[[nodiscard]] ClipGroup clip_group(const Tile& tile, const CellGroup& group) noexcept;
+
+/// What a foot on a lane of a group tells, x and y from the cell's middle, spacings; `place` from
+/// the same origin, m.
+[[nodiscard]] TileFoot foot_on_cell(const CellGroup& group, std::uint32_t lane,
+                                    const Vector3& place, float x, float y) noexcept;
+
+/// closest_on_tile on a lane of a group of its cells alone; `place` from the same origin,
+/// m. Infinite where the lane's cell is not valid.
+[[nodiscard]] TileFoot closest_on_cell(const Tile& tile, const CellGroup& group, std::uint32_t lane,
+                                       const Vector3& place, float limit) noexcept;
+
+}  // namespace spm

@@ -1,0 +1,190 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+#include "common/surface/support_plane.hpp"
+#include "common/asset/unit_groups.hpp"
+
+namespace spm {
+
+/// A part of an element that queries look at by itself: a cell of a tile, or a triangle.
+struct IndexUnit {
+  std::uint32_t group = 0;
+  std::uint32_t lane = 0;
+};
+
+/// What an index tells of a whole cube.
+enum class CubeKind : std::uint32_t {
+  unknown = 0,  ///< the space tree tells what a point is
+  told = 1,     ///< as SpaceKind
+  inside = 2,
+  outside = 3,
+  one_sheet = 4,  ///< what is near looks one way: the nearest tells the side
+  far = 5,        ///< outside, beyond the margin
+  beside = 6,     ///< not in the grid: far, pruned, or deep in what was cut; in no word
+};
+
+/// Which parts of elements of a `sparse` asset can matter to a point, cube by cube: what an
+/// ElementTree tells by descending, looked up. Derived when an asset is opened
+/// (build_element_index), never stored; without it queries descend the tree. Views; nothing is
+/// owned.
+///
+/// Cubes of a regular grid, x fastest, come first in `words`, a word each:
+///   0: not told here; the tree tells;
+///   bit 31 set: split; bits 0-30 the place of eight words like these, one an octant (bit 0: upper
+///     half in x, 1: y, 2: z);
+///   else bits 28-30: the CubeKind; where it is `far`, bits 0-27: those of a float but for its last
+///     four, how far beyond the surface all of the cube is at least, m;
+///   else bits 0-27: the place of a list: a word that counts its groups,
+///     in bits 0-15 those that may hold the nearest unit to a point of the cube, in bits 16-31 all;
+///     then their numbers, in that order, two of 16 bits a word, or one of 32 where there are more
+///     than 65536. The others matter where claims tell the side, or the nearest does not face.
+struct ElementIndex {
+  Vector3 origin = Vector3::Zero();  ///< lowest corner of the grid, m
+  double cell_size = 1;              ///< m
+  double per_cell = 1;               ///< 1 / cell_size
+  std::array<std::uint32_t, 3> cells{0, 0, 0};
+  std::span<const std::uint32_t> words;
+  double slack = 0;  ///< m: how far bounds of groups, which are floats, may be off
+  UnitGroups groups;
+
+  /// Whether numbers of groups are of 16 bits.
+  [[nodiscard]] bool has_small_numbers() const noexcept {
+    return groups.cells.size() + groups.triangles.size() <= (std::size_t{1} << 16U);
+  }
+};
+
+inline constexpr std::uint32_t index_split = 1U << 31U;
+inline constexpr std::uint32_t index_place = (1U << 28U) - 1;
+inline constexpr int index_levels = 6;  ///< halvings of a cube of the grid at most
+
+/// Groups that a list may name at most.
+inline constexpr std::size_t index_list_groups = 64;
+
+/// The list of a cube, as found for a point.
+struct IndexList {
+  const std::uint32_t* numbers = nullptr;  ///< null: the tree tells
+  std::uint32_t nearest = 0;               ///< so many of the first may hold the nearest
+  std::uint32_t count = 0;
+  CubeKind kind = CubeKind::unknown;
+  float beyond = 0;  ///< where the kind is `far`, m: the surface is no nearer
+};
+
+/// The word of a cube that is `far`.
+[[nodiscard]] inline std::uint32_t far_word(float beyond) noexcept {
+  return static_cast<std::uint32_t>(CubeKind::far) << 28U |
+         std::bit_cast<std::uint32_t>(beyond) >> 4U;
+}
+
+/// The list that begins at a place of the words.
+[[nodiscard]] inline IndexList list_from(const std::uint32_t* header, CubeKind kind) noexcept {
+  return {header + 1, *header & 0xFFFFU, *header >> 16U, kind, 0};
+}
+
+/// What a cube's word tells, of one that is not split.
+[[nodiscard]] inline IndexList list_of(const ElementIndex& index, std::uint32_t word) noexcept {
+  if (word == 0 || (word & index_split) != 0) return {};
+  const auto kind = static_cast<CubeKind>(word >> 28U);
+  if (kind == CubeKind::far) return {nullptr, 0, 0, kind, std::bit_cast<float>(word << 4U)};
+  return list_from(index.words.data() + (word & index_place), kind);
+}
+
+/// Where a point is in an index's grid, in the finest cubes along each axis.
+struct FinestCube {
+  std::array<std::uint32_t, 3> at{};
+  std::size_t cell = 0;  ///< of the grid; 0 where the point is in none
+  bool is_in = true;
+
+  /// In place: a copy of what has just been written part by part is waited for.
+  void find(const ElementIndex& index, const Vector3& point) noexcept {
+    constexpr double finest = 1U << index_levels;
+    cell = 0;
+    is_in = true;
+    for (std::size_t axis = 3; axis-- > 0;) {
+      const int k = static_cast<int>(axis);
+      const double position = (point[k] - index.origin[k]) * index.per_cell;
+      const bool is_between = position >= 0 && position < static_cast<double>(index.cells[axis]);
+      is_in = is_in && is_between;
+      at[axis] = is_between ? static_cast<std::uint32_t>(position * finest) : 0;
+      cell = cell * index.cells[axis] + (at[axis] >> index_levels);
+    }
+  }
+
+  /// The octant that it lies in of a cube whose octants are halved so often still.
+  [[nodiscard]] std::uint32_t octant(unsigned halvings_left) const noexcept {
+    const auto upper = [&](std::size_t axis) { return (at[axis] >> halvings_left) & 1U; };
+    return upper(0) | upper(1) << 1U | upper(2) << 2U;
+  }
+};
+/// What is told of places outside the grid, which is about the band.
+inline constexpr IndexList outside_grid{nullptr, 0, 0, CubeKind::beside, 0};
+
+/// The list of the cube that a point lies in.
+[[nodiscard]] inline IndexList list_at(const ElementIndex& index, const Vector3& point) noexcept {
+  if (index.words.empty()) return {};
+  FinestCube cube;
+  cube.find(index, point);
+  if (!cube.is_in) return outside_grid;
+  std::uint32_t word = index.words[cube.cell];
+  for (unsigned level = index_levels; level > 0 && (word & index_split) != 0; --level) {
+    word = index.words[(word & ~index_split) + cube.octant(level - 1)];
+  }
+  return list_of(index, word);
+}
+
+/// list_at of several points, one step of each at a time: none waits for the memory of another.
+inline constexpr std::size_t points_at_once = 32;
+void lists_at(const ElementIndex& index, std::span<const Vector3> points,
+              IndexList* lists) noexcept;
+
+/// The first groups of a list, at most index_list_groups.
+[[nodiscard]] inline GroupNames names_of(const ElementIndex& index, const IndexList& list,
+                                         std::size_t count) noexcept {
+  return {list.numbers, std::min(count, index_list_groups), index.has_small_numbers()};
+}
+
+/// The unit that a group of a list and a lane name.
+[[nodiscard]] inline IndexUnit unit_at(const GroupNames& names, std::size_t which) noexcept {
+  return {names[which / group_units], static_cast<std::uint32_t>(which % group_units)};
+}
+
+/// Calls `visit(unit)` for the units of a list that may lie nearer to a point (`place`, m from the
+/// tree's origin) than `limit()` (m), which may shrink on the way: nearest bounds first.
+template <class Visit, class Limit>
+void visit_list(const ElementIndex& index, const IndexList& list, const std::array<float, 3>& place,
+                const Visit& visit, const Limit& limit) noexcept {
+  // Without initial values: only what is written is read.
+  alignas(64) std::array<float, index_list_groups * group_units> squares;
+  std::array<std::uint32_t, (index_list_groups + 1) * group_units> near;
+  const GroupNames names = names_of(index, list, list.count);
+  if (names.size() == 0) return;
+  const auto reach = [&limit, slack = index.slack] {
+    const double farthest = limit() + slack;
+    return static_cast<float>(farthest * farthest * (1 + 1e-6));
+  };
+  const std::uint32_t first = group_squares(index.groups, names, place, squares.data());
+  if (!(squares[first] <= reach()) || !(squares[first] < nothing_square)) return;
+  visit(unit_at(names, first));
+  squares[first] = empty_square;
+  float farthest = std::min(reach(), empty_square / 2);
+  std::size_t left = near_lanes(squares.data(), names.size() * group_units, farthest, near.data());
+  while (left > 0) {
+    std::size_t next = 0;
+    for (std::size_t i = 1; i < left; ++i) {
+      next = squares[near[i]] < squares[near[next]] ? i : next;
+    }
+    const std::size_t which = near[next];
+    near[next] = near[--left];
+    if (!(squares[which] <= farthest)) return;
+    visit(unit_at(names, which));
+    farthest = std::min(reach(), empty_square / 2);
+  }
+}
+
+}  // namespace spm

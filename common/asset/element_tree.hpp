@@ -1,0 +1,153 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <span>
+
+#include "common/surface/support_plane.hpp"
+
+namespace spm {
+
+/// What a child of a node of an ElementTree is.
+enum class ElementKind : std::uint32_t { none = 0, node = 1, tile = 2, fan = 3 };
+
+/// Boxes around the elements of a `sparse` asset, its tiles and fans of triangles: a tree of nodes
+/// with up to four children, by which the elements nearest to a point are found. A node is ten
+/// words:
+///   0-3: a child each: bits 0-23 the number of a node, of a tile or of a fan's first corner, 24-29
+///     the number of the fan's triangles less one, 30-31 the ElementKind;
+///   4-9: its children's boxes, a byte a child: least x, largest x, then y and z alike, in 255ths
+///     of the node's own box, rounded outwards.
+/// Triangle k of a fan that begins at corner f is of the corners f, f + k + 1 and f + k + 2.
+/// A child's number is above its parent's. Views; nothing is owned.
+struct ElementTree {
+  Vector3 origin = Vector3::Zero();  ///< lowest corner of the box around all, m
+  std::array<float, 3> size{};       ///< of that box, m
+  std::span<const std::uint32_t> words;
+};
+
+inline constexpr std::size_t tree_node_words = 10;
+inline constexpr std::size_t tree_children = 4;
+inline constexpr std::uint32_t most_fan_triangles = 64;
+inline constexpr std::uint32_t most_tree_elements = 1U << 24U;
+/// Nodes below each other at most.
+inline constexpr int tree_levels = 48;
+
+/// A child as its word names it.
+struct TreeChild {
+  ElementKind kind = ElementKind::none;
+  std::uint32_t first = 0;
+  std::uint32_t count = 0;
+};
+
+[[nodiscard]] constexpr TreeChild unpack_child(std::uint32_t word) noexcept {
+  return {static_cast<ElementKind>(word >> 30U), word & 0xFFFFFFU, ((word >> 24U) & 63U) + 1};
+}
+[[nodiscard]] constexpr std::uint32_t pack_child(const TreeChild& child) noexcept {
+  return static_cast<std::uint32_t>(child.kind) << 30U | (child.count - 1) << 24U | child.first;
+}
+
+/// A box from the tree's origin, m: floats, as the query computes them.
+struct TreeBox {
+  std::array<float, 3> low, high;
+};
+
+/// The box of a node's child.
+[[nodiscard]] inline TreeBox child_box(const TreeBox& box, const std::uint32_t* node,
+                                       std::size_t child) noexcept {
+  TreeBox result;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const float step = (box.high[axis] - box.low[axis]) * (1.0F / 255);
+    const std::uint32_t low = (node[4 + 2 * axis] >> (8 * child)) & 255U;
+    const std::uint32_t high = (node[5 + 2 * axis] >> (8 * child)) & 255U;
+    result.low[axis] = box.low[axis] + static_cast<float>(low) * step;
+    result.high[axis] = box.low[axis] + static_cast<float>(high) * step;
+  }
+  return result;
+}
+
+/// The boxes of a node's children, as child_box gives them, and the squares of their distances from
+/// a place, m and m^2; of children that are none too.
+struct NodeBoxes {
+  using Lanes = std::array<float, tree_children>;  ///< a number a child
+  alignas(16) std::array<Lanes, 3> low, high;
+  alignas(16) Lanes squares;
+
+  [[nodiscard]] TreeBox box(std::size_t child) const noexcept {
+    return {{low[0][child], low[1][child], low[2][child]},
+            {high[0][child], high[1][child], high[2][child]}};
+  }
+};
+
+/// Finds them, all four at once; `box` is the node's own. A place that is no number is 0 away.
+void find_node_boxes(const TreeBox& box, const std::uint32_t* node,
+                     const std::array<float, 3>& place, NodeBoxes& found) noexcept;
+
+/// A point from the tree's origin, m: floats, as the query computes with them.
+[[nodiscard]] inline std::array<float, 3> from_origin(const ElementTree& tree,
+                                                      const Vector3& point) noexcept {
+  const Vector3 place = point - tree.origin;
+  return {static_cast<float>(place.x()), static_cast<float>(place.y()),
+          static_cast<float>(place.z())};
+}
+
+/// Calls `visit(child)` for leaves, nearest boxes first, that may lie nearer to a point than
+/// `limit()` (m), which may shrink on the way. Ends whatever the words are: no node is looked at
+/// more often than there are nodes.
+template <class Visit, class Limit>
+void visit_elements(const ElementTree& tree, const Vector3& point, const Visit& visit,
+                    const Limit& limit) noexcept {
+  // Without initial values: only what is pushed is read, and there are many.
+  struct Pending {
+    float square;
+    std::uint32_t word;
+    TreeBox box;
+  };
+  std::array<Pending, static_cast<std::size_t>(tree_levels) * (tree_children - 1) + tree_children>
+      stack;
+  const std::array<float, 3> place = from_origin(tree, point);
+  const std::size_t nodes = tree.words.size() / tree_node_words;
+  if (nodes == 0) return;
+  stack[0] = {0, pack_child({ElementKind::node, 0, 1}), {{}, tree.size}};
+  std::size_t pending = 1;
+  std::size_t left = nodes;
+  NodeBoxes boxes;
+  while (pending > 0) {
+    const Pending next = stack[--pending];
+    const double reach = limit();
+    if (static_cast<double>(next.square) > reach * reach) continue;
+    const TreeChild child = unpack_child(next.word);
+    if (child.kind != ElementKind::node) {
+      visit(child);
+      continue;
+    }
+    if (child.first >= nodes || left == 0) continue;
+    --left;
+    const std::uint32_t* node = tree.words.data() + child.first * tree_node_words;
+    find_node_boxes(next.box, node, place, boxes);
+    // Farthest first, so that the nearest is taken first.
+    std::array<std::size_t, tree_children> order;
+    std::size_t count = 0;
+    for (std::size_t k = 0; k < tree_children; ++k) {
+      const float square = boxes.squares[k];
+      if (unpack_child(node[k]).kind == ElementKind::none ||
+          static_cast<double>(square) > reach * reach) {
+        continue;
+      }
+      std::size_t at = count++;
+      for (; at > 0 && boxes.squares[order[at - 1]] < square; --at) order[at] = order[at - 1];
+      order[at] = k;
+    }
+    for (std::size_t i = 0; i < count && pending < stack.size(); ++i, ++pending) {
+      const std::size_t k = order[i];
+      stack[pending] = {boxes.squares[k], node[k], boxes.box(k)};
+    }
+  }
+}
+
+}  // namespace spm

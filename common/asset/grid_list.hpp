@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <span>
+
+#include "common/asset/asset_view.hpp"
+
+namespace spm {
+
+/// What a cell of kind `record` names; see Grid. A view that reads nothing outside the grid's
+/// words: a list that does not lie in them is empty.
+class GridList {
+ public:
+  /// `word` is one of `index`, or of an octant, that is no split.
+  GridList(const Grid& grid, std::uint32_t word) noexcept {
+    const std::size_t offset = word & offset_mask;
+    if (offset >= grid.records.size()) return;
+    const std::uint32_t header = grid.records[offset];
+    const std::uint32_t maps = header & most_listed;
+    const std::uint32_t triangles = (header >> 8U) & most_listed_triangles;
+    const std::size_t words = std::size_t{maps} + triangles;
+    if (words > grid.records.size() - offset - 1) return;
+    words_ = grid.records.subspan(offset + 1, words);
+    maps_ = maps;
+    triangles_ = triangles;
+    whole_ = header >> 24U == 0;
+  }
+
+  [[nodiscard]] bool whole() const noexcept { return whole_; }
+  [[nodiscard]] std::uint32_t maps() const noexcept { return maps_; }
+  [[nodiscard]] std::uint32_t triangles() const noexcept { return triangles_; }
+  /// A map's candidate word; `which` is below maps().
+  [[nodiscard]] std::uint32_t map(std::uint32_t which) const noexcept { return words_[which]; }
+  /// A triangle times two, plus one for a cap; `which` is below triangles().
+  [[nodiscard]] std::uint32_t triangle(std::uint32_t which) const noexcept {
+    return words_[maps_ + which];
+  }
+
+ private:
+  std::span<const std::uint32_t> words_;
+  std::uint32_t maps_ = 0;
+  std::uint32_t triangles_ = 0;
+  bool whole_ = false;
+};
+
+/// True where a word of the index, or of an octant, is a split cell.
+[[nodiscard]] constexpr bool is_split(std::uint32_t word) noexcept {
+  return static_cast<CellKind>(word >> 30U) == CellKind::record && (word & split_bit) != 0;
+}
+
+}  // namespace spm

@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "common/asset/space_tree.hpp"
+
+namespace spm {
+
+namespace {
+
+/// A cube that is asked about.
+struct Asked {
+  Vector3 low, high;
+};
+
+/// The kinds of a node's octants that a cube touches.
+unsigned spaces_below(const SpaceTree& tree, std::size_t node, const Vector3& low, double edge,
+                      const Asked& cube, int level) noexcept {
+  if ((node + 1) * space_node_words > tree.words.size() || level == space_levels) {
+    return space_bit(SpaceKind::far);
+  }
+  const std::uint32_t kinds = tree.words[node * space_node_words];
+  unsigned found = 0;
+  for (std::uint32_t octant = 0; octant < 8; ++octant) {
+    Vector3 corner = low;
+    for (int axis = 0; axis < 3; ++axis) {
+      if (((octant >> static_cast<unsigned>(axis)) & 1U) != 0) corner[axis] += edge / 2;
+    }
+    if ((corner.array() > cube.high.array()).any() ||
+        ((corner.array() + edge / 2) < cube.low.array()).any()) {
+      continue;
+    }
+    const SpaceKind kind = octant_kind(kinds, octant);
+    if (kind != SpaceKind::split) {
+      found |= space_bit(kind);
+      continue;
+    }
+    const std::size_t child =
+        std::size_t{tree.words[node * space_node_words + 1]} + splits_below(kinds, octant);
+    found |= spaces_below(tree, child, corner, edge / 2, cube, level + 1);
+  }
+  return found;
+}
+
+}  // namespace
+
+unsigned spaces_of_cube(const SpaceTree& tree, const Vector3& middle, double half) noexcept {
+  const Asked cube{middle - Vector3::Constant(half), middle + Vector3::Constant(half)};
+  const bool reaches_out = (cube.low.array() < tree.origin.array()).any() ||
+                           (cube.high.array() > tree.origin.array() + tree.edge).any();
+  return (reaches_out ? space_bit(SpaceKind::far) : 0U) |
+         spaces_below(tree, 0, tree.origin, tree.edge, cube, 0);
+}
+
+}  // namespace spm

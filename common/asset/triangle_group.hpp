@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+
+#include "common/asset/cell_group.hpp"
+#include "common/base/vector.hpp"
+
+namespace spm {
+
+/// How far a lane lies that has nothing, m.
+inline constexpr float empty_lane = 1e15F;
+
+/// A vector for each unit of a group, axis by axis.
+using GroupVectors = std::array<GroupLanes, 3>;
+
+/// A share of a triangle that no place of it has.
+inline constexpr float no_share = 2;
+
+/// Eight triangles: a corner, m from the tree's origin, from it two sides, and what is derived from
+/// them so that no query divides. A lane without a triangle is out of all reach.
+struct alignas(32) TriangleGroup {
+  TriangleGroup() noexcept {
+    corner[0].fill(empty_lane);
+    least_share.fill(no_share);
+  }
+
+  GroupVectors corner{}, side{}, other{};
+  /// Of unit length; 0 where a triangle is too thin to have one.
+  GroupVectors normal{};
+  /// What a place is from the corner, times these, is the share of each side that its foot on the
+  /// plane has, 1/m.
+  GroupVectors along_side{}, along_other{};
+  /// Those shares, and what they leave of 1, are no less in a triangle: 0, or beyond all where it
+  /// has no normal.
+  GroupLanes least_share{};
+  /// 1 over the squares of the sides and of the third one, 1/m^2; 0 where one has no length.
+  GroupLanes per_side{}, per_other{}, per_third{};
+  /// The first stored corner, and the second, which the third follows.
+  std::array<std::uint32_t, group_units> first{}, second{};
+};
+
+/// Puts a triangle into a lane; corners from the tree's origin, m.
+void put_triangle(TriangleGroup& group, std::size_t lane,
+                  const std::array<Vector3, 3>& corners) noexcept;
+
+}  // namespace spm

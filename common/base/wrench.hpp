@@ -1,0 +1,14 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "common/base/vector.hpp"
+
+namespace spm {
+
+/// Force and torque on an object about a point that whoever makes it names; N and N m.
+struct Wrench {
+  Vector3 force = Vector3::Zero();
+  Vector3 torque = Vector3::Zero();
+};
+
+}  // namespace spm

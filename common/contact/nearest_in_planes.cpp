@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "common/contact/nearest_in_planes.hpp"
+
+#include <Eigen/LU>
+#include <cmath>
+#include <limits>
+
+namespace spm {
+
+namespace {
+
+/// Planes whose normals span less are taken to be parallel.
+constexpr double least_span = 1e-6;
+/// How far out of a half-space a place may be and count as in it, m: rounding.
+constexpr double rounding = 1e-12;
+
+double how_far_out(const HalfSpaces& spaces, const Vector3& place) noexcept {
+  double most = 0;
+  for (std::size_t i = 0; i < spaces.count; ++i) {
+    most = std::max(most, spaces.planes[i].offset - spaces.planes[i].normal.dot(place));
+  }
+  return most;
+}
+
+/// The point of the planes of a subset that is nearest to another; false where they have none.
+bool foot_on(const HalfSpaces& spaces, unsigned subset, const Vector3& point,
+             Vector3& foot) noexcept {
+  std::array<std::size_t, 3> members{};
+  std::size_t count = 0;
+  for (std::size_t i = 0; i < spaces.count; ++i) {
+    if (((subset >> i) & 1U) != 0) members[count++] = i;
+  }
+  // Weights of the normals, from their products: the unused rows are those of the unit matrix.
+  Eigen::Matrix3d products = Eigen::Matrix3d::Identity();
+  Vector3 short_of = Vector3::Zero();
+  for (std::size_t i = 0; i < count; ++i) {
+    const HalfSpace& plane = spaces.planes[members[i]];
+    short_of[static_cast<int>(i)] = plane.offset - plane.normal.dot(point);
+    for (std::size_t j = 0; j < count; ++j) {
+      products(static_cast<int>(i), static_cast<int>(j)) =
+          plane.normal.dot(spaces.planes[members[j]].normal);
+    }
+  }
+  const double determinant = products.determinant();
+  if (!(determinant > least_span)) return false;
+  const Vector3 weights = products.inverse() * short_of;
+  foot = point;
+  for (std::size_t i = 0; i < count; ++i) {
+    foot += weights[static_cast<int>(i)] * spaces.planes[members[i]].normal;
+  }
+  return true;
+}
+
+}  // namespace
+
+Vector3 nearest_in_planes(const HalfSpaces& spaces, const Vector3& point) noexcept {
+  if (how_far_out(spaces, point) <= rounding) return point;
+  Vector3 best = point, least_out = point;
+  double nearest = std::numeric_limits<double>::infinity();
+  double least = std::numeric_limits<double>::infinity();
+  for (unsigned subset = 1; subset < (1U << spaces.count); ++subset) {
+    Vector3 foot;
+    if (!foot_on(spaces, subset, point, foot)) continue;
+    const double out = how_far_out(spaces, foot);
+    const double square = (foot - point).squaredNorm();
+    if (out <= rounding + 1e-9 * std::sqrt(square) && square < nearest) {
+      nearest = square;
+      best = foot;
+    }
+    if (out < least) {
+      least = out;
+      least_out = foot;
+    }
+  }
+  return std::isfinite(nearest) ? best : least_out;
+}
+
+}  // namespace spm

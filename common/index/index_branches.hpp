@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <limits>
+#include <memory>
+#include <vector>
+
+#include "common/asset/asset_view.hpp"
+#include "common/query/closest_element.hpp"
+#include "common/index/index_lists.hpp"
+#include "common/index/unit_groups_build.hpp"
+#include "common/index/unit_reaches.hpp"
+
+namespace spm {
+
+/// A cube of an index in the making, and what can matter to its points.
+struct IndexCube {
+  Vector3 middle = Vector3::Zero();
+  double half = 0;  ///< of its edge, m
+  SpaceKind space = SpaceKind::far;
+  double nearest = std::numeric_limits<double>::infinity();  ///< distance of its middle, m
+  bool inside = false;                                       ///< its middle, as claims tell
+  GroupNumbers claims;   ///< groups that can matter where claims tell the side
+  GroupNumbers facing;   ///< those of them that can matter elsewhere
+  GroupNumbers closest;  ///< those of them that may hold the nearest
+  bool one_sheet = false;
+  double nearest_cap = std::numeric_limits<double>::infinity();  ///< of those in `claims`, m
+};
+
+/// What an index tells of a cube: of its octants, or of it as a whole.
+struct IndexBranch {
+  std::unique_ptr<std::array<IndexBranch, 8>> octants;
+  CubeKind kind = CubeKind::unknown;
+  IndexLists lists;  ///< empty where nothing is told
+  float beyond = 0;  ///< as in IndexList
+};
+
+/// Finds what an index tells of cubes, one after another. For the loading thread.
+class IndexBrancher {
+ public:
+  /// `asset`: with an index of groups alone, those of `units`; `slack`: of the index. Both stay.
+  IndexBrancher(const AssetView& asset, const UnitGroupsData& units);
+
+  /// Finds what can matter in a cube (`half` of its edge, m), of some groups.
+  [[nodiscard]] IndexCube look(const Vector3& middle, double half, const GroupNumbers& some);
+
+  /// What is told of a cube, which is as large as those of the index's grid, at no more cost than
+  /// that of so many groups, each looked at once.
+  [[nodiscard]] IndexBranch branch_of(const IndexCube& cube, std::size_t most_looks);
+
+  /// Whether a cube has no place where queries ask for the nearest.
+  [[nodiscard]] bool is_beyond(const IndexCube& cube) const;
+
+ private:
+  const AssetView& asset_;
+  const UnitGroupsData& units_;
+  double least_edge_ = 0;
+  double rounding_ = 0;
+  std::size_t looks_left_ = 0;
+  std::vector<GroupReach> reaches_;
+
+  [[nodiscard]] ElementReading reading_at(const Vector3& point, const GroupNumbers& some) const;
+  [[nodiscard]] double cap_distance(std::uint32_t group, const Vector3& point) const;
+  [[nodiscard]] bool is_worth_splitting(const IndexBranch& branch, double edge) const;
+  [[nodiscard]] CubeKind kind_of(const IndexCube& cube) const;
+  [[nodiscard]] bool is_far(const IndexCube& cube) const;
+  [[nodiscard]] IndexBranch branch_beyond(const IndexCube& cube);
+  [[nodiscard]] GroupNumbers nearest_at_corners(const IndexCube& cube) const;
+  [[nodiscard]] IndexBranch branch_at(const IndexCube& cube, int level);
+  [[nodiscard]] IndexBranch split(const IndexCube& cube, CubeKind kind,
+                                  std::array<IndexLists, 8>& lists, int level);
+};
+
+}  // namespace spm

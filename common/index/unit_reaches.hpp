@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+
+#include "common/asset/unit_groups.hpp"
+
+namespace spm {
+
+/// A cube, and upper bounds of the distance to the surface, each convex.
+struct SurfaceCube {
+  std::array<float, 3> middle{};  ///< m from the tree's origin
+  float half = 0;                 ///< of its edge, m
+  /// At the corners, m: bit 0 of a corner's number the upper side in x, 1: y, 2: z.
+  std::array<std::array<float, 8>, 2> known{};
+};
+
+/// What a group can be to the points of a cube.
+struct GroupReach {
+  float least = 0;          ///< m: see group_reaches; the least of its units
+  std::uint32_t lanes = 0;  ///< a bit for each unit that is in reach
+};
+
+/// Finds for groups by how much their units are at least farther than the surface, at any point of
+/// a cube, m; those are in reach where it is no more than `slack`.
+void group_reaches(const UnitGroups& groups, std::span<const std::uint32_t> numbers,
+                   const SurfaceCube& cube, float slack, GroupReach* reaches) noexcept;
+
+}  // namespace spm

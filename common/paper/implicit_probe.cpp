@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "common/paper/implicit_probe.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace spm {
+
+ProbeSpan SphereProbe::span(const Vector3& origin, const Vector3& direction) const noexcept {
+  const Vector3 to_centre = centre_ - origin;
+  const double middle = to_centre.dot(direction);
+  const double aside = (to_centre - middle * direction).squaredNorm();
+  const double square = radius_ * radius_ - aside;
+  // Written so that NaN misses.
+  if (!(square >= 0)) return {};
+  const double half = std::sqrt(square);
+  return {middle - half, middle + half};
+}
+
+ProbeSpan CapsuleProbe::span(const Vector3& origin, const Vector3& direction) const noexcept {
+  ProbeSpan result;
+  const auto include = [&result](const ProbeSpan& part) {
+    if (!part.hit()) return;
+    result.near = std::min(result.near, part.near);
+    result.far = std::max(result.far, part.far);
+  };
+  // The capsule is convex, so the span of the whole runs from the first of its parts to the last.
+  include(SphereProbe(from_, radius_).span(origin, direction));
+  include(SphereProbe(to_, radius_).span(origin, direction));
+  const Vector3 axis = to_ - from_;
+  const double length = axis.norm();
+  if (!(length > 0)) return result;
+  const Vector3 along = axis / length;
+  const Vector3 start = origin - from_;
+  const Vector3 across = direction - direction.dot(along) * along;
+  const Vector3 offset = start - start.dot(along) * along;
+  const double a = across.squaredNorm(), b = across.dot(offset);
+  const double c = offset.squaredNorm() - radius_ * radius_;
+  const double square = b * b - a * c;
+  if (!(a > 0) || !(square >= 0)) return result;
+  for (const double root : {-std::sqrt(square), std::sqrt(square)}) {
+    const double t = (root - b) / a;
+    const double place = (start + t * direction).dot(along);
+    if (place >= 0 && place <= length) include({t, t});
+  }
+  return result;
+}
+
+}  // namespace spm

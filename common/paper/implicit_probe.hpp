@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <limits>
+
+#include "common/base/vector.hpp"
+
+namespace spm {
+
+/// Where a line runs within a probe, m along the line; `near` above `far` where it misses.
+struct ProbeSpan {
+  double near = std::numeric_limits<double>::infinity();
+  double far = -std::numeric_limits<double>::infinity();
+
+  [[nodiscard]] bool hit() const noexcept { return near <= far; }
+};
+
+/// A convex probe in implicit form: section 3.2 needs of a probe no more than where a line along a
+/// support plane's normal enters it, S-, and leaves it, S+. All in the object's frame, metres.
+class ImplicitProbe {
+ public:
+  ImplicitProbe(const ImplicitProbe&) = delete;
+  ImplicitProbe& operator=(const ImplicitProbe&) = delete;
+  virtual ~ImplicitProbe() = default;
+
+  /// The span of the line origin + t direction, direction of unit length.
+  [[nodiscard]] virtual ProbeSpan span(const Vector3& origin,
+                                       const Vector3& direction) const noexcept = 0;
+  /// A ball that holds the probe.
+  [[nodiscard]] virtual Vector3 centre() const noexcept = 0;
+  [[nodiscard]] virtual double reach() const noexcept = 0;
+
+ protected:
+  ImplicitProbe() = default;
+};
+
+class SphereProbe final : public ImplicitProbe {
+ public:
+  /// `radius` above 0.
+  SphereProbe(const Vector3& centre, double radius) noexcept : centre_(centre), radius_(radius) {}
+
+  [[nodiscard]] ProbeSpan span(const Vector3& origin,
+                               const Vector3& direction) const noexcept override;
+  [[nodiscard]] Vector3 centre() const noexcept override { return centre_; }
+  [[nodiscard]] double reach() const noexcept override { return radius_; }
+
+ private:
+  Vector3 centre_;
+  double radius_;
+};
+
+/// All that is within a radius of a line between two points.
+class CapsuleProbe final : public ImplicitProbe {
+ public:
+  /// `radius` above 0; the ends may be one point.
+  CapsuleProbe(const Vector3& from, const Vector3& to, double radius) noexcept
+      : from_(from), to_(to), radius_(radius) {}
+
+  [[nodiscard]] ProbeSpan span(const Vector3& origin,
+                               const Vector3& direction) const noexcept override;
+  [[nodiscard]] Vector3 centre() const noexcept override { return (from_ + to_) / 2; }
+  [[nodiscard]] double reach() const noexcept override {
+    return radius_ + (to_ - from_).norm() / 2;
+  }
+
+ private:
+  Vector3 from_, to_;
+  double radius_;
+};
+
+}  // namespace spm

@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "common/paper/paper_volume.hpp"
+
+#include <cmath>
+#include <limits>
+
+namespace spm {
+
+namespace {
+
+/// M_1 where the normal of S_1 through a point meets it.
+struct Under {
+  double depth = std::numeric_limits<double>::quiet_NaN();  ///< f of eq. 13, m
+  Vector3 normal = Vector3::Zero();                         ///< n_S, not of unit length
+};
+
+Under under(const AssetView& object, std::size_t index, const Vector3& point) noexcept {
+  const SupportPlane& plane = object.planes[index];
+  const DistanceMap& map = object.maps[index];
+  const PlaneCoordinates place = project_on_plane(plane, point);
+  const MapCell cell = locate(map, place.eta, place.omega);
+  if (!cell.inside) return {};
+  const Height height = height_at(map, 0, cell);
+  return {place.depth - height.value, surface_normal(plane, height.d_eta, height.d_omega)};
+}
+
+bool usable(const AssetView& object, std::size_t plane) noexcept {
+  return object.maps_every_plane() && plane < object.maps.size();
+}
+
+}  // namespace
+
+double penetration_function(const AssetView& object1, std::size_t plane,
+                            const Vector3& point) noexcept {
+  if (!usable(object1, plane)) return std::numeric_limits<double>::quiet_NaN();
+  return under(object1, plane, point).depth;
+}
+
+PenetrationVolume penetration_volume(const AssetView& object1, std::size_t plane1,
+                                     const AssetView& object2, std::size_t plane2,
+                                     const Eigen::Isometry3d& pose2, double density,
+                                     AreaFactor factor) noexcept {
+  PenetrationVolume result;
+  if (!usable(object1, plane1) || !usable(object2, plane2)) return result;
+  const SupportPlane& to = object1.planes[plane1];
+  const SupportPlane& from = object2.planes[plane2];
+  const DistanceMap& map = object2.maps[plane2];
+  const double cell_area = map.spacing * map.spacing;
+  const double paper_cosine = std::abs(to.n.dot(pose2.linear() * from.n));
+  Vector3 moment = Vector3::Zero();
+  for (std::uint32_t row = 0; row + 1 < map.rows; ++row) {
+    for (std::uint32_t column = 0; column + 1 < map.columns; ++column) {
+      const Height height = height_at(map, 0, {column, row, 0.5, 0.5, true});
+      const double eta = map.eta0 + (column + 0.5) * map.spacing;
+      const double omega = map.omega0 + (row + 0.5) * map.spacing;
+      const Vector3 point = pose2 * reconstructed_surface(from, eta, omega, height.value);
+      const Under found = under(object1, plane1, point);
+      // Written so that a miss of either map counts for nothing.
+      if (!(found.depth > 0)) continue;
+      // The tangents' cross product is the area of surface for one of the plane.
+      const double share =
+          factor == AreaFactor::paper
+              ? paper_cosine
+              : -to.n.dot(pose2.linear() * surface_normal(from, height.d_eta, height.d_omega));
+      const double volume = found.depth * share * cell_area;
+      if (!std::isfinite(volume)) continue;
+      ++result.samples;
+      result.volume += volume;
+      moment += volume * (point + found.depth / 2 * to.n);
+      if (found.normal.allFinite()) result.normal += volume * found.normal.normalized();
+    }
+  }
+  result.mass = density * result.volume;
+  if (!(result.volume > 0)) return {0, 0, Vector3::Zero(), Vector3::Zero(), result.samples};
+  result.centre = moment / result.volume;
+  const double length = result.normal.norm();
+  if (length > 0) result.normal /= length;
+  return result;
+}
+
+Wrench volume_wrench(const PenetrationVolume& volume, double stiffness,
+                     const Vector3& about) noexcept {
+  Wrench wrench;
+  wrench.force = stiffness * volume.volume * volume.normal;
+  wrench.torque = (volume.centre - about).cross(wrench.force);
+  return wrench;
+}
+
+}  // namespace spm

@@ -1,0 +1,161 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "common/query/full_query.hpp"
+
+#include <array>
+#include <cmath>
+#include <limits>
+
+#include "common/query/closest_element.hpp"
+#include "common/surface/closest_on_map.hpp"
+#include "common/surface/closest_on_triangle.hpp"
+#include "common/asset/grid_list.hpp"
+#include "common/base/octahedral.hpp"
+
+namespace spm {
+
+namespace {
+
+constexpr double infinity = std::numeric_limits<double>::infinity();
+/// Feet of triangles closer to each other than this share of a cell are one place: an edge or
+/// corner.
+constexpr double tie_share_of_cell = 2e-5;
+
+Answer deep_answer(const Band& band, const Vector3& normal) noexcept {
+  Answer answer;
+  answer.distance = -band.max_depth;
+  answer.normal = normal;
+  answer.status = Status::deep;
+  return answer;
+}
+
+/// The foot of least rank among a list's maps.
+Answer closest_of_maps(const AssetView& asset, const GridList& list,
+                       const Vector3& point) noexcept {
+  const DistanceMap* map = nullptr;
+  std::uint32_t layer = 0;
+  MapFoot best;
+  best.rank = infinity;
+  for (std::uint32_t k = 0; k < list.maps(); ++k) {
+    const auto [which, candidate_layer] = unpack_candidate(list.map(k));
+    if (which >= asset.maps.size() || candidate_layer >= asset.maps[which].layers) continue;
+    const DistanceMap& candidate_map = asset.maps[which];
+    const MapFoot foot =
+        closest_on_map(candidate_map, candidate_layer, asset.planes[candidate_map.plane], point);
+    if (!(foot.rank < best.rank)) continue;
+    best = foot;
+    map = &candidate_map;
+    layer = candidate_layer;
+  }
+  if (map == nullptr) return unanswered(Status::far);
+  const Vector3 normal = normal_at(*map, layer, asset.planes[map->plane], best.cell);
+  if (!normal.allFinite()) return unanswered(Status::far);
+  const std::uint32_t crossing = map->first_layer + layer;
+  const double side = side_of_crossing(crossing);
+  Answer answer;
+  answer.distance = side * best.distance;
+  answer.normal = side * normal;
+  answer.plane = static_cast<std::int32_t>(map->plane);
+  answer.layer = static_cast<std::int32_t>(crossing);
+  answer.source = Source::map;
+  answer.status = Status::exact;
+  return answer;
+}
+
+/// The closest of a list's triangles. The side is decided by the closest one, caps included;
+/// where several share the closest point (an edge, a corner), by the one that faces the point most.
+Answer closest_of_triangles(const AssetView& asset, const GridList& list,
+                            const Vector3& point) noexcept {
+  const double tie = tie_share_of_cell * asset.grid.cell_size;
+  double surface = infinity, deciding = infinity, facing = -1, side = 1;
+  Vector3 foot = Vector3::Zero(), face_normal = Vector3::Zero();
+  for (std::uint32_t k = 0; k < list.triangles(); ++k) {
+    const std::uint32_t candidate = list.triangle(k);
+    std::array<Vector3, 3> corners;
+    if (!triangle_corners(asset, candidate >> 1U, corners)) continue;
+    const auto& [a, b, c] = corners;
+    const Vector3 nearest = closest_on_triangle(point, a, b, c);
+    const double distance = (point - nearest).norm();
+    const bool cap = (candidate & 1U) != 0;
+    if (distance > deciding + tie && (cap || distance >= surface)) continue;
+    const Vector3 normal = (b - a).cross(c - a).normalized();
+    const double height = normal.dot(point - nearest);
+    const double faces = distance > 0 ? std::abs(height) / distance : 1;
+    const bool clearly_closer = distance < deciding - tie;
+    if (clearly_closer || (distance <= deciding + tie && faces > facing)) {
+      side = height < 0 ? -1 : 1;
+      facing = faces;
+      deciding = clearly_closer ? distance : std::min(distance, deciding);
+      if (!cap) face_normal = normal;
+    }
+    if (!cap && distance < surface) {
+      surface = distance;
+      foot = nearest;
+      if (face_normal.isZero()) face_normal = normal;
+    }
+  }
+  if (!std::isfinite(surface)) return unanswered(Status::far);
+  Answer answer;
+  answer.distance = side * surface;
+  // On the surface itself the direction to the foot is noise; the face's normal is not.
+  answer.normal = surface > tie ? Vector3(side * (point - foot) / surface) : face_normal;
+  answer.source = Source::triangles;
+  answer.status = Status::exact;
+  return answer;
+}
+
+/// The word that tells what lies around a point: of its grid cell, or of the octant of a split one.
+std::uint32_t word_at(const Grid& grid, const Vector3& point) noexcept {
+  constexpr std::uint32_t nothing = static_cast<std::uint32_t>(CellKind::far) << 30U;
+  std::size_t cell = 0;
+  std::array<double, 3> within{};  // place in the cell, 0 to 1
+  for (std::size_t axis = 3; axis-- > 0;) {
+    const double position =
+        (point[static_cast<int>(axis)] - grid.origin[static_cast<int>(axis)]) / grid.cell_size;
+    if (!(position >= 0 && position < static_cast<double>(grid.cells[axis]))) return nothing;
+    const auto whole = static_cast<std::size_t>(position);
+    cell = cell * grid.cells[axis] + whole;
+    within[axis] = position - static_cast<double>(whole);
+  }
+  if (cell >= grid.index.size()) return nothing;
+  std::uint32_t word = grid.index[cell];
+  for (int level = 0; level < split_levels; ++level) {
+    const std::size_t offset = word & offset_mask;
+    if (!is_split(word) || offset + 8 > grid.records.size()) break;
+    std::size_t octant = 0;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      within[axis] *= 2;
+      if (within[axis] < 1) continue;
+      within[axis] -= 1;
+      octant |= std::size_t{1} << axis;
+    }
+    word = grid.records[offset + octant];
+  }
+  return word;
+}
+
+}  // namespace
+
+Answer query_full(const AssetView& asset, const Vector3& point) noexcept {
+  const std::uint32_t word = word_at(asset.grid, point);
+  switch (static_cast<CellKind>(word >> 30U)) {
+    case CellKind::far:
+      return unanswered(Status::far);
+    case CellKind::pruned:
+      return unanswered(Status::pruned);
+    case CellKind::deep:
+      return deep_answer(asset.band, unpack_octahedral(word & payload_mask));
+    case CellKind::record:
+      break;
+  }
+  // A split below the last level: the file was damaged.
+  if (is_split(word)) return unanswered(Status::far);
+  const GridList list(asset.grid, word);
+  const Answer answer = closest_of_maps(asset, list, point);
+  if (list.triangles() == 0) return answer;
+  const Answer exact = closest_of_triangles(asset, list, point);
+  const bool nearer =
+      answer.status != Status::exact || std::abs(exact.distance) < std::abs(answer.distance);
+  return nearer ? exact : answer;
+}
+
+}  // namespace spm

@@ -1,0 +1,11 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "common/query/query.hpp"
+
+namespace spm {
+
+/// query_point on a `full` asset, but for where its band ends.
+[[nodiscard]] Answer query_full(const AssetView& asset, const Vector3& point) noexcept;
+
+}  // namespace spm

@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <optional>
+
+#include "common/query/closest_element.hpp"
+
+namespace spm {
+
+/// The feet of a point on the units that a list names.
+struct ListedFeet {
+  ElementFoot nearest;  ///< its distance is infinite where there is none
+  /// As in ElementReading, where it is another.
+  std::optional<ElementFoot> facing;
+
+  /// The one whose direction is the surface's.
+  [[nodiscard]] const ElementFoot& faced() const noexcept { return facing ? *facing : nearest; }
+};
+
+/// Finds the unit of a list nearest to a point of its cube, all at once; infinite where there is
+/// none. In floats from the tree's origin: a distance is off by as much as those are.
+[[nodiscard]] ElementFoot listed_nearest(const AssetView& asset, const IndexList& list,
+                                         const Vector3& point) noexcept;
+
+/// What the feet are, from the unit that was found nearest.
+[[nodiscard]] ListedFeet listed_feet(const AssetView& asset, const IndexList& list,
+                                     const Vector3& point, const NearestUnit& found) noexcept;
+
+/// The same, and the nearest that faces the point if that one does not.
+[[nodiscard]] ListedFeet listed_feet(const AssetView& asset, const IndexList& list,
+                                     const Vector3& point) noexcept;
+
+}  // namespace spm

@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "common/query/triangle_side.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <limits>
+#include <numbers>
+
+namespace spm {
+
+namespace {
+
+/// So near to a corner, as a share of the shorter side squared, a foot is at it.
+constexpr double corner_share = 1e-14;
+
+}  // namespace
+
+FootCorner foot_corner(const std::array<Vector3, 3>& corners, const Vector3& foot,
+                       bool within) noexcept {
+  if (within) return {2 * std::numbers::pi, Vector3::Zero()};
+  // The side that the foot lies on is the one whose ends are least out of the way.
+  std::size_t side = 0;
+  double least = std::numeric_limits<double>::infinity();
+  for (std::size_t k = 0; k < 3; ++k) {
+    const Vector3 next = corners[(k + 1) % 3] - corners[k];
+    const Vector3 last = corners[(k + 2) % 3] - corners[k];
+    const double most = corner_share * std::min(next.squaredNorm(), last.squaredNorm());
+    if ((foot - corners[k]).squaredNorm() <= most) {
+      return {std::atan2(next.cross(last).norm(), next.dot(last)),
+              next.normalized() - last.normalized()};
+    }
+    const double detour =
+        (corners[k] - foot).norm() + (corners[(k + 1) % 3] - foot).norm() - next.norm();
+    if (detour < least) {
+      least = detour;
+      side = k;
+    }
+  }
+  return {std::numbers::pi, 2 * (corners[(side + 1) % 3] - corners[side]).normalized()};
+}
+
+}  // namespace spm

@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "common/sixdof/field_memory.hpp"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+
+namespace spm {
+
+namespace {
+
+/// Normals that differ by more than this sine count as a plane that was off.
+constexpr double turned_sine = 0.07;
+/// A reading so many reaches away tells nothing of how flat the field is.
+constexpr double judged_reaches = 3;
+constexpr double first_share = 0.5, least_share = 0.125, growth = 1.5;
+
+}  // namespace
+
+FieldMemory::FieldMemory(const Settings& settings)
+    : settings_(settings),
+      entries_(settings.most_reach > 0 ? std::bit_ceil(std::max(settings.points, 1U)) : 0) {}
+
+const FieldReading& FieldMemory::recall(std::uint32_t point) const noexcept {
+  if (entries_.empty()) return nothing_;
+  const FieldReading& kept = entries_[point & (entries_.size() - 1)].reading;
+  return kept.point == point ? kept : nothing_;
+}
+
+void FieldMemory::learn(std::uint32_t point, FieldReading& reading) noexcept {
+  double reach = reading.normal.isZero() ? 0 : first_share * settings_.most_reach;
+  reading.reach = static_cast<float>(reach);
+  reading.point = point;
+  if (entries_.empty()) return;
+  FieldReading& old = entries_[point & (entries_.size() - 1)].reading;
+  const auto before = static_cast<double>(old.reach);
+  if (old.point == point && !old.normal.isZero() && !reading.normal.isZero() && before > 0 &&
+      (reading.place - old.place).norm() < judged_reaches * before) {
+    const bool off =
+        std::abs(old.distance_at(reading.place) - reading.distance) > settings_.error ||
+        old.normal.cross(reading.normal).norm() > turned_sine || old.normal.dot(reading.normal) < 0;
+    reach = std::clamp((off ? 0.5 : growth) * before, least_share * settings_.most_reach,
+                       settings_.most_reach);
+    reading.reach = static_cast<float>(reach);
+  }
+  old = reading;
+}
+
+void FieldMemory::forget() noexcept { std::fill(entries_.begin(), entries_.end(), Entry{}); }
+
+}  // namespace spm

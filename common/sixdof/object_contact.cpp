@@ -1,0 +1,343 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "common/sixdof/object_contact.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <limits>
+
+#include "common/query/query.hpp"
+#include "common/base/rigid_pose.hpp"
+#include "common/query/surface_clearance.hpp"
+
+namespace spm {
+
+namespace {
+
+/// What two fields' errors may take off a clearance, in tolerances: at the sample that was asked,
+/// and at the one that is not.
+constexpr double doubtful_tolerances = 2;
+/// Samples that are passed between two looks at the clock, where none of them asks a field.
+constexpr int passed_a_look = 16;
+/// An answer that is used again may be off by this part of how far it reaches at most.
+constexpr double reaches_an_error = 50;
+/// A patch is not asked anew before it moved by so much of its radius: until then what was said of
+/// it bounds its distance, and serves where no finer one is reached.
+constexpr double stale_share = 0.5;
+/// Farther than any clearance, m.
+constexpr double out_of_reach = 1e4;
+
+std::int64_t steady_now() noexcept {
+  return std::chrono::duration_cast<std::chrono::nanoseconds>(
+             std::chrono::steady_clock::now().time_since_epoch())
+      .count();
+}
+
+// Number by number: a vector that is written so and loaded in pairs is waited for.
+Vector3 turned(const Eigen::Matrix3d& by, const std::array<float, 3>& v) noexcept {
+  return by.col(0) * double{v[0]} + by.col(1) * double{v[1]} + by.col(2) * double{v[2]};
+}
+double length(const std::array<float, 3>& v) noexcept {
+  const double x = double{v[0]}, y = double{v[1]}, z = double{v[2]};
+  return std::sqrt(x * x + y * y + z * z);
+}
+
+/// Depth of a patch whose parts lie evenly between `depth - half` and `depth + half`: mean of the
+/// part below the surface, mean square of it, and its share.
+struct Pressed {
+  double depth = 0, square = 0, share = 0;
+};
+Pressed pressed(double depth, double half) noexcept {
+  if (depth >= half) return {depth, depth * depth + half * half / 3, 1};
+  if (!(depth > -half)) return {};
+  const double below = depth + half;
+  return {below * below / (4 * half), below * below * below / (6 * half), below / (2 * half)};
+}
+
+}  // namespace
+
+class ObjectContact::Clock {
+ public:
+  Clock(const TickBudget& budget, double press_time) noexcept
+      : now_(budget.now != nullptr ? budget.now : &steady_now),
+        limited_(budget.nanoseconds > 0),
+        press_time_(press_time) {
+    if (!limited_) return;
+    last_ = now_();
+    end_ = last_ + budget.nanoseconds;
+  }
+  /// True where time is over, or would be if what comes next, and the end of the tick, each took as
+  /// long as the longest yet, and so many samples were still to be pressed.
+  [[nodiscard]] bool over(const ObjectContactReport& report, std::size_t to_press) noexcept {
+    if (!limited_) return false;
+    if (report.asked == asked_ && ++passed_ < passed_a_look) return false;
+    asked_ = report.asked;
+    passed_ = 0;
+    const std::int64_t now = now_();
+    longest_ = std::max(longest_, now - last_);
+    last_ = now;
+    const auto pressing = static_cast<std::int64_t>(press_time_ * static_cast<double>(to_press));
+    return now + 2 * longest_ + pressing >= end_;
+  }
+  /// What pressing a sample takes, ns, of so many that `press` presses; more than few of them tell.
+  template <class Press>
+  [[nodiscard]] double time_of(std::size_t samples, const Press& press) noexcept {
+    constexpr std::size_t few = 32;
+    if (!limited_ || samples < few) {
+      press();
+      return press_time_;
+    }
+    const std::int64_t begun = now_();
+    press();
+    const double taken = static_cast<double>(now_() - begun) / static_cast<double>(samples);
+    return std::max(taken, press_time_ * forgotten_share);
+  }
+
+ private:
+  /// Of the longest time a press took, kept from tick to tick.
+  static constexpr double forgotten_share = 0.98;
+  std::int64_t (*now_)() noexcept;
+  bool limited_;
+  double press_time_;  ///< ns a sample
+  std::int64_t end_ = 0;
+  std::int64_t last_ = 0;
+  std::int64_t longest_ = 0;
+  std::uint64_t asked_ = 0;
+  int passed_ = 0;
+};
+
+ObjectContact::ObjectContact(const SurfaceSamples& tool, const ObjectContactSettings& settings)
+    : tool_(tool),
+      settings_(settings),
+      pairs_(settings.objects),
+      memories_(settings.objects,
+                FieldMemory({settings.most_reach, settings.most_reach / reaches_an_error,
+                             settings.remembered})),
+      until_(std::size_t{settings.objects} * tool.places.size(), 0.0) {
+  active_.reserve(settings.most_active);
+  next_.reserve(settings.most_active);
+}
+
+void ObjectContact::forget(std::uint32_t object) noexcept {
+  if (object < pairs_.size()) pairs_[object].placed = false;
+}
+
+void ObjectContact::move(Pair& pair, const ContactObject& object,
+                         const Eigen::Isometry3d& tool) noexcept {
+  const Eigen::Isometry3d pose = object.pose.inverse(Eigen::Isometry) * tool;
+  pair.to_world = object.pose.linear();
+  if (!pair.placed || pair.field != object.field) {
+    pair.travelled += out_of_reach;
+    memories_[static_cast<std::size_t>(&pair - pairs_.data())].forget();
+  } else {
+    // A turn by t moves what lies r from the axis by 2 r sin(t / 2).
+    const double turn = (pose.linear() - pair.pose.linear()).norm() / std::sqrt(2.0);
+    pair.travelled +=
+        (pose * tool_.centre - pair.pose * tool_.centre).norm() + turn * tool_.radius * (1 + 1e-9);
+  }
+  pair.field = object.field;
+  pair.pose = pose;
+  pair.placed = true;
+}
+
+/// Asks the field at a sample's place.
+FieldReading ObjectContact::read(std::uint32_t object, std::uint32_t sample, const Vector3& place,
+                                 ObjectContactReport& report) noexcept {
+  const AssetView& field = *pairs_[object].field;
+  FieldReading reading;
+  reading.place = place;
+  const auto radius = static_cast<double>(tool_.places[sample].radius);
+  const IndexList list = list_at(field.index, place);
+  SpaceKind space = SpaceKind::told;
+  if (list.numbers == nullptr && list.kind != CubeKind::far) space = space_at(field.space, place);
+  const bool is_far =
+      list.kind == CubeKind::far || (list.kind == CubeKind::beside && space != SpaceKind::inside);
+  const bool outside = is_far || space == SpaceKind::far || space == SpaceKind::outside;
+  // Of what is beyond the margin it matters only how far away it is; the cube and the field's boxes
+  // tell that for less. Inside they tell nothing of the side.
+  if (outside) {
+    const double clear = radius + doubtful_tolerances * field.tolerance;
+    reading.distance = double{list.beyond};
+    if (reading.distance < clear) {
+      reading.distance = std::max(reading.distance, box_clearance(field, place));
+    }
+    reading.reach = 0;
+    if (reading.distance > clear) return reading;
+  }
+  if (is_far && radius > 0) {
+    // The tree would tell it better, for as much as several samples below this one take.
+    memories_[object].learn(sample, reading);
+    return reading;
+  }
+  ++report.asked;
+  const auto [answer, distance] = query_point(field, list, place);
+  if (answer.status == Status::exact || answer.status == Status::deep) {
+    reading.distance = answer.distance;
+    reading.normal = answer.normal;
+  }
+  if (reading.normal.isZero()) {
+    reading.distance =
+        distance < 0 ? surface_clearance(field, place) : std::max(0.0, distance - field.tolerance);
+  }
+  memories_[object].learn(sample, reading);
+  return reading;
+}
+
+/// Adds a sample to `found` unless it, and all below it, is clear of the object. `above`: what was
+/// read for the sample above it.
+void ObjectContact::look(std::uint32_t sample, std::uint32_t object, const FieldReading& above,
+                         std::vector<Active>& found, ObjectContactReport& report) noexcept {
+  const Pair& pair = pairs_[object];
+  double& until = until_[std::size_t{object} * tool_.places.size() + sample];
+  if (pair.travelled < std::abs(until)) {
+    if (until > 0) report.clear = std::min(report.clear, until - pair.travelled);
+    if (until < 0) found.push_back({sample, object, 0, {}});
+    return;
+  }
+  until = 0;
+  ++report.tested;
+  const Vector3 place =
+      turned(pair.pose.linear(), tool_.places[sample].position) + pair.pose.translation();
+  const auto radius = static_cast<double>(tool_.places[sample].radius);
+  const double doubt = doubtful_tolerances * pair.field->tolerance;
+  const auto let_go = [&](double spare) {
+    until = pair.travelled + spare;
+    report.clear = std::min(report.clear, spare);
+  };
+  // By reference, and into its place: what was just written is waited for when it is copied.
+  const FieldReading* reading = &above;
+  FieldReading fresh;
+  const auto add = [&](double distance) {
+    Active& active = found.emplace_back();
+    active.sample = sample;
+    active.object = object;
+    active.distance = distance;
+    active.reading = *reading;
+  };
+  const bool same_place = above.known() && above.place == place;
+  if (!same_place && !above.stands_for(place)) {
+    reading = &memories_[object].recall(sample);
+    if (reading->known() && !reading->stands_for(place)) {
+      const double moved = (place - reading->place).norm();
+      const double least = reading->distance - moved - doubt;
+      if (least > radius) return let_go(least - radius);
+      if (moved < stale_share * radius) {
+        add(reading->distance_at(place));
+        return;
+      }
+    }
+    if (!reading->stands_for(place)) {
+      // No field changes by more than a step's length: what was read for the sample above may do.
+      const double least = above.distance - (place - above.place).norm() - doubt;
+      if (above.known() && least > radius) return let_go(least - radius);
+      fresh = read(object, sample, place, report);
+      reading = &fresh;
+    }
+  }
+  const double distance = reading->distance_at(place);
+  const double least = distance - doubt;
+  if (least > radius) return let_go(least - radius);
+  if (radius > 0) {
+    // How near the surface must come for the sample itself to touch. A patch so large that it
+    // reaches what is far from its sample says little of the contact.
+    const SampleShare& share = tool_.shares[sample];
+    double own = least - length(share.middle) - static_cast<double>(share.spread);
+    if (reading->normal.isZero()) own = std::max(own, distance / 4);
+    if (own > 0) until = -(pair.travelled + own);
+  } else {
+    report.clear = 0;
+  }
+  if (radius > 0 || distance < 0) add(distance);
+}
+
+/// Adds the spring of a sample that touches.
+void ObjectContact::press(const Active& active, ContactSum& sum) const noexcept {
+  const Vector3& normal = active.reading.normal;
+  if (!active.reading.known() || normal.isZero()) return;
+  const Pair& pair = pairs_[active.object];
+  const SampleShare& share = tool_.shares[active.sample];
+  Vector3 arm = turned(pair.pose.linear(), tool_.places[active.sample].position);
+  Pressed press{-active.distance, active.distance * active.distance, 1};
+  if (tool_.children[active.sample].count > 0) {
+    const Vector3 middle = turned(pair.pose.linear(), share.middle);
+    const double cosine = normal.dot(turned(pair.pose.linear(), share.normal));
+    const double half =
+        static_cast<double>(share.spread) * std::sqrt(std::max(0.0, 1 - cosine * cosine));
+    press = pressed(-active.distance - normal.dot(middle), half);
+    arm += middle;
+  }
+  if (!(press.depth > 0)) return;
+  const double spring = settings_.stiffness * static_cast<double>(share.area);
+  sum.add(spring, press.depth, press.square, press.share, pair.to_world * normal,
+          pair.to_world * arm);
+}
+
+/// Goes from the active samples to those below them. False where time or room ran out: then `next_`
+/// has the finer ones as far as it came, and the active ones from `left_` on stand for the rest.
+bool ObjectContact::refine(std::uint32_t level, Clock& clock,
+                           ObjectContactReport& report) noexcept {
+  next_.clear();
+  for (std::size_t i = 0; i < active_.size(); ++i) {
+    const Active& parent = active_[i];
+    const SampleChildren& below = tool_.children[parent.sample];
+    const std::size_t before = next_.size();
+    bool over = before + below.count > next_.capacity();
+    for (std::uint32_t k = 0; k < below.count && !over; ++k) {
+      over = clock.over(report, next_.size() + active_.size() - i);
+      if (!over) look(below.first + k, parent.object, parent.reading, next_, report);
+    }
+    if (over) {
+      // A sample is replaced whole by those below it, or stands for them.
+      next_.resize(before);
+      left_ = i;
+      report.refined = static_cast<double>(i) / static_cast<double>(active_.size());
+      report.degraded = true;
+      return false;
+    }
+  }
+  report.level = level;
+  std::swap(active_, next_);
+  next_.clear();
+  return true;
+}
+
+ObjectContactReport ObjectContact::tick(const Eigen::Isometry3d& tool_pose,
+                                        std::span<const ContactObject> objects,
+                                        const TickBudget& budget) noexcept {
+  ObjectContactReport report;
+  Clock clock(budget, press_time_);
+  active_.clear();
+  next_.clear();
+  left_ = 0;
+  if (tool_.levels.empty() || !keeps_lengths(tool_pose)) return report;
+  const std::size_t count = std::min(objects.size(), pairs_.size());
+  const SampleLevel& coarsest = tool_.levels.front();
+  for (std::uint32_t object = 0; object < count; ++object) {
+    if (objects[object].field == nullptr || !keeps_lengths(objects[object].pose)) continue;
+    move(pairs_[object], objects[object], tool_pose);
+    for (std::uint32_t k = 0; k < coarsest.count && active_.size() < active_.capacity(); ++k) {
+      look(coarsest.first + k, object, {}, active_, report);
+    }
+  }
+  const auto levels = static_cast<std::uint32_t>(tool_.levels.size());
+  for (std::uint32_t level = 1; level < levels && level <= budget.finest_level; ++level) {
+    if (active_.empty()) {
+      // Nothing can touch: that is known to the finest.
+      report.level = levels - 1;
+      break;
+    }
+    if (!refine(level, clock, report)) break;
+  }
+  const std::span<const Active> left = std::span(active_).subspan(left_);
+  press_time_ = clock.time_of(next_.size() + left.size(), [&] {
+    for (const Active& active : next_) press(active, report.sum);
+    for (const Active& active : left) press(active, report.sum);
+  });
+  // What was not resolved to the finest may touch.
+  if (report.degraded || report.level + 1 < levels) report.clear = 0;
+  const Matrix6 whole = report.sum.stiffness.selfadjointView<Eigen::Lower>();
+  report.sum.stiffness = whole;
+  return report;
+}
+
+}  // namespace spm

@@ -1,0 +1,120 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "common/sixdof/support_culling.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+
+#include "common/sixdof/hull_distance.hpp"
+#include "common/base/rigid_pose.hpp"
+#include "common/surface/support_plane_mapping.hpp"
+
+namespace spm {
+
+namespace {
+
+constexpr int most_hull_steps = 64;
+
+Vector3 to_vector(const std::array<float, 3>& v) noexcept { return {v[0], v[1], v[2]}; }
+
+/// Unit vectors spread evenly on the sphere by the golden angle.
+std::vector<Vector3> even_directions(std::size_t count) {
+  std::vector<Vector3> made;
+  const double golden = std::numbers::pi * (3 - std::sqrt(5.0));
+  for (std::size_t k = 0; k < count; ++k) {
+    const double z = 1 - (2 * static_cast<double>(k) + 1) / static_cast<double>(count);
+    const double flat = std::sqrt(std::max(0.0, 1 - z * z));
+    const double turn = golden * static_cast<double>(k);
+    made.emplace_back(flat * std::cos(turn), flat * std::sin(turn), z);
+  }
+  return made;
+}
+
+/// Distance of a point to the hull of others.
+double outside(const std::vector<Vector3>& hull, const Vector3& point, double enough) noexcept {
+  const auto support = [&](const Vector3& v) {
+    return Vector3(hull[support_mapping(hull, v)] - point);
+  };
+  return hull_distance(support, hull.front() - point, enough, most_hull_steps).least;
+}
+
+/// Adds, again and again, the samples that stick out, the farthest along the way that each does.
+void take_all_in(std::vector<Vector3>& hull, const std::vector<Vector3>& samples,
+                 double tolerance) {
+  for (const Vector3& sample : samples) {
+    if (outside(hull, sample, tolerance) > tolerance) hull.push_back(sample);
+  }
+}
+
+/// How far apart they are along a direction of the first object's frame: above 0, separated.
+double gap(const SupportHull& object1, const SupportHull& object2, const Eigen::Isometry3d& pose2,
+           const Vector3& direction) noexcept {
+  const Vector3 back = pose2.linear().transpose() * -direction;
+  const Vector3 point2 = pose2 * object2.points[support_mapping(object2.points, back)];
+  const Vector3& point1 = object1.points[support_mapping(object1.points, direction)];
+  return direction.dot(point2 - point1) - object1.grown - object2.grown;
+}
+
+}  // namespace
+
+SupportHull support_hull(const SurfaceSamples& samples, double tolerance, std::size_t planes) {
+  SupportHull made;
+  std::vector<Vector3> places;
+  const SampleLevel& finest = samples.levels.back();
+  for (std::uint32_t i = finest.first; i < finest.first + finest.count; ++i) {
+    places.push_back(to_vector(samples.places[i].position));
+  }
+  const std::vector<Vector3> normals = even_directions(std::max<std::size_t>(planes, 4));
+  std::vector<std::size_t> extremes;
+  for (const Vector3& normal : normals) extremes.push_back(support_mapping(places, normal));
+  std::sort(extremes.begin(), extremes.end());
+  extremes.erase(std::unique(extremes.begin(), extremes.end()), extremes.end());
+  for (const std::size_t which : extremes) made.points.push_back(places[which]);
+  take_all_in(made.points, places, tolerance);
+  // Surface lies beyond its sample by no more than the samples' own bound.
+  made.grown = tolerance + finest.bound;
+  for (const Vector3& normal : normals) {
+    made.planes.push_back(vertex_support_plane(made.points, normal));
+    made.planes.back().x0 += made.grown * normal;
+  }
+  made.centre = samples.centre;
+  made.radius = samples.radius + finest.bound;
+  return made;
+}
+
+CullResult objects_apart(const SupportHull& object1, const SupportHull& object2,
+                         const Eigen::Isometry3d& pose2, SeparatingDirection& last) noexcept {
+  if (object1.points.empty() || object2.points.empty() || !keeps_lengths(pose2)) return {};
+  const Vector3 line = pose2 * object2.centre - object1.centre;
+  const double apart = line.norm() - object1.radius - object2.radius;
+  if (apart > 0) return {true, CullStage::ball, apart};
+  if (!last.direction.isZero()) {
+    const double clear = gap(object1, object2, pose2, last.direction);
+    if (clear > 0) return {true, CullStage::remembered, clear};
+  }
+  if (!object1.planes.empty()) {
+    const SupportPlane& plane = object1.planes[support_plane_mapping(object1.planes, line)];
+    const Vector3 back = pose2.linear().transpose() * -plane.n;
+    const Vector3 point = pose2 * object2.points[support_mapping(object2.points, back)];
+    const double clear = -support_plane_depth(plane, point) - object2.grown;
+    if (clear > 0) {
+      last.direction = plane.n;
+      return {true, CullStage::plane, clear};
+    }
+  }
+  // The set of all differences of their points is away from the origin where they are apart.
+  const auto support = [&](const Vector3& v) {
+    const Vector3 back = pose2.linear().transpose() * v;
+    return Vector3(pose2 * object2.points[support_mapping(object2.points, back)] -
+                   object1.points[support_mapping(object1.points, -v)]);
+  };
+  const double grown = object1.grown + object2.grown;
+  const HullDistance found = hull_distance(support, last.direction.isZero() ? line : last.direction,
+                                           grown, most_cull_steps);
+  if (!(found.least > grown)) return {};
+  last.direction = found.direction;
+  return {true, CullStage::search, found.least - grown};
+}
+
+}  // namespace spm

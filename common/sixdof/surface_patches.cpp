@@ -1,0 +1,261 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "common/sixdof/surface_patches.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <optional>
+
+#include "common/query/closest_element.hpp"
+#include "common/surface/distance_map.hpp"
+
+namespace spm {
+
+namespace {
+
+/// Two elements describe the same place where their surfaces are no farther apart, in tolerances:
+/// each may be off by one.
+constexpr double same_place_tolerances = 2;
+/// And where their normals differ by less than 60 degrees: beyond a sharp edge it is another face.
+constexpr double same_place_cosine = 0.5;
+/// Parts a side that a cell is cut into at least where a clip line crosses it.
+constexpr int clipped_parts = 6;
+constexpr int most_parts = 256;
+
+std::array<float, 3> to_floats(const Vector3& v) noexcept {
+  return {static_cast<float>(v.x()), static_cast<float>(v.y()), static_cast<float>(v.z())};
+}
+
+/// The bilinear sheet of a tile's cell: depth below the plane at (x, y) in [-0.5, 0.5] cells from
+/// its middle, and slopes.
+class CellSheet {
+ public:
+  CellSheet(const Tile& tile, float height_unit, std::uint32_t cell) noexcept
+      : spacing_(static_cast<double>(tile.spacing)) {
+    const std::uint32_t column = cell % tile_cells, row = cell / tile_cells;
+    const auto depth = [&](std::uint32_t i, std::uint32_t j) {
+      const auto residual =
+          static_cast<double>(half_to_float(tile.heights[j * tile_samples + i]) * height_unit);
+      return tile.base + residual +
+             spacing_ * (static_cast<double>(tile.slope_eta) * i +
+                         static_cast<double>(tile.slope_omega) * j);
+    };
+    const double h00 = depth(column, row), h10 = depth(column + 1, row);
+    const double h01 = depth(column, row + 1), h11 = depth(column + 1, row + 1);
+    middle_ = (h00 + h10 + h01 + h11) / 4;
+    per_x_ = (h10 - h00 + h11 - h01) / 2;
+    per_y_ = (h01 - h00 + h11 - h10) / 2;
+    twist_ = h00 - h10 - h01 + h11;
+  }
+  [[nodiscard]] double depth(double x, double y) const noexcept {
+    return middle_ + per_x_ * x + per_y_ * y + twist_ * x * y;
+  }
+  /// As long as the surface is larger than its projection.
+  [[nodiscard]] Vector3 normal(const SupportPlane& plane, double x, double y) const noexcept {
+    return surface_normal(plane, (per_x_ + twist_ * y) / spacing_,
+                          (per_y_ + twist_ * x) / spacing_);
+  }
+
+ private:
+  double spacing_, middle_ = 0, per_x_ = 0, per_y_ = 0, twist_ = 0;
+};
+
+bool cut_off(const Tile& tile, std::uint32_t cell, double x, double y) noexcept {
+  if (((tile.clipped >> cell) & 1U) == 0) return false;
+  const Clip clip = cell_clip(tile, cell);
+  return static_cast<double>(clip.a) * x + static_cast<double>(clip.b) * y >
+         static_cast<double>(clip.c);
+}
+
+/// Cuts an asset's elements up and keeps what each owns.
+class PatchMaker {
+ public:
+  PatchMaker(const AssetView& asset, double step) noexcept
+      : asset_(asset), step_(step), reach_(same_place_tolerances * asset.tolerance) {}
+
+  std::vector<SurfacePatch> patches;
+
+  void add(const TreeChild& child) {
+    if (child.kind == ElementKind::tile) {
+      add_tile(child.first);
+    } else if (child.first < asset_.first_cap) {
+      for (std::uint32_t k = 0; k < child.count; ++k) {
+        if (const auto corners = fan_triangle(child, k)) add_triangle(*corners, child.first + k);
+      }
+    }
+  }
+
+ private:
+  using Corners = std::array<Vector3, 3>;
+  /// Numbers of tiles come after those of triangles.
+  static constexpr std::uint32_t first_tile = most_tree_elements * 2;
+
+  const AssetView& asset_;
+  double step_;
+  double reach_;
+
+  [[nodiscard]] std::optional<Corners> fan_triangle(const TreeChild& fan,
+                                                    std::uint32_t k) const noexcept {
+    Corners c;
+    if (!stored_corner(asset_, fan.first, c[0]) ||
+        !stored_corner(asset_, fan.first + k + 1, c[1]) ||
+        !stored_corner(asset_, fan.first + k + 2, c[2])) {
+      return std::nullopt;
+    }
+    return c;
+  }
+
+  void add_tile(std::uint32_t which) {
+    if (which >= asset_.tiles.size()) return;
+    const Tile& tile = asset_.tiles[which];
+    if (tile.plane >= asset_.planes.size()) return;
+    for (std::uint32_t cell = 0; cell < tile_cell_count; ++cell) {
+      if (((tile.valid >> cell) & 1U) != 0) add_cell(which, cell);
+    }
+  }
+
+  void add_cell(std::uint32_t which, std::uint32_t cell) {
+    const Tile& tile = asset_.tiles[which];
+    const SupportPlane& plane = asset_.planes[tile.plane];
+    const CellSheet sheet(tile, asset_.height_unit, cell);
+    const auto spacing = static_cast<double>(tile.spacing);
+    const double stretch = sheet.normal(plane, 0, 0).norm();
+    const bool clipped = ((tile.clipped >> cell) & 1U) != 0;
+    const int parts = std::max(
+        clipped ? clipped_parts : 1,
+        static_cast<int>(std::min<double>(most_parts, std::ceil(spacing * stretch / step_))));
+    for (int j = 0; j < parts; ++j) {
+      for (int i = 0; i < parts; ++i) {
+        const double x = (i + 0.5) / parts - 0.5, y = (j + 0.5) / parts - 0.5;
+        if (cut_off(tile, cell, x, y)) continue;
+        const double eta = tile.eta0 + (cell % tile_cells + 0.5 + x) * spacing;
+        const double omega = tile.omega0 + (cell / tile_cells + 0.5 + y) * spacing;
+        const Vector3 across = sheet.normal(plane, x, y);
+        const double side = spacing / parts;
+        keep(reconstructed_surface(plane, eta, omega, sheet.depth(x, y)), across.normalized(),
+             across.norm() * side * side, first_tile + which);
+      }
+    }
+  }
+
+  /// Halves a triangle across its longest edge until no edge is longer than the step.
+  void add_triangle(const Corners& corners, std::uint32_t rank) {
+    const Vector3 across = (corners[1] - corners[0]).cross(corners[2] - corners[0]);
+    const double size = across.norm();
+    if (!(size > 0)) return;
+    const Vector3 normal = across / size;
+    std::vector<Corners> left{corners};
+    while (!left.empty()) {
+      const Corners c = left.back();
+      left.pop_back();
+      std::size_t longest = 0;
+      for (std::size_t k = 1; k < 3; ++k) {
+        if (edge(c, k) > edge(c, longest)) longest = k;
+      }
+      if (edge(c, longest) > step_ * step_) {
+        const Vector3 &a = c[longest], &b = c[(longest + 1) % 3], &d = c[(longest + 2) % 3];
+        const Vector3 middle = (a + b) / 2;
+        left.push_back({middle, b, d});
+        left.push_back({a, middle, d});
+        continue;
+      }
+      const double area = (c[1] - c[0]).cross(c[2] - c[0]).norm() / 2;
+      keep((c[0] + c[1] + c[2]) / 3, normal, area, rank);
+    }
+  }
+
+  static double edge(const Corners& c, std::size_t k) noexcept {
+    return (c[(k + 1) % 3] - c[k]).squaredNorm();
+  }
+
+  void keep(const Vector3& position, const Vector3& normal, double area, std::uint32_t rank) {
+    bool owned = true;
+    visit_elements(
+        asset_.tree, position,
+        [&](const TreeChild& child) { owned = owned && !covered(child, position, normal, rank); },
+        [&] { return owned ? reach_ : -1.0; });
+    if (owned) {
+      patches.push_back({to_floats(position), to_floats(normal), static_cast<float>(area)});
+    }
+  }
+
+  /// Whether an element of a lower number than `rank` stands for a place.
+  [[nodiscard]] bool covered(const TreeChild& child, const Vector3& position, const Vector3& normal,
+                             std::uint32_t rank) const noexcept {
+    if (child.kind == ElementKind::tile) {
+      return first_tile + child.first < rank && covered_by_tile(child.first, position, normal);
+    }
+    if (child.first >= asset_.first_cap) return false;
+    for (std::uint32_t k = 0; k < child.count && child.first + k < rank; ++k) {
+      const auto corners = fan_triangle(child, k);
+      if (corners && covered_by_triangle(*corners, position, normal)) return true;
+    }
+    return false;
+  }
+
+  [[nodiscard]] bool covered_by_tile(std::uint32_t which, const Vector3& position,
+                                     const Vector3& normal) const noexcept {
+    if (which >= asset_.tiles.size()) return false;
+    const Tile& tile = asset_.tiles[which];
+    if (tile.plane >= asset_.planes.size()) return false;
+    const SupportPlane& plane = asset_.planes[tile.plane];
+    const PlaneCoordinates place = project_on_plane(plane, position);
+    const double column = (place.eta - tile.eta0) / static_cast<double>(tile.spacing);
+    const double row = (place.omega - tile.omega0) / static_cast<double>(tile.spacing);
+    if (!(column >= 0 && column < tile_cells && row >= 0 && row < tile_cells)) return false;
+    const std::uint32_t cell =
+        static_cast<std::uint32_t>(row) * tile_cells + static_cast<std::uint32_t>(column);
+    if (((tile.valid >> cell) & 1U) == 0) return false;
+    const double x = column - std::floor(column) - 0.5, y = row - std::floor(row) - 0.5;
+    if (cut_off(tile, cell, x, y)) return false;
+    const CellSheet sheet(tile, asset_.height_unit, cell);
+    const Vector3 across = sheet.normal(plane, x, y);
+    const double stretch = across.norm();
+    return std::abs(place.depth - sheet.depth(x, y)) <= reach_ * stretch &&
+           across.dot(normal) > same_place_cosine * stretch;
+  }
+
+  [[nodiscard]] bool covered_by_triangle(const Corners& c, const Vector3& position,
+                                         const Vector3& normal) const noexcept {
+    const Vector3 across = (c[1] - c[0]).cross(c[2] - c[0]);
+    const double size = across.norm();
+    const Vector3 off = position - c[0];
+    if (!(size > 0) || std::abs(across.dot(off)) > reach_ * size ||
+        !(across.dot(normal) > same_place_cosine * size)) {
+      return false;
+    }
+    for (std::size_t k = 0; k < 3; ++k) {
+      const Vector3 along = c[(k + 1) % 3] - c[k];
+      if (!(along.cross(position - c[k]).dot(across) > 0)) return false;
+    }
+    return true;
+  }
+};
+
+}  // namespace
+
+Result<std::vector<SurfacePatch>> surface_patches(const AssetView& asset, double step) {
+  if (asset.full) {
+    return fail(ExitCode::invalid_input,
+                "surface samples: the asset is `full`, whose maps show a place many times; bake "
+                "the mesh with --form sparse");
+  }
+  if (!(step > 0)) {
+    return fail(ExitCode::usage, "surface samples: the step must be above 0; give a length in m");
+  }
+  PatchMaker maker(asset, step);
+  const std::size_t nodes = asset.tree.words.size() / tree_node_words;
+  for (std::size_t node = 0; node < nodes; ++node) {
+    for (std::size_t k = 0; k < tree_children; ++k) {
+      const TreeChild child = unpack_child(asset.tree.words[node * tree_node_words + k]);
+      if (child.kind == ElementKind::tile || child.kind == ElementKind::fan) maker.add(child);
+    }
+  }
+  if (maker.patches.empty()) {
+    return fail(ExitCode::invalid_input,
+                "surface samples: the asset has no surface; bake a mesh that bounds a solid");
+  }
+  return std::move(maker.patches);
+}
+
+}  // namespace spm

@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "common/asset/asset_view.hpp"
+#include "common/base/error.hpp"
+
+namespace spm {
+
+/// A small piece of a surface; the asset's frame, metres.
+struct SurfacePatch {
+  std::array<float, 3> position{};  ///< its middle
+  std::array<float, 3> normal{};    ///< unit, out of the solid
+  float area = 0;                   ///< m2
+};
+
+/// The surface of a `sparse` asset in pieces with sides of at most `step` (m, above 0). Elements
+/// may overlap: each place is the piece of one alone, of the triangles in the order of their
+/// corners, then of the tiles, the first that covers it within two tolerances and looks the same
+/// way. So the areas add up to the surface's, however many elements there are. Allocates: for
+/// loading, not for a tick. Errors: invalid_input for a `full` asset, whose maps cover a place many
+/// times, and for one without elements.
+[[nodiscard]] Result<std::vector<SurfacePatch>> surface_patches(const AssetView& asset,
+                                                                double step);
+
+}  // namespace spm

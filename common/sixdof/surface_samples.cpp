@@ -1,0 +1,260 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "common/sixdof/surface_samples.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+#include <utility>
+
+namespace spm {
+
+namespace {
+
+/// Patches are no larger than this share of the object, so that areas come out right for coarse
+/// samples as well.
+constexpr double coarsest_patch_share = 1.0 / 128;
+constexpr std::uint32_t key_bits = 21;  ///< an axis
+
+Vector3 to_vector(const std::array<float, 3>& v) noexcept { return {v[0], v[1], v[2]}; }
+std::array<float, 3> to_floats(const Vector3& v) noexcept {
+  return {static_cast<float>(v.x()), static_cast<float>(v.y()), static_cast<float>(v.z())};
+}
+
+/// Which of the six ways along the axes a normal looks most.
+std::uint32_t way_of(const Vector3& normal) noexcept {
+  Eigen::Index axis = 0;
+  normal.cwiseAbs().maxCoeff(&axis);
+  return static_cast<std::uint32_t>(2 * axis) + (normal[axis] < 0 ? 1 : 0);
+}
+
+/// Bits of three numbers in turn, so that the eight cubes of a larger one follow each other.
+std::uint64_t interleave(const std::array<std::uint32_t, 3>& cell) noexcept {
+  std::uint64_t key = 0;
+  for (std::uint32_t bit = 0; bit < key_bits; ++bit) {
+    for (std::uint32_t axis = 0; axis < 3; ++axis) {
+      key |= std::uint64_t{(cell[axis] >> bit) & 1U} << (3 * bit + axis);
+    }
+  }
+  return key;
+}
+
+struct Key {
+  std::uint32_t way = 0;
+  std::uint64_t cube = 0;
+  auto operator<=>(const Key&) const = default;
+};
+
+/// A sample while levels are built from the finest up.
+struct Cluster {
+  Key key;
+  Vector3 position = Vector3::Zero();
+  std::uint32_t first = 0, count = 0;  ///< of the level below; of the patches for the finest
+  std::uint32_t kept = 0;              ///< the one of them whose position this is
+  double area = 0;
+  Vector3 moment = Vector3::Zero();  ///< area times place
+  double square = 0;                 ///< area times square of place
+  Vector3 normal = Vector3::Zero();  ///< area times normal
+  double radius = 0;                 ///< to the finest samples
+  double patch_radius = 0;           ///< to the patches
+};
+
+void add(Cluster& cluster, const Cluster& part) noexcept {
+  cluster.area += part.area;
+  cluster.moment += part.moment;
+  cluster.square += part.square;
+  cluster.normal += part.normal;
+  ++cluster.count;
+}
+
+Cluster cluster_of(const SurfacePatch& patch, const Key& key, const Vector3& origin) noexcept {
+  Cluster made;
+  made.key = key;
+  made.position = to_vector(patch.position) - origin;
+  made.area = static_cast<double>(patch.area);
+  made.moment = made.area * made.position;
+  made.square = made.area * made.position.squaredNorm();
+  made.normal = made.area * to_vector(patch.normal);
+  return made;
+}
+
+/// Joins neighbours of one key into one; of them the nearest to the middle gives its position.
+/// `part(i)` is the i-th of `count`.
+template <class Part>
+std::vector<Cluster> joined(std::size_t count, const Part& part) {
+  std::vector<Cluster> level;
+  for (std::uint32_t i = 0; i < count; ++i) {
+    const Cluster& one = part(i);
+    if (level.empty() || level.back().key != one.key) {
+      level.emplace_back();
+      level.back().key = one.key;
+      level.back().first = i;
+    }
+    add(level.back(), one);
+  }
+  for (Cluster& cluster : level) {
+    const Vector3 middle = cluster.moment / cluster.area;
+    double nearest = std::numeric_limits<double>::infinity();
+    for (std::uint32_t i = cluster.first; i < cluster.first + cluster.count; ++i) {
+      const double off = (part(i).position - middle).squaredNorm();
+      if (!(off < nearest)) continue;
+      nearest = off;
+      cluster.kept = i;
+    }
+    cluster.position = part(cluster.kept).position;
+  }
+  return level;
+}
+
+/// Puts the finest clusters' reach, level by level, into those above.
+void measure(std::vector<std::vector<Cluster>>& levels) {
+  for (std::size_t finest = 0; finest < levels[0].size(); ++finest) {
+    std::size_t below = finest;
+    const Cluster& leaf = levels[0][finest];
+    for (std::size_t k = 1; k < levels.size(); ++k) {
+      // Clusters of a level are in the order of their parts.
+      const auto above = std::upper_bound(
+          levels[k].begin(), levels[k].end(), below,
+          [](std::size_t part, const Cluster& cluster) { return part < cluster.first; });
+      Cluster& cluster = *std::prev(above);
+      const double off = (leaf.position - cluster.position).norm();
+      cluster.radius = std::max(cluster.radius, off);
+      cluster.patch_radius = std::max(cluster.patch_radius, off + leaf.patch_radius);
+      below = static_cast<std::size_t>(std::prev(above) - levels[k].begin());
+    }
+  }
+}
+
+/// Radii are rounded up, so that a sphere of floats still holds its samples.
+float rounded_up(double value, double size) noexcept {
+  return value > 0 ? static_cast<float>(value * (1 + 1e-6) + 1e-6 * size) : 0;
+}
+
+void emit(SurfaceSamples& samples, const Cluster& cluster, const Vector3& origin, double size) {
+  const Vector3 middle = cluster.moment / cluster.area;
+  const double variance = std::max(0.0, cluster.square / cluster.area - middle.squaredNorm());
+  const Vector3 mean = cluster.normal / cluster.area;
+  const double length = mean.norm();
+  samples.places.push_back(
+      {to_floats(origin + cluster.position), rounded_up(cluster.radius, size)});
+  samples.shares.push_back({to_floats(length > 0 ? Vector3(mean / length) : Vector3::UnitZ()),
+                            static_cast<float>(cluster.area), to_floats(middle - cluster.position),
+                            static_cast<float>(std::sqrt(1.5 * variance))});
+  samples.children.emplace_back();
+}
+
+/// Writes the levels breadth first, the child that a sample shares its position with foremost.
+void write(SurfaceSamples& samples, const std::vector<std::vector<Cluster>>& levels,
+           const Vector3& origin, double size, double spacing) {
+  std::vector<std::uint32_t> order(levels.back().size()), next;
+  std::iota(order.begin(), order.end(), 0U);
+  for (std::size_t k = levels.size(); k-- > 0;) {
+    SampleLevel level;
+    level.first = static_cast<std::uint32_t>(samples.places.size());
+    level.count = static_cast<std::uint32_t>(order.size());
+    level.spacing = std::ldexp(spacing, static_cast<int>(k));
+    next.clear();
+    for (const std::uint32_t which : order) {
+      const Cluster& cluster = levels[k][which];
+      level.bound = std::max(level.bound, cluster.patch_radius);
+      emit(samples, cluster, origin, size);
+      if (k == 0) continue;
+      samples.children.back() = {
+          level.first + level.count + static_cast<std::uint32_t>(next.size()), cluster.count};
+      next.push_back(cluster.kept);
+      for (std::uint32_t i = cluster.first; i < cluster.first + cluster.count; ++i) {
+        if (i != cluster.kept) next.push_back(i);
+      }
+    }
+    samples.levels.push_back(level);
+    order = next;
+  }
+}
+
+void surround(SurfaceSamples& samples, const Vector3& low, const Vector3& high) noexcept {
+  samples.centre = (low + high) / 2;
+  for (const SamplePlace& place : samples.places) {
+    samples.radius = std::max(samples.radius, (to_vector(place.position) - samples.centre).norm());
+  }
+}
+
+/// Which cube a patch lies in, and which patch it is.
+struct Keyed {
+  Key key;
+  std::uint32_t patch = 0;
+  auto operator<=>(const Keyed&) const = default;
+};
+
+std::vector<Keyed> in_order_of_cubes(const std::vector<SurfacePatch>& patches, const Vector3& low,
+                                     double spacing) {
+  std::vector<Keyed> order;
+  order.reserve(patches.size());
+  for (const SurfacePatch& patch : patches) {
+    const Vector3 place = (to_vector(patch.position) - low) / spacing;
+    std::array<std::uint32_t, 3> cell{};
+    for (int axis = 0; axis < 3; ++axis) {
+      cell[static_cast<std::size_t>(axis)] =
+          std::min(static_cast<std::uint32_t>(place[axis]), (1U << key_bits) - 1);
+    }
+    order.push_back({{way_of(to_vector(patch.normal)), interleave(cell)},
+                     static_cast<std::uint32_t>(order.size())});
+  }
+  std::sort(order.begin(), order.end());
+  return order;
+}
+
+/// The finest samples.
+std::vector<Cluster> finest_level(const std::vector<SurfacePatch>& patches, const Vector3& low,
+                                  double spacing) {
+  const std::vector<Keyed> order = in_order_of_cubes(patches, low, spacing);
+  const auto part = [&](std::uint32_t i) {
+    return cluster_of(patches[order[i].patch], order[i].key, low);
+  };
+  std::vector<Cluster> level = joined(order.size(), part);
+  for (Cluster& cluster : level) {
+    // In the middle, and on the surface.
+    const Vector3 middle = cluster.moment / cluster.area;
+    const Vector3 normal = to_vector(patches[order[cluster.kept].patch].normal);
+    cluster.position = middle - normal * normal.dot(middle - cluster.position);
+    for (std::uint32_t i = cluster.first; i < cluster.first + cluster.count; ++i) {
+      cluster.patch_radius =
+          std::max(cluster.patch_radius, (part(i).position - cluster.position).norm());
+    }
+  }
+  return level;
+}
+
+}  // namespace
+
+Result<SurfaceSamples> sample_surface(const AssetView& asset, double spacing) {
+  const Extent extent = extent_of(asset);
+  const double size = extent.size.maxCoeff();
+  if (!(spacing > 0) || !(size / spacing < (1U << key_bits))) {
+    return fail(ExitCode::usage,
+                "surface samples: the spacing must be above 0 and more than a two-millionth of the "
+                "object; give a larger one");
+  }
+  auto patches = surface_patches(asset, std::min(spacing, coarsest_patch_share * size));
+  if (!patches) return tl::make_unexpected(patches.error());
+  Vector3 low = to_vector(patches->front().position), high = low;
+  for (const SurfacePatch& patch : *patches) {
+    low = low.cwiseMin(to_vector(patch.position));
+    high = high.cwiseMax(to_vector(patch.position));
+  }
+  std::vector<std::vector<Cluster>> levels{finest_level(*patches, low, spacing)};
+  while (std::any_of(levels.back().begin(), levels.back().end(),
+                     [](const Cluster& cluster) { return cluster.key.cube != 0; })) {
+    std::vector<Cluster> parts = levels.back();
+    for (Cluster& part : parts) part.key.cube >>= 3U;
+    levels.push_back(
+        joined(parts.size(), [&](std::uint32_t i) -> const Cluster& { return parts[i]; }));
+  }
+  measure(levels);
+  SurfaceSamples samples;
+  for (const Cluster& cluster : levels[0]) samples.area += cluster.area;
+  write(samples, levels, low, high.maxCoeff() - low.minCoeff(), spacing);
+  surround(samples, low, high);
+  return samples;
+}
+
+}  // namespace spm

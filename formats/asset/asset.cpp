@@ -1,0 +1,132 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "formats/asset/asset.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "common/index/element_index_build.hpp"
+#include "formats/asset/tile_words.hpp"
+
+namespace spm {
+namespace {
+
+Vector3 round_to_step(const Vector3& value, double steps_per_unit) {
+  return value.unaryExpr([steps_per_unit](double x) {
+    // Adding zero turns -0 into 0, which prints shorter.
+    return std::round(x * steps_per_unit) / steps_per_unit + 0.0;
+  });
+}
+
+/// Decimal steps a metre so that a step is at most 1e-8 of the diagonal, the precision of the unit
+/// vectors beside it.
+double steps_per_metre(double diagonal) {
+  const double digits = diagonal > 0 && std::isfinite(diagonal)
+                            ? std::clamp(8 - std::floor(std::log10(diagonal)), 0.0, 15.0)
+                            : 9.0;
+  return std::pow(10.0, digits);
+}
+
+}  // namespace
+
+AssetTables::AssetTables(std::vector<SupportPlane> planes, std::vector<DistanceMap> maps,
+                         std::vector<std::vector<std::uint32_t>> layer_offsets,
+                         std::vector<Tile> tiles, const AssetView& rest)
+    : planes_(std::move(planes)),
+      maps_(std::move(maps)),
+      tiles_(tiles.begin(), tiles.end()),
+      layer_offsets_(std::move(layer_offsets)),
+      view_(rest) {
+  if (rest.full) {
+    for (const SupportPlane& plane : planes_) {
+      nx_.push_back(plane.n.x());
+      ny_.push_back(plane.n.y());
+      nz_.push_back(plane.n.z());
+      offset_.push_back(plane.n.dot(plane.x0));
+    }
+  }
+  for (Tile& tile : tiles_) derive_bounds(tile, rest.height_unit);
+  view_.planes = planes_;
+  view_.maps = maps_;
+  view_.tiles = tiles_;
+  view_.plane_nx = nx_;
+  view_.plane_ny = ny_;
+  view_.plane_nz = nz_;
+  view_.plane_offset = offset_;
+}
+
+void AssetTables::build_index() {
+  const ElementIndexData index = build_element_index(view_);
+  words_.assign(index.words.begin(), index.words.end());
+  cell_groups_.assign(index.cell_groups.begin(), index.cell_groups.end());
+  clip_groups_.assign(index.clip_groups.begin(), index.clip_groups.end());
+  triangle_groups_.assign(index.triangle_groups.begin(), index.triangle_groups.end());
+  index_bytes_ = index.bytes();
+  view_.index = index.view();
+  view_.index.words = words_;
+  view_.index.groups = {cell_groups_, clip_groups_, triangle_groups_};
+}
+
+AssetTables tables_of(const Asset& asset) {
+  // One table serves all maps of a shape: in memory layers lie one behind the other.
+  std::uint32_t layers = 0;
+  for (const MapData& map : asset.maps) layers = std::max(layers, map.layers);
+  std::vector<std::vector<std::uint32_t>> offsets(1);
+  if (!asset.maps.empty()) {
+    const std::uint32_t layer_size = asset.maps.front().columns * asset.maps.front().rows;
+    for (std::uint32_t layer = 0; layer < layers; ++layer) offsets[0].push_back(layer * layer_size);
+  }
+  std::vector<DistanceMap> maps;
+  maps.reserve(asset.maps.size());
+  for (const MapData& map : asset.maps) {
+    maps.push_back({.samples = map.samples.data(),
+                    .layer_offsets = offsets[0].data(),
+                    .mask = map.mask.data(),
+                    .plane = map.plane,
+                    .columns = map.columns,
+                    .rows = map.rows,
+                    .layers = map.layers,
+                    .row_stride = map.columns,
+                    .first_layer = map.first_layer,
+                    .eta0 = map.eta0,
+                    .omega0 = map.omega0,
+                    .spacing = map.spacing});
+  }
+  std::vector<Tile> tiles;
+  tiles.reserve(asset.tiles.size());
+  for (const TileData& tile : asset.tiles) {
+    tiles.push_back(tile_over(tile, asset.metadata.tile_spacing));
+  }
+  AssetView rest;
+  rest.height_unit = static_cast<float>(asset.metadata.height_unit);
+  rest.triangles = asset.triangles;
+  rest.small_triangles = asset.small_triangles;
+  rest.triangle_origin = asset.triangle_origin;
+  rest.triangle_step = asset.triangle_step;
+  rest.grid = {.origin = asset.grid.origin,
+               .cell_size = asset.grid.cell_size,
+               .cells = asset.grid.cells,
+               .index = asset.grid.index,
+               .records = asset.grid.records};
+  rest.space = {.origin = asset.space.origin, .edge = asset.space.edge, .words = asset.space.words};
+  rest.tree = {.origin = asset.tree.origin, .size = asset.tree.size, .words = asset.tree.words};
+  rest.first_cap = asset.first_cap;
+  rest.band = asset.metadata.band;
+  rest.tolerance = answer_tolerance(asset.metadata);
+  rest.full = asset.metadata.form == AssetForm::full;
+  return AssetTables(asset.planes, std::move(maps), std::move(offsets), std::move(tiles), rest);
+}
+
+void round_to_stored(Asset& asset) {
+  if (asset.metadata.form == AssetForm::full) return;
+  constexpr double unit_steps = 1e8;
+  const double metre_steps = steps_per_metre(asset.metadata.diagonal);
+  for (SupportPlane& plane : asset.planes) {
+    plane.x0 = round_to_step(plane.x0, metre_steps);
+    plane.u = round_to_step(plane.u, unit_steps);
+    plane.v = round_to_step(plane.v, unit_steps);
+    plane.n = round_to_step(plane.n, unit_steps);
+  }
+}
+
+}  // namespace spm

@@ -1,0 +1,195 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "common/asset/asset_view.hpp"
+#include "common/base/error.hpp"
+#include "formats/files/large_pages.hpp"
+
+namespace spm {
+
+/// The version of the file format that this program writes and reads.
+inline constexpr int asset_format_version = 4;
+
+enum class AssetForm { sparse, full };
+
+/// What the string attribute `spm` of a baked file records beside the plane table. SI units.
+/// Everything here is a function of the mesh and the options: never a path, time or thread count.
+struct AssetMetadata {
+  AssetForm form = AssetForm::sparse;
+  std::string kind;         ///< "face" or "vertex": how the support planes were made
+  std::string mesh_sha256;  ///< of the mesh file's bytes, 64 hex digits
+  std::string options;      ///< JSON object: the options that change the output, normalised
+  double mesh_unit = 1;     ///< metres per unit of the mesh file
+  double scale = 1;         ///< factor of --fit-diagonal about the origin, after the unit
+  double diagonal = 0;      ///< of the bounding box of the referenced vertices, m
+  Vector3 box_min = Vector3::Zero();
+  Vector3 box_max = Vector3::Zero();
+  bool closed = false;  ///< the mesh had no border edge
+  std::uint64_t border_edges = 0;
+  std::uint64_t mesh_triangles = 0;
+  Band band;
+  double probe_radius = 0;          ///< m, 0 a point
+  std::optional<double> tolerance;  ///< m; empty for `full`
+  bool tolerance_met = false;
+  std::optional<double> certified;  ///< m: the proven largest error in the band; `sparse` only
+  double tile_spacing = 0;          ///< m between the samples of the coarsest tiles; `sparse` only
+  double height_unit = 1;           ///< m a unit of the tiles' heights; `sparse` only
+  std::uint32_t layers_max = 0;     ///< most crossings met along one ray
+  double inconsistent_samples = 0;  ///< share of rays whose crossings did not alternate
+  double fallback_cells = 0;        ///< share of record cells with triangles
+};
+
+/// One distance map of a `full` asset in memory; see DistanceMap for the meaning of each field.
+struct MapData {
+  std::uint32_t plane = 0;
+  std::uint32_t columns = 0;
+  std::uint32_t rows = 0;
+  std::uint32_t layers = 1;
+  std::uint32_t first_layer = 0;
+  double eta0 = 0;  ///< 0 in a `full` asset, whose planes start at their first sample
+  double omega0 = 0;
+  double spacing = 0;
+  std::vector<float> samples;       ///< layer-major, then row, then column
+  std::vector<std::uint32_t> mask;  ///< mask_words(columns, rows, layers) words
+};
+
+/// One tile of a `sparse` asset in memory; see Tile for the meaning of each field. It lies on a
+/// lattice of its plane: spacing = AssetMetadata::tile_spacing / 2^level, eta0 = column * 8 *
+/// spacing, omega0 = row * 8 * spacing.
+struct TileData {
+  std::uint32_t plane = 0;        ///< below 4096
+  std::uint32_t level = 0;        ///< below 12
+  std::uint32_t first_layer = 0;  ///< below 256
+  std::int32_t column = 0;        ///< of 16 bits
+  std::int32_t row = 0;
+  float base = 0;         ///< m
+  float slope_eta = 0;    ///< a HALF number
+  float slope_omega = 0;  ///< a HALF number
+  std::uint64_t valid = 0;
+  std::uint64_t clipped = 0;
+  std::array<std::uint16_t, tile_sample_count> heights{};
+  std::vector<std::uint32_t> clips;  ///< one a set bit of `clipped`
+};
+
+/// Of a `full` asset; see Grid.
+struct GridData {
+  Vector3 origin = Vector3::Zero();
+  double cell_size = 1;
+  std::array<std::uint32_t, 3> cells{0, 0, 0};
+  std::vector<std::uint32_t> index;
+  std::vector<std::uint32_t> records;
+};
+
+/// Of a `sparse` asset; see SpaceTree.
+struct SpaceData {
+  Vector3 origin = Vector3::Zero();
+  double edge = 0;
+  std::vector<std::uint32_t> words;
+};
+
+/// Of a `sparse` asset; see ElementTree.
+struct TreeData {
+  Vector3 origin = Vector3::Zero();
+  std::array<float, 3> size{};
+  std::vector<std::uint32_t> words;
+};
+
+/// A baked asset in memory, as the baker builds it and the writer writes it.
+/// `full`: map k belongs to plane k, all maps have the same columns and rows, layers may differ; no
+/// tiles. `sparse`: tiles, no maps, and two trees for the grid.
+struct Asset {
+  AssetMetadata metadata;
+  std::vector<SupportPlane> planes;
+  std::vector<MapData> maps;
+  std::vector<TileData> tiles;
+  GridData grid;
+  SpaceData space;
+  TreeData tree;
+  // Corners of the fallback's triangles, in one of two forms; see AssetView.
+  std::vector<float> triangles;                ///< three each
+  std::vector<std::uint16_t> small_triangles;  ///< three each
+  Vector3 triangle_origin = Vector3::Zero();
+  double triangle_step = 0;
+  std::uint32_t first_cap = 0;  ///< `sparse` only
+};
+
+/// The views and small tables of an AssetView over memory that somebody else owns. Move-only; the
+/// memory that maps, tiles, grid and triangles point to must outlive it.
+class AssetTables {
+ public:
+  AssetTables() = default;
+  AssetTables(AssetTables&&) noexcept = default;
+  AssetTables& operator=(AssetTables&&) noexcept = default;
+  AssetTables(const AssetTables&) = delete;
+  AssetTables& operator=(const AssetTables&) = delete;
+
+  /// Builds the tables, and derives the tiles' bounds. `layer_offsets` is whatever the maps point
+  /// to; it moves here so that the pointers stay valid. `rest` gives all that is no table: grid,
+  /// triangles, band, tolerance, form and unit of heights.
+  AssetTables(std::vector<SupportPlane> planes, std::vector<DistanceMap> maps,
+              std::vector<std::vector<std::uint32_t>> layer_offsets, std::vector<Tile> tiles,
+              const AssetView& rest);
+
+  /// Derives the index, by which queries are answered several times faster.
+  void build_index();
+  [[nodiscard]] std::size_t index_bytes() const noexcept { return index_bytes_; }
+
+  [[nodiscard]] const AssetView& view() const noexcept { return view_; }
+
+ private:
+  template <class T>
+  using LargeTable = std::vector<T, LargePageAllocator<T>>;
+
+  std::vector<SupportPlane> planes_;
+  std::vector<DistanceMap> maps_;
+  LargeTable<Tile> tiles_;
+  std::vector<std::vector<std::uint32_t>> layer_offsets_;
+  std::vector<double> nx_, ny_, nz_, offset_;
+  // The index's:
+  LargeTable<std::uint32_t> words_;
+  LargeTable<CellGroup> cell_groups_;
+  LargeTable<ClipGroup> clip_groups_;
+  LargeTable<TriangleGroup> triangle_groups_;
+  std::size_t index_bytes_ = 0;
+  AssetView view_;
+};
+
+/// Tables over an asset in memory, so that the baker queries what it built with the servo's own
+/// code. `asset` must outlive the result and stay unchanged.
+[[nodiscard]] AssetTables tables_of(const Asset& asset);
+
+/// Rounds what the file stores with fewer digits than a double holds to the stored values, so that
+/// an asset in memory and the same asset read back answer alike. `sparse` only: plane bases to
+/// eight decimals and plane origins to a hundred-millionth of the diagonal (orthonormal to 1e-7).
+/// Call it before tiles are fitted; it may be repeated.
+void round_to_stored(Asset& asset);
+
+/// How far an answer at the band's end may lie beyond it, m: the tolerance, or a thousandth of the
+/// diagonal where the asset promises none.
+[[nodiscard]] inline double answer_tolerance(const AssetMetadata& metadata) {
+  return metadata.tolerance.value_or(1e-3 * metadata.diagonal);
+}
+
+/// Shares of the bytes of a written file.
+struct AssetBytes {
+  std::uint64_t total = 0;
+  std::uint64_t samples = 0;    ///< payload of the parts `heights...`
+  std::uint64_t grid = 0;       ///< payload of the parts `grid...`
+  std::uint64_t triangles = 0;  ///< payload of the parts `triangles...`
+};
+
+/// Writes an asset as a standard multi-part EXR: to a temporary file beside `path`, synced, then
+/// renamed. The bytes depend on the asset alone. Errors: file_or_device, with nothing left behind.
+[[nodiscard]] Result<AssetBytes> write_asset(const Asset& asset, const std::string& path);
+
+/// Refuses an output path that could not be written later: its folder missing or not writable, or
+/// the path a directory. Called before a bake begins.
+[[nodiscard]] Result<void> check_output_path(const std::string& path);
+
+}  // namespace spm

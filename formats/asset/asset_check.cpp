@@ -1,0 +1,187 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "formats/asset/asset_check.hpp"
+
+#include <limits>
+#include <utility>
+#include <vector>
+
+#include "common/asset/grid_list.hpp"
+#include "formats/asset/tile_words.hpp"
+
+namespace spm {
+namespace {
+
+/// Walks over the words of the grid; what several cells share is looked at once.
+class GridCheck {
+ public:
+  explicit GridCheck(const AssetView& asset)
+      : asset_(asset),
+        triangles_(asset.triangles.size() / 9),
+        checked_(asset.grid.records.size(), 0) {}
+
+  /// What is wrong with what a word leads to, empty when nothing is.
+  [[nodiscard]] std::string problem(std::uint32_t word, int splits_left) {
+    if (static_cast<CellKind>(word >> 30U) != CellKind::record) return {};
+    const std::size_t offset = word & offset_mask;
+    if (offset >= checked_.size()) return "lies outside the records";
+    const bool split = is_split(word);
+    // A bit for each number of splits that may still lie within, and one for lists.
+    const auto bit = static_cast<std::uint8_t>(1U << (split ? splits_left : split_levels + 1));
+    if ((checked_[offset] & bit) != 0) return {};
+    std::string found = split ? split_problem(offset, splits_left) : list_problem(word);
+    if (found.empty()) checked_[offset] = static_cast<std::uint8_t>(checked_[offset] | bit);
+    return found;
+  }
+
+ private:
+  std::string split_problem(std::size_t offset, int splits_left) {
+    const std::span<const std::uint32_t> records = asset_.grid.records;
+    if (splits_left == 0) return "is split too often";
+    if (records.size() - offset < 8) return "is cut short";
+    for (const std::uint32_t word : records.subspan(offset, 8)) {
+      if (std::string found = problem(word, splits_left - 1); !found.empty()) return found;
+    }
+    return {};
+  }
+
+  [[nodiscard]] std::string list_problem(std::uint32_t word) const {
+    const GridList list(asset_.grid, word);
+    if (!list.whole()) return "is cut short";
+    for (std::uint32_t k = 0; k < list.maps(); ++k) {
+      if (!map_exists(list.map(k))) return "names a map that does not exist";
+    }
+    for (std::uint32_t k = 0; k < list.triangles(); ++k) {
+      if (list.triangle(k) >> 1U >= triangles_) return "names a triangle that does not exist";
+    }
+    return {};
+  }
+
+  [[nodiscard]] bool map_exists(std::uint32_t number) const {
+    const auto [map, layer] = unpack_candidate(number);
+    return map < asset_.maps.size() && layer < asset_.maps[map].layers;
+  }
+
+  const AssetView& asset_;
+  std::size_t triangles_;
+  std::vector<std::uint8_t> checked_;
+};
+
+Result<void> check_grid(const AssetView& asset, const std::string& path) {
+  GridCheck check(asset);
+  for (std::size_t cell = 0; cell < asset.grid.index.size(); ++cell) {
+    const std::string problem = check.problem(asset.grid.index[cell], split_levels);
+    if (problem.empty()) continue;
+    std::string message = path + ": the record of grid cell ";
+    message += std::to_string(cell) + " " + problem + "; bake it again";
+    return fail(ExitCode::invalid_input, std::move(message));
+  }
+  return {};
+}
+
+/// What is wrong with the octree of space, empty when nothing is. A child is above its parent, and
+/// so a walk over all nodes in order knows each one's depth.
+std::string space_problem(const SpaceTree& tree) {
+  const std::size_t nodes = tree.words.size() / space_node_words;
+  std::vector<int> depth(nodes, 0);
+  for (std::size_t node = 0; node < nodes; ++node) {
+    const std::uint32_t kinds = tree.words[node * space_node_words];
+    std::size_t child = tree.words[node * space_node_words + 1];
+    for (std::uint32_t octant = 0; octant < 8; ++octant) {
+      const SpaceKind kind = octant_kind(kinds, octant);
+      if (kind != SpaceKind::split) {
+        if (kind > SpaceKind::pruned) return "is of no kind";
+        continue;
+      }
+      if (child <= node || child >= nodes) return "leads to no cube below it";
+      depth[child] = depth[node] + 1;
+      if (depth[child] >= space_levels) return "is split too often";
+      ++child;
+    }
+  }
+  return {};
+}
+
+/// The same of the tree of elements.
+std::string tree_problem(const AssetView& asset) {
+  const std::size_t nodes = asset.tree.words.size() / tree_node_words;
+  const std::size_t corners = (asset.triangles.size() + asset.small_triangles.size()) / 3;
+  std::vector<int> depth(nodes, 0);
+  for (std::size_t node = 0; node < nodes; ++node) {
+    for (std::size_t k = 0; k < tree_children; ++k) {
+      const TreeChild child = unpack_child(asset.tree.words[node * tree_node_words + k]);
+      switch (child.kind) {
+        case ElementKind::none:
+          break;
+        case ElementKind::node:
+          if (child.first <= node || child.first >= nodes) return "leads to no box below it";
+          depth[child.first] = depth[node] + 1;
+          if (depth[child.first] >= tree_levels) return "lies too deep";
+          break;
+        case ElementKind::tile:
+          if (child.first >= asset.tiles.size()) return "names a tile that does not exist";
+          break;
+        case ElementKind::fan:
+          if (std::size_t{child.first} + child.count + 2 > corners) {
+            return "names a triangle that does not exist";
+          }
+          break;
+      }
+    }
+  }
+  return {};
+}
+
+Result<void> check_trees(const AssetView& asset, const std::string& path) {
+  if (const std::string problem = space_problem(asset.space); !problem.empty()) {
+    return fail(ExitCode::invalid_input,
+                path + ": a cube of its space " + problem + "; bake it again");
+  }
+  if (const std::string problem = tree_problem(asset); !problem.empty()) {
+    return fail(ExitCode::invalid_input,
+                path + ": a box of its elements " + problem + "; bake it again");
+  }
+  return {};
+}
+
+/// Counts instead of stopping at the first, so that the loop runs as fast as memory.
+std::size_t count_bad(std::span<const float> values, bool infinity_allowed) {
+  std::size_t bad = 0;
+  for (const float value : values) {
+    const bool good = value >= -std::numeric_limits<float>::max() &&
+                      (infinity_allowed || value <= std::numeric_limits<float>::max());
+    bad += good ? 0U : 1U;
+  }
+  return bad;
+}
+
+std::size_t count_bad_halves(std::span<const std::uint16_t> values) {
+  std::size_t bad = 0;
+  for (const std::uint16_t value : values) bad += half_is_finite(value) ? 0U : 1U;
+  return bad;
+}
+
+}  // namespace
+
+Result<void> check_content(const AssetView& asset, const std::string& path) {
+  for (std::size_t index = 0; index < asset.maps.size(); ++index) {
+    const DistanceMap& map = asset.maps[index];
+    const std::size_t samples = std::size_t{map.row_stride} * map.rows;
+    if (count_bad({map.samples, samples}, asset.full) != 0) {
+      return fail(ExitCode::invalid_input, path + ": map " + std::to_string(index) +
+                                               " has samples that are not numbers; bake it again");
+    }
+  }
+  for (std::size_t index = 0; index < asset.tiles.size(); ++index) {
+    if (count_bad_halves({asset.tiles[index].heights, tile_sample_count}) != 0) {
+      return fail(ExitCode::invalid_input, path + ": tile " + std::to_string(index) +
+                                               " has heights that are not numbers; bake it again");
+    }
+  }
+  if (count_bad(asset.triangles, false) != 0) {
+    return fail(ExitCode::invalid_input,
+                path + ": its triangles have corners that are not numbers; bake it again");
+  }
+  return asset.full ? check_grid(asset, path) : check_trees(asset, path);
+}
+
+}  // namespace spm

@@ -1,0 +1,340 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "formats/asset/asset_json.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "formats/files/json_fields.hpp"
+
+namespace spm {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr std::uint32_t most_maps = 1U << 24U;  // what a grid record can name
+constexpr std::uint32_t most_tiles = 1U << 24U;
+constexpr std::uint32_t most_samples_a_side = 1U << 14U;
+constexpr std::uint32_t most_cells_an_axis = 1U << 20U;
+constexpr std::uint64_t most_cells = std::uint64_t{1} << 30U;
+constexpr std::uint64_t most_words = std::uint64_t{1} << 28U;  // what a grid word can point to
+// Lengths that stay normal floats over all levels and heights.
+constexpr double least_length = 1e-20, greatest_length = 1e20;
+constexpr double basis_slack = 1e-6;
+
+Json json_of(const Vector3& vector) { return Json::array({vector.x(), vector.y(), vector.z()}); }
+
+Json mesh_json(const AssetMetadata& metadata) {
+  return {{"unit", metadata.mesh_unit},
+          {"scale", metadata.scale},
+          {"diagonal", metadata.diagonal},
+          {"box_min", json_of(metadata.box_min)},
+          {"box_max", json_of(metadata.box_max)},
+          {"closed", metadata.closed},
+          {"border_edges", metadata.border_edges},
+          {"triangles", metadata.mesh_triangles}};
+}
+
+Json planes_json(const AssetDescription& description) {
+  Json rows = Json::array();
+  for (std::size_t index = 0; index < description.planes.size(); ++index) {
+    const SupportPlane& plane = description.planes[index];
+    Json row = {{"x0", json_of(plane.x0)},
+                {"u", json_of(plane.u)},
+                {"v", json_of(plane.v)},
+                {"n", json_of(plane.n)}};
+    if (description.metadata.form == AssetForm::full) {
+      row["spacing"] = description.plane_spacing[index];
+      row["tile"] = description.plane_tile[index];
+    }
+    rows.push_back(std::move(row));
+  }
+  return rows;
+}
+
+Json grid_json(const AssetDescription& description) {
+  return {{"origin", json_of(description.grid_origin)},
+          {"cell_size", description.grid_cell_size},
+          {"cells", description.grid_cells},
+          {"records", description.grid_records}};
+}
+
+Json space_json(const AssetDescription& description) {
+  return {{"origin", json_of(description.space_origin)},
+          {"edge", description.space_edge},
+          {"nodes", description.space_nodes}};
+}
+
+Json tree_json(const AssetDescription& description) {
+  return {{"origin", json_of(description.tree_origin)},
+          {"size", description.tree_size},
+          {"nodes", description.tree_nodes}};
+}
+
+/// How many surfaces of the asset's form there are, and how their samples lie.
+void add_surfaces(const AssetDescription& description, Json& json) {
+  const AssetMetadata& metadata = description.metadata;
+  if (metadata.form == AssetForm::full) {
+    json["maps"] = {{"count", description.maps},
+                    {"columns", description.map_columns},
+                    {"rows", description.map_rows}};
+  } else {
+    json["tiles"] = {{"count", description.tiles},
+                     {"spacing", metadata.tile_spacing},
+                     {"height_unit", metadata.height_unit}};
+  }
+  if (metadata.form == AssetForm::full) {
+    json["triangles"] = description.corners / 3;
+  } else {
+    json["corners"] = description.corners;
+    json["caps"] = description.caps;
+  }
+  if (description.small_triangles) {
+    json["small_triangles"] = {{"origin", json_of(description.triangle_origin)},
+                               {"step", description.triangle_step}};
+  }
+}
+
+bool is_sha256(const std::string& text) {
+  return text.size() == 64 && text.find_first_not_of("0123456789abcdef") == std::string::npos;
+}
+
+bool is_basis(const SupportPlane& plane) {
+  Eigen::Matrix3d basis;
+  basis << plane.u, plane.v, plane.n;
+  return (basis.transpose() * basis - Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff() <=
+             basis_slack &&
+         basis.determinant() > 0;
+}
+
+AssetMetadata read_metadata(JsonFields& fields) {
+  AssetMetadata metadata;
+  const std::string form = fields.text("form");
+  if (form != "sparse" && form != "full") fields.wrong("form", "\"sparse\" or \"full\"");
+  metadata.form = form == "full" ? AssetForm::full : AssetForm::sparse;
+  if (fields.text("units") != "m") fields.wrong("units", "\"m\"");
+  metadata.kind = fields.text("kind");
+  metadata.mesh_sha256 = fields.text("mesh_sha256");
+  if (!is_sha256(metadata.mesh_sha256)) fields.wrong("mesh_sha256", "64 hex digits");
+  const Json& options = fields.optional("options");
+  if (!options.is_object()) fields.wrong("options", "an object");
+  metadata.options = options.dump();
+  if (metadata.form == AssetForm::full) {
+    if (!fields.optional("tolerance").is_null()) fields.wrong("tolerance", "null in the full form");
+  } else if (const double tolerance = fields.number("tolerance", 0); tolerance > 0) {
+    metadata.tolerance = tolerance;
+  } else {
+    fields.wrong("tolerance", "a length above 0");
+  }
+  metadata.tolerance_met = fields.flag("tolerance_met");
+  if (!fields.optional("certified").is_null()) metadata.certified = fields.number("certified", 0);
+  if (metadata.certified && metadata.form == AssetForm::full) {
+    fields.wrong("certified", "null in the full form");
+  }
+  JsonFields band = fields.child("band");
+  metadata.band = {.max_depth = band.number("max_depth", 0), .margin = band.number("margin", 0)};
+  metadata.probe_radius = fields.child("probe").number("radius", 0);
+  metadata.layers_max = static_cast<std::uint32_t>(fields.integer("layers_max", 0, UINT32_MAX));
+  metadata.inconsistent_samples = fields.number("inconsistent_samples", 0, 1);
+  metadata.fallback_cells = fields.number("fallback_cells", 0, 1);
+  return metadata;
+}
+
+void read_mesh(JsonFields mesh, AssetMetadata& metadata) {
+  metadata.mesh_unit = mesh.number("unit", 0);
+  if (metadata.mesh_unit <= 0) mesh.wrong("unit", "a length above 0");
+  metadata.scale = mesh.number("scale", 0);
+  if (metadata.scale <= 0) mesh.wrong("scale", "a factor above 0");
+  metadata.diagonal = mesh.number("diagonal", 0);
+  metadata.box_min = mesh.vector("box_min");
+  metadata.box_max = mesh.vector("box_max");
+  if ((metadata.box_max - metadata.box_min).minCoeff() < 0) {
+    mesh.wrong("box_max", "at or above `mesh.box_min`");
+  }
+  metadata.closed = mesh.flag("closed");
+  metadata.border_edges = mesh.integer("border_edges", 0, UINT64_MAX);
+  metadata.mesh_triangles = mesh.integer("triangles", 0, UINT64_MAX);
+}
+
+void read_grid(JsonFields grid, AssetDescription& description) {
+  description.grid_origin = grid.vector("origin");
+  description.grid_cell_size = grid.number("cell_size", 0);
+  if (description.grid_cell_size <= 0) grid.wrong("cell_size", "a length above 0");
+  description.grid_cells = grid.triple("cells", 1, most_cells_an_axis);
+  const auto& cells = description.grid_cells;
+  if (std::uint64_t{cells[0]} * cells[1] > most_cells ||
+      std::uint64_t{cells[0]} * cells[1] * cells[2] > most_cells) {
+    grid.wrong("cells", "a grid of at most 2^30 cells");
+  }
+  description.grid_records = grid.integer("records", 0, most_words);
+}
+
+void read_trees(JsonFields& fields, AssetDescription& description) {
+  JsonFields space = fields.child("space");
+  description.space_origin = space.vector("origin");
+  description.space_edge = space.number("edge", least_length, greatest_length);
+  description.space_nodes = space.integer("nodes", 1, most_words);
+  JsonFields tree = fields.child("tree");
+  description.tree_origin = tree.vector("origin");
+  const Vector3 size = tree.vector("size");
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const double extent = size[static_cast<int>(axis)];
+    if (!(extent >= 0 && extent <= greatest_length)) tree.wrong("size", "three lengths");
+    description.tree_size[axis] = static_cast<float>(extent);
+  }
+  description.tree_nodes = tree.integer("nodes", 0, most_tree_elements);
+}
+
+void read_triangles(JsonFields& fields, AssetDescription& description) {
+  constexpr std::uint32_t most = 1U << 30U;
+  if (description.metadata.form == AssetForm::full) {
+    description.corners = static_cast<std::uint32_t>(3 * fields.integer("triangles", 0, most));
+  } else {
+    description.corners = static_cast<std::uint32_t>(fields.integer("corners", 0, most));
+    description.caps = static_cast<std::uint32_t>(fields.integer("caps", 0, description.corners));
+  }
+  description.small_triangles = !fields.optional("small_triangles").is_null();
+  if (!description.small_triangles) return;
+  JsonFields small = fields.child("small_triangles");
+  description.triangle_origin = small.vector("origin");
+  description.triangle_step = small.number("step", least_length, greatest_length);
+}
+
+void read_maps(JsonFields maps, AssetDescription& description) {
+  const auto integer = [&maps](const char* key, std::uint64_t low, std::uint64_t high) {
+    return static_cast<std::uint32_t>(maps.integer(key, low, high));
+  };
+  description.maps = integer("count", 1, most_maps);
+  description.map_columns = integer("columns", 2, most_samples_a_side);
+  description.map_rows = integer("rows", 2, most_samples_a_side);
+}
+
+void read_tiles(JsonFields tiles, AssetDescription& description) {
+  description.tiles = static_cast<std::uint32_t>(tiles.integer("count", 0, most_tiles));
+  const double least = description.tiles == 0 ? 0 : least_length;
+  description.metadata.tile_spacing = tiles.number("spacing", least, greatest_length);
+  description.metadata.height_unit = tiles.number("height_unit", least, greatest_length);
+}
+
+void read_planes(JsonFields& fields, AssetDescription& description, std::string& problem) {
+  const Json& rows = fields.array("planes");
+  for (std::size_t index = 0; index < rows.size() && problem.empty(); ++index) {
+    JsonFields row(rows[index], "planes[" + std::to_string(index) + "].", problem);
+    SupportPlane plane;
+    plane.x0 = row.vector("x0");
+    plane.u = row.vector("u");
+    plane.v = row.vector("v");
+    plane.n = row.vector("n");
+    if (!is_basis(plane)) row.wrong("n", "of unit length and u x v");
+    description.planes.push_back(plane);
+    if (description.metadata.form == AssetForm::full) {
+      const double spacing = row.number("spacing", 0);
+      if (spacing <= 0) row.wrong("spacing", "a length above 0");
+      description.plane_spacing.push_back(spacing);
+      description.plane_tile.push_back(
+          static_cast<std::uint32_t>(row.integer("tile", 0, UINT32_MAX)));
+    }
+  }
+  if (description.metadata.form == AssetForm::full && problem.empty() &&
+      (description.planes.empty() || description.planes.size() != description.maps)) {
+    fields.wrong("planes", "a table of one row a map, as the full form has it");
+  }
+}
+
+}  // namespace
+
+AssetDescription describe(const Asset& asset) {
+  AssetDescription description;
+  description.metadata = asset.metadata;
+  description.planes = asset.planes;
+  if (asset.metadata.form == AssetForm::full) {
+    for (const MapData& map : asset.maps) description.plane_spacing.push_back(map.spacing);
+  }
+  description.plane_tile.resize(description.plane_spacing.size(), 0);
+  description.grid_origin = asset.grid.origin;
+  description.grid_cell_size = asset.grid.cell_size;
+  description.grid_cells = asset.grid.cells;
+  description.grid_records = asset.grid.records.size();
+  description.space_origin = asset.space.origin;
+  description.space_edge = asset.space.edge;
+  description.space_nodes = asset.space.words.size() / space_node_words;
+  description.tree_origin = asset.tree.origin;
+  description.tree_size = asset.tree.size;
+  description.tree_nodes = asset.tree.words.size() / tree_node_words;
+  description.maps = static_cast<std::uint32_t>(asset.maps.size());
+  if (!asset.maps.empty()) {
+    description.map_columns = asset.maps.front().columns;
+    description.map_rows = asset.maps.front().rows;
+  }
+  description.tiles = static_cast<std::uint32_t>(asset.tiles.size());
+  description.small_triangles = !asset.small_triangles.empty();
+  description.corners = static_cast<std::uint32_t>(
+      (description.small_triangles ? asset.small_triangles.size() : asset.triangles.size()) / 3);
+  if (asset.metadata.form == AssetForm::sparse) {
+    description.caps = description.corners - std::min(description.corners, asset.first_cap);
+  }
+  if (description.small_triangles) {
+    description.triangle_origin = asset.triangle_origin;
+    description.triangle_step = asset.triangle_step;
+  }
+  return description;
+}
+
+std::string to_json(const AssetDescription& description) {
+  const AssetMetadata& metadata = description.metadata;
+  Json json = {{"format_version", asset_format_version},
+               {"form", metadata.form == AssetForm::full ? "full" : "sparse"},
+               {"units", "m"},
+               {"kind", metadata.kind},
+               {"mesh_sha256", metadata.mesh_sha256},
+               {"options", Json::parse(metadata.options)},
+               {"tolerance", metadata.tolerance ? Json(*metadata.tolerance) : Json()},
+               {"tolerance_met", metadata.tolerance_met},
+               {"certified", metadata.certified ? Json(*metadata.certified) : Json()},
+               {"band", {{"max_depth", metadata.band.max_depth}, {"margin", metadata.band.margin}}},
+               {"probe", Json::object({{"radius", metadata.probe_radius}})},
+               {"layers_max", metadata.layers_max},
+               {"inconsistent_samples", metadata.inconsistent_samples},
+               {"fallback_cells", metadata.fallback_cells},
+               {"mesh", mesh_json(metadata)}};
+  if (metadata.form == AssetForm::full) {
+    json["grid"] = grid_json(description);
+  } else {
+    json["space"] = space_json(description);
+    json["tree"] = tree_json(description);
+  }
+  add_surfaces(description, json);
+  json["planes"] = planes_json(description);
+  return json.dump();
+}
+
+Result<AssetDescription> parse_description(std::string_view text, const std::string& place) {
+  const auto refuse = [&place](const std::string& cause) {
+    return fail(ExitCode::invalid_input, place + ": " + cause + "; bake it again");
+  };
+  const Json json = Json::parse(text.begin(), text.end(), nullptr, false);
+  if (!json.is_object()) return refuse("its `spm` attribute is not a JSON object");
+  std::string problem;
+  JsonFields fields(json, "", problem);
+  const std::uint64_t version = fields.integer("format_version", 0, UINT32_MAX);
+  if (problem.empty() && version != asset_format_version) {
+    return refuse("format version " + std::to_string(version) + ", this program reads " +
+                  std::to_string(asset_format_version));
+  }
+  AssetDescription description;
+  description.metadata = read_metadata(fields);
+  read_mesh(fields.child("mesh"), description.metadata);
+  read_triangles(fields, description);
+  if (description.metadata.form == AssetForm::full) {
+    read_grid(fields.child("grid"), description);
+    read_maps(fields.child("maps"), description);
+  } else {
+    read_trees(fields, description);
+    read_tiles(fields.child("tiles"), description);
+  }
+  read_planes(fields, description, problem);
+  if (!problem.empty()) return refuse("in its `spm` attribute " + problem);
+  return description;
+}
+
+}  // namespace spm

@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "common/base/error.hpp"
+#include "formats/asset/asset.hpp"
+
+namespace spm {
+
+/// What the string attribute `spm` says: everything of an asset that is neither a height sample nor
+/// part of the grid nor a triangle.
+struct AssetDescription {
+  AssetMetadata metadata;
+  std::vector<SupportPlane> planes;
+  std::vector<double> plane_spacing;      ///< `full` only: metres between samples, a plane each
+  std::vector<std::uint32_t> plane_tile;  ///< `full` only: EXR tile, counted through all parts
+  // `full` only: see Grid.
+  Vector3 grid_origin = Vector3::Zero();
+  double grid_cell_size = 1;
+  std::array<std::uint32_t, 3> grid_cells{0, 0, 0};
+  std::uint64_t grid_records = 0;  ///< words
+  // `sparse` only: see SpaceTree and ElementTree.
+  Vector3 space_origin = Vector3::Zero();
+  double space_edge = 0;
+  std::uint64_t space_nodes = 0;
+  Vector3 tree_origin = Vector3::Zero();
+  std::array<float, 3> tree_size{};
+  std::uint64_t tree_nodes = 0;
+  std::uint32_t maps = 0;  ///< `full` only, with their columns and rows
+  std::uint32_t map_columns = 0;
+  std::uint32_t map_rows = 0;
+  std::uint32_t tiles = 0;       ///< `sparse` only
+  std::uint32_t corners = 0;     ///< of the fallback's triangles; in `full` three each
+  std::uint32_t caps = 0;        ///< of the corners, the last; `sparse` only
+  bool small_triangles = false;  ///< then they have an origin and a step
+  Vector3 triangle_origin = Vector3::Zero();
+  double triangle_step = 0;
+};
+
+/// Description of an asset in memory, without the EXR tiles of its planes.
+[[nodiscard]] AssetDescription describe(const Asset& asset);
+
+/// JSON text of a description: one line, keys in a fixed order, numbers that round-trip, the same
+/// text for the same description. `metadata.options` must be a JSON object.
+[[nodiscard]] std::string to_json(const AssetDescription& description);
+
+/// Reads the text back. Every field is checked for presence, type and range; planes must be
+/// orthonormal, right-handed bases (1e-6). Unknown keys are ignored, since later programs may add
+/// some. Errors: invalid_input, `place` (the file) in front of the message.
+[[nodiscard]] Result<AssetDescription> parse_description(std::string_view text,
+                                                         const std::string& place);
+
+}  // namespace spm

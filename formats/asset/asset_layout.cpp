@@ -1,0 +1,260 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "formats/asset/asset_layout.hpp"
+
+#include <algorithm>
+#include <optional>
+#include <utility>
+
+#include "formats/asset/tile_words.hpp"
+
+namespace spm {
+namespace {
+
+/// The parts of a file by name, read in place.
+class Parts {
+ public:
+  Parts(std::span<const std::byte> bytes, const std::vector<ExrPart>& parts)
+      : bytes_(bytes), parts_(parts) {}
+
+  [[nodiscard]] const ExrPart* find(std::string_view name) const {
+    const auto found = std::find_if(parts_.begin(), parts_.end(),
+                                    [name](const ExrPart& part) { return part.name == name; });
+    return found == parts_.end() ? nullptr : &*found;
+  }
+
+  [[nodiscard]] const std::byte* at(std::uint64_t offset) const { return bytes_.data() + offset; }
+  [[nodiscard]] const std::vector<ExrPart>& all() const { return parts_; }
+
+  /// All words of a part of them that is a single tile; none where there is no such part.
+  [[nodiscard]] std::span<const std::uint32_t> all_words(std::string_view name) const {
+    const ExrPart* part = find(name);
+    if (part == nullptr || part->type != SampleType::uint32 || part->offsets.size() != 1) return {};
+    return {reinterpret_cast<const std::uint32_t*>(at(part->offsets.front())),
+            part->tile_samples()};
+  }
+
+  /// The first `count` words of a part that is a single tile; nothing where the part is not as it
+  /// must be. No words are wanted from a part that is missing.
+  template <class T>
+  [[nodiscard]] std::optional<std::span<const T>> words(std::string_view name,
+                                                        std::uint64_t count) const {
+    const ExrPart* part = find(name);
+    if (count == 0) return part == nullptr ? std::optional(std::span<const T>()) : std::nullopt;
+    const SampleType type = std::is_same_v<T, float> ? SampleType::float32 : SampleType::uint32;
+    if (part == nullptr || part->type != type || part->channels != stored_channels(1) ||
+        part->offsets.size() != 1 || part->tile_samples() < count ||
+        part->tile_samples() - count >= part->tile_width) {
+      return std::nullopt;
+    }
+    return std::span(reinterpret_cast<const T*>(at(part->offsets.front())), count);
+  }
+
+ private:
+  std::span<const std::byte> bytes_;
+  const std::vector<ExrPart>& parts_;
+};
+
+tl::unexpected<Error> refuse(const std::string& path, const std::string& cause) {
+  return fail(ExitCode::invalid_input, path + ": " + cause + "; bake it again");
+}
+
+tl::unexpected<Error> wrong_part(const std::string& path, std::string_view name) {
+  return refuse(path, "part " + std::string(name) + " is missing or not as the asset describes it");
+}
+
+/// Maps, and what they point to beside samples.
+struct Maps {
+  std::vector<DistanceMap> maps;
+  std::vector<std::vector<std::uint32_t>> layer_offsets;
+};
+
+const float* floats_at(const Parts& parts, std::uint64_t offset) {
+  return reinterpret_cast<const float*>(parts.at(offset));
+}
+
+/// A tile of a `full` asset: where its samples begin, and its number of layers.
+struct FullTile {
+  std::uint64_t offset = 0;
+  std::uint32_t layers = 0;
+};
+
+Result<std::vector<FullTile>> full_tiles(const Parts& parts, const AssetDescription& description,
+                                         const std::string& path) {
+  std::vector<FullTile> tiles;
+  for (const ExrPart& part : parts.all()) {
+    if (!part.name.starts_with(part_name::heights)) continue;
+    const auto layers = static_cast<std::uint32_t>(part.channels.size());
+    if (layers > 255 || part.name != heights_part_name(layers) ||
+        part.channels != stored_channels(layers) || part.type != SampleType::float32 ||
+        part.tile_width != description.map_columns || part.tile_height != description.map_rows) {
+      return wrong_part(path, part.name);
+    }
+    for (const std::uint64_t offset : part.offsets) tiles.push_back({offset, layers});
+  }
+  return tiles;
+}
+
+Result<Maps> full_maps(const Parts& parts, const AssetDescription& description,
+                       const std::string& path) {
+  const Result<std::vector<FullTile>> tiles = full_tiles(parts, description, path);
+  if (!tiles) return tl::make_unexpected(tiles.error());
+  Maps result;
+  for (const FullTile& tile : *tiles) {
+    for (auto layers = static_cast<std::uint32_t>(result.layer_offsets.size()) + 1;
+         layers <= tile.layers; ++layers) {
+      result.layer_offsets.push_back(stored_layer_offsets(layers, description.map_columns));
+    }
+  }
+  std::vector<bool> used(tiles->size(), false);
+  std::uint64_t mask_count = 0;
+  for (std::uint32_t plane = 0; plane < description.planes.size(); ++plane) {
+    const std::uint32_t tile = description.plane_tile[plane];
+    if (tile >= tiles->size() || used[tile]) {
+      return refuse(path, "tile " + std::to_string(tile) + " of plane " + std::to_string(plane) +
+                              " does not exist or belongs to two planes");
+    }
+    used[tile] = true;
+    const FullTile& found = (*tiles)[tile];
+    DistanceMap map;
+    map.samples = floats_at(parts, found.offset);
+    map.layer_offsets = result.layer_offsets[found.layers - 1].data();
+    map.plane = plane;
+    map.columns = description.map_columns;
+    map.rows = description.map_rows;
+    map.layers = found.layers;
+    map.row_stride = found.layers * map.columns;
+    map.spacing = description.plane_spacing[plane];
+    mask_count += mask_words(map.columns, map.rows, map.layers);
+    result.maps.push_back(map);
+  }
+  const auto masks = parts.words<std::uint32_t>(part_name::grid_masks, mask_count);
+  if (!masks) return wrong_part(path, part_name::grid_masks);
+  const std::uint32_t* mask = masks->data();
+  for (DistanceMap& map : result.maps) {
+    map.mask = std::exchange(mask, mask + mask_words(map.columns, map.rows, map.layers));
+  }
+  return result;
+}
+
+/// Tiles of a `sparse` asset. All tiles of the part lie in a row of EXR tiles, the same number in
+/// each.
+Result<std::vector<Tile>> sparse_tiles(const Parts& parts, const AssetDescription& description,
+                                       const std::string& path) {
+  const std::uint64_t count = description.tiles;
+  const auto words = parts.words<std::uint32_t>(part_name::grid_tiles, count * tile_words);
+  if (!words) return wrong_part(path, part_name::grid_tiles);
+  TilesRead read = read_tiles(*words, parts.all_words(part_name::grid_masks),
+                              description.metadata.tile_spacing, description.planes.size());
+  if (!read.problem.empty()) return refuse(path, read.problem);
+  if (!parts.words<std::uint32_t>(part_name::grid_masks, read.mask_words)) {
+    return wrong_part(path, part_name::grid_masks);
+  }
+  const ExrPart* heights = parts.find(part_name::heights);
+  if (count == 0) {
+    if (heights != nullptr) return wrong_part(path, part_name::heights);
+    return std::move(read.tiles);
+  }
+  const std::uint64_t strip = heights == nullptr ? 0 : heights->tile_height / tile_samples;
+  if (heights == nullptr || heights->type != SampleType::half16 ||
+      heights->channels != stored_channels(1) || heights->tile_width != tile_samples ||
+      strip == 0 || heights->tile_height != strip * tile_samples ||
+      heights->offsets.size() != (count + strip - 1) / strip) {
+    return wrong_part(path, part_name::heights);
+  }
+  for (std::size_t index = 0; index < count; ++index) {
+    const std::byte* samples = parts.at(heights->offsets[index / strip]);
+    read.tiles[index].heights =
+        reinterpret_cast<const std::uint16_t*>(samples) + index % strip * tile_sample_count;
+  }
+  return std::move(read.tiles);
+}
+
+/// The triangles, in the one of two forms that the description names.
+bool find_triangles(const Parts& parts, const AssetDescription& description, AssetView& view) {
+  const std::uint64_t numbers = std::uint64_t{3} * description.corners;
+  if (!description.small_triangles) {
+    const auto corners = parts.words<float>(part_name::triangles, numbers);
+    if (corners) view.triangles = *corners;
+    return corners.has_value();
+  }
+  const auto words = parts.words<std::uint32_t>(part_name::triangles, (numbers + 1) / 2);
+  if (!words) return false;
+  view.small_triangles = {reinterpret_cast<const std::uint16_t*>(words->data()), numbers};
+  view.triangle_origin = description.triangle_origin;
+  view.triangle_step = description.triangle_step;
+  return true;
+}
+
+/// The grid of a `full` asset; names the part that is not as it must be, if any.
+std::string_view find_grid(const Parts& parts, const AssetDescription& description, Grid& grid) {
+  const auto& cells = description.grid_cells;
+  const auto index = parts.words<std::uint32_t>(part_name::grid_index,
+                                                std::uint64_t{cells[0]} * cells[1] * cells[2]);
+  if (!index) return part_name::grid_index;
+  const auto records =
+      parts.words<std::uint32_t>(part_name::grid_records, description.grid_records);
+  if (!records) return part_name::grid_records;
+  grid = {.origin = description.grid_origin,
+          .cell_size = description.grid_cell_size,
+          .cells = cells,
+          .index = *index,
+          .records = *records};
+  return {};
+}
+
+/// The trees of a `sparse` asset, likewise.
+std::string_view find_trees(const Parts& parts, const AssetDescription& description,
+                            AssetView& view) {
+  const auto space =
+      parts.words<std::uint32_t>(part_name::grid_space, description.space_nodes * space_node_words);
+  if (!space) return part_name::grid_space;
+  const auto tree =
+      parts.words<std::uint32_t>(part_name::grid_tree, description.tree_nodes * tree_node_words);
+  if (!tree) return part_name::grid_tree;
+  view.space = {
+      .origin = description.space_origin, .edge = description.space_edge, .words = *space};
+  view.tree = {.origin = description.tree_origin, .size = description.tree_size, .words = *tree};
+  return {};
+}
+
+/// Parts that no asset of this form has.
+const ExrPart* unexpected_part(const Parts& parts, bool full) {
+  for (const ExrPart& part : parts.all()) {
+    const std::string& name = part.name;
+    const bool common = name == part_name::grid_masks || name == part_name::triangles;
+    const bool own = full ? name.starts_with(part_name::heights) || name == part_name::grid_index ||
+                                name == part_name::grid_records
+                          : name == part_name::heights || name == part_name::grid_tiles ||
+                                name == part_name::grid_space || name == part_name::grid_tree;
+    if (!common && !own) return &part;
+  }
+  return nullptr;
+}
+
+}  // namespace
+
+Result<AssetTables> lay_out(std::span<const std::byte> bytes, const std::vector<ExrPart>& exr_parts,
+                            const AssetDescription& description, const std::string& path) {
+  const Parts parts(bytes, exr_parts);
+  const bool full = description.metadata.form == AssetForm::full;
+  if (const ExrPart* part = unexpected_part(parts, full)) return wrong_part(path, part->name);
+  Result<Maps> maps = full ? full_maps(parts, description, path) : Result<Maps>();
+  if (!maps) return tl::make_unexpected(std::move(maps.error()));
+  Result<std::vector<Tile>> tiles =
+      full ? Result<std::vector<Tile>>() : sparse_tiles(parts, description, path);
+  if (!tiles) return tl::make_unexpected(std::move(tiles.error()));
+  AssetView rest;
+  if (!find_triangles(parts, description, rest)) return wrong_part(path, part_name::triangles);
+  rest.height_unit = static_cast<float>(description.metadata.height_unit);
+  rest.first_cap = description.corners - description.caps;
+  const std::string_view wrong =
+      full ? find_grid(parts, description, rest.grid) : find_trees(parts, description, rest);
+  if (!wrong.empty()) return wrong_part(path, wrong);
+  rest.band = description.metadata.band;
+  rest.tolerance = answer_tolerance(description.metadata);
+  rest.full = full;
+  return AssetTables(description.planes, std::move(maps->maps), std::move(maps->layer_offsets),
+                     std::move(*tiles), rest);
+}
+
+}  // namespace spm

@@ -1,0 +1,275 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <numeric>
+
+#include "formats/asset/asset.hpp"
+#include "formats/asset/asset_json.hpp"
+#include "formats/exr/exr_writer.hpp"
+#include "formats/asset/tile_words.hpp"
+
+namespace spm {
+namespace {
+
+/// A flat array as one EXR tile, so that it lies contiguous in the file.
+template <class T>
+PartPlan flat_part(std::string_view name, SampleType type, std::span<const T> values) {
+  static_assert(sizeof(T) == 4);
+  PartPlan part;
+  part.name = name;
+  part.type = type;
+  part.channels = {"Y"};
+  const TileGrid picture = arrange_words(values.size());
+  part.tile_width = picture.columns;
+  part.tile_height = picture.rows;
+  part.tiles = {1, 1};
+  part.payload = [values, bytes = part.tile_bytes()](std::uint32_t,
+                                                     std::vector<std::byte>& scratch) {
+    const std::span<const std::byte> whole = std::as_bytes(values);
+    if (whole.size() == bytes) return whole;
+    scratch.assign(bytes, std::byte{0});
+    std::copy(whole.begin(), whole.end(), scratch.begin());
+    return std::span<const std::byte>(scratch);
+  };
+  return part;
+}
+
+void fill(std::vector<std::byte>& scratch, std::uint64_t bytes, float value) {
+  scratch.resize(bytes);
+  for (std::uint64_t at = 0; at < bytes; at += sizeof value) {
+    std::memcpy(scratch.data() + at, &value, sizeof value);
+  }
+}
+
+/// Copies a map's layers, which lie one behind the other in memory, into a tile's interleaved rows.
+void interleave(const MapData& map, std::span<const std::uint32_t> layer_offsets,
+                std::vector<std::byte>& tile) {
+  for (std::uint32_t layer = 0; layer < map.layers; ++layer) {
+    for (std::uint32_t row = 0; row < map.rows; ++row) {
+      const std::size_t from = (std::size_t{layer} * map.rows + row) * map.columns;
+      const std::size_t to = std::size_t{row} * map.layers * map.columns + layer_offsets[layer];
+      std::memcpy(tile.data() + to * sizeof(float), map.samples.data() + from,
+                  map.columns * sizeof(float));
+    }
+  }
+}
+
+PartPlan full_part(const Asset& asset, std::uint32_t layers, std::vector<std::uint32_t> members) {
+  const MapData& first = asset.maps[members.front()];
+  PartPlan part;
+  part.name = heights_part_name(layers);
+  part.channels = stored_channels(layers);
+  part.tile_width = first.columns;
+  part.tile_height = first.rows;
+  part.tiles = arrange_tiles(static_cast<std::uint32_t>(members.size()), first.columns, first.rows);
+  part.payload = [&asset, members = std::move(members), bytes = part.tile_bytes(),
+                  offsets = stored_layer_offsets(layers, first.columns)](
+                     std::uint32_t tile, std::vector<std::byte>& scratch) {
+    fill(scratch, bytes, no_hit);
+    if (tile < members.size()) interleave(asset.maps[members[tile]], offsets, scratch);
+    return std::span<const std::byte>(scratch);
+  };
+  return part;
+}
+
+/// Parts of a `full` asset's maps, a part for each number of layers, the one with most maps first
+/// since viewers open that; sets the tile of every plane.
+std::vector<PartPlan> full_parts(const Asset& asset, std::vector<std::uint32_t>& plane_tile) {
+  std::map<std::uint32_t, std::vector<std::uint32_t>> groups;
+  for (std::uint32_t index = 0; index < asset.maps.size(); ++index) {
+    groups[asset.maps[index].layers].push_back(index);
+  }
+  std::vector<std::pair<std::uint32_t, std::vector<std::uint32_t>>> ordered(groups.begin(),
+                                                                            groups.end());
+  std::stable_sort(ordered.begin(), ordered.end(),
+                   [](const auto& a, const auto& b) { return a.second.size() > b.second.size(); });
+  std::vector<PartPlan> parts;
+  std::uint32_t first_tile = 0;
+  for (auto& [layers, members] : ordered) {
+    for (std::uint32_t k = 0; k < members.size(); ++k) plane_tile[members[k]] = first_tile + k;
+    parts.push_back(full_part(asset, layers, std::move(members)));
+    first_tile += parts.back().tiles.columns * parts.back().tiles.rows;
+  }
+  return parts;
+}
+
+/// The tiles' heights, in a row of EXR tiles with the same number of tiles each.
+PartPlan sparse_part(const Asset& asset) {
+  constexpr std::size_t tile_bytes =
+      std::size_t{tile_sample_count} * sample_bytes(SampleType::half16);
+  const auto count = static_cast<std::uint32_t>(asset.tiles.size());
+  const std::uint32_t strip = arrange_strips(count);
+  PartPlan part;
+  part.name = part_name::heights;
+  part.type = SampleType::half16;
+  part.channels = stored_channels(1);
+  part.tile_width = tile_samples;
+  part.tile_height = strip * tile_samples;
+  part.tiles = {(count + strip - 1) / strip, 1};
+  part.payload = [&asset, strip, bytes = part.tile_bytes()](std::uint32_t chunk,
+                                                            std::vector<std::byte>& scratch) {
+    scratch.assign(bytes, std::byte{0});
+    const std::size_t first = std::size_t{chunk} * strip;
+    for (std::size_t k = 0; k < strip && first + k < asset.tiles.size(); ++k) {
+      std::memcpy(scratch.data() + k * tile_bytes, asset.tiles[first + k].heights.data(),
+                  tile_bytes);
+    }
+    return std::span<const std::byte>(scratch);
+  };
+  return part;
+}
+
+/// What is wrong with the maps of a `full` asset, empty when nothing is.
+std::string map_problem(const Asset& asset) {
+  if (asset.maps.empty() || asset.maps.size() != asset.planes.size()) {
+    return "it has not one map a plane";
+  }
+  const MapData& first = asset.maps.front();
+  for (std::size_t index = 0; index < asset.maps.size(); ++index) {
+    const MapData& map = asset.maps[index];
+    const std::size_t samples = std::size_t{map.layers} * map.columns * map.rows;
+    const bool shape = map.columns == first.columns && map.rows == first.rows && map.columns >= 2 &&
+                       map.rows >= 2 && map.layers >= 1 && map.layers <= 255 &&
+                       map.samples.size() == samples &&
+                       map.mask.size() == mask_words(map.columns, map.rows, map.layers);
+    const bool place =
+        map.plane == index && map.eta0 == 0 && map.omega0 == 0 && map.first_layer == 0;
+    if (!shape || !place) return "its map " + std::to_string(index) + " is inconsistent";
+  }
+  return {};
+}
+
+/// What is wrong with the tiles of a `sparse` asset, empty when nothing is.
+std::string tiles_problem(const Asset& asset) {
+  const AssetMetadata& metadata = asset.metadata;
+  if (!asset.tiles.empty() && !(metadata.tile_spacing > 0 && metadata.height_unit > 0)) {
+    return "its tiles have no spacing or no unit";
+  }
+  for (std::size_t index = 0; index < asset.tiles.size(); ++index) {
+    const std::string problem = tile_problem(asset.tiles[index], asset.planes.size());
+    if (!problem.empty()) return "its tile " + std::to_string(index) + " " + problem;
+  }
+  return {};
+}
+
+/// What is wrong with an asset that the writer was given, empty when nothing is.
+std::string inconsistency(const Asset& asset) {
+  const bool full = asset.metadata.form == AssetForm::full;
+  const auto options = nlohmann::json::parse(asset.metadata.options, nullptr, false);
+  if (!options.is_object()) return "its options are not a JSON object";
+  const GridData& grid = asset.grid;
+  if (full && (grid.index.empty() ||
+               grid.index.size() != std::size_t{grid.cells[0]} * grid.cells[1] * grid.cells[2])) {
+    return "its grid has not one word a cell";
+  }
+  if (grid.records.size() > offset_mask) return "its grid has more words than can be named";
+  if (full ? !asset.space.words.empty() || !asset.tree.words.empty()
+           : asset.space.words.empty() || asset.space.words.size() % space_node_words != 0 ||
+                 asset.tree.words.empty() || asset.tree.words.size() % tree_node_words != 0 ||
+                 !grid.index.empty() || !grid.records.empty()) {
+    return "its trees are not of whole nodes, or of the other form";
+  }
+  const std::size_t numbers = full ? 9 : 3;
+  if (asset.triangles.size() % numbers != 0 || asset.small_triangles.size() % numbers != 0 ||
+      !(asset.triangles.empty() || asset.small_triangles.empty())) {
+    return "the corners of its triangles are not of three numbers, or of two forms";
+  }
+  if (full ? !asset.tiles.empty() : !asset.maps.empty()) {
+    return "it holds what belongs to the other form";
+  }
+  return full ? map_problem(asset) : tiles_problem(asset);
+}
+
+/// The 16-bit numbers of corners two a word, the first in the low half.
+std::vector<std::uint32_t> pack_small(const std::vector<std::uint16_t>& numbers) {
+  std::vector<std::uint32_t> words((numbers.size() + 1) / 2, 0);
+  for (std::size_t i = 0; i < numbers.size(); ++i) {
+    words[i / 2] |= std::uint32_t{numbers[i]} << (16 * (i % 2));
+  }
+  return words;
+}
+
+/// Arrays that are gathered from maps, tiles and triangles; they live until the file is written.
+struct Gathered {
+  TileWords words;  ///< the masks also of a `full` asset
+  std::vector<std::uint32_t> small_triangles;
+};
+
+Gathered gather(const Asset& asset) {
+  Gathered gathered{words_of(asset.tiles), pack_small(asset.small_triangles)};
+  std::vector<std::uint32_t>& masks = gathered.words.masks;
+  for (const MapData& map : asset.maps) {
+    masks.insert(masks.end(), map.mask.begin(), map.mask.end());
+  }
+  return gathered;
+}
+
+std::vector<Attribute> attributes_of(const AssetDescription& description) {
+  const AssetMetadata& metadata = description.metadata;
+  std::vector<Attribute> attributes = {
+      {"spm_format_version", asset_format_version}, {"spm_units", std::string("m")},
+      {"spm_mesh_sha256", metadata.mesh_sha256},    {"spm_max_depth", metadata.band.max_depth},
+      {"spm_margin", metadata.band.margin},         {"spm_probe_radius", metadata.probe_radius},
+  };
+  if (metadata.tolerance) attributes.emplace_back("spm_tolerance", *metadata.tolerance);
+  attributes.emplace_back(attribute_name::description, to_json(description));
+  return attributes;
+}
+
+std::uint64_t payload_of(const std::vector<PartPlan>& parts, std::string_view prefix) {
+  std::uint64_t bytes = 0;
+  for (const PartPlan& part : parts) {
+    if (part.name.starts_with(prefix)) bytes += part.payload_bytes();
+  }
+  return bytes;
+}
+
+}  // namespace
+
+Result<AssetBytes> write_asset(const Asset& asset, const std::string& path) {
+  if (const std::string cause = inconsistency(asset); !cause.empty()) {
+    return fail(ExitCode::internal,
+                path + ": the baked asset cannot be written: " + cause + "; report this");
+  }
+  AssetDescription description = describe(asset);
+  std::vector<PartPlan> parts;
+  if (description.metadata.form == AssetForm::full) {
+    parts = full_parts(asset, description.plane_tile);
+  } else if (!asset.tiles.empty()) {
+    parts.push_back(sparse_part(asset));
+  }
+  const Gathered gathered = gather(asset);
+  const auto add = [&parts](std::string_view name, SampleType type, const auto& values) {
+    if (!values.empty()) parts.push_back(flat_part(name, type, std::span(values)));
+  };
+  add(part_name::grid_index, SampleType::uint32, asset.grid.index);
+  add(part_name::grid_records, SampleType::uint32, asset.grid.records);
+  add(part_name::grid_space, SampleType::uint32, asset.space.words);
+  add(part_name::grid_tree, SampleType::uint32, asset.tree.words);
+  add(part_name::grid_tiles, SampleType::uint32, gathered.words.tiles);
+  add(part_name::grid_masks, SampleType::uint32, gathered.words.masks);
+  add(part_name::triangles, SampleType::float32, asset.triangles);
+  add(part_name::triangles, SampleType::uint32, gathered.small_triangles);
+
+  Result<OutputFile> file = OutputFile::create(path);
+  if (!file) return tl::make_unexpected(std::move(file.error()));
+  const Result<std::uint64_t> total = write_exr(*file, path, parts, attributes_of(description));
+  if (!total) return tl::make_unexpected(total.error());
+  if (auto done = file->commit(); !done) return tl::make_unexpected(std::move(done.error()));
+  return AssetBytes{.total = *total,
+                    .samples = payload_of(parts, part_name::heights),
+                    .grid = payload_of(parts, "grid"),
+                    .triangles = payload_of(parts, part_name::triangles)};
+}
+
+Result<void> check_output_path(const std::string& path) {
+  // Creating the temporary file is the only check that no kind of file system can fool.
+  Result<OutputFile> file = OutputFile::create(path);
+  if (!file) return tl::make_unexpected(std::move(file.error()));
+  return {};
+}
+
+}  // namespace spm

@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <limits>
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "common/base/vector.hpp"
+
+namespace spm {
+
+/// Checked access to the fields of one JSON object. The first thing wrong is kept in `problem`,
+/// shared by an object and its children, as a clause ("`band.margin` is not a number from 0 to 1");
+/// after that every access gives a harmless value, so that a caller checks once, at the end.
+class JsonFields {
+ public:
+  using Json = nlohmann::ordered_json;
+  static constexpr double any = std::numeric_limits<double>::max();
+
+  JsonFields(const Json& object, std::string place, std::string& problem);
+
+  [[nodiscard]] double number(const char* key, double low = -any, double high = any);
+  [[nodiscard]] std::uint64_t integer(const char* key, std::uint64_t low, std::uint64_t high);
+  [[nodiscard]] bool flag(const char* key);
+  [[nodiscard]] std::string text(const char* key);
+  [[nodiscard]] Vector3 vector(const char* key);
+  [[nodiscard]] JsonFields child(const char* key);
+  /// An array of integers of exactly three elements, each from `low` to `high`.
+  [[nodiscard]] std::array<std::uint32_t, 3> triple(const char* key, std::uint32_t low,
+                                                    std::uint32_t high);
+  /// The value of a key, or a null value when it is missing, which is no problem.
+  [[nodiscard]] const Json& optional(const char* key) const;
+  /// The array of a key, or an empty array when there is none, which is a problem.
+  [[nodiscard]] const Json& array(const char* key);
+
+  /// Notes that `key` is not what it must be, unless something was wrong before.
+  void wrong(const char* key, const std::string& wanted);
+
+ private:
+  const Json& find(const char* key) const;
+
+  const Json* object_;
+  std::string place_;
+  std::string* problem_;
+};
+
+}  // namespace spm

@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "formats/files/text_file.hpp"
+
+#include <cerrno>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <system_error>
+
+namespace spm {
+
+Result<std::string> read_text_file(const std::string& path, const std::string& wanted) {
+  std::error_code ignored;
+  if (std::filesystem::is_directory(path, ignored)) {
+    return fail(ExitCode::file_or_device, path + ": is a folder; give " + wanted);
+  }
+  errno = 0;
+  std::ifstream file(path, std::ios::binary);
+  if (!file) {
+    return fail(ExitCode::file_or_device, path + ": cannot be opened: " + std::strerror(errno) +
+                                              "; check the name and its permissions");
+  }
+  std::string text{std::istreambuf_iterator<char>(file), {}};
+  if (file.bad()) return fail(ExitCode::file_or_device, path + ": cannot be read; check the disk");
+  return text;
+}
+
+}  // namespace spm

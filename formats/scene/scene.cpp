@@ -1,0 +1,221 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "formats/scene/scene.hpp"
+
+#include <toml++/toml.h>
+
+#include <array>
+#include <cmath>
+#include <filesystem>
+
+#include "common/contact/stable_stiffness.hpp"
+#include "common/base/units.hpp"
+#include "formats/scene/scene_cures.hpp"
+#include "formats/scene/scene_effects.hpp"
+#include "formats/scene/table_reader.hpp"
+#include "formats/files/text_file.hpp"
+
+namespace spm {
+namespace {
+
+constexpr double unit_slack = 0.01;  // of a quaternion written with few digits
+constexpr double least_scale = 1e-6, most_scale = 1e6;
+
+void read_pose(TableReader& reader, Placement& placement) {
+  const char* cure = "; give [x, y, z] in metres, or [x, y, z, qw, qx, qy, qz]";
+  const toml::array* array = reader.node("pose")->as_array();
+  if (array == nullptr || (array->size() != 3 && array->size() != 7)) {
+    return reader.refuse("pose", std::string("'pose' must be three or seven numbers") + cure);
+  }
+  std::array<double, 7> numbers{0, 0, 0, 1, 0, 0, 0};
+  for (std::size_t i = 0; i < array->size(); ++i) {
+    const toml::node& value = *array->get(i);
+    const std::optional<double> number = value.value<double>();
+    if (!value.is_number() || !number || !std::isfinite(*number)) {
+      return reader.refuse("pose", std::string("'pose' holds what is no finite number") + cure);
+    }
+    numbers[i] = *number;
+  }
+  const Eigen::Quaterniond rotation(numbers[3], numbers[4], numbers[5], numbers[6]);
+  if (!(std::abs(rotation.norm() - 1) <= unit_slack)) {
+    return reader.refuse("pose",
+                         "the quaternion of 'pose' is not of unit length; give qw qx qy qz of unit "
+                         "length, to within 1 %");
+  }
+  placement.position = Vector3(numbers[0], numbers[1], numbers[2]);
+  placement.rotation = rotation.normalized();
+}
+
+void read_scale(TableReader& reader, Placement& placement) {
+  const toml::node& value = *reader.node("scale");
+  const std::optional<double> scale = value.value<double>();
+  const bool number = value.is_number() && scale && std::isfinite(*scale);
+  if (number && *scale >= least_scale && *scale <= most_scale) {
+    placement.scale = *scale;
+  } else if (number && *scale < 0) {
+    reader.refuse("scale",
+                  "'scale' must be above 0: what is mirrored is another object; mirror the mesh "
+                  "and bake that");
+  } else if (number && *scale > 0) {
+    reader.refuse("scale", "'scale' is out of range; give a number from 1e-6 to 1e6");
+  } else {
+    reader.refuse("scale", "'scale' must be a number above 0, such as 2.0");
+  }
+}
+
+Placement read_placement(TableReader& reader) {
+  Placement placement;
+  if (reader.has("pose")) read_pose(reader, placement);
+  if (reader.has("scale")) read_scale(reader, placement);
+  return placement;
+}
+
+/// What a scene's path means: relative to the scene's own folder.
+std::string resolved(const std::string& scene, const std::string& path) {
+  if (path.empty()) return path;
+  return (std::filesystem::path(scene).parent_path() / path).string();
+}
+
+SceneDevice read_device(TableReader&& reader) {
+  SceneDevice device;
+  device.driver = reader.text("driver", "sim");
+  device.driver_line = reader.line("driver");
+  const std::string name = reader.text("profile", "falcon");
+  if (!name.empty()) {
+    device.profile = find_device_profile(name);
+    if (device.profile == nullptr) {
+      reader.refuse("profile", "profile " + in_quotes(name) + " is not known; the profiles are" +
+                                   device_profile_names());
+    }
+  }
+  if (reader.has("force_cap")) {
+    device.force_cap = reader.quantity("force_cap", Quantity::force, "3N", 0);
+    if (device.profile != nullptr && *device.force_cap > device.profile->force_cap) {
+      reader.refuse("force_cap", "'force_cap' is more than a " + name +
+                                     " is made for; give at most " +
+                                     format_quantity(device.profile->force_cap, Quantity::force));
+    }
+  }
+  return device;
+}
+
+std::optional<double> read_tool(TableReader&& reader) {
+  const std::string text = reader.text("probe", "sphere:0.5mm");
+  if (text.empty()) return std::nullopt;
+  const Result<double> radius = parse_probe(text);
+  if (radius) return *radius;
+  reader.refuse("probe", "'probe': " + radius.error().message);
+  return std::nullopt;
+}
+
+/// `chosen`: what "auto" is, N/m of the scene's world; nothing where no device is named.
+void read_stiffness(TableReader& reader, std::optional<double> chosen, SceneObject& object) {
+  object.stiffness_given = reader.has("stiffness");
+  const toml::node* value = reader.node("stiffness");
+  object.stiffness_chosen = value != nullptr && value->value<std::string_view>() == "auto";
+  if (!object.stiffness_chosen) {
+    object.stiffness =
+        reader.quantity("stiffness", Quantity::stiffness, "1.5N/mm", object.stiffness);
+  } else if (chosen) {
+    object.stiffness = *chosen;
+  } else {
+    reader.refuse(
+        "stiffness",
+        "'stiffness' \"auto\" is chosen by the device; add 'profile' to [device], one of" +
+            device_profile_names());
+  }
+}
+
+SceneObject read_object(TableReader&& reader, const Scene& scene) {
+  SceneObject object;
+  object.asset = resolved(scene.path, reader.text("asset", "teeth.spm.exr"));
+  object.mesh = resolved(scene.path, reader.text("mesh", "teeth.obj"));
+  object.placement = read_placement(reader);
+  constexpr std::array methods{Method::spm, Method::proxy, Method::paper};
+  if (const auto word = reader.word("method", {"spm", "proxy", "paper"})) {
+    object.method = methods[*word];
+  }
+  constexpr std::array rules{PaperRule::closest_plane, PaperRule::closest_surface,
+                             PaperRule::all_planes};
+  if (const auto word =
+          reader.word("paper_rule", {"closest-plane", "closest-surface", "all-planes"})) {
+    object.rule = rules[*word];
+  }
+  std::optional<double> chosen;
+  if (scene.device.profile != nullptr) {
+    chosen = stable_stiffness(*scene.device.profile) / scene.workspace.scale;
+  }
+  read_stiffness(reader, chosen, object);
+  object.effects = read_effects(reader, object.stiffness);
+  object.movable = reader.flag("movable", object.movable);
+  if (!reader.has("asset") && !reader.has("mesh")) {
+    reader.refuse("asset",
+                  "an object needs 'mesh', what it is baked from, or 'asset', its baked "
+                  "file, or both");
+  }
+  return object;
+}
+
+/// Reads the tables of a document; `error` gets the first thing that is wrong.
+Scene read_document(const std::string& path, const toml::table& document,
+                    std::optional<Error>& error) {
+  Scene scene;
+  scene.path = path;
+  TableReader top(path, document, "a scene", {"device", "tool", "workspace", "cures", "object"},
+                  error);
+  for (const char* name : {"device", "tool", "workspace", "cures"}) {
+    const toml::node* node = document.get(name);
+    if (node == nullptr) continue;
+    if (!node->is_table()) {
+      top.refuse(name, in_quotes(name) + " must be a table; write [" + name + "]");
+      continue;
+    }
+    const toml::table& table = *node->as_table();
+    const std::string in = std::string("[") + name + "]";
+    if (name == std::string_view("device")) {
+      scene.device =
+          read_device(TableReader(path, table, in, {"driver", "profile", "force_cap"}, error));
+    } else if (name == std::string_view("tool")) {
+      scene.probe_radius = read_tool(TableReader(path, table, in, {"probe"}, error));
+    } else if (name == std::string_view("cures")) {
+      TableReader reader(path, table, in, cure_keys, error);
+      scene.cures = read_cures(reader, scene.device.profile);
+    } else {
+      TableReader reader(path, table, in, {"pose", "scale"}, error);
+      scene.workspace = read_placement(reader);
+    }
+  }
+  const toml::node* objects = document.get("object");
+  if (objects == nullptr || !objects->is_array_of_tables()) {
+    top.refuse("object", "a scene needs an object; add [[object]] with 'mesh' or 'asset'");
+    return scene;
+  }
+  for (const toml::node& node : *objects->as_array()) {
+    TableReader reader(path, *node.as_table(), "[[object]]",
+                       {"asset", "mesh", "pose", "scale", "stiffness", "method", "paper_rule",
+                        "friction", "damping", "texture", "smoothing", "turn_limit", "movable"},
+                       error);
+    scene.objects.push_back(read_object(std::move(reader), scene));
+    scene.objects.back().line = static_cast<int>(node.source().begin.line);
+  }
+  return scene;
+}
+
+}  // namespace
+
+Result<Scene> read_scene(const std::string& path) {
+  const Result<std::string> text = read_text_file(path, "a scene, a TOML file");
+  if (!text) return tl::make_unexpected(text.error());
+  std::optional<Error> error;
+  try {
+    const toml::table document = toml::parse(*text, path);
+    Scene scene = read_document(path, document, error);
+    if (!error) return scene;
+  } catch (const toml::parse_error& problem) {
+    return fail(ExitCode::invalid_input, path + ": line " +
+                                             std::to_string(problem.source().begin.line) +
+                                             ": not TOML: " + std::string(problem.description()));
+  }
+  return tl::make_unexpected(*error);
+}
+
+}  // namespace spm

@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "common/base/device_profile.hpp"
+#include "common/contact/effect_settings.hpp"
+#include "common/base/error.hpp"
+#include "common/contact/force_law.hpp"
+#include "common/base/placement.hpp"
+#include "common/contact/stabilization_settings.hpp"
+
+namespace spm {
+
+/// The device that a scene is felt with.
+struct SceneDevice {
+  std::string driver;                      ///< as `spm-servo run --device` takes it; may be empty
+  const DeviceProfile* profile = nullptr;  ///< null where the scene names none
+  std::optional<double> force_cap;         ///< N, above 0, at most the profile's
+  int driver_line = 0;                     ///< of `driver` in the file
+};
+
+/// One object of a scene.
+struct SceneObject {
+  std::string asset;    ///< baked file, made relative to the scene's folder; may be empty
+  std::string mesh;     ///< what it is baked from, likewise; one of the two is given
+  Placement placement;  ///< of the asset's frame
+  double stiffness = default_stiffness;  ///< N/m, of the contact
+  bool stiffness_given = false;
+  bool stiffness_chosen = false;  ///< by the device: the scene says "auto"
+  Method method = Method::spm;
+  PaperRule rule = PaperRule::closest_plane;
+  EffectSettings effects;  ///< lengths, forces and damping of the world
+  bool movable = false;    ///< an application may move it
+  int line = 0;            ///< of its `[[object]]` in the file
+
+  static constexpr double default_stiffness = 1000;
+};
+
+/// What is touched, with what, and from where.
+struct Scene {
+  std::string path;
+  SceneDevice device;
+  std::optional<double> probe_radius;  ///< m, 0 for a point
+  Placement workspace;                 ///< of the device's frame, whose origin is its tool's centre
+  CureSettings cures;
+  std::vector<SceneObject> objects;  ///< at least one
+};
+
+/// Reads a scene (TOML), formats/README.md tells its keys. Lengths, forces and stiffnesses are
+/// strings with their unit; a pose is an array of bare numbers, metres and a quaternion w first, as
+/// in a trajectory. Errors: file_or_device; invalid_input with the line, the cause and the cure,
+/// and for a misspelt key the key that was probably meant.
+[[nodiscard]] Result<Scene> read_scene(const std::string& path);
+
+}  // namespace spm

@@ -1,0 +1,19 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "common/base/device_profile.hpp"
+#include "common/contact/stabilization_settings.hpp"
+#include "formats/scene/table_reader.hpp"
+
+namespace spm {
+
+/// The keys of `[cures]`.
+inline constexpr std::initializer_list<const char*> cure_keys{
+    "advised",          "damping",   "delay",    "coupling",
+    "coupling_damping", "passivity", "velocity", "potential"};
+
+/// Reads `[cures]` of a scene; formats/README.md tells its keys. `device`: whose mass bounds the
+/// damping; null where the scene names none. What is wrong goes to the reader.
+[[nodiscard]] CureSettings read_cures(TableReader& cures, const DeviceProfile* device);
+
+}  // namespace spm

@@ -1,0 +1,14 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "common/contact/effect_settings.hpp"
+#include "formats/scene/table_reader.hpp"
+
+namespace spm {
+
+/// Reads `friction`, `damping`, `texture`, `smoothing` and `turn_limit` of an object, which must be
+/// among the reader's keys; formats/README.md tells what is in them. `stiffness` (N/m) holds a
+/// point that sticks where the scene does not say. What is wrong goes to the reader.
+[[nodiscard]] EffectSettings read_effects(TableReader& object, double stiffness);
+
+}  // namespace spm

@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <toml++/toml.h>
+
+#include <cstdint>
+#include <initializer_list>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "common/base/error.hpp"
+#include "common/base/units.hpp"
+
+namespace spm {
+
+/// A word or a text in single quotes, as messages show it.
+[[nodiscard]] std::string in_quotes(std::string_view text);
+
+/// Reads one table of a TOML file, key by key. The first thing that is wrong, an unknown key
+/// included, is kept in `error` with its line, its cause and its cure; what is read after it is a
+/// default. A key that is not there is its default.
+class TableReader {
+ public:
+  enum class Least { zero, above_zero };
+
+  /// `name`: the table's, for messages. Path, table and error must outlive the reader.
+  TableReader(const std::string& path, const toml::table& table, std::string name,
+              std::initializer_list<const char*> keys, std::optional<Error>& error);
+
+  [[nodiscard]] bool has(const char* key) const { return table_.contains(key); }
+  /// Where the key stands, or the table where it does not.
+  [[nodiscard]] int line(const char* key) const;
+
+  /// Keeps an error of code invalid_input at the key, if it is the first.
+  void refuse(const char* key, const std::string& cause);
+
+  /// Text that is not empty; empty where there is none.
+  [[nodiscard]] std::string text(const char* key, const std::string& example);
+
+  /// Index of the text among the words.
+  [[nodiscard]] std::optional<std::size_t> word(const char* key,
+                                                std::initializer_list<const char*> words);
+
+  /// A quantity with its unit, SI.
+  [[nodiscard]] double quantity(const char* key, Quantity kind, const std::string& example,
+                                double otherwise, Least least = Least::above_zero);
+
+  /// A bare number from `least` to `most`.
+  [[nodiscard]] double number(const char* key, double least, double most, double otherwise);
+
+  /// A whole number from `least` to `most`.
+  [[nodiscard]] std::uint64_t whole(const char* key, std::uint64_t least, std::uint64_t most,
+                                    std::uint64_t otherwise);
+
+  /// true or false.
+  [[nodiscard]] bool flag(const char* key, bool otherwise);
+
+  /// The node at the key, or null.
+  [[nodiscard]] const toml::node* node(const char* key) const { return table_.get(key); }
+
+  /// A reader of the table at the key; nothing where there is none, or no table.
+  [[nodiscard]] std::optional<TableReader> table(const char* key, const std::string& example,
+                                                 std::initializer_list<const char*> keys);
+
+ private:
+  const std::string& path_;
+  const toml::table& table_;
+  std::string name_;
+  std::optional<Error>& error_;
+
+  void refuse_at(const toml::source_region& place, const std::string& cause);
+  void unknown(const toml::key& key, const std::vector<std::string>& known);
+};
+
+}  // namespace spm

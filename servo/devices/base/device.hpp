@@ -1,0 +1,97 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Geometry>
+#include <array>
+#include <cstdint>
+#include <limits>
+#include <nlohmann/json_fwd.hpp>
+#include <span>
+#include <string>
+#include <utility>
+
+#include "common/base/device_profile.hpp"
+#include "common/base/error.hpp"
+#include "servo/force/scene_force.hpp"
+#include "common/base/wrench.hpp"
+#include "servo/realtime/realtime.hpp"
+
+namespace spm::servo {
+
+/// What acts on the hand: N, and N m about the tool's origin; world frame.
+using spm::Wrench;
+
+/// What a device measured: position of the tool's origin in metres, and how the tool is turned,
+/// world frame; one bit a button.
+struct DeviceState {
+  Vector3 position = Vector3::Zero();
+  Eigen::Quaterniond orientation = Eigen::Quaterniond::Identity();  ///< unit
+  std::uint32_t buttons = 0;
+};
+
+/// Whether a device can be trusted now. Anything but `ok` means zero force, with a cause of its
+/// own.
+enum class DeviceHealth : std::uint8_t {
+  ok,
+  fault,      ///< it answered what makes no sense
+  silent,     ///< it is there, but no report came for longer than it may take
+  gone,       ///< it was unplugged; it is looked for
+  not_homed,  ///< its encoders do not know yet where they are
+};
+
+/// What a device can do; fixed once it is open.
+struct DeviceCapabilities {
+  std::string name;
+  double force_cap = 0;     ///< N, largest force that may ever be sent to it; 0: it gives none
+  double encoder_step = 0;  ///< m, smallest step that it resolves at its centre
+  /// N/m, largest stiffness that may be felt with it.
+  double stiffness_cap = std::numeric_limits<double>::infinity();
+  /// m, half edges of the box about its origin that holds every place of its tool; 0: not known.
+  Vector3 workspace = Vector3::Zero();
+  std::uint32_t clutch_button = 0;  ///< while it is held the hand moves freely, from 1; 0: none
+};
+
+/// What a profile tells of a device.
+[[nodiscard]] inline DeviceCapabilities capabilities_of(std::string name,
+                                                        const DeviceProfile& profile) {
+  const std::array<double, 3>& edges = profile.workspace;
+  return {std::move(name), profile.force_cap, profile.encoder_step, profile.stiffness_cap,
+          Vector3(edges[0], edges[1], edges[2]) / 2};
+}
+
+/// What a device may need to know before the loop starts.
+struct DeviceSetup {
+  double rate_hz = 1000;
+  RealtimeMode realtime = RealtimeMode::attempt;  ///< of threads that a device may have
+  ForceScene scene;
+  std::span<const AssetView* const> assets;  ///< the scene's; valid while `open` runs, not later
+};
+
+/// A device that the loop drives: one `read`, then one `write`, a tick.
+class Device {
+ public:
+  Device() = default;
+  Device(const Device&) = delete;
+  Device& operator=(const Device&) = delete;
+  virtual ~Device() = default;
+
+  /// Gets ready; may allocate, block and fail.
+  [[nodiscard]] virtual Result<void> open(const DeviceSetup& setup) = 0;
+  /// Valid after `open`.
+  [[nodiscard]] virtual const DeviceCapabilities& capabilities() const noexcept = 0;
+  /// Reads the state. Called by the loop: no allocation, lock or log call; blocks for a small part
+  /// of a tick at most.
+  [[nodiscard]] virtual DeviceHealth read(DeviceState& state) noexcept = 0;
+  /// Sends a wrench, which acts until the next one. Called by the loop, as `read`.
+  [[nodiscard]] virtual DeviceHealth write(const Wrench& wrench) noexcept = 0;
+  /// Waits for a report that `read` has not taken yet, at most until a time of CLOCK_MONOTONIC;
+  /// false where none came, or the device cannot pace a loop. Called by the loop, as `read`.
+  [[nodiscard]] virtual bool wait_for_report(std::int64_t until_ns) noexcept {
+    static_cast<void>(until_ns);
+    return false;
+  }
+  /// What a report says of this device beside its capabilities.
+  [[nodiscard]] virtual nlohmann::ordered_json describe() const = 0;
+};
+
+}  // namespace spm::servo

@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "servo/devices/base/option_list.hpp"
+
+#include <fmt/format.h>
+
+namespace spm::servo {
+
+tl::unexpected<Error> option_error(const std::string& device, const std::string& message) {
+  return fail(ExitCode::usage, fmt::format("--device {}: {}", device, message));
+}
+
+Result<std::vector<DeviceOption>> split_options(const std::string& device, std::string_view text) {
+  std::vector<DeviceOption> options;
+  while (!text.empty()) {
+    const std::size_t comma = text.find(',');
+    const std::string_view item = text.substr(0, comma);
+    text = comma == std::string_view::npos ? std::string_view() : text.substr(comma + 1);
+    const std::size_t equals = item.find('=');
+    if (equals == std::string_view::npos) {
+      return option_error(
+          device, fmt::format("'{}' has no value; write option=value, separated by commas", item));
+    }
+    options.push_back({item.substr(0, equals), item.substr(equals + 1)});
+  }
+  return options;
+}
+
+Result<void> set_option_quantity(const std::string& device, double& target, std::string_view key,
+                                 std::string_view value, Quantity quantity, double most,
+                                 double least) {
+  const Result<double> parsed = parse_quantity(value, quantity);
+  if (!parsed) return option_error(device, fmt::format("{}: {}", key, parsed.error().message));
+  if (!(*parsed > 0 && *parsed >= least && *parsed <= most)) {
+    const std::string low = least > 0 ? "at least " + format_quantity(least, quantity) : "above 0";
+    return option_error(device, fmt::format("{} {} is out of range; it must be {} and at most {}",
+                                            key, value, low, format_quantity(most, quantity)));
+  }
+  target = *parsed;
+  return {};
+}
+
+}  // namespace spm::servo

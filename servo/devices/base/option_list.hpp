@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "common/base/error.hpp"
+#include "common/base/units.hpp"
+
+namespace spm::servo {
+
+/// One option of a device: of `--device NAME:key=value,key=value`.
+struct DeviceOption {
+  std::string_view key, value;
+};
+
+/// Splits a device's options; they refer to `text`. Errors: usage, one without a value.
+[[nodiscard]] Result<std::vector<DeviceOption>> split_options(const std::string& device,
+                                                              std::string_view text);
+
+/// A usage error of a device's options.
+[[nodiscard]] tl::unexpected<Error> option_error(const std::string& device,
+                                                 const std::string& message);
+
+/// Sets a quantity that is above 0, at least and at most so much, SI. Errors: usage.
+[[nodiscard]] Result<void> set_option_quantity(const std::string& device, double& target,
+                                               std::string_view key, std::string_view value,
+                                               Quantity quantity, double most, double least = 0);
+
+}  // namespace spm::servo

@@ -1,0 +1,272 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <atomic>
+#include <chrono>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <system_error>
+#include <thread>
+#include <utility>
+
+#include "common/base/error.hpp"
+#include "servo/base/clock.hpp"
+#include "servo/devices/base/latency_histogram.hpp"
+#include "servo/devices/base/latest_value.hpp"
+#include "servo/devices/base/port.hpp"
+#include "servo/devices/base/report_signal.hpp"
+#include "servo/realtime/realtime.hpp"
+
+namespace spm::servo {
+
+/// Between the blocking calls of a device's connection and the loop, which must not wait: one
+/// thread receives reports, opens the device again when it was lost, and another sends commands.
+/// The loop takes the newest report and leaves the newest command; both are a few copies and at
+/// most one wake-up of a thread. Where the loop stalls, so that it leaves none for too long, the
+/// device is sent `Command{}`, which must be no force.
+template <class Report, class Command>
+// NOLINTNEXTLINE(clang-analyzer-optin.performance.Padding): that of LatestValue, which wants it.
+class PortThreads {
+ public:
+  using DevicePort = Port<Report, Command>;
+  /// Opens the device, makes it ready (which may take seconds), or says in a sentence why not.
+  /// Called by `start`, and after a loss by a thread without real-time priority, while no other
+  /// uses the device. It gives up soon once `stop` is true.
+  using Open = std::function<Result<std::unique_ptr<DevicePort>>(const std::atomic<bool>& stop)>;
+
+  /// How long after a loss, or a failed attempt, the device is looked for again.
+  static constexpr std::chrono::milliseconds retry_interval{200};
+
+  /// After so long without a command from the loop the device is sent none: twenty ticks of the
+  /// usual rate, more than a loop misses that still runs.
+  static constexpr std::int64_t stall_ns = 20'000'000;
+
+  PortThreads() = default;
+  PortThreads(const PortThreads&) = delete;
+  PortThreads& operator=(const PortThreads&) = delete;
+  ~PortThreads() { end(); }
+
+  /// Opens the device and starts the threads. Errors: those of `open`.
+  [[nodiscard]] Result<void> start(Open open, RealtimeMode realtime) {
+    open_ = std::move(open);
+    auto port = open_(stop_);
+    if (!port) return tl::make_unexpected(std::move(port.error()));
+    port_ = std::move(*port);
+    open_now_.store(true);
+    receiver_ = std::thread([this, realtime] {
+      enter_device_thread(realtime);
+      receive_all();
+    });
+    sender_ = std::thread([this, realtime] {
+      enter_device_thread(realtime);
+      send_all();
+    });
+    return {};
+  }
+
+  /// Ends the threads; a command that was left before is sent still.
+  void end() noexcept {
+    if (!receiver_.joinable()) return;
+    stop_.store(true);
+    wake_sender();
+    sender_.join();
+    receiver_.join();
+    port_.reset();
+    open_now_.store(false);
+  }
+
+  /// By the loop: the newest report, and when it came (now_ns()), where one has come since.
+  [[nodiscard]] bool take(Report& report, std::int64_t& came_ns) noexcept {
+    // What lay there since before the loop began, or since a loss, tells nothing of delays.
+    const std::uint32_t opening = reopened() + 1;
+    const bool begins = std::exchange(taken_opening_, opening) != opening;
+    Stamped<Report> newest;
+    if (!reports_.take(newest)) return false;
+    report = newest.value;
+    came_ns = newest.at_ns;
+    if (!begins) report_age_.add(now_ns() - came_ns);
+    return true;
+  }
+
+  /// By the loop: waits until there is a report that it did not take yet; false where none came
+  /// until a time of now_ns().
+  [[nodiscard]] bool wait(std::int64_t until_ns) noexcept {
+    while (true) {
+      const std::uint32_t seen = came_.count();
+      if (reports_.is_fresh()) return true;
+      if (!came_.wait(seen, until_ns)) return reports_.is_fresh();
+    }
+  }
+
+  /// By the loop: leaves a command for the sending thread. Of several that it did not come to, the
+  /// last is sent.
+  void give(const Command& command) noexcept {
+    const std::int64_t now = now_ns();
+    commands_.put({command, now});
+    given_ns_.store(now, std::memory_order_relaxed);
+    wake_sender();
+  }
+
+  /// Whether the device is there.
+  [[nodiscard]] bool is_open() const noexcept { return open_now_.load(std::memory_order_acquire); }
+  /// Counts how often the device was opened again.
+  [[nodiscard]] std::uint32_t reopened() const noexcept {
+    return reopened_.load(std::memory_order_relaxed);
+  }
+  /// Why a lost device could not be opened again when it was last tried; empty where it was, and
+  /// where none was lost.
+  [[nodiscard]] std::string last_error() const {
+    const std::lock_guard lock(error_mutex_);
+    return last_error_;
+  }
+
+  /// From when a report came to when the loop took it.
+  [[nodiscard]] const LatencyHistogram& report_age() const noexcept { return report_age_; }
+  /// From when the loop gave a command to when the device had it.
+  [[nodiscard]] const LatencyHistogram& command_sent() const noexcept { return command_sent_; }
+  /// Both, as a report tells them.
+  [[nodiscard]] nlohmann::ordered_json latency_us() const {
+    return {{"report_age", report_age_.json_us()}, {"command_sent", command_sent_.json_us()}};
+  }
+
+ private:
+  template <class Value>
+  struct Stamped {
+    Value value{};
+    std::int64_t at_ns = 0;
+  };
+
+  void wake_sender() noexcept {
+    given_.fetch_add(1, std::memory_order_release);
+    given_.notify_one();
+  }
+
+  void receive_all() {
+    while (!stop_.load()) {
+      if (broken_.exchange(false)) lose();
+      if (port_ == nullptr) {
+        open_again();
+        continue;
+      }
+      look_after_loop();
+      Stamped<Report> stamped;
+      switch (port_->receive(stamped.value)) {
+        case Received::report:
+          stamped.at_ns = now_ns();
+          reports_.put(stamped);
+          came_.raise();
+          break;
+        case Received::nothing:
+          break;
+        case Received::gone:
+          lose();
+          break;
+      }
+    }
+  }
+
+  void look_after_loop() {
+    const std::int64_t given = given_ns_.load(std::memory_order_relaxed);
+    if (given == 0 || now_ns() - given <= stall_ns) return;
+    // Not with each report: zero stays zero.
+    given_ns_.store(now_ns(), std::memory_order_relaxed);
+    stalled_.store(true, std::memory_order_relaxed);
+    wake_sender();
+  }
+
+  void lose() {
+    open_now_.store(false, std::memory_order_release);
+    const std::lock_guard lock(mutex_);
+    port_.reset();
+  }
+
+  /// To list all that is plugged in takes milliseconds of a core, which the loop may be in need of.
+  void open_again() {
+    try {
+      std::thread([this] {
+        leave_realtime();
+        search();
+      }).join();
+    } catch (const std::system_error&) {
+      // The system has no thread to spare now.
+      std::this_thread::sleep_for(retry_interval);
+    }
+  }
+
+  void search() {
+    while (port_ == nullptr) {
+      for (auto waited = std::chrono::milliseconds(0); waited < retry_interval && !stop_.load();
+           waited += port_wait) {
+        std::this_thread::sleep_for(port_wait);
+      }
+      if (stop_.load()) return;
+      auto port = open_(stop_);
+      {
+        const std::lock_guard lock(error_mutex_);
+        last_error_ = port ? std::string() : port.error().message;
+      }
+      if (port) take_up(std::move(*port));
+    }
+  }
+
+  void take_up(std::unique_ptr<DevicePort> port) {
+    const std::lock_guard lock(mutex_);
+    port_ = std::move(port);
+    broken_.store(false);
+    reopened_.fetch_add(1, std::memory_order_relaxed);
+    open_now_.store(true, std::memory_order_release);
+  }
+
+  void send_all() {
+    std::uint32_t seen = 0;
+    while (true) {
+      const bool last = stop_.load();
+      Stamped<Command> command;
+      const bool is_given = commands_.take(command);
+      const bool is_stalled = stalled_.exchange(false, std::memory_order_relaxed);
+      if (is_given || is_stalled) {
+        // Only against the other thread's exchange of the port; the loop never takes it.
+        const std::lock_guard lock(mutex_);
+        if (port_ != nullptr && !broken_.load()) send(command, is_given);
+      }
+      if (last) return;
+      given_.wait(seen, std::memory_order_acquire);
+      seen = given_.load(std::memory_order_acquire);
+    }
+  }
+
+  void send(const Stamped<Command>& command, bool is_given) {
+    if (!port_->send(command.value)) {
+      broken_.store(true);
+      open_now_.store(false, std::memory_order_release);
+    } else if (is_given) {
+      command_sent_.add(now_ns() - command.at_ns);
+    }
+  }
+
+  Open open_;
+  /// Set and reset by the receiving thread, or the one that searches for it, under the mutex.
+  std::unique_ptr<DevicePort> port_;
+  std::mutex mutex_;
+  mutable std::mutex error_mutex_;
+  std::string last_error_;
+  std::thread receiver_, sender_;
+  LatestValue<Stamped<Report>> reports_;
+  LatestValue<Stamped<Command>> commands_;
+  ReportSignal came_;
+  LatencyHistogram report_age_;    ///< counted by the loop
+  LatencyHistogram command_sent_;  ///< counted by the sending thread
+  std::uint32_t taken_opening_ =
+      0;  ///< the loop's: the opening of which it last asked for a report
+  std::atomic<std::uint32_t> given_{0};  ///< changes with each command
+  std::atomic<std::uint32_t> reopened_{0};
+  std::atomic<std::int64_t> given_ns_{0};  ///< when the last was; 0: none yet
+  std::atomic<bool> open_now_{false}, broken_{false}, stop_{false};
+  std::atomic<bool> stalled_{false};  ///< the loop is; the sending thread has not sent zero yet
+};
+
+}  // namespace spm::servo

@@ -1,0 +1,139 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "servo/devices/external/device_external.hpp"
+
+#include <fcntl.h>
+#include <sys/mman.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <array>
+#include <cerrno>
+#include <cmath>
+#include <cstring>
+#include <filesystem>
+#include <system_error>
+
+#include "servo/base/clock.hpp"
+#include "servo/devices/external/spm_external.h"
+
+namespace spm::servo {
+
+namespace {
+
+/// How far the length of an orientation may be from 1.
+constexpr double unit_slack = 1e-3;
+
+tl::unexpected<Error> io_error(const std::string& what) {
+  return fail(ExitCode::file_or_device, "--device external: " + what);
+}
+
+/// Whether a link leads to the memory of a process that still runs.
+bool leads_somewhere(const std::string& link) noexcept {
+  struct stat status {};
+  return ::stat(link.c_str(), &status) == 0;
+}
+
+}  // namespace
+
+DeviceExternal::DeviceExternal(const ExternalOptions& options)
+    : options_(options), capabilities_(capabilities_of("external", *options.profile)) {}
+
+DeviceExternal::~DeviceExternal() {
+  if (!link_.empty()) ::unlink(link_.c_str());
+  if (memory_ != nullptr) ::munmap(memory_, sizeof(spm_external_memory));
+  if (descriptor_ >= 0) ::close(descriptor_);
+}
+
+Result<void> DeviceExternal::open(const DeviceSetup&) {
+  descriptor_ = ::memfd_create("spm-external", MFD_CLOEXEC | MFD_ALLOW_SEALING);
+  // A process that could shrink the memory could end the loop.
+  const bool made =
+      descriptor_ >= 0 && ::ftruncate(descriptor_, sizeof(spm_external_memory)) == 0 &&
+      ::fcntl(descriptor_, F_ADD_SEALS, F_SEAL_SHRINK | F_SEAL_GROW | F_SEAL_SEAL) == 0;
+  void* memory = made ? ::mmap(nullptr, sizeof(spm_external_memory), PROT_READ | PROT_WRITE,
+                               MAP_SHARED | MAP_POPULATE, descriptor_, 0)
+                      : MAP_FAILED;
+  if (memory == MAP_FAILED) {
+    return io_error(std::string("no memory to share is to be had: ") + std::strerror(errno) +
+                    "; free some, or mount /dev/shm");
+  }
+  memory_ = static_cast<spm_external_memory*>(memory);
+  memory_->version = SPM_EXTERNAL_VERSION;
+  memory_->bytes = sizeof(spm_external_memory);
+  memory_->magic = SPM_EXTERNAL_MAGIC;
+  return make_link();
+}
+
+Result<void> DeviceExternal::make_link() {
+  std::array<char, 512> path{};
+  if (spm_external_path(options_.name.c_str(), path.data(), path.size()) == 0) {
+    return io_error("the name '" + options_.name + "' is too long; take a shorter one");
+  }
+  const std::filesystem::path link = path.data();
+  std::error_code problem;
+  std::filesystem::create_directories(link.parent_path(), problem);
+  struct stat folder {};
+  if (::lstat(link.parent_path().c_str(), &folder) != 0 || !S_ISDIR(folder.st_mode) ||
+      folder.st_uid != ::geteuid()) {
+    return io_error(link.parent_path().string() +
+                    ": is no folder of this user; set XDG_RUNTIME_DIR to one");
+  }
+  // Only the user's own processes shall find it.
+  static_cast<void>(::chmod(link.parent_path().c_str(), S_IRWXU));
+  if (leads_somewhere(link)) {
+    return io_error("the name '" + options_.name +
+                    "' is in use by another spm-servo; end that one, or take another name");
+  }
+  ::unlink(link.c_str());
+  const std::string target =
+      "/proc/" + std::to_string(::getpid()) + "/fd/" + std::to_string(descriptor_);
+  if (::symlink(target.c_str(), link.c_str()) != 0) {
+    return io_error(link.string() + ": cannot be made: " + std::strerror(errno) +
+                    "; check the folder's permissions");
+  }
+  link_ = link.string();
+  return {};
+}
+
+DeviceHealth DeviceExternal::read(DeviceState& state) noexcept {
+  std::uint32_t buttons = 0;
+  std::uint64_t counter = 0;
+  std::array<double, 7> numbers{};
+  const std::int64_t now = now_ns();
+  const bool got = spm_external_get(&memory_->pose, &buttons, &counter, numbers.data()) != 0;
+  if (got && counter != last_counter_) {
+    const Eigen::Quaterniond turn(numbers[3], numbers[4], numbers[5], numbers[6]);
+    const Vector3 position(numbers[0], numbers[1], numbers[2]);
+    if (!position.allFinite() || !(std::abs(turn.norm() - 1) <= unit_slack)) {
+      return DeviceHealth::fault;
+    }
+    last_ = {position, turn.normalized(), buttons};
+    last_counter_ = counter;
+    last_ns_ = now;
+    attached_ = true;
+  }
+  state = last_;
+  const bool is_alive = attached_ && now - last_ns_ <= SPM_EXTERNAL_SILENCE_NS;
+  return is_alive ? DeviceHealth::ok : DeviceHealth::silent;
+}
+
+DeviceHealth DeviceExternal::write(const Wrench& wrench) noexcept {
+  const std::array<double, 7> numbers{wrench.force.x(),
+                                      wrench.force.y(),
+                                      wrench.force.z(),
+                                      wrench.torque.x(),
+                                      wrench.torque.y(),
+                                      wrench.torque.z(),
+                                      0};
+  spm_external_put(&memory_->wrench, 0, numbers.data());
+  return DeviceHealth::ok;
+}
+
+nlohmann::ordered_json DeviceExternal::describe() const {
+  return {{"external_name", options_.name},
+          {"profile", options_.profile->name},
+          {"memory", link_},
+          {"attached", attached_}};
+}
+
+}  // namespace spm::servo

@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "servo/devices/base/device.hpp"
+#include "servo/devices/external/external_options.hpp"
+
+struct spm_external_memory;
+
+namespace spm::servo {
+
+/// A device that another process drives, which supplies poses and takes wrenches over shared memory
+/// (spm_external.h). The memory cannot be shrunk, and nothing that is written into it can do more
+/// than take the force away: numbers that are not finite and orientations that are not unit are
+/// faults, poses that stop changing their counter are silence.
+class DeviceExternal final : public Device {
+ public:
+  explicit DeviceExternal(const ExternalOptions& options);
+  ~DeviceExternal() override;
+
+  /// Makes the memory, and the link under which it is found. Errors: file_or_device, where another
+  /// daemon holds the name, or no memory is to be had.
+  [[nodiscard]] Result<void> open(const DeviceSetup& setup) override;
+  [[nodiscard]] const DeviceCapabilities& capabilities() const noexcept override {
+    return capabilities_;
+  }
+  [[nodiscard]] DeviceHealth read(DeviceState& state) noexcept override;
+  [[nodiscard]] DeviceHealth write(const Wrench& wrench) noexcept override;
+  [[nodiscard]] nlohmann::ordered_json describe() const override;
+
+ private:
+  [[nodiscard]] Result<void> make_link();
+
+  ExternalOptions options_;
+  DeviceCapabilities capabilities_;
+  std::string link_;
+  int descriptor_ = -1;
+  spm_external_memory* memory_ = nullptr;
+  DeviceState last_;
+  std::uint64_t last_counter_ = 0;
+  std::int64_t last_ns_ = 0;
+  bool attached_ = false;  ///< a process supplied a pose
+};
+
+}  // namespace spm::servo

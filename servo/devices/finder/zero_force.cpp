@@ -1,0 +1,95 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "servo/devices/finder/zero_force.hpp"
+
+#include <atomic>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <string_view>
+#include <utility>
+
+#include "servo/devices/falcon/falcon_options.hpp"
+#include "servo/devices/falcon/falcon_port.hpp"
+#include "servo/devices/pid/pid_options.hpp"
+#include "servo/devices/pid/pid_port.hpp"
+#include "servo/devices/base/port.hpp"
+#include "servo/devices/wooden/wooden_options.hpp"
+#include "servo/devices/wooden/wooden_port.hpp"
+
+namespace spm::servo {
+
+namespace {
+
+constexpr std::string_view falcon = "falcon:", wooden = "woodenhaptics:", pid = "pid:";
+
+/// `Command{}` is no force, as PortThreads has it too. The report is taken as some boards wait for
+/// that before they hear the next command.
+template <class Report, class Command>
+ZeroForce through(std::shared_ptr<Port<Report, Command>> port) {
+  return [port = std::move(port)] {
+    Report report;
+    return port->send(Command{}) && port->receive(report) != Received::gone;
+  };
+}
+
+Result<ZeroForce> open_falcon(std::string_view text) {
+  const auto options = parse_falcon_options(text);
+  if (!options) return tl::make_unexpected(options.error());
+  auto usb = FalconUsb::open(options->path, options->product);
+  if (!usb) return tl::make_unexpected(std::move(usb.error()));
+  auto port = FalconPort::start(std::move(*usb));
+  if (!port) return tl::make_unexpected(std::move(port.error()));
+  return through<FalconReport, FalconCommand>(std::move(*port));
+}
+
+Result<ZeroForce> open_wooden(std::string_view text) {
+  const auto options = parse_wooden_options(text);
+  if (!options) return tl::make_unexpected(options.error());
+  const std::atomic<bool> stop{false};
+  auto port = WoodenPort::open(*options, 0, stop);
+  if (!port) return tl::make_unexpected(std::move(port.error()));
+  return through<WoodenReport, WoodenCommand>(std::move(*port));
+}
+
+Result<ZeroForce> open_pid(std::string_view text) {
+  const auto options = parse_pid_options(text);
+  if (!options) return tl::make_unexpected(options.error());
+  const std::atomic<bool> stop{false};
+  auto port = PidPort::open(*options, stop);
+  if (!port) return tl::make_unexpected(std::move(port.error()));
+  return through<PidReport, PidCommand>(std::move(*port));
+}
+
+/// The option that names a device by its serial number, where it can.
+std::string serial_option(const nlohmann::ordered_json& details) {
+  const auto serial = details.at("serial").get<std::string>();
+  const bool named = !serial.empty() && serial.find(',') == std::string::npos;
+  return named ? ",serial=" + serial : "";
+}
+
+}  // namespace
+
+std::string zero_force_target(const Device& device) {
+  const std::string& name = device.capabilities().name;
+  const nlohmann::ordered_json details = device.describe();
+  if (name == "falcon") {
+    return std::string(falcon) + "path=" + details.at("usb_path").get<std::string>() +
+           ",product=" + details.at("usb_product").get<std::string>();
+  }
+  if (name == "woodenhaptics") {
+    // The protocol, so that none has to be told from a report first.
+    return std::string(wooden) + "protocol=" + details.at("protocol").get<std::string>() +
+           serial_option(details);
+  }
+  // How strong it is must be given, and is the same for no force.
+  if (name == "pid") return std::string(pid) + "full_force=1N" + serial_option(details);
+  return {};
+}
+
+Result<ZeroForce> open_zero_force(const std::string& target) {
+  if (target.starts_with(falcon)) return open_falcon(target.substr(falcon.size()));
+  if (target.starts_with(wooden)) return open_wooden(target.substr(wooden.size()));
+  if (target.starts_with(pid)) return open_pid(target.substr(pid.size()));
+  return fail(ExitCode::usage, "'" + target + "' is no device that is sent zero force");
+}
+
+}  // namespace spm::servo

@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <mutex>
+#include <nlohmann/json.hpp>
+
+#include "common/base/device_profile.hpp"
+#include "servo/devices/base/device.hpp"
+#include "servo/devices/hid/hid_bus.hpp"
+#include "servo/devices/pid/pid_options.hpp"
+#include "servo/devices/pid/pid_port.hpp"
+#include "servo/devices/base/port_threads.hpp"
+
+namespace spm::servo {
+
+/// The device is silent when its newest report is older, ns: three times what a low-speed device
+/// may be left between two reports.
+inline constexpr std::int64_t pid_silent_ns = 30'000'000;
+
+/// How stiff a surface may be, N/m: that of the softest profile, as nobody tells it of a stick [U].
+inline constexpr double pid_stiffness_cap = 400;
+static_assert(pid_stiffness_cap == find_device_profile("touch")->stiffness_cap);
+
+/// A joystick, or another device of the HID PID class, with constant force along one or two axes:
+/// they become x and y, and z stays 0. Written to USB PID 1.0 and to what the kernel's driver and
+/// public firmware do; not tried on a device [U].
+class DevicePid final : public Device {
+ public:
+  explicit DevicePid(const PidOptions& options);
+
+  /// Errors: those of PidPort::open.
+  [[nodiscard]] Result<void> open(const DeviceSetup& setup) override;
+  [[nodiscard]] const DeviceCapabilities& capabilities() const noexcept override {
+    return capabilities_;
+  }
+  [[nodiscard]] DeviceHealth read(DeviceState& state) noexcept override;
+  [[nodiscard]] DeviceHealth write(const Wrench& wrench) noexcept override;
+  [[nodiscard]] bool wait_for_report(std::int64_t until_ns) noexcept override {
+    return threads_.wait(until_ns);
+  }
+  [[nodiscard]] nlohmann::ordered_json describe() const override;
+
+ private:
+  [[nodiscard]] DeviceHealth health(std::int64_t at_ns) const noexcept;
+
+  PidOptions options_;
+  DeviceCapabilities capabilities_;
+  PidReport report_;
+  std::int64_t came_ns_ = 0;  ///< 0: none did yet
+  mutable std::mutex found_mutex_;
+  HidDevice found_;  ///< the last one opened, as is its layout
+  PidLayout found_layout_;
+  PortThreads<PidReport, PidCommand> threads_;  ///< last: its threads use the rest
+};
+
+}  // namespace spm::servo

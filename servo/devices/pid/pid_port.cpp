@@ -1,0 +1,218 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "servo/devices/pid/pid_port.hpp"
+
+#include <fmt/format.h>
+
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <span>
+#include <string_view>
+#include <thread>
+#include <utility>
+
+#include "servo/base/clock.hpp"
+#include "servo/devices/base/device_ids.hpp"
+
+namespace spm::servo {
+
+namespace {
+
+constexpr std::string_view name = "HID PID device";
+
+/// What a reset takes, and how long a device may be at an effect, differs; no source says [U].
+constexpr std::chrono::milliseconds reset_wait{20};
+constexpr std::chrono::milliseconds load_wait{5};
+constexpr int load_attempts = 40;
+
+/// A device that does not answer so often is not asked for its report again: each question may
+/// take as long as the kernel's patience.
+constexpr int most_unanswered = 3;
+
+bool is_pid(const HidDevice& device) {
+  const auto match = match_hid({{device.vendor, device.product},
+                                device.usage_page,
+                                device.usage,
+                                has_usage_page(hid_descriptor_of(device), pid_usage_page),
+                                device.product_name});
+  return match && std::string_view(match->driver) == "pid";
+}
+
+std::string named(const HidDevice& device) {
+  return fmt::format("the {} at {} ({:04x}:{:04x})", name, device.path, device.vendor,
+                     device.product);
+}
+
+Result<PidLayout> layout_of(const HidDevice& device, std::optional<PidDirection> direction) {
+  const auto descriptor = parse_hid_descriptor(hid_descriptor_of(device));
+  if (!descriptor) {
+    return fail(ExitCode::unsupported,
+                fmt::format("{} has a report descriptor that cannot be read ({}): it cannot be "
+                            "driven; check its firmware",
+                            named(device), to_string(descriptor.error())));
+  }
+  auto layout = find_pid_layout(*descriptor, direction);
+  if (!layout) {
+    return fail(ExitCode::unsupported,
+                fmt::format("{} cannot be driven: {}; use a device with constant force, or, where "
+                            "direction= was given, leave that away",
+                            named(device), layout.error()));
+  }
+  return std::move(*layout);
+}
+
+}  // namespace
+
+std::vector<std::uint8_t> hid_descriptor_of(const HidDevice& device) {
+  const std::string node = std::filesystem::path(device.path).filename().string();
+  std::ifstream file("/sys/class/hidraw/" + node + "/device/report_descriptor", std::ios::binary);
+  return {std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
+}
+
+Result<std::unique_ptr<PidPort>> PidPort::open(const PidOptions& options,
+                                               const std::atomic<bool>& stop) {
+  auto opened = open_hid({name, is_pid, options.serial}, HidUse::alone);
+  if (!opened) return tl::make_unexpected(std::move(opened.error()));
+  auto layout = layout_of(opened->device, options.direction);
+  if (!layout) return tl::make_unexpected(std::move(layout.error()));
+  auto writer = HidHandle::open(opened->device, name, HidUse::shared);
+  if (!writer) return tl::make_unexpected(std::move(writer.error()));
+  std::unique_ptr<PidPort> port(new PidPort(std::move(opened->device), std::move(*layout),
+                                            std::move(opened->handle), std::move(*writer),
+                                            options.watchdog));
+  const Result<void> ready = port->set_up(stop);
+  if (!ready) return tl::make_unexpected(ready.error());
+  return port;
+}
+
+PidPort::~PidPort() {
+  // Where the device is gone these fail, and there is nothing left to stop.
+  for (const PidBlock block : effects_) {
+    static_cast<void>(send_message(pid_stop(layout_, block)));
+    const auto give_back = pid_free(layout_, block);
+    if (give_back) static_cast<void>(send_message(*give_back));
+  }
+}
+
+tl::unexpected<Error> PidPort::failed(const char* what) const {
+  return fail(ExitCode::file_or_device,
+              fmt::format("{} {}: unplug it, plug it in again, and end other programs that use its "
+                          "force feedback",
+                          named(device_), what));
+}
+
+Result<void> PidPort::set_up(const std::atomic<bool>& stop) {
+  const auto told = [this](const std::optional<PidChoice>& what) {
+    return !what || send_message(pid_control(layout_, *what));
+  };
+  if (!told(layout_.reset)) return failed("refuses to be reset");
+  std::this_thread::sleep_for(reset_wait);
+  if (!told(layout_.enable)) return failed("refuses to switch its motors on");
+  if (layout_.gain && !send_message(pid_full_gain(layout_, *layout_.gain))) {
+    return failed("refuses its gain");
+  }
+  if (Result<void> done = check_memory(); !done) return done;
+  for (std::size_t axis = 0; axis < layout_.axes; ++axis) {
+    const Result<PidBlock> block = create_effect(stop);
+    if (!block) return tl::make_unexpected(block.error());
+    effects_.push_back(*block);
+    const PidDuration duration = watchdog_ ? PidDuration(pid_effect_seconds) : std::nullopt;
+    if (!send_message(pid_set_effect(layout_, *block, axis, duration)) ||
+        !send_message(pid_constant_force(layout_, *block, axis, 0)) ||
+        !send_message(pid_start(layout_, *block))) {
+      return failed("refuses to start an effect");
+    }
+  }
+  started_ns_ = now_ns();
+  return {};
+}
+
+Result<void> PidPort::check_memory() {
+  if (!layout_.device_managed_pool) return {};
+  const HidField& field = *layout_.device_managed_pool;
+  std::vector<std::uint8_t> bytes(1 + layout_.payload_bytes(field.type, field.report_id));
+  bytes[0] = field.report_id;
+  // A device that does not answer here may still create effects.
+  if (writer_->get_feature(bytes) != static_cast<int>(bytes.size())) return {};
+  if (hid_value(field, std::span(bytes).subspan(1)) != 0) return {};
+  return fail(ExitCode::unsupported,
+              named(device_) +
+                  " wants the host to manage its memory of effects, which is not supported: use "
+                  "another device");
+}
+
+Result<PidBlock> PidPort::create_effect(const std::atomic<bool>& stop) {
+  if (!send_message(pid_create(layout_))) return failed("refuses to create an effect");
+  for (int attempt = 0; attempt < load_attempts && !stop.load(); ++attempt) {
+    std::vector<std::uint8_t> bytes = pid_load_request(layout_).bytes;
+    const int count = writer_->get_feature(bytes);
+    if (count < 1) return failed("does not say what became of an effect");
+    const auto payload =
+        std::span<const std::uint8_t>(bytes).first(static_cast<std::size_t>(count));
+    const auto loaded = decode_pid_load(layout_, payload.subspan(1));
+    if (loaded && loaded->load == PidLoad::done) return loaded->block;
+    if (loaded && loaded->load == PidLoad::full) return failed("has no room for another effect");
+    std::this_thread::sleep_for(load_wait);
+  }
+  return failed("refuses an effect of constant force");
+}
+
+bool PidPort::send_message(const PidMessage& message) {
+  return message.type == HidReportType::feature ? writer_->send_feature(message.bytes)
+                                                : writer_->write(message.bytes);
+}
+
+bool PidPort::take(std::span<const std::uint8_t> bytes, PidReport& report) {
+  if (bytes.empty()) return false;
+  const std::uint8_t id = layout_.has_ids ? bytes[0] : 0;
+  if (!take_pid_report(layout_, id, layout_.has_ids ? bytes.subspan(1) : bytes, told_)) {
+    return false;
+  }
+  report = told_;
+  return true;
+}
+
+Received PidPort::receive(PidReport& report) {
+  std::array<std::uint8_t, most_report_bits / 8 + 1> buffer{};
+  const int count = reader_->read(buffer, static_cast<int>(pid_ask_after.count()));
+  if (count < 0) return Received::gone;
+  if (count == 0) return ask(report);
+  const auto bytes = std::span<const std::uint8_t>(buffer).first(static_cast<std::size_t>(count));
+  return take(bytes, report) ? Received::report : Received::nothing;
+}
+
+Received PidPort::ask(PidReport& report) {
+  if (unanswered_ >= most_unanswered) return Received::nothing;
+  const HidField& field = layout_.position[0];
+  std::vector<std::uint8_t> bytes(1 + layout_.payload_bytes(field.type, field.report_id));
+  bytes[0] = field.report_id;
+  const int count = reader_->get_input(bytes);
+  if (count < 1) {
+    ++unanswered_;
+    return Received::nothing;
+  }
+  unanswered_ = 0;
+  // Without ids, too, the first byte is that of the id here.
+  const auto told = std::span<const std::uint8_t>(bytes).first(static_cast<std::size_t>(count));
+  return take(layout_.has_ids ? told : told.subspan(1), report) ? Received::report
+                                                                : Received::nothing;
+}
+
+bool PidPort::send(const PidCommand& command) {
+  const std::int64_t now = now_ns();
+  const bool restart =
+      watchdog_ && now - started_ns_ >= std::chrono::nanoseconds(pid_restart_after).count();
+  for (std::size_t axis = 0; axis < effects_.size(); ++axis) {
+    // Each report takes a frame of the bus, so that what did not change is not told again.
+    if (!restart && command.force[axis] == sent_[axis]) continue;
+    if (!send_message(pid_constant_force(layout_, effects_[axis], axis, command.force[axis]))) {
+      return false;
+    }
+    sent_[axis] = command.force[axis];
+    if (restart && !send_message(pid_start(layout_, effects_[axis]))) return false;
+  }
+  if (restart) started_ns_ = now;
+  return true;
+}
+
+}  // namespace spm::servo

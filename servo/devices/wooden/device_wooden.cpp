@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "servo/devices/wooden/device_wooden.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include "common/base/device_profile.hpp"
+#include "servo/base/clock.hpp"
+
+namespace spm::servo {
+
+DeviceWooden::DeviceWooden(const WoodenOptions& options)
+    : options_(options),
+      capabilities_(capabilities_of("woodenhaptics", *find_device_profile("wooden"))),
+      tracker_(options) {
+  capabilities_.force_cap = wooden_force_cap(*options.model);
+  // The profile's box holds the arm's reach, but nobody says where it lies; the home pose, 0.2 m
+  // above the origin, is outside of one about that. The arm itself ends its workspace.
+  capabilities_.workspace.setZero();
+  // The options may be made by hand, without a cap of their own.
+  if (!(options_.force_cap > 0)) options_.force_cap = capabilities_.force_cap;
+  capabilities_.force_cap = std::min(capabilities_.force_cap, options_.force_cap);
+  tracker_ = WoodenTracker(options_);
+}
+
+Result<void> DeviceWooden::open(const DeviceSetup& setup) {
+  using Opened = Result<std::unique_ptr<Port<WoodenReport, WoodenCommand>>>;
+  const auto open_port = [this](const std::atomic<bool>& stop) -> Opened {
+    auto port = WoodenPort::open(options_, connections_ + 1, stop);
+    if (!port) return tl::make_unexpected(std::move(port.error()));
+    ++connections_;
+    const std::lock_guard lock(found_mutex_);
+    found_ = (*port)->device();
+    found_protocol_ = (*port)->protocol();
+    return Opened(std::move(*port));
+  };
+  return start(open_port, setup.realtime);
+}
+
+Result<void> DeviceWooden::start(Threads::Open open, RealtimeMode realtime) {
+  return threads_.start(std::move(open), realtime);
+}
+
+DeviceHealth DeviceWooden::health(std::int64_t at_ns) const noexcept {
+  return threads_.is_open() ? tracker_.health(at_ns) : DeviceHealth::gone;
+}
+
+DeviceHealth DeviceWooden::read(DeviceState& state) noexcept {
+  WoodenReport report;
+  std::int64_t came_ns = 0;
+  if (threads_.take(report, came_ns)) tracker_.take(report, came_ns);
+  state = tracker_.state();
+  return health(now_ns());
+}
+
+bool DeviceWooden::wait_for_report(std::int64_t until_ns) noexcept {
+  return threads_.wait(until_ns);
+}
+
+DeviceHealth DeviceWooden::write(const Wrench& wrench) noexcept {
+  if (!threads_.is_open()) return DeviceHealth::gone;
+  const std::int64_t now = now_ns();
+  WoodenCommand command;
+  if (tracker_.command(wrench, now, command)) threads_.give(command);
+  return health(now);
+}
+
+nlohmann::ordered_json DeviceWooden::describe() const {
+  const std::lock_guard lock(found_mutex_);
+  const WoodenCalibration calibration = wooden_calibration(options_, found_protocol_);
+  nlohmann::ordered_json json{{"model", options_.model->name},
+                              {"protocol", to_string(found_protocol_)},
+                              {"path", found_.path},
+                              {"serial", found_.serial},
+                              {"signs", signs_text(calibration.count_signs.data(), 6)},
+                              {"motor_signs", signs_text(calibration.motor_signs.data(), 3)},
+                              {"home_counts", calibration.home},
+                              {"home_confirmed", to_string(options_.home_confirmed)},
+                              {"imax_A", options_.full_scale_current},
+                              {"current_limit_A", options_.current_limit},
+                              {"gravity", options_.gravity},
+                              {"reopened", threads_.reopened()},
+                              {"latency_us", threads_.latency_us()}};
+  const std::string error = threads_.last_error();
+  if (!error.empty()) json["last_error"] = error;
+  return json;
+}
+
+}  // namespace spm::servo

@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <memory>
+#include <mutex>
+#include <nlohmann/json.hpp>
+
+#include "servo/devices/base/device.hpp"
+#include "servo/devices/hid/hid_bus.hpp"
+#include "servo/devices/base/port_threads.hpp"
+#include "servo/devices/wooden/wooden_options.hpp"
+#include "servo/devices/wooden/wooden_port.hpp"
+#include "servo/devices/wooden/wooden_tracker.hpp"
+
+namespace spm::servo {
+
+/// A WoodenHaptics or other arm of its family over HID (V1, V2, V3): three motors, and a handle
+/// that some models measure. Written to the protocols that public hosts show; not tried on a device
+/// [U].
+class DeviceWooden final : public Device {
+ public:
+  using Threads = PortThreads<WoodenReport, WoodenCommand>;
+
+  explicit DeviceWooden(const WoodenOptions& options);
+
+  /// Errors: those of WoodenPort::open.
+  [[nodiscard]] Result<void> open(const DeviceSetup& setup) override;
+  /// As `open`, over connections that somebody else makes. Errors: theirs.
+  [[nodiscard]] Result<void> start(Threads::Open open, RealtimeMode realtime);
+  [[nodiscard]] const DeviceCapabilities& capabilities() const noexcept override {
+    return capabilities_;
+  }
+  [[nodiscard]] DeviceHealth read(DeviceState& state) noexcept override;
+  [[nodiscard]] DeviceHealth write(const Wrench& wrench) noexcept override;
+  [[nodiscard]] bool wait_for_report(std::int64_t until_ns) noexcept override;
+  [[nodiscard]] nlohmann::ordered_json describe() const override;
+
+ private:
+  [[nodiscard]] DeviceHealth health(std::int64_t at_ns) const noexcept;
+
+  WoodenOptions options_;
+  DeviceCapabilities capabilities_;
+  WoodenTracker tracker_;
+  std::uint32_t connections_ = 0;  ///< by whoever opens
+  mutable std::mutex found_mutex_;
+  HidDevice found_;  ///< the last one opened, as is its protocol
+  WoodenProtocol found_protocol_ = WoodenProtocol::v1;
+  Threads threads_;  ///< last: its threads use the rest
+};
+
+}  // namespace spm::servo

@@ -1,0 +1,147 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "servo/force/contact_model.hpp"
+
+#include <cmath>
+#include <numbers>
+
+#include "common/base/mixed_bits.hpp"
+#include "common/paper/paper_effects.hpp"
+
+namespace spm {
+
+namespace {
+
+/// A number of 53 bits above 0 and below 1, from a seed and a place in its sequence.
+double unit_number(std::uint64_t seed, std::uint64_t place) noexcept {
+  const std::uint64_t bits = mixed_bits(seed + mixed_bits_step * place);
+  return (static_cast<double>(bits >> 11U) + 0.5) * 0x1p-53;
+}
+
+/// A draw of the normal distribution (Box and Muller).
+double gaussian_number(std::uint64_t seed, std::uint64_t place) noexcept {
+  return std::sqrt(-2 * std::log(unit_number(seed, 2 * place))) *
+         std::cos(2 * std::numbers::pi * unit_number(seed, 2 * place + 1));
+}
+
+}  // namespace
+
+ContactModel::ContactModel(const ContactSettings& settings) noexcept
+    : settings_(settings),
+      velocity_(settings.encoder_step, settings.tick, settings.velocity),
+      coupling_(settings.coupling, settings.force.stiffness, settings.tick),
+      lattice_(settings.potential) {
+  settings_.force.stiffness = coupling_.felt();
+}
+
+void ContactModel::reset() noexcept {
+  proxy_ = {};
+  friction_ = {};
+  velocity_.reset();
+  coupling_.reset();
+  lattice_.forget();
+  last_normal_.setZero();
+  last_known_ = false;
+}
+
+ContactForce ContactModel::next(const AssetView& asset, const Vector3& point) noexcept {
+  const bool usable = settings_.force.stiffness >= 0 && std::isfinite(settings_.force.stiffness);
+  if (!point.allFinite() || !usable) {
+    reset();
+    return {};
+  }
+  const ForceSettings& force = settings_.force;
+  ContactForce contact = reaction(asset, point);
+  if (force.method == Method::spm && settings_.effects.turn.rate > 0) limit_turn(point, contact);
+  if (settings_.effects.any() && force.stiffness > 0) add_effects(asset, point, contact);
+  if (coupling_.on()) contact.force += coupling_.damped(contact.depth * contact.normal);
+  if (!contact.force.allFinite()) {
+    reset();
+    return {};
+  }
+  return contact;
+}
+
+/// The force at a point by the method.
+ContactForce ContactModel::reaction(const AssetView& asset, const Vector3& point) noexcept {
+  const ForceSettings& force = settings_.force;
+  if (force.method == Method::proxy) return proxy_force(asset, point);
+  if (force.method != Method::spm) return contact_force(asset, force, point);
+  const RuntimeSmoothing& smoothing = settings_.effects.smoothing;
+  if (lattice_.on()) {
+    const auto contact = lattice_.force(asset, force, smoothing, point);
+    if (contact) return *contact;
+  }
+  return smoothing.sigma > 0 ? smoothed_force(asset, force, smoothing, point)
+                             : contact_force(asset, force, point);
+}
+
+void ContactModel::limit_turn(const Vector3& point, ContactForce& contact) noexcept {
+  const TurnLimit& turn = settings_.effects.turn;
+  const bool is_near = (point - last_turned_at_).squaredNorm() <= turn.step * turn.step;
+  last_turned_at_ = point;
+  if (contact.contact && !last_normal_.isZero(0) && is_near) {
+    contact.normal =
+        limited_turn(last_normal_, contact.normal, turn.rate * settings_.tick, turn.jump);
+    contact.force = settings_.force.stiffness * contact.depth * contact.normal;
+  }
+  last_normal_ = contact.contact ? contact.normal : Vector3::Zero();
+}
+
+ContactForce ContactModel::proxy_force(const AssetView& asset, const Vector3& point) noexcept {
+  const ForceSettings& force = settings_.force;
+  const ProxyContact found = move_proxy(asset, force.probe_radius, point, proxy_);
+  ContactForce contact;
+  if (!found.contact) return contact;
+  contact.contact = true;
+  contact.depth = found.depth;
+  contact.normal = found.normal;
+  contact.force = force.stiffness * found.depth * found.normal;
+  return contact;
+}
+
+void ContactModel::add_effects(const AssetView& asset, const Vector3& point,
+                               ContactForce& contact) noexcept {
+  const EffectSettings& effects = settings_.effects;
+  const Vector3 velocity = velocity_.next(point);
+  const Vector3 motion = last_known_ ? Vector3(point - last_point_) : Vector3::Zero();
+  last_point_ = point;
+  last_known_ = true;
+  ++ticks_;
+  if (!contact.contact) {
+    friction_ = {};
+    return;
+  }
+  if (settings_.force.method == Method::paper) {
+    add_paper_effects(asset, point, motion, contact);
+    return;
+  }
+  Vector3 reaction = contact.force;
+  if (effects.texture.amplitude > 0) {
+    const TextureHeight texture =
+        texture_at(effects.texture, point + contact.depth * contact.normal);
+    reaction = textured_force(settings_.force.stiffness, contact.depth, contact.normal, texture);
+  }
+  const double pressing = reaction.dot(contact.normal);
+  const Vector3 friction =
+      coulomb_friction(effects.friction, point, contact.normal, pressing, friction_);
+  contact.force = haptic_force(reaction, friction, paper_damping(effects.damping, velocity));
+}
+
+void ContactModel::add_paper_effects(const AssetView& asset, const Vector3& point,
+                                     const Vector3& motion, ContactForce& contact) noexcept {
+  const EffectSettings& effects = settings_.effects;
+  const PaperContact found = paper_contact(asset, point, settings_.force.rule);
+  Vector3 reaction = contact.force;
+  if (effects.texture_noise > 0) {
+    const double noise = effects.texture_noise * gaussian_number(effects.noise_seed, ticks_);
+    reaction = paper_texture_force(settings_.force.stiffness, found, noise);
+  }
+  // P_M, the projection on the plane, moves by the motion's part along the plane.
+  const Vector3& normal = asset.planes[found.plane].n;
+  const Vector3 along = motion - motion.dot(normal) * normal;
+  contact.force = haptic_force(
+      reaction, paper_friction(effects.friction_force, effects.friction_depth, found, motion),
+      paper_damping(effects.damping, along / settings_.tick));
+}
+
+}  // namespace spm

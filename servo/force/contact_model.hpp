@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+
+#include "servo/force/coupling_point.hpp"
+#include "common/contact/effect_settings.hpp"
+#include "common/contact/force_law.hpp"
+#include "servo/force/potential_lattice.hpp"
+#include "common/contact/proxy.hpp"
+#include "servo/force/velocity_estimate.hpp"
+
+namespace spm {
+
+/// Fixed while the loop runs.
+struct ContactSettings {
+  ForceSettings force;
+  EffectSettings effects;
+  double tick = 1e-3;           ///< s, above 0
+  double encoder_step = 0;      ///< m, 0 or more: how far a position may be off
+  CouplingSettings coupling{};  ///< between the hand and what touches the object
+  VelocityBy velocity = VelocityBy::estimate;
+  /// m, 0 or more: spacing of the lattice whose potential the force of `spm` is of
+  /// (PotentialLattice); 0 is off.
+  double potential = 0;
+};
+
+/// The force on one probe at one object, tick by tick: reaction by the method that was chosen, and
+/// on it friction, damping and texture (eq. 18). Through a coupling the hand feels no more than
+/// felt_stiffness; the method is asked at the hand, see CouplingPoint. It remembers what these
+/// need, in the object's frame. Nothing in it allocates or throws.
+class ContactModel {
+ public:
+  explicit ContactModel(const ContactSettings& settings) noexcept;
+
+  /// Force for a probe centred at `point` (object's frame, m) in the next tick. Without effects,
+  /// for `spm` and `paper`, that of contact_force. Never NaN; none where stiffness is below 0 or no
+  /// number. Where it is 0 there is contact and no force.
+  [[nodiscard]] ContactForce next(const AssetView& asset, const Vector3& point) noexcept;
+
+  /// Forgets all: at the start, and when the object was exchanged.
+  void reset() noexcept;
+
+  /// As they were given, but for the stiffness, which is the one that is felt.
+  [[nodiscard]] const ContactSettings& settings() const noexcept { return settings_; }
+
+ private:
+  ContactSettings settings_;
+  ProxyState proxy_;
+  FrictionState friction_;
+  VelocityEstimate velocity_;
+  CouplingPoint coupling_;
+  PotentialLattice lattice_;
+  Vector3 last_point_ = Vector3::Zero();
+  Vector3 last_normal_ = Vector3::Zero();  ///< unit; zero where the last tick had no contact
+  Vector3 last_turned_at_ = Vector3::Zero();
+  std::uint64_t ticks_ = 0;
+  bool last_known_ = false;
+
+  [[nodiscard]] ContactForce reaction(const AssetView& asset, const Vector3& point) noexcept;
+  void limit_turn(const Vector3& point, ContactForce& contact) noexcept;
+  [[nodiscard]] ContactForce proxy_force(const AssetView& asset, const Vector3& point) noexcept;
+  void add_effects(const AssetView& asset, const Vector3& point, ContactForce& contact) noexcept;
+  void add_paper_effects(const AssetView& asset, const Vector3& point, const Vector3& motion,
+                         ContactForce& contact) noexcept;
+};
+
+}  // namespace spm

@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "servo/force/coupling_point.hpp"
+
+namespace spm {
+
+CouplingPoint::CouplingPoint(const CouplingSettings& settings, double asked, double tick) noexcept
+    : coupling_(settings.stiffness),
+      asked_(asked),
+      felt_(felt_stiffness(asked, settings.stiffness)) {
+  if (!on()) return;
+  inner_ = felt_ / (1 - felt_ / coupling_);
+  damper_ = settings.damping / tick;
+}
+
+/// The balance K_s (w - e) = K_c e + b (e - e') / T of the point's way e from the hand, where w is
+/// the way to what holds it and e' that of the tick before; without contact K_s is 0.
+Vector3 CouplingPoint::damped(const Vector3& way) noexcept {
+  if (!(damper_ > 0)) return Vector3::Zero();
+  const Vector3 held = damper_ * stretch_;
+  const Vector3 stretch = (inner_ * way + held) / (inner_ + coupling_ + damper_);
+  const Vector3 force = inner_ * (way - stretch);
+  if (force.dot(way) > 0) {
+    stretch_ = stretch;
+    return force - felt_ * way;
+  }
+  stretch_ = held / (coupling_ + damper_);
+  return -felt_ * way;
+}
+
+}  // namespace spm

@@ -1,0 +1,95 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "servo/force/placed_contact.hpp"
+
+namespace spm {
+
+namespace {
+
+/// Farthest sample of the smoothing's kernel, in sigmas.
+constexpr double kernel_reach = 2.5;
+
+}  // namespace
+
+ContactSettings in_asset_frame(const PlacedObject& object, double tick, double encoder_step,
+                               const CouplingSettings& coupling, VelocityBy velocity,
+                               double potential) noexcept {
+  const double scale = object.placement.scale;
+  ContactSettings settings{object.force, object.effects,   tick, encoder_step / scale, coupling,
+                           velocity,     potential / scale};
+  settings.coupling.stiffness *= scale;
+  settings.coupling.damping *= scale;
+  settings.force.stiffness *= scale;
+  settings.force.probe_radius /= scale;
+  EffectSettings& effects = settings.effects;
+  effects.friction.stiffness *= scale;
+  effects.damping *= scale;
+  effects.texture.amplitude /= scale;
+  effects.texture.wavelength /= scale;
+  effects.smoothing.sigma /= scale;
+  effects.friction_depth *= scale;
+  effects.texture_noise /= scale;
+  return settings;
+}
+
+PlacedContact::PlacedContact(const PlacedObject& object, double tick, double encoder_step,
+                             const CouplingSettings& coupling, VelocityBy velocity,
+                             double potential) noexcept
+    : asset_(object.asset),
+      rotation_(object.placement.rotation.toRotationMatrix()),
+      position_(object.placement.position),
+      seat_rotation_(rotation_),
+      seat_(position_),
+      scale_(object.placement.scale),
+      reach_(kernel_reach * object.effects.smoothing.sigma / object.placement.scale),
+      // Of the paper's readings this one may find contact anywhere.
+      may_skip_(object.force.method != Method::paper ||
+                object.force.rule != PaperRule::closest_surface),
+      model_(in_asset_frame(object, tick, encoder_step, coupling, velocity, potential)) {}
+
+void PlacedContact::reset() noexcept {
+  model_.reset();
+  last_known_ = touching_ = away_ = false;
+}
+
+Vector3 PlacedContact::carried(const Vector3& point) noexcept {
+  const Vector3 before = seat_ + seat_rotation_ * (rotation_.transpose() * (point - position_));
+  seat_ = position_;
+  seat_rotation_ = rotation_;
+  return point - before;
+}
+
+/// Whether the hand's way since the last tick may have met the box of the asset's band.
+bool PlacedContact::passes(const AssetView& asset, const Vector3& point) const noexcept {
+  const Extent extent = extent_of(asset);
+  const Vector3& from = last_known_ ? last_ : point;
+  const Vector3 low = extent.low.array() - reach_;
+  const Vector3 high = (extent.low + extent.size).array() + reach_;
+  // Written so that what is no number passes, for the model to answer.
+  return !((from.cwiseMax(point).array() < low.array()).any() ||
+           (from.cwiseMin(point).array() > high.array()).any());
+}
+
+ContactForce PlacedContact::next(const AssetView& asset, const Vector3& point) noexcept {
+  const Vector3 local = rotation_.transpose() * (point - position_) / scale_;
+  // A proxy may hold a hand that has left the box on the other side.
+  if (may_skip_ && !touching_ && !passes(asset, local)) {
+    if (!away_) model_.reset();
+    away_ = last_known_ = true;
+    last_ = local;
+    return {};
+  }
+  // The model is told where the hand comes from.
+  if (away_) static_cast<void>(model_.next(asset, last_));
+  away_ = false;
+  last_known_ = true;
+  last_ = local;
+  ContactForce contact = model_.next(asset, local);
+  touching_ = contact.contact;
+  if (!touching_) return contact;
+  contact.force = rotation_ * contact.force;
+  contact.normal = rotation_ * contact.normal;
+  contact.depth *= scale_;
+  return contact;
+}
+
+}  // namespace spm

@@ -1,0 +1,140 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "servo/force/scene_force.hpp"
+
+#include <algorithm>
+#include <utility>
+
+namespace spm {
+
+ForceScene scene_of(const ForceSettings& force, const EffectSettings& effects) {
+  return {{}, {PlacedObject{0, {}, force, effects}}, {}};
+}
+
+SceneForce::SceneForce(const ForceScene& scene, double tick, double encoder_step, std::size_t room,
+                       double stiffness_cap)
+    : rotation_(scene.workspace.rotation.toRotationMatrix()),
+      position_(scene.workspace.position),
+      scale_(scene.workspace.scale),
+      tick_(tick),
+      encoder_step_(encoder_step * scale_),
+      stiffness_cap_(stiffness_cap / scale_),
+      cures_(scene.cures),
+      cured_(scene.cures, tick, encoder_step) {
+  objects_.reserve(scene.objects.size() + room);
+  for (const PlacedObject& object : scene.objects) static_cast<void>(add(object));
+}
+
+PlacedContact SceneForce::contact_of(const PlacedObject& object) const noexcept {
+  PlacedObject capped = object;
+  capped.force.stiffness = std::min(object.force.stiffness, stiffness_cap_);
+  FrictionSettings& friction = capped.effects.friction;
+  friction.stiffness = std::min(friction.stiffness, stiffness_cap_);
+  // Turned, a force is no potential's.
+  if (cures_.potential > 0) capped.effects.turn.rate = 0;
+  const CouplingSettings coupling{cures_.coupling / scale_, cures_.coupling_damping / scale_};
+  return PlacedContact(capped, tick_, encoder_step_, coupling, cures_.velocity,
+                       cures_.potential * scale_);
+}
+
+std::optional<std::size_t> SceneForce::add(const PlacedObject& object) noexcept {
+  Object added{object, contact_of(object), true, {}};
+  for (std::size_t i = 0; i < objects_.size(); ++i) {
+    if (objects_[i].is_there) continue;
+    objects_[i] = std::move(added);
+    return i;
+  }
+  // More would allocate.
+  if (objects_.size() == objects_.capacity()) return std::nullopt;
+  objects_.push_back(std::move(added));
+  return objects_.size() - 1;
+}
+
+void SceneForce::change(std::size_t object, const PlacedObject& settings) noexcept {
+  if (object >= objects_.size()) return;
+  objects_[object].settings = settings;
+  objects_[object].contact = contact_of(settings);
+  cured_.reset();
+}
+
+void SceneForce::cure(const CureSettings& cures) noexcept {
+  cures_ = cures;
+  cured_ = StabilityCures(cures, tick_, encoder_step_ / scale_);
+  for (Object& object : objects_) {
+    PlacedContact contact = contact_of(object.settings);
+    contact.place_as(object.contact);
+    object.contact = contact;
+    object.reaction = {};
+  }
+}
+
+void SceneForce::remove(std::size_t object) noexcept {
+  if (object >= objects_.size()) return;
+  objects_[object].is_there = false;
+  objects_[object].reaction = {};
+  cured_.reset();
+}
+
+void SceneForce::place(std::size_t object, const Vector3& position,
+                       const Eigen::Quaterniond& rotation) noexcept {
+  if (object < objects_.size()) objects_[object].contact.place(position, rotation);
+}
+
+void SceneForce::reset() noexcept {
+  cured_.reset();
+  for (Object& object : objects_) {
+    object.contact.reset();
+    object.reaction = {};
+  }
+}
+
+/// What the objects that touch a place of the world can give back; as the hand feels it, whose
+/// metres are others.
+ContactEnergy SceneForce::energy(const Vector3& point) noexcept {
+  ContactEnergy energy;
+  for (Object& object : objects_) {
+    if (!object.is_there) continue;
+    const Vector3 carried = object.contact.carried(point);
+    if (!(object.pressed > 0)) continue;
+    const double stiffness = object.contact.stiffness();
+    energy.stiffness += stiffness * scale_;
+    energy.stored += 0.5 * stiffness * object.pressed * object.pressed / scale_;
+    energy.carried -= object.reaction.force.dot(carried) / scale_;
+  }
+  return energy;
+}
+
+ContactForce SceneForce::next(std::span<const AssetView* const> assets,
+                              const Vector3& hand) noexcept {
+  if (!hand.allFinite()) {
+    reset();
+    return {};
+  }
+  const Vector3 point = position_ + scale_ * (rotation_ * hand);
+  ContactForce sum;
+  for (Object& object : objects_) {
+    if (!object.is_there) continue;
+    object.reaction = {};
+    object.pressed = 0;
+    const ContactForce contact = object.contact.next(*assets[object.contact.asset()], point);
+    if (!contact.contact) continue;
+    object.pressed = contact.depth;
+    sum.force += contact.force;
+    object.reaction.force = -contact.force;
+    object.reaction.torque = (point - object.contact.position()).cross(-contact.force);
+    if (!sum.contact || contact.depth > sum.depth) {
+      sum.depth = contact.depth;
+      sum.normal = contact.normal;
+      sum.deep = contact.deep;
+    }
+    sum.contact = true;
+  }
+  if (sum.contact) {
+    sum.force = rotation_.transpose() * sum.force;
+    sum.normal = rotation_.transpose() * sum.normal;
+    // Each is finite; their sum may not be.
+    if (!sum.force.allFinite()) return {};
+  }
+  return cures_.acts_on_sum() ? cured_.apply(sum, hand, energy(point)) : sum;
+}
+
+}  // namespace spm

@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "servo/force/velocity_estimate.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace spm {
+
+namespace {
+
+/// One over so many ticks.
+constexpr auto inverses = [] {
+  std::array<double, VelocityEstimate::most_ticks> table{};
+  for (std::size_t ticks = 1; ticks < table.size(); ++ticks) {
+    table[ticks] = 1.0 / static_cast<double>(ticks);
+  }
+  return table;
+}();
+
+}  // namespace
+
+/// Whether the line of that slope (m a tick) through the newest position meets all those between it
+/// and the one so many ticks ago, within the step.
+bool VelocityEstimate::meets_all(double slope, std::size_t ticks, int axis) const noexcept {
+  for (std::size_t k = 1; k < ticks; ++k) {
+    const double line = ago(0, axis) - slope * static_cast<double>(k);
+    if (std::abs(line - ago(k, axis)) > step_) return false;
+  }
+  return true;
+}
+
+/// Each position leaves a range of slopes whose line meets it, so that one look at each is enough;
+/// but for slopes at the very end of what all of them leave, which rounding must not decide.
+double VelocityEstimate::slope(int axis, double but) const noexcept {
+  const double now = ago(0, axis);
+  const double rounding = 1e-12 * (std::abs(now) + step_);
+  double least = -std::numeric_limits<double>::infinity();
+  double most = std::numeric_limits<double>::infinity();
+  std::size_t longest = 0;
+  for (std::size_t ticks = 1; ticks < count_; ++ticks) {
+    const double way = now - ago(ticks, axis);
+    const double tried = way * inverses[ticks];
+    if (!(tried > least + rounding && tried < most - rounding)) {
+      if (tried < least - rounding || tried > most + rounding) break;
+      if (!meets_all(way / static_cast<double>(ticks), ticks, axis)) break;
+    }
+    longest = ticks;
+    const double reach = step_ * inverses[ticks];
+    least = std::max(least, tried - reach);
+    most = std::min(most, tried + reach);
+  }
+  if (longest == 0) return 0;
+  const double way = now - ago(longest, axis);
+  // Nothing up to `but`, all of it from twice that on, without a jump between.
+  const double told = std::min(std::abs(way), 2 * std::max(0.0, std::abs(way) - but));
+  return std::copysign(told, way) / static_cast<double>(longest);
+}
+
+void VelocityEstimate::take(const Vector3& position) noexcept {
+  if (!position.allFinite()) return reset();
+  newest_ = (newest_ + 1) % most_ticks;
+  last_[newest_] = position;
+  count_ = std::min(count_ + 1, longest_);
+}
+
+Vector3 VelocityEstimate::beyond(double steps) const noexcept {
+  const double but = steps * step_;
+  return Vector3(slope(0, but), slope(1, but), slope(2, but)) / tick_;
+}
+
+Vector3 VelocityEstimate::next(const Vector3& position) noexcept {
+  take(position);
+  return velocity();
+}
+
+}  // namespace spm

@@ -1,0 +1,375 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "servo/loop/loop.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include "servo/base/clock.hpp"
+#include "servo/realtime/page_faults.hpp"
+
+namespace spm::servo {
+
+namespace {
+
+/// Time from the end of the warm-up to the first tick.
+constexpr std::int64_t lead_ns = 2'000'000;
+
+constexpr int warm_up_rounds = 64;
+
+/// Where a device paces the loop: so much of a period before a tick is due reports are waited for,
+/// and so much after it the tick begins without one. A device that reports more often than the
+/// loop's rate cannot make it run away, and one that falls silent cannot stop it.
+constexpr double pace_lead = 0.25, pace_patience = 0.5;
+
+ForceOff cause_of(DeviceHealth health) noexcept {
+  switch (health) {
+    case DeviceHealth::ok:
+      return ForceOff::none;
+    case DeviceHealth::fault:
+      return ForceOff::device_fault;
+    case DeviceHealth::silent:
+      return ForceOff::device_silent;
+    case DeviceHealth::gone:
+      return ForceOff::device_gone;
+    case DeviceHealth::not_homed:
+      return ForceOff::not_homed;
+  }
+  return ForceOff::device_fault;
+}
+
+}  // namespace
+
+double stiffness_at_hand(const ForceScene& scene) {
+  double stiffest = 0;
+  for (const PlacedObject& object : scene.objects) {
+    stiffest = std::max(stiffest, object.force.stiffness);
+  }
+  return stiffest * scene.workspace.scale;
+}
+
+Loop::Channel::Channel(Device* driven, const SafetySettings& limits, const LoopSettings& settings,
+                       std::size_t room)
+    : device(driven),
+      safety(limits),
+      gate(settings.rate_hz),
+      force(settings.scene, 1 / settings.rate_hz, driven->capabilities().encoder_step, room,
+            driven->capabilities().stiffness_cap),
+      velocity(driven->capabilities().encoder_step, 1 / settings.rate_hz) {}
+
+Loop::Loop(const LoopSettings& settings, std::vector<Device*> devices,
+           std::vector<AssetSlot*> assets, TickRing& ring, const std::atomic<bool>& stop,
+           AppState* app, SceneEditSlot* edits)
+    : settings_(settings),
+      edits_(app != nullptr ? edits : nullptr),
+      slots_(std::move(assets)),
+      slots_in_use_(edits_ != nullptr ? std::min(slots_.size(), assets_of(settings.scene.objects))
+                                      : slots_.size()),
+      ring_(ring),
+      stop_(stop),
+      served_(slots_.size(), nullptr),
+      views_(slots_.size(), nullptr),
+      stiffness_(stiffness_at_hand(settings.scene)) {
+  const std::size_t room = app != nullptr ? AppScene::room(settings.scene) : 0;
+  for (std::size_t i = 0; i < devices.size(); ++i) {
+    const DeviceCapabilities& device = devices[i]->capabilities();
+    const double cap = std::min(device.force_cap, settings.force_cap);
+    const double stiffness = std::min(stiffness_, device.stiffness_cap);
+    Channel channel(devices[i], safety_settings(cap, stiffness, settings.rate_hz), settings, room);
+    channel.record.device = static_cast<std::uint32_t>(i);
+    channels_.push_back(std::move(channel));
+  }
+  for (Channel& channel : channels_) forces_.push_back(&channel.force);
+  if (app != nullptr) app_.emplace(*app, settings_.scene);
+  told_.resize(channels_.size());
+  device_counters_.resize(channels_.size());
+}
+
+void Loop::run() noexcept {
+  warm_up();
+  const std::uint64_t faults_before = page_faults_of_this_thread();
+  run_ticks(TickSchedule(now_ns() + lead_ns, settings_.rate_hz));
+  counters_.page_faults = page_faults_of_this_thread() - faults_before;
+  send_zero();
+  for (AssetSlot* slot : slots_) slot->release();
+}
+
+/// Waits until a tick is due.
+void Loop::wait_for(TickSchedule& schedule) noexcept {
+  if (!settings_.paced_by_device) {
+    sleep_until(schedule.due());
+    return;
+  }
+  const double period = schedule.period_ns();
+  sleep_until(schedule.due() - static_cast<std::int64_t>(pace_lead * period));
+  const std::int64_t latest = schedule.due() + static_cast<std::int64_t>(pace_patience * period);
+  // The grid follows the device's clock. Without a report the tick is late, and counted so.
+  if (channels_.front().device->wait_for_report(latest)) {
+    schedule.shift_to(now_ns());
+  } else {
+    sleep_until(schedule.due());
+  }
+}
+
+void Loop::run_ticks(TickSchedule schedule) noexcept {
+  for (bool stopping = false; !stopping;) {
+    wait_for(schedule);
+    const std::int64_t woke = now_ns();
+    const std::int64_t wake_lateness = woke - schedule.due();
+    stopping = stop_.load(std::memory_order_relaxed) ||
+               (settings_.ticks > 0 && schedule.index() + 1 >= settings_.ticks);
+
+    take_edit(woke);
+    begin_app(woke);
+    // After these: they may bring an object of an asset that was not needed before.
+    take_up();
+    for (Channel& channel : channels_) serve(channel, schedule.index(), stopping);
+    end_app(schedule.index(), woke);
+
+    const std::int64_t finished = now_ns();
+    bool touching = false;
+    for (Channel& channel : channels_) {
+      touching = touching || channel.record.contact;
+      channel.record.tick = schedule.index();
+      channel.record.wake_ns = wake_lateness;
+      channel.record.busy_ns = finished - woke;
+      const bool kept = ring_.try_enqueue(channel.record);
+      channel.record.lost = !kept;
+      // What is told of one tick alone waits for a record that is kept.
+      channel.record.edited = channel.record.edited && !kept;
+      counters_.unrecorded += kept ? 0 : 1;
+    }
+    ++counters_.ticks;
+    counters_.contact_ticks += touching ? 1 : 0;
+    const std::uint64_t skipped = schedule.advance(finished);
+    counters_.skipped += skipped;
+    counters_.missed += skipped > 0 ? skipped + 1 : 0;
+    tell_counts(woke, wake_lateness, finished - woke);
+  }
+}
+
+/// Without one of its objects a scene gives no force at all.
+ForceOff Loop::assets_off() const noexcept {
+  if (!complete_) return had_assets_ ? ForceOff::asset_lost : ForceOff::starting;
+  for (std::size_t i = 0; i < slots_in_use_; ++i) {
+    if (served_[i] != nullptr && served_[i]->lost() && is_needed(i)) return ForceOff::asset_lost;
+  }
+  return ForceOff::none;
+}
+
+/// Of an asset without objects it does not matter what became of it.
+bool Loop::is_needed(std::size_t asset) const noexcept { return !app_ || app_->uses(asset); }
+
+void Loop::take_edit(std::int64_t now_ns) noexcept {
+  const SceneEdit* edit = edits_ != nullptr ? edits_->pending() : nullptr;
+  if (edit == nullptr) return;
+  const bool done = app_->edit(*edit, now_ns, forces_);
+  if (done) {
+    slots_in_use_ = std::clamp(edit->assets, slots_in_use_, slots_.size());
+    for (Channel& channel : channels_) {
+      if (edit->felt) channel.safety.restart();
+      channel.record.edited = true;
+    }
+  }
+  edits_->answer_with(done ? EditAnswer::done : EditAnswer::no_room);
+}
+
+/// Why what a device says cannot be used, if it cannot.
+ForceOff Loop::device_off(Channel& channel, DeviceHealth health, const Vector3& position,
+                          std::uint64_t tick) noexcept {
+  ForceOff cause = cause_of(health);
+  if (cause == ForceOff::none) cause = cause_of(channel.written);
+  if (cause == ForceOff::none && !position.allFinite()) cause = ForceOff::not_a_number;
+  if (cause == ForceOff::none && is_outside(position, channel.device->capabilities().workspace)) {
+    cause = ForceOff::outside_workspace;
+  }
+  if (cause != ForceOff::none) {
+    channel.gate.forget();
+    return cause;
+  }
+  return channel.gate.jumped(position, tick) ? ForceOff::jumped : ForceOff::none;
+}
+
+/// Whether the hand moves freely, by an application or by the device's own button.
+bool Loop::is_clutched(const Channel& channel, const DeviceState& state) noexcept {
+  const std::uint32_t button = channel.device->capabilities().clutch_button;
+  return channel.app_clutched || (button > 0 && ((state.buttons >> (button - 1)) & 1U) != 0);
+}
+
+void Loop::serve(Channel& channel, std::uint64_t tick, bool stopping) noexcept {
+  DeviceState state;
+  const DeviceHealth health = channel.device->read(state);
+  const ForceOff device = device_off(channel, health, state.position, tick);
+
+  // Whatever the cause, the device is read and sent zero all the same.
+  ForceOff cause = assets_off();
+  if (cause == ForceOff::none) cause = device;
+  channel.clutched = device == ForceOff::none && is_clutched(channel, state);
+  const Vector3 tool = device == ForceOff::none ? tool_of(channel, state.position) : state.position;
+  if (cause == ForceOff::none && channel.clutched) cause = ForceOff::clutched;
+
+  ContactForce contact;
+  channel.record.forgot = channel.forgot;
+  if (cause == ForceOff::none) {
+    channel.forgot = false;
+    contact = channel.force.next(views_, tool);
+    // A page may have gone while the force was computed from it.
+    cause = assets_off();
+  }
+  if (stopping) cause = ForceOff::stopping;
+  if (cause != ForceOff::none) {
+    contact = ContactForce{};
+    forget(channel);
+  }
+
+  const SafeForce sent = channel.safety.apply(contact.force, cause, app_silent_);
+  channel.written = channel.device->write(Wrench{sent.force, Vector3::Zero()});
+
+  channel.record.position = tool;
+  channel.record.wanted = contact.force;
+  channel.record.force = sent.force;
+  channel.record.buttons = state.buttons;
+  channel.record.depth = contact.depth;
+  channel.record.contact = contact.contact;
+  channel.record.cause = sent.cause;
+  account(channel, sent);
+  if (app_) tell(channel, state, health, sent);
+}
+
+/// Where the tool is for a hand: elsewhere by as much as the hand moved while it was clutched.
+Vector3 Loop::tool_of(Channel& channel, const Vector3& hand) noexcept {
+  if (channel.clutched) channel.clutch = channel.tool - hand;
+  channel.tool = hand + channel.clutch;
+  return channel.tool;
+}
+
+void Loop::begin_app(std::int64_t now_ns) noexcept {
+  if (!app_) return;
+  const AppChanges changes = app_->begin(now_ns, forces_);
+  app_silent_ = changes.silent;
+  follow_stiffness(changes.stiffest * settings_.scene.workspace.scale);
+  for (Channel& channel : channels_) {
+    if (changes.felt_anew) channel.safety.restart();
+    channel.record.touched = changes.touched;
+  }
+  for (const AppClutch& clutch : changes.clutches) {
+    if (clutch.device < channels_.size()) channels_[clutch.device].app_clutched = clutch.on;
+  }
+}
+
+/// The slew limit is that of what is felt now, be it edited or an application's.
+void Loop::follow_stiffness(double stiffness) noexcept {
+  if (stiffness == stiffness_) return;
+  stiffness_ = stiffness;
+  for (Channel& channel : channels_) {
+    const double felt = std::min(stiffness, channel.device->capabilities().stiffness_cap);
+    channel.safety.set_slew_limit(slew_limit(felt, settings_.rate_hz));
+  }
+}
+
+void Loop::end_app(std::uint64_t tick, std::int64_t now_ns) noexcept {
+  if (app_) app_->end(tick, now_ns, told_, forces_);
+}
+
+/// Tells applications what was counted, now that the tick's length is known.
+void Loop::tell_counts(std::int64_t woke, std::int64_t wake_ns, std::int64_t busy_ns) noexcept {
+  if (!app_) return;
+  app_->count({woke, wake_ns, busy_ns, counters_.ticks, counters_.missed, counters_.skipped,
+               device_counters_});
+}
+
+/// What applications are told of a device, in the world's frame.
+void Loop::tell(Channel& channel, const DeviceState& state, DeviceHealth health,
+                const SafeForce& sent) noexcept {
+  const Placement& workspace = settings_.scene.workspace;
+  AppDevice& told = told_[channel.record.device];
+  told.health = health;
+  told.cause = sent.cause;
+  told.contact = channel.record.contact;
+  told.depth = channel.record.depth;
+  told.wrench = {workspace.rotation * sent.force, Vector3::Zero()};
+  told.state.buttons = state.buttons;
+  if (health != DeviceHealth::ok || !channel.record.position.allFinite()) {
+    // Where it was is what is known.
+    channel.velocity.reset();
+    told.velocity.setZero();
+    return;
+  }
+  told.state.position = workspace.to_world(channel.record.position);
+  told.state.orientation = workspace.rotation * state.orientation;
+  told.velocity =
+      workspace.scale * (workspace.rotation * channel.velocity.next(channel.record.position));
+}
+
+void Loop::account(Channel& channel, const SafeForce& sent) noexcept {
+  DeviceCounters& counters = device_counters_[channel.record.device];
+  const Vector3& position = channel.record.position;
+  if (position.allFinite()) {
+    if (channel.position_known) {
+      counters.energy += channel.last_force.dot(position - channel.last_position);
+      counters.generated_max = std::max(counters.generated_max, counters.energy);
+    }
+    channel.last_position = position;
+    channel.position_known = true;
+  }
+  channel.last_force = sent.force;
+  counters.contact_ticks += channel.record.contact ? 1 : 0;
+  counters.cap_hits += sent.capped ? 1 : 0;
+  counters.slew_hits += sent.slewed ? 1 : 0;
+  counters.force_max = std::max(counters.force_max, sent.force.norm());
+  if (sent.cause != ForceOff::none) ++counters.force_off[static_cast<std::size_t>(sent.cause)];
+}
+
+void Loop::take_up() noexcept {
+  bool changed = false;
+  complete_ = true;
+  for (std::size_t i = 0; i < slots_in_use_; ++i) {
+    const ServedAsset* asset = slots_[i]->acquire();
+    changed = changed || (asset != served_[i] && asset != nullptr);
+    served_[i] = asset;
+    views_[i] = asset != nullptr ? asset->view : nullptr;
+    complete_ = complete_ && (asset != nullptr || !is_needed(i));
+  }
+  had_assets_ = had_assets_ || complete_;
+  if (!changed) return;
+  for (Channel& channel : channels_) {
+    channel.safety.restart();
+    forget(channel);
+  }
+}
+
+void Loop::forget(Channel& channel) noexcept {
+  channel.force.reset();
+  channel.forgot = true;
+}
+
+/// Runs every function of a tick without a device, so that their code, the lazy bindings of the
+/// libraries and the assets' tables are in memory before the first tick.
+void Loop::warm_up() noexcept {
+  for (int round = 0; round < warm_up_rounds; ++round) {
+    sleep_until(now_ns());
+    take_up();
+    for (Channel& channel : channels_) {
+      if (assets_off() != ForceOff::none) continue;
+      const PlacedObject& object =
+          settings_.scene.objects[static_cast<std::size_t>(round) % settings_.scene.objects.size()];
+      const Extent extent = extent_of(*views_[object.asset]);
+      const Vector3 point = extent.low + (round + 0.5) / warm_up_rounds * extent.size;
+      const Vector3 hand = settings_.scene.workspace.from_world(object.placement.to_world(point));
+      const ContactForce contact = channel.force.next(views_, hand);
+      static_cast<void>(channel.safety.apply(contact.force, ForceOff::none));
+    }
+    static_cast<void>(page_faults_of_this_thread());
+  }
+  std::fill(served_.begin(), served_.end(), nullptr);
+  had_assets_ = false;
+  for (Channel& channel : channels_) {
+    static_cast<void>(channel.safety.apply(Vector3::Zero(), ForceOff::starting));
+    forget(channel);
+  }
+}
+
+void Loop::send_zero() noexcept {
+  for (Channel& channel : channels_) channel.written = channel.device->write(Wrench{});
+}
+
+}  // namespace spm::servo

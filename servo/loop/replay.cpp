@@ -1,0 +1,110 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "servo/loop/replay.hpp"
+
+#include <algorithm>
+
+#include "servo/base/clock.hpp"
+#include "servo/base/schedule.hpp"
+#include "servo/record/trace_csv.hpp"
+
+namespace spm::servo {
+
+namespace {
+
+constexpr std::int64_t lead_ns = 2'000'000;
+
+SceneChange change_in(const RecordingRow& row) {
+  if ((row.flags & recorded_edited) != 0) return SceneChange::edit;
+  return (row.flags & recorded_touched) != 0 ? SceneChange::application : SceneChange::none;
+}
+
+}  // namespace
+
+ReplayResult replay(std::span<const AssetView* const> assets,
+                    const std::vector<TrajectorySample>& trajectory, const ReplayOptions& options) {
+  ReplayResult result;
+  result.contacts.resize(trajectory.size());
+  result.busy_ns.resize(trajectory.size());
+  TickSchedule schedule(now_ns() + lead_ns, options.rate_hz);
+  SceneForce force(options.scene, 1 / options.rate_hz, options.encoder_step, 0,
+                   options.stiffness_cap);
+  for (std::size_t row = 0; row < trajectory.size(); ++row) {
+    if (options.pace == Pace::realtime) {
+      sleep_until(schedule.due());
+      schedule.advance(now_ns());
+    }
+    const ReplayMark mark = options.marks.empty() ? ReplayMark{} : options.marks[row];
+    if (mark.forgot || mark.off) force.reset();
+    const std::int64_t begin = now_ns();
+    if (!mark.off) result.contacts[row] = force.next(assets, trajectory[row].position);
+    result.busy_ns[row] = now_ns() - begin;
+  }
+  return result;
+}
+
+RecordedTicks ticks_of(const Recording& recording, std::size_t device) {
+  RecordedTicks ticks;
+  for (const RecordingRow& row : recording.rows) {
+    if (row.device != device) continue;
+    const auto vector = [](const std::array<double, 3>& v) { return Vector3(v[0], v[1], v[2]); };
+    ticks.trajectory.push_back({vector(row.position)});
+    ticks.marks.push_back({(row.flags & recorded_forgot) != 0, row.cause != 0});
+    ticks.wanted.push_back(vector(row.wanted));
+    ticks.lost += (row.flags & recorded_lost) != 0 ? 1 : 0;
+    if (ticks.change != SceneChange::none) continue;
+    ticks.change = change_in(row);
+    ticks.changed_tick = row.tick;
+    ticks.comparable += ticks.change == SceneChange::none ? 1 : 0;
+  }
+  return ticks;
+}
+
+ForceDifference difference(const ReplayResult& result, std::span<const Vector3> wanted) {
+  ForceDifference found;
+  for (std::size_t row = 0; row < wanted.size(); ++row) {
+    const Vector3& force = result.contacts[row].force;
+    if (force == wanted[row]) continue;
+    if (found.ticks++ == 0) found.first_row = row;
+    found.largest = std::max(found.largest, (force - wanted[row]).norm());
+  }
+  return found;
+}
+
+Summary us_per_tick(const ReplayResult& result) {
+  std::vector<double> times;
+  times.reserve(result.busy_ns.size());
+  for (const std::int64_t busy : result.busy_ns) times.push_back(static_cast<double>(busy) * 1e-3);
+  return summarise(times);
+}
+
+Summary force_steps(const ReplayResult& result) {
+  std::vector<double> steps;
+  for (std::size_t i = 1; i < result.contacts.size(); ++i) {
+    steps.push_back((result.contacts[i].force - result.contacts[i - 1].force).norm());
+  }
+  return summarise(steps);
+}
+
+std::uint64_t contact_ticks(const ReplayResult& result) {
+  return static_cast<std::uint64_t>(
+      std::count_if(result.contacts.begin(), result.contacts.end(),
+                    [](const ContactForce& contact) { return contact.contact; }));
+}
+
+Result<void> write_replay(const std::string& path, const std::vector<TrajectorySample>& trajectory,
+                          const ReplayResult& result, double rate_hz) {
+  Result<TraceCsv> table = TraceCsv::create(path);
+  if (!table) return tl::make_unexpected(std::move(table.error()));
+  for (std::size_t i = 0; i < trajectory.size(); ++i) {
+    TraceRow row;
+    row.t = static_cast<double>(i) / rate_hz;
+    row.position = trajectory[i].position;
+    row.force = result.contacts[i].force;
+    row.depth = result.contacts[i].depth;
+    row.contact = result.contacts[i].contact;
+    table->append(row);
+  }
+  return table->commit();
+}
+
+}  // namespace spm::servo

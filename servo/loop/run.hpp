@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "servo/record/black_box.hpp"
+#include "servo/loop/loop.hpp"
+#include "servo/realtime/realtime.hpp"
+#include "servo/scene/asset_keeper.hpp"
+#include "servo/scene/force_choice.hpp"
+#include "servo/base/statistics.hpp"
+
+namespace spm::servo {
+
+struct RunOptions {
+  ForceOptions force;
+  std::vector<std::string> devices;  ///< as make_device takes them; none: the scene's, or auto
+  double rate_hz = 1000;
+  bool paced_by_device = false;  ///< ticks follow the first device's reports
+  RealtimeMode realtime = RealtimeMode::attempt;
+  std::optional<unsigned> core;  ///< that the loop and its devices' threads run on; none: any
+  MapMode map = MapMode::file;
+  double duration = 0;     ///< s, from the first tick; 0: until a signal
+  std::string trace;       ///< file for one row a tick of the first device; empty for none
+  std::string record;      ///< file for a recording of all; empty for none
+  bool supervisor = true;  ///< another process sends zero force where this one is killed
+  bool serve = true;       ///< applications may connect
+  std::string socket;      ///< where; empty: the usual place
+  std::string black_box = default_black_box();  ///< file for the ticks about a fault; empty: none
+};
+
+/// What one device did in a run.
+struct DeviceReport {
+  DeviceCapabilities capabilities;
+  nlohmann::ordered_json details;
+  DeviceCounters counters;
+};
+
+/// What a run did.
+struct RunReport {
+  RunOptions options;
+  ForceChoice force;
+  LoopCounters counters;
+  Summary wake_us, busy_us;
+  RealtimeState realtime;
+  std::vector<DeviceReport> devices;
+  std::vector<KeeperReport> assets;  ///< in the order of the choice's
+  std::uint64_t black_boxes = 0;     ///< how often the black box was written
+};
+
+/// Serves forces from a baked asset or a scene until the duration is over or SIGINT, SIGTERM or
+/// SIGHUP comes. Three threads: the loop, the loading thread, and the caller's, which takes the
+/// loop's records. Warnings go to the default log. Errors: usage (options), file_or_device and
+/// invalid_input (scene, assets, trace), realtime_refused.
+[[nodiscard]] Result<RunReport> run(const RunOptions& options);
+
+}  // namespace spm::servo

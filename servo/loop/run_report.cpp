@@ -1,0 +1,190 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "servo/loop/run_report.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "servo/scene/force_choice.hpp"
+
+namespace spm::servo {
+
+using nlohmann::ordered_json;
+
+namespace {
+
+ForceOffTicks sum_force_off(const RunReport& report) {
+  ForceOffTicks sum{};
+  for (const DeviceReport& device : report.devices) {
+    for (std::size_t i = 0; i < force_off_count; ++i) sum[i] += device.counters.force_off[i];
+  }
+  return sum;
+}
+
+ordered_json force_off_json(const ForceOffTicks& ticks) {
+  ordered_json list = ordered_json::array();
+  for (std::size_t i = 0; i < force_off_count; ++i) {
+    if (ticks[i] == 0) continue;
+    const auto cause = static_cast<ForceOff>(i);
+    list.push_back({{"cause", to_string(cause)}, {"count", ticks[i]}, {"cure", cure_of(cause)}});
+  }
+  return list;
+}
+
+double force_cap_of(const RunReport& report, const DeviceCapabilities& device) {
+  return std::min(device.force_cap, report.force.device.force_cap.value_or(device.force_cap));
+}
+
+ordered_json devices_json(const RunReport& report) {
+  ordered_json list = ordered_json::array();
+  for (const DeviceReport& device : report.devices) {
+    ordered_json entry = {{"name", device.capabilities.name},
+                          {"force_cap_n", force_cap_of(report, device.capabilities)},
+                          {"encoder_step_m", device.capabilities.encoder_step}};
+    if (std::isfinite(device.capabilities.stiffness_cap)) {
+      entry["stiffness_cap_n_per_m"] = device.capabilities.stiffness_cap;
+    }
+    const Vector3& half = device.capabilities.workspace;
+    if (!half.isZero()) entry["workspace_m"] = {2 * half.x(), 2 * half.y(), 2 * half.z()};
+    entry.update(device.details);
+    entry["contact_ticks"] = device.counters.contact_ticks;
+    entry["force_max_n"] = device.counters.force_max;
+    entry["cap_hits"] = device.counters.cap_hits;
+    entry["slew_hits"] = device.counters.slew_hits;
+    entry["energy_j"] = device.counters.energy;
+    entry["force_off"] = force_off_json(device.counters.force_off);
+    list.push_back(std::move(entry));
+  }
+  return list;
+}
+
+ordered_json assets_json(const RunReport& report) {
+  ordered_json list = ordered_json::array();
+  for (std::size_t i = 0; i < report.assets.size(); ++i) {
+    const KeeperReport& asset = report.assets[i];
+    list.push_back({{"path", report.force.assets[i]},
+                    {"form", to_string(asset.metadata.form)},
+                    {"content_sha256", asset.content_sha256},
+                    {"mesh_sha256", asset.metadata.mesh_sha256},
+                    {"bytes", asset.bytes.total},
+                    {"map", report.options.map == MapMode::sealed ? "sealed" : "file"},
+                    {"locked", asset.locked},
+                    {"serving", asset.serving},
+                    {"losses", asset.losses},
+                    {"reloads", asset.reloads}});
+  }
+  return list;
+}
+
+/// Over all devices.
+struct Totals {
+  double force_max = 0;
+  double generated_max = 0;
+  std::uint64_t cap_hits = 0;
+};
+
+Totals totals_of(const RunReport& report) {
+  Totals totals;
+  for (const DeviceReport& device : report.devices) {
+    totals.force_max = std::max(totals.force_max, device.counters.force_max);
+    totals.generated_max = std::max(totals.generated_max, device.counters.generated_max);
+    totals.cap_hits += device.counters.cap_hits;
+  }
+  return totals;
+}
+
+std::string percentiles_text(const Summary& us) {
+  return fmt::format("p50 {:.1f}, p99 {:.1f}, p99.9 {:.1f}, max {:.1f} us", us.p50, us.p99, us.p999,
+                     us.max);
+}
+
+}  // namespace
+
+ordered_json percentiles_json(const Summary& summary) {
+  return {{"p50", summary.p50}, {"p99", summary.p99}, {"p999", summary.p999}, {"max", summary.max}};
+}
+
+void add_forces(ordered_json& report, const ForceChoice& choice) {
+  const ForceSettings& first = choice.scene.objects.front().force;
+  if (choice.scene_path.empty()) {
+    report["method"] = to_string(first.method);
+    if (first.method == Method::paper) report["paper_rule"] = to_string(first.rule);
+    report["stiffness_n_m"] = first.stiffness;
+  } else {
+    report["scene"] = choice.scene_path;
+    for (const PlacedObject& object : choice.scene.objects) {
+      ordered_json entry = {{"asset", choice.assets[object.asset]},
+                            {"method", to_string(object.force.method)},
+                            {"stiffness_n_m", object.force.stiffness},
+                            {"scale", object.placement.scale}};
+      if (object.force.method == Method::paper) entry["paper_rule"] = to_string(object.force.rule);
+      report["objects"].push_back(std::move(entry));
+    }
+  }
+  const CureSettings& cures = choice.scene.cures;
+  if (cures.any()) {
+    report["cures"] = {{"damping_share", cures.damping_share},
+                       {"delay_ticks", cures.delay_ticks},
+                       {"lag_s", cures.lag},
+                       {"coupling_n_m", cures.coupling},
+                       {"passivity", cures.passivity},
+                       {"potential_m", cures.potential}};
+  }
+  report["probe_radius_m"] = choice.probe_radius;
+}
+
+ordered_json to_json(const RunReport& report) {
+  const Totals totals = totals_of(report);
+  const LoopCounters& counters = report.counters;
+  ordered_json json = {{"ticks", counters.ticks},
+                       {"missed", counters.missed},
+                       {"skipped", counters.skipped},
+                       {"unrecorded", counters.unrecorded},
+                       {"contact_ticks", counters.contact_ticks},
+                       {"rate_hz", report.options.rate_hz}};
+  add_forces(json, report.force);
+  json["wake_us"] = percentiles_json(report.wake_us);
+  json["busy_us"] = percentiles_json(report.busy_us);
+  json["page_faults"] = counters.page_faults;
+  json["realtime"] = {{"policy", report.realtime.policy},
+                      {"priority", report.realtime.priority},
+                      {"memory_locked", report.realtime.memory_locked}};
+  json["force_off"] = force_off_json(sum_force_off(report));
+  json["force_n"] = {{"max", totals.force_max}, {"cap_hits", totals.cap_hits}};
+  json["energy_j"] = {{"generated_max", totals.generated_max}};
+  if (!report.options.record.empty()) json["recording"] = report.options.record;
+  json["black_box"] = {{"path", report.options.black_box}, {"written", report.black_boxes}};
+  json["devices"] = devices_json(report);
+  json["assets"] = assets_json(report);
+  return json;
+}
+
+std::string to_text(const RunReport& report) {
+  const Totals totals = totals_of(report);
+  const LoopCounters& counters = report.counters;
+  const double in_contact = counters.ticks > 0
+                                ? 100.0 * static_cast<double>(counters.contact_ticks) /
+                                      static_cast<double>(counters.ticks)
+                                : 0;
+  std::string text = fmt::format(
+      "{} ticks at {} Hz, {} missed, in contact {:.0f} % of them\n"
+      "woke up late by {}\n"
+      "worked for      {}\n"
+      "page faults in the loop: {}; scheduling {} {}, memory {}locked\n"
+      "largest force {:.3f} N, force cap met {} times, energy generated at most {:.3g} J\n",
+      counters.ticks, report.options.rate_hz, counters.missed, in_contact,
+      percentiles_text(report.wake_us), percentiles_text(report.busy_us), counters.page_faults,
+      report.realtime.policy, report.realtime.priority, report.realtime.memory_locked ? "" : "not ",
+      totals.force_max, totals.cap_hits, totals.generated_max);
+  const ForceOffTicks off = sum_force_off(report);
+  for (std::size_t i = 0; i < force_off_count; ++i) {
+    if (off[i] == 0) continue;
+    const auto cause = static_cast<ForceOff>(i);
+    text += fmt::format("force off for {} tick{}: {}\n", off[i], off[i] == 1 ? "" : "s",
+                        to_string(cause));
+  }
+  return text;
+}
+
+}  // namespace spm::servo

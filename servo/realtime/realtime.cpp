@@ -1,0 +1,115 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "servo/realtime/realtime.hpp"
+
+#include <pthread.h>
+#include <sched.h>
+#include <sys/mman.h>
+#include <sys/prctl.h>
+#include <sys/resource.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstddef>
+#include <cstring>
+
+#include "servo/realtime/realtime_kit.hpp"
+
+namespace spm::servo {
+
+namespace {
+
+/// Above every ordinary process and the threaded interrupts' default of 50, below watchdogs.
+constexpr int loop_priority = 80;
+/// Below the loop: else the thread that the loop wakes to send takes its processor from it in the
+/// middle of a tick. The loop sleeps most of the time, and these threads do little.
+constexpr int device_priority = 75;
+
+/// How far below the most that RealtimeKit gives: in the same order.
+constexpr int loop_below_most = 0;
+constexpr int device_below_most = 1;
+
+constexpr std::size_t stack_bytes = std::size_t{256} * 1024;
+
+[[gnu::noinline]] void touch_stack() noexcept {
+  char stack[stack_bytes];
+  volatile char* page = stack;
+  for (std::size_t i = 0; i < stack_bytes; i += 1024) page[i] = 0;
+}
+
+/// Later memory is locked too only where no limit can make an allocation fail for it.
+bool lock_memory() noexcept {
+  rlimit limit{};
+  const bool unlimited =
+      geteuid() == 0 || (getrlimit(RLIMIT_MEMLOCK, &limit) == 0 && limit.rlim_cur == RLIM_INFINITY);
+  return mlockall(unlimited ? MCL_CURRENT | MCL_FUTURE : MCL_CURRENT) == 0;
+}
+
+struct GivenPriority {
+  const char* policy;
+  int priority;
+};
+
+/// By the process's own limits, or else by RealtimeKit. Errors: realtime_refused, by both.
+Result<GivenPriority> take_priority(int priority, int below_most) {
+  sched_param parameters{};
+  parameters.sched_priority = priority;
+  const int refused = pthread_setschedparam(pthread_self(), SCHED_FIFO, &parameters);
+  if (refused == 0) return GivenPriority{"fifo", priority};
+  std::string why = std::strerror(refused);
+  if (refused == EPERM) {
+    const Result<int> given = ask_realtime_kit(below_most);
+    if (given) return GivenPriority{"rtkit", *given};
+    why += "; " + given.error().message;
+  }
+  return fail(ExitCode::realtime_refused, why);
+}
+
+}  // namespace
+
+Result<RealtimeState> enter_realtime(RealtimeMode mode) {
+  RealtimeState state;
+  touch_stack();
+  if (mode == RealtimeMode::off) return state;
+
+  // Where a priority is refused, at least no slack of 50 us is added to each sleep.
+  prctl(PR_SET_TIMERSLACK, 1UL);
+
+  const Result<GivenPriority> given = take_priority(loop_priority, loop_below_most);
+  if (given) {
+    state.policy = given->policy;
+    state.priority = given->priority;
+  } else {
+    state.warnings.push_back("the loop has no real-time priority (" + given.error().message +
+                             "): run as root, or allow it with 'rtprio 90' in "
+                             "/etc/security/limits.d and log in again");
+  }
+
+  state.memory_locked = lock_memory();
+  // Else the kernel makes large pages of small ones behind the loop's back, which then faults.
+  prctl(PR_SET_THP_DISABLE, 1UL, 0UL, 0UL, 0UL);
+  if (!state.memory_locked) {
+    state.warnings.push_back(
+        "the memory could not be locked (its limit is too low): run as root, or allow it with "
+        "'memlock unlimited' in /etc/security/limits.d and log in again");
+  }
+
+  if (mode == RealtimeMode::require && !state.warnings.empty()) {
+    return fail(ExitCode::realtime_refused,
+                "real time was required, but " + state.warnings.front());
+  }
+  return state;
+}
+
+void enter_device_thread(RealtimeMode mode) noexcept {
+  if (mode == RealtimeMode::off) return;
+  prctl(PR_SET_TIMERSLACK, 1UL);
+  static_cast<void>(take_priority(device_priority, device_below_most));
+}
+
+void leave_realtime() noexcept {
+  const sched_param parameters{};
+  // Nobody is refused less than he has.
+  static_cast<void>(pthread_setschedparam(pthread_self(), SCHED_OTHER, &parameters));
+}
+
+}  // namespace spm::servo

@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+
+#include "servo/safety/safety.hpp"
+
+namespace spm::servo {
+
+/// What the loop counted for one device.
+struct DeviceCounters {
+  std::uint64_t contact_ticks = 0;
+  std::uint64_t cap_hits = 0;
+  std::uint64_t slew_hits = 0;
+  double force_max = 0;       ///< N, as sent
+  double energy = 0;          ///< J, net work that the forces sent did on the hand: sum of F . dx
+  double generated_max = 0;   ///< J, largest positive value of `energy`
+  ForceOffTicks force_off{};  ///< indexed by ForceOff
+};
+
+}  // namespace spm::servo

@@ -1,0 +1,172 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "servo/safety/safety.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace spm::servo {
+
+namespace {
+
+constexpr double fastest_hand = 1.0;  // m/s
+constexpr double slew_margin = 2.0;
+constexpr double least_slew = 1.0;  // N a tick, so that a soft asset is not held back by rounding
+constexpr double ramp_seconds = 0.1;
+constexpr double fade_seconds = 0.5;  // slow enough that a hand that leans on a surface follows it
+
+/// Limits how far the force may grow or turn in a tick. Falling is free: a force that ends must
+/// end.
+Vector3 limit_slew(const Vector3& previous, const Vector3& wanted, double limit) noexcept {
+  const double before = previous.norm();
+  const double after = wanted.norm();
+  const Vector3 from = before > after ? Vector3(previous * (after / before)) : previous;
+  const Vector3 step = wanted - from;
+  const double size = step.norm();
+  return size > limit ? Vector3(from + step * (limit / size)) : wanted;
+}
+
+}  // namespace
+
+const char* to_string(ForceOff cause) noexcept {
+  switch (cause) {
+    case ForceOff::none:
+      return "none";
+    case ForceOff::starting:
+      return "starting";
+    case ForceOff::asset_lost:
+      return "asset_lost";
+    case ForceOff::not_a_number:
+      return "not_a_number";
+    case ForceOff::device_fault:
+      return "device_fault";
+    case ForceOff::stopping:
+      return "stopping";
+    case ForceOff::device_silent:
+      return "device_silent";
+    case ForceOff::device_gone:
+      return "device_gone";
+    case ForceOff::not_homed:
+      return "not_homed";
+    case ForceOff::jumped:
+      return "jumped";
+    case ForceOff::clutched:
+      return "clutched";
+    case ForceOff::outside_workspace:
+      return "outside_workspace";
+    case ForceOff::application_silent:
+      return "application_silent";
+  }
+  return "unknown";
+}
+
+const char* cure_of(ForceOff cause) noexcept {
+  switch (cause) {
+    case ForceOff::none:
+    case ForceOff::stopping:
+      return "nothing to do";
+    case ForceOff::starting:
+      return "wait until the asset is loaded";
+    case ForceOff::asset_lost:
+      return "bake the asset again or put the file back, the loop takes it up by itself";
+    case ForceOff::not_a_number:
+      return "check the device's calibration, then bake the asset again";
+    case ForceOff::device_fault:
+      return "check the device's cable and power";
+    case ForceOff::device_silent:
+      return "check the device's cable, its power and the hub; the loop goes on when it answers";
+    case ForceOff::device_gone:
+      return "plug the device in again, the loop takes it up by itself";
+    case ForceOff::not_homed:
+      return "move the tool through its whole range once, as the device's page says";
+    case ForceOff::jumped:
+      return "check the device's encoders and its cable; the force fades in again by itself";
+    case ForceOff::clutched:
+      return "let the clutch go, the device's button or the application that holds it";
+    case ForceOff::outside_workspace:
+      return "bring the tool back towards its home, and home the device again if it is there";
+    case ForceOff::application_silent:
+      return "look after the application that moved objects, or end it; the force fades in again "
+             "by "
+             "itself";
+  }
+  return "";
+}
+
+bool is_outside(const Vector3& position, const Vector3& half_edges) noexcept {
+  for (int axis = 0; axis < 3; ++axis) {
+    const double most = (1 + workspace_margin) * half_edges[axis];
+    if (most > 0 && std::abs(position[axis]) > most) return true;
+  }
+  return false;
+}
+
+bool JumpGate::jumped(const Vector3& position, std::uint64_t tick) noexcept {
+  const double ticks = static_cast<double>(tick > last_tick_ ? tick - last_tick_ : 1);
+  const bool is_too_far = is_known_ && (position - last_).norm() > most_a_tick_ * ticks;
+  last_ = position;
+  last_tick_ = tick;
+  is_known_ = true;
+  return is_too_far;
+}
+
+double slew_limit(double stiffness, double rate_hz) noexcept {
+  return std::max(least_slew, slew_margin * stiffness * fastest_hand / rate_hz);
+}
+
+SafetySettings safety_settings(double force_cap, double stiffness, double rate_hz) noexcept {
+  SafetySettings settings;
+  settings.force_cap = force_cap;
+  settings.slew_limit = slew_limit(stiffness, rate_hz);
+  settings.ramp_ticks =
+      std::max(1U, static_cast<std::uint32_t>(std::lround(ramp_seconds * rate_hz)));
+  settings.fade_ticks =
+      std::max(1U, static_cast<std::uint32_t>(std::lround(fade_seconds * rate_hz)));
+  return settings;
+}
+
+void SafetyStage::restart() noexcept {
+  ramp_tick_ = 0;
+  from_ = previous_;
+}
+
+/// What is left of a force in this tick, 0 to 1.
+double SafetyStage::next_fade(bool fading) noexcept {
+  if (fading) {
+    fade_tick_ = std::min(fade_tick_ + 1, settings_.fade_ticks);
+  } else if (fade_tick_ > 0) {
+    fade_tick_ = 0;
+    restart();
+  }
+  return 1 - static_cast<double>(fade_tick_) / settings_.fade_ticks;
+}
+
+SafeForce SafetyStage::apply(const Vector3& wanted, ForceOff cause, bool fading) noexcept {
+  SafeForce safe;
+  if (cause == ForceOff::none && !wanted.allFinite()) cause = ForceOff::not_a_number;
+  const double left = next_fade(fading);
+  if (cause == ForceOff::none && left == 0) cause = ForceOff::application_silent;
+  if (cause != ForceOff::none) {
+    safe.cause = cause;
+    previous_.setZero();
+    restart();
+    return safe;
+  }
+
+  ramp_tick_ = std::min(ramp_tick_ + 1, settings_.ramp_ticks);
+  const double share = static_cast<double>(ramp_tick_) / settings_.ramp_ticks;
+  safe.force = left * ((1 - share) * from_ + share * wanted);
+
+  const Vector3 slewed = limit_slew(previous_, safe.force, settings_.slew_limit);
+  safe.slewed = slewed != safe.force;
+  safe.force = slewed;
+
+  const double size = safe.force.norm();
+  if (size > settings_.force_cap) {
+    safe.force *= settings_.force_cap / size;
+    safe.capped = true;
+  }
+  previous_ = safe.force;
+  return safe;
+}
+
+}  // namespace spm::servo

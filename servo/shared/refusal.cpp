@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "servo/shared/refusal.hpp"
+
+namespace spm::servo {
+
+const char* to_sentence(Refusal refusal) noexcept {
+  switch (refusal) {
+    case Refusal::none:
+      return "nothing was refused";
+    case Refusal::unknown_kind:
+      return "a command of an unknown kind: something writes into the library's memory";
+    case Refusal::not_finite:
+      return "a number is not finite: check what the application computes it from";
+    case Refusal::out_of_range:
+      return "a number is out of range: spm_client.h tells the limits";
+    case Refusal::unknown_asset:
+      return "the daemon serves no such asset: add an object with it to the scene";
+    case Refusal::unknown_device:
+      return "there is no such device: the daemon's device count tells how many there are";
+    case Refusal::unknown_object:
+      return "there is no such object: it was removed, or never added";
+    case Refusal::not_yours:
+      return "the object belongs to another application or to the scene: only who added it may "
+             "remove it";
+    case Refusal::not_movable:
+      return "the object stays where it is: set 'movable = true' for it in the scene";
+    case Refusal::too_many_objects:
+      return "there is no room for another object: remove one first";
+    case Refusal::too_late:
+      return "its deadline was over: send sooner, or with a later deadline";
+  }
+  return "refused for a reason that this version does not know";
+}
+
+}  // namespace spm::servo

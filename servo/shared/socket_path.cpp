@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "servo/shared/socket_path.hpp"
+
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cstdlib>
+
+namespace spm::servo {
+
+namespace {
+
+constexpr std::size_t longest_name = 32;
+
+/// Without regard to the locale.
+bool may_be_in_name(char c) noexcept {
+  return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '-' ||
+         c == '_' || c == '.';
+}
+
+bool is_own_folder(const std::string& path) noexcept {
+  struct stat status {};
+  return stat(path.c_str(), &status) == 0 && S_ISDIR(status.st_mode) && status.st_uid == geteuid();
+}
+
+}  // namespace
+
+std::string socket_folder() {
+  // By the XDG base directory specification a relative path is to be ignored.
+  const char* const given = std::getenv("XDG_RUNTIME_DIR");
+  if (given != nullptr && given[0] == '/') return std::string(given) + "/spm-servo";
+  const std::string user = std::to_string(geteuid());
+  const std::string usual = "/run/user/" + user;
+  if (is_own_folder(usual)) return usual + "/spm-servo";
+  return "/tmp/spm-servo-" + user;
+}
+
+bool valid_daemon_name(std::string_view name) noexcept {
+  return !name.empty() && name.size() <= longest_name && name.front() != '-' &&
+         name.front() != '.' && std::all_of(name.begin(), name.end(), may_be_in_name);
+}
+
+std::string socket_path(std::string_view name) {
+  return socket_folder() + "/" + std::string(name) + ".sock";
+}
+
+}  // namespace spm::servo

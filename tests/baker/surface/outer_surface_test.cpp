@@ -1,0 +1,225 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "baker/surface/outer_surface.hpp"
+
+#include <array>
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <map>
+#include <utility>
+#include <vector>
+
+#include "baker/mesh/winding_number.hpp"
+#include "tests/baker/mesh/mesh_support.hpp"
+
+namespace spm::test {
+namespace {
+
+using baker::outer_surface;
+using baker::OuterSurface;
+using baker::Triangle;
+using baker::WindingNumber;
+
+[[nodiscard]] OuterSurface surface_of(const Shape& shape) {
+  return outer_surface(load_shape(shape));
+}
+
+[[nodiscard]] double volume_of(const OuterSurface& surface) {
+  return signed_volume(surface.vertices, surface.triangles);
+}
+
+[[nodiscard]] double kept_area(const OuterSurface& surface) {
+  return area(surface.vertices,
+              {surface.triangles.begin(),
+               surface.triangles.begin() + static_cast<std::ptrdiff_t>(surface.surface_count)});
+}
+
+/// Total length of edges that triangles do not close.
+[[nodiscard]] double open_length(const OuterSurface& surface) {
+  std::map<std::pair<std::uint32_t, std::uint32_t>, int> balance;
+  for (const Triangle& t : surface.triangles) {
+    for (std::size_t k = 0; k < 3; ++k) {
+      const std::uint32_t from = t[k];
+      const std::uint32_t to = t[(k + 1) % 3];
+      balance[std::minmax(from, to)] += from < to ? 1 : -1;
+    }
+  }
+  double length = 0;
+  for (const auto& [edge, count] : balance) {
+    if (count != 0) length += (surface.vertices[edge.first] - surface.vertices[edge.second]).norm();
+  }
+  return length;
+}
+
+[[nodiscard]] Shape turned(Shape shape, double angle, const Vector3& axis) {
+  const Eigen::Matrix3d turn = Eigen::AngleAxisd(angle, axis.normalized()).toRotationMatrix();
+  for (Vector3& vertex : shape.vertices) vertex = turn * vertex;
+  return shape;
+}
+
+[[nodiscard]] double exact_winding(const baker::Mesh& mesh, const Vector3& at) {
+  double sum = 0;
+  for (const auto& [i, j, k] : mesh.triangles) {
+    const Vector3 a = mesh.vertices[i] - at;
+    const Vector3 b = mesh.vertices[j] - at;
+    const Vector3 c = mesh.vertices[k] - at;
+    sum += std::atan2(a.dot(b.cross(c)), a.norm() * b.norm() * c.norm() + a.dot(b) * c.norm() +
+                                             b.dot(c) * a.norm() + c.dot(a) * b.norm());
+  }
+  return sum / (2 * 3.141592653589793);
+}
+
+}  // namespace
+
+TEST_CASE("A closed mesh without intersections is its own outer surface") {
+  const Shape shape = torus(0.04, 0.01, 40, 20);
+  const OuterSurface surface = surface_of(shape);
+  CHECK(surface.triangles.size() == shape.triangles.size());
+  CHECK(surface.surface_count == shape.triangles.size());
+  CHECK(surface.hidden == 0);
+  CHECK(surface.hidden_area == 0);
+}
+
+TEST_CASE("Overlapping boxes leave exactly the surface of their union") {
+  const OuterSurface surface = surface_of(merged(box({2, 2, 2}), moved(box({2, 2, 2}), {1, 1, 1})));
+  CHECK(kept_area(surface) == Approx(48 - 6).epsilon(1e-12));
+  CHECK(volume_of(surface) == Approx(15).epsilon(1e-12));
+  CHECK(surface.hidden_area == Approx(6).epsilon(1e-12));
+  CHECK(open_length(surface) == 0);
+}
+
+TEST_CASE("Boxes at any angle leave a closed surface with the union's volume") {
+  for (std::uint64_t seed = 1; seed <= 6; ++seed) {
+    Random random(seed);
+    Shape shape = box({2, 2, 2});
+    const int parts = 4;
+    for (int i = 0; i < parts; ++i) {
+      const Shape part = turned(box({1, 2, 3}), 6 * random.unit(), random.direction());
+      shape = merged(shape, moved(part, random.in_box({-1, -1, -1}, {1, 1, 1})));
+    }
+    const baker::Mesh mesh = load_shape(shape);
+    const OuterSurface surface = outer_surface(mesh);
+    CHECK(open_length(surface) < 1e-9);
+    CHECK(surface.intersecting > 0);
+    const WindingNumber before(mesh.vertices, mesh.triangles);
+    const WindingNumber after(surface.vertices, surface.triangles);
+    for (int i = 0; i < 300; ++i) {
+      const Vector3 point = random.in_box(mesh.box_min, mesh.box_max);
+      const double inside = before.at(point) >= 0.5 ? 1 : 0;
+      CHECK(after.at(point) == Approx(inside).margin(2e-3));
+    }
+  }
+}
+
+TEST_CASE("Boxes that share part of a face become one") {
+  // Coplanar faces that overlap, one way and the other.
+  const OuterSurface beside =
+      surface_of(merged(box({2, 2, 2}), moved(box({2, 2, 2}), {2, 0.5, 0})));
+  CHECK(volume_of(beside) == Approx(16).epsilon(1e-12));
+  CHECK(kept_area(beside) == Approx(48 - 2 * 3).epsilon(1e-12));
+  const OuterSurface through =
+      surface_of(merged(box({2, 2, 2}), moved(box({2, 2, 2}), {1, 0.5, 0})));
+  CHECK(volume_of(through) == Approx(16 - 3).epsilon(1e-12));
+  CHECK(kept_area(through) == Approx(2 * 6.5 + 2 * 11).epsilon(1e-12));
+  CHECK(open_length(through) == 0);
+}
+
+TEST_CASE("The same box twice leaves one") {
+  // A quarter turn gives some faces another diagonal: only the others are dropped when loading.
+  Shape twice =
+      merged(box({1, 1, 1}), turned(box({1, 1, 1}), 3.14159265358979323846 / 2, {0, 0, 1}));
+  for (Vector3& vertex : twice.vertices) vertex = (2 * vertex).array().round() / 2;
+  const OuterSurface surface = surface_of(twice);
+  CHECK(kept_area(surface) == Approx(6).epsilon(1e-12));
+  CHECK(volume_of(surface) == Approx(1).epsilon(1e-12));
+}
+
+TEST_CASE("A part inside another is hidden, and a cavity is kept") {
+  const double large = area(sphere(1, 2).vertices, sphere(1, 2).triangles);
+  const double small = area(sphere(0.5, 2).vertices, sphere(0.5, 2).triangles);
+  const OuterSurface hidden = surface_of(merged(sphere(1, 2), sphere(0.5, 2)));
+  CHECK(kept_area(hidden) == Approx(large));
+  CHECK(hidden.hidden_area == Approx(small));
+  const OuterSurface cavity = surface_of(merged(sphere(1, 2), turned_inside_out(sphere(0.5, 2))));
+  CHECK(kept_area(cavity) == Approx(large + small));
+  CHECK(cavity.hidden == 0);
+}
+
+TEST_CASE("Spheres in a row leave the union's surface closed") {
+  Shape row = sphere(1, 2);
+  for (int i = 1; i < 5; ++i) row = merged(row, moved(sphere(1, 2), {1.1 * i, 0.013 * i, 0}));
+  const OuterSurface surface = surface_of(row);
+  CHECK(open_length(surface) < 1e-9);
+  CHECK(surface.hidden_area > 0.2 * area(row.vertices, row.triangles));
+}
+
+TEST_CASE("A hole is capped, and the caps come after the surface") {
+  Shape open = box({1, 1, 1});
+  open.triangles.resize(open.triangles.size() - 2);
+  const OuterSurface surface = surface_of(open);
+  CHECK(surface.surface_count == 10);
+  CHECK(kept_area(surface) == Approx(5));
+  REQUIRE(surface.caps.size() == 1);
+  CHECK(surface.caps[0].area == Approx(1));
+  CHECK(surface.caps[0].edges == 4);
+  CHECK((surface.caps[0].middle - Vector3(0.5, 0, 0)).norm() < 1e-12);
+  CHECK(volume_of(surface) == Approx(1));
+  CHECK(open_length(surface) == 0);
+}
+
+TEST_CASE("Holes that are capped are told one by one, the largest first") {
+  Shape narrow = box({1, 1, 1});
+  narrow.triangles.resize(narrow.triangles.size() - 2);
+  Shape wide = box({2, 2, 2});
+  wide.triangles.resize(wide.triangles.size() - 2);
+  const OuterSurface surface = surface_of(merged(narrow, moved(wide, {5, 0, 0})));
+  REQUIRE(surface.caps.size() == 2);
+  CHECK(surface.caps[0].area == Approx(4));
+  CHECK((surface.caps[0].middle - Vector3(6, 0, 0)).norm() < 1e-12);
+  CHECK(surface.caps[1].area == Approx(1));
+}
+
+TEST_CASE("A closed surface has no caps") { CHECK(surface_of(box({1, 1, 1})).caps.empty()); }
+
+TEST_CASE("A sheet that encloses nothing is no surface of a solid") {
+  Shape sheet;
+  sheet.vertices = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}};
+  sheet.triangles = {{0, 1, 2}, {0, 2, 3}};
+  const OuterSurface surface = surface_of(merged(box({1, 1, 1}), moved(sheet, {3, 0, 0})));
+  CHECK(surface.surface_count == 12);
+  CHECK(surface.triangles.size() == 12);
+}
+
+TEST_CASE("The outer surface is the same every time") {
+  const Shape shape = merged(sphere(1, 2), moved(sphere(1, 2), {0.7, 0.1, 0.2}));
+  const OuterSurface first = surface_of(shape);
+  const OuterSurface second = surface_of(shape);
+  CHECK(first.vertices == second.vertices);
+  CHECK(first.triangles == second.triangles);
+}
+
+TEST_CASE("The winding number counts turns within a thousandth of the exact sum") {
+  for (const Shape& shape : {sphere(1, 3), torus(1, 0.3, 60, 30), plate({1, 1, 1e-3}),
+                             merged(sphere(1, 3), sphere(0.9, 3))}) {
+    const baker::Mesh mesh = load_shape(shape);
+    const WindingNumber winding(mesh.vertices, mesh.triangles);
+    Random random(2);
+    for (int i = 0; i < 200; ++i) {
+      const Vector3 point = random.in_box(1.5 * mesh.box_min, 1.5 * mesh.box_max);
+      CHECK(winding.at(point) == Approx(exact_winding(mesh, point)).margin(1e-3));
+    }
+  }
+}
+
+TEST_CASE("The winding number of an open mesh lies between that of its sides") {
+  Shape bowl = sphere(1, 3);
+  std::erase_if(bowl.triangles, [&](const auto& t) {
+    return bowl.vertices[t[0]].z() + bowl.vertices[t[1]].z() + bowl.vertices[t[2]].z() > 0;
+  });
+  const WindingNumber winding(bowl.vertices, bowl.triangles);
+  CHECK(winding.at({0, 0, -0.9}) > 0.5);
+  CHECK(winding.at({0, 0, 0}) == Approx(0.5).margin(0.05));
+  CHECK(winding.at({0, 0, 0.9}) < 0.5);
+  CHECK(winding.at({0, 0, -3}) == Approx(0).margin(0.05));
+}
+
+}  // namespace spm::test

@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "baker/verify/exact_winding.hpp"
+
+#include <catch2/catch.hpp>
+
+#include "baker/base/random.hpp"
+#include "tests/baker/verify/verify_shapes.hpp"
+
+using namespace spm;
+using namespace spm::baker;
+
+namespace {
+
+double summed(const Mesh& mesh, const Vector3& point) {
+  double sum = 0;
+  for (const Triangle& t : mesh.triangles) {
+    sum += triangle_winding(point, mesh.vertices[t[0]], mesh.vertices[t[1]], mesh.vertices[t[2]]);
+  }
+  return sum;
+}
+
+Mesh without_every_seventh(test::Shape shape) {
+  std::vector<std::array<std::uint32_t, 3>> kept;
+  for (std::size_t i = 0; i < shape.triangles.size(); ++i) {
+    if (i % 7 != 0) kept.push_back(shape.triangles[i]);
+  }
+  shape.triangles = kept;
+  return test::as_mesh(shape);
+}
+
+}  // namespace
+
+TEST_CASE("The winding number by boundary fans is the sum over all triangles, holes or not") {
+  const std::vector<Mesh> meshes{
+      test::as_mesh(test::sphere(0.05, 4)), test::as_mesh(test::torus(0.03, 0.01, 60, 30)),
+      without_every_seventh(test::sphere(0.05, 3)),
+      without_every_seventh(test::torus(0.03, 0.01, 40, 20)),
+      test::as_mesh(test::merged(test::sphere(0.03, 3), test::box({0.05, 0.02, 0.08})))};
+  for (const Mesh& mesh : meshes) {
+    const ExactWinding winding(mesh);
+    for (std::uint64_t i = 0; i < 300; ++i) {
+      const Vector3 point = test::point_around(
+          mesh, 0.01, random_unit(5, 3 * i), random_unit(5, 3 * i + 1), random_unit(5, 3 * i + 2));
+      CHECK(winding.at(point) == Approx(summed(mesh, point)).margin(1e-10));
+    }
+  }
+}
+
+TEST_CASE("The winding number counts the parts that a point is in") {
+  const Mesh mesh = test::as_mesh(
+      test::merged(test::sphere(0.03, 3), test::moved(test::sphere(0.03, 3), {0.03, 0, 0})));
+  const ExactWinding winding(mesh);
+  CHECK(winding.at({0.015, 0, 0}) == Approx(2));
+  CHECK(winding.at({-0.02, 0, 0}) == Approx(1));
+  CHECK(winding.at({0.05, 0, 0}) == Approx(1));
+  CHECK(winding.at({0, 0.05, 0}) == Approx(0).margin(1e-12));
+}
+
+TEST_CASE("The variation bounds how much the winding number of an open mesh changes") {
+  const Mesh mesh = without_every_seventh(test::box({0.1, 0.1, 0.1}));
+  REQUIRE_FALSE(mesh.closed());
+  const ExactWinding winding(mesh);
+  int bounded = 0;
+  for (std::uint64_t i = 0; i < 2000; ++i) {
+    const Vector3 point = test::point_around(mesh, -0.005, random_unit(6, 4 * i),
+                                             random_unit(6, 4 * i + 1), random_unit(6, 4 * i + 2));
+    const double reach = 0.004 * random_unit(6, 4 * i + 3);
+    const double bound = winding.variation(point, reach);
+    if (!std::isfinite(bound)) continue;
+    ++bounded;
+    const Vector3 moved = point + reach * Vector3(1, -2, 3).normalized();
+    CHECK(std::abs(winding.at(moved) - winding.at(point)) <= bound + 1e-12);
+  }
+  CHECK(bounded > 100);
+}
+
+TEST_CASE("A closed mesh's winding number varies nowhere off its surface") {
+  const ExactWinding winding(test::as_mesh(test::sphere(0.05, 3)));
+  CHECK(winding.variation({0.01, 0, 0}, 0.01) == 0);
+}

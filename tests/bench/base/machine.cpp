@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "tests/bench/base/machine.hpp"
+
+#include <embree3/rtcore_config.h>
+#include <openvdb/version.h>
+#include <unistd.h>
+
+#include <cstddef>
+#include <cstdint>
+#include <fstream>
+#include <string>
+#include <thread>
+
+namespace spm::bench {
+namespace {
+
+/// The value of the first line of a file that begins with `key`; empty where there is none.
+std::string value_of(const char* file, const std::string& key, char separator) {
+  std::ifstream stream(file);
+  for (std::string line; std::getline(stream, line);) {
+    if (line.compare(0, key.size(), key) != 0) continue;
+    const std::size_t start = line.find(separator);
+    if (start == std::string::npos) return {};
+    std::string value = line.substr(start + 1);
+    value.erase(0, value.find_first_not_of(" \t\""));
+    value.erase(value.find_last_not_of(" \t\"") + 1);
+    return value;
+  }
+  return {};
+}
+
+}  // namespace
+
+nlohmann::ordered_json machine_json() {
+  nlohmann::ordered_json json;
+  json["processor"] = value_of("/proc/cpuinfo", "model name", ':');
+  json["cores"] = std::thread::hardware_concurrency();
+  json["memory_bytes"] = static_cast<std::uint64_t>(sysconf(_SC_PHYS_PAGES)) *
+                         static_cast<std::uint64_t>(sysconf(_SC_PAGE_SIZE));
+  json["system"] = value_of("/etc/os-release", "PRETTY_NAME", '=');
+  json["compiler"] = "g++ " __VERSION__;
+  json["build"] = SPM_BUILD_TYPE;
+  json["embree"] = RTC_VERSION_STRING;
+  json["openvdb"] = OPENVDB_LIBRARY_VERSION_STRING;
+  json["spm"] = SPM_VERSION;
+  return json;
+}
+
+}  // namespace spm::bench

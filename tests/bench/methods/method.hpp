@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <string>
+#include <utility>
+
+#include "common/query/query.hpp"
+#include "common/base/vector.hpp"
+
+namespace spm::bench {
+
+/// What a method is, and what it took to make it. Counted by the method itself.
+struct MethodFacts {
+  std::string name;         ///< as the tables and the chart call it
+  std::string settings;     ///< for a person, such as "cell 1 mm"
+  double setting = 0;       ///< m: the tolerance or cell that was asked for; 0 where there is none
+  std::uint64_t bytes = 0;  ///< of memory that a query may read
+  double build_seconds = 0;
+};
+
+/// A way to answer signed distance and outward normal near a surface, ready to be asked. Immutable;
+/// any number of threads may ask it.
+class Method {
+ public:
+  Method() = default;
+  virtual ~Method() = default;
+  Method(const Method&) = delete;
+  Method& operator=(const Method&) = delete;
+
+  /// Answer at a point of the model's frame, metres, as query_point gives it: `deep` and `far`
+  /// beyond the band.
+  [[nodiscard]] virtual Answer query(const Vector3& point) const noexcept = 0;
+
+  /// Answers at many points, one after the other unless a method knows better.
+  virtual void query_all(std::span<const Vector3> points,
+                         std::span<Answer> answers) const noexcept {
+    for (std::size_t i = 0; i < points.size(); ++i) answers[i] = query(points[i]);
+  }
+
+  [[nodiscard]] const MethodFacts& facts() const noexcept { return facts_; }
+
+ protected:
+  explicit Method(MethodFacts facts) : facts_(std::move(facts)) {}
+  MethodFacts facts_;
+};
+
+}  // namespace spm::bench

@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <span>
+
+#include "tests/bench/methods/method.hpp"
+#include "tests/bench/model/places.hpp"
+
+namespace spm::bench {
+
+/// How far a method's answers are from the truth.
+struct Score {
+  double rms = 0, p50 = 0, p99 = 0, max = 0;    ///< m, of the answered places
+  double direction_p50 = 0, direction_p99 = 0;  ///< rad, of the places with a direction
+  double misclassified = 0;  ///< share of the places farther off than the model's tolerance
+  double unanswered = 0;     ///< share of all places
+};
+
+/// Asks a method at every place. `deep` counts as the band's bottom; `far` as the margin within a
+/// tolerance of it, and as no answer elsewhere.
+[[nodiscard]] Score score(const Method& method, const Model& model, const Places& places);
+
+/// The same of answers that were given before, one a place, in their order.
+[[nodiscard]] Score score(std::span<const Answer> answers, const Model& model,
+                          const Places& places);
+
+}  // namespace spm::bench

@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <memory>
+#include <span>
+
+#include "common/asset/asset_view.hpp"
+#include "tests/bench/methods/mesh_proxy.hpp"
+#include "tests/bench/model/query_asset.hpp"
+#include "tests/bench/methods/tick_timing.hpp"
+
+namespace spm::bench {
+
+// Forces along a path, of 1000 N/m. What they refer to must outlive them. "Given" ones are told
+// what the search found, one element a tick of `path`, and count the ticks in contact: the tables'
+// figures without collision detection.
+
+[[nodiscard]] std::unique_ptr<TickMethod> proxy_ticks(MeshProxy& proxy);
+[[nodiscard]] std::unique_ptr<TickMethod> proxy_ticks_given(MeshProxy& proxy,
+                                                            std::span<const Vector3> path);
+
+/// The paper's rule, closest plane, and its force (eq. 9).
+[[nodiscard]] std::unique_ptr<TickMethod> paper_ticks(const AssetView& asset);
+[[nodiscard]] std::unique_ptr<TickMethod> paper_ticks_given(const AssetView& asset,
+                                                            std::span<const Vector3> path);
+
+/// spm_query_force; `radius` in metres, 0 is a point.
+[[nodiscard]] std::unique_ptr<TickMethod> spm_ticks(const spm_query_asset& asset, double radius);
+
+}  // namespace spm::bench

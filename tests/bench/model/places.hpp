@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "tests/bench/model/model.hpp"
+
+namespace spm::bench {
+
+/// Nearer than this share of the diagonal to a border edge nothing is judged.
+inline constexpr double hole_share = 0.03;
+
+/// A place in the band and what is true there.
+struct Place {
+  Vector3 point = Vector3::Zero();
+  double distance = 0;                ///< signed, m
+  Vector3 outward = Vector3::Zero();  ///< unit; zero where no direction is defined
+};
+
+/// What is true at any point.
+struct TruePlace {
+  Place place;
+  Vector3 foot = Vector3::Zero();  ///< the closest point of the surface
+  bool judged = false;             ///< in the band, and not beside a hole
+  bool near_hole = false;          ///< within 3 % of the diagonal of a border edge
+};
+
+[[nodiscard]] TruePlace truth_at(const Model& model, const Vector3& point);
+
+/// One equal set of places for all methods of a model.
+struct Places {
+  std::vector<Place> places;
+  double contested = 0;   ///< share of the places without a direction
+  double near_holes = 0;  ///< share of the draws left out beside border edges
+};
+
+/// Draws places as `spm-bake verify` does: uniform by area over the outer surface, at uniform
+/// depths of the band, none within 3 % of the diagonal of a border edge. A direction is defined 2
+/// um or more from the surface and farther than two tolerances of the model from the medial axis.
+/// Deterministic for any number of threads. Throws BakeError where no place is left.
+[[nodiscard]] Places draw_places(const Model& model, std::uint64_t count, std::uint64_t seed);
+
+}  // namespace spm::bench

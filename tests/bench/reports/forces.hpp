@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "tests/bench/reports/bytes.hpp"
+#include "tests/bench/reports/force_errors.hpp"
+#include "tests/bench/reports/slide_paths.hpp"
+
+namespace spm::bench {
+
+/// A model to slide on.
+struct ForceSource {
+  ModelSource model;
+  std::string trajectory;  ///< path of the recorded one; none where empty
+  std::size_t planes = 1000;
+};
+
+/// What `spm-bench forces` measures.
+struct ForcesPlan {
+  std::vector<ForceSource> sources;
+  std::uint32_t paper_resolution = 65;
+  double stiffness = 1e3;        ///< N/m
+  double probe_radius = 0.5e-3;  ///< m: of the row with a ball
+  double turn_rate = 120;        ///< rad/s: of the row of `spm` with a limit on turns
+  double depth = 1e-3;           ///< m: of the walked slide
+  std::size_t walked_ticks = 20000;
+  std::size_t most_ticks = 0;  ///< of the recorded slides; 0: all
+  std::uint64_t seed = 1;
+  unsigned threads = 0;  ///< 0: as many as there are cores; changes no figure
+};
+
+/// One path on one model, for one size of probe: what the exact penalty does on it.
+struct PathRow {
+  std::string model, path;
+  double radius = 0;  ///< m
+  std::uint64_t ticks = 0;
+  JudgedTicks judged;
+  Quantiles exact_step;           ///< N, while sliding
+  std::uint64_t exact_rough = 0;  ///< of these ticks those with a step of smooth_step or more
+};
+
+/// One method on one path.
+struct ForceRow {
+  std::string model, path, method, settings;
+  double radius = 0;     ///< m
+  double turn_rate = 0;  ///< rad/s, 0: without a limit
+  ForceErrors errors;
+};
+
+/// The forces of all methods on one path, tick by tick.
+struct ForceTrace {
+  struct Series {
+    std::string method;
+    double radius = 0;
+    double turn_rate = 0;
+    std::vector<Vector3> forces;  ///< N
+  };
+  std::string model;
+  SlidePath path;
+  std::vector<Series> series;
+};
+
+struct ForcesReport {
+  std::vector<PathRow> paths;
+  std::vector<ForceRow> rows;
+  std::vector<ForceTrace> traces;
+  std::vector<FailureRow> failures;
+};
+
+/// Bakes, then computes forces along the recorded slides and along walked ones. A bake that fails
+/// is a failure of its rows. Throws BakeError where a mesh or a trajectory cannot be read.
+[[nodiscard]] ForcesReport measure_forces(const ForcesPlan& plan, const BenchProgress& progress);
+
+}  // namespace spm::bench

@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "tests/bench/reports/bytes.hpp"
+
+namespace spm::bench {
+
+// What the reports of several modes have in common.
+
+/// `mesh`, its size, tolerance, and what its places were.
+[[nodiscard]] nlohmann::ordered_json model_json(const ModelRow& model);
+
+/// `mesh`, `method`, `settings`, `setting_um`, `bytes`, `build_seconds`.
+[[nodiscard]] nlohmann::ordered_json facts_json(const std::string& model, const MethodFacts& facts);
+
+/// Adds errors of distance and direction, and shares.
+void add_score(const Score& score, nlohmann::ordered_json& row);
+
+[[nodiscard]] nlohmann::ordered_json failures_json(const std::vector<FailureRow>& failures);
+
+/// One warning a failure.
+void warn_of(const std::vector<FailureRow>& failures);
+
+/// Such as "201 kB" or "16.1 MB".
+[[nodiscard]] std::string byte_text(double bytes);
+
+}  // namespace spm::bench

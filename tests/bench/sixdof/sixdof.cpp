@@ -1,0 +1,234 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "tests/bench/sixdof/sixdof.hpp"
+
+#include <fmt/format.h>
+#include <time.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <memory>
+#include <optional>
+#include <utility>
+
+#include "common/sixdof/object_contact.hpp"
+#include "tests/bench/sixdof/exact_contact.hpp"
+#include "tests/bench/model/model.hpp"
+#include "tests/bench/base/one_core.hpp"
+#include "tests/bench/sixdof/sixdof_path.hpp"
+#include "tests/bench/sixdof/sixdof_peers.hpp"
+
+namespace spm::bench {
+namespace {
+
+using Eigen::Isometry3d;
+
+constexpr double stiffness = 1e9;  // N/m3
+constexpr std::uint64_t path_samples = 8000;
+constexpr double hull_tolerance = 2e-4;  // m
+constexpr std::size_t hull_planes = 64;
+/// Limit of a tick, ns: of few samples, and of more than so many.
+constexpr std::int64_t small_limit = 250000, large_limit = 800000;
+constexpr std::uint64_t small_samples = 100000;
+/// Fewer are also asked one by one.
+constexpr std::uint64_t samples_without_culling = 40000;
+
+/// So often each method follows the path, from the start: what the machine does meanwhile for less
+/// than half of that does not tell.
+constexpr std::size_t passes = 3;
+
+/// Seconds that this thread has run.
+double busy_seconds() {
+  timespec time{};
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
+  return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
+}
+
+double quantile(std::vector<double>& values, double share) {
+  if (values.empty()) return 0;
+  const auto at = static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
+  std::nth_element(values.begin(), values.begin() + at, values.end());
+  return values[static_cast<std::size_t>(at)];
+}
+
+Quantiles quantiles(std::vector<double> values) {
+  return {quantile(values, 0.5), quantile(values, 0.95)};
+}
+
+struct Judged {
+  std::size_t tick = 0;
+  Vector3 force = Vector3::Zero();
+};
+
+/// Follows the path with one method after another.
+class Runner {
+ public:
+  Runner(std::vector<Isometry3d> path, std::vector<Judged> judged, SixdofReport& report)
+      : path_(std::move(path)), judged_(std::move(judged)), report_(report) {}
+
+  /// Ours, with a limit in ns where it is above 0, and with or without using answers again.
+  void run_spm(const SurfaceSamples& tool, const AssetView& object, std::int64_t limit,
+               bool remembers) {
+    ObjectContactSettings settings;
+    settings.stiffness = stiffness;
+    if (!remembers) settings.most_reach = 0;
+    std::optional<ObjectContact> contact;
+    const std::array objects{ContactObject{&object, Isometry3d::Identity()}};
+    SixdofRow row;
+    row.method = remembers ? "spm" : "spm-asking";
+    row.samples = tool.levels.back().count;
+    row.settings = limit > 0 ? fmt::format("{} samples, {} us", row.samples, limit / 1000)
+                             : fmt::format("{} samples, no limit", row.samples);
+    const auto finest = static_cast<double>(tool.levels.size() - 1);
+    std::vector<Vector3> forces;
+    const auto start_afresh = [&] { contact.emplace(tool, settings); };
+    follow(1, row, forces, start_afresh, [&](const Isometry3d& pose) {
+      const ObjectContactReport found = contact->tick(pose, objects, {limit, nullptr});
+      row.tested += static_cast<double>(found.tested);
+      row.asked += static_cast<double>(found.asked);
+      row.contacts += static_cast<double>(found.sum.contacts);
+      row.level += found.level / finest;
+      row.degraded += found.degraded ? 1 : 0;
+      return found.sum.forces().force;
+    });
+    judge(1, row, forces, true);
+  }
+
+  void run_peer(Peer& peer, std::uint64_t ticks) {
+    SixdofRow row;
+    row.method = peer.name();
+    row.settings = peer.settings();
+    row.samples = peer.samples();
+    const std::size_t stride = std::max<std::size_t>(1, path_.size() / ticks);
+    std::vector<Vector3> forces;
+    // Peers remember nothing.
+    follow(
+        stride, row, forces, [] {},
+        [&](const Isometry3d& pose) {
+          const PeerAnswer found = peer.ask(pose);
+          row.contacts += static_cast<double>(found.contacts);
+          return found.force;
+        });
+    row.level = 1;
+    judge(stride, row, forces, peer.same_law());
+  }
+
+ private:
+  std::vector<Isometry3d> path_;
+  std::vector<Judged> judged_;
+  SixdofReport& report_;
+
+  template <class Begin, class Ask>
+  void follow(std::size_t stride, SixdofRow& row, std::vector<Vector3>& forces, const Begin& begin,
+              const Ask& ask) {
+    std::vector<double> middles, tails, busy_tails;
+    const OneCore pinned;
+    for (std::size_t pass = 0; pass < passes; ++pass) {
+      std::vector<double> times, busy;
+      forces.clear();
+      begin();
+      for (std::size_t tick = 0; tick < path_.size(); tick += stride) {
+        const double before = busy_seconds();
+        const Clock::time_point start = Clock::now();
+        forces.push_back(ask(path_[tick]));
+        times.push_back(seconds_since(start));
+        busy.push_back(busy_seconds() - before);
+      }
+      for (const double time : times) row.mean += time;
+      row.most = std::max(row.most, *std::max_element(times.begin(), times.end()));
+      middles.push_back(quantile(times, 0.5));
+      tails.push_back(quantile(times, 0.99));
+      busy_tails.push_back(quantile(busy, 0.99));
+    }
+    row.p50 = quantile(middles, 0.5);
+    row.p99 = quantile(tails, 0.5);
+    row.busy_p99 = quantile(busy_tails, 0.5);
+    const auto count = static_cast<double>(forces.size() * passes);
+    for (double* sum :
+         {&row.mean, &row.tested, &row.asked, &row.contacts, &row.level, &row.degraded})
+      *sum /= count;
+  }
+
+  void judge(std::size_t stride, SixdofRow& row, const std::vector<Vector3>& forces,
+             bool same_law) {
+    std::vector<double> errors, angles;
+    for (const Judged& judged : judged_) {
+      const Vector3& force = forces[judged.tick / stride];
+      if (judged.tick % stride != 0) continue;
+      errors.push_back((force - judged.force).norm() / judged.force.norm());
+      angles.push_back(std::atan2(force.cross(judged.force).norm(), force.dot(judged.force)));
+    }
+    if (same_law) row.force_error = quantiles(errors);
+    row.direction_error = quantiles(angles);
+    report_.rows.push_back(row);
+  }
+};
+
+std::vector<Judged> references(const SixdofPlan& plan, const std::vector<Isometry3d>& path,
+                               const BakedObject& tool, const BakedObject& object,
+                               SixdofReport& report) {
+  const SurfaceSamples samples = samples_of_count(tool.view(), plan.reference_samples);
+  report.reference_samples = samples.levels.back().count;
+  // Ticks that peers are asked at as well.
+  const std::size_t peers = std::max<std::size_t>(1, path.size() / plan.peer_ticks);
+  const std::size_t stride =
+      peers *
+      std::max<std::size_t>(1, path.size() / peers / std::max<std::uint64_t>(1, plan.judged));
+  std::vector<Judged> judged;
+  for (std::size_t tick = 0; tick < path.size(); tick += stride) {
+    const Vector3 force = exact_force(samples, object, path[tick], stiffness);
+    if (force.norm() > 0) judged.push_back({tick, force});
+  }
+  report.judged = judged.size();
+  return judged;
+}
+
+}  // namespace
+
+SixdofReport measure_sixdof(const SixdofPlan& plan, const BenchProgress& progress) {
+  const auto told = [&progress](const std::string& what, double done) {
+    if (progress) progress(what, done);
+  };
+  SixdofReport report;
+  told("baking the tool", 0);
+  const BakedObject tool(plan.tool, tool_diagonal, plan.tool_tolerance);
+  told("baking the object", 0.05);
+  const BakedObject object(plan.object, bench_diagonal, plan.tolerance);
+  report.tool = tool.name;
+  report.object = object.name;
+  report.tool_triangles = tool.mesh.triangles.size();
+  report.object_triangles = object.mesh.triangles.size();
+  told("making the path", 0.25);
+  PathPlan path_plan;
+  path_plan.ticks = plan.ticks;
+  path_plan.seed = plan.seed;
+  const std::vector<Isometry3d> path =
+      press_and_slide(samples_of_count(tool.view(), path_samples), object.view(),
+                      samples_of_count(object.view(), path_samples), path_plan);
+  report.ticks = path.size();
+  told("exact forces", 0.35);
+  Runner runner(path, references(plan, path, tool, object, report), report);
+  for (const std::uint64_t count : plan.samples) {
+    told(fmt::format("{} samples", count), 0.6);
+    const SurfaceSamples samples = samples_of_count(tool.view(), count);
+    runner.run_spm(samples, object.view(), 0, true);
+    runner.run_spm(samples, object.view(), count <= small_samples ? small_limit : large_limit,
+                   true);
+    if (count <= small_samples) runner.run_spm(samples, object.view(), 0, false);
+    if (count < samples_without_culling) {
+      runner.run_peer(*make_every_sample(samples, object.view(), stiffness), plan.peer_ticks);
+    }
+  }
+  told("FCL", 0.9);
+  runner.run_peer(*make_fcl(tool, object), plan.peer_ticks);
+  told("Bullet", 0.95);
+  runner.run_peer(*make_bullet(tool, object), plan.peer_ticks);
+  told("culling", 0.98);
+  const SupportHull hull =
+      support_hull(samples_of_count(tool.view(), path_samples), hull_tolerance, hull_planes);
+  report.hull_points = hull.points.size();
+  report.culling = measure_culling(hull, plan.culled_objects, plan.seed);
+  return report;
+}
+
+}  // namespace spm::bench

@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "baker/pipeline/bake.hpp"
+#include "baker/verify/exact_surface.hpp"
+#include "baker/surface/outer_surface.hpp"
+#include "common/sixdof/surface_samples.hpp"
+
+namespace spm::bench {
+
+/// Diagonal that a tool is scaled to, m.
+inline constexpr double tool_diagonal = 0.06;
+
+/// A mesh with its asset, the surface that peers are built from, and the truth.
+struct BakedObject {
+  /// Scales the mesh to `diagonal` (m) and bakes it. Throws BakeError.
+  BakedObject(const std::string& path, double diagonal, double tolerance);
+
+  std::string name;
+  baker::Mesh mesh;
+  baker::OuterSurface surface;
+  baker::ExactSurface truth;
+  baker::BakeResult baked;
+  AssetTables tables;
+
+  [[nodiscard]] const AssetView& view() const noexcept { return tables.view(); }
+};
+
+/// Samples of a surface, about so many of them (within a tenth). Throws BakeError.
+[[nodiscard]] SurfaceSamples samples_of_count(const AssetView& asset, std::uint64_t count);
+
+}  // namespace spm::bench

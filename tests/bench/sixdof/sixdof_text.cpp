@@ -1,0 +1,128 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "tests/bench/sixdof/sixdof_text.hpp"
+
+#include <fmt/format.h>
+
+#include <iterator>
+#include <numbers>
+
+#include "tests/bench/base/machine.hpp"
+
+namespace spm::bench {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr double micro = 1e6;
+constexpr double degrees = 180 / std::numbers::pi;
+
+Json quantiles_json(const Quantiles& values, double unit) {
+  return {{"median", values.median * unit}, {"p95", values.p95 * unit}};
+}
+
+Json row_json(const SixdofRow& row) {
+  Json json;
+  json["method"] = row.method;
+  json["settings"] = row.settings;
+  json["samples"] = row.samples > 0 ? Json(row.samples) : Json();
+  json["p50_us"] = row.p50 * micro;
+  json["p99_us"] = row.p99 * micro;
+  json["max_us"] = row.most * micro;
+  json["mean_us"] = row.mean * micro;
+  json["busy_p99_us"] = row.busy_p99 * micro;
+  json["samples_tested"] = row.tested;
+  json["field_queries"] = row.asked;
+  json["contacts"] = row.contacts;
+  json["level"] = row.level;
+  json["degraded"] = row.degraded;
+  json["force_error_percent"] = row.force_error ? quantiles_json(*row.force_error, 100) : Json();
+  json["direction_error_deg"] = quantiles_json(row.direction_error, degrees);
+  return json;
+}
+
+/// Of the pairs that boxes along the axes leave, the share that is told apart.
+double told_apart(const CullingRow& row, std::uint64_t left) {
+  return row.after_aabb > 0 ? 1 - static_cast<double>(left) / static_cast<double>(row.after_aabb)
+                            : 0;
+}
+
+Json culling_json(const CullingRow& row) {
+  return {{"scene", row.scene},
+          {"objects", row.objects},
+          {"pairs", row.pairs},
+          {"after_aabb", row.after_aabb},
+          {"after_obb", row.after_obb},
+          {"after_spm", row.after_spm},
+          {"hulls_touch", row.touching},
+          {"rejected_obb", told_apart(row, row.after_obb)},
+          {"rejected_spm", told_apart(row, row.after_spm)},
+          {"aabb_ns", row.aabb_ns},
+          {"obb_ns", row.obb_ns},
+          {"spm_ns", row.spm_ns},
+          {"remembered", row.remembered}};
+}
+
+void append_culling(const SixdofReport& report, std::string& text) {
+  const auto out = std::back_inserter(text);
+  fmt::format_to(out,
+                 "\nculling of copies of the tool, a hull of {} points; pairs left, and ns a pair "
+                 "asked\n  {:<7} {:>7} {:>9} {:>8} {:>8} {:>8} {:>8}  {:>6} {:>6} {:>6}  {:>6}\n",
+                 report.hull_points, "scene", "objects", "pairs", "AABB", "OBB", "SPM", "touch",
+                 "AABB", "OBB", "SPM", "kept %");
+  for (const CullingRow& row : report.culling) {
+    fmt::format_to(
+        out, "  {:<7} {:>7} {:>9} {:>8} {:>8} {:>8} {:>8}  {:>6.1f} {:>6.1f} {:>6.1f}  {:>6.1f}\n",
+        row.scene, row.objects, row.pairs, row.after_aabb, row.after_obb, row.after_spm,
+        row.touching, row.aabb_ns, row.obb_ns, row.spm_ns, 100 * row.remembered);
+  }
+}
+
+}  // namespace
+
+Json to_json(const SixdofReport& report) {
+  Json json;
+  json["machine"] = machine_json();
+  json["tool"] = {{"mesh", report.tool}, {"triangles", report.tool_triangles}};
+  json["object"] = {{"mesh", report.object}, {"triangles", report.object_triangles}};
+  json["ticks"] = report.ticks;
+  json["judged"] = report.judged;
+  json["reference_samples"] = report.reference_samples;
+  json["rows"] = Json::array();
+  for (const SixdofRow& row : report.rows) json["rows"].push_back(row_json(row));
+  json["culling"] = Json::array();
+  for (const CullingRow& row : report.culling) json["culling"].push_back(culling_json(row));
+  return json;
+}
+
+std::string to_text(const SixdofReport& report) {
+  std::string text;
+  const auto out = std::back_inserter(text);
+  fmt::format_to(out,
+                 "{} ({} triangles) on {} ({} triangles): {} ticks; forces judged at {}, by {} "
+                 "samples and the exact surface\n",
+                 report.tool, report.tool_triangles, report.object, report.object_triangles,
+                 report.ticks, report.judged, report.reference_samples);
+  fmt::format_to(out, "  {:<13} {:<25} {:>31}  {:>8} {:>8} {:>8} {:>6}  {:>13}  {:>11}\n", "method",
+                 "settings", "us a tick: p50    p99 busy p99   mean", "tested", "asked", "contacts",
+                 "degr %", "force %: p50 p95", "deg: 50   95");
+  for (const SixdofRow& row : report.rows) {
+    fmt::format_to(
+        out,
+        "  {:<13} {:<25} {:>12.1f} {:>8.1f} {:>7.0f} {:>6.1f}  {:>8.1f} {:>8.1f} {:>8.1f} "
+        "{:>6.2f}  ",
+        row.method, row.settings, row.p50 * micro, row.p99 * micro, row.busy_p99 * micro,
+        row.mean * micro, row.tested, row.asked, row.contacts, 100 * row.degraded);
+    if (row.force_error) {
+      fmt::format_to(out, "{:>8.2f} {:>6.2f}", 100 * row.force_error->median,
+                     100 * row.force_error->p95);
+    } else {
+      fmt::format_to(out, "{:>8} {:>6}", "-", "-");
+    }
+    fmt::format_to(out, "  {:>6.2f} {:>5.1f}\n", row.direction_error.median * degrees,
+                   row.direction_error.p95 * degrees);
+  }
+  append_culling(report, text);
+  return text;
+}
+
+}  // namespace spm::bench

@@ -1,0 +1,123 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "common/paper/paper_probe_force.hpp"
+
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include "tests/support/asset_by_hand.hpp"
+#include "common/surface/support_plane_mapping.hpp"
+
+namespace spm {
+namespace {
+
+using test::map_by_hand;
+using test::MapByHand;
+
+constexpr double stiffness = 1000;
+constexpr double radius = 0.01;
+
+/// A half-space under z = 0, seen by one plane at z = 0.01 with samples every 0.25 mm: so that the
+/// surface is not the plane itself.
+class Ground {
+ public:
+  explicit Ground(double slope = 0) {
+    SupportPlane plane = plane_with_normal({0, 0, 0.01}, Vector3::UnitZ());
+    plane.x0 += -0.03 * plane.u - 0.03 * plane.v;
+    made_ = map_by_hand(0, 241, 241, 1, 0, 0, 2.5e-4, [=](std::uint32_t, double eta, double) {
+      return 0.01 + slope * (eta - 0.03);
+    });
+    planes_ = {plane};
+    made_.map.samples = made_.samples.data();
+    made_.map.layer_offsets = made_.offsets.data();
+    made_.map.mask = made_.mask.data();
+    maps_ = {made_.map};
+    n_ = {plane.n.x(), plane.n.y(), plane.n.z(), plane.n.dot(plane.x0)};
+    view.full = true;
+    view.planes = planes_;
+    view.maps = maps_;
+    view.plane_nx = {&n_[0], 1};
+    view.plane_ny = {&n_[1], 1};
+    view.plane_nz = {&n_[2], 1};
+    view.plane_offset = {&n_[3], 1};
+  }
+  Ground(const Ground&) = delete;
+  Ground& operator=(const Ground&) = delete;
+
+  AssetView view;
+  [[nodiscard]] const SupportPlane& plane() const { return planes_[0]; }
+
+ private:
+  MapByHand made_;
+  std::vector<SupportPlane> planes_;
+  std::vector<DistanceMap> maps_;
+  std::vector<double> n_;
+};
+
+TEST_CASE("A sphere half in the ground feels the mean depth of its lower side (eq. 10, 11)") {
+  const Ground ground;
+  const PaperProbeForce found =
+      paper_probe_force(ground.view, SphereProbe({0, 0, 0}, radius), stiffness);
+  // The mean of sqrt(r^2 - rho^2) over a disc is 2 r / 3.
+  CHECK(found.force.z() == Approx(stiffness * 2 * radius / 3).epsilon(0.01));
+  // At the rim both sides are at the surface, but for rounding.
+  CHECK(found.far.z() == Approx(found.force.z()).epsilon(0.005));
+  CHECK(found.near_count < found.far_count / 200);
+  CHECK(found.far_count ==
+        Approx(std::numbers::pi * radius * radius / (2.5e-4 * 2.5e-4)).epsilon(0.02));
+  CHECK(std::hypot(found.force.x(), found.force.y()) < 1e-9);
+}
+
+TEST_CASE("A sphere wholly in the ground feels its centre's depth, from both sides alike") {
+  const Ground ground;
+  const PaperProbeForce found =
+      paper_probe_force(ground.view, SphereProbe({0, 0, -0.015}, radius), stiffness);
+  CHECK(found.force.z() == Approx(stiffness * 0.015));
+  CHECK(found.near_count == found.far_count);
+  CHECK(found.far.z() - found.near.z() == Approx(stiffness * 4 * radius / 3).epsilon(0.02));
+}
+
+TEST_CASE("The form over the volume is the mean depth of what is in the ground") {
+  const Ground ground;
+  // Of half a ball 3 r / 8, of a whole one its centre's.
+  CHECK(paper_probe_volume_force(ground.view, SphereProbe({0, 0, 0}, radius), stiffness).z() ==
+        Approx(stiffness * 3 * radius / 8).epsilon(0.01));
+  CHECK(paper_probe_volume_force(ground.view, SphereProbe({0, 0, -0.02}, radius), stiffness).z() ==
+        Approx(stiffness * 0.02));
+}
+
+TEST_CASE("A capsule that lies half in the ground feels a cylinder's mean depth") {
+  const Ground ground;
+  constexpr double thin = 0.006125;
+  const CapsuleProbe capsule({-0.015, 0, 0}, {0.015, 0, 0}, thin);
+  const double straight = 0.03 * 2 * thin, ends = std::numbers::pi * thin * thin;
+  // pi r / 4 over the strip, 2 r / 3 over the two half discs.
+  const double mean =
+      (straight * std::numbers::pi * thin / 4 + ends * 2 * thin / 3) / (straight + ends);
+  CHECK(paper_probe_force(ground.view, capsule, stiffness).force.z() ==
+        Approx(stiffness * mean).epsilon(0.02));
+}
+
+TEST_CASE("On a slope the force is along the surface's normal, not the plane's") {
+  const Ground ground(0.5);
+  const Vector3 force =
+      paper_probe_force(ground.view, SphereProbe({0, 0, -0.002}, 0.004), stiffness).force;
+  const Vector3 normal = surface_normal(ground.plane(), 0.5, 0).normalized();
+  CHECK(force.normalized().dot(normal) == Approx(1));
+}
+
+TEST_CASE("Over the ground, beside the map or nowhere a probe feels nothing") {
+  const Ground ground;
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  for (const Vector3& centre :
+       {Vector3(0, 0, 0.0101), Vector3(1, 0, -0.01), Vector3(nan, 0, 0), Vector3(0, 0, nan)}) {
+    const SphereProbe probe(centre, radius);
+    CHECK(paper_probe_force(ground.view, probe, stiffness).force.isZero());
+    CHECK(paper_probe_volume_force(ground.view, probe, stiffness).isZero());
+  }
+  CHECK(paper_probe_force(AssetView{}, SphereProbe({0, 0, 0}, radius), stiffness).far_count == 0);
+}
+
+}  // namespace
+}  // namespace spm

@@ -1,0 +1,147 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "common/paper/paper_volume.hpp"
+
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <functional>
+#include <limits>
+#include <numbers>
+#include <vector>
+
+#include "tests/support/asset_by_hand.hpp"
+#include "common/surface/support_plane_mapping.hpp"
+
+namespace spm {
+namespace {
+
+using test::map_by_hand;
+using test::MapByHand;
+
+constexpr double nothing = std::numeric_limits<double>::infinity();
+
+/// A `full` asset of one plane about a point with a normal, whose map is square and so wide; depths
+/// are a function of the distances from its middle.
+class OnePlane {
+ public:
+  OnePlane(const Vector3& middle, const Vector3& normal, double wide,
+           const std::function<double(double, double)>& depth) {
+    constexpr std::uint32_t samples = 201;
+    SupportPlane plane = plane_with_normal(middle, normal);
+    plane.x0 += -wide / 2 * plane.u - wide / 2 * plane.v;
+    made_ = map_by_hand(0, samples, samples, 1, 0, 0, wide / (samples - 1),
+                        [=](std::uint32_t, double eta, double omega) {
+                          return depth(eta - wide / 2, omega - wide / 2);
+                        });
+    planes_ = {plane};
+    made_.map.samples = made_.samples.data();
+    made_.map.layer_offsets = made_.offsets.data();
+    made_.map.mask = made_.mask.data();
+    maps_ = {made_.map};
+    view.full = true;
+    view.planes = planes_;
+    view.maps = maps_;
+  }
+  OnePlane(const OnePlane&) = delete;
+  OnePlane& operator=(const OnePlane&) = delete;
+
+  AssetView view;
+
+ private:
+  MapByHand made_;
+  std::vector<SupportPlane> planes_;
+  std::vector<DistanceMap> maps_;
+};
+
+constexpr double radius = 0.02;
+
+/// The near half of a ball about the origin, seen along a normal.
+double ball(double x, double y) {
+  const double square = radius * radius - x * x - y * y;
+  return square > 0 ? radius - std::sqrt(square) : nothing;
+}
+
+Eigen::Isometry3d moved(const Vector3& by) { return Eigen::Isometry3d(Eigen::Translation3d(by)); }
+
+PenetrationVolume ball_in_ground(double tilt, double height, AreaFactor factor) {
+  const OnePlane ground(Vector3::Zero(), Vector3::UnitZ(), 0.1, [](double, double) { return 0; });
+  const Vector3 down(std::sin(tilt), 0, -std::cos(tilt));
+  const OnePlane tool(radius * down, down, 0.0399, ball);
+  return penetration_volume(ground.view, 0, tool.view, 0, moved({0.003, -0.002, height}), 1000,
+                            factor);
+}
+
+TEST_CASE("f is how far a point lies under the other surface (eq. 13)") {
+  const OnePlane ground(Vector3(0, 0, 0.01), Vector3::UnitZ(), 0.1,
+                        [](double, double) { return 0.004; });
+  CHECK(penetration_function(ground.view, 0, {0.01, 0.02, 0.005}) == Approx(0.001));
+  CHECK(penetration_function(ground.view, 0, {0.01, 0.02, 0.007}) == Approx(-0.001));
+  CHECK(std::isnan(penetration_function(ground.view, 0, {1, 0, 0.005})));
+  CHECK(std::isnan(penetration_function(ground.view, 1, {0, 0, 0.005})));
+}
+
+TEST_CASE("A box pressed flat into the ground shares its face times the depth (eq. 15)") {
+  const OnePlane ground(Vector3::Zero(), Vector3::UnitZ(), 0.1, [](double, double) { return 0; });
+  const OnePlane box(Vector3::Zero(), -Vector3::UnitZ(), 0.02, [](double, double) { return 0; });
+  for (const AreaFactor factor : {AreaFactor::paper, AreaFactor::surface}) {
+    const PenetrationVolume found =
+        penetration_volume(ground.view, 0, box.view, 0, moved({0.01, 0, -0.002}), 500, factor);
+    CHECK(found.volume == Approx(0.02 * 0.02 * 0.002));
+    CHECK(found.mass == Approx(500 * found.volume));
+    CHECK((found.centre - Vector3(0.01, 0, -0.001)).norm() < 1e-9);
+    CHECK((found.normal - Vector3::UnitZ()).norm() < 1e-9);
+  }
+}
+
+TEST_CASE("A ball in the ground shares a cap, by a plane that looks straight down") {
+  const double depth = 0.006;
+  const double cap = std::numbers::pi * depth * depth * (3 * radius - depth) / 3;
+  for (const AreaFactor factor : {AreaFactor::paper, AreaFactor::surface}) {
+    CHECK(ball_in_ground(0, radius - depth, factor).volume == Approx(cap).epsilon(0.005));
+  }
+  const PenetrationVolume found = ball_in_ground(0, radius - depth, AreaFactor::surface);
+  const double under = 3 * std::pow(2 * radius - depth, 2) / (4 * (3 * radius - depth));
+  CHECK((found.centre - Vector3(0.003, -0.002, radius - depth - under)).norm() < 5e-5);
+}
+
+TEST_CASE("By a tilted plane the paper's cosine is wrong, the surface's own projection is not") {
+  const double depth = 0.006;
+  const double cap = std::numbers::pi * depth * depth * (3 * radius - depth) / 3;
+  const double tilt = 20 * std::numbers::pi / 180;
+  const PenetrationVolume exact = ball_in_ground(tilt, radius - depth, AreaFactor::surface);
+  CHECK(exact.volume == Approx(cap).epsilon(0.005));
+  const PenetrationVolume paper = ball_in_ground(tilt, radius - depth, AreaFactor::paper);
+  CHECK(std::abs(paper.volume / cap - 1) > 0.05);
+}
+
+TEST_CASE("The force is at the centre of gravity, with its torque about a point") {
+  const PenetrationVolume found = ball_in_ground(0, 0.015, AreaFactor::surface);
+  const Vector3 about(0.013, -0.002, 0.1);
+  const Wrench wrench = volume_wrench(found, 1e6, about);
+  CHECK(wrench.force.z() == Approx(1e6 * found.volume));
+  CHECK(std::hypot(wrench.force.x(), wrench.force.y()) < 1e-6 * wrench.force.z());
+  // The ball is 10 mm to the left of the point: pushed up, it turns about +y.
+  CHECK(wrench.torque.y() == Approx(0.01 * wrench.force.z()).epsilon(1e-3));
+}
+
+TEST_CASE("Objects apart, or without maps, share nothing") {
+  CHECK(ball_in_ground(0, 2 * radius, AreaFactor::paper).volume == 0);
+  CHECK(ball_in_ground(0, 2 * radius, AreaFactor::surface).samples == 0);
+  const AssetView none;
+  const PenetrationVolume found = penetration_volume(
+      none, 0, none, 0, Eigen::Isometry3d::Identity(), 1000, AreaFactor::surface);
+  CHECK(found.volume == 0);
+  CHECK(volume_wrench(found, 1e6, Vector3::Zero()).force.isZero());
+}
+
+TEST_CASE("A pose that is no number shares nothing") {
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  const OnePlane ground(Vector3::Zero(), Vector3::UnitZ(), 0.1, [](double, double) { return 0; });
+  const OnePlane tool(Vector3(0, 0, -radius), -Vector3::UnitZ(), 0.0399, ball);
+  const PenetrationVolume found = penetration_volume(ground.view, 0, tool.view, 0,
+                                                     moved({nan, 0, 0}), 1000, AreaFactor::surface);
+  CHECK(found.volume == 0);
+  CHECK(found.centre.isZero());
+}
+
+}  // namespace
+}  // namespace spm

@@ -1,0 +1,326 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "common/sixdof/object_contact.hpp"
+
+#include <array>
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <random>
+
+#include "tests/support/asset_by_hand.hpp"
+#include "common/query/query.hpp"
+
+namespace spm {
+namespace {
+
+using Eigen::Isometry3d;
+using test::TiledCubeByHand;
+
+constexpr double field_size = 0.04;
+constexpr double tool_size = 0.012;
+constexpr double stiffness = 1e9;
+
+Vector3 to_vector(const std::array<float, 3>& v) { return {v[0], v[1], v[2]}; }
+
+SurfaceSamples tool_samples(double spacing) {
+  const TiledCubeByHand tool(tool_size);
+  return *sample_surface(tool.view, spacing);
+}
+
+Isometry3d at(double x, double y, double z) { return Isometry3d(Eigen::Translation3d(x, y, z)); }
+
+/// Of the tool on the middle of the upper face, so deep.
+Isometry3d pressed_by(double depth) { return at(0, 0, (field_size + tool_size) / 2 - depth); }
+
+/// All finest samples, asked one by one.
+ContactSum every_sample(const SurfaceSamples& tool, const Isometry3d& pose,
+                        std::span<const ContactObject> objects) {
+  ContactSum sum;
+  for (const ContactObject& object : objects) {
+    const Isometry3d to_object = object.pose.inverse() * pose;
+    const SampleLevel& finest = tool.levels.back();
+    for (std::uint32_t i = finest.first; i < finest.first + finest.count; ++i) {
+      const Vector3 place = to_vector(tool.places[i].position);
+      const Answer answer = query_point(*object.field, to_object * place);
+      if (!(answer.distance < 0)) continue;
+      sum.add(stiffness * static_cast<double>(tool.shares[i].area), -answer.distance,
+              answer.distance * answer.distance, 1, object.pose.linear() * answer.normal,
+              pose.linear() * place);
+    }
+  }
+  return sum;
+}
+
+ObjectContactSettings settings(std::uint32_t objects = 1) {
+  ObjectContactSettings made;
+  made.stiffness = stiffness;
+  made.objects = objects;
+  made.most_reach = 0;
+  return made;
+}
+
+class Randoms {
+ public:
+  explicit Randoms(std::uint64_t seed) : bits_(seed) {}
+  double one() { return static_cast<double>(bits_() >> 11U) * 0x1p-52 - 1; }
+  Vector3 vector(double size) { return size * Vector3(one(), one(), one()); }
+
+ private:
+  std::mt19937_64 bits_;
+};
+
+Isometry3d turned(const Isometry3d& pose, const Vector3& by) {
+  Isometry3d made = pose;
+  if (by.norm() > 0) made.linear() = Eigen::AngleAxisd(by.norm(), by.normalized()) * pose.linear();
+  return made;
+}
+
+TEST_CASE("A cube pressed on a cube is pushed back by stiffness, area and depth") {
+  const TiledCubeByHand field(field_size);
+  const SurfaceSamples tool = tool_samples(0.0002);
+  ObjectContact contact(tool, settings());
+  const std::array objects{ContactObject{&field.view, Isometry3d::Identity()}};
+  constexpr double depth = 0.0005;
+  const ObjectContactReport report = contact.tick(pressed_by(depth), objects);
+  // The face below, and the strips beside it, which are half as deep in the mean.
+  const double wanted = stiffness * depth * tool_size * (tool_size + 4 * depth / 2);
+  CHECK(report.sum.forces().force.z() == Approx(wanted).epsilon(0.02));
+  CHECK(report.sum.forces().force.head<2>().norm() < 1e-3 * wanted);
+  CHECK(report.sum.forces().torque.norm() < 1e-3 * wanted * tool_size);
+  CHECK(report.sum.deepest == Approx(depth).epsilon(1e-3));
+  CHECK(report.sum.stiffness(2, 2) ==
+        Approx(stiffness * tool_size * (tool_size + 4 * depth)).epsilon(0.04));
+  CHECK(report.level + 1 == tool.levels.size());
+  CHECK_FALSE(report.degraded);
+  CHECK(report.tested < tool.levels.back().count);
+}
+
+TEST_CASE("Clear of all objects there is no force, and hardly a sample is asked") {
+  const TiledCubeByHand field(field_size);
+  const SurfaceSamples tool = tool_samples(0.0002);
+  ObjectContact contact(tool, settings());
+  const std::array objects{ContactObject{&field.view, Isometry3d::Identity()}};
+  CHECK(contact.tick(pressed_by(-0.003), objects).tested < 100);
+  const ObjectContactReport report = contact.tick(pressed_by(-0.002999), objects);
+  CHECK(report.tested == 0);
+  CHECK(report.sum.contacts == 0);
+  CHECK(report.sum.wrench.isZero(0));
+}
+
+TEST_CASE("A tool wholly inside an object, deeper than the band, is pushed by all its surface") {
+  const TiledCubeByHand field(field_size);
+  const SurfaceSamples tool = tool_samples(0.0002);
+  ObjectContact contact(tool, settings());
+  const std::array objects{ContactObject{&field.view, Isometry3d::Identity()}};
+  const Isometry3d pose = pressed_by(tool_size + 0.008);
+  const ContactSum wanted = every_sample(tool, pose, objects);
+  CHECK(wanted.forces().force.z() > 1);
+  const ObjectContactReport report = contact.tick(pose, objects);
+  CHECK(report.clear == 0);
+  CHECK((report.sum.forces().force - wanted.forces().force).norm() <
+        0.01 * wanted.forces().force.norm());
+}
+
+TEST_CASE("Culling and memory of the last tick change no force: objects and tool move at random") {
+  const TiledCubeByHand field(field_size), small(0.02);
+  const SurfaceSamples tool = tool_samples(0.0007);
+  for (std::uint64_t seed = 1; seed <= 5; ++seed) {
+    Randoms random(seed);
+    ObjectContact contact(tool, settings(2));
+    std::array objects{ContactObject{&field.view, Isometry3d::Identity()},
+                       ContactObject{&small.view, at(0.032, 0, 0.01)}};
+    Isometry3d pose = at(0.015, 0, field_size / 2 + tool_size / 2);
+    std::uint64_t contacts = 0;
+    for (int tick = 0; tick < 150; ++tick) {
+      const bool jump = tick % 50 == 49;
+      const double step = jump ? 0.01 : 0.0001;
+      pose = turned(pose, random.vector(jump ? 1 : 0.01));
+      pose.pretranslate(random.vector(step) - Vector3(0, 0, 0.00002));
+      objects[1].pose = turned(objects[1].pose, random.vector(0.005));
+      objects[1].pose.pretranslate(random.vector(0.00005));
+      const ObjectContactReport report = contact.tick(pose, objects);
+      const ContactSum wanted = every_sample(tool, pose, objects);
+      REQUIRE(report.sum.contacts == wanted.contacts);
+      REQUIRE((report.sum.wrench - wanted.wrench).norm() <= 1e-9 * wanted.wrench.norm());
+      REQUIRE((report.sum.stiffness - Matrix6(wanted.stiffness.selfadjointView<Eigen::Lower>()))
+                  .norm() <= 1e-9 * wanted.stiffness.norm());
+      contacts += wanted.contacts;
+    }
+    CHECK(contacts > 1000);
+  }
+}
+
+TEST_CASE("Answers that are used again change the force by little, and spare the field") {
+  const TiledCubeByHand field(field_size);
+  const SurfaceSamples tool = tool_samples(0.0003);
+  ObjectContactSettings remembering = settings();
+  remembering.most_reach = 2e-4;
+  ObjectContact contact(tool, settings()), sparing(tool, remembering);
+  std::array objects{ContactObject{&field.view, Isometry3d::Identity()}};
+  Randoms random(11);
+  Isometry3d pose = turned(pressed_by(-0.0005), {0.1, 0.05, 0.3});
+  std::uint64_t asked = 0, spared = 0;
+  for (int tick = 0; tick < 300; ++tick) {
+    pose = turned(pose, random.vector(0.002));
+    pose.pretranslate(Vector3(2e-5, 1e-5, 0) + random.vector(1e-5));
+    const ObjectContactReport whole = contact.tick(pose, objects);
+    const ObjectContactReport report = sparing.tick(pose, objects);
+    asked += whole.asked;
+    spared += report.asked;
+    REQUIRE((report.sum.wrench - whole.sum.wrench).head<3>().norm() <=
+            0.03 * whole.sum.wrench.head<3>().norm());
+  }
+  CHECK(spared < asked / 3);
+}
+
+TEST_CASE("The wrench is the gradient of the energy, so a closed path gains nothing") {
+  const TiledCubeByHand field(field_size);
+  const SurfaceSamples tool = tool_samples(0.0004);
+  ObjectContact contact(tool, settings());
+  const std::array objects{
+      ContactObject{&field.view, turned(at(0.001, 0.002, 0), {0.2, 0.1, 0.3})}};
+  const Isometry3d pose = turned(pressed_by(-0.001), {0.3, 0.2, 0.1});
+  const auto energy = [&](const Isometry3d& place) {
+    return contact.tick(place, objects).sum.energy;
+  };
+  const ContactSum sum = contact.tick(pose, objects).sum;
+  REQUIRE(sum.contacts > 30);
+  for (int axis = 0; axis < 3; ++axis) {
+    constexpr double step = 1e-7, turn = 1e-5;
+    const Vector3 by = step * Vector3::Unit(axis);
+    const double force = (energy(Isometry3d(Eigen::Translation3d(-by)) * pose) -
+                          energy(Isometry3d(Eigen::Translation3d(by)) * pose)) /
+                         (2 * step);
+    CHECK(sum.wrench[axis] == Approx(force).margin(1e-2 * sum.wrench.head<3>().norm()));
+    const Vector3 around = turn * Vector3::Unit(axis);
+    const double torque =
+        (energy(turned(pose, -around)) - energy(turned(pose, around))) / (2 * turn);
+    CHECK(sum.wrench[3 + axis] == Approx(torque).margin(1e-2 * sum.wrench.tail<3>().norm()));
+  }
+}
+
+TEST_CASE("The two levels above the finest give its force within a tenth in the mean") {
+  const TiledCubeByHand field(field_size);
+  const SurfaceSamples tool = tool_samples(0.00025);
+  ObjectContact contact(tool, settings());
+  const std::array objects{ContactObject{&field.view, Isometry3d::Identity()}};
+  const auto levels = static_cast<std::uint32_t>(tool.levels.size());
+  Randoms random(3);
+  std::array<double, 2> error{};
+  double whole = 0;
+  for (int trial = 0; trial < 60; ++trial) {
+    const Isometry3d pose = turned(pressed_by(-0.0004 * (1 + random.one())), random.vector(0.15));
+    const Vector3 finest = contact.tick(pose, objects).sum.forces().force;
+    whole += finest.squaredNorm();
+    for (std::uint32_t coarser = 1; coarser <= 2; ++coarser) {
+      TickBudget budget;
+      budget.finest_level = levels - 1 - coarser;
+      const ObjectContactReport report = contact.tick(pose, objects, budget);
+      CHECK(report.level == budget.finest_level);
+      error[coarser - 1] += (report.sum.forces().force - finest).squaredNorm();
+    }
+  }
+  REQUIRE(whole > 0);
+  CHECK(std::sqrt(error[0] / whole) < 0.05);
+  CHECK(std::sqrt(error[1] / whole) < 0.10);
+}
+
+std::int64_t counted = 0;
+std::int64_t count_looks() noexcept { return counted++; }
+
+TEST_CASE("When time is over a tick ends with the levels it came to, and says so") {
+  const TiledCubeByHand field(field_size);
+  const SurfaceSamples tool = tool_samples(0.0001);
+  ObjectContact contact(tool, settings());
+  const std::array objects{ContactObject{&field.view, Isometry3d::Identity()}};
+  const Isometry3d pose = pressed_by(0.0003);
+  const double whole = contact.tick(pose, objects).sum.forces().force.z();
+  std::uint64_t last = 0;
+  for (const std::int64_t looks : {1, 30, 300, 1000}) {
+    contact.forget(0);
+    counted = 0;
+    const ObjectContactReport report = contact.tick(pose, objects, {looks, &count_looks});
+    CHECK(report.degraded);
+    CHECK(report.level + 1 < tool.levels.size());
+    CHECK(report.refined < 1);
+    // No more than a few samples are asked between two looks at the clock.
+    CHECK(report.tested <= 12 * static_cast<std::uint64_t>(looks) + 100);
+    CHECK(report.tested >= last);
+    last = report.tested;
+    if (looks >= 300) CHECK(report.sum.forces().force.z() == Approx(whole).epsilon(0.1));
+  }
+}
+
+TEST_CASE("More contacts than there is room for degrade the answer and do not spoil it") {
+  const TiledCubeByHand field(field_size);
+  const SurfaceSamples tool = tool_samples(0.0001);
+  ObjectContactSettings narrow = settings();
+  narrow.most_active = 2000;
+  ObjectContact contact(tool, narrow);
+  const std::array objects{ContactObject{&field.view, Isometry3d::Identity()}};
+  const ObjectContactReport report = contact.tick(pressed_by(0.0003), objects);
+  CHECK(report.degraded);
+  CHECK(report.sum.forces().force.z() ==
+        Approx(stiffness * 0.0003 * tool_size * (tool_size + 2 * 0.0003)).epsilon(0.1));
+}
+
+TEST_CASE("A field that was replaced is asked anew") {
+  const TiledCubeByHand field(field_size), larger(0.05);
+  const SurfaceSamples tool = tool_samples(0.0004);
+  ObjectContact contact(tool, settings());
+  std::array objects{ContactObject{&field.view, Isometry3d::Identity()}};
+  const Isometry3d pose = pressed_by(-0.0045);  // half a millimetre deep in the larger one
+  CHECK(contact.tick(pose, objects).sum.contacts == 0);
+  objects[0].field = &larger.view;
+  const std::uint64_t contacts = contact.tick(pose, objects).sum.contacts;
+  CHECK(contacts == every_sample(tool, pose, objects).contacts);
+  CHECK(contacts > 100);
+}
+
+TEST_CASE("Poses that are no numbers and objects beyond the room give no contact") {
+  const TiledCubeByHand field(field_size);
+  const SurfaceSamples tool = tool_samples(0.001);
+  ObjectContact contact(tool, settings());
+  std::array objects{ContactObject{&field.view, Isometry3d::Identity()},
+                     ContactObject{&field.view, Isometry3d::Identity()}};
+  const std::uint64_t contacts = contact.tick(pressed_by(0.0005), objects).sum.contacts;
+  CHECK(contacts > 0);
+  CHECK(contact.tick(pressed_by(0.0005), std::span(objects).first(1)).sum.contacts == contacts);
+  CHECK(contact.tick(at(std::nan(""), 0, 0), objects).sum.contacts == 0);
+  objects[0].pose.translation().x() = INFINITY;
+  CHECK(contact.tick(pressed_by(0.0005), std::span(objects).first(1)).sum.contacts == 0);
+}
+
+TEST_CASE("Poses that scale, such as those of quaternions that are not unit, give no contact") {
+  const TiledCubeByHand field(field_size);
+  const SurfaceSamples tool = tool_samples(0.001);
+  ObjectContact contact(tool, settings());
+  std::array objects{ContactObject{&field.view, Isometry3d::Identity()}};
+  Isometry3d pose = pressed_by(0.0005);
+  CHECK(contact.tick(pose, objects).sum.contacts > 0);
+  pose.linear() = Eigen::Quaterniond(1.1, 0, 0, 0.1).toRotationMatrix();
+  CHECK(contact.tick(pose, objects).sum.contacts == 0);
+  pose.linear() = 2 * Eigen::Matrix3d::Identity();
+  CHECK(contact.tick(pose, objects).sum.contacts == 0);
+  objects[0].pose.linear() = 0.5 * Eigen::Matrix3d::Identity();
+  CHECK(contact.tick(pressed_by(0.0005), objects).sum.contacts == 0);
+}
+
+TEST_CASE("Two objects in one place push a tool twice as one, and a mirrored one as its picture") {
+  const TiledCubeByHand field(field_size);
+  const SurfaceSamples tool = tool_samples(0.0005);
+  ObjectContact contact(tool, settings(2)), single(tool, settings()), mirrored(tool, settings());
+  const ContactObject object{&field.view, at(0.003, 0, 0)};
+  const Isometry3d pose = turned(pressed_by(0.0005), {0.05, 0.1, 0.02});
+  const std::array one{object};
+  const std::array both{object, object};
+  const Vector6 alone = single.tick(pose, one).sum.wrench;
+  CHECK(alone.norm() > 1);
+  CHECK(contact.tick(pose, both).sum.wrench.isApprox(2 * alone, 1e-9));
+  // A cube is its own mirror image, so the mirrored field in the same place is the same object.
+  std::array picture{object};
+  picture[0].pose.linear().col(0) *= -1;
+  CHECK(mirrored.tick(pose, picture).sum.wrench.isApprox(alone, 1e-3));
+}
+
+}  // namespace
+}  // namespace spm

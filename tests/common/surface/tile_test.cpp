@@ -1,0 +1,240 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "common/surface/tile.hpp"
+
+#include <algorithm>
+#include <catch2/catch.hpp>
+#include <cmath>
+
+#include "tests/support/asset_by_hand.hpp"
+#include "common/asset/cell_group.hpp"
+#include "common/surface/distance_map.hpp"
+#include "common/surface/support_plane_mapping.hpp"
+#include "tests/support/random.hpp"
+
+namespace spm {
+namespace {
+
+constexpr float unit_of_heights = 1e-6F;
+constexpr double rounding = 3e-8;  ///< of single precision at a tile's size, m
+
+using test::Random;
+
+SupportPlane random_plane(Random& random) {
+  const Vector3 normal(random.between(-1, 1), random.between(-1, 1), random.between(-1, 1));
+  return plane_with_normal({0.01, -0.02, 0.03}, normal.normalized());
+}
+
+/// A wavy tile of 8 mm with some cells left out and some clipped.
+test::TileByHand random_tile(Random& random) {
+  const double bend = random.between(-20, 20), ridge = random.between(0, 0.3);
+  test::TileByHand made =
+      test::tile_by_hand(0, random.between(-0.02, 0.02), random.between(-0.02, 0.02), 1e-3F,
+                         unit_of_heights, [=](double eta, double omega) {
+                           return bend * (eta * eta - omega * eta) + ridge * std::abs(omega) + 0.01;
+                         });
+  made.tile.slope_eta = half_to_float(float_to_half(static_cast<float>(random.between(-1, 1))));
+  made.tile.slope_omega = half_to_float(float_to_half(static_cast<float>(random.between(-1, 1))));
+  if (random.bits() % 2 == 0) made.tile.valid = random.bits() | random.bits();
+  made.tile.clipped = made.tile.valid & random.bits() & random.bits();
+  for (int k = 0; k < std::popcount(made.tile.clipped); ++k) {
+    made.clips.push_back(pack_clip({static_cast<float>(random.between(-127, 127)),
+                                    static_cast<float>(random.between(-127, 127)),
+                                    static_cast<float>(random.between(-30, 60))}));
+  }
+  return made;
+}
+
+/// The line of a clipped cell; one that clips nothing of another.
+Clip clip_at(const Tile& tile, std::uint32_t cell) {
+  if (((tile.clipped >> cell) & 1U) == 0) return {0, 0, 1};
+  const std::uint64_t before = tile.clipped & ((std::uint64_t{1} << cell) - 1);
+  return unpack_clip(tile.clips[std::popcount(before)]);
+}
+
+/// Bilinear depth at a place of a cell, from -0.5 to 0.5.
+double depth_at(const Tile& tile, const TileHeights& heights, std::uint32_t cell, double x,
+                double y) {
+  const std::uint32_t first = cell / 8 * 9 + cell % 8;
+  const double near_row =
+      (0.5 - x) * double{heights[first]} + (0.5 + x) * double{heights[first + 1]};
+  const double far_row =
+      (0.5 - x) * double{heights[first + 9]} + (0.5 + x) * double{heights[first + 10]};
+  return tile.base + (0.5 - y) * near_row + (0.5 + y) * far_row;
+}
+
+/// Least distance to points all over the valid surface.
+double distance_by_search(const Tile& tile, const TileHeights& heights, const SupportPlane& plane,
+                          const Vector3& point) {
+  constexpr int steps = 12;
+  const auto spacing = static_cast<double>(tile.spacing);
+  double least = std::numeric_limits<double>::infinity();
+  for (std::uint32_t cell = 0; cell < tile_cell_count; ++cell) {
+    if (((tile.valid >> cell) & 1U) == 0) continue;
+    const Clip clip = clip_at(tile, cell);
+    for (int j = 0; j <= steps; ++j) {
+      for (int i = 0; i <= steps; ++i) {
+        const double x = static_cast<double>(i) / steps - 0.5;
+        const double y = static_cast<double>(j) / steps - 0.5;
+        if (double{clip.a} * x + double{clip.b} * y > double{clip.c}) continue;
+        const Vector3 place = reconstructed_surface(
+            plane, tile.eta0 + (cell % 8 + 0.5 + x) * spacing,
+            tile.omega0 + (cell / 8 + 0.5 + y) * spacing, depth_at(tile, heights, cell, x, y));
+        least = std::min(least, (place - point).norm());
+      }
+    }
+  }
+  return least;
+}
+
+double greatest_twist(const TileHeights& heights) {
+  double twist = 0;
+  for (std::uint32_t cell = 0; cell < tile_cell_count; ++cell) {
+    const std::uint32_t first = cell / 8 * 9 + cell % 8;
+    twist = std::max(twist, std::abs(double{heights[first]} - double{heights[first + 1]} -
+                                     double{heights[first + 9]} + double{heights[first + 10]}));
+  }
+  return twist;
+}
+
+/// A point about a tile, mostly near its surface.
+Vector3 point_near(Random& random, const Tile& tile, const SupportPlane& plane) {
+  return reconstructed_surface(plane, tile.eta0 + random.between(-0.002, 0.010),
+                               tile.omega0 + random.between(-0.002, 0.010),
+                               tile.base + random.between(-0.01, 0.01));
+}
+
+}  // namespace
+
+TEST_CASE("Every HALF number survives the way through a float") {
+  for (std::uint32_t bits = 0; bits < 0x10000; ++bits) {
+    const auto half = static_cast<std::uint16_t>(bits);
+    const std::uint32_t exponent = (bits >> 10U) & 0x1FU;
+    if (exponent == 0x1F || (exponent == 0 && (bits & 0x3FFU) != 0)) continue;
+    REQUIRE(float_to_half(half_to_float(half)) == half);
+  }
+  CHECK(half_to_float(0x3C00) == 1.0F);
+  CHECK(half_to_float(0xC000) == -2.0F);
+  CHECK(half_to_float(0x7BFF) == 65504.0F);
+}
+
+TEST_CASE("A float becomes the nearest HALF, ties the even one") {
+  CHECK(float_to_half(1 + 0x1p-11F) == 0x3C00);
+  CHECK(float_to_half(1 + 3 * 0x1p-11F) == 0x3C02);
+  CHECK(float_to_half(1 + 1.01F * 0x1p-11F) == 0x3C01);
+  CHECK(float_to_half(-1e9F) == 0xFBFF);
+  CHECK(float_to_half(0x1p-15F) == 0);
+  CHECK(float_to_half(std::numeric_limits<float>::quiet_NaN()) == 0);
+}
+
+TEST_CASE("A clip line survives packing to its steps") {
+  const Clip clip = unpack_clip(pack_clip({-127, 33, -1.5F}));
+  CHECK(clip.a == -127);
+  CHECK(clip.b == 33);
+  CHECK(clip.c == -1.5F);
+  const Clip limited = unpack_clip(pack_clip({500, -500, 1e6F}));
+  CHECK(limited.a == 127);
+  CHECK(limited.b == -127);
+  CHECK(limited.c == Approx(255).margin(1));
+}
+
+TEST_CASE("The foot on a tile is a point of its valid surface, as near as any but for the twist") {
+  Random random(5);
+  for (int trial = 0; trial < 200; ++trial) {
+    const SupportPlane plane = random_plane(random);
+    const test::TileByHand made = random_tile(random);
+    const Tile tile = made.view(unit_of_heights);
+    TileHeights heights;
+    tile_heights(tile, unit_of_heights, heights);
+    const double twist = greatest_twist(heights);
+    const auto spacing = static_cast<double>(tile.spacing);
+    for (int k = 0; k < 10; ++k) {
+      const Vector3 point = point_near(random, tile, plane);
+      const TileFoot foot = closest_on_tile(tile, unit_of_heights, plane, point, 1.0F);
+      const double least = distance_by_search(tile, heights, plane, point);
+      REQUIRE(std::isfinite(foot.distance) == std::isfinite(least));
+      if (!std::isfinite(least)) continue;
+      INFO("trial " << trial << ", distance " << foot.distance << ", by search " << least);
+      CHECK(double{foot.distance} <= least + twist / 2 + rounding);
+      CHECK(double{tile_distance_bound(tile, plane, point)} <= double{foot.distance} + rounding);
+
+      const PlaneCoordinates target = project_on_plane(plane, point);
+      const double x =
+          (target.eta - double{foot.away_eta} - tile.eta0) / spacing - (foot.cell % 8 + 0.5);
+      const double y =
+          (target.omega - double{foot.away_omega} - tile.omega0) / spacing - (foot.cell / 8 + 0.5);
+      const Clip clip = clip_at(tile, foot.cell);
+      CHECK(((tile.valid >> foot.cell) & 1U) == 1);
+      CHECK(std::max(std::abs(x), std::abs(y)) <= 0.5 + 1e-4);
+      CHECK(double{clip.a} * x + double{clip.b} * y <= double{clip.c} + 0.02);
+      CHECK(depth_at(tile, heights, foot.cell, x, y) ==
+            Approx(target.depth - double{foot.away_depth}).margin(rounding));
+    }
+  }
+}
+
+TEST_CASE("A foot that is no nearer than the limit is none") {
+  Random random(6);
+  for (int trial = 0; trial < 500; ++trial) {
+    const SupportPlane plane = random_plane(random);
+    const test::TileByHand made = random_tile(random);
+    const Tile tile = made.view(unit_of_heights);
+    const Vector3 point = point_near(random, tile, plane);
+    const TileFoot foot = closest_on_tile(tile, unit_of_heights, plane, point, 1.0F);
+    if (!std::isfinite(foot.distance)) continue;
+    const auto with_limit = [&](float limit) {
+      return closest_on_tile(tile, unit_of_heights, plane, point, limit).distance;
+    };
+    CHECK(with_limit(foot.distance * 1.001F + 1e-7F) == foot.distance);
+    CHECK(std::isinf(with_limit(foot.distance * 0.999F)));
+  }
+}
+
+TEST_CASE("Points that are not finite have no foot") {
+  Random random(8);
+  const SupportPlane plane = random_plane(random);
+  const test::TileByHand made = random_tile(random);
+  const Tile tile = made.view(unit_of_heights);
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  for (const double wrong : {nan, std::numeric_limits<double>::infinity(), 1e300}) {
+    const TileFoot foot = closest_on_tile(tile, unit_of_heights, plane, {0, wrong, 0}, 1.0F);
+    CHECK(std::isinf(foot.distance));
+  }
+}
+
+TEST_CASE("The nearest of a tile's cells is the foot on the tile") {
+  Random random(9);
+  int found = 0;
+  for (int trial = 0; trial < 500; ++trial) {
+    const SupportPlane plane = random_plane(random);
+    const test::TileByHand made = random_tile(random);
+    const Tile tile = made.view(unit_of_heights);
+    TileHeights heights;
+    tile_heights(tile, unit_of_heights, heights);
+    const double twist = greatest_twist(heights);
+    const Vector3 point = point_near(random, tile, plane);
+    const TileFoot whole = closest_on_tile(tile, unit_of_heights, plane, point, 1.0F);
+    const Vector3 origin = point + Vector3(0.02, -0.03, 0.01);
+    float least = std::numeric_limits<float>::infinity();
+    for (std::uint32_t part = 0; part < tile_groups; ++part) {
+      const CellGroup group = cell_group(tile, unit_of_heights, plane, part, origin);
+      for (std::uint32_t lane = 0; lane < group_units; ++lane) {
+        const TileFoot foot = closest_on_cell(tile, group, lane, point - origin, 1.0F);
+        if (!(foot.distance < least)) continue;
+        least = foot.distance;
+        CHECK(((tile.valid >> foot.cell) & 1U) == 1);
+        CHECK(foot.cell == cell_of(group, lane));
+        const TileFoot none =
+            closest_on_cell(tile, group, lane, point - origin, foot.distance * 0.999F);
+        CHECK(std::isinf(none.distance));
+      }
+    }
+    REQUIRE(std::isfinite(least) == std::isfinite(whole.distance));
+    if (!std::isfinite(least)) continue;
+    ++found;
+    // Which foot on a cell is found may hang on what was found before.
+    CHECK(double{least} == Approx(double{whole.distance}).margin(twist / 2 + rounding));
+  }
+  CHECK(found > 300);
+}
+
+}  // namespace spm

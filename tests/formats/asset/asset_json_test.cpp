@@ -1,0 +1,235 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "formats/asset/asset_json.hpp"
+
+#include <catch2/catch.hpp>
+#include <clocale>
+#include <functional>
+#include <nlohmann/json.hpp>
+
+#include "tests/formats/support/synthetic_asset.hpp"
+
+namespace {
+
+using namespace spm;
+using namespace spm::test;
+using Json = nlohmann::ordered_json;
+
+std::string sparse_text() { return to_json(describe(sparse_asset(1))); }
+
+std::string full_text() {
+  AssetDescription description = describe(full_asset(1, {2, 1, 2}));
+  description.plane_tile = {0, 2, 1};
+  return to_json(description);
+}
+
+}  // namespace
+
+TEST_CASE("A description reads back to the same text") {
+  for (const std::string& text : {sparse_text(), full_text()}) {
+    const auto parsed = parse_description(text, "a.exr");
+    REQUIRE(parsed.has_value());
+    CHECK(to_json(*parsed) == text);
+  }
+}
+
+TEST_CASE("Numbers of a description round-trip to the last bit") {
+  AssetDescription description = describe(full_asset(3, {1, 1}));
+  Random random(9);
+  for (int k = 0; k < 500; ++k) {
+    description.plane_spacing[0] =
+        std::ldexp(random.between(0.5, 1), static_cast<int>(random.below(200)) - 100);
+    const auto parsed = parse_description(to_json(description), "a.exr");
+    REQUIRE(parsed.has_value());
+    REQUIRE(parsed->plane_spacing == description.plane_spacing);
+  }
+}
+
+TEST_CASE("A description does not depend on the locale") {
+  const std::string before = sparse_text();
+  const char* set = std::setlocale(LC_ALL, "de_DE.UTF-8");
+  const std::string after = sparse_text();
+  const auto parsed = parse_description(before, "a.exr");
+  std::setlocale(LC_ALL, "C");
+  if (set == nullptr) WARN("the locale de_DE.UTF-8 is not installed; checked in the C locale");
+  CHECK(after == before);
+  REQUIRE(parsed.has_value());
+  CHECK(to_json(*parsed) == before);
+}
+
+TEST_CASE("A key that a later program may add is ignored") {
+  Json json = Json::parse(sparse_text());
+  json["something_new"] = 1;
+  CHECK(parse_description(json.dump(), "a.exr").has_value());
+}
+
+TEST_CASE("Every wrong field of a description is refused by its name") {
+  struct Case {
+    const char* named;
+    std::function<void(Json&)> damage;
+  };
+  const std::vector<Case> cases = {
+      {"format_version", [](Json& j) { j["format_version"] = "2"; }},
+      {"format version 7, this program reads 4", [](Json& j) { j["format_version"] = 7; }},
+      {"`form`", [](Json& j) { j["form"] = "dense"; }},
+      {"`units`", [](Json& j) { j["units"] = "mm"; }},
+      {"`kind`", [](Json& j) { j.erase("kind"); }},
+      {"`mesh_sha256`", [](Json& j) { j["mesh_sha256"] = std::string(64, 'G'); }},
+      {"`options`", [](Json& j) { j["options"] = 3; }},
+      {"`tolerance`", [](Json& j) { j["tolerance"] = nullptr; }},
+      {"`tolerance`", [](Json& j) { j["tolerance"] = 0; }},
+      {"`tolerance`", [](Json& j) { j["tolerance"] = -1e-5; }},
+      {"`certified`", [](Json& j) { j["certified"] = -1e-5; }},
+      {"`certified`", [](Json& j) { j["certified"] = "none"; }},
+      {"`tolerance_met`", [](Json& j) { j["tolerance_met"] = 1; }},
+      {"`band.max_depth`", [](Json& j) { j["band"]["max_depth"] = -1; }},
+      {"`band.margin`", [](Json& j) { j["band"]["margin"] = "1"; }},
+      {"`band`",
+       [](Json& j) {
+         j["band"] = Json::array({1, 2});
+       }},
+      {"`probe.radius`", [](Json& j) { j["probe"].erase("radius"); }},
+      {"`layers_max`", [](Json& j) { j["layers_max"] = -1; }},
+      {"`inconsistent_samples`", [](Json& j) { j["inconsistent_samples"] = 1.5; }},
+      {"`fallback_cells`", [](Json& j) { j["fallback_cells"] = nullptr; }},
+      {"`mesh.unit`", [](Json& j) { j["mesh"]["unit"] = 0; }},
+      {"`mesh.scale`", [](Json& j) { j["mesh"]["scale"] = -2; }},
+      {"`mesh.box_min`",
+       [](Json& j) {
+         j["mesh"]["box_min"] = Json::array({1, 2});
+       }},
+      {"`mesh.box_max`",
+       [](Json& j) {
+         j["mesh"]["box_max"] = Json::array({-9, -9, -9});
+       }},
+      {"`mesh.closed`", [](Json& j) { j["mesh"]["closed"] = "yes"; }},
+      {"`mesh.triangles`", [](Json& j) { j["mesh"]["triangles"] = 1.5; }},
+      {"`space`", [](Json& j) { j.erase("space"); }},
+      {"`space.origin`", [](Json& j) { j["space"]["origin"][1] = "x"; }},
+      {"`space.edge`", [](Json& j) { j["space"]["edge"] = 0; }},
+      {"`space.edge`", [](Json& j) { j["space"]["edge"] = 1e30; }},
+      {"`space.nodes`", [](Json& j) { j["space"]["nodes"] = 0; }},
+      {"`space.nodes`", [](Json& j) { j["space"]["nodes"] = 1ULL << 40U; }},
+      {"`tree`", [](Json& j) { j["tree"] = 3; }},
+      {"`tree.origin`", [](Json& j) { j["tree"].erase("origin"); }},
+      {"`tree.size`", [](Json& j) { j["tree"]["size"].push_back(1); }},
+      {"`tree.size`", [](Json& j) { j["tree"]["size"][2] = -0.1; }},
+      {"`tree.size`", [](Json& j) { j["tree"]["size"][0] = 1e30; }},
+      {"`tree.nodes`", [](Json& j) { j["tree"]["nodes"] = -1; }},
+      {"`tree.nodes`", [](Json& j) { j["tree"]["nodes"] = 1 << 25; }},
+      {"`caps`", [](Json& j) { j.erase("caps"); }},
+      {"`caps`", [](Json& j) { j["caps"] = 61; }},
+      {"`tiles.count`", [](Json& j) { j["tiles"]["count"] = 1 << 25; }},
+      {"`tiles.spacing`", [](Json& j) { j["tiles"]["spacing"] = 0; }},
+      {"`tiles.spacing`", [](Json& j) { j["tiles"]["spacing"] = 1e30; }},
+      {"`tiles.height_unit`", [](Json& j) { j["tiles"]["height_unit"] = -1e-6; }},
+      {"`small_triangles`", [](Json& j) { j["small_triangles"] = 1; }},
+      {"`small_triangles.origin`", [](Json& j) { j["small_triangles"]["step"] = 1e-6; }},
+      {"`small_triangles.step`",
+       [](Json& j) {
+         j["small_triangles"] = {{"origin", {0, 0, 0}}, {"step", 0}};
+       }},
+      {"`corners`", [](Json& j) { j["corners"] = 1ULL << 31U; }},
+      {"`planes`", [](Json& j) { j["planes"] = 1; }},
+      {"`planes[0].x0`", [](Json& j) { j["planes"][0].erase("x0"); }},
+      {"`planes[1].u`", [](Json& j) { j["planes"][1]["u"].push_back(0); }},
+      {"`planes[2].n`",
+       [](Json& j) {
+         j["planes"][2]["n"] = Json::array({0, 0, 2});
+       }},
+      {"`planes[2].n`", [](Json& j) { std::swap(j["planes"][2]["u"], j["planes"][2]["v"]); }},
+  };
+  for (const Case& wrong : cases) {
+    Json json = Json::parse(sparse_text());
+    wrong.damage(json);
+    INFO(wrong.named);
+    const auto parsed = parse_description(json.dump(), "a.exr");
+    REQUIRE(!parsed);
+    CHECK(parsed.error().code == ExitCode::invalid_input);
+    INFO(parsed.error().message);
+    CHECK(parsed.error().message.find("a.exr: ") == 0);
+    CHECK(parsed.error().message.find(wrong.named) != std::string::npos);
+    CHECK(parsed.error().message.find("; bake it again") != std::string::npos);
+  }
+}
+
+TEST_CASE("Every wrong field of the full form's plane table is refused by its name") {
+  for (const char* key : {"spacing", "tile"}) {
+    Json json = Json::parse(full_text());
+    json["planes"][1][key] = -1;
+    const auto parsed = parse_description(json.dump(), "a.exr");
+    REQUIRE(!parsed);
+    CHECK(parsed.error().message.find("planes[1]." + std::string(key)) != std::string::npos);
+  }
+  for (const char* key : {"count", "columns", "rows"}) {
+    Json json = Json::parse(full_text());
+    json["maps"][key] = 1 << 25;
+    const auto parsed = parse_description(json.dump(), "a.exr");
+    REQUIRE(!parsed);
+    CHECK(parsed.error().message.find("maps." + std::string(key)) != std::string::npos);
+  }
+  Json json = Json::parse(full_text());
+  json["planes"].erase(0);
+  CHECK(!parse_description(json.dump(), "a.exr").has_value());
+  json = Json::parse(full_text());
+  json["tolerance"] = 1e-5;
+  CHECK(!parse_description(json.dump(), "a.exr").has_value());
+  json = Json::parse(full_text());
+  json["certified"] = 1e-5;
+  CHECK(!parse_description(json.dump(), "a.exr").has_value());
+}
+
+TEST_CASE("Every wrong field of the full form's grid is refused by its name") {
+  const std::vector<std::pair<const char*, Json>> cases = {
+      {"origin", Json::array({0, "x", 0})},
+      {"origin", nullptr},
+      {"cell_size", 0},
+      {"cells", Json::array({0, 7, 7})},
+      {"cells", Json::array({7, 7})},
+      {"cells", Json::array({1 << 20, 1 << 20, 1 << 20})},
+      {"records", 1ULL << 40U},
+      {"records", "many"}};
+  for (const auto& [key, value] : cases) {
+    Json json = Json::parse(full_text());
+    json["grid"][key] = value;
+    INFO(key << ": " << value.dump());
+    const auto parsed = parse_description(json.dump(), "a.exr");
+    REQUIRE(!parsed);
+    CHECK(parsed.error().code == ExitCode::invalid_input);
+    CHECK(parsed.error().message.find("`grid." + std::string(key) + "`") != std::string::npos);
+  }
+}
+
+TEST_CASE("A description has the partition of its own form alone") {
+  const Json sparse = Json::parse(sparse_text()), full = Json::parse(full_text());
+  for (const char* key : {"space", "tree", "tiles", "corners", "caps"}) {
+    CHECK(sparse.contains(key));
+    CHECK(!full.contains(key));
+  }
+  for (const char* key : {"grid", "maps", "triangles"}) {
+    CHECK(full.contains(key));
+    CHECK(!sparse.contains(key));
+  }
+}
+
+TEST_CASE("The sizes of an element tree's box round-trip to the last bit") {
+  AssetDescription description = describe(sparse_asset(3));
+  Random random(10);
+  for (int k = 0; k < 200; ++k) {
+    for (float& size : description.tree_size) {
+      size = static_cast<float>(
+          std::ldexp(random.between(0.5, 1), static_cast<int>(random.below(40)) - 30));
+    }
+    const auto parsed = parse_description(to_json(description), "a.exr");
+    REQUIRE(parsed.has_value());
+    REQUIRE(parsed->tree_size == description.tree_size);
+  }
+}
+
+TEST_CASE("Text that is no JSON object is refused") {
+  for (const char* text : {"", "[]", "3", "{", "{\"form\":NaN}", "\xff\xfe", "{}x"}) {
+    const auto parsed = parse_description(text, "a.exr");
+    REQUIRE(!parsed);
+    CHECK(parsed.error().message ==
+          "a.exr: its `spm` attribute is not a JSON object; bake it again");
+  }
+}

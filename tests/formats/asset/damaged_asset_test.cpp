@@ -1,0 +1,338 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <ImfArray.h>
+#include <ImfChannelList.h>
+#include <ImfFrameBuffer.h>
+#include <ImfHeader.h>
+#include <ImfMultiPartInputFile.h>
+#include <ImfMultiPartOutputFile.h>
+#include <ImfOutputFile.h>
+#include <ImfStringAttribute.h>
+#include <ImfTiledInputPart.h>
+#include <ImfTiledOutputPart.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <catch2/catch.hpp>
+#include <functional>
+
+#include "formats/exr/exr_header.hpp"
+#include "formats/exr/exr_layout.hpp"
+#include "formats/asset/mapped_asset.hpp"
+#include "tests/formats/asset/damage.hpp"
+#include "tests/formats/support/exr_by_hand.hpp"
+#include "tests/formats/support/synthetic_asset.hpp"
+
+namespace {
+
+using namespace spm;
+using namespace spm::test;
+
+std::string sparse_bytes() { return baked(sparse_asset(1)); }
+std::string full_bytes() { return baked(full_asset(1, {2, 2, 1, 12, 2})); }
+
+/// Changes the first digit of a number of the description: the one of this key behind `object`.
+std::string with_other_number(std::string bytes, const std::string& object, std::string key) {
+  key = '"' + key + "\":";
+  const std::size_t at = bytes.find(key, bytes.find('"' + object + '"'));
+  REQUIRE(at != std::string::npos);
+  char& digit = bytes.at(at + key.size());
+  digit = digit == '9' ? '8' : '9';
+  reseal(bytes);
+  return bytes;
+}
+
+/// Place in the stream of masks behind those of the tiles before `tile`.
+std::uint64_t masks_of(const Asset& asset, std::size_t tile) {
+  std::uint64_t words = 0;
+  for (std::size_t k = 0; k < tile; ++k) {
+    words += ~asset.tiles[k].valid != 0 ? 2 : 0;
+    words += asset.tiles[k].clipped != 0 ? 2 + asset.tiles[k].clips.size() : 0;
+  }
+  return words;
+}
+
+/// First tile with masks of both kinds that leave cells out.
+std::size_t clipped_tile(const Asset& asset) {
+  std::size_t tile = 0;
+  while (asset.tiles[tile].clipped == 0 || (~asset.tiles[tile].valid & 0xFFFFFFFFU) == 0) ++tile;
+  return tile;
+}
+
+/// An EXR as another program would write it: scan lines, one part, with attributes if wanted.
+std::string foreign_exr(bool attributes_of_ours) {
+  const TemporaryFolder folder;
+  const std::string path = folder.path("a.exr");
+  Imf::Header header(16, 16);
+  header.channels().insert("Y", Imf::Channel(Imf::FLOAT));
+  if (attributes_of_ours) {
+    header.insert("spm", Imf::StringAttribute("{}"));
+    header.insert("spm_bytes", Imf::StringAttribute(std::string(20, '0')));
+    header.insert("spm_checksum", Imf::StringAttribute(std::string(16, '0')));
+  }
+  {
+    std::vector<float> pixels(256, 0.5F);
+    Imf::FrameBuffer buffer;
+    buffer.insert("Y", Imf::Slice(Imf::FLOAT, reinterpret_cast<char*>(pixels.data()), 4, 64));
+    Imf::OutputFile file(path.c_str(), header);
+    file.setFrameBuffer(buffer);
+    file.writePixels(16);
+  }
+  std::string bytes = read_bytes(path);
+  reseal(bytes);
+  return bytes;
+}
+
+/// An asset of one channel a part as another tool saves it: the same parts, attributes and pixels,
+/// with the header changed.
+std::string resaved(const std::string& bytes, const std::function<void(Imf::Header&)>& change) {
+  const TemporaryFolder folder;
+  write_bytes(folder.path("in"), bytes);
+  {
+    Imf::MultiPartInputFile in(folder.path("in").c_str());
+    std::vector<Imf::Header> headers;
+    for (int part = 0; part < in.parts(); ++part) {
+      headers.push_back(in.header(part));
+      change(headers.back());
+    }
+    Imf::MultiPartOutputFile out(folder.path("out").c_str(), headers.data(), in.parts());
+    for (int part = 0; part < in.parts(); ++part) {
+      Imf::TiledInputPart from(in, part);
+      Imf::TiledOutputPart to(out, part);
+      const Imf::Header& header = in.header(part);
+      const int width = header.dataWindow().max.x + 1, height = header.dataWindow().max.y + 1;
+      std::vector<std::uint32_t> pixels(static_cast<std::size_t>(width * height));
+      const Imf::PixelType type = header.channels().begin().channel().type;
+      const std::size_t size = type == Imf::HALF ? 2 : 4;
+      Imf::FrameBuffer buffer;
+      buffer.insert("Y", Imf::Slice(type, reinterpret_cast<char*>(pixels.data()), size,
+                                    size * static_cast<std::size_t>(width)));
+      from.setFrameBuffer(buffer);
+      from.readTiles(0, from.numXTiles() - 1, 0, from.numYTiles() - 1);
+      to.setFrameBuffer(buffer);
+      to.writeTiles(0, to.numXTiles() - 1, 0, to.numYTiles() - 1);
+    }
+  }
+  std::string saved = read_bytes(folder.path("out"));
+  reseal(saved);
+  return saved;
+}
+
+std::vector<Damage> foreign_files() {
+  return {
+      {"empty", "", "is empty"},
+      {"one byte", "x", "no EXR file"},
+      {"text", "solid cube\nendsolid\n", "no EXR file"},
+      {"garbage", std::string(5000, '\xa5'), "no EXR file"},
+      {"only the magic number", std::string("\x76\x2f\x31\x01", 4), "cut short"},
+      {"magic number and zeros", std::string("\x76\x2f\x31\x01", 4) + std::string(500, '\0'),
+       "no `spm` attribute"},
+      {"scan-line EXR of another program", foreign_exr(false), "no `spm` attribute"},
+      {"scan-line EXR with our attributes", foreign_exr(true), "not a multi-part EXR"},
+  };
+}
+
+std::vector<Damage> structural_damage() {
+  const std::string sparse = sparse_bytes();
+  const std::string full = full_bytes();
+  const std::uint64_t table = read_by_hand(sparse).header_bytes;
+  const auto part_renamed = with_header_text(full, "heights12", "heights11");
+  std::string appended = sparse + "more";
+  std::string appended_resealed = appended;
+  reseal(appended_resealed);
+  return {
+      {"compressed",
+       resaved(sparse, [](Imf::Header& h) { h.compression() = Imf::ZIP_COMPRESSION; }),
+       "is compressed"},
+      {"another line order",
+       resaved(sparse, [](Imf::Header& h) { h.lineOrder() = Imf::DECREASING_Y; }),
+       "increasing line order"},
+      {"bytes appended", appended, "size differs"},
+      {"bytes appended, size and checksum right", appended_resealed, "end with its last tile"},
+      {"a tile's offset points elsewhere", with_word(sparse, table, word_at(sparse, table) + 4),
+       "damaged"},
+      {"two tiles at one place", with_word(sparse, table + 8, word_at(sparse, table)), "damaged"},
+      {"an offset past the end", with_word(sparse, table + 4, 1), "damaged"},
+      {"a tile's size", with_word(sparse, word_at(sparse, table) + 20, 64), "damaged"},
+      {"a tile's part", with_word(sparse, word_at(sparse, table), 3), "damaged"},
+      {"a part renamed", part_renamed, "heights11"},
+      {"a part of an unknown name", with_header_text(sparse, "grid_masks", "grid_musks"),
+       "grid_musks"},
+      {"a channel renamed", with_header_text(full, "hit10.Y", "hit10.Z"), "heights12"},
+  };
+}
+
+std::vector<Damage> wrong_descriptions() {
+  const std::string sparse = sparse_bytes();
+  const std::string full = full_bytes();
+  return {
+      {"a later version", with_header_text(sparse, "\"format_version\":4", "\"format_version\":7"),
+       "format version 7, this program reads 4; bake it again"},
+      {"the version before",
+       with_header_text(sparse, "\"format_version\":4", "\"format_version\":2"),
+       "format version 2, this program reads 4; bake it again"},
+      {"tolerance NaN",
+       with_header_text(sparse, "\"tolerance\":3.3333333333333335e-05",
+                        "\"tolerance\":NaN                   "),
+       "not a JSON object"},
+      {"tolerance negative", with_header_text(sparse, "\"tolerance\":3.3", "\"tolerance\":-33"),
+       "`tolerance`"},
+      {"units of millimetres", with_header_text(sparse, "\"units\":\"m\"", "\"units\":\"k\""),
+       "`units`"},
+      {"a tile too many", with_header_text(sparse, "\"count\":100", "\"count\":101"), "grid_tiles"},
+      {"a tile too few", with_header_text(sparse, "\"count\":100", "\"count\":099"),
+       "not a JSON object"},
+      {"other columns", with_header_text(full, "\"columns\":9", "\"columns\":8"), "part "},
+      {"triangles of another form",
+       with_header_text(baked(sparse_asset(1, {.small = true})), "\"small_triangles\"",
+                        "\"later_triangles\""),
+       "triangles"},
+      {"a corner too many",
+       with_header_text(sparse, "\"corners\":60,\"caps\"", "\"corners\":61,\"caps\""), "triangles"},
+      {"a grid of other size", with_header_text(full, "\"cells\":[7,7,5]", "\"cells\":[7,7,9]"),
+       "grid_index"},
+      {"lists of other size", with_other_number(full, "grid", "records"), "grid_records"},
+      {"a space of other size", with_other_number(sparse, "space", "nodes"), "grid_space"},
+      {"a tree of other size", with_other_number(sparse, "tree", "nodes"), "grid_tree"},
+      {"a tile of two planes", with_header_text(full, "\"tile\":1}", "\"tile\":2}"), "two planes"},
+      {"a tile that does not exist", with_header_text(full, "\"tile\":1}", "\"tile\":9}"),
+       "does not exist"},
+      {"the form of another layout",
+       with_header_text(full, "\"form\":\"full\"", "\"form\":\"fill\""), "`form`"},
+      {"the attribute renamed",
+       with_header_text(sparse, std::string("spm\0string", 10), std::string("spn\0string", 10)),
+       "no `spm` attribute"},
+      {"no checksum", with_header_text(sparse, "spm_checksum", "spm_chocksum"), "no checksum"},
+  };
+}
+
+std::vector<Damage> wrong_content() {
+  const Asset asset = sparse_asset(1);
+  const std::string sparse = sparse_bytes();
+  const std::string full = full_bytes();
+  const auto tile = [&sparse](std::uint32_t index, std::uint32_t word) {
+    return flat_word(sparse, "grid_tiles", 4 * index + word);
+  };
+  const std::size_t clipped = clipped_tile(asset);
+  const auto masks = flat_word(sparse, "grid_masks", masks_of(asset, clipped));
+  const std::string its_name = "tile " + std::to_string(clipped) + " ";
+  Asset one_tile = sparse_asset(1, {.tiles = 1});
+  one_tile.tiles[0].plane = one_tile.tiles[0].level = one_tile.tiles[0].first_layer = 0;
+  one_tile.tiles[0].valid = ~std::uint64_t{0};
+  one_tile.tiles[0].clipped = 0;
+  one_tile.tiles[0].clips.clear();
+  const std::string plain = baked(one_tile);
+  const auto plain_tile = flat_word(plain, "grid_tiles", 0);
+  one_tile.tiles[0].clipped = 1;
+  one_tile.tiles[0].clips = {pack_clip({1, 0, 0})};
+  const std::string one_clip = baked(one_tile);
+  constexpr std::uint32_t nan = 0x7FC00000, infinity = 0x7F800000;
+  // Heights 162 and 163, the first two of tile 2, lie in one word.
+  const auto heights = flat_word(sparse, "heights", 81);
+  return {
+      {"a tile of no plane", with_word(sparse, tile(2, 0), 10), "tile 2 names a plane"},
+      {"a tile of a level that is not", with_word(sparse, tile(2, 0), 12U << 12U), "tile 2 has"},
+      {"a tile with later bits", with_word(sparse, tile(2, 0), 1U << 26U), "tile 2 has bits"},
+      {"a tile of NaN base", with_word(sparse, tile(1, 2), nan), "tile 1 has a base"},
+      {"a tile of infinite base", with_word(sparse, tile(1, 2), infinity), "tile 1 has a base"},
+      {"a tile of infinite slope", with_word(sparse, tile(1, 3), 0x7C00), "tile 1 has a base"},
+      {"a tile of NaN slope", with_word(sparse, tile(1, 3), 0xFE01U << 16U), "tile 1 has a base"},
+      {"a cell that is clipped and not valid",
+       with_word(sparse, masks + 8, ~static_cast<std::uint32_t>(asset.tiles[clipped].valid)),
+       its_name + "clips cells"},
+      {"masks that are not there", with_word(plain, plain_tile, 1U << 24U), "tile 0 has masks"},
+      {"a mask of clips that is not there", with_word(plain, plain_tile, 1U << 25U),
+       "tile 0 has masks"},
+      {"clips that are cut short", with_word(one_clip, flat_word(one_clip, "grid_masks", 1), ~0U),
+       "tile 0 has clips"},
+      {"masks that are left over", with_word(one_clip, flat_word(one_clip, "grid_tiles", 0), 0),
+       "grid_masks"},
+      {"a NaN height", with_word(sparse, heights, 0x7E00), "tile 2 has heights"},
+      {"an infinite height", with_word(sparse, heights, 0xFC00U << 16U), "tile 2 has heights"},
+      {"a NaN sample in a full asset", with_word(full, flat_word(full, "heights02", 3), nan),
+       "not numbers"},
+      {"a triangle at infinity", with_word(sparse, flat_word(sparse, "triangles", 8), infinity),
+       "triangles"},
+  };
+}
+
+}  // namespace
+
+TEST_CASE("A file that never was an asset is told what it is not") {
+  check_all_refused(foreign_files());
+}
+
+TEST_CASE("An asset whose layout was changed is refused, its checksum made right or not") {
+  check_all_refused(structural_damage());
+}
+
+TEST_CASE("An asset whose description was changed is refused") {
+  check_all_refused(wrong_descriptions());
+}
+
+TEST_CASE("An asset whose tiles, maps or triangles were changed is refused") {
+  check_all_refused(wrong_content());
+}
+
+TEST_CASE("An asset cut short anywhere is refused as cut short") {
+  const TemporaryFolder folder;
+  const std::string path = folder.path("a.spm.exr");
+  const std::string bytes = sparse_bytes();
+  Random random(4);
+  std::vector<std::size_t> lengths{5, 8, 9, 100, 1000, 4096, bytes.size() / 2, bytes.size() - 1};
+  for (int k = 0; k < 40; ++k)
+    lengths.push_back(5 + random.below(static_cast<std::uint32_t>(bytes.size() - 5)));
+  for (const std::size_t length : lengths) {
+    write_bytes(path, bytes.substr(0, length));
+    check_refused({std::to_string(length), {}, "cut short"}, path);
+  }
+}
+
+TEST_CASE("Any flipped bit of an asset is found by its checksum") {
+  const TemporaryFolder folder(TemporaryFolder::Place::memory);
+  const std::string path = folder.path("a.spm.exr");
+  for (const std::string& bytes : {sparse_bytes(), full_bytes()}) {
+    const auto header = static_cast<std::uint32_t>(read_by_hand(bytes).header_bytes);
+    Random random(5);
+    for (int k = 0; k < 400; ++k) {
+      // Half of the flips in the header, which is the smaller part.
+      const std::uint32_t at =
+          random.below(k % 2 == 0 ? header : static_cast<std::uint32_t>(bytes.size()));
+      std::string flipped = bytes;
+      flipped[at] = static_cast<char>(flipped[at] ^ (1 << random.below(8)));
+      write_bytes(path, flipped);
+      const auto opened = MappedAsset::open(path);
+      INFO("byte " << at);
+      REQUIRE(!opened);
+      REQUIRE(opened.error().code == ExitCode::invalid_input);
+    }
+  }
+}
+
+TEST_CASE("What is not a readable file is a file error") {
+  const TemporaryFolder folder;
+  const std::string pipe = folder.path("pipe");
+  REQUIRE(::mkfifo(pipe.c_str(), 0666) == 0);
+  for (const std::string& path :
+       {folder.path("missing.spm.exr"), folder.folder(), pipe, std::string("/dev/null"),
+        folder.path("missing/a.spm.exr"), std::string()}) {
+    INFO(path);
+    const auto opened = MappedAsset::open(path);
+    REQUIRE(!opened);
+    CHECK(opened.error().code == ExitCode::file_or_device);
+    CHECK(opened.error().message.find(path + ": ") == 0);
+    CHECK(opened.error().message.find("; ") != std::string::npos);
+  }
+}
+
+TEST_CASE("An asset without permission to read is a file error") {
+  if (::geteuid() == 0) {
+    WARN("skipped: root may read everything");
+    return;
+  }
+  const TemporaryFolder folder;
+  write_bytes(folder.path("a.spm.exr"), sparse_bytes());
+  REQUIRE(::chmod(folder.path("a.spm.exr").c_str(), 0) == 0);
+  const auto opened = MappedAsset::open(folder.path("a.spm.exr"));
+  REQUIRE(!opened);
+  CHECK(opened.error().code == ExitCode::file_or_device);
+}

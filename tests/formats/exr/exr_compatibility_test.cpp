@@ -1,0 +1,151 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <ImfArray.h>
+#include <ImfChannelList.h>
+#include <ImfCheckFile.h>
+#include <ImfFrameBuffer.h>
+#include <ImfHeader.h>
+#include <ImfMultiPartInputFile.h>
+#include <ImfStringAttribute.h>
+#include <ImfTiledInputPart.h>
+
+#include <catch2/catch.hpp>
+#include <cstdlib>
+#include <nlohmann/json.hpp>
+
+#include "formats/asset/asset.hpp"
+#include "formats/exr/exr_layout.hpp"
+#include "tests/formats/support/synthetic_asset.hpp"
+
+namespace {
+
+using namespace spm;
+using namespace spm::test;
+
+const std::vector<std::uint32_t> many_layers{2, 2, 1, 12, 2, 3, 2, 1, 12, 2, 2, 1, 2};
+
+void check_with_tool(const std::string& tool, const std::string& arguments,
+                     const TemporaryFolder& folder) {
+  if (std::system(("command -v " + tool + " >/dev/null 2>&1").c_str()) != 0) {
+    WARN("skipped: " << tool << " is not installed");
+    return;
+  }
+  const std::string complaints = folder.path("complaints");
+  for (const char* file : {"sparse.exr", "full.exr"}) {
+    const std::string command = tool + " " + arguments + " " + folder.path(file) + " >" +
+                                folder.path("printed") + " 2>" + complaints;
+    INFO(command);
+    CHECK(std::system(command.c_str()) == 0);
+    CHECK(read_bytes(complaints).empty());
+    CHECK(read_bytes(folder.path("printed")).find("spm") != std::string::npos);
+  }
+}
+
+TemporaryFolder& both_forms() {
+  static TemporaryFolder folder;
+  static const bool written =
+      write_asset(sparse_asset(1), folder.path("sparse.exr")).has_value() &&
+      write_asset(full_asset(2, many_layers), folder.path("full.exr")).has_value();
+  REQUIRE(written);
+  return folder;
+}
+
+}  // namespace
+
+TEST_CASE("OpenEXR's own check finds nothing wrong with an asset") {
+  const TemporaryFolder& folder = both_forms();
+  const auto has_errors = [](const std::string& path) {
+    return Imf::checkOpenEXRFile(path.c_str(), false, false, true);
+  };
+  CHECK(!has_errors(folder.path("sparse.exr")));
+  CHECK(!has_errors(folder.path("full.exr")));
+  // In 3.1 the header of the library says the opposite of what the answer means.
+  const std::string bytes = read_bytes(folder.path("full.exr"));
+  const TemporaryFolder other;
+  write_bytes(other.path("cut.exr"), bytes.substr(0, bytes.size() / 2));
+  CHECK(has_errors(other.path("cut.exr")));
+}
+
+TEST_CASE("exrheader prints an asset without complaint") {
+  check_with_tool("exrheader", "", both_forms());
+}
+
+TEST_CASE("exrinfo prints an asset without complaint") {
+  check_with_tool("exrinfo", "-v -a", both_forms());
+}
+
+TEST_CASE("oiiotool prints an asset and its statistics without complaint") {
+  check_with_tool("oiiotool", "--info -v --stats -a", both_forms());
+}
+
+TEST_CASE("OpenEXR's reader gives the samples that were baked") {
+  const Asset asset = full_asset(2, many_layers);
+  Imf::MultiPartInputFile file(both_forms().path("full.exr").c_str());
+  std::vector<int> next_tile(256, 0);
+  for (const MapData& map : asset.maps) {
+    int part = 0;
+    while (file.header(part).name() != heights_part_name(map.layers)) ++part;
+    Imf::TiledInputPart tiles(file, part);
+    const int tile = next_tile[map.layers]++;
+    std::vector<float> read(map.samples.size(), -1);
+    Imf::FrameBuffer buffer;
+    const int columns = static_cast<int>(map.columns), rows = static_cast<int>(map.rows);
+    for (std::uint32_t layer = 0; layer < map.layers; ++layer) {
+      buffer.insert(
+          channel_name(layer),
+          Imf::Slice(Imf::FLOAT, reinterpret_cast<char*>(read.data() + layer * columns * rows),
+                     sizeof(float), sizeof(float) * map.columns, 1, 1, 0, true, true));
+    }
+    tiles.setFrameBuffer(buffer);
+    tiles.readTile(tile % tiles.numXTiles(), tile / tiles.numXTiles());
+    CHECK(read == map.samples);
+  }
+}
+
+TEST_CASE("OpenEXR's reader gives the HALF heights that were baked") {
+  const Asset asset = sparse_asset(1);
+  Imf::MultiPartInputFile file(both_forms().path("sparse.exr").c_str());
+  REQUIRE(file.header(0).name() == "heights");
+  const Imf::Channel* channel = file.header(0).channels().findChannel("Y");
+  REQUIRE(channel != nullptr);
+  CHECK(channel->type == Imf::HALF);
+  Imf::TiledInputPart tiles(file, 0);
+  const auto strip = tiles.tileYSize() / tile_samples;
+  for (std::size_t k = 0; k < asset.tiles.size(); ++k) {
+    std::vector<half> read(std::size_t{strip} * tile_sample_count);
+    Imf::FrameBuffer buffer;
+    buffer.insert("Y", Imf::Slice(Imf::HALF, reinterpret_cast<char*>(read.data()), sizeof(half),
+                                  sizeof(half) * tile_samples, 1, 1, 0, true, true));
+    tiles.setFrameBuffer(buffer);
+    tiles.readTile(static_cast<int>(k / strip), 0);
+    bool same = true;
+    for (std::size_t i = 0; i < tile_sample_count; ++i) {
+      const half value = read[k % strip * tile_sample_count + i];
+      same = same && value.bits() == asset.tiles[k].heights[i] &&
+             static_cast<float>(value) == half_to_float(asset.tiles[k].heights[i]);
+    }
+    REQUIRE(same);
+  }
+}
+
+TEST_CASE("The attributes say what the contract names") {
+  Imf::MultiPartInputFile file(both_forms().path("full.exr").c_str());
+  const auto* text = file.header(0).findTypedAttribute<Imf::StringAttribute>("spm");
+  REQUIRE(text != nullptr);
+  const auto json = nlohmann::json::parse(text->value());
+  CHECK(json["format_version"] == asset_format_version);
+  CHECK(json["units"] == "m");
+  CHECK(json["mesh_sha256"].get<std::string>().size() == 64);
+  CHECK(json["tolerance"].is_null());
+  CHECK(json["options"].is_object());
+  CHECK(json["band"]["max_depth"] == 0.002);
+  CHECK(json["probe"]["radius"] == 0);
+  REQUIRE(json["planes"].size() == many_layers.size());
+  for (const auto& row : json["planes"]) {
+    for (const char* key : {"x0", "u", "v", "n"}) CHECK(row[key].size() == 3);
+    CHECK(row["spacing"].is_number());
+    CHECK(row["tile"].is_number_unsigned());
+  }
+  for (int part = 1; part < file.parts(); ++part) {
+    CHECK(file.header(part).displayWindow() == file.header(0).displayWindow());
+  }
+}

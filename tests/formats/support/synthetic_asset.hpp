@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "formats/asset/asset.hpp"
+
+namespace spm::test {
+
+/// A folder that is gone at the end of the scope; in memory where a test writes thousands of files.
+class TemporaryFolder {
+ public:
+  enum class Place { disk, memory };
+  explicit TemporaryFolder(Place place = Place::disk);
+  TemporaryFolder(const TemporaryFolder&) = delete;
+  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
+  ~TemporaryFolder();
+  [[nodiscard]] std::string path(const std::string& name) const { return folder_ + "/" + name; }
+  [[nodiscard]] const std::string& folder() const { return folder_; }
+  [[nodiscard]] std::vector<std::string> entries() const;
+
+ private:
+  std::string folder_;
+};
+
+/// Random numbers that are the same everywhere.
+class Random {
+ public:
+  explicit Random(std::uint64_t seed) : state_(seed) {}
+  std::uint64_t bits();
+  std::uint32_t below(std::uint32_t bound) { return static_cast<std::uint32_t>(bits() % bound); }
+  double between(double low, double high);
+
+ private:
+  std::uint64_t state_;
+};
+
+struct SparseShape {
+  std::uint32_t planes = 10;
+  std::uint32_t tiles = 100;
+  std::uint32_t triangles = 20;
+  bool small = false;  ///< triangles of 16-bit numbers
+};
+
+/// Assets with random content that is consistent: no object has this shape, but every part of the
+/// format is used, and queries in the box find maps, tiles and triangles.
+/// Space has cubes of all kinds, four levels deep; of the triangles the last quarter are caps.
+[[nodiscard]] Asset sparse_asset(std::uint64_t seed, const SparseShape& shape = {});
+
+/// One map a plane, plane k with layers[k] layers. Cells share lists, and splits lie three deep in
+/// each other.
+[[nodiscard]] Asset full_asset(std::uint64_t seed, const std::vector<std::uint32_t>& layers,
+                               std::uint32_t columns = 9, std::uint32_t rows = 7);
+
+[[nodiscard]] std::string read_bytes(const std::string& path);
+void write_bytes(const std::string& path, const std::string& bytes);
+
+/// Makes the recorded size and checksum of a changed asset right again.
+void reseal(std::string& bytes);
+
+}  // namespace spm::test

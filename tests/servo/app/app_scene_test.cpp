@@ -1,0 +1,317 @@
+// SPDX-License-Identifier: Apache-2.0
+// An application beside the real loop: what it asks for is felt by the hand.
+#include "servo/app/app_scene.hpp"
+
+#include <algorithm>
+#include <atomic>
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <memory>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "servo/loop/loop.hpp"
+#include "tests/servo/support/connected_client.hpp"
+#include "tests/servo/support/loop_stand_in.hpp"
+#include "tests/servo/support/scripted_device.hpp"
+#include "tests/servo/support/shape_asset.hpp"
+
+using namespace spm;
+using namespace spm::servo;
+using namespace spm::test;
+
+namespace {
+
+constexpr double half = 0.02;
+/// Above the box by so much.
+constexpr double above = 1e-3;
+
+/// A loop on a box of 40 mm that an application may move, a hand that rests above it, and an
+/// application.
+class Beside {
+ public:
+  explicit Beside(bool movable = true)
+      : asset_(box_asset(2 * half)),
+        tables_(tables_of(asset_)),
+        served_{&tables_.view()},
+        state_(*AppState::create(1000, {{"hand"}, {"box"}, {"box"}})),
+        server_(started(*state_, folder_.path("a.sock"))),
+        device_([this](std::size_t, DeviceState& state, DeviceHealth&) {
+          state.position = {hand_x.load(), 0, half + above};
+        }) {
+    slot_.offer(&served_);
+    LoopSettings settings;
+    settings.scene.objects.front().movable = movable;
+    loop_ = std::make_unique<Loop>(settings, std::vector<Device*>{&device_},
+                                   std::vector<AssetSlot*>{&slot_}, ring_, stop_, state_.get());
+    thread_ = std::thread([this] { loop_->run(); });
+    here = std::make_unique<Connected>(server_->path());
+    REQUIRE(here->message.empty());
+  }
+  ~Beside() {
+    stop_.store(true);
+    thread_.join();
+  }
+  Beside(const Beside&) = delete;
+  Beside& operator=(const Beside&) = delete;
+
+  [[nodiscard]] spm_client_device device() const {
+    auto read = sized<spm_client_device>();
+    static_cast<void>(spm_client_read_device(here->client, 0, &read));
+    return read;
+  }
+  [[nodiscard]] spm_client_object object(std::uint64_t id) const {
+    auto read = sized<spm_client_object>();
+    static_cast<void>(spm_client_read_object(here->client, id, &read));
+    return read;
+  }
+  /// Whether the force along z comes to be near a value, N.
+  [[nodiscard]] bool comes_to(double force) const {
+    return eventually([&] { return std::abs(device().force[2] - force) < 0.02; });
+  }
+  /// Why the last command was not followed, once it was not.
+  [[nodiscard]] std::string refusal() const {
+    auto counts = sized<spm_client_command_counts>();
+    const bool refused = eventually([&] {
+      static_cast<void>(spm_client_refusals(here->client, &counts));
+      return counts.refused > 0;
+    });
+    return refused ? spm_client_refusal(counts.last_refusal) : "";
+  }
+
+  [[nodiscard]] const std::string& path() const { return server_->path(); }
+
+  /// Records of the ticks since the last call.
+  [[nodiscard]] std::vector<TickRecord> records() {
+    std::vector<TickRecord> taken;
+    TickRecord record;
+    while (ring_.try_dequeue(record)) taken.push_back(record);
+    return taken;
+  }
+
+  /// The application hangs up; gives where another may connect.
+  std::string leave() {
+    here.reset();
+    return server_->path();
+  }
+
+  std::atomic<double> hand_x{0};
+  std::unique_ptr<Connected> here;
+
+ private:
+  SocketFolder folder_;
+  Asset asset_;
+  AssetTables tables_;
+  ServedAsset served_;
+  AssetSlot slot_;
+  std::unique_ptr<AppState> state_;
+  std::unique_ptr<AppServer> server_;
+  ScriptedDevice device_;
+  TickRing ring_ = make_tick_ring(1000, 1);
+  std::atomic<bool> stop_{false};
+  std::unique_ptr<Loop> loop_;
+  std::thread thread_;
+};
+
+spm_client_pose raised(double z) {
+  spm_client_pose pose = pose_at(0);
+  pose.position[2] = z;
+  return pose;
+}
+
+}  // namespace
+
+TEST_CASE("An object that an application moves into the hand is felt, and told what it got") {
+  const Beside beside;
+  REQUIRE(eventually([&] { return beside.device().connected == 1; }));
+  CHECK(beside.device().contact == 0);
+  const spm_client_pose up = raised(2 * above);
+  REQUIRE(spm_client_move_object(beside.here->client, 0, &up) == SPM_CLIENT_OK);
+  REQUIRE(beside.comes_to(1));
+  const spm_client_object box = beside.object(0);
+  CHECK(box.position[2] == Approx(2 * above));
+  CHECK(box.force[2] == Approx(-1).epsilon(0.05));
+  CHECK(box.driven == 1);
+  CHECK(box.contact == 1);
+}
+
+TEST_CASE("An object that the scene holds still stays, and the application is told why") {
+  const Beside beside(false);
+  const spm_client_pose up = raised(2 * above);
+  REQUIRE(spm_client_move_object(beside.here->client, 0, &up) == SPM_CLIENT_OK);
+  CHECK(contains(beside.refusal(), "movable = true"));
+  CHECK(beside.object(0).position[2] == 0);
+}
+
+TEST_CASE("Records say from which tick on an application has touched the scene") {
+  Beside beside;
+  REQUIRE(eventually([&] { return beside.device().tick > 20; }));
+  // Looking on touches nothing, nor does what is refused.
+  const spm_client_pose up = raised(2 * above);
+  REQUIRE(spm_client_move_object(beside.here->client, 7, &up) == SPM_CLIENT_OK);
+  REQUIRE_FALSE(beside.refusal().empty());
+  for (const TickRecord& record : beside.records()) REQUIRE_FALSE(record.touched);
+  REQUIRE(spm_client_move_object(beside.here->client, 0, &up) == SPM_CLIENT_OK);
+  REQUIRE(beside.comes_to(1));
+  const std::vector<TickRecord> records = beside.records();
+  const auto first = std::find_if(records.begin(), records.end(),
+                                  [](const TickRecord& record) { return record.touched; });
+  REQUIRE(first != records.end());
+  // No force came of it before, and from then on it stays so, whatever the application does.
+  for (auto record = records.begin(); record != first; ++record) CHECK_FALSE(record->contact);
+  CHECK(std::all_of(first, records.end(), [](const TickRecord& record) { return record.touched; }));
+  beside.leave();
+  REQUIRE(eventually([&] {
+    const auto later = beside.records();
+    return !later.empty() && later.back().touched;
+  }));
+}
+
+TEST_CASE("Records say that an application made an object feel different, or added one") {
+  const bool adds = GENERATE(false, true);
+  Beside beside;
+  auto material = sized<spm_client_material>();
+  material.fields = SPM_CLIENT_STIFFNESS;
+  material.stiffness = 500;
+  const spm_client_pose pose = raised(1);
+  std::uint64_t added = 0;
+  const int code = adds ? spm_client_add_object(beside.here->client, 0, &pose, 1, nullptr, &added)
+                        : spm_client_set_material(beside.here->client, 0, &material);
+  REQUIRE(code == SPM_CLIENT_OK);
+  CHECK(eventually([&] {
+    const auto records = beside.records();
+    return !records.empty() && records.back().touched;
+  }));
+}
+
+TEST_CASE("Objects that an application adds push, feel as it says, and leave with it") {
+  Beside beside;
+  auto material = sized<spm_client_material>();
+  material.fields = SPM_CLIENT_STIFFNESS;
+  material.stiffness = 500;
+  const spm_client_pose up = raised(2 * above);
+  std::uint64_t added = 0;
+  REQUIRE(spm_client_add_object(beside.here->client, 0, &up, 1, &material, &added) ==
+          SPM_CLIENT_OK);
+  REQUIRE(beside.comes_to(0.5));
+  material.stiffness = 800;
+  REQUIRE(spm_client_set_material(beside.here->client, added, &material) == SPM_CLIENT_OK);
+  REQUIRE(beside.comes_to(0.8));
+  REQUIRE(spm_client_remove_object(beside.here->client, added) == SPM_CLIENT_OK);
+  REQUIRE(beside.comes_to(0));
+  REQUIRE(spm_client_add_object(beside.here->client, 0, &up, 1, &material, &added) ==
+          SPM_CLIENT_OK);
+  REQUIRE(beside.comes_to(0.8));
+  const std::string path = beside.leave();
+  const Connected other(path);
+  REQUIRE(eventually([&] {
+    auto read = sized<spm_client_device>();
+    static_cast<void>(spm_client_read_device(other.client, 0, &read));
+    return read.tick > 0 && read.contact == 0;
+  }));
+}
+
+TEST_CASE("The slew limit is that of the stiffest object there is, and holds no motion back") {
+  Beside beside;
+  const auto counts = [&] {
+    auto read = sized<spm_client_device_counts>();
+    static_cast<void>(spm_client_read_device_counts(beside.here->client, 0, &read));
+    return read;
+  };
+  const spm_client_pose up = raised(2 * above);
+  REQUIRE(spm_client_move_object(beside.here->client, 0, &up) == SPM_CLIENT_OK);
+  auto material = sized<spm_client_material>();
+  material.fields = SPM_CLIENT_STIFFNESS;
+  material.stiffness = 5000;
+  REQUIRE(spm_client_set_material(beside.here->client, 0, &material) == SPM_CLIENT_OK);
+  REQUIRE(beside.comes_to(5));
+  beside.hand_x.store(0.007);
+  const std::uint64_t tick = beside.device().tick;
+  REQUIRE(eventually([&] { return beside.device().tick > tick + 2; }));
+  beside.hand_x.store(0.014);
+  const std::uint64_t next = beside.device().tick;
+  REQUIRE(eventually([&] { return beside.device().tick > next + 2; }));
+  beside.hand_x.store(0.021);
+  REQUIRE(beside.comes_to(0));
+  // Long enough for the force to have faded in, had there been one.
+  const std::uint64_t out = beside.device().tick;
+  REQUIRE(eventually([&] { return beside.device().tick > out + 200; }));
+  const std::uint64_t held = counts().slew_hits;
+  // 5 N in a tick: what the stiffness that the scene began with allows is 2 N.
+  beside.hand_x.store(0.015);
+  REQUIRE(beside.comes_to(5));
+  CHECK(counts().slew_hits == held);
+}
+
+TEST_CASE("What belongs to the scene is not an application's to remove") {
+  const Beside beside;
+  REQUIRE(spm_client_remove_object(beside.here->client, 0) == SPM_CLIENT_OK);
+  CHECK(contains(beside.refusal(), "only who added it"));
+}
+
+TEST_CASE("A clutched hand moves freely, without force, and its tool stays") {
+  Beside beside;
+  const spm_client_pose up = raised(2 * above);
+  REQUIRE(spm_client_move_object(beside.here->client, 0, &up) == SPM_CLIENT_OK);
+  REQUIRE(beside.comes_to(1));
+  REQUIRE(spm_client_set_clutch(beside.here->client, 0, 1) == SPM_CLIENT_OK);
+  REQUIRE(eventually([&] { return beside.device().cause == SPM_CLIENT_OFF_CLUTCHED; }));
+  for (int step = 1; step <= 50; ++step) {
+    // Slower than what counts as a jump, however late the loop is.
+    const std::uint64_t tick = beside.device().tick;
+    beside.hand_x.store(1e-4 * step);
+    REQUIRE(eventually([&] { return beside.device().tick > tick + 1; }));
+  }
+  CHECK(beside.device().position[0] == Approx(0).margin(1e-12));
+  CHECK(beside.device().force[2] == 0);
+  REQUIRE(spm_client_set_clutch(beside.here->client, 0, 0) == SPM_CLIENT_OK);
+  REQUIRE(beside.comes_to(1));
+  CHECK(beside.device().position[0] == Approx(0).margin(1e-12));
+}
+
+TEST_CASE("While an application that moves objects hangs its scene is held, then let go") {
+  const Beside beside;
+  const Connected other(beside.path());
+  const auto seen = [&other] {
+    auto read = sized<spm_client_device>();
+    static_cast<void>(spm_client_read_device(other.client, 0, &read));
+    return read;
+  };
+  const spm_client_pose up = raised(2 * above);
+  // Poses that come one after the other, until both are sure to have come.
+  REQUIRE(eventually([&] {
+    static_cast<void>(spm_client_move_object(beside.here->client, 0, &up));
+    return std::abs(seen().force[2] - 1) < 0.02;
+  }));
+  // The application does nothing from here on. For a second nothing changes.
+  const std::uint64_t begun = seen().tick;
+  REQUIRE(eventually([&] { return seen().cause == SPM_CLIENT_OFF_APPLICATION_SILENT; }));
+  CHECK(seen().tick > begun + 1000);
+  CHECK(seen().force[2] == 0);
+  // Its next sign of life brings the force back.
+  CHECK(beside.device().cause == SPM_CLIENT_OFF_APPLICATION_SILENT);
+  REQUIRE(eventually([&] {
+    static_cast<void>(beside.device());
+    return std::abs(seen().force[2] - 1) < 0.02;
+  }));
+}
+
+TEST_CASE("What an application moved stays where it is, and is felt, when the application leaves") {
+  Beside beside;
+  const spm_client_pose up = raised(2 * above);
+  REQUIRE(eventually([&] {
+    static_cast<void>(spm_client_move_object(beside.here->client, 0, &up));
+    return std::abs(beside.device().force[2] - 1) < 0.02;
+  }));
+  const Connected other(beside.leave());
+  const auto seen = [&other] {
+    auto read = sized<spm_client_device>();
+    static_cast<void>(spm_client_read_device(other.client, 0, &read));
+    return read;
+  };
+  REQUIRE(eventually([&] { return seen().tick > 0; }));
+  const std::uint64_t begun = seen().tick;
+  REQUIRE(eventually([&] { return seen().tick > begun + 2000; }));
+  CHECK(seen().force[2] == Approx(1).epsilon(0.05));
+}

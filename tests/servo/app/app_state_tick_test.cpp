@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <catch2/catch.hpp>
+#include <thread>
+#include <vector>
+
+#include "servo/app/app_state.hpp"
+#include "servo/app/pose_interpolator.hpp"
+#include "servo/realtime/page_faults.hpp"
+#include "tests/servo/support/loop_stand_in.hpp"
+#include "tests/servo/support/intercepted_calls.hpp"
+
+using namespace spm;
+using namespace spm::servo;
+
+TEST_CASE("What a tick does for applications neither allocates, locks, writes nor faults a page") {
+  const auto state = test::small_state();
+  test::RawRing ring(1);
+  state->rings()[0].offer(ring.attached());
+  const std::vector<AppDevice> devices(SPM_MOST_DEVICES, test::device_of(1));
+  const std::vector<AppObject> objects(SPM_MOST_OBJECTS, test::object_of(1, 1));
+  const std::vector<DeviceCounters> counted(SPM_MOST_DEVICES);
+  PoseInterpolator interpolator({}, Placement());
+  std::size_t taken = 0;
+  const auto tick = [&](std::uint64_t number) {
+    for (const AppCommand& command : state->take(static_cast<std::int64_t>(number))) {
+      interpolator.give(command.pose, command.period, static_cast<std::int64_t>(number));
+      state->refuse(command, Refusal::unknown_object);
+      ++taken;
+    }
+    static_cast<void>(interpolator.at(static_cast<std::int64_t>(number)));
+    state->publish({number, 0, devices, objects});
+    state->count({1, 2, 3, number + 1, 0, 0, counted});
+  };
+  // The code itself comes into memory with the first ticks, as in the loop's warm-up.
+  for (std::uint64_t number = 0; number < 4; ++number) {
+    ring.write(test::move_command(0, 0));
+    tick(number);
+  }
+  for (int i = 0; i < 200; ++i) ring.write(test::move_command(0, 0));
+  const std::uint64_t faults = page_faults_of_this_thread();
+  test::watch(true);
+  const auto before = test::intercepted_calls();
+  for (std::uint64_t number = 4; number < 1000; ++number) tick(number);
+  const auto after = test::intercepted_calls();
+  test::watch(false);
+  REQUIRE(page_faults_of_this_thread() == faults);
+  REQUIRE(taken == 204);
+  REQUIRE(after.allocations == before.allocations);
+  REQUIRE(after.locks == before.locks);
+  REQUIRE(after.writes == before.writes);
+}

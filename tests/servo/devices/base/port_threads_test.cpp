@@ -1,0 +1,327 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "servo/devices/base/port_threads.hpp"
+
+#include <pthread.h>
+#include <sched.h>
+
+#include <algorithm>
+#include <catch2/catch.hpp>
+#include <condition_variable>
+#include <deque>
+#include <vector>
+
+using namespace spm;
+using namespace spm::servo;
+
+namespace {
+
+/// What a test makes the scripted device do, and what it saw; shared with all of its ports.
+struct Script {
+  std::mutex mutex;
+  std::condition_variable changed;
+  std::deque<int> reports;  ///< still to be received
+  std::vector<int> sent;
+  bool plugged_in = true;
+  bool can_send = true;
+  int ports_open = 0;
+  int opened = 0;
+
+  template <class Change>
+  void change(const Change& what) {
+    {
+      const std::lock_guard lock(mutex);
+      what();
+    }
+    changed.notify_all();
+  }
+
+  /// Waits for what must come; the time only ends a test that has failed.
+  template <class Condition>
+  [[nodiscard]] bool wait(const Condition& condition) {
+    std::unique_lock lock(mutex);
+    return changed.wait_for(lock, std::chrono::seconds(20), condition);
+  }
+};
+
+class ScriptedPort final : public Port<int, int> {
+ public:
+  explicit ScriptedPort(Script& script) : script_(script) {}
+  ~ScriptedPort() override {
+    script_.change([this] { --script_.ports_open; });
+  }
+
+  [[nodiscard]] Received receive(int& report) override {
+    std::unique_lock lock(script_.mutex);
+    script_.changed.wait_for(lock, port_wait,
+                             [this] { return !script_.plugged_in || !script_.reports.empty(); });
+    if (!script_.plugged_in) return Received::gone;
+    if (script_.reports.empty()) return Received::nothing;
+    report = script_.reports.front();
+    script_.reports.pop_front();
+    lock.unlock();
+    script_.changed.notify_all();
+    return Received::report;
+  }
+
+  [[nodiscard]] bool send(const int& command) override {
+    bool done = false;
+    script_.change([this, command, &done] {
+      done = script_.can_send && script_.plugged_in;
+      if (done) script_.sent.push_back(command);
+    });
+    return done;
+  }
+
+ private:
+  Script& script_;
+};
+
+using Threads = PortThreads<int, int>;
+
+Threads::Open opens(Script& script) {
+  return [&script](const std::atomic<bool>&) -> Result<std::unique_ptr<Port<int, int>>> {
+    bool plugged_in = false;
+    script.change([&] {
+      plugged_in = script.plugged_in;
+      if (!plugged_in) return;
+      ++script.ports_open;
+      ++script.opened;
+    });
+    if (!plugged_in) return fail(ExitCode::file_or_device, "not plugged in: plug it in");
+    return std::unique_ptr<Port<int, int>>(std::make_unique<ScriptedPort>(script));
+  };
+}
+
+/// Asks again and again until something holds; the time only ends a test that has failed.
+template <class Condition>
+[[nodiscard]] bool eventually(const Condition& condition) {
+  const std::int64_t end = now_ns() + 20'000'000'000;
+  while (!condition()) {
+    if (now_ns() > end) return false;
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  }
+  return true;
+}
+
+}  // namespace
+
+TEST_CASE("A device that cannot be opened is the opener's error, and no thread starts") {
+  Script script;
+  script.plugged_in = false;
+  Threads threads;
+  const auto started = threads.start(opens(script), RealtimeMode::off);
+  REQUIRE_FALSE(started);
+  REQUIRE(started.error().message == "not plugged in: plug it in");
+  REQUIRE_FALSE(threads.is_open());
+  threads.end();
+}
+
+TEST_CASE("The newest report is taken, once, with the time that it came") {
+  Script script;
+  Threads threads;
+  const std::int64_t before = now_ns();
+  REQUIRE(threads.start(opens(script), RealtimeMode::off));
+  REQUIRE(threads.is_open());
+  int report = 0;
+  std::int64_t came = 0;
+  REQUIRE_FALSE(threads.take(report, came));
+  script.change([&] { script.reports = {1, 2, 3}; });
+  REQUIRE(script.wait([&] { return script.reports.empty(); }));
+  REQUIRE(eventually([&] { return threads.take(report, came) && report == 3; }));
+  REQUIRE(came >= before);
+  REQUIRE(came <= now_ns());
+  REQUIRE_FALSE(threads.take(report, came));
+}
+
+TEST_CASE("A report that was not taken is not waited for, and one that was is") {
+  Script script;
+  Threads threads;
+  REQUIRE(threads.start(opens(script), RealtimeMode::off));
+  const std::int64_t soon = now_ns() + 30'000'000;
+  REQUIRE_FALSE(threads.wait(soon));
+  REQUIRE(now_ns() >= soon);
+  const auto much_later = [] { return now_ns() + 20'000'000'000; };
+  int report = 0;
+  std::int64_t came = 0;
+  for (int i = 1; i <= 200; ++i) {
+    script.change([&] { script.reports.push_back(i); });
+    REQUIRE(threads.wait(much_later()));
+    REQUIRE(threads.wait(0));
+    REQUIRE(threads.take(report, came));
+    REQUIRE(report == i);
+    REQUIRE_FALSE(threads.wait(0));
+  }
+}
+
+TEST_CASE("Ages of reports and times of commands are counted, not those from before a loss") {
+  Script script;
+  Threads threads;
+  REQUIRE(threads.start(opens(script), RealtimeMode::off));
+  const std::string nothing = LatencyHistogram().json_us().dump();
+  int report = 0;
+  std::int64_t came = 0;
+  const auto bring_one = [&](int value) {
+    script.change([&] { script.reports.push_back(value); });
+    REQUIRE(threads.wait(now_ns() + 20'000'000'000));
+  };
+  bring_one(1);
+  std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  REQUIRE(threads.take(report, came));
+  CHECK(threads.report_age().json_us().dump() == nothing);  // may have lain there for long
+
+  bring_one(2);
+  std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  REQUIRE(threads.take(report, came));
+  CHECK(threads.report_age().json_us().at("p50").get<double>() >= 5000);
+  const std::string two = threads.report_age().json_us().dump();
+
+  bring_one(3);
+  script.change([&] { script.plugged_in = false; });
+  REQUIRE(eventually([&] { return !threads.is_open(); }));
+  script.change([&] { script.plugged_in = true; });
+  REQUIRE(eventually([&] { return threads.is_open(); }));
+  REQUIRE(threads.take(report, came));
+  CHECK(report == 3);
+  CHECK(threads.report_age().json_us().dump() == two);
+
+  CHECK(threads.command_sent().json_us().dump() == nothing);
+  threads.give(1);
+  REQUIRE(eventually([&] { return threads.command_sent().json_us().dump() != nothing; }));
+  CHECK(threads.latency_us().at("command_sent").at("max").get<double>() > 0);
+}
+
+TEST_CASE("A zero that is sent for a stalled loop is no command whose time counts") {
+  Script script;
+  Threads threads;
+  REQUIRE(threads.start(opens(script), RealtimeMode::off));
+  threads.give(5);
+  REQUIRE(eventually([&] { return threads.command_sent().json_us().at("max") > 0; }));
+  const std::string once = threads.command_sent().json_us().dump();
+  REQUIRE(script.wait([&] { return script.sent.size() >= 3; }));
+  threads.end();
+  CHECK(threads.command_sent().json_us().dump() == once);
+}
+
+TEST_CASE("A lost device is looked for without real-time priority, and why it is not found told") {
+  Script script;
+  Threads threads;
+  std::atomic<int> tries{0}, realtime_tries{0};
+  const auto open = opens(script);
+  REQUIRE(threads.start(
+      [&](const std::atomic<bool>& stop) {
+        int policy = 0;
+        sched_param parameters{};
+        pthread_getschedparam(pthread_self(), &policy, &parameters);
+        realtime_tries.fetch_add(policy == SCHED_OTHER ? 0 : 1);
+        tries.fetch_add(1);
+        return open(stop);
+      },
+      RealtimeMode::attempt));
+  CHECK(threads.last_error().empty());
+  script.change([&] { script.plugged_in = false; });
+  REQUIRE(eventually([&] { return !threads.last_error().empty(); }));
+  CHECK(threads.last_error() == "not plugged in: plug it in");
+  script.change([&] { script.plugged_in = true; });
+  REQUIRE(eventually([&] { return threads.is_open(); }));
+  CHECK(threads.last_error().empty());
+  CHECK(tries >= 3);
+  CHECK(realtime_tries == 0);
+}
+
+TEST_CASE("A command that is given is sent, in order") {
+  Script script;
+  Threads threads;
+  REQUIRE(threads.start(opens(script), RealtimeMode::off));
+  for (int i = 1; i <= 50; ++i) {
+    threads.give(i);
+    REQUIRE(script.wait(
+        [&] { return std::find(script.sent.begin(), script.sent.end(), i) != script.sent.end(); }));
+  }
+  // Zeros may lie between: they are sent when the loop is late.
+  std::vector<int> sent = script.sent;
+  sent.erase(std::remove(sent.begin(), sent.end(), 0), sent.end());
+  REQUIRE(std::is_sorted(sent.begin(), sent.end()));
+}
+
+TEST_CASE("A loop that stalls is followed by a command of none") {
+  Script script;
+  Threads threads;
+  REQUIRE(threads.start(opens(script), RealtimeMode::off));
+  threads.give(5);
+  REQUIRE(script.wait([&] { return !script.sent.empty() && script.sent.back() == 0; }));
+  REQUIRE(script.sent.front() == 5);
+}
+
+TEST_CASE("Before the first command nothing is sent") {
+  Script script;
+  Threads threads;
+  REQUIRE(threads.start(opens(script), RealtimeMode::off));
+  std::this_thread::sleep_for(std::chrono::milliseconds(60));
+  threads.end();
+  REQUIRE(script.sent.empty());
+}
+
+TEST_CASE("A lost device is closed, looked for, and opened again as soon as it is back") {
+  Script script;
+  Threads threads;
+  REQUIRE(threads.start(opens(script), RealtimeMode::off));
+  for (std::uint32_t round = 1; round <= 3; ++round) {
+    script.change([&] { script.plugged_in = false; });
+    REQUIRE(eventually([&] { return !threads.is_open(); }));
+    REQUIRE(script.wait([&] { return script.ports_open == 0; }));
+    script.change([&] { script.plugged_in = true; });
+    REQUIRE(eventually([&] { return threads.is_open(); }));
+    REQUIRE(threads.reopened() == round);
+    script.change([&] { script.reports.push_back(static_cast<int>(100 + round)); });
+    int report = 0;
+    std::int64_t came = 0;
+    REQUIRE(eventually([&] { return threads.take(report, came); }));
+    REQUIRE(report == static_cast<int>(100 + round));
+  }
+  threads.end();
+  REQUIRE(script.ports_open == 0);
+  REQUIRE(script.opened == 4);
+}
+
+TEST_CASE("A command that cannot be sent closes the device and has it opened again") {
+  Script script;
+  Threads threads;
+  REQUIRE(threads.start(opens(script), RealtimeMode::off));
+  script.change([&] { script.can_send = false; });
+  threads.give(1);
+  REQUIRE(eventually([&] { return !threads.is_open(); }));
+  script.change([&] { script.can_send = true; });
+  REQUIRE(eventually([&] { return threads.is_open(); }));
+  REQUIRE(threads.reopened() == 1);
+  threads.give(2);
+  REQUIRE(script.wait(
+      [&] { return std::find(script.sent.begin(), script.sent.end(), 2) != script.sent.end(); }));
+  REQUIRE(std::find(script.sent.begin(), script.sent.end(), 1) == script.sent.end());
+}
+
+TEST_CASE("The last command before the end is sent, and the device closed") {
+  for (int i = 1; i <= 50; ++i) {
+    Script script;
+    {
+      Threads threads;
+      REQUIRE(threads.start(opens(script), RealtimeMode::off));
+      threads.give(i);
+      threads.give(-i);
+    }
+    REQUIRE(std::find(script.sent.begin(), script.sent.end(), -i) != script.sent.end());
+    REQUIRE(script.ports_open == 0);
+  }
+}
+
+TEST_CASE("The threads end while the device is lost, and may be told to end twice") {
+  Script script;
+  Threads threads;
+  REQUIRE(threads.start(opens(script), RealtimeMode::off));
+  script.change([&] { script.plugged_in = false; });
+  REQUIRE(eventually([&] { return !threads.is_open(); }));
+  threads.give(1);
+  threads.end();
+  threads.end();
+  REQUIRE_FALSE(threads.is_open());
+  REQUIRE(script.ports_open == 0);
+}

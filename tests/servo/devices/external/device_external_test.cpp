@@ -1,0 +1,168 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "servo/devices/external/device_external.hpp"
+
+#include <fcntl.h>
+#include <sys/mman.h>
+#include <unistd.h>
+
+#include <catch2/catch.hpp>
+#include <chrono>
+#include <cstdlib>
+#include <filesystem>
+#include <limits>
+#include <thread>
+
+#include "servo/shared/socket_path.hpp"
+#include "servo/devices/external/spm_external.h"
+#include "tests/servo/support/shape_asset.hpp"
+
+using namespace spm;
+using namespace spm::servo;
+using spm::test::TemporaryFolder;
+
+namespace {
+
+constexpr double place[3] = {0.01, 0.02, 0.03};
+constexpr double level[4] = {1, 0, 0, 0};
+
+/// A folder for the links, in place of the user's.
+struct Runtime {
+  TemporaryFolder folder;
+  Runtime() { ::setenv("XDG_RUNTIME_DIR", folder.path().c_str(), 1); }
+};
+
+/// A daemon's device, and the process that drives it, in one.
+struct Lent {
+  Runtime runtime;
+  DeviceExternal device;
+  spm_external other{};
+
+  Lent() : device(*parse_external_options("name=arm")) {
+    REQUIRE(device.open({}));
+    char message[1024] = "";
+    REQUIRE(spm_external_open(&other, "arm", message, sizeof message) == 0);
+  }
+  ~Lent() { spm_external_close(&other); }
+};
+
+void wait_for_silence() { std::this_thread::sleep_for(std::chrono::milliseconds(30)); }
+
+}  // namespace
+
+TEST_CASE("A pose comes to the loop and a wrench to the device's process") {
+  Lent lent;
+  const double turned[4] = {0.6, 0, 0.8, 0};
+  spm_external_put_pose(&lent.other, place, turned, 5);
+  DeviceState state;
+  REQUIRE(lent.device.read(state) == DeviceHealth::ok);
+  CHECK(state.position == Vector3(0.01, 0.02, 0.03));
+  CHECK(state.orientation.coeffs() == Eigen::Quaterniond(0.6, 0, 0.8, 0).normalized().coeffs());
+  CHECK(state.buttons == 5);
+  REQUIRE(lent.device.write({Vector3(1, 2, 3), Vector3(4, 5, 6)}) == DeviceHealth::ok);
+  double force[3] = {}, torque[3] = {};
+  REQUIRE(spm_external_get_wrench(&lent.other, force, torque) == 1);
+  CHECK(force[2] == 3);
+  CHECK(torque[0] == 4);
+}
+
+TEST_CASE("Before a process supplies poses, and once it stops, the device is silent") {
+  Lent lent;
+  DeviceState state;
+  CHECK(lent.device.read(state) == DeviceHealth::silent);
+  spm_external_put_pose(&lent.other, place, level, 0);
+  CHECK(lent.device.read(state) == DeviceHealth::ok);
+  wait_for_silence();
+  CHECK(lent.device.read(state) == DeviceHealth::silent);
+  spm_external_put_pose(&lent.other, place, level, 0);
+  CHECK(lent.device.read(state) == DeviceHealth::ok);
+}
+
+TEST_CASE("Once the daemon is silent its last wrench becomes zero") {
+  Lent lent;
+  REQUIRE(lent.device.write({Vector3(1, 2, 3), Vector3::Zero()}) == DeviceHealth::ok);
+  double force[3] = {}, torque[3] = {};
+  REQUIRE(spm_external_get_wrench(&lent.other, force, torque) == 1);
+  wait_for_silence();
+  CHECK(spm_external_get_wrench(&lent.other, force, torque) == 0);
+  CHECK((force[0] == 0 && force[1] == 0 && force[2] == 0));
+}
+
+TEST_CASE("Poses that are no numbers, and orientations that are not unit, are faults") {
+  Lent lent;
+  DeviceState state;
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  const double nowhere[3] = {0, nan, 0};
+  const double long_turn[4] = {1, 1, 0, 0};
+  spm_external_put_pose(&lent.other, nowhere, level, 0);
+  CHECK(lent.device.read(state) == DeviceHealth::fault);
+  spm_external_put_pose(&lent.other, place, long_turn, 0);
+  CHECK(lent.device.read(state) == DeviceHealth::fault);
+  spm_external_put_pose(&lent.other, place, level, 0);
+  CHECK(lent.device.read(state) == DeviceHealth::ok);
+}
+
+TEST_CASE("A process that dies while it writes leaves silence, and the next one is understood") {
+  Lent lent;
+  DeviceState state;
+  lent.other.memory->pose.sequence |= 1U;
+  CHECK(lent.device.read(state) == DeviceHealth::silent);
+  spm_external_put_pose(&lent.other, place, level, 0);
+  CHECK(lent.device.read(state) == DeviceHealth::ok);
+}
+
+TEST_CASE("The memory cannot be shrunk under the loop") {
+  const Lent lent;
+  char path[512];
+  REQUIRE(spm_external_path("arm", path, sizeof path) == 1);
+  const int file = ::open(path, O_RDWR | O_CLOEXEC);
+  REQUIRE(file >= 0);
+  CHECK(::ftruncate(file, 0) != 0);
+  ::close(file);
+}
+
+TEST_CASE("The memory is found beside the daemon's socket, whatever the environment says") {
+  const char* const before = std::getenv("XDG_RUNTIME_DIR");
+  const std::string kept = before != nullptr ? before : "";
+  for (const char* folder :
+       {"/some/where", "not/absolute", "", static_cast<const char*>(nullptr)}) {
+    folder != nullptr ? ::setenv("XDG_RUNTIME_DIR", folder, 1) : ::unsetenv("XDG_RUNTIME_DIR");
+    char path[512] = "";
+    CHECK(spm_external_path("arm", path, sizeof path) == 1);
+    CHECK(path == socket_folder() + "/external-arm");
+  }
+  before != nullptr ? ::setenv("XDG_RUNTIME_DIR", kept.c_str(), 1) : ::unsetenv("XDG_RUNTIME_DIR");
+}
+
+TEST_CASE("A name in use is refused, one that a daemon left behind is taken over") {
+  Lent lent;
+  DeviceExternal second(*parse_external_options("name=arm"));
+  const auto refused = second.open({});
+  REQUIRE_FALSE(refused);
+  CHECK(refused.error().code == ExitCode::file_or_device);
+  CHECK(refused.error().message.find("in use") != std::string::npos);
+  const std::string left = lent.runtime.folder.file("spm-servo/external-left");
+  std::filesystem::create_symlink("/proc/self/fd/1000", left);
+  DeviceExternal third(*parse_external_options("name=left"));
+  CHECK(third.open({}));
+}
+
+TEST_CASE("Where no daemon runs, the device's process is told what to start") {
+  const Runtime runtime;
+  spm_external other{};
+  char message[1024] = "";
+  REQUIRE(spm_external_open(&other, "nobody", message, sizeof message) == -1);
+  CHECK(std::string(message).find("start spm-servo run --device external:name=nobody") !=
+        std::string::npos);
+}
+
+TEST_CASE("External options that will not do are refused with what would") {
+  for (const char* text : {"", "name=", "name=a/b", "name=a,profile=none", "name=a,x=1", "name"}) {
+    const auto options = parse_external_options(text);
+    REQUIRE_FALSE(options);
+    CHECK(options.error().code == ExitCode::usage);
+    CHECK(options.error().message.starts_with("--device external: "));
+  }
+  const auto options = parse_external_options("name=arm_1,profile=omega3");
+  REQUIRE(options);
+  CHECK(options->profile->name == "omega3");
+}

@@ -1,0 +1,88 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <umockdev.h>
+
+#include <chrono>
+#include <condition_variable>
+#include <cstdint>
+#include <deque>
+#include <mutex>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "tests/servo/devices/falcon/scripted_falcon.hpp"
+
+namespace spm::servo::test {
+
+/// The FTDI chip of a scripted Falcon, as the kernel's USB file system shows it to one program: it
+/// takes the transfers that libusb submits, and ends them as the chip would, with two bytes of
+/// status in every packet, and by its latency timer.
+class MockUsbChip {
+ public:
+  /// Every `late_every`th answer is held back for `late_by`; 0: none.
+  MockUsbChip(ScriptedFalcon& falcon, std::uint64_t late_every, std::chrono::milliseconds late_by);
+  MockUsbChip(const MockUsbChip&) = delete;
+  MockUsbChip& operator=(const MockUsbChip&) = delete;
+  ~MockUsbChip();
+
+  /// The terminal that stands for the device's node: it can be written to when a transfer ended.
+  [[nodiscard]] const char* terminal() const { return terminal_.c_str(); }
+
+  /// Answers one ioctl; false where it is not known.
+  [[nodiscard]] bool handle(UMockdevIoctlClient* client);
+  /// The program closed the node.
+  void forget(UMockdevIoctlClient* client);
+
+  /// Ends all transfers as those of a device that is gone; the program that has it open gets
+  /// nothing else from now on.
+  void unplug();
+  /// Forgets firmware and homing.
+  void lose_power();
+  /// Takes packets after so many, but answers none.
+  void mute_after(std::uint64_t packets);
+  /// Says that another program has claimed the interface.
+  void refuse_claims();
+  [[nodiscard]] std::uint64_t packets() const;
+
+ private:
+  using Clock = std::chrono::steady_clock;
+
+  /// A transfer that the program submitted: its urb, and its buffer.
+  struct Transfer {
+    UMockdevIoctlData* urb;
+    UMockdevIoctlData* buffer;
+  };
+
+  void submit(UMockdevIoctlClient* client);
+  void reap(UMockdevIoctlClient* client);
+  void discard(UMockdevIoctlClient* client);
+  void end(const Transfer& transfer, int status, int length);
+  void write(const Transfer& transfer);
+  void send_packet();
+  void send_due_packets(Clock::time_point now);
+  void take_answers(Clock::time_point now);
+  void keep_time();
+  void drop_all();
+
+  ScriptedFalcon& falcon_;
+  const std::uint64_t late_every_;
+  const std::chrono::milliseconds late_by_;
+  std::string terminal_;
+  int master_ = -1, slave_ = -1;
+
+  mutable std::mutex mutex_;  ///< guards what follows
+  std::condition_variable changed_;
+  UMockdevIoctlClient* client_ = nullptr;
+  std::vector<UMockdevIoctlClient*> dead_clients_;
+  std::deque<Transfer> reading_, ended_;
+  std::deque<std::uint8_t> answers_;  ///< in the chip
+  std::uint64_t heard_ = 0, mute_after_ = UINT64_MAX;
+  Clock::time_point last_packet_{}, held_until_{};
+  bool refuses_claims_ = false;
+  bool stop_ = false;
+  std::thread timer_;
+};
+
+}  // namespace spm::servo::test

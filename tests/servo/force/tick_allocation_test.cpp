@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <array>
+#include <catch2/catch.hpp>
+
+#include "tests/support/asset_by_hand.hpp"
+#include "common/sixdof/overlap_volume.hpp"
+#include "servo/force/scene_force.hpp"
+#include "common/sixdof/support_culling.hpp"
+#include "common/sixdof/virtual_tool.hpp"
+#include "tests/servo/support/intercepted_calls.hpp"
+
+namespace spm {
+namespace {
+
+using Eigen::Isometry3d;
+
+TEST_CASE("Ticks of contact, virtual tool, overlap and culling allocate, lock and write nothing") {
+  const test::TiledCubeByHand object(0.04), small(0.012);
+  const SurfaceSamples samples = *sample_surface(small.view, 0.0006);
+  const SurfaceSamples others = *sample_surface(object.view, 0.002);
+  const SupportHull hull1 = support_hull(others, 0.0005, 64);
+  const SupportHull hull2 = support_hull(samples, 0.0005, 64);
+  ObjectContact contact(samples, {});
+  VirtualTool tool(contact, {}, 0.012);
+  SeparatingDirection last;
+  const std::array objects{ContactObject{&object.view, Isometry3d::Identity()}};
+  std::uint64_t contacts = 0;
+  const test::InterceptedCalls before = test::intercepted_calls();
+  test::watch(true);
+  tool.place(Isometry3d(Eigen::Translation3d(0, 0, 0.03)));
+  for (int tick = 0; tick < 100; ++tick) {
+    const Isometry3d pose(Eigen::Translation3d(0, 0, 0.03 - 1e-4 * tick));
+    contacts += tool.tick(pose, objects, {200000}).contact.sum.contacts;
+    (void)objects_apart(hull1, hull2, pose, last);
+    (void)overlap_volume({&object.view, &others}, {&small.view, &samples}, pose);
+    if (tick == 50) contact.forget(0);
+  }
+  test::watch(false);
+  const test::InterceptedCalls after = test::intercepted_calls();
+  CHECK(contacts > 0);
+  CHECK(after.allocations == before.allocations);
+  CHECK(after.locks == before.locks);
+  CHECK(after.writes == before.writes);
+}
+
+TEST_CASE("A tick of a scene with every effect and cure allocates, locks and writes nothing") {
+  const test::TiledCubeByHand cube(0.04);
+  PlacedObject object;
+  object.effects.friction = {0.5, 0.4, 2000};
+  object.effects.damping = 2;
+  object.effects.texture = {50e-6, 1e-3, 7};
+  object.effects.smoothing = {1e-4, 7};
+  ForceScene scene{{}, {object, object, object}};
+  scene.objects[1].placement.position = {0.039, 0, 0};
+  scene.objects[1].force.method = Method::proxy;
+  scene.objects[2].placement.position = {1, 0, 0};
+  REQUIRE(parse_cures("damping+coupling+passivity+potential", scene.cures));
+  scene.cures.coupling_damping = 1;
+  SceneForce force(scene, 1e-3, 2e-5);
+  const std::array<const AssetView*, 1> assets{&cube.view};
+  std::uint64_t contacts = 0;
+  const test::InterceptedCalls before = test::intercepted_calls();
+  test::watch(true);
+  for (int tick = 0; tick < 400; ++tick) {
+    contacts += force.next(assets, {1e-4 * tick, 0.003, 0.019}).contact ? 1 : 0;
+    if (tick == 200) force.reset();
+    if (tick == 300) force.cure(advised_cures);
+  }
+  test::watch(false);
+  const test::InterceptedCalls after = test::intercepted_calls();
+  CHECK(contacts > 300);
+  CHECK(after.allocations == before.allocations);
+  CHECK(after.locks == before.locks);
+  CHECK(after.writes == before.writes);
+}
+
+}  // namespace
+}  // namespace spm

@@ -1,0 +1,197 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "servo/safety/safety.hpp"
+
+#include <catch2/catch.hpp>
+#include <limits>
+#include <string>
+
+#include "servo/base/random.hpp"
+
+using namespace spm::servo;
+using spm::Vector3;
+
+namespace {
+
+constexpr SafetySettings settings{8.0, 2.0, 100, 500};
+
+SafetyStage engaged() {
+  SafetyStage stage(settings);
+  for (int i = 0; i < 200; ++i) static_cast<void>(stage.apply(Vector3::Zero(), ForceOff::none));
+  return stage;
+}
+
+}  // namespace
+
+TEST_CASE("A force that is not a number becomes zero with its cause") {
+  for (const double bad :
+       {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()}) {
+    SafetyStage stage = engaged();
+    const SafeForce sent = stage.apply({0, bad, 0}, ForceOff::none);
+    REQUIRE(sent.force == Vector3::Zero());
+    REQUIRE(sent.cause == ForceOff::not_a_number);
+  }
+}
+
+TEST_CASE("Every cause makes the force zero and is passed on") {
+  for (std::size_t i = 1; i < force_off_count; ++i) {
+    SafetyStage stage = engaged();
+    const auto cause = static_cast<ForceOff>(i);
+    const SafeForce sent = stage.apply({1, 2, 3}, cause);
+    REQUIRE(sent.force == Vector3::Zero());
+    REQUIRE(sent.cause == cause);
+  }
+}
+
+TEST_CASE("Every cause has a name of its own and a cure") {
+  std::vector<std::string> names;
+  for (std::size_t i = 0; i < force_off_count; ++i) {
+    const auto cause = static_cast<ForceOff>(i);
+    names.emplace_back(to_string(cause));
+    REQUIRE_FALSE(std::string(cure_of(cause)).empty());
+  }
+  std::sort(names.begin(), names.end());
+  REQUIRE(std::adjacent_find(names.begin(), names.end()) == names.end());
+}
+
+TEST_CASE("The cap holds the magnitude and keeps the direction") {
+  SafetyStage stage = engaged();
+  const Vector3 wanted(30, -40, 0);
+  SafeForce sent;
+  for (int i = 0; i < 50; ++i) sent = stage.apply(wanted, ForceOff::none);
+  REQUIRE(sent.capped);
+  REQUIRE(sent.force.norm() == Approx(8.0));
+  REQUIRE(sent.force.normalized().dot(wanted.normalized()) == Approx(1.0));
+}
+
+TEST_CASE("No force beyond the cap is ever sent, whatever is wanted") {
+  Random random(3);
+  SafetyStage stage(settings);
+  for (int i = 0; i < 20'000; ++i) {
+    const Vector3 wanted = random.direction() * random.between(0, 100);
+    const auto cause = random.next() % 50 == 0 ? ForceOff::asset_lost : ForceOff::none;
+    REQUIRE(stage.apply(wanted, cause).force.norm() <= 8.0 * (1 + 1e-12));
+  }
+}
+
+TEST_CASE("The force fades in evenly after engaging") {
+  SafetyStage stage(settings);
+  double last = 0;
+  for (int i = 1; i <= 100; ++i) {
+    const double sent = stage.apply({1, 0, 0}, ForceOff::none).force.x();
+    REQUIRE(sent == Approx(i / 100.0));
+    REQUIRE(sent > last);
+    last = sent;
+  }
+  REQUIRE(stage.apply({1, 0, 0}, ForceOff::none).force.x() == 1.0);
+}
+
+TEST_CASE("The soft start begins again after a restart and after a tick without force") {
+  SafetyStage stage = engaged();
+  stage.restart();
+  REQUIRE(stage.apply({1, 0, 0}, ForceOff::none).force.x() == Approx(0.01));
+  stage = engaged();
+  static_cast<void>(stage.apply({1, 0, 0}, ForceOff::asset_lost));
+  REQUIRE(stage.apply({1, 0, 0}, ForceOff::none).force.x() == Approx(0.01));
+}
+
+TEST_CASE("Contact made by a hand of up to 1 m/s passes the slew limit unchanged") {
+  for (const double rate : {500.0, 1000.0, 4000.0}) {
+    for (const double stiffness : {100.0, 1000.0, 5000.0}) {
+      SafetyStage stage(safety_settings(1e3, stiffness, rate));
+      for (int i = 0; i < 1000; ++i) static_cast<void>(stage.apply({0, 0, 0}, ForceOff::none));
+      for (int i = 1; i <= 20; ++i) {
+        const Vector3 wanted(0, 0, stiffness * i / rate);
+        const SafeForce sent = stage.apply(wanted, ForceOff::none);
+        REQUIRE(sent.force == wanted);
+        REQUIRE_FALSE(sent.slewed);
+      }
+    }
+  }
+}
+
+TEST_CASE("A sudden force grows no faster than the slew limit, and ends at once") {
+  SafetyStage stage = engaged();
+  const SafeForce first = stage.apply({0, 7, 0}, ForceOff::none);
+  REQUIRE(first.slewed);
+  REQUIRE(first.force.norm() == Approx(2.0));
+  for (int i = 0; i < 5; ++i) static_cast<void>(stage.apply({0, 7, 0}, ForceOff::none));
+  REQUIRE(stage.apply({0, 0, 0}, ForceOff::none).force == Vector3::Zero());
+}
+
+TEST_CASE("Another slew limit holds from the next tick on") {
+  SafetyStage stage = engaged();
+  stage.set_slew_limit(0.5);
+  REQUIRE(stage.apply({0, 7, 0}, ForceOff::none).force.norm() == Approx(0.5));
+  stage.set_slew_limit(3);
+  REQUIRE(stage.apply({0, 7, 0}, ForceOff::none).force.norm() == Approx(3.5));
+  REQUIRE(slew_limit(2000, 1000) == Approx(safety_settings(1, 2000, 1000).slew_limit));
+  REQUIRE(slew_limit(2000, 1000) > slew_limit(1000, 1000));
+}
+
+TEST_CASE("A force that turns round passes through smaller ones") {
+  SafetyStage stage = engaged();
+  for (int i = 0; i < 10; ++i) static_cast<void>(stage.apply({5, 0, 0}, ForceOff::none));
+  Vector3 last(5, 0, 0);
+  for (int i = 0; i < 10; ++i) {
+    const Vector3 sent = stage.apply({-5, 0, 0}, ForceOff::none).force;
+    REQUIRE((sent - last).norm() <= 2.0 + 1e-12);
+    REQUIRE(sent.norm() <= 5.0 + 1e-12);
+    last = sent;
+  }
+  REQUIRE(last.x() == -5.0);
+}
+
+TEST_CASE(
+    "What is not trusted for long is held, fades out evenly, and fades in from where it was") {
+  SafetyStage stage = engaged();
+  const Vector3 wanted(1, 0, 0);
+  double last = stage.apply(wanted, ForceOff::none).force.x();
+  REQUIRE(last == 1);
+  for (int i = 1; i < 500; ++i) {
+    const SafeForce sent = stage.apply(wanted, ForceOff::none, true);
+    REQUIRE(sent.cause == ForceOff::none);
+    REQUIRE(sent.force.x() == Approx(1 - i / 500.0));
+  }
+  for (int i = 0; i < 10; ++i) {
+    const SafeForce sent = stage.apply(wanted, ForceOff::none, true);
+    REQUIRE(sent.force == Vector3::Zero());
+    REQUIRE(sent.cause == ForceOff::application_silent);
+  }
+  REQUIRE(stage.apply(wanted, ForceOff::none).force.x() == Approx(0.01));
+
+  stage = engaged();
+  for (int i = 0; i < 250; ++i) last = stage.apply(wanted, ForceOff::none, true).force.x();
+  for (int i = 0; i < 100; ++i) {
+    const double next = stage.apply(wanted, ForceOff::none).force.x();
+    REQUIRE(std::abs(next - last) <= 0.01 + 1e-12);
+    last = next;
+  }
+  REQUIRE(last == 1);
+}
+
+TEST_CASE(
+    "Where what is felt changes, the force goes evenly from what was sent to what is wanted") {
+  SafetyStage stage = engaged();
+  for (int i = 0; i < 200; ++i) static_cast<void>(stage.apply({3, 0, 0}, ForceOff::none));
+  stage.restart();
+  for (int i = 1; i <= 100; ++i) {
+    const SafeForce sent = stage.apply({1, 1, 0}, ForceOff::none);
+    REQUIRE((sent.force - Vector3(3 - 0.02 * i, 0.01 * i, 0)).norm() < 1e-9);
+  }
+}
+
+TEST_CASE("A cause of zero force wins over fading, and the force then begins at zero") {
+  SafetyStage stage = engaged();
+  for (int i = 0; i < 100; ++i) static_cast<void>(stage.apply({1, 0, 0}, ForceOff::none, true));
+  REQUIRE(stage.apply({1, 0, 0}, ForceOff::device_gone, true).cause == ForceOff::device_gone);
+  REQUIRE(stage.apply({1, 0, 0}, ForceOff::none, true).force.x() < 0.01);
+  REQUIRE(stage.apply({1, 0, 0}, ForceOff::none).force.x() < 0.02);
+}
+
+TEST_CASE("A workspace has a margin, and one that is not known bounds nothing") {
+  const Vector3 half_edges(0.1, 0.2, 0);
+  REQUIRE_FALSE(is_outside({0.12, -0.24, 7}, half_edges));
+  REQUIRE(is_outside({0.126, 0, 0}, half_edges));
+  REQUIRE(is_outside({0, -0.251, 0}, half_edges));
+  REQUIRE_FALSE(is_outside({5, 5, 5}, Vector3::Zero()));
+}

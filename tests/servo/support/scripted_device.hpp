@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <atomic>
+#include <functional>
+#include <vector>
+
+#include "servo/devices/base/device.hpp"
+
+namespace spm::test {
+
+/// A device whose answers a test writes, and which keeps every wrench that it was sent.
+class ScriptedDevice final : public servo::Device {
+ public:
+  /// What the device says in its nth read; `health` is ok unless set.
+  using Script =
+      std::function<void(std::size_t read, servo::DeviceState& state, servo::DeviceHealth& health)>;
+
+  explicit ScriptedDevice(Script script, double force_cap = 10);
+
+  /// Has the loop stop in its tick of so many, 2 or more: ticks that are run, since how many a
+  /// machine is late for is not the test's matter.
+  void end_after(std::size_t ticks, std::atomic<bool>& stop) {
+    last_read_ = ticks - 2;
+    stop_ = &stop;
+  }
+
+  [[nodiscard]] Result<void> open(const servo::DeviceSetup&) override { return {}; }
+  [[nodiscard]] const servo::DeviceCapabilities& capabilities() const noexcept override {
+    return capabilities_;
+  }
+  [[nodiscard]] servo::DeviceHealth read(servo::DeviceState& state) noexcept override;
+  [[nodiscard]] servo::DeviceHealth write(const servo::Wrench& wrench) noexcept override;
+  [[nodiscard]] nlohmann::ordered_json describe() const override;
+
+  /// What the device can do; to be changed before a loop has it.
+  [[nodiscard]] servo::DeviceCapabilities& can() { return capabilities_; }
+  /// Has the device report so long after its last report, ns; otherwise it cannot pace a loop.
+  void report_every(std::int64_t period_ns) { period_ns_ = period_ns; }
+  [[nodiscard]] bool wait_for_report(std::int64_t until_ns) noexcept override;
+
+  [[nodiscard]] const std::vector<Vector3>& forces() const { return forces_; }
+
+ private:
+  Script script_;
+  servo::DeviceCapabilities capabilities_;
+  std::int64_t period_ns_ = 0, reported_ns_ = 0;
+  std::size_t reads_ = 0, last_read_ = 0;
+  std::atomic<bool>* stop_ = nullptr;
+  std::vector<Vector3> forces_;
+};
+
+}  // namespace spm::test

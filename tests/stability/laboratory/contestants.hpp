@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include "tests/stability/laboratory/contestant.hpp"
+#include "tests/stability/laboratory/laboratory.hpp"
+#include "tests/stability/objects/prepared_object.hpp"
+
+namespace spm::stability {
+
+/// What `default` stands for: the product's method and cures, chosen by the catalogue.
+[[nodiscard]] Contender default_contender();
+
+/// The names of all methods, `default` last.
+[[nodiscard]] const std::vector<std::string>& contender_methods();
+
+/// Why a contender is not asked about a case, in words; empty where it is. Effects and cures are of
+/// the product's methods (`paper` has the effects of its letter): a rival without them would pass
+/// their cases for nothing.
+[[nodiscard]] std::string why_not(const Contender& contender, const StabilityCase& tried);
+
+/// The object and all contenders need of it outlive the contestant. The stiffness is what the hand
+/// feels: a spring in series with a cure's is made stiffer by as much. Throws BakeError where the
+/// name is unknown or `why_not` says a reason.
+[[nodiscard]] std::unique_ptr<Contestant> make_contestant(const Contender& contender,
+                                                          const PreparedObject& object,
+                                                          const StabilityCase& tried,
+                                                          const RunSettings& settings);
+
+// The contestants, a file each. `stiffness` in N/m.
+
+/// The servo's own force code (SceneForce) with a method of the product, on its baked asset; an
+/// object that moves is placed, as an application does it.
+[[nodiscard]] std::unique_ptr<Contestant> product_contestant(const Contender& contender,
+                                                             const PreparedObject& object,
+                                                             const StabilityCase& tried,
+                                                             const RunSettings& settings);
+
+/// The paper's equations: those for a point through the servo's own code, those for a ball (eq. 10
+/// and 11), which the servo does not offer, by paper_probe_force.
+[[nodiscard]] std::unique_ptr<Contestant> paper_contestant(const PreparedObject& object,
+                                                           const StabilityCase& tried,
+                                                           const RunSettings& settings);
+
+/// Stiffness times depth along the normal of the exact surface, which shares no code with the
+/// method; without memory.
+[[nodiscard]] std::unique_ptr<Contestant> exact_penalty_contestant(const PreparedObject& object,
+                                                                   double probe_radius,
+                                                                   double stiffness);
+
+/// A god object on the mesh with force shading off (tests/bench/mesh_proxy). Its proxy stays where
+/// it is in the world while the object moves, as CHAI3D's does: an object that moves over it leaves
+/// it on the wrong side.
+[[nodiscard]] std::unique_ptr<Contestant> mesh_proxy_contestant(const PreparedObject& object,
+                                                                double probe_radius,
+                                                                double stiffness);
+
+/// Stiffness times depth along the gradient of trilinear distances (PreparedObject says on which
+/// lattice); without memory.
+[[nodiscard]] std::unique_ptr<Contestant> distance_field_contestant(const PreparedObject& object,
+                                                                    double probe_radius,
+                                                                    double stiffness);
+
+}  // namespace spm::stability

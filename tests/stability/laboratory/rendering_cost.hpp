@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "tests/bench/reports/slide_paths.hpp"
+#include "tests/stability/laboratory/contenders.hpp"
+
+namespace spm::stability {
+
+/// What a contender's forces cost and how true they are, on one walked slide over an object.
+struct CostRow {
+  std::string method;         ///< of the contender
+  double relative_error = 0;  ///< RMS of the difference to the exact penalty over the exact RMS
+  double median_error = 0;    ///< as relative_error, but the median instead of the RMS
+  double lost_share = 0;      ///< of the ticks: off by more than the exact force's RMS
+  double mean_us = 0;         ///< of a tick, on one core
+  double p99_us = 0;
+};
+
+/// What a cure adds to the force of a gentle press, where it has nothing to cure.
+struct IdleRow {
+  std::string method;  ///< of the contender with its cure
+  std::string device;
+  double added_step_n = 0;  ///< N: most that a tick's step of force grew
+};
+
+struct CostPlan {
+  double stiffness = 1000;  ///< N/m
+  double depth = 0.5e-3;    ///< m: of the slide
+  std::size_t ticks = 4000;
+  std::uint64_t seed = 1;
+};
+
+/// The teeth, for a point that reads without steps.
+[[nodiscard]] StabilityCase slid_teeth();
+
+/// A slide below a surface that a tool can go which the surface holds, at 0.1 m/s. The walked one
+/// (bench::walked_slide) passes under edges from one face to the next, which no hand can: from
+/// there on it is another slide (`fresh`).
+struct HeldSlide {
+  bench::SlidePath path;
+  /// m, of each fresh tick: a free place above the surface to come from; zero of the others.
+  std::vector<Vector3> free_places;
+};
+
+/// Walks below a case's object. Throws BakeError where it cannot be prepared.
+[[nodiscard]] HeldSlide held_slide(const StabilityCase& object, const CostPlan& plan);
+
+/// Each part of the slide begins in free space: the tool is led in and rests, and neither is
+/// counted. Errors do not depend on the machine; times do, and nothing else should run meanwhile.
+/// Throws BakeError where the object cannot be prepared.
+[[nodiscard]] std::vector<CostRow> measure_costs(const std::vector<Contender>& contenders,
+                                                 const StabilityCase& object, const CostPlan& plan);
+
+/// m/s, of a gentle press.
+inline constexpr double gentle_speed = 0.02;
+
+/// Presses the catalogue's flat wall gently without cures, and asks the contender, one of the
+/// product's methods with cures, along what was read then.
+[[nodiscard]] IdleRow measure_idle(const Contender& contender, const servo::SimProfile& profile,
+                                   double stiffness);
+
+}  // namespace spm::stability

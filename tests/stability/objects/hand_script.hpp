@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include "servo/devices/sim/hand_model.hpp"
+#include "tests/stability/objects/stability_case.hpp"
+
+namespace spm::stability {
+
+/// Where a case's hand wants the tool: leg after leg, straight at each leg's speed, with its rest
+/// at the end; after the last it stays.
+class HandScript {
+ public:
+  /// From `start` (m) along the legs, all of them moved by `offset` (m).
+  HandScript(const StabilityCase& tried, const Vector3& offset);
+
+  /// At a time, s, 0 or more.
+  [[nodiscard]] servo::HandTarget at(double time) const noexcept;
+
+ private:
+  /// A straight way, or a rest where it begins and ends at one place.
+  struct Way {
+    double from_time, to_time;  ///< s
+    Vector3 from, to;           ///< m
+  };
+  std::vector<Way> ways_;
+  Vector3 end_;
+};
+
+}  // namespace spm::stability

@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <Eigen/Geometry>
+#include <string>
+#include <vector>
+
+#include "tests/stability/sixdof/sixdof_plant.hpp"
+#include "tests/stability/objects/stability_case.hpp"
+
+namespace spm::stability {
+
+/// What a hand does: straight from pose to pose, then a rest there.
+struct SixdofLeg {
+  Vector3 to = Vector3::Zero();    ///< m, of the tool's origin
+  Vector3 turn = Vector3::Zero();  ///< rad, axis times angle from the world's axes
+  double speed = 0.05;             ///< m/s
+  double turn_speed = 0.5;         ///< rad/s; a leg takes as long as the slower of both
+  double rest = 0;                 ///< s, at the end of the leg
+};
+
+/// One named way to fail with a tool that turns. Metres, world frame; the tool in its own frame,
+/// which the hand holds at the origin.
+struct SixdofCase {
+  std::string name;   ///< words joined by "-", as the reports name it
+  std::string title;  ///< a sentence: what is done, and which failure it looks for
+  test::Shape tool;
+  test::Shape object;
+  std::vector<Eigen::Isometry3d> places;  ///< where the object stands, once each
+  double tolerance = 40e-6;               ///< m, of the object's bake
+  double max_depth = 4e-3;                ///< m, of the object's band
+  double spacing = 1e-3;                  ///< m, of the tool's samples
+  Eigen::Isometry3d start = Eigen::Isometry3d::Identity();
+  std::vector<SixdofLeg> hand;
+  double seconds = 3;       ///< of the run
+  double mass_scale = 1;    ///< of the profile's mass
+  bool has_weight = false;  ///< what is above the profile's own mass, which a device balances
+  double grip_share = 1;    ///< of the hand's grip
+  double delay_ticks = 1;
+  Vector3 normal = Vector3::UnitZ();  ///< unit, outward, where the hand presses
+  /// One surface of the object touched as in the case, and the way into it (unit): here stiffness
+  /// by area is set to what the hand is to feel.
+  Eigen::Isometry3d touch = Eigen::Isometry3d::Identity();
+  Vector3 press = -Vector3::UnitZ();
+  Judged judged;
+  int seeds = 3;
+};
+
+/// The hand's target, tick by tick.
+class SixdofScript {
+ public:
+  /// `tried` must outlive this; `period` of a tick, s; `offset` (m) moves all of the way.
+  SixdofScript(const SixdofCase& tried, double period, const Vector3& offset);
+
+  /// Where the hand wants the tool at a time (s, 0 or more), and how it moves there.
+  [[nodiscard]] SixdofTarget at(double time) const;
+
+ private:
+  struct Part {
+    double begin = 0, end = 0;  ///< s; it rests until the next begins
+    Vector3 from = Vector3::Zero(), to = Vector3::Zero();
+    Eigen::Quaterniond orientation = Eigen::Quaterniond::Identity();  ///< at its begin
+    Vector3 turn = Vector3::Zero();                                   ///< of all of it
+  };
+  std::vector<Part> parts_;
+};
+
+/// The catalogue's cases in six degrees of freedom.
+[[nodiscard]] std::vector<SixdofCase> sixdof_catalogue();
+
+/// The case of that name. Throws std::out_of_range where there is none.
+[[nodiscard]] SixdofCase sixdof_case(const std::string& name);
+
+}  // namespace spm::stability

@@ -1,0 +1,147 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "tests/stability/sixdof/sixdof_scene.hpp"
+
+#include <algorithm>
+#include <map>
+#include <mutex>
+#include <string>
+#include <utility>
+
+#include "formats/asset/asset.hpp"
+#include "tests/bench/base/unwrap.hpp"
+#include "tests/support/triangle_tree.hpp"
+
+namespace spm::stability {
+
+namespace {
+
+/// How far the touched surface is pressed in where stiffness is compared, m: more than the distance
+/// of any tool's samples, so that an edge does not slip between them.
+constexpr double compared_depth = 2e-3;
+/// Of a tool's vertices, m.
+constexpr double rounding = 1e-6;
+/// Nearer than this the way to the surface says nothing of its direction, m.
+constexpr double on_surface = 1e-9;
+
+/// A case's object as what is baked of it.
+StabilityCase baked_object(const SixdofCase& tried) {
+  StabilityCase made;
+  made.name = tried.name;
+  made.shape = tried.object;
+  made.tolerance = tried.tolerance;
+  made.max_depth = tried.max_depth;
+  return made;
+}
+
+/// Samples of a tool's surface by its triangles: nothing is asked of its inside, so it need not be
+/// baked.
+SurfaceSamples samples_of(const test::Shape& tool, double spacing) {
+  Asset asset;
+  asset.metadata.tolerance = rounding;
+  for (const auto& triangle : tool.triangles) {
+    for (const std::uint32_t vertex : triangle) {
+      for (const double along : tool.vertices[vertex]) {
+        asset.triangles.push_back(static_cast<float>(along));
+      }
+    }
+  }
+  const test::TriangleTree tree(asset);
+  const AssetTables tables = tables_of(asset);
+  return bench::unwrap(sample_surface(tables.view(), spacing));
+}
+
+class ExactField : public SampledField {
+ public:
+  ExactField(const baker::ExactSurface& truth, std::size_t samples)
+      : truth_(truth), last_(samples) {}
+
+  [[nodiscard]] std::optional<SampleDepth> at(std::size_t sample, const Vector3& place) override {
+    Last& last = last_[sample];
+    const double moved = (place - last.place).norm();
+    if (last.distance > moved) return std::nullopt;
+    const baker::SurfacePoint closest = truth_.closest(place);
+    const Vector3 out = closest.position - place;
+    const double distance = out.norm();
+    // A sample that did not come as far as the surface is on the side where it was.
+    const bool inside = -last.distance > moved || truth_.inside(place);
+    last = {place, inside ? -distance : distance};
+    if (!inside) return std::nullopt;
+    return SampleDepth{distance, distance > on_surface ? Vector3(out / distance) : closest.normal};
+  }
+
+ private:
+  struct Last {
+    Vector3 place = Vector3::Zero();
+    double distance = 0;  ///< m, signed; 0: nothing is known
+  };
+  const baker::ExactSurface& truth_;
+  std::vector<Last> last_;
+};
+
+}  // namespace
+
+SixdofScene::SixdofScene(const SixdofCase& tried)
+    : object_(&prepared_object(baked_object(tried))),
+      places_(tried.places),
+      tool_(samples_of(tried.tool, tried.spacing)),
+      touch_(tried.touch),
+      press_(tried.press) {
+  for (const Vector3& vertex : tried.tool.vertices) {
+    tool_radius_ = std::max(tool_radius_, vertex.norm());
+  }
+}
+
+std::vector<ContactObject> SixdofScene::contact_objects() const {
+  std::vector<ContactObject> objects;
+  for (const Eigen::Isometry3d& place : places_) objects.push_back({&object_->sparse(), place});
+  return objects;
+}
+
+std::vector<std::unique_ptr<SampledField>> SixdofScene::exact_fields() const {
+  std::vector<std::unique_ptr<SampledField>> fields;
+  for (std::size_t i = 0; i < places_.size(); ++i) {
+    fields.push_back(
+        std::make_unique<ExactField>(object_->model().truth, tool_.levels.back().count));
+  }
+  return fields;
+}
+
+SampledContact SixdofScene::contact(const std::vector<std::unique_ptr<SampledField>>& fields,
+                                    const Eigen::Isometry3d& pose, double stiffness) const {
+  SampledContact sum;
+  const SampleLevel& finest = tool_.levels.back();
+  for (std::size_t object = 0; object < fields.size(); ++object) {
+    const Eigen::Isometry3d to_object = places_[object].inverse(Eigen::Isometry) * pose;
+    for (std::uint32_t i = 0; i < finest.count; ++i) {
+      const auto& position = tool_.places[finest.first + i].position;
+      const Vector3 own(position[0], position[1], position[2]);
+      const auto found = fields[object]->at(i, to_object * own);
+      if (!found) continue;
+      const double area = tool_.shares[finest.first + i].area;
+      const Vector3 force =
+          stiffness * area * found->depth * (places_[object].linear() * found->normal);
+      sum.wrench.force += force;
+      sum.wrench.torque += (pose.linear() * own).cross(force);
+      sum.deepest = std::max(sum.deepest, found->depth);
+    }
+  }
+  return sum;
+}
+
+double SixdofScene::area_stiffness(double stiffness) const {
+  Eigen::Isometry3d pressed = touch_;
+  pressed.pretranslate(press_ * compared_depth);
+  const double by_area = -contact(exact_fields(), pressed, 1).wrench.force.dot(press_);
+  return stiffness * compared_depth / by_area;
+}
+
+const SixdofScene& sixdof_scene(const SixdofCase& tried) {
+  static std::mutex lock;
+  static std::map<std::string, std::unique_ptr<SixdofScene>> scenes;
+  const std::scoped_lock hold(lock);
+  std::unique_ptr<SixdofScene>& scene = scenes[tried.name];
+  if (!scene) scene = std::make_unique<SixdofScene>(tried);
+  return *scene;
+}
+
+}  // namespace spm::stability

@@ -1,0 +1,157 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "asset_by_hand.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "common/surface/support_plane_mapping.hpp"
+#include "tree_by_hand.hpp"
+
+namespace spm::test {
+
+MapByHand map_by_hand(std::uint32_t plane, std::uint32_t columns, std::uint32_t rows,
+                      std::uint32_t layers, double eta0, double omega0, double spacing,
+                      const Heights& heights) {
+  MapByHand made;
+  for (std::uint32_t layer = 0; layer < layers; ++layer) {
+    made.offsets.push_back(layer * columns * rows);
+    for (std::uint32_t row = 0; row < rows; ++row) {
+      for (std::uint32_t column = 0; column < columns; ++column) {
+        made.samples.push_back(
+            static_cast<float>(heights(layer, eta0 + column * spacing, omega0 + row * spacing)));
+      }
+    }
+  }
+  made.mask.assign(mask_words(columns, rows, layers), 0xFFFFFFFFU);
+  made.map = {nullptr, nullptr, nullptr, plane, columns, rows,
+              layers,  columns, 0,       eta0,  omega0,  spacing};
+  return made;
+}
+
+Tile TileByHand::view(float height_unit) const {
+  Tile made = tile;
+  made.heights = heights.data();
+  made.clips = clips.data();
+  derive_bounds(made, height_unit);
+  return made;
+}
+
+TileByHand tile_by_hand(std::uint32_t plane, double eta0, double omega0, float spacing,
+                        float height_unit, const std::function<double(double, double)>& depth) {
+  TileByHand made;
+  Tile& tile = made.tile;
+  tile.plane = plane;
+  tile.eta0 = eta0;
+  tile.omega0 = omega0;
+  tile.spacing = spacing;
+  tile.base = depth(eta0, omega0);
+  tile.valid = ~std::uint64_t{0};
+  const auto step = static_cast<double>(spacing);
+  for (std::uint32_t i = 0; i < tile_sample_count; ++i) {
+    const double eta = eta0 + (i % tile_samples) * step, omega = omega0 + (i / tile_samples) * step;
+    made.heights[i] =
+        float_to_half(static_cast<float>((depth(eta, omega) - tile.base) / double{height_unit}));
+  }
+  return made;
+}
+
+BoxByHand::BoxByHand(const Vector3& size, const Band& band) {
+  const Vector3 half = size / 2;
+  for (int axis = 0; axis < 3; ++axis) {
+    for (const double side : {1.0, -1.0}) {
+      const Vector3 normal = side * Vector3::Unit(axis);
+      SupportPlane plane = plane_with_normal(normal * half[axis], normal);
+      const double width = plane.u.cwiseAbs().dot(size);
+      const double height = plane.v.cwiseAbs().dot(size);
+      const double extent = std::max(width, height);
+      plane.x0 += -extent / 2 * plane.u - extent / 2 * plane.v;
+      const double thickness = size[axis];
+      const auto inside = [=](double eta, double omega) {
+        return std::abs(eta - extent / 2) <= width / 2 * (1 + 1e-9) &&
+               std::abs(omega - extent / 2) <= height / 2 * (1 + 1e-9);
+      };
+      by_hand.push_back(map_by_hand(static_cast<std::uint32_t>(planes.size()), 17, 17, 2, 0, 0,
+                                    extent / 16,
+                                    [=](std::uint32_t layer, double eta, double omega) -> double {
+                                      if (!inside(eta, omega)) return no_hit;
+                                      return layer == 0 ? 0 : thickness;
+                                    }));
+      planes.push_back(plane);
+    }
+  }
+  index = {static_cast<std::uint32_t>(CellKind::record) << 30U};
+  records = {list_header(6, 0), 0, 1, 2, 3, 4, 5};
+  view.band = band;
+  view.full = true;
+  view.grid.origin = -half - Vector3::Constant(band.margin);
+  view.grid.cell_size = size.maxCoeff() + 2 * band.margin;
+  view.grid.cells = {1, 1, 1};
+  refresh();
+}
+
+void BoxByHand::refresh() {
+  maps.clear();
+  nx.clear();
+  ny.clear();
+  nz.clear();
+  offset.clear();
+  for (MapByHand& made : by_hand) {
+    made.map.samples = made.samples.data();
+    made.map.layer_offsets = made.offsets.data();
+    made.map.mask = made.mask.data();
+    maps.push_back(made.map);
+  }
+  for (const SupportPlane& plane : planes) {
+    nx.push_back(plane.n.x());
+    ny.push_back(plane.n.y());
+    nz.push_back(plane.n.z());
+    offset.push_back(plane.n.dot(plane.x0));
+  }
+  view.planes = planes;
+  view.maps = maps;
+  view.triangles = triangles;
+  view.grid.index = index;
+  view.grid.records = records;
+  view.plane_nx = nx;
+  view.plane_ny = ny;
+  view.plane_nz = nz;
+  view.plane_offset = offset;
+}
+
+TiledCubeByHand::TiledCubeByHand(double size, const Band& band) {
+  for (int axis = 0; axis < 3; ++axis) {
+    for (const double side : {1.0, -1.0}) {
+      const Vector3 normal = side * Vector3::Unit(axis);
+      by_hand.push_back(tile_by_hand(static_cast<std::uint32_t>(planes.size()), -size / 2,
+                                     -size / 2, static_cast<float>(size / tile_cells), 1e-6F,
+                                     [](double, double) { return 0.0; }));
+      planes.push_back(plane_with_normal(size / 2 * normal, normal));
+    }
+  }
+  std::vector<BoxedChild> leaves;
+  for (std::uint32_t tile = 0; tile < by_hand.size(); ++tile) leaves.push_back(tile_child(tile));
+  tree = tree_over(leaves);
+  space = {octants(SpaceKind::told), 0};
+  view.band = band;
+  view.height_unit = 1e-6F;
+  view.tolerance = 1e-5;
+  view.space.origin = Vector3::Constant(-size / 2 - band.margin);
+  view.space.edge = size + 2 * band.margin;
+  const auto edge = static_cast<float>(size);
+  view.tree.origin = Vector3::Constant(-size / 2);
+  view.tree.size = {edge, edge, edge};
+  refresh();
+}
+
+void TiledCubeByHand::refresh() {
+  tiles.clear();
+  for (const TileByHand& made : by_hand) tiles.push_back(made.view(view.height_unit));
+  view.planes = planes;
+  view.tiles = tiles;
+  view.triangles = triangles;
+  view.small_triangles = small_triangles;
+  view.space.words = space;
+  view.tree.words = tree;
+}
+
+}  // namespace spm::test

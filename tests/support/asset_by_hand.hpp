@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <functional>
+#include <vector>
+
+#include "common/asset/asset_view.hpp"
+
+namespace spm::test {
+
+/// One map and what its view points to; heights are a function of the plane's parameters.
+struct MapByHand {
+  std::vector<float> samples;
+  std::vector<std::uint32_t> offsets;
+  std::vector<std::uint32_t> mask;
+  DistanceMap map;
+};
+
+using Heights = std::function<double(std::uint32_t layer, double eta, double omega)>;
+
+/// A map of `columns` x `rows` samples from (eta0, omega0) on plane `plane`, all cells valid.
+[[nodiscard]] MapByHand map_by_hand(std::uint32_t plane, std::uint32_t columns, std::uint32_t rows,
+                                    std::uint32_t layers, double eta0, double omega0,
+                                    double spacing, const Heights& heights);
+
+/// One tile and what its view points to; depths are a function of the plane's parameters.
+struct TileByHand {
+  std::array<std::uint16_t, tile_sample_count> heights{};
+  std::vector<std::uint32_t> clips;
+  Tile tile;
+
+  /// The tile over the heights and clips of this object, bounds derived.
+  [[nodiscard]] Tile view(float height_unit) const;
+};
+
+/// A tile from (eta0, omega0) on plane `plane`, all cells valid, without slopes.
+[[nodiscard]] TileByHand tile_by_hand(std::uint32_t plane, double eta0, double omega0,
+                                      float spacing, float height_unit,
+                                      const std::function<double(double, double)>& depth);
+
+/// A box of full edge lengths `size` about the origin as a `full` asset: six faces, one map each
+/// with 17 x 17 samples, two layers, and a grid of one cell whose list has the entry layers.
+class BoxByHand {
+ public:
+  explicit BoxByHand(const Vector3& size, const Band& band = {0.002, 0.0005});
+  BoxByHand(const BoxByHand&) = delete;
+  BoxByHand& operator=(const BoxByHand&) = delete;
+
+  std::vector<SupportPlane> planes;
+  std::vector<MapByHand> by_hand;
+  std::vector<DistanceMap> maps;
+  std::vector<double> nx, ny, nz, offset;
+  std::vector<std::uint32_t> index, records;
+  std::vector<float> triangles;
+  AssetView view;
+
+  /// Points the view at the vectors again, after a test changed them.
+  void refresh();
+};
+
+/// A cube of edge length `size` about the origin as a `sparse` asset: six faces in the order of
+/// BoxByHand, one tile each, in a tree of whole boxes, and a space that is told by them everywhere.
+class TiledCubeByHand {
+ public:
+  explicit TiledCubeByHand(double size, const Band& band = {0.002, 0.0005});
+  TiledCubeByHand(const TiledCubeByHand&) = delete;
+  TiledCubeByHand& operator=(const TiledCubeByHand&) = delete;
+
+  std::vector<SupportPlane> planes;
+  std::vector<TileByHand> by_hand;
+  std::vector<Tile> tiles;
+  std::vector<std::uint32_t> space, tree;
+  std::vector<float> triangles;
+  std::vector<std::uint16_t> small_triangles;
+  AssetView view;
+
+  /// Points the view at the vectors again, after a test changed them.
+  void refresh();
+};
+
+}  // namespace spm::test

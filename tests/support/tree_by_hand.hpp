@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <initializer_list>
+#include <utility>
+#include <vector>
+
+#include "common/asset/element_tree.hpp"
+#include "common/asset/space_tree.hpp"
+
+namespace spm::test {
+
+/// A child of a node, and its box in 255ths of the node's: the whole of it where a test says
+/// nothing.
+struct BoxedChild {
+  TreeChild child;
+  std::array<std::uint8_t, 3> low{0, 0, 0}, high{255, 255, 255};
+};
+
+inline BoxedChild node_child(std::uint32_t node) { return {{ElementKind::node, node, 1}}; }
+inline BoxedChild tile_child(std::uint32_t tile) { return {{ElementKind::tile, tile, 1}}; }
+/// A fan of so many triangles from a corner on.
+inline BoxedChild fan_child(std::uint32_t first, std::uint32_t count) {
+  return {{ElementKind::fan, first, count}};
+}
+
+/// Adds a node of up to four children to a tree of elements.
+inline void add_tree_node(std::vector<std::uint32_t>& words,
+                          const std::vector<BoxedChild>& children) {
+  const std::size_t first = words.size();
+  words.resize(first + tree_node_words, 0);
+  for (std::size_t k = 0; k < children.size(); ++k) {
+    words.at(first + k) = pack_child(children[k].child);
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      words.at(first + 4 + 2 * axis) |= std::uint32_t{children[k].low[axis]} << (8 * k);
+      words.at(first + 5 + 2 * axis) |= std::uint32_t{children[k].high[axis]} << (8 * k);
+    }
+  }
+}
+
+/// A tree over leaves: each node holds three of them, and the next node where there are more.
+inline std::vector<std::uint32_t> tree_over(const std::vector<BoxedChild>& leaves) {
+  std::vector<std::uint32_t> words;
+  for (std::size_t first = 0; first < leaves.size(); first += 3) {
+    const std::size_t end = std::min(first + 3, leaves.size());
+    std::vector<BoxedChild> children(leaves.begin() + static_cast<std::ptrdiff_t>(first),
+                                     leaves.begin() + static_cast<std::ptrdiff_t>(end));
+    if (end < leaves.size()) {
+      children.push_back(node_child(static_cast<std::uint32_t>(first / 3 + 1)));
+    }
+    add_tree_node(words, children);
+  }
+  return words;
+}
+
+/// The first word of a node of space whose octants are all of one kind, but for those named.
+inline std::uint32_t octants(
+    SpaceKind rest, std::initializer_list<std::pair<std::uint32_t, SpaceKind>> named = {}) {
+  std::uint32_t kinds = 0;
+  for (std::uint32_t octant = 0; octant < 8; ++octant) {
+    SpaceKind kind = rest;
+    for (const auto& [which, its_kind] : named) {
+      if (which == octant) kind = its_kind;
+    }
+    kinds |= static_cast<std::uint32_t>(kind) << (space_kind_bits * octant);
+  }
+  return kinds;
+}
+
+/// So many nodes below each other: the last octant of each is the next, that of the last is `end`.
+inline std::vector<std::uint32_t> space_chain(int nodes, SpaceKind rest, SpaceKind end) {
+  std::vector<std::uint32_t> words;
+  for (int node = 1; node <= nodes; ++node) {
+    const bool last = node == nodes;
+    words.push_back(octants(rest, {{7, last ? end : SpaceKind::split}}));
+    words.push_back(last ? 0 : static_cast<std::uint32_t>(node));
+  }
+  return words;
+}
+
+}  // namespace spm::test
