@@ -26,8 +26,8 @@ struct TickRecord {
   bool contact = false;
   bool forgot = false;  ///< the force law had forgotten its state before this tick
   bool lost = false;    ///< records before this one were lost because the ring was full
-  bool touched =
-      false;            ///< since the loop began, applications have moved, added or changed objects
+  /// since the loop began, applications have moved, added or changed objects
+  bool touched = false;
   bool edited = false;  ///< an edited scene was taken up before the forces of this tick
   ForceOff cause = ForceOff::none;
 };

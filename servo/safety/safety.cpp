@@ -12,8 +12,8 @@ constexpr double fastest_hand = 1.0;  // m/s
 constexpr double slew_margin = 2.0;
 constexpr double least_slew = 1.0;  // N a tick, so that a soft asset is not limited by rounding
 constexpr double ramp_seconds = 0.1;
-constexpr double fade_seconds =
-    0.5;  // slow enough that a hand that leans on a surface can follow it
+// slow enough that a hand that leans on a surface can follow it
+constexpr double fade_seconds = 0.5;
 
 /// Limits how far the force may grow or turn in a tick. Decrease is not limited: a force that ends
 /// must end.
