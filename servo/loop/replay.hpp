@@ -38,7 +38,7 @@ struct ReplayOptions {
 /// The results of the loop's force law, one for each row of the trajectory.
 struct ReplayResult {
   std::vector<ContactForce> contacts;
-  /// of the force law, a single call, including the cost of the clock itself
+  /// of the force law, in a single pass, including the cost of the clock itself
   std::vector<std::int64_t> busy_ns;
 };
 

@@ -263,7 +263,7 @@ class PortThreads {
   ReportSignal came_;
   LatencyHistogram report_age_;    ///< counted by the loop
   LatencyHistogram command_sent_;  ///< counted by the sending thread
-  /// used by the loop: the opening for which it last took a report
+  /// used by the loop: the opening for which it last looked for a report
   std::uint32_t taken_opening_ = 0;
   std::atomic<std::uint32_t> given_{0};  ///< changes with each command
   std::atomic<std::uint32_t> reopened_{0};
