@@ -26,8 +26,8 @@ struct ServedScene {
 struct SceneKeeperOptions {
   ForceOptions force;                  ///< as at the start; its scene is the file that is watched
   std::chrono::milliseconds poll{20};  ///< between two looks at the file
-  std::chrono::milliseconds retry{
-      1000};  ///< after a refusal that a change of another file may cure
+  /// after a refusal that a change of another file may cure
+  std::chrono::milliseconds retry{1000};
   /// Called with one sentence for a person: `tell` says what was taken up, `warn` what was not and
   /// why. May be empty.
   std::function<void(const std::string&)> tell, warn;
