@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "baker/options/bake_options.hpp"
 #include "baker/mesh/mesh.hpp"
+#include "baker/options/bake_options.hpp"
 
 namespace spm::baker {
 

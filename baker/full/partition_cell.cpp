@@ -3,8 +3,8 @@
 
 #include <cmath>
 
-#include "baker/full/fallback.hpp"
 #include "baker/base/octant.hpp"
+#include "baker/full/fallback.hpp"
 #include "common/base/octahedral.hpp"
 
 namespace spm::baker {

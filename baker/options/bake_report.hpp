@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "baker/surface/outer_surface.hpp"
 #include "baker/smooth/smooth_options.hpp"
+#include "baker/surface/outer_surface.hpp"
 
 namespace spm::baker {
 

@@ -3,10 +3,10 @@
 
 #include <optional>
 
+#include "baker/base/progress.hpp"
+#include "baker/mesh/mesh.hpp"
 #include "baker/options/bake_options.hpp"
 #include "baker/options/bake_report.hpp"
-#include "baker/mesh/mesh.hpp"
-#include "baker/base/progress.hpp"
 #include "formats/asset/asset.hpp"
 
 namespace spm::baker {

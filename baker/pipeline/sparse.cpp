@@ -8,12 +8,12 @@
 #include <limits>
 #include <numbers>
 
-#include "baker/reach/reach.hpp"
-#include "baker/trials/side_trials.hpp"
-#include "baker/trees/space_build.hpp"
-#include "baker/pipeline/sparse_model.hpp"
 #include "baker/base/stopwatch.hpp"
+#include "baker/pipeline/sparse_model.hpp"
+#include "baker/reach/reach.hpp"
 #include "baker/tiles/tile_fit.hpp"
+#include "baker/trees/space_build.hpp"
+#include "baker/trials/side_trials.hpp"
 
 namespace spm::baker {
 

@@ -5,11 +5,11 @@
 #include <numbers>
 #include <vector>
 
-#include "baker/options/bake_report.hpp"
 #include "baker/base/progress.hpp"
+#include "baker/options/bake_report.hpp"
 #include "baker/reach/reach.hpp"
-#include "baker/trees/space_build.hpp"
 #include "baker/tiles/tiles.hpp"
+#include "baker/trees/space_build.hpp"
 #include "formats/asset/asset.hpp"
 
 namespace spm::baker {

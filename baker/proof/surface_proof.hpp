@@ -44,8 +44,4 @@ struct SurfaceCover {
                                          const std::vector<Tile>& tiles, double height_unit,
                                          double bound, double farthest, const Progress& progress);
 
-/// Keeps of each tile that is not whole the cells in `used` alone, and drops tiles of which none is
-/// used: what no proof rests on is only in the way.
-void trim_tiles(std::vector<TileData>& tiles, const std::vector<std::uint64_t>& used);
-
 }  // namespace spm::baker

@@ -27,4 +27,9 @@ void prove_tiles(const Caster& caster, const std::vector<SupportPlane>& planes,
                  std::vector<TileData>& tiles, double tile_spacing, double height_unit,
                  double bound, const Progress& progress, ProofCounts& counts);
 
+/// Keeps only the cells in `used` of each tile that has a mask, and drops tiles of which no cell is
+/// used. A cell that no proof rests on is only in the way. A tile with all its cells is kept as it
+/// is, since it needs no mask.
+void trim_tiles(std::vector<TileData>& tiles, const std::vector<std::uint64_t>& used);
+
 }  // namespace spm::baker

@@ -5,9 +5,9 @@
 #include <memory>
 #include <optional>
 
-#include "baker/cast/cast.hpp"
 #include "baker/base/oriented_box.hpp"
 #include "baker/base/progress.hpp"
+#include "baker/cast/cast.hpp"
 #include "common/asset/asset_view.hpp"
 
 namespace spm::baker {

@@ -6,9 +6,9 @@
 #include <optional>
 #include <vector>
 
-#include "baker/cast/cast.hpp"
 #include "baker/base/oriented_box.hpp"
 #include "baker/base/progress.hpp"
+#include "baker/cast/cast.hpp"
 
 namespace spm::baker {
 

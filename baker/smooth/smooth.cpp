@@ -11,14 +11,14 @@
 #include <vector>
 
 #include "baker/base/bake_error.hpp"
-#include "baker/cast/cast.hpp"
-#include "baker/surface/outer_surface.hpp"
 #include "baker/base/progress_counter.hpp"
+#include "baker/cast/cast.hpp"
 #include "baker/smooth/sheet.hpp"
 #include "baker/smooth/sheet_refine.hpp"
 #include "baker/smooth/sheet_window.hpp"
-#include "common/paper/smoothing.hpp"
+#include "baker/surface/outer_surface.hpp"
 #include "common/base/units.hpp"
+#include "common/paper/smoothing.hpp"
 
 namespace spm::baker {
 namespace {

@@ -3,8 +3,8 @@
 
 #include <cstddef>
 
-#include "baker/mesh/mesh.hpp"
 #include "baker/base/progress.hpp"
+#include "baker/mesh/mesh.hpp"
 #include "baker/smooth/smooth_options.hpp"
 
 namespace spm::baker {

@@ -4,10 +4,10 @@
 #include <cstdint>
 #include <vector>
 
-#include "baker/options/bake_options.hpp"
-#include "baker/cast/cast.hpp"
 #include "baker/base/progress.hpp"
+#include "baker/cast/cast.hpp"
 #include "baker/cast/surface_points.hpp"
+#include "baker/options/bake_options.hpp"
 #include "formats/asset/asset.hpp"
 
 namespace spm::baker {

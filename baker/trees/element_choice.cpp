@@ -6,6 +6,7 @@
 #include <limits>
 #include <queue>
 
+#include "baker/proof/tile_proof.hpp"
 #include "formats/asset/tile_words.hpp"
 
 namespace spm::baker {

@@ -6,8 +6,8 @@
 #include <functional>
 #include <memory>
 
-#include "baker/cast/cast.hpp"
 #include "baker/base/progress.hpp"
+#include "baker/cast/cast.hpp"
 #include "baker/reach/reach.hpp"
 #include "common/asset/space_tree.hpp"
 #include "formats/asset/asset.hpp"

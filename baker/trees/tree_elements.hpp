@@ -4,9 +4,9 @@
 #include <vector>
 
 #include "baker/options/bake_report.hpp"
+#include "baker/proof/surface_proof.hpp"
 #include "baker/trees/fallback_triangles.hpp"
 #include "baker/trees/space_build.hpp"
-#include "baker/proof/surface_proof.hpp"
 
 namespace spm::baker {
 

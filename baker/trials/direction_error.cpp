@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "baker/trials/band_trials.hpp"
-#include "common/surface/closest_on_triangle.hpp"
 #include "common/query/query.hpp"
+#include "common/surface/closest_on_triangle.hpp"
 
 namespace spm::baker {
 

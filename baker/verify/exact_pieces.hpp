@@ -4,8 +4,8 @@
 #include <array>
 #include <vector>
 
-#include "baker/verify/exact_winding.hpp"
 #include "baker/mesh/mesh.hpp"
+#include "baker/verify/exact_winding.hpp"
 #include "common/base/vector.hpp"
 
 namespace spm::baker {

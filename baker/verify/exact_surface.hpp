@@ -37,8 +37,8 @@ class ExactSurface {
   /// A point of the surface, uniform by area for `choice`, `a` and `b` uniform in [0, 1).
   [[nodiscard]] SurfacePoint at(double choice, double a, double b) const;
 
-  /// True where another feature of the surface, one in a direction that differs by more than a
-  /// degree from that of `closest`, is at most `window` metres farther away: within that of the
+  /// True where another feature of the surface, one in a direction that differs by more than 5
+  /// degrees from that of `closest`, is at most `window` metres farther away: within that of the
   /// medial axis the closest feature, and so the direction, is a toss-up.
   [[nodiscard]] bool contested(const Vector3& point, const Vector3& closest, double window) const;
 

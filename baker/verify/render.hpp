@@ -2,9 +2,9 @@
 #pragma once
 
 #include "baker/cast/cast.hpp"
-#include "baker/verify/exact_surface.hpp"
 #include "baker/pictures/export.hpp"
 #include "baker/pictures/picture.hpp"
+#include "baker/verify/exact_surface.hpp"
 
 namespace spm::baker {
 
