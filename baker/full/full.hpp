@@ -11,8 +11,9 @@
 
 namespace spm::baker {
 
-/// Distance maps of a `full` asset, one a plane over the plane's own region; moves each plane's x0
-/// to its map's first sample. Scalar or vectorial as `options.layers` says.
+/// Casts the distance maps of a `full` asset (eq. 2): one for each plane, over the plane's own
+/// region. Moves each plane's x0 to the first sample of its map. Scalar or vectorial, as
+/// `options.layers` says.
 [[nodiscard]] std::vector<MapData> cast_full_maps(const Caster& caster,
                                                   std::vector<SupportPlane>& planes,
                                                   const BakeOptions& options,

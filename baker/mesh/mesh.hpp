@@ -12,8 +12,8 @@ namespace spm::baker {
 
 using Triangle = std::array<std::uint32_t, 3>;
 
-/// A mesh after loading, repair, unit and scale: metres, the asset's frame, triangles oriented so
-/// that their normals point out of the solid as far as that is defined.
+/// A mesh after loading, repair, unit and scale: in metres, in the asset's frame. Triangles are
+/// oriented so that their normals point out of the solid, as far as that is defined.
 struct Mesh {
   std::vector<Vector3> vertices;    ///< all are referenced
   std::vector<Triangle> triangles;  ///< no index out of range, no zero area
@@ -31,7 +31,7 @@ struct Mesh {
   std::vector<std::array<std::uint32_t, 2>> border;  ///< the border edges, indices of vertices
   std::uint32_t turned_components = 0;               ///< components that were inside out
   std::uint64_t dropped_triangles = 0;               ///< zero area or duplicated
-  std::vector<std::string> notes;  ///< what was found and assumed, a sentence each, for the user
+  std::vector<std::string> notes;  ///< findings and assumptions, a sentence each, for the user
   [[nodiscard]] bool closed() const noexcept { return border_edges == 0; }
 };
 

@@ -10,9 +10,9 @@
 
 namespace spm::baker {
 
-/// Fills a `sparse` asset whose metadata tells band, probe and tolerance, and the report: tiles,
-/// their proof, the choice between them and triangles, and the trees. Throws BakeError where
-/// nothing of the object is left to model.
+/// Fills a `sparse` asset and the report: tiles, their proof, the choice between tiles and
+/// triangles, and the trees. The asset's metadata must have band, probe and tolerance. Throws
+/// BakeError where nothing of the object is left to model.
 void bake_sparse(BakeResult& result, const Caster& caster, const Hull& hull,
                  const BakeOptions& options, const Progress& progress, CastCounts& counts);
 

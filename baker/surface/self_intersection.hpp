@@ -12,8 +12,8 @@ namespace spm::baker {
 
 using TrianglePair = std::pair<std::uint32_t, std::uint32_t>;
 
-/// Pairs of triangles, first below second, sorted, that have more in common than the corner or edge
-/// they share. Exact predicates.
+/// Pairs of triangles that have more in common than the corner or edge that they share. The first
+/// of a pair is below the second, and pairs are sorted. Exact predicates.
 [[nodiscard]] std::vector<TrianglePair> intersecting_pairs(std::span<const Vector3> points,
                                                            std::span<const Triangle> triangles);
 
