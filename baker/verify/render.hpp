@@ -39,7 +39,7 @@ struct ErrorScale {
                                        const Window& window, std::uint32_t side);
 
 /// A cut through the band across the window's middle, which shows the error of the asset's distance
-/// at each place. The asset's surface is white. Dark grey outside the band.
+/// at each place. The exact surface is white. Dark grey outside the band.
 [[nodiscard]] Picture error_in_section(const ErrorScale& scale, const Window& window,
                                        std::uint32_t side);
 
