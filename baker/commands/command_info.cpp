@@ -156,7 +156,7 @@ Json to_json(const MappedAsset& asset, const std::vector<std::string>& pictures)
 
 std::string length(double metres) { return format_quantity(metres, Quantity::length); }
 
-/// What is proven of the error, as the end of a line.
+/// The proven error, as the end of a line.
 std::string certified(const AssetMetadata& metadata) {
   return metadata.certified ? fmt::format("; proven largest error {}", length(*metadata.certified))
                             : std::string();
