@@ -67,7 +67,7 @@ class Judge {
         std::clamp(1e-3 * width, kNearest * mesh_.diagonal, kFarthest * mesh_.diagonal);
     const Vector3 step = offset / size * twice;
     const double outside = winding_.at(middle + step);
-    // Across a single sheet the winding number steps by one, also where the mesh is open.
+    // Across a single layer the winding number steps by one, also where the mesh is open.
     const double inside =
         overlaps(split_.parents[piece]) ? winding_.at(middle - step) : outside + 1;
     return inside >= 0.5 && outside < 0.5;
