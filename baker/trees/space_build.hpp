@@ -44,6 +44,7 @@ class SpaceBuilder {
   /// Calls `visit` with every cube that is not divided.
   void visit_leaves(const std::function<void(const SpaceNode&)>& visit) const;
 
+  /// The octree in the words that the file stores; see SpaceTree.
   [[nodiscard]] SpaceData data() const;
 
  private:
