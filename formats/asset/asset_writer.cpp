@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "formats/asset/asset_writer.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <cstring>
@@ -8,8 +10,8 @@
 
 #include "formats/asset/asset.hpp"
 #include "formats/asset/asset_json.hpp"
-#include "formats/exr/exr_writer.hpp"
 #include "formats/asset/tile_words.hpp"
+#include "formats/exr/exr_writer.hpp"
 
 namespace spm {
 namespace {

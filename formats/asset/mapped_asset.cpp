@@ -9,10 +9,10 @@
 #include "formats/asset/asset_check.hpp"
 #include "formats/asset/asset_json.hpp"
 #include "formats/asset/asset_layout.hpp"
-#include "formats/files/checksum.hpp"
+#include "formats/asset/file_mapping.hpp"
 #include "formats/exr/exr_header.hpp"
 #include "formats/exr/exr_index.hpp"
-#include "formats/asset/file_mapping.hpp"
+#include "formats/files/checksum.hpp"
 #include "formats/files/sha256.hpp"
 
 namespace spm {
