@@ -10,23 +10,24 @@
 
 namespace spm {
 
-/// How many units of an index are looked at together.
+/// Number of primitives in a packet; they are processed together by SIMD.
 inline constexpr std::size_t group_units = 8;
 
-/// A number for each unit of a group.
+/// One number for each primitive of a packet.
 using GroupLanes = std::array<float, group_units>;
 
-/// The clip lines of a group's cells, from the cells' middles, with the spacing as the unit: what
-/// is left of a cell is where a x + b y <= c; the line crosses the cell from (x, y) by (to_x,
-/// to_y). Where there is no line (a, b) is 0; where nothing is left, x is out of all reach.
+/// The clip lines of a packet's cells, from the cells' middles, with the spacing as the unit. A
+/// cell is valid where a x + b y <= c; the line crosses the cell from (x, y) by (to_x, to_y).
+/// Without a line (a, b) is 0. Where nothing of the cell is left, x is too far away for any query.
 struct alignas(64) ClipGroup {
   GroupLanes a{}, b{}, c{}, x{}, y{}, to_x{}, to_y{};
 };
 
-/// Eight cells of a tile, four along eta and two along omega: their bilinear patches about their
-/// middles, with the spacing as the unit. Slopes of the mean plane along eta and omega, twist h00 -
-/// h10 - h01 + h11, and depth of the middle below the tile's base. A cell that is not valid is out
-/// of all reach. Derived from the heights, so that all cells are looked at together.
+/// A packet of eight cells of a tile, four along eta and two along omega: their bilinear patches
+/// about their middles, with the spacing as the unit. Slopes of the mean plane along eta and omega,
+/// twist h00 - h10 - h01 + h11, and depth of the middle below the tile's base. A cell that is not
+/// valid is put too far away for any query. Derived from the heights, so that all eight cells are
+/// processed together.
 struct alignas(32) CellGroup {
   GroupLanes slope_eta{}, slope_omega{}, twist{}, depth{};
   /// Of the slopes: 1 / (1 + eta^2), 1 / (1 + omega^2), and eta / (1 + eta^2 + omega^2).

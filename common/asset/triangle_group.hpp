@@ -19,8 +19,9 @@ using GroupVectors = std::array<GroupLanes, 3>;
 /// A share of a triangle that no place of it has.
 inline constexpr float no_share = 2;
 
-/// Eight triangles: a corner, m from the tree's origin, from it two sides, and what is derived from
-/// them so that no query divides. A lane without a triangle is out of all reach.
+/// A packet of eight triangles: a corner, m from the tree's origin, the two sides from it, and
+/// values derived from them so that no query divides. A lane without a triangle is too far away for
+/// any query.
 struct alignas(32) TriangleGroup {
   TriangleGroup() noexcept {
     corner[0].fill(empty_lane);
