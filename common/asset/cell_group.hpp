@@ -45,29 +45,29 @@ struct alignas(32) CellGroup {
 inline constexpr std::uint32_t group_columns = 4;
 inline constexpr std::uint32_t group_rows = 2;
 
-/// The cell of its tile that is a lane of a group of cells.
+/// The cell of the tile that is on this lane of a packet.
 [[nodiscard]] constexpr std::uint32_t cell_of(const CellGroup& group, std::uint32_t lane) noexcept {
   const std::uint32_t column = (group.part & 1U) * group_columns + lane % group_columns;
   const std::uint32_t row = (group.part >> 1U) * group_rows + lane / group_columns;
   return row * tile_cells + column;
 }
 
-/// The groups of a tile's cells; some may have none that is valid.
+/// Number of packets of a tile's cells; some may have no valid cell.
 inline constexpr std::uint32_t tile_groups = tile_cell_count / group_units;
 
-/// Group `part` of a tile's cells, places from an origin (m).
+/// Packet `part` of a tile's cells, relative to an origin (m).
 [[nodiscard]] CellGroup cell_group(const Tile& tile, float height_unit, const SupportPlane& plane,
                                    std::uint32_t part, const Vector3& origin) noexcept;
 
-/// The clip lines of a group of a tile's cells.
+/// The clip lines of a packet of a tile's cells.
 [[nodiscard]] ClipGroup clip_group(const Tile& tile, const CellGroup& group) noexcept;
 
-/// What a foot on a lane of a group tells, x and y from the cell's middle, spacings; `place` from
-/// the same origin, m.
+/// The closest point on one lane of a packet as a TileFoot, from x and y relative to the cell's
+/// middle, spacings. `place` from the same origin, m.
 [[nodiscard]] TileFoot foot_on_cell(const CellGroup& group, std::uint32_t lane,
                                     const Vector3& place, float x, float y) noexcept;
 
-/// closest_on_tile on a lane of a group of its cells alone; `place` from the same origin,
+/// closest_on_tile for one lane of a packet of the tile's cells only; `place` from the same origin,
 /// m. Infinite where the lane's cell is not valid.
 [[nodiscard]] TileFoot closest_on_cell(const Tile& tile, const CellGroup& group, std::uint32_t lane,
                                        const Vector3& place, float limit) noexcept;

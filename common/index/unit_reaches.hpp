@@ -17,7 +17,7 @@ struct SurfaceCube {
   std::array<std::array<float, 8>, 2> known{};
 };
 
-/// Lower bound for a packet over the points of a cube.
+/// Bound of a packet's distance over the points of a cube.
 struct GroupReach {
   float least = 0;          ///< m: see group_reaches; the least of its units
   std::uint32_t lanes = 0;  ///< a bit for each unit that is in reach

@@ -93,7 +93,7 @@ class TriangleSide {
   double rounding_;
   double distance_ = std::numeric_limits<double>::max();
   Vector3 foot_ = Vector3::Constant(std::sqrt(std::numeric_limits<double>::max()) / 2);
-  Around shared_;  ///< the foot
+  Around shared_;  ///< around the nearest closest point
   Around about_;   ///< around the same point, within rounding
 
   /// True where rounding may have moved a closest point this far from the nearest.
