@@ -10,11 +10,13 @@
 #include <system_error>
 
 #include "baker/base/bake_error.hpp"
-#include "baker/commands/caps_report.hpp"
-#include "baker/reach/reach.hpp"
 #include "baker/base/stopwatch.hpp"
+#include "baker/commands/caps_report.hpp"
 #include "baker/commands/time_limit.hpp"
+#include "baker/mesh/load.hpp"
+#include "baker/reach/reach.hpp"
 #include "common/base/units.hpp"
+#include "formats/asset/asset_writer.hpp"
 #include "formats/files/sha256.hpp"
 
 namespace spm::baker {

@@ -5,9 +5,10 @@
 #include <cstdint>
 #include <string>
 
-#include "baker/pipeline/bake.hpp"
-#include "baker/mesh/mesh.hpp"
 #include "baker/commands/scene_limits.hpp"
+#include "baker/mesh/load.hpp"
+#include "baker/mesh/mesh.hpp"
+#include "baker/pipeline/bake.hpp"
 
 namespace spm::baker {
 

@@ -12,8 +12,9 @@
 #include "baker/pictures/grid_walk.hpp"
 #include "baker/pictures/picture.hpp"
 #include "baker/pictures/picture_files.hpp"
-#include "formats/cli/command_line.hpp"
+#include "formats/asset/asset_writer.hpp"
 #include "formats/asset/mapped_asset.hpp"
+#include "formats/cli/command_line.hpp"
 
 namespace spm::baker {
 namespace {

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "baker/full/full.hpp"
+
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
@@ -6,7 +8,6 @@
 #include <cmath>
 
 #include "baker/base/progress_counter.hpp"
-#include "baker/full/stages.hpp"
 
 namespace spm::baker {
 

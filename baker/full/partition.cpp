@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "baker/full/partition.hpp"
+
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
@@ -9,10 +11,9 @@
 #include <utility>
 
 #include "baker/base/bake_error.hpp"
+#include "baker/base/progress_counter.hpp"
 #include "baker/full/cell_fit.hpp"
 #include "baker/full/partition_cell.hpp"
-#include "baker/base/progress_counter.hpp"
-#include "baker/full/stages.hpp"
 #include "baker/full/trials.hpp"
 
 namespace spm::baker {

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "baker/mesh/load.hpp"
+
 #include <algorithm>
 #include <array>
 #include <cerrno>
@@ -12,7 +14,6 @@
 #include <system_error>
 
 #include "baker/base/bake_error.hpp"
-#include "baker/mesh/mesh.hpp"
 #include "baker/mesh/mesh_reader.hpp"
 #include "baker/mesh/mesh_repair.hpp"
 #include "formats/files/sha256.hpp"

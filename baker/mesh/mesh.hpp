@@ -3,7 +3,6 @@
 
 #include <array>
 #include <cstdint>
-#include <optional>
 #include <string>
 #include <vector>
 
@@ -35,15 +34,5 @@ struct Mesh {
   std::vector<std::string> notes;  ///< what was found and assumed, a sentence each, for the user
   [[nodiscard]] bool closed() const noexcept { return border_edges == 0; }
 };
-
-struct LoadOptions {
-  double unit = 1;
-  std::optional<double> fit_diagonal;  ///< m
-};
-
-/// Reads OBJ, PLY, STL or OFF, fans polygons from their first vertex, merges equal points, drops
-/// zero-area and duplicated triangles, orients, stitches and turns inverted components, then
-/// scales. Throws BakeError: file_or_device, or invalid_input naming file, place, cause and cure.
-[[nodiscard]] Mesh load_mesh(const std::string& path, const LoadOptions& options);
 
 }  // namespace spm::baker

@@ -8,13 +8,14 @@
 #include <nlohmann/json.hpp>
 
 #include "baker/base/bake_error.hpp"
-#include "baker/cast/cast.hpp"
-#include "baker/planes/hull.hpp"
-#include "baker/surface/outer_surface.hpp"
-#include "baker/smooth/smooth.hpp"
-#include "baker/pipeline/sparse.hpp"
-#include "baker/full/stages.hpp"
 #include "baker/base/stopwatch.hpp"
+#include "baker/cast/cast.hpp"
+#include "baker/full/full.hpp"
+#include "baker/full/partition.hpp"
+#include "baker/pipeline/sparse.hpp"
+#include "baker/planes/hull.hpp"
+#include "baker/smooth/smooth.hpp"
+#include "baker/surface/outer_surface.hpp"
 
 namespace spm::baker {
 

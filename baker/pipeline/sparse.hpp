@@ -1,13 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include "baker/pipeline/bake.hpp"
+#include "baker/base/progress.hpp"
+#include "baker/cast/cast.hpp"
 #include "baker/options/bake_options.hpp"
 #include "baker/options/bake_report.hpp"
-#include "baker/cast/cast.hpp"
+#include "baker/pipeline/bake.hpp"
 #include "baker/planes/hull.hpp"
-#include "baker/base/progress.hpp"
-#include "baker/full/stages.hpp"
 
 namespace spm::baker {
 

@@ -7,13 +7,14 @@
 #include <utility>
 
 #include "baker/base/bake_error.hpp"
-#include "baker/trials/direction_error.hpp"
-#include "baker/trees/element_choice.hpp"
-#include "baker/trees/fallback_triangles.hpp"
 #include "baker/base/stopwatch.hpp"
 #include "baker/proof/surface_proof.hpp"
+#include "baker/proof/tile_proof.hpp"
 #include "baker/tiles/tile_fit.hpp"
+#include "baker/trees/element_choice.hpp"
+#include "baker/trees/fallback_triangles.hpp"
 #include "baker/trees/tree_elements.hpp"
+#include "baker/trials/direction_error.hpp"
 
 namespace spm::baker {
 

@@ -10,6 +10,8 @@
 
 #include "baker/base/progress_counter.hpp"
 #include "baker/proof/tile_bins.hpp"
+#include "baker/proof/worthwhile_tries.hpp"
+#include "common/surface/closest_on_tile.hpp"
 
 namespace spm::baker {
 

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "baker/proof/tile_proof.hpp"
+
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
@@ -7,7 +9,7 @@
 #include <cmath>
 
 #include "baker/base/progress_counter.hpp"
-#include "baker/proof/surface_proof.hpp"
+#include "baker/proof/worthwhile_tries.hpp"
 #include "baker/tiles/tile_cells.hpp"
 #include "baker/tiles/tile_fit.hpp"
 #include "common/surface/closest_on_triangle.hpp"

@@ -11,8 +11,9 @@
 #include <span>
 #include <utility>
 
-#include "baker/surface/triangle_split.hpp"
 #include "baker/mesh/winding_number.hpp"
+#include "baker/surface/self_intersection.hpp"
+#include "baker/surface/triangle_split.hpp"
 
 namespace spm::baker {
 namespace {

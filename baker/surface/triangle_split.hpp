@@ -4,19 +4,12 @@
 #include <cstddef>
 #include <cstdint>
 #include <span>
-#include <utility>
 #include <vector>
 
 #include "baker/mesh/mesh.hpp"
+#include "baker/surface/self_intersection.hpp"
 
 namespace spm::baker {
-
-using TrianglePair = std::pair<std::uint32_t, std::uint32_t>;
-
-/// Pairs of triangles, first below second, sorted, that have more in common than the corner or edge
-/// they share. Exact predicates.
-[[nodiscard]] std::vector<TrianglePair> intersecting_pairs(std::span<const Vector3> points,
-                                                           std::span<const Triangle> triangles);
 
 /// Triangles cut along each other so that two pieces meet at most along their edges, up to the
 /// rounding of new points to doubles.

@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "common/surface/closest_on_tile.hpp"
 #include "common/surface/support_plane.hpp"
 #include "common/surface/tile.hpp"
 

@@ -8,6 +8,7 @@
 
 #include "common/asset/asset_view.hpp"
 #include "common/query/side_claims.hpp"
+#include "common/surface/closest_on_tile.hpp"
 #include "common/surface/tile.hpp"
 
 namespace spm {

@@ -8,6 +8,7 @@
 #include "common/query/closest_element.hpp"
 #include "common/query/full_query.hpp"
 #include "common/query/listed_feet.hpp"
+#include "common/surface/closest_on_tile.hpp"
 
 namespace spm {
 

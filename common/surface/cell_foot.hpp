@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "common/surface/closest_on_tile.hpp"
 #include "common/surface/tile.hpp"
 
 namespace spm {

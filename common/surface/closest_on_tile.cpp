@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "common/surface/closest_on_tile.hpp"
+
 #include <Eigen/Core>
 #include <algorithm>
 #include <array>

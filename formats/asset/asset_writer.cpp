@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "formats/asset/asset_writer.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <cstring>

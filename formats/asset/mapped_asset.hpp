@@ -10,6 +10,7 @@
 #include "common/asset/asset_view.hpp"
 #include "common/base/error.hpp"
 #include "formats/asset/asset.hpp"
+#include "formats/asset/asset_writer.hpp"
 
 namespace spm {
 

@@ -8,6 +8,7 @@
 #include <span>
 
 #include "common/base/instruction_set.hpp"
+#include "formats/asset/asset_writer.hpp"
 #include "formats/asset/mapped_asset.hpp"
 #include "formats/motion/recording.hpp"
 #include "servo/commands/commands.hpp"
