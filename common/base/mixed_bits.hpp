@@ -5,11 +5,10 @@
 
 namespace spm {
 
-/// Step between the inputs of consecutive draws of mixed_bits.
+/// What numbers that mixed_bits draws one after the other lie apart by.
 inline constexpr std::uint64_t mixed_bits_step = 0x9E3779B97F4A7C15U;
 
-/// Mixes the bits of a number, so that the results for neighbouring numbers are unrelated
-/// (splitmix64).
+/// Mixes the bits of a number, so that those of neighbours have nothing in common (splitmix64).
 [[nodiscard]] inline std::uint64_t mixed_bits(std::uint64_t bits) noexcept {
   bits += mixed_bits_step;
   bits = (bits ^ (bits >> 30U)) * 0xBF58476D1CE4E5B9U;
