@@ -13,7 +13,7 @@
 
 namespace spm {
 
-/// Kind of a child of an ElementTree's node.
+/// Kind of a node's child in an element tree.
 enum class ElementKind : std::uint32_t { none = 0, node = 1, tile = 2, fan = 3 };
 
 /// Bounding volume hierarchy (BVH) of the elements of a `sparse` asset, its tiles and fans of

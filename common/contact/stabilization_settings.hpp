@@ -62,7 +62,7 @@ inline constexpr double advised_coupling = 2000;
 inline constexpr CureSettings advised_cures{.damping_share = advised_damping_share,
                                             .passivity = true};
 
-/// The stabilization `cures` in the loop of `loop`: with its delay, lag and mass, which do not
+/// The settings `cures` in the loop of `loop`: with its delay, lag and mass, which do not
 /// depend on the chosen stabilization.
 [[nodiscard]] constexpr CureSettings in_loop_of(const CureSettings& loop,
                                                 CureSettings cures) noexcept {
