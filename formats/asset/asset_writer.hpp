@@ -9,7 +9,7 @@
 
 namespace spm {
 
-/// Shares of the bytes of a written file.
+/// Sizes of the parts of a written file, bytes.
 struct AssetBytes {
   std::uint64_t total = 0;
   std::uint64_t samples = 0;    ///< payload of the parts `heights...`
@@ -17,12 +17,13 @@ struct AssetBytes {
   std::uint64_t triangles = 0;  ///< payload of the parts `triangles...`
 };
 
-/// Writes an asset as a standard multi-part EXR: to a temporary file beside `path`, synced, then
-/// renamed. The bytes depend on the asset alone. Errors: file_or_device, with nothing left behind.
+/// Writes an asset as a standard multi-part EXR: to a temporary file beside `path`, which is synced
+/// and then renamed. The bytes depend on the asset alone. Errors: file_or_device, with nothing left
+/// behind.
 [[nodiscard]] Result<AssetBytes> write_asset(const Asset& asset, const std::string& path);
 
-/// Refuses an output path that could not be written later: its folder missing or not writable, or
-/// the path a directory. Called before a bake begins.
+/// Rejects an output path that could not be written later: its folder is missing or not writable,
+/// or the path is a directory. Called before a bake begins.
 [[nodiscard]] Result<void> check_output_path(const std::string& path);
 
 }  // namespace spm
