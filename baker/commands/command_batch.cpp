@@ -15,7 +15,7 @@
 namespace spm::baker {
 namespace {
 
-struct Settings {
+struct BatchSettings {
   std::string manifest;
   bool keep_going = false;
   cli::GlobalOptions global;
@@ -45,7 +45,7 @@ nlohmann::ordered_json line_of(const std::string& name, const Result<BuildReport
   return line;
 }
 
-void tell(const Settings& settings, const std::string& name, const Result<BuildReport>& report) {
+void tell(const BatchSettings& settings, const std::string& name, const Result<BuildReport>& report) {
   if (settings.global.json) {
     cli::print_json(line_of(name, report));
   }
@@ -62,7 +62,7 @@ void tell(const Settings& settings, const std::string& name, const Result<BuildR
             << std::flush;
 }
 
-int run(const Settings& settings) {
+int run(const BatchSettings& settings) {
   cli::configure_messages(settings.global);
   const auto entries = read_manifest(settings.manifest);
   if (!entries) return cli::report(entries.error());
@@ -85,7 +85,7 @@ int run(const Settings& settings) {
 }  // namespace
 
 Command add_batch_command(CLI::App& app) {
-  auto settings = std::make_shared<Settings>();
+  auto settings = std::make_shared<BatchSettings>();
   CLI::App* command =
       app.add_subcommand("batch", "Bakes the assets of a manifest, one after another");
   command->add_option("MANIFEST", settings->manifest, "TOML file with an [[asset]] table each")

@@ -11,12 +11,12 @@
 namespace spm::baker {
 namespace {
 
-struct Settings {
+struct BuildSettings {
   BuildRequest request;
   cli::GlobalOptions global;
 };
 
-int run(const Settings& settings) {
+int run(const BuildSettings& settings) {
   cli::configure_messages(settings.global);
   BuildReport report;
   {
@@ -36,7 +36,7 @@ int run(const Settings& settings) {
 }  // namespace
 
 Command add_build_command(CLI::App& app) {
-  auto settings = std::make_shared<Settings>();
+  auto settings = std::make_shared<BuildSettings>();
   CLI::App* command = app.add_subcommand("build", "Bakes a mesh into an asset, FILE.spm.exr");
   add_build_options(*command, settings->request);
   cli::add_global_options(*command, settings->global);

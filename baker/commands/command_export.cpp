@@ -16,14 +16,14 @@
 namespace spm::baker {
 namespace {
 
-struct Settings {
+struct ExportSettings {
   std::string asset;
   std::string output;
   bool text = false;
   cli::GlobalOptions global;
 };
 
-int run(const Settings& settings) {
+int run(const ExportSettings& settings) {
   cli::configure_messages(settings.global);
   if (const auto writable = check_output_path(settings.output); !writable) {
     return cli::report(writable.error());
@@ -48,7 +48,7 @@ int run(const Settings& settings) {
 }  // namespace
 
 Command add_export_command(CLI::App& app) {
-  auto settings = std::make_shared<Settings>();
+  auto settings = std::make_shared<ExportSettings>();
   CLI::App* command =
       app.add_subcommand("export", "Writes the surface as an asset knows it, for any viewer");
   command->add_option("FILE", settings->asset, "baked file")->required()->type_name("");

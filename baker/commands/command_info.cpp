@@ -25,7 +25,7 @@ constexpr std::uint32_t picture_side = 512;
 constexpr std::uint32_t thumbnail_side = 160;
 constexpr std::size_t most_thumbnails = 100;
 
-struct Settings {
+struct InfoSettings {
   std::string asset;
   std::string pictures;
   std::size_t picture_limit = 16;
@@ -43,7 +43,7 @@ std::vector<std::size_t> planes_with_maps(const AssetView& view) {
 }
 
 /// Writes an overview and the first planes' pictures; returns their paths.
-std::vector<std::string> write_pictures(const AssetView& view, const Settings& settings) {
+std::vector<std::string> write_pictures(const AssetView& view, const InfoSettings& settings) {
   const std::filesystem::path folder = make_picture_folder(settings.pictures);
   const std::vector<std::size_t> planes = planes_with_maps(view);
   std::vector<Picture> thumbnails;
@@ -197,7 +197,7 @@ std::string describe(const MappedAsset& asset, const std::vector<std::string>& p
   return text;
 }
 
-int run(const Settings& settings) {
+int run(const InfoSettings& settings) {
   cli::configure_messages(settings.global);
   const auto asset = MappedAsset::open(settings.asset, {.index = false});
   if (!asset) return cli::report(asset.error());
@@ -214,7 +214,7 @@ int run(const Settings& settings) {
 }  // namespace
 
 Command add_info_command(CLI::App& app) {
-  auto settings = std::make_shared<Settings>();
+  auto settings = std::make_shared<InfoSettings>();
   CLI::App* command =
       app.add_subcommand("info", "Checks a baked file, every byte, and tells what is in it");
   command->add_option("FILE", settings->asset, "baked file")->required()->type_name("");

@@ -20,7 +20,7 @@
 namespace spm::baker {
 namespace {
 
-struct Settings {
+struct QuerySettings {
   std::string asset;
   std::string points;
   std::string output;
@@ -65,7 +65,7 @@ void append_row(std::string& csv, const Vector3& point, const Answer& answer) {
                  name_of(answer.source), name_of(answer.status));
 }
 
-int run(const Settings& settings) {
+int run(const QuerySettings& settings) {
   cli::configure_messages(settings.global);
   if (const auto writable = check_output_path(settings.output); !writable) {
     return cli::report(writable.error());
@@ -102,7 +102,7 @@ int run(const Settings& settings) {
 }  // namespace
 
 Command add_query_command(CLI::App& app) {
-  auto settings = std::make_shared<Settings>();
+  auto settings = std::make_shared<QuerySettings>();
   CLI::App* command =
       app.add_subcommand("query", "Signed distance and normal at the points of a file, as CSV");
   command->add_option("FILE", settings->asset, "baked file")->required()->type_name("");

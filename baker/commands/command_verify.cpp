@@ -18,7 +18,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-struct Settings {
+struct VerifySettings {
   std::string asset;
   std::string mesh;
   std::string pictures;  ///< folder; empty: none
@@ -106,7 +106,7 @@ std::string describe(const VerifyReport& report) {
   return text;
 }
 
-int run(const Settings& settings) {
+int run(const VerifySettings& settings) {
   cli::configure_messages(settings.global);
   const auto asset = MappedAsset::open(settings.asset);
   if (!asset) return cli::report(asset.error());
@@ -135,7 +135,7 @@ void check(const VerifyOptions& options) {
 }  // namespace
 
 Command add_verify_command(CLI::App& app) {
-  auto settings = std::make_shared<Settings>();
+  auto settings = std::make_shared<VerifySettings>();
   VerifyOptions& options = settings->options;
   CLI::App* command =
       app.add_subcommand("verify", "Measures an asset's answers against the exact mesh");

@@ -52,7 +52,7 @@ std::string to_text(const DeviceSearch& search) {
   return text;
 }
 
-int execute(const DevicesCommand& command) {
+int execute_devices(const DevicesCommand& command) {
   cli::configure_messages(command.global);
   const DeviceSearch search = find_devices();
   if (command.global.json) {
@@ -72,7 +72,7 @@ void add_devices_command(CLI::App& program, Action& action) {
       "List the haptic devices that are plugged in, and what to do where one may not be "
       "opened");
   cli::add_global_options(*app, command->global);
-  app->callback([command, &action] { action = [command] { return execute(*command); }; });
+  app->callback([command, &action] { action = [command] { return execute_devices(*command); }; });
 }
 
 }  // namespace spm::servo

@@ -18,7 +18,7 @@ struct DoctorCommand {
   double seconds = 10;
 };
 
-int execute(const DoctorCommand& command) {
+int execute_doctor(const DoctorCommand& command) {
   cli::configure_messages(command.global);
   Diagnosis diagnosis;
   {
@@ -44,7 +44,7 @@ void add_doctor_command(CLI::App& program, Action& action) {
   add_number(*app, "--seconds", shortest_look, longest_look, command->seconds,
              "Measure wake-ups for so long, 0.1 to 20 (default 10)")
       ->type_name("SECONDS");
-  app->callback([command, &action] { action = [command] { return execute(*command); }; });
+  app->callback([command, &action] { action = [command] { return execute_doctor(*command); }; });
 }
 
 }  // namespace spm::servo

@@ -143,7 +143,7 @@ Result<int> plot(const PlotCommand& command, const fs::path& out) {
   return code;
 }
 
-int execute(const PlotCommand& command) {
+int execute_plot(const PlotCommand& command) {
   cli::configure_messages(command.global);
   const auto out = check(command);
   if (!out) return cli::report(out.error());
@@ -175,7 +175,7 @@ void add_plot_command(CLI::App& program, Action& action) {
   add_number(*app, "--device-number", 0, 65535, command->device,
              "Which device, counted from 0 (default 0)")
       ->type_name("N");
-  app->callback([command, &action] { action = [command] { return execute(*command); }; });
+  app->callback([command, &action] { action = [command] { return execute_plot(*command); }; });
 }
 
 }  // namespace spm::servo

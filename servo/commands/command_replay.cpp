@@ -241,7 +241,7 @@ std::string to_text(const ordered_json& report) {
   return text;
 }
 
-int execute(const ReplayCommand& command) {
+int execute_replay(const ReplayCommand& command) {
   cli::configure_messages(command.global);
   const Result<ordered_json> report = replay_file(command);
   if (!report) return cli::report(report.error());
@@ -274,7 +274,7 @@ void add_replay_command(CLI::App& program, Action& action) {
                         {{"none", Pace::none}, {"realtime", Pace::realtime}},
                         "One tick after the other (default none), or each at its time");
   add_force_options(*app, command->force);
-  app->callback([command, &action] { action = [command] { return execute(*command); }; });
+  app->callback([command, &action] { action = [command] { return execute_replay(*command); }; });
 }
 
 }  // namespace spm::servo

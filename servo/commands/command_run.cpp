@@ -20,7 +20,7 @@ struct RunCommand {
   RunOptions options;
 };
 
-int execute(const RunCommand& command) {
+int execute_run(const RunCommand& command) {
   cli::configure_messages(command.global);
   const Result<RunReport> report = run(command.options);
   if (!report) return cli::report(report.error());
@@ -97,7 +97,7 @@ void add_run_command(CLI::App& program, Action& action) {
       *app, "--supervisor", {"on", "off"},
       [&options](std::size_t i) { options.supervisor = i == 0; },
       "Whether another process sends the devices zero force where this one is killed (default on)");
-  app->callback([command, &action] { action = [command] { return execute(*command); }; });
+  app->callback([command, &action] { action = [command] { return execute_run(*command); }; });
 }
 
 }  // namespace spm::servo

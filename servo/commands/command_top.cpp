@@ -142,7 +142,7 @@ TopView watch_once(const spm_client* client) {
   return view_between(before, look(client, before));
 }
 
-int execute(const TopCommand& command) {
+int execute_top(const TopCommand& command) {
   cli::configure_messages(command.global);
   const auto client = connect(command);
   if (!client) return cli::report(client.error());
@@ -176,7 +176,7 @@ void add_top_command(CLI::App& program, Action& action) {
   app->add_flag("--once", command->once,
                 "Watch for a second, print what was seen and end; so also where the output is no "
                 "terminal, and with --json");
-  app->callback([command, &action] { action = [command] { return execute(*command); }; });
+  app->callback([command, &action] { action = [command] { return execute_top(*command); }; });
 }
 
 }  // namespace spm::servo
