@@ -10,7 +10,7 @@
 
 #include "baker/trials/band_trials.hpp"
 #include "baker/trials/border_trials.hpp"
-#include "baker/base/random.hpp"
+#include "common/base/random.hpp"
 #include "common/query/closest_element.hpp"
 
 namespace spm::baker {

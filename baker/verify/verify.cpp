@@ -12,13 +12,13 @@
 #include <utility>
 #include <vector>
 
-#include "baker/verify/adversarial.hpp"
 #include "baker/base/bake_error.hpp"
-#include "baker/verify/exact_surface.hpp"
-#include "baker/base/random.hpp"
 #include "baker/smooth/smooth.hpp"
-#include "common/query/query.hpp"
+#include "baker/verify/adversarial.hpp"
+#include "baker/verify/exact_surface.hpp"
+#include "common/base/random.hpp"
 #include "common/base/units.hpp"
+#include "common/query/query.hpp"
 #include "formats/files/sha256.hpp"
 
 namespace spm::baker {

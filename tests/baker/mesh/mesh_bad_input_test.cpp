@@ -10,6 +10,7 @@
 #include "baker/base/bake_error.hpp"
 #include "baker/mesh/mesh.hpp"
 #include "tests/baker/mesh/mesh_support.hpp"
+#include "tests/support/random.hpp"
 
 namespace spm::test {
 namespace {
@@ -203,7 +204,7 @@ TEST_CASE("A mesh file cut anywhere is loaded or refused, never worse") {
 TEST_CASE("Random bytes under any mesh name are refused with code 3") {
   const TemporaryFolder folder;
   for (std::uint64_t seed = 1; seed <= 40; ++seed) {
-    Random random(seed);
+    RandomTwister random(seed);
     std::string bytes;
     for (int i = 0; i < 500; ++i) bytes += static_cast<char>(random.unit() * 256);
     for (const char* name : {"a.obj", "a.ply", "a.stl", "a.off"}) {

@@ -5,7 +5,7 @@
 #include <limits>
 #include <string>
 
-#include "servo/base/random.hpp"
+#include "common/base/random.hpp"
 
 using namespace spm::servo;
 using spm::Vector3;

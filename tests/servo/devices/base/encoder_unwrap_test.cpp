@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <catch2/catch.hpp>
 
-#include "servo/base/random.hpp"
+#include "common/base/random.hpp"
 
 using namespace spm::servo;
 

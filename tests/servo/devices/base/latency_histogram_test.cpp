@@ -10,7 +10,7 @@
 #include <thread>
 #include <vector>
 
-#include "servo/base/random.hpp"
+#include "common/base/random.hpp"
 
 using namespace spm::servo;
 

@@ -6,8 +6,8 @@
 #include <limits>
 #include <utility>
 
+#include "common/base/random.hpp"
 #include "servo/devices/falcon/falcon_packet.hpp"
-#include "servo/base/random.hpp"
 
 using namespace spm;
 using namespace spm::servo;

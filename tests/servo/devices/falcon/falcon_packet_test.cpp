@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "servo/base/random.hpp"
+#include "common/base/random.hpp"
 
 using namespace spm::servo;
 

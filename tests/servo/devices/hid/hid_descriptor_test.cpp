@@ -5,7 +5,7 @@
 #include <catch2/catch.hpp>
 #include <vector>
 
-#include "servo/base/random.hpp"
+#include "common/base/random.hpp"
 #include "tests/servo/devices/hid/pid_descriptors.hpp"
 
 using namespace spm::servo;

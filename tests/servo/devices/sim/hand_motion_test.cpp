@@ -3,7 +3,7 @@
 
 #include <catch2/catch.hpp>
 
-#include "servo/base/random.hpp"
+#include "common/base/random.hpp"
 
 using namespace spm::servo;
 using spm::Vector3;

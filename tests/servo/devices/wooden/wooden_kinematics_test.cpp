@@ -6,7 +6,7 @@
 #include <functional>
 #include <numbers>
 
-#include "servo/base/random.hpp"
+#include "common/base/random.hpp"
 
 using namespace spm;
 using namespace spm::servo;

@@ -5,7 +5,7 @@
 #include <limits>
 #include <vector>
 
-#include "servo/base/random.hpp"
+#include "common/base/random.hpp"
 
 using namespace spm::servo;
 
