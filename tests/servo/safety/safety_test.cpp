@@ -8,6 +8,7 @@
 #include "common/base/random.hpp"
 
 using namespace spm::servo;
+using spm::Random;
 using spm::Vector3;
 
 namespace {

@@ -7,6 +7,7 @@
 #include "common/base/random.hpp"
 
 using namespace spm::servo;
+using spm::Random;
 
 TEST_CASE("The first count is taken as it is, also after a reset") {
   EncoderUnwrap unwrap;

@@ -13,6 +13,7 @@
 #include "common/base/random.hpp"
 
 using namespace spm::servo;
+using spm::Random;
 
 namespace {
 

@@ -9,6 +9,7 @@
 #include "common/base/random.hpp"
 
 using namespace spm::servo;
+using spm::Random;
 
 namespace {
 

@@ -9,6 +9,7 @@
 #include "tests/servo/devices/hid/pid_descriptors.hpp"
 
 using namespace spm::servo;
+using spm::Random;
 using spm::test::DescriptorWriter;
 using spm::test::PidStick;
 

@@ -8,6 +8,7 @@
 #include "servo/devices/sim/sim_plant.hpp"
 
 using namespace spm::servo;
+using spm::Random;
 using spm::Vector3;
 
 namespace {
