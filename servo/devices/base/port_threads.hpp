@@ -124,6 +124,12 @@ class PortThreads {
     return last_error_;
   }
 
+  /// Adds it to a description of the device, where there is one.
+  void add_last_error(nlohmann::ordered_json& json) const {
+    const std::string error = last_error();
+    if (!error.empty()) json["last_error"] = error;
+  }
+
   /// From when a report came to when the loop took it.
   [[nodiscard]] const LatencyHistogram& report_age() const noexcept { return report_age_; }
   /// From when the loop gave a command to when the device had it.
