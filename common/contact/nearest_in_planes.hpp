@@ -4,17 +4,11 @@
 #include <array>
 #include <cstddef>
 
-#include "common/base/vector.hpp"
+#include "common/base/half_space.hpp"
 
 namespace spm {
 
-/// A half-space that a place has to be in: normal . place >= offset; unit normal, m.
-struct HalfSpace {
-  Vector3 normal = Vector3::Zero();
-  double offset = 0;
-};
-
-/// Up to three of them.
+/// Up to three half-spaces that a place has to be in, m.
 struct HalfSpaces {
   std::array<HalfSpace, 3> planes;
   std::size_t count = 0;
