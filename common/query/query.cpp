@@ -13,8 +13,9 @@ namespace spm {
 
 namespace {
 
-/// A foot whose normal meets the point within this cosine is a face's, not an edge's.
-constexpr float facing_share = 0.9995F;
+/// A foot whose own normal meets the point within this cosine is a face's, whose normal is the
+/// answer; else it is an edge's. Narrower than facing_cosine, which only chooses among feet.
+constexpr float face_normal_cosine = 0.9995F;
 /// Nearer to the surface than this share of the tolerance, directions to the foot are noise.
 constexpr double surface_share = 0.1;
 
@@ -28,12 +29,13 @@ Vector3 normal_of(const AssetView& asset, const ElementFoot& foot, const Vector3
   if (foot.tile == nullptr) {
     const Vector3 away = point - foot.on_triangle;
     const double height = foot.triangle_normal.dot(away);
-    const bool faces = side * height >= static_cast<double>(facing_share) * foot.distance;
+    const bool faces = side * height >= static_cast<double>(face_normal_cosine) * foot.distance;
     return faces || close ? foot.triangle_normal : Vector3(side * away / foot.distance);
   }
   const TileFoot& on = foot.on_tile;
   const SupportPlane& plane = asset.planes[foot.tile->plane];
-  const bool faces = std::abs(on.below) >= facing_share * on.distance && (on.below > 0) == inside;
+  const bool faces =
+      std::abs(on.below) >= face_normal_cosine * on.distance && (on.below > 0) == inside;
   if (faces || close) {
     // Eq. 5, which in the plane's frame is this.
     return from_plane_frame(plane, static_cast<double>(on.slope_eta),
