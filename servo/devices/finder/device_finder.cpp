@@ -12,8 +12,8 @@
 #include <iterator>
 #include <span>
 
-#include "servo/devices/base/usb_place.hpp"
 #include "servo/devices/hid/hid_bus.hpp"
+#include "servo/devices/base/usb_place.hpp"
 
 namespace spm::servo {
 

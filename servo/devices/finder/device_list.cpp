@@ -3,15 +3,15 @@
 
 #include <string_view>
 
+#include "servo/devices/finder/device_finder.hpp"
 #include "servo/devices/base/device_placed.hpp"
-#include "servo/devices/base/option_list.hpp"
 #include "servo/devices/external/device_external.hpp"
 #include "servo/devices/falcon/device_falcon.hpp"
-#include "servo/devices/finder/device_finder.hpp"
 #include "servo/devices/pid/device_pid.hpp"
-#include "servo/devices/sim/device_sim.hpp"
 #include "servo/devices/spacemouse/device_spacemouse.hpp"
 #include "servo/devices/wooden/device_wooden.hpp"
+#include "servo/devices/base/option_list.hpp"
+#include "servo/devices/sim/device_sim.hpp"
 
 namespace spm::servo {
 

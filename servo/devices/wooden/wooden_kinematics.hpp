@@ -134,12 +134,9 @@ inline const Eigen::Matrix3d wooden_to_world =
 [[nodiscard]] Vector3 wooden_torques(const WoodenModel& model, const Vector3& angles,
                                      const Vector3& force) noexcept;
 
-/// Energy of the arm's height, J: the two masses alone.
-[[nodiscard]] double wooden_height_energy(const WoodenModel& model, const Vector3& angles) noexcept;
-
-/// Torques of the joints, N m, that hold the arm's weight: the slope of wooden_height_energy. The
-/// term of the public hosts, switched off in all their tables, has another sign and angle for B;
-/// neither was tried on a device [U].
+/// Torques of the joints, N m, that hold the arm's weight: the slope of the energy of the two
+/// masses' height. The term of the public hosts, switched off in all their tables, has another sign
+/// and angle for B; neither was tried on a device [U].
 [[nodiscard]] Vector3 wooden_gravity_torques(const WoodenModel& model,
                                              const Vector3& angles) noexcept;
 

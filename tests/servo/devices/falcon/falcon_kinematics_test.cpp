@@ -8,9 +8,11 @@
 
 #include "common/base/random.hpp"
 #include "servo/devices/falcon/falcon_packet.hpp"
+#include "tests/servo/devices/falcon/falcon_counts.hpp"
 
 using namespace spm;
 using namespace spm::servo;
+using spm::servo::test::falcon_counts;
 
 namespace {
 

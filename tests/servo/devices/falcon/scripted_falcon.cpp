@@ -6,6 +6,7 @@
 #include <cstdlib>
 
 #include "servo/devices/falcon/falcon_kinematics.hpp"
+#include "tests/servo/devices/falcon/falcon_counts.hpp"
 
 namespace spm::servo::test {
 
