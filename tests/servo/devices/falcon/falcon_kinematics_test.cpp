@@ -12,7 +12,7 @@
 
 using namespace spm;
 using namespace spm::servo;
-using spm::servo::test::falcon_counts;
+using spm::test::falcon_counts;
 
 namespace {
 
