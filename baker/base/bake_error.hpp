@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <exception>
+#include <new>
 #include <stdexcept>
 #include <string>
 #include <utility>
@@ -19,5 +21,16 @@ class BakeError : public std::runtime_error {
  private:
   ExitCode code_;
 };
+
+/// What to say of an exception that left a command; `saving` tells how to need less memory.
+[[nodiscard]] inline Error error_of(const std::exception& problem, const std::string& saving) {
+  if (const auto* known = dynamic_cast<const BakeError*>(&problem)) {
+    return {known->code(), known->what()};
+  }
+  if (dynamic_cast<const std::bad_alloc*>(&problem) != nullptr) {
+    return {ExitCode::internal, "out of memory; " + saving};
+  }
+  return {ExitCode::internal, problem.what()};
+}
 
 }  // namespace spm::baker

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "baker/base/random.hpp"
+#include "common/base/random.hpp"
 
 namespace spm::baker {
 

@@ -2,16 +2,13 @@
 #pragma once
 
 #include <CLI/CLI.hpp>
-#include <functional>
+
+#include "formats/cli/program.hpp"
 
 namespace spm::baker {
 
-/// A sub-command: its options, and what it does once they are parsed. `run` returns the exit code,
-/// or throws BakeError.
-struct Command {
-  CLI::App* options = nullptr;
-  std::function<int()> run;
-};
+/// A command of the baker may throw BakeError.
+using cli::Command;
 
 [[nodiscard]] Command add_build_command(CLI::App& app);
 [[nodiscard]] Command add_info_command(CLI::App& app);

@@ -3,9 +3,9 @@
 
 #include <cmath>
 
-#include "baker/base/octant.hpp"
 #include "baker/full/fallback.hpp"
 #include "common/base/octahedral.hpp"
+#include "common/base/octant.hpp"
 
 namespace spm::baker {
 
@@ -21,14 +21,7 @@ constexpr int splits = 1;
 
 PartitionCell& PartitionCell::leaf(const Vector3& point) {
   PartitionCell* cell = this;
-  while (cell->octants) {
-    std::size_t octant = 0;
-    for (int axis = 0; axis < 3; ++axis) {
-      if (point[axis] >= cell->middle[axis])
-        octant |= std::size_t{1} << static_cast<unsigned>(axis);
-    }
-    cell = &(*cell->octants)[octant];
-  }
+  while (cell->octants) cell = &(*cell->octants)[octant_of(cell->middle, point)];
   return *cell;
 }
 

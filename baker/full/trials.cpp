@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "baker/base/random.hpp"
+#include "common/base/random.hpp"
 
 namespace spm::baker {
 

@@ -5,15 +5,9 @@
 #include <optional>
 #include <vector>
 
-#include "common/base/vector.hpp"
+#include "common/base/half_space.hpp"
 
 namespace spm::baker {
-
-/// The half-space normal . x <= offset; the normal is of unit length.
-struct HalfSpace {
-  Vector3 normal = Vector3::UnitZ();
-  double offset = 0;
-};
 
 /// Shuffles half-spaces in place, in an order that the seed fixes. The expected linear time of
 /// `maximise` needs shuffled constraints.

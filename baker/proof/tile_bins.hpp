@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <limits>
 #include <span>
-#include <vector>
 
+#include "baker/base/cube_bins.hpp"
 #include "common/asset/asset_view.hpp"
 
 namespace spm::baker {
@@ -36,11 +35,8 @@ class TileBins {
   [[nodiscard]] std::span<const std::uint32_t> near(const Vector3& point) const;
 
  private:
-  double edge_;
-  Vector3 low_ = Vector3::Zero();
-  std::array<std::int64_t, 3> count_{1, 1, 1};
-  std::vector<std::uint64_t> starts_;
-  std::vector<std::uint32_t> members_;
+  CubeGrid grid_;
+  CubeBins bins_;
 };
 
 }  // namespace spm::baker

@@ -5,9 +5,9 @@
 #include <cmath>
 #include <limits>
 
-#include "baker/base/octant.hpp"
 #include "baker/reach/reach_field.hpp"
 #include "baker/reach/sealed_voids.hpp"
+#include "common/base/octant.hpp"
 
 namespace spm::baker {
 

@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "baker/base/progress_counter.hpp"
+#include "common/base/octant.hpp"
 
 namespace spm::baker {
 
@@ -46,10 +47,11 @@ class BlockSearch {
       return fill(least, edge, passable);
     }
     const std::int32_t half = edge / 2;
-    for (std::int32_t octant = 0; octant < 8; ++octant) {
-      search({least[0] + (octant & 1) * half, least[1] + (octant >> 1 & 1) * half,
-              least[2] + (octant >> 2) * half},
-             half, size, middle, fill);
+    for (std::size_t octant = 0; octant < 8; ++octant) {
+      const auto begin = [&](std::size_t axis) {
+        return least[axis] + (is_upper(octant, axis) ? half : 0);
+      };
+      search({begin(0), begin(1), begin(2)}, half, size, middle, fill);
     }
   }
 

@@ -10,6 +10,7 @@
 #include <queue>
 #include <tuple>
 
+#include "baker/base/cube_bins.hpp"
 #include "baker/base/progress_counter.hpp"
 #include "baker/cast/surface_points.hpp"
 #include "baker/tiles/tile_cells.hpp"
@@ -57,60 +58,38 @@ struct TileKey {
 /// Surfels, listed by the cube of space in which they lie.
 class SurfelBins {
  public:
-  SurfelBins(const std::vector<Surfel>& surfels, double edge) : edge_(edge) {
-    low_ = Vector3::Constant(std::numeric_limits<double>::infinity());
-    Vector3 high = -low_;
+  SurfelBins(const std::vector<Surfel>& surfels, double edge) {
+    Vector3 low = Vector3::Constant(std::numeric_limits<double>::infinity()), high = -low;
     for (const Surfel& surfel : surfels) {
-      low_ = low_.cwiseMin(surfel.point);
+      low = low.cwiseMin(surfel.point);
       high = high.cwiseMax(surfel.point);
     }
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-      const int k = static_cast<int>(axis);
-      count_[axis] = static_cast<std::int64_t>((high[k] - low_[k]) / edge) + 1;
-    }
-    starts_.assign(static_cast<std::size_t>(count_[0] * count_[1] * count_[2]) + 1, 0);
-    for (const Surfel& surfel : surfels) ++starts_[bin_of(surfel.point) + 1];
-    for (std::size_t i = 1; i < starts_.size(); ++i) starts_[i] += starts_[i - 1];
-    std::vector<std::uint32_t> next(starts_.begin(), starts_.end() - 1);
-    members_.resize(surfels.size());
+    grid_ = CubeGrid(low, high - low, edge);
+    std::vector<CubeBins::Member> members;
+    members.reserve(surfels.size());
     for (std::uint32_t i = 0; i < surfels.size(); ++i) {
-      members_[next[bin_of(surfels[i].point)]++] = i;
+      const auto [x, y, z] = grid_.nearest(surfels[i].point);
+      members.emplace_back(grid_.number(x, y, z), i);
     }
+    bins_ = CubeBins(grid_.cubes(), members);
   }
 
   template <class Visit>
   void visit_box(const Vector3& low, const Vector3& high, const Visit& visit) const {
-    std::array<std::int64_t, 3> from{}, to{};
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-      from[axis] = place(low, axis);
-      to[axis] = place(high, axis);
-    }
+    const auto from = grid_.nearest(low), to = grid_.nearest(high);
     for (std::int64_t z = from[2]; z <= to[2]; ++z) {
       for (std::int64_t y = from[1]; y <= to[1]; ++y) {
-        const auto row = static_cast<std::size_t>((z * count_[1] + y) * count_[0]);
-        const std::uint32_t end = starts_[row + static_cast<std::size_t>(to[0]) + 1];
-        for (std::uint32_t i = starts_[row + static_cast<std::size_t>(from[0])]; i < end; ++i) {
-          visit(members_[i]);
+        for (const std::uint32_t i :
+             bins_.of(grid_.number(from[0], y, z), grid_.number(to[0], y, z))) {
+          visit(i);
         }
       }
     }
   }
 
  private:
-  double edge_;
-  Vector3 low_;
-  std::array<std::int64_t, 3> count_{};
-  std::vector<std::uint32_t> starts_, members_;
-
-  [[nodiscard]] std::int64_t place(const Vector3& point, std::size_t axis) const {
-    const int k = static_cast<int>(axis);
-    return std::clamp(static_cast<std::int64_t>(std::floor((point[k] - low_[k]) / edge_)),
-                      std::int64_t{0}, count_[axis] - 1);
-  }
-  [[nodiscard]] std::size_t bin_of(const Vector3& point) const {
-    return static_cast<std::size_t>((place(point, 2) * count_[1] + place(point, 1)) * count_[0] +
-                                    place(point, 0));
-  }
+  CubeGrid grid_;
+  CubeBins bins_;
 };
 
 /// A fitted tile and the surfels it covers.

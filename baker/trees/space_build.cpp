@@ -8,8 +8,8 @@
 #include <utility>
 #include <vector>
 
-#include "baker/base/octant.hpp"
 #include "baker/proof/tile_bins.hpp"
+#include "common/base/octant.hpp"
 
 namespace spm::baker {
 
@@ -38,15 +38,6 @@ void divide(SpaceNode& node) {
     octant.edge = node.edge / 2;
     octant.middle = node.middle + node.edge / 4 * octant_direction(k);
   }
-}
-
-std::size_t octant_of(const SpaceNode& node, const Vector3& point) {
-  std::size_t octant = 0;
-  for (unsigned axis = 0; axis < 3; ++axis) {
-    const int k = static_cast<int>(axis);
-    if (point[k] >= node.middle[k]) octant |= std::size_t{1} << axis;
-  }
-  return octant;
 }
 
 /// Undoes a division into eight octants of the same kind.
@@ -133,7 +124,7 @@ bool SpaceBuilder::mend(const Vector3& point) {
         octant.kind = side_of(octant, caster_.closest(octant.middle));
       }
     }
-    node = &(*node->octants)[octant_of(*node, point)];
+    node = &(*node->octants)[octant_of(node->middle, point)];
   }
   return divided;
 }
@@ -141,7 +132,7 @@ bool SpaceBuilder::mend(const Vector3& point) {
 SpaceKind SpaceBuilder::place(const Vector3& point) const {
   const SpaceNode* node = &root_;
   if ((point - root_.middle).cwiseAbs().maxCoeff() >= root_.edge / 2) return SpaceKind::far;
-  while (node->octants) node = &(*node->octants)[octant_of(*node, point)];
+  while (node->octants) node = &(*node->octants)[octant_of(node->middle, point)];
   return node->kind;
 }
 

@@ -6,11 +6,11 @@
 #include <limits>
 #include <utility>
 
-#include "baker/base/octant.hpp"
 #include "baker/tiles/tile_fit.hpp"
 #include "baker/trees/element_choice.hpp"
 #include "baker/trees/tree_build.hpp"
 #include "baker/trees/triangle_fans.hpp"
+#include "common/base/octant.hpp"
 #include "common/surface/closest_on_tile.hpp"
 #include "common/surface/closest_on_triangle.hpp"
 

@@ -7,7 +7,7 @@
 #include <cstddef>
 #include <utility>
 
-#include "baker/base/random.hpp"
+#include "common/base/random.hpp"
 
 namespace spm::baker {
 

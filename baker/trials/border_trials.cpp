@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "baker/base/random.hpp"
 #include "baker/tiles/tile_cells.hpp"
+#include "common/base/random.hpp"
 
 namespace spm::baker {
 

@@ -8,9 +8,9 @@
 #include <utility>
 #include <vector>
 
-#include "baker/base/random.hpp"
 #include "baker/trials/band_trials.hpp"
 #include "baker/trials/border_trials.hpp"
+#include "common/base/random.hpp"
 #include "common/query/closest_element.hpp"
 
 namespace spm::baker {

@@ -13,11 +13,11 @@
 #include <vector>
 
 #include "baker/base/bake_error.hpp"
-#include "baker/base/random.hpp"
 #include "baker/mesh/load.hpp"
 #include "baker/smooth/smooth.hpp"
 #include "baker/verify/adversarial.hpp"
 #include "baker/verify/exact_surface.hpp"
+#include "common/base/random.hpp"
 #include "common/base/units.hpp"
 #include "common/query/query.hpp"
 #include "formats/files/sha256.hpp"

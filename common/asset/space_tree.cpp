@@ -20,8 +20,8 @@ unsigned spaces_below(const SpaceTree& tree, std::size_t node, const Vector3& lo
   unsigned found = 0;
   for (std::uint32_t octant = 0; octant < 8; ++octant) {
     Vector3 corner = low;
-    for (int axis = 0; axis < 3; ++axis) {
-      if (((octant >> static_cast<unsigned>(axis)) & 1U) != 0) corner[axis] += edge / 2;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      if (is_upper(octant, axis)) corner[static_cast<int>(axis)] += edge / 2;
     }
     if ((corner.array() > cube.high.array()).any() ||
         ((corner.array() + edge / 2) < cube.low.array()).any()) {

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <span>
 
+#include "common/base/octant.hpp"
 #include "common/surface/support_plane.hpp"
 
 namespace spm {
@@ -57,13 +58,7 @@ inline constexpr std::uint32_t space_kind_bits = 4;
   for (int level = 0; level < space_levels; ++level) {
     if ((node + 1) * space_node_words > tree.words.size()) return SpaceKind::far;
     const std::uint32_t kinds = tree.words[node * space_node_words];
-    std::uint32_t octant = 0;
-    for (int axis = 0; axis < 3; ++axis) {
-      within[axis] *= 2;
-      if (within[axis] < 1) continue;
-      within[axis] -= 1;
-      octant |= 1U << static_cast<unsigned>(axis);
-    }
+    const std::uint32_t octant = enter_octant(within);
     const SpaceKind kind = octant_kind(kinds, octant);
     if (kind != SpaceKind::split) return kind;
     node = std::size_t{tree.words[node * space_node_words + 1]} + splits_below(kinds, octant);

@@ -17,7 +17,7 @@ constexpr double rounding = 1e-12;
 double how_far_out(const HalfSpaces& spaces, const Vector3& place) noexcept {
   double most = 0;
   for (std::size_t i = 0; i < spaces.count; ++i) {
-    most = std::max(most, spaces.planes[i].offset - spaces.planes[i].normal.dot(place));
+    most = std::max(most, spaces.planes[i].normal.dot(place) - spaces.planes[i].offset);
   }
   return most;
 }
@@ -33,10 +33,10 @@ bool foot_on(const HalfSpaces& spaces, unsigned subset, const Vector3& point,
   }
   // Weights of the normals, from their products. The unused rows are those of the unit matrix.
   Eigen::Matrix3d products = Eigen::Matrix3d::Identity();
-  Vector3 short_of = Vector3::Zero();
+  Vector3 beyond = Vector3::Zero();
   for (std::size_t i = 0; i < count; ++i) {
     const HalfSpace& plane = spaces.planes[members[i]];
-    short_of[static_cast<int>(i)] = plane.offset - plane.normal.dot(point);
+    beyond[static_cast<int>(i)] = plane.normal.dot(point) - plane.offset;
     for (std::size_t j = 0; j < count; ++j) {
       products(static_cast<int>(i), static_cast<int>(j)) =
           plane.normal.dot(spaces.planes[members[j]].normal);
@@ -44,10 +44,10 @@ bool foot_on(const HalfSpaces& spaces, unsigned subset, const Vector3& point,
   }
   const double determinant = products.determinant();
   if (!(determinant > least_span)) return false;
-  const Vector3 weights = products.inverse() * short_of;
+  const Vector3 weights = products.inverse() * beyond;
   foot = point;
   for (std::size_t i = 0; i < count; ++i) {
-    foot += weights[static_cast<int>(i)] * spaces.planes[members[i]].normal;
+    foot -= weights[static_cast<int>(i)] * spaces.planes[members[i]].normal;
   }
   return true;
 }

@@ -4,15 +4,9 @@
 #include <array>
 #include <cstddef>
 
-#include "common/base/vector.hpp"
+#include "common/base/half_space.hpp"
 
 namespace spm {
-
-/// A half-space that a point must lie in: normal . point >= offset; unit normal, m.
-struct HalfSpace {
-  Vector3 normal = Vector3::Zero();
-  double offset = 0;
-};
 
 /// Up to three half-spaces.
 struct HalfSpaces {

@@ -34,7 +34,7 @@ struct Place {
 
   [[nodiscard]] bool outside() const noexcept { return clearance >= -on_surface; }
   [[nodiscard]] HalfSpace half_space() const noexcept {
-    return {normal, normal.dot(at) - clearance};
+    return half_space_above(normal, normal.dot(at) - clearance);
   }
 };
 

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <cstddef>
 
-#include "common/base/mixed_bits.hpp"
+#include "common/base/random.hpp"
 
 namespace spm {
 
@@ -18,7 +18,7 @@ double corner_value(std::uint64_t seed, std::int64_t x, std::int64_t y, std::int
   std::uint64_t bits = mixed_bits(seed);
   for (const std::int64_t each : {x, y, z})
     bits = mixed_bits(bits ^ static_cast<std::uint64_t>(each));
-  return static_cast<double>(bits >> 11) * 0x1p-52 - 1;
+  return 2 * unit_of_bits(bits) - 1;
 }
 
 /// The blend from one corner to the next, and its slope; t from 0 to 1.

@@ -1,57 +1,81 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "common/paper/paper_force.hpp"
 
+#include <array>
 #include <cmath>
+#include <cstddef>
 #include <limits>
 
-namespace spm {
+// Highway compiles what follows once for each kind of processor, by including this file again.
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "common/paper/paper_force.cpp"
+#include <hwy/foreach_target.h>
+// After foreach_target.h, as it must be.
+#include <hwy/highway.h>
 
-namespace {
+HWY_BEFORE_NAMESPACE();
+namespace spm::HWY_NAMESPACE {
 
-constexpr double infinity = std::numeric_limits<double>::infinity();
+namespace hn = hwy::HWY_NAMESPACE;
+using Doubles = hn::CappedTag<double, 8>;
 
-// One binary for every CPU that uses wide instructions where there are any. Sanitizers cannot start
-// through ifuncs.
-#if defined(__x86_64__) && !defined(__SANITIZE_THREAD__) && !defined(__SANITIZE_ADDRESS__)
-#define SPM_WIDE [[gnu::target_clones("avx2", "default")]]
-#else
-#define SPM_WIDE
-#endif
+/// The least depth that each lane has met, and the block that it was in.
+struct Least {
+  hn::Vec<Doubles> best, block;
 
-constexpr std::size_t lanes = 16;
-
-/// The least offset - n . p over all planes, and its index; lane by lane, so that it vectorises.
-SPM_WIDE std::size_t argmin_depth(const double* nx, const double* ny, const double* nz,
-                                  const double* offset, std::size_t count, double x, double y,
-                                  double z) noexcept {
-  double best[lanes];
-  double where[lanes];
-  for (std::size_t lane = 0; lane < lanes; ++lane) {
-    best[lane] = infinity;
-    where[lane] = 0;
+  HWY_INLINE void add(hn::Vec<Doubles> depth, hn::Vec<Doubles> now) {
+    const auto less = hn::Lt(depth, best);
+    best = hn::IfThenElse(less, depth, best);
+    block = hn::IfThenElse(less, now, block);
   }
-  std::size_t block = 0;
-  for (; block + lanes <= count; block += lanes) {
-    const double first = static_cast<double>(block);
-    for (std::size_t lane = 0; lane < lanes; ++lane) {
-      const std::size_t i = block + lane;
-      const double depth = offset[i] - (nx[i] * x + ny[i] * y + nz[i] * z);
-      const bool less = depth < best[lane];
-      best[lane] = less ? depth : best[lane];
-      where[lane] = less ? first : where[lane];
-    }
+};
+
+/// Number of the plane that a point is least deep below; of several the first.
+std::size_t find_least_deep(const AssetView& asset, const Vector3& point) {
+  const Doubles lanes;
+  const std::size_t width = hn::Lanes(lanes);
+  const std::size_t count = asset.plane_offset.size();
+  const double *nx = asset.plane_nx.data(), *ny = asset.plane_ny.data();
+  const double *nz = asset.plane_nz.data(), *offset = asset.plane_offset.data();
+  const auto x = hn::Set(lanes, point.x()), y = hn::Set(lanes, point.y());
+  const auto z = hn::Set(lanes, point.z());
+  const auto depths = [&](std::size_t i) {
+    const auto along =
+        hn::Add(hn::Add(hn::Mul(hn::LoadU(lanes, nx + i), x), hn::Mul(hn::LoadU(lanes, ny + i), y)),
+                hn::Mul(hn::LoadU(lanes, nz + i), z));
+    return hn::Sub(hn::LoadU(lanes, offset + i), along);
+  };
+  constexpr double infinity = std::numeric_limits<double>::infinity();
+  const Least none{hn::Set(lanes, infinity), hn::Zero(lanes)};
+  // Four that do not wait for each other.
+  Least first = none, second = none, third = none, fourth = none;
+  const std::size_t blocks = count / (4 * width);
+  for (std::size_t block = 0; block < blocks; ++block) {
+    const std::size_t i = 4 * width * block;
+    const auto now = hn::Set(lanes, static_cast<double>(block));
+    first.add(depths(i), now);
+    second.add(depths(i + width), now);
+    third.add(depths(i + 2 * width), now);
+    fourth.add(depths(i + 3 * width), now);
+  }
+  std::array<double, 4 * hn::MaxLanes(Doubles())> best{}, where{};
+  std::size_t at = 0;
+  for (const Least* one : {&first, &second, &third, &fourth}) {
+    hn::StoreU(one->best, lanes, best.data() + at);
+    hn::StoreU(one->block, lanes, where.data() + at);
+    at += width;
   }
   double least = infinity;
   std::size_t index = 0;
-  for (std::size_t lane = 0; lane < lanes; ++lane) {
-    const std::size_t i = static_cast<std::size_t>(where[lane]) + lane;
+  for (std::size_t lane = 0; lane < 4 * width; ++lane) {
+    const std::size_t i = static_cast<std::size_t>(where[lane]) * 4 * width + lane;
     if (best[lane] < least || (best[lane] == least && i < index)) {
       least = best[lane];
       index = i;
     }
   }
-  for (std::size_t i = block; i < count; ++i) {
-    const double depth = offset[i] - (nx[i] * x + ny[i] * y + nz[i] * z);
+  for (std::size_t i = 4 * width * blocks; i < count; ++i) {
+    const double depth = offset[i] - (nx[i] * point.x() + ny[i] * point.y() + nz[i] * point.z());
     if (depth < least) {
       least = depth;
       index = i;
@@ -59,6 +83,18 @@ SPM_WIDE std::size_t argmin_depth(const double* nx, const double* ny, const doub
   }
   return index;
 }
+
+}  // namespace spm::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace spm {
+
+HWY_EXPORT(find_least_deep);
+
+namespace {
+
+constexpr double infinity = std::numeric_limits<double>::infinity();
 
 PaperContact closest_surface(const AssetView& asset, const Vector3& point) noexcept {
   PaperContact best;
@@ -94,9 +130,7 @@ PaperContact all_planes(const AssetView& asset, const Vector3& point) noexcept {
 }  // namespace
 
 std::size_t closest_support_plane(const AssetView& asset, const Vector3& point) noexcept {
-  return argmin_depth(asset.plane_nx.data(), asset.plane_ny.data(), asset.plane_nz.data(),
-                      asset.plane_offset.data(), asset.plane_offset.size(), point.x(), point.y(),
-                      point.z());
+  return HWY_DYNAMIC_DISPATCH(find_least_deep)(asset, point);
 }
 
 // Where only some of the four samples around P_M met the surface, only the nearest sample is used:
@@ -152,3 +186,4 @@ Vector3 paper_force(const PaperContact& contact, double stiffness) noexcept {
 }
 
 }  // namespace spm
+#endif

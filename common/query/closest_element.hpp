@@ -18,7 +18,7 @@ inline constexpr double tie_tolerances = 1;
 /// Triangles whose feet are no farther apart share one, or no farther than their corners' step.
 inline constexpr double rounding_tolerances = 0.01;
 
-/// A foot whose normal meets the point within this cosine is a face's, not an edge's.
+/// A foot whose own normal meets the point within this cosine faces it: see ElementReading::facing.
 inline constexpr double facing_cosine = 0.998;
 
 /// How much farther than the nearest foot one that faces the point may be and count, in tolerances.

@@ -7,6 +7,7 @@
 
 #include "common/asset/grid_list.hpp"
 #include "common/base/octahedral.hpp"
+#include "common/base/octant.hpp"
 #include "common/query/closest_element.hpp"
 #include "common/surface/closest_on_map.hpp"
 #include "common/surface/closest_on_triangle.hpp"
@@ -122,14 +123,7 @@ std::uint32_t word_at(const Grid& grid, const Vector3& point) noexcept {
   for (int level = 0; level < split_levels; ++level) {
     const std::size_t offset = word & offset_mask;
     if (!is_split(word) || offset + 8 > grid.records.size()) break;
-    std::size_t octant = 0;
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-      within[axis] *= 2;
-      if (within[axis] < 1) continue;
-      within[axis] -= 1;
-      octant |= std::size_t{1} << axis;
-    }
-    word = grid.records[offset + octant];
+    word = grid.records[offset + enter_octant(within)];
   }
   return word;
 }

@@ -15,8 +15,9 @@ namespace spm {
 namespace {
 
 /// A closest point whose normal passes through the query point, within this cosine, lies on a face
-/// and not on an edge.
-constexpr float facing_share = 0.9995F;
+/// and not on an edge: the face's normal is the answer. Narrower than facing_cosine, which only
+/// chooses among closest points.
+constexpr float face_normal_cosine = 0.9995F;
 /// Nearer to the surface than this part of the tolerance, the direction to the closest point is
 /// noise.
 constexpr double surface_share = 0.1;
@@ -31,12 +32,13 @@ Vector3 normal_of(const AssetView& asset, const ElementFoot& foot, const Vector3
   if (foot.tile == nullptr) {
     const Vector3 away = point - foot.on_triangle;
     const double height = foot.triangle_normal.dot(away);
-    const bool faces = side * height >= static_cast<double>(facing_share) * foot.distance;
+    const bool faces = side * height >= static_cast<double>(face_normal_cosine) * foot.distance;
     return faces || close ? foot.triangle_normal : Vector3(side * away / foot.distance);
   }
   const TileFoot& on = foot.on_tile;
   const SupportPlane& plane = asset.planes[foot.tile->plane];
-  const bool faces = std::abs(on.below) >= facing_share * on.distance && (on.below > 0) == inside;
+  const bool faces =
+      std::abs(on.below) >= face_normal_cosine * on.distance && (on.below > 0) == inside;
   if (faces || close) {
     // Eq. 5, written in the plane's frame.
     return from_plane_frame(plane, static_cast<double>(on.slope_eta),

@@ -1,10 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""How the charts of spm-bench look: one style, one colour a method, labels beside marks; and the
-command line that the scripts share which draw one report."""
-
-import argparse
-import json
-import sys
+"""How the charts look: one style, one colour a method, labels beside marks, a panel a mesh."""
 
 import matplotlib
 
@@ -21,6 +16,8 @@ matplotlib.rcParams.update({
     "xtick.color": "#444444",
     "ytick.color": "#444444",
 })
+
+import matplotlib.pyplot as plt  # noqa: E402
 
 OURS = "#b5302a"
 COLOURS = {
@@ -78,15 +75,33 @@ def save(figure, prefix: str) -> None:
     figure.savefig(f"{prefix}.png", dpi=150, metadata={"Software": None})
 
 
-def report_and_prefix(description: str, mode: str, key: str = "rows") -> tuple[dict, str]:
-    """What `spm-bench MODE --json` printed, and where charts go, from a command line; ends the
-    program where that is no such report."""
-    parser = argparse.ArgumentParser(description=description)
-    parser.add_argument("report", help=f"JSON that spm-bench {mode} printed")
-    parser.add_argument("-o", dest="prefix", required=True, help="writes PREFIX.svg and PREFIX.png")
-    arguments = parser.parse_args()
-    with open(arguments.report, encoding="utf-8") as file:
-        report = json.load(file)
-    if not report.get(key):
-        sys.exit(f"{arguments.report}: no {key}; give what spm-bench {mode} --json printed")
-    return report, arguments.prefix
+def log_panel(axes, limits: dict, model: dict) -> None:
+    """A panel of a mesh over two logarithmic scales."""
+    axes.set_xscale("log")
+    axes.set_yscale("log")
+    axes.set_xlim(*limits["x"])
+    axes.set_ylim(*limits["y"])
+    axes.grid(True, which="major", color="#e4e4e4", linewidth=0.6)
+    axes.set_axisbelow(True)
+    axes.set_title(f"{model['mesh']}  ", fontweight="bold")
+    axes.set_title(f"{model['triangles']:,} triangles", loc="right", fontsize=8.5, color="#666666")
+
+
+def mesh_panels(models: list[dict], most_columns: int, size: tuple[float, float], title: str,
+                labels: tuple[str, str]):
+    """A figure with a panel a mesh, the panels, and one more for the key; `size` of a panel,
+    `labels` across and up."""
+    columns = min(most_columns, len(models) + 1)
+    rows = -(-(len(models) + 1) // columns)
+    figure, panels = plt.subplots(rows, columns,
+                                  figsize=(size[0] * columns, size[1] * rows + 0.5),
+                                  squeeze=False, constrained_layout=True)
+    places = panels.flatten()
+    for row in panels:
+        row[0].set_ylabel(labels[1])
+    for axes in places[max(0, len(models) - columns):len(models)]:
+        axes.set_xlabel(labels[0])
+    for axes in places[len(models):]:
+        axes.set_axis_off()
+    figure.suptitle(title, x=0.008, ha="left", fontsize=15, fontweight="bold")
+    return figure, places[:len(models)], places[len(models)]

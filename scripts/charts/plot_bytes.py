@@ -8,9 +8,10 @@ Needs matplotlib, Debian package python3-matplotlib: run it with /usr/bin/python
 
 import sys
 
-from chart_style import COLOURS, LEAST_ERROR, NAMES, OURS, label, length, report_and_prefix, save
+from chart_io import report_and_prefix
+from chart_style import (COLOURS, LEAST_ERROR, NAMES, OURS, label, length, log_panel, mesh_panels,
+                         save)
 
-import matplotlib.pyplot as plt
 from matplotlib.ticker import FixedLocator, NullLocator
 
 COLUMNS = 4
@@ -92,12 +93,7 @@ def draw_ours(axes, report: dict, mesh: str, tolerance: float) -> None:
 
 def draw_mesh(axes, report: dict, model: dict, limits: dict) -> None:
     mesh = model["mesh"]
-    axes.set_xscale("log")
-    axes.set_yscale("log")
-    axes.set_xlim(*limits["x"])
-    axes.set_ylim(*limits["y"])
-    axes.grid(True, which="major", color="#e4e4e4", linewidth=0.6)
-    axes.set_axisbelow(True)
+    log_panel(axes, limits, model)
     axes.xaxis.set_major_locator(FixedLocator(list(BYTES_TICKS)))
     axes.set_xticklabels(BYTES_TICKS.values())
     ticks = [tick for tick in (1, 3, 10, 30, 100, 300, 1000) if
@@ -114,8 +110,6 @@ def draw_mesh(axes, report: dict, model: dict, limits: dict) -> None:
     draw_rivals(axes, report, mesh)
     draw_exact(axes, report, mesh, limits)
     draw_ours(axes, report, mesh, model["tolerance_um"])
-    axes.set_title(f"{mesh}  ", fontweight="bold")
-    axes.set_title(f"{model['triangles']:,} triangles", loc="right", fontsize=8.5, color="#666666")
 
 
 def limits_of(report: dict) -> dict:
@@ -130,7 +124,6 @@ def limits_of(report: dict) -> dict:
 
 
 def draw_key(axes, report: dict) -> None:
-    axes.set_axis_off()
     machine = report["machine"]
     voxels = sorted({row["setting_um"] for row in report["rows"] if row["method"] == "openvdb"},
                     reverse=True)
@@ -158,25 +151,13 @@ def draw_key(axes, report: dict) -> None:
 
 def main() -> int:
     report, prefix = report_and_prefix(__doc__, "bytes")
-
     models = report["meshes"]
-    columns = min(COLUMNS, len(models) + 1)
-    rows = -(-(len(models) + 1) // columns)
-    figure, panels = plt.subplots(rows, columns, figsize=(4.3 * columns, 3.9 * rows + 0.5),
-                                  squeeze=False, constrained_layout=True)
+    figure, panels, key = mesh_panels(models, COLUMNS, (4.3, 3.9), "Error against bytes", (
+        "bytes", "distance error that 99 % of the places keep, um"))
     limits = limits_of(report)
-    places = panels.flatten()
-    for axes, model in zip(places, models):
+    for axes, model in zip(panels, models):
         draw_mesh(axes, report, model, limits)
-    for row in panels:
-        row[0].set_ylabel("distance error that 99 % of the places keep, um")
-    for axes in places[max(0, len(models) - columns):len(models)]:
-        axes.set_xlabel("bytes")
-    draw_key(places[len(models)], report)
-    for axes in places[len(models) + 1:]:
-        axes.set_axis_off()
-    figure.suptitle("Error against bytes", x=0.008, ha="left", fontsize=15, fontweight="bold")
-
+    draw_key(key, report)
     save(figure, prefix)
     return 0
 

@@ -6,11 +6,11 @@ coloured by force. Writes PREFIX.svg and PREFIX.png; equal input gives equal byt
 Needs matplotlib, Debian package python3-matplotlib: run it with /usr/bin/python3.
 """
 
-import argparse
-import csv
 import sys
 
-import chart_style  # noqa: F401  the style of all charts
+from chart_io import chart_parser, read_columns
+from chart_style import save
+
 import matplotlib
 
 matplotlib.rcParams["font.size"] = 10
@@ -26,15 +26,13 @@ NEEDED = ("t", "x", "y", "z", "fx", "fy", "fz", "depth", "contact")
 
 
 def read_trace(path: str) -> dict[str, np.ndarray]:
-    with open(path, encoding="ascii", newline="") as file:
-        rows = csv.DictReader(file)
-        missing = [name for name in NEEDED if name not in (rows.fieldnames or ())]
-        if missing:
-            sys.exit(f"{path}: line 1: no column {missing[0]}; give a trace that spm-servo wrote")
-        values = [[float(row[name]) for name in NEEDED] for row in rows]
-    if not values:
+    names, rows = read_columns(path)
+    missing = [name for name in NEEDED if name not in names]
+    if missing:
+        sys.exit(f"{path}: line 1: no column {missing[0]}; give a trace that spm-servo wrote")
+    if not rows:
         sys.exit(f"{path}: no rows; run spm-servo longer")
-    return dict(zip(NEEDED, np.array(values).T))
+    return dict(zip(names, np.array(rows).T))
 
 
 def read_mesh(path: str) -> np.ndarray:
@@ -116,10 +114,9 @@ def draw_path(axes, points, forces, mesh, figure) -> None:
 
 
 def main() -> int:
-    parser = argparse.ArgumentParser(description=__doc__)
+    parser = chart_parser(__doc__)
     parser.add_argument("trace", help="CSV that spm-servo wrote")
     parser.add_argument("--mesh", help="OBJ of the model, to draw the path on")
-    parser.add_argument("-o", dest="prefix", required=True, help="writes PREFIX.svg and PREFIX.png")
     arguments = parser.parse_args()
 
     trace = read_trace(arguments.trace)
@@ -139,8 +136,7 @@ def main() -> int:
     lower.set_xlabel("time, s")
     draw_path(figure.add_subplot(grid[:, 1], projection="3d"), points, forces, mesh, figure)
 
-    figure.savefig(f"{arguments.prefix}.svg", dpi=150, metadata={"Date": None})
-    figure.savefig(f"{arguments.prefix}.png", dpi=150, metadata={"Software": None})
+    save(figure, arguments.prefix)
     return 0
 
 

@@ -6,11 +6,9 @@ whole slide and a part of it. Writes PREFIX.svg and PREFIX.png; equal input give
 Needs matplotlib, Debian package python3-matplotlib: run it with /usr/bin/python3.
 """
 
-import argparse
-import csv
-import json
 import sys
 
+from chart_io import add_report, chart_parser, read_columns, read_report
 from chart_style import BACKGROUND, COLOURS, save
 
 import matplotlib.pyplot as plt
@@ -32,13 +30,10 @@ LEAST_DEGREES = 0.3   # the foot of the logarithmic scale
 
 
 def read_trace(path: str) -> dict[str, np.ndarray]:
-    with open(path, encoding="ascii", newline="") as file:
-        rows = csv.reader(file)
-        names = next(rows, [])
-        values = np.array([[float(value) for value in row] for row in rows])
-    if "spm_x" not in names or not len(values):
+    names, rows = read_columns(path)
+    if "spm_x" not in names or not rows:
         sys.exit(f"{path}: no forces; give a file that spm-bench forces --traces wrote")
-    trace = dict(zip(names, values.T))
+    trace = dict(zip(names, np.array(rows).T))
     for name in ("exact", *(method[0] for method in METHODS)):
         trace[name] = np.stack([trace.pop(f"{name}_{axis}") for axis in "xyz"], axis=1)
     return trace
@@ -164,14 +159,12 @@ def draw_directions(left, right, trace, part) -> None:
 
 
 def main() -> int:
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("report", help="JSON that spm-bench forces printed")
+    parser = chart_parser(__doc__)
+    add_report(parser, "forces")
     parser.add_argument("trace", help="CSV of a recorded slide that it wrote")
     parser.add_argument("--mesh", required=True, help="name of the mesh in the report")
-    parser.add_argument("-o", dest="prefix", required=True, help="writes PREFIX.svg and PREFIX.png")
     arguments = parser.parse_args()
-    with open(arguments.report, encoding="utf-8") as file:
-        report = json.load(file)
+    report = read_report(arguments.report, "forces")
     report["ball_radius"] = max(row["probe_radius_m"] for row in report["rows"])
     trace = read_trace(arguments.trace)
     part = interesting_window(trace)

@@ -8,10 +8,11 @@ Needs matplotlib, Debian package python3-matplotlib: run it with /usr/bin/python
 
 import sys
 
-from chart_style import BACKGROUND, COLOURS, LEAST_ERROR, NAMES, OURS, length, report_and_prefix, save
+from chart_io import report_and_prefix
+from chart_style import (BACKGROUND, COLOURS, LEAST_ERROR, NAMES, OURS, log_panel, mesh_panels,
+                         save)
 from label_places import LabelPlaces
 
-import matplotlib.pyplot as plt
 from matplotlib.ticker import FixedLocator, NullLocator
 
 COLUMNS = 2
@@ -100,12 +101,7 @@ def label_rows(axes, rows: list[dict], limits: dict, tolerance: float) -> None:
 
 def draw_mesh(axes, report: dict, model: dict, limits: dict) -> None:
     rows = rows_of(report, model["mesh"])
-    axes.set_xscale("log")
-    axes.set_yscale("log")
-    axes.set_xlim(*limits["x"])
-    axes.set_ylim(*limits["y"])
-    axes.grid(True, which="major", color="#e4e4e4", linewidth=0.6)
-    axes.set_axisbelow(True)
+    log_panel(axes, limits, model)
     axes.axhspan(limits["y"][0], limits["floor"], color="#f3f3f3", zorder=0, linewidth=0)
     times = [tick for tick in TIME_TICKS if limits["x"][0] <= tick <= limits["x"][1]]
     axes.xaxis.set_major_locator(FixedLocator(times))
@@ -122,8 +118,6 @@ def draw_mesh(axes, report: dict, model: dict, limits: dict) -> None:
     # Large marks first, so that small ones are seen.
     for row in sorted(rows, key=lambda row: -row["bytes"]):
         draw_row(axes, row, limits)
-    axes.set_title(f"{model['mesh']}  ", fontweight="bold")
-    axes.set_title(f"{model['triangles']:,} triangles", loc="right", fontsize=8.5, color="#666666")
 
 
 def limits_of(report: dict) -> dict:
@@ -137,7 +131,6 @@ def limits_of(report: dict) -> dict:
 
 
 def draw_key(axes, report: dict) -> None:
-    axes.set_axis_off()
     axes.set_xlim(0, 1)
     axes.set_ylim(0, 1)
     machine = report["machine"]
@@ -169,27 +162,16 @@ def draw_key(axes, report: dict) -> None:
 
 def main() -> int:
     report, prefix = report_and_prefix(__doc__, "methods")
-
     models = report["meshes"]
-    columns = min(COLUMNS, len(models) + 1)
-    rows = -(-(len(models) + 1) // columns)
-    figure, panels = plt.subplots(rows, columns, figsize=(7.6 * columns, 5.4 * rows + 0.5),
-                                  squeeze=False, constrained_layout=True)
+    figure, panels, key = mesh_panels(models, COLUMNS, (7.6, 5.4), "Error against time", (
+        "time of a query", "distance error that 99 % of the places keep"))
     limits = limits_of(report)
-    places = panels.flatten()
-    for axes, model in zip(places, models):
+    for axes, model in zip(panels, models):
         draw_mesh(axes, report, model, limits)
-    for row in panels:
-        row[0].set_ylabel("distance error that 99 % of the places keep")
-    for axes in places[max(0, len(models) - columns):len(models)]:
-        axes.set_xlabel("time of a query")
-    draw_key(places[len(models)], report)
-    for axes in places[len(models) + 1:]:
-        axes.set_axis_off()
-    figure.suptitle("Error against time", x=0.008, ha="left", fontsize=15, fontweight="bold")
+    draw_key(key, report)
     # Labels are placed in pixels: only once the panels have their final places.
     figure.canvas.draw()
-    for axes, model in zip(places, models):
+    for axes, model in zip(panels, models):
         label_rows(axes, rows_of(report, model["mesh"]), limits, model["tolerance_um"])
     save(figure, prefix)
     return 0

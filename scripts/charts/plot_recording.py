@@ -7,11 +7,12 @@ Writes PREFIX.svg and PREFIX.png; equal input gives equal bytes.
 Needs matplotlib, Debian package python3-matplotlib: run it with /usr/bin/python3.
 """
 
-import argparse
 import json
 import sys
 
-import chart_style  # noqa: F401  the style of all charts
+from chart_io import chart_parser
+from chart_style import save
+
 import matplotlib
 
 matplotlib.rcParams["font.size"] = 10
@@ -84,15 +85,13 @@ def draw(header: dict, rows: np.ndarray, device: int, prefix: str) -> None:
         shade_causes(axes, time, rows, header["causes"], named=axes is force)
         axes.set_xlim(time[0], max(time[-1], time[0] + 1e-3))
     force.set_ylim(bottom=0)
-    figure.savefig(f"{prefix}.svg", dpi=150, metadata={"Date": None})
-    figure.savefig(f"{prefix}.png", dpi=150, metadata={"Software": None})
+    save(figure, prefix)
 
 
 def main() -> int:
-    parser = argparse.ArgumentParser(description=__doc__)
+    parser = chart_parser(__doc__)
     parser.add_argument("recording", help="file that spm-servo wrote")
     parser.add_argument("--device-number", type=int, default=0, help="counted from 0 (default 0)")
-    parser.add_argument("-o", dest="prefix", required=True, help="writes PREFIX.svg and PREFIX.png")
     arguments = parser.parse_args()
     header, rows = read_recording(arguments.recording)
     rows = rows[rows["device"] == arguments.device_number]

@@ -9,7 +9,8 @@ Needs matplotlib, Debian package python3-matplotlib: run it with /usr/bin/python
 
 import sys
 
-from chart_style import COLOURS, NAMES, OURS, label, report_and_prefix, save
+from chart_io import report_and_prefix
+from chart_style import COLOURS, NAMES, OURS, label, save
 
 import matplotlib.pyplot as plt
 from matplotlib.ticker import FixedLocator, NullLocator

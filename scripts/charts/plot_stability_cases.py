@@ -9,7 +9,8 @@ Needs matplotlib, Debian package python3-matplotlib: run it with /usr/bin/python
 
 import sys
 
-from chart_style import COLOURS, NAMES, report_and_prefix, save
+from chart_io import report_and_prefix
+from chart_style import COLOURS, NAMES, save
 from stability_rows import COLOURS as VERDICTS, WORDS, methods_of, names_of, themes_of, verdict_of
 
 import matplotlib.pyplot as plt

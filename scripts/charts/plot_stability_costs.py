@@ -9,7 +9,8 @@ Needs matplotlib, Debian package python3-matplotlib: run it with /usr/bin/python
 
 import sys
 
-from chart_style import BACKGROUND, COLOURS, NAMES, report_and_prefix, save
+from chart_io import report_and_prefix
+from chart_style import BACKGROUND, COLOURS, NAMES, save
 from label_places import LabelPlaces
 from stability_rows import methods_of
 

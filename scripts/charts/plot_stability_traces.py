@@ -6,13 +6,11 @@
 Needs matplotlib, Debian package python3-matplotlib: run it with /usr/bin/python3.
 """
 
-import argparse
-import csv
-import json
 import os
 import sys
 import textwrap
 
+from chart_io import add_report, chart_parser, read_columns, read_report
 from chart_style import COLOURS, NAMES, save
 from stability_rows import methods_of
 
@@ -27,11 +25,8 @@ WORDS_WIDTH = 175  # letters
 
 
 def read_trace(path: str) -> dict[str, np.ndarray]:
-    with open(path, encoding="ascii", newline="") as file:
-        rows = csv.reader(file)
-        names = next(rows)
-        values = np.array([[float(value) for value in row] for row in rows])
-    return dict(zip(names, values.T))
+    names, rows = read_columns(path)
+    return dict(zip(names, np.array(rows).T))
 
 
 def draw_band(axes, time: np.ndarray, values: np.ndarray, colour: str, **style) -> None:
@@ -80,13 +75,11 @@ def draw_worst(left, right, worst: dict, trace: dict[str, np.ndarray]) -> None:
 
 
 def main() -> int:
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("report", help="JSON that spm-bench stability printed")
+    parser = chart_parser(__doc__)
+    add_report(parser, "stability")
     parser.add_argument("traces", help="folder that it wrote traces to")
-    parser.add_argument("-o", dest="prefix", required=True, help="writes PREFIX.svg and PREFIX.png")
     arguments = parser.parse_args()
-    with open(arguments.report, encoding="utf-8") as file:
-        report = json.load(file)
+    report = read_report(arguments.report, "stability", "worst")
     # A cure alone is a column of the table; here the methods are seen, and the default.
     found = {one["method"]: one for one in report["worst"] if "+" not in one["method"]}
     worst = [found[method] for method in methods_of(list(found.values()))]

@@ -4,10 +4,9 @@
 against the methods, the largest good stiffness, the theory check, static loops, costs and how idle
 cures are."""
 
-import argparse
-import json
 import sys
 
+from chart_io import report_of
 from markdown_table import table
 from stability_rows import methods_of, names_of, themes_of, verdict_of
 
@@ -186,13 +185,7 @@ def idle_lines(report: dict) -> list[str]:
 
 
 def main() -> int:
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("report", help="JSON that spm-bench stability printed")
-    arguments = parser.parse_args()
-    with open(arguments.report, encoding="utf-8") as file:
-        report = json.load(file)
-    if not report.get("cases"):
-        sys.exit(f"{arguments.report}: no cases; give what spm-bench stability --json printed")
+    report = report_of(__doc__, "stability", "cases")
     lines = ["# Where methods fail, measured", "",
              "`spm-bench stability`: the cases, the judges and the profiles are told in "
              "[the laboratory's page](../../stability/README.md).", ""]

@@ -2,10 +2,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """Writes what `spm-bench tables --json` measured as Markdown: the paper's Tables 1 to 3."""
 
-import argparse
-import json
 import sys
 
+from chart_io import report_of
 from markdown_table import table
 
 SLIDES = {2: "Table 2: Galeon", 3: "Table 3: Teeth"}
@@ -73,13 +72,7 @@ def growth_lines(report: dict, over: str) -> list[str]:
 
 
 def main() -> int:
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("report", help="JSON that spm-bench tables printed")
-    arguments = parser.parse_args()
-    with open(arguments.report, encoding="utf-8") as file:
-        report = json.load(file)
-    if not report.get("rows"):
-        sys.exit(f"{arguments.report}: no rows; give what spm-bench tables --json printed")
+    report = report_of(__doc__, "tables")
     machine = report["machine"]
     lines = ["# The paper's tables, measured", "",
              f"`spm-bench tables` on one pinned core of: {machine['processor']}, {machine['system']}, "

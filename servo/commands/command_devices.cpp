@@ -3,7 +3,7 @@
 
 #include <memory>
 
-#include "servo/commands/tool_commands.hpp"
+#include "servo/commands/commands.hpp"
 #include "servo/devices/finder/device_finder.hpp"
 
 namespace spm::servo {
@@ -65,14 +65,14 @@ int execute_devices(const DevicesCommand& command) {
 
 }  // namespace
 
-void add_devices_command(CLI::App& program, Action& action) {
+Command add_devices_command(CLI::App& program) {
   auto command = std::make_shared<DevicesCommand>();
   CLI::App* app = program.add_subcommand(
       "devices",
       "List the haptic devices that are plugged in, and what to do where one may not be "
       "opened");
   cli::add_global_options(*app, command->global);
-  app->callback([command, &action] { action = [command] { return execute_devices(*command); }; });
+  return {app, [command] { return execute_devices(*command); }};
 }
 
 }  // namespace spm::servo

@@ -3,7 +3,7 @@
 
 #include <memory>
 
-#include "servo/commands/tool_commands.hpp"
+#include "servo/commands/commands.hpp"
 #include "servo/doctor/doctor.hpp"
 
 namespace spm::servo {
@@ -36,7 +36,7 @@ int execute_doctor(const DoctorCommand& command) {
 
 }  // namespace
 
-void add_doctor_command(CLI::App& program, Action& action) {
+Command add_doctor_command(CLI::App& program) {
   auto command = std::make_shared<DoctorCommand>();
   CLI::App* app = program.add_subcommand(
       "doctor", "Measure whether this machine is fit for a loop at 1 kHz, and say what to mend");
@@ -44,7 +44,7 @@ void add_doctor_command(CLI::App& program, Action& action) {
   add_number(*app, "--seconds", shortest_look, longest_look, command->seconds,
              "Measure wake-ups for so long, 0.1 to 20 (default 10)")
       ->type_name("SECONDS");
-  app->callback([command, &action] { action = [command] { return execute_doctor(*command); }; });
+  return {app, [command] { return execute_doctor(*command); }};
 }
 
 }  // namespace spm::servo

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <charconv>
+#include <cmath>
 
 #include "servo/commands/commands.hpp"
 
@@ -89,6 +90,17 @@ void add_rate_option(CLI::App& command, double& rate_hz) {
   add_number(command, "--rate", slowest, fastest, rate_hz,
              "Ticks a second, 500 to 4000 (default 1000)")
       ->type_name("HZ");
+}
+
+void add_device_number(CLI::App& command, double& number, const std::string& description) {
+  add_number(command, "--device-number", 0, 65535, number, description)->type_name("N");
+}
+
+Result<void> check_device_number(double number, const std::string& recording, std::size_t devices) {
+  if (number == std::floor(number) && number < static_cast<double>(devices)) return {};
+  return fail(ExitCode::usage,
+              fmt::format("--device-number {}: {} is of {} device{}, counted from 0", number,
+                          recording, devices, devices == 1 ? "" : "s"));
 }
 
 }  // namespace spm::servo

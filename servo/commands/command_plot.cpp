@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cerrno>
-#include <cmath>
 #include <cstdlib>
 #include <cstring>
 #include <filesystem>
@@ -13,7 +12,7 @@
 #include "formats/files/output_file.hpp"
 #include "formats/motion/recording.hpp"
 #include "servo/commands/child_program.hpp"
-#include "servo/commands/tool_commands.hpp"
+#include "servo/commands/commands.hpp"
 
 namespace spm::servo {
 
@@ -95,12 +94,8 @@ Result<fs::path> check(const PlotCommand& command) {
   const auto recording = read_recording(command.recording);
   if (!recording) return tl::make_unexpected(recording.error());
   const std::size_t devices = recording->header.devices.size();
-  if (command.device != std::floor(command.device) ||
-      command.device >= static_cast<double>(devices)) {
-    return fail(ExitCode::usage,
-                fmt::format("--device-number {}: {} is of {} device{}, counted "
-                            "from 0",
-                            command.device, command.recording, devices, devices == 1 ? "" : "s"));
+  if (const auto known = check_device_number(command.device, command.recording, devices); !known) {
+    return tl::make_unexpected(known.error());
   }
   const bool has_ticks =
       std::any_of(recording->rows.begin(), recording->rows.end(),
@@ -160,7 +155,7 @@ int execute_plot(const PlotCommand& command) {
 
 }  // namespace
 
-void add_plot_command(CLI::App& program, Action& action) {
+Command add_plot_command(CLI::App& program) {
   auto command = std::make_shared<PlotCommand>();
   CLI::App* app = program.add_subcommand(
       "plot", "Draw a recording: forces, depth, the loop's times, and why the force was off");
@@ -172,10 +167,8 @@ void add_plot_command(CLI::App& program, Action& action) {
   app->add_option("out", command->out,
                   "Drawing to write, .svg or .png (default: beside the recording, .svg)")
       ->type_name("OUT");
-  add_number(*app, "--device-number", 0, 65535, command->device,
-             "Which device, counted from 0 (default 0)")
-      ->type_name("N");
-  app->callback([command, &action] { action = [command] { return execute_plot(*command); }; });
+  add_device_number(*app, command->device, "Which device, counted from 0 (default 0)");
+  return {app, [command] { return execute_plot(*command); }};
 }
 
 }  // namespace spm::servo

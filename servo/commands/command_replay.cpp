@@ -2,7 +2,6 @@
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
-#include <cmath>
 #include <memory>
 #include <optional>
 #include <span>
@@ -57,12 +56,8 @@ Result<Source> read_source(const ReplayCommand& command) {
   auto recording = read_recording(command.trajectory);
   if (!recording) return tl::make_unexpected(std::move(recording.error()));
   const std::size_t devices = recording->header.devices.size();
-  if (command.device != std::floor(command.device) ||
-      command.device >= static_cast<double>(devices)) {
-    return fail(ExitCode::usage,
-                fmt::format("--device-number {}: {} is of {} device{}, counted "
-                            "from 0",
-                            command.device, command.trajectory, devices, devices == 1 ? "" : "s"));
+  if (const auto known = check_device_number(command.device, command.trajectory, devices); !known) {
+    return tl::make_unexpected(known.error());
   }
   source.ticks = ticks_of(*recording, static_cast<std::size_t>(command.device));
   source.recording = std::move(recording->header);
@@ -255,7 +250,7 @@ int execute_replay(const ReplayCommand& command) {
 
 }  // namespace
 
-void add_replay_command(CLI::App& program, Action& action) {
+Command add_replay_command(CLI::App& program) {
   auto command = std::make_shared<ReplayCommand>();
   CLI::App* app =
       program.add_subcommand("replay", "Run the loop's force law on recorded positions");
@@ -266,15 +261,14 @@ void add_replay_command(CLI::App& program, Action& action) {
       ->type_name("TRAJECTORY")
       ->required();
   app->add_option("--out", command->out, "Table to write, CSV")->type_name("FILE")->required();
-  add_number(*app, "--device-number", 0, 65535, command->device,
-             "Which device of a recording, counted from 0 (default 0)")
-      ->type_name("N");
+  add_device_number(*app, command->device,
+                    "Which device of a recording, counted from 0 (default 0)");
   add_rate_option(*app, command->options.rate_hz);
   cli::add_choice<Pace>(*app, "--pace", command->options.pace,
                         {{"none", Pace::none}, {"realtime", Pace::realtime}},
                         "One tick after the other (default none), or each at its time");
   add_force_options(*app, command->force);
-  app->callback([command, &action] { action = [command] { return execute_replay(*command); }; });
+  return {app, [command] { return execute_replay(*command); }};
 }
 
 }  // namespace spm::servo

@@ -34,7 +34,7 @@ int execute_run(const RunCommand& command) {
 
 }  // namespace
 
-void add_run_command(CLI::App& program, Action& action) {
+Command add_run_command(CLI::App& program) {
   auto command = std::make_shared<RunCommand>();
   CLI::App* app =
       program.add_subcommand("run", "Serve forces from a baked asset or a scene to a device");
@@ -97,7 +97,7 @@ void add_run_command(CLI::App& program, Action& action) {
       *app, "--supervisor", {"on", "off"},
       [&options](std::size_t i) { options.supervisor = i == 0; },
       "Whether another process sends the devices zero force where this one is killed (default on)");
-  app->callback([command, &action] { action = [command] { return execute_run(*command); }; });
+  return {app, [command] { return execute_run(*command); }};
 }
 
 }  // namespace spm::servo

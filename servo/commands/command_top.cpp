@@ -10,7 +10,7 @@
 #include <utility>
 
 #include "servo/client/spm_client.h"
-#include "servo/commands/tool_commands.hpp"
+#include "servo/commands/commands.hpp"
 #include "servo/realtime/stop_signals.hpp"
 #include "servo/top/top_screen.hpp"
 #include "servo/top/top_terminal.hpp"
@@ -163,7 +163,7 @@ int execute_top(const TopCommand& command) {
 
 }  // namespace
 
-void add_top_command(CLI::App& program, Action& action) {
+Command add_top_command(CLI::App& program) {
   auto command = std::make_shared<TopCommand>();
   CLI::App* app = program.add_subcommand(
       "top",
@@ -176,7 +176,7 @@ void add_top_command(CLI::App& program, Action& action) {
   app->add_flag("--once", command->once,
                 "Watch for a second, print what was seen and end; so also where the output is no "
                 "terminal, and with --json");
-  app->callback([command, &action] { action = [command] { return execute_top(*command); }; });
+  return {app, [command] { return execute_top(*command); }};
 }
 
 }  // namespace spm::servo

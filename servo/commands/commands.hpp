@@ -2,16 +2,16 @@
 #pragma once
 
 #include <CLI/CLI.hpp>
-#include <functional>
+#include <cstddef>
 #include <string>
 
 #include "formats/cli/command_line.hpp"
+#include "formats/cli/program.hpp"
 #include "servo/scene/force_choice.hpp"
 
 namespace spm::servo {
 
-/// What a command does when its options are parsed. Returns the exit code.
-using Action = std::function<int()>;
+using cli::Command;
 
 /// Adds --asset, --scene, --method, --paper-rule, --stiffness and --probe.
 void add_force_options(CLI::App& command, ForceOptions& options);
@@ -24,8 +24,23 @@ CLI::Option* add_number(CLI::App& command, const std::string& name, double least
 /// Adds --rate.
 void add_rate_option(CLI::App& command, double& rate_hz);
 
-/// Adds `run` and `replay` to the program; the chosen one sets `action`.
-void add_run_command(CLI::App& program, Action& action);
-void add_replay_command(CLI::App& program, Action& action);
+/// Adds --device-number, of a recording.
+void add_device_number(CLI::App& command, double& number, const std::string& description);
+/// Errors: usage, where a recording is of so many devices and none has the number.
+[[nodiscard]] Result<void> check_device_number(double number, const std::string& recording,
+                                               std::size_t devices);
+
+/// Serves forces to devices.
+[[nodiscard]] Command add_run_command(CLI::App& program);
+/// Runs the loop's force law on recorded positions.
+[[nodiscard]] Command add_replay_command(CLI::App& program);
+/// What is plugged in, and whose permission is missing.
+[[nodiscard]] Command add_devices_command(CLI::App& program);
+/// Whether this machine is fit for the loop.
+[[nodiscard]] Command add_doctor_command(CLI::App& program);
+/// The running daemon, live.
+[[nodiscard]] Command add_top_command(CLI::App& program);
+/// A recording as a drawing.
+[[nodiscard]] Command add_plot_command(CLI::App& program);
 
 }  // namespace spm::servo

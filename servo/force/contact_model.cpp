@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "common/base/mixed_bits.hpp"
+#include "common/base/random.hpp"
 #include "common/paper/paper_effects.hpp"
 
 namespace spm {

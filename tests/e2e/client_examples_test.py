@@ -12,11 +12,10 @@ import sys
 import time
 import unittest
 
-from programs import BIN, SERVO, Case, run
+from programs import BIN, SERVO, Case, generate, run
 
 ROOT = os.path.join(os.path.dirname(os.path.abspath(__file__)), os.pardir, os.pardir)
 EXAMPLES = os.path.join(ROOT, "servo", "client", "examples")
-GENERATOR = os.path.join(ROOT, "models", "generate.py")
 LIBRARY = os.environ.get("SPM_CLIENT_LIBRARY",
                          os.path.join(os.path.dirname(BIN), "lib", "libspm_client.so"))
 PATIENCE = 120.0  # s, beyond any machine's worst moment
@@ -26,8 +25,7 @@ BOX = '[[object]]\nasset = "box.spm.exr"\nmovable = true\n'
 class ClientExamples(Case):
     def setUp(self):
         super().setUp()
-        subprocess.run([sys.executable, GENERATOR, "--out", self.folder, "box"], check=True,
-                       capture_output=True)
+        generate(self.folder, "box")
         baked = run("build", self.path("box.obj"), "-o", self.path("box.spm.exr"), "--tolerance",
                     "50um", "--quiet")
         self.assertEqual(baked.returncode, 0, baked.stderr)

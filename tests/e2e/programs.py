@@ -10,12 +10,15 @@ import os
 import shutil
 import struct
 import subprocess
+import sys
 import tempfile
 import unittest
 
 BIN = os.environ.get("SPM_BIN", os.path.join(os.getcwd(), "bin"))
 BAKE = os.path.join(BIN, "spm-bake")
 SERVO = os.path.join(BIN, "spm-servo")
+GENERATOR = os.path.join(os.path.dirname(os.path.abspath(__file__)), os.pardir, os.pardir, "models",
+                         "generate.py")
 NOBODY = 65534
 THIN_BAND = ("--max-depth", "0.1mm", "--margin", "0.05mm")  # bakes soon
 
@@ -39,6 +42,20 @@ BUILD_KEYS = {
 def digest(path):
     with open(path, "rb") as file:
         return hashlib.sha256(file.read()).hexdigest()
+
+
+def generate(folder, *models):
+    """Writes models of models/generate.py into a folder, as NAME.obj."""
+    subprocess.run([sys.executable, GENERATOR, "--out", folder, *models], check=True,
+                   capture_output=True)
+
+
+def models_of(case, *models):
+    """A folder with such models, which goes when a class of tests ends."""
+    folder = tempfile.mkdtemp(prefix="spm-e2e-models-")
+    case.addClassCleanup(shutil.rmtree, folder, ignore_errors=True)
+    generate(folder, *models)
+    return folder
 
 
 @functools.cache

@@ -6,19 +6,15 @@ import json
 import math
 import os
 import queue
-import shutil
 import signal
 import struct
 import subprocess
-import sys
-import tempfile
 import threading
 import time
 import unittest
 
-from programs import BAKE, SERVO, Case, obj, run, sphere
+from programs import BAKE, SERVO, Case, models_of, obj, run, sphere
 
-GENERATOR = os.path.join(os.path.dirname(__file__), os.pardir, os.pardir, "models", "generate.py")
 TOP = 0.032  # m, half the height of models/box
 GRIP = 700  # N/m, servo/devices/sim/sim_profile.hpp
 FRICTION = 0.02  # N, of the profile `low`, beside the hand's spring
@@ -42,10 +38,7 @@ def balance(*springs):
 class SceneReload(Case):
     @classmethod
     def setUpClass(cls):
-        cls.models = tempfile.mkdtemp(prefix="spm-e2e-models-")
-        cls.addClassCleanup(shutil.rmtree, cls.models, ignore_errors=True)
-        subprocess.run([sys.executable, GENERATOR, "--out", cls.models, "box"], check=True,
-                       capture_output=True)
+        cls.models = models_of(cls, "box")
         with open(os.path.join(cls.models, "ball.obj"), "w", encoding="ascii") as file:
             file.write(obj(sphere(RADIUS)))
         for name in ("box", "ball"):

@@ -5,15 +5,10 @@
 import csv
 import math
 import os
-import shutil
-import subprocess
-import sys
-import tempfile
 import unittest
 
-from programs import SERVO, Case, run
+from programs import SERVO, Case, models_of, run
 
-GENERATOR = os.path.join(os.path.dirname(__file__), os.pardir, os.pardir, "models", "generate.py")
 TOP = 0.032  # m, half the height of models/box
 K = 1000  # N/m
 TICK = 1e-3  # s
@@ -40,10 +35,7 @@ def there_and_back(depth=0.001, step=4e-5, ticks=300):
 class Scenes(Case):
     @classmethod
     def setUpClass(cls):
-        cls.models = tempfile.mkdtemp(prefix="spm-e2e-models-")
-        cls.addClassCleanup(shutil.rmtree, cls.models, ignore_errors=True)
-        subprocess.run([sys.executable, GENERATOR, "--out", cls.models, "box"], check=True,
-                       capture_output=True)
+        cls.models = models_of(cls, "box")
         mesh = os.path.join(cls.models, "box.obj")
         for form, options in (("sparse", ("--tolerance", "50um", "--probe", "sphere:0.5mm")),
                               ("full", ("--form", "full", "--resolution", "17"))):

@@ -10,15 +10,12 @@ import shutil
 import signal
 import stat
 import subprocess
-import sys
-import tempfile
 import termios
 import time
 import unittest
 
-from programs import SERVO, Case, run
+from programs import SERVO, Case, models_of, run
 
-GENERATOR = os.path.join(os.path.dirname(__file__), os.pardir, os.pardir, "models", "generate.py")
 PATIENCE = 120.0  # s, beyond any machine's worst moment
 BEGIN_SCREEN, END_SCREEN = b"\x1b[?1049h\x1b[?25l", b"\x1b[?25h\x1b[?1049l"
 PERCENTILES = {"p50", "p99", "max"}
@@ -33,10 +30,7 @@ def can_draw():
 class WithAsset(Case):
     @classmethod
     def setUpClass(cls):
-        cls.models = tempfile.mkdtemp(prefix="spm-e2e-top-")
-        cls.addClassCleanup(shutil.rmtree, cls.models, ignore_errors=True)
-        subprocess.run([sys.executable, GENERATOR, "--out", cls.models, "box"], check=True,
-                       capture_output=True)
+        cls.models = models_of(cls, "box")
         cls.asset = os.path.join(cls.models, "box.spm.exr")
         result = run("build", os.path.join(cls.models, "box.obj"), "-o", cls.asset, "--tolerance",
                      "50um", "--quiet")

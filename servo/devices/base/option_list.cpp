@@ -39,4 +39,35 @@ Result<void> set_option_quantity(const std::string& device, double& target, std:
   return {};
 }
 
+Result<void> set_option_switch(const std::string& device, bool& target, std::string_view key,
+                               std::string_view value) {
+  if (value != "on" && value != "off") {
+    return option_error(device,
+                        fmt::format("{} '{}' is not known; it can be on or off", key, value));
+  }
+  target = value == "on";
+  return {};
+}
+
+Result<void> set_option_serial(const std::string& device, std::string& target,
+                               std::string_view value) {
+  if (value.empty()) {
+    return option_error(device, "serial is empty; write what spm-servo devices shows");
+  }
+  target = value;
+  return {};
+}
+
+Result<void> set_options(
+    const std::string& device, std::string_view text,
+    const std::function<Result<void>(std::string_view key, std::string_view value)>& set) {
+  const auto list = split_options(device, text);
+  if (!list) return tl::make_unexpected(list.error());
+  for (const auto& [key, value] : *list) {
+    Result<void> done = set(key, value);
+    if (!done) return done;
+  }
+  return {};
+}
+
 }  // namespace spm::servo

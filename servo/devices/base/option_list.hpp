@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <functional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -27,5 +28,17 @@ struct DeviceOption {
 [[nodiscard]] Result<void> set_option_quantity(const std::string& device, double& target,
                                                std::string_view key, std::string_view value,
                                                Quantity quantity, double most, double least = 0);
+/// Sets what is on or off. Errors: usage.
+[[nodiscard]] Result<void> set_option_switch(const std::string& device, bool& target,
+                                             std::string_view key, std::string_view value);
+/// Sets the serial number that a device must have. Errors: usage, an empty one.
+[[nodiscard]] Result<void> set_option_serial(const std::string& device, std::string& target,
+                                             std::string_view value);
+
+/// Calls `set` with the key and the value of each of a device's options. Errors: usage, those of
+/// split_options; and the first of `set`.
+[[nodiscard]] Result<void> set_options(
+    const std::string& device, std::string_view text,
+    const std::function<Result<void>(std::string_view key, std::string_view value)>& set);
 
 }  // namespace spm::servo

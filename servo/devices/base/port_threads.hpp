@@ -125,6 +125,12 @@ class PortThreads {
     return last_error_;
   }
 
+  /// Adds the last error to a description of the device, if there is one.
+  void add_last_error(nlohmann::ordered_json& json) const {
+    const std::string error = last_error();
+    if (!error.empty()) json["last_error"] = error;
+  }
+
   /// Time from the arrival of a report to when the loop took it.
   [[nodiscard]] const LatencyHistogram& report_age() const noexcept { return report_age_; }
   /// Time from when the loop gave a command to when the device had it.

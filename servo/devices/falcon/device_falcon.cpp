@@ -158,8 +158,7 @@ nlohmann::ordered_json DeviceFalcon::describe() const {
     json["firmware_file"] = {
         {"path", firmware_->path}, {"sha256", firmware_->sha256}, {"known", firmware_->known}};
   }
-  const std::string error = threads_.last_error();
-  if (!error.empty()) json["last_error"] = error;
+  threads_.add_last_error(json);
   return json;
 }
 

@@ -105,10 +105,6 @@ Vector3 falcon_angles(const std::array<std::int16_t, 3>& counts, double home_ang
   return Vector3::Constant(home_angle) + count_angle * Vector3(counts[0], counts[1], counts[2]);
 }
 
-Vector3 falcon_counts(const Vector3& angles, double home_angle) noexcept {
-  return (angles - Vector3::Constant(home_angle)) / count_angle;
-}
-
 std::optional<Vector3> falcon_inverse(const Vector3& position) noexcept {
   Vector3 angles;
   for (Eigen::Index i = 0; i < 3; ++i) {

@@ -27,10 +27,6 @@ inline constexpr double falcon_home_angle = 35 * std::numbers::pi / 180;
 [[nodiscard]] Vector3 falcon_angles(const std::array<std::int16_t, 3>& counts,
                                     double home_angle = falcon_home_angle) noexcept;
 
-/// Encoder counts for thigh angles, not rounded.
-[[nodiscard]] Vector3 falcon_counts(const Vector3& angles,
-                                    double home_angle = falcon_home_angle) noexcept;
-
 /// Thigh angles at a position; none if the legs do not reach it.
 [[nodiscard]] std::optional<Vector3> falcon_inverse(const Vector3& position) noexcept;
 

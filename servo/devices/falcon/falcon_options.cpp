@@ -101,12 +101,10 @@ Result<void> set(FalconOptions& options, std::string_view key, std::string_view 
 Result<FalconOptions> parse_falcon_options(std::string_view text) {
   FalconOptions options;
   options.force_cap = profile_force_cap;
-  const auto list = split_options(device, text);
-  if (!list) return tl::make_unexpected(list.error());
-  for (const DeviceOption& option : *list) {
-    const Result<void> done = set(options, option.key, option.value);
-    if (!done) return tl::make_unexpected(done.error());
-  }
+  const auto done = set_options(device, text, [&](std::string_view key, std::string_view value) {
+    return set(options, key, value);
+  });
+  if (!done) return tl::make_unexpected(done.error());
   if (options.firmware.empty()) {
     const char* const file = std::getenv("FALCON_FIRMWARE");
     if (file != nullptr) options.firmware = file;

@@ -38,20 +38,6 @@ Result<void> set_direction(PidOptions& options, std::string_view value) {
       fmt::format("direction '{}' is not known; it can be polar, cartesian or axes", value));
 }
 
-Result<void> set_watchdog(PidOptions& options, std::string_view value) {
-  if (value != "on" && value != "off") {
-    return usage(fmt::format("watchdog '{}' is not known; it can be on or off", value));
-  }
-  options.watchdog = value == "on";
-  return {};
-}
-
-Result<void> set_serial(PidOptions& options, std::string_view value) {
-  if (value.empty()) return usage("serial is empty; write what spm-servo devices shows");
-  options.serial = value;
-  return {};
-}
-
 Result<void> set(PidOptions& options, std::string_view key, std::string_view value) {
   if (key == "full_force") {
     return set_option_quantity("pid", options.full_force, key, value, Quantity::force,
@@ -66,8 +52,8 @@ Result<void> set(PidOptions& options, std::string_view key, std::string_view val
   }
   if (key == "force_signs") return set_signs(options, value);
   if (key == "direction") return set_direction(options, value);
-  if (key == "watchdog") return set_watchdog(options, value);
-  if (key == "serial") return set_serial(options, value);
+  if (key == "watchdog") return set_option_switch("pid", options.watchdog, key, value);
+  if (key == "serial") return set_option_serial("pid", options.serial, value);
   return usage(
       fmt::format("option '{}' is not known; the options are full_force, force_cap, travel, "
                   "force_signs, direction, watchdog and serial",
@@ -78,12 +64,10 @@ Result<void> set(PidOptions& options, std::string_view key, std::string_view val
 
 Result<PidOptions> parse_pid_options(std::string_view text) {
   PidOptions options;
-  const auto list = split_options("pid", text);
-  if (!list) return tl::make_unexpected(list.error());
-  for (const auto& [key, value] : *list) {
-    const Result<void> done = set(options, key, value);
-    if (!done) return tl::make_unexpected(done.error());
-  }
+  const auto done = set_options("pid", text, [&](std::string_view key, std::string_view value) {
+    return set(options, key, value);
+  });
+  if (!done) return tl::make_unexpected(done.error());
   if (!(options.full_force > 0)) {
     return usage(
         "full_force is missing, the force at the grip at the device's full strength, which it "

@@ -5,8 +5,8 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "common/base/random.hpp"
 #include "common/base/vector.hpp"
-#include "servo/base/random.hpp"
 
 namespace spm::servo {
 

@@ -132,13 +132,11 @@ Result<SimOptions> parse_sim_options(std::string_view text) {
   SimOptions options;
   bool hand_given = false;
   bool mass_of_device = false;
-  const auto list = split_options("sim", text);
-  if (!list) return tl::make_unexpected(list.error());
-  for (const auto& [key, value] : *list) {
-    const Result<void> done = set(options, mass_of_device, key, value);
-    if (!done) return tl::make_unexpected(done.error());
+  const auto done = set_options("sim", text, [&](std::string_view key, std::string_view value) {
     hand_given = hand_given || key == "hand";
-  }
+    return set(options, mass_of_device, key, value);
+  });
+  if (!done) return tl::make_unexpected(done.error());
   if (!options.path.empty() && !hand_given) options.hand = HandKind::recorded;
   if (options.hand == HandKind::recorded && options.path.empty()) {
     return usage("hand=path needs path=FILE, a trajectory with one row a tick");

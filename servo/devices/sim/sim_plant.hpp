@@ -4,8 +4,9 @@
 #include <Eigen/Core>
 #include <cstdint>
 
+#include "common/base/random.hpp"
 #include "common/base/vector.hpp"
-#include "servo/base/random.hpp"
+#include "common/base/random.hpp"
 #include "servo/devices/sim/actuator_line.hpp"
 #include "servo/devices/sim/hand_model.hpp"
 #include "servo/devices/sim/moving_mass.hpp"

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "common/asset/asset_view.hpp"
-#include "servo/base/random.hpp"
+#include "common/base/random.hpp"
 
 namespace spm::servo {
 

@@ -62,8 +62,7 @@ nlohmann::ordered_json DeviceSpaceMouse::describe() const {
                               {"box_m", options_.box},          {"reopened", threads_.reopened()}};
   // Its only command is its light.
   json["latency_us"]["report_age"] = threads_.report_age().json_us();
-  const std::string error = threads_.last_error();
-  if (!error.empty()) json["last_error"] = error;
+  threads_.add_last_error(json);
   if (battery >= 0) json["battery_percent"] = battery;
   return json;
 }

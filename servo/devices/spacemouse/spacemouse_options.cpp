@@ -44,13 +44,7 @@ Result<void> set(SpaceMouseOptions& options, std::string_view key, std::string_v
   }
   if (key == "dead_zone") return set_dead_zone(options, value);
   if (key == "box") return set_quantity(options.box, key, value, Quantity::length, largest_box);
-  if (key == "serial") {
-    if (value.empty()) {
-      return usage("serial is empty; write what spm-servo devices shows");
-    }
-    options.serial = value;
-    return {};
-  }
+  if (key == "serial") return set_option_serial("spacemouse", options.serial, value);
   return usage(
       fmt::format("option '{}' is not known; the options are speed, turn, dead_zone, box "
                   "and serial",
@@ -61,12 +55,10 @@ Result<void> set(SpaceMouseOptions& options, std::string_view key, std::string_v
 
 Result<SpaceMouseOptions> parse_spacemouse_options(std::string_view text) {
   SpaceMouseOptions options;
-  const auto list = split_options("spacemouse", text);
-  if (!list) return tl::make_unexpected(list.error());
-  for (const auto& [key, value] : *list) {
-    const Result<void> done = set(options, key, value);
-    if (!done) return tl::make_unexpected(done.error());
-  }
+  const auto done = set_options(
+      "spacemouse", text,
+      [&](std::string_view key, std::string_view value) { return set(options, key, value); });
+  if (!done) return tl::make_unexpected(done.error());
   return options;
 }
 

@@ -82,8 +82,7 @@ nlohmann::ordered_json DeviceWooden::describe() const {
                               {"gravity", options_.gravity},
                               {"reopened", threads_.reopened()},
                               {"latency_us", threads_.latency_us()}};
-  const std::string error = threads_.last_error();
-  if (!error.empty()) json["last_error"] = error;
+  threads_.add_last_error(json);
   return json;
 }
 

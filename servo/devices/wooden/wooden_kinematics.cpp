@@ -90,13 +90,6 @@ Vector3 wooden_torques(const WoodenModel& model, const Vector3& angles,
           model.length[2] * (std::cos(angles[2]) * outwards + std::sin(angles[2]) * force.z())};
 }
 
-double wooden_height_energy(const WoodenModel& model, const Vector3& angles) noexcept {
-  const double upper_height = model.centre_of_mass[0] * std::cos(angles[1]);
-  const double lower_height =
-      model.length[1] * std::cos(angles[1]) - model.centre_of_mass[1] * std::cos(angles[2]);
-  return standard_gravity * (model.mass[0] * upper_height + model.mass[1] * lower_height);
-}
-
 Vector3 wooden_gravity_torques(const WoodenModel& model, const Vector3& angles) noexcept {
   const double upper = model.mass[0] * model.centre_of_mass[0] + model.mass[1] * model.length[1];
   const double lower = model.mass[1] * model.centre_of_mass[1];

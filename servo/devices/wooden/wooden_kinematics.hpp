@@ -137,12 +137,9 @@ inline const Eigen::Matrix3d wooden_to_world =
 [[nodiscard]] Vector3 wooden_torques(const WoodenModel& model, const Vector3& angles,
                                      const Vector3& force) noexcept;
 
-/// Potential energy of the arm's two masses in gravity, J.
-[[nodiscard]] double wooden_height_energy(const WoodenModel& model, const Vector3& angles) noexcept;
-
-/// Torques of the joints, N m, that hold the arm's weight: the gradient of wooden_height_energy.
-/// The term in public hosts, which is off in all their tables, has a different sign and angle for
-/// B; neither was tried on a device [U].
+/// Torques of the joints, N m, that hold the arm's weight: the gradient of the potential energy of
+/// its two masses. The term in public hosts, which is off in all their tables, has a different sign
+/// and angle for B; neither was tried on a device [U].
 [[nodiscard]] Vector3 wooden_gravity_torques(const WoodenModel& model,
                                              const Vector3& angles) noexcept;
 

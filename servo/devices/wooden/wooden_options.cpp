@@ -125,20 +125,6 @@ Result<void> set_current(double& target, std::string_view key, std::string_view 
   return {};
 }
 
-Result<void> set_gravity(WoodenOptions& options, std::string_view value) {
-  if (value != "on" && value != "off") {
-    return usage(fmt::format("gravity '{}' is not known; it can be on or off", value));
-  }
-  options.gravity = value == "on";
-  return {};
-}
-
-Result<void> set_serial(WoodenOptions& options, std::string_view value) {
-  if (value.empty()) return usage("serial is empty; write what spm-servo devices shows");
-  options.serial = value;
-  return {};
-}
-
 Result<void> set_force_cap(WoodenOptions& options, std::string_view value) {
   const Result<double> cap = parse_quantity(value, Quantity::force);
   if (!cap) return usage("force_cap: " + cap.error().message);
@@ -150,14 +136,14 @@ Result<void> set_force_cap(WoodenOptions& options, std::string_view value) {
 Result<void> set(WoodenOptions& options, std::string_view key, std::string_view value) {
   if (key == "model") return set_model(options, value);
   if (key == "protocol") return set_protocol(options, value);
-  if (key == "serial") return set_serial(options, value);
+  if (key == "serial") return set_option_serial("woodenhaptics", options.serial, value);
   if (key == "signs") return set_count_signs(options, value);
   if (key == "motor_signs") return set_motor_signs(options, value);
   if (key == "home") return set_home(options, value);
   if (key == "home_confirmed") return set_home_confirmed(options, value);
   if (key == "imax") return set_current(options.full_scale_current, key, value);
   if (key == "current_limit") return set_current(options.current_limit, key, value);
-  if (key == "gravity") return set_gravity(options, value);
+  if (key == "gravity") return set_option_switch("woodenhaptics", options.gravity, key, value);
   if (key == "force_cap") return set_force_cap(options, value);
   return usage(fmt::format(
       "option '{}' is not known; the options are model, protocol, serial, signs, motor_signs, "
@@ -186,12 +172,10 @@ double wooden_force_cap(const WoodenModel& model) noexcept {
 Result<WoodenOptions> parse_wooden_options(std::string_view text) {
   WoodenOptions options;
   options.full_scale_current = 0;
-  const auto list = split_options("woodenhaptics", text);
-  if (!list) return tl::make_unexpected(list.error());
-  for (const auto& [key, value] : *list) {
-    const Result<void> done = set(options, key, value);
-    if (!done) return tl::make_unexpected(done.error());
-  }
+  const auto done = set_options(
+      "woodenhaptics", text,
+      [&](std::string_view key, std::string_view value) { return set(options, key, value); });
+  if (!done) return tl::make_unexpected(done.error());
   if (!(options.full_scale_current > 0)) {
     options.full_scale_current = options.model->full_scale_current;
   }

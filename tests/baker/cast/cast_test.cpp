@@ -3,9 +3,9 @@
 
 #include <catch2/catch.hpp>
 
-#include "tests/baker/pipeline/bake_support.hpp"
-#include "baker/base/random.hpp"
+#include "common/base/random.hpp"
 #include "common/surface/support_plane_mapping.hpp"
+#include "tests/baker/pipeline/bake_support.hpp"
 
 namespace spm::baker {
 namespace {

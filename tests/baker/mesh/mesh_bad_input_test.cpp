@@ -11,6 +11,7 @@
 #include "baker/mesh/load.hpp"
 #include "baker/mesh/mesh.hpp"
 #include "tests/baker/mesh/mesh_support.hpp"
+#include "tests/support/random.hpp"
 
 namespace spm::test {
 namespace {
@@ -204,7 +205,7 @@ TEST_CASE("A mesh file cut anywhere is loaded or refused, never worse") {
 TEST_CASE("Random bytes under any mesh name are refused with code 3") {
   const TemporaryFolder folder;
   for (std::uint64_t seed = 1; seed <= 40; ++seed) {
-    Random random(seed);
+    RandomTwister random(seed);
     std::string bytes;
     for (int i = 0; i < 500; ++i) bytes += static_cast<char>(random.unit() * 256);
     for (const char* name : {"a.obj", "a.ply", "a.stl", "a.off"}) {

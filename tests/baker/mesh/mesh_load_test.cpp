@@ -12,6 +12,7 @@
 #include "baker/mesh/load.hpp"
 #include "baker/mesh/mesh.hpp"
 #include "tests/baker/mesh/mesh_support.hpp"
+#include "tests/support/random.hpp"
 
 namespace spm::test {
 namespace {
@@ -191,7 +192,7 @@ TEST_CASE("An inverted open mesh is turned, and one that faces outward is not") 
 
 TEST_CASE("Triangles that disagree with their neighbours are reversed") {
   for (std::uint64_t seed = 1; seed <= 10; ++seed) {
-    Random random(seed);
+    RandomTwister random(seed);
     Shape shape = sphere(1, 2);
     for (auto& triangle : shape.triangles) {
       if (random.unit() < 0.4) std::swap(triangle[0], triangle[1]);

@@ -7,7 +7,6 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
-#include <random>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -70,27 +69,5 @@ class TemporaryFolder {
   }
   return sum;
 }
-
-/// Uniform in [0, 1), the same with every standard library.
-class Random {
- public:
-  explicit Random(std::uint64_t seed) : engine_(seed) {}
-  [[nodiscard]] double unit() { return static_cast<double>(engine_() >> 11U) * 0x1p-53; }
-  [[nodiscard]] Vector3 in_box(const Vector3& low, const Vector3& high) {
-    const double x = unit();
-    const double y = unit();
-    const double z = unit();
-    return low + Vector3(x, y, z).cwiseProduct(high - low);
-  }
-  [[nodiscard]] Vector3 direction() {
-    while (true) {
-      const Vector3 v = in_box({-1, -1, -1}, {1, 1, 1});
-      if (v.squaredNorm() <= 1 && v.squaredNorm() > 1e-6) return v.normalized();
-    }
-  }
-
- private:
-  std::mt19937_64 engine_;
-};
 
 }  // namespace spm::test

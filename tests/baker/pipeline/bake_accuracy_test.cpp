@@ -5,7 +5,7 @@
 #include <functional>
 
 #include "bake_support.hpp"
-#include "baker/base/random.hpp"
+#include "common/base/random.hpp"
 #include "common/query/query.hpp"
 
 namespace spm::baker {

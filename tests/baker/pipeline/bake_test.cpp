@@ -7,7 +7,7 @@
 #include "bake_support.hpp"
 #include "baker/base/bake_error.hpp"
 #include "baker/cast/cast.hpp"
-#include "baker/base/random.hpp"
+#include "common/base/random.hpp"
 #include "common/paper/paper_force.hpp"
 #include "common/query/query.hpp"
 

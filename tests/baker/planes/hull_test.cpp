@@ -8,6 +8,7 @@
 
 #include "baker/base/bake_error.hpp"
 #include "tests/baker/mesh/mesh_support.hpp"
+#include "tests/support/random.hpp"
 
 namespace spm::test {
 namespace {
@@ -22,7 +23,7 @@ using baker::Hull;
 }
 
 [[nodiscard]] std::vector<Vector3> random_cloud(std::uint64_t seed, double size) {
-  Random random(seed);
+  RandomTwister random(seed);
   std::vector<Vector3> points;
   const Vector3 offset = size * random.in_box({-1, -1, -1}, {1, 1, 1});
   const auto count = static_cast<int>(4 + random.unit() * 200);

@@ -10,6 +10,7 @@
 #include "baker/base/bake_error.hpp"
 #include "common/surface/support_plane_mapping.hpp"
 #include "tests/baker/mesh/mesh_support.hpp"
+#include "tests/support/random.hpp"
 
 namespace spm::test {
 namespace {
@@ -24,7 +25,7 @@ using baker::PlaneKind;
                                         torus(0.04, 0.01, 24, 12).vertices,
                                         wedge(0.5, 0.1).vertices, cylinder(0.02, 0.1, 20).vertices};
   for (std::uint64_t seed = 1; seed <= 8; ++seed) {
-    Random random(seed);
+    RandomTwister random(seed);
     std::vector<Vector3> cloud;
     for (int i = 0; i < 40; ++i) cloud.push_back(random.in_box({-1, 0, 3}, {1, 0.4, 4}));
     all.push_back(cloud);
@@ -100,7 +101,7 @@ TEST_CASE("A face-based plane lies on each face of the hull") {
 TEST_CASE("The mapping gives the plane whose normal is most parallel to the direction") {
   for (const std::vector<Vector3>& points : objects()) {
     const auto planes = baker::vertex_based_planes(convex_hull(points), 100);
-    Random random(3);
+    RandomTwister random(3);
     for (int i = 0; i < 200; ++i) {
       const Vector3 direction = 5 * random.direction();
       const Vector3 normal = planes[support_plane_mapping(planes, direction)].n;
@@ -125,7 +126,7 @@ TEST_CASE("The mapping takes the lowest index of equal planes") {
 }
 
 TEST_CASE("A vertex-based plane passes through the support vertex with the normal asked for") {
-  Random random(11);
+  RandomTwister random(11);
   const std::vector<Vector3> points = torus(0.04, 0.01, 24, 12).vertices;
   for (int i = 0; i < 100; ++i) {
     const Vector3 normal = random.direction();
@@ -200,7 +201,7 @@ TEST_CASE("A plane's own region holds every point that is closest to it") {
       }
       Eigen::AlignedBox3d around;
       for (const Vector3& point : points) around.extend(point);
-      Random random(5);
+      RandomTwister random(5);
       for (int i = 0; i < 3000; ++i) {
         const Vector3 point = random.in_box(around.min(), around.max());
         if (!in_bounded_space(planes, point, 0)) continue;

@@ -7,10 +7,10 @@
 #include <cmath>
 #include <numbers>
 
-#include "tests/baker/pipeline/bake_support.hpp"
-#include "baker/base/random.hpp"
 #include "baker/reach/reach_field.hpp"
 #include "baker/reach/sealed_voids.hpp"
+#include "common/base/random.hpp"
+#include "tests/baker/pipeline/bake_support.hpp"
 
 namespace spm::baker {
 namespace {

@@ -12,9 +12,9 @@
 
 #include "baker/base/bake_error.hpp"
 #include "baker/cast/cast.hpp"
-#include "baker/surface/outer_surface.hpp"
-#include "baker/base/random.hpp"
 #include "baker/smooth/sheet_refine.hpp"
+#include "baker/surface/outer_surface.hpp"
+#include "common/base/random.hpp"
 #include "common/paper/smoothing.hpp"
 #include "tests/baker/pipeline/bake_support.hpp"
 #include "tests/baker/verify/verify_shapes.hpp"

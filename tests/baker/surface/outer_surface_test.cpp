@@ -10,6 +10,7 @@
 
 #include "baker/mesh/winding_number.hpp"
 #include "tests/baker/mesh/mesh_support.hpp"
+#include "tests/support/random.hpp"
 
 namespace spm::test {
 namespace {
@@ -89,7 +90,7 @@ TEST_CASE("Overlapping boxes leave exactly the surface of their union") {
 
 TEST_CASE("Boxes at any angle leave a closed surface with the union's volume") {
   for (std::uint64_t seed = 1; seed <= 6; ++seed) {
-    Random random(seed);
+    RandomTwister random(seed);
     Shape shape = box({2, 2, 2});
     const int parts = 4;
     for (int i = 0; i < parts; ++i) {
@@ -202,7 +203,7 @@ TEST_CASE("The winding number counts turns within a thousandth of the exact sum"
                              merged(sphere(1, 3), sphere(0.9, 3))}) {
     const baker::Mesh mesh = load_shape(shape);
     const WindingNumber winding(mesh.vertices, mesh.triangles);
-    Random random(2);
+    RandomTwister random(2);
     for (int i = 0; i < 200; ++i) {
       const Vector3 point = random.in_box(1.5 * mesh.box_min, 1.5 * mesh.box_max);
       CHECK(winding.at(point) == Approx(exact_winding(mesh, point)).margin(1e-3));

@@ -5,14 +5,14 @@
 #include <map>
 #include <set>
 
-#include "tests/baker/pipeline/bake_support.hpp"
 #include "baker/base/bake_error.hpp"
 #include "baker/trees/element_choice.hpp"
-#include "baker/base/random.hpp"
 #include "baker/trees/space_build.hpp"
 #include "baker/trees/tree_build.hpp"
 #include "baker/trees/triangle_fans.hpp"
 #include "common/asset/element_tree.hpp"
+#include "common/base/random.hpp"
+#include "tests/baker/pipeline/bake_support.hpp"
 
 namespace spm::baker {
 namespace {

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "baker/base/random.hpp"
+#include "common/base/random.hpp"
 #include "tests/baker/verify/verify_shapes.hpp"
 
 using namespace spm;

@@ -3,7 +3,7 @@
 
 #include <catch2/catch.hpp>
 
-#include "baker/base/random.hpp"
+#include "common/base/random.hpp"
 #include "tests/baker/verify/verify_shapes.hpp"
 
 using namespace spm;

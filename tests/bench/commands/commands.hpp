@@ -3,22 +3,18 @@
 
 #include <CLI/CLI.hpp>
 #include <cstdint>
-#include <functional>
 #include <iostream>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "formats/cli/command_line.hpp"
+#include "formats/cli/program.hpp"
 
 namespace spm::bench {
 
-/// A mode: its options, and what it does once they were parsed. `run` returns the exit code, or
-/// throws BakeError.
-struct Command {
-  CLI::App* options = nullptr;
-  std::function<int()> run;
-};
+/// A mode of the bench may throw BakeError.
+using cli::Command;
 
 [[nodiscard]] Command add_bytes_command(CLI::App& app);
 [[nodiscard]] Command add_forces_command(CLI::App& app);

@@ -4,7 +4,7 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
-#include "baker/base/random.hpp"
+#include "common/base/random.hpp"
 #include "tests/baker/verify/verify_shapes.hpp"
 #include "tests/bench/model/bumpy_sphere.hpp"
 #include "tests/support/shapes.hpp"
@@ -112,8 +112,7 @@ TEST_CASE("No path brings a proxy into a solid") {
       proxy->place({0, 0, 0.014});
       Vector3 tool(0, 0, 0.014);
       for (std::uint64_t i = 0; i < 3000; ++i) {
-        const Vector3 step =
-            baker::direction_of(baker::random_unit(3, 2 * i), baker::random_unit(3, 2 * i + 1));
+        const Vector3 step = direction_of(random_unit(3, 2 * i), random_unit(3, 2 * i + 1));
         tool += 0.4e-3 * step;
         if (tool.norm() > 0.014) tool *= 0.9;
         const ProxyContact contact = proxy->follow(tool);
@@ -153,8 +152,7 @@ TEST_CASE("Shading turns forces from the triangle's normal towards the surface's
   const auto shaded = make_mesh_proxy(mesh_of(ball), options_of(true, true, 0));
   double plain_sum = 0, shaded_sum = 0;
   for (std::uint64_t i = 0; i < 200; ++i) {
-    const Vector3 out =
-        baker::direction_of(baker::random_unit(9, 2 * i), baker::random_unit(9, 2 * i + 1));
+    const Vector3 out = direction_of(random_unit(9, 2 * i), random_unit(9, 2 * i + 1));
     for (auto* proxy : {plain.get(), shaded.get()}) {
       proxy->place(0.013 * out);
       ProxyContact contact;

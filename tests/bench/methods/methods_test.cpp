@@ -6,12 +6,12 @@
 #include <limits>
 #include <vector>
 
-#include "baker/base/random.hpp"
+#include "common/base/random.hpp"
 #include "tests/baker/verify/verify_shapes.hpp"
-#include "tests/bench/model/float_mesh.hpp"
+#include "tests/bench/base/temporary_folder.hpp"
 #include "tests/bench/methods/probe_method.hpp"
 #include "tests/bench/methods/score.hpp"
-#include "tests/bench/base/temporary_folder.hpp"
+#include "tests/bench/model/float_mesh.hpp"
 #include "tests/support/shapes.hpp"
 
 namespace {
@@ -35,9 +35,8 @@ double box_distance(const Vector3& point) {
 
 /// A place in the box around the shape, grown by the margin.
 Vector3 place_around(const Model& model, std::uint64_t index) {
-  return test::point_around(model.mesh, model.band.margin, baker::random_unit(5, 3 * index),
-                            baker::random_unit(5, 3 * index + 1),
-                            baker::random_unit(5, 3 * index + 2));
+  return test::point_around(model.mesh, model.band.margin, random_unit(5, 3 * index),
+                            random_unit(5, 3 * index + 1), random_unit(5, 3 * index + 2));
 }
 
 bool in_band(double distance) {
@@ -172,10 +171,9 @@ TEST_CASE("Distance fields are exact where the distance is linear") {
   for (const auto& method : methods) {
     INFO(method->facts().name);
     for (std::uint64_t i = 0; i < 200; ++i) {
-      const double height = -0.002 + 0.0025 * baker::random_unit(7, 3 * i);
-      const Vector3 point(0.004 * (baker::random_unit(7, 3 * i + 1) - 0.5),
-                          0.004 * (baker::random_unit(7, 3 * i + 2) - 0.5),
-                          box_size.z() / 2 + height);
+      const double height = -0.002 + 0.0025 * random_unit(7, 3 * i);
+      const Vector3 point(0.004 * (random_unit(7, 3 * i + 1) - 0.5),
+                          0.004 * (random_unit(7, 3 * i + 2) - 0.5), box_size.z() / 2 + height);
       const Answer answer = method->query(point);
       CHECK(answer.distance == Approx(height).margin(1e-8));
       CHECK((answer.normal - Vector3::UnitZ()).norm() < 1e-4);

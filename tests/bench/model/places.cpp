@@ -7,7 +7,7 @@
 #include <cstddef>
 
 #include "baker/base/bake_error.hpp"
-#include "baker/base/random.hpp"
+#include "common/base/random.hpp"
 
 namespace spm::bench {
 namespace {
@@ -26,7 +26,7 @@ Draw draw(const Model& model, std::uint64_t seed, std::uint64_t index) {
   Draw result;
   for (std::uint64_t attempt = 0; attempt < most_draws; ++attempt) {
     const std::uint64_t counter = 4 * (index * most_draws + attempt);
-    const auto unit = [&](std::uint64_t i) { return baker::random_unit(seed, counter + i); };
+    const auto unit = [&](std::uint64_t i) { return random_unit(seed, counter + i); };
     const baker::SurfacePoint start = model.truth.at(unit(0), unit(1), unit(2));
     const Vector3 point =
         start.position +
@@ -63,7 +63,7 @@ TruePlace truth_at(const Model& model, const Vector3& point) {
 
 Places draw_places(const Model& model, std::uint64_t count, std::uint64_t seed) {
   // A seed of its own keeps these places apart from those that a bake tries and verifies with.
-  const std::uint64_t own = baker::random_bits(seed, 0x62656E6368000000ULL);
+  const std::uint64_t own = random_bits(seed, 0x62656E6368000000ULL);
   std::vector<Draw> draws(count);
   tbb::parallel_for(std::size_t{0}, draws.size(),
                     [&](std::size_t i) { draws[i] = draw(model, own, i); });

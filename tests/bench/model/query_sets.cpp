@@ -6,7 +6,7 @@
 #include <numbers>
 
 #include "baker/base/bake_error.hpp"
-#include "baker/base/random.hpp"
+#include "common/base/random.hpp"
 
 namespace spm::bench {
 namespace {
@@ -56,7 +56,7 @@ class Walk {
   }
 
  private:
-  double unit() { return baker::random_unit(seed_, drawn_++); }
+  double unit() { return random_unit(seed_, drawn_++); }
 
   void advance() {
     const double turn = largest_turn * (2 * unit() - 1);
@@ -86,7 +86,7 @@ class Walk {
 
 WalkedPath walk_surface(const Model& model, double low, double high, std::size_t steps,
                         std::uint64_t seed) {
-  Walk walk(model, low, high, baker::random_bits(seed, 0x77616C6B));
+  Walk walk(model, low, high, random_bits(seed, 0x77616C6B));
   WalkedPath path;
   bool fresh = true;
   std::size_t refused = 0;

@@ -6,12 +6,12 @@
 #include <map>
 #include <utility>
 
-#include "baker/base/random.hpp"
+#include "common/base/random.hpp"
 #include "common/sixdof/hull_distance.hpp"
 #include "common/surface/support_plane_mapping.hpp"
+#include "tests/bench/base/one_core.hpp"
 #include "tests/bench/geometry/bounding_boxes.hpp"
 #include "tests/bench/model/model.hpp"
-#include "tests/bench/base/one_core.hpp"
 
 namespace spm::bench {
 namespace {
@@ -55,10 +55,10 @@ class Scene {
   const SupportHull& hull_;
   std::uint64_t seed_, drawn_ = 0;
 
-  double unit() { return baker::random_unit(seed_, drawn_++); }
+  double unit() { return random_unit(seed_, drawn_++); }
   Vector3 direction() {
     const double a = unit(), b = unit();
-    return baker::direction_of(a, b);
+    return direction_of(a, b);
   }
 
   /// Along a direction, as far that the hulls are a gap apart.

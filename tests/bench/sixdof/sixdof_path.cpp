@@ -8,9 +8,9 @@
 #include <optional>
 
 #include "baker/base/bake_error.hpp"
-#include "baker/base/random.hpp"
-#include "common/sixdof/object_contact.hpp"
+#include "common/base/random.hpp"
 #include "common/query/query.hpp"
+#include "common/sixdof/object_contact.hpp"
 
 namespace spm::bench {
 namespace {
@@ -46,7 +46,7 @@ class Stroke {
     normal_ = to_vector(places.shares[on_object].normal);
     own_place_ = to_vector(tool.places[on_tool].position);
     own_normal_ = to_vector(tool.shares[on_tool].normal);
-    along_ = normal_.cross(baker::direction_of(unit(), unit())).normalized();
+    along_ = normal_.cross(direction_of(unit(), unit())).normalized();
     angle_ = 2 * std::numbers::pi * unit();
     // From well above, so that no other part of the tool is inside.
     lift_ = 2e-3;
@@ -91,7 +91,7 @@ class Stroke {
   Vector3 at_, normal_, along_, own_place_, own_normal_;
   double angle_ = 0, lift_ = 0, deepest_ = 0;
 
-  double unit() { return baker::random_unit(seed_, drawn_++); }
+  double unit() { return random_unit(seed_, drawn_++); }
   std::uint32_t draw(const SurfaceSamples& samples) {
     const SampleLevel& finest = samples.levels.back();
     return finest.first + static_cast<std::uint32_t>(unit() * finest.count);

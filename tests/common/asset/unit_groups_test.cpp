@@ -19,9 +19,9 @@
 namespace spm {
 namespace {
 
-using test::Random;
+using test::RandomTwister;
 
-Vector3 vector_in(Random& random, double reach) {
+Vector3 vector_in(RandomTwister& random, double reach) {
   return {random.between(-reach, reach), random.between(-reach, reach),
           random.between(-reach, reach)};
 }
@@ -31,7 +31,8 @@ std::array<float, 3> floats(const Vector3& v) {
 }
 
 /// Triangles, some of them slivers and points, and where their corners are.
-TriangleGroup random_triangles(Random& random, std::vector<std::array<Vector3, 3>>& corners) {
+TriangleGroup random_triangles(RandomTwister& random,
+                               std::vector<std::array<Vector3, 3>>& corners) {
   TriangleGroup group;
   corners.clear();
   for (std::size_t lane = 0; lane < group_units; ++lane) {
@@ -54,7 +55,7 @@ struct TileGroups {
   std::vector<ClipGroup> clips;
 };
 
-TileGroups random_cells(Random& random) {
+TileGroups random_cells(RandomTwister& random) {
   constexpr float unit = 1e-6F;
   const double bend = random.between(-20, 20), ridge = random.between(0, 0.3);
   TileGroups groups{
@@ -85,7 +86,7 @@ TileGroups random_cells(Random& random) {
   return groups;
 }
 
-Vector3 point_near(Random& random, const TileGroups& groups) {
+Vector3 point_near(RandomTwister& random, const TileGroups& groups) {
   const double spacing = double{groups.tile.spacing};
   return support_plane_point(groups.plane, groups.tile.eta0 + random.between(-2, 10) * spacing,
                              groups.tile.omega0 + random.between(-2, 10) * spacing) -
@@ -110,7 +111,7 @@ TileFoot foot_of(const TileGroups& groups, const NearestUnit& unit, const Vector
 }
 
 TEST_CASE("The nearest unit of a tile's groups is the foot on the tile") {
-  Random random(2);
+  RandomTwister random(2);
   int found = 0;
   for (int trial = 0; trial < 500; ++trial) {
     const TileGroups groups = random_cells(random);
@@ -132,7 +133,7 @@ TEST_CASE("The nearest unit of a tile's groups is the foot on the tile") {
 
 TEST_CASE("The nearest unit that faces a place has no nearer one that does") {
   constexpr float cosine = 0.998F;
-  Random random(4);
+  RandomTwister random(4);
   int found = 0;
   for (int trial = 0; trial < 500; ++trial) {
     const TileGroups groups = random_cells(random);
@@ -157,7 +158,7 @@ TEST_CASE("The nearest unit that faces a place has no nearer one that does") {
 }
 
 TEST_CASE("In a cube no unit is nearer than what reaches tell") {
-  Random random(5);
+  RandomTwister random(5);
   int told = 0;
   for (int trial = 0; trial < 300; ++trial) {
     const TileGroups groups = random_cells(random);
@@ -197,7 +198,7 @@ TEST_CASE("In a cube no unit is nearer than what reaches tell") {
 }
 
 TEST_CASE("The bounds of a group's triangles are their distances, and never more") {
-  Random random(1);
+  RandomTwister random(1);
   int close = 0, all = 0;
   for (int trial = 0; trial < 2000; ++trial) {
     std::vector<std::array<Vector3, 3>> corners;
@@ -221,7 +222,7 @@ TEST_CASE("The bounds of a group's triangles are their distances, and never more
 }
 
 TEST_CASE("The nearest unit of triangles is the foot on the nearest of them") {
-  Random random(6);
+  RandomTwister random(6);
   for (int trial = 0; trial < 1000; ++trial) {
     std::vector<std::array<Vector3, 3>> corners;
     const std::vector<TriangleGroup> groups{random_triangles(random, corners)};
@@ -244,7 +245,7 @@ TEST_CASE("The nearest unit of triangles is the foot on the nearest of them") {
 }
 
 TEST_CASE("Every processor finds the same of groups, bit by bit, and lists the same") {
-  Random random(3);
+  RandomTwister random(3);
   for (int trial = 0; trial < 200; ++trial) {
     const TileGroups tile = random_cells(random);
     std::vector<std::array<Vector3, 3>> corners;

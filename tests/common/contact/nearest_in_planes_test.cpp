@@ -15,11 +15,14 @@ HalfSpaces spaces_of(std::initializer_list<HalfSpace> planes) {
 
 TEST_CASE("A point that is in all half-spaces is left where it is") {
   CHECK(nearest_in_planes({}, {1, 2, 3}) == Vector3(1, 2, 3));
-  CHECK(nearest_in_planes(spaces_of({{Vector3::UnitZ(), 2}}), {1, 2, 3}) == Vector3(1, 2, 3));
+  CHECK(nearest_in_planes(spaces_of({half_space_above(Vector3::UnitZ(), 2)}), {1, 2, 3}) ==
+        Vector3(1, 2, 3));
 }
 
 TEST_CASE("One, two and three planes leave a foot, a line and a corner") {
-  const HalfSpace x{Vector3::UnitX(), 1}, y{Vector3::UnitY(), 2}, z{Vector3::UnitZ(), 3};
+  const HalfSpace x = half_space_above(Vector3::UnitX(), 1);
+  const HalfSpace y = half_space_above(Vector3::UnitY(), 2);
+  const HalfSpace z = half_space_above(Vector3::UnitZ(), 3);
   CHECK((nearest_in_planes(spaces_of({x}), {0, 5, 7}) - Vector3(1, 5, 7)).norm() < 1e-12);
   CHECK((nearest_in_planes(spaces_of({x, y}), {0, 0, 7}) - Vector3(1, 2, 7)).norm() < 1e-12);
   CHECK((nearest_in_planes(spaces_of({x, y, z}), {0, 0, 0}) - Vector3(1, 2, 3)).norm() < 1e-12);
@@ -33,17 +36,20 @@ TEST_CASE("No place in the half-spaces is nearer than the one that is found") {
   const auto vector = [&random] { return Vector3(random(), random(), random()); };
   for (int trial = 0; trial < 300; ++trial) {
     HalfSpaces spaces;
-    for (int k = 0; k < 3; ++k) spaces.add({vector().normalized(), random()});
+    for (int k = 0; k < 3; ++k) {
+      const Vector3 normal = vector().normalized();
+      spaces.add(half_space_above(normal, random()));
+    }
     const Vector3 point = 2 * vector();
     const Vector3 found = nearest_in_planes(spaces, point);
     for (std::size_t k = 0; k < 3; ++k) {
-      CHECK(spaces.planes[k].normal.dot(found) >= spaces.planes[k].offset - 1e-6);
+      CHECK(spaces.planes[k].normal.dot(found) <= spaces.planes[k].offset + 1e-6);
     }
     for (int other = 0; other < 200; ++other) {
       const Vector3 place = found + 0.5 * vector();
       bool in = true;
       for (std::size_t k = 0; k < 3; ++k) {
-        in = in && spaces.planes[k].normal.dot(place) >= spaces.planes[k].offset;
+        in = in && spaces.planes[k].normal.dot(place) <= spaces.planes[k].offset;
       }
       if (in) CHECK((place - point).norm() >= (found - point).norm() - 1e-6);
     }
@@ -51,8 +57,9 @@ TEST_CASE("No place in the half-spaces is nearer than the one that is found") {
 }
 
 TEST_CASE("Planes that face each other give a finite place") {
-  const Vector3 found =
-      nearest_in_planes(spaces_of({{Vector3::UnitZ(), 1}, {-Vector3::UnitZ(), 1}}), {0, 0, 0});
+  const Vector3 found = nearest_in_planes(
+      spaces_of({half_space_above(Vector3::UnitZ(), 1), half_space_above(-Vector3::UnitZ(), 1)}),
+      {0, 0, 0});
   CHECK(found.allFinite());
 }
 

@@ -3,10 +3,10 @@
 #include <cmath>
 #include <vector>
 
-#include "tests/baker/pipeline/bake_support.hpp"
-#include "baker/base/random.hpp"
+#include "common/base/random.hpp"
 #include "common/query/closest_element.hpp"
 #include "common/query/query.hpp"
+#include "tests/baker/pipeline/bake_support.hpp"
 
 namespace spm::baker {
 namespace {

@@ -4,15 +4,16 @@
 #include <array>
 #include <catch2/catch.hpp>
 #include <cmath>
-#include <random>
 
-#include "tests/support/asset_by_hand.hpp"
 #include "common/query/query.hpp"
+#include "tests/support/asset_by_hand.hpp"
+#include "tests/support/random.hpp"
 
 namespace spm {
 namespace {
 
 using Eigen::Isometry3d;
+using test::RandomTwister;
 using test::TiledCubeByHand;
 
 constexpr double field_size = 0.04;
@@ -57,16 +58,6 @@ ObjectContactSettings settings(std::uint32_t objects = 1) {
   made.most_reach = 0;
   return made;
 }
-
-class Randoms {
- public:
-  explicit Randoms(std::uint64_t seed) : bits_(seed) {}
-  double one() { return static_cast<double>(bits_() >> 11U) * 0x1p-52 - 1; }
-  Vector3 vector(double size) { return size * Vector3(one(), one(), one()); }
-
- private:
-  std::mt19937_64 bits_;
-};
 
 Isometry3d turned(const Isometry3d& pose, const Vector3& by) {
   Isometry3d made = pose;
@@ -124,7 +115,7 @@ TEST_CASE("Culling and memory of the last tick change no force: objects and tool
   const TiledCubeByHand field(field_size), small(0.02);
   const SurfaceSamples tool = tool_samples(0.0007);
   for (std::uint64_t seed = 1; seed <= 5; ++seed) {
-    Randoms random(seed);
+    RandomTwister random(seed);
     ObjectContact contact(tool, settings(2));
     std::array objects{ContactObject{&field.view, Isometry3d::Identity()},
                        ContactObject{&small.view, at(0.032, 0, 0.01)}};
@@ -156,7 +147,7 @@ TEST_CASE("Answers that are used again change the force by little, and spare the
   remembering.most_reach = 2e-4;
   ObjectContact contact(tool, settings()), sparing(tool, remembering);
   std::array objects{ContactObject{&field.view, Isometry3d::Identity()}};
-  Randoms random(11);
+  RandomTwister random(11);
   Isometry3d pose = turned(pressed_by(-0.0005), {0.1, 0.05, 0.3});
   std::uint64_t asked = 0, spared = 0;
   for (int tick = 0; tick < 300; ++tick) {
@@ -204,11 +195,12 @@ TEST_CASE("The two levels above the finest give its force within a tenth in the 
   ObjectContact contact(tool, settings());
   const std::array objects{ContactObject{&field.view, Isometry3d::Identity()}};
   const auto levels = static_cast<std::uint32_t>(tool.levels.size());
-  Randoms random(3);
+  RandomTwister random(3);
   std::array<double, 2> error{};
   double whole = 0;
   for (int trial = 0; trial < 60; ++trial) {
-    const Isometry3d pose = turned(pressed_by(-0.0004 * (1 + random.one())), random.vector(0.15));
+    const Isometry3d pose =
+        turned(pressed_by(-0.0004 * (1 + random.between(-1, 1))), random.vector(0.15));
     const Vector3 finest = contact.tick(pose, objects).sum.forces().force;
     whole += finest.squaredNorm();
     for (std::uint32_t coarser = 1; coarser <= 2; ++coarser) {

@@ -4,16 +4,17 @@
 #include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
-#include <random>
 
-#include "tests/support/asset_by_hand.hpp"
 #include "common/sixdof/hull_distance.hpp"
 #include "common/surface/support_plane_mapping.hpp"
+#include "tests/support/asset_by_hand.hpp"
+#include "tests/support/random.hpp"
 
 namespace spm {
 namespace {
 
 using Eigen::Isometry3d;
+using test::RandomTwister;
 using test::TiledCubeByHand;
 
 constexpr double size = 0.04;
@@ -23,19 +24,10 @@ SupportHull cube_hull() {
   return support_hull(*sample_surface(cube.view, 0.001), 0.0002, 64);
 }
 
-class Randoms {
- public:
-  explicit Randoms(std::uint64_t seed) : bits_(seed) {}
-  double one() { return static_cast<double>(bits_() >> 11U) * 0x1p-52 - 1; }
-  Vector3 vector(double most) { return most * Vector3(one(), one(), one()); }
-  Isometry3d pose(double most) {
-    const Vector3 by = vector(most), turn = vector(3);
-    return Eigen::Translation3d(by) * Isometry3d(Eigen::AngleAxisd(turn.norm(), turn.normalized()));
-  }
-
- private:
-  std::mt19937_64 bits_;
-};
+Isometry3d pose_of(RandomTwister& random, double most) {
+  const Vector3 by = random.vector(most), turn = random.vector(3);
+  return Eigen::Translation3d(by) * Isometry3d(Eigen::AngleAxisd(turn.norm(), turn.normalized()));
+}
 
 /// How far two cubes are apart by their faces and edges (separating axes); 0 or less: they overlap.
 double cube_gap(const Isometry3d& pose2) {
@@ -57,7 +49,7 @@ double cube_gap(const Isometry3d& pose2) {
 
 TEST_CASE(
     "The distance of a hull is that of a box's nearest corner, edge or face; 0 around the origin") {
-  Randoms random(3);
+  RandomTwister random(3);
   for (int trial = 0; trial < 2000; ++trial) {
     const Vector3 middle = random.vector(3);
     std::vector<Vector3> corners;
@@ -90,10 +82,10 @@ TEST_CASE("A cube's hull needs few of its samples and holds them all within the 
 
 TEST_CASE("Cubes that are told apart are, and those that are clearly apart are told so") {
   const SupportHull hull = cube_hull();
-  Randoms random(5);
+  RandomTwister random(5);
   int apart = 0, missed = 0, clear = 0;
   for (int trial = 0; trial < 5000; ++trial) {
-    const Isometry3d pose = random.pose(0.05);
+    const Isometry3d pose = pose_of(random, 0.05);
     const double truth = cube_gap(pose);
     SeparatingDirection none;
     const CullResult result = objects_apart(hull, hull, pose, none);
@@ -111,7 +103,7 @@ TEST_CASE("Cubes that are told apart are, and those that are clearly apart are t
 
 TEST_CASE("The direction that separated a pair tells it apart again where it moves little") {
   const SupportHull hull = cube_hull();
-  Randoms random(7);
+  RandomTwister random(7);
   SeparatingDirection last;
   Isometry3d pose = Eigen::Translation3d(0.045, 0.02, 0.01) *
                     Isometry3d(Eigen::AngleAxisd(0.1, Vector3::UnitZ()));

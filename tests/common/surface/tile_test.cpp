@@ -18,15 +18,15 @@ namespace {
 constexpr float unit_of_heights = 1e-6F;
 constexpr double rounding = 3e-8;  ///< of single precision at a tile's size, m
 
-using test::Random;
+using test::RandomTwister;
 
-SupportPlane random_plane(Random& random) {
+SupportPlane random_plane(RandomTwister& random) {
   const Vector3 normal(random.between(-1, 1), random.between(-1, 1), random.between(-1, 1));
   return plane_with_normal({0.01, -0.02, 0.03}, normal.normalized());
 }
 
 /// A wavy tile of 8 mm with some cells left out and some clipped.
-test::TileByHand random_tile(Random& random) {
+test::TileByHand random_tile(RandomTwister& random) {
   const double bend = random.between(-20, 20), ridge = random.between(0, 0.3);
   test::TileByHand made =
       test::tile_by_hand(0, random.between(-0.02, 0.02), random.between(-0.02, 0.02), 1e-3F,
@@ -98,7 +98,7 @@ double greatest_twist(const TileHeights& heights) {
 }
 
 /// A point about a tile, mostly near its surface.
-Vector3 point_near(Random& random, const Tile& tile, const SupportPlane& plane) {
+Vector3 point_near(RandomTwister& random, const Tile& tile, const SupportPlane& plane) {
   return reconstructed_surface(plane, tile.eta0 + random.between(-0.002, 0.010),
                                tile.omega0 + random.between(-0.002, 0.010),
                                tile.base + random.between(-0.01, 0.01));
@@ -139,7 +139,7 @@ TEST_CASE("A clip line survives packing to its steps") {
 }
 
 TEST_CASE("The foot on a tile is a point of its valid surface, as near as any but for the twist") {
-  Random random(5);
+  RandomTwister random(5);
   for (int trial = 0; trial < 200; ++trial) {
     const SupportPlane plane = random_plane(random);
     const test::TileByHand made = random_tile(random);
@@ -174,7 +174,7 @@ TEST_CASE("The foot on a tile is a point of its valid surface, as near as any bu
 }
 
 TEST_CASE("A foot that is no nearer than the limit is none") {
-  Random random(6);
+  RandomTwister random(6);
   for (int trial = 0; trial < 500; ++trial) {
     const SupportPlane plane = random_plane(random);
     const test::TileByHand made = random_tile(random);
@@ -191,7 +191,7 @@ TEST_CASE("A foot that is no nearer than the limit is none") {
 }
 
 TEST_CASE("Points that are not finite have no foot") {
-  Random random(8);
+  RandomTwister random(8);
   const SupportPlane plane = random_plane(random);
   const test::TileByHand made = random_tile(random);
   const Tile tile = made.view(unit_of_heights);
@@ -203,7 +203,7 @@ TEST_CASE("Points that are not finite have no foot") {
 }
 
 TEST_CASE("The nearest of a tile's cells is the foot on the tile") {
-  Random random(9);
+  RandomTwister random(9);
   int found = 0;
   for (int trial = 0; trial < 500; ++trial) {
     const SupportPlane plane = random_plane(random);

@@ -8,7 +8,7 @@ import os
 import sys
 
 from cyclictest import watch
-from soak_tools import (Daemon, Folder, add_common_options, bake, box_of, cores_of, show,
+from soak_tools import (Daemon, Folder, add_common_options, asset_or_demo, cores_of, show,
                         write_scene)
 
 FASTEST = 4000  # Hz
@@ -36,11 +36,7 @@ def main() -> int:
     cores = cores_of(arguments.cores)
     found = []
     with Folder() as folder:
-        if arguments.asset:
-            asset = os.path.abspath(arguments.asset)
-            low, high = box_of(asset)
-        else:
-            asset, low, high = bake(folder, "demo")
+        asset, low, high = asset_or_demo(arguments.asset, folder)
 
         def scene(name: str, poses: list[tuple[float, ...]], stiffness: float) -> str:
             return write_scene(os.path.join(folder, name), asset, poses, stiffness)

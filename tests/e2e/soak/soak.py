@@ -10,7 +10,7 @@ import os
 import sys
 
 from cyclictest import watch
-from soak_tools import (HOME, Daemon, Folder, add_common_options, bake, box_of, cores_of, program,
+from soak_tools import (HOME, Daemon, Folder, add_common_options, asset_or_demo, cores_of, program,
                         show, write_scene)
 
 STIFFNESS = 300.0  # N/m: the emulated arm swings centimetres deep, whatever it feels
@@ -52,11 +52,7 @@ def main() -> int:
     arguments = parser.parse_args()
     seconds, cores = arguments.minutes * 60, cores_of(arguments.cores)
     with Folder() as folder:
-        if arguments.asset:
-            asset = os.path.abspath(arguments.asset)
-            low, high = box_of(asset)
-        else:
-            asset, low, high = bake(folder, "demo")
+        asset, low, high = asset_or_demo(arguments.asset, folder)
         middle = [(a + b) / 2 for a, b in zip(low, high)]
         scene = write_scene(os.path.join(folder, "scene.toml"), asset,
                             [tuple(at - of for at, of in zip(HOME, middle))], STIFFNESS)

@@ -21,7 +21,7 @@ HERE = os.path.dirname(os.path.abspath(__file__))
 SOURCE = os.path.abspath(os.path.join(HERE, os.pardir, os.pardir, os.pardir))
 sys.path[:0] = [os.path.join(HERE, os.pardir), os.path.join(SOURCE, "servo", "client", "python")]
 
-from programs import BAKE, BIN, SERVO  # noqa: E402
+from programs import BAKE, BIN, SERVO, generate  # noqa: E402
 
 os.environ.setdefault("SPM_CLIENT_LIBRARY", os.path.join(BIN, os.pardir, "lib", "libspm_client.so"))
 
@@ -54,9 +54,7 @@ class Folder:
 
 def bake(folder: str, model: str, *options: str) -> tuple[str, list[float], list[float]]:
     """Bakes a model of models/generate.py: the asset, and the corners of its box in metres."""
-    generator = os.path.join(SOURCE, "models", "generate.py")
-    subprocess.run([sys.executable, generator, "--out", folder, model], check=True,
-                   capture_output=True)
+    generate(folder, model)
     asset = os.path.join(folder, model + ".spm.exr")
     done = subprocess.run([BAKE, "build", os.path.join(folder, model + ".obj"), "-o", asset,
                            *options, "--json"], check=True, capture_output=True, text=True)
@@ -80,6 +78,13 @@ def box_of(asset: str) -> tuple[list[float], list[float]]:
                           text=True)
     box = json.loads(done.stdout)["mesh"]["bbox_m"]
     return box["min"], box["max"]
+
+
+def asset_or_demo(path: str | None, folder: str) -> tuple[str, list[float], list[float]]:
+    """A baked asset, or where none is named the demo's: its path, and the corners of its box, m."""
+    if not path:
+        return bake(folder, "demo")
+    return os.path.abspath(path), *box_of(os.path.abspath(path))
 
 
 def write_scene(path: str, asset: str, poses: list[tuple[float, ...]], stiffness: float,

@@ -37,7 +37,7 @@ TEST_CASE("Numbers of a description round-trip to the last bit") {
   Random random(9);
   for (int k = 0; k < 500; ++k) {
     description.plane_spacing[0] =
-        std::ldexp(random.between(0.5, 1), static_cast<int>(random.below(200)) - 100);
+        std::ldexp(random.between(0.5, 1), static_cast<int>(below(random, 200)) - 100);
     const auto parsed = parse_description(to_json(description), "a.exr");
     REQUIRE(parsed.has_value());
     REQUIRE(parsed->plane_spacing == description.plane_spacing);
@@ -217,7 +217,7 @@ TEST_CASE("The sizes of an element tree's box round-trip to the last bit") {
   for (int k = 0; k < 200; ++k) {
     for (float& size : description.tree_size) {
       size = static_cast<float>(
-          std::ldexp(random.between(0.5, 1), static_cast<int>(random.below(40)) - 30));
+          std::ldexp(random.between(0.5, 1), static_cast<int>(below(random, 40)) - 30));
     }
     const auto parsed = parse_description(to_json(description), "a.exr");
     REQUIRE(parsed.has_value());

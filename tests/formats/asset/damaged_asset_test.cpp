@@ -15,9 +15,9 @@
 #include <catch2/catch.hpp>
 #include <functional>
 
+#include "formats/asset/mapped_asset.hpp"
 #include "formats/exr/exr_header.hpp"
 #include "formats/exr/exr_layout.hpp"
-#include "formats/asset/mapped_asset.hpp"
 #include "tests/formats/asset/damage.hpp"
 #include "tests/formats/support/exr_by_hand.hpp"
 #include "tests/formats/support/synthetic_asset.hpp"
@@ -280,7 +280,7 @@ TEST_CASE("An asset cut short anywhere is refused as cut short") {
   Random random(4);
   std::vector<std::size_t> lengths{5, 8, 9, 100, 1000, 4096, bytes.size() / 2, bytes.size() - 1};
   for (int k = 0; k < 40; ++k)
-    lengths.push_back(5 + random.below(static_cast<std::uint32_t>(bytes.size() - 5)));
+    lengths.push_back(5 + below(random, static_cast<std::uint32_t>(bytes.size() - 5)));
   for (const std::size_t length : lengths) {
     write_bytes(path, bytes.substr(0, length));
     check_refused({std::to_string(length), {}, "cut short"}, path);
@@ -296,9 +296,9 @@ TEST_CASE("Any flipped bit of an asset is found by its checksum") {
     for (int k = 0; k < 400; ++k) {
       // Half of the flips in the header, which is the smaller part.
       const std::uint32_t at =
-          random.below(k % 2 == 0 ? header : static_cast<std::uint32_t>(bytes.size()));
+          below(random, k % 2 == 0 ? header : static_cast<std::uint32_t>(bytes.size()));
       std::string flipped = bytes;
-      flipped[at] = static_cast<char>(flipped[at] ^ (1 << random.below(8)));
+      flipped[at] = static_cast<char>(flipped[at] ^ (1 << below(random, 8)));
       write_bytes(path, flipped);
       const auto opened = MappedAsset::open(path);
       INFO("byte " << at);

@@ -38,30 +38,30 @@ std::string mutant(const std::string& bytes,
                    const std::vector<std::pair<std::uint64_t, std::uint64_t>>& ranges,
                    Random& random) {
   std::string mutated = bytes;
-  const std::uint32_t changes = 1 + random.below(3);
+  const std::uint32_t changes = 1 + below(random, 3);
   for (std::uint32_t k = 0; k < changes; ++k) {
-    const auto& [begin, end] = ranges[random.below(static_cast<std::uint32_t>(ranges.size()))];
-    const std::uint64_t at = begin + random.bits() % (end - begin);
-    switch (random.below(5)) {
+    const auto& [begin, end] = ranges[below(random, static_cast<std::uint32_t>(ranges.size()))];
+    const std::uint64_t at = begin + random.next() % (end - begin);
+    switch (below(random, 5)) {
       case 0:
-        mutated[at] = static_cast<char>(mutated[at] ^ (1 << random.below(8)));
+        mutated[at] = static_cast<char>(mutated[at] ^ (1 << below(random, 8)));
         break;
       case 1:
-        mutated[at] = static_cast<char>(random.below(256));
+        mutated[at] = static_cast<char>(below(random, 256));
         break;
       case 2:  // a digit of the description stays a digit
-        mutated[at] = static_cast<char>('0' + random.below(10));
+        mutated[at] = static_cast<char>('0' + below(random, 10));
         break;
       case 3:
-        mutated[at] = random.below(2) == 0 ? '\0' : '\xff';
+        mutated[at] = below(random, 2) == 0 ? '\0' : '\xff';
         break;
       default:
-        mutated[at] = mutated[begin + random.bits() % (end - begin)];
+        mutated[at] = mutated[begin + random.next() % (end - begin)];
         break;
     }
   }
-  if (random.below(20) == 0)
-    mutated.resize(1 + random.below(static_cast<std::uint32_t>(mutated.size())));
+  if (below(random, 20) == 0)
+    mutated.resize(1 + below(random, static_cast<std::uint32_t>(mutated.size())));
   reseal(mutated);
   return mutated;
 }
@@ -124,8 +124,8 @@ TEST_CASE("Bytes that change under the map after the checks leave queries safe")
     std::fstream file(path, std::ios::binary | std::ios::in | std::ios::out);
     for (int k = 0; k < 200; ++k) {
       std::string block(512, '\0');
-      for (char& byte : block) byte = static_cast<char>(random.below(256));
-      file.seekp(random.below(static_cast<std::uint32_t>(bytes.size() - block.size())));
+      for (char& byte : block) byte = static_cast<char>(below(random, 256));
+      file.seekp(below(random, static_cast<std::uint32_t>(bytes.size() - block.size())));
       file.write(block.data(), static_cast<std::streamsize>(block.size())).flush();
       use((*opened)->view(), random);
     }

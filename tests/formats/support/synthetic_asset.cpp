@@ -11,9 +11,9 @@
 #include <stdexcept>
 
 #include "common/base/octahedral.hpp"
-#include "formats/files/checksum.hpp"
 #include "formats/exr/exr_header.hpp"
 #include "formats/exr/exr_layout.hpp"
+#include "formats/files/checksum.hpp"
 #include "tests/support/tree_by_hand.hpp"
 
 namespace spm::test {
@@ -39,18 +39,6 @@ std::vector<std::string> TemporaryFolder::entries() const {
   }
   std::sort(names.begin(), names.end());
   return names;
-}
-
-std::uint64_t Random::bits() {
-  state_ += 0x9E3779B97F4A7C15U;  // splitmix64
-  std::uint64_t z = state_;
-  z = (z ^ (z >> 30U)) * 0xBF58476D1CE4E5B9U;
-  z = (z ^ (z >> 27U)) * 0x94D049BB133111EBU;
-  return z ^ (z >> 31U);
-}
-
-double Random::between(double low, double high) {
-  return low + (high - low) * static_cast<double>(bits() >> 11U) * 0x1p-53;
 }
 
 namespace {
@@ -100,7 +88,7 @@ MapData random_map(Random& random, std::uint32_t columns, std::uint32_t rows,
     map.samples.push_back(static_cast<float>(random.between(0.03, 0.07)));
   }
   for (std::uint32_t k = 0; k < mask_words(columns, rows, layers); ++k) {
-    map.mask.push_back(static_cast<std::uint32_t>(random.bits() | random.bits()));
+    map.mask.push_back(static_cast<std::uint32_t>(random.next() | random.next()));
   }
   return map;
 }
@@ -112,16 +100,16 @@ float random_half(Random& random, double size) {
 
 TileData random_tile(Random& random, std::uint32_t planes) {
   TileData tile;
-  tile.plane = random.below(planes);
-  tile.level = random.below(3);
-  tile.first_layer = random.below(5);
-  tile.column = -static_cast<std::int32_t>(random.below(2U << tile.level));
-  tile.row = static_cast<std::int32_t>(random.below(2U << tile.level)) - (1 << tile.level);
+  tile.plane = below(random, planes);
+  tile.level = below(random, 3);
+  tile.first_layer = below(random, 5);
+  tile.column = -static_cast<std::int32_t>(below(random, 2U << tile.level));
+  tile.row = static_cast<std::int32_t>(below(random, 2U << tile.level)) - (1 << tile.level);
   tile.base = static_cast<float>(random.between(0.03, 0.07));
   tile.slope_eta = random_half(random, 0.5);
   tile.slope_omega = random_half(random, 0.5);
-  tile.valid = random.below(3) == 0 ? ~std::uint64_t{0} : random.bits() | random.bits();
-  tile.clipped = random.below(2) == 0 ? 0 : random.bits() & random.bits() & tile.valid;
+  tile.valid = below(random, 3) == 0 ? ~std::uint64_t{0} : random.next() | random.next();
+  tile.clipped = below(random, 2) == 0 ? 0 : random.next() & random.next() & tile.valid;
   for (std::uint16_t& height : tile.heights) {
     height = float_to_half(static_cast<float>(random.between(-1000, 1000)));
   }
@@ -157,7 +145,7 @@ class GridMaker {
     if (kind == 1) return word_of(CellKind::deep, pack_octahedral(Vector3(0.6, 0, 0.8)));
     if (kind == 2) return word_of(CellKind::pruned, 0);
     if (kind == 3 && !lists_.empty()) {
-      return lists_[random_.below(static_cast<std::uint32_t>(lists_.size()))];
+      return lists_[below(random_, static_cast<std::uint32_t>(lists_.size()))];
     }
     lists_.push_back(list());
     return lists_.back();
@@ -165,16 +153,16 @@ class GridMaker {
 
   std::uint32_t list() {
     const auto triangles = static_cast<std::uint32_t>(asset_.triangles.size() / 9);
-    const std::uint32_t map_count = 1 + random_.below(4);
-    const std::uint32_t triangle_count = random_.below(4);
+    const std::uint32_t map_count = 1 + below(random_, 4);
+    const std::uint32_t triangle_count = below(random_, 4);
     const auto offset = static_cast<std::uint32_t>(grid.records.size());
     grid.records.push_back(list_header(map_count, triangle_count));
     for (std::uint32_t k = 0; k < map_count; ++k) {
-      const std::uint32_t map = random_.below(static_cast<std::uint32_t>(asset_.maps.size()));
-      grid.records.push_back(pack_candidate({map, random_.below(asset_.maps[map].layers)}));
+      const std::uint32_t map = below(random_, static_cast<std::uint32_t>(asset_.maps.size()));
+      grid.records.push_back(pack_candidate({map, below(random_, asset_.maps[map].layers)}));
     }
     for (std::uint32_t k = 0; k < triangle_count; ++k) {
-      grid.records.push_back(random_.below(triangles) * 2 + random_.below(2));
+      grid.records.push_back(below(random_, triangles) * 2 + below(random_, 2));
     }
     return word_of(CellKind::record, offset);
   }
@@ -183,7 +171,7 @@ class GridMaker {
   std::uint32_t split(int levels) {
     std::vector<std::uint32_t> octants;
     if (levels > 1) octants.push_back(split(levels - 1));
-    while (octants.size() < 8) octants.push_back(word(random_.below(7)));
+    while (octants.size() < 8) octants.push_back(word(below(random_, 7)));
     const auto offset = static_cast<std::uint32_t>(grid.records.size());
     grid.records.insert(grid.records.end(), octants.begin(), octants.end());
     return word_of(CellKind::record, split_bit | offset);
@@ -205,8 +193,8 @@ SpaceData random_space(Random& random) {
     std::uint32_t kinds = 0;
     for (std::uint32_t octant = 0; octant < 8; ++octant) {
       SpaceKind kind =
-          random.below(2) == 0 ? SpaceKind::told : static_cast<SpaceKind>(random.below(5));
-      if (levels[node] < 4 && (octant == 0 || random.below(2) == 0)) {
+          below(random, 2) == 0 ? SpaceKind::told : static_cast<SpaceKind>(below(random, 5));
+      if (levels[node] < 4 && (octant == 0 || below(random, 2) == 0)) {
         kind = SpaceKind::split;
         levels.push_back(levels[node] + 1);
       }
@@ -223,7 +211,7 @@ TreeData random_tree(Random& random, std::uint32_t tiles, std::uint32_t corners)
   std::vector<TreeChild> leaves;
   for (std::uint32_t tile = 0; tile < tiles; ++tile) leaves.push_back({ElementKind::tile, tile, 1});
   for (std::uint32_t first = 0; first + 2 < corners;) {
-    const std::uint32_t count = std::min(1 + random.below(5), corners - first - 2);
+    const std::uint32_t count = std::min(1 + below(random, 5), corners - first - 2);
     leaves.push_back({ElementKind::fan, first, count});
     first += count + 2;
   }
@@ -243,9 +231,9 @@ TreeData random_tree(Random& random, std::uint32_t tiles, std::uint32_t corners)
         child = node_child(static_cast<std::uint32_t>(nodes.size()));
         nodes.emplace_back(first, last);
       }
-      for (std::uint8_t& low : child.low) low = static_cast<std::uint8_t>(random.below(40));
+      for (std::uint8_t& low : child.low) low = static_cast<std::uint8_t>(below(random, 40));
       for (std::uint8_t& high : child.high)
-        high = static_cast<std::uint8_t>(255 - random.below(40));
+        high = static_cast<std::uint8_t>(255 - below(random, 40));
       children.push_back(child);
     }
     add_tree_node(tree.words, children);
@@ -277,7 +265,7 @@ Asset sparse_asset(std::uint64_t seed, const SparseShape& shape) {
     asset.triangle_origin = Vector3(-0.03, -0.03, -0.03);
     asset.triangle_step = 1e-6;
     for (std::uint32_t k = 0; k < 9 * shape.triangles; ++k) {
-      asset.small_triangles.push_back(static_cast<std::uint16_t>(random.below(60000)));
+      asset.small_triangles.push_back(static_cast<std::uint16_t>(below(random, 60000)));
     }
   } else {
     asset.triangles = random_triangles(random, shape.triangles);
@@ -299,7 +287,7 @@ Asset full_asset(std::uint64_t seed, const std::vector<std::uint32_t>& layers,
     MapData map = random_map(random, columns, rows, layers[plane]);
     map.plane = plane;
     for (float& sample : map.samples) {
-      if (random.below(4) == 0) sample = no_hit;
+      if (below(random, 4) == 0) sample = no_hit;
     }
     asset.maps.push_back(std::move(map));
   }

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "common/base/random.hpp"
 #include "formats/asset/asset.hpp"
 
 namespace spm::test {
@@ -25,17 +26,10 @@ class TemporaryFolder {
   std::string folder_;
 };
 
-/// Random numbers that are the same everywhere.
-class Random {
- public:
-  explicit Random(std::uint64_t seed) : state_(seed) {}
-  std::uint64_t bits();
-  std::uint32_t below(std::uint32_t bound) { return static_cast<std::uint32_t>(bits() % bound); }
-  double between(double low, double high);
-
- private:
-  std::uint64_t state_;
-};
+/// A whole number from 0 to below a bound.
+[[nodiscard]] inline std::uint32_t below(Random& random, std::uint32_t bound) {
+  return static_cast<std::uint32_t>(random.next() % bound);
+}
 
 struct SparseShape {
   std::uint32_t planes = 10;

@@ -9,9 +9,9 @@
 #include <string>
 #include <vector>
 
+#include "common/base/random.hpp"
 #include "servo/app/app_state.hpp"
 #include "servo/shared/shared_words.hpp"
-#include "servo/base/random.hpp"
 #include "tests/servo/support/loop_stand_in.hpp"
 
 using namespace spm;

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <vector>
 
-#include "servo/base/random.hpp"
+#include "common/base/random.hpp"
 
 using namespace spm;
 using namespace spm::servo;

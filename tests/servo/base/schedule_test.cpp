@@ -3,7 +3,7 @@
 
 #include <catch2/catch.hpp>
 
-#include "servo/base/random.hpp"
+#include "common/base/random.hpp"
 
 using spm::servo::TickSchedule;
 
@@ -30,7 +30,7 @@ TEST_CASE("A tick that is due at this very moment is late") {
 
 TEST_CASE("Whatever the delays, every tick is later than the last and in the future") {
   for (const double rate : {500.0, 1000.0, 3000.0, 4000.0}) {
-    spm::servo::Random random(7);
+    spm::Random random(7);
     TickSchedule schedule(123'456'789, rate);
     std::int64_t now = 123'456'789;
     std::uint64_t skipped = 0;

@@ -5,7 +5,7 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
-#include "servo/base/random.hpp"
+#include "common/base/random.hpp"
 
 using spm::servo::DurationHistogram;
 using spm::servo::summarise;
@@ -22,7 +22,7 @@ double nearest_rank(const std::vector<double>& sorted, double share) {
 
 TEST_CASE("Percentiles are those of the sorted values") {
   for (const std::size_t count : {1U, 2U, 99U, 100U, 1000U, 12345U}) {
-    spm::servo::Random random(count);
+    spm::Random random(count);
     std::vector<double> values;
     for (std::size_t i = 0; i < count; ++i) values.push_back(random.between(0, 1));
     std::vector<double> sorted = values;
@@ -50,7 +50,7 @@ TEST_CASE("A summary of nothing is zero") {
 
 TEST_CASE("The histogram's percentiles are at most 1/256 above those of the sorted durations") {
   for (const double largest : {300.0, 1e5, 1e10}) {
-    spm::servo::Random random(static_cast<std::uint64_t>(largest));
+    spm::Random random(static_cast<std::uint64_t>(largest));
     DurationHistogram histogram;
     std::vector<double> values;
     for (int i = 0; i < 20'000; ++i) {

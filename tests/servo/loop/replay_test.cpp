@@ -5,8 +5,8 @@
 #include <catch2/catch.hpp>
 #include <fstream>
 
+#include "common/base/random.hpp"
 #include "common/query/query.hpp"
-#include "servo/base/random.hpp"
 #include "tests/servo/support/shape_asset.hpp"
 
 using namespace spm;

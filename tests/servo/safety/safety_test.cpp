@@ -5,9 +5,10 @@
 #include <limits>
 #include <string>
 
-#include "servo/base/random.hpp"
+#include "common/base/random.hpp"
 
 using namespace spm::servo;
+using spm::Random;
 using spm::Vector3;
 
 namespace {

@@ -15,11 +15,13 @@
 
 #include "servo/devices/sim/device_sim.hpp"
 #include "servo/loop/loop.hpp"
+#include "tests/servo/support/eventually.hpp"
 #include "tests/servo/support/scripted_device.hpp"
 #include "tests/servo/support/shape_asset.hpp"
 
 using namespace spm;
 using namespace spm::servo;
+using spm::test::eventually;
 using spm::test::TemporaryFolder;
 
 namespace {
@@ -53,15 +55,6 @@ const std::vector<Damage> damages{{"truncated", truncate_file},
                                   {"edited", edit_file},
                                   {"replaced", replace_file},
                                   {"deleted", delete_file}};
-
-bool eventually(const std::function<bool()>& condition) {
-  const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(20);
-  while (std::chrono::steady_clock::now() < end) {
-    if (condition()) return true;
-    std::this_thread::sleep_for(std::chrono::milliseconds(1));
-  }
-  return false;
-}
 
 KeeperOptions options_for(const std::string& path) {
   KeeperOptions options;

@@ -16,30 +16,20 @@
 #include <vector>
 
 #include "servo/loop/loop.hpp"
+#include "tests/servo/support/eventually.hpp"
 #include "tests/servo/support/scripted_device.hpp"
 #include "tests/servo/support/shape_asset.hpp"
 
 using namespace spm;
 using namespace spm::servo;
+using spm::test::contains;
+using spm::test::eventually;
 
 namespace {
 
 constexpr double size = 0.04;
 /// As deep the hand is in the box at the origin, m.
 constexpr double depth = 1e-3;
-
-bool eventually(const std::function<bool()>& condition) {
-  const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(20);
-  while (std::chrono::steady_clock::now() < end) {
-    if (condition()) return true;
-    std::this_thread::sleep_for(std::chrono::milliseconds(1));
-  }
-  return false;
-}
-
-bool contains(const std::string& text, const std::string& part) {
-  return text.find(part) != std::string::npos;
-}
 
 const std::string box = "[[object]]\nasset = \"box.spm.exr\"\n";
 const std::string other = "[[object]]\nasset = \"other.spm.exr\"\n";

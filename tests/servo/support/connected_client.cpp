@@ -14,19 +14,6 @@ namespace spm::test {
 
 using namespace servo;
 
-bool eventually(const std::function<bool()>& so) {
-  const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(20);
-  while (!so()) {
-    if (std::chrono::steady_clock::now() > deadline) return false;
-    std::this_thread::sleep_for(std::chrono::milliseconds(1));
-  }
-  return true;
-}
-
-bool contains(const std::string& text, const std::string& part) {
-  return text.find(part) != std::string::npos;
-}
-
 spm_client_pose pose_at(double x) {
   auto pose = sized<spm_client_pose>();
   pose.position[0] = x;

@@ -3,19 +3,14 @@
 
 #include <sys/un.h>
 
-#include <functional>
 #include <memory>
 #include <string>
 
 #include "servo/app/app_server.hpp"
 #include "servo/client/spm_client.h"
+#include "tests/servo/support/eventually.hpp"
 
 namespace spm::test {
-
-/// Waits until something is so; false where it never came to be, beyond any machine's worst moment.
-[[nodiscard]] bool eventually(const std::function<bool()>& so);
-
-[[nodiscard]] bool contains(const std::string& text, const std::string& part);
 
 /// A struct of spm_client.h with its size.
 template <class Record>

@@ -9,11 +9,11 @@
 #include <string>
 #include <vector>
 
+#include "common/base/random.hpp"
 #include "servo/app/app_client.hpp"
 #include "servo/app/app_state.hpp"
-#include "servo/shared/shared_buckets.hpp"
 #include "servo/base/duration_buckets.hpp"
-#include "servo/base/random.hpp"
+#include "servo/shared/shared_buckets.hpp"
 #include "servo/top/top_screen.hpp"
 
 using namespace spm;

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <map>
 
-#include "servo/base/random.hpp"
+#include "common/base/random.hpp"
 #include "tests/stability/catalogue/sixdof_shapes.hpp"
 
 namespace spm::stability {
@@ -137,7 +137,7 @@ Shape cone_pit(double depth) {
 Shape faceted_wall(double height, std::uint64_t seed) {
   constexpr int squares = 12;
   Shape shape = bumpy_plate(12e-3, 6e-3, 0, 0, squares);
-  servo::Random random(seed);
+  Random random(seed);
   for (std::size_t i = 0; i < std::size_t{squares + 1} * (squares + 1); ++i) {
     shape.vertices[i].z() += random.between(-height, height);
   }

@@ -8,8 +8,8 @@
 #include <cstddef>
 #include <numbers>
 
+#include "common/base/random.hpp"
 #include "servo/devices/sim/actuator_line.hpp"
-#include "servo/base/random.hpp"
 #include "tests/stability/laboratory/contestants.hpp"
 #include "tests/stability/objects/hand_script.hpp"
 #include "tests/stability/objects/prepared_object.hpp"
@@ -25,7 +25,7 @@ constexpr double chance_share = 1.01;
 
 /// Where between encoder steps the hand's path lies, m: no run begins on a step by chance.
 Vector3 path_offset(double encoder_step, std::uint64_t seed) {
-  servo::Random random(seed ^ offset_seed);
+  Random random(seed ^ offset_seed);
   Vector3 offset;
   for (double& along : offset) along = random.between(-0.5, 0.5) * encoder_step;
   return offset;

@@ -7,7 +7,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "servo/base/random.hpp"
+#include "common/base/random.hpp"
 #include "tests/bench/base/quantile.hpp"
 #include "tests/stability/laboratory/contestants.hpp"
 
@@ -63,7 +63,7 @@ std::vector<ClosedLoop> closed_loops(const StabilityCase& tried, const LoopPlan&
   const double longer = longer_axis(plan.length, shorter);
   const double round = plan.length / (2 * std::numbers::pi);
   const auto count = static_cast<std::size_t>(std::lround(plan.length / plan.step));
-  servo::Random random(plan.seed);
+  Random random(plan.seed);
   std::vector<ClosedLoop> loops;
   for (std::size_t tries = 0; loops.size() < plan.loops && tries < tries_a_loop * plan.loops;
        ++tries) {

@@ -6,9 +6,9 @@
 #include <limits>
 #include <numbers>
 
+#include "common/base/random.hpp"
 #include "common/base/units.hpp"
 #include "servo/devices/sim/sim_plant.hpp"
-#include "servo/base/random.hpp"
 
 namespace spm::stability {
 
@@ -19,7 +19,7 @@ constexpr double gravity = 9.81;  // m/s2
 constexpr std::size_t looked_at = 10;
 
 /// Where between encoder steps a run lies, so that none begins on one by chance; in steps.
-Vector3 offset_of(servo::Random& random) {
+Vector3 offset_of(Random& random) {
   Vector3 offset;
   for (double& along : offset) along = random.between(-0.5, 0.5);
   return offset;
@@ -145,7 +145,7 @@ SixdofSettings sixdof_settings(const SixdofCase& tried, const RunSettings& setti
 SixdofRun run_sixdof_case(const SixdofCase& tried, const SixdofScene& scene,
                           const RunSettings& settings, const Contender& contender) {
   SixdofPlant plant(sixdof_settings(tried, settings));
-  servo::Random random(settings.seed);
+  Random random(settings.seed);
   const Vector3 offset = offset_of(random) * settings.profile->encoder_step;
   Eigen::Isometry3d start = tried.start;
   start.pretranslate(offset);

@@ -2,12 +2,12 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
-#include "servo/base/random.hpp"
+#include "common/base/random.hpp"
 #include "tests/stability/theory/passivity_adversary.hpp"
 #include "tests/stability/theory/theory_check.hpp"
 
 using namespace spm::stability;
-using spm::servo::Random;
+using spm::Random;
 
 namespace {
 

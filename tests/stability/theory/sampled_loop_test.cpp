@@ -5,12 +5,12 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
-#include "servo/base/random.hpp"
+#include "common/base/random.hpp"
 #include "tests/stability/theory/theory_check.hpp"
 
 using namespace spm::stability;
+using spm::Random;
 using spm::servo::HandModel;
-using spm::servo::Random;
 
 TEST_CASE("Without a wall the eigenvalues are those of the continuous oscillator over a tick") {
   SampledLoop loop;

@@ -10,14 +10,14 @@
 #include <limits>
 #include <numbers>
 
+#include "common/base/random.hpp"
 #include "servo/devices/sim/sim_plant.hpp"
-#include "servo/base/random.hpp"
 #include "tests/stability/theory/passivity_adversary.hpp"
 
 namespace spm::stability {
 namespace {
 
-using servo::Random;
+using Random;
 
 constexpr double seconds = 4;  // of a run: the hand's own swing has died in the first quarter
 constexpr double searched = 0.2;

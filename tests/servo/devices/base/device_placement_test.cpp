@@ -10,9 +10,9 @@
 #include <utility>
 #include <vector>
 
-#include "servo/devices/finder/device_list.hpp"
+#include "common/base/random.hpp"
 #include "servo/devices/base/device_placed.hpp"
-#include "servo/base/random.hpp"
+#include "servo/devices/finder/device_list.hpp"
 
 using namespace spm;
 using namespace spm::servo;

@@ -11,12 +11,14 @@
 #include "servo/base/clock.hpp"
 #include "servo/devices/base/device_placed.hpp"
 #include "servo/devices/falcon/device_falcon.hpp"
-#include "servo/devices/wooden/device_wooden.hpp"
 #include "servo/devices/falcon/falcon_kinematics.hpp"
+#include "servo/devices/wooden/device_wooden.hpp"
+#include "tests/servo/devices/falcon/falcon_counts.hpp"
 #include "tests/servo/support/intercepted_calls.hpp"
 
 using namespace spm;
 using namespace spm::servo;
+using spm::test::falcon_counts;
 
 namespace {
 

@@ -4,9 +4,10 @@
 #include <algorithm>
 #include <catch2/catch.hpp>
 
-#include "servo/base/random.hpp"
+#include "common/base/random.hpp"
 
 using namespace spm::servo;
+using spm::Random;
 
 TEST_CASE("The first count is taken as it is, also after a reset") {
   EncoderUnwrap unwrap;

@@ -10,9 +10,10 @@
 #include <thread>
 #include <vector>
 
-#include "servo/base/random.hpp"
+#include "common/base/random.hpp"
 
 using namespace spm::servo;
+using spm::Random;
 
 namespace {
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "servo/devices/base/port_threads.hpp"
+#include "tests/servo/support/eventually.hpp"
 
 #include <pthread.h>
 #include <sched.h>
@@ -12,6 +13,7 @@
 
 using namespace spm;
 using namespace spm::servo;
+using spm::test::eventually;
 
 namespace {
 
@@ -90,17 +92,6 @@ Threads::Open opens(Script& script) {
     if (!plugged_in) return fail(ExitCode::file_or_device, "not plugged in: plug it in");
     return std::unique_ptr<Port<int, int>>(std::make_unique<ScriptedPort>(script));
   };
-}
-
-/// Asks again and again until something holds; the time only ends a test that has failed.
-template <class Condition>
-[[nodiscard]] bool eventually(const Condition& condition) {
-  const std::int64_t end = now_ns() + 20'000'000'000;
-  while (!condition()) {
-    if (now_ns() > end) return false;
-    std::this_thread::sleep_for(std::chrono::milliseconds(1));
-  }
-  return true;
 }
 
 }  // namespace

@@ -7,7 +7,7 @@
 #include <limits>
 #include <string>
 
-#include "servo/base/random.hpp"
+#include "common/base/random.hpp"
 #include "tests/servo/devices/falcon/scripted_falcon.hpp"
 #include "tests/servo/support/shape_asset.hpp"
 

@@ -6,11 +6,13 @@
 #include <limits>
 #include <utility>
 
+#include "common/base/random.hpp"
 #include "servo/devices/falcon/falcon_packet.hpp"
-#include "servo/base/random.hpp"
+#include "tests/servo/devices/falcon/falcon_counts.hpp"
 
 using namespace spm;
 using namespace spm::servo;
+using spm::test::falcon_counts;
 
 namespace {
 

@@ -6,9 +6,10 @@
 #include <string>
 #include <vector>
 
-#include "servo/base/random.hpp"
+#include "common/base/random.hpp"
 
 using namespace spm::servo;
+using spm::Random;
 
 namespace {
 

@@ -4,8 +4,11 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
+#include "tests/servo/devices/falcon/falcon_counts.hpp"
+
 using namespace spm;
 using namespace spm::servo;
+using spm::test::falcon_counts;
 
 namespace {
 

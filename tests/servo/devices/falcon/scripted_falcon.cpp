@@ -6,6 +6,7 @@
 #include <cstdlib>
 
 #include "servo/devices/falcon/falcon_kinematics.hpp"
+#include "tests/servo/devices/falcon/falcon_counts.hpp"
 
 namespace spm::servo::test {
 
@@ -22,7 +23,7 @@ std::array<int, 3> counts_after(std::uint64_t packets) {
   const double t = 1e-3 * static_cast<double>(packets);
   const auto angles =
       falcon_inverse({0.02 * std::sin(3 * t), 0.015 * std::sin(2 * t), 0.01 * std::sin(5 * t)});
-  const Vector3 counts = falcon_counts(*angles);
+  const Vector3 counts = spm::test::falcon_counts(*angles);
   return {static_cast<int>(std::lround(counts[0])), static_cast<int>(std::lround(counts[1])),
           static_cast<int>(std::lround(counts[2]))};
 }

@@ -5,10 +5,11 @@
 #include <catch2/catch.hpp>
 #include <vector>
 
-#include "servo/base/random.hpp"
+#include "common/base/random.hpp"
 #include "tests/servo/devices/hid/pid_descriptors.hpp"
 
 using namespace spm::servo;
+using spm::Random;
 using spm::test::DescriptorWriter;
 using spm::test::PidStick;
 

@@ -6,7 +6,7 @@
 #include <limits>
 #include <vector>
 
-#include "servo/base/random.hpp"
+#include "common/base/random.hpp"
 #include "tests/servo/devices/hid/pid_descriptors.hpp"
 
 using namespace spm;

@@ -3,9 +3,10 @@
 
 #include <catch2/catch.hpp>
 
-#include "servo/base/random.hpp"
+#include "common/base/random.hpp"
 
 using namespace spm::servo;
+using spm::Random;
 using spm::Vector3;
 
 namespace {

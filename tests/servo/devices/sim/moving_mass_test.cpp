@@ -4,10 +4,11 @@
 #include <Eigen/Eigenvalues>
 #include <catch2/catch.hpp>
 
+#include "common/base/random.hpp"
 #include "servo/devices/sim/sim_plant.hpp"
-#include "servo/base/random.hpp"
 
 using namespace spm::servo;
+using spm::Random;
 using spm::Vector3;
 
 namespace {

@@ -4,7 +4,7 @@
 #include <catch2/catch.hpp>
 #include <numbers>
 
-#include "servo/base/random.hpp"
+#include "common/base/random.hpp"
 
 using namespace spm;
 using namespace spm::servo;

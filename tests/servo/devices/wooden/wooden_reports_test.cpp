@@ -5,9 +5,10 @@
 #include <limits>
 #include <vector>
 
-#include "servo/base/random.hpp"
+#include "common/base/random.hpp"
 
 using namespace spm::servo;
+using spm::Random;
 
 namespace {
 
