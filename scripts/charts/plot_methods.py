@@ -8,7 +8,7 @@ Needs matplotlib, Debian package python3-matplotlib: run it with /usr/bin/python
 
 import sys
 
-from chart_style import BACKGROUND, COLOURS, LEAST_ERROR, NAMES, OURS, length, report_and_prefix, save
+from chart_style import BACKGROUND, COLOURS, LEAST_ERROR, NAMES, OURS, report_and_prefix, save
 from label_places import LabelPlaces
 
 import matplotlib.pyplot as plt

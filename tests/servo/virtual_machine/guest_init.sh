@@ -1,5 +1,6 @@
 #!/bin/busybox sh
 # SPDX-License-Identifier: Apache-2.0
+# shellcheck shell=dash
 # The first process of the virtual machine: plugs in one emulated device after the other, runs the
 # daemon on it, tells what came of it at the second serial port, and switches the machine off.
 # Each line told is a word and what belongs to it; check_cases.py judges them.
