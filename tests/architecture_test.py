@@ -37,6 +37,12 @@ INCLUDE = re.compile(r'^\s*#\s*include\s*(["<])([^">]+)[">]', re.MULTILINE)
 MOST_LINES = 450
 MOST_FILES = 32
 EQUATIONS = range(1, 10)
+# Tests that include nothing of the room they are about.
+TESTED_FROM_OUTSIDE = {
+    Path("tests/common/index/element_index_test.cpp"),  # what a query finds by the index
+    Path("tests/servo/commands/command_test.cpp"),  # the program as it is run
+    Path("tests/servo/scene/scene_edit_tick_test.cpp"),  # edits as the loop takes them up
+}
 
 
 def project_files() -> list[Path]:
@@ -166,6 +172,23 @@ class Folders(unittest.TestCase):
         self.assertEqual(wrong, [])
         self.assertEqual({room: allowed[room] - used[room] for room in allowed
                           if allowed[room] - used[room]}, {})
+
+    def test_a_test_lies_where_its_subject_lies(self) -> None:
+        """In the folder of a room, a test includes a header of that room, itself or through a header
+        of the tests."""
+        allowed = rooms()
+        wrong = []
+        for path in project_files():
+            room = path.parent.relative_to("tests") if path.parts[0] == "tests" else None
+            if room is None or not path.name.endswith("_test.cpp") or str(room) not in allowed:
+                continue
+            names = [name for name, quoted in includes(path) if quoted]
+            for found in filter(None, [file_of_include(path, name) for name in names]):
+                if found.parts[0] == "tests":
+                    names += [name for name, quoted in includes(found) if quoted]
+            if room not in {Path(name).parent for name in names} and path not in TESTED_FROM_OUTSIDE:
+                wrong.append(f"{path}: includes nothing of {room}")
+        self.assertEqual(wrong, [])
 
     def test_the_rooms_form_no_cycle(self) -> None:
         self.assertGreater(len(list(TopologicalSorter(rooms()).static_order())), 40)
