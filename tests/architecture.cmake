@@ -37,10 +37,9 @@ get_property(rooms GLOBAL PROPERTY spm_rooms)
 list(JOIN rooms "\n" rooms)
 file(WRITE ${CMAKE_BINARY_DIR}/rooms.txt "${rooms}\n")
 
+spm_python_tests("The layout, links and licences are the agreed ones" architecture_test.py
+                 ARGUMENTS ${CMAKE_SOURCE_DIR} ${CMAKE_BINARY_DIR})
 find_package(Python3 3.11 REQUIRED COMPONENTS Interpreter)
-add_test(NAME "The layout, links and licences are the agreed ones"
-         COMMAND ${Python3_EXECUTABLE} -B ${CMAKE_CURRENT_LIST_DIR}/architecture_test.py
-                 ${CMAKE_SOURCE_DIR} ${CMAKE_BINARY_DIR})
 add_test(NAME "The generated models are closed, outward and of the right volume"
          COMMAND ${Python3_EXECUTABLE} -B ${CMAKE_SOURCE_DIR}/models/generate.py --check
                  --out ${CMAKE_BINARY_DIR}/models)

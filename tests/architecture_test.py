@@ -49,6 +49,12 @@ EQUATION_ROW = re.compile(r"^\| (\d+) \|.*\| `(\w+)` \| \[`[^`]+`\]\(([^)]+)\) "
 DOCUMENTED = re.compile(r"((?:^[ \t]*///.*\n)+)^[ \t]*([^/\n#][^;{}]*?\b(\w+)\s*\()", re.MULTILINE)
 # "eq. 7", "eq. 7, 8", "eq. 10 and 11", "eq. 3 to 8"
 CITATION = re.compile(r"\beq\.\s*(\d+(?:(?:,| and| to) \d+)*)")
+# Tests that include nothing of the room they are about.
+TESTED_FROM_OUTSIDE = {
+    Path("tests/common/index/element_index_test.cpp"),  # what a query finds by the index
+    Path("tests/servo/commands/command_test.cpp"),  # the program as it is run
+    Path("tests/servo/scene/scene_edit_tick_test.cpp"),  # edits as the loop takes them up
+}
 
 
 def project_files() -> list[Path]:
@@ -194,6 +200,23 @@ class Folders(unittest.TestCase):
         self.assertEqual({room: allowed[room] - used[room] for room in allowed
                           if allowed[room] - used[room]}, {})
 
+    def test_a_test_lies_where_its_subject_lies(self) -> None:
+        """In the folder of a room, a test includes a header of that room, itself or through a header
+        of the tests."""
+        allowed = rooms()
+        wrong = []
+        for path in project_files():
+            room = path.parent.relative_to("tests") if path.parts[0] == "tests" else None
+            if room is None or not path.name.endswith("_test.cpp") or str(room) not in allowed:
+                continue
+            names = [name for name, quoted in includes(path) if quoted]
+            for found in filter(None, [file_of_include(path, name) for name in names]):
+                if found.parts[0] == "tests":
+                    names += [name for name, quoted in includes(found) if quoted]
+            if room not in {Path(name).parent for name in names} and path not in TESTED_FROM_OUTSIDE:
+                wrong.append(f"{path}: includes nothing of {room}")
+        self.assertEqual(wrong, [])
+
     def test_the_rooms_form_no_cycle(self) -> None:
         self.assertGreater(len(list(TopologicalSorter(rooms()).static_order())), 40)
 
@@ -255,10 +278,12 @@ class Links(unittest.TestCase):
 class Pages(unittest.TestCase):
     def test_every_package_has_its_reason_in_the_dependency_table(self) -> None:
         table = text_of(Path("scripts/PACKAGES.md"))
-        packages = re.findall(r"^([a-z0-9][a-z0-9.+-]*)$", text_of(Path("scripts/packages.txt")),
-                              re.MULTILINE)
+        lists = [path for path in project_files() if path.parent == Path("scripts/packages")]
+        self.assertGreaterEqual({path.stem for path in lists}, {"run", "test", "bench", "lint"})
+        packages = {name for path in lists
+                    for name in re.findall(r"^([a-z0-9][a-z0-9.+-]*)$", text_of(path), re.MULTILINE)}
         self.assertGreater(len(packages), 10)
-        self.assertEqual([name for name in packages if f"`{name}`" not in table], [])
+        self.assertEqual([name for name in sorted(packages) if f"`{name}`" not in table], [])
 
     def test_the_front_page_is_short_and_its_picture_light(self) -> None:
         page = text_of(Path("README.md"))

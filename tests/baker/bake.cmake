@@ -4,4 +4,4 @@ add_executable(bake_tests pipeline/bake_accuracy_test.cpp ../common/index/elemen
                           ../common/sixdof/overlap_volume_baked_test.cpp ../common/sixdof/surface_samples_baked_test.cpp
                           tiles/tiles_test.cpp)
 target_link_libraries(bake_tests PRIVATE spm_baker spm_test_main)
-catch_discover_tests(bake_tests TEST_PREFIX "bake: ")
+spm_catch_tests(bake_tests "bake: ")

@@ -3,4 +3,4 @@
 add_executable(smooth_tests smooth/smooth_test.cpp)
 target_link_libraries(smooth_tests PRIVATE spm_baker spm_test_main TBB::tbb
                                            nlohmann_json::nlohmann_json)
-catch_discover_tests(smooth_tests TEST_PREFIX "smooth: ")
+spm_catch_tests(smooth_tests "smooth: ")

@@ -3,4 +3,4 @@
 add_executable(verify_tests verify/exact_surface_test.cpp verify/exact_winding_test.cpp verify/render_test.cpp
                             verify/verify_test.cpp)
 target_link_libraries(verify_tests PRIVATE spm_baker spm_test_main)
-catch_discover_tests(verify_tests TEST_PREFIX "verify: ")
+spm_catch_tests(verify_tests "verify: ")

@@ -13,6 +13,7 @@
 #include "baker/mesh/mesh.hpp"
 #include "tests/baker/mesh/mesh_support.hpp"
 #include "tests/support/random.hpp"
+#include "tests/support/skip.hpp"
 
 namespace spm::test {
 namespace {
@@ -341,8 +342,7 @@ TEST_CASE("The shared meshes load with the counts that are known of them") {
   const std::filesystem::path folder =
       std::filesystem::path(environment != nullptr ? environment : SPM_SHARED_FOLDER) / "meshes";
   if (!std::filesystem::is_directory(folder)) {
-    WARN("skipped: no shared meshes in " << folder.string());
-    return;
+    SPM_SKIP("there are no shared meshes in " << folder.string());
   }
   for (const Known& known : {Known{"galleon.obj", 4698, 330, 12}, Known{"teeth.obj", 23008, 0, 17},
                              Known{"drill.obj", 514, 0, 1}, Known{"duck.obj", 4212, 0, 1},

@@ -99,6 +99,7 @@ class Bytes(Bench):
             self.assertIn("Usage: " + " ".join(("spm-bench", *arguments)), result.stdout)
         self.assertRegex(run("--version").stdout, r"spm-bench \d+\.\d+\.\d+\n")
 
+
 class Sixdof(unittest.TestCase):
     def setUp(self):
         folder = tempfile.TemporaryDirectory(prefix="spm-bench-test-")

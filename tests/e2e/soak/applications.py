@@ -19,9 +19,8 @@ import sys
 import time
 
 import hostile
-from soak_tools import (PATIENCE, Client, ClientError, Daemon, DaemonState, Folder, TickClock,
-                        add_common_options, baked_box, cores_of, missed, percentile, read_recording,
-                        show, write_scene)
+from soak_tools import (PATIENCE, Client, ClientError, Daemon, Folder, TickClock, add_common_options,
+                        baked_box, cores_of, missed, percentile, read_recording, show, write_scene)
 
 STIFFNESS = 500.0  # N/m
 MOST_CLIENTS, READERS = 16, 2

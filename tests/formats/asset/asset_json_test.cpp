@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "tests/formats/support/synthetic_asset.hpp"
+#include "tests/support/skip.hpp"
 
 namespace {
 
@@ -50,7 +51,7 @@ TEST_CASE("A description does not depend on the locale") {
   const std::string after = sparse_text();
   const auto parsed = parse_description(before, "a.exr");
   std::setlocale(LC_ALL, "C");
-  if (set == nullptr) WARN("the locale de_DE.UTF-8 is not installed; checked in the C locale");
+  if (set == nullptr) SPM_SKIP("the locale de_DE.UTF-8 is not there");
   CHECK(after == before);
   REQUIRE(parsed.has_value());
   CHECK(to_json(*parsed) == before);

@@ -16,6 +16,7 @@
 #include "formats/asset/asset_writer.hpp"
 #include "formats/exr/exr_layout.hpp"
 #include "tests/formats/support/synthetic_asset.hpp"
+#include "tests/support/skip.hpp"
 
 namespace {
 
@@ -27,8 +28,7 @@ const std::vector<std::uint32_t> many_layers{2, 2, 1, 12, 2, 3, 2, 1, 12, 2, 2, 
 void check_with_tool(const std::string& tool, const std::string& arguments,
                      const TemporaryFolder& folder) {
   if (std::system(("command -v " + tool + " >/dev/null 2>&1").c_str()) != 0) {
-    WARN("skipped: " << tool << " is not installed");
-    return;
+    SPM_SKIP(tool << " is not installed");
   }
   const std::string complaints = folder.path("complaints");
   for (const char* file : {"sparse.exr", "full.exr"}) {

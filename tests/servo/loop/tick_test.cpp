@@ -15,6 +15,7 @@
 #include "servo/realtime/realtime.hpp"
 #include "tests/servo/support/intercepted_calls.hpp"
 #include "tests/servo/support/shape_asset.hpp"
+#include "tests/support/skip.hpp"
 
 using namespace spm;
 using namespace spm::servo;
@@ -121,8 +122,7 @@ TEST_CASE("A tick does not fault a page once the memory is locked") {
   thread.join();
   REQUIRE(realtime);
   if (!realtime->memory_locked) {
-    WARN("skipped: the memory cannot be locked here; run as root or raise the memlock limit");
-    return;
+    SPM_SKIP("the memory cannot be locked here; run as root or raise the memlock limit");
   }
   REQUIRE(loop.counters().page_faults == 0);
 }

@@ -1,5 +1,6 @@
 #!/bin/busybox sh
 # SPDX-License-Identifier: Apache-2.0
+# shellcheck shell=dash
 # The first process of the virtual machine: plugs in one emulated device after the other, runs the
 # daemon on it, tells what came of it at the second serial port, and switches the machine off.
 # Each line told is a word and what belongs to it; check_cases.py judges them.
@@ -42,7 +43,7 @@ serve() { # NAME SECONDS DEVICE SCENE
   say "case $1"
   spm-servo devices --json > /run/devices 2>&1
   tell devices /run/devices
-  timeout -s KILL 40 spm-servo run --device "$3" --scene "/haptics/$4.toml" --duration "$2" --realtime require --json \
+  timeout -s KILL 90 spm-servo run --device "$3" --scene "/haptics/$4.toml" --duration "$2" --realtime require --json \
     > /run/report 2> /run/messages
   say "exit $?"
   tell report /run/report
@@ -59,13 +60,13 @@ finish() { # PROCESS: of the emulated device
   say end
 }
 
-wooden() { # NAME SECONDS BOARD [OPTION...]
-  name=$1 seconds=$2
-  shift 2
+wooden() { # NAME SECONDS SCENE BOARD [OPTION...]
+  name=$1 seconds=$2 scene=$3
+  shift 3
   uhid_wooden "$@" report=/run/seen 2> /run/emulator &
   emulator=$!
   wait_until test -c /dev/hidraw0
-  serve "$name" "$seconds" woodenhaptics:home_confirmed=always wooden
+  serve "$name" "$seconds" woodenhaptics:home_confirmed=always "$scene"
   finish $emulator
 }
 
@@ -87,10 +88,10 @@ while read -r module; do
   insmod "/modules/$module" || say "message the module $module is not taken"
 done < /modules/order
 
-wooden uhid_v1 2 wooden-v1
-wooden uhid_v2 2 wooden-v2
-wooden uhid_v3 2 wooden-v3
-wooden uhid_replug 4 wooden-v2 unplug=500:300 times=3
+wooden uhid_v1 2 product wooden-v1
+wooden uhid_v2 2 wooden wooden-v2
+wooden uhid_v3 2 wooden wooden-v3
+wooden uhid_replug 4 wooden wooden-v2 unplug=500:300 times=3
 falcon usbip 3
 falcon usbip_replug 4 unplug=600:300 times=2
 falcon usbip_power 5 unplug=600:300 power=lost

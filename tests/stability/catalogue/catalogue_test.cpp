@@ -21,6 +21,7 @@
 #include "tests/bench/model/known_meshes.hpp"
 #include "tests/stability/catalogue/catalogue_parts.hpp"
 #include "tests/stability/objects/hand_script.hpp"
+#include "tests/support/skip.hpp"
 
 namespace spm::stability {
 namespace {
@@ -221,7 +222,9 @@ TEST_CASE("Only a case whose mesh is not here is left out, and said to be") {
   for (const std::string& sentence : words) {
     const StabilityCase& one = named(all, sentence.substr(0, sentence.find(':')));
     CHECK_FALSE(one.mesh.empty());
-    WARN("left out: " << sentence);
+  }
+  if (!words.empty()) {
+    SPM_SKIP(words.size() << " cases of the catalogue are not tried, the first: " << words.front());
   }
 }
 
