@@ -131,7 +131,7 @@ def limits_of(report: dict) -> dict:
 
 def draw_key(axes, report: dict) -> None:
     axes.set_axis_off()
-    machine = report["machine"]
+    machine = report["made"]["machine"]
     voxels = sorted({row["setting_um"] for row in report["rows"] if row["method"] == "openvdb"},
                     reverse=True)
     lines = [
