@@ -7,15 +7,15 @@ HTML, and is computed from the JSON files under tests/bench/charts:
 
 What a mark computes is a Python expression over the reports, each under its file's name. Called, a
 list of rows gives those whose values match (`*` in a text matches anything); a field of rows is the
-field of the only one. After " : " a format may follow, as in an f-string. The functions of
-page_tables.py give whole tables: a block between marks on lines of their own.
+field of the only one. `span(...)` gives "least to largest", `spm(mesh)` the row of methods.json of
+our method at the mesh's own tolerance. After " : " a format may follow, as in an f-string. The
+functions of page_tables.py give whole tables: a block between marks on lines of their own.
 """
 
 import ast
 import fnmatch
 import functools
 import json
-import math
 import re
 from pathlib import Path
 from typing import Iterator, NamedTuple
@@ -28,7 +28,8 @@ MARK = re.compile(r"<!--\s*figure:\s+(?P<what>.*?)\s*-->(?P<shown>.*?)<!--\s*/fi
                   re.DOTALL)
 CODE = re.compile(r"^(```|~~~).*?^\1", re.DOTALL | re.MULTILINE)
 BUILTINS = {"abs": abs, "all": all, "any": any, "len": len, "max": max, "min": min,
-            "round": round, "set": set, "sorted": sorted, "str": str, "sum": sum}
+            "round": round, "set": set, "sorted": sorted, "str": str, "sum": sum,
+            "span": page_tables.span}
 
 # What a page may not say by hand where it tells what was measured.
 UNIT = r"(?:[mun]?s|[kMG]B|%|um|[mu]?J|deg|degrees|times|N(?:/m)?)"
@@ -94,23 +95,17 @@ def names_of(reports: dict[str, dict]) -> dict:
     """All that an expression may name."""
     tables = {name: functools.partial(function, reports)
               for name, function in page_tables.TABLES.items()}
-    return BUILTINS | tables | {name: wrapped(report) for name, report in reports.items()}
+    spm = {"spm": lambda mesh: wrapped(page_tables.own_row(reports["methods"], mesh))}
+    return BUILTINS | tables | spm | {name: wrapped(report) for name, report in reports.items()}
 
 
 def text_of(value, form: str) -> str:
-    """How a page shows a value: by default a number has two significant digits, and from 100 on
-    all before the point."""
+    """How a page shows a value: lines as a block, a number by the format or else as `number` does."""
     if isinstance(value, list):
         return "\n\n" + "\n".join(value) + "\n\n"
     if form:
         return format(value, form)
-    if isinstance(value, bool) or not isinstance(value, (int, float)):
-        return str(value)
-    if isinstance(value, int) or abs(value) >= 99.5:
-        return f"{value:,.0f}"
-    if value == 0 or not math.isfinite(value):
-        return f"{value:g}"
-    return f"{value:.{max(0, 1 - math.floor(math.log10(abs(float(f'{value:.1e}')))))}f}"
+    return page_tables.number(value) if isinstance(value, (int, float)) else str(value)
 
 
 def value_of(what: str, names: dict):
@@ -124,10 +119,11 @@ def value_of(what: str, names: dict):
 
 def figures_of(text: str, names: dict) -> Iterator[tuple[re.Match, Figure]]:
     """Every mark outside code blocks. Raises ValueError where an expression will not do."""
-    code = [match.span() for match in CODE.finditer(text)]
-    for match in MARK.finditer(text):
-        if any(begin <= match.start() < end for begin, end in code):
-            continue
+    without_code = blanked(text, CODE)
+    if text_left := re.search(r"<!--\s*/?figure\b", blanked(without_code, MARK)):
+        line = text.count("\n", 0, text_left.start()) + 1
+        raise ValueError(f"{line}: a mark without its other half")
+    for match in MARK.finditer(without_code):
         line = text.count("\n", 0, match.start()) + 1
         what, _, form = " ".join(match["what"].split()).partition(" : ")
         try:
@@ -142,6 +138,11 @@ def figures_of(text: str, names: dict) -> Iterator[tuple[re.Match, Figure]]:
         yield match, Figure(line, what, match["shown"], right)
 
 
+def blanked(text: str, pattern: re.Pattern) -> str:
+    """The text with spaces for what matches, so that places and lines stay."""
+    return pattern.sub(lambda match: re.sub(r"[^\n]", " ", match[0]), text)
+
+
 def rendered(text: str, names: dict) -> str:
     """The page with every figure as the reports have it."""
     pieces, end = [], 0
@@ -149,10 +150,6 @@ def rendered(text: str, names: dict) -> str:
         pieces += [text[end:match.start("shown")], figure.right]
         end = match.end("shown")
     return "".join(pieces) + text[end:]
-
-
-def blanked(text: str, pattern: re.Pattern) -> str:
-    return pattern.sub(lambda match: re.sub(r"[^\n]", " ", match[0]), text)
 
 
 def bare_figures(text: str, whole_page: bool) -> list[tuple[int, str]]:
