@@ -60,6 +60,7 @@ def main() -> int:
     for name, what in (
         ("maps/overview.png", f"the distance maps of {planes} support planes, of a `full` bake; "
                               "single ones beside it"),
+        ("touch.gif", "the model touched: the path of the tool and the force, moving"),
         ("force.png", "the force and the depth along the path; force.svg is the same"),
         ("surface.ply", "the surface as the baked file knows it, for any mesh viewer"),
         ("demo.spm.exr", "the baked file, a standard EXR image; spm-bake info tells what is in it"),

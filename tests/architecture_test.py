@@ -36,6 +36,8 @@ DATA_FILE = re.compile(r"\.(obj|ply|stl|off|3ds|glb|gltf|exr|bin)$", re.IGNORECA
 INCLUDE = re.compile(r'^\s*#\s*include\s*(["<])([^">]+)[">]', re.MULTILINE)
 MOST_LINES = 450
 MOST_FILES = 32
+MOST_FRONT_PAGE_LINES = 150
+MOST_PICTURE_BYTES = 2_000_000  # what code hosts show without a wait
 EQUATIONS = range(1, 10)
 
 
@@ -220,6 +222,14 @@ class Pages(unittest.TestCase):
                               re.MULTILINE)
         self.assertGreater(len(packages), 10)
         self.assertEqual([name for name in packages if f"`{name}`" not in table], [])
+
+    def test_the_front_page_is_short_and_its_picture_light(self) -> None:
+        page = text_of(Path("README.md"))
+        self.assertLessEqual(len(page.splitlines()), MOST_FRONT_PAGE_LINES)
+        pictures = re.findall(r"!\[[^\]]*\]\(([^)]+)\)", page)
+        self.assertTrue(any(name.endswith(".gif") for name in pictures))
+        self.assertEqual([name for name in pictures
+                          if (SOURCE / name).stat().st_size > MOST_PICTURE_BYTES], [])
 
     def test_links_between_the_pages_lead_somewhere(self) -> None:
         pages = [path for path in project_files() if path.suffix == ".md"]
