@@ -47,7 +47,6 @@ def measure(name: str, mesh: Path, tolerance: int, samples: int, folder: str, *f
     after = resource.getrusage(resource.RUSAGE_CHILDREN)
     row = {"mesh": name, "tolerance_um": tolerance, "triangles": bake["mesh"]["triangles"],
            "vertices": bake["mesh"]["vertices"], "bytes": bake["bytes"],
-           "mesh_bytes": 12 * (bake["mesh"]["triangles"] + bake["mesh"]["vertices"]),
            "bake_seconds": seconds, "bake_processor_seconds": after.ru_utime + after.ru_stime -
            before.ru_utime - before.ru_stime, "bake_peak_rss_bytes": bake["peak_rss_bytes"]}
     if samples:

@@ -72,8 +72,9 @@ def bakes_table(reports: dict) -> list[str]:
         return round(of["samples"] * (sum(of["misclassified"].values()) + of["unanswered"]))
 
     def bake(row: dict) -> list[str]:
+        mesh = find(reports["bytes"]["rows"], mesh=row["mesh"], method="raw-mesh")
         return [row["mesh"], f"{row['tolerance_um']:g} um", kilobytes(row["bytes"]),
-                kilobytes(row["mesh_bytes"]), f"{row['bake_processor_seconds']:.0f} s, "
+                kilobytes(mesh["bytes"]) if mesh else "", f"{row['bake_processor_seconds']:.0f} s, "
                 f"{megabytes(row['bake_peak_rss_bytes'])}"]
 
     rows = [[*bake(row), f"{100 * row['verify']['fallback_answers']:.0f} %", errors(row),
