@@ -38,7 +38,17 @@ MOST_LINES = 450
 MOST_FILES = 32
 MOST_FRONT_PAGE_LINES = 150
 MOST_PICTURE_BYTES = 2_000_000  # what code hosts show without a wait
-EQUATIONS = range(1, 10)
+MOST_PAGE_LINES = 40
+ROOMS_WITH_PAGES = {"common", "formats", "baker", "servo"}
+EQUATIONS = range(1, 20)
+EQUATION_TABLE = Path("common/paper/README.md")
+# Number, function, file and test.
+EQUATION_ROW = re.compile(r"^\| (\d+) \|.*\| `(\w+)` \| \[`[^`]+`\]\(([^)]+)\) "
+                          r"\| \[test\]\(([^)]+)\) \|$", re.MULTILINE)
+# A docstring, then a declaration up to its parameter list.
+DOCUMENTED = re.compile(r"((?:^[ \t]*///.*\n)+)^[ \t]*([^/\n#][^;{}]*?\b(\w+)\s*\()", re.MULTILINE)
+# "eq. 7", "eq. 7, 8", "eq. 10 and 11", "eq. 3 to 8"
+CITATION = re.compile(r"\beq\.\s*(\d+(?:(?:,| and| to) \d+)*)")
 
 
 def project_files() -> list[Path]:
@@ -115,6 +125,21 @@ def file_of_include(path: Path, name: str) -> Path | None:
     return None
 
 
+def citations() -> dict[tuple[Path, str], set[int]]:
+    """The numbers of the equations that the docstring of each function cites."""
+    found: dict[tuple[Path, str], set[int]] = {}
+    for path in project_files():
+        if is_cpp(path) and path.parts[0] in {"common", "baker", "servo", "formats"}:
+            for docstring, _, name in DOCUMENTED.findall(text_of(path)):
+                text = re.sub(r"\s*\n\s*///\s*", " ", docstring)
+                for cited in CITATION.findall(text):
+                    numbers = found.setdefault((path, name), set())
+                    numbers.update(map(int, re.findall(r"\d+", cited)))
+                    for first, last in re.findall(r"(\d+) to (\d+)", cited):
+                        numbers.update(range(int(first), int(last) + 1))
+    return found
+
+
 def reachable(graph: dict[str, set[str]], start: str) -> set[str]:
     found, open_ends = set(), [start]
     while open_ends:
@@ -177,6 +202,18 @@ class Folders(unittest.TestCase):
         for path in filter(is_cpp, project_files()):
             files[str(path.parent)] = files.get(str(path.parent), 0) + 1
         self.assertEqual({room: many for room, many in files.items() if many > MOST_FILES}, {})
+
+    def test_each_room_has_a_short_page(self) -> None:
+        wrong = []
+        for room in rooms():
+            if room.split("/")[0] not in ROOMS_WITH_PAGES:
+                continue
+            page = Path(room) / "README.md"
+            if not (SOURCE / page).is_file():
+                wrong.append(f"{page} is missing")
+            elif len(text_of(page).splitlines()) > MOST_PAGE_LINES:
+                wrong.append(f"{page} has more than {MOST_PAGE_LINES} lines")
+        self.assertEqual(wrong, [])
 
     def test_only_the_baker_and_tests_include_cgal_and_embree(self) -> None:
         wrong = [f"{path}: <{name}>" for path in filter(is_cpp, project_files())
@@ -269,16 +306,20 @@ class Sources(unittest.TestCase):
         self.assertEqual([str(path) for path in project_files() if DATA_FILE.search(path.name)], [])
 
     def test_each_equation_has_a_function_that_cites_it(self) -> None:
-        cited: dict[int, list[str]] = {number: [] for number in EQUATIONS}
-        # A docstring, then a declaration up to its parameter list.
-        documented = re.compile(r"((?:^[ \t]*///.*\n)+)^[ \t]*([^/\n#][^;{}]*?\b(\w+)\s*\()",
-                                re.MULTILINE)
-        for path in project_files():
-            if is_cpp(path) and path.parts[0] in {"common", "baker", "servo", "formats"}:
-                for docstring, _, name in documented.findall(text_of(path)):
-                    for number in map(int, re.findall(r"\beq\.\s*(\d+)", docstring)):
-                        cited.get(number, []).append(f"{path}: {name}")
-        self.assertEqual([number for number in EQUATIONS if not cited[number]], [])
+        cited = set().union(*citations().values())
+        self.assertEqual([number for number in EQUATIONS if number not in cited], [])
+
+    def test_the_table_of_equations_names_functions_that_cite_them_and_tests_that_call_them(
+            self) -> None:
+        cited = citations()
+        rows = EQUATION_ROW.findall(text_of(EQUATION_TABLE))
+        self.assertEqual([int(row[0]) for row in rows], list(EQUATIONS))
+        folder = SOURCE / EQUATION_TABLE.parent
+        for number, name, file, test in rows:
+            with self.subTest(equation=number):
+                path = (folder / file).resolve().relative_to(SOURCE)
+                self.assertIn(int(number), cited.get((path, name), set()))
+                self.assertRegex((folder / test).read_text(encoding="utf-8"), rf"\b{name}\b")
 
 
 if __name__ == "__main__":

@@ -9,7 +9,8 @@
 
 namespace spm::baker {
 
-/// How the baker's stages fail; caught at the edge and turned into a message and an exit code.
+/// How a stage of the baker fails. main.cpp catches it and turns it into a message and an exit
+/// code.
 class BakeError : public std::runtime_error {
  public:
   BakeError(ExitCode code, const std::string& message) : std::runtime_error(message), code_(code) {}

@@ -7,7 +7,8 @@
 namespace spm::baker {
 
 bool may_touch(const OrientedBox& box, const Vector3& middle, double edge) noexcept {
-  // Separating axes: the faces of both; those between edges would only sharpen a near miss.
+  // Separating axes: the normals of the faces of both. Those from pairs of edges would only sharpen
+  // the result for near misses.
   const Vector3 offset = middle - box.middle;
   const Eigen::Matrix3d spread = box.axes.cwiseAbs();
   const Vector3 in_box = (box.axes.transpose() * offset).cwiseAbs();
@@ -23,7 +24,7 @@ bool touches_triangle(const OrientedBox& box, const Vector3& a, const Vector3& b
   for (const Vector3& corner : {a, b, c}) {
     polygon.push_back(box.axes.transpose() * (corner - box.middle));
   }
-  // What the six half spaces of the faces leave of the triangle.
+  // The part of the triangle that the six half-spaces of the faces leave.
   for (int face = 0; face < 6 && !polygon.empty(); ++face) {
     const int axis = face / 2;
     const double sign = face % 2 == 0 ? 1 : -1;

@@ -22,8 +22,9 @@ struct OrientedBox {
   }
 };
 
-/// Whether an axis-aligned cube (middle and edge, m) may touch the box: never wrong where it does,
-/// and where it says so they are less than the cube's diagonal apart. Edge 0 asks for a point.
+/// Whether an axis-aligned cube (middle and edge, m) may touch the box. It is always true where
+/// they touch. Where it is true, they are less than the cube's diagonal apart. Edge 0 means a
+/// point.
 [[nodiscard]] bool may_touch(const OrientedBox& box, const Vector3& middle, double edge) noexcept;
 
 /// Whether a point of a triangle lies in the box.

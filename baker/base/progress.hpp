@@ -5,7 +5,7 @@
 
 namespace spm::baker {
 
-/// Called with a stage's name and how much of it is done, 0 to 1; may be empty.
+/// Called with the name of a stage and how much of it is done, from 0 to 1. May be empty.
 using Progress = std::function<void(const char* stage, double done)>;
 
 }  // namespace spm::baker

@@ -9,7 +9,7 @@
 
 namespace spm::baker {
 
-/// Counts finished pieces of a parallel stage and tells the user now and then.
+/// Counts finished pieces of a parallel stage, and reports the progress now and then.
 class ProgressCounter {
  public:
   ProgressCounter(const Progress& progress, const char* stage, std::size_t total)
@@ -18,7 +18,7 @@ class ProgressCounter {
   void done() {
     const std::size_t finished = ++finished_;
     if (!progress_ || total_ == 0) return;
-    // Whoever cannot have the lock at once leaves the telling to the one who has it.
+    // A thread that cannot have the lock at once leaves the report to the thread that has it.
     const std::unique_lock lock(mutex_, std::try_to_lock);
     if (lock) progress_(stage_, static_cast<double>(finished) / static_cast<double>(total_));
   }

@@ -17,9 +17,11 @@ namespace spm::baker {
 
 namespace {
 
-/// Hits closer along a ray than this share of the diagonal are one crossing of a shared edge.
+/// Hits that are closer together along a ray than this share of the diagonal are one crossing of a
+/// shared edge.
 constexpr double same_crossing_share = 2e-8;
-/// Feet closer than this share of the diagonal compete for deciding the side.
+/// Triangles that are at most this share of the diagonal farther than the nearest help to decide
+/// the side.
 constexpr double tie_share = 1e-5;
 /// Nearer to the surface than this share of the diagonal, the direction to it is noise.
 constexpr double surface_share = 1e-7;
@@ -69,7 +71,7 @@ struct Caster::Implementation {
         geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, 3 * sizeof(unsigned), count));
     for (std::size_t i = 0; i < count; ++i) {
       for (std::size_t k = 0; k < 3; ++k) {
-        // Around the object's middle single precision has the most digits.
+        // Relative to the object's middle, where single precision has the most digits.
         const Vector3 local = corners[i][k] - centre;
         for (std::size_t axis = 0; axis < 3; ++axis) {
           vertices[9 * i + 3 * k + axis] = static_cast<float>(local[static_cast<int>(axis)]);
@@ -126,7 +128,7 @@ struct Caster::Implementation {
 
 namespace {
 
-/// Sorts crossings, and makes one of the several that a ray through a shared edge or corner has.
+/// Sorts crossings, and merges the several ones of a ray through a shared edge or corner.
 void merge_crossings(std::vector<Crossing>& crossings, double same) {
   std::sort(crossings.begin(), crossings.end(), [](const Crossing& a, const Crossing& b) {
     return a.depth != b.depth ? a.depth < b.depth : a.triangle < b.triangle;
@@ -189,7 +191,8 @@ Caster::~Caster() = default;
 
 void Caster::cast(const SupportPlane& plane, double eta, double omega, Column& column) const {
   const Implementation& self = *implementation_;
-  // The ray starts above its plane: the plane touches the object, which must not be missed.
+  // The ray starts above its plane, since the plane touches the object and that place must not be
+  // missed.
   const double lift = 0.01 * self.diagonal;
   constexpr std::array<std::array<double, 2>, 4> nudges{
       {{0, 0}, {3e-7, 1e-7}, {-1e-7, 4e-7}, {-3e-7, -5e-7}}};
@@ -241,7 +244,7 @@ ClosestPoint Caster::closest(const Vector3& point) const {
     const Implementation* self;
     Vector3 point;
     double tie;
-    double nearest;  // surface or cap
+    double nearest;  // distance to surface or cap
     double nearest_surface;
     std::vector<Candidate>* candidates;
   };
@@ -270,7 +273,7 @@ ClosestPoint Caster::closest(const Vector3& point) const {
     io.nearest = std::min(io.nearest, distance);
     if (cap || distance >= io.nearest_surface) return false;
     io.nearest_surface = distance;
-    // Single precision: keep enough slack that no triangle within the tie is lost.
+    // Single precision: keep enough slack that no competing triangle is lost.
     arguments->query->radius =
         static_cast<float>((distance + io.tie) * (1 + 1e-5) + 1e-6 * io.self->diagonal);
     return true;
@@ -297,8 +300,8 @@ ClosestPoint Caster::closest(const Vector3& point) const {
     }
   }
   if (nearest == nullptr) throw BakeError(ExitCode::internal, "the surface has no triangle");
-  // At an edge or a corner triangles may disagree, and neither the nearest nor the one that faces
-  // the point most is always right.
+  // At an edge or a corner triangles may disagree. Neither the nearest nor the one that faces the
+  // point most is always right.
   const bool inside =
       claimed_inside && claimed_outside ? self.winding->at(point) > 0.5 : claimed_inside;
   const double side = inside ? -1 : 1;

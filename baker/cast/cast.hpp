@@ -18,25 +18,25 @@ struct Crossing {
   bool entry = false;  ///< into the solid; otherwise out of it
 };
 
-/// All crossings of one ray in order. Consistent: entries and exits alternate, an entry first and
-/// an exit last, as on every closed surface.
+/// All crossings of one ray, in order. The column is consistent where entries and exits alternate,
+/// with an entry first and an exit last. On a closed surface they always do.
 struct Column {
   std::vector<Crossing> crossings;
   bool consistent = true;
 };
 
-/// Closest point of the surface, and the side the point lies on.
+/// The closest point of the surface, and the side on which the asked point lies.
 struct ClosestPoint {
   double distance = 0;  ///< signed, m, negative inside
   Vector3 foot = Vector3::Zero();
   Vector3 direction = Vector3::UnitZ();  ///< unit, outward: gradient of the signed distance
   std::uint32_t triangle = 0;
-  double clear = 0;  ///< to the nearest of surface and caps, m: as far the side is the same
+  double clear = 0;  ///< distance to surface or cap, m: within it the side is the same
 };
 
-/// Rays and closest points on an outer surface. Embree finds the primitives, in single precision;
-/// hits and distances are computed anew in doubles, so that the result is the same on every CPU.
-/// Any number of threads may use one caster.
+/// Rays and closest points on an outer surface. Embree finds the triangle in single precision. Hits
+/// and distances are computed again in doubles, so that the result is the same on every CPU. Any
+/// number of threads may use one caster.
 class Caster {
  public:
   explicit Caster(const OuterSurface& surface);
@@ -44,20 +44,22 @@ class Caster {
   Caster(const Caster&) = delete;
   Caster& operator=(const Caster&) = delete;
 
-  /// ICD of eq. 2 with all sections of the ray (vectorial, Fig. 2): crossings along -n from the
+  /// ICD of eq. 2 with all sections of the ray (vectorial, Fig. 2): the crossings along -n from the
   /// plane's point at (eta, omega). A ray whose crossings do not alternate is cast again up to
-  /// three times, displaced by less than a millionth of the object; then it stays marked.
+  /// three times, displaced by less than a millionth of the object. If that does not help, it stays
+  /// marked as inconsistent.
   void cast(const SupportPlane& plane, double eta, double omega, Column& column) const;
 
-  /// First crossing of the same ray between two depths below the plane, whichever way it goes;
-  /// nothing where there is none.
+  /// The first crossing of the same ray between two depths below the plane, an entry or an exit.
+  /// Empty where there is none.
   [[nodiscard]] std::optional<Crossing> first_between(const SupportPlane& plane, double eta,
                                                       double omega, double from, double to) const;
 
-  /// Closest point of the surface (caps carry no distance, but decide the side).
+  /// The closest point of the surface. Caps carry no distance, but they decide the side.
   [[nodiscard]] ClosestPoint closest(const Vector3& point) const;
 
-  /// Triangles, caps included, with a point within `radius` metres of `point`, ascending.
+  /// Triangles that have a point within `radius` metres of `point`, in ascending order. Caps are
+  /// included.
   void within(const Vector3& point, double radius, std::vector<std::uint32_t>& triangles) const;
 
   /// A corner of a triangle, and a triangle's unit normal.

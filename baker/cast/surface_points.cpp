@@ -15,7 +15,8 @@ std::vector<SurfacePoint> surface_points(const Caster& caster, double spacing, d
     const Vector3& a = caster.corner(triangle, 0);
     const Vector3 ab = caster.corner(triangle, 1) - a;
     const Vector3 ac = caster.corner(triangle, 2) - a;
-    // Korobov points of the plastic number spread evenly over the triangle; the seed shifts them.
+    // Korobov points of the plastic number are evenly spread over the triangle. The seed shifts
+    // them.
     const double count = std::ceil(ab.cross(ac).norm() / 2 / (spacing * spacing));
     double x = random_unit(seed, 2ULL * triangle);
     double y = random_unit(seed, 2ULL * triangle + 1);
@@ -25,7 +26,7 @@ std::vector<SurfacePoint> surface_points(const Caster& caster, double spacing, d
       x = std::fmod(x + 0.7548776662466927, 1.0);
       y = std::fmod(y + 0.5698402909980532, 1.0);
     }
-    // The rim as well, or a tip that reaches over a tile's border would be nobody's.
+    // The rim as well, or a tip that reaches over a tile's border would belong to no tile.
     const Vector3 middle = a + (ab + ac) / 3;
     const auto drawn_in = [&](const Vector3& point) {
       const Vector3 inwards = middle - point;

@@ -20,9 +20,9 @@ struct Probe {
   double height = 0;
 };
 
-/// Points all over the surface about `spacing` metres apart: inside every triangle as its area asks
-/// for, and along every rim, corners included; the rim drawn in by `inset` metres, at most a tenth
-/// of the way to the triangle's middle.
+/// Points all over the surface, about `spacing` metres apart. Every triangle has points inside, as
+/// many as its area needs, and along its rim, corners included. Points of the rim are moved inwards
+/// by `inset` metres, and by at most a tenth of the way to the triangle's middle.
 [[nodiscard]] std::vector<SurfacePoint> surface_points(const Caster& caster, double spacing,
                                                        double inset, std::uint64_t seed);
 

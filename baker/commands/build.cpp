@@ -10,11 +10,13 @@
 #include <system_error>
 
 #include "baker/base/bake_error.hpp"
-#include "baker/commands/caps_report.hpp"
-#include "baker/reach/reach.hpp"
 #include "baker/base/stopwatch.hpp"
+#include "baker/commands/caps_report.hpp"
 #include "baker/commands/time_limit.hpp"
+#include "baker/mesh/load.hpp"
+#include "baker/reach/reach.hpp"
 #include "common/base/units.hpp"
+#include "formats/asset/asset_writer.hpp"
 #include "formats/files/sha256.hpp"
 
 namespace spm::baker {
@@ -69,7 +71,7 @@ Json spm_json(const BakeResult& baked) {
           {"cells", baked.report.record_cells}};
 }
 
-/// Refuses to write what breaks its promise, unless that was allowed.
+/// Refuses to write an asset that breaks its promise, unless that is allowed.
 void judge(const BuildRequest& request, const AssetMetadata& metadata, const VerifyReport& check,
            BuildReport& report) {
   if (!metadata.tolerance || metadata.tolerance_met) return;
@@ -94,7 +96,7 @@ void judge(const BuildRequest& request, const AssetMetadata& metadata, const Ver
   report.warnings.push_back("the tolerance is not met: " + finding);
 }
 
-/// What smoothing did, and apart from the fit's error what it added.
+/// The effect of smoothing, and its error apart from that of the fit.
 Json smooth_json(const std::optional<SmoothReport>& smooth) {
   if (!smooth) return {{"kind", "none"}};
   constexpr double micro = 1e6;
@@ -118,7 +120,7 @@ std::uint64_t peak_memory() {
   return static_cast<std::uint64_t>(usage.ru_maxrss) * 1024;
 }
 
-/// Queries the asset in memory with the servo's own code and sets whether its tolerance is met.
+/// Queries the asset in memory with the servo's own code, and sets whether its tolerance is met.
 VerifyReport check_asset(const Mesh& mesh, const BakeOptions& options, Asset& asset) {
   const AssetTables tables = tables_of(asset);
   VerifyOptions verify;
@@ -150,7 +152,7 @@ Written write(const Asset& asset, const std::string& path) {
   return {*bytes, *hash};
 }
 
-/// Bakes; what cannot be baked is told with the mesh's name, which the inner stages do not know.
+/// Bakes. Adds the mesh's name to error messages, since the inner stages do not know it.
 BakeResult bake_named(const Mesh& mesh, const BakeOptions& options, const Progress& progress) {
   try {
     return bake(mesh, options, progress);

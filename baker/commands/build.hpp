@@ -10,16 +10,16 @@
 
 namespace spm::baker {
 
-/// What a build came to: the command-line contract's JSON object, and sentences for a person.
+/// The result of a build: the JSON object of the command-line contract, and sentences for a person.
 struct BuildReport {
   nlohmann::ordered_json json;
-  std::vector<std::string> warnings;  ///< defaults that were taken, promises that are not kept
+  std::vector<std::string> warnings;  ///< defaults that were used, promises that are not kept
   std::vector<std::string> derived;   ///< what a device or a scene decided
-  std::vector<std::string> notes;     ///< what was found in the mesh
+  std::vector<std::string> notes;     ///< findings about the mesh
 };
 
-/// Loads, bakes, verifies in memory and writes. Throws BakeError, with nothing written: among
-/// others tolerance_not_met, whose message names the worst place and the cure.
+/// Loads, bakes, verifies in memory and writes. Throws BakeError, with nothing written. Among
+/// others tolerance_not_met, whose message names the worst place and what to do.
 [[nodiscard]] BuildReport run_build(const BuildRequest& request, const Progress& progress);
 
 /// The report as a few lines for a person.

@@ -40,7 +40,7 @@ void refuse(const std::string& option, const std::string& reason) {
   throw CLI::ValidationError(option, reason);
 }
 
-/// Keeps what the command line gave apart from what a scene may still say.
+/// Records which limits the command line gave and which a scene may still set.
 void note_given(const CLI::App& command, LimitSources& limits) {
   limits.tolerance_given = command.count("--tolerance") > 0;
   limits.max_depth_given = command.count("--max-depth") > 0;

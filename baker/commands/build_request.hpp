@@ -5,13 +5,14 @@
 #include <cstdint>
 #include <string>
 
-#include "baker/pipeline/bake.hpp"
-#include "baker/mesh/mesh.hpp"
 #include "baker/commands/scene_limits.hpp"
+#include "baker/mesh/load.hpp"
+#include "baker/mesh/mesh.hpp"
+#include "baker/pipeline/bake.hpp"
 
 namespace spm::baker {
 
-/// What a `build` is asked to do.
+/// The options of one `build`.
 struct BuildRequest {
   std::string mesh;
   std::string output;
@@ -22,9 +23,9 @@ struct BuildRequest {
   std::uint64_t time_limit = 3600;  ///< s
 };
 
-/// Adds MESH, -o and the options of a bake to a command, with their checks: values out of range and
-/// options that contradict each other are usage errors. A manifest's entries go through the same
-/// table. `request` must outlive the command.
+/// Adds MESH, -o and the options of a bake to a command, with their checks. Values out of range and
+/// options that contradict each other are usage errors. The entries of a manifest go through the
+/// same table. `request` must outlive the command.
 void add_build_options(CLI::App& command, BuildRequest& request);
 
 }  // namespace spm::baker

@@ -12,7 +12,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-/// Entries of a report: a scan may have thousands of holes, of which the largest matter.
+/// Most entries of a report. A scan may have thousands of holes, of which the largest matter.
 constexpr std::size_t most_entries = 100;
 constexpr double mm2_of_m2 = 1e6;
 
@@ -37,7 +37,7 @@ std::string caps_text(const Json& report) {
   if (total == 0) return {};
   const Json& largest = report["caps"].front();
   const auto millimetres = [&](std::size_t axis) {
-    // To the nanometre: what rounding leaves of a 0 is no place.
+    // To the nanometre: what rounding leaves of a 0 is not a place.
     return std::round(1e9 * largest["place"][axis].get<double>()) / 1e6 + 0.0;
   };
   const std::string place =

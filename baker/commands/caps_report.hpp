@@ -9,7 +9,7 @@
 
 namespace spm::baker {
 
-/// Adds what was capped to a report's object: `caps`, the largest first and at most 100, with
+/// Adds the capped holes to the object of a report: `caps`, largest first and at most 100, with
 /// `caps_total` and `caps_area_mm2` of all.
 void add_caps_json(const std::vector<CappedHole>& holes, nlohmann::ordered_json& report);
 

@@ -21,7 +21,7 @@ struct Settings {
   cli::GlobalOptions global;
 };
 
-/// Bakes one entry. What fails there is its own result and no reason to lose the others.
+/// Bakes one entry. A failure is the result of that entry, and no reason to lose the others.
 Result<BuildReport> build_entry(const BuildRequest& request, const Progress& progress) {
   try {
     return run_build(request, progress);

@@ -8,8 +8,9 @@
 #include "baker/commands/commands.hpp"
 #include "baker/pictures/export.hpp"
 #include "formats/asset/asset.hpp"
-#include "formats/cli/command_line.hpp"
+#include "formats/asset/asset_writer.hpp"
 #include "formats/asset/mapped_asset.hpp"
+#include "formats/cli/command_line.hpp"
 #include "formats/files/output_file.hpp"
 
 namespace spm::baker {

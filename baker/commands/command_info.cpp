@@ -12,8 +12,9 @@
 #include "baker/pictures/grid_walk.hpp"
 #include "baker/pictures/picture.hpp"
 #include "baker/pictures/picture_files.hpp"
-#include "formats/cli/command_line.hpp"
+#include "formats/asset/asset_writer.hpp"
 #include "formats/asset/mapped_asset.hpp"
+#include "formats/cli/command_line.hpp"
 
 namespace spm::baker {
 namespace {
@@ -155,7 +156,7 @@ Json to_json(const MappedAsset& asset, const std::vector<std::string>& pictures)
 
 std::string length(double metres) { return format_quantity(metres, Quantity::length); }
 
-/// What is proven of the error, as the end of a line.
+/// The proven error, as the end of a line.
 std::string certified(const AssetMetadata& metadata) {
   return metadata.certified ? fmt::format("; proven largest error {}", length(*metadata.certified))
                             : std::string();

@@ -11,8 +11,9 @@
 #include "baker/commands/commands.hpp"
 #include "common/query/query.hpp"
 #include "formats/asset/asset.hpp"
-#include "formats/cli/command_line.hpp"
+#include "formats/asset/asset_writer.hpp"
 #include "formats/asset/mapped_asset.hpp"
+#include "formats/cli/command_line.hpp"
 #include "formats/files/output_file.hpp"
 #include "formats/motion/trajectory.hpp"
 

@@ -10,8 +10,8 @@
 #include "baker/commands/commands.hpp"
 #include "baker/verify/verify.hpp"
 #include "baker/verify/verify_pictures.hpp"
-#include "formats/cli/command_line.hpp"
 #include "formats/asset/mapped_asset.hpp"
+#include "formats/cli/command_line.hpp"
 
 namespace spm::baker {
 namespace {

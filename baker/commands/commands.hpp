@@ -6,7 +6,7 @@
 
 namespace spm::baker {
 
-/// A sub-command: its options, and what it does once they were parsed. `run` returns the exit code,
+/// A sub-command: its options, and what it does once they are parsed. `run` returns the exit code,
 /// or throws BakeError.
 struct Command {
   CLI::App* options = nullptr;

@@ -33,7 +33,7 @@ std::vector<std::string> known_keys() {
   return keys;
 }
 
-/// A value as the command line would spell it; nothing for a type that no option takes.
+/// A value as the command line would spell it. Empty for a type that no option takes.
 std::optional<std::string> spelt(const toml::node& value) {
   if (const auto* text = value.as_string()) return text->get();
   if (const auto* whole = value.as_integer()) return fmt::format("{}", whole->get());

@@ -16,8 +16,8 @@ namespace spm::baker {
 
 namespace {
 
-/// A float is rounded by up to 2^-24 of itself; the largest coordinate's by no less than a quarter
-/// of that for most places.
+/// A float is rounded by up to 2^-24 of itself. At most places the largest coordinate is rounded by
+/// no less than a quarter of that.
 constexpr double float_share = 0x1p-26;
 
 std::string length(double metres) { return format_quantity(metres, Quantity::length); }
@@ -27,7 +27,7 @@ std::string force(double newtons) { return format_quantity(newtons, Quantity::fo
   throw BakeError(code, message);
 }
 
-/// The object of a scene that a mesh file is.
+/// The object of a scene that is made from a mesh file.
 const SceneObject& object_of(const Scene& scene, const std::string& mesh) {
   std::vector<const SceneObject*> found;
   for (const SceneObject& object : scene.objects) {
@@ -66,7 +66,7 @@ std::string edges_of(const OrientedBox& box) {
                      length(2 * box.half.z()));
 }
 
-/// What lengths of the world are in the asset, in words where that is not the same.
+/// How lengths of the world are scaled in the asset, in words; empty where they are the same.
 std::string scaled(double scale) {
   return scale == 1 ? std::string() : fmt::format(", at a scale of 1 to {:.6g}", scale);
 }
@@ -115,7 +115,7 @@ void derive_from_scene(const Scene& scene, const SceneObject& object, const Devi
 
 void check_band(const LimitSources& sources, const BakeOptions& options, const Mesh& mesh) {
   const std::string size = length(mesh.diagonal);
-  // A default of 2 mm is nobody's mistake.
+  // A default of 2 mm is not an error of the user.
   if (options.max_depth > mesh.diagonal && sources.max_depth_given) {
     refuse(
         ExitCode::usage,

@@ -4,12 +4,12 @@
 #include <string>
 #include <vector>
 
-#include "baker/options/bake_options.hpp"
 #include "baker/mesh/mesh.hpp"
+#include "baker/options/bake_options.hpp"
 
 namespace spm::baker {
 
-/// Where the limits of a bake come from, beside its options.
+/// Where the limits of a bake come from, besides its options.
 struct LimitSources {
   std::string device;  ///< name of a profile of device_profile.hpp; may be empty
   std::string scene;   ///< path of a scene; may be empty
@@ -19,17 +19,19 @@ struct LimitSources {
   bool probe_given = false;
 };
 
-/// Fills in what the options leave to a device and a scene, in the frame of the asset of `mesh`:
-/// tolerance, half the device's encoder step (`sparse` only); and from a scene the band's depth,
-/// force cap over stiffness, the probe, and the device's workspace. `--device` wins over the
-/// scene's profile. Returns what came from what, a sentence each. Throws BakeError: what read_scene
-/// says; invalid_input where the scene does not tell which of its objects the mesh is.
+/// Fills in the limits that the options leave open, from a device and a scene, in the frame of the
+/// asset of `mesh`. The tolerance is half the device's encoder step (`sparse` only). A scene also
+/// gives the band's depth (force cap over stiffness), the probe, and the device's workspace.
+/// `--device` wins over the scene's profile. Returns one sentence for each limit, which says where
+/// it comes from. Throws BakeError: the errors of read_scene; invalid_input where the scene does
+/// not say which of its objects the mesh is.
 [[nodiscard]] std::vector<std::string> derive_limits(const LimitSources& sources,
                                                      const std::string& mesh, BakeOptions& options);
 
 /// Refuses limits that suit no bake of this mesh: a band wider than the object, a tolerance that
-/// floats cannot hold (unless `inexact` is allowed), a workspace with nothing of the object in it.
-/// Throws BakeError, usage for what the command line gave, invalid_input for what a scene did.
+/// floats cannot hold (unless `inexact` is allowed), or a workspace that contains no part of the
+/// object. Throws BakeError: usage where the command line gave the limit, invalid_input where a
+/// scene did.
 void check_limits(const LimitSources& sources, const BakeOptions& options, const Mesh& mesh,
                   bool inexact);
 

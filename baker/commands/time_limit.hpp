@@ -9,9 +9,9 @@
 
 namespace spm::baker {
 
-/// Ends the process with exit code 10 and one sentence when a build takes too long, wherever it is:
-/// the libraries underneath cannot be asked to stop. Nothing is half written, since it watches no
-/// longer once disarmed, which the build does before it writes.
+/// Ends the process with exit code 10 and one sentence when a build takes too long, wherever the
+/// build is at that time: the libraries underneath cannot be asked to stop. The build disarms it
+/// before it writes, so no file is left half written.
 class TimeLimit {
  public:
   /// `what` is named in the sentence.

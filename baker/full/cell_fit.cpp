@@ -14,37 +14,38 @@ namespace spm::baker {
 
 namespace {
 
-/// Sample points of a cell along an axis, its corners among them.
+/// Sample points of a cell along an axis, corners included.
 constexpr int lattice = 4;
-/// Times that a choice may be made anew with the points where it failed.
+/// How often a choice may be made again with the points where it failed.
 constexpr int choosing_rounds = 4;
-/// Spacing of the surface points at which a choice is tried, of the diagonal.
+/// Spacing of the surface points at which a choice is tried, as a share of the diagonal.
 constexpr double probe_spacing_share = 1.0 / 350;
-/// How far those on a crease keep from it, of the diagonal: less than the finest cell of a map.
+/// How far surface points on a crease are moved away from it, as a share of the diagonal: less than
+/// the finest cell of a map.
 constexpr double probe_inset_share = 3e-4;
 /// More candidates than this in a cell cost more time than triangles would.
 constexpr std::size_t most_candidates = 8;
-/// Share of the tolerance that a sample point may be off; the rest is for the points between.
+/// Share of the tolerance by which a sample point may be off. The rest is for the points between.
 constexpr double accepted_share = 0.6;
 constexpr double accepted_cosine = 0.985;  // 10 degrees
-/// Closer to the surface than this share of the tolerance no direction is asked for: an edge's
-/// rounding is within the tolerance.
+/// Closer to the surface than this share of the tolerance, the direction is not tested: there the
+/// rounding of an edge is within the tolerance.
 constexpr double directionless_share = 0.3;
 
-/// A map seen at this slope may be off by so many tolerances along its rays.
+/// A map seen at this slope may be off by this many tolerances along its rays.
 constexpr double covering_slope = 3;
 
 constexpr std::int64_t nowhere = -1;
 
 }  // namespace
 
-/// A point of a cell with its truth.
+/// A point of a cell with the true answer.
 struct CellFitter::Sample {
   Vector3 point;
   ClosestPoint truth;
 };
 
-/// What one map says of a sample; its normal is worked out only where it is asked for.
+/// The answer of one map at a sample. Its normal is computed only where it is needed.
 struct CellFitter::Reply {
   bool valid = false;
   double distance = 0;
@@ -71,7 +72,7 @@ std::int64_t CellFitter::bin_of(const Vector3& point) const {
   return bin;
 }
 
-/// The grid cells that one layer's valid surface passes through.
+/// The grid cells through which the valid surface of one layer passes.
 void CellFitter::list_layer(std::uint32_t which, std::uint32_t layer,
                             std::vector<std::uint64_t>& places) const {
   const DistanceMap& map = asset_.maps[which];
@@ -123,7 +124,7 @@ void CellFitter::list_candidates() {
   }
 }
 
-/// Surface points by the grid cell they lie in, in a fixed order.
+/// Surface points, listed by the grid cell in which they lie, in a fixed order.
 void CellFitter::list_probes(std::uint64_t seed) {
   const std::vector<SurfacePoint> points =
       surface_points(caster_, probe_spacing_share * caster_.diagonal(),
@@ -145,8 +146,9 @@ void CellFitter::list_probes(std::uint64_t seed) {
   }
 }
 
-/// For each surface point whose normal passes through a cube within the band, the end of
-/// its way through that is nearest to it: if any point of the way has its foot there, that one has.
+/// For each surface point whose normal passes through a cube within the band: the end of its path
+/// through the cube that is nearest to the point. If any point of the path has its closest point
+/// there, that end has.
 std::vector<Probe> CellFitter::probes_through(const Vector3& middle, double edge) const {
   const double reach = std::max(band_.max_depth, band_.margin) + edge / 2;
   std::array<std::int64_t, 3> low{}, high{};
@@ -184,8 +186,8 @@ std::vector<Probe> CellFitter::probes_through(const Vector3& middle, double edge
   return found;
 }
 
-/// True where the chosen maps find the probe's own surface point from its trial point: then the
-/// true closest point need not be looked for, since one still closer has a probe of its own.
+/// True where the chosen maps find the probe's own surface point from its trial point. Then the
+/// true closest point need not be computed, since a closer one has a probe of its own.
 bool CellFitter::finds(const std::vector<std::uint32_t>& chosen, const Probe& probe) const {
   const Reply reply = answer(chosen, {probe.point, {}});
   return reply.valid &&
@@ -213,7 +215,7 @@ Vector3 CellFitter::normal_of(const Reply& reply) const {
   return side * normal_at(map, layer, asset_.planes[map.plane], reply.cell);
 }
 
-/// True where the reply may stand as the answer at the sample.
+/// True where the reply is acceptable as the answer at the sample.
 bool CellFitter::agrees(const Reply& reply, const Sample& sample) const {
   const double allowed = accepted_share * tolerance_;
   const double truth = sample.truth.distance;
@@ -224,12 +226,14 @@ bool CellFitter::agrees(const Reply& reply, const Sample& sample) const {
   if (std::abs(truth) < directionless_share * tolerance_) return true;
   const Vector3 normal = normal_of(reply);
   if (normal.dot(sample.truth.direction) >= accepted_cosine) return true;
-  // Near the medial axis another feature competes: its foot lies on the surface all the same.
+  // Near the medial axis another feature competes. Its closest point lies on the surface all the
+  // same.
   const Vector3 foot = sample.point - reply.distance * normal;
   return std::abs(caster_.closest(foot).distance) <= directionless_share * tolerance_;
 }
 
-/// True where a map has the surface at a point of it, within the tolerance along the map's rays.
+/// True where a map contains the surface at a point of the surface, within the tolerance along the
+/// map's rays.
 bool CellFitter::covers(std::uint32_t candidate, const Vector3& foot) const {
   const auto [which, layer] = unpack_candidate(candidate);
   const DistanceMap& map = asset_.maps[which];
@@ -241,7 +245,7 @@ bool CellFitter::covers(std::uint32_t candidate, const Vector3& foot) const {
          std::abs(height_at(map, layer, cell).value - place.depth) <= covering_slope * tolerance_;
 }
 
-/// The reply of least rank of the chosen maps, which is what the servo takes.
+/// The reply of least rank of the chosen maps, which is the one that the servo takes.
 CellFitter::Reply CellFitter::answer(const std::vector<std::uint32_t>& chosen,
                                      const Sample& sample) const {
   Reply best;
@@ -280,8 +284,8 @@ std::vector<std::uint32_t> CellFitter::candidates_of(const std::vector<Sample>& 
   return found;
 }
 
-/// Greedy cover: the map that rightly answers most samples still open, the more accurate where
-/// several do; empty where some sample stays open.
+/// Greedy cover: takes the map that correctly answers most of the samples that are still open, and
+/// the more accurate one of equals. Empty where some sample stays open.
 std::vector<std::uint32_t> CellFitter::choose(const std::vector<std::uint32_t>& candidates,
                                               const std::vector<Sample>& samples) const {
   struct Option {

@@ -12,21 +12,21 @@
 
 namespace spm::baker {
 
-/// Chooses, for a cell of the partition, the few maps and layers that answer all of it.
-/// What is chosen must agree with the true closest point at every sample point of the cell.
-/// Thread-safe once built.
+/// Chooses, for a cell of the partition, the few maps and layers that answer all of it. The choice
+/// must agree with the true closest point at every sample point of the cell. Thread-safe once
+/// built.
 class CellFitter {
  public:
   CellFitter(const AssetView& asset, const GridData& grid, const Caster& caster, const Band& band,
              double tolerance, std::uint64_t seed);
 
-  /// Candidate words (AssetView's Grid) for the cube around `middle`, tried at its
-  /// own sample points and at `more` points of it; false, and none, where no
+  /// Candidate words (see Grid in asset_view.hpp) for the cube around `middle`. The choice is tried
+  /// at the cube's own sample points and at the points `more`. False, with nothing chosen, where no
   /// choice of maps is good enough.
   [[nodiscard]] bool fit(const Vector3& middle, double edge, std::span<const Vector3> more,
                          std::vector<std::uint32_t>& chosen) const;
 
-  /// True where the chosen maps answer the probe's point rightly.
+  /// True where the chosen maps answer the probe's point correctly.
   [[nodiscard]] bool holds_at(const std::vector<std::uint32_t>& chosen, const Probe& probe) const;
 
   /// The grid cell of a point, or -1 outside the grid.

@@ -11,9 +11,9 @@ namespace spm::baker {
 
 namespace {
 
-/// Below this many triangles a closer look would cost more than it saves.
+/// Below this many triangles a closer test would cost more than it saves.
 constexpr std::size_t few = 6;
-/// Parts of the cube along an axis that are looked at one by one.
+/// Parts of the cube along an axis that are tested one by one.
 constexpr int parts = 3;
 
 double distance_to(const Caster& caster, std::uint32_t triangle, const Vector3& point) {

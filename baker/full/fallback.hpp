@@ -8,8 +8,9 @@
 
 namespace spm::baker {
 
-/// Triangles, caps included, that can hold the closest point of some point of the cube: all that
-/// are not farther than another one from every part of it. Ascending. Conservative.
+/// The triangles that can hold the closest point of some point of the cube, caps included, in
+/// ascending order. A triangle is left out only if another one is closer to every part of the cube.
+/// Conservative.
 [[nodiscard]] std::vector<std::uint32_t> closest_candidates(const Caster& caster,
                                                             const Vector3& middle, double edge,
                                                             double middle_distance);

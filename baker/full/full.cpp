@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "baker/full/full.hpp"
+
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
@@ -6,7 +8,6 @@
 #include <cmath>
 
 #include "baker/base/progress_counter.hpp"
-#include "baker/full/stages.hpp"
 
 namespace spm::baker {
 
@@ -15,7 +16,7 @@ namespace {
 /// A cell of a map is valid where its bilinear patch meets the ray at its middle within this share
 /// of the diagonal.
 constexpr double continuity_share = 2.5e-4;
-/// Steeper cells see the surface too flatly to answer for it.
+/// Steeper cells see the surface at too flat an angle to answer for it.
 constexpr double largest_slope = 2.5;
 /// Crossings kept along a ray; a candidate names its layer in eight bits.
 constexpr std::size_t most_layers = 255;
@@ -46,8 +47,9 @@ double place_map(std::vector<SupportPlane>& planes, std::size_t which, const Rec
   return spacing;
 }
 
-/// Puts a ray's crossings into layer slots: even slots entries, odd slots exits, a gap where one is
-/// missing. The first slot always holds the first hit, as the paper's scalar map does.
+/// Puts a ray's crossings into layer slots: entries into even slots, exits into odd slots, with a
+/// gap where one is missing. The first slot always holds the first hit, as in the paper's scalar
+/// map.
 void slots_of(const Column& column, std::size_t limit, std::vector<float>& slots) {
   slots.clear();
   for (const Crossing& crossing : column.crossings) {
@@ -58,7 +60,8 @@ void slots_of(const Column& column, std::size_t limit, std::vector<float>& slots
   if (slots.size() > limit) slots.resize(limit);
 }
 
-/// True where the bilinear patch of a cell's layer follows the surface: seen at the middle ray.
+/// True where the bilinear patch of a cell's layer follows the surface, as measured at the middle
+/// ray.
 bool follows_surface(const MapData& map, std::uint32_t layer, std::uint32_t column,
                      std::uint32_t row, const Column& middle, double allowed) {
   const std::size_t first =

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "baker/full/partition.hpp"
+
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
@@ -9,10 +11,9 @@
 #include <utility>
 
 #include "baker/base/bake_error.hpp"
+#include "baker/base/progress_counter.hpp"
 #include "baker/full/cell_fit.hpp"
 #include "baker/full/partition_cell.hpp"
-#include "baker/base/progress_counter.hpp"
-#include "baker/full/stages.hpp"
 #include "baker/full/trials.hpp"
 
 namespace spm::baker {
@@ -20,18 +21,19 @@ namespace spm::baker {
 namespace {
 
 constexpr double cells_per_diagonal = 64;
-/// A grid beyond this many cells would not be worth its index.
+/// A grid of more cells than this would not be worth its index.
 constexpr double most_cells = 1 << 26;
 /// Trial points over the surface's band for each record.
 constexpr std::size_t trials_per_record = 100;
-/// Each pass has trial points of its own, so that a leaf mended in one is tried anew in the next.
+/// Each pass has its own trial points, so that a leaf that was corrected in one is tried again in
+/// the next.
 constexpr std::uint64_t repair_passes = 2;
-/// How close to the surface gaps between maps are looked for, in tolerances.
+/// How close to the surface gaps between maps are sought, in tolerances.
 constexpr double nearby_tolerances = 4;
 constexpr int repair_rounds = 2;
-/// Failing points of a leaf that are kept for choosing anew.
+/// Failing points of a leaf that are kept for the next choice.
 constexpr std::size_t most_failures = 16;
-/// A header of all ones is a split cell's.
+/// A header with all bits set belongs to a split cell.
 constexpr std::size_t most_triangles = 0xFFFE;
 
 void place_grid(Asset& asset) {
@@ -72,7 +74,7 @@ using Failures = std::map<PartitionCell*, std::vector<Vector3>>;
 template <class Wanted>
 Failures failures_of(const CellFitter& fitter, const Trials& trials,
                      std::vector<PartitionCell>& cells, const Wanted& wanted) {
-  // In blocks, put together in order, so that the result does not depend on the threads.
+  // In blocks that are joined in order, so that the result does not depend on the threads.
   constexpr std::size_t block = 4096;
   std::vector<std::vector<std::pair<PartitionCell*, Vector3>>> each((trials.count() + block - 1) /
                                                                     block);
@@ -98,8 +100,8 @@ Failures failures_of(const CellFitter& fitter, const Trials& trials,
 }
 
 /// Tries the choice of maps all over the band, since the sample points of the cells alone miss gaps
-/// thinner than their spacing. A leaf that fails is chosen for anew with
-/// the points where it failed; one that fails again gets triangles.
+/// that are thinner than their spacing. A leaf that fails gets a new choice with the points where
+/// it failed. One that fails again gets triangles.
 void repair(const CellFitter& fitter, const Caster& caster, const Trials& trials,
             std::vector<PartitionCell>& cells) {
   Failures failures = failures_of(fitter, trials, cells, [](const PartitionCell&) { return true; });
@@ -127,7 +129,7 @@ std::size_t count_records(const PartitionCell& cell) {
   return count;
 }
 
-/// Gives the triangles in use their numbers in the file, in order of first use.
+/// Numbers the triangles in use as in the file, in order of first use.
 class TriangleStore {
  public:
   explicit TriangleStore(const Caster& caster) : caster_(caster) {}

@@ -3,17 +3,18 @@
 
 #include <cmath>
 
-#include "baker/full/fallback.hpp"
 #include "baker/base/octant.hpp"
+#include "baker/full/fallback.hpp"
 #include "common/base/octahedral.hpp"
 
 namespace spm::baker {
 
 namespace {
 
-/// Octants cost bytes and bake time: only where triangles would cost the tick more.
+/// Octants cost bytes and bake time. They are made only where triangles would cost a tick more
+/// time.
 constexpr std::size_t few_triangles = 24;
-/// More splits made four times the records for a third less fallback.
+/// With more splits, records became four times as many for a third less fallback.
 constexpr int splits = 1;
 
 }  // namespace

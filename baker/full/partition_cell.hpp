@@ -10,8 +10,8 @@
 
 namespace spm::baker {
 
-/// One cell of the partition as decided, before the records are laid out: far, deep, or a record of
-/// maps or triangles, or split into octants (x fastest).
+/// One cell of the partition after it was decided and before the records are laid out. It is far,
+/// deep, a record of maps or triangles, or split into octants (x fastest).
 struct PartitionCell {
   CellKind kind = CellKind::far;
   Vector3 middle = Vector3::Zero();
@@ -26,12 +26,12 @@ struct PartitionCell {
   [[nodiscard]] PartitionCell& leaf(const Vector3& point);
 };
 
-/// Decides a cell: where no few maps serve it whole, its octants are decided instead, and where
-/// they cannot be split further triangles serve.
+/// Decides a cell. Where no few maps answer the whole cell, its octants are decided instead. Where
+/// those cannot be split further, triangles answer.
 void decide(PartitionCell& cell, const CellFitter& fitter, const Caster& caster, const Band& band,
             int level);
 
-/// Turns a cell to triangles.
+/// Makes triangles answer a cell.
 void fall_back(PartitionCell& cell, const Caster& caster);
 
 }  // namespace spm::baker

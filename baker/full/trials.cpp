@@ -10,7 +10,7 @@ namespace spm::baker {
 namespace {
 
 constexpr std::uint64_t points_per_border_cell = 6;
-/// Of a `full` asset's many cells a random part will do.
+/// A `full` asset has many cells; a random part of them is enough.
 constexpr std::uint64_t most_cells_looked_at = 1'000'000;
 constexpr std::uint64_t border_stream = 0xB0DE;
 
@@ -82,7 +82,7 @@ Probe Trials::about_border(std::uint64_t index) const {
   const Vector3 on_map = reconstructed_surface(
       asset_.planes[map.plane], map.eta0 + (border.column + cell.fx) * map.spacing,
       map.omega0 + (border.row + cell.fy) * map.spacing, height_at(map, border.layer, cell).value);
-  // Beside a silhouette there may be no height to start from.
+  // Beside a silhouette there may be no height from which to start.
   if (!on_map.allFinite()) return anywhere(index);
   const ClosestPoint surface = caster_.closest(on_map);
   const Vector3& normal = caster_.normal(surface.triangle);

@@ -10,13 +10,14 @@
 
 namespace spm::baker {
 
-/// Points at which a partition is tried: where a user's hand may be, uniform over the surface by
-/// area and at depths uniform over the band; and above and below the borders of the maps' valid
-/// cells, where gaps would be, every second one close to the surface.
+/// Points at which a partition is tried. The first kind is where a user's hand may be: uniform over
+/// the surface by area, at depths uniform over the band. The second kind is above and below the
+/// borders of the maps' valid cells, where gaps would be. Every second one of these is close to the
+/// surface.
 class Trials {
  public:
-  /// `uniform`: how many points of the first kind; `nearby`: how close to the surface every second
-  /// one of the others keeps, m.
+  /// `uniform`: the number of points of the first kind. `nearby`: how close to the surface every
+  /// second point of the other kind is, m.
   Trials(const AssetView& asset, const Caster& caster, std::uint64_t uniform, double nearby,
          std::uint64_t seed);
 

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "baker/mesh/load.hpp"
+
 #include <algorithm>
 #include <array>
 #include <cerrno>
@@ -12,7 +14,6 @@
 #include <system_error>
 
 #include "baker/base/bake_error.hpp"
-#include "baker/mesh/mesh.hpp"
 #include "baker/mesh/mesh_reader.hpp"
 #include "baker/mesh/mesh_repair.hpp"
 #include "formats/files/sha256.hpp"
@@ -20,8 +21,8 @@
 namespace spm::baker {
 namespace {
 
-constexpr double kLargest = 1e9;    ///< m: beyond it squares of squares lose their meaning
-constexpr double kSmallest = 1e-9;  ///< m: below it the sizes of a mesh are rounding
+constexpr double kLargest = 1e9;    ///< m: beyond it fourth powers lose their meaning
+constexpr double kSmallest = 1e-9;  ///< m: below it the size of a mesh is only rounding
 
 [[noreturn]] void refuse(ExitCode code, const std::string& message) {
   throw BakeError(code, message);
@@ -62,7 +63,7 @@ constexpr double kSmallest = 1e-9;  ///< m: below it the sizes of a mesh are rou
   return bytes;
 }
 
-/// Box of the points that triangles with an area refer to.
+/// The box of the points of triangles that have an area.
 [[nodiscard]] Eigen::AlignedBox3d referenced_box(const PolygonSoup& soup) {
   Eigen::AlignedBox3d box;
   for (const auto& [a, b, c] : soup.triangles) {

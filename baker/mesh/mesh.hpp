@@ -3,7 +3,6 @@
 
 #include <array>
 #include <cstdint>
-#include <optional>
 #include <string>
 #include <vector>
 
@@ -13,8 +12,8 @@ namespace spm::baker {
 
 using Triangle = std::array<std::uint32_t, 3>;
 
-/// A mesh after loading, repair, unit and scale: metres, the asset's frame, triangles oriented so
-/// that their normals point out of the solid as far as that is defined.
+/// A mesh after loading, repair, unit and scale: in metres, in the asset's frame. Triangles are
+/// oriented so that their normals point out of the solid, as far as that is defined.
 struct Mesh {
   std::vector<Vector3> vertices;    ///< all are referenced
   std::vector<Triangle> triangles;  ///< no index out of range, no zero area
@@ -32,18 +31,8 @@ struct Mesh {
   std::vector<std::array<std::uint32_t, 2>> border;  ///< the border edges, indices of vertices
   std::uint32_t turned_components = 0;               ///< components that were inside out
   std::uint64_t dropped_triangles = 0;               ///< zero area or duplicated
-  std::vector<std::string> notes;  ///< what was found and assumed, a sentence each, for the user
+  std::vector<std::string> notes;  ///< findings and assumptions, a sentence each, for the user
   [[nodiscard]] bool closed() const noexcept { return border_edges == 0; }
 };
-
-struct LoadOptions {
-  double unit = 1;
-  std::optional<double> fit_diagonal;  ///< m
-};
-
-/// Reads OBJ, PLY, STL or OFF, fans polygons from their first vertex, merges equal points, drops
-/// zero-area and duplicated triangles, orients, stitches and turns inverted components, then
-/// scales. Throws BakeError: file_or_device, or invalid_input naming file, place, cause and cure.
-[[nodiscard]] Mesh load_mesh(const std::string& path, const LoadOptions& options);
 
 }  // namespace spm::baker

@@ -30,7 +30,7 @@ struct Corners {
 struct Choice {
   std::vector<char> keep;
   std::vector<std::uint32_t> walls;   ///< the first of each pair of triangles that face each other
-  std::vector<std::uint32_t> extras;  ///< face the same way as one that is kept
+  std::vector<std::uint32_t> extras;  ///< triangles that face the same way as one that is kept
 };
 
 [[nodiscard]] Choice choose(const std::vector<Triangle>& triangles) {

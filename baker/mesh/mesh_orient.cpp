@@ -28,7 +28,7 @@ struct Patch {
 
 void turn(Triangle& triangle) { std::swap(triangle[1], triangle[2]); }
 
-/// All edges, those of one pair of vertices side by side.
+/// All edges; those of the same pair of vertices are side by side.
 [[nodiscard]] std::vector<HalfEdge> sorted_edges(const std::vector<Triangle>& triangles) {
   std::vector<HalfEdge> edges;
   edges.reserve(triangles.size() * 3);
@@ -151,7 +151,7 @@ class Turner {
   }
 
   void run(Orientation& orientation) {
-    // The largest first: a patch's surroundings are settled before the patch.
+    // The largest first, so that the surroundings of a patch are settled before the patch.
     std::vector<std::size_t> order(patches_.size());
     std::iota(order.begin(), order.end(), std::size_t{0});
     std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
@@ -172,7 +172,8 @@ class Turner {
         if (!outermost) outermost = other;
         around += patches_[other].volume < 0 ? -1 : 1;
       }
-      // An inverted solid brings its cavities along: they are judged as if it had been right.
+      // The cavities of an inverted solid are inverted with it. They are judged as if the solid had
+      // been right.
       const bool inward = outermost ? inverted[i] != inverted[*outermost] : inverted[i] != 0;
       const bool cavity = inward && around > 0;
       if (cavity != (patches_[i].volume < 0)) turn_patch(i, orientation);
@@ -219,7 +220,7 @@ class Turner {
     return *numbers_[patch];
   }
 
-  /// True where the inner patch lies inside the outer one, whichever way that one faces.
+  /// True where the inner patch lies inside the outer one, whichever way the outer one faces.
   [[nodiscard]] bool encloses(std::size_t outer, std::size_t inner) {
     constexpr std::size_t kProbes = 64;
     if (!patches_[outer].box.contains(patches_[inner].box)) return false;
@@ -232,8 +233,9 @@ class Turner {
     return true;
   }
 
-  /// Seen from its own faces, an open patch that faces outward has most of a turn behind it and
-  /// little before it; on the faces themselves the mean of both is near 1/2, or -1/2 if inverted.
+  /// Whether an open patch faces outward, judged from its own faces: then most of a full turn is
+  /// behind it and little in front. On the faces themselves the mean of both is near 1/2, or -1/2
+  /// if the patch is inverted.
   void settle_open(std::size_t index, Orientation& orientation) {
     constexpr std::size_t kProbes = 256;
     constexpr double kUndecided = 0.05;
@@ -270,7 +272,7 @@ class Turner {
   std::vector<std::optional<WindingNumber>> numbers_;
 };
 
-/// Edges that more triangles run along one way than the other.
+/// Edges along which more triangles run in one direction than in the other.
 [[nodiscard]] std::vector<std::array<std::uint32_t, 2>> border_of(
     const std::vector<Triangle>& triangles) {
   std::vector<std::array<std::uint32_t, 2>> border;

@@ -20,9 +20,10 @@ struct Orientation {
   std::vector<std::array<std::uint32_t, 2>> border;  ///< edges that some triangle leaves open
 };
 
-/// Orients triangles in place so that their normals point out of the solid. Neighbours across edges
-/// of two triangles agree; a patch of them follows the majority of its triangles, is turned where
-/// it is inside out, and kept where it bounds a cavity of a patch around it.
+/// Orients triangles in place so that their normals point out of the solid. Neighbours across an
+/// edge of two triangles are made to agree. A patch of such neighbours follows the majority of its
+/// triangles. It is turned where it is inside out, and kept where it bounds a cavity of a patch
+/// around it.
 [[nodiscard]] Orientation orient(std::span<const Vector3> points, std::vector<Triangle>& triangles);
 
 }  // namespace spm::baker

@@ -38,7 +38,8 @@ struct Format {
   return first_word(bytes).ends_with("OFF") && first_word(bytes).size() <= 8;
 }
 
-/// OBJ has no signature: a line that begins a vertex or a face, and no binary data.
+/// OBJ has no signature. It counts as OBJ where a line begins a vertex or a face and there is no
+/// binary data.
 [[nodiscard]] bool resembles_obj(std::string_view bytes) {
   if (bytes.find('\0') != std::string_view::npos) return false;
   for (const std::string_view start : {"\nv ", "\nv\t", "\rv ", "\nf "}) {

@@ -11,8 +11,8 @@
 
 namespace spm::baker {
 
-/// A mesh as its file has it, in the file's unit: points may repeat and triangles may be
-/// degenerate, but coordinates are finite and indices in range.
+/// A mesh as its file has it, in the file's unit. Points may repeat and triangles may be
+/// degenerate, but coordinates are finite and indices are in range.
 struct PolygonSoup {
   std::vector<Vector3> points;
   std::vector<Triangle> triangles;
@@ -21,9 +21,9 @@ struct PolygonSoup {
 /// Fans a polygon from its first vertex.
 void add_polygon(std::span<const std::uint32_t> polygon, PolygonSoup& soup);
 
-/// Reads the bytes of a mesh file in the format that its extension and its content agree on. Own
-/// readers: CGAL's pass over cut, non-finite and out-of-range input, and name no line.
-/// Throws BakeError invalid_input naming file, place, cause and cure.
+/// Reads the bytes of a mesh file in the format on which its extension and its content agree. These
+/// are our own readers, since CGAL's accept cut, non-finite and out-of-range input, and name no
+/// line. Throws BakeError invalid_input, which names file, place, cause and what to do.
 [[nodiscard]] PolygonSoup read_soup(const std::string& path, std::string_view bytes);
 
 [[nodiscard]] PolygonSoup read_obj(const std::string& path, std::string_view bytes);
@@ -31,7 +31,7 @@ void add_polygon(std::span<const std::uint32_t> polygon, PolygonSoup& soup);
 [[nodiscard]] PolygonSoup read_ply(const std::string& path, std::string_view bytes);
 [[nodiscard]] PolygonSoup read_stl(const std::string& path, std::string_view bytes);
 
-/// True where the bytes are a binary STL by their own count of triangles.
+/// True where the bytes are a binary STL, by the count of triangles in them.
 [[nodiscard]] bool is_binary_stl(std::string_view bytes);
 
 }  // namespace spm::baker

@@ -55,7 +55,7 @@ void read_face(MeshText& text, std::size_t vertices, Faces& faces) {
   faces.lines.push_back(text.line());
 }
 
-/// Lines that end in a backslash go on in the next one.
+/// A line that ends in a backslash continues in the next one.
 [[nodiscard]] std::string joined_lines(std::string_view bytes) {
   std::string joined(bytes);
   for (std::size_t at = joined.find('\\'); at != std::string::npos;

@@ -55,8 +55,8 @@ PolygonSoup read_off(const std::string& path, std::string_view bytes) {
   if (!magic.ends_with("OFF")) {
     text.fail("the first word is not OFF", "the file is of another format, or damaged");
   }
-  // Normals, colours and texture coordinates follow a vertex's position and are passed over; a
-  // fourth or n-th dimension would change the position itself.
+  // Normals, colours and texture coordinates after a vertex's position are skipped. A fourth or
+  // n-th dimension would change the position itself.
   if (magic.find('4') != std::string_view::npos || magic.find('n') != std::string_view::npos) {
     text.fail("OFF of more than 3 dimensions", "export the mesh as plain OFF");
   }

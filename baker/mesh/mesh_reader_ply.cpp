@@ -128,7 +128,7 @@ class Values {
                   ? MeshText(path, bytes, after_header.position(), after_header.line())
                   : MeshText(path, {})) {}
 
-  /// Place of the value read last, as messages name it.
+  /// The place of the value that was read last, as messages name it.
   [[nodiscard]] std::string place(const Element& element, std::size_t item) const {
     if (encoding_ == Encoding::text) return "line " + std::to_string(text_.line());
     return element.name + " " + std::to_string(item) + " (counted from 0)";
@@ -262,7 +262,7 @@ class Reader {
     throw BakeError(ExitCode::invalid_input, path_ + ": " + message);
   }
 
-  /// The value, or of a list its length; the list's items are kept in list_.
+  /// The value, or the length of a list. The list's items are kept in list_.
   [[nodiscard]] double read_property(const Property& property, const Element& element,
                                      std::size_t item) {
     if (!property.count) return values_.next(property.type, element, item);

@@ -69,7 +69,8 @@ void add_triangle(PolygonSoup& soup) {
   return soup;
 }
 
-/// One facet; its "facet" was read. The normal is passed over: the vertices' order says more.
+/// One facet, after its word "facet" was read. The normal is skipped: the order of the vertices
+/// says more.
 void read_facet(MeshText& text, PolygonSoup& soup) {
   std::size_t corners = 0;
   while (true) {

@@ -22,7 +22,8 @@ constexpr std::uint32_t kNone = UINT32_MAX;
 
 [[nodiscard]] Kernel::Point_3 exact_point(const Vector3& p) { return {p.x(), p.y(), p.z()}; }
 
-/// Keeps the first of equal points and renumbers the triangles; returns how many went.
+/// Keeps the first of equal points and renumbers the triangles. Returns how many points were
+/// dropped.
 std::size_t merge_equal_points(PolygonSoup& soup) {
   std::vector<std::uint32_t> order(soup.points.size());
   std::iota(order.begin(), order.end(), 0U);
@@ -129,7 +130,7 @@ void repair(PolygonSoup soup, Mesh& mesh) {
   const std::size_t merged = merge_equal_points(soup);
   mesh.dropped_triangles = drop_repeated_corners(soup.triangles);
   mesh.dropped_triangles += drop_duplicates(soup.triangles);
-  // Triangles without area go last: until then they hold their neighbours together.
+  // Triangles without area are dropped last: until then they connect their neighbours.
   const Orientation orientation = orient(soup.points, soup.triangles);
   mesh.dropped_triangles += drop_zero_area(soup.points, soup.triangles);
   mesh.components = orientation.components;

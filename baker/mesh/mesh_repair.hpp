@@ -7,8 +7,8 @@
 namespace spm::baker {
 
 /// Merges equal points, drops zero-area and duplicated triangles and unreferenced points, orients,
-/// turns what is inside out, and fills everything of the mesh but path, hash, unit, scale and box.
-/// The mesh has no triangle where the soup has none with an area.
+/// and turns what is inside out. Fills everything of the mesh but path, hash, unit, scale and box.
+/// The mesh has no triangle where no triangle of the soup has an area.
 void repair(PolygonSoup soup, Mesh& mesh);
 
 /// True where three points lie on a line or coincide, by exact arithmetic.

@@ -7,14 +7,14 @@
 
 namespace spm::baker {
 
-/// Walks the lines and words of a mesh file written as text; throws BakeError invalid_input that
-/// names file and line. Independent of the locale.
+/// Walks through the lines and words of a mesh file in text form. Throws BakeError invalid_input,
+/// which names file and line. Independent of the locale.
 class MeshText {
  public:
-  /// From `start` of the bytes, which is on line `line`. Throws where the text holds binary data.
+  /// Begins at byte `start`, which is on line `line`. Throws where the text holds binary data.
   MeshText(std::string path, std::string_view bytes, std::size_t start = 0, std::size_t line = 0);
 
-  /// Moves to the next line that has a word; what follows '#' is a comment. False at the end.
+  /// Moves to the next line that has a word. What follows '#' is a comment. False at the end.
   [[nodiscard]] bool next_line();
 
   /// Next word of the line; empty at its end.

@@ -9,7 +9,7 @@ namespace spm::baker {
 namespace {
 
 constexpr std::uint32_t kLeafTriangles = 4;
-/// A cluster is far from this many of its radii on; with it the sum errs by less than 1e-3.
+/// A cluster is far at this many of its radii and more. With that the sum is off by less than 1e-3.
 constexpr double kFarRadii = 4;
 
 /// Solid angle of a triangle seen from the origin, positive where its normal points away from it
@@ -46,7 +46,7 @@ void WindingNumber::build(std::uint32_t begin, std::uint32_t end) {
     Eigen::Index axis = 0;
     box.diagonal().maxCoeff(&axis);
     const std::uint32_t middle = begin + (end - begin) / 2;
-    // A full sort: where equal keys land must not depend on the standard library.
+    // A full sort, since the order of equal keys must not depend on the standard library.
     std::stable_sort(
         triangles_.begin() + begin, triangles_.begin() + end,
         [&](const Corners& a, const Corners& b) { return centre(a)[axis] < centre(b)[axis]; });

@@ -11,11 +11,12 @@
 namespace spm::baker {
 
 /// Generalised winding number of a triangle soup (Jacobson et al. 2013): 1 inside a closed solid
-/// whose normals point out, 0 outside, in between near holes. Far triangles count by clusters, each
-/// a Taylor expansion to second order (Barill et al. 2018), near ones exactly.
+/// whose normals point out, 0 outside, in between near holes. Near triangles are summed exactly.
+/// Far triangles are summed by clusters, each a Taylor expansion to second order (Barill et al.
+/// 2018).
 class WindingNumber {
  public:
-  /// Copies what it needs. Indices must be in range; degenerate triangles count nothing.
+  /// Copies what it needs. Indices must be in range. Degenerate triangles add nothing.
   WindingNumber(std::span<const Vector3> vertices, std::span<const Triangle> triangles);
 
   /// Within 1e-3 of the exact sum. A point on the surface takes the value of one of its sides.

@@ -21,13 +21,13 @@ namespace {
 
 constexpr std::uint32_t unused = std::numeric_limits<std::uint32_t>::max();
 
-/// A place of a cell of a tile, from its middle, in cells.
+/// A place in a cell of a tile, measured from its middle, in cells.
 using Corner = std::array<double, 2>;
 /// The corners of a cell, anticlockwise seen from the plane's side, and their samples.
 constexpr std::array<Corner, 4> square{{{-0.5, -0.5}, {0.5, -0.5}, {0.5, 0.5}, {-0.5, 0.5}}};
 constexpr std::array<std::uint32_t, 4> square_samples{0, 1, tile_samples + 1, tile_samples};
 
-/// The part of a cell on the valid side of a line: a convex polygon, or nothing.
+/// The part of a cell on the valid side of a line: a convex polygon, or empty.
 std::vector<Corner> clipped_square(const Clip& clip) {
   std::vector<Corner> corners;
   for (std::size_t k = 0; k < square.size(); ++k) {
@@ -69,7 +69,7 @@ class SurfaceBuilder {
       }
       return id;
     };
-    // Odd crossings are exits, whose outside looks away from the plane.
+    // Odd crossings are exits; their outside faces away from the plane.
     const bool turned = (map.first_layer + layer) % 2 == 1;
     for (std::uint32_t row = 0; row + 1 < map.rows; ++row) {
       for (std::uint32_t column = 0; column + 1 < map.columns; ++column) {
@@ -153,7 +153,7 @@ void add_listed_triangles(const AssetView& asset, SurfaceBuilder& builder) {
   }
 }
 
-/// Adds the fans of a `sparse` asset likewise.
+/// Adds the fans of a `sparse` asset in the same way.
 void add_fans(const AssetView& asset, SurfaceBuilder& builder) {
   for (std::size_t word = 0; word < asset.tree.words.size(); ++word) {
     if (word % tree_node_words >= tree_children) continue;

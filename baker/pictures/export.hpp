@@ -10,15 +10,15 @@
 
 namespace spm::baker {
 
-/// The surface as an asset knows it: loose patches, not one closed mesh.
+/// The surface as an asset holds it: loose patches, not one closed mesh.
 struct KnownSurface {
   std::vector<std::array<float, 3>> vertices;           ///< metres, asset's frame
   std::vector<std::array<std::uint32_t, 3>> triangles;  ///< anticlockwise seen from outside
 };
 
-/// Eq. 4 over every valid cell of every map's layers and of every tile, two triangles a cell, a
-/// clipped cell up to its line; and the exact triangles that the partition refers to, caps left
-/// out. Maps and tiles overlap, so patches do too.
+/// Eq. 4 over every valid cell of every map's layers and of every tile, two triangles a cell. A
+/// clipped cell counts up to its line. The exact triangles that the partition refers to are added,
+/// without caps. Maps and tiles overlap, so patches overlap too.
 [[nodiscard]] KnownSurface known_surface(const AssetView& asset);
 
 /// The surface as a PLY file's bytes: binary little endian, or text.

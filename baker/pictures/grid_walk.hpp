@@ -8,8 +8,8 @@
 
 namespace spm::baker {
 
-/// Calls `visit` with the list of an index word, or with those of the octants of a split cell.
-/// Splits that do not lie in the records are skipped.
+/// Calls `visit` with the list of an index word, or with the lists of the octants of a split cell.
+/// Splits that do not lie within the records are skipped.
 template <class Visit>
 void visit_lists(const Grid& grid, std::uint32_t word, const Visit& visit, int level = 0) {
   if (static_cast<CellKind>(word >> 30U) != CellKind::record) return;

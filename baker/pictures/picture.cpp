@@ -17,7 +17,7 @@ namespace {
 
 constexpr std::uint8_t background = 40;
 
-/// Dark blue over green to pale yellow, so that lightness rises evenly and colour blind eyes see
+/// Dark blue over green to pale yellow, so that lightness rises evenly and colour-blind eyes see
 /// it.
 constexpr std::array<Colour, 5> ramp{{{0.17, 0.17, 0.40},
                                       {0.16, 0.39, 0.53},
@@ -82,12 +82,12 @@ struct Canvas {
   [[nodiscard]] double omega(std::uint32_t y) const { return extent.top - (y + 0.5) * pitch; }
 };
 
-/// Keeps a height where it is nearer to the plane than what the pixel shows.
+/// Keeps a height where it is nearer to the plane than the height that the pixel shows.
 void show(Height& pixel, const Height& found) {
   if (std::isfinite(found.value) && found.value < pixel.value) pixel = found;
 }
 
-/// Calls `visit` with the pixels that a rectangle may cover, and with their place on the plane.
+/// Calls `visit` with the pixels that a rectangle may cover, and their places on the plane.
 template <class Visit>
 void visit_pixels(Canvas& canvas, double eta0, double omega0, double width, double height,
                   const Visit& visit) {
@@ -136,7 +136,7 @@ void draw_tile(Canvas& canvas, const Tile& tile, float height_unit) {
                });
 }
 
-/// Light on a surface of that slope, from the upper left of the picture and above.
+/// Light on a surface of that slope, which comes from the upper left of the picture and above.
 double shade(const Height& height) {
   const Vector3 normal = Vector3(height.d_eta, height.d_omega, 1).normalized();
   static const Vector3 light = Vector3(-1, 1, 2).normalized();

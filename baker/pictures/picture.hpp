@@ -26,10 +26,10 @@ using Colour = std::array<double, 3>;
 /// Dark blue at 0 over green to pale yellow at 1.
 [[nodiscard]] Colour ramp_at(double position);
 
-/// Relief of what the maps or tiles of one plane hold, seen along the plane's normal with u to the
-/// right and v upward: for each pixel the crossing nearest to the plane, coloured by its distance
-/// (bright is near) and shaded from the upper left. Where there is no valid cell the picture is
-/// dark grey. `longest_side` in pixels.
+/// A relief of the maps or tiles of one plane, seen along the plane's normal, with u to the right
+/// and v upward. Each pixel shows the crossing nearest to the plane, coloured by its distance
+/// (bright is near) and shaded from the upper left. Dark grey where there is no valid cell.
+/// `longest_side` in pixels.
 [[nodiscard]] Picture plane_picture(const AssetView& asset, std::size_t plane,
                                     std::uint32_t longest_side);
 

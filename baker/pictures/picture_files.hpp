@@ -8,8 +8,8 @@
 
 namespace spm::baker {
 
-/// Makes the folder that `--png` names, if it is not there. Throws BakeError: file_or_device where
-/// it cannot be made.
+/// Makes the folder of `--png`, if it does not exist. Throws BakeError file_or_device where it
+/// cannot be made.
 std::filesystem::path make_picture_folder(const std::string& name);
 
 /// Writes a picture as a PNG file and returns its path. Throws BakeError as write_file does.

@@ -8,23 +8,25 @@
 #include <nlohmann/json.hpp>
 
 #include "baker/base/bake_error.hpp"
-#include "baker/cast/cast.hpp"
-#include "baker/planes/hull.hpp"
-#include "baker/surface/outer_surface.hpp"
-#include "baker/smooth/smooth.hpp"
-#include "baker/pipeline/sparse.hpp"
-#include "baker/full/stages.hpp"
 #include "baker/base/stopwatch.hpp"
+#include "baker/cast/cast.hpp"
+#include "baker/full/full.hpp"
+#include "baker/full/partition.hpp"
+#include "baker/pipeline/sparse.hpp"
+#include "baker/planes/hull.hpp"
+#include "baker/smooth/smooth.hpp"
+#include "baker/surface/outer_surface.hpp"
 
 namespace spm::baker {
 
 namespace {
 
-/// Share of the diagonal that stands for a tolerance where none was asked for.
+/// Share of the diagonal that is the tolerance where none was given.
 constexpr double default_tolerance_share = 1e-3;
 /// Height samples, over all planes and before layers, that a `full` asset may have: 2 GB of floats.
 constexpr double most_samples = 5e8;
-/// What the partition of a `full` asset, which promises nothing, aims at.
+/// The error that the partition of a `full` asset aims at, as a share of the diagonal. It promises
+/// nothing.
 constexpr double full_aim_share = 5e-4;
 
 void check_options(const BakeOptions& options, double margin) {

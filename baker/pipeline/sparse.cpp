@@ -8,12 +8,12 @@
 #include <limits>
 #include <numbers>
 
-#include "baker/reach/reach.hpp"
-#include "baker/trials/side_trials.hpp"
-#include "baker/trees/space_build.hpp"
-#include "baker/pipeline/sparse_model.hpp"
 #include "baker/base/stopwatch.hpp"
+#include "baker/pipeline/sparse_model.hpp"
+#include "baker/reach/reach.hpp"
 #include "baker/tiles/tile_fit.hpp"
+#include "baker/trees/space_build.hpp"
+#include "baker/trials/side_trials.hpp"
 
 namespace spm::baker {
 
@@ -22,13 +22,14 @@ namespace {
 constexpr std::size_t directions = 8;
 constexpr double coarsest_spacing_share = 1.0 / 64;  ///< of the diagonal
 constexpr double surfel_spacing_share = 1.0 / 350;   ///< of the diagonal
-/// Share of the tolerance that a tile's cells may leave the surface by; the rest is for the gaps
+/// Share of the tolerance by which a tile's cells may be off the surface. The rest is for the gaps
 /// between them.
 constexpr double residual_share = 0.5;
-/// Below this share of the diagonal the rounding of queries, in floats, is no longer small.
+/// Tolerances below this share of the diagonal are not proven, since the rounding of queries, in
+/// floats, is no longer small.
 constexpr double least_tolerance_share = 1e-5;
 
-/// The tolerance that the bake works to: no finer than it can prove.
+/// The tolerance with which the bake works: no finer than it can prove.
 double provable(const AssetMetadata& metadata, const Caster& caster) {
   return std::max(*metadata.tolerance, least_tolerance_share * caster.diagonal());
 }
@@ -43,7 +44,8 @@ TileSettings settings_for(const Caster& caster, double tolerance) {
   return settings;
 }
 
-/// Finds which crossing of its plane's rays each tile is, by the ray through its first valid cell.
+/// Finds which crossing along the rays of its plane each tile is, by the ray through its first
+/// valid cell.
 CastCounts count_layers(Asset& asset, const Caster& caster) {
   CastCounts counts;
   counts.rays = asset.tiles.size();
@@ -74,7 +76,7 @@ CastCounts count_layers(Asset& asset, const Caster& caster) {
   return counts;
 }
 
-/// Leaves out the planes that no tile lies on: the plane table is most of a small file's overhead.
+/// Drops the planes on which no tile lies: the plane table is most of the overhead of a small file.
 void drop_unused_planes(Asset& asset) {
   constexpr std::uint32_t unused = 0xFFFFFFFF;
   std::vector<std::uint32_t> row(asset.planes.size(), unused);
@@ -100,7 +102,8 @@ void bake_sparse(BakeResult& result, const Caster& caster, const Hull& hull,
   const double tolerance = provable(metadata, caster);
   asset.planes = vertex_based_planes(hull, directions);
   metadata.kind = "vertex";
-  // The file keeps these planes in fewer digits: the rays must start from what the servo will read.
+  // The file stores these planes with fewer digits. The rays must start from the planes that the
+  // servo will read.
   round_to_stored(asset);
   const TileSettings settings = settings_for(caster, tolerance);
   metadata.tile_spacing = settings.tile_spacing;

@@ -1,19 +1,18 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include "baker/pipeline/bake.hpp"
+#include "baker/base/progress.hpp"
+#include "baker/cast/cast.hpp"
 #include "baker/options/bake_options.hpp"
 #include "baker/options/bake_report.hpp"
-#include "baker/cast/cast.hpp"
+#include "baker/pipeline/bake.hpp"
 #include "baker/planes/hull.hpp"
-#include "baker/base/progress.hpp"
-#include "baker/full/stages.hpp"
 
 namespace spm::baker {
 
-/// Fills a `sparse` asset whose metadata tells band, probe and tolerance, and the report: tiles,
-/// their proof, the choice between them and triangles, and the trees. Throws BakeError where
-/// nothing of the object is left to model.
+/// Fills a `sparse` asset and the report: tiles, their proof, the choice between tiles and
+/// triangles, and the trees. The asset's metadata must have band, probe and tolerance. Throws
+/// BakeError where nothing of the object is left to model.
 void bake_sparse(BakeResult& result, const Caster& caster, const Hull& hull,
                  const BakeOptions& options, const Progress& progress, CastCounts& counts);
 

@@ -7,37 +7,42 @@
 #include <utility>
 
 #include "baker/base/bake_error.hpp"
-#include "baker/trials/direction_error.hpp"
-#include "baker/trees/element_choice.hpp"
-#include "baker/trees/fallback_triangles.hpp"
 #include "baker/base/stopwatch.hpp"
 #include "baker/proof/surface_proof.hpp"
+#include "baker/proof/tile_proof.hpp"
 #include "baker/tiles/tile_fit.hpp"
+#include "baker/trees/element_choice.hpp"
+#include "baker/trees/fallback_triangles.hpp"
 #include "baker/trees/tree_elements.hpp"
+#include "baker/trials/direction_error.hpp"
 
 namespace spm::baker {
 
 namespace {
 
-/// Rounds in which gaps between tiles get tiles of their own, where one closes so many pieces.
+/// Rounds in which the gaps between tiles get tiles of their own, where one tile closes this many
+/// pieces.
 constexpr int gap_rounds = 1;
 constexpr double gap_pieces = 4;
-/// Share of the tolerance that is proven, rounding included; the rest is for places where the side
-/// is in doubt, whose distances the query takes as less.
+/// Share of the tolerance that is proven, rounding included. The rest is for places where the side
+/// is in doubt: the query takes their distances as less.
 constexpr double proven_share = 0.85;
-/// Share of the surface that triangles may stand for without asking; and where facets ask for it.
+/// Share of the surface that triangles may represent: usually, and where small facets make it
+/// necessary.
 constexpr double free_share = 0.18;
 constexpr double facet_share = 0.23;
-/// What finer tiles aim at, rad, and how often.
+/// The median error of directions that finer tiles aim at, rad, and how often they are tried.
 constexpr double aimed_direction = 0.9 * std::numbers::pi / 180;
 constexpr int direction_rounds = 2;
-/// What fitting facets and more triangles are known to make of the error of directions.
+/// The factor on the error of directions from fitting facets and from more triangles, as measured
+/// before.
 constexpr double facet_gain = 0.85;
-/// How the error of directions, and bytes, go with the angle that tiles are allowed: as its powers.
+/// The error of directions and the bytes are about these powers of the angle that tiles are
+/// allowed.
 constexpr double direction_power = 0.67;
 constexpr double bytes_power = -0.6;
 
-/// Tiles all over the surface, proven, and what of it they stand for.
+/// Casts tiles all over the surface, proves them, and finds what of the surface they cover.
 SurfaceCover cover_surface(const ModelSource& source, Asset& asset, TileSettings settings,
                            ProofCounts& counts) {
   const Caster& caster = source.caster;
@@ -106,7 +111,8 @@ class Modeller {
     return result;
   }
 
-  /// With finer tiles, where directions ask for them and a file of a sensible size gives them.
+  /// The model with finer tiles, where directions ask for them and a file of a sensible size allows
+  /// them.
   [[nodiscard]] SparseModel finer(const Asset& start, TileSettings settings,
                                   SparseModel known) const {
     settings.faceted = true;
@@ -118,7 +124,7 @@ class Modeller {
           std::min(1.0, std::pow(aimed_direction / (known_gain * direction), 1 / direction_power));
       const double allowed = std::pow(direction_bytes / bytes, 1 / bytes_power);
       const double share = std::max(wanted, allowed);
-      // Not worth it where the file would be too large for what is wanted.
+      // Not worth it where the file would be too large for the wanted error.
       const double expected = direction * std::pow(share, direction_power);
       if (expected > 1.2 * most_direction || share > 1) break;
       settings.angle *= share;
@@ -135,7 +141,7 @@ class Modeller {
  private:
   const ModelSource& source_;
 
-  /// About what an asset's parts take in a file.
+  /// An estimate of the bytes of an asset's parts in a file.
   [[nodiscard]] static double bytes_of(const Asset& asset) {
     std::uint64_t bytes = 4 * (asset.tree.words.size() + asset.space.words.size()) +
                           2 * asset.small_triangles.size() + 4 * asset.triangles.size();

@@ -5,17 +5,17 @@
 #include <numbers>
 #include <vector>
 
-#include "baker/options/bake_report.hpp"
 #include "baker/base/progress.hpp"
+#include "baker/options/bake_report.hpp"
 #include "baker/reach/reach.hpp"
-#include "baker/trees/space_build.hpp"
 #include "baker/tiles/tiles.hpp"
+#include "baker/trees/space_build.hpp"
 #include "formats/asset/asset.hpp"
 
 namespace spm::baker {
 
-/// Directions that are off by more in the median, rad, ask for finer tiles, as long as all takes no
-/// more bytes than so many.
+/// Where the median error of directions (rad) is above `most_direction`, finer tiles are tried, as
+/// long as the asset takes no more than `direction_bytes` bytes.
 inline constexpr double most_direction = 0.95 * std::numbers::pi / 180;
 inline constexpr double direction_bytes = 0.98e6;
 
@@ -24,26 +24,26 @@ struct ModelSource {
   const Caster& caster;
   const SpaceBuilder& space;
   const Reach& reach;
-  double tolerance;  ///< m, that is to be proven
+  double tolerance;  ///< m, to be proven
   std::uint64_t seed;
   const Progress& progress;
 };
 
-/// What a `sparse` asset is made of.
+/// The content of a `sparse` asset.
 struct SparseModel {
   Asset asset;  ///< with tiles, triangles and both trees
   std::vector<Pruned> pruned;
-  std::uint64_t refused_cells = 0;  ///< of tiles, that their proof took out
+  std::uint64_t refused_cells = 0;  ///< cells of tiles that could not be proven and were removed
   double triangle_area_share = 0;
   double direction = 0;  ///< median error, rad
-  double bytes = 0;      ///< about
+  double bytes = 0;      ///< estimate
   double seconds_cast = 0;
 };
 
-/// Makes the model of a surface in the frame of `start`, which has metadata and planes only: tiles
-/// that are proven, the choice between them and triangles, and the tree; made anew with finer tiles
-/// where directions ask for them and a file of a sensible size gives them. Throws BakeError where
-/// nothing of the object is left to model.
+/// Makes the model of a surface: tiles that are proven, the choice between tiles and triangles, and
+/// the tree over them. `start` has metadata and planes only. The model is made again with finer
+/// tiles where directions ask for it and a file of a sensible size allows it. Throws BakeError
+/// where nothing of the object is left to model.
 [[nodiscard]] SparseModel model_surface(const Asset& start, const TileSettings& settings,
                                         const ModelSource& source);
 

@@ -43,8 +43,8 @@ struct HullTriangle {
   return std::tuple(a.x(), a.y(), a.z()) < std::tuple(b.x(), b.y(), b.z());
 }
 
-/// Turns a triangle so that it begins with its least corner: CGAL's choice follows addresses in
-/// memory, and rounding would follow it.
+/// Rotates a triangle's corners so that it begins with the least one. CGAL's choice depends on
+/// addresses in memory, and rounding would depend on that choice.
 void begin_with_least(HullTriangle& triangle) {
   const auto least =
       std::min_element(triangle.corners.begin(), triangle.corners.end(), lexicographic);
@@ -107,7 +107,7 @@ class Grower {
 
   [[nodiscard]] bool taken(std::size_t triangle) const { return taken_[triangle]; }
 
-  /// Triangles that can be reached from `seed` and lie in its plane.
+  /// Triangles that are connected to `seed` and lie in its plane.
   [[nodiscard]] std::vector<std::size_t> grow(std::size_t seed) {
     std::vector<std::size_t> group{seed};
     taken_[seed] = true;
@@ -142,8 +142,8 @@ class Grower {
   std::vector<bool> taken_;
 };
 
-/// The corners of a facet in order around `normal`, the least one first. Which diagonals CGAL drew
-/// through a flat facet does not show.
+/// The corners of a facet in order around `normal`, the least one first. So the result does not
+/// depend on the diagonals that CGAL drew through a flat facet.
 [[nodiscard]] std::vector<Vector3> outline(const std::vector<HullTriangle>& triangles,
                                            const std::vector<std::size_t>& group,
                                            const Vector3& normal) {
@@ -201,7 +201,7 @@ class Grower {
   return mesh;
 }
 
-/// Least extent of the hull along the normal of any of its triangles, up to rounding.
+/// Twice the volume over the area: the thickness of a flat hull, m.
 [[nodiscard]] double thickness(const std::vector<HullTriangle>& triangles, const Vector3& inside) {
   double volume = 0;
   double area = 0;

@@ -9,7 +9,7 @@
 
 namespace spm::baker {
 
-/// A facet of the convex hull after near-coplanar triangles were merged.
+/// A facet of the convex hull, after near-coplanar triangles were merged.
 struct HullFacet {
   Vector3 normal;   ///< unit, outward
   Vector3 point;    ///< the facet's area centroid, moved along the normal onto the support plane
@@ -21,10 +21,10 @@ struct Hull {
   std::vector<HullFacet> facets;  ///< merged, in a fixed order
 };
 
-/// Convex hull (CGAL) with facets merged whose normals differ by less than `coplanar_angle` radians
-/// across their shared edge and in total. Each facet's plane is moved out to touch the farthest
-/// vertex, so that it is a support plane (Definition 1) in floating point too.
-/// Throws BakeError invalid_input where all points lie in a plane.
+/// Convex hull (CGAL). Facets are merged where their normals differ by less than `coplanar_angle`
+/// radians, across their shared edge and in total. The plane of each facet is moved out to touch
+/// the farthest vertex, so that it is a support plane (Definition 1) in floating point too. Throws
+/// BakeError invalid_input where all points lie in a plane.
 [[nodiscard]] Hull convex_hull(std::span<const Vector3> points, double coplanar_angle = 1e-4);
 
 }  // namespace spm::baker

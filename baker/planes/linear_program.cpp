@@ -23,7 +23,7 @@ struct HalfPlane {
 };
 
 /// The interval of t in which origin + t * along satisfies the half-planes seen so far. The loose
-/// ends allow each half-plane its tolerance; they alone decide that nothing is left.
+/// ends allow each half-plane its tolerance. They alone decide that the interval is empty.
 struct Interval {
   double low, high, loose_low, loose_high;
 
@@ -105,7 +105,7 @@ struct Interval {
 }  // namespace
 
 void shuffle(std::vector<HalfSpace>& constraints, std::uint64_t seed) {
-  // Not std::shuffle: what it does with the random numbers differs between standard libraries.
+  // Not std::shuffle, which uses the random numbers differently in different standard libraries.
   std::mt19937_64 random(seed);
   for (std::size_t i = constraints.size(); i > 1; --i) {
     std::swap(constraints[i - 1], constraints[random() % i]);

@@ -15,14 +15,15 @@ struct HalfSpace {
   double offset = 0;
 };
 
-/// Shuffles half-spaces in place by a fixed sequence of the seed: what the expected linear time of
-/// `maximise` rests on.
+/// Shuffles half-spaces in place, in an order that the seed fixes. The expected linear time of
+/// `maximise` needs shuffled constraints.
 void shuffle(std::vector<HalfSpace>& constraints, std::uint64_t seed);
 
 /// The point that lies farthest along `objective` within all half-spaces and the cube |x_k| <=
-/// bound. Seidel's algorithm: expected time linear in the number of constraints, if they are
-/// shuffled. A constraint may be overstepped by about 1e-13 of the coordinates, never
-/// overtightened; empty where the half-spaces have no point in common within that.
+/// bound. Seidel's algorithm: the expected time is linear in the number of constraints, if they are
+/// shuffled. The point may lie outside a constraint by about 1e-13 of the coordinates; a constraint
+/// is never made tighter than it is. Empty where the half-spaces have no point in common within
+/// that.
 [[nodiscard]] std::optional<Vector3> maximise(const std::vector<HalfSpace>& constraints,
                                               const Vector3& objective, double bound);
 

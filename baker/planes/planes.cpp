@@ -17,12 +17,12 @@ namespace spm::baker {
 namespace {
 
 constexpr std::size_t kDefaultPlanes = 1000;
-constexpr std::size_t kFewestPlanes = 4;  ///< that can bound a space
+constexpr std::size_t kFewestPlanes = 4;  ///< the least that can bound a space
 
-/// A unit direction that no normal opposes, along which the planes' space is unbounded; none where
+/// A unit direction that no normal opposes, along which the planes' space is unbounded. Empty where
 /// the normals positively span space.
 [[nodiscard]] std::optional<Vector3> unbounded_direction(std::span<const Vector3> normals) {
-  // With this room a bounded cone ends near zero and an unbounded one at the cube's side.
+  // With this tolerance a bounded cone ends near zero, and an unbounded one at the cube's side.
   constexpr double kRoom = 1e-7;
   std::vector<HalfSpace> cone;
   cone.reserve(normals.size());
@@ -46,8 +46,8 @@ constexpr std::size_t kFewestPlanes = 4;  ///< that can bound a space
   return normals;
 }
 
-/// Few facets, `start` among the first considered, whose planes bound the object; empty where the
-/// hull's facets do not.
+/// A few facets whose planes bound the object, with `start` among the first considered. Empty where
+/// the hull's facets do not bound it.
 [[nodiscard]] std::vector<std::size_t> bounding_facets(const Hull& hull, std::size_t start) {
   std::vector<std::size_t> chosen{start};
   while (const auto open = unbounded_direction(normals_of(hull, chosen))) {
@@ -58,7 +58,7 @@ constexpr std::size_t kFewestPlanes = 4;  ///< that can bound a space
     if (std::find(chosen.begin(), chosen.end(), best) != chosen.end()) return {};
     chosen.push_back(best);
   }
-  // The smallest first, so that large facets stay.
+  // The smallest are removed first, so that large facets stay.
   std::vector<std::size_t> by_area = chosen;
   std::stable_sort(by_area.begin(), by_area.end(), [&](std::size_t a, std::size_t b) {
     return hull.facets[a].area < hull.facets[b].area;
@@ -71,8 +71,8 @@ constexpr std::size_t kFewestPlanes = 4;  ///< that can bound a space
   return chosen;
 }
 
-/// Adds facets up to `count`: each time the one with the most area times distance in direction from
-/// those chosen so far.
+/// Adds facets up to `count`. Each time it takes the facet with the largest product of area and
+/// distance in direction from those chosen so far.
 void spread_facets(const Hull& hull, std::size_t count, std::vector<std::size_t>& chosen) {
   std::vector<double> distance(hull.facets.size(), 2.0);
   const auto take = [&](std::size_t facet) {
@@ -192,12 +192,13 @@ bool fully_bounding(std::span<const SupportPlane> planes) {
 }
 
 Rectangle own_region(std::span<const SupportPlane> planes, std::size_t which) {
-  constexpr double kSameNormal = 1e-9;  // such planes tie everywhere
+  constexpr double kSameNormal = 1e-9;  // planes closer than this tie everywhere
   constexpr double kFar = 1e4;          // farther than any bounded space worth the name reaches
   constexpr double kMargin = 1e-6;      // of the rectangle's size, against rounding
   const SupportPlane& own = planes[which];
-  // Unknowns are eta, omega and the depth below the own plane. The other planes' own half-spaces
-  // need no mention: a point below this plane and no closer to another lies below that other too.
+  // Unknowns are eta, omega and the depth below the own plane. The half-spaces of the other planes
+  // are not needed: a point below this plane and no closer to another plane lies below that plane
+  // too.
   std::vector<HalfSpace> closer{{-Vector3::UnitZ(), 0}};
   double scale = 0;
   for (std::size_t i = 0; i < planes.size(); ++i) {

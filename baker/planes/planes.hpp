@@ -18,8 +18,8 @@ struct SupportPlaneSet {
   PlaneKind kind = PlaneKind::face;  ///< face or vertex
 };
 
-/// Face-based SPM (Fig. 1b): a support plane through each facet; with `count`, that many facets,
-/// spread over the directions, the largest first, so that they still bound the object.
+/// Face-based SPM (Fig. 1b): a support plane through each facet. With `count`, that many facets are
+/// taken, spread over the directions and the largest first, so that they still bound the object.
 [[nodiscard]] std::vector<SupportPlane> face_based_planes(const Hull& hull,
                                                           std::optional<std::size_t> count);
 
@@ -30,14 +30,14 @@ struct SupportPlaneSet {
 [[nodiscard]] std::vector<Vector3> fibonacci_directions(std::size_t count);
 
 /// The planes of a `full` asset. `automatic` takes facets where `count` is at most their number,
-/// otherwise all planes vertex-based; without a count all facets up to 1000, otherwise 1000
-/// vertex-based planes. Throws BakeError usage for fewer than 4 planes, or where the planes asked
-/// for do not bound the object.
+/// otherwise vertex-based planes only. Without a count it takes all facets up to 1000, otherwise
+/// 1000 vertex-based planes. Throws BakeError usage for fewer than 4 planes, or where the planes do
+/// not bound the object.
 [[nodiscard]] SupportPlaneSet make_support_planes(const Hull& hull, PlaneKind kind,
                                                   std::optional<std::size_t> count);
 
-/// True where the planes' negative half-spaces intersect in a bounded space G (section 2.1): the
-/// normals positively span space.
+/// True where the planes' negative half-spaces intersect in a bounded space G (section 2.1). That
+/// is so where the normals positively span space.
 [[nodiscard]] bool fully_bounding(std::span<const SupportPlane> planes);
 
 /// A rectangle in a plane's parameters, metres.
@@ -45,9 +45,10 @@ struct Rectangle {
   double eta_min = 0, eta_max = 0, omega_min = 0, omega_max = 0;
 };
 
-/// Bounding rectangle, in the basis of `planes[which]`, of that plane's own region: the projection
-/// of the points of the bounded space that have no closer support plane. Four linear programmes in
-/// three variables (Seidel's algorithm, seeded). Empty (min > max) where no point is closest.
+/// The bounding rectangle of a plane's own region, in the basis of `planes[which]`. The region is
+/// the projection of those points of the bounded space to which no other support plane is closer.
+/// Four linear programmes in three variables (Seidel's algorithm, seeded). Empty (min > max) where
+/// no point is closest.
 [[nodiscard]] Rectangle own_region(std::span<const SupportPlane> planes, std::size_t which);
 
 }  // namespace spm::baker

@@ -10,24 +10,27 @@
 
 #include "baker/base/progress_counter.hpp"
 #include "baker/proof/tile_bins.hpp"
+#include "baker/proof/worthwhile_tries.hpp"
+#include "common/surface/closest_on_tile.hpp"
 
 namespace spm::baker {
 
 namespace {
 
-/// A piece with edges shorter than this share of the bound that is not proven never will be.
+/// A piece with edges shorter than this share of the bound that is still not proven never will be.
 constexpr double smallest_share = 0.3;
-/// A triangle that is not proven in so many pieces is not worth more; see worthwhile_tries.
+/// A triangle that is not proven in this many pieces is not worth more; see worthwhile_tries.
 constexpr int most_tries = 20000;
-/// The fallback's pieces are no smaller than this, in bounds: many small ones cost more bytes.
+/// Pieces of the fallback are no smaller than this, in bounds: many small ones take more bytes.
 constexpr double emitted_bounds = 4;
 constexpr double emitted_share = 1.0 / 400;  ///< of the diagonal
 /// Pieces larger than this, in bounds, are cut before they are measured against single cells.
 constexpr double close_bounds = 8;
-/// Samples along a side that the first test looks at; a larger piece is cut first.
+/// Most samples along a side that the first test examines. A larger piece is cut first.
 constexpr int most_samples = 10;
 
-/// A cell near a piece stands for it only where it looks the same way: it is to tell the side too.
+/// A cell near a piece covers it only where their normals are within this cosine, since the cell
+/// must tell the side too.
 constexpr double like_cosine = 0.5;
 
 using Piece = std::array<Vector3, 3>;
@@ -43,7 +46,7 @@ std::array<Piece, 4> quarters(const Piece& piece) {
   return {{{piece[0], ab, ca}, {ab, piece[1], bc}, {ca, bc, piece[2]}, {ab, bc, ca}}};
 }
 
-/// Asks whether tiles stand for pieces of surface.
+/// Tests whether tiles cover pieces of the surface.
 class SurfaceProof {
  public:
   SurfaceProof(const std::vector<SupportPlane>& planes, const std::vector<Tile>& tiles,
@@ -60,7 +63,8 @@ class SurfaceProof {
                       [&](std::size_t i) { tile_heights(tiles[i], height_unit_, heights_[i]); });
   }
 
-  /// Appends what of a piece is not stood for; true where that is all of it, appended as a whole.
+  /// Appends the parts of a piece that are not covered. True where the whole piece is not covered;
+  /// it is then appended as one.
   bool open(const Piece& piece, const Vector3& normal, std::uint32_t triangle,
             std::vector<SurfacePiece>& found, std::vector<TileUse>& uses, int& tries) const {
     if (const std::optional<TileUse> use = stood_for(piece, normal)) {
@@ -104,7 +108,7 @@ class SurfaceProof {
   [[nodiscard]] std::optional<TileUse> stood_for(const Piece& piece, const Vector3& normal) const {
     const Vector3 middle = (piece[0] + piece[1] + piece[2]) / 3;
     const std::span<const std::uint32_t> near = bins_.near(middle);
-    // A sheet that looks the other way is the other side of a thin wall.
+    // A layer of surface that faces the other way is the other side of a thin wall.
     const auto looks_away = [&](std::uint32_t which) {
       return normal.dot(planes_[tiles_[which].plane].n) <= 0;
     };
@@ -124,8 +128,8 @@ class SurfaceProof {
     return std::nullopt;
   }
 
-  /// The cells around the piece, where the depths of all their samples are the triangle's, within
-  /// the bound; else none.
+  /// The cells around the piece, if the depths of all their samples are those of the triangle
+  /// within the bound; otherwise none.
   [[nodiscard]] std::uint64_t lies_along(std::uint32_t which, const Piece& piece) const {
     const Tile& tile = tiles_[which];
     const SupportPlane& plane = planes_[tile.plane];
@@ -170,7 +174,7 @@ class SurfaceProof {
     }
     const double allowed = bound_ - slack;
     if (x1 - x0 == 1 && y1 - y0 == 1) {
-      // Plane less patch is bilinear, so largest at a corner of any rectangle.
+      // The plane minus the patch is bilinear, so it is largest at a corner of any rectangle.
       for (const double x : {low.x(), high.x()}) {
         for (const double y : {low.y(), high.y()}) {
           const double fx = x - x0, fy = y - y0;
@@ -189,9 +193,9 @@ class SurfaceProof {
     return cells;
   }
 
-  /// How much farther than the nearest point of a cell's patch the query's foot may be, m. The
-  /// patch leaves its mean plane by slopes of at most s, so that its points are no nearer than the
-  /// foot's distance over sqrt(1 + s^2).
+  /// How much farther than the nearest point of a cell's patch the query's closest point may be, m.
+  /// The slopes of the patch differ from its mean plane by at most s. So its points are no nearer
+  /// than the distance of the query's closest point over sqrt(1 + s^2).
   [[nodiscard]] double foot_slack(std::uint32_t which, int x, int y) const {
     const TileHeights& h = heights_[which];
     const std::size_t first =
@@ -202,8 +206,8 @@ class SurfaceProof {
     return farthest_ * twist * twist / 4;
   }
 
-  /// The cell that is nearest to the piece's middle, where the whole piece is within the bound of
-  /// it, or its middle by so much less as the piece is large; else none.
+  /// The cell that is nearest to the piece's middle, if the whole piece is within the bound of it,
+  /// or if the middle is within the bound less the size of the piece; otherwise none.
   [[nodiscard]] std::uint64_t lies_by(std::uint32_t which, const Piece& piece,
                                       const Vector3& normal, const Vector3& middle,
                                       double radius) const {
@@ -226,8 +230,8 @@ class SurfaceProof {
     const std::size_t first = cell / tile_cells * tile_samples + cell % tile_cells;
     const double twist = std::abs(static_cast<double>(
         h[first] - h[first + 1] - h[first + tile_samples] + h[first + tile_samples + 1]));
-    // A quarter of the twist each way for the patch against its mean plane, whose distance is
-    // convex.
+    // A quarter of the twist in each direction for the patch against its mean plane, whose distance
+    // is convex.
     const double allowed = bound_ - slack - twist / 2;
     if (!(allowed > 0)) return 0;
     Tile one = tile;

@@ -9,7 +9,7 @@ namespace spm::baker {
 
 namespace {
 
-/// Boxes around the valid cells of a tile, block by block of 2 x 2.
+/// Boxes around the valid cells of a tile, one for each block of 2 x 2.
 template <class Visit>
 void visit_boxes(const SupportPlane& plane, const Tile& tile, float height_unit,
                  const Visit& visit) {

@@ -25,14 +25,14 @@ struct Box {
 /// The box around a tile's valid cells.
 [[nodiscard]] Box tile_box(const SupportPlane& plane, const Tile& tile, float height_unit);
 
-/// Tiles by the cubes of space that their valid surface passes through.
+/// Tiles, listed by the cubes of space through which their valid surface passes.
 class TileBins {
  public:
-  /// Cubes of `edge` metres; a tile counts as `reach` metres thick.
+  /// Cubes of `edge` metres. A tile counts as `reach` metres thick.
   TileBins(std::span<const SupportPlane> planes, std::span<const Tile> tiles, float height_unit,
            double edge, double reach);
 
-  /// Tiles whose surface may come within `reach` of a point.
+  /// Tiles whose surface may be within `reach` of a point.
   [[nodiscard]] std::span<const std::uint32_t> near(const Vector3& point) const;
 
  private:

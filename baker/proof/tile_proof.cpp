@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "baker/proof/tile_proof.hpp"
+
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
@@ -7,7 +9,7 @@
 #include <cmath>
 
 #include "baker/base/progress_counter.hpp"
-#include "baker/proof/surface_proof.hpp"
+#include "baker/proof/worthwhile_tries.hpp"
 #include "baker/tiles/tile_cells.hpp"
 #include "baker/tiles/tile_fit.hpp"
 #include "common/surface/closest_on_triangle.hpp"
@@ -18,12 +20,13 @@ namespace {
 
 /// A part smaller than this share of the bound that is still not proven never will be.
 constexpr double smallest_share = 0.1;
-/// A cell that is not proven in so many parts is not worth more; see worthwhile_tries.
+/// A cell that is not proven in this many parts is not worth more; see worthwhile_tries.
 constexpr int most_parts = 2000;
-/// Of the bound that a clipped cell may leave the surface by: where it juts over an edge it faces
-/// points that it must not tell the side of.
+/// Share of the bound by which a clipped cell may be off the surface. Where such a cell juts over
+/// an edge, it faces points whose side it must not tell.
 constexpr double clipped_share = 0.7;
-/// Nearer to each other than this, in bounds, two sheets that look away from each other are thin.
+/// Two layers of surface that face away from each other are thin where they are nearer than this,
+/// in bounds.
 constexpr double thin_bounds = 2;
 constexpr double opposite_cosine = -0.3;
 
@@ -32,7 +35,7 @@ struct Part {
   double x0, y0, x1, y1;
 };
 
-/// One cell's patch and how far the surface is from it.
+/// One cell's patch, and how far the surface is from it.
 class CellProof {
  public:
   CellProof(const Caster& caster, const SupportPlane& plane, const Tile& tile,
@@ -61,8 +64,8 @@ class CellProof {
 
   [[nodiscard]] bool proven() const { return proven({-0.5, -0.5, 0.5, 0.5}); }
 
-  /// True where surface that looks the other way comes so near to the cell that two patches, each
-  /// off by the bound, could change places: a thin wall, a crack or a knife's edge.
+  /// True where surface that faces the other way comes so near to the cell that two patches, each
+  /// off by the bound, could change places: a thin wall, a crack or a knife edge.
   [[nodiscard]] bool is_thin() const {
     const double reach = thin_bounds * full_bound_;
     const Vector3 across =
@@ -101,7 +104,7 @@ class CellProof {
   }
   [[nodiscard]] double beyond(double x, double y) const { return beyond_clip(clip_, x, y); }
 
-  /// True where a place of a triangle is so near to the cell, as far as a few places tell.
+  /// True where a place of a triangle is that near to the cell, judged at a few places.
   [[nodiscard]] bool comes_near(std::uint32_t triangle, double reach) const {
     const double wide = 0.5 + reach / spacing_;
     for (int k = 0; k < 9; ++k) {
@@ -121,7 +124,8 @@ class CellProof {
     return false;
   }
 
-  /// Corners of what the clip line leaves of a part, at most five, in the cell's own coordinates.
+  /// Corners of the part of a part that the clip line leaves, at most five, in the cell's own
+  /// coordinates.
   [[nodiscard]] std::size_t polygon(const Part& part,
                                     std::array<std::array<double, 2>, 5>& corners) const {
     const std::array<std::array<double, 2>, 4> box{
@@ -155,8 +159,8 @@ class CellProof {
     const ClosestPoint closest = caster_.closest(middle);
     const double distance = std::abs(closest.distance);
     if (distance > bound_) return false;
-    // A clipped part's slanting side is no straight line of the patch; its twist bounds by how
-    // much.
+    // The slanting side of a clipped part is no straight line of the patch. The patch's twist
+    // bounds the difference.
     const double twist = count == 4 && !clipped_
                              ? 0
                              : std::abs(h_[0] - h_[1] - h_[2] + h_[3]) * (part.x1 - part.x0) *
@@ -178,7 +182,7 @@ class CellProof {
   }
 };
 
-/// Takes a cell out, with its clip line.
+/// Removes a cell, together with its clip line.
 void remove_cell(TileData& data, std::uint32_t cell) {
   const std::uint64_t bit = std::uint64_t{1} << cell;
   if ((data.clipped & bit) != 0) {
@@ -218,7 +222,7 @@ void prove_tiles(const Caster& caster, const std::vector<SupportPlane>& planes,
 
 void trim_tiles(std::vector<TileData>& tiles, const std::vector<std::uint64_t>& used) {
   for (std::size_t i = 0; i < tiles.size(); ++i) {
-    // A tile that is whole has no mask, which is fewer bytes.
+    // A tile with all its cells has no mask, which is fewer bytes.
     if (used[i] != 0 && ~tiles[i].valid == 0 && tiles[i].clipped == 0) continue;
     for (std::uint32_t cell = 0; cell < tile_cell_count; ++cell) {
       const std::uint64_t bit = std::uint64_t{1} << cell;

@@ -16,8 +16,8 @@ namespace {
 /// Cubes below this share of the diagonal are not searched any further.
 constexpr double finest_share = 1.0 / 500;
 
-/// Whether some place of the workspace is outside the solid, as far as cubes can tell; at a hair's
-/// breadth the answer is no.
+/// Whether some place of the workspace is outside the solid, as far as cubes can show it. Where
+/// there is hardly any room outside, the answer is no.
 bool opens_into(const Caster& filled, const OrientedBox& workspace, const Vector3& middle,
                 double edge) {
   if (!may_touch(workspace, middle, edge)) return false;
@@ -55,7 +55,7 @@ struct Reach::Implementation {
   std::optional<OrientedBox> workspace;
   std::unique_ptr<Caster> filled;  ///< without sealed voids; null where there are none
   std::unique_ptr<ReachField>
-      places;  ///< of the ball; null where it comes to all that a point does
+      places;  ///< of the ball; null where it can come to every place that a point can
 };
 
 Reach::Reach(const Caster& caster, const Band& band, double probe_radius,
@@ -78,7 +78,7 @@ Reach::Reach(const Caster& caster, const Band& band, double probe_radius,
       high = high.cwiseMax(caster.corner(triangle, corner));
     }
   }
-  // Voxels as coarse as the ball is wide would let it through everything.
+  // With voxels as coarse as the ball is wide, the ball could pass through everything.
   const double voxel = ReachField::voxel_size(high - low, probe_radius);
   if (std::sqrt(3.0) / 2 * voxel >= probe_radius) return;
   self.places = std::make_unique<ReachField>(caster, low, high, probe_radius, workspace, progress);
@@ -95,7 +95,8 @@ PruneRule Reach::cube(const Vector3& middle, double edge) const {
     return deep ? PruneRule::none : PruneRule::unreachable;
   }
   if (!self.places) return PruneRule::none;
-  // Somewhere in the cube a probe pressed from a free place, or surface that touches a free one.
+  // Is there, somewhere in the cube, a probe pressed from a free place, or surface that touches a
+  // free probe?
   const double radius = self.probe_radius;
   const ReachField& places = *self.places;
   if (places.near(middle, std::max(self.max_depth + around, radius + 2 * around))) {

@@ -13,26 +13,27 @@ namespace spm::baker {
 namespace {
 
 constexpr double most_voxels = 8e6;
-/// Voxels along the diagonal where no small ball asks for more.
+/// Size of voxels, as a share of the diagonal, where no small ball needs finer ones.
 constexpr double coarsest_share = 1.0 / 256;
-/// Voxels a ball's radius: their half diagonal is then a ninth of it.
+/// Voxels in a ball's radius: their half diagonal is then a ninth of it.
 constexpr double voxels_per_radius = 8;
-constexpr double rim = 3;  ///< voxels about the reach of a ball that touches the box from outside
+constexpr double rim = 3;           ///< voxels beyond a ball that touches the box from outside
 constexpr std::int32_t block = 16;  ///< voxels a side of a task; a power of two
 
 enum Voxel : std::uint8_t { blocked, passable, reached };
 
 const double half_diagonal = std::sqrt(3.0) / 2;  ///< of a unit cube
 
-/// Tells which voxels of one block hold a place where the ball fits. The distance changes by at
-/// most a metre a metre, so that one at the middle decides for most blocks of voxels.
+/// Finds the voxels of one block that contain a place where the ball fits. A distance changes by at
+/// most a metre a metre. So the distance at its middle decides for most blocks of voxels as a
+/// whole.
 class BlockSearch {
  public:
   BlockSearch(const Caster& caster, bool caps, double radius)
       : caster_(caster), caps_(caps), radius_(radius) {}
 
-  /// Calls `fill` with the least voxel and the edge of each cube of voxels that one verdict holds
-  /// for.
+  /// Calls `fill` with the lowest voxel and the edge of each cube of voxels to which one result
+  /// applies.
   template <class Middle, class Fill>
   void search(const std::array<std::int32_t, 3>& least, std::int32_t edge, double size,
               const Middle& middle, const Fill& fill) const {
@@ -57,7 +58,7 @@ class BlockSearch {
   bool caps_;
   double radius_;
 
-  /// The signed distance; where a cap is near, across which it jumps, that of the outer side.
+  /// The signed distance. It jumps across a cap; near a cap it is that of the outer side.
   [[nodiscard]] double distance_at(const Vector3& point, double around) const {
     const double distance = caster_.closest(point).distance;
     if (distance >= 0 || !caps_ || -distance + around < radius_) return distance;
@@ -74,11 +75,12 @@ bool has_caps(const Caster& caster) {
   return caster.is_cap(all.back());
 }
 
-/// Distances squared of a row of voxels to the nearest, from those within planes across the row:
-/// the lower envelope of parabolas, exact in whole numbers (Meijster and others, 2000).
+/// Squared distances of the voxels of a row to the nearest one, from the squared distances within
+/// planes across the row. The lower envelope of parabolas, exact in whole numbers (Meijster and
+/// others, 2000).
 class RowTransform {
  public:
-  /// Row `values` of squared distances, `stride` apart, in place.
+  /// Transforms the row `values` of squared distances, which are `stride` apart, in place.
   void operator()(std::uint32_t* values, std::size_t stride, std::int32_t count) {
     height_.resize(static_cast<std::size_t>(count));
     for (std::int32_t i = 0; i < count; ++i)
@@ -105,14 +107,15 @@ class RowTransform {
 
  private:
   std::vector<std::int64_t> height_;
-  std::vector<std::pair<std::int64_t, std::int64_t>> sites_;  ///< a parabola, and where it begins
+  std::vector<std::pair<std::int64_t, std::int64_t>>
+      sites_;  ///< a parabola, and the place where it begins
 
   [[nodiscard]] std::int64_t value(std::int64_t parabola, std::int64_t place) const {
     const std::int64_t step = place - parabola;
     return step * step + height_[static_cast<std::size_t>(parabola)];
   }
 
-  /// The last place where parabola `a` is not above `b`, which lies after it.
+  /// The last place where parabola `a` is not above `b`, which lies after `a`.
   [[nodiscard]] std::int64_t separation(std::int64_t a, std::int64_t b) const {
     const std::int64_t above =
         b * b - a * a + height_[static_cast<std::size_t>(b)] - height_[static_cast<std::size_t>(a)];
@@ -230,7 +233,7 @@ void ReachField::flood_within(const OrientedBox& workspace) {
   flood(fitting);
 }
 
-/// Spreads over the faces of voxels: a place on an edge or a corner makes all voxels about it
+/// Floods over the faces of voxels. A place on an edge or a corner makes all voxels around it
 /// passable.
 void ReachField::flood(std::vector<std::uint32_t>& open) {
   const auto width = static_cast<std::uint32_t>(cells_[0]);

@@ -6,30 +6,30 @@
 #include <optional>
 #include <vector>
 
-#include "baker/cast/cast.hpp"
 #include "baker/base/oriented_box.hpp"
 #include "baker/base/progress.hpp"
+#include "baker/cast/cast.hpp"
 
 namespace spm::baker {
 
-/// Where the centre of a ball can be that is outside the solid and came from outside the object:
-/// on voxels, too many rather than too few.
+/// Where the centre of a ball can be, if the ball is outside the solid and came from outside the
+/// object. On voxels; in doubt a voxel counts as reachable.
 class ReachField {
  public:
-  /// `radius` in metres, above 0; corners of the object's box. With a workspace that no way from
-  /// outside leads into, a ball is taken to start wherever it fits there. Uses all of oneTBB's
-  /// threads; the same for any number of them.
+  /// `radius` in metres, above 0; `low` and `high` are corners of the object's box. Where no way
+  /// from outside leads into the workspace, the ball starts wherever it fits there. Uses all
+  /// threads of oneTBB. The result is the same for any number of them.
   ReachField(const Caster& caster, const Vector3& low, const Vector3& high, double radius,
              const std::optional<OrientedBox>& workspace, const Progress& progress);
 
-  /// Whether such a place may be within `distance` metres of a point.
+  /// Whether a place that the centre can come to may be within `distance` metres of a point.
   [[nodiscard]] bool near(const Vector3& point, double distance) const noexcept;
 
-  /// Half the diagonal of a voxel, m: how far too much is taken for reached at most.
+  /// Half the diagonal of a voxel, m: by at most this too much counts as reachable.
   [[nodiscard]] double coarseness() const noexcept;
 
-  /// Voxels of a field of that radius about a box of that size, m: as fine as the radius asks, or
-  /// as their number permits.
+  /// Edge of the voxels for that radius and a box of that size, m: as fine as the radius needs, or
+  /// as the allowed number of voxels permits.
   [[nodiscard]] static double voxel_size(const Vector3& size, double radius) noexcept;
 
  private:
@@ -38,8 +38,8 @@ class ReachField {
   Vector3 origin_ = Vector3::Zero();
   double size_ = 1;
   Index cells_{};
-  std::vector<std::uint8_t> state_;    ///< a Voxel each, x fastest; empty once built
-  std::vector<std::uint32_t> square_;  ///< squared distance to a reached voxel, in voxels
+  std::vector<std::uint8_t> state_;    ///< one Voxel each, x fastest; empty once built
+  std::vector<std::uint32_t> square_;  ///< squared distance to a reachable voxel, in voxels
 
   [[nodiscard]] std::size_t at(const Index& index) const noexcept;
   [[nodiscard]] Vector3 middle(const Index& index) const noexcept;

@@ -15,7 +15,7 @@ namespace {
 
 using Numbers = std::vector<std::uint32_t>;
 
-/// The triangles of a caster, caps last, with corners that coincide made one.
+/// The triangles of a caster, caps last. Corners that coincide are merged.
 struct Triangles {
   std::vector<Triangle> corners;
   std::uint32_t points = 0;
@@ -53,7 +53,7 @@ Triangles number_corners(const Caster& caster, std::uint32_t count) {
   return numbered;
 }
 
-/// One of a triangle's edges, as the edge from its lower corner to its higher one.
+/// One of a triangle's edges, given as the edge from its lower to its higher corner.
 struct Edge {
   std::uint32_t low, high, triangle;
   bool forward;      ///< the triangle runs along it from low to high
@@ -61,13 +61,15 @@ struct Edge {
   [[nodiscard]] auto corners() const { return std::array{low, high}; }
 };
 
-/// The boundary of free space in parts: triangles joined where free space goes on between them.
+/// The boundary of free space in parts: triangles are joined where free space continues between
+/// them.
 struct Parts {
   Numbers of;  ///< a part's number for each triangle
   std::vector<char> closed;
 };
 
-/// Turns triangles about the edge that they share, so that neighbours in angle bound one wedge.
+/// Sorts triangles by angle about the edge that they share, so that neighbours in angle bound one
+/// wedge.
 void sort_about_edge(const Caster& caster, const Triangles& triangles, std::span<Edge> edges) {
   const auto place = [&](const Edge& edge, std::uint32_t point) {
     const Triangle& corners = triangles.corners[edge.triangle];
@@ -136,8 +138,8 @@ class PartFinder {
     return triangle;
   }
 
-  /// A triangle that runs along the edge has free space towards growing angles, and the next one
-  /// bounds it. False where some triangle has no such partner.
+  /// A triangle that runs along the edge has free space in the direction of growing angles, and the
+  /// next triangle bounds it. False where some triangle has no such partner.
   bool join_about_edge(std::span<const Edge> edges) {
     if (edges.size() % 2 != 0) return false;
     for (std::size_t i = 0; i < edges.size(); ++i) {
@@ -156,7 +158,7 @@ class PartFinder {
   Parts number(const std::vector<char>& open) {
     Parts parts;
     parts.of.resize(parent_.size());
-    // A root is the least triangle of its part, so it comes first.
+    // A root is the triangle with the lowest number of its part, so it comes first.
     for (std::uint32_t t = 0; t < parent_.size(); ++t) {
       const std::uint32_t first = root(t);
       if (first == t) {
@@ -186,7 +188,7 @@ std::vector<char> hollow_parts(const Caster& caster, const Parts& parts) {
   return hollow;
 }
 
-/// Marks what lies in a hollow too: along a ray from it the hollow's wall is met an odd number of
+/// Marks what lies in a hollow too: a ray from there meets the hollow's wall an odd number of
 /// times.
 void add_enclosed(const Caster& caster, const Parts& parts, std::vector<char>& left_out) {
   const std::vector<char> hollow = left_out;
@@ -234,7 +236,7 @@ std::optional<OuterSurface> without_sealed_voids(const Caster& caster) {
     filled.triangles.push_back(triangles.corners[t]);
     filled.surface_count += caster.is_cap(t) ? 0 : 1;
   }
-  // A solid that bounds nothing but hollows cannot be; if rounding says so, nothing is left out.
+  // A solid cannot bound nothing but hollows. If rounding says so, nothing is left out.
   if (filled.surface_count == 0) return std::nullopt;
   return filled;
 }

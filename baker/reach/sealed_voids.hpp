@@ -8,9 +8,9 @@
 
 namespace spm::baker {
 
-/// The caster's surface with its sealed voids filled: the walls of hollows that not even a point
-/// comes into from outside are left out, and so is what lies in such hollows. Nothing where there
-/// are none. A part of the surface whose edges do not all pair up is taken for reachable.
+/// The caster's surface with its sealed voids filled. It leaves out the walls of hollows that not
+/// even a point can enter from outside, and everything in such hollows. Empty where there are no
+/// such hollows. A part of the surface whose edges do not all pair up counts as reachable.
 [[nodiscard]] std::optional<OuterSurface> without_sealed_voids(const Caster& caster);
 
 }  // namespace spm::baker

@@ -12,9 +12,9 @@
 namespace spm::baker {
 namespace {
 
-/// A triangle's side, to be sorted next to the others along the same edge.
+/// A triangle's side, for sorting it next to the others along the same edge.
 struct Side {
-  std::uint64_t ends;  ///< the lower vertex above the higher
+  std::uint64_t ends;  ///< the lower vertex in the upper bits, the higher in the lower
   std::uint32_t side;  ///< 3 * triangle + corner
   [[nodiscard]] bool operator<(const Side& other) const {
     return ends != other.ends ? ends < other.ends : side < other.side;

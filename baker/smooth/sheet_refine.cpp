@@ -13,19 +13,20 @@
 namespace spm::baker {
 namespace {
 
-/// Edges that turn by less, rad, may be replaced by the other diagonal of their two triangles: that
-/// moves the surface by less than a millionth of their length.
+/// Edges that turn by less than this, rad, may be replaced by the other diagonal of their two
+/// triangles. That moves the surface by less than a millionth of their length.
 constexpr double flat_turn = 1e-6;
-/// What rounding leaves between two diagonals of which neither is better.
+/// The difference that rounding leaves between two equally good diagonals.
 constexpr double toss_up = 1e-9;
 constexpr int flip_rounds = 3;  // between two rounds of halving
 
-/// Space in cubes that have numbers.
+/// Space divided into numbered cubes.
 class Cells {
  public:
   Cells(const Vector3& low, double edge) : low_(low), edge_(edge) {}
 
-  /// The cube of a point, with room for some below it; no coordinate may be below the lowest.
+  /// The cube of a point. There is room for some cubes below it. No coordinate may be below the
+  /// lowest.
   [[nodiscard]] std::array<std::int64_t, 3> of(const Vector3& point) const {
     const Vector3 cells = (point - low_) / edge_;
     return {static_cast<std::int64_t>(cells.x()) + 4, static_cast<std::int64_t>(cells.y()) + 4,
@@ -41,13 +42,15 @@ class Cells {
   double edge_;
 };
 
-/// Space about some edges, in cubes: what is within the reach of an edge is in a marked one.
+/// The space around some edges, in cubes: everything within the reach of an edge is in a marked
+/// cube.
 class Zones {
  public:
   Zones(const Vector3& low, double reach) : cell_(reach / 2), cells_(low, cell_) {}
 
   void add(const Vector3& from, const Vector3& to) {
-    // Marks half a cell apart, so that the edge is at most a quarter of a cell from one.
+    // Marks are half a cell apart, so that every point of the edge is at most a quarter of a cell
+    // from one.
     const double steps = std::max(1.0, std::ceil(2 * (to - from).norm() / cell_));
     for (double i = 0; i <= steps; ++i) {
       const std::array<std::int64_t, 3> at = cells_.of(from + i / steps * (to - from));
@@ -55,7 +58,8 @@ class Zones {
     }
   }
 
-  /// True for every edge that comes near a marked place, and for edges that are long beside a cell.
+  /// True for every edge that comes near a marked place, and for edges that are long compared with
+  /// a cell.
   [[nodiscard]] bool near(const Vector3& from, const Vector3& to) const {
     const std::array<std::int64_t, 3> low = cells_.of(from.cwiseMin(to));
     const std::array<std::int64_t, 3> high = cells_.of(from.cwiseMax(to));
@@ -74,7 +78,8 @@ class Zones {
   }
 
  private:
-  /// Marks the cells that have a point within the reach and a quarter of a cell of one.
+  /// Marks the cells with a point that is within the reach plus a quarter of a cell of a point of
+  /// this one.
   void mark_about(const std::array<std::int64_t, 3>& at) {
     constexpr std::int64_t farthest = 3;
     constexpr double reach_in_cells = 2.25;
@@ -103,7 +108,8 @@ class SpacedPoints {
  public:
   SpacedPoints(const Vector3& low, double spacing) : spacing_(spacing), cells_(low, spacing) {}
 
-  /// Adds a point, but none that is nearer to another than the spacing; tells whether it did.
+  /// Adds a point unless it is nearer to another one than the spacing. Returns whether it was
+  /// added.
   bool add(const Vector3& point) {
     const std::array<std::int64_t, 3> at = cells_.of(point);
     for (std::int64_t x = -1; x <= 1; ++x) {
@@ -143,7 +149,7 @@ Zones zones_about(const Sheet& sheet, const EdgeChoice& choice, double reach) {
 
 constexpr std::uint32_t whole = 0xFFFFFFFF;  // an edge that stays as it is
 
-/// Cuts a triangle at the middles of its sides, where they have one.
+/// Cuts a triangle at those middles of its sides that exist.
 void split(const Sheet& sheet, const Triangle& t, const std::array<std::uint32_t, 3>& middle,
            std::vector<Triangle>& pieces) {
   const auto halved = [&](std::size_t k) { return middle[k] != whole; };
@@ -159,7 +165,8 @@ void split(const Sheet& sheet, const Triangle& t, const std::array<std::uint32_t
                                  {middle[0], middle[1], middle[2]}});
     return;
   }
-  // Turned so that side 0 is the only one cut, or side 2 the only one whole.
+  // Turned so that either side 0 is the only one that is cut, or side 2 is the only one that is
+  // not.
   std::size_t turn = 0;
   while (count == 1 ? !halved(turn) : halved((turn + 2) % 3)) ++turn;
   const std::uint32_t a = t[turn];
@@ -187,8 +194,8 @@ bool is_rigid(const SheetEdge& edge) {
   return edge.triangles != 2 || !edge.paired || edge.turn > flat_turn;
 }
 
-/// Halves long edges near the zones once: the rigid ones, or of the others those whose middles keep
-/// their distance, for flips make the rest of them shorter. False where there was none.
+/// Halves long edges near the zones once. These are the rigid edges, or those of the others whose
+/// middles keep their distance, since flips make the rest shorter. False where there was none.
 bool halve(Sheet& sheet, const Zones& zones, double longest, bool rigid) {
   const SheetEdges edges = edges_of(sheet);
   std::vector<std::pair<double, std::uint32_t>> lengths;
@@ -224,8 +231,9 @@ bool halve(Sheet& sheet, const Zones& zones, double longest, bool rigid) {
   return true;
 }
 
-/// True where the other diagonal of two triangles over an edge (a, b), with the opposite corners p
-/// and q, makes less pointed ones: the angles at p and q have more than pi together (Delaunay).
+/// Take two triangles over an edge (a, b) with the opposite corners p and q. True where their other
+/// diagonal makes less pointed triangles: the angles at p and q together are more than pi
+/// (Delaunay).
 bool better_flipped(const Sheet& sheet, std::uint32_t a, std::uint32_t b, std::uint32_t p,
                     std::uint32_t q) {
   const auto arms = [&](std::uint32_t corner) {
@@ -239,7 +247,7 @@ bool better_flipped(const Sheet& sheet, std::uint32_t a, std::uint32_t b, std::u
   return sine_p * cosine_q + cosine_p * sine_q < -toss_up * size;
 }
 
-/// Replaces flat edges by better ones, each triangle's at most once; false where there was none.
+/// Replaces flat edges by better ones, at most one for each triangle. False where there was none.
 bool flip(Sheet& sheet) {
   const SheetEdges edges = edges_of(sheet);
   std::vector<std::uint32_t> first(edges.edges.size(), whole);
@@ -273,7 +281,8 @@ Sheet refined(Sheet sheet, const EdgeChoice& choice, double longest, double reac
               std::size_t most) {
   if (sheet.triangles.empty()) return sheet;
   const Zones zones = zones_about(sheet, choice, reach);
-  // What spans a long and narrow strip gets short by flips, once the strip's borders are halved.
+  // Edges across a long and narrow strip become short by flips, once the strip's borders are
+  // halved.
   for (const bool rigid : {true, false}) {
     while (halve(sheet, zones, longest, rigid)) {
       if (sheet.triangles.size() > most) {

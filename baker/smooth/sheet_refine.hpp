@@ -8,12 +8,12 @@
 
 namespace spm::baker {
 
-/// Says of an edge whether what is about it matters.
+/// Says whether the surroundings of an edge must be refined.
 using EdgeChoice = std::function<bool(const SheetEdge&)>;
 
 /// Halves the edges longer than `longest` metres that are within `reach` metres of a chosen edge,
-/// until there is none; vertices keep their places and indices; where the sheet is flat, edges may
-/// run anew. Throws BakeError usage where that takes more than `most` triangles.
+/// until there are none. Vertices keep their places and indices. Where the surface is flat, edges
+/// may be laid anew. Throws BakeError usage where that takes more than `most` triangles.
 [[nodiscard]] Sheet refined(Sheet sheet, const EdgeChoice& choice, double longest, double reach,
                             std::size_t most);
 

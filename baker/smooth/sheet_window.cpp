@@ -14,7 +14,8 @@ namespace {
 
 constexpr double unknown = std::numeric_limits<double>::infinity();
 
-/// Turns counts of each vertex's entries, one further on, into where they begin.
+/// Turns the counts of each vertex's entries, which are shifted by one, into the indices where its
+/// entries begin.
 void accumulate(std::vector<std::uint32_t>& first) {
   for (std::size_t i = 1; i < first.size(); ++i) first[i] += first[i - 1];
 }
@@ -86,7 +87,8 @@ std::optional<Vector3> SheetWindow::smoothed(std::uint32_t vertex, double sigma)
     for (const SheetNeighbours::Neighbour& neighbour : neighbours_.neighbours(from)) {
       const std::uint32_t to = neighbour.vertex;
       if (settled_[to] != 0 && to < from) continue;
-      // Middles of sides integrate a quadratic exactly; their distance is that of a median.
+      // The middles of the sides integrate a quadratic function exactly. Their distance is the
+      // length of a median.
       const double squares = distance_[from] * distance_[from] + distance_[to] * distance_[to];
       const double distance2 = std::max(0.0, (squares - neighbour.length2 / 2) / 2);
       if (distance2 > limit * limit) continue;
@@ -137,7 +139,7 @@ double SheetWindow::explore(double limit, bool fixed_end) {
   return limit;
 }
 
-/// Tells the neighbours of a vertex whose distance is final: along edges, and straight across the
+/// Passes a vertex's final distance on to its neighbours: along edges, and straight across the
 /// triangles of which a second corner is final too.
 void SheetWindow::pass_on(std::uint32_t vertex) {
   const double distance = distance_[vertex];
@@ -156,8 +158,9 @@ void SheetWindow::pass_on(std::uint32_t vertex) {
   }
 }
 
-/// Distance of a triangle's third corner from a start that is unrolled into the triangle's plane,
-/// where the straight way there crosses the side between the two corners that know theirs.
+/// Distance of a triangle's third corner from a start that is unrolled into the triangle's plane.
+/// It applies where the straight line there crosses the side between the two corners with known
+/// distances.
 void SheetWindow::pass_across(double near, double far, const SheetNeighbours::Corner& corner,
                               double arm, double side, std::uint32_t to) {
   if (!(side > 0)) return;

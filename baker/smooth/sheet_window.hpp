@@ -12,7 +12,7 @@
 
 namespace spm::baker {
 
-/// A sheet and who is whose neighbour on it; immutable, any number of threads may read it.
+/// A sheet with its neighbourhoods. Immutable; any number of threads may read it.
 class SheetNeighbours {
  public:
   /// A triangle seen from one of its corners, anticlockwise.
@@ -29,8 +29,8 @@ class SheetNeighbours {
     double area;     ///< a third of the edge's triangles, m2
   };
 
-  /// `fixed` vertices stay where they are and end every window; at `bent` ones the sheet is not
-  /// flat. A flag a vertex. The sheet must outlive this.
+  /// `fixed` vertices stay where they are and end every window. At `bent` vertices the sheet is not
+  /// flat. One flag for each vertex. The sheet must outlive this.
   SheetNeighbours(const Sheet& sheet, const SheetEdges& edges, std::vector<char> fixed,
                   std::vector<char> bent);
 
@@ -57,27 +57,28 @@ class SheetNeighbours {
   std::vector<Neighbour> neighbours_;
 };
 
-/// The window of a filter about a vertex, unrolled along the sheet from triangle to triangle, so
-/// that neither what lies beyond a silhouette nor another layer can come into it. One a thread.
+/// The window of a filter around a vertex. It is unrolled along the sheet from triangle to
+/// triangle, so that nothing beyond a silhouette and no other layer of surface can come into it.
+/// Each thread needs its own.
 class SheetWindow {
  public:
   explicit SheetWindow(const SheetNeighbours& neighbours);
 
-  /// Where eq. 16 moves a vertex's point of the surface: the mean of the sheet about it, weighted
-  /// by the Gaussian of the distance along the sheet. The window ends at the nearest fixed vertex,
-  /// and the kernel narrows with it. Metres. Nothing where the vertex is fixed or the sheet is flat
-  /// all over the window.
+  /// Where eq. 16 moves a vertex: to the mean of the sheet around it, weighted by the Gaussian of
+  /// the distance along the sheet. The window ends at the nearest fixed vertex, and the kernel
+  /// narrows with it. Metres. Empty where the vertex is fixed or the sheet is flat all over the
+  /// window.
   [[nodiscard]] std::optional<Vector3> smoothed(std::uint32_t vertex, double sigma);
 
-  /// The vertices that are within `reach` metres of a bent one along the sheet, as flags: where
-  /// others lie, the sheet is flat all about.
+  /// The vertices that are within `reach` metres of a bent one along the sheet, as flags. Around
+  /// the other vertices the sheet is flat.
   [[nodiscard]] std::vector<char> near_bends(double reach);
 
  private:
   using Entry = std::pair<double, std::uint32_t>;
 
-  /// Goes outwards from where distances were offered, up to `limit` metres, or to the first fixed
-  /// vertex where those end the window; returns how far.
+  /// Goes outwards from the vertices whose distances were offered, up to `limit` metres. With
+  /// `fixed_end` it stops at the first fixed vertex. Returns how far it came.
   [[nodiscard]] double explore(double limit, bool fixed_end);
   void forget();
   void pass_on(std::uint32_t vertex);
@@ -88,7 +89,7 @@ class SheetWindow {
   const SheetNeighbours& neighbours_;
   std::vector<double> distance_;      ///< along the sheet from the start, infinite where unknown
   std::vector<char> settled_;         ///< the distance is final
-  std::vector<std::uint32_t> known_;  ///< vertices with a distance, to be forgotten after
+  std::vector<std::uint32_t> known_;  ///< vertices with a distance, to be reset afterwards
   std::vector<std::uint32_t> window_;
   std::vector<Entry> heap_;
 };

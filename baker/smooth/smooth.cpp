@@ -11,32 +11,33 @@
 #include <vector>
 
 #include "baker/base/bake_error.hpp"
-#include "baker/cast/cast.hpp"
-#include "baker/surface/outer_surface.hpp"
 #include "baker/base/progress_counter.hpp"
+#include "baker/cast/cast.hpp"
 #include "baker/smooth/sheet.hpp"
 #include "baker/smooth/sheet_refine.hpp"
 #include "baker/smooth/sheet_window.hpp"
-#include "common/paper/smoothing.hpp"
+#include "baker/surface/outer_surface.hpp"
 #include "common/base/units.hpp"
+#include "common/paper/smoothing.hpp"
 
 namespace spm::baker {
 namespace {
 
 constexpr double largest_sigma_share = 0.1;  // of the diagonal
 constexpr double smallest_sigma_share = 1e-4;
-/// Longest edges, in sigmas, for windows to be integrated over, and for a rounded edge to be drawn.
+/// Longest edges, in sigmas: for windows to be integrated over, and for a rounded edge to be
+/// represented.
 constexpr double longest_edge = 1.0;
 constexpr double longest_edge_when_sharp = 0.5;
 constexpr double sharp_turn = 0.35;  // rad, 20 degrees
-/// A vertex moves where a bend is in its window, and its window needs short edges all over.
+/// A vertex moves where a bend is in its window. All of its window needs short edges.
 constexpr double window_reach = 2 * gaussian_reach + longest_edge;  // in sigmas
 constexpr double sharp_reach = 2;                                   // in sigmas
 constexpr std::size_t most_triangles = 2000000;
-/// Visits of vertices, all windows together: minutes.
+/// Largest number of visits of vertices, all windows together. These take minutes.
 constexpr double most_visits = 4e9;
-/// Edges that turn by less, rad, count as flat: a kernel's sigma moves them by less than 1e-4 of
-/// it.
+/// Edges that turn by less than this, rad, count as flat: smoothing moves them by less than 1e-4 of
+/// sigma.
 constexpr double least_turn = 1e-4;
 constexpr std::size_t grain = 64;
 
@@ -71,7 +72,7 @@ SheetNeighbours neighbours_of(const Sheet& sheet, const SmoothOptions& options) 
   return {sheet, edges, std::move(fixed), std::move(bent)};
 }
 
-/// Halves edges near bends that are to be smoothed, the more so near sharp ones.
+/// Halves edges near bends that are to be smoothed, and more often near sharp ones.
 Sheet refined_for(Sheet sheet, const SmoothOptions& options) {
   const auto turns_by = [&](double least) {
     return [&options, least](const SheetEdge& edge) {
@@ -79,7 +80,8 @@ Sheet refined_for(Sheet sheet, const SmoothOptions& options) {
     };
   };
   const double sigma = options.sigma;
-  // Halved edges turn as the whole ones did, so that the second round finds the sharp ones again.
+  // Halved edges turn as much as the edges that they come from, so the second round finds the sharp
+  // ones again.
   sheet = refined(std::move(sheet), turns_by(least_turn), longest_edge * sigma,
                   window_reach * sigma, most_triangles);
   return in_order_of_space(refined(std::move(sheet), turns_by(sharp_turn),
@@ -103,7 +105,7 @@ void check_work(const Sheet& sheet, double sigma) {
 std::vector<Vector3> smoothed_points(const SheetNeighbours& neighbours, double sigma,
                                      const Progress& progress) {
   std::vector<Vector3> points = neighbours.sheet().vertices;
-  // Some more than a window's reach, for what is rounded on the way.
+  // A little more than a window's reach, for the rounding on the way.
   const std::vector<char> moves = SheetWindow(neighbours).near_bends(1.01 * gaussian_reach * sigma);
   tbb::enumerable_thread_specific<SheetWindow> windows([&] { return SheetWindow(neighbours); });
   ProgressCounter counter(progress, "smooth", points.size() / grain + 1);
@@ -120,14 +122,14 @@ std::vector<Vector3> smoothed_points(const SheetNeighbours& neighbours, double s
   return points;
 }
 
-/// A distance between the surfaces, and the area that it stands for.
+/// A distance between the surfaces, and the area to which it applies.
 struct Gap {
   double distance = 0;
   double area = 0;
 };
 
-/// Distances from corners and middles of the triangles of one surface to the other, where they are
-/// not in common; `third` is a third of each corner's triangles' area.
+/// Distances from corners and middles of the triangles of one surface to the other, where the two
+/// differ. `third` is a third of the area of each corner's triangles.
 std::vector<Gap> gaps(const std::vector<Vector3>& points, const std::vector<Vector3>& others,
                       const std::vector<Triangle>& triangles, const Caster& other) {
   std::vector<Gap> found(points.size() + triangles.size());
@@ -160,8 +162,8 @@ Caster caster_of(const std::vector<Vector3>& points, const std::vector<Triangle>
   return Caster(surface);
 }
 
-/// What lies between the two surfaces, seen from either: a thorn that was smoothed away is near the
-/// new surface only from there.
+/// The distances between the two surfaces, measured from both. Where a thorn was smoothed away, the
+/// new surface is near the old one, but the thorn's tip is far from the new one.
 void measure(const Sheet& before, const std::vector<Vector3>& after, SmoothReport& report) {
   const Caster old_surface = caster_of(before.vertices, before.triangles);
   const Caster new_surface = caster_of(after, before.triangles);
@@ -186,7 +188,7 @@ void measure(const Sheet& before, const std::vector<Vector3>& after, SmoothRepor
   }
 }
 
-/// The smoothed surface as a mesh of the same file, without what lost its area.
+/// The smoothed surface as a mesh of the same file, without triangles that lost their area.
 Mesh mesh_from(const Mesh& mesh, const Sheet& sheet, std::vector<Vector3> points) {
   Mesh smoothed = mesh;
   smoothed.vertices = std::move(points);
@@ -195,7 +197,7 @@ Mesh mesh_from(const Mesh& mesh, const Sheet& sheet, std::vector<Vector3> points
                 [&](const Triangle& t) { return !(area_of(smoothed.vertices, t) > 0); });
   smoothed.border.clear();
   smoothed.notes.clear();
-  // What rounding left open where parts of a closed mesh intersect is no hole.
+  // A gap that rounding left where parts of a closed mesh intersect is no hole.
   if (!mesh.closed()) {
     for (const SheetEdge& edge : edges_of(sheet).edges) {
       if (!edge.paired) smoothed.border.push_back(edge.ends);

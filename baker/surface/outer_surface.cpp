@@ -11,8 +11,9 @@
 #include <span>
 #include <utility>
 
-#include "baker/surface/triangle_split.hpp"
 #include "baker/mesh/winding_number.hpp"
+#include "baker/surface/self_intersection.hpp"
+#include "baker/surface/triangle_split.hpp"
 
 namespace spm::baker {
 namespace {
@@ -58,7 +59,7 @@ class Judge {
     const Vector3 twice = twice_area(split_.points, t);
     const double size = twice.norm();
     const Vector3 middle = centroid(split_.points, t);
-    // Close enough to have no other surface in between, far enough to stand clear of rounding.
+    // Close enough to have no other surface in between, and far enough to be clear of rounding.
     constexpr double kFarthest = 1e-7;
     constexpr double kNearest = 1e-10;
     const double width = std::sqrt(size);
@@ -66,7 +67,7 @@ class Judge {
         std::clamp(1e-3 * width, kNearest * mesh_.diagonal, kFarthest * mesh_.diagonal);
     const Vector3 step = offset / size * twice;
     const double outside = winding_.at(middle + step);
-    // Across a single sheet the winding number steps by one, also where the mesh is open.
+    // Across a single layer the winding number steps by one, also where the mesh is open.
     const double inside =
         overlaps(split_.parents[piece]) ? winding_.at(middle - step) : outside + 1;
     return inside >= 0.5 && outside < 0.5;
@@ -85,7 +86,8 @@ class Judge {
     return partner != split_.coplanar.end() && partner->first == triangle;
   }
 
-  /// Of pieces that lie on one another and face the same way, the first triangle's stays.
+  /// Of pieces that lie on one another and face the same way, only that of the first triangle
+  /// stays.
   [[nodiscard]] bool repeated(std::size_t piece) const {
     const std::uint32_t parent = split_.parents[piece];
     for (Partners partner = first_partner(parent);
@@ -127,11 +129,12 @@ class BorderRuns {
     for (auto& [run, centre] : centres_) centre /= weights.at(run);
   }
 
-  /// A number for the run that a border vertex belongs to.
+  /// A number for the run to which a border vertex belongs.
   [[nodiscard]] std::uint32_t run(std::uint32_t vertex) {
     auto at = parent_.try_emplace(vertex, vertex).first;
     while (at->second != at->first) {
-      at->second = parent_.at(at->second);  // half the way next time: borders can be long
+      at->second =
+          parent_.at(at->second);  // halves the path for the next time: borders can be long
       at = parent_.find(at->second);
     }
     return at->first;
@@ -144,7 +147,7 @@ class BorderRuns {
   std::map<std::uint32_t, Vector3> centres_;
 };
 
-/// Edges of the triangles of which at least one piece stays, sorted.
+/// Edges of the triangles of which at least one piece stays; sorted.
 [[nodiscard]] std::vector<Edge> edges_that_stay(const Mesh& mesh, const SplitMesh& split,
                                                 const std::vector<char>& kept) {
   std::vector<Edge> edges;
@@ -157,11 +160,11 @@ class BorderRuns {
   return edges;
 }
 
-/// Fans each run of border edges from its centroid, where a surface that stays ends there.
+/// Caps each run of border edges by a fan from its centroid, where a surface that stays ends there.
 void add_caps(const Mesh& mesh, const Judge& judge, const std::vector<Edge>& edges,
               OuterSurface& surface) {
-  // A cap stands for the level of one half that closes the solid there; in a hole within another
-  // part there is none.
+  // A cap represents the surface of winding number one half that closes the solid there. In a hole
+  // within another part there is none.
   constexpr double kLeast = 0.05;
   constexpr double kMost = 0.95;
   struct Fan {

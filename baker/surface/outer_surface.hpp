@@ -16,8 +16,9 @@ struct CappedHole {
   std::size_t edges = 0;  ///< of its border
 };
 
-/// The surface that a hand outside can be stopped by: the boundary of the union of all parts, as
-/// triangles split where parts intersect, hidden ones removed, each with the solid behind it.
+/// The surface that a hand coming from outside can touch: the boundary of the union of all parts.
+/// Triangles are split where parts intersect, and hidden pieces are removed. Each triangle has the
+/// solid behind it.
 struct OuterSurface {
   std::vector<Vector3> vertices;
   std::vector<Triangle> triangles;
@@ -28,8 +29,8 @@ struct OuterSurface {
   std::vector<CappedHole> caps;   ///< largest first
 };
 
-/// Splits self-intersecting triangles along their intersections, keeps the pieces across which the
-/// generalised winding number passes one half, and caps holes. Caps decide the side only.
+/// Splits self-intersecting triangles along their intersections. Keeps the pieces across which the
+/// generalised winding number passes one half. Caps holes; caps decide the side only.
 [[nodiscard]] OuterSurface outer_surface(const Mesh& mesh);
 
 }  // namespace spm::baker

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "baker/surface/self_intersection.hpp"
+
 #include <CGAL/Box_intersection_d/Box_with_info_d.h>
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
 #include <CGAL/box_intersection_d.h>
@@ -6,8 +8,6 @@
 #include <algorithm>
 #include <array>
 #include <cstddef>
-
-#include "baker/surface/triangle_split.hpp"
 
 namespace spm::baker {
 namespace {

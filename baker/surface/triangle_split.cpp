@@ -16,17 +16,17 @@
 namespace spm::baker {
 namespace {
 
-// Not safe across threads in CGAL 5.5: all of it stays on the calling thread.
+// Not thread-safe in CGAL 5.5, so all of it stays on the calling thread.
 using Exact = CGAL::Exact_predicates_exact_constructions_kernel;
 using Vertex = CGAL::Triangulation_vertex_base_with_info_2<std::uint32_t, Exact>;
 using Face = CGAL::Constrained_triangulation_face_base_2<Exact>;
 using Triangulation = CGAL::Constrained_Delaunay_triangulation_2<
     Exact, CGAL::Triangulation_data_structure_2<Vertex, Face>, CGAL::Exact_intersections_tag>;
 
-/// Height over the longest side, relative to the diagonal: below it a piece is only rounding.
+/// Height over the longest side, relative to the diagonal. A piece below this is only rounding.
 constexpr double kThinnest = 1e-13;
 
-/// What other triangles leave on one: points and segments of its own plane.
+/// The traces of other triangles on one: points and segments of its own plane.
 struct Cuts {
   std::vector<Exact::Point_3> points;
   std::vector<std::pair<Exact::Point_3, Exact::Point_3>> segments;
@@ -40,13 +40,14 @@ void add_outline(const std::vector<Exact::Point_3>& outline, Cuts& cuts) {
 
 [[nodiscard]] Exact::Point_3 exact_point(const Vector3& p) { return {p.x(), p.y(), p.z()}; }
 
-/// Nearest double, the same however the number came about: the exact value is worked out first.
+/// The nearest double, however the number was computed: the exact value is evaluated first.
 [[nodiscard]] double rounded(const Exact::FT& value) {
   (void)value.exact();
   return CGAL::to_double(value);
 }
 
-/// The plane of a triangle seen along the axis its normal follows most; keeps its turning sense.
+/// The plane of a triangle, seen along the axis that is closest to its normal. It keeps the
+/// triangle's orientation.
 class Projection {
  public:
   explicit Projection(const std::array<Exact::Point_3, 3>& corners) : origin_(corners[0]) {
@@ -160,7 +161,7 @@ class Splitter {
     for (const auto vertex : triangulation.finite_vertex_handles()) {
       vertex->info() = number(projection.up(vertex->point()));
     }
-    // The corners keep their number, though another vertex may lie in the same place.
+    // The corners keep their numbers, even where another vertex lies in the same place.
     for (std::size_t k = 0; k < 3; ++k) ends[k]->info() = triangles_[index][k];
     if (triangulation.number_of_faces() > 1) ++mesh_.split;
     for (const auto face : triangulation.finite_face_handles()) {

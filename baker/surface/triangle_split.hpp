@@ -4,33 +4,26 @@
 #include <cstddef>
 #include <cstdint>
 #include <span>
-#include <utility>
 #include <vector>
 
 #include "baker/mesh/mesh.hpp"
+#include "baker/surface/self_intersection.hpp"
 
 namespace spm::baker {
 
-using TrianglePair = std::pair<std::uint32_t, std::uint32_t>;
-
-/// Pairs of triangles, first below second, sorted, that have more in common than the corner or edge
-/// they share. Exact predicates.
-[[nodiscard]] std::vector<TrianglePair> intersecting_pairs(std::span<const Vector3> points,
-                                                           std::span<const Triangle> triangles);
-
-/// Triangles cut along each other so that two pieces meet at most along their edges, up to the
-/// rounding of new points to doubles.
+/// Triangles cut along each other so that two pieces meet only along their edges. This holds up to
+/// the rounding of new points to doubles.
 struct SplitMesh {
   std::vector<Vector3> points;         ///< the mesh's own first
   std::vector<Triangle> pieces;        ///< oriented as the triangles they come from
-  std::vector<std::uint32_t> parents;  ///< triangle that each piece comes from, ascending
+  std::vector<std::uint32_t> parents;  ///< the triangle that each piece comes from, ascending
   std::size_t split = 0;               ///< triangles that became more than one piece
   /// Pairs that overlap in a common plane, both ways round and sorted.
   std::vector<TrianglePair> coplanar;
 };
 
-/// Exact constructions, sequential and deterministic. Pieces without area after rounding are left
-/// out.
+/// Cuts triangles along their intersections with exact constructions; sequential and deterministic.
+/// Pieces that have no area after rounding are left out.
 [[nodiscard]] SplitMesh split_triangles(std::span<const Vector3> points,
                                         std::span<const Triangle> triangles,
                                         std::span<const TrianglePair> pairs);

@@ -11,11 +11,11 @@ namespace spm::baker {
 
 namespace {
 
-constexpr int side = 5;         ///< places along the cell that are looked at first
-constexpr int directions = 16;  ///< of the line
-constexpr int scans = 5;        ///< lines across the crease along which it is searched
+constexpr int side = 5;         ///< places along the cell that are tried first
+constexpr int directions = 16;  ///< directions of the line that are tried
+constexpr int scans = 5;        ///< lines across the crease along which the crease is searched
 constexpr int halvings = 6;
-/// A line that keeps fewer of the places is not worth its word.
+/// A line that keeps fewer of the places than this is not worth the word that stores it.
 constexpr int least_kept = 3;
 
 struct Place {
@@ -28,8 +28,8 @@ double median(double* values, std::size_t count) {
   return values[count / 2];
 }
 
-/// Where the sheet ends on the scan line t along (a, b) through the cell; nothing where it does
-/// not.
+/// Where the surface ends on the scan line t along (a, b) through the cell; empty where it does not
+/// end.
 std::optional<double> sheet_end(double a, double b, double t, double x, double y,
                                 const std::function<bool(double, double)>& on_sheet) {
   // The part of the line within the cell.
@@ -96,7 +96,8 @@ std::optional<Clip> fit_clip(double x, double y,
   }
   if (most < least_kept) return std::nullopt;
 
-  // Where the sheet ends along lines across the crease, by halving; the line through these ends.
+  // Where the surface ends along lines across the crease, found by halving. The clip line runs
+  // through these ends.
   struct End {
     double along, end;
   };
@@ -109,7 +110,7 @@ std::optional<Clip> fit_clip(double x, double y,
     }
   }
   if (found < 2) return std::nullopt;
-  // Theil and Sen's line: an end that belongs to another crease does not turn it.
+  // The line of Theil and Sen: an end that belongs to another crease does not turn it.
   std::array<double, scans*(scans - 1) / 2> slopes{};
   std::size_t count = 0;
   for (std::size_t i = 0; i < found; ++i) {

@@ -8,8 +8,9 @@
 
 namespace spm::baker {
 
-/// The line that keeps most of a cell's sheet and nothing beyond it: the cell of side 1 around
-/// (x, y); `on_sheet` tells of a place. Nothing where no line keeps a worthwhile part.
+/// The line that keeps most of a cell's surface and nothing beyond it. The cell has side 1 and lies
+/// around (x, y). `on_sheet` says whether a place is on the surface. Empty where no line keeps a
+/// worthwhile part.
 [[nodiscard]] std::optional<Clip> fit_clip(double x, double y,
                                            const std::function<bool(double, double)>& on_sheet);
 

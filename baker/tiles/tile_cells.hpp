@@ -15,15 +15,15 @@ namespace spm::baker {
   return cell_clip(tile, cell);
 }
 
-/// How far a place of a cell, from -0.5 to 0.5 from its middle, lies beyond the line: 0 or less on
-/// the valid side.
+/// How far a place of a cell lies beyond the line; 0 or less on the valid side. x and y are from
+/// -0.5 to 0.5, measured from the cell's middle.
 [[nodiscard]] inline double beyond_clip(const Clip& clip, double x, double y) {
   return static_cast<double>(clip.a) * x + static_cast<double>(clip.b) * y -
          static_cast<double>(clip.c);
 }
 
-/// Depth below the plane and its derivatives at a place of a cell, from -0.5 to 0.5 from its
-/// middle; `heights` are those of tile_heights.
+/// Depth below the plane and its derivatives at a place of a cell. x and y are from -0.5 to 0.5,
+/// measured from the cell's middle. `heights` are those of tile_heights.
 [[nodiscard]] inline Height height_at(const Tile& tile, const TileHeights& heights,
                                       std::uint32_t cell, double x, double y) {
   const std::uint32_t first = cell / tile_cells * tile_samples + cell % tile_cells;

@@ -16,13 +16,13 @@ namespace spm::baker {
 
 namespace {
 
-/// Weight of second differences against samples: enough to carry the sheet on past its border,
+/// Weight of second differences against samples: enough to continue the surface past its border,
 /// too little to bend it where there are samples.
 constexpr double smoothness = 1e-3;
-/// Weight of slopes, a cell, against heights.
+/// Weight of the slopes of a cell against heights.
 constexpr double slope_weight = 0.1;
-/// On facets: that of a slope that is met, how far off one counts half, and how often weights are
-/// set anew.
+/// On facets: the weight of a slope that is met, the error at which a slope counts half, and how
+/// often the weights are set again.
 constexpr double facet_weight = 5;
 constexpr double facet_slope = 0.005;
 constexpr int facet_rounds = 2;
@@ -63,7 +63,7 @@ void add_second_differences(NodeMatrix& normal_matrix) {
       if (row > 0 && row + 1 < side) add(middle - side, middle, middle + side);
     }
   }
-  // The mixed difference keeps lone corners from swinging.
+  // The mixed difference keeps single corners from swinging.
   for (int row = 0; row + 1 < side; ++row) {
     for (int column = 0; column + 1 < side; ++column) {
       const int first = row * side + column;
@@ -78,10 +78,10 @@ void add_second_differences(NodeMatrix& normal_matrix) {
   }
 }
 
-/// Asks for the slopes of the triangles that the rays met, on each side of a cell's border: what
-/// the hand feels of a facet is its direction. With heights that are known, less where those are
-/// far off, so that most slopes are met and few are not (least absolute deviations, by iterated
-/// weights).
+/// Adds equations for the slopes of the triangles that the rays met, on each side of a cell's
+/// border: what the hand feels of a facet is its direction. With known heights, a slope has less
+/// weight where those heights are far off it. So most slopes are met and few are not (least
+/// absolute deviations, by iterated weights).
 void add_slopes(const TileRays& rays, const TileSite& site, const Nodes* known,
                 NodeMatrix& normal_matrix, Nodes& right) {
   for (std::uint32_t k = 0; k < tile_cell_count * TileRays::in_cell; ++k) {
@@ -117,8 +117,8 @@ void add_slopes(const TileRays& rays, const TileSite& site, const Nodes* known,
   }
 }
 
-/// Heights of least squares at the samples, depth below the plane, m; slopes weighted by known
-/// ones.
+/// Heights at the samples by least squares: depth below the plane, m. With `known` heights their
+/// slopes give the weights.
 Nodes fit_once(const TileRays& rays, const TileSite& site, const Nodes* known) {
   NodeMatrix normal_matrix = NodeMatrix::Zero();
   Nodes right = Nodes::Zero();
@@ -136,7 +136,8 @@ Nodes fit_once(const TileRays& rays, const TileSite& site, const Nodes* known) {
   add_slopes(rays, site, known, normal_matrix, right);
   add_second_differences(normal_matrix);
   normal_matrix.diagonal().array() += 1e-9;
-  // About the seed's depth, so that the little weight on the diagonal draws towards the sheet.
+  // Relative to the seed's depth, so that the small weight on the diagonal draws towards the
+  // surface.
   const double middle = rays.seed_depth();
   right -= middle * (normal_matrix * Nodes::Ones() - 1e-9 * Nodes::Ones());
   right = right.eval();
@@ -152,7 +153,7 @@ Nodes fit_heights(const TileRays& rays, const TileSite& site) {
   return nodes;
 }
 
-/// Stores heights as the file does: base and slopes of their own mean plane, HALF residuals.
+/// Stores heights as the file does: base and slopes of their mean plane, and HALF residuals.
 void store_heights(const Nodes& nodes, const TileSite& site, TileData& data) {
   constexpr int side = tile_samples;
   double slope_x = 0, slope_y = 0, mean = 0, squares = 0;
@@ -183,7 +184,7 @@ void store_heights(const Nodes& nodes, const TileSite& site, TileData& data) {
   }
 }
 
-/// What a cell's rays say of its patch.
+/// How well a cell's patch agrees with its rays.
 enum class Verdict { good, mixed, bad };
 
 struct CellJudge {

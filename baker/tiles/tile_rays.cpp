@@ -9,11 +9,12 @@ namespace spm::baker {
 
 namespace {
 
-/// Neighbouring rays whose surface turns by more than this stand on two sides of a crease.
+/// Where the surface turns by more than this between two neighbouring rays, there is a crease
+/// between them.
 constexpr double crease_cosine = 0.82;  // 35 degrees
-/// Surface seen more flatly than this belongs to another plane.
+/// Surface seen at a flatter angle than this belongs to another plane.
 constexpr double least_cosine = 0.4;
-/// How far the depth may leave the tangent plane, in steps.
+/// How far the depth may be off the tangent plane, in steps.
 constexpr double leave_steps = 1.0;
 
 }  // namespace
@@ -29,7 +30,7 @@ TileRays::TileRays(const Caster& caster, const TileSite& site, const TileSeed& s
                                                  static_cast<long>(side) - 1));
   };
   const std::uint32_t i = nearest(seed.eta - eta0_), j = nearest(seed.omega - omega0_);
-  // The seed's own triangle gives the slope to start with.
+  // The seed's own triangle gives the first slope.
   const double x = (seed.eta - eta0_) / site_.spacing, y = (seed.omega - omega0_) / site_.spacing;
   const std::optional<TileRay> origin =
       cast(x, y, seed.depth, 1e-3 * site_.spacing + 1e-7 * caster.diagonal());

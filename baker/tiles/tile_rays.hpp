@@ -9,15 +9,16 @@
 
 namespace spm::baker {
 
-/// Where a ray of a tile met the sheet.
+/// Where a ray of a tile met the surface.
 struct TileRay {
   bool hit = false;
   double depth = 0;                 ///< below the plane, m
   const Vector3* normal = nullptr;  ///< of the triangle
 };
 
-/// Rays of a tile on a lattice finer than its samples, followed from the seed to neighbour after
-/// neighbour as long as the surface goes on without a crease. Places in cells of the tile.
+/// Rays of a tile on a lattice finer than its samples. They are followed from the seed to neighbour
+/// after neighbour, as long as the surface continues without a crease. Places are in units of cells
+/// of the tile.
 class TileRays {
  public:
   static constexpr int per_cell = 2;  ///< lattice steps along a cell
@@ -31,7 +32,7 @@ class TileRays {
   [[nodiscard]] std::uint32_t hits() const { return hits_; }
   [[nodiscard]] double seed_depth() const { return seed_depth_; }
 
-  /// The entry within `window` of a depth at a place; nothing where there is none.
+  /// The entry within `window` of a depth at a place. Empty where there is none.
   [[nodiscard]] std::optional<TileRay> cast(double x, double y, double depth, double window) const;
 
   [[nodiscard]] static double x_of(std::uint32_t k) {

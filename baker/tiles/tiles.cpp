@@ -20,18 +20,18 @@ namespace spm::baker {
 
 namespace {
 
-/// At the last level normals may be off by so much.
+/// How far normals may be off at the last level.
 constexpr double last_angle = 0.5;
-/// A place where fewer surfels than this share of what a tile must cover face its plane best is not
-/// tried: the rest would have to be other planes'.
+/// A place is tried only if at least this share of the surfels that a tile must cover face its
+/// plane best. Otherwise the rest would belong to other planes.
 constexpr double least_members = 0.5;
-/// Tiles side by side are worth it where they cover so many times the least that a tile must: what
-/// is left between them may take fewer tiles that are shifted.
+/// Tiles side by side are worth it only where they cover this many times the least that a tile must
+/// cover. The gaps between them may take fewer tiles that are shifted.
 constexpr double first_worth = 2;
-/// Edge of the cubes that surfels are found by, of the diagonal.
+/// Edge of the cubes by which surfels are found, as a share of the diagonal.
 constexpr double bin_share = 1.0 / 90;
 
-/// Gives each point of the surface to the direction that faces its triangle best.
+/// Assigns each point of the surface to the direction that faces its triangle best.
 std::vector<Surfel> assign_surface(const Caster& caster, const std::vector<SupportPlane>& planes,
                                    const std::vector<SurfacePoint>& points) {
   std::vector<std::uint32_t> direction(caster.surface_count(), 0);
@@ -54,7 +54,7 @@ struct TileKey {
   [[nodiscard]] auto tuple() const { return std::tie(direction, column, row); }
 };
 
-/// Surfels by the cube of space that they lie in.
+/// Surfels, listed by the cube of space in which they lie.
 class SurfelBins {
  public:
   SurfelBins(const std::vector<Surfel>& surfels, double edge) : edge_(edge) {
@@ -133,8 +133,8 @@ class TileChooser {
 
   std::vector<TileData> tiles;
 
-  /// Chooses tiles of a level that each cover `least` times what is worthwhile: of those side by
-  /// side, or `shifted` by half a tile as well, for the gaps that others leave.
+  /// Chooses tiles of a level that each cover `least` times what is worthwhile. They lie side by
+  /// side. With `shifted` they may also be shifted by half a tile, for the gaps that others leave.
   void run_level(std::uint32_t level, bool shifted, const Progress& progress) {
     const double least =
         least_at(level) * (shifted || settings_.least_surfels > 0 ? 1 : first_worth);
@@ -184,7 +184,7 @@ class TileChooser {
 
   [[nodiscard]] bool is_last(std::uint32_t level) const { return level + 1 == settings_.levels; }
 
-  /// Surfels that a tile of a level must newly cover.
+  /// How many surfels a tile of a level must newly cover.
   [[nodiscard]] double least_at(std::uint32_t level) const {
     if (settings_.least_surfels > 0) return settings_.least_surfels;
     const double extent = std::ldexp(settings_.tile_spacing * tile_cells, -static_cast<int>(level));
@@ -192,7 +192,7 @@ class TileChooser {
     return whole * (is_last(level) ? settings_.last_worthwhile : settings_.worthwhile);
   }
 
-  /// One candidate for each sheet of surface that the members of a place lie on.
+  /// One candidate for each layer of surface on which the members of a place lie.
   [[nodiscard]] std::vector<Candidate> candidates_at(
       std::uint32_t level, const TileKey& key, const std::vector<std::uint32_t>& members) const {
     const bool any_angle = is_last(level) || settings_.least_surfels > 0;
@@ -231,7 +231,7 @@ class TileChooser {
     return candidates;
   }
 
-  /// How far a surfel lies below a tile's patch, m; its own plane only.
+  /// How far a surfel lies below a tile's patch, m; for surfels of the tile's own plane only.
   [[nodiscard]] double height_over(const Tile& tile, const Surfel& surfel) const {
     const double s = static_cast<double>(tile.spacing);
     const double x = std::clamp((surfel.eta - tile.eta0) / s, 0.0, 7.999);
@@ -296,7 +296,8 @@ class TileChooser {
                              std::hypot(static_cast<double>(clip.a), static_cast<double>(clip.b));
   }
 
-  /// Greedy cover: always the candidate that covers most surfels still open.
+  /// Greedy cover: always takes the candidate that covers most of the surfels that are still
+  /// uncovered.
   void choose(std::vector<Candidate>& candidates, double least) {
     struct Entry {
       std::size_t gain, index;

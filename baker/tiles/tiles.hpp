@@ -4,10 +4,10 @@
 #include <cstdint>
 #include <vector>
 
-#include "baker/options/bake_options.hpp"
-#include "baker/cast/cast.hpp"
 #include "baker/base/progress.hpp"
+#include "baker/cast/cast.hpp"
 #include "baker/cast/surface_points.hpp"
+#include "baker/options/bake_options.hpp"
 #include "formats/asset/asset.hpp"
 
 namespace spm::baker {
@@ -28,22 +28,23 @@ struct TileSettings {
   double residual = 0;      ///< m
   double angle = 0.02;      ///< rad, of level 0; each level may double it
   double cell_angle = 0.3;  ///< rad
-  /// Fit most of the slopes well rather than all alike: where the surface has facets that are
-  /// smaller than tiles.
+  /// Fit most of the slopes well rather than all equally: for surfaces whose facets are smaller
+  /// than tiles.
   bool faceted = false;
   double surfel_spacing = 0;  ///< m
-  /// A tile must newly cover this share of the surfels that a whole tile would, or it is not worth
-  /// its bytes; at the last level the other.
+  /// A tile must newly cover this share of the surfels that a full tile would cover, or it is not
+  /// worth its bytes. `last_worthwhile` is the same for the last level.
   double worthwhile = 0.3;
   double last_worthwhile = 0.1;
-  /// If not 0: a tile of any level must newly cover so many points, and its normals may be off: for
-  /// closing the gaps between tiles that are there already.
+  /// If not 0, a tile of any level must newly cover so many points, and its normals may be off.
+  /// This closes the gaps between tiles that exist already.
   double least_surfels = 0;
 };
 
-/// Tiles of a `sparse` asset that cover points of the surface: each point by tiles of the direction
-/// that faces it best, coarse ones first, finer ones where those do not agree with the surface; of
-/// all that would do always the one that covers most.
+/// Casts the tiles of a `sparse` asset that cover points of the surface. Each point is covered by
+/// tiles of the direction that faces it best. Coarse tiles come first, then finer ones where the
+/// coarse ones do not agree with the surface. Of all possible tiles the one that covers most is
+/// always taken.
 [[nodiscard]] std::vector<TileData> cast_tiles(const Caster& caster,
                                                const std::vector<SupportPlane>& planes,
                                                const TileSettings& settings,

@@ -6,15 +6,16 @@
 #include <limits>
 #include <queue>
 
+#include "baker/proof/tile_proof.hpp"
 #include "formats/asset/tile_words.hpp"
 
 namespace spm::baker {
 
 namespace {
 
-/// Share of the surface that triangles may stand for at most, while all is more bytes than this and
-/// so many times those of the surface's own triangles: a rigging of thin spars is no place for
-/// maps.
+/// Triangles may represent at most this share of the surface, while everything together takes more
+/// bytes than `many_bytes` and than `many_times` the bytes of the surface's own triangles. A
+/// rigging of thin spars, for example, is no place for maps.
 constexpr double most_share = 0.5;
 constexpr double many_bytes = 400e3;
 constexpr double many_times = 3;
@@ -23,9 +24,9 @@ double area_of(const std::array<Vector3, 3>& corners) {
   return (corners[1] - corners[0]).cross(corners[2] - corners[0]).norm() / 2;
 }
 
-/// A tile to leave out, or a triangle to take whole.
+/// A tile to leave out, or a triangle to take as a whole.
 struct Move {
-  double price = 0;  ///< m^2 left to triangles a byte saved
+  double price = 0;  ///< m^2 left to triangles for each byte saved
   double area = 0;   ///< m^2 left to triangles
   bool tile = false;
   std::uint32_t which = 0;
@@ -84,7 +85,7 @@ class Chooser {
   const SurfaceCover& cover_;
   double free_share_;
   std::vector<std::uint8_t> taken_, gone_;
-  std::vector<std::vector<std::uint32_t>> rests_;  ///< triangles, a tile each
+  std::vector<std::vector<std::uint32_t>> rests_;  ///< by tile: its triangles
   std::vector<std::uint64_t> tile_bytes_;
   std::vector<double> area_, open_area_;
   double all_ = 0, left_ = 0;
@@ -95,7 +96,7 @@ class Chooser {
     return (tile ? gone_[which] : taken_[which]) != 0;
   }
 
-  /// Bytes and area that taking a triangle whole adds.
+  /// The bytes and the area that are added where a triangle is taken as a whole.
   void add(std::uint32_t triangle, double& bytes, double& area) const {
     if (taken_[triangle] != 0) return;
     bytes += static_cast<double>(triangle_bytes) *

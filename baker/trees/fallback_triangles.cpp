@@ -12,7 +12,7 @@ namespace {
 
 /// Share of the tolerance that the rounding of triangles may take.
 constexpr double rounding_share = 0.1;
-/// Triangles flatter than so many steps lose their direction in the rounding.
+/// Triangles flatter than this many steps lose their direction in the rounding.
 constexpr double least_steps = 1;
 
 }  // namespace

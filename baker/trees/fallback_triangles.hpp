@@ -9,22 +9,22 @@
 
 namespace spm::baker {
 
-/// How the fallback of a `sparse` asset stores its triangles: in 16 bits a coordinate where the
-/// tolerance allows, else as floats.
+/// How the fallback of a `sparse` asset stores its triangles: with 16 bits a coordinate where the
+/// tolerance allows it, otherwise as floats.
 class FallbackTriangles {
  public:
   FallbackTriangles(const Caster& caster, double tolerance);
 
-  /// How far the rounding of triangles may move them, m: the proof leaves as much room.
+  /// How far the rounding of triangles may move them, m. The proof leaves that much room.
   [[nodiscard]] static double rounding(double tolerance);
 
   /// Corners as the file gives them back.
   [[nodiscard]] std::array<Vector3, 3> stored(const std::array<Vector3, 3>& corners) const;
-  /// True where the rounding took a triangle's direction: then it is left out, since the ones
-  /// beside it lie as near.
+  /// True where rounding left a triangle without a direction. Such a triangle is left out, since
+  /// its neighbours are as near.
   [[nodiscard]] bool lost(const std::array<Vector3, 3>& corners) const;
 
-  /// Sets the form's origin and step.
+  /// Sets the origin and step of the stored numbers.
   void describe(Asset& asset) const;
   /// Appends the corners of a fan to an asset.
   void append(const TriangleFan& fan, Asset& asset) const;

@@ -15,16 +15,16 @@ namespace spm::baker {
 
 namespace {
 
-/// Cubes are not divided below this share of the diagonal but for the side.
+/// Cubes are not divided below this share of the diagonal, except for the side.
 constexpr double finest_share = 1.0 / 25;
-/// Nor below this one where the bake may leave some out.
+/// The same where the bake may leave some cubes out.
 constexpr double finest_cut_share = 1.0 / 100;
 constexpr int parallel_levels = 2;
 const double half_diagonal = std::sqrt(3.0) / 2;
 /// Room for the rounding of distances.
 constexpr double slack = 1 + 1e-9;
 
-/// What a cube is, by the surface and caps that are closest to its middle.
+/// The kind of a cube, from the surface or cap that is closest to its middle.
 SpaceKind side_of(const SpaceNode& node, const ClosestPoint& closest) {
   if (closest.clear <= slack * half_diagonal * node.edge) return SpaceKind::told;
   return closest.distance < 0 ? SpaceKind::inside : SpaceKind::outside;
@@ -49,7 +49,7 @@ std::size_t octant_of(const SpaceNode& node, const Vector3& point) {
   return octant;
 }
 
-/// Undoes a division into eight of one kind.
+/// Undoes a division into eight octants of the same kind.
 void join(SpaceNode& node) {
   const SpaceNode& first = node.octants->front();
   const bool alike =
@@ -79,7 +79,7 @@ SpaceBuilder::SpaceBuilder(const Caster& caster, const Band& band, double tolera
   for (std::uint32_t i = 0; i < caster.surface_count(); ++i) {
     for (int k = 0; k < 3; ++k) box.include(caster.corner(i, k));
   }
-  // A little more than the band, so that its end is in no cube's border.
+  // A little more than the band, so that no border of a cube lies at its end.
   const double margin = 1.01 * (band.margin + 2 * tolerance);
   root_.edge = (box.high - box.low).maxCoeff() + 2 * margin;
   root_.middle = (box.low + box.high) / 2;
@@ -87,7 +87,7 @@ SpaceBuilder::SpaceBuilder(const Caster& caster, const Band& band, double tolera
   bool cut = false;
   visit(root_, [&cut](const SpaceNode& leaf) { cut = cut || leaf.kind == SpaceKind::pruned; });
   if (reach_ != nullptr && !cut) {
-    // Small cubes that cut nothing are bytes for nothing.
+    // Small cubes that leave nothing out only cost bytes.
     reach_ = nullptr;
     root_.octants.reset();
     decide(root_, 0);
@@ -161,7 +161,7 @@ SpaceData SpaceBuilder::data() const {
     for (SpaceNode& octant : *whole.octants) octant.kind = root_.kind;
   }
   std::vector<const SpaceNode*> nodes{root_.octants ? &root_ : &whole};
-  // Level by level, so that a node's divided octants follow each other.
+  // Level by level, so that the divided octants of a node follow each other.
   for (std::size_t i = 0; i < nodes.size(); ++i) {
     std::uint32_t kinds = 0;
     const auto first = static_cast<std::uint32_t>(nodes.size());

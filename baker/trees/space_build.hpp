@@ -6,15 +6,15 @@
 #include <functional>
 #include <memory>
 
-#include "baker/cast/cast.hpp"
 #include "baker/base/progress.hpp"
+#include "baker/cast/cast.hpp"
 #include "baker/reach/reach.hpp"
 #include "common/asset/space_tree.hpp"
 #include "formats/asset/asset.hpp"
 
 namespace spm::baker {
 
-/// A cube of space while the tree is made.
+/// A cube of the sign octree while it is built.
 struct SpaceNode {
   SpaceKind kind = SpaceKind::told;
   PruneRule rule = PruneRule::none;  ///< of a pruned one
@@ -23,26 +23,28 @@ struct SpaceNode {
   std::unique_ptr<std::array<SpaceNode, 8>> octants;
 };
 
-/// Divides the space around a surface into cubes: those that lie on one side of it, since their
-/// middle is farther from the surface than their corners are from the middle; those that the bake
-/// leaves out; and those that the surface passes through, where its elements tell the side.
+/// Builds and writes the sign octree: it divides the space around a surface into cubes. There are
+/// cubes that lie on one side, since their middle is farther from the surface than their corners
+/// are from the middle. There are cubes that the bake leaves out. And there are cubes through which
+/// the surface passes, where the elements tell the side.
 class SpaceBuilder {
  public:
-  /// `reach` may be null: nothing is left out. Keeps references.
+  /// `reach` may be null: then nothing is left out. Keeps references.
   SpaceBuilder(const Caster& caster, const Band& band, double tolerance, const Reach* reach,
                const Progress& progress);
 
   /// Divides the cubes around a point of the band down to one that lies on one side: for places
-  /// where the elements tell the side wrong. False where that is so already, or where no division
-  /// helps.
+  /// where the elements give the wrong side. False where the point is in such a cube already, or
+  /// where no division helps.
   bool mend(const Vector3& point);
 
-  /// What the cube around a point is; `far` outside all.
+  /// The kind of the cube around a point; `far` outside all cubes.
   [[nodiscard]] SpaceKind place(const Vector3& point) const;
 
   /// Calls `visit` with every cube that is not divided.
   void visit_leaves(const std::function<void(const SpaceNode&)>& visit) const;
 
+  /// The octree in the words that the file stores; see SpaceTree.
   [[nodiscard]] SpaceData data() const;
 
  private:

@@ -13,12 +13,12 @@ namespace spm::baker {
 
 namespace {
 
-/// Boxes are wider by this share of the whole, so that rounding to floats loses nothing.
+/// Boxes are widened by this share of the whole box, so that rounding to floats loses nothing.
 constexpr double slack_share = 1e-6;
-/// Nodes of the file that a visit by every query is worth: few boxes to open go before few bytes
-/// near the root only.
+/// How many nodes of the file one visit by every query is worth. So to open few boxes comes before
+/// few bytes near the root only.
 constexpr double area_weight = 4;
-/// Below so many halvings the middle one of the elements parts them, so that the tree ends.
+/// After this many halvings, the middle one of the elements divides them, so that the tree ends.
 constexpr int surface_levels = 32;
 
 double half_area(const Box& box) {
@@ -37,7 +37,8 @@ struct Half {
   Box box;
   std::uint32_t first = 0, count = 0;
   std::uint32_t left = 0, right = 0;  ///< 0: a leaf
-  /// As at most 1, 2, 3 or 4 nodes of the file: how many lie below, and the share of visits.
+  /// Costs as at most 1, 2, 3 or 4 nodes of the file: the number of nodes below, and the share of
+  /// visits.
   std::array<double, tree_children> cost{};
 };
 
@@ -84,7 +85,7 @@ class TreeBuilder {
               });
   }
 
-  /// The number of elements before the best cut of a sorted range, and its cost.
+  /// The number of elements before the best cut of a sorted range, and the cost of that cut.
   [[nodiscard]] std::pair<std::uint32_t, double> best_cut(std::uint32_t first,
                                                           std::uint32_t count) const {
     std::vector<double> behind(count);
@@ -136,7 +137,7 @@ class TreeBuilder {
     return number;
   }
 
-  /// Numbers tiles and the corners of fans in the order of the leaves, those of caps last.
+  /// Numbers tiles and the corners of fans in the order of the leaves; those of caps come last.
   void number_elements(BuiltTree& tree) {
     place_.resize(elements_.size());
     std::uint64_t corners = 0;
@@ -162,15 +163,16 @@ class TreeBuilder {
     }
   }
 
-  /// Up to four nodes below one: those that leave fewest nodes in the file, of those the ones with
-  /// the smallest boxes.
+  /// Up to four nodes below one: the choice that leaves fewest nodes in the file, and among equal
+  /// ones that with the smallest boxes.
   [[nodiscard]] std::vector<std::uint32_t> children_of(std::uint32_t number) const {
     std::vector<std::uint32_t> children;
     open(number, tree_children, children);
     return children;
   }
 
-  /// Appends the best `most` or fewer nodes for what lies below a half, which it opens if it can.
+  /// Appends the best nodes, at most `most`, for what lies below a half. It opens the half if it
+  /// can.
   void open(std::uint32_t number, std::size_t most, std::vector<std::uint32_t>& children) const {
     const Half& half = halves_[number];
     if (half.left == 0) {
@@ -187,12 +189,12 @@ class TreeBuilder {
     }
   }
 
-  /// Cost of a half as up to so many nodes: what it costs as one, or opened.
+  /// Cost of a half as up to so many nodes: as one node, or opened.
   [[nodiscard]] bool closed(std::uint32_t number, std::size_t most) const {
     return most == 1 || halves_[number].cost[0] <= best_share(halves_[number], most).second;
   }
 
-  /// How many of `most` nodes its left half gets at best, and what that costs.
+  /// How many of `most` nodes the left half gets in the best case, and what that costs.
   [[nodiscard]] std::pair<std::size_t, double> best_share(const Half& half,
                                                           std::size_t most) const {
     std::pair<std::size_t, double> best{1, std::numeric_limits<double>::infinity()};
@@ -204,7 +206,7 @@ class TreeBuilder {
     return best;
   }
 
-  /// Costs of a half, whose halves have theirs.
+  /// Costs of a half, from the known costs of its own halves.
   void add_costs(Half& half) const {
     if (half.left == 0) return;
     const double area = half_area(half.box) / std::max(half_area(all_), 1e-300);
@@ -214,7 +216,8 @@ class TreeBuilder {
     }
   }
 
-  /// A side of a child's box in 255ths of its parent's, rounded outwards as queries will see it.
+  /// A side of a child's box in 255ths of its parent's box, rounded outwards as queries will see
+  /// it.
   [[nodiscard]] static std::uint32_t steps(float low, float high, double side, bool down) {
     const float step = (high - low) * (1.0F / 255);
     const auto at = [&](int i) { return static_cast<double>(low + static_cast<float>(i) * step); };

@@ -9,7 +9,7 @@
 
 namespace spm::baker {
 
-/// A tile or fan of triangles with its box.
+/// A tile or a fan of triangles, with its box.
 struct TreeElement {
   Box box;
   std::uint32_t number = 0;
@@ -17,17 +17,18 @@ struct TreeElement {
   bool cap = false;             ///< a fan of caps
 };
 
-/// The tree over elements, which it numbers anew in the order of its leaves: what lies together in
-/// space lies together in the file.
+/// The bounding volume hierarchy (BVH) over elements. It numbers the elements anew in the order of
+/// its leaves, so that neighbours in space are neighbours in the file.
 struct BuiltTree {
   TreeData data;
-  std::vector<std::uint32_t> tiles;  ///< the old number of each
-  std::vector<std::uint32_t> fans;   ///< likewise, caps last
-  std::uint32_t first_cap = 0;       ///< corner that caps begin at
+  std::vector<std::uint32_t> tiles;  ///< old number of each tile
+  std::vector<std::uint32_t> fans;   ///< old number of each fan, caps last
+  std::uint32_t first_cap = 0;       ///< the corner at which caps begin
 };
 
-/// Builds the tree, splitting where boxes get smallest (surface area heuristic). The same for the
-/// same elements in the same order. Throws BakeError where they are more than a file can name.
+/// Builds the BVH. It splits where boxes become smallest (surface area heuristic). The same
+/// elements in the same order give the same tree. Throws BakeError where there are more elements
+/// than a file can name.
 [[nodiscard]] BuiltTree build_tree(const std::vector<TreeElement>& elements);
 
 }  // namespace spm::baker

@@ -6,18 +6,19 @@
 #include <limits>
 #include <utility>
 
-#include "baker/trees/element_choice.hpp"
 #include "baker/base/octant.hpp"
 #include "baker/tiles/tile_fit.hpp"
+#include "baker/trees/element_choice.hpp"
 #include "baker/trees/tree_build.hpp"
 #include "baker/trees/triangle_fans.hpp"
+#include "common/surface/closest_on_tile.hpp"
 #include "common/surface/closest_on_triangle.hpp"
 
 namespace spm::baker {
 
 namespace {
 
-/// Every element that might be stored, and how it is stored.
+/// Every element that might be stored, and its stored form.
 struct Elements {
   std::vector<TreeElement> all;
   std::vector<Tile> tiles;
@@ -70,9 +71,10 @@ double distance_to(const TriangleFan& fan, const Vector3& point) {
   return least;
 }
 
-/// Marks the elements that can be the nearest to some place of the band that is not pruned: in a
-/// cube of half diagonal r around q an element cannot if its distance from q is more than the least
-/// plus 2 r, since both change by at most the way; nor if it is more than the band is wide plus r.
+/// Marks the elements that can be the nearest to some place of the band that is not pruned. Take a
+/// cube of half diagonal r around q. An element cannot be nearest there if its distance from q is
+/// more than the least one plus 2 r, since both distances change by at most the way gone. Nor can
+/// it if its distance is more than the width of the band plus r.
 class Marker {
  public:
   Marker(const Caster& caster, const Asset& asset, const Elements& elements, const BuiltTree& tree)
@@ -110,7 +112,7 @@ class Marker {
   }
 
  private:
-  /// Cubes that are looked at are no larger, of the diagonal.
+  /// Largest cubes that are tested, as a share of the diagonal.
   static constexpr double finest_share = 1.0 / 80;
 
   const Caster& caster_;
@@ -154,7 +156,7 @@ std::vector<bool> mark_needed(const Caster& caster, const Asset& asset, const El
   return needed;
 }
 
-/// Adds up what elements that are left out would have taken, by the rule that cuts their middle.
+/// Adds up the bytes of the elements that are left out, by the rule that prunes their middle.
 std::vector<Pruned> add_up(const Asset& asset, const Elements& elements,
                            const std::vector<bool>& needed, const Reach& reach) {
   std::array<std::uint64_t, 4> bytes{};

@@ -4,22 +4,22 @@
 #include <vector>
 
 #include "baker/options/bake_report.hpp"
+#include "baker/proof/surface_proof.hpp"
 #include "baker/trees/fallback_triangles.hpp"
 #include "baker/trees/space_build.hpp"
-#include "baker/proof/surface_proof.hpp"
 
 namespace spm::baker {
 
-/// Lays out what a `sparse` asset is made of: its tiles and triangles in the order of the tree of
-/// elements, the triangles as the file stores them, and the surface's caps last.
+/// Lays out the content of a `sparse` asset: its tiles and triangles in the order of the BVH, the
+/// triangles as the file stores them, and the surface's caps last.
 class TreeElements {
  public:
   /// Keeps references.
   TreeElements(const Caster& caster, const std::vector<SurfacePiece>& triangles, double tolerance);
 
-  /// Fills the asset's tree and triangles and puts its tiles in order. With a `reach`, elements
-  /// that are nearest to no place of the band but pruned ones are left out; tells the bytes, by
-  /// rule.
+  /// Fills the asset's tree and triangles, and puts its tiles in order. With a `reach`, an element
+  /// is left out if it is nearest to no place of the band but pruned ones. Returns the bytes that
+  /// this saves, by rule.
   [[nodiscard]] std::vector<Pruned> build(Asset& asset, const SpaceBuilder& space,
                                           const Reach* reach) const;
 

@@ -14,7 +14,7 @@ namespace {
 constexpr std::uint32_t none = std::numeric_limits<std::uint32_t>::max();
 /// Longer fans save little more, and their boxes grow.
 constexpr std::size_t most_triangles = 8;
-/// Fans of at least so many triangles are taken first, then shorter ones of what is left.
+/// Fans of at least this many triangles are taken first, then shorter ones of the rest.
 constexpr std::array<std::size_t, 4> rounds{6, 4, 2, 1};
 
 /// A side of a triangle, 3 * triangle + corner, from that corner to the next.
@@ -61,12 +61,12 @@ class FanFinder {
  private:
   const std::vector<std::array<Vector3, 3>>& triangles_;
   std::vector<std::uint8_t> taken_;
-  std::vector<Side> other_;  ///< the same side of the triangle beyond it
+  std::vector<Side> other_;  ///< the same side as seen from the triangle beyond it
 
   [[nodiscard]] const Vector3& corner(Side side) const { return triangles_[side / 3][side % 3]; }
   [[nodiscard]] bool free(Side side) const { return side != none && taken_[side / 3] == 0; }
 
-  /// Sides that leave the corner that `start` leaves, one after the other, of triangles that are
+  /// The sides that leave the same corner as `start`, one after the other, of triangles that are
   /// not taken yet.
   [[nodiscard]] std::vector<Side> around(Side start) const {
     std::vector<Side> sides{start};

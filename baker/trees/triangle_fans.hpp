@@ -8,11 +8,12 @@
 
 namespace spm::baker {
 
-/// Triangles around a corner that they share: triangle k is of corners 0, k + 1 and k + 2.
+/// Triangles around a shared corner: triangle k has the corners 0, k + 1 and k + 2.
 using TriangleFan = std::vector<Vector3>;
 
-/// Triangles in fewest corners: those that share a corner and an edge, wound alike, are joined, the
-/// longest fans first. Corners are shared where they are equal. Each triangle is in one fan.
+/// Joins triangles into fans, to need fewer corners. Triangles that share a corner and an edge and
+/// are wound alike are joined, the longest fans first. Corners are shared where they are equal.
+/// Each triangle is in exactly one fan.
 [[nodiscard]] std::vector<TriangleFan> fans_of(
     const std::vector<std::array<Vector3, 3>>& triangles);
 

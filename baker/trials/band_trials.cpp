@@ -13,22 +13,23 @@ namespace spm::baker {
 
 namespace {
 
-constexpr std::uint64_t numbers = 6;  ///< random ones, a point
+constexpr std::uint64_t numbers = 6;  ///< random numbers for each point
 /// How far from the surface the places close to it lie, in tolerances.
 constexpr double near_tolerances = 2;
-/// And how near those about edges and corners begin, which are as likely near as far in proportion.
+/// The smallest distance of places about edges and corners, in tolerances. Their distances are
+/// log-uniform.
 constexpr double least_tolerances = 0.25;
-/// Of an edge between triangles in one plane, against 1 for one that turns all the way.
+/// Weight of an edge between triangles in one plane; an edge that turns all the way has weight 1.
 constexpr double level_edge_weight = 0.02;
 
-/// The entry of a list of sums that a share of the whole falls into.
+/// The entry of a list of running sums into which a share of the total falls.
 std::size_t fall_into(const std::vector<double>& sums, double share) {
   const auto place = std::upper_bound(sums.begin(), sums.end(), share * sums.back());
   return std::min(static_cast<std::size_t>(place - sums.begin()), sums.size() - 1);
 }
 
-/// How much the triangles on the two sides of each edge turn, as weights of trials: a little for a
-/// level edge, most for a sharp one, and as much where an edge has not two.
+/// Weights of edges for the trials, by how much the surface turns at each: small for a flat edge,
+/// largest for a sharp one. An edge that has not exactly two triangles counts as sharp.
 std::vector<double> edge_weights(const Caster& caster) {
   using Ends = std::array<double, 6>;
   const auto ends_of = [&](std::uint32_t edge) {
@@ -79,7 +80,7 @@ Vector3 BandTrials::near_edge(std::uint64_t index) const {
   const int corner = static_cast<int>(edge % 3);
   const Vector3& from = caster_.corner(triangle, corner);
   const Vector3& to = caster_.corner(triangle, (corner + 1) % 3);
-  // A third of them at corners.
+  // A third of them are at corners.
   const double along = std::clamp(1.5 * random(1) - 0.25, 0.0, 1.0);
   return from + along * (to - from) + offset(index);
 }

@@ -9,8 +9,9 @@
 
 namespace spm::baker {
 
-/// Places at which a finished asset is tried, by a seed: over the band by the surface's area; close
-/// to the surface; close to edges, and farther about corners, where sides are hardest to tell.
+/// Places at which a finished asset is tried, fixed by a seed. They lie over the band by the
+/// surface's area, close to the surface, close to edges, and farther about corners, where sides are
+/// hardest to tell.
 class BandTrials {
  public:
   /// Lengths in metres. Keeps a reference.
@@ -23,12 +24,12 @@ class BandTrials {
   Band band_;
   double tolerance_;
   std::uint64_t seed_;
-  std::vector<double> areas_;  ///< summed
-  std::vector<double> edges_;  ///< weights of edges, three a triangle, summed
+  std::vector<double> areas_;  ///< running sums
+  std::vector<double> edges_;  ///< running sums of the weights of edges, three a triangle
 
   [[nodiscard]] Vector3 near_edge(std::uint64_t index) const;
   [[nodiscard]] Vector3 near_corner(std::uint64_t index) const;
-  /// From an edge or corner: in any direction, up to the band's depth.
+  /// An offset from an edge or corner, in any direction, up to the band's depth.
   [[nodiscard]] Vector3 offset(std::uint64_t index) const;
 };
 

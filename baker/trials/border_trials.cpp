@@ -11,9 +11,8 @@ namespace spm::baker {
 
 namespace {
 
-constexpr std::uint64_t numbers = 6;  ///< random ones, a point
-/// How near to the line places begin and how far they go, in tolerances, as likely near as far in
-/// proportion.
+constexpr std::uint64_t numbers = 6;  ///< random numbers for each point
+/// Smallest and largest distance of places from the line, in tolerances. Distances are log-uniform.
 constexpr double least_tolerances = 0.25;
 constexpr double most_tolerances = 4;
 
@@ -35,7 +34,7 @@ Vector3 BorderTrials::point(std::uint64_t index) const {
   const Tile& tile = asset_.tiles[which];
   const Clip clip = clip_of(tile, cell).value_or(Clip{});
   double x = random(1) - 0.5, y = random(2) - 0.5;
-  // Onto the line, as far as that is in the cell.
+  // Onto the line, as far as the line is in the cell.
   const auto a = static_cast<double>(clip.a), b = static_cast<double>(clip.b);
   const double square = a * a + b * b;
   if (square > 0) {

@@ -9,15 +9,15 @@
 
 namespace spm::baker {
 
-/// Places about the lines at which tiles are clipped, by a seed: there a tile ends and says little
-/// of the side.
+/// Places about the lines at which tiles are clipped, fixed by a seed. A tile ends there, and says
+/// little about the side.
 class BorderTrials {
  public:
   /// Keeps a reference to the asset, whose tiles must not change.
   BorderTrials(const AssetView& asset, std::uint64_t seed);
 
   [[nodiscard]] bool empty() const { return cells_.empty(); }
-  /// A place; not of an empty set.
+  /// A place. The set must not be empty.
   [[nodiscard]] Vector3 point(std::uint64_t index) const;
 
  private:

@@ -9,27 +9,27 @@
 #include <vector>
 
 #include "baker/trials/band_trials.hpp"
-#include "common/surface/closest_on_triangle.hpp"
 #include "common/query/query.hpp"
+#include "common/surface/closest_on_triangle.hpp"
 
 namespace spm::baker {
 
 namespace {
 
 constexpr std::uint64_t trials = 20000;
-/// Of three trials of BandTrials one lies anywhere over the band.
+/// One of three trials of BandTrials lies anywhere over the band.
 constexpr std::uint64_t every = 3, first = 1;
-/// So near the surface, in tolerances, a direction means nothing.
+/// Nearer to the surface than this, in tolerances, a direction means nothing.
 constexpr double least_tolerances = 0.05;
 
-/// A triangle looks straight at a place within this cosine.
+/// A triangle faces a place directly within this cosine.
 constexpr double facing_cosine = 1 - 1e-9;
-/// Two triangles that look at a place from directions farther apart than this compete.
+/// Two triangles compete where their directions from the place differ by more than this.
 constexpr double competing_cosine = 0.996;  // 5 degrees
-/// So much farther than the nearest, in tolerances, a triangle may be and compete.
+/// How much farther than the nearest a triangle may be and still compete, in tolerances.
 constexpr double competing_tolerances = 2;
 
-/// True where one triangle looks straight at a place, and none that competes from elsewhere.
+/// True where one triangle faces a place directly and no triangle in another direction competes.
 bool uncontested(const Caster& caster, const Vector3& point, const ClosestPoint& closest,
                  double tolerance) {
   if (std::abs(closest.direction.dot(caster.normal(closest.triangle))) < facing_cosine) {

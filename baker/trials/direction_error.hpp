@@ -6,9 +6,9 @@
 
 namespace spm::baker {
 
-/// How far an asset's directions are off in the median, rad, at places of its band where the
-/// surface is nearest in one direction: a finished tree of elements and a space are needed. 0 where
-/// no place can be tried.
+/// The median error of an asset's directions, rad. It is measured at places of the band where the
+/// surface is nearest in one direction only. The asset must have its BVH and its sign octree. 0
+/// where no place can be tried.
 [[nodiscard]] double median_direction_error(const Asset& asset, const Caster& caster,
                                             std::uint64_t seed);
 

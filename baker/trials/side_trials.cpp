@@ -8,9 +8,9 @@
 #include <utility>
 #include <vector>
 
+#include "baker/base/random.hpp"
 #include "baker/trials/band_trials.hpp"
 #include "baker/trials/border_trials.hpp"
-#include "baker/base/random.hpp"
 #include "common/query/closest_element.hpp"
 
 namespace spm::baker {
@@ -18,38 +18,38 @@ namespace spm::baker {
 namespace {
 
 constexpr std::uint64_t trials = 400'000;
-/// One trial of so many lies at a tile's border.
+/// One of this many trials lies at a tile's border.
 constexpr std::uint64_t border_every = 4;
 constexpr std::uint64_t trials_about_failure = 64;
 constexpr std::uint64_t trials_about_close = 8;
 constexpr std::uint64_t trials_about_near = 16;
 constexpr std::uint64_t passes = 24;
-/// Claims that differ by less than this are close.
+/// Votes that differ by less than this are close.
 constexpr double close_margin = 0.25;
-/// How far about a failure and about a close place more trials lie, in tolerances.
+/// How far from a failure and from a close place the additional trials lie, in tolerances.
 constexpr double about_reach = 4;
 constexpr double close_reach = 1;
-/// An error of more than this share of the tolerance is nearly a failure. Places about it are tried
-/// and places about the worst of those: so much worse, and so much nearer, each time.
+/// An error above this share of the tolerance is nearly a failure. Places around it are tried, then
+/// places around the worst of those. With each step the threshold rises and the places lie nearer.
 constexpr double near_share = 0.65;
 constexpr double near_step = 0.07;
 constexpr double near_reach = 0.6;
 constexpr double nearer = 0.7;
 constexpr std::uint64_t seed = 0x3E9D;
 
-/// How a trial came out.
+/// The outcome of a trial.
 struct Outcome {
-  double error = 0;    ///< of the tolerance; above 1 it is wrong
-  bool close = false;  ///< the claims for the two sides hardly differ
+  double error = 0;    ///< share of the tolerance; above 1 the answer is wrong
+  bool close = false;  ///< the votes for the two sides hardly differ
 };
 
-/// Asks for the distance of a point; where a cube tells the side it cannot be wrong.
+/// Queries the distance of a point. Where a cube gives the side, the side cannot be wrong.
 Outcome outcome_at(const AssetView& view, const Caster& caster, double tolerance,
                    const Vector3& point) {
   if (space_at(view.space, point) != SpaceKind::told) return {};
   const ElementReading reading = read_elements(view, point, CubeKind::told);
   const ClosestPoint closest = caster.closest(point);
-  // By a cap nothing is promised.
+  // Near a cap nothing is promised.
   if (closest.clear < std::min(tolerance, std::abs(closest.distance))) return {};
   const double error = told_distance(view, reading) - closest.distance;
   return {std::abs(error) / tolerance, reading.sides.margin() < close_margin};
@@ -64,18 +64,18 @@ std::vector<Outcome> outcomes(const AssetView& view, const Caster& caster, doubl
   return result;
 }
 
-/// Where the trials of a pass lead: mends what is wrong, and finds the places of the next pass.
+/// Evaluates the trials of a pass: resolves what is wrong, and finds the places of the next pass.
 class Followed {
  public:
   Followed(SpaceBuilder& space, double tolerance, SideTrials& counts)
       : space_(space), tolerance_(tolerance), counts_(counts) {}
 
-  /// The places to try next, about those that came out badly; empty where all is followed up.
+  /// The places to try next, around those with a bad outcome. Empty where there are none left.
   [[nodiscard]] std::vector<Vector3> take() { return std::exchange(more_, {}); }
   [[nodiscard]] bool done() const { return more_.empty(); }
 
-  /// Follows up a pass; `step` is 0 for places all over, and counts those about others. True if
-  /// none was wrong.
+  /// Evaluates a pass. `step` is 0 for places all over; each pass around other places adds one.
+  /// True if no answer was wrong.
   bool follow(const std::vector<Vector3>& points, const std::vector<Outcome>& found, int step,
               std::uint64_t pass) {
     bool right = true;
@@ -103,7 +103,7 @@ class Followed {
   std::vector<Vector3> more_;
 
   void mend(const Vector3& point) {
-    // An earlier failure's division may have mended this one as well.
+    // The division for an earlier failure may have resolved this one as well.
     if (space_.mend(point)) {
       ++counts_.mended;
     } else if (space_.place(point) == SpaceKind::told) {
@@ -111,7 +111,7 @@ class Followed {
     }
   }
 
-  /// Adds places about one, up to so many tolerances away, to those of the next pass.
+  /// Adds places around one to those of the next pass, at most so many tolerances away.
   void look_about(const Vector3& point, std::uint64_t count, double tolerances,
                   std::uint64_t pass) {
     const double reach = tolerances * tolerance_;
@@ -151,7 +151,7 @@ SideTrials try_sides(Asset& asset, const Caster& caster, SpaceBuilder& space,
   std::uint64_t drawn = 0;
   bool clean = false, right = true;
   int step = 0;
-  // A round and all that it leads to must find no failure.
+  // A round, and all passes that follow from it, must find no failure.
   for (std::uint64_t pass = 0; pass < passes && !clean; ++pass) {
     const SpaceData now = space.data();
     view.space = {now.origin, now.edge, now.words};

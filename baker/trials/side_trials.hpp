@@ -8,18 +8,18 @@
 
 namespace spm::baker {
 
-/// What trials of a `sparse` asset came to.
+/// Results of the trials of a `sparse` asset.
 struct SideTrials {
   std::uint64_t mended = 0;          ///< places where cubes were divided for the side
-  std::uint64_t wrong = 0;           ///< trials of the last pass that no division mended
+  std::uint64_t wrong = 0;           ///< trials of the last pass that no division resolved
   std::uint64_t cells = 0;           ///< cubes that touch the band
-  std::uint64_t fallback_cells = 0;  ///< of them, those whose middle is nearest to a triangle
+  std::uint64_t fallback_cells = 0;  ///< those of them whose middle is nearest to a triangle
 };
 
-/// Tries the side that an asset tells at places all over the band and near edges, against the
-/// surface's own; where it is wrong farther than the tolerance from the surface, has the cubes of
-/// space divided down to one that lies on one side, and looks closer around the place. Fills the
-/// asset's space.
+/// Compares the side that an asset gives with the true one, at places all over the band and near
+/// edges. Where it is wrong and farther than the tolerance from the surface, the cubes of the sign
+/// octree are divided down to one that lies on one side, and more places are tried around it. Fills
+/// the asset's space.
 [[nodiscard]] SideTrials try_sides(Asset& asset, const Caster& caster, SpaceBuilder& space,
                                    const Progress& progress);
 

@@ -10,8 +10,8 @@ namespace spm::baker {
 
 namespace {
 
-constexpr std::uint64_t numbers = 8;  ///< random ones, a place
-/// Shortest offset and how far places close to the surface lie, in tolerances.
+constexpr std::uint64_t numbers = 8;  ///< random numbers for each place
+/// The shortest offset, and how far the places close to the surface lie, in tolerances.
 constexpr double shortest = 0.3;
 constexpr double close = 1.5;
 
@@ -25,7 +25,7 @@ class Draw {
   std::uint64_t seed_, first_;
 };
 
-/// About an edge or a corner of a triangle, as likely near as far in proportion.
+/// About an edge or a corner of a triangle, at a log-uniform distance.
 Vector3 about_edge(const ExactSurface& surface, const AssetView& view, double tolerance,
                    const Draw& draw) {
   const double kind = draw.at(1);

@@ -20,10 +20,10 @@ using Corners = std::array<Vector3, 3>;
 
 double cross(const Vector2& a, const Vector2& b) { return a.x() * b.y() - a.y() * b.x(); }
 
-/// Lengths that count as nothing, fixed shares of the mesh's diagonal.
+/// Lengths that count as zero: fixed shares of the mesh's diagonal.
 struct Scale {
   double touching;  ///< points nearer than this to a plane or line are on it
-  double probe;     ///< how far above and below a piece the winding number is asked
+  double probe;     ///< how far above and below a piece the winding number is evaluated
   double finest;    ///< pieces of mixed visibility are halved down to this edge
 };
 
@@ -48,8 +48,7 @@ struct Frame {
 
 using Segment = std::pair<Vector2, Vector2>;
 
-/// Where a triangle meets a plane: a segment, its three edges when it lies in the plane, or
-/// nothing.
+/// Where a triangle meets a plane: a segment, its three edges where it lies in the plane, or empty.
 std::vector<Segment> meeting(const Frame& frame, const Corners& other, double touching) {
   std::array<double, 3> height{};
   for (std::size_t i = 0; i < 3; ++i) {
@@ -73,7 +72,7 @@ std::vector<Segment> meeting(const Frame& frame, const Corners& other, double to
   return segments;
 }
 
-/// True where more of the segment than a touch runs through the polygon's inside.
+/// True where the segment runs through the polygon's inside by more than a touch.
 bool runs_through(const Polygon& polygon, const Segment& segment, double touching) {
   double enter = 0;
   double leave = 1;
@@ -89,7 +88,7 @@ bool runs_through(const Polygon& polygon, const Segment& segment, double touchin
   return (leave - enter) * (segment.second - segment.first).norm() > touching;
 }
 
-/// Cuts the polygons that a segment runs through along the segment's line.
+/// Cuts the polygons through which a segment runs, along the segment's line.
 void cut(std::vector<Polygon>& polygons, const Segment& segment, double touching) {
   const Vector2 along = segment.second - segment.first;
   if (along.norm() <= touching) return;
@@ -124,7 +123,7 @@ void cut(std::vector<Polygon>& polygons, const Segment& segment, double touching
   }
 }
 
-/// For each triangle those whose boxes meet its box.
+/// For each triangle, the triangles whose boxes meet its box.
 std::vector<std::vector<std::uint32_t>> neighbours(const Mesh& mesh) {
   using Box = CGAL::Box_intersection_d::Box_with_info_d<double, 3, std::uint32_t>;
   std::vector<Box> boxes;
@@ -146,7 +145,8 @@ std::vector<std::vector<std::uint32_t>> neighbours(const Mesh& mesh) {
 
 enum class Side { outer, turned, hidden };
 
-/// What a small piece of surface is, and by how much the winding numbers beside it clear one half.
+/// The side of a small piece of surface, and by how much the winding numbers beside it differ from
+/// one half.
 struct Judgement {
   Side side;  ///< the boundary of the solid, the same seen from behind, or no boundary
   double clearance;
@@ -176,7 +176,7 @@ void keep(Sorted& sorted, const Corners& piece, Side side) {
   }
 }
 
-/// Sorts a piece whose visibility may change without a step, as it does near holes.
+/// Classifies a piece whose visibility may change without a step, as it does near holes.
 void sort_halving(const ExactWinding& winding, const Corners& piece, const Vector3& normal,
                   const Scale& scale, Sorted& sorted) {
   const Vector3 centre = (piece[0] + piece[1] + piece[2]) / 3;
@@ -210,7 +210,7 @@ void sort_halving(const ExactWinding& winding, const Corners& piece, const Vecto
   sort_halving(winding, {middle, b, c}, normal, scale, sorted);
 }
 
-/// Sorts the pieces of a cut triangle.
+/// Classifies the pieces of a cut triangle.
 Sorted sort_pieces(const Mesh& mesh, const ExactWinding& winding, const Frame& frame,
                    const std::vector<Polygon>& polygons, const Scale& scale) {
   Sorted sorted;

@@ -35,7 +35,7 @@ Vector3 from_cgal(const Point& p) { return {p.x(), p.y(), p.z()}; }
 
 Vector3 corner(const Kernel::Triangle_3& triangle, int index) { return from_cgal(triangle[index]); }
 
-/// Two times the triangle's area along its normal.
+/// Twice the triangle's area, along its normal.
 Vector3 area_vector(const Kernel::Triangle_3& t) {
   return (corner(t, 1) - corner(t, 0)).cross(corner(t, 2) - corner(t, 0));
 }
@@ -52,15 +52,16 @@ bool in_box(const Kernel::Triangle_3& triangle, const Vector3& point, double sla
   return true;
 }
 
-/// A triangle near a point and its own closest point.
+/// A triangle near a point, and its own closest point.
 struct Candidate {
   const Kernel::Triangle_3* triangle;
   Vector3 closest;
   double distance;
 };
 
-/// True where no triangle that touches the candidate's closest point comes nearer: the candidate is
-/// a feature of its own and not the flank of another. `candidates` are sorted by distance.
+/// True where no triangle that touches the candidate's closest point comes nearer. Then the
+/// candidate is a feature of its own and not the flank of another. `candidates` are sorted by
+/// distance.
 bool is_local_minimum(const std::vector<Candidate>& candidates, const Candidate& candidate,
                       double touching) {
   for (const Candidate& other : candidates) {
@@ -85,7 +86,7 @@ struct ExactSurface::Implementation {
     double sum = 0;
     for (const auto& t : pieces.triangles) {
       const Kernel::Triangle_3 triangle(to_cgal(t[0]), to_cgal(t[1]), to_cgal(t[2]));
-      // What rounding left without an area has neither a normal nor a share of the samples.
+      // A triangle that rounding left without an area has no normal and gets no samples.
       const double doubled = area_vector(triangle).norm();
       if (!(doubled > 0)) continue;
       triangles.push_back(triangle);
@@ -105,7 +106,7 @@ struct ExactSurface::Implementation {
   ExactWinding winding;
   Triangles triangles;
   Segments segments;
-  std::vector<double> cumulative;  ///< area up to and with each triangle
+  std::vector<double> cumulative;  ///< area up to and including each triangle
   TriangleTree tree;
   SegmentTree border;
   double area = 0;

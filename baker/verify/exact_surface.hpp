@@ -14,9 +14,9 @@ struct SurfacePoint {
   Vector3 normal = Vector3::Zero();
 };
 
-/// The reference that assets are measured against: signed distance to the boundary of the union of
-/// a mesh's parts, exact up to rounding. It shares no code with the fit. Immutable; any number of
-/// threads may ask it.
+/// The reference against which assets are measured: the signed distance to the boundary of the
+/// union of a mesh's parts, exact up to rounding. It shares no code with the fit. Immutable; any
+/// number of threads may use it.
 class ExactSurface {
  public:
   explicit ExactSurface(const Mesh& mesh);
@@ -37,12 +37,12 @@ class ExactSurface {
   /// A point of the surface, uniform by area for `choice`, `a` and `b` uniform in [0, 1).
   [[nodiscard]] SurfacePoint at(double choice, double a, double b) const;
 
-  /// True where another feature of the surface, one in a direction that differs by more than a
-  /// degree from that of `closest`, is at most `window` metres farther away: within that of the
-  /// medial axis the closest feature, and so the direction, is a toss-up.
+  /// True where another feature of the surface is at most `window` metres farther away, in a
+  /// direction that differs by more than 5 degrees from that of `closest`. That close to the medial
+  /// axis, the closest feature and so the direction are arbitrary.
   [[nodiscard]] bool contested(const Vector3& point, const Vector3& closest, double window) const;
 
-  /// Distance from a point to the nearest border edge of the mesh; infinite for a closed one.
+  /// Distance from a point to the nearest border edge of the mesh; infinite for a closed mesh.
   [[nodiscard]] double border_distance(const Vector3& point) const;
 
  private:

@@ -13,7 +13,7 @@ namespace {
 
 constexpr std::uint32_t leaf_triangles = 6;
 
-/// What is left of directed edges after those that run both ways cancelled; sorted.
+/// The directed edges that remain after those that run in both directions cancelled; sorted.
 std::vector<std::array<std::uint32_t, 2>> cancelled(
     const std::vector<std::array<std::uint32_t, 2>>& edges) {
   std::map<std::pair<std::uint32_t, std::uint32_t>, int> net;

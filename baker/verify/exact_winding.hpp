@@ -10,23 +10,24 @@
 
 namespace spm::baker {
 
-/// Signed solid angle of a triangle seen from a point, divided by 4 pi: its share of the winding
-/// number, positive where the point is behind it (Van Oosterom and Strackee 1983).
+/// Signed solid angle of a triangle seen from a point, divided by 4 pi: the triangle's part of the
+/// winding number. Positive where the point is behind the triangle (Van Oosterom and Strackee
+/// 1983).
 [[nodiscard]] double triangle_winding(const Vector3& point, const Vector3& a, const Vector3& b,
                                       const Vector3& c) noexcept;
 
-/// Generalised winding number of a mesh, exact up to rounding: 1 inside one part, 2 where two
+/// Generalised winding number of a mesh, exact up to rounding: 1 inside one part, 2 where two parts
 /// overlap, 0 outside, in between near holes. Seen from outside its box, a cluster of triangles has
-/// the solid angle of any surface with the same boundary, so a fan over its boundary edges stands
-/// for it (Jacobson et al. 2013, section 4.2).
+/// the solid angle of any surface with the same boundary. So a fan over its boundary edges replaces
+/// it (Jacobson et al. 2013, section 4.2).
 class ExactWinding {
  public:
   explicit ExactWinding(const Mesh& mesh);
   [[nodiscard]] double at(const Vector3& point) const noexcept;
 
-  /// How much the winding number can change by a move of `reach` metres that crosses no triangle:
-  /// it is the solid angle of the mesh's boundary, whose gradient is at most that of a current
-  /// along it.
+  /// How much the winding number can change in a move of `reach` metres that crosses no triangle.
+  /// It is the solid angle of the mesh's boundary, whose gradient is at most that of a current
+  /// along the boundary.
   [[nodiscard]] double variation(const Vector3& point, double reach) const noexcept;
 
  private:

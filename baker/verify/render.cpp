@@ -16,13 +16,13 @@ namespace spm::baker {
 namespace {
 
 constexpr double background = 0.16;
-/// Of an error beyond the tolerance.
+/// The colour of an error beyond the tolerance.
 constexpr Colour beyond{0.85, 0.1, 0.1};
-/// Windows on a whole object leave so much room around it.
+/// Windows on a whole object leave this much room around it.
 constexpr double room = 1.05;
 
-/// Fills a square picture, row by row from the top, by a colour a place: eta to the right, omega
-/// upward, metres from the window's middle.
+/// Fills a square picture, row by row from the top, with one colour a place: eta to the right,
+/// omega upward, metres from the window's middle.
 template <class Shade>
 Picture paint(const Window& window, std::uint32_t side, const Shade& shade) {
   Picture picture{side, side, std::vector<std::uint8_t>(std::size_t{3} * side * side)};
@@ -40,7 +40,7 @@ Picture paint(const Window& window, std::uint32_t side, const Shade& shade) {
   return picture;
 }
 
-/// Casts from beyond a surface to what a window shows of it.
+/// Casts rays from beyond a surface to what a window shows of it.
 class Eye {
  public:
   Eye(const Caster& surface, const Window& window)
@@ -54,7 +54,8 @@ class Eye {
   [[nodiscard]] Vector3 place(double eta, double omega, const Crossing& crossing) const {
     return support_plane_point(plane_, eta, omega) - crossing.depth * plane_.n;
   }
-  /// 0 to 1: how much light from the upper left falls on a triangle, whichever side it shows.
+  /// How much light from the upper left falls on a triangle, 0 to 1, whichever of its sides is
+  /// visible.
   [[nodiscard]] double light(const Crossing& crossing) const {
     const Vector3& normal = surface_.normal(crossing.triangle);
     const Vector3 seen = normal.dot(plane_.n) < 0 ? Vector3(-normal) : normal;
@@ -67,7 +68,8 @@ class Eye {
   SupportPlane plane_;
 };
 
-/// Error of an asset's distance at a place of the band, m; nothing outside it or without an answer.
+/// Error of an asset's distance at a place of the band, m. Empty outside the band or without an
+/// answer.
 std::optional<double> error_at(const ErrorScale& scale, const Vector3& place) {
   const double distance = (place - scale.exact.closest(place).position).norm();
   const double truth = scale.exact.inside(place) ? -distance : distance;

@@ -12,13 +12,14 @@
 #include <utility>
 #include <vector>
 
-#include "baker/verify/adversarial.hpp"
 #include "baker/base/bake_error.hpp"
-#include "baker/verify/exact_surface.hpp"
 #include "baker/base/random.hpp"
+#include "baker/mesh/load.hpp"
 #include "baker/smooth/smooth.hpp"
-#include "common/query/query.hpp"
+#include "baker/verify/adversarial.hpp"
+#include "baker/verify/exact_surface.hpp"
 #include "common/base/units.hpp"
+#include "common/query/query.hpp"
 #include "formats/files/sha256.hpp"
 
 namespace spm::baker {
@@ -27,30 +28,30 @@ namespace {
 constexpr double hole_share = 0.03;      // of the diagonal
 constexpr double least_distance = 2e-6;  // m; nearer the direction is lost in rounding
 constexpr std::uint64_t most_draws = 256;
-/// Samples that are tried first, so that a surface without a place to measure is told at once.
+/// Samples that are tried first, so that a surface without a place to measure is reported at once.
 constexpr std::uint64_t first_samples = 256;
 
-/// What a verification measures with; fixed while it runs.
+/// The inputs of a verification; fixed while it runs.
 struct Setting {
   const ExactSurface& surface;
-  const ExactSurface* unsmoothed;  ///< what the surface was smoothed from; may be null
+  const ExactSurface* unsmoothed;  ///< the surface before smoothing; may be null
   const AssetView& view;
-  Band band;         ///< that is sampled
+  Band band;         ///< the band that is sampled
   double tolerance;  ///< m
   double near_hole;  ///< m
   std::uint64_t seed;
-  bool adversarial = false;  ///< where the asset is likeliest wrong, not all over alike
+  bool adversarial = false;  ///< where the asset is likeliest wrong, not evenly all over
 };
 
-/// One sample and how the asset did there.
+/// One sample and the asset's result there.
 struct Outcome {
   bool drawn = false;  ///< a place in the band and away from holes was found
   std::uint32_t near_holes = 0;
   Vector3 point = Vector3::Zero();
   double truth = 0;
   bool answered = false;
-  bool far = false;     ///< the asset says outside, beyond the margin
-  bool pruned = false;  ///< the bake left the place out
+  bool far = false;     ///< the asset answers: outside, beyond the margin
+  bool pruned = false;  ///< the bake left this place out
   double answer = 0;
   double error = 0;
   double smoothing_error = 0;
@@ -60,7 +61,7 @@ struct Outcome {
   bool contested = false;
 };
 
-/// What smoothing changed at a sample's place, alone and together with the asset's own error.
+/// The change by smoothing at a sample's place, alone and together with the asset's own error.
 void judge_smoothing(const ExactSurface& unsmoothed, Outcome& outcome) {
   const double distance = (outcome.point - unsmoothed.closest(outcome.point).position).norm();
   const double truth = unsmoothed.inside(outcome.point) ? -distance : distance;
@@ -84,7 +85,7 @@ Vector3 draw(const Setting& setting, std::uint64_t index, Outcome& outcome) {
                         : Vector3(start.position + offset * start.normal);
     closest = setting.surface.closest(outcome.point).position;
     const double distance = (outcome.point - closest).norm();
-    // The side is asked last, since that takes the longest by far.
+    // The side is computed last, since that takes by far the longest.
     if (distance > std::max(setting.band.max_depth, setting.band.margin)) continue;
     if (setting.surface.border_distance(closest) < setting.near_hole) {
       ++outcome.near_holes;
@@ -135,7 +136,7 @@ Outcome measure(const Setting& setting, std::uint64_t index) {
   return outcome;
 }
 
-/// Nearest-rank quantile of sorted values; 0 of none.
+/// Nearest-rank quantile of sorted values; 0 where there are none.
 double quantile(const std::vector<double>& sorted, double share) {
   if (sorted.empty()) return 0;
   const double rank = std::ceil(share * static_cast<double>(sorted.size()));
@@ -160,14 +161,14 @@ ErrorSummary summarise(std::vector<double> errors) {
   return summary;
 }
 
-/// True where an inside sample was taken for outside, or the other way round.
+/// True where an inside sample was answered as outside, or the other way round.
 bool wrong_side(const Outcome& outcome) {
   const bool outside = outcome.far || (outcome.answered && outcome.answer > 0);
   if (outcome.truth < 0) return outside;
   return outcome.answered && !outside;
 }
 
-/// Adds what smoothing changed to a report.
+/// Adds the changes by smoothing to a report.
 void add_smoothing(const std::vector<Outcome>& outcomes, VerifyReport& report) {
   std::vector<double> smoothing, total;
   for (const Outcome& outcome : outcomes) {
@@ -225,7 +226,7 @@ unsigned threads_of(const VerifyOptions& options) {
                              : static_cast<unsigned>(tbb::info::default_concurrency());
 }
 
-/// The band to sample, after checking what was asked for.
+/// The band to sample, after checking the options.
 Band checked_band(const AssetMetadata& metadata, const VerifyOptions& options) {
   Band band = metadata.band;
   if (!options.band) return band;
@@ -261,7 +262,7 @@ VerifyReport verify_against(const Mesh& mesh, const AssetView& view, const Asset
                         ": no part of its surface bounds a solid; close the mesh or turn its "
                         "triangles outward");
   }
-  // The fit draws from the same generator; a seed of its own keeps the two sets of places apart.
+  // The fit uses the same generator. A different seed keeps the two sets of places apart.
   const Setting setting{surface,
                         before ? &*before : nullptr,
                         view,

@@ -16,7 +16,7 @@ struct ErrorSummary {
   double rms = 0, p50 = 0, p99 = 0, p999 = 0, max = 0;
 };
 
-/// What places showed where an asset is likeliest wrong; see adversarial_place.
+/// Results at the places where an asset is likeliest wrong; see adversarial_place.
 struct AdversarialReport {
   std::uint64_t samples = 0;
   ErrorSummary distance;                                                ///< m
@@ -32,14 +32,14 @@ struct VerifyReport {
   double outside_as_inside = 0;    ///< likewise
   double unanswered = 0;           ///< share of all samples; `pruned` is no part of it
   double pruned = 0;               ///< share of all samples that lie where the bake left out
-  double near_holes = 0;           ///< share of the draws that were left out near border edges
-  double fallback_answers = 0;     ///< share of the answers that came from triangles
-  /// Of an asset of a smoothed surface, which all else is judged against: how far the distance to
-  /// the unsmoothed surface is from that to the smoothed one, and from the answer, m.
+  double near_holes = 0;        ///< share of the drawn places that were left out near border edges
+  double fallback_answers = 0;  ///< share of the answers that came from triangles
+  /// Only for an asset of a smoothed surface, against which all else is judged: how far the
+  /// distance to the unsmoothed surface is from that to the smoothed one, and from the answer, m.
   std::optional<ErrorSummary> smoothing, total;
   std::uint64_t samples = 0;
-  AdversarialReport adversarial;          ///< of half as many places more
-  Band band;                              ///< that was sampled
+  AdversarialReport adversarial;          ///< of half as many places again
+  Band band;                              ///< the band that was sampled
   Vector3 worst_point = Vector3::Zero();  ///< where the distance error is largest, asset's frame
 };
 
@@ -50,30 +50,29 @@ struct VerifyOptions {
   unsigned threads = 0;        ///< 0: as many as there are cores; never changes the result
 };
 
-/// The mesh that an asset was baked from, in the asset's frame. Throws BakeError: invalid_input
-/// where the file is another.
+/// The mesh that an asset was baked from, in the asset's frame. Throws BakeError invalid_input
+/// where the file is another one.
 [[nodiscard]] Mesh mesh_of_asset(const AssetMetadata& metadata, const std::string& mesh_path);
 
-/// Compares an asset's answers with the exact surface of the mesh file: closest points on the outer
-/// union of its parts (CGAL), sides by the generalised winding number; it shares no code with the
-/// fit. Samples are uniform by area, at uniform depths from `band` inside to the margin outside.
-/// Where the bake smoothed the surface, so does this, and compares with both.
-/// The mesh is read anew from `mesh_path` with the unit and scale that the asset recorded.
-/// Throws BakeError: invalid_input where the mesh's hash is not the asset's or the band is too
-/// wide.
+/// Compares an asset's answers with the exact surface of the mesh file. Closest points are on the
+/// outer union of the mesh's parts (CGAL), and sides come from the generalised winding number. No
+/// code is shared with the fit. Samples are uniform by area, at uniform depths from `band` inside
+/// to the margin outside. Where the bake smoothed the surface, this does too, and compares with
+/// both. The mesh is read anew from `mesh_path` with the unit and scale that the asset recorded.
+/// Throws BakeError invalid_input where the mesh's hash is not the asset's or the band is too wide.
 [[nodiscard]] VerifyReport verify_asset(const AssetView& view, const AssetMetadata& metadata,
                                         const std::string& mesh_path, const VerifyOptions& options);
 
-/// The same against a mesh in memory, which must be in the asset's frame; `unsmoothed` is what it
-/// was smoothed from, null where it was not.
+/// The same against a mesh in memory, which must be in the asset's frame. `unsmoothed` is the mesh
+/// before smoothing, or null where it was not smoothed.
 ///
-/// A sample's true distance lies in the band. What the answers at its two ends say is a bound:
-/// `deep` counts as -max_depth; `far` counts as the margin where that is within the tolerance of
-/// the truth, and as no answer elsewhere. Samples whose closest point is within 3 % of the diagonal
-/// of a border edge are drawn again: beside a hole there is no side to be right about. Directions
-/// are judged where they are defined: 2 um or more from the surface, and farther than two
-/// tolerances from the medial axis. Without a tolerance a thousandth of the diagonal takes its
-/// place.
+/// The true distance of a sample lies in the band. At the two ends of the band an answer is a
+/// bound: `deep` counts as -max_depth. `far` counts as the margin where that is within the
+/// tolerance of the truth, and as no answer elsewhere. A sample is drawn again where its closest
+/// point is within 3 % of the diagonal of a border edge, since the side is not defined beside a
+/// hole. Directions are judged where they are defined: 2 um or more from the surface, and farther
+/// than two tolerances from the medial axis. Without a tolerance, a thousandth of the diagonal
+/// takes its place.
 [[nodiscard]] VerifyReport verify_against(const Mesh& mesh, const AssetView& view,
                                           const AssetMetadata& metadata,
                                           const VerifyOptions& options,

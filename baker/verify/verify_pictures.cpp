@@ -31,7 +31,7 @@ std::vector<std::string> write_error_pictures(const AssetView& view, const Asset
   const SurfacePoint foot = exact.closest(worst);
   const Window whole = whole_of(mesh.box_min, mesh.box_max, foot.normal);
   const Window close{foot.position, foot.normal, close_share * mesh.diagonal};
-  // Across the surface, so that the band shows.
+  // A cut across the surface, so that the band is visible.
   const Window cut{worst, foot.normal.unitOrthogonal(),
                    4 * std::max(view.band.max_depth, view.band.margin)};
   const ErrorScale scale{exact, view, report.band,

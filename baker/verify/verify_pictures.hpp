@@ -8,10 +8,10 @@
 
 namespace spm::baker {
 
-/// Writes what a verification found as pictures into a folder and returns their paths:
-/// `surface.png`, the mesh and beside it the surface as the asset knows it; `error.png`, the mesh
-/// coloured by the error; `error-worst.png`, the same close about the worst place; and
-/// `error-section.png`, a cut through the band there. All are seen from the side where the worst
+/// Writes the results of a verification as pictures into a folder, and returns their paths.
+/// `surface.png`: the mesh, and beside it the surface as the asset holds it. `error.png`: the mesh
+/// coloured by the error. `error-worst.png`: the same, close to the worst place.
+/// `error-section.png`: a cut through the band there. All are seen from the side where the worst
 /// place lies; see error_on_surface for the colours. Throws BakeError as verify_asset does, and
 /// where the folder cannot be written.
 std::vector<std::string> write_error_pictures(const AssetView& view, const AssetMetadata& metadata,

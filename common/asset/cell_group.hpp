@@ -5,28 +5,30 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "common/surface/closest_on_tile.hpp"
 #include "common/surface/support_plane.hpp"
 #include "common/surface/tile.hpp"
 
 namespace spm {
 
-/// How many units of an index are looked at together.
+/// Number of primitives in a packet; they are processed together by SIMD.
 inline constexpr std::size_t group_units = 8;
 
-/// A number for each unit of a group.
+/// One number for each primitive of a packet.
 using GroupLanes = std::array<float, group_units>;
 
-/// The clip lines of a group's cells, from the cells' middles, with the spacing as the unit: what
-/// is left of a cell is where a x + b y <= c; the line crosses the cell from (x, y) by (to_x,
-/// to_y). Where there is no line (a, b) is 0; where nothing is left, x is out of all reach.
+/// The clip lines of a packet's cells, from the cells' middles, with the spacing as the unit. A
+/// cell is valid where a x + b y <= c; the line crosses the cell from (x, y) by (to_x, to_y).
+/// Without a line (a, b) is 0. Where nothing of the cell is left, x is too far away for any query.
 struct alignas(64) ClipGroup {
   GroupLanes a{}, b{}, c{}, x{}, y{}, to_x{}, to_y{};
 };
 
-/// Eight cells of a tile, four along eta and two along omega: their bilinear patches about their
-/// middles, with the spacing as the unit. Slopes of the mean plane along eta and omega, twist h00 -
-/// h10 - h01 + h11, and depth of the middle below the tile's base. A cell that is not valid is out
-/// of all reach. Derived from the heights, so that all cells are looked at together.
+/// A packet of eight cells of a tile, four along eta and two along omega: their bilinear patches
+/// about their middles, with the spacing as the unit. Slopes of the mean plane along eta and omega,
+/// twist h00 - h10 - h01 + h11, and depth of the middle below the tile's base. A cell that is not
+/// valid is put too far away for any query. Derived from the heights, so that all eight cells are
+/// processed together.
 struct alignas(32) CellGroup {
   GroupLanes slope_eta{}, slope_omega{}, twist{}, depth{};
   /// Of the slopes: 1 / (1 + eta^2), 1 / (1 + omega^2), and eta / (1 + eta^2 + omega^2).
@@ -44,29 +46,29 @@ struct alignas(32) CellGroup {
 inline constexpr std::uint32_t group_columns = 4;
 inline constexpr std::uint32_t group_rows = 2;
 
-/// The cell of its tile that is a lane of a group of cells.
+/// The cell of the tile that is on this lane of a packet.
 [[nodiscard]] constexpr std::uint32_t cell_of(const CellGroup& group, std::uint32_t lane) noexcept {
   const std::uint32_t column = (group.part & 1U) * group_columns + lane % group_columns;
   const std::uint32_t row = (group.part >> 1U) * group_rows + lane / group_columns;
   return row * tile_cells + column;
 }
 
-/// The groups of a tile's cells; some may have none that is valid.
+/// Number of packets of a tile's cells; some may have no valid cell.
 inline constexpr std::uint32_t tile_groups = tile_cell_count / group_units;
 
-/// Group `part` of a tile's cells, places from an origin (m).
+/// Packet `part` of a tile's cells, relative to an origin (m).
 [[nodiscard]] CellGroup cell_group(const Tile& tile, float height_unit, const SupportPlane& plane,
                                    std::uint32_t part, const Vector3& origin) noexcept;
 
-/// The clip lines of a group of a tile's cells.
+/// The clip lines of a packet of a tile's cells.
 [[nodiscard]] ClipGroup clip_group(const Tile& tile, const CellGroup& group) noexcept;
 
-/// What a foot on a lane of a group tells, x and y from the cell's middle, spacings; `place` from
-/// the same origin, m.
+/// The closest point on one lane of a packet as a TileFoot, from x and y relative to the cell's
+/// middle, spacings. `place` from the same origin, m.
 [[nodiscard]] TileFoot foot_on_cell(const CellGroup& group, std::uint32_t lane,
                                     const Vector3& place, float x, float y) noexcept;
 
-/// closest_on_tile on a lane of a group of its cells alone; `place` from the same origin,
+/// closest_on_tile for one lane of a packet of the tile's cells only; `place` from the same origin,
 /// m. Infinite where the lane's cell is not valid.
 [[nodiscard]] TileFoot closest_on_cell(const Tile& tile, const CellGroup& group, std::uint32_t lane,
                                        const Vector3& place, float limit) noexcept;

@@ -8,18 +8,19 @@
 #include <cstdint>
 #include <span>
 
-#include "common/surface/support_plane.hpp"
 #include "common/asset/unit_groups.hpp"
+#include "common/surface/support_plane.hpp"
 
 namespace spm {
 
-/// A part of an element that queries look at by itself: a cell of a tile, or a triangle.
+/// A primitive, the part of an element that a query treats separately: a cell of a tile, or a
+/// triangle.
 struct IndexUnit {
   std::uint32_t group = 0;
   std::uint32_t lane = 0;
 };
 
-/// What an index tells of a whole cube.
+/// What an index records of a whole cube.
 enum class CubeKind : std::uint32_t {
   unknown = 0,  ///< the space tree tells what a point is
   told = 1,     ///< as SpaceKind
@@ -30,21 +31,22 @@ enum class CubeKind : std::uint32_t {
   beside = 6,     ///< not in the grid: far, pruned, or deep in what was cut; in no word
 };
 
-/// Which parts of elements of a `sparse` asset can matter to a point, cube by cube: what an
-/// ElementTree tells by descending, looked up. Derived when an asset is opened
-/// (build_element_index), never stored; without it queries descend the tree. Views; nothing is
-/// owned.
+/// Look-up table of the primitives of a `sparse` asset that can matter to a point, cube by cube. It
+/// replaces the descent in an ElementTree. Derived when an asset is opened (build_element_index),
+/// never stored; without it queries descend the tree. Views; nothing is owned.
 ///
-/// Cubes of a regular grid, x fastest, come first in `words`, a word each:
-///   0: not told here; the tree tells;
-///   bit 31 set: split; bits 0-30 the place of eight words like these, one an octant (bit 0: upper
+/// The cubes of a regular grid, x fastest, come first in `words`, one word each:
+///   0: nothing recorded; the tree is searched;
+///   bit 31 set: split; bits 0-30 the place of eight words like these, one per octant (bit 0: upper
 ///     half in x, 1: y, 2: z);
-///   else bits 28-30: the CubeKind; where it is `far`, bits 0-27: those of a float but for its last
-///     four, how far beyond the surface all of the cube is at least, m;
-///   else bits 0-27: the place of a list: a word that counts its groups,
-///     in bits 0-15 those that may hold the nearest unit to a point of the cube, in bits 16-31 all;
-///     then their numbers, in that order, two of 16 bits a word, or one of 32 where there are more
-///     than 65536. The others matter where claims tell the side, or the nearest does not face.
+///   else bits 28-30: the CubeKind; where it is `far`, bits 0-27 are those of a float without its
+///   last
+///     four bits: a lower bound of the distance from the cube to the surface, m;
+///   else bits 0-27: the place of a list: a word that counts its packets,
+///     in bits 0-15 those that may hold the primitive nearest to a point of the cube, in bits 16-31
+///     all; then their numbers, in that order, two of 16 bits per word, or one of 32 where there
+///     are more than 65536 packets. The packets after the first ones matter where votes decide the
+///     side, or where the nearest primitive does not face the point.
 struct ElementIndex {
   Vector3 origin = Vector3::Zero();  ///< lowest corner of the grid, m
   double cell_size = 1;              ///< m

@@ -5,7 +5,7 @@
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "common/asset/element_tree.cpp"
 #include <hwy/foreach_target.h>
-// After foreach_target.h, as it must be.
+// Must come after foreach_target.h.
 #include <hwy/highway.h>
 
 HWY_BEFORE_NAMESPACE();
@@ -14,7 +14,7 @@ namespace spm::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 using Floats = hn::CappedTag<float, tree_children>;
 
-/// The bytes of a word, from the `first`.
+/// The bytes of a word, starting with number `first`.
 HWY_INLINE hn::Vec<Floats> bytes_of(const std::uint32_t& word, std::size_t first) {
   static_assert(std::endian::native == std::endian::little);
   const hn::Rebind<std::uint8_t, Floats> bytes;

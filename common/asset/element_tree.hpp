@@ -13,20 +13,21 @@
 
 namespace spm {
 
-/// What a child of a node of an ElementTree is.
+/// Kind of a node's child in an element tree.
 enum class ElementKind : std::uint32_t { none = 0, node = 1, tile = 2, fan = 3 };
 
-/// Boxes around the elements of a `sparse` asset, its tiles and fans of triangles: a tree of nodes
-/// with up to four children, by which the elements nearest to a point are found. A node is ten
-/// words:
-///   0-3: a child each: bits 0-23 the number of a node, of a tile or of a fan's first corner, 24-29
-///     the number of the fan's triangles less one, 30-31 the ElementKind;
-///   4-9: its children's boxes, a byte a child: least x, largest x, then y and z alike, in 255ths
-///     of the node's own box, rounded outwards.
-/// Triangle k of a fan that begins at corner f is of the corners f, f + k + 1 and f + k + 2.
-/// A child's number is above its parent's. Views; nothing is owned.
+/// Bounding volume hierarchy (BVH) of the elements of a `sparse` asset, its tiles and fans of
+/// triangles: boxes in a tree whose nodes have up to four children, used to find the elements
+/// nearest to a point. A node has ten words:
+///   0-3: one word per child: bits 0-23 the number of a node, of a tile or of a fan's first corner,
+///     24-29 the number of the fan's triangles less one, 30-31 the ElementKind;
+///   4-9: its children's boxes, one byte per child: least x, largest x, then the same for y and z,
+///   in
+///     255ths of the node's own box, rounded outwards.
+/// Triangle k of a fan that begins at corner f has the corners f, f + k + 1 and f + k + 2. A
+/// child's number is greater than its parent's. Views; nothing is owned.
 struct ElementTree {
-  Vector3 origin = Vector3::Zero();  ///< lowest corner of the box around all, m
+  Vector3 origin = Vector3::Zero();  ///< lowest corner of the root's box, m
   std::array<float, 3> size{};       ///< of that box, m
   std::span<const std::uint32_t> words;
 };
@@ -35,10 +36,10 @@ inline constexpr std::size_t tree_node_words = 10;
 inline constexpr std::size_t tree_children = 4;
 inline constexpr std::uint32_t most_fan_triangles = 64;
 inline constexpr std::uint32_t most_tree_elements = 1U << 24U;
-/// Nodes below each other at most.
+/// Largest depth of the tree, in nodes.
 inline constexpr int tree_levels = 48;
 
-/// A child as its word names it.
+/// A child, unpacked from its word.
 struct TreeChild {
   ElementKind kind = ElementKind::none;
   std::uint32_t first = 0;
@@ -52,7 +53,7 @@ struct TreeChild {
   return static_cast<std::uint32_t>(child.kind) << 30U | (child.count - 1) << 24U | child.first;
 }
 
-/// A box from the tree's origin, m: floats, as the query computes them.
+/// A box relative to the tree's origin, m; in floats, as the query computes.
 struct TreeBox {
   std::array<float, 3> low, high;
 };
@@ -72,9 +73,9 @@ struct TreeBox {
 }
 
 /// The boxes of a node's children, as child_box gives them, and the squares of their distances from
-/// a place, m and m^2; of children that are none too.
+/// a point, m and m^2. Also filled for absent children.
 struct NodeBoxes {
-  using Lanes = std::array<float, tree_children>;  ///< a number a child
+  using Lanes = std::array<float, tree_children>;  ///< one number per child
   alignas(16) std::array<Lanes, 3> low, high;
   alignas(16) Lanes squares;
 
@@ -84,11 +85,12 @@ struct NodeBoxes {
   }
 };
 
-/// Finds them, all four at once; `box` is the node's own. A place that is no number is 0 away.
+/// Computes these boxes and squares, all four at once. `box` is the node's own. A NaN point gives
+/// 0.
 void find_node_boxes(const TreeBox& box, const std::uint32_t* node,
                      const std::array<float, 3>& place, NodeBoxes& found) noexcept;
 
-/// A point from the tree's origin, m: floats, as the query computes with them.
+/// A point relative to the tree's origin, m; in floats, as the query computes.
 [[nodiscard]] inline std::array<float, 3> from_origin(const ElementTree& tree,
                                                       const Vector3& point) noexcept {
   const Vector3 place = point - tree.origin;
@@ -96,13 +98,13 @@ void find_node_boxes(const TreeBox& box, const std::uint32_t* node,
           static_cast<float>(place.z())};
 }
 
-/// Calls `visit(child)` for leaves, nearest boxes first, that may lie nearer to a point than
-/// `limit()` (m), which may shrink on the way. Ends whatever the words are: no node is looked at
-/// more often than there are nodes.
+/// Calls `visit(child)` for the leaves that may lie nearer to a point than `limit()` (m), nearest
+/// boxes first. The limit may shrink on the way. Terminates for any words: it opens at most as many
+/// nodes as there are.
 template <class Visit, class Limit>
 void visit_elements(const ElementTree& tree, const Vector3& point, const Visit& visit,
                     const Limit& limit) noexcept {
-  // Without initial values: only what is pushed is read, and there are many.
+  // Left uninitialised: only pushed entries are read, and there are many.
   struct Pending {
     float square;
     std::uint32_t word;
@@ -130,7 +132,7 @@ void visit_elements(const ElementTree& tree, const Vector3& point, const Visit& 
     --left;
     const std::uint32_t* node = tree.words.data() + child.first * tree_node_words;
     find_node_boxes(next.box, node, place, boxes);
-    // Farthest first, so that the nearest is taken first.
+    // Pushed farthest first, so that the nearest is popped first.
     std::array<std::size_t, tree_children> order;
     std::size_t count = 0;
     for (std::size_t k = 0; k < tree_children; ++k) {

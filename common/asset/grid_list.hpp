@@ -8,11 +8,11 @@
 
 namespace spm {
 
-/// What a cell of kind `record` names; see Grid. A view that reads nothing outside the grid's
-/// words: a list that does not lie in them is empty.
+/// The list of a cell of kind `record`; see Grid. A view that reads nothing outside the grid's
+/// words: a list that does not lie within them is empty.
 class GridList {
  public:
-  /// `word` is one of `index`, or of an octant, that is no split.
+  /// `word` is a word of `index` or of an octant, and not that of a split cell.
   GridList(const Grid& grid, std::uint32_t word) noexcept {
     const std::size_t offset = word & offset_mask;
     if (offset >= grid.records.size()) return;
@@ -32,7 +32,7 @@ class GridList {
   [[nodiscard]] std::uint32_t triangles() const noexcept { return triangles_; }
   /// A map's candidate word; `which` is below maps().
   [[nodiscard]] std::uint32_t map(std::uint32_t which) const noexcept { return words_[which]; }
-  /// A triangle times two, plus one for a cap; `which` is below triangles().
+  /// A triangle's number times two, plus one for a cap; `which` is below triangles().
   [[nodiscard]] std::uint32_t triangle(std::uint32_t which) const noexcept {
     return words_[maps_ + which];
   }
@@ -44,7 +44,7 @@ class GridList {
   bool whole_ = false;
 };
 
-/// True where a word of the index, or of an octant, is a split cell.
+/// True where a word of the index, or of an octant, is that of a split cell.
 [[nodiscard]] constexpr bool is_split(std::uint32_t word) noexcept {
   return static_cast<CellKind>(word >> 30U) == CellKind::record && (word & split_bit) != 0;
 }

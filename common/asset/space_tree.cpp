@@ -5,7 +5,7 @@ namespace spm {
 
 namespace {
 
-/// A cube that is asked about.
+/// The cube of a query.
 struct Asked {
   Vector3 low, high;
 };

@@ -10,24 +10,22 @@
 
 namespace spm {
 
-/// What a cube of space around a `sparse` asset is.
+/// Kind of a cube of space around a `sparse` asset.
 enum class SpaceKind : std::uint32_t {
-  told = 0,     ///< the surface passes through: the nearest elements tell the side of a point
+  told = 0,     ///< the surface passes through: the nearest elements determine the side of a point
   inside = 1,   ///< wholly in the solid
-  outside = 2,  ///< wholly out of it
-  far = 3,      ///< wholly out of it, and beyond the margin
+  outside = 2,  ///< wholly outside the solid
+  far = 3,      ///< wholly outside the solid, and beyond the margin
   pruned = 4,   ///< left out by the bake
-  split = 7,    ///< into eight cubes, each of a kind of its own
+  split = 7,    ///< split into eight cubes, each with its own kind
 };
 
-/// Octree over a cube of space, of two words a node:
-///   0: the kinds of the eight octants, four bits each, octant k (bit 0: upper half in x, 1: y, 2:
-///   z)
-///      in bits 4 k to 4 k + 3;
-///   1: the first of the nodes of its split octants, which follow each other in the order of
-///   octants;
+/// Sign octree over a cube of space, with two words per node:
+///   0: the kinds of the eight octants, four bits each, octant k (bit 0: upper half in x, 1: y,
+///      2: z) in bits 4 k to 4 k + 3;
+///   1: the first of the nodes of its split octants, which are stored in the order of octants;
 ///      0 where none is split.
-/// A child's number is above its parent's. Views; nothing is owned.
+/// A child's number is greater than its parent's. Views; nothing is owned.
 struct SpaceTree {
   Vector3 origin = Vector3::Zero();  ///< lowest corner of the cube, m
   double edge = 0;                   ///< m
@@ -35,7 +33,7 @@ struct SpaceTree {
 };
 
 inline constexpr std::size_t space_node_words = 2;
-/// Halvings of the whole cube at most.
+/// Largest number of halvings of the outer cube.
 inline constexpr int space_levels = 20;
 inline constexpr std::uint32_t space_kind_bits = 4;
 
@@ -43,7 +41,7 @@ inline constexpr std::uint32_t space_kind_bits = 4;
   return static_cast<SpaceKind>((kinds >> (space_kind_bits * octant)) & 15U);
 }
 
-/// How many of the octants below one are split.
+/// Number of split octants before this one.
 [[nodiscard]] constexpr std::uint32_t splits_below(std::uint32_t kinds,
                                                    std::uint32_t octant) noexcept {
   const std::uint32_t split = kinds & (kinds >> 1U) & (kinds >> 2U) & 0x11111111U;
@@ -51,7 +49,7 @@ inline constexpr std::uint32_t space_kind_bits = 4;
       std::popcount(split & ((std::uint32_t{1} << (space_kind_bits * octant)) - 1)));
 }
 
-/// What lies around a point; `far` outside the cube, and where the words are damaged.
+/// The kind of the cube around a point; `far` outside the octree, and where the words are damaged.
 [[nodiscard]] inline SpaceKind space_at(const SpaceTree& tree, const Vector3& point) noexcept {
   Vector3 within = (point - tree.origin) / tree.edge;
   if (!((within.array() >= 0).all() && (within.array() < 1).all())) return SpaceKind::far;
@@ -77,8 +75,8 @@ inline constexpr std::uint32_t space_kind_bits = 4;
   return 1U << static_cast<unsigned>(kind);
 }
 
-/// The kinds of all places of a cube, bits as space_bit gives them; `far` where it ends outside, or
-/// the words are damaged.
+/// The kinds of all places in a cube, as a set of bits from space_bit. Contains `far` where the
+/// cube extends beyond the octree, or the words are damaged.
 [[nodiscard]] unsigned spaces_of_cube(const SpaceTree& tree, const Vector3& middle,
                                       double half) noexcept;
 

@@ -7,7 +7,7 @@ namespace spm {
 
 namespace {
 
-/// Square of the sine between a triangle's sides below which rounding tells its normal.
+/// Square of the sine between a triangle's sides, below which its normal is determined by rounding.
 constexpr double thin_sine_squared = 1e-8;
 
 void put(GroupVectors& to, std::size_t lane, const Vector3& from) noexcept {

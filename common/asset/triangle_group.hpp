@@ -10,17 +10,18 @@
 
 namespace spm {
 
-/// How far a lane lies that has nothing, m.
+/// Distance given to an empty lane, m.
 inline constexpr float empty_lane = 1e15F;
 
-/// A vector for each unit of a group, axis by axis.
+/// One vector for each primitive of a packet, axis by axis.
 using GroupVectors = std::array<GroupLanes, 3>;
 
-/// A share of a triangle that no place of it has.
+/// A barycentric coordinate that no point of a triangle has.
 inline constexpr float no_share = 2;
 
-/// Eight triangles: a corner, m from the tree's origin, from it two sides, and what is derived from
-/// them so that no query divides. A lane without a triangle is out of all reach.
+/// A packet of eight triangles: a corner, m from the tree's origin, the two sides from it, and
+/// values derived from them so that no query divides. A lane without a triangle is too far away for
+/// any query.
 struct alignas(32) TriangleGroup {
   TriangleGroup() noexcept {
     corner[0].fill(empty_lane);
@@ -28,13 +29,13 @@ struct alignas(32) TriangleGroup {
   }
 
   GroupVectors corner{}, side{}, other{};
-  /// Of unit length; 0 where a triangle is too thin to have one.
+  /// Of unit length; 0 where a triangle is too thin to have a normal.
   GroupVectors normal{};
-  /// What a place is from the corner, times these, is the share of each side that its foot on the
-  /// plane has, 1/m.
+  /// The dot products of these with a point's offset from the corner are the barycentric
+  /// coordinates, along each side, of its projection on the plane, 1/m.
   GroupVectors along_side{}, along_other{};
-  /// Those shares, and what they leave of 1, are no less in a triangle: 0, or beyond all where it
-  /// has no normal.
+  /// Lower limit of these two coordinates, and of 1 minus both, within a triangle: 0, or above all
+  /// values where the triangle has no normal.
   GroupLanes least_share{};
   /// 1 over the squares of the sides and of the third one, 1/m^2; 0 where one has no length.
   GroupLanes per_side{}, per_other{}, per_third{};

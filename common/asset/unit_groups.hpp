@@ -13,19 +13,20 @@
 
 namespace spm {
 
-/// The square of how far a lane lies that has nothing, m^2, a float still.
+/// The squared distance given to an empty lane, m^2; still a finite float.
 inline constexpr float empty_square = empty_lane * empty_lane;
-/// Squares from this on, m^2, are of nothing: a lane may count in spacings.
+/// Squares from this value on, m^2, belong to empty lanes: a lane may count in spacings.
 inline constexpr float nothing_square = 1e20F;
 
-/// Groups that a number names: below `cells.size()` one of cells, beyond one of triangles.
+/// The packets of an index. A number below `cells.size()` names a packet of cells, a higher one a
+/// packet of triangles.
 struct UnitGroups {
   std::span<const CellGroup> cells;
   std::span<const ClipGroup> clips;  ///< of those that have clipped cells
   std::span<const TriangleGroup> triangles;
 };
 
-/// Numbers of groups, as they lie in an index: two of 16 bits a word, or one of 32.
+/// Numbers of packets as an index stores them: two of 16 bits per word, or one of 32.
 class GroupNames {
  public:
   GroupNames() noexcept = default;

@@ -8,28 +8,29 @@
 
 namespace spm {
 
-/// What a bake and the servo need to know of a kind of haptic device, at its tool.
+/// The properties of a kind of haptic device that a bake and the servo use, given at its tool.
 struct DeviceProfile {
   std::string_view name;
   double encoder_step;              ///< m, smallest step that it resolves at its centre
   double force_cap;                 ///< N, largest force that may ever be sent to it
   double stiffness_cap;             ///< N/m, largest stiffness that it renders stably
-  std::array<double, 3> workspace;  ///< m, edges of the box that holds every place of its tool:
-                                    ///< x to the right, y up, z towards the user
+  std::array<double, 3> workspace;  ///< m, edges of the box that contains the tool's whole
+                                    ///< workspace: x to the right, y up, z towards the user
   double moving_mass;               ///< kg at the tool; assumed, no data sheet gives it
-  double bandwidth;                 ///< Hz, of the actuator, a first-order lag; assumed by its kind
+  double bandwidth;  ///< Hz, of the actuator, modelled as a first-order lag; assumed from the kind
+                     ///< of actuator
 
-  /// s, 1 / (2 pi bandwidth).
+  /// Time constant of the actuator, s: 1 / (2 pi bandwidth).
   [[nodiscard]] constexpr double actuator_lag() const noexcept {
     return 1 / (2 * std::numbers::pi * bandwidth);
   }
 };
 
-/// Force, stiffness and step are what the makers rate, as CHAI3D 3.3 ships them; for `wooden`,
-/// which people build themselves, what its motors and its published parameters give. Workspaces are
-/// outer figures, since what lies outside them is cut from a model: those of the makers, and for
-/// `wooden` its longest published edge each way. `low` is the worst case for stability: as strong
-/// and as stiff as any, and it reaches where any of them does.
+/// Force, stiffness and step are the makers' ratings, as CHAI3D 3.3 ships them. People build
+/// `wooden` themselves; its values follow from its motors and its published parameters. Workspaces
+/// are outer figures, because a model is cut to them: the makers' figures, and for `wooden` its
+/// longest published edge in every direction. `low` is the worst case for stability: it is as
+/// strong and as stiff as any other profile, and its workspace contains all others.
 inline constexpr std::array<DeviceProfile, 5> device_profiles{{
     {"low", 20e-6, 12, 5000, {0.45, 0.45, 0.45}, 0.10, 500},
     {"falcon", 64e-6, 8, 3000, {0.102, 0.102, 0.102}, 0.25, 200},
@@ -38,7 +39,7 @@ inline constexpr std::array<DeviceProfile, 5> device_profiles{{
     {"wooden", 55e-6, 10, 1000, {0.3, 0.3, 0.3}, 0.30, 200},
 }};
 
-/// The profile of that name, or null.
+/// The profile with this name, or null.
 [[nodiscard]] constexpr const DeviceProfile* find_device_profile(std::string_view name) noexcept {
   for (const DeviceProfile& profile : device_profiles) {
     if (profile.name == name) return &profile;
@@ -46,7 +47,7 @@ inline constexpr std::array<DeviceProfile, 5> device_profiles{{
   return nullptr;
 }
 
-/// The names of all profiles, a blank before each, for messages.
+/// The names of all profiles, each with a leading blank; for messages.
 [[nodiscard]] inline std::string device_profile_names() {
   std::string names;
   for (const DeviceProfile& profile : device_profiles) names.append(" ").append(profile.name);

@@ -20,13 +20,13 @@ enum class ExitCode : int {
   realtime_refused = 12,
 };
 
-/// What went wrong: one sentence with file, place, cause and cure, and the exit code it maps to.
+/// An error: one sentence that names file, place, cause and remedy, and the exit code for it.
 struct Error {
   ExitCode code = ExitCode::internal;
   std::string message;
 };
 
-/// A value, or why there is none. Used on load paths; never on a query path.
+/// A value, or the error that explains why there is none. Used while loading; never by a query.
 template <class T>
 using Result = tl::expected<T, Error>;
 

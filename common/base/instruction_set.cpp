@@ -9,7 +9,7 @@
 namespace spm {
 
 const char* instruction_set() noexcept {
-  // Better ones have lower bits.
+  // Better instruction sets have lower bits.
   const std::int64_t usable = hwy::SupportedTargets() & HWY_TARGETS;
   return hwy::TargetName(usable & -usable);
 }

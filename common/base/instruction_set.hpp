@@ -3,7 +3,7 @@
 
 namespace spm {
 
-/// Name of the instructions that queries use on this processor, as Highway names it ("AVX2").
+/// Name of the instruction set that queries use on this processor, as Highway spells it ("AVX2").
 [[nodiscard]] const char* instruction_set() noexcept;
 
 }  // namespace spm

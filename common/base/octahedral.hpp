@@ -9,7 +9,7 @@
 
 namespace spm {
 
-/// Packs a unit vector into 30 bits by the octahedral map, 15 bits an axis (error below 0.01 deg).
+/// Packs a unit vector into 30 bits by the octahedral map, 15 bits per axis (error below 0.01 deg).
 [[nodiscard]] inline std::uint32_t pack_octahedral(const Vector3& direction) noexcept {
   const double sum = std::abs(direction.x()) + std::abs(direction.y()) + std::abs(direction.z());
   double a = direction.x() / sum;
@@ -25,7 +25,7 @@ namespace spm {
   return quantise(a) | (quantise(b) << 15U);
 }
 
-/// The unit vector that pack_octahedral packed; any 30 bits give a unit vector.
+/// Inverse of pack_octahedral. Any 30 bits give a unit vector.
 [[nodiscard]] inline Vector3 unpack_octahedral(std::uint32_t bits) noexcept {
   double a = (bits & 32767U) / 32767.0 * 2 - 1;
   double b = ((bits >> 15U) & 32767U) / 32767.0 * 2 - 1;

@@ -5,11 +5,11 @@
 
 namespace spm {
 
-/// How far a pose's axes may be from unit and upright by rounding.
+/// How far rounding may take a pose's axes from unit length and from right angles.
 inline constexpr double pose_rounding = 1e-6;
 
-/// Whether a pose keeps lengths: it turns, mirrors and moves, but neither scales nor shears, and is
-/// finite. One made of a quaternion that is not unit does not.
+/// Whether a pose keeps lengths: it is finite, and it may rotate, mirror and translate, but neither
+/// scales nor shears. A pose made of a quaternion that is not of unit length does not keep them.
 [[nodiscard]] inline bool keeps_lengths(const Eigen::Isometry3d& pose) noexcept {
   const Eigen::Matrix3d square = pose.linear().transpose() * pose.linear();
   return pose.translation().allFinite() &&

@@ -10,7 +10,7 @@
 namespace spm {
 namespace {
 
-/// A unit's SI value as a quotient, so that decimal text stays correctly rounded: 50um is 50 / 1e6.
+/// A unit's SI value as a quotient, so that decimal text is rounded correctly: 50um is 50 / 1e6.
 struct Unit {
   std::string_view name;
   double multiplier;
@@ -21,7 +21,7 @@ struct Unit {
 struct QuantityFacts {
   std::string_view noun;
   std::string_view examples;
-  std::span<const Unit> units;  ///< the printed ones from small to large
+  std::span<const Unit> units;  ///< the units that are printed are in ascending order
 };
 
 constexpr std::array length_units{Unit{"um", 1, 1e6, true}, Unit{"mm", 1, 1e3, true},

@@ -8,7 +8,7 @@
 
 namespace spm {
 
-/// Quantities that the command line takes and prints with their unit.
+/// Quantities that the command line reads and prints with a unit.
 enum class Quantity {
   length,
   stiffness,
@@ -21,15 +21,15 @@ enum class Quantity {
   angular_speed
 };
 
-/// Parses a number with its unit ("50um", "1.5N/mm", "10deg") into SI.
-/// Independent of the locale. A bare number, an unknown unit, a non-finite value or trailing text
-/// is an error of code `usage` whose message names the units that would do.
+/// Parses a number with its unit ("50um", "1.5N/mm", "10deg") into SI. Independent of the locale. A
+/// bare number, an unknown unit, a non-finite value or trailing text is an error of code `usage`,
+/// whose message lists the units that are allowed.
 [[nodiscard]] Result<double> parse_quantity(std::string_view text, Quantity quantity);
 
-/// Prints an SI value with the unit that reads best ("50 um", "2 mm", "1 N/mm").
+/// Prints an SI value with the unit that is easiest to read ("50 um", "2 mm", "1 N/mm").
 [[nodiscard]] std::string format_quantity(double si_value, Quantity quantity);
 
-/// Parses a probe: "point" gives 0, "sphere:0.5mm" its radius in metres. Errors as above.
+/// Parses a probe: "point" gives 0, "sphere:0.5mm" gives the radius in metres. Errors as above.
 [[nodiscard]] Result<double> parse_probe(std::string_view text);
 
 /// Metres per unit of a mesh file: "m", "mm", "cm" or "in".

@@ -5,7 +5,7 @@
 
 namespace spm {
 
-/// Force and torque on an object about a point that whoever makes it names; N and N m.
+/// Force and torque on an object, N and N m. Whoever returns one says about which point.
 struct Wrench {
   Vector3 force = Vector3::Zero();
   Vector3 torque = Vector3::Zero();

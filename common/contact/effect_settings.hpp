@@ -10,15 +10,15 @@
 
 namespace spm {
 
-/// What is felt beside the reaction force (section 4). Each is off where its first number is 0, and
-/// then costs a comparison.
+/// The effects beside the reaction force (section 4). Each is off where its first number is 0, and
+/// then costs one comparison.
 struct EffectSettings {
   FrictionSettings friction;  ///< Coulomb's, with stick and slip
   double damping = 0;         ///< N s/m, 0 or more: k_d of eq. 18, in contact
-  TextureSettings texture;    ///< in space
+  TextureSettings texture;    ///< noise in space
   RuntimeSmoothing smoothing;
-  TurnLimit turn;  ///< of the direction of `spm`
-  // By the paper's letter, for the method `paper` alone:
+  TurnLimit turn;  ///< of the force direction of `spm`
+  // The effects to the paper's letter, for the method `paper` only:
   double friction_force = 0;  ///< N: f_c of eq. 17
   double friction_depth = 0;  ///< 1/m: k_f of eq. 17
   double texture_noise = 0;   ///< m: standard deviation of n_g of eq. 19

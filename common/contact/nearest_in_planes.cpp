@@ -9,9 +9,9 @@ namespace spm {
 
 namespace {
 
-/// Planes whose normals span less are taken to be parallel.
+/// Planes whose normals span less than this are treated as parallel.
 constexpr double least_span = 1e-6;
-/// How far out of a half-space a place may be and count as in it, m: rounding.
+/// How far outside a half-space a point may be and still count as inside, m: rounding.
 constexpr double rounding = 1e-12;
 
 double how_far_out(const HalfSpaces& spaces, const Vector3& place) noexcept {
@@ -22,7 +22,8 @@ double how_far_out(const HalfSpaces& spaces, const Vector3& place) noexcept {
   return most;
 }
 
-/// The point of the planes of a subset that is nearest to another; false where they have none.
+/// The point common to the planes of a subset that is nearest to `point`; false where they have
+/// none.
 bool foot_on(const HalfSpaces& spaces, unsigned subset, const Vector3& point,
              Vector3& foot) noexcept {
   std::array<std::size_t, 3> members{};
@@ -30,7 +31,7 @@ bool foot_on(const HalfSpaces& spaces, unsigned subset, const Vector3& point,
   for (std::size_t i = 0; i < spaces.count; ++i) {
     if (((subset >> i) & 1U) != 0) members[count++] = i;
   }
-  // Weights of the normals, from their products: the unused rows are those of the unit matrix.
+  // Weights of the normals, from their products. The unused rows are those of the unit matrix.
   Eigen::Matrix3d products = Eigen::Matrix3d::Identity();
   Vector3 short_of = Vector3::Zero();
   for (std::size_t i = 0; i < count; ++i) {

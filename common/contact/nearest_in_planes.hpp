@@ -8,18 +8,18 @@
 
 namespace spm {
 
-/// A half-space that a place has to be in: normal . place >= offset; unit normal, m.
+/// A half-space that a point must lie in: normal . point >= offset; unit normal, m.
 struct HalfSpace {
   Vector3 normal = Vector3::Zero();
   double offset = 0;
 };
 
-/// Up to three of them.
+/// Up to three half-spaces.
 struct HalfSpaces {
   std::array<HalfSpace, 3> planes;
   std::size_t count = 0;
 
-  /// False where there is no room.
+  /// Adds a half-space. False where there is no room.
   bool add(const HalfSpace& plane) noexcept {
     if (count == planes.size()) return false;
     planes[count++] = plane;
@@ -27,9 +27,9 @@ struct HalfSpaces {
   }
 };
 
-/// The place nearest to `point` (m) that lies in all half-spaces: what a god-object's constraints
-/// leave it (Zilles and Salisbury 1995). Where normals are so alike that no such place is near, one
-/// that lies in as many as can be.
+/// The point nearest to `point` (m) that lies in all half-spaces: the place that a god-object's
+/// constraints allow (Zilles and Salisbury 1995). Where the normals are so similar that no such
+/// place is near, the result lies in as many half-spaces as possible.
 [[nodiscard]] Vector3 nearest_in_planes(const HalfSpaces& spaces, const Vector3& point) noexcept;
 
 }  // namespace spm

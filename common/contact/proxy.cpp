@@ -12,21 +12,21 @@ namespace spm {
 
 namespace {
 
-/// A proxy that would move less has arrived, m: half a thousandth of a newton at 1 N/mm.
+/// A proxy that would move less than this has arrived, m: half a thousandth of a newton at 1 N/mm.
 constexpr double settled = 5e-7;
-/// How deep a place may be and count as outside, m: the rounding of a query.
+/// How deep a place may be and still count as outside, m: the rounding of a query.
 constexpr double on_surface = 2e-7;
-/// A step that ends inside by no more than this share of its length follows a curved wall, and is
-/// lifted; one that ends deeper met another wall.
+/// A step that ends inside by no more than this part of its length follows a curved wall, and is
+/// lifted. One that ends deeper met another wall.
 constexpr double lifted_share = 0.5;
-/// How often it is lifted. Within the tolerance over a surface that is off by it, places may be
-/// told to lie inside: with 4 a proxy stays behind on flat teeth in 29 % of a slide's ticks, with 6
-/// in none.
+/// Largest number of lifts. Close to a surface whose error is the tolerance, places outside may be
+/// reported as inside: with 4 lifts a proxy stays behind on flat teeth in 29 % of a slide's ticks,
+/// with 6 in none.
 constexpr int most_lifts = 8;
-/// How often a step that ends inside is tried again, an eighth as long.
+/// How often a step that ends inside is tried again, each time an eighth as long.
 constexpr int most_shorter = 2;
 
-/// What the proxy knows of a place.
+/// A place, and the surface as the proxy sees it from there.
 struct Place {
   Vector3 at = Vector3::Zero();
   double clearance = 0;  ///< m from the probe's surface to the object's, negative inside
@@ -40,7 +40,7 @@ struct Place {
 
 class Mover {
  public:
-  /// `travel`: how far it may go, m.
+  /// `travel`: the distance that the proxy may move, m.
   Mover(const AssetView& asset, double radius, const Vector3& target, double travel) noexcept
       : asset_(asset), radius_(radius), target_(target), travel_(travel) {}
 
@@ -64,7 +64,7 @@ class Mover {
     return place;
   }
 
-  /// A place outside that is found by going straight out of the surface; false where none is.
+  /// Moves a place straight out of the surface until it is outside; false where that fails.
   bool lift(Place& place) noexcept {
     for (int k = 0; k < most_lifts && !place.outside(); ++k) {
       place = ask(place.at - place.clearance * place.normal);
@@ -72,7 +72,7 @@ class Mover {
     return place.outside();
   }
 
-  /// Goes from a place outside as far as it gets. Whether the surface holds it there is `held`.
+  /// Moves from a place outside as far as possible. `held` says whether the surface holds it there.
   Place go(Place place) noexcept {
     std::uint32_t touching = 0;
     while (queries_ < proxy_queries && touching < proxy_touching_queries) {
@@ -96,7 +96,7 @@ class Mover {
 
   [[nodiscard]] double left(const Vector3& at) const noexcept { return (target_ - at).norm(); }
 
-  /// One step towards the target; false where there is none left to take.
+  /// One step towards the target; false where no step is left to take.
   bool step(Place& place) noexcept {
     held = false;
     if (left(place.at) < settled) return false;
@@ -113,7 +113,8 @@ class Mover {
       if (take(place, next)) return true;
       held = true;
       if (!next.outside() && walls.add(next.half_space())) continue;
-      // What three walls leave free is not free: the surface is no three planes.
+      // A place that three walls leave free is not certain to be free, because the surface is not
+      // made of three planes.
       walls.count = 1;
       longest /= 8;
       ++tries;
@@ -121,7 +122,7 @@ class Mover {
     return false;
   }
 
-  /// Takes a step where it ends outside and nearer to the target, lifted out of a wall that it
+  /// Takes a step if it ends outside and nearer to the target, lifted out of a wall that it
   /// follows.
   bool take(Place& place, Place next) noexcept {
     const double length = (next.at - place.at).norm();
@@ -150,7 +151,7 @@ ProxyContact move_proxy(const AssetView& asset, double radius, const Vector3& po
   Mover mover(asset, radius, point, travel);
   Place place = mover.ask(state.known ? state.position : point);
   if (!mover.lift(place)) {
-    // The surface is nowhere near to where the proxy was: begin anew.
+    // The surface is not near the proxy's last position any more: start again.
     place = mover.ask(point);
     if (!mover.lift(place)) {
       state = {};

@@ -7,49 +7,50 @@
 
 namespace spm {
 
-/// Where the proxy was at the end of the last tick; in the object's frame, so that an object that
+/// Position of the proxy at the end of the last tick, in the object's frame, so that an object that
 /// moves takes it along.
 struct ProxyState {
   bool known = false;
   Vector3 position = Vector3::Zero();  ///< m
-  Vector3 hand = Vector3::Zero();      ///< m, the haptic interaction point then
+  Vector3 hand = Vector3::Zero();      ///< m, the haptic interaction point of that tick
   bool touching = false;               ///< there was contact
 };
 
-/// Where the proxy is now, and what holds it back.
+/// Position of the proxy now, and the contact that holds it back.
 struct ProxyContact {
   Vector3 proxy = Vector3::Zero();   ///< m, object's frame
   Vector3 normal = Vector3::Zero();  ///< unit, from the haptic interaction point to the proxy; zero
                                      ///< without contact
-  double depth = 0;                  ///< m, how far apart the two are in contact
+  double depth = 0;                  ///< m, distance of the two in contact
   bool contact = false;
-  std::uint32_t queries = 0;  ///< that were asked
+  std::uint32_t queries = 0;  ///< number of queries made
 };
 
-/// The steps that a proxy takes without knowing the surface on the way, m: a plate is never passed
-/// that is thicker than this, or than the probe's diameter and this.
+/// Length of the steps that a proxy takes without knowledge of the surface on the way, m. A plate
+/// that is thicker than this is never passed; for a ball, thicker than its diameter and this
+/// together.
 inline constexpr double proxy_blind_step = 80e-6;
-/// How many times as far as the hand a proxy moves in a tick that was in contact before it, and how
-/// much farther, m: where it was caught and comes free, it catches up within some ticks, with a
-/// force that falls and does not jump.
+/// Limits of a proxy's motion in a tick after one in contact: at most proxy_catch_up_share times as
+/// far as the hand, plus proxy_catch_up, m. So a proxy that was caught and comes free catches up
+/// over several ticks, and the force falls without a jump.
 inline constexpr double proxy_catch_up = 150e-6;
 inline constexpr double proxy_catch_up_share = 1.5;
-/// Queries of the surface in a tick at most, where the proxy touches; and in all.
+/// Largest number of surface queries in a tick where the proxy touches, and in any tick.
 inline constexpr std::uint32_t proxy_touching_queries = 32;
 inline constexpr std::uint32_t proxy_queries = 128;
 
 /// Moves the proxy of a point (radius 0) or a ball towards the haptic interaction point (object's
-/// frame, m) as far as the surface lets it: to the place outside that is nearest, as seen from
-/// where it was. So it keeps to the side that it came from, whatever the depth of the hand, and
+/// frame, m) as far as the surface allows: to the nearest place outside, as seen from the proxy's
+/// last position. So the proxy stays on the side that it came from, however deep the hand is, and
 /// slides along walls and in grooves (god-object, Zilles and Salisbury 1995; a ball, Ruspini et al.
 /// 1997).
 ///
-/// Steps are no longer than the way to the surface, or proxy_blind_step; each ends outside, or is
-/// not taken. What a tick does not reach the next one does; there is contact where the surface
-/// holds the proxy, and until it has caught up. A proxy that is not known begins at the point, or
-/// at the surface nearest to it; where neither is outside, it is not known after the tick. Places
-/// that the bake left out are taken as empty. Points that are not finite give no contact and forget
-/// the proxy.
+/// A step is no longer than the distance to the surface, or proxy_blind_step. A step that would not
+/// end outside is not taken. If a tick does not reach the goal, the next one continues. There is
+/// contact where the surface holds the proxy, and until the proxy has caught up. A proxy that is
+/// not known starts at the point, or at the surface nearest to it; where neither is outside, it
+/// stays unknown after the tick. Places that the bake left out count as empty. Points that are not
+/// finite give no contact and reset the proxy.
 [[nodiscard]] ProxyContact move_proxy(const AssetView& asset, double radius, const Vector3& point,
                                       ProxyState& state) noexcept;
 

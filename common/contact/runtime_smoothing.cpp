@@ -11,17 +11,20 @@ namespace spm {
 
 namespace {
 
-/// Offsets of a kernel's samples in sigmas: the middle, then points that go round the sphere by the
-/// golden angle in pairs across it, so that their mean is 0, at radii that share the weight evenly.
+/// Offsets of a kernel's samples in sigmas: the middle, then pairs of opposite points that follow
+/// the golden angle around the sphere, so that their mean is 0. Their radii divide the weight
+/// evenly.
 Vector3 offset(std::uint32_t sample, std::uint32_t samples) noexcept {
   if (sample == 0) return Vector3::Zero();
   const std::uint32_t pair = (sample - 1) / 2, pairs = samples / 2;
   const double share = (pair + 0.5) / pairs;
-  const double height = 1 - share;  // half of the sphere; the other of the pair is across
+  const double height =
+      1 - share;  // one half of the sphere; the other point of the pair is opposite
   const double around = 2 * std::numbers::pi * (2 - std::numbers::phi) * pair;
   const double width = std::sqrt(std::max(1 - height * height, 0.0));
   const double side = (sample & 1U) != 0 ? 1 : -1;
-  // The mean square of the radius of a Gaussian in space is 3; radii about that.
+  // The mean square of the radius of a Gaussian in space is 3; the radii are spread around its
+  // root.
   const double radius = std::sqrt(3.0) * (0.6 + 0.8 * ((pair * 7U % pairs) + 0.5) / pairs);
   return side * radius * Vector3(width * std::cos(around), width * std::sin(around), height);
 }
@@ -30,7 +33,7 @@ Vector3 offset(std::uint32_t sample, std::uint32_t samples) noexcept {
 
 SmoothedAnswer smoothed_query(const AssetView& asset, const RuntimeSmoothing& smoothing,
                               const Vector3& point) noexcept {
-  // Pairs, and the one in the middle.
+  // Pairs, and the sample in the middle.
   const std::uint32_t samples = std::clamp(smoothing.samples, 1U, most_smoothing_samples) | 1U;
   SmoothedAnswer result;
   double known = 0;

@@ -7,8 +7,8 @@
 
 namespace spm {
 
-/// Smoothing while the loop runs: O(k) for a kernel of k samples (section 5.1), beside the one of
-/// the bake, which costs nothing then.
+/// Smoothing while the loop runs: O(k) for a kernel of k samples (section 5.1). The baker can also
+/// smooth an asset, which costs nothing at run time.
 struct RuntimeSmoothing {
   double sigma = 0;           ///< m, of the Gaussian; 0: off
   std::uint32_t samples = 7;  ///< of the kernel, 1 to most_smoothing_samples
@@ -16,19 +16,20 @@ struct RuntimeSmoothing {
 
 inline constexpr std::uint32_t most_smoothing_samples = 64;
 
-/// The smoothed field at a place.
+/// The smoothed field at a point.
 struct SmoothedAnswer {
-  bool known = false;                  ///< some of the kernel's samples were answered
-  bool deep = false;                   ///< the place itself lies deeper than the band
-  double distance = 0;                 ///< signed, m: mean of the samples' by their weight
-  Vector3 gradient = Vector3::Zero();  ///< the mean of the normals, at most 1 long
+  bool known = false;                  ///< at least one of the kernel's samples was answered
+  bool deep = false;                   ///< the point itself lies deeper than the band
+  double distance = 0;                 ///< signed, m: weighted mean over the samples
+  Vector3 gradient = Vector3::Zero();  ///< the mean of the normals; its length is at most 1
 };
 
-/// The signed distance as eq. 16 smooths a map, but in space: the mean over a fixed set of places
-/// about the point, spread like the Gaussian's weight. The gradient is the mean of the samples'
-/// normals: that of the mean distance only where each normal is its own distance's gradient, which
-/// where two patches of a field meet it is not (PotentialLattice is for that). Samples beyond the
-/// band count for the nearest value that is known of them. Point in the asset's frame, m.
+/// The signed distance, smoothed as eq. 16 smooths a map, but in space: the mean over a fixed set
+/// of points around `point`, distributed like the Gaussian's weight. The gradient is the mean of
+/// the samples' normals. That equals the gradient of the mean distance only where each normal is
+/// the gradient of its own distance. Where two patches of a field meet it is not; PotentialLattice
+/// solves that. A sample beyond the band counts with the nearest value that is known of it. Point
+/// in the asset's frame, m.
 [[nodiscard]] SmoothedAnswer smoothed_query(const AssetView& asset,
                                             const RuntimeSmoothing& smoothing,
                                             const Vector3& point) noexcept;

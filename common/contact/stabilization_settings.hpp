@@ -8,50 +8,51 @@
 
 namespace spm {
 
-/// How a velocity is told from positions.
+/// How a velocity is estimated from positions.
 enum class VelocityBy : std::uint8_t {
   estimate,    ///< the longest straight window
-  difference,  ///< the last two positions alone: noise of one encoder step a tick
+  difference,  ///< the last two positions only: noise of one encoder step per tick
 };
 
-/// Longest delay that is reckoned with, ticks.
+/// Longest delay that the settings allow, ticks.
 inline constexpr double most_delay_ticks = 8;
 
-/// What keeps a force stable in a sampled loop with a hand in it; each is off until it is set, and
-/// then costs a comparison. Lengths, stiffness and damping are the hand's.
+/// Stabilization: it keeps a force stable in a sampled loop with a hand in it. Each part is off
+/// until it is set, and then costs one comparison. Lengths, stiffness and damping are in the hand's
+/// frame.
 struct CureSettings {
-  /// Of K (1/2 + d + lag/T) T: braking in contact along the force, see matched_damping; 0 to 2, 0
-  /// is off.
+  /// Share of K (1/2 + d + lag/T) T that is applied as damping in contact along the force; see
+  /// matched_damping. 0 to 2, 0 is off.
   double damping_share = 0;
-  /// d: ticks between a reading and the force that answers it, 0 to most_delay_ticks; 0 holds the
-  /// force for the tick alone.
+  /// d: ticks between a reading and the force that answers it, 0 to most_delay_ticks. At 0 the
+  /// force is only held for the tick.
   double delay_ticks = 1;
-  /// s, of the device's actuator, first order: counts as delay. 0 or more.
+  /// s, first-order lag of the device's actuator; counts as delay. 0 or more.
   double lag = 0;
   double coupling = 0;          ///< N/m of a virtual coupling, see CouplingPoint; 0 is off
-  double coupling_damping = 0;  ///< N s/m beside it, 0 or more
+  double coupling_damping = 0;  ///< N s/m of a damper parallel to it, 0 or more
   bool passivity = false;       ///< observer and controller, see PassivityControl
-  /// m: the force of `spm` is minus the gradient of one potential, of distances interpolated
-  /// between the corners of a lattice so far apart (PotentialLattice), and its turns are not
-  /// limited; 0 is off.
+  /// m, spacing of a lattice; 0 is off. The force of `spm` becomes minus the gradient of one
+  /// potential, made of distances interpolated between the lattice's corners (PotentialLattice),
+  /// and the turns of its direction are not limited.
   double potential = 0;
-  /// What the two dampings, and eq. 18's, take for the hand's velocity.
+  /// The velocity that both dampings, and that of eq. 18, use.
   VelocityBy velocity = VelocityBy::estimate;
-  double device_mass = 0.1;  ///< kg at the tool, above 0: bounds all damping
+  double device_mass = 0.1;  ///< kg at the tool, above 0: limits all damping
 
-  /// Whether there is a cure at all.
+  /// Whether any stabilization is on.
   [[nodiscard]] bool any() const noexcept { return acts_on_sum() || coupling > 0 || potential > 0; }
-  /// Whether there is one that acts on the sum of the objects' forces.
+  /// Whether any stabilization that acts on the sum of the objects' forces is on.
   [[nodiscard]] bool acts_on_sum() const noexcept { return damping_share > 0 || passivity; }
-  /// Ticks after which a force acts in the mean; `tick` in s.
+  /// Mean delay until a force acts, ticks; `tick` in s.
   [[nodiscard]] double whole_delay(double tick) const noexcept { return delay_ticks + lag / tick; }
   [[nodiscard]] bool operator==(const CureSettings&) const noexcept = default;
 };
 
-/// The share of matched damping that is advised, all that the sampling gives back: raises the
-/// border of a flat wall and costs no static stiffness.
+/// The advised share of matched damping: all the energy that sampling gives back. It raises the
+/// stable stiffness of a flat wall and costs no static stiffness.
 inline constexpr double advised_damping_share = 1;
-/// The lattice that the word `potential` stands for, m.
+/// Spacing of the lattice that the word `potential` stands for, m.
 inline constexpr double advised_potential = 5e-5;
 /// The coupling that the word `coupling` stands for, N/m: as stiff as a flat wall may be on the
 /// worst device (stable_stiffness.hpp).
@@ -61,7 +62,8 @@ inline constexpr double advised_coupling = 2000;
 inline constexpr CureSettings advised_cures{.damping_share = advised_damping_share,
                                             .passivity = true};
 
-/// Cures in the loop of other ones: its delay, lag and mass, which no choice of cures changes.
+/// The settings `cures` in the loop of `loop`: with its delay, lag and mass, which do not
+/// depend on the chosen stabilization.
 [[nodiscard]] constexpr CureSettings in_loop_of(const CureSettings& loop,
                                                 CureSettings cures) noexcept {
   cures.delay_ticks = loop.delay_ticks;
@@ -70,7 +72,7 @@ inline constexpr CureSettings advised_cures{.damping_share = advised_damping_sha
   return cures;
 }
 
-/// The same with what is known of a device.
+/// The same with the lag and mass of a device.
 [[nodiscard]] constexpr CureSettings in_loop_of(const DeviceProfile& device,
                                                 CureSettings cures) noexcept {
   cures.lag = device.actuator_lag();
@@ -78,10 +80,11 @@ inline constexpr CureSettings advised_cures{.damping_share = advised_damping_sha
   return cures;
 }
 
-/// Sets the cures that are named, joined by "+": `damping`, `coupling`, `passivity`, `velocity`
-/// (the estimate, as it is anyway) or `difference` (a plain one, for comparison), `potential`, each
-/// as it is advised; `default` is the combination that is, and clears the others. What has no word
-/// is left as it is. False, and nothing set, where a word is not known.
+/// Switches on the named parts of the stabilization, joined by "+": `damping`, `coupling`,
+/// `passivity`, `velocity` (the estimate, which is the default anyway), `difference` (a plain
+/// difference, for comparison) and `potential`, each at its advised value. `default` stands for the
+/// advised combination, and clears the others. Settings without a word are left as they are. Where
+/// a word is unknown: returns false and sets nothing.
 [[nodiscard]] bool parse_cures(std::string_view words, CureSettings& cures) noexcept;
 
 }  // namespace spm

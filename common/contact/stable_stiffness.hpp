@@ -9,17 +9,17 @@
 
 namespace spm {
 
-/// How stiff a flat wall may be before a device shakes on it, N/m at its tool.
+/// Largest stiffness of a flat wall before a device begins to shake on it, N/m at its tool.
 struct StiffnessBorder {
   std::string_view device;  ///< a profile's name
-  double hold;              ///< pressed and held
-  double tap;               ///< met at 0.5 m/s
+  double hold;              ///< while pressed and held
+  double tap;               ///< when hit at 0.5 m/s
 };
 
-/// At 1 kHz with one tick of delay and no cure, in simulation: of the masses, damping and friction
-/// that sim_profile.hpp assumes, in a hand of two masses; no device was measured. By the stability
-/// laboratory's flat wall with the exact penalty, and its tap with the bare proxy. In the order of
-/// `device_profiles`.
+/// Borders at 1 kHz with one tick of delay and without stabilization, from simulation: with the
+/// masses, damping and friction that sim_profile.hpp assumes, in a hand of two masses. No device
+/// was measured. Measured on the stability laboratory's flat wall with the exact penalty, and on
+/// its tap with the bare proxy. In the order of `device_profiles`.
 inline constexpr std::array<StiffnessBorder, device_profiles.size()> stiffness_borders{{
     {"low", 1985, 1701},
     {"falcon", 6464, 4669},
@@ -34,11 +34,12 @@ static_assert([] {
   return true;
 }());
 
-/// Of the lower border, what is taken: shapes that are worse than a flat wall are allowed for.
+/// Part of the lower border that is used; the rest allows for shapes that are worse than a flat
+/// wall.
 inline constexpr double stiffness_margin = 0.6;
 
-/// The stiffness that `"auto"` stands for, N/m at the device's tool: so much of the border, and no
-/// more than the device is rated for. `device` must be one of `device_profiles`.
+/// The stiffness that `"auto"` stands for, N/m at the device's tool: stiffness_margin of the
+/// border, and at most the device's rated stiffness. `device` must be one of `device_profiles`.
 [[nodiscard]] constexpr double stable_stiffness(const DeviceProfile& device) noexcept {
   for (const StiffnessBorder& border : stiffness_borders) {
     if (border.device != device.name) continue;

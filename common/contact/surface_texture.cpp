@@ -11,7 +11,7 @@ namespace spm {
 
 namespace {
 
-constexpr double most_cells = 1e12;  ///< from the origin, an axis
+constexpr double most_cells = 1e12;  ///< from the origin, along an axis
 
 /// The value at a corner of the lattice, -1 to 1.
 double corner_value(std::uint64_t seed, std::int64_t x, std::int64_t y, std::int64_t z) noexcept {
@@ -21,7 +21,7 @@ double corner_value(std::uint64_t seed, std::int64_t x, std::int64_t y, std::int
   return static_cast<double>(bits >> 11) * 0x1p-52 - 1;
 }
 
-/// The blend from one corner to the next and its slope; t from 0 to 1.
+/// The blend from one corner to the next, and its slope; t from 0 to 1.
 struct Blend {
   double value, slope;
   explicit Blend(double t) noexcept
@@ -32,7 +32,7 @@ struct Blend {
 
 TextureHeight texture_at(const TextureSettings& settings, const Vector3& place) noexcept {
   const Vector3 cells = place / settings.wavelength;
-  // Written so that what is no number is refused as well.
+  // Written so that NaN is rejected as well.
   if (!(cells.cwiseAbs().maxCoeff() < most_cells) || !cells.allFinite()) return {};
   const Vector3 low = cells.array().floor();
   const std::array<Blend, 3> blend{Blend(cells.x() - low.x()), Blend(cells.y() - low.y()),

@@ -10,7 +10,7 @@
 
 namespace spm {
 
-/// What an ElementIndex looks at.
+/// The memory that an ElementIndex points into.
 struct ElementIndexData {
   Vector3 origin = Vector3::Zero();
   double cell_size = 1;
@@ -36,9 +36,9 @@ struct ElementIndexData {
   }
 };
 
-/// Builds the index of a `sparse` asset from its trees: wherever the surface is within the band,
-/// every element that can matter to a point of a cube is in the cube's list. Allocates: for the
-/// loading thread. Empty for an asset that is not `sparse`.
+/// Builds the index of a `sparse` asset from its trees. Wherever the surface is within the band,
+/// the list of a cube names every element that can matter to a point of the cube. Allocates: for
+/// the loading thread. Empty for an asset that is not `sparse`.
 [[nodiscard]] ElementIndexData build_element_index(const AssetView& asset);
 
 }  // namespace spm

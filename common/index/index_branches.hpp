@@ -8,14 +8,14 @@
 #include <vector>
 
 #include "common/asset/asset_view.hpp"
-#include "common/query/closest_element.hpp"
 #include "common/index/index_lists.hpp"
 #include "common/index/unit_groups_build.hpp"
 #include "common/index/unit_reaches.hpp"
+#include "common/query/closest_element.hpp"
 
 namespace spm {
 
-/// A cube of an index in the making, and what can matter to its points.
+/// A cube of an index that is being built, and the packets that can matter to its points.
 struct IndexCube {
   Vector3 middle = Vector3::Zero();
   double half = 0;  ///< of its edge, m
@@ -29,7 +29,7 @@ struct IndexCube {
   double nearest_cap = std::numeric_limits<double>::infinity();  ///< of those in `claims`, m
 };
 
-/// What an index tells of a cube: of its octants, or of it as a whole.
+/// What an index records of a cube: of its octants, or of the cube as a whole.
 struct IndexBranch {
   std::unique_ptr<std::array<IndexBranch, 8>> octants;
   CubeKind kind = CubeKind::unknown;
@@ -37,7 +37,7 @@ struct IndexBranch {
   float beyond = 0;  ///< as in IndexList
 };
 
-/// Finds what an index tells of cubes, one after another. For the loading thread.
+/// Determines what an index records of cubes, one after another. For the loading thread.
 class IndexBrancher {
  public:
   /// `asset`: with an index of groups alone, those of `units`; `slack`: of the index. Both stay.

@@ -7,11 +7,11 @@
 
 namespace spm {
 
-/// Numbers of groups, in order.
+/// Numbers of packets, in order.
 using GroupNumbers = std::vector<std::uint32_t>;
 
-/// Groups of a list of an ElementIndex: those that may hold the nearest unit, and all, which those
-/// are among.
+/// The packets of a list of an ElementIndex: `all`, and among them those that may hold the nearest
+/// primitive.
 struct IndexLists {
   GroupNumbers nearest, all;
 

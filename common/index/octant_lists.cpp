@@ -8,6 +8,7 @@
 #include <span>
 
 #include "common/query/closest_element.hpp"
+#include "common/surface/closest_on_tile.hpp"
 #include "common/surface/closest_on_triangle.hpp"
 
 namespace spm {

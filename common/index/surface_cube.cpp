@@ -7,6 +7,8 @@
 #include <numbers>
 #include <optional>
 
+#include "common/surface/closest_on_tile.hpp"
+
 namespace spm {
 
 namespace {

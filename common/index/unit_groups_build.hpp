@@ -8,7 +8,8 @@
 
 namespace spm {
 
-/// All groups of an asset's units, and what building an index asks of the units.
+/// All packets of an asset's primitives, and what the index's builder needs to know of the
+/// primitives.
 struct UnitGroupsData {
   std::vector<CellGroup> cells;
   std::vector<ClipGroup> clips;

@@ -9,7 +9,7 @@
 
 namespace spm {
 
-/// A cube, and upper bounds of the distance to the surface, each convex.
+/// A cube, and two upper bounds of the distance to the surface, each convex over the cube.
 struct SurfaceCube {
   std::array<float, 3> middle{};  ///< m from the tree's origin
   float half = 0;                 ///< of its edge, m
@@ -17,7 +17,7 @@ struct SurfaceCube {
   std::array<std::array<float, 8>, 2> known{};
 };
 
-/// What a group can be to the points of a cube.
+/// Bound of a packet's distance over the points of a cube.
 struct GroupReach {
   float least = 0;          ///< m: see group_reaches; the least of its units
   std::uint32_t lanes = 0;  ///< a bit for each unit that is in reach

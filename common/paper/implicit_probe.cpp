@@ -11,7 +11,7 @@ ProbeSpan SphereProbe::span(const Vector3& origin, const Vector3& direction) con
   const double middle = to_centre.dot(direction);
   const double aside = (to_centre - middle * direction).squaredNorm();
   const double square = radius_ * radius_ - aside;
-  // Written so that NaN misses.
+  // Written so that NaN counts as a miss.
   if (!(square >= 0)) return {};
   const double half = std::sqrt(square);
   return {middle - half, middle + half};
@@ -24,7 +24,8 @@ ProbeSpan CapsuleProbe::span(const Vector3& origin, const Vector3& direction) co
     result.near = std::min(result.near, part.near);
     result.far = std::max(result.far, part.far);
   };
-  // The capsule is convex, so the span of the whole runs from the first of its parts to the last.
+  // The capsule is convex, so its span runs from the first entry into one of its parts to the last
+  // exit.
   include(SphereProbe(from_, radius_).span(origin, direction));
   include(SphereProbe(to_, radius_).span(origin, direction));
   const Vector3 axis = to_ - from_;

@@ -7,7 +7,8 @@
 
 namespace spm {
 
-/// Where a line runs within a probe, m along the line; `near` above `far` where it misses.
+/// The part of a line that lies within a probe, m along the line; `near` is above `far` where the
+/// line misses the probe.
 struct ProbeSpan {
   double near = std::numeric_limits<double>::infinity();
   double far = -std::numeric_limits<double>::infinity();
@@ -15,18 +16,19 @@ struct ProbeSpan {
   [[nodiscard]] bool hit() const noexcept { return near <= far; }
 };
 
-/// A convex probe in implicit form: section 3.2 needs of a probe no more than where a line along a
-/// support plane's normal enters it, S-, and leaves it, S+. All in the object's frame, metres.
+/// A convex probe in implicit form. Section 3.2 only needs to know where a line along a support
+/// plane's normal enters the probe, S-, and where it leaves it, S+. All in the object's frame,
+/// metres.
 class ImplicitProbe {
  public:
   ImplicitProbe(const ImplicitProbe&) = delete;
   ImplicitProbe& operator=(const ImplicitProbe&) = delete;
   virtual ~ImplicitProbe() = default;
 
-  /// The span of the line origin + t direction, direction of unit length.
+  /// The span within the probe of the line origin + t direction; direction of unit length.
   [[nodiscard]] virtual ProbeSpan span(const Vector3& origin,
                                        const Vector3& direction) const noexcept = 0;
-  /// A ball that holds the probe.
+  /// Centre of a ball that contains the probe; `reach` is its radius.
   [[nodiscard]] virtual Vector3 centre() const noexcept = 0;
   [[nodiscard]] virtual double reach() const noexcept = 0;
 
@@ -49,10 +51,10 @@ class SphereProbe final : public ImplicitProbe {
   double radius_;
 };
 
-/// All that is within a radius of a line between two points.
+/// All points within a radius of the line segment between two points.
 class CapsuleProbe final : public ImplicitProbe {
  public:
-  /// `radius` above 0; the ends may be one point.
+  /// `radius` above 0; both ends may be the same point.
   CapsuleProbe(const Vector3& from, const Vector3& to, double radius) noexcept
       : from_(from), to_(to), radius_(radius) {}
 

@@ -10,7 +10,8 @@ namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
-// One binary for every CPU, wide where the CPU is; sanitizers cannot start through ifuncs.
+// One binary for every CPU that uses wide instructions where there are any. Sanitizers cannot start
+// through ifuncs.
 #if defined(__x86_64__) && !defined(__SANITIZE_THREAD__) && !defined(__SANITIZE_ADDRESS__)
 #define SPM_WIDE [[gnu::target_clones("avx2", "default")]]
 #else
@@ -19,7 +20,7 @@ constexpr double infinity = std::numeric_limits<double>::infinity();
 
 constexpr std::size_t lanes = 16;
 
-/// Least offset - n . p over all planes and its index, lane by lane, so that it vectorises.
+/// The least offset - n . p over all planes, and its index; lane by lane, so that it vectorises.
 SPM_WIDE std::size_t argmin_depth(const double* nx, const double* ny, const double* nz,
                                   const double* offset, std::size_t count, double x, double y,
                                   double z) noexcept {
@@ -78,7 +79,8 @@ PaperContact all_planes(const AssetView& asset, const Vector3& point) noexcept {
   double least = infinity;
   for (std::size_t i = 0; i < asset.planes.size(); ++i) {
     const PaperContact here = paper_contact_on_plane(asset, i, point);
-    // A plane whose map does not reach P_M has no say, but one that the point lies outside of has.
+    // A plane whose map does not extend to P_M is ignored. One that the point lies outside of is
+    // not.
     if (here.surface_distance == infinity && here.plane_depth > 0) continue;
     if (!here.contact) return {};
     if (here.depth < least) {
@@ -97,7 +99,7 @@ std::size_t closest_support_plane(const AssetView& asset, const Vector3& point) 
                       point.z());
 }
 
-// Where only some of the four samples around P_M met the surface, the nearest sample decides alone:
+// Where only some of the four samples around P_M met the surface, only the nearest sample is used:
 // interpolating with a miss would invent a surface.
 PaperContact paper_contact_on_plane(const AssetView& asset, std::size_t index,
                                     const Vector3& point) noexcept {

@@ -8,40 +8,41 @@
 
 namespace spm {
 
-/// Readings of section 5.2, which says only that distances are estimated for all support planes and
-/// forces calculated for the closer one.
+/// Ways to read section 5.2, which only says that distances are estimated for all support planes
+/// and that forces are calculated for the closer one.
 enum class PaperRule : std::uint8_t {
   closest_plane,    ///< the plane closest to the point, smallest S_SP; the default reading
   closest_surface,  ///< the plane whose mapped surface is closest, smallest |S_SP - D_SP|
-  all_planes,       ///< contact only where every plane says so; the smallest depth
+  all_planes,       ///< contact only where every plane reports it; uses the smallest depth
 };
 
-/// What the paper's rule found at a point.
+/// Result of the paper's rule at a point.
 struct PaperContact {
   bool contact = false;
   std::uint32_t plane = 0;
   double plane_depth = 0;            ///< S_SP, m, positive inside
   double surface_distance = 0;       ///< D_SP(P_M), m
-  double depth = 0;                  ///< S_SP - D_SP(P_M), uncorrected, m; 0 where no contact
+  double depth = 0;                  ///< S_SP - D_SP(P_M), uncorrected, m; 0 without contact
   Vector3 normal = Vector3::Zero();  ///< n_S / |n_S| of eq. 5
 };
 
-/// Index of the plane closest to the point, smallest S_SP, the lowest index where several are: all
-/// planes are evaluated. `asset` must be a `full` one.
+/// Index of the plane closest to the point, that is with the smallest S_SP; the lowest index in a
+/// tie. Evaluates all planes. `asset` must be a `full` one.
 [[nodiscard]] std::size_t closest_support_plane(const AssetView& asset,
                                                 const Vector3& point) noexcept;
 
-/// Contact by the paper's rule on the scalar map (layer 0) of a `full` asset, eq. 3 to 8. Point in
-/// the asset's frame, metres.
+/// Contact by the paper's rule on the scalar map (layer 0) of a `full` asset, eq. 3 to 8. The point
+/// is in the asset's frame, metres.
 [[nodiscard]] PaperContact paper_contact(const AssetView& asset, const Vector3& point,
                                          PaperRule rule) noexcept;
 
-/// The same for a plane that was chosen before: what is left once the search is done. `plane` must
-/// be one of the asset's.
+/// The same for a plane that was chosen before: the part of paper_contact that follows the search.
+/// `plane` must be one of the asset's.
 [[nodiscard]] PaperContact paper_contact_on_plane(const AssetView& asset, std::size_t plane,
                                                   const Vector3& point) noexcept;
 
-/// Magnitude of the penalty force, N: eq. 3. Not zero outside contact; the caller gates it.
+/// Magnitude of the penalty force, N: eq. 3. It is not zero outside contact; the caller must test
+/// for contact.
 [[nodiscard]] double paper_force_magnitude(double stiffness, double plane_depth,
                                            double surface_distance) noexcept;
 

@@ -10,19 +10,19 @@ namespace spm {
 
 namespace {
 
-/// A sample of a map with the probe over or under it, all in m below the support plane.
+/// A sample of a map, and the probe's span along its ray; all in m below the support plane.
 struct Column {
   ProbeSpan probe;     ///< near: S-, far: S+
   double surface = 0;  ///< D_SP
   Vector3 normal = Vector3::Zero();
 };
 
-/// A position in samples as one of a map's.
+/// A position in samples, clamped to those of a map.
 std::uint32_t clamped(double position, std::uint32_t count) noexcept {
   return static_cast<std::uint32_t>(std::clamp(position, 0.0, static_cast<double>(count - 1)));
 }
 
-/// Calls `visit` with every sample in C_S, the probe's projection on the plane closest to it.
+/// Calls `visit` with every sample in C_S, the projection of the probe on the plane closest to it.
 template <class Visit>
 void visit_columns(const AssetView& asset, const ImplicitProbe& probe, const Visit& visit) {
   const Vector3 centre = probe.centre();

@@ -8,7 +8,7 @@ namespace spm {
 
 namespace {
 
-/// M_1 where the normal of S_1 through a point meets it.
+/// The place of M_1 that the normal of S_1 through a point meets.
 struct Under {
   double depth = std::numeric_limits<double>::quiet_NaN();  ///< f of eq. 13, m
   Vector3 normal = Vector3::Zero();                         ///< n_S, not of unit length
@@ -57,7 +57,7 @@ PenetrationVolume penetration_volume(const AssetView& object1, std::size_t plane
       const Under found = under(object1, plane1, point);
       // Written so that a miss of either map counts for nothing.
       if (!(found.depth > 0)) continue;
-      // The tangents' cross product is the area of surface for one of the plane.
+      // The tangents' cross product is the area of surface per area of the plane.
       const double share =
           factor == AreaFactor::paper
               ? paper_cosine

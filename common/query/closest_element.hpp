@@ -8,6 +8,7 @@
 
 #include "common/asset/asset_view.hpp"
 #include "common/query/side_claims.hpp"
+#include "common/surface/closest_on_tile.hpp"
 #include "common/surface/tile.hpp"
 
 namespace spm {
@@ -23,7 +24,7 @@ inline constexpr double facing_cosine = 0.998;
 /// How much farther than the nearest foot one that faces the point may be and count, in tolerances.
 inline constexpr double facing_tolerances = 0.7;
 
-/// The foot of a point on an element of a `sparse` asset.
+/// The point of one element of a `sparse` asset that is closest to a query point.
 struct ElementFoot {
   double distance = std::numeric_limits<double>::infinity();  ///< m
   const Tile* tile = nullptr;                                 ///< null: on a triangle
@@ -32,7 +33,7 @@ struct ElementFoot {
   double along_normal = 0;  ///< how much of the distance is along the foot's own normal, m
 };
 
-/// What the elements say of a point, before the side is told.
+/// The result of a search among the elements, before the side of the point is decided.
 struct ElementReading {
   ElementReading(double tie, double rounding) noexcept : sides(tie, rounding) {}
 

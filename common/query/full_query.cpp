@@ -5,19 +5,19 @@
 #include <cmath>
 #include <limits>
 
+#include "common/asset/grid_list.hpp"
+#include "common/base/octahedral.hpp"
 #include "common/query/closest_element.hpp"
 #include "common/surface/closest_on_map.hpp"
 #include "common/surface/closest_on_triangle.hpp"
-#include "common/asset/grid_list.hpp"
-#include "common/base/octahedral.hpp"
 
 namespace spm {
 
 namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
-/// Feet of triangles closer to each other than this share of a cell are one place: an edge or
-/// corner.
+/// Closest points on triangles that are nearer to each other than this part of a cell are one
+/// place: an edge or corner.
 constexpr double tie_share_of_cell = 2e-5;
 
 Answer deep_answer(const Band& band, const Vector3& normal) noexcept {
@@ -28,7 +28,7 @@ Answer deep_answer(const Band& band, const Vector3& normal) noexcept {
   return answer;
 }
 
-/// The foot of least rank among a list's maps.
+/// The closest point of least rank among the maps of a list.
 Answer closest_of_maps(const AssetView& asset, const GridList& list,
                        const Vector3& point) noexcept {
   const DistanceMap* map = nullptr;
@@ -96,14 +96,15 @@ Answer closest_of_triangles(const AssetView& asset, const GridList& list,
   if (!std::isfinite(surface)) return unanswered(Status::far);
   Answer answer;
   answer.distance = side * surface;
-  // On the surface itself the direction to the foot is noise; the face's normal is not.
+  // On the surface itself the direction to the closest point is noise; the face's normal is not.
   answer.normal = surface > tie ? Vector3(side * (point - foot) / surface) : face_normal;
   answer.source = Source::triangles;
   answer.status = Status::exact;
   return answer;
 }
 
-/// The word that tells what lies around a point: of its grid cell, or of the octant of a split one.
+/// The word for the surroundings of a point: that of its grid cell, or of an octant of a split
+/// cell.
 std::uint32_t word_at(const Grid& grid, const Vector3& point) noexcept {
   constexpr std::uint32_t nothing = static_cast<std::uint32_t>(CellKind::far) << 30U;
   std::size_t cell = 0;

@@ -5,7 +5,7 @@
 
 namespace spm {
 
-/// query_point on a `full` asset, but for where its band ends.
+/// query_point on a `full` asset, except that the end of the band is not applied.
 [[nodiscard]] Answer query_full(const AssetView& asset, const Vector3& point) noexcept;
 
 }  // namespace spm

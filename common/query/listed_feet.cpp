@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "common/surface/cell_foot.hpp"
+#include "common/surface/closest_on_tile.hpp"
 
 namespace spm {
 

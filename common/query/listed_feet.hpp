@@ -7,7 +7,7 @@
 
 namespace spm {
 
-/// The feet of a point on the units that a list names.
+/// The closest points on the primitives of a list.
 struct ListedFeet {
   ElementFoot nearest;  ///< its distance is infinite where there is none
   /// As in ElementReading, where it is another.

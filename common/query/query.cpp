@@ -8,22 +8,25 @@
 #include "common/query/closest_element.hpp"
 #include "common/query/full_query.hpp"
 #include "common/query/listed_feet.hpp"
+#include "common/surface/closest_on_tile.hpp"
 
 namespace spm {
 
 namespace {
 
-/// A foot whose normal meets the point within this cosine is a face's, not an edge's.
+/// A closest point whose normal passes through the query point, within this cosine, lies on a face
+/// and not on an edge.
 constexpr float facing_share = 0.9995F;
-/// Nearer to the surface than this share of the tolerance, directions to the foot are noise.
+/// Nearer to the surface than this part of the tolerance, the direction to the closest point is
+/// noise.
 constexpr double surface_share = 0.1;
 
-/// Outward normal of the solid at a foot, for a point on a side of it.
+/// Outward normal of the solid at a closest point, for a query point on the given side.
 Vector3 normal_of(const AssetView& asset, const ElementFoot& foot, const Vector3& point,
                   bool inside) noexcept {
   const double side = inside ? -1 : 1;
-  // Off the foot's own normal the point faces an edge, and its direction is the gradient; on the
-  // surface itself that direction is noise.
+  // Away from the closest point's own normal the query point faces an edge, and the direction
+  // between them is the gradient. On the surface itself that direction is noise.
   const bool close = foot.distance < surface_share * asset.tolerance;
   if (foot.tile == nullptr) {
     const Vector3 away = point - foot.on_triangle;
@@ -35,7 +38,7 @@ Vector3 normal_of(const AssetView& asset, const ElementFoot& foot, const Vector3
   const SupportPlane& plane = asset.planes[foot.tile->plane];
   const bool faces = std::abs(on.below) >= facing_share * on.distance && (on.below > 0) == inside;
   if (faces || close) {
-    // Eq. 5, which in the plane's frame is this.
+    // Eq. 5, written in the plane's frame.
     return from_plane_frame(plane, static_cast<double>(on.slope_eta),
                             static_cast<double>(on.slope_omega), -1)
         .normalized();
@@ -46,13 +49,13 @@ Vector3 normal_of(const AssetView& asset, const ElementFoot& foot, const Vector3
                     .normalized();
 }
 
-/// On which side of a foot a point lies.
+/// On which side of the surface at a closest point the query point lies.
 bool is_inside(const ElementFoot& foot, const Vector3& point) noexcept {
   if (foot.tile != nullptr) return foot.on_tile.below > 0;
   return foot.triangle_normal.dot(point - foot.on_triangle) < 0;
 }
 
-/// What lies around a point; `unknown` where nothing is to be answered.
+/// The kind of the surroundings of a point; `unknown` where there is no answer.
 CubeKind kind_of(SpaceKind kind) noexcept {
   switch (kind) {
     case SpaceKind::told:
@@ -66,7 +69,7 @@ CubeKind kind_of(SpaceKind kind) noexcept {
   }
 }
 
-/// What is told by the nearest foot, and the one whose direction counts.
+/// Sets the answer from the nearest closest point, and from the one whose direction counts.
 void set_answer(const AssetView& asset, const ElementFoot& nearest, const ElementFoot& foot,
                 const Vector3& point, bool inside, Answer& answer) noexcept {
   if (!std::isfinite(nearest.distance)) {
@@ -83,7 +86,7 @@ void set_answer(const AssetView& asset, const ElementFoot& nearest, const Elemen
   answer.status = Status::exact;
 }
 
-/// By the elements of the list, or where there is none by the tree.
+/// Answers from the elements of the list, or from the tree where there is no list.
 void query_elements(const AssetView& asset, const IndexList& list, const Vector3& point,
                     CubeKind kind, Answer& answer) noexcept {
   const ElementReading reading = list.numbers != nullptr ? read_elements(asset, list, point)
@@ -97,7 +100,8 @@ void query_elements(const AssetView& asset, const IndexList& list, const Vector3
   if (told && answer.status == Status::exact) answer.distance = told_distance(asset, reading);
 }
 
-/// By the feet on what a list names, in a place that is not told.
+/// Answers from the closest points on a list's primitives, in a place whose side is not known
+/// beforehand.
 void set_listed(const AssetView& asset, const ListedFeet& feet, const Vector3& point, CubeKind kind,
                 Answer& answer) noexcept {
   const ElementFoot& foot = feet.faced();
@@ -106,7 +110,7 @@ void set_listed(const AssetView& asset, const ListedFeet& feet, const Vector3& p
   set_answer(asset, feet.nearest, foot, point, inside, answer);
 }
 
-/// Gives how far the surface is, as AnswerAndDistance.
+/// Returns the distance of the surface, as in AnswerAndDistance.
 double query_sparse(const AssetView& asset, const IndexList& list, const Vector3& point,
                     Answer& answer) noexcept {
   CubeKind kind = list.kind;
@@ -132,7 +136,7 @@ double query_sparse(const AssetView& asset, const IndexList& list, const Vector3
   return feet.nearest.distance;
 }
 
-/// What is told beyond the band.
+/// Completes an answer beyond the band.
 void settle(const AssetView& asset, Answer& answer) noexcept {
   if (answer.status != Status::exact) return;
   if (answer.distance > asset.band.margin + asset.tolerance) {
@@ -143,7 +147,7 @@ void settle(const AssetView& asset, Answer& answer) noexcept {
   }
 }
 
-/// At most points_at_once, a step of each at a time.
+/// At most points_at_once points, one step of each at a time.
 void query_some(const AssetView& asset, std::span<const Vector3> points,
                 std::span<Answer> answers) noexcept {
   std::array<IndexList, points_at_once> lists;

@@ -13,7 +13,7 @@ enum class Status : std::uint8_t {
   exact,  ///< in the band
   deep,  ///< inside, beyond the band: distance is -max_depth, a bound; the normal is the best known
   far,   ///< outside, beyond the margin: distance NaN, normal zero
-  pruned,  ///< in a place the bake left out: distance NaN, normal zero
+  pruned,  ///< in a region that the bake left out: distance NaN, normal zero
 };
 
 enum class Source : std::uint8_t { map, triangles, none };
@@ -23,12 +23,12 @@ struct Answer {
   double distance = 0;               ///< signed, m, negative inside
   Vector3 normal = Vector3::Zero();  ///< unit, outward
   std::int32_t plane = -1;           ///< row of the plane table, -1 for triangles
-  std::int32_t layer = -1;           ///< crossing along the plane's ray, 0 the first
+  std::int32_t layer = -1;           ///< crossing along the plane's ray, counted from 0
   Source source = Source::none;
   Status status = Status::far;
 };
 
-/// What is not known where nothing is answered.
+/// The answer where nothing is known: distance NaN, and the status.
 [[nodiscard]] inline Answer unanswered(Status status) noexcept {
   Answer answer;
   answer.distance = std::numeric_limits<double>::quiet_NaN();
@@ -37,25 +37,25 @@ struct Answer {
 }
 
 /// Signed distance, normal, plane and layer at a point in the asset's frame (metres): the product's
-/// `spm` query. Bounded time: the elements whose boxes may hold the nearest, a bounded number of
-/// steps each. A NaN or infinite point answers `far`. Never throws, allocates or reads outside the
-/// views.
+/// `spm` query. Bounded time: it visits the elements whose boxes may contain the nearest one, with
+/// a bounded number of steps for each. A NaN or infinite point answers `far`. Never throws,
+/// allocates or reads outside the views.
 [[nodiscard]] Answer query_point(const AssetView& asset, const Vector3& point) noexcept;
 
-/// An answer, and how far away the surface is.
+/// An answer, and the distance of the surface.
 struct AnswerAndDistance {
   Answer answer;
-  /// m, unsigned, to the tolerance: beyond the margin as well; below 0 where the query did not find
-  /// it.
+  /// m, unsigned, within the tolerance, also beyond the margin; below 0 where the query did not
+  /// find it.
   double distance = -1;
 };
 
-/// query_point of a `sparse` asset at a point of whose cube the list is known (list_at).
+/// query_point of a `sparse` asset where the list of the point's cube is known (list_at).
 [[nodiscard]] AnswerAndDistance query_point(const AssetView& asset, const IndexList& list,
                                             const Vector3& point) noexcept;
 
-/// The same answers for as many points as there are answers, faster: what some wait for from
-/// memory comes while others are worked on.
+/// The same answers for as many points as there are answers, but faster: while some wait for
+/// memory, others are computed.
 void query_points(const AssetView& asset, std::span<const Vector3> points,
                   std::span<Answer> answers) noexcept;
 

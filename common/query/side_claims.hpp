@@ -6,41 +6,43 @@
 #include <cmath>
 #include <limits>
 
-#include "common/query/triangle_side.hpp"
 #include "common/base/vector.hpp"
+#include "common/query/triangle_side.hpp"
 
 namespace spm {
 
-/// What one surface says of a point: how far it is, on which side the point lies, and how much of
-/// the distance is along the foot's own normal; m.
+/// The vote of one surface on a point: its distance, the side on which the point lies, and the
+/// component of the distance along the normal at the closest point; m.
 struct SideClaim {
   double distance = std::numeric_limits<double>::infinity();
   bool inside = false;
   double along_normal = 0;
 };
 
-/// Gathers the claims of surfaces and tells the side. A foot within a surface faces the point: its
-/// normal meets it, and the nearest such foot tells the side. A foot on a border or an edge faces
-/// it less, and says little; of those that share an edge the one that faces the point most tells.
-/// What shares an edge is no farther apart than the surfaces are off: so a claim is worth the less
-/// the more its normal looks past the point, and the farther it is, in ties. (How the sine counts
-/// was chosen by trials: with its power 1.5 the fewest answers were wrong.)
+/// Gathers the votes of surfaces and decides the side of a point.
 ///
-/// Triangles are the surface itself, and tell the side among themselves (TriangleSide): only the
-/// claims of those count that are for that side.
+/// The normal at a closest point in the interior of a surface passes through the point; the nearest
+/// such closest point decides. A closest point on a border or an edge faces the point less, and its
+/// vote is weak; of those that share an edge, the one that faces the point most decides. Surfaces
+/// that share an edge are no farther apart than their error. So a vote weighs less the more its
+/// normal points past the point, and, in ties, the farther away it is. (How the sine counts was
+/// chosen by experiment: the power 1.5 gave the fewest wrong answers.)
+///
+/// Triangles are the surface itself, and decide the side among themselves (TriangleSide): of their
+/// votes only those for that side count.
 class SideClaims {
  public:
-  /// `tie`: how much farther a claim must be for what it says to be worth nothing; `rounding`: how
-  /// far apart feet of triangles may be and be the same but for rounding; m, above 0.
+  /// `tie`: how much farther away a vote must be for its weight to vanish. `rounding`: how far
+  /// apart closest points on triangles may be and still be the same but for rounding. m, above 0.
   SideClaims(double tie, double rounding) noexcept : tie_(tie), triangles_(rounding) {}
 
-  /// Adds what a fitted surface says.
+  /// Adds the vote of a fitted surface.
   void add(const SideClaim& claim) noexcept {
     double& best = claim.inside ? fitted_.inside : fitted_.outside;
     best = std::max(best, worth(claim));
   }
 
-  /// Adds what a triangle says that has these corners and this foot.
+  /// Adds the vote of a triangle with these corners and this closest point.
   void add_exact(const SideClaim& claim, const std::array<Vector3, 3>& corners,
                  const Vector3& foot) noexcept {
     double& best = claim.inside ? exact_.inside : exact_.outside;
@@ -49,17 +51,16 @@ class SideClaims {
                    claim.inside ? -claim.along_normal : claim.along_normal);
   }
 
-  /// Claims farther than this can no longer change the answer, nor a margin below `margin`, m.
+  /// Votes farther away than this, m, can no longer change the answer, nor a margin below `margin`.
   [[nodiscard]] double limit(double margin = 0) const noexcept {
     return tie_ * (1 + margin - std::max(of_inside(), of_outside()));
   }
   [[nodiscard]] bool inside() const noexcept { return of_inside() > of_outside() + even; }
-  /// How clear the answer is: the difference of what the two sides are worth, of those claims that
-  /// were added.
+  /// How clear the answer is: the difference of the weights of the two sides, over the votes added.
   [[nodiscard]] double margin() const noexcept { return std::abs(of_inside() - of_outside()); }
 
  private:
-  /// Two sheets in one place say both, and lie outside more often than within.
+  /// Two sheets in one place vote for both sides, and are outside more often than inside.
   static constexpr double even = 1e-9;
   struct Worth {
     double inside = -std::numeric_limits<double>::infinity();

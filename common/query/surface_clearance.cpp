@@ -13,10 +13,11 @@ namespace spm {
 
 namespace {
 
-/// What the roundings of boxes of floats may add to a distance, of its size and of the box's.
+/// Bound of the error that rounding boxes to floats may add to a distance, relative to the distance
+/// and to the box.
 constexpr double rounding_share = 2e-6;
 
-/// Nodes that were not opened yet, and the squares of how far they are, m^2.
+/// Nodes that were not opened yet, and the squares of their distances, m^2.
 struct OpenNodes {
   static constexpr std::size_t most =
       static_cast<std::size_t>(most_clearance_nodes) * (tree_children - 1) + 1;
@@ -24,7 +25,7 @@ struct OpenNodes {
     std::uint32_t number;
     TreeBox box;
   };
-  // Without initial values: only what was put is read.
+  // Left uninitialised: only entries that were put are read.
   std::array<float, most> squares;
   std::array<Node, most> nodes;
   std::size_t count = 0;
@@ -53,7 +54,7 @@ double box_clearance(const AssetView& asset, const Vector3& point) noexcept {
   float least = std::numeric_limits<float>::infinity();
   NodeBoxes boxes;
   for (int opened = 0; opened < most_clearance_nodes && open.count > 0; ++opened) {
-    // The nearest is opened: what is left then bounds everything.
+    // The nearest node is opened; the remaining ones then bound everything.
     const std::size_t at = open.nearest();
     if (open.squares[at] >= least) break;
     const std::uint32_t* node =
@@ -80,8 +81,8 @@ double box_clearance(const AssetView& asset, const Vector3& point) noexcept {
 
 double surface_clearance(const AssetView& asset, const Vector3& point) noexcept {
   if (!point.allFinite()) return 0;
-  // Asked as if inside, nothing is too far away to be found; what is found beyond the band may be a
-  // quarter farther than the nearest.
+  // For a query as if from inside, nothing is too far away to be found. A result beyond the band
+  // may be a quarter farther away than the nearest.
   const IndexList list = list_at(asset.index, point);
   const double found = list.numbers != nullptr
                            ? listed_nearest(asset, list, point).distance

@@ -5,15 +5,15 @@
 
 namespace spm {
 
-/// Nodes of a tree that box_clearance opens at most.
+/// Largest number of tree nodes that box_clearance opens.
 inline constexpr int most_clearance_nodes = 24;
 
-/// A lower bound of the distance from a point (the asset's frame, m) to the surface of a `sparse`
-/// asset, from the boxes of its elements alone: cheap, and known far beyond the margin, where
-/// query_point answers `far`. 0 within a box, infinite without elements, NaN never.
+/// Lower bound of the distance from a point (the asset's frame, m) to the surface of a `sparse`
+/// asset, from the boxes of its elements alone. It is cheap, and known far beyond the margin, where
+/// query_point answers `far`. 0 within a box, infinite without elements, never NaN.
 [[nodiscard]] double box_clearance(const AssetView& asset, const Vector3& point) noexcept;
 
-/// The same from the elements themselves: at least 0.8 of the distance less a tolerance. Takes as
+/// The same from the elements themselves: at least 0.8 of the distance, minus a tolerance. Takes as
 /// long as a query.
 [[nodiscard]] double surface_clearance(const AssetView& asset, const Vector3& point) noexcept;
 

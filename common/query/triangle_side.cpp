@@ -11,7 +11,7 @@ namespace spm {
 
 namespace {
 
-/// So near to a corner, as a share of the shorter side squared, a foot is at it.
+/// A closest point this near to a corner, relative to the shorter side squared, is at the corner.
 constexpr double corner_share = 1e-14;
 
 }  // namespace
@@ -19,7 +19,7 @@ constexpr double corner_share = 1e-14;
 FootCorner foot_corner(const std::array<Vector3, 3>& corners, const Vector3& foot,
                        bool within) noexcept {
   if (within) return {2 * std::numbers::pi, Vector3::Zero()};
-  // The side that the foot lies on is the one whose ends are least out of the way.
+  // The closest point lies on the side between whose ends it is the smallest detour.
   std::size_t side = 0;
   double least = std::numeric_limits<double>::infinity();
   for (std::size_t k = 0; k < 3; ++k) {

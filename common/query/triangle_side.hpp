@@ -10,30 +10,35 @@
 
 namespace spm {
 
-/// What a triangle takes up about its foot.
+/// The angle that a triangle takes up around the closest point on it.
 struct FootCorner {
-  double angle = 0;  ///< rad: half a turn on a side, a whole one within
-  /// Of the unit vectors along the triangle's borders away from the foot, the one along its
-  /// orientation less the other; 0 within. Those of triangles all around a foot add up to 0.
+  double angle = 0;  ///< rad: pi on a side, 2 pi in the interior
+  /// The difference of the unit vectors along the triangle's borders away from the closest point:
+  /// the one along its orientation minus the other; 0 in the interior. For triangles that surround
+  /// a closest point completely these add up to 0.
   Vector3 borders = Vector3::Zero();
 };
 
-/// `foot` is the triangle's point closest to another, and `within` where it is on no side of it.
+/// `foot` is the triangle's point closest to the query point; `within` is true where it is on none
+/// of the triangle's sides.
 [[nodiscard]] FootCorner foot_corner(const std::array<Vector3, 3>& corners, const Vector3& foot,
                                      bool within) noexcept;
 
-/// Tells on which side of a mesh a point lies, from the triangles nearest to it. Those that lie all
-/// around the nearest foot tell it by the sum of their normals, each with the angle that the
-/// triangle takes up there (Baerentzen and Aanaes 2005). Where a triangle's neighbour is not there,
-/// because a tile stands for it or corners were rounded, of all feet that rounding may have put
-/// behind the nearest the one tells that faces the point most, if they are more than one face's.
+/// Decides on which side of a mesh a point lies, from the triangles nearest to it.
+///
+/// Triangles that surround the nearest closest point decide by the sum of their normals, each
+/// weighted with the angle that the triangle takes up there (Baerentzen and Aanaes 2005). A
+/// triangle's neighbour may be missing, because a tile replaces it or corners were rounded. Then
+/// all closest points are considered that rounding may have put behind the nearest; if they belong
+/// to more than one face, the one that faces the point most decides.
 class TriangleSide {
  public:
-  /// `rounding`: how far apart feet may be that were one before corners were rounded, m, above 0.
+  /// `rounding`: how far apart closest points may be that were one before corners were rounded, m,
+  /// above 0.
   explicit TriangleSide(double rounding) noexcept : rounding_(rounding) {}
 
-  /// Adds a triangle: its corners, its foot and that one's distance, and how much of the distance
-  /// is along the triangle's normal, m, below 0 inside.
+  /// Adds a triangle: its corners, its closest point and that point's distance, and the component
+  /// of the distance along the triangle's normal, m, below 0 inside.
   void add(const std::array<Vector3, 3>& corners, const Vector3& foot, double distance,
            double along_normal) noexcept {
     const bool near = is_near(foot, distance);
@@ -53,7 +58,7 @@ class TriangleSide {
     about_.add(cosine, corner);
   }
 
-  /// Above 0 outside, below 0 inside, 0 where the triangles do not tell.
+  /// Above 0 outside, below 0 inside, 0 where the triangles do not decide.
   [[nodiscard]] double side() const noexcept {
     if (shared_.closed()) return clear(shared_.sum);
     const bool both = about_.inside > 0 && about_.outside > 0;
@@ -65,15 +70,15 @@ class TriangleSide {
   static constexpr double same_share = 1e-3;
   static constexpr double no_border = 0.1;
   static constexpr double within_angle = 6;
-  static constexpr double within_cosine = 1 - 1e-9;  ///< 1 but for rounding of numbers
+  static constexpr double within_cosine = 1 - 1e-9;  ///< 1, less the rounding of numbers
   static constexpr double no_difference = 1e-6;
 
-  /// Triangles about a foot.
+  /// Triangles around a closest point.
   struct Around {
     Vector3 borders = Vector3::Zero();
-    double sum = 0;                  ///< of how they face the point, by angle
-    double inside = 0, outside = 0;  ///< how much the one that faces it most does
-    bool within = false;             ///< it lies within one of them
+    double sum = 0;                  ///< of the cosines to the point, weighted by angle
+    double inside = 0, outside = 0;  ///< largest cosine towards each side
+    bool within = false;             ///< it lies in the interior of one of them
 
     void add(double cosine, const FootCorner& corner) noexcept {
       borders += corner.borders;
@@ -88,17 +93,17 @@ class TriangleSide {
   double rounding_;
   double distance_ = std::numeric_limits<double>::max();
   Vector3 foot_ = Vector3::Constant(std::sqrt(std::numeric_limits<double>::max()) / 2);
-  Around shared_;  ///< the foot
-  Around about_;   ///< the foot, as near as rounding tells
+  Around shared_;  ///< around the nearest closest point
+  Around about_;   ///< around the same point, within rounding
 
-  /// True where rounding may have put a foot as far from the nearest.
+  /// True where rounding may have moved a closest point this far from the nearest.
   [[nodiscard]] bool is_near(const Vector3& foot, double distance) const noexcept {
     if (std::abs(distance - distance_) > rounding_share * rounding_) return false;
-    // To the side by as much as makes the distance differ by no more than that.
+    // Sideways by as much as changes the distance by no more than that.
     return (foot - foot_).squaredNorm() <= rounding_ * (rounding_ + 2 * rounding_share * distance);
   }
   [[nodiscard]] static double square(double x) noexcept { return x * x; }
-  /// The two faces of a sheet without thickness cancel but for rounding of numbers.
+  /// The two faces of a sheet without thickness cancel, apart from the rounding of numbers.
   [[nodiscard]] static double clear(double side) noexcept {
     return std::abs(side) > no_difference ? side : 0;
   }

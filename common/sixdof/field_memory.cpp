@@ -9,9 +9,9 @@ namespace spm {
 
 namespace {
 
-/// Normals that differ by more than this sine count as a plane that was off.
+/// Where normals differ by more than this sine, the plane counts as wrong.
 constexpr double turned_sine = 0.07;
-/// A reading so many reaches away tells nothing of how flat the field is.
+/// A reading this many validity radii away says nothing about how flat the field is.
 constexpr double judged_reaches = 3;
 constexpr double first_share = 0.5, least_share = 0.125, growth = 1.5;
 

@@ -8,13 +8,14 @@
 
 namespace spm {
 
-/// What a field said at a place, and how far from it its tangent plane may stand for the field.
+/// A field's answer at a point, and the radius around it in which its tangent plane may replace the
+/// field.
 struct FieldReading {
   Vector3 place = Vector3::Zero();    ///< the field's frame, m
   double distance = 0;                ///< signed, m; a lower bound where the normal is zero
   Vector3 normal = Vector3::Zero();   ///< unit, outward
-  float reach = -1;                   ///< m; below 0: nothing is known
-  std::uint32_t point = 0xFFFFFFFFU;  ///< whose it is in a FieldMemory
+  float reach = -1;                   ///< validity radius, m; below 0: nothing is known
+  std::uint32_t point = 0xFFFFFFFFU;  ///< the point of a FieldMemory that it belongs to
 
   [[nodiscard]] bool known() const noexcept { return reach >= 0; }
   [[nodiscard]] bool stands_for(const Vector3& at) const noexcept {
@@ -26,30 +27,33 @@ struct FieldReading {
   }
 };
 
-/// The latest readings of moving points, by their numbers, so that a point is asked again only
-/// where it has moved farther than the field is flat. How far that is each point learns from what
-/// it finds: where the plane that was remembered was off, it reaches half as far from then on, else
-/// farther. Built at load time (allocates); the rest neither allocates nor throws.
+/// The latest readings of moving points, by the points' numbers, so that the field is queried again
+/// only where a point has left the region in which the field is flat. Each point learns the size of
+/// that region from its readings: where the remembered plane was off, the validity radius is
+/// halved, otherwise it grows. Built at load time (allocates); everything else neither allocates
+/// nor throws.
 class FieldMemory {
  public:
   struct Settings {
-    double most_reach = 0;         ///< m; 0: nothing is used again but at the very place
-    double error = 1e-5;           ///< m, that a distance may be off when it is used again
-    std::uint32_t points = 65536;  ///< remembered at once, a power of two
+    double most_reach = 0;  ///< largest validity radius, m; 0: a reading is used again only at
+                            ///< exactly its own place
+    double error = 1e-5;    ///< m, allowed error of a distance that is used again
+    std::uint32_t points = 65536;  ///< number of points remembered at once, a power of two
   };
 
   explicit FieldMemory(const Settings& settings);
 
-  /// What is remembered of a point; not known where that is nothing. Stays until the next `learn`.
+  /// The reading that is remembered of a point; `known` is false where there is none. Valid until
+  /// the next `learn`.
   [[nodiscard]] const FieldReading& recall(std::uint32_t point) const noexcept;
 
-  /// Remembers a reading of a point that was just made at `reading.place`, and gives it its reach.
+  /// Remembers a new reading of a point, made at `reading.place`, and sets its validity radius.
   void learn(std::uint32_t point, FieldReading& reading) noexcept;
 
   void forget() noexcept;
 
  private:
-  /// A line of the processor's memory.
+  /// One cache line.
   struct alignas(64) Entry {
     FieldReading reading;
   };

@@ -23,7 +23,7 @@ bool NearestSimplex::add_fourth(const Vector3& point) noexcept {
   for (std::size_t k = 0; k < 4; ++k) {
     const Vector3 &a = points_[(k + 1) % 4], &b = points_[(k + 2) % 4], &c = points_[(k + 3) % 4];
     const Vector3 normal = (b - a).cross(c - a);
-    // The origin and the fourth point on two sides of a face: it is not surrounded.
+    // The origin and the fourth point lie on two sides of a face: the origin is not surrounded.
     if (!(normal.dot(-a) * normal.dot(points_[k] - a) > 0)) around_ = false;
     if (k == 3) continue;  // the face that was there before
     const Vector3 nearest = closest_on_triangle(Vector3::Zero(), a, b, c);

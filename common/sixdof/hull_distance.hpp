@@ -8,8 +8,8 @@
 
 namespace spm {
 
-/// Up to four points of a convex set, and the place of their hull that is nearest to the origin:
-/// what the iteration of Gilbert, Johnson and Keerthi (1988) keeps.
+/// Up to four points of a convex set, and the point of their hull that is nearest to the origin:
+/// the state of the iteration of Gilbert, Johnson and Keerthi (1988).
 class NearestSimplex {
  public:
   explicit NearestSimplex(const Vector3& first) noexcept : nearest_(first) { points_[0] = first; }
@@ -18,8 +18,8 @@ class NearestSimplex {
   /// True where the points surround the origin.
   [[nodiscard]] bool around_origin() const noexcept { return around_; }
 
-  /// Adds a point; drops the one that the nearest place does not need where there would be five.
-  /// False where it brings nothing nearer.
+  /// Adds a point. Where there would be five, it drops one that the nearest point does not need.
+  /// False where the new point brings the hull no nearer.
   bool add(const Vector3& point) noexcept;
 
  private:
@@ -31,15 +31,15 @@ class NearestSimplex {
   bool add_fourth(const Vector3& point) noexcept;
 };
 
-/// What hull_distance found of a convex set.
+/// Result of hull_distance for a convex set.
 struct HullDistance {
   Vector3 direction = Vector3::UnitX();  ///< unit, from the origin towards the set
-  double least = 0;  ///< m: it is at least so far away; 0: maybe around the origin
+  double least = 0;  ///< m: lower bound of its distance; 0: it may contain the origin
 };
 
-/// Distance from the origin to a convex set, which `support(v)` gives the point of that is farthest
-/// along v; at most `steps` of them. Ends as soon as the set is known to be farther than `enough`
-/// (m), or to hold the origin.
+/// Distance from the origin to a convex set. `support(v)` gives the point of the set that is
+/// farthest along v; it is called at most `steps` times, and once before. Ends as soon as the set
+/// is known to be farther away than `enough` (m), or to contain the origin.
 template <class Support>
 [[nodiscard]] HullDistance hull_distance(const Support& support, const Vector3& first_direction,
                                          double enough, int steps) noexcept {

@@ -6,23 +6,24 @@
 #include <cmath>
 #include <limits>
 
-#include "common/query/query.hpp"
 #include "common/base/rigid_pose.hpp"
+#include "common/query/query.hpp"
 #include "common/query/surface_clearance.hpp"
 
 namespace spm {
 
 namespace {
 
-/// What two fields' errors may take off a clearance, in tolerances: at the sample that was asked,
-/// and at the one that is not.
+/// Reduction of a clearance by the errors of two field values, in tolerances: at the sample that
+/// was queried, and at the one that is not.
 constexpr double doubtful_tolerances = 2;
-/// Samples that are passed between two looks at the clock, where none of them asks a field.
+/// Number of samples that are skipped between two readings of the clock, where none of them queries
+/// a field.
 constexpr int passed_a_look = 16;
-/// An answer that is used again may be off by this part of how far it reaches at most.
+/// Ratio of the largest validity radius to the error that an answer may have when it is used again.
 constexpr double reaches_an_error = 50;
-/// A patch is not asked anew before it moved by so much of its radius: until then what was said of
-/// it bounds its distance, and serves where no finer one is reached.
+/// A patch is not queried again before it has moved by this part of its radius. Until then the old
+/// reading bounds its distance, and is used where no finer sample is reached.
 constexpr double stale_share = 0.5;
 /// Farther than any clearance, m.
 constexpr double out_of_reach = 1e4;
@@ -33,7 +34,7 @@ std::int64_t steady_now() noexcept {
       .count();
 }
 
-// Number by number: a vector that is written so and loaded in pairs is waited for.
+// Element by element: a vector that is written this way and loaded in pairs would stall.
 Vector3 turned(const Eigen::Matrix3d& by, const std::array<float, 3>& v) noexcept {
   return by.col(0) * double{v[0]} + by.col(1) * double{v[1]} + by.col(2) * double{v[2]};
 }
@@ -42,8 +43,8 @@ double length(const std::array<float, 3>& v) noexcept {
   return std::sqrt(x * x + y * y + z * z);
 }
 
-/// Depth of a patch whose parts lie evenly between `depth - half` and `depth + half`: mean of the
-/// part below the surface, mean square of it, and its share.
+/// Depth of a patch whose parts are spread evenly between `depth - half` and `depth + half`: mean
+/// and mean square over the part below the surface, and the size of that part.
 struct Pressed {
   double depth = 0, square = 0, share = 0;
 };
@@ -66,8 +67,8 @@ class ObjectContact::Clock {
     last_ = now_();
     end_ = last_ + budget.nanoseconds;
   }
-  /// True where time is over, or would be if what comes next, and the end of the tick, each took as
-  /// long as the longest yet, and so many samples were still to be pressed.
+  /// True where time is over. Also where it would run out if the next piece of work and the end of
+  /// the tick each took as long as the longest so far, with this many samples still to be pressed.
   [[nodiscard]] bool over(const ObjectContactReport& report, std::size_t to_press) noexcept {
     if (!limited_) return false;
     if (report.asked == asked_ && ++passed_ < passed_a_look) return false;
@@ -79,7 +80,8 @@ class ObjectContact::Clock {
     const auto pressing = static_cast<std::int64_t>(press_time_ * static_cast<double>(to_press));
     return now + 2 * longest_ + pressing >= end_;
   }
-  /// What pressing a sample takes, ns, of so many that `press` presses; more than few of them tell.
+  /// Measures the time to press one sample, ns, from a batch that `press` presses; only large
+  /// enough batches count.
   template <class Press>
   [[nodiscard]] double time_of(std::size_t samples, const Press& press) noexcept {
     constexpr std::size_t few = 32;
@@ -94,11 +96,11 @@ class ObjectContact::Clock {
   }
 
  private:
-  /// Of the longest time a press took, kept from tick to tick.
+  /// The part of the longest press time that is kept from tick to tick.
   static constexpr double forgotten_share = 0.98;
   std::int64_t (*now_)() noexcept;
   bool limited_;
-  double press_time_;  ///< ns a sample
+  double press_time_;  ///< ns per sample
   std::int64_t end_ = 0;
   std::int64_t last_ = 0;
   std::int64_t longest_ = 0;
@@ -130,7 +132,7 @@ void ObjectContact::move(Pair& pair, const ContactObject& object,
     pair.travelled += out_of_reach;
     memories_[static_cast<std::size_t>(&pair - pairs_.data())].forget();
   } else {
-    // A turn by t moves what lies r from the axis by 2 r sin(t / 2).
+    // A rotation by t moves a point at distance r from the axis by 2 r sin(t / 2).
     const double turn = (pose.linear() - pair.pose.linear()).norm() / std::sqrt(2.0);
     pair.travelled +=
         (pose * tool_.centre - pair.pose * tool_.centre).norm() + turn * tool_.radius * (1 + 1e-9);
@@ -140,7 +142,7 @@ void ObjectContact::move(Pair& pair, const ContactObject& object,
   pair.placed = true;
 }
 
-/// Asks the field at a sample's place.
+/// Queries the field at a sample's position.
 FieldReading ObjectContact::read(std::uint32_t object, std::uint32_t sample, const Vector3& place,
                                  ObjectContactReport& report) noexcept {
   const AssetView& field = *pairs_[object].field;
@@ -153,8 +155,8 @@ FieldReading ObjectContact::read(std::uint32_t object, std::uint32_t sample, con
   const bool is_far =
       list.kind == CubeKind::far || (list.kind == CubeKind::beside && space != SpaceKind::inside);
   const bool outside = is_far || space == SpaceKind::far || space == SpaceKind::outside;
-  // Of what is beyond the margin it matters only how far away it is; the cube and the field's boxes
-  // tell that for less. Inside they tell nothing of the side.
+  // Beyond the margin only the distance matters. The cube and the field's boxes give it for less
+  // time. Inside they say nothing about the side.
   if (outside) {
     const double clear = radius + doubtful_tolerances * field.tolerance;
     reading.distance = double{list.beyond};
@@ -165,7 +167,7 @@ FieldReading ObjectContact::read(std::uint32_t object, std::uint32_t sample, con
     if (reading.distance > clear) return reading;
   }
   if (is_far && radius > 0) {
-    // The tree would tell it better, for as much as several samples below this one take.
+    // The tree would give a better value, but takes as long as several samples below this one.
     memories_[object].learn(sample, reading);
     return reading;
   }
@@ -183,8 +185,8 @@ FieldReading ObjectContact::read(std::uint32_t object, std::uint32_t sample, con
   return reading;
 }
 
-/// Adds a sample to `found` unless it, and all below it, is clear of the object. `above`: what was
-/// read for the sample above it.
+/// Adds a sample to `found` unless it, and everything below it, is clear of the object. `above`:
+/// the reading for the sample above it.
 void ObjectContact::look(std::uint32_t sample, std::uint32_t object, const FieldReading& above,
                          std::vector<Active>& found, ObjectContactReport& report) noexcept {
   const Pair& pair = pairs_[object];
@@ -204,7 +206,7 @@ void ObjectContact::look(std::uint32_t sample, std::uint32_t object, const Field
     until = pair.travelled + spare;
     report.clear = std::min(report.clear, spare);
   };
-  // By reference, and into its place: what was just written is waited for when it is copied.
+  // By reference, and directly into its place: copying what was just written would stall.
   const FieldReading* reading = &above;
   FieldReading fresh;
   const auto add = [&](double distance) {
@@ -227,7 +229,8 @@ void ObjectContact::look(std::uint32_t sample, std::uint32_t object, const Field
       }
     }
     if (!reading->stands_for(place)) {
-      // No field changes by more than a step's length: what was read for the sample above may do.
+      // A field changes by at most the length of a step, so the reading for the sample above may be
+      // enough.
       const double least = above.distance - (place - above.place).norm() - doubt;
       if (above.known() && least > radius) return let_go(least - radius);
       fresh = read(object, sample, place, report);
@@ -238,8 +241,8 @@ void ObjectContact::look(std::uint32_t sample, std::uint32_t object, const Field
   const double least = distance - doubt;
   if (least > radius) return let_go(least - radius);
   if (radius > 0) {
-    // How near the surface must come for the sample itself to touch. A patch so large that it
-    // reaches what is far from its sample says little of the contact.
+    // How near the surface must be for the sample itself to touch. A patch so large that it extends
+    // far from its sample says little about the contact.
     const SampleShare& share = tool_.shares[sample];
     double own = least - length(share.middle) - static_cast<double>(share.spread);
     if (reading->normal.isZero()) own = std::max(own, distance / 4);
@@ -272,8 +275,8 @@ void ObjectContact::press(const Active& active, ContactSum& sum) const noexcept 
           pair.to_world * arm);
 }
 
-/// Goes from the active samples to those below them. False where time or room ran out: then `next_`
-/// has the finer ones as far as it came, and the active ones from `left_` on stand for the rest.
+/// Replaces the active samples by those below them. False where time or room ran out: then `next_`
+/// has the finer ones that were reached, and the active ones from `left_` on represent the rest.
 bool ObjectContact::refine(std::uint32_t level, Clock& clock,
                            ObjectContactReport& report) noexcept {
   next_.clear();
@@ -287,7 +290,7 @@ bool ObjectContact::refine(std::uint32_t level, Clock& clock,
       if (!over) look(below.first + k, parent.object, parent.reading, next_, report);
     }
     if (over) {
-      // A sample is replaced whole by those below it, or stands for them.
+      // A sample is either replaced completely by those below it, or kept.
       next_.resize(before);
       left_ = i;
       report.refined = static_cast<double>(i) / static_cast<double>(active_.size());
@@ -322,7 +325,7 @@ ObjectContactReport ObjectContact::tick(const Eigen::Isometry3d& tool_pose,
   const auto levels = static_cast<std::uint32_t>(tool_.levels.size());
   for (std::uint32_t level = 1; level < levels && level <= budget.finest_level; ++level) {
     if (active_.empty()) {
-      // Nothing can touch: that is known to the finest.
+      // Nothing can touch, and that holds down to the finest level.
       report.level = levels - 1;
       break;
     }
@@ -333,7 +336,7 @@ ObjectContactReport ObjectContact::tick(const Eigen::Isometry3d& tool_pose,
     for (const Active& active : next_) press(active, report.sum);
     for (const Active& active : left) press(active, report.sum);
   });
-  // What was not resolved to the finest may touch.
+  // Samples that were not resolved to the finest level may touch.
   if (report.degraded || report.level + 1 < levels) report.clear = 0;
   const Matrix6 whole = report.sum.stiffness.selfadjointView<Eigen::Lower>();
   report.sum.stiffness = whole;

@@ -5,8 +5,8 @@
 #include <array>
 #include <cmath>
 
-#include "common/query/query.hpp"
 #include "common/base/rigid_pose.hpp"
+#include "common/query/query.hpp"
 #include "common/query/surface_clearance.hpp"
 
 namespace spm {
@@ -15,7 +15,7 @@ namespace {
 
 Vector3 to_vector(const std::array<float, 3>& v) noexcept { return {v[0], v[1], v[2]}; }
 
-/// Integrals over the overlap's boundary, about a point that lies near it.
+/// Integrals over the overlap's boundary, relative to a point that lies near it.
 struct Boundary {
   Vector3 flux = Vector3::Zero();     ///< of N
   Vector3 turn = Vector3::Zero();     ///< of x cross N
@@ -39,17 +39,17 @@ Boundary joined(const Boundary& a, const Boundary& b) noexcept {
           a.squares + b.squares, a.moment + b.moment, a.area + b.area};
 }
 
-/// Part of a patch that lies under a surface at a signed distance from its middle, if it is spread
-/// evenly so far to both sides.
+/// Part of a patch that lies under a surface, if the patch is spread evenly over `half` to both
+/// sides of its middle, which is at this signed distance.
 double part_inside(double distance, double half) noexcept {
   if (!(half > 0)) return distance < 0 ? 1 : 0;
   return std::clamp(0.5 - distance / (2 * half), 0.0, 1.0);
 }
 
-/// Walks down the samples of one object, and gathers those in the other.
+/// Descends the samples of one object, and integrates over those inside the other.
 class Walk {
  public:
-  /// `pose` takes the samples to the field's frame; `frame` those of the field to that of the
+  /// `pose` takes the samples' frame to that of the field; `frame` takes the field's to that of the
   /// result.
   Walk(const SurfaceSamples& samples, const AssetView& field, const Eigen::Isometry3d& pose,
        const Eigen::Isometry3d& frame, const Vector3& about) noexcept
@@ -73,7 +73,7 @@ class Walk {
   const Eigen::Isometry3d& frame_;
   const Vector3& about_;
 
-  // As deep as there are levels, of which there are at most as many as bits of a cube's number.
+  // As deep as there are levels, which are at most as many as a cube's number has bits.
   void visit(std::uint32_t sample, int levels_left) noexcept {
     const SampleChildren& below = samples_.children[sample];
     if (below.count == 0) {
@@ -87,7 +87,7 @@ class Walk {
   /// Whether a sample and all below it are outside.
   [[nodiscard]] bool clear(std::uint32_t sample) noexcept {
     const Vector3 place = pose_ * to_vector(samples_.places[sample].position);
-    // Patches of the finest samples reach beyond their middles.
+    // Patches of the finest samples extend beyond their middles.
     const double radius = static_cast<double>(samples_.places[sample].radius) +
                           samples_.levels.back().bound + field_.tolerance;
     const SpaceKind kind = space_at(field_.space, place);
@@ -144,7 +144,8 @@ OverlapVolume overlap_volume(const SampledObject& object1, const SampledObject& 
   result.turn = -(b2.turn + about.cross(b2.flux));
   const Boundary all = joined(b1, b2);
   if (!(all.area > 0)) return result;
-  // The boundary is closed but for the sampling: about its own middle what is open weighs least.
+  // The boundary is closed apart from the sampling; relative to its own middle the gaps weigh
+  // least.
   const Vector3 shift = all.moment / all.area;
   const double volume = (all.along.sum() - shift.dot(all.flux)) / 3;
   if (!(volume > 0)) return result;

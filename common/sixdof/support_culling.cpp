@@ -6,8 +6,8 @@
 #include <cmath>
 #include <numbers>
 
-#include "common/sixdof/hull_distance.hpp"
 #include "common/base/rigid_pose.hpp"
+#include "common/sixdof/hull_distance.hpp"
 #include "common/surface/support_plane_mapping.hpp"
 
 namespace spm {
@@ -31,7 +31,7 @@ std::vector<Vector3> even_directions(std::size_t count) {
   return made;
 }
 
-/// Distance of a point to the hull of others.
+/// Distance from a point to the hull of others.
 double outside(const std::vector<Vector3>& hull, const Vector3& point, double enough) noexcept {
   const auto support = [&](const Vector3& v) {
     return Vector3(hull[support_mapping(hull, v)] - point);
@@ -39,7 +39,8 @@ double outside(const std::vector<Vector3>& hull, const Vector3& point, double en
   return hull_distance(support, hull.front() - point, enough, most_hull_steps).least;
 }
 
-/// Adds, again and again, the samples that stick out, the farthest along the way that each does.
+/// Adds every sample that lies farther than the tolerance outside the hull of those added before
+/// it.
 void take_all_in(std::vector<Vector3>& hull, const std::vector<Vector3>& samples,
                  double tolerance) {
   for (const Vector3& sample : samples) {
@@ -47,7 +48,7 @@ void take_all_in(std::vector<Vector3>& hull, const std::vector<Vector3>& samples
   }
 }
 
-/// How far apart they are along a direction of the first object's frame: above 0, separated.
+/// Their distance along a direction of the first object's frame; above 0 they are separated.
 double gap(const SupportHull& object1, const SupportHull& object2, const Eigen::Isometry3d& pose2,
            const Vector3& direction) noexcept {
   const Vector3 back = pose2.linear().transpose() * -direction;
@@ -72,7 +73,7 @@ SupportHull support_hull(const SurfaceSamples& samples, double tolerance, std::s
   extremes.erase(std::unique(extremes.begin(), extremes.end()), extremes.end());
   for (const std::size_t which : extremes) made.points.push_back(places[which]);
   take_all_in(made.points, places, tolerance);
-  // Surface lies beyond its sample by no more than the samples' own bound.
+  // The surface extends beyond its samples by no more than the samples' own bound.
   made.grown = tolerance + finest.bound;
   for (const Vector3& normal : normals) {
     made.planes.push_back(vertex_support_plane(made.points, normal));
@@ -103,7 +104,7 @@ CullResult objects_apart(const SupportHull& object1, const SupportHull& object2,
       return {true, CullStage::plane, clear};
     }
   }
-  // The set of all differences of their points is away from the origin where they are apart.
+  // Where they are apart, the set of all differences of their points does not contain the origin.
   const auto support = [&](const Vector3& v) {
     const Vector3 back = pose2.linear().transpose() * v;
     return Vector3(pose2 * object2.points[support_mapping(object2.points, back)] -

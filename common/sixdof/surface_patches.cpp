@@ -13,12 +13,13 @@ namespace spm {
 
 namespace {
 
-/// Two elements describe the same place where their surfaces are no farther apart, in tolerances:
-/// each may be off by one.
+/// Two elements describe the same place where their surfaces are no farther apart than this, in
+/// tolerances: each may be off by one.
 constexpr double same_place_tolerances = 2;
-/// And where their normals differ by less than 60 degrees: beyond a sharp edge it is another face.
+/// And where their normals differ by less than 60 degrees: beyond a sharp edge there is another
+/// face.
 constexpr double same_place_cosine = 0.5;
-/// Parts a side that a cell is cut into at least where a clip line crosses it.
+/// Least number of parts along a side of a cell that a clip line crosses.
 constexpr int clipped_parts = 6;
 constexpr int most_parts = 256;
 
@@ -50,7 +51,7 @@ class CellSheet {
   [[nodiscard]] double depth(double x, double y) const noexcept {
     return middle_ + per_x_ * x + per_y_ * y + twist_ * x * y;
   }
-  /// As long as the surface is larger than its projection.
+  /// Its length is the ratio of the surface to its projection.
   [[nodiscard]] Vector3 normal(const SupportPlane& plane, double x, double y) const noexcept {
     return surface_normal(plane, (per_x_ + twist_ * y) / spacing_,
                           (per_y_ + twist_ * x) / spacing_);
@@ -67,7 +68,7 @@ bool cut_off(const Tile& tile, std::uint32_t cell, double x, double y) noexcept 
          static_cast<double>(clip.c);
 }
 
-/// Cuts an asset's elements up and keeps what each owns.
+/// Cuts an asset's elements into patches, and keeps those that each owns.
 class PatchMaker {
  public:
   PatchMaker(const AssetView& asset, double step) noexcept
@@ -179,7 +180,7 @@ class PatchMaker {
     }
   }
 
-  /// Whether an element of a lower number than `rank` stands for a place.
+  /// Whether an element with a lower number than `rank` already represents a place.
   [[nodiscard]] bool covered(const TreeChild& child, const Vector3& position, const Vector3& normal,
                              std::uint32_t rank) const noexcept {
     if (child.kind == ElementKind::tile) {

@@ -16,12 +16,12 @@ struct SurfacePatch {
   float area = 0;                   ///< m2
 };
 
-/// The surface of a `sparse` asset in pieces with sides of at most `step` (m, above 0). Elements
-/// may overlap: each place is the piece of one alone, of the triangles in the order of their
-/// corners, then of the tiles, the first that covers it within two tolerances and looks the same
-/// way. So the areas add up to the surface's, however many elements there are. Allocates: for
-/// loading, not for a tick. Errors: invalid_input for a `full` asset, whose maps cover a place many
-/// times, and for one without elements.
+/// The surface of a `sparse` asset in pieces with sides of at most `step` (m, above 0). Where
+/// elements overlap, each place belongs to one of them only: the first that covers it within two
+/// tolerances and faces the same way, with the triangles first, in the order of their corners, and
+/// then the tiles. So the areas add up to that of the surface, however many elements there are.
+/// Allocates: for loading, not for a tick. Errors: invalid_input for a `full` asset, whose maps
+/// cover a place many times, and for one without elements.
 [[nodiscard]] Result<std::vector<SurfacePatch>> surface_patches(const AssetView& asset,
                                                                 double step);
 

@@ -11,24 +11,25 @@ namespace spm {
 
 namespace {
 
-/// Patches are no larger than this share of the object, so that areas come out right for coarse
-/// samples as well.
+/// Patches are no larger than this part of the object, so that areas are right for coarse samples
+/// as well.
 constexpr double coarsest_patch_share = 1.0 / 128;
-constexpr std::uint32_t key_bits = 21;  ///< an axis
+constexpr std::uint32_t key_bits = 21;  ///< per axis
 
 Vector3 to_vector(const std::array<float, 3>& v) noexcept { return {v[0], v[1], v[2]}; }
 std::array<float, 3> to_floats(const Vector3& v) noexcept {
   return {static_cast<float>(v.x()), static_cast<float>(v.y()), static_cast<float>(v.z())};
 }
 
-/// Which of the six ways along the axes a normal looks most.
+/// The one of the six axis directions that is closest to a normal.
 std::uint32_t way_of(const Vector3& normal) noexcept {
   Eigen::Index axis = 0;
   normal.cwiseAbs().maxCoeff(&axis);
   return static_cast<std::uint32_t>(2 * axis) + (normal[axis] < 0 ? 1 : 0);
 }
 
-/// Bits of three numbers in turn, so that the eight cubes of a larger one follow each other.
+/// Interleaves the bits of three numbers, so that the eight cubes of a larger one follow each
+/// other.
 std::uint64_t interleave(const std::array<std::uint32_t, 3>& cell) noexcept {
   std::uint64_t key = 0;
   for (std::uint32_t bit = 0; bit < key_bits; ++bit) {
@@ -49,11 +50,11 @@ struct Key {
 struct Cluster {
   Key key;
   Vector3 position = Vector3::Zero();
-  std::uint32_t first = 0, count = 0;  ///< of the level below; of the patches for the finest
-  std::uint32_t kept = 0;              ///< the one of them whose position this is
+  std::uint32_t first = 0, count = 0;  ///< of the level below; for the finest, of the patches
+  std::uint32_t kept = 0;              ///< the one of them that has this position
   double area = 0;
-  Vector3 moment = Vector3::Zero();  ///< area times place
-  double square = 0;                 ///< area times square of place
+  Vector3 moment = Vector3::Zero();  ///< area times position
+  double square = 0;                 ///< area times square of position
   Vector3 normal = Vector3::Zero();  ///< area times normal
   double radius = 0;                 ///< to the finest samples
   double patch_radius = 0;           ///< to the patches
@@ -78,8 +79,8 @@ Cluster cluster_of(const SurfacePatch& patch, const Key& key, const Vector3& ori
   return made;
 }
 
-/// Joins neighbours of one key into one; of them the nearest to the middle gives its position.
-/// `part(i)` is the i-th of `count`.
+/// Joins neighbours with the same key into one cluster; the one nearest to the middle gives its
+/// position. `part(i)` is the i-th of `count`.
 template <class Part>
 std::vector<Cluster> joined(std::size_t count, const Part& part) {
   std::vector<Cluster> level;
@@ -106,7 +107,7 @@ std::vector<Cluster> joined(std::size_t count, const Part& part) {
   return level;
 }
 
-/// Puts the finest clusters' reach, level by level, into those above.
+/// Propagates the extent of the finest clusters, level by level, to those above.
 void measure(std::vector<std::vector<Cluster>>& levels) {
   for (std::size_t finest = 0; finest < levels[0].size(); ++finest) {
     std::size_t below = finest;
@@ -125,7 +126,7 @@ void measure(std::vector<std::vector<Cluster>>& levels) {
   }
 }
 
-/// Radii are rounded up, so that a sphere of floats still holds its samples.
+/// Radii are rounded up, so that a sphere stored in floats still contains its samples.
 float rounded_up(double value, double size) noexcept {
   return value > 0 ? static_cast<float>(value * (1 + 1e-6) + 1e-6 * size) : 0;
 }
@@ -143,7 +144,7 @@ void emit(SurfaceSamples& samples, const Cluster& cluster, const Vector3& origin
   samples.children.emplace_back();
 }
 
-/// Writes the levels breadth first, the child that a sample shares its position with foremost.
+/// Writes the levels breadth first. The child that shares a sample's position comes first.
 void write(SurfaceSamples& samples, const std::vector<std::vector<Cluster>>& levels,
            const Vector3& origin, double size, double spacing) {
   std::vector<std::uint32_t> order(levels.back().size()), next;
@@ -178,7 +179,7 @@ void surround(SurfaceSamples& samples, const Vector3& low, const Vector3& high) 
   }
 }
 
-/// Which cube a patch lies in, and which patch it is.
+/// A patch, and the cube that it lies in.
 struct Keyed {
   Key key;
   std::uint32_t patch = 0;

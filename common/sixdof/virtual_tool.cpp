@@ -12,16 +12,16 @@ namespace spm {
 namespace {
 
 constexpr double balanced_share = 1e-3;
-/// Of a step that brought the energy up, this much is tried next.
+/// After a step that raised the energy, this part of it is tried next.
 constexpr double backtrack = 0.3;
 
-/// The turn that takes one orientation to another, as axis times angle, world frame.
+/// The rotation from one orientation to another, as axis times angle, world frame.
 Vector3 turn_between(const Eigen::Matrix3d& from, const Eigen::Matrix3d& to) noexcept {
   const Eigen::AngleAxisd turn(to * from.transpose());
   return turn.angle() * turn.axis();
 }
 
-/// A spring whose pull is capped: stiffness that stands for it at a stretch, and its energy.
+/// A spring whose force is capped: its secant stiffness at a stretch, and its energy.
 struct CappedSpring {
   double stiffness, energy;
 };
@@ -36,7 +36,7 @@ Eigen::Isometry3d moved(const Eigen::Isometry3d& pose, const Vector6& step) noex
   const Vector3 turn = step.tail<3>();
   const double angle = turn.norm();
   if (angle > 0) {
-    // By way of a quaternion, so that roundings of many ticks do not add up.
+    // By way of a quaternion, so that rounding does not add up over many ticks.
     const Eigen::Quaterniond turned =
         Eigen::AngleAxisd(angle, turn / angle) * Eigen::Quaterniond(pose.linear());
     made.linear() = turned.normalized().toRotationMatrix();
@@ -91,7 +91,8 @@ VirtualToolReport VirtualTool::tick(const Eigen::Isometry3d& device,
     const double before = coupling.energy + contact.energy;
     const double after = tried_coupling.energy + tried_contact.sum.energy;
     if (after > before + 1e-12 && limit_share > balanced_share) {
-      // Contacts that the step did not know of: a shorter one, of which the first part is known.
+      // There are contacts that the step did not know of. A shorter one is tried, whose first part
+      // is known.
       limit_share *= backtrack * std::min(1.0, far / most);
       continue;
     }

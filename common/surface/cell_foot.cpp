@@ -11,7 +11,8 @@ void closest_on_patch(const CellPatch& cell, float& x, float& y) noexcept {
   const float sx = cell.slope_x, sy = cell.slope_y;
   const float along = (cell.dz - sx * cell.dx - sy * cell.dy) / (sx * sx + sy * sy + 1);
   const auto clamp = [](float value) { return std::min(std::max(value, -0.5F), 0.5F); };
-  // The least over a rectangle lies on a side that the free foot is beyond: one each is tried.
+  // The minimum over a rectangle lies on a side beyond which the unconstrained minimum is: one of
+  // each direction is tried.
   const float x1 = clamp(cell.dx + along * sx), y2 = clamp(cell.dy + along * sy);
   const float y1 = clamp((cell.dy + sy * (cell.dz - sx * x1)) / (sy * sy + 1));
   const float x2 = clamp((cell.dx + sx * (cell.dz - sy * y2)) / (sx * sx + 1));

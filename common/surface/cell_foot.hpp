@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include "common/surface/closest_on_tile.hpp"
 #include "common/surface/tile.hpp"
 
 namespace spm {
 
-/// Bilinear patch of a cell about its middle, and a point relative to that middle.
+/// Bilinear patch of a cell, and a point; both relative to the middle of the cell.
 struct CellPatch {
   float slope_x, slope_y, twist;  ///< twist: h00 - h10 - h01 + h11, over the spacing squared
   float dx, dy, dz;
@@ -19,12 +20,13 @@ struct CellPatch {
   }
 };
 
-/// Finds the foot on the mean plane over the cell, whole, with the spacing as the unit; its height
-/// is then the patch's own. Exact but for points that are beyond two sides that meet, of a cell
-/// that is steep both ways: there it is near the nearest.
+/// Finds the closest point on the mean plane over the unclipped cell, with the spacing as the unit;
+/// its height is then taken from the bilinear patch. Exact, except for points beyond two adjacent
+/// sides of a cell that is steep in both directions: there the result is near the closest point.
 void closest_on_patch(const CellPatch& cell, float& x, float& y) noexcept;
 
-/// Where a clip line crosses a cell, from its middle, with the spacing as the unit.
+/// The part of a clip line that crosses a cell, from the cell's middle, with the spacing as the
+/// unit.
 struct ClipSegment {
   float x, y, to_x, to_y;  ///< from (x, y) to (x + to_x, y + to_y)
 };
@@ -32,12 +34,13 @@ struct ClipSegment {
 /// False where the line does not cross the cell.
 [[nodiscard]] bool clip_segment(const Clip& clip, ClipSegment& segment) noexcept;
 
-/// Moves a foot (from the cell's middle) that a clip line leaves out to the line; false where
-/// nothing of the cell is left. All lengths in the unit of `spacing`.
+/// Moves a closest point (from the cell's middle) that a clip line excludes onto the line. False
+/// where nothing of the cell is left. All lengths in units of `spacing`.
 [[nodiscard]] bool clip_foot(const CellPatch& cell, const Clip& clip, float spacing, float& x,
                              float& y) noexcept;
 
-/// Fills what follows from where the foot is: its distance (m), and how far the point is below.
+/// Fills in what follows from the position of the closest point: its distance (m), and how far the
+/// query point is below the surface.
 void settle_foot(TileFoot& foot, float distance) noexcept;
 
 }  // namespace spm

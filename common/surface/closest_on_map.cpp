@@ -7,22 +7,23 @@ namespace spm {
 
 namespace {
 
-/// Feet this far beyond valid cells still count, in cells: cells of maps that abut must leave no
-/// gap.
+/// Closest points this far beyond valid cells still count, in cells: adjacent cells of two maps
+/// must leave no gap.
 constexpr double border_slack = 0.03;
 
 /// Masked cells steeper than this join two sheets of surface.
 constexpr double silhouette_slope = 1.5;
-/// Share of the spacing that a masked foot must be closer by than every valid one.
+/// Part of the spacing by which a masked point must be closer than every valid one.
 constexpr double masked_share = 0.1;
 /// Added to a rank, m: farther than any surface.
 constexpr double last_rank = 1e6;
 
-/// A step shorter than this share of the spacing changes nothing that the samples resolve.
+/// A step shorter than this part of the spacing changes nothing that the samples resolve.
 constexpr double settled_share = 1e-3;
 
-/// Derivatives of the height field, continuous over the borders of cells: at each sample the mean
-/// of the differences to both sides, as far as the cells there are valid, bilinear between samples.
+/// Derivatives of the height field, continuous across the borders of cells. At each sample: the
+/// mean of the differences to both sides, where the cells there are valid. Between samples:
+/// bilinear.
 Height smooth_derivatives(const DistanceMap& map, std::uint32_t layer,
                           const MapCell& cell) noexcept {
   const std::uint32_t c = cell.column, r = cell.row;
@@ -57,7 +58,7 @@ Height smooth_derivatives(const DistanceMap& map, std::uint32_t layer,
   return {0, blend(eta), blend(omega)};
 }
 
-/// True where the foot's cell is valid, or one that the foot nearly touches.
+/// True where the closest point's cell is valid, or one that the point nearly touches.
 bool valid_nearby(const DistanceMap& map, std::uint32_t layer, const MapCell& cell) noexcept {
   if (map.cell_valid(layer, cell.column, cell.row)) return true;
   if (cell.fx < border_slack && cell.column > 0) {

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "common/surface/closest_on_tile.hpp"
+
 #include <Eigen/Core>
 #include <algorithm>
 #include <array>
@@ -13,7 +15,7 @@ namespace spm {
 
 namespace {
 
-/// How deep a block lies that has nothing valid, m: its square is a float still.
+/// Depth given to a block without valid cells, m; its square is still a finite float.
 constexpr float out_of_reach = 1e15F;
 
 using Four = Eigen::Array<float, 4, 1>;
@@ -32,7 +34,7 @@ Local local_of(const Tile& tile, const SupportPlane& plane, const Vector3& point
 }
 
 float bound_of(const Tile& tile, const Local& p) noexcept {
-  // Distance to the parallelogram of the tile's plane, less what the residuals leave it by.
+  // Distance to the parallelogram of the tile's plane, minus the range of the residuals.
   const float half = tile.spacing * (static_cast<float>(tile_cells) / 2);
   const float middle = (tile.highest + tile.lowest) / 2;
   const float x = p.x - half, y = p.y - half;
@@ -46,14 +48,14 @@ float bound_of(const Tile& tile, const Local& p) noexcept {
          (tile.highest - tile.lowest) / 2;
 }
 
-/// The blocks of 2 x 2 cells that a tile is searched by, row by row.
+/// The blocks of 2 x 2 cells in which a tile is searched, row by row.
 constexpr std::uint32_t tile_blocks = 16;
 
 using Blocks = Eigen::Array<float, tile_blocks, 1>;
 
 /// The mean planes of a tile's blocks over their footprints: depth below the base in the middle, m,
-/// and slopes along eta and omega; and how far the valid surface leaves them, m. A block without
-/// valid cells is out of all reach.
+/// and slopes along eta and omega; and how far the valid surface departs from them, m. A block
+/// without valid cells is put too far away for any query.
 struct BlockPlanes {
   std::array<float, tile_blocks> depth, slope_eta, slope_omega, ripple;
 };
@@ -89,7 +91,7 @@ BlockPlanes block_planes(const Tile& tile, float height_unit) noexcept {
         most = std::max(most, std::abs(sample(i, j)));
       }
     }
-    // Rounding must not turn a bound into a hope.
+    // Rounding must not make the bound invalid.
     planes.ripple[k] = ripple + 1e-5F * (tile.spacing + most);
   }
   return planes;
@@ -122,7 +124,7 @@ Blocks block_bounds(const Tile& tile, const BlockPlanes& planes, const Local& p)
   return (above * along + beyond_x * beyond_x + beyond_y * beyond_y).sqrt() - ripple;
 }
 
-/// Three HALF samples as floats, as half_to_float gives them; the fourth is of no use.
+/// Three HALF samples as floats, as half_to_float gives them; the fourth is unused.
 Lanes three_halves(const std::uint16_t* half) noexcept {
   std::uint32_t low;
   std::memcpy(&low, half, sizeof(low));
@@ -131,7 +133,7 @@ Lanes three_halves(const std::uint16_t* half) noexcept {
   return std::bit_cast<Lanes>(std::bit_cast<Words>(magnitude) | (bits & 0x8000U) << 16U);
 }
 
-/// Four samples of a row as depths below the tile's base; the last of them is of no use.
+/// Four samples of a row as depths below the tile's base; the last of them is unused.
 Lanes block_row(const Tile& tile, float height_unit, std::uint32_t column,
                 std::uint32_t row) noexcept {
   const Lanes heights = three_halves(tile.heights + std::size_t{row} * tile_samples + column);
@@ -144,14 +146,14 @@ Lanes block_row(const Tile& tile, float height_unit, std::uint32_t column,
 
 Four four_of(Lanes lanes) noexcept { return {lanes[0], lanes[1], lanes[2], lanes[3]}; }
 
-/// Feet on the four cells of a block; keeps the nearest in `foot`.
+/// Closest points on the four cells of a block; keeps the nearest in `foot`.
 void visit_block(const Tile& tile, float height_unit, const Local& p, std::uint32_t block,
                  TileFoot& foot, float& best) noexcept {
   const std::uint32_t column = (block & 3U) * 2, row = (block >> 2U) * 2;
   const Lanes first = block_row(tile, height_unit, column, row);
   const Lanes second = block_row(tile, height_unit, column, row + 1);
   const Lanes third = block_row(tile, height_unit, column, row + 2);
-  // Of the cells: lower left, lower right, upper left, upper right.
+  // Order of the cells: lower left, lower right, upper left, upper right.
   const Four h00 = four_of(__builtin_shufflevector(first, second, 0, 1, 4, 5));
   const Four h10 = four_of(__builtin_shufflevector(first, second, 1, 2, 5, 6));
   const Four h01 = four_of(__builtin_shufflevector(second, third, 0, 1, 4, 5));
@@ -168,7 +170,8 @@ void visit_block(const Tile& tile, float height_unit, const Local& p, std::uint3
   const Four dz = p.z - (h00 + h10 + h01 + h11) * 0.25F;
   const Four along =
       (dz - slope_x * dx - slope_y * dy) / (slope_x * slope_x + slope_y * slope_y + 1.0F);
-  // The least over a rectangle lies on a side that the free foot is beyond: one side each is tried.
+  // The minimum over a rectangle lies on a side beyond which the unconstrained minimum is: one side
+  // of each direction is tried.
   const Four x1 = (dx + along * slope_x).max(-half).min(half);
   const Four y2 = (dy + along * slope_y).max(-half).min(half);
   const Four y1 =

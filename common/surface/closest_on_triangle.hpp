@@ -5,8 +5,9 @@
 
 namespace spm {
 
-/// Point of the triangle a, b, c closest to `point`; all in one frame, metres. A degenerate
-/// triangle gives a point of its longest edge's span or a corner, never NaN for finite input.
+/// Point of the triangle a, b, c closest to `point`; all in one frame, metres. For a degenerate
+/// triangle the result is a point within its longest edge or a corner. It is never NaN for finite
+/// input.
 [[nodiscard]] Vector3 closest_on_triangle(const Vector3& point, const Vector3& a, const Vector3& b,
                                           const Vector3& c) noexcept;
 

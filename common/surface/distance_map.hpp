@@ -9,20 +9,22 @@
 
 namespace spm {
 
-/// Sample of a distance map where the ray met no surface: plus infinity, so that no depth exceeds
-/// it.
+/// Sample of a distance map where the ray met no surface: plus infinity, so that no depth is
+/// greater.
 inline constexpr float no_hit = std::numeric_limits<float>::infinity();
 
-/// A scalar or vectorial distance map (eq. 2) as a rectangle of samples on one support plane; a
-/// view that owns nothing, samples are read in place. Sample (column i, row j) of a layer is the
-/// distance in metres from the plane's point at eta = eta0 + i * spacing, omega = omega0 + j *
-/// spacing to the surface along -n. Layers are crossings of one ray in order: of a `full` asset
-/// even layers are entries, odd ones exits; a map of a `sparse` asset has one layer, an entry,
-/// whose ordinal along the ray is `first_layer`.
+/// A scalar or vectorial distance map (eq. 2): a rectangle of samples on one support plane. This is
+/// a view that owns nothing; samples are read in place.
+///
+/// Sample (column i, row j) of a layer is the distance in metres along -n to the surface, from the
+/// plane's point at eta = eta0 + i * spacing, omega = omega0 + j * spacing. Layers are the
+/// crossings of one ray in order. In a `full` asset even layers are entries and odd layers are
+/// exits. A map of a `sparse` asset has one layer, an entry; `first_layer` is its ordinal along the
+/// ray.
 struct DistanceMap {
   const float* samples = nullptr;
-  const std::uint32_t* layer_offsets = nullptr;  ///< per layer, in floats, within a row's start
-  const std::uint32_t* mask = nullptr;           ///< bit per layer and cell; see cell_valid
+  const std::uint32_t* layer_offsets = nullptr;  ///< per layer, in floats, from the start of a row
+  const std::uint32_t* mask = nullptr;           ///< one bit per layer and cell; see cell_valid
   std::uint32_t plane = 0;
   std::uint32_t columns = 0;     ///< at least 2
   std::uint32_t rows = 0;        ///< at least 2
@@ -48,14 +50,14 @@ struct DistanceMap {
   }
 };
 
-/// Words of 32 bits that the mask of a map takes.
+/// Number of 32-bit words in the mask of a map.
 [[nodiscard]] constexpr std::uint32_t mask_words(std::uint32_t columns, std::uint32_t rows,
                                                  std::uint32_t layers) noexcept {
   return (layers * (columns - 1) * (rows - 1) + 31U) / 32U;
 }
 
-/// A cell of a map and the place in it: bilinear weights fx, fy in [0, 1] when the point is inside
-/// the map, otherwise of the nearest border cell, clamped.
+/// A cell of a map and a position in it, as bilinear weights fx, fy in [0, 1]. Where the point is
+/// outside the map this is the nearest border cell, and the weights are clamped.
 struct MapCell {
   std::uint32_t column = 0;
   std::uint32_t row = 0;
@@ -83,7 +85,7 @@ struct Coordinate {
 
 }  // namespace detail
 
-/// Finds the cell of a map at plane parameters (eta, omega), metres. NaN gives inside = false.
+/// Finds the cell of a map at the plane parameters (eta, omega), metres. NaN gives inside = false.
 [[nodiscard]] inline MapCell locate(const DistanceMap& map, double eta, double omega) noexcept {
   const detail::Coordinate along_eta =
       detail::locate_along((eta - map.eta0) / map.spacing, map.columns);
@@ -93,15 +95,15 @@ struct Coordinate {
           along_eta.inside && along_omega.inside};
 }
 
-/// Bilinear patch of one cell: height D and its numeric derivatives (the dD/d eta, dD/d omega of
-/// eq. 7 and 8, dimensionless).
+/// The height D on the bilinear patch of a cell, and its numeric derivatives (dD/d eta and dD/d
+/// omega of eq. 7 and 8, dimensionless).
 struct Height {
   double value = 0;
   double d_eta = 0;
   double d_omega = 0;
 };
 
-/// D_SP and its numeric derivatives at a place of a cell.
+/// D_SP and its numeric derivatives at a position in a cell.
 [[nodiscard]] inline Height height_at(const DistanceMap& map, std::uint32_t layer,
                                       const MapCell& cell) noexcept {
   const double h00 = map.at(layer, cell.column, cell.row);
@@ -117,7 +119,7 @@ struct Height {
   return height;
 }
 
-/// Surface point of the modelled object at (eta, omega), object's frame: eq. 4.
+/// Surface point of the modelled object at (eta, omega), in the object's frame: eq. 4.
 [[nodiscard]] inline Vector3 reconstructed_surface(const SupportPlane& plane, double eta,
                                                    double omega, double distance) noexcept {
   return support_plane_point(plane, eta, omega) - distance * plane.n;
@@ -133,15 +135,15 @@ struct Height {
   return plane.v - d_omega * plane.n;
 }
 
-/// Tangent by the general form, eq. 6: for a basis that varies along the parameter, with the
-/// derivative of the plane's surface and of its normal given.
+/// Tangent in the general form, eq. 6, for a basis that varies along the parameter: the derivatives
+/// of the plane's surface and of its normal are arguments.
 [[nodiscard]] inline Vector3 tangent_general(const Vector3& d_plane, double d_distance,
                                              const Vector3& normal, double distance,
                                              const Vector3& d_normal) noexcept {
   return d_plane - d_distance * normal - distance * d_normal;
 }
 
-/// Surface normal n_S, un-normalised, pointing to the plane's side: eq. 5.
+/// Surface normal n_S, not normalised, pointing to the plane's side: eq. 5.
 [[nodiscard]] inline Vector3 surface_normal(const SupportPlane& plane, double d_eta,
                                             double d_omega) noexcept {
   return tangent_eta(plane, d_eta).cross(tangent_omega(plane, d_omega));

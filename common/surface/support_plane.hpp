@@ -5,9 +5,9 @@
 
 namespace spm {
 
-/// A support plane of an object (Definition 1): the object lies on its negative side and touches
-/// it. Frame: the object's, metres. u, v, n are an orthonormal, right-handed basis: n = u x v, n
-/// points away from the object.
+/// A support plane of an object (Definition 1): it touches the object, which lies on its negative
+/// side. In the object's frame, metres. u, v, n are an orthonormal, right-handed basis: n = u x v,
+/// and n points away from the object.
 struct SupportPlane {
   Vector3 x0 = Vector3::Zero();
   Vector3 u = Vector3::UnitX();
@@ -21,13 +21,14 @@ struct SupportPlane {
   return plane.x0 + eta * plane.u + omega * plane.v;
 }
 
-/// S_SP of eq. 3: distance of a point below the plane, metres; positive on the object's side.
+/// S_SP of eq. 3: depth of a point below the plane, metres; positive on the object's side.
 [[nodiscard]] inline double support_plane_depth(const SupportPlane& plane,
                                                 const Vector3& point) noexcept {
   return plane.n.dot(plane.x0 - point);
 }
 
-/// A point in the frame of a plane: parameters of its projection P_M, and its depth S_SP; metres.
+/// A point in the frame of a plane: the parameters of its projection P_M, and its depth S_SP;
+/// metres.
 struct PlaneCoordinates {
   double eta = 0;
   double omega = 0;
@@ -41,7 +42,7 @@ struct PlaneCoordinates {
   return {offset.dot(plane.u), offset.dot(plane.v), -offset.dot(plane.n)};
 }
 
-/// A vector of the plane's frame (along u, v and -n) in the object's frame.
+/// Transforms a vector from the plane's frame (along u, v and -n) to the object's frame.
 [[nodiscard]] inline Vector3 from_plane_frame(const SupportPlane& plane, double along_u,
                                               double along_v, double below) noexcept {
   return along_u * plane.u + along_v * plane.v - below * plane.n;

@@ -9,18 +9,18 @@
 namespace spm {
 
 /// Support plane mapping M_O(v) over a finite set E_O (Definition 2): index of the plane whose
-/// normal is most parallel to `direction`, the lowest index where several are.
-/// `planes` must not be empty; `direction` need not be a unit vector.
+/// normal is most parallel to `direction`; the lowest index in a tie. `planes` must not be empty;
+/// `direction` need not be a unit vector.
 [[nodiscard]] std::size_t support_plane_mapping(std::span<const SupportPlane> planes,
                                                 const Vector3& direction) noexcept;
 
-/// Support mapping s_O(v): index of the point of `points` farthest along `direction`, the lowest
-/// index where several are. `points` must not be empty.
+/// Support mapping s_O(v): index of the point of `points` that is farthest along `direction`; the
+/// lowest index in a tie. `points` must not be empty.
 [[nodiscard]] std::size_t support_mapping(std::span<const Vector3> points,
                                           const Vector3& direction) noexcept;
 
-/// Vertex-based mapping (Fig. 1a): the support plane through s_O(normal) with that normal, of unit
-/// length. The basis u, v is a fixed function of the normal.
+/// Vertex-based mapping (Fig. 1a): the support plane through s_O(normal) with the given unit
+/// normal. The basis u, v is a fixed function of the normal.
 [[nodiscard]] SupportPlane vertex_support_plane(std::span<const Vector3> points,
                                                 const Vector3& normal) noexcept;
 
@@ -28,7 +28,7 @@ namespace spm {
 [[nodiscard]] SupportPlane plane_with_normal(const Vector3& x0, const Vector3& normal) noexcept;
 
 /// True where the point lies in the bounded space G, the intersection of all negative half-spaces,
-/// within `slack` metres.
+/// each moved outwards by `slack` metres.
 [[nodiscard]] bool in_bounded_space(std::span<const SupportPlane> planes, const Vector3& point,
                                     double slack) noexcept;
 

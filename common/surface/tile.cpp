@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace spm {
 
@@ -50,7 +51,7 @@ void derive_bounds(Tile& tile, float height_unit) noexcept {
   for (std::uint32_t row = 0; row < tile_cells; ++row) {
     for (std::uint32_t column = 0; column < tile_cells; ++column) {
       if (((tile.valid >> (row * tile_cells + column)) & 1U) == 0) continue;
-      // The block of 2 x 2 cells that holds this one, and the mean plane of its corners.
+      // The block of 2 x 2 cells that contains this cell, and the mean plane of its corners.
       const std::uint32_t left = column & ~1U, top = row & ~1U;
       const auto corner = [&](std::uint32_t i, std::uint32_t j) {
         return heights[(top + j) * tile_samples + left + i];
@@ -76,7 +77,7 @@ void derive_bounds(Tile& tile, float height_unit) noexcept {
     }
   }
   if (highest < lowest) highest = lowest = 0;
-  // The few roundings of single precision must not turn a bound into a hope.
+  // The rounding of single precision must not make the bound invalid.
   const float slack = 1e-5F * (tile.spacing + std::max(std::abs(highest), std::abs(lowest)));
   tile.highest = highest + slack;
   tile.lowest = lowest - slack;

@@ -18,8 +18,8 @@ Vector3 round_to_step(const Vector3& value, double steps_per_unit) {
   });
 }
 
-/// Decimal steps a metre so that a step is at most 1e-8 of the diagonal, the precision of the unit
-/// vectors beside it.
+/// Decimal steps per metre such that a step is at most 1e-8 of the diagonal, which is the precision
+/// of the unit vectors beside it.
 double steps_per_metre(double diagonal) {
   const double digits = diagonal > 0 && std::isfinite(diagonal)
                             ? std::clamp(8 - std::floor(std::log10(diagonal)), 0.0, 15.0)
@@ -68,7 +68,7 @@ void AssetTables::build_index() {
 }
 
 AssetTables tables_of(const Asset& asset) {
-  // One table serves all maps of a shape: in memory layers lie one behind the other.
+  // All maps of one shape share a table: in memory layers lie one behind the other.
   std::uint32_t layers = 0;
   for (const MapData& map : asset.maps) layers = std::max(layers, map.layers);
   std::vector<std::vector<std::uint32_t>> offsets(1);

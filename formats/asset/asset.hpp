@@ -18,7 +18,7 @@ inline constexpr int asset_format_version = 4;
 
 enum class AssetForm { sparse, full };
 
-/// What the string attribute `spm` of a baked file records beside the plane table. SI units.
+/// The content of the string attribute `spm` of a baked file, except the plane table. SI units.
 /// Everything here is a function of the mesh and the options: never a path, time or thread count.
 struct AssetMetadata {
   AssetForm form = AssetForm::sparse;
@@ -39,10 +39,10 @@ struct AssetMetadata {
   bool tolerance_met = false;
   std::optional<double> certified;  ///< m: the proven largest error in the band; `sparse` only
   double tile_spacing = 0;          ///< m between the samples of the coarsest tiles; `sparse` only
-  double height_unit = 1;           ///< m a unit of the tiles' heights; `sparse` only
+  double height_unit = 1;           ///< m per unit of the tiles' heights; `sparse` only
   std::uint32_t layers_max = 0;     ///< most crossings met along one ray
-  double inconsistent_samples = 0;  ///< share of rays whose crossings did not alternate
-  double fallback_cells = 0;        ///< share of record cells with triangles
+  double inconsistent_samples = 0;  ///< part of the rays whose crossings did not alternate
+  double fallback_cells = 0;        ///< part of the record cells that have triangles
 };
 
 /// One distance map of a `full` asset in memory; see DistanceMap for the meaning of each field.
@@ -74,7 +74,7 @@ struct TileData {
   std::uint64_t valid = 0;
   std::uint64_t clipped = 0;
   std::array<std::uint16_t, tile_sample_count> heights{};
-  std::vector<std::uint32_t> clips;  ///< one a set bit of `clipped`
+  std::vector<std::uint32_t> clips;  ///< one per set bit of `clipped`
 };
 
 /// Of a `full` asset; see Grid.
@@ -100,9 +100,9 @@ struct TreeData {
   std::vector<std::uint32_t> words;
 };
 
-/// A baked asset in memory, as the baker builds it and the writer writes it.
-/// `full`: map k belongs to plane k, all maps have the same columns and rows, layers may differ; no
-/// tiles. `sparse`: tiles, no maps, and two trees for the grid.
+/// A baked asset in memory, as the baker builds it and the writer writes it. `full`: map k belongs
+/// to plane k; all maps have the same columns and rows, but the number of layers may differ; no
+/// tiles. `sparse`: tiles, no maps, and two trees instead of the grid.
 struct Asset {
   AssetMetadata metadata;
   std::vector<SupportPlane> planes;
@@ -119,7 +119,7 @@ struct Asset {
   std::uint32_t first_cap = 0;  ///< `sparse` only
 };
 
-/// The views and small tables of an AssetView over memory that somebody else owns. Move-only; the
+/// The views and small tables of an AssetView over memory that somebody else owns. Move-only. The
 /// memory that maps, tiles, grid and triangles point to must outlive it.
 class AssetTables {
  public:
@@ -129,14 +129,14 @@ class AssetTables {
   AssetTables(const AssetTables&) = delete;
   AssetTables& operator=(const AssetTables&) = delete;
 
-  /// Builds the tables, and derives the tiles' bounds. `layer_offsets` is whatever the maps point
-  /// to; it moves here so that the pointers stay valid. `rest` gives all that is no table: grid,
-  /// triangles, band, tolerance, form and unit of heights.
+  /// Builds the tables, and derives the tiles' bounds. `layer_offsets` is what the maps point to;
+  /// it moves here so that the pointers stay valid. `rest` gives everything that is not a table:
+  /// grid, triangles, band, tolerance, form and unit of heights.
   AssetTables(std::vector<SupportPlane> planes, std::vector<DistanceMap> maps,
               std::vector<std::vector<std::uint32_t>> layer_offsets, std::vector<Tile> tiles,
               const AssetView& rest);
 
-  /// Derives the index, by which queries are answered several times faster.
+  /// Derives the index, which makes queries several times faster.
   void build_index();
   [[nodiscard]] std::size_t index_bytes() const noexcept { return index_bytes_; }
 
@@ -160,36 +160,20 @@ class AssetTables {
   AssetView view_;
 };
 
-/// Tables over an asset in memory, so that the baker queries what it built with the servo's own
-/// code. `asset` must outlive the result and stay unchanged.
+/// Tables over an asset in memory, so that the baker queries its result with the servo's own code.
+/// `asset` must outlive the tables and stay unchanged.
 [[nodiscard]] AssetTables tables_of(const Asset& asset);
 
-/// Rounds what the file stores with fewer digits than a double holds to the stored values, so that
-/// an asset in memory and the same asset read back answer alike. `sparse` only: plane bases to
-/// eight decimals and plane origins to a hundred-millionth of the diagonal (orthonormal to 1e-7).
-/// Call it before tiles are fitted; it may be repeated.
+/// Rounds the values that the file stores with fewer digits than a double has to the stored values,
+/// so that an asset in memory and the same asset read back give the same answers. `sparse` only:
+/// plane bases to eight decimals and plane origins to a hundred-millionth of the diagonal
+/// (orthonormal to 1e-7). Call it before tiles are fitted; it may be repeated.
 void round_to_stored(Asset& asset);
 
-/// How far an answer at the band's end may lie beyond it, m: the tolerance, or a thousandth of the
+/// How far beyond the band's end an answer may lie, m: the tolerance, or a thousandth of the
 /// diagonal where the asset promises none.
 [[nodiscard]] inline double answer_tolerance(const AssetMetadata& metadata) {
   return metadata.tolerance.value_or(1e-3 * metadata.diagonal);
 }
-
-/// Shares of the bytes of a written file.
-struct AssetBytes {
-  std::uint64_t total = 0;
-  std::uint64_t samples = 0;    ///< payload of the parts `heights...`
-  std::uint64_t grid = 0;       ///< payload of the parts `grid...`
-  std::uint64_t triangles = 0;  ///< payload of the parts `triangles...`
-};
-
-/// Writes an asset as a standard multi-part EXR: to a temporary file beside `path`, synced, then
-/// renamed. The bytes depend on the asset alone. Errors: file_or_device, with nothing left behind.
-[[nodiscard]] Result<AssetBytes> write_asset(const Asset& asset, const std::string& path);
-
-/// Refuses an output path that could not be written later: its folder missing or not writable, or
-/// the path a directory. Called before a bake begins.
-[[nodiscard]] Result<void> check_output_path(const std::string& path);
 
 }  // namespace spm

@@ -11,7 +11,7 @@
 namespace spm {
 namespace {
 
-/// Walks over the words of the grid; what several cells share is looked at once.
+/// Walks over the words of the grid; lists that several cells share are checked once.
 class GridCheck {
  public:
   explicit GridCheck(const AssetView& asset)
@@ -19,13 +19,13 @@ class GridCheck {
         triangles_(asset.triangles.size() / 9),
         checked_(asset.grid.records.size(), 0) {}
 
-  /// What is wrong with what a word leads to, empty when nothing is.
+  /// The error in what a word leads to; empty where there is none.
   [[nodiscard]] std::string problem(std::uint32_t word, int splits_left) {
     if (static_cast<CellKind>(word >> 30U) != CellKind::record) return {};
     const std::size_t offset = word & offset_mask;
     if (offset >= checked_.size()) return "lies outside the records";
     const bool split = is_split(word);
-    // A bit for each number of splits that may still lie within, and one for lists.
+    // One bit for each number of splits that may still be nested, and one for lists.
     const auto bit = static_cast<std::uint8_t>(1U << (split ? splits_left : split_levels + 1));
     if ((checked_[offset] & bit) != 0) return {};
     std::string found = split ? split_problem(offset, splits_left) : list_problem(word);
@@ -78,8 +78,8 @@ Result<void> check_grid(const AssetView& asset, const std::string& path) {
   return {};
 }
 
-/// What is wrong with the octree of space, empty when nothing is. A child is above its parent, and
-/// so a walk over all nodes in order knows each one's depth.
+/// The error in the sign octree; empty where there is none. A child's number is above its parent's,
+/// so a walk over all nodes in order knows the depth of each.
 std::string space_problem(const SpaceTree& tree) {
   const std::size_t nodes = tree.words.size() / space_node_words;
   std::vector<int> depth(nodes, 0);
@@ -101,7 +101,7 @@ std::string space_problem(const SpaceTree& tree) {
   return {};
 }
 
-/// The same of the tree of elements.
+/// The same for the tree of elements.
 std::string tree_problem(const AssetView& asset) {
   const std::size_t nodes = asset.tree.words.size() / tree_node_words;
   const std::size_t corners = (asset.triangles.size() + asset.small_triangles.size()) / 3;
@@ -143,7 +143,7 @@ Result<void> check_trees(const AssetView& asset, const std::string& path) {
   return {};
 }
 
-/// Counts instead of stopping at the first, so that the loop runs as fast as memory.
+/// Counts instead of stopping at the first, so that the loop is limited only by memory.
 std::size_t count_bad(std::span<const float> values, bool infinity_allowed) {
   std::size_t bad = 0;
   for (const float value : values) {

@@ -8,10 +8,10 @@
 
 namespace spm {
 
-/// Checks what a query reads of an asset: that every grid cell leads to a whole list, splits at
-/// most split_levels deep, every list to maps, layers, tiles and triangles that exist, and that no
-/// sample is NaN, none of a `sparse` asset and no triangle infinite. Errors: invalid_input, `path`
-/// in front.
+/// Checks everything that a query reads of an asset. Every grid cell leads to a complete list, with
+/// splits at most split_levels deep. Every list leads to maps, layers, tiles and triangles that
+/// exist. No sample is NaN; no sample of a `sparse` asset and no triangle is infinite. Errors:
+/// invalid_input, with `path` in front.
 [[nodiscard]] Result<void> check_content(const AssetView& asset, const std::string& path);
 
 }  // namespace spm

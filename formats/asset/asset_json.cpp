@@ -12,12 +12,12 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr std::uint32_t most_maps = 1U << 24U;  // what a grid record can name
+constexpr std::uint32_t most_maps = 1U << 24U;  // limit of a grid record
 constexpr std::uint32_t most_tiles = 1U << 24U;
 constexpr std::uint32_t most_samples_a_side = 1U << 14U;
 constexpr std::uint32_t most_cells_an_axis = 1U << 20U;
 constexpr std::uint64_t most_cells = std::uint64_t{1} << 30U;
-constexpr std::uint64_t most_words = std::uint64_t{1} << 28U;  // what a grid word can point to
+constexpr std::uint64_t most_words = std::uint64_t{1} << 28U;  // limit of a grid word
 // Lengths that stay normal floats over all levels and heights.
 constexpr double least_length = 1e-20, greatest_length = 1e20;
 constexpr double basis_slack = 1e-6;
@@ -71,7 +71,7 @@ Json tree_json(const AssetDescription& description) {
           {"nodes", description.tree_nodes}};
 }
 
-/// How many surfaces of the asset's form there are, and how their samples lie.
+/// Adds the number of maps or tiles of the asset's form, and the layout of their samples.
 void add_surfaces(const AssetDescription& description, Json& json) {
   const AssetMetadata& metadata = description.metadata;
   if (metadata.form == AssetForm::full) {

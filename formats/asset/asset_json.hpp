@@ -12,12 +12,12 @@
 
 namespace spm {
 
-/// What the string attribute `spm` says: everything of an asset that is neither a height sample nor
-/// part of the grid nor a triangle.
+/// Content of the string attribute `spm`: everything of an asset except height samples, the grid
+/// and triangles.
 struct AssetDescription {
   AssetMetadata metadata;
   std::vector<SupportPlane> planes;
-  std::vector<double> plane_spacing;      ///< `full` only: metres between samples, a plane each
+  std::vector<double> plane_spacing;      ///< `full` only: metres between samples, one per plane
   std::vector<std::uint32_t> plane_tile;  ///< `full` only: EXR tile, counted through all parts
   // `full` only: see Grid.
   Vector3 grid_origin = Vector3::Zero();
@@ -35,9 +35,9 @@ struct AssetDescription {
   std::uint32_t map_columns = 0;
   std::uint32_t map_rows = 0;
   std::uint32_t tiles = 0;       ///< `sparse` only
-  std::uint32_t corners = 0;     ///< of the fallback's triangles; in `full` three each
-  std::uint32_t caps = 0;        ///< of the corners, the last; `sparse` only
-  bool small_triangles = false;  ///< then they have an origin and a step
+  std::uint32_t corners = 0;     ///< of the fallback's triangles; in `full` three per triangle
+  std::uint32_t caps = 0;        ///< number of the last corners that belong to caps; `sparse` only
+  bool small_triangles = false;  ///< corners are 16-bit numbers, with an origin and a step
   Vector3 triangle_origin = Vector3::Zero();
   double triangle_step = 0;
 };
@@ -45,13 +45,13 @@ struct AssetDescription {
 /// Description of an asset in memory, without the EXR tiles of its planes.
 [[nodiscard]] AssetDescription describe(const Asset& asset);
 
-/// JSON text of a description: one line, keys in a fixed order, numbers that round-trip, the same
-/// text for the same description. `metadata.options` must be a JSON object.
+/// JSON text of a description: one line, keys in a fixed order, numbers that round-trip. The same
+/// description always gives the same text. `metadata.options` must be a JSON object.
 [[nodiscard]] std::string to_json(const AssetDescription& description);
 
 /// Reads the text back. Every field is checked for presence, type and range; planes must be
-/// orthonormal, right-handed bases (1e-6). Unknown keys are ignored, since later programs may add
-/// some. Errors: invalid_input, `place` (the file) in front of the message.
+/// orthonormal, right-handed bases (1e-6). Unknown keys are ignored, because later programs may add
+/// some. Errors: invalid_input, with `place` (the file) in front of the message.
 [[nodiscard]] Result<AssetDescription> parse_description(std::string_view text,
                                                          const std::string& place);
 

@@ -25,7 +25,7 @@ class Parts {
   [[nodiscard]] const std::byte* at(std::uint64_t offset) const { return bytes_.data() + offset; }
   [[nodiscard]] const std::vector<ExrPart>& all() const { return parts_; }
 
-  /// All words of a part of them that is a single tile; none where there is no such part.
+  /// All words of a part that is a single tile of words; none where there is no such part.
   [[nodiscard]] std::span<const std::uint32_t> all_words(std::string_view name) const {
     const ExrPart* part = find(name);
     if (part == nullptr || part->type != SampleType::uint32 || part->offsets.size() != 1) return {};
@@ -33,8 +33,8 @@ class Parts {
             part->tile_samples()};
   }
 
-  /// The first `count` words of a part that is a single tile; nothing where the part is not as it
-  /// must be. No words are wanted from a part that is missing.
+  /// The first `count` words of a part that is a single tile; nothing where the part is not as
+  /// required. Where `count` is 0 the part must be missing.
   template <class T>
   [[nodiscard]] std::optional<std::span<const T>> words(std::string_view name,
                                                         std::uint64_t count) const {
@@ -62,7 +62,7 @@ tl::unexpected<Error> wrong_part(const std::string& path, std::string_view name)
   return refuse(path, "part " + std::string(name) + " is missing or not as the asset describes it");
 }
 
-/// Maps, and what they point to beside samples.
+/// Maps, and the tables that they point to beside their samples.
 struct Maps {
   std::vector<DistanceMap> maps;
   std::vector<std::vector<std::uint32_t>> layer_offsets;
@@ -72,7 +72,7 @@ const float* floats_at(const Parts& parts, std::uint64_t offset) {
   return reinterpret_cast<const float*>(parts.at(offset));
 }
 
-/// A tile of a `full` asset: where its samples begin, and its number of layers.
+/// A tile of a `full` asset: the start of its samples, and its number of layers.
 struct FullTile {
   std::uint64_t offset = 0;
   std::uint32_t layers = 0;
@@ -169,7 +169,7 @@ Result<std::vector<Tile>> sparse_tiles(const Parts& parts, const AssetDescriptio
   return std::move(read.tiles);
 }
 
-/// The triangles, in the one of two forms that the description names.
+/// The triangles, in the form that the description names.
 bool find_triangles(const Parts& parts, const AssetDescription& description, AssetView& view) {
   const std::uint64_t numbers = std::uint64_t{3} * description.corners;
   if (!description.small_triangles) {
@@ -185,7 +185,7 @@ bool find_triangles(const Parts& parts, const AssetDescription& description, Ass
   return true;
 }
 
-/// The grid of a `full` asset; names the part that is not as it must be, if any.
+/// The grid of a `full` asset; returns the name of a part that is not as required, if any.
 std::string_view find_grid(const Parts& parts, const AssetDescription& description, Grid& grid) {
   const auto& cells = description.grid_cells;
   const auto index = parts.words<std::uint32_t>(part_name::grid_index,

@@ -13,9 +13,9 @@
 
 namespace spm {
 
-/// Builds the tables of pointers into a mapped file from its indexed parts and its description,
-/// both of which are checked already; checks that the two agree: parts, channels, sizes, tiles.
-/// Errors: invalid_input, `path` in front.
+/// Builds the tables of pointers into a mapped file from its indexed parts and its description.
+/// Both were checked before; this function checks that they agree in parts, channels, sizes and
+/// tiles. Errors: invalid_input, with `path` in front.
 [[nodiscard]] Result<AssetTables> lay_out(std::span<const std::byte> bytes,
                                           const std::vector<ExrPart>& parts,
                                           const AssetDescription& description,

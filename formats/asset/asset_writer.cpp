@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "formats/asset/asset_writer.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <cstring>
@@ -8,13 +10,13 @@
 
 #include "formats/asset/asset.hpp"
 #include "formats/asset/asset_json.hpp"
-#include "formats/exr/exr_writer.hpp"
 #include "formats/asset/tile_words.hpp"
+#include "formats/exr/exr_writer.hpp"
 
 namespace spm {
 namespace {
 
-/// A flat array as one EXR tile, so that it lies contiguous in the file.
+/// A flat array as one EXR tile, so that it is contiguous in the file.
 template <class T>
 PartPlan flat_part(std::string_view name, SampleType type, std::span<const T> values) {
   static_assert(sizeof(T) == 4);
@@ -44,7 +46,8 @@ void fill(std::vector<std::byte>& scratch, std::uint64_t bytes, float value) {
   }
 }
 
-/// Copies a map's layers, which lie one behind the other in memory, into a tile's interleaved rows.
+/// Copies a map's layers, which are stored one behind the other in memory, into a tile's
+/// interleaved rows.
 void interleave(const MapData& map, std::span<const std::uint32_t> layer_offsets,
                 std::vector<std::byte>& tile) {
   for (std::uint32_t layer = 0; layer < map.layers; ++layer) {
@@ -75,8 +78,8 @@ PartPlan full_part(const Asset& asset, std::uint32_t layers, std::vector<std::ui
   return part;
 }
 
-/// Parts of a `full` asset's maps, a part for each number of layers, the one with most maps first
-/// since viewers open that; sets the tile of every plane.
+/// Parts for the maps of a `full` asset, one for each number of layers. The one with most maps
+/// comes first, because viewers open that. Sets the tile of every plane.
 std::vector<PartPlan> full_parts(const Asset& asset, std::vector<std::uint32_t>& plane_tile) {
   std::map<std::uint32_t, std::vector<std::uint32_t>> groups;
   for (std::uint32_t index = 0; index < asset.maps.size(); ++index) {
@@ -122,7 +125,7 @@ PartPlan sparse_part(const Asset& asset) {
   return part;
 }
 
-/// What is wrong with the maps of a `full` asset, empty when nothing is.
+/// The error in the maps of a `full` asset; empty where there is none.
 std::string map_problem(const Asset& asset) {
   if (asset.maps.empty() || asset.maps.size() != asset.planes.size()) {
     return "it has not one map a plane";
@@ -142,7 +145,7 @@ std::string map_problem(const Asset& asset) {
   return {};
 }
 
-/// What is wrong with the tiles of a `sparse` asset, empty when nothing is.
+/// The error in the tiles of a `sparse` asset; empty where there is none.
 std::string tiles_problem(const Asset& asset) {
   const AssetMetadata& metadata = asset.metadata;
   if (!asset.tiles.empty() && !(metadata.tile_spacing > 0 && metadata.height_unit > 0)) {
@@ -155,7 +158,7 @@ std::string tiles_problem(const Asset& asset) {
   return {};
 }
 
-/// What is wrong with an asset that the writer was given, empty when nothing is.
+/// The error in an asset that the writer received; empty where there is none.
 std::string inconsistency(const Asset& asset) {
   const bool full = asset.metadata.form == AssetForm::full;
   const auto options = nlohmann::json::parse(asset.metadata.options, nullptr, false);
@@ -183,7 +186,7 @@ std::string inconsistency(const Asset& asset) {
   return full ? map_problem(asset) : tiles_problem(asset);
 }
 
-/// The 16-bit numbers of corners two a word, the first in the low half.
+/// The 16-bit numbers of corners, two per word, the first in the low half.
 std::vector<std::uint32_t> pack_small(const std::vector<std::uint16_t>& numbers) {
   std::vector<std::uint32_t> words((numbers.size() + 1) / 2, 0);
   for (std::size_t i = 0; i < numbers.size(); ++i) {
@@ -192,7 +195,8 @@ std::vector<std::uint32_t> pack_small(const std::vector<std::uint16_t>& numbers)
   return words;
 }
 
-/// Arrays that are gathered from maps, tiles and triangles; they live until the file is written.
+/// Arrays that are gathered from maps, tiles and triangles; they must live until the file is
+/// written.
 struct Gathered {
   TileWords words;  ///< the masks also of a `full` asset
   std::vector<std::uint32_t> small_triangles;
@@ -266,7 +270,7 @@ Result<AssetBytes> write_asset(const Asset& asset, const std::string& path) {
 }
 
 Result<void> check_output_path(const std::string& path) {
-  // Creating the temporary file is the only check that no kind of file system can fool.
+  // Creating the temporary file is the only check that is right on every file system.
   Result<OutputFile> file = OutputFile::create(path);
   if (!file) return tl::make_unexpected(std::move(file.error()));
   return {};

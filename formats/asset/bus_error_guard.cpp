@@ -27,7 +27,7 @@ constinit std::array<Slot, 1024> slots;
 constinit std::atomic<std::uintptr_t> page_size{4096};
 struct sigaction previous_action;
 
-/// Puts zeros in place of the slot's pages from the one that holds `address` on.
+/// Replaces the slot's pages by zeros, from the one that contains `address` on.
 bool replace_lost_pages(std::uintptr_t address) noexcept {
   for (Slot& slot : slots) {
     const std::uintptr_t begin = slot.begin.load(std::memory_order_acquire);
@@ -41,12 +41,12 @@ bool replace_lost_pages(std::uintptr_t address) noexcept {
   return false;
 }
 
-// Only async-signal-safe work: atomics, mmap, sigaction, raise.
+// Uses async-signal-safe calls only: atomics, mmap, sigaction, raise.
 void handle_bus_error(int signal, siginfo_t* info, void*) noexcept {
   const int kept_errno = errno;
   const bool fault = info->si_code > 0;  // not sent by kill()
   if (!fault || !replace_lost_pages(reinterpret_cast<std::uintptr_t>(info->si_addr))) {
-    // Not ours: the instruction faults again and meets the handler that was there before.
+    // Not our fault: the instruction faults again and reaches the handler that was there before.
     ::sigaction(signal, &previous_action, nullptr);
     if (!fault) ::raise(signal);
   }

@@ -5,10 +5,10 @@
 
 namespace spm {
 
-/// Keeps a read-only mapping readable when its file is truncated under it: on a bus error inside
-/// the mapping, the rest of it from that page on becomes zeros and `lost` turns true; bus errors
-/// elsewhere go to the handler that was there before. The process-wide handler is installed by the
-/// first guard and stays. The mapping must be unmapped after its guard ends.
+/// Keeps a read-only mapping readable when its file is truncated. On a bus error inside the
+/// mapping, the rest of it from that page on becomes zeros, and `lost` turns true. Bus errors
+/// elsewhere go to the handler that was there before. The first guard installs the process-wide
+/// handler, which stays. The mapping must be unmapped after its guard ends.
 class BusErrorGuard {
  public:
   BusErrorGuard() = default;
@@ -16,8 +16,8 @@ class BusErrorGuard {
   BusErrorGuard& operator=(const BusErrorGuard&) = delete;
   ~BusErrorGuard();
 
-  /// Begins to guard [begin, begin + size), page-aligned. False where the table of mappings is full
-  /// (1024 at once) or the handler cannot be installed; then nothing is guarded.
+  /// Begins to guard [begin, begin + size), page-aligned. Returns false and guards nothing where
+  /// the table of mappings is full (1024 at once) or the handler cannot be installed.
   [[nodiscard]] bool watch(const void* begin, std::size_t size) noexcept;
 
   /// True once a page was lost. Lock-free.

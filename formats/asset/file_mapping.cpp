@@ -37,7 +37,8 @@ tl::unexpected<Error> cannot(const std::string& path, const char* what, int caus
               path + ": cannot be " + what + ": " + std::strerror(cause) + "; " + cure);
 }
 
-/// Copies a file into memory that nobody can change any more; the descriptor, or -1 and errno.
+/// Copies a file into memory that nobody can change any more. Returns the descriptor, or -1 and
+/// errno.
 int sealed_copy(int source, std::uint64_t size) {
   const int copy = ::memfd_create("spm-asset", MFD_CLOEXEC | MFD_ALLOW_SEALING);
   if (copy < 0) return -1;
@@ -90,7 +91,7 @@ Result<std::unique_ptr<FileMapping>> FileMapping::open(const std::string& path,
                                                        const MapOptions& options) {
   std::unique_ptr<FileMapping> file(new FileMapping);
   file->path_ = path;
-  // O_NONBLOCK: a named pipe must not hold the program up.
+  // O_NONBLOCK: a named pipe must not block the program.
   file->descriptor_ = ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
   if (file->descriptor_ < 0) {
     return cannot(path, "opened", errno, "check the path and its permissions");

@@ -14,8 +14,9 @@
 
 namespace spm {
 
-/// A regular file, mapped read-only and guarded against truncation, and its descriptor kept open to
-/// look at the file later. In `sealed` mode the mapping is of a sealed copy in memory.
+/// A regular file, mapped read-only and guarded against truncation. Its descriptor stays open, so
+/// that the file can be checked later. In `sealed` mode the mapping is that of a sealed copy in
+/// memory.
 class FileMapping {
  public:
   /// Errors: file_or_device.
@@ -32,13 +33,14 @@ class FileMapping {
   /// Reads a byte of every page, so that none faults later.
   void touch() const noexcept;
 
-  /// Remembers where the recorded checksum is and what it says, for `state`.
+  /// Stores the position and value of the recorded checksum, for `state`.
   void set_checksum(std::uint64_t digits_at, std::uint64_t checksum) noexcept;
 
-  /// Compares the file with what it was when it was opened. Size and modification time decide. The
-  /// change time alone proves nothing, since links and permissions change it too, and a time stamp
-  /// younger than the clock's step hides an edit: then the content is read again and compared by
-  /// checksum. The file is looked at before its path: bytes that changed matter more than a name.
+  /// Compares the file with its state when it was opened. Size and modification time decide. The
+  /// change time alone proves nothing, because links and permissions change it too. A time stamp
+  /// younger than the clock's step hides an edit; then the content is read again and compared by
+  /// checksum. The file is checked before its path, because changed bytes matter more than a
+  /// changed name.
   [[nodiscard]] AssetState state() noexcept;
 
  private:
@@ -49,7 +51,7 @@ class FileMapping {
   std::string path_;
   int descriptor_ = -1;
   struct stat opened_ {};
-  bool young_ = false;  ///< modified within the clock's step of the opening
+  bool young_ = false;  ///< modified within one clock step of the opening
   std::uint64_t digits_at_ = 0;
   std::uint64_t checksum_ = 0;
   std::span<const std::byte> bytes_;

@@ -9,10 +9,10 @@
 #include "formats/asset/asset_check.hpp"
 #include "formats/asset/asset_json.hpp"
 #include "formats/asset/asset_layout.hpp"
-#include "formats/files/checksum.hpp"
+#include "formats/asset/file_mapping.hpp"
 #include "formats/exr/exr_header.hpp"
 #include "formats/exr/exr_index.hpp"
-#include "formats/asset/file_mapping.hpp"
+#include "formats/files/checksum.hpp"
 #include "formats/files/sha256.hpp"
 
 namespace spm {
@@ -38,8 +38,8 @@ std::string_view text_at(std::span<const std::byte> bytes, const AttributePlace&
   return {reinterpret_cast<const char*>(bytes.data()) + place.offset, place.size};
 }
 
-/// A file of the right kind is recognised by its first bytes and the attribute `spm`, and one that
-/// lost its end by the size that it records.
+/// A file of the right kind is recognised by its first bytes and the attribute `spm`. One that lost
+/// its end is recognised by the size that it records.
 Result<void> check_identity(std::span<const std::byte> bytes, const std::string& path) {
   constexpr const char* cure = "; bake one with spm-bake build";
   if (!is_exr(bytes))
@@ -139,7 +139,7 @@ Result<std::unique_ptr<MappedAsset>> MappedAsset::open(const std::string& path,
   if (auto good = check_content(tables->view(), path); !good) return failed(good);
   if (options.index) tables->build_index();
   if (options.prefault) (*file)->touch();
-  // What was checked above must be what is mapped now.
+  // The file that is mapped now must be the one that was checked above.
   if (options.mode == MapMode::file && (*file)->state() != AssetState::intact) {
     return fail(ExitCode::file_or_device,
                 path + ": changed while it was being opened; try again when it is complete");

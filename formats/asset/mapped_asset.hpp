@@ -10,22 +10,23 @@
 #include "common/asset/asset_view.hpp"
 #include "common/base/error.hpp"
 #include "formats/asset/asset.hpp"
+#include "formats/asset/asset_writer.hpp"
 
 namespace spm {
 
 enum class MapMode {
   file,    ///< the baked file itself is mapped, read-only
-  sealed,  ///< copied into a sealed memfd first, for stores that others may write to
+  sealed,  ///< copied into a sealed memfd first, for folders that others may write to
 };
 
 struct MapOptions {
   MapMode mode = MapMode::file;
   bool prefault = false;  ///< read every page before open returns
-  bool index = true;      ///< derive the index, by which queries are several times faster
-  bool lock = false;      ///< mlock the mapping when permitted; `locked()` tells whether it was
+  bool index = true;      ///< derive the index, which makes queries several times faster
+  bool lock = false;      ///< mlock the mapping where permitted; `locked()` says whether it was
 };
 
-/// What became of the file behind a mapping.
+/// State of the file behind a mapping.
 enum class AssetState { intact, truncated, edited, replaced, deleted };
 
 [[nodiscard]] const char* to_string(AssetState state) noexcept;
@@ -38,14 +39,14 @@ struct PartInfo {
   std::uint64_t payload_bytes = 0;
 };
 
-/// A baked file, validated whole (layout, metadata, every checksum) and mapped. Opening allocates,
-/// reads and may fail; after that `view()` is immutable and reads the mapped bytes in place.
-/// A page that vanishes under the map (truncation) reads as zeros and sets `lost()`: the process
-/// wide SIGBUS guard is installed by the first open.
+/// A baked file, fully validated (layout, metadata, every checksum) and mapped. Opening allocates,
+/// reads and may fail; after that `view()` is immutable and reads the mapped bytes in place. A page
+/// that vanishes under the map (truncation) reads as zeros and sets `lost()`: the first open
+/// installs the process-wide SIGBUS guard.
 class MappedAsset {
  public:
   /// Errors: file_or_device (cannot be opened or read, a directory), invalid_input (anything that
-  /// is not an intact asset of this version); the message names file, place, cause and cure.
+  /// is not an intact asset of this version); the message names file, place, cause and remedy.
   [[nodiscard]] static Result<std::unique_ptr<MappedAsset>> open(const std::string& path,
                                                                  const MapOptions& options = {});
   ~MappedAsset();
@@ -59,15 +60,15 @@ class MappedAsset {
   /// SHA-256 of the whole file, computed at the first call: not for the servo loop.
   [[nodiscard]] const std::string& content_sha256() const noexcept;
   [[nodiscard]] AssetBytes bytes() const noexcept;
-  /// Of the index, in memory beside the file.
+  /// Size of the index, which is in memory beside the file.
   [[nodiscard]] std::size_t index_bytes() const noexcept;
   [[nodiscard]] bool locked() const noexcept;
 
   /// True once a page of the mapping was lost. Lock-free, callable from the servo loop.
   [[nodiscard]] bool lost() const noexcept;
 
-  /// Looks at the file behind the mapping (size, times, inode of the path). System calls: loading
-  /// thread only. A `sealed` map of a file that changed still reads its old bytes.
+  /// Checks the file behind the mapping (size, times, inode of the path). Makes system calls: for
+  /// the loading thread only. A `sealed` map of a file that changed still reads its old bytes.
   [[nodiscard]] AssetState check_file() const noexcept;
 
  private:

@@ -13,7 +13,7 @@ constexpr std::uint32_t partly_valid = 1U << 24U;
 constexpr std::uint32_t has_clips = 1U << 25U;
 constexpr std::uint32_t known_bits = (1U << 26U) - 1;
 
-/// Puts a tile on its place of the lattice of its level.
+/// Puts a tile at its place on the lattice of its level.
 void place(Tile& tile, std::uint32_t level, std::int32_t column, std::int32_t row,
            double tile_spacing) noexcept {
   tile.spacing = static_cast<float>(std::ldexp(tile_spacing, -static_cast<int>(level)));
@@ -37,12 +37,12 @@ void append_long(std::vector<std::uint32_t>& words, std::uint64_t value) {
   words.push_back(static_cast<std::uint32_t>(value >> 32U));
 }
 
-/// The words of `grid_masks` one after the other.
+/// Reads the words of `grid_masks` one after the other.
 class Stream {
  public:
   explicit Stream(std::span<const std::uint32_t> words) : words_(words) {}
 
-  /// The next words; null where so many are not left.
+  /// The next `count` words; null where fewer are left.
   const std::uint32_t* take(std::size_t count) noexcept {
     if (count > words_.size() - at_) return nullptr;
     at_ += count;
@@ -60,7 +60,7 @@ class Stream {
   std::size_t at_ = 0;
 };
 
-/// Reads what `masks` holds of a tile; the problem, or nothing.
+/// Reads the masks of a tile from `masks`. Returns the error, or nothing.
 const char* read_masks(std::uint32_t flags, Stream& masks, Tile& tile) noexcept {
   tile.valid = all_cells;
   const bool whole = ((flags & partly_valid) == 0 || masks.take_long(tile.valid)) &&
@@ -72,7 +72,7 @@ const char* read_masks(std::uint32_t flags, Stream& masks, Tile& tile) noexcept 
   return tile.clips == nullptr ? "has clips that are cut short" : nullptr;
 }
 
-/// Reads the words of a tile; the problem, or nothing.
+/// Reads the words of a tile. Returns the error, or nothing.
 const char* read_tile(const std::uint32_t* words, double tile_spacing, std::size_t planes,
                       Tile& tile) noexcept {
   const std::uint32_t level = (words[0] >> 12U) & 0xFU;

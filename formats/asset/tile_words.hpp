@@ -11,15 +11,15 @@
 
 namespace spm {
 
-// What a tile is beside its heights, as words of the parts `grid_tiles` and `grid_masks`.
-// `grid_tiles` has tile_words words a tile:
+// The data of a tile beside its heights, as words of the parts `grid_tiles` and `grid_masks`.
+// `grid_tiles` has tile_words words per tile:
 //   0: bits 0-11 the plane, 12-15 the level, 16-23 the first layer, 24 set where not every cell is
 //      valid, 25 set where some cell is clipped;
 //   1: column, and row in the high half, 16 bits each, signed;
 //   2: the base, a float;
 //   3: slope_eta, and slope_omega in the high half, both HALF.
-// `grid_masks` has, a tile after the other: where bit 24 is set `valid`, two words, low first;
-// where bit 25 is set `clipped`, two words, and a clip a set bit.
+// `grid_masks` has, one tile after the other: where bit 24 is set `valid`, two words, low first;
+// where bit 25 is set `clipped`, two words, and then one clip per set bit.
 
 inline constexpr std::uint32_t tile_words = 4;
 inline constexpr std::uint32_t most_tile_planes = 1U << 12U;
@@ -32,17 +32,18 @@ struct TileWords {
 };
 [[nodiscard]] TileWords words_of(const std::vector<TileData>& tiles);
 
-/// A tile over the heights and clips of `data`; its bounds are not derived yet.
+/// A view of the heights and clips of `data` as a tile; its bounds are not derived yet.
 [[nodiscard]] Tile tile_over(const TileData& data, double tile_spacing) noexcept;
 
-/// What of a tile cannot be stored, or contradicts itself; empty when nothing does.
+/// The problem of a tile that cannot be stored or contradicts itself; empty where there is none.
 [[nodiscard]] std::string tile_problem(const TileData& tile, std::size_t planes);
 
-/// Tiles without heights, their clips read in place, and how many words of `masks` they took.
+/// Tiles without heights, with their clips read in place, and the number of words of `masks` they
+/// took.
 struct TilesRead {
   std::vector<Tile> tiles;
   std::size_t mask_words = 0;
-  std::string problem;  ///< what is wrong with the words, empty when nothing is
+  std::string problem;  ///< the error in the words; empty where there is none
 };
 [[nodiscard]] TilesRead read_tiles(std::span<const std::uint32_t> words,
                                    std::span<const std::uint32_t> masks, double tile_spacing,

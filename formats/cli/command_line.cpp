@@ -12,8 +12,8 @@
 #include <iostream>
 #include <memory>
 
-#include "formats/files/nearest_word.hpp"
 #include "formats/cli/progress_text.hpp"
+#include "formats/files/nearest_word.hpp"
 
 namespace spm::cli {
 namespace {
@@ -74,7 +74,7 @@ std::string describe(const CLI::App& app, const CLI::ParseError& problem) {
   if (dynamic_cast<const CLI::ExtrasError*>(&problem) != nullptr) return describe_unexpected(app);
   const std::string text = problem.what();
   if (dynamic_cast<const CLI::RequiredError*>(&problem) != nullptr) {
-    // What is missing may be what was misspelt.
+    // A missing argument may be one that was misspelt.
     if (!app.remaining(true).empty()) return describe_unexpected(app);
     return fmt::format("{}: see '{} --help'", text, full_name(deepest(app)));
   }
@@ -124,7 +124,7 @@ const char* type_name(Quantity quantity) {
 CLI::Option* add_parsed(CLI::App& command, const std::string& name,
                         std::function<Result<void>(const std::string&)> store,
                         const std::string& description, const std::string& type) {
-  // The name that messages use: the long one.
+  // Messages use the long name.
   const std::string shown =
       name.substr(name.rfind(',') == std::string::npos ? 0 : name.rfind(',') + 1);
   return command
@@ -293,7 +293,8 @@ ProgressLine::~ProgressLine() {
 void ProgressLine::update(const char* stage, double done) {
   if (!active_) return;
   const auto now = std::chrono::steady_clock::now();
-  // A stage that falls far back is another round of it; threads tell a little out of turn.
+  // A stage whose progress falls far back has started another round. Threads report slightly out of
+  // order.
   if (stage != stage_ || done < done_ / 2) {
     stage_ = stage;
     start_ = done;

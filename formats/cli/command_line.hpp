@@ -25,14 +25,14 @@ struct GlobalOptions {
   Color color = Color::automatic;
 };
 
-/// Adds --quiet, --color and --json to a command (sub-commands each have them).
+/// Adds --quiet, --color and --json to a command; each sub-command gets its own.
 void add_global_options(CLI::App& command, GlobalOptions& options);
 
-/// Directs spdlog's default logger to stderr: "warning: ..." and "error: ..." one line each, colour
-/// as asked (NO_COLOR honoured), silence below errors with --quiet.
+/// Directs spdlog's default logger to stderr: one line each, "warning: ..." or "error: ...", in
+/// colour as requested (NO_COLOR is honoured). With --quiet it prints errors only.
 void configure_messages(const GlobalOptions& options);
 
-/// Adds an option whose value carries a unit ("50um"); a wrong one is a usage error that says so.
+/// Adds an option whose value has a unit ("50um"); a wrong value is a usage error that explains it.
 CLI::Option* add_quantity(CLI::App& command, const std::string& name, double& target,
                           Quantity quantity, const std::string& description);
 CLI::Option* add_quantity(CLI::App& command, const std::string& name, std::optional<double>& target,
@@ -42,8 +42,8 @@ CLI::Option* add_quantity(CLI::App& command, const std::string& name, std::optio
 CLI::Option* add_probe(CLI::App& command, double& radius);
 CLI::Option* add_probe(CLI::App& command, std::optional<double>& radius);
 
-/// Adds an option whose text `store` reads; what it finds wrong is a usage error. `type` is what
-/// help shows for the value.
+/// Adds an option whose text is read by `store`; an error from it is a usage error. `type` is what
+/// the help shows for the value.
 CLI::Option* add_parsed(CLI::App& command, const std::string& name,
                         std::function<Result<void>(const std::string&)> store,
                         const std::string& description, const std::string& type);
@@ -54,12 +54,12 @@ CLI::Option* add_integer(CLI::App& command, const std::string& name, std::uint64
                          std::uint64_t most, std::function<void(std::uint64_t)> store,
                          const std::string& description);
 
-/// Adds an option that takes one of a few words; another one is a usage error that lists them.
-/// `store` gets the word's index.
+/// Adds an option that takes one of a few words; any other word is a usage error that lists them.
+/// `store` gets the index of the word.
 CLI::Option* add_word(CLI::App& command, const std::string& name, std::vector<std::string> words,
                       std::function<void(std::size_t)> store, const std::string& description);
 
-/// As add_word, with a value a word.
+/// As add_word, with one value per word.
 template <class T>
 CLI::Option* add_choice(CLI::App& command, const std::string& name, T& target,
                         const std::vector<std::pair<std::string, T>>& choices,
@@ -83,7 +83,7 @@ CLI::Option* add_choice(CLI::App& command, const std::string& name, T& target,
 /// Prints one JSON object and a newline on stdout. Numbers that are not finite become null.
 void print_json(const nlohmann::ordered_json& object);
 
-/// A progress line on stderr, redrawn in place: only on a terminal, never with --quiet or --json.
+/// A progress line on stderr, redrawn in place. Only on a terminal, never with --quiet or --json.
 class ProgressLine {
  public:
   explicit ProgressLine(const GlobalOptions& options);
@@ -91,8 +91,8 @@ class ProgressLine {
   ProgressLine(const ProgressLine&) = delete;
   ProgressLine& operator=(const ProgressLine&) = delete;
 
-  /// Draws the stage, its share done, 0 to 1, and what it may still take; nothing where it reads
-  /// the same as before.
+  /// Draws the stage, the part that is done, 0 to 1, and the time that it may still take. Draws
+  /// nothing where the text is the same as before.
   void update(const char* stage, double done);
 
  private:
@@ -100,8 +100,8 @@ class ProgressLine {
   bool drawn_ = false;
   std::string last_;
   std::string stage_;
-  double start_ = 0;  ///< share of the stage that was done when it began
-  double done_ = 0;   ///< and was last told
+  double start_ = 0;  ///< part of the stage that was done when it began
+  double done_ = 0;   ///< part that was done at the last update
   std::chrono::steady_clock::time_point began_;
 };
 

@@ -9,10 +9,10 @@
 namespace spm::cli {
 namespace {
 
-/// Seconds below which a pace is chance.
+/// Below this time, s, the pace is not reliable.
 constexpr double least_seconds = 1;
 
-/// In the largest unit of which there are some: an estimate is not good for more digits.
+/// In the largest unit that gives at least 1: an estimate is not precise enough for more digits.
 std::string about(double seconds) {
   constexpr double minute = 60, hour = 3600;
   constexpr double most_of_a_unit = 100;

@@ -6,15 +6,15 @@
 
 namespace spm::cli {
 
-/// How far a stage was when it was first heard of, and is now.
+/// Progress of a stage: when it was first reported, and now.
 struct StageProgress {
-  double done = 0;     ///< share of the stage, 0 to 1
-  double start = 0;    ///< share that was done when it was first heard of
-  double seconds = 0;  ///< since then
+  double done = 0;     ///< part of the stage, 0 to 1
+  double start = 0;    ///< part that was done at the first report
+  double seconds = 0;  ///< since the first report
 };
 
-/// A progress line: the stage, its share done and, once it has been going for more than a second,
-/// about how long it still takes at the pace so far.
+/// A progress line: the stage, the part that is done and, once it has run for more than a second,
+/// about how long it will still take at the pace so far.
 [[nodiscard]] std::string progress_text(std::string_view stage, const StageProgress& progress);
 
 }  // namespace spm::cli

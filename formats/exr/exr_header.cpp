@@ -11,7 +11,7 @@ constexpr std::array<unsigned char, 4> exr_magic{0x76, 0x2f, 0x31, 0x01};
 constexpr std::uint64_t first_attribute = 8;  // behind magic and version
 constexpr unsigned multi_part_flag = 0x10;    // in the second byte of the version
 
-/// A reader that never steps over the end; `ok` turns false where it would have.
+/// A reader that never goes beyond the end; `ok` turns false where it would have.
 struct Cursor {
   std::span<const std::byte> bytes;
   std::uint64_t at = 0;

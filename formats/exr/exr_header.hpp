@@ -9,13 +9,13 @@
 
 namespace spm {
 
-/// Where the value of an attribute lies in a file.
+/// Position of an attribute's value in a file.
 struct AttributePlace {
   std::uint64_t offset = 0;
   std::uint32_t size = 0;
 };
 
-/// What the first bytes of an EXR tell before anything of it may be trusted.
+/// The information in the first bytes of an EXR, read before anything in the file may be trusted.
 struct ExrHeader {
   bool complete = false;  ///< the headers of all parts lie in the bytes
   std::uint64_t end = 0;  ///< first byte behind the headers, where the chunk tables begin
@@ -28,8 +28,8 @@ struct ExrHeader {
 /// Walks over the headers of all parts; every read is checked against the end of the bytes.
 [[nodiscard]] ExrHeader scan_header(std::span<const std::byte> bytes) noexcept;
 
-/// Finds a string attribute of the first part by its name. The checksum must be known before a
-/// parser may be trusted with the file, hence this walk of our own.
+/// Finds a string attribute of the first part by its name. We walk the header ourselves because the
+/// checksum must be known before a parser may be trusted with the file.
 [[nodiscard]] std::optional<AttributePlace> find_string_attribute(std::span<const std::byte> bytes,
                                                                   std::string_view name) noexcept;
 

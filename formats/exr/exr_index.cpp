@@ -80,7 +80,7 @@ class Reader {
   bool good_ = false;
 };
 
-/// Each step below gives what is wrong, or an empty text.
+/// Each step below returns the error, or an empty text.
 using Cause = std::string;
 
 Cause read_storage(exr_const_context_t context, int index, ExrPart& part) {
@@ -171,7 +171,7 @@ Cause read_tiles(exr_const_context_t context, int index, std::uint64_t file_size
   return {};
 }
 
-/// Tiles must follow the tables and one another without overlap and without a gap.
+/// Tiles must follow the tables, and each other, without overlap and without a gap.
 Cause check_coverage(const std::vector<ExrPart>& parts, std::uint64_t header_end,
                      std::uint64_t file_size) {
   std::vector<std::pair<std::uint64_t, std::uint64_t>> chunks;  // begin, end

@@ -12,7 +12,7 @@
 
 namespace spm {
 
-/// A part whose tiles may be read in place.
+/// A part whose tiles can be read in place.
 struct ExrPart {
   std::string name;
   SampleType type = SampleType::float32;
@@ -30,10 +30,11 @@ struct ExrPart {
   }
 };
 
-/// Parses a file in memory with OpenEXRCore and checks everything that reading in place relies on:
-/// every part tiled, of one level, uncompressed and in increasing order, with channels of one
-/// type; every tile whole, in the file, aligned to its samples, behind the tables and apart from
-/// all others, and nothing else in the file. Errors: invalid_input, `path` in front.
+/// Parses a file in memory with OpenEXRCore, and checks everything that reading in place relies on.
+/// Every part is tiled, of one level, uncompressed and in increasing order, with channels of one
+/// type. Every tile is complete, inside the file, aligned to its samples, behind the tables and
+/// disjoint from all others. There is nothing else in the file. Errors: invalid_input, with `path`
+/// in front.
 [[nodiscard]] Result<std::vector<ExrPart>> index_exr(std::span<const std::byte> bytes,
                                                      const std::string& path);
 

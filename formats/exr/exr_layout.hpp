@@ -13,8 +13,8 @@ namespace spm {
 static_assert(std::endian::native == std::endian::little,
               "SPM assets need a little-endian machine");
 
-// Names of parts and attributes of a baked file. The attributes are of the first part; the digits
-// and decimals of `checksum` and `bytes` have a fixed width since they are filled in last.
+// Names of parts and attributes of a baked file. The attributes belong to the first part. The
+// values of `checksum` and `bytes` have a fixed width, because they are filled in last.
 namespace part_name {
 inline constexpr std::string_view heights = "heights";        ///< `full` adds the number of layers
 inline constexpr std::string_view grid_index = "grid_index";  ///< `full` only
@@ -55,29 +55,29 @@ enum class SampleType { half16, float32, uint32 };
 /// Channel names of `layers` layers in the order in which EXR stores them: that of strcmp.
 [[nodiscard]] std::vector<std::string> stored_channels(std::uint32_t layers);
 
-/// Place of each layer's samples within a row of a tile, in samples: its channel's rank times the
-/// columns.
+/// Offset of each layer's samples within a row of a tile, in samples: its channel's rank times the
+/// number of columns.
 [[nodiscard]] std::vector<std::uint32_t> stored_layer_offsets(std::uint32_t layers,
                                                               std::uint32_t columns);
 
-/// Columns and rows of tiles, or of samples.
+/// Number of columns and rows of tiles, or of samples.
 struct TileGrid {
   std::uint32_t columns = 0;
   std::uint32_t rows = 0;
 };
 
-/// Arranges `count` tiles in a picture: at most 32 times as long as wide where that can be, then as
-/// few spare tiles as possible, then as square as possible.
+/// Arranges `count` tiles in a picture: at most 32 times as long as wide where that is possible,
+/// then with as few spare tiles as possible, then as square as possible.
 [[nodiscard]] TileGrid arrange_tiles(std::uint32_t count, std::uint32_t tile_width,
                                      std::uint32_t tile_height);
 
-/// How many tiles of a `sparse` asset one EXR tile holds, one below the other, where there are
-/// `count` in all, 1 or more: with the least bytes spent on spare tiles and on chunks, while the
-/// row of EXR tiles is at most 32 times as long as wide, or as wide as long. All of them together
-/// take whole words, so that the parts behind them lie at whole words.
+/// Number of tiles of a `sparse` asset that one EXR tile holds, one below the other, for `count`
+/// tiles in all, 1 or more. It spends the fewest bytes on spare tiles and on chunks while the row
+/// of EXR tiles is at most 32 times as long as wide, or as wide as long. The total is a whole
+/// number of words, so that the parts behind are aligned to words.
 [[nodiscard]] std::uint32_t arrange_strips(std::uint64_t count);
 
-/// Picture of a flat array of `count` words, 1 or more, with few spare words.
+/// Dimensions of a picture for a flat array of `count` words, 1 or more, with few spare words.
 [[nodiscard]] TileGrid arrange_words(std::uint64_t count);
 
 }  // namespace spm

@@ -9,15 +9,15 @@
 #include <limits>
 #include <optional>
 
-#include "formats/files/checksum.hpp"
 #include "formats/exr/exr_header.hpp"
+#include "formats/files/checksum.hpp"
 
 namespace spm {
 namespace {
 
 constexpr std::uint64_t largest_tile = std::numeric_limits<std::int32_t>::max();
 
-/// Where the library's bytes go: to a file, or to memory when only the header is wanted.
+/// Destination of the library's bytes: a file, or memory when only the header is needed.
 struct Sink {
   OutputFile* file = nullptr;
   std::vector<std::byte> memory;
@@ -156,7 +156,7 @@ std::vector<std::byte> header_bytes(const std::vector<PartPlan>& parts,
   return std::move(sink.memory);
 }
 
-/// Fills in size and checksum, both of fixed width, in a file that is complete but for them.
+/// Fills in size and checksum, both of fixed width, in a file that is otherwise complete.
 Result<std::uint64_t> fill_in(OutputFile& file, const std::string& path,
                               std::span<const std::byte> header) {
   struct stat status {};

@@ -16,7 +16,7 @@
 
 namespace spm {
 
-/// A part of an EXR to write: tiles of one size.
+/// A part of an EXR that is to be written; all its tiles have one size.
 struct PartPlan {
   std::string name;
   SampleType type = SampleType::float32;
@@ -24,7 +24,8 @@ struct PartPlan {
   std::uint32_t tile_width = 0;
   std::uint32_t tile_height = 0;
   TileGrid tiles;
-  /// Bytes of a tile as they lie in the file; may use `scratch`, which lives until the next call.
+  /// Bytes of a tile as they are stored in the file. May use `scratch`, which stays valid until the
+  /// next call.
   std::function<std::span<const std::byte>(std::uint32_t tile, std::vector<std::byte>& scratch)>
       payload;
 
@@ -39,9 +40,9 @@ struct PartPlan {
 /// Attributes of the first part, in this order.
 using Attribute = std::pair<std::string, std::variant<std::string, int, double>>;
 
-/// Writes parts as a tiled, uncompressed multi-part EXR, gapless and in increasing order, with a
-/// pad attribute such that the samples of tiles whose size is a multiple of eight bytes are aligned
-/// to eight. Fills in the attributes of size and checksum last. Returns the size of the file.
+/// Writes parts as a tiled, uncompressed multi-part EXR, without gaps and in increasing order. A
+/// pad attribute aligns the samples of tiles whose size is a multiple of eight bytes to eight
+/// bytes. The attributes of size and checksum are filled in last. Returns the size of the file.
 /// Errors: file_or_device; invalid_input where a tile exceeds the 2 GiB that the format can hold.
 [[nodiscard]] Result<std::uint64_t> write_exr(OutputFile& file, const std::string& path,
                                               const std::vector<PartPlan>& parts,

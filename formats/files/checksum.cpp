@@ -3,7 +3,7 @@
 
 #include <unistd.h>
 
-// The state on the stack: a loading thread checks a file again without allocating.
+// Keeps the state on the stack, so that a loading thread checks a file again without allocating.
 #define XXH_STATIC_LINKING_ONLY
 #include <xxhash.h>
 
@@ -20,7 +20,7 @@ constexpr std::array<char, checksum_digits> zero_digits = [] {
   return digits;
 }();
 
-/// Puts '0' where the window [start, start + count) holds digits of the recorded checksum.
+/// Writes '0' where the window [start, start + count) contains digits of the recorded checksum.
 void blank_digits(char* window, std::uint64_t start, std::uint64_t count,
                   std::uint64_t digits_at) noexcept {
   const std::uint64_t from = std::max(start, digits_at);

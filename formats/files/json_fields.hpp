@@ -11,9 +11,9 @@
 
 namespace spm {
 
-/// Checked access to the fields of one JSON object. The first thing wrong is kept in `problem`,
-/// shared by an object and its children, as a clause ("`band.margin` is not a number from 0 to 1");
-/// after that every access gives a harmless value, so that a caller checks once, at the end.
+/// Checked access to the fields of one JSON object. The first error is kept in `problem`, which an
+/// object and its children share, as a clause ("`band.margin` is not a number from 0 to 1"). After
+/// that every access gives a harmless value, so that a caller needs only one check, at the end.
 class JsonFields {
  public:
   using Json = nlohmann::ordered_json;
@@ -30,12 +30,12 @@ class JsonFields {
   /// An array of integers of exactly three elements, each from `low` to `high`.
   [[nodiscard]] std::array<std::uint32_t, 3> triple(const char* key, std::uint32_t low,
                                                     std::uint32_t high);
-  /// The value of a key, or a null value when it is missing, which is no problem.
+  /// The value of a key, or a null value when it is missing, which is no error.
   [[nodiscard]] const Json& optional(const char* key) const;
-  /// The array of a key, or an empty array when there is none, which is a problem.
+  /// The array of a key, or an empty array when there is none, which is an error.
   [[nodiscard]] const Json& array(const char* key);
 
-  /// Notes that `key` is not what it must be, unless something was wrong before.
+  /// Records that `key` is not what it must be, unless there was an error before.
   void wrong(const char* key, const std::string& wanted);
 
  private:

@@ -17,7 +17,8 @@ void* take_large_pages(std::size_t bytes) {
   const std::size_t whole = (bytes + large_page - 1) / large_page * large_page;
   void* memory = std::aligned_alloc(large_page, whole);
   if (memory == nullptr) throw std::bad_alloc();
-  // A wish: a kernel without such pages refuses it, and the memory serves all the same.
+  // Only a request: a kernel without such pages refuses it, and the memory can be used all the
+  // same.
   static_cast<void>(::madvise(memory, whole, MADV_HUGEPAGE));
   return memory;
 }

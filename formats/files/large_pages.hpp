@@ -7,17 +7,17 @@
 
 namespace spm {
 
-/// Asks for memory on pages of 2 MiB, where the kernel has them; any of it else. Large tables that
-/// are read without a pattern shall lie on them: on pages of 4 KiB the time of a query hangs on
-/// which of them happen to share places of the processor's cache, and differs by a third from one
-/// run to the next. `bytes` is rounded up to whole pages. Throws std::bad_alloc.
+/// Allocates memory on pages of 2 MiB where the kernel has them, otherwise on any pages. Large
+/// tables that are read without a pattern should lie on large pages. On pages of 4 KiB the time of
+/// a query depends on which of them happen to share sets of the processor's cache, and differs by a
+/// third from one run to the next. `bytes` is rounded up to whole pages. Throws std::bad_alloc.
 [[nodiscard]] void* take_large_pages(std::size_t bytes);
 void free_large_pages(void* memory) noexcept;
 
-/// Tables from this size on lie on large pages: smaller ones would waste most of one.
+/// Tables of at least this size lie on large pages; smaller ones would waste most of a page.
 inline constexpr std::size_t least_large_table = std::size_t{1} << 20U;
 
-/// An allocator of containers that grow large.
+/// Allocator for containers that grow large.
 template <class T>
 struct LargePageAllocator {
   using value_type = T;

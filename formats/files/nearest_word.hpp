@@ -8,9 +8,8 @@
 
 namespace spm::cli {
 
-/// The word that a misspelt one was most likely meant to be: the one fewest letters away
-/// (Levenshtein distance), the first of equals; nothing where more than a third of the letters
-/// would change.
+/// The word that a misspelt one most likely stands for: the one with the smallest Levenshtein
+/// distance, the first in a tie; nothing where more than a third of the letters would change.
 [[nodiscard]] std::optional<std::string> nearest_word(std::string_view misspelt,
                                                       std::span<const std::string> words);
 

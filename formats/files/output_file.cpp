@@ -99,8 +99,8 @@ Result<void> OutputFile::commit() {
   if (::close(std::exchange(descriptor_, -1)) != 0) return write_error(path_, errno);
   if (::rename(temporary_.c_str(), path_.c_str()) != 0) return write_error(path_, errno);
   temporary_.clear();
-  // The rename itself must survive a power cut; some file systems cannot sync a folder, which is no
-  // reason to call a complete file failed.
+  // The rename itself must survive a power cut. Some file systems cannot sync a folder; that is no
+  // reason to report a complete file as failed.
   const int folder = ::open(folder_of(path_).c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
   if (folder >= 0) {
     ::fsync(folder);

@@ -11,9 +11,9 @@
 
 namespace spm {
 
-/// A file that appears under its name whole or not at all: written under a temporary name beside
-/// the target, synced, then renamed over it. Without `commit` the destructor removes it. Move-only.
-/// All errors: file_or_device.
+/// A file that appears under its name completely or not at all. It is written under a temporary
+/// name beside the target, synced, then renamed over it. Without `commit` the destructor removes
+/// it. Move-only. All errors: file_or_device.
 class OutputFile {
  public:
   [[nodiscard]] static Result<OutputFile> create(const std::string& path);
@@ -41,7 +41,7 @@ class OutputFile {
   int descriptor_ = -1;
 };
 
-/// Writes a whole file as OutputFile does.
+/// Writes a whole file in the way of OutputFile.
 [[nodiscard]] Result<void> write_file(const std::string& path, std::string_view content);
 
 }  // namespace spm

@@ -7,8 +7,8 @@
 
 namespace spm {
 
-/// Reads a text file whole. `wanted` names what it should be, for messages ("a manifest"). Errors:
-/// file_or_device, a folder, a missing or an unreadable file, with the cure.
+/// Reads a whole text file. `wanted` names what it should be, for messages ("a manifest"). Errors:
+/// file_or_device for a folder, a missing or an unreadable file, with the remedy.
 [[nodiscard]] Result<std::string> read_text_file(const std::string& path,
                                                  const std::string& wanted);
 

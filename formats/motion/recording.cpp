@@ -80,11 +80,11 @@ std::vector<std::string> texts(JsonFields& fields, const char* key) {
   return list;
 }
 
-/// Empty `problem` where all is there.
+/// `problem` stays empty where all fields are there.
 RecordingHeader header_of(const Json& json, std::string& problem) {
   RecordingHeader header;
   JsonFields fields(json, "", problem);
-  // The first files did not name their form.
+  // The first version did not name itself.
   header.form = fields.optional("form").is_null()
                     ? 1
                     : static_cast<std::uint32_t>(fields.integer("form", 1, recording_form));
@@ -109,7 +109,7 @@ tl::unexpected<Error> bad(const std::string& path, const std::string& cause) {
 
 }  // namespace
 
-/// Of all that was written.
+/// The hash of everything that was written.
 struct RecordingWriter::Hash {
   XXH3_state_t state;
 };

@@ -23,7 +23,7 @@ tl::unexpected<Error> at_line(const std::string& path, std::size_t line, const s
   return fail(ExitCode::invalid_input, path + ": line " + std::to_string(line) + ": " + cause);
 }
 
-/// A word of a file that may be binary, fit to be printed.
+/// A word of a file that may be binary, made printable.
 std::string printable(std::string_view word) {
   std::string text;
   for (const char character : word.substr(0, 24)) {

@@ -7,12 +7,12 @@
 #include <cmath>
 #include <filesystem>
 
-#include "common/contact/stable_stiffness.hpp"
 #include "common/base/units.hpp"
+#include "common/contact/stable_stiffness.hpp"
+#include "formats/files/text_file.hpp"
 #include "formats/scene/scene_cures.hpp"
 #include "formats/scene/scene_effects.hpp"
 #include "formats/scene/table_reader.hpp"
-#include "formats/files/text_file.hpp"
 
 namespace spm {
 namespace {
@@ -69,7 +69,7 @@ Placement read_placement(TableReader& reader) {
   return placement;
 }
 
-/// What a scene's path means: relative to the scene's own folder.
+/// Resolves a path in a scene: relative to the scene's own folder.
 std::string resolved(const std::string& scene, const std::string& path) {
   if (path.empty()) return path;
   return (std::filesystem::path(scene).parent_path() / path).string();
@@ -107,7 +107,7 @@ std::optional<double> read_tool(TableReader&& reader) {
   return std::nullopt;
 }
 
-/// `chosen`: what "auto" is, N/m of the scene's world; nothing where no device is named.
+/// `chosen`: the value of "auto", N/m in the scene's world; nothing where no device is named.
 void read_stiffness(TableReader& reader, std::optional<double> chosen, SceneObject& object) {
   object.stiffness_given = reader.has("stiffness");
   const toml::node* value = reader.node("stiffness");
@@ -155,7 +155,7 @@ SceneObject read_object(TableReader&& reader, const Scene& scene) {
   return object;
 }
 
-/// Reads the tables of a document; `error` gets the first thing that is wrong.
+/// Reads the tables of a document; `error` gets the first error.
 Scene read_document(const std::string& path, const toml::table& document,
                     std::optional<Error>& error) {
   Scene scene;

@@ -6,15 +6,15 @@
 #include <vector>
 
 #include "common/base/device_profile.hpp"
-#include "common/contact/effect_settings.hpp"
 #include "common/base/error.hpp"
-#include "common/contact/force_law.hpp"
 #include "common/base/placement.hpp"
+#include "common/contact/effect_settings.hpp"
+#include "common/contact/force_law.hpp"
 #include "common/contact/stabilization_settings.hpp"
 
 namespace spm {
 
-/// The device that a scene is felt with.
+/// The device that a scene is made for.
 struct SceneDevice {
   std::string driver;                      ///< as `spm-servo run --device` takes it; may be empty
   const DeviceProfile* profile = nullptr;  ///< null where the scene names none
@@ -25,21 +25,21 @@ struct SceneDevice {
 /// One object of a scene.
 struct SceneObject {
   std::string asset;    ///< baked file, made relative to the scene's folder; may be empty
-  std::string mesh;     ///< what it is baked from, likewise; one of the two is given
+  std::string mesh;     ///< the mesh it is baked from, likewise; one of the two is given
   Placement placement;  ///< of the asset's frame
   double stiffness = default_stiffness;  ///< N/m, of the contact
   bool stiffness_given = false;
-  bool stiffness_chosen = false;  ///< by the device: the scene says "auto"
+  bool stiffness_chosen = false;  ///< chosen for the device: the scene says "auto"
   Method method = Method::spm;
   PaperRule rule = PaperRule::closest_plane;
-  EffectSettings effects;  ///< lengths, forces and damping of the world
+  EffectSettings effects;  ///< lengths, forces and damping in the world's units
   bool movable = false;    ///< an application may move it
   int line = 0;            ///< of its `[[object]]` in the file
 
   static constexpr double default_stiffness = 1000;
 };
 
-/// What is touched, with what, and from where.
+/// A scene: the objects, the probe, and the device and its workspace.
 struct Scene {
   std::string path;
   SceneDevice device;
@@ -49,10 +49,10 @@ struct Scene {
   std::vector<SceneObject> objects;  ///< at least one
 };
 
-/// Reads a scene (TOML), formats/README.md tells its keys. Lengths, forces and stiffnesses are
-/// strings with their unit; a pose is an array of bare numbers, metres and a quaternion w first, as
-/// in a trajectory. Errors: file_or_device; invalid_input with the line, the cause and the cure,
-/// and for a misspelt key the key that was probably meant.
+/// Reads a scene (TOML); formats/scene/KEYS.md lists its keys. Lengths, forces and stiffnesses are
+/// strings with a unit. A pose is an array of bare numbers, metres and a quaternion w first, as in
+/// a trajectory. Errors: file_or_device; invalid_input with the line, the cause and the remedy, and
+/// for a misspelt key the key that was probably meant.
 [[nodiscard]] Result<Scene> read_scene(const std::string& path);
 
 }  // namespace spm

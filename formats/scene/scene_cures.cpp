@@ -5,7 +5,7 @@ namespace spm {
 
 namespace {
 
-constexpr double most_share = 2;  // more than all that the sampling leaks, twice
+constexpr double most_share = 2;  // twice the energy that sampling gives back
 
 }  // namespace
 

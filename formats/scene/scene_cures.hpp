@@ -12,8 +12,8 @@ inline constexpr std::initializer_list<const char*> cure_keys{
     "advised",          "damping",   "delay",    "coupling",
     "coupling_damping", "passivity", "velocity", "potential"};
 
-/// Reads `[cures]` of a scene; formats/README.md tells its keys. `device`: whose mass bounds the
-/// damping; null where the scene names none. What is wrong goes to the reader.
+/// Reads `[cures]` of a scene; formats/scene/KEYS.md lists its keys. `device` is the profile whose
+/// mass bounds the damping; null where the scene names none. Errors go to the reader.
 [[nodiscard]] CureSettings read_cures(TableReader& cures, const DeviceProfile* device);
 
 }  // namespace spm

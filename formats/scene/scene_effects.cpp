@@ -8,8 +8,8 @@ namespace spm {
 namespace {
 
 constexpr double most_friction = 10;  // dry rubber has about 1
-constexpr auto largest_seed =
-    static_cast<std::uint64_t>(std::numeric_limits<std::int64_t>::max());  // of TOML
+constexpr auto largest_seed = static_cast<std::uint64_t>(
+    std::numeric_limits<std::int64_t>::max());  // the largest integer of TOML
 
 void read_paper_friction(TableReader& friction, EffectSettings& effects) {
   for (const char* key : {"stick", "slide", "stiffness"}) {
@@ -40,7 +40,7 @@ void read_friction(TableReader& object, double stiffness, EffectSettings& effect
                          "'friction' needs 'slide', mu in motion, or 'stick', mu at rest; or, for "
                          "method paper, 'force'");
   }
-  // Where one is not given, both are the same.
+  // Where one of the two is not given, both are the same.
   FrictionSettings& read = effects.friction;
   read.stick = friction->number("stick", 0, most_friction, 0);
   read.slide = friction->number("slide", 0, most_friction, read.stick);

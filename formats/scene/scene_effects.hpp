@@ -6,9 +6,9 @@
 
 namespace spm {
 
-/// Reads `friction`, `damping`, `texture`, `smoothing` and `turn_limit` of an object, which must be
-/// among the reader's keys; formats/README.md tells what is in them. `stiffness` (N/m) holds a
-/// point that sticks where the scene does not say. What is wrong goes to the reader.
+/// Reads `friction`, `damping`, `texture`, `smoothing` and `turn_limit` of an object; these must be
+/// among the reader's keys. formats/scene/KEYS.md describes their values. `stiffness` (N/m) holds a
+/// point that sticks where the scene gives no other. Errors go to the reader.
 [[nodiscard]] EffectSettings read_effects(TableReader& object, double stiffness);
 
 }  // namespace spm

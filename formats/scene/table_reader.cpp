@@ -11,7 +11,7 @@ namespace spm {
 
 namespace {
 
-/// A bound as messages show it, with no more digits than it has.
+/// A bound as messages show it, with no more digits than needed.
 std::string shown(double value) {
   std::ostringstream text;
   text.imbue(std::locale::classic());

@@ -17,25 +17,25 @@ namespace spm {
 /// A word or a text in single quotes, as messages show it.
 [[nodiscard]] std::string in_quotes(std::string_view text);
 
-/// Reads one table of a TOML file, key by key. The first thing that is wrong, an unknown key
-/// included, is kept in `error` with its line, its cause and its cure; what is read after it is a
-/// default. A key that is not there is its default.
+/// Reads one table of a TOML file, key by key. The first error, which may be an unknown key, is
+/// kept in `error` with its line, its cause and its remedy; everything read after it is a default.
+/// A key that is missing has its default value.
 class TableReader {
  public:
   enum class Least { zero, above_zero };
 
-  /// `name`: the table's, for messages. Path, table and error must outlive the reader.
+  /// `name` is the table's name in messages. Path, table and error must outlive the reader.
   TableReader(const std::string& path, const toml::table& table, std::string name,
               std::initializer_list<const char*> keys, std::optional<Error>& error);
 
   [[nodiscard]] bool has(const char* key) const { return table_.contains(key); }
-  /// Where the key stands, or the table where it does not.
+  /// Line of the key, or of the table where the key is missing.
   [[nodiscard]] int line(const char* key) const;
 
-  /// Keeps an error of code invalid_input at the key, if it is the first.
+  /// Records an error of code invalid_input at the key, if it is the first error.
   void refuse(const char* key, const std::string& cause);
 
-  /// Text that is not empty; empty where there is none.
+  /// A text that must not be empty; empty where the key is missing.
   [[nodiscard]] std::string text(const char* key, const std::string& example);
 
   /// Index of the text among the words.
@@ -59,7 +59,7 @@ class TableReader {
   /// The node at the key, or null.
   [[nodiscard]] const toml::node* node(const char* key) const { return table_.get(key); }
 
-  /// A reader of the table at the key; nothing where there is none, or no table.
+  /// A reader of the table at the key; nothing where the key is missing, or is no table.
   [[nodiscard]] std::optional<TableReader> table(const char* key, const std::string& example,
                                                  std::initializer_list<const char*> keys);
 

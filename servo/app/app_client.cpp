@@ -19,7 +19,7 @@ namespace {
 
 constexpr std::size_t most_sent = 2;
 
-/// Text of a client as it may be shown in a terminal: ASCII, cut at its closing zero.
+/// Text from a client in a form that a terminal can show: ASCII, cut at its closing zero.
 template <std::size_t Size>
 std::string printable(const char (&text)[Size]) {
   std::string shown(text, strnlen(text, Size));
@@ -110,7 +110,7 @@ bool AppClient::greet(const SharedMemory& state) {
 
 Heard AppClient::hear() {
   spm_socket_ready message{};
-  // What it sends beside the message, descriptors say, is dropped by the kernel.
+  // Descriptors that a client sends beside the message are dropped by the kernel.
   const ssize_t got = recv(descriptor_, &message, sizeof message, MSG_DONTWAIT | MSG_TRUNC);
   if (got < 0) {
     return errno == EAGAIN || errno == EINTR ? Heard::nothing : Heard::gone;

@@ -15,28 +15,28 @@
 
 namespace spm::servo {
 
-/// What `top` says of a client. The counts are what its own memory says: it can lie about itself.
+/// What `top` says of a client. The counts are from the client's own memory, so they can be false.
 struct AppClientReport {
   std::uint32_t connection = 0;
   pid_t process = 0;
-  std::string application;  ///< as it calls itself, printable characters only
+  std::string application;  ///< the name it gives itself, printable characters only
   std::uint64_t commands = 0;
   std::uint64_t refused = 0;
 };
 
-/// What came of hearing a client.
+/// The result of `hear`.
 enum class Heard : std::uint8_t {
-  nothing,   ///< not now
+  nothing,   ///< no message now
   ready,     ///< it has mapped its memory and its ring may be attached
   gone,      ///< it hung up
-  nonsense,  ///< what it sent is no message of ours, or of another version
+  nonsense,  ///< what it sent is no message of ours, or one of another version
 };
 
-/// The server's end of one connection: socket, ring and what is known of the client. Nothing here
-/// blocks.
+/// The server's end of one connection: the socket, the ring, and what is known of the client. No
+/// call blocks.
 class AppClient {
  public:
-  /// Takes the socket, which it closes. Errors: file_or_device.
+  /// Takes ownership of the socket, and closes it. Errors: file_or_device.
   [[nodiscard]] static Result<std::unique_ptr<AppClient>> make(int descriptor,
                                                                std::uint32_t connection,
                                                                pid_t process);
@@ -44,13 +44,13 @@ class AppClient {
   AppClient& operator=(const AppClient&) = delete;
   ~AppClient();
 
-  /// Sends the greeting with the descriptors of state and ring; false where it could not be.
+  /// Sends the greeting with the descriptors of state and ring. False if it could not be sent.
   [[nodiscard]] bool greet(const SharedMemory& state);
-  /// Hears at most one message; answers one that will not do.
+  /// Reads at most one message. A message that is not acceptable is answered.
   [[nodiscard]] Heard hear();
-  /// Tells a client that was ready that its commands are taken; false where it is gone.
+  /// Tells a client that was ready that its commands are now taken. False if it is gone.
   [[nodiscard]] bool confirm() noexcept;
-  /// Hangs up; the ring stays.
+  /// Closes the connection; the ring stays.
   void hang_up() noexcept;
 
   [[nodiscard]] const AttachedRing* ring() const noexcept { return &attached_; }
@@ -71,12 +71,12 @@ class AppClient {
   bool ready_ = false;
 };
 
-/// Sends an answer over a socket without waiting, with the descriptors where there are any; false
-/// where it could not be.
+/// Sends an answer over a socket without waiting, with the descriptors if there are any. False if
+/// it could not be sent.
 [[nodiscard]] bool send_answer(int descriptor, const spm_socket_answer& answer, const int* sent,
                                std::size_t sent_count) noexcept;
 
-/// The answer that refuses a client with a sentence.
+/// The answer that refuses a client, with a sentence.
 [[nodiscard]] spm_socket_answer refusing_answer(std::uint32_t status,
                                                 const std::string& sentence) noexcept;
 

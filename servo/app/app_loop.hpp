@@ -8,16 +8,16 @@
 
 namespace spm::servo {
 
-/// What applications are told of a tick once it is over and its duration known.
+/// What applications learn of a tick when it is over and its duration is known.
 struct AppLoop {
   std::int64_t time_ns = 0;  ///< when it began, of CLOCK_MONOTONIC
   std::int64_t wake_ns = 0;  ///< how late that was
   std::int64_t busy_ns = 0;  ///< how long it worked
   // Since the loop began, this tick included:
-  std::uint64_t ticks = 0;    ///< run
-  std::uint64_t missed = 0;   ///< not finished before the next was due, skipped ones included
-  std::uint64_t skipped = 0;  ///< of the missed ones, those not run at all
-  std::span<const DeviceCounters> devices;  ///< at most SPM_MOST_DEVICES are told
+  std::uint64_t ticks = 0;    ///< that were run
+  std::uint64_t missed = 0;   ///< not finished before the next one was due, including skipped ones
+  std::uint64_t skipped = 0;  ///< missed ticks that were not run at all
+  std::span<const DeviceCounters> devices;  ///< at most SPM_MOST_DEVICES are published
 };
 
 }  // namespace spm::servo

@@ -10,11 +10,11 @@ namespace spm::servo {
 
 namespace {
 
-/// So long an application that moves objects may give no sign of life, s: a frame that took long,
-/// or a scene that is loaded, is not felt. The scene is held meanwhile.
+/// How long an application that moves objects may give no sign of life, s. A frame that took long,
+/// or a scene that is being loaded, is not felt: the scene is held meanwhile.
 constexpr double longest_silence = 1;
 
-/// Of the connection that added an object; 0: the scene.
+/// The connection that added an object; 0: the scene.
 std::uint32_t owner_of(std::uint64_t id) noexcept { return static_cast<std::uint32_t>(id >> 32U); }
 
 void set_material(const AppMaterial& material, PlacedObject& object) noexcept {
@@ -22,7 +22,7 @@ void set_material(const AppMaterial& material, PlacedObject& object) noexcept {
   if ((material.given & SPM_MATERIAL_FRICTION) != 0) {
     object.effects.friction.stick = material.friction_stick;
     object.effects.friction.slide = material.friction_slide;
-    // Where a scene says nothing else a point that sticks hangs on the object's own stiffness.
+    // If a scene says nothing else, a point that sticks is held by the object's own stiffness.
     if (object.effects.friction.stiffness <= 0) {
       object.effects.friction.stiffness = object.force.stiffness;
     }
@@ -50,14 +50,14 @@ std::size_t AppScene::room(const ForceScene& scene) noexcept {
   return SPM_MOST_OBJECTS - std::min<std::size_t>(SPM_MOST_OBJECTS, scene.objects.size());
 }
 
-/// A smaller one would need a larger probe than was checked for the scene.
+/// A smaller scale would need a larger probe than was checked for the scene.
 void AppScene::note_scale(const PlacedObject& object) noexcept {
   if (object.asset >= least_scales_.size()) return;
   double& least = least_scales_[object.asset];
   least = probe_radius_ > 0 ? std::min(least, object.placement.scale) : 0;
 }
 
-/// To be called where objects came, went or feel different.
+/// Call it when objects were added or removed, or feel different.
 void AppScene::note_stiffness() noexcept {
   stiffest_ = 0;
   for (const Object& object : objects_) {
@@ -139,13 +139,13 @@ Refusal AppScene::add(const AppCommand& command, std::span<SceneForce* const> fo
   return Refusal::none;
 }
 
-/// Whether there was room for it.
+/// Adds an object. False if there is no room for it.
 bool AppScene::put(const Object& added, std::span<SceneForce* const> forces) noexcept {
   std::size_t place = objects_.size();
   for (SceneForce* force : forces) {
     const auto given = force->add(added.settings);
     if (!given) return false;
-    place = *given;  // the same in all, since all are told the same
+    place = *given;  // the same in all of them, because all get the same calls
   }
   if (place < objects_.size()) {
     objects_[place] = added;
@@ -185,7 +185,7 @@ Refusal AppScene::change(const AppCommand& command, std::int64_t now_ns,
                          std::span<SceneForce* const> forces) noexcept {
   Object* object = find(command.object);
   if (object == nullptr) return Refusal::unknown_object;
-  // The paper's forms know other effects.
+  // The paper's method has other effects.
   if (object->settings.force.method == Method::paper &&
       (command.material.given & ~std::uint32_t{SPM_MATERIAL_STIFFNESS}) != 0) {
     return Refusal::out_of_range;
@@ -197,7 +197,7 @@ Refusal AppScene::change(const AppCommand& command, std::int64_t now_ns,
   return Refusal::none;
 }
 
-/// Tells the forces an object's settings, where it is now.
+/// Gives the forces an object's settings and where it is now.
 void AppScene::hand_on(const Object& object, std::int64_t now_ns,
                        std::span<SceneForce* const> forces) const noexcept {
   PlacedObject settings = object.settings;

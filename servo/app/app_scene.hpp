@@ -6,68 +6,70 @@
 #include <span>
 #include <vector>
 
-#include "servo/force/scene_force.hpp"
 #include "servo/app/app_state.hpp"
 #include "servo/app/pose_interpolator.hpp"
+#include "servo/force/scene_force.hpp"
 #include "servo/scene/scene_edit.hpp"
 
 namespace spm::servo {
 
-/// What an application asked of a device in this tick.
+/// A request of an application for a device's clutch in this tick.
 struct AppClutch {
   std::uint32_t device = 0;
   bool on = false;
 };
 
-/// What applications asked for in a tick, beside moving objects.
+/// What applications requested in a tick, beside moving objects.
 struct AppChanges {
-  bool felt_anew = false;  ///< objects came or feel different: forces have to fade in again
-  bool silent = false;     ///< an application that moved objects does not answer any longer
-  bool touched = false;    ///< since the loop began one has moved, added or changed objects
-  double stiffest = 0;     ///< N/m, of the objects that there are now
+  bool felt_anew = false;  ///< objects were added or feel different: forces have to fade in again
+  bool silent = false;     ///< an application that moved objects no longer answers
+  /// since the loop began, an application has moved, added or changed objects
+  bool touched = false;
+  double stiffest = 0;  ///< N/m, of the objects that are in the scene now
   std::span<const AppClutch> clutches;
 };
 
-/// The objects of a running scene as applications see and change them: follows their commands,
-/// moves what they drive, evenly and no faster than people push, and tells what the hands did.
-/// Belongs to the loop; after construction nothing in it allocates, locks or makes a system call.
+/// The objects of a running scene, as applications see and change them. It follows their commands,
+/// moves the objects that they drive evenly and no faster than people push, and reports what the
+/// hands did. Belongs to the loop. After construction nothing in it allocates, locks or makes a
+/// system call.
 class AppScene {
  public:
-  /// `state` must outlive this. Of a scene's objects the first SPM_MOST_OBJECTS can be driven.
+  /// `state` must outlive this. The first SPM_MOST_OBJECTS objects of a scene can be driven.
   AppScene(AppState& state, const ForceScene& scene);
 
-  /// How many objects applications may add to a scene.
+  /// The number of objects that applications may add to a scene.
   [[nodiscard]] static std::size_t room(const ForceScene& scene) noexcept;
 
-  /// Before a tick's devices: follows commands, and puts objects where they are now, in the forces
-  /// on each hand. `forces` must be of this scene, with this room, and changed by nobody else.
+  /// Call it before a tick's devices. Follows commands, and places the objects in the forces on
+  /// each hand. `forces` must be of this scene, with this room, and changed by nobody else.
   AppChanges begin(std::int64_t now_ns, std::span<SceneForce* const> forces) noexcept;
 
-  /// Before a tick's devices: takes up an edited scene, all of it, or nothing, and gives false,
-  /// where there is no room for its objects. What it moves is there at once; what it does not touch
-  /// stays as applications made it, and an object that they moved stays where it is unless its pose
-  /// was edited.
+  /// Call it before a tick's devices. Takes up all of an edited scene; or none of it, and returns
+  /// false, if there is no room for its objects. An object that the edit moves is at its new place
+  /// at once. What the edit does not change stays as applications made it, and an object that they
+  /// moved stays where it is unless its pose was edited.
   [[nodiscard]] bool edit(const SceneEdit& edit, std::int64_t now_ns,
                           std::span<SceneForce* const> forces) noexcept;
 
-  /// Whether there is an object of an asset.
+  /// Whether an object of this asset is in the scene.
   [[nodiscard]] bool uses(std::size_t asset) const noexcept;
 
-  /// After them: publishes the tick, with objects where `begin` put them.
+  /// Call it after the tick's devices. Publishes the tick, with objects where `begin` put them.
   void end(std::uint64_t tick, std::int64_t now_ns, std::span<const AppDevice> devices,
            std::span<SceneForce* const> forces) noexcept;
 
-  /// Once the tick is over and its length known: tells what was counted.
+  /// Call it when the tick is over and its length known. Publishes the counts.
   void count(const AppLoop& loop) noexcept { state_.count(loop); }
 
  private:
   struct Object {
     std::uint64_t id = 0;
-    PlacedObject settings;  ///< the place as it was at the start
+    PlacedObject settings;  ///< the place is the one at the start
     PoseInterpolator motion;
     InterpolatedPose now = {};  ///< in this tick
     bool is_there = true;
-    std::uint32_t driver = 0;  ///< connection that gave the last pose; 0: none that is there
+    std::uint32_t driver = 0;  ///< connection that gave the last pose; 0: none, or one that left
   };
 
   [[nodiscard]] Object* find(std::uint64_t id) noexcept;
@@ -94,9 +96,10 @@ class AppScene {
   [[nodiscard]] bool is_left_alone(const Object& object) const noexcept;
 
   AppState& state_;
-  double probe_radius_;               ///< m
-  std::vector<double> least_scales_;  ///< of each asset, that its baked probe allows
-  std::vector<Object> objects_;       ///< by the numbers that SceneForce gives
+  double probe_radius_;  ///< m
+  /// for each asset, the smallest scale that its baked probe allows
+  std::vector<double> least_scales_;
+  std::vector<Object> objects_;  ///< by the numbers that SceneForce gives
   std::array<AppClutch, SPM_MOST_DEVICES> clutches_;
   std::size_t clutch_count_ = 0;
   bool felt_anew_ = false;

@@ -16,14 +16,14 @@ namespace spm::servo {
 
 namespace {
 
-/// How often the thread looks by itself while it waits for the loop or for a slow client.
+/// How often the thread looks by itself while it waits for the loop or for a slow client, ms.
 constexpr int look_ms = 20;
-/// How long it takes no clients when the process has no descriptors left.
+/// How long it accepts no clients when the process has no descriptors left, ms.
 constexpr int rest_ms = 200;
-/// An application that tries again and again must not fill the log.
+/// So that an application that tries again and again does not fill the log.
 constexpr std::uint32_t most_warnings = 100;
 
-/// Starts a thread that gets none of the process's signals.
+/// Starts a thread that receives none of the process's signals.
 template <class Run>
 std::thread start_without_signals(Run run) {
   sigset_t all, before;
@@ -60,12 +60,12 @@ AppServer::~AppServer() {
   const std::uint64_t one = 1;
   static_cast<void>(::write(wake_, &one, sizeof one));
   if (thread_.joinable()) thread_.join();
-  // Before the sockets close: who sees that knows why.
+  // Before the sockets close: a client that sees that knows why.
   state_.end();
   for (std::uint32_t place = 0; place < clients_.size(); ++place) {
     if (clients_[place] != nullptr) part(place, "");
   }
-  // A tick is short: the loop lets go at once, or has ended.
+  // A tick is short: the loop lets go soon, or has ended.
   while (!departed_.empty()) {
     free_released();
     if (!departed_.empty()) std::this_thread::sleep_for(std::chrono::milliseconds(1));
@@ -129,7 +129,7 @@ void AppServer::accept_one() {
   }
 }
 
-/// Takes the connection over.
+/// Takes ownership of the connection.
 void AppServer::welcome(int connection) {
   const auto refuse = [connection](const std::string& sentence) {
     static_cast<void>(
@@ -180,7 +180,7 @@ void AppServer::hear(std::uint32_t place) {
   }
 }
 
-/// Lets a client go; its ring is freed when the loop does not use it any more.
+/// Lets a client go. Its ring is freed when the loop no longer uses it.
 void AppServer::part(std::uint32_t place, const std::string& why) {
   state_.rings()[place].offer(nullptr);
   {

@@ -23,23 +23,23 @@
 namespace spm::servo {
 
 struct AppServerOptions {
-  std::string path;              ///< of the socket; empty: the usual one of the name
+  std::string path;              ///< of the socket; empty: the usual one for the name
   std::string name = "default";  ///< of the daemon
-  uid_t user = geteuid();        ///< who may connect beside root
+  uid_t user = geteuid();        ///< who may connect, beside root
   /// How long a client may take to map what it was sent.
   std::chrono::milliseconds patience{5000};
-  /// Tells a person what happened; called on the server's thread. May be empty.
+  /// Called with a sentence for a person, on the server's thread. May be empty.
   std::function<void(const std::string&)> warn;
 };
 
-/// Lets applications find the daemon: a Unix socket, served by a thread of ordinary priority. Who
-/// may connect is given the loop's state to read, and a ring for its commands; after that the
+/// Lets applications find the daemon, by a Unix socket and a thread of ordinary priority. A client
+/// that may connect gets the loop's state to read, and a ring for its commands. After that the
 /// socket only shows that the client is still there. Nothing that a client does on it blocks the
 /// thread, and the loop never waits for the thread.
 class AppServer {
  public:
-  /// Begins to listen and starts the thread; the caller's signals are blocked in it. `state` must
-  /// outlive the server. Errors: those of ListeningSocket::open.
+  /// Begins to listen and starts the thread, in which the caller's signals are blocked. `state`
+  /// must outlive the server. Errors: those of ListeningSocket::open.
   [[nodiscard]] static Result<std::unique_ptr<AppServer>> start(AppServerOptions options,
                                                                 AppState& state);
   AppServer(const AppServer&) = delete;
@@ -50,7 +50,7 @@ class AppServer {
 
   [[nodiscard]] const std::string& path() const noexcept { return socket_.path(); }
 
-  /// Who is connected. Any thread.
+  /// Who is connected. Any thread may call it.
   [[nodiscard]] std::vector<AppClientReport> clients() const;
 
  private:
@@ -70,12 +70,13 @@ class AppServer {
   ListeningSocket socket_;
   int wake_;  ///< an eventfd that ends the thread
   std::atomic<bool> stop_{false};
-  std::uint32_t connections_ = 0;                     ///< so far
-  std::uint32_t warnings_ = 0;                        ///< so far
-  bool accepting_ = true;                             ///< off for a while when descriptors ran out
-  std::vector<std::unique_ptr<AppClient>> departed_;  ///< whose rings the loop may still use
+  std::uint32_t connections_ = 0;  ///< so far
+  std::uint32_t warnings_ = 0;     ///< so far
+  bool accepting_ = true;          ///< off for a while when descriptors ran out
+  /// their rings may still be in use by the loop
+  std::vector<std::unique_ptr<AppClient>> departed_;
 
-  mutable std::mutex mutex_;  ///< guards what follows; the loop never takes it
+  mutable std::mutex mutex_;  ///< guards the members below; the loop never takes it
   std::array<std::unique_ptr<AppClient>, SPM_MOST_CLIENTS> clients_;
   std::thread thread_;
 };

@@ -8,16 +8,16 @@
 #include <utility>
 
 #include "servo/app/app_client.hpp"
+#include "servo/client/spm_client.h"
 #include "servo/shared/fixed_text.hpp"
 #include "servo/shared/shared_buckets.hpp"
 #include "servo/shared/shared_words.hpp"
-#include "servo/client/spm_client.h"
 
 namespace spm::servo {
 
 namespace {
 
-// The numbers that applications know.
+// The numbers of these are known to applications.
 static_assert(force_off_count <= SPM_MOST_CAUSES);
 static_assert(static_cast<int>(ForceOff::none) == SPM_CLIENT_FORCE_ON);
 static_assert(static_cast<int>(ForceOff::starting) == SPM_CLIENT_OFF_STARTING);
@@ -39,7 +39,7 @@ static_assert(static_cast<int>(DeviceHealth::silent) == SPM_CLIENT_HEALTH_SILENT
 static_assert(static_cast<int>(DeviceHealth::gone) == SPM_CLIENT_HEALTH_GONE);
 static_assert(static_cast<int>(DeviceHealth::not_homed) == SPM_CLIENT_HEALTH_NOT_HOMED);
 
-/// Copies names, and gives how many there was room for.
+/// Copies names. Returns how many there was room for.
 template <std::size_t Most>
 std::uint32_t copy_names(char (&to)[Most][SPM_NAME_BYTES], const std::vector<std::string>& from) {
   const std::size_t count = std::min(Most, from.size());
@@ -74,7 +74,7 @@ void pack(double (&to)[4], const Eigen::Quaterniond& from) noexcept {
 
 std::uint32_t bit(bool on, std::uint32_t mask) noexcept { return on ? mask : 0; }
 
-/// Raises a word that only the loop writes.
+/// Increases a word that only the loop writes.
 void raise(std::uint64_t& shared, std::uint64_t by) noexcept {
   store_relaxed(shared, load_relaxed(shared) + by);
 }
@@ -244,7 +244,7 @@ std::span<const AppCommand> AppState::take(std::int64_t now_ns) noexcept {
   return {taken_.data(), taken_count_};
 }
 
-/// Gives how many places it looked at, at most `most`.
+/// Looks at up to `most` places of a ring. Returns how many it looked at.
 std::size_t AppState::take_from(std::uint32_t client, std::size_t most,
                                 const AppCommandLimits& limits) noexcept {
   ClientRing& ring = rings_[client];
@@ -270,7 +270,7 @@ std::size_t AppState::take_from(std::uint32_t client, std::size_t most,
   return looked_at;
 }
 
-/// Another client, or none, is where one was before.
+/// Another client, or none, is now at this place.
 void AppState::meet(std::uint32_t client) noexcept {
   ClientRing& ring = rings_[client];
   if (ring.adopted() != 0) {
@@ -287,7 +287,7 @@ void AppState::keep_or_refuse(ClientRing& ring, const spm_shared_command& comman
                               std::uint32_t client, const AppCommandLimits& limits) noexcept {
   AppCommand& to = taken_[taken_count_];
   Refusal refusal = check_command(command, limits, to);
-  // An id carries who made it: nobody adds or removes objects in another's name.
+  // An id contains the connection that made it: nobody adds or removes objects in another's name.
   const bool of_owner = to.action == AppAction::add || to.action == AppAction::remove;
   if (refusal == Refusal::none && of_owner && to.object >> 32U != ring.adopted()) {
     refusal = Refusal::not_yours;

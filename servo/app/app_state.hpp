@@ -11,12 +11,12 @@
 
 #include "common/base/error.hpp"
 #include "common/base/placement.hpp"
-#include "servo/shared/app_command.hpp"
 #include "servo/app/app_loop.hpp"
 #include "servo/app/client_ring.hpp"
 #include "servo/app/shared_memory.hpp"
 #include "servo/devices/base/device.hpp"
 #include "servo/safety/safety.hpp"
+#include "servo/shared/app_command.hpp"
 
 namespace spm::servo {
 
@@ -43,7 +43,7 @@ struct AppObject {
   bool driven = false;  ///< an application has given it a pose
 };
 
-/// What a tick tells applications. At most SPM_MOST_DEVICES and SPM_MOST_OBJECTS are told.
+/// What applications learn of a tick. At most SPM_MOST_DEVICES and SPM_MOST_OBJECTS are published.
 struct AppTick {
   std::uint64_t tick = 0;
   std::int64_t time_ns = 0;  ///< of CLOCK_MONOTONIC
@@ -60,24 +60,24 @@ struct AppNames {
 
 struct AppClientReport;
 
-/// What applications asked for so far.
+/// Counts of the commands so far.
 struct AppCounters {
-  std::uint64_t taken = 0;    ///< commands handed to the loop
+  std::uint64_t taken = 0;    ///< commands passed to the loop
   std::uint64_t refused = 0;  ///< commands that were not followed
   std::uint64_t garbage = 0;  ///< heads and sequence numbers that made no sense
 };
 
-/// The loop's side of the memory that it shares with applications: publishes what a tick did, and
-/// takes their commands. Construction allocates; `publish`, `count`, `take` and `refuse` belong to
-/// the loop's thread: they allocate nothing, take no lock, make no system call, and take no longer
-/// whatever an application does.
+/// The loop's side of the memory that it shares with applications. It publishes what a tick did,
+/// and takes their commands. Construction allocates. `publish`, `count`, `take` and `refuse` belong
+/// to the loop's thread: they allocate nothing, take no lock, make no system call, and take no
+/// longer whatever an application does.
 class AppState {
  public:
-  /// Places in rings that one tick looks at, of one client and of all.
+  /// Places in rings that one tick looks at: of one client, and of all.
   static constexpr std::size_t most_of_client = 16;
   static constexpr std::size_t most_of_all = 32;
 
-  /// Errors: file_or_device where there is no memory.
+  /// Errors: file_or_device, if there is no memory.
   [[nodiscard]] static Result<std::unique_ptr<AppState>> create(double rate_hz,
                                                                 const AppNames& names);
   AppState(const AppState&) = delete;
@@ -85,35 +85,35 @@ class AppState {
   /// Tells applications that the daemon has ended.
   ~AppState();
 
-  /// Loop: publishes a tick; readers never see two ticks mixed.
+  /// Loop: publishes a tick. Readers never see two ticks mixed.
   void publish(const AppTick& tick) noexcept;
 
-  /// Loop: counts a tick that is over. Not part of `publish`, since a tick that publishes is not
-  /// over.
+  /// Loop: counts a tick that is over. It is separate from `publish`, because a tick that publishes
+  /// is not over.
   void count(const AppLoop& loop) noexcept;
 
-  /// Loop: the valid commands that are due now, oldest first of each client, and the departure of
-  /// clients that are gone. Where there are more than a tick takes, the clients take turns. Valid
+  /// Loop: the valid commands that are due now, oldest first for each client, and the departures of
+  /// clients that are gone. If there are more than a tick takes, the clients take turns. Valid
   /// until the next call.
   [[nodiscard]] std::span<const AppCommand> take(std::int64_t now_ns) noexcept;
 
-  /// Loop: how long ago a client, by its connection, gave a sign of life, s, as of the last `take`;
-  /// 0 where it is not connected.
+  /// Loop: how long before the last `take` a client gave a sign of life, s. `connection` is the
+  /// client's; 0 if it is not connected.
   [[nodiscard]] double silence(std::uint32_t connection) const noexcept;
 
   /// Loop: tells the application that one of the commands taken last could not be followed.
   void refuse(const AppCommand& command, Refusal refusal) noexcept;
 
-  /// Any one thread beside the loop: new names, after a scene was exchanged.
+  /// Any one thread beside the loop: sets new names, after a scene was exchanged.
   void rename(const AppNames& names);
 
   /// Server: tells applications that the daemon ends in order.
   void end() noexcept;
-  /// Server, one thread: who is connected; at most SPM_MOST_CLIENTS are told.
+  /// Server, one thread: publishes who is connected; at most SPM_MOST_CLIENTS.
   void tell_clients(std::span<const AppClientReport> clients) noexcept;
   /// Server: the places for clients' rings.
   [[nodiscard]] std::array<ClientRing, SPM_MOST_CLIENTS>& rings() noexcept { return rings_; }
-  /// Server: what clients map.
+  /// Server: the memory that clients map.
   [[nodiscard]] const SharedMemory& memory() const noexcept { return memory_; }
 
   /// Any thread.
@@ -131,7 +131,7 @@ class AppState {
   void keep_or_refuse(ClientRing& ring, const spm_shared_command& command, std::uint32_t client,
                       const AppCommandLimits& limits) noexcept;
 
-  /// What was published of a device last, to count how often it changed.
+  /// The last published state of a device, to count how often it changed.
   struct Seen {
     bool contact = false;
     bool cut = true;
@@ -139,7 +139,7 @@ class AppState {
     std::uint32_t last_cause = 0;
   };
 
-  /// When a client gave a sign of life last.
+  /// When a client last gave a sign of life.
   struct Alive {
     std::uint32_t connection = 0;
     std::uint64_t sign = 0;
@@ -153,7 +153,7 @@ class AppState {
   std::array<Seen, SPM_MOST_DEVICES> seen_;
   std::array<AppCommand, most_of_all + SPM_MOST_CLIENTS> taken_;  ///< and departures
   std::size_t taken_count_ = 0;
-  std::uint32_t first_client_ = 0;  ///< whose turn it is
+  std::uint32_t first_client_ = 0;  ///< whose turn is first
   std::atomic<std::uint32_t> devices_{0}, assets_{0};
   std::atomic<std::uint64_t> taken_total_{0}, refused_total_{0}, garbage_total_{0};
 };

@@ -23,7 +23,7 @@ namespace {
 
 /// Clients that wait while the server is busy with another one.
 constexpr int backlog = 32;
-/// How long another daemon that starts at the same moment is waited for.
+/// How long to wait for another daemon that starts at the same moment.
 constexpr std::chrono::milliseconds longest_wait{1000}, wait_step{10};
 
 tl::unexpected<Error> failed(const std::string& path, const std::string& why) {
@@ -51,7 +51,7 @@ class Descriptor {
   int descriptor_;
 };
 
-/// The folder of the sockets must be this user's, and closed to others.
+/// The folder of the sockets must belong to this user, and be closed to others.
 Result<void> make_private_folder(const std::string& folder) {
   std::error_code ignored;
   std::filesystem::create_directories(std::filesystem::path(folder).parent_path(), ignored);
@@ -87,7 +87,7 @@ Result<int> new_socket(const std::string& path) {
   return descriptor;
 }
 
-/// Whether somebody listens at a path already, or something that is no socket lies there.
+/// Fails if somebody listens at a path already, or something that is no socket lies there.
 Result<void> check_free(const std::string& path) {
   struct stat status {};
   if (lstat(path.c_str(), &status) != 0) {
@@ -105,7 +105,7 @@ Result<void> check_free(const std::string& path) {
   const sockaddr_un address = address_of(path);
   const int connected =
       connect(probe.get(), reinterpret_cast<const sockaddr*>(&address), sizeof address);
-  // One whose queue is full is alive too.
+  // A daemon whose queue is full is alive too.
   if (connected != 0 && errno == ECONNREFUSED) return {};
   if (connected != 0 && errno != EAGAIN) return refused(path, "cannot be asked", errno);
   ucred peer{};
@@ -119,7 +119,7 @@ Result<void> check_free(const std::string& path) {
                           "own with --socket");
 }
 
-/// Keeps other daemons out of the folder while this one looks and binds.
+/// Keeps other daemons out of the folder while this one checks and binds.
 Result<int> lock_folder(const std::string& folder) {
   Descriptor locked(::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
   if (locked.get() < 0) return refused(folder, "the folder cannot be opened", errno);

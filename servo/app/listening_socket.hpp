@@ -9,14 +9,14 @@
 
 namespace spm::servo {
 
-/// The Unix socket at which applications find the daemon; its file goes with it.
+/// The Unix socket at which applications find the daemon. Removes its file at the end.
 class ListeningSocket {
  public:
-  /// Listens at `path`; where that is empty, at the socket of the daemon of that name in this
-  /// user's own folder, which is made where it is not there, for this user alone. A file that a
-  /// daemon left behind is replaced. Errors: usage for a name or path that cannot be one;
-  /// file_or_device where a daemon answers there, where the folder belongs to somebody else or is
-  /// open to others, and where the system refuses.
+  /// Listens at `path`. If that is empty, it listens at the socket of the daemon of that name in
+  /// this user's own folder, which is made for this user alone if it does not exist. A file that a
+  /// daemon left behind is replaced. Errors: usage, for an invalid name or path; file_or_device, if
+  /// a daemon answers there, if the folder belongs to somebody else or is open to others, and if
+  /// the system refuses.
   [[nodiscard]] static Result<ListeningSocket> open(const std::string& path,
                                                     const std::string& name);
 
@@ -24,7 +24,7 @@ class ListeningSocket {
   ListeningSocket& operator=(ListeningSocket&&) = delete;
   ListeningSocket(const ListeningSocket&) = delete;
   ListeningSocket& operator=(const ListeningSocket&) = delete;
-  /// Removes the file, unless another one took its place.
+  /// Removes the file, unless another file took its place.
   ~ListeningSocket();
 
   /// Never blocks.
@@ -36,7 +36,7 @@ class ListeningSocket {
 
   int descriptor_ = -1;
   std::string path_;
-  dev_t device_ = 0;  ///< of the file, to know it again
+  dev_t device_ = 0;  ///< of the file, to recognise it
   ino_t file_ = 0;
 };
 

@@ -8,16 +8,16 @@ namespace spm::servo {
 
 namespace {
 
-/// Of a new measurement in the period that is known.
+/// The weight of a new measurement in the known period.
 constexpr double weight = 0.125;
-/// A measurement counts as at most so many known periods.
+/// A measurement counts as at most this many known periods.
 constexpr double most_growth = 2;
 
 double seconds_between(std::int64_t from_ns, std::int64_t to_ns) noexcept {
   return static_cast<double>(to_ns - from_ns) * 1e-9;
 }
 
-/// Axis times angle, rad, of the shorter turn from one orientation to another; world frame.
+/// Axis times angle, rad, of the shorter rotation from one orientation to another; world frame.
 Vector3 turn_between(const Eigen::Quaterniond& from, const Eigen::Quaterniond& to) noexcept {
   const Eigen::Quaterniond turn = to * from.conjugate();
   const double sine = turn.vec().norm();
@@ -26,7 +26,7 @@ Vector3 turn_between(const Eigen::Quaterniond& from, const Eigen::Quaterniond& t
   return turn.vec() * (std::copysign(angle, turn.w()) / sine);
 }
 
-/// An orientation turned by axis times angle.
+/// An orientation rotated by axis times angle.
 Eigen::Quaterniond turned(const Eigen::Quaterniond& from, const Vector3& turn) noexcept {
   const double angle = turn.norm();
   if (angle == 0) return from;
@@ -52,19 +52,19 @@ void PoseInterpolator::give(const Placement& pose, double period, std::int64_t n
       std::max({stretch * period_, way / settings_.most_speed, turn_.norm() / settings_.most_turn});
 }
 
-/// Learns the time between poses from the newest one.
+/// Updates the time between poses from the newest one.
 void PoseInterpolator::measure(double period, std::int64_t now_ns) noexcept {
   const double since = seconds_between(given_ns_, now_ns);
   const bool plausible = driven_ && since >= shortest_period && since <= longest_period;
   if (plausible) {
-    // A single frame that took long says little of the next ones.
+    // A single frame that took long says little about the next ones.
     const double counted = std::min(since, most_growth * period_);
     period_ = measured_ ? period_ + weight * (counted - period_) : since;
     measured_ = true;
   } else if (!measured_ && period > 0) {
     period_ = std::clamp(period, shortest_period, longest_period);
   }
-  // The same frame told twice does not begin a new period.
+  // The same frame sent twice does not begin a new period.
   if (!driven_ || since >= shortest_period) given_ns_ = now_ns;
   driven_ = true;
 }

@@ -30,7 +30,7 @@ Result<SharedMemory> SharedMemory::create(const std::string& name, std::size_t b
   if (descriptor < 0) return cannot(name, "made", errno);
   SharedMemory memory(descriptor, nullptr, whole);
   if (ftruncate(descriptor, static_cast<off_t>(whole)) != 0) return cannot(name, "sized", errno);
-  // Who could cut the file could end the daemon by a bus error.
+  // A client that could shrink the file could end the daemon by a bus error.
   if (fcntl(descriptor, F_ADD_SEALS, F_SEAL_SHRINK | F_SEAL_GROW) != 0) {
     return cannot(name, "sealed", errno);
   }
@@ -38,7 +38,7 @@ Result<SharedMemory> SharedMemory::create(const std::string& name, std::size_t b
       mmap(nullptr, whole, PROT_READ | PROT_WRITE, MAP_SHARED | MAP_POPULATE, descriptor, 0);
   if (data == MAP_FAILED) return cannot(name, "mapped", errno);
   memory.data_ = data;
-  // A limit that refuses it is none of this memory's business: the loop's start warns of it.
+  // If a limit refuses this, it is not reported here: the loop's start warns of it.
   static_cast<void>(mlock(data, whole));
   memory.touch();
   return memory;
@@ -76,7 +76,7 @@ bool SharedMemory::close_to_others() noexcept {
   return true;
 }
 
-/// Brings every page into memory, and changes nothing.
+/// Brings every page into memory, without a change.
 void SharedMemory::touch() const noexcept {
   auto* const words = static_cast<std::uint64_t*>(data_);
   for (std::size_t offset = 0; offset < bytes_; offset += page_bytes()) {

@@ -8,11 +8,11 @@
 
 namespace spm::servo {
 
-/// Anonymous memory that is handed to other processes by a descriptor: zeros at first, mapped for
-/// writing here, its pages touched, its size sealed.
+/// Anonymous memory that is passed to other processes by a descriptor. It is zero at first, mapped
+/// for writing here, its pages are touched and its size is sealed.
 class SharedMemory {
  public:
-  /// `name` is what /proc shows. Errors: file_or_device.
+  /// `name` is shown in /proc. Errors: file_or_device.
   [[nodiscard]] static Result<SharedMemory> create(const std::string& name, std::size_t bytes);
 
   SharedMemory(SharedMemory&& other) noexcept;
@@ -23,17 +23,17 @@ class SharedMemory {
 
   [[nodiscard]] void* data() const noexcept { return data_; }
   [[nodiscard]] std::size_t size() const noexcept { return bytes_; }
-  /// For writing; the memory's own.
+  /// For writing; owned by this object.
   [[nodiscard]] int descriptor() const noexcept { return descriptor_; }
 
-  /// A new descriptor by which nobody can map the memory for writing, for the caller to close.
-  /// Errors: file_or_device.
+  /// A new descriptor by which nobody can map the memory for writing. The caller closes it. Errors:
+  /// file_or_device.
   [[nodiscard]] Result<int> read_only_descriptor() const;
 
-  /// From now on nobody maps the memory for writing who has not done so, takes pages out of it, or
-  /// seals it in another way. What other processes may have done to its pages before is made good.
-  /// False where another process has sealed it already. On Linux before 5.1, which has no such
-  /// seal, true without an effect.
+  /// From now on no process that has not yet mapped the memory for writing can do so, take pages
+  /// out of it, or seal it in another way. What other processes may have done to its pages before
+  /// is repaired. False if another process has sealed it already. On Linux before 5.1, which has no
+  /// such seal, it returns true without an effect.
   [[nodiscard]] bool close_to_others() noexcept;
 
  private:

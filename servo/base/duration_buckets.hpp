@@ -9,15 +9,16 @@
 
 namespace spm::servo {
 
-/// Which value has a share of so many at or below it by the nearest-rank rule: 1 to `count`.
+/// The rank, from 1 to `count`, of the value below or at which a fraction `share` of `count` values
+/// lies (nearest-rank rule).
 [[nodiscard]] inline std::uint64_t nearest_rank(double share, std::uint64_t count) noexcept {
   const double rank = std::ceil(share * static_cast<double>(count));
   return std::clamp<std::uint64_t>(static_cast<std::uint64_t>(rank), 1, count);
 }
 
-/// Buckets of equal relative width for durations below 2^63 ns: those below 2^(bits + 1) have a
-/// bucket each; above, every power of two has 2^bits. What a bucket holds is at most 1/2^bits above
-/// the least of it.
+/// Buckets of equal relative width for durations below 2^63 ns. Values below 2^(bits + 1) have a
+/// bucket each; above that, each power of two is divided into 2^bits buckets. A value is at most
+/// 1/2^bits above the smallest value of its bucket.
 template <unsigned bits>
 struct DurationBuckets {
   static constexpr std::uint64_t first_wide = std::uint64_t{2} << bits;
@@ -37,7 +38,8 @@ struct DurationBuckets {
     return ((mantissa + 1) << shift) - 1;
   }
 
-  /// Upper edge of the bucket that holds the value of a rank, of `counts` values a bucket.
+  /// Upper edge of the bucket that holds the value of a rank. `counts` is the number of values in
+  /// each bucket.
   template <class Counts>
   [[nodiscard]] static std::uint64_t ranked(const Counts& counts, std::uint64_t rank) noexcept {
     std::uint64_t seen = 0;

@@ -22,7 +22,7 @@ class Random {
     return z ^ (z >> 31U);
   }
 
-  /// Evenly between two bounds.
+  /// Uniformly distributed between two bounds.
   [[nodiscard]] double between(double low, double high) noexcept {
     return low + (high - low) * (static_cast<double>(next() >> 11U) * 0x1p-53);
   }
@@ -33,7 +33,7 @@ class Random {
     return radius * std::cos(between(0, 2 * std::numbers::pi));
   }
 
-  /// A direction, evenly over the sphere.
+  /// A direction, uniformly distributed over the sphere.
   [[nodiscard]] Vector3 direction() noexcept {
     const double z = between(-1, 1);
     const double angle = between(0, 2 * std::numbers::pi);

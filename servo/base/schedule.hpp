@@ -7,7 +7,7 @@
 namespace spm::servo {
 
 /// The loop's time grid: tick k is due at start + k periods, nanoseconds of CLOCK_MONOTONIC. Ticks
-/// that were overrun are skipped, so that late ticks are never bunched.
+/// whose time has passed are skipped, so that late ticks are never bunched.
 class TickSchedule {
  public:
   TickSchedule(std::int64_t start_ns, double rate_hz) noexcept
@@ -17,8 +17,8 @@ class TickSchedule {
   [[nodiscard]] std::int64_t due() const noexcept { return due_at(index_); }
   [[nodiscard]] double period_ns() const noexcept { return period_ns_; }
 
-  /// Goes to the first tick of the grid that is due after `now_ns`, at least one further; returns
-  /// how many were skipped.
+  /// Goes to the first tick of the grid that is due after `now_ns`, and at least one tick further.
+  /// Returns how many ticks were skipped.
   std::uint64_t advance(std::int64_t now_ns) noexcept {
     std::uint64_t next = index_ + 1;
     if (due_at(next) <= now_ns) {
@@ -30,7 +30,8 @@ class TickSchedule {
     return skipped;
   }
 
-  /// Moves the grid so that this tick is due at `now_ns`: where a device's reports pace the loop.
+  /// Moves the grid so that this tick is due at `now_ns`. For loops whose pace is set by a device's
+  /// reports.
   void shift_to(std::int64_t now_ns) noexcept { start_ns_ += now_ns - due(); }
 
  private:

@@ -6,7 +6,7 @@
 
 namespace spm::servo {
 
-/// Summary of a set of numbers; percentiles by the nearest-rank rule; zeros where there were none.
+/// Summary of a set of numbers. Percentiles by the nearest-rank rule; all zero for an empty set.
 struct Summary {
   double mean = 0;
   double sd = 0;  ///< of the population
@@ -16,11 +16,12 @@ struct Summary {
   double max = 0;
 };
 
-/// Exact summary of the values, whose order it changes.
+/// Exact summary of the values. Reorders them.
 [[nodiscard]] Summary summarise(std::vector<double>& values);
 
-/// Durations of a run of any length in a fixed amount of memory: buckets of equal relative width,
-/// so that a percentile is at most 1/256 above the true one; mean, deviation and maximum are exact.
+/// Durations of a run of any length in a fixed amount of memory. The buckets have equal relative
+/// width, so that a percentile is at most 1/256 above the true one. Mean, deviation and maximum are
+/// exact.
 class DurationHistogram {
  public:
   DurationHistogram();

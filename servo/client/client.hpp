@@ -11,18 +11,19 @@
 
 #include "servo/client/connection.hpp"
 #include "servo/client/event_queue.hpp"
-#include "servo/shared/shared_words.hpp"
 #include "servo/client/spm_client.h"
+#include "servo/shared/shared_words.hpp"
 
-/// What spm_client.h's handle stands for.
+/// What the handle of spm_client.h refers to.
 struct spm_client {
   explicit spm_client(spm::servo::Connection opened) : connection(std::move(opened)) {}
 
   spm::servo::Connection connection;
-  std::array<spm_shared_cause, SPM_MOST_CAUSES> causes{};  ///< the daemon's words, closed by zeros
+  /// the texts of the daemon, closed by zeros
+  std::array<spm_shared_cause, SPM_MOST_CAUSES> causes{};
   std::uint32_t cause_count = 0;
 
-  std::mutex mutex;                 ///< guards what follows; the daemon has no part in it
+  std::mutex mutex;                 ///< guards the members below; the daemon does not take it
   std::uint64_t head = 0;           ///< commands written so far
   std::uint32_t objects_added = 0;  ///< lower half of the next object's id
   spm::servo::EventQueue events;
@@ -30,16 +31,16 @@ struct spm_client {
 
 namespace spm::servo {
 
-/// The daemon's state, for a look at it; the daemon learns that the application is alive.
+/// The daemon's state, for reading. The call also tells the daemon that the application is alive.
 [[nodiscard]] inline const spm_shared_state& look(const spm_client& client) noexcept {
   std::uint64_t& calls = client.connection.ring().calls;
-  // Two threads at once may count one call: the daemon only needs it to change.
+  // If two threads at once count one call, that is enough: the number only has to change.
   store_relaxed(calls, load_relaxed(calls) + 1);
   return client.connection.state();
 }
 
-/// Copies a result into a caller's struct, as much of it as the caller's version has. `Record`
-/// begins with its size, which is what all versions have had at least.
+/// Copies a result into a caller's struct, as far as the caller's version of the struct goes.
+/// `Record` begins with its size; all versions have had at least that.
 template <class Record>
 [[nodiscard]] int give(Record* to, const Record& from) noexcept {
   const std::uint32_t size = to->size;

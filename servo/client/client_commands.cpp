@@ -3,10 +3,10 @@
 #include <cmath>
 #include <ctime>
 
-#include "servo/shared/app_command.hpp"
 #include "servo/client/client.hpp"
-#include "servo/shared/shared_words.hpp"
 #include "servo/client/state_reader.hpp"
+#include "servo/shared/app_command.hpp"
+#include "servo/shared/shared_words.hpp"
 
 namespace {
 
@@ -25,7 +25,7 @@ std::int64_t monotonic_ns() noexcept {
   return std::int64_t{time.tv_sec} * 1'000'000'000 + time.tv_nsec;
 }
 
-/// Fills in a pose; false where it is none of any version.
+/// Fills in a pose. False if it has the size of no version.
 bool read_pose(const spm_client_pose* pose, spm_shared_command& to) noexcept {
   if (pose == nullptr || pose->size < sizeof *pose) return false;
   if (!(pose->deadline >= 0 && pose->deadline <= longest_deadline)) return false;
@@ -51,7 +51,7 @@ bool read_material(const spm_client_material* material, spm_shared_command& to) 
   return true;
 }
 
-/// What the daemon would say of a command's numbers now.
+/// Checks a command's numbers now, as the daemon would.
 int checked(const spm_client& client, const spm_shared_command& command) noexcept {
   AppCommandLimits limits;
   const bool read = read_info(client.connection.state(), [&](const spm_shared_info& info) {
@@ -71,7 +71,7 @@ int checked(const spm_client& client, const spm_shared_command& command) noexcep
   }
 }
 
-/// Puts a command into the ring; by the thread that holds the client's mutex.
+/// Puts a command into the ring. The calling thread must hold the client's mutex.
 int put(spm_client& client, spm_shared_command& command) noexcept {
   if (load_relaxed(client.connection.state().ended) != 0) return SPM_CLIENT_NO_DAEMON;
   spm_shared_ring& ring = client.connection.ring();

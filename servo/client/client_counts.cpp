@@ -2,15 +2,15 @@
 #include <cstring>
 
 #include "servo/client/client.hpp"
-#include "servo/shared/shared_buckets.hpp"
 #include "servo/client/spm_client.h"
 #include "servo/client/state_reader.hpp"
+#include "servo/shared/shared_buckets.hpp"
 
 namespace {
 
 using namespace spm::servo;
 
-/// Looks something up behind a sequence lock by `find`, which gives whether it is there.
+/// Looks something up behind a sequence lock by `find`, which returns whether it is there.
 template <class Find>
 int look_up(const std::uint64_t& sequence, const Find& find) noexcept {
   bool found = false;

@@ -15,10 +15,10 @@
 #include <thread>
 #include <utility>
 
+#include "servo/client/spm_client.h"
 #include "servo/shared/shared_words.hpp"
 #include "servo/shared/socket_messages.h"
 #include "servo/shared/socket_path.hpp"
-#include "servo/client/spm_client.h"
 
 namespace spm::servo {
 
@@ -27,14 +27,14 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 constexpr std::chrono::milliseconds retry_interval{5};
-/// Fields of an answer that are where they are in all versions.
+/// Size of the fields of an answer that are at the same place in all versions.
 constexpr std::size_t answer_head_bytes = 16;
 
 tl::unexpected<NoConnection> without(int code, std::string sentence) {
   return tl::make_unexpected(NoConnection{code, std::move(sentence)});
 }
 
-/// Two descriptors as they came, closed unless somebody needs them on.
+/// Two descriptors as they were received. They are closed unless somebody takes them.
 struct Received {
   std::array<int, 2> descriptors{-1, -1};
   Received() = default;
@@ -69,7 +69,7 @@ void take_descriptors(msghdr& message, Received& received) noexcept {
   }
 }
 
-/// Maps a region; null where it is smaller than it must be, or the system refuses.
+/// Maps a region. Null if it is smaller than it must be, or the system refuses.
 void* map_region(int descriptor, std::size_t bytes, int protection) noexcept {
   struct stat status {};
   if (fstat(descriptor, &status) != 0 || status.st_size < static_cast<off_t>(bytes)) return nullptr;
@@ -118,7 +118,7 @@ class Handshake {
     }
     while (connect(connection_.socket_, reinterpret_cast<const sockaddr*>(&address),
                    sizeof address) != 0) {
-      // Many connect at once and the daemon has not come to this one.
+      // Many clients connect at once, and the daemon has not come to this one.
       if ((errno != EAGAIN && errno != EINTR) || Clock::now() >= deadline_) return no_daemon(errno);
       std::this_thread::sleep_for(retry_interval);
     }
@@ -169,7 +169,7 @@ class Handshake {
     }
   }
 
-  /// Hears an answer, and takes it to be an error where it is no welcome.
+  /// Receives an answer. An answer that is no welcome is an error.
   [[nodiscard]] Step hear(spm_socket_answer& answer, Received& received) {
     if (auto ready = wait(); !ready) return ready;
     iovec part{&answer, sizeof answer};

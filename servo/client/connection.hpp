@@ -11,16 +11,16 @@
 
 namespace spm::servo {
 
-/// Why there is no connection: one of spm_client.h's codes, and a sentence with the cure.
+/// Why there is no connection: one of the codes of spm_client.h, and a sentence with the cure.
 struct NoConnection {
   int code = 0;
   std::string sentence;
 };
 
-/// The client's end of a connection: the socket, and both regions mapped.
+/// The client's end of a connection: the socket, and both mapped regions.
 class Connection {
  public:
-  /// Connects to the socket at `path`, and waits for the daemon at most `timeout`.
+  /// Connects to the socket at `path`, and waits for the daemon for at most `timeout`.
   [[nodiscard]] static tl::expected<Connection, NoConnection> open(
       const std::string& path, const std::string& application, std::chrono::milliseconds timeout);
 

@@ -24,7 +24,7 @@ void EventQueue::compare(std::uint32_t device, const spm_shared_device& before,
   if (was_there && !is_there) tell(SPM_CLIENT_DEVICE_LOST, device, 0);
   if (!was_there && is_there) tell(SPM_CLIENT_DEVICE_FOUND, device, 0);
 
-  // The counters tell what began between two looks, even where it ended again.
+  // The counters show a contact that began between two looks, even if it ended again.
   const bool touched = (before.flags & SPM_DEVICE_CONTACT) != 0;
   const bool touches = (now.flags & SPM_DEVICE_CONTACT) != 0;
   const bool began = now.contacts != before.contacts;

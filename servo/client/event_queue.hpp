@@ -5,18 +5,18 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "servo/shared/shared_layout.h"
 #include "servo/client/spm_client.h"
+#include "servo/shared/shared_layout.h"
 
 namespace spm::servo {
 
-/// Events of the devices, by comparing each look with the one before.
+/// Events of the devices, found by comparing each look with the one before.
 class EventQueue {
  public:
-  /// Whether all events were taken: only then may it look again.
+  /// Whether all events were taken. Only then may `look` be called.
   [[nodiscard]] bool empty() const noexcept { return taken_ == count_; }
 
-  /// Takes a look at devices; the first look of a device tells nothing.
+  /// Looks at the devices. The first look at a device makes no event.
   void look(std::uint64_t tick, const std::array<spm_shared_device, SPM_MOST_DEVICES>& devices,
             std::uint32_t count) noexcept;
 
@@ -28,7 +28,8 @@ class EventQueue {
                const spm_shared_device& now) noexcept;
   void tell(std::uint32_t kind, std::uint32_t device, std::uint32_t value) noexcept;
 
-  /// Of one device: two of contact, three of cuts, one of its being there, and one a button.
+  /// For one device: two of contact, three of cuts, one of being plugged in, and one for each
+  /// button.
   static constexpr std::size_t most_of_device = 3 + 3 + 1 + 32;
 
   std::array<spm_shared_device, SPM_MOST_DEVICES> seen_{};

@@ -6,20 +6,20 @@
 #include <memory>
 #include <string>
 
-#include "servo/shared/refusal.hpp"
-#include "servo/client/client.hpp"
-#include "servo/shared/fixed_text.hpp"
-#include "servo/shared/socket_path.hpp"
-#include "servo/client/state_reader.hpp"
 #include "servo/base/clock.hpp"
+#include "servo/client/client.hpp"
+#include "servo/client/state_reader.hpp"
+#include "servo/shared/fixed_text.hpp"
+#include "servo/shared/refusal.hpp"
+#include "servo/shared/socket_path.hpp"
 
 namespace {
 
 using namespace spm::servo;
 
 constexpr int default_timeout_ms = 1000;
-/// Without a tick for so long the loop counts as stalled: a hundred ticks, and more than any
-/// process is kept from its processor on a machine that is fit for a servo.
+/// The loop counts as stalled after this time without a tick: a hundred ticks, which is longer than
+/// any process is kept from its processor on a machine that is fit for a servo.
 constexpr std::int64_t stalled_ns = 100'000'000;
 
 void give_message(char* message, size_t size, const std::string& text) noexcept {
@@ -100,7 +100,7 @@ void give_at(Record* first, std::size_t index, const Record& from) noexcept {
   std::memcpy(reinterpret_cast<unsigned char*>(first) + index * size, &record, sizeof record);
 }
 
-/// Copies a name of the daemon's by `find(info)`, which gives it or null.
+/// Copies a name of the daemon's. `find(info)` returns it, or null.
 template <class Find>
 int give_name(const spm_client* client, char* name, std::size_t size, const Find& find) noexcept {
   if (client == nullptr || name == nullptr || size == 0) return SPM_CLIENT_BAD_ARGUMENT;
@@ -311,7 +311,7 @@ int spm_client_read_all(const spm_client* client, spm_client_tick* tick, spm_cli
 }
 
 const char* spm_client_refusal(uint32_t refusal) {
-  // A newer daemon may know further reasons, for which there is a sentence too.
+  // A newer daemon may have further reasons, which also get a sentence.
   return to_sentence(static_cast<Refusal>(std::min<uint32_t>(refusal, 255)));
 }
 

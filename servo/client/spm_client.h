@@ -4,19 +4,21 @@
  *  changes how they feel, at its own pace.
  *
  *  Reading copies from shared memory, without a lock or a system call, and never makes the daemon
- *  wait. Commands go into a ring that the daemon empties each tick, checking every number; what it
- *  could not follow is told by spm_client_refusals. Whatever the application does, the loop keeps
- *  its tick.
+ *  wait. Commands go into a ring, which the daemon empties each tick; it checks every number.
+ *  spm_client_refusals reports commands that it could not follow. Whatever the application does,
+ *  the loop keeps its tick.
  *
- *  Reading and commands are signs of life. Where an application that moves objects gives none for a
- *  second, while it stays connected, it hangs: the scene was held so long, now the force fades out
- *  over half a second (SPM_CLIENT_OFF_APPLICATION_SILENT), and fades in again with its next call.
+ *  Reading and commands are signs of life. If an application that moves objects gives none for a
+ *  second while it stays connected, it is taken to hang. The scene is held for that second; then
+ *  the force fades out over half a second (SPM_CLIENT_OFF_APPLICATION_SILENT). It fades in again
+ *  with the application's next call.
  *
- *  Positions in metres, forces in newtons, torques in newton metres, quaternions unit with w first
- *  (w x y z), all in the world frame: x to the right, y up, z towards the user. Every struct begins
- *  with its size, which the caller sets (`spm_client_device d = {.size = sizeof d};`): fields are
- *  only ever added at the end. Any thread may call anything, but for spm_client_disconnect, which
- *  must be the last call. Functions give SPM_CLIENT_OK or what was wrong. */
+ *  Positions are in metres, forces in newtons, torques in newton metres, quaternions are unit with
+ *  w first (w x y z), all in the world frame: x to the right, y up, z towards the user. Every
+ *  struct begins with its size, which the caller sets (`spm_client_device d = {.size = sizeof
+ * d};`); fields are only ever added at the end. Any thread may call any function, except
+ *  spm_client_disconnect, which must be the last call. Functions return SPM_CLIENT_OK or what was
+ *  wrong. */
 #ifndef SPM_CLIENT_H
 #define SPM_CLIENT_H
 
@@ -35,7 +37,7 @@ extern "C" {
 
 #define SPM_CLIENT_VERSION 1
 
-/** Names and texts fit into so many bytes, their closing zero included. */
+/** Names and texts fit into this many bytes, including their closing zero. */
 #define SPM_CLIENT_NAME_BYTES 64
 
 typedef struct spm_client spm_client;
@@ -43,13 +45,13 @@ typedef struct spm_client spm_client;
 enum spm_client_code {
   SPM_CLIENT_OK = 0,
   SPM_CLIENT_BAD_ARGUMENT = 1, /**< a null pointer, a size that no version had, a wrong name */
-  SPM_CLIENT_NO_DAEMON = 2,    /**< none answers there, or it does not any more */
+  SPM_CLIENT_NO_DAEMON = 2,    /**< none answers there, or it no longer answers */
   SPM_CLIENT_REFUSED = 3,  /**< the daemon does not want this application; the message says why */
   SPM_CLIENT_INTERNAL = 4, /**< no memory, or a defect */
   SPM_CLIENT_VERSION_DIFFERS = 5, /**< daemon and library do not belong together */
-  SPM_CLIENT_RING_FULL = 6, /**< the daemon has not come to so many commands: try again later */
+  SPM_CLIENT_RING_FULL = 6, /**< the daemon has not yet come to earlier commands: try again later */
   SPM_CLIENT_BUSY = 7,      /**< the state changed under the reader too often: try again */
-  SPM_CLIENT_NOT_THERE = 8  /**< no such device, object, asset or cause; no tick so far */
+  SPM_CLIENT_NOT_THERE = 8  /**< no such device, object, asset or cause, or no tick so far */
 };
 
 enum spm_client_daemon {
@@ -95,13 +97,13 @@ typedef struct spm_client_options {
   const char* application; /**< what the daemon's `top` calls this application; may be NULL */
 } spm_client_options;
 
-/** Connects; `options` may be NULL. Gives SPM_CLIENT_OK and sets *client, or writes one sentence to
- *  `message` (which may be NULL), cut to `message_size` with its closing zero: what is the matter
- *  with the daemon, and the cure. */
+/** Connects; `options` may be NULL. Returns SPM_CLIENT_OK and sets *client. On an error it writes
+ *  one sentence to `message` (which may be NULL), cut to `message_size` bytes with its closing
+ *  zero: what is wrong with the daemon, and the cure. */
 SPM_CLIENT_API int spm_client_connect(const spm_client_options* options, spm_client** client,
                                       char* message, size_t message_size);
 
-/** Hangs up; NULL is allowed. The objects that the application added leave the scene. */
+/** Disconnects; NULL is allowed. The objects that the application added are removed. */
 SPM_CLIENT_API void spm_client_disconnect(spm_client* client);
 
 /** Whether the daemon lives: enum spm_client_daemon. `age` (s, may be NULL) is how long ago the
@@ -130,8 +132,8 @@ SPM_CLIENT_API int spm_client_asset_name(const spm_client* client, uint32_t asse
 SPM_CLIENT_API int spm_client_object_name(const spm_client* client, uint64_t object, char* name,
                                           size_t size);
 
-/** A cause of zero force by name (such as "device_gone") and what to do about it. The texts live as
- *  long as the connection; a cause that there is not gives "" for both. */
+/** The name of a cause of zero force (such as "device_gone") and what to do about it. The texts are
+ *  valid as long as the connection; an unknown cause gives "" for both. */
 SPM_CLIENT_API int spm_client_cause(const spm_client* client, uint32_t cause, const char** name,
                                     const char** cure);
 
@@ -151,15 +153,15 @@ typedef struct spm_client_tick {
 typedef struct spm_client_device {
   uint32_t size;
   uint32_t connected;    /**< 0 while it is unplugged */
-  uint64_t tick;         /**< that the rest belongs to */
+  uint64_t tick;         /**< the tick of the other fields */
   double position[3];    /**< of the tool's origin */
   double orientation[4]; /**< of the tool */
   double velocity[3];    /**< m/s */
   double force[3];       /**< on the hand, as sent to the device */
   double torque[3];      /**< about the tool's origin, as sent */
-  double depth;          /**< m, how deep it presses into what it presses deepest; 0 or more */
+  double depth;          /**< m, in the object that it presses deepest; 0 or more */
   uint32_t contact;      /**< 1 while it touches */
-  uint32_t buttons;      /**< a bit each */
+  uint32_t buttons;      /**< one bit for each button */
   uint32_t cause;        /**< of zero force: enum spm_client_force_off */
   uint32_t health;       /**< enum spm_client_health */
   uint32_t contacts;     /**< how often contact has begun: none is missed between two reads */
@@ -171,13 +173,13 @@ typedef struct spm_client_object {
   uint32_t size;
   uint32_t asset;
   uint64_t id;
-  uint64_t tick; /**< that the rest belongs to */
+  uint64_t tick; /**< the tick of the other fields */
   double position[3];
   double orientation[4];
   double scale;
   double force[3];  /**< reaction: what the tools did to it in that tick */
   double torque[3]; /**< about the object's origin */
-  double silent;    /**< s since an application gave its last pose; 0 where none ever did */
+  double silent;    /**< s since the last pose from an application; 0 if there was none */
   uint32_t movable;
   uint32_t contact; /**< 1 while a tool touches it */
   uint32_t driven;  /**< 1 once an application gave it a pose */
@@ -194,9 +196,9 @@ SPM_CLIENT_API int spm_client_read_device(const spm_client* client, uint32_t dev
 SPM_CLIENT_API int spm_client_read_object(const spm_client* client, uint64_t object,
                                           spm_client_object* state);
 
-/** Reads a whole tick, all of it of the same: up to so many devices and objects. The first of each
- *  array has its `size` set, which then is that of all. `tick` tells how many there are; arrays may
- *  be NULL where their count is 0. */
+/** Reads devices and objects of one and the same tick, up to the given numbers. Set `size` in the
+ *  first element of each array; it holds for all of them. `tick` gives how many there are. An array
+ *  may be NULL if its number is 0. */
 SPM_CLIENT_API int spm_client_read_all(const spm_client* client, spm_client_tick* tick,
                                        spm_client_device* devices, size_t most_devices,
                                        spm_client_object* objects, size_t most_objects);
@@ -211,7 +213,7 @@ typedef struct spm_client_pose {
   double position[3];    /**< within 100 m of the origin */
   double orientation[4]; /**< unit within a thousandth */
   double period;         /**< s until the next pose, at most 1; 0: not known */
-  double deadline;       /**< s from now, after which it is not followed any more; 0: none */
+  double deadline;       /**< s from now, after which the command is refused; 0: none */
 } spm_client_pose;
 
 enum spm_client_material_field {
@@ -221,13 +223,13 @@ enum spm_client_material_field {
   SPM_CLIENT_TEXTURE = 8
 };
 
-/** How an object feels. What is not among `fields` stays as it is. The daemon's caps hold beside
- *  this. */
+/** How an object feels. What is not among `fields` stays as it is. The daemon's caps apply as
+ *  well. */
 typedef struct spm_client_material {
   uint32_t size;
   uint32_t fields;           /**< enum spm_client_material_field, added up */
   double stiffness;          /**< N/m, 0 to 1e5 */
-  double friction_stick;     /**< mu at rest, friction_slide to 10 */
+  double friction_stick;     /**< mu at rest, from friction_slide to 10 */
   double friction_slide;     /**< mu in motion, 0 or more */
   double damping;            /**< N s/m, 0 to 1000 */
   double texture_amplitude;  /**< m, 0 to 0.1 */
@@ -236,8 +238,8 @@ typedef struct spm_client_material {
 } spm_client_material;
 
 /** Adds an object of an asset that the daemon serves, at `pose`, scaled by `scale` (above 0). What
- *  `material` (which may be NULL) does not give is as in a scene that does not give it. Sets
- * *object to the id that it will have. */
+ *  `material` (which may be NULL) does not give has the default of a scene. Sets *object to the id
+ *  that it will have. */
 SPM_CLIENT_API int spm_client_add_object(spm_client* client, uint32_t asset,
                                          const spm_client_pose* pose, double scale,
                                          const spm_client_material* material, uint64_t* object);
@@ -255,9 +257,9 @@ typedef struct spm_client_command_counts {
   uint32_t size;
   uint32_t last_refusal; /**< why: a number for spm_client_refusal */
   uint64_t sent;         /**< put into the ring */
-  uint64_t taken;        /**< that the loop has come to */
-  uint64_t refused;      /**< that it did not follow */
-  uint64_t last_refused; /**< its number, from 1 for the first that was sent */
+  uint64_t taken;        /**< read by the loop */
+  uint64_t refused;      /**< not followed by the loop */
+  uint64_t last_refused; /**< its number, 1 for the first command that was sent */
 } spm_client_command_counts;
 
 SPM_CLIENT_API int spm_client_refusals(const spm_client* client, spm_client_command_counts* counts);
@@ -283,66 +285,67 @@ typedef struct spm_client_event {
   uint32_t kind; /**< enum spm_client_event_kind */
   uint32_t device;
   uint32_t value;
-  uint64_t tick; /**< in which it was seen */
+  uint64_t tick; /**< the tick in which it was seen */
 } spm_client_event;
 
-/** The next change of a device since the last call; SPM_CLIENT_NOT_THERE where there is none. A
- *  contact or a cut that began and ended between two calls is told with both its ends; a button
- * that was pressed and released between them is not. One thread. */
+/** The next change of a device since the last call; SPM_CLIENT_NOT_THERE if there is none. A
+ * contact or a cut that began and ended between two calls gives both events; a button that was
+ * pressed and released between them gives none. Call it from one thread only. */
 SPM_CLIENT_API int spm_client_next_event(spm_client* client, spm_client_event* event);
 
 /* --- Counts ----------------------------------------------------------------------------------- */
 
-/** What the loop counted since it began; nothing where it has not. Of the last second, say, tells
- *  the difference of two of these. */
+/** What the loop counted since it began; SPM_CLIENT_NOT_THERE before that. For a shorter time, such
+ *  as the last second, take the difference of two of these. */
 typedef struct spm_client_loop {
   uint32_t size;
   uint32_t reserved;
   int64_t time_ns;      /**< when the last tick that is counted began, of CLOCK_MONOTONIC */
-  uint64_t ticks;       /**< run */
-  uint64_t missed;      /**< not finished before the next was due, skipped ones included */
-  uint64_t skipped;     /**< of the missed ones, those not run at all */
-  uint64_t busy_ns;     /**< how long all ticks worked, together */
-  uint64_t wake_max_ns; /**< the latest that a tick began */
-  uint64_t busy_max_ns; /**< the longest that one worked */
+  uint64_t ticks;       /**< that were run */
+  uint64_t missed;      /**< not finished before the next one was due, including skipped ones */
+  uint64_t skipped;     /**< missed ticks that were not run at all */
+  uint64_t busy_ns;     /**< working time of all ticks together */
+  uint64_t wake_max_ns; /**< the largest lateness of a tick */
+  uint64_t busy_max_ns; /**< the longest working time of a tick */
   uint64_t taken;       /**< commands of all applications */
   uint64_t refused;     /**< commands that were not followed */
-  uint64_t garbage;     /**< what applications wrote that was no command */
+  uint64_t garbage;     /**< data from applications that was no command */
   uint64_t wake[64];    /**< ticks by how late they began; spm_client_bucket_end */
   uint64_t busy[64];    /**< ticks by how long they worked */
 } spm_client_loop;
 
 SPM_CLIENT_API int spm_client_read_loop(const spm_client* client, spm_client_loop* loop);
 
-/** Where a bucket of `wake` and `busy` ends, ns: what is in it is shorter, and not shorter than the
- *  end of the one before. In the last one is everything longer too. 0 where there is none such. */
+/** The end of a bucket of `wake` and `busy`, ns. Durations in it are shorter than its end, and not
+ *  shorter than the end of the bucket before. The last bucket also contains everything longer. 0 if
+ *  there is no such bucket. */
 SPM_CLIENT_API uint64_t spm_client_bucket_end(uint32_t bucket);
 
 /** What the loop counted for one device since it began. */
 typedef struct spm_client_device_counts {
   uint32_t size;
-  uint32_t last_cause;    /**< of zero force, the last that there was; 0: none so far */
-  uint64_t contact_ticks; /**< in which it touched */
-  uint64_t cap_hits;      /**< in which the force cap held the force down */
-  uint64_t slew_hits;     /**< in which the slew limit held the force back */
+  uint32_t last_cause;    /**< the last cause of zero force; 0: none so far */
+  uint64_t contact_ticks; /**< ticks in which it touched */
+  uint64_t cap_hits;      /**< ticks in which the force cap limited the force */
+  uint64_t slew_hits;     /**< ticks in which the slew limit limited the force */
   double force_max;       /**< N, as sent */
-  double energy;          /**< J, net work that the forces sent did on the hand */
+  double energy;          /**< J, net work of the sent forces on the hand */
   double generated_max;   /**< J, largest positive value of `energy` */
 } spm_client_device_counts;
 
 SPM_CLIENT_API int spm_client_read_device_counts(const spm_client* client, uint32_t device,
                                                  spm_client_device_counts* counts);
 
-/** An application that is connected, this one among them. */
+/** An application that is connected; this one is among them. */
 typedef struct spm_client_application {
   uint32_t size;
   uint32_t connection; /**< numbered from 1, never used again */
   uint32_t process;
   uint32_t reserved;
-  char name[64]; /**< as it calls itself: spm_client_options.application */
+  char name[64]; /**< its own name for itself: spm_client_options.application */
 } spm_client_application;
 
-/** SPM_CLIENT_NOT_THERE from the number of those on that there are. */
+/** Reads one connected application. SPM_CLIENT_NOT_THERE if `index` is not below their number. */
 SPM_CLIENT_API int spm_client_read_application(const spm_client* client, uint32_t index,
                                                spm_client_application* application);
 

@@ -11,11 +11,11 @@ namespace spm::servo {
 
 enum class ReadResult : std::uint8_t { fine, busy, none };
 
-/// How often a reader tries at most. A try fails only where it took longer than a tick.
+/// How often a reader tries at most. A try fails only if it took longer than a tick.
 inline constexpr int most_reads = 64;
 
-/// Reads the newest snapshot by `read(snapshot)`, which loads words by shared_words.hpp and gives
-/// whether what was looked for is there. `none` also where there was no tick so far.
+/// Reads the newest snapshot by `read(snapshot)`, which loads words by shared_words.hpp and returns
+/// whether it found what it looked for. The result is `none` also if there was no tick so far.
 template <class Read>
 [[nodiscard]] ReadResult read_newest(const spm_shared_state& state, const Read& read) noexcept {
   for (int attempt = 0; attempt < most_reads; ++attempt) {
@@ -30,7 +30,7 @@ template <class Read>
   return ReadResult::busy;
 }
 
-/// How many devices and objects a snapshot has; never more than there is room for.
+/// The number of devices and objects in a snapshot, never more than there is room for.
 [[nodiscard]] inline std::uint32_t device_count(const spm_shared_snapshot& snapshot) noexcept {
   return std::min<std::uint32_t>(load_relaxed(snapshot.device_count), SPM_MOST_DEVICES);
 }
@@ -38,7 +38,7 @@ template <class Read>
   return std::min<std::uint32_t>(load_relaxed(snapshot.object_count), SPM_MOST_OBJECTS);
 }
 
-/// Reads what has a sequence lock of its own by `read`; false where it kept changing.
+/// Reads a record that has a sequence lock of its own, by `read`. False if it kept changing.
 template <class Read>
 [[nodiscard]] bool read_behind(const std::uint64_t& sequence, const Read& read) noexcept {
   for (int attempt = 0; attempt < most_reads; ++attempt) {
@@ -47,7 +47,7 @@ template <class Read>
   return false;
 }
 
-/// Reads part of what seldom changes by `read(info)`; false where it kept changing.
+/// Reads part of what seldom changes, by `read(info)`. False if it kept changing.
 template <class Read>
 [[nodiscard]] bool read_info(const spm_shared_state& state, const Read& read) noexcept {
   return read_behind(state.info_sequence, [&] { read(state.info); });

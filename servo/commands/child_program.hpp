@@ -6,14 +6,14 @@
 
 namespace spm::servo {
 
-/// A shell's code for a program that was not found.
+/// The exit code of shells for a program that was not found.
 inline constexpr int program_not_found = 127;
 
 enum class ChildOutput { shown, dropped };
 
-/// Runs a program of the search path with arguments, the program's name first, and waits for it.
-/// Gives its exit code; 128 and the signal's number where a signal ended it; `program_not_found`
-/// where it could not be started.
+/// Runs a program of the search path with arguments (the program's name first), and waits for it.
+/// Returns its exit code; or 128 plus the signal's number if a signal ended it; or
+/// `program_not_found` if it could not be started.
 [[nodiscard]] int run_child(const std::vector<std::string>& words, ChildOutput output);
 
 }  // namespace spm::servo

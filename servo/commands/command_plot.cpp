@@ -22,7 +22,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr const char* script_name = "plot_recording.py";
-/// Ends without a failure where what the script needs is installed; loads none of it.
+/// Succeeds if the packages that the script needs are installed, without loading any of them.
 constexpr const char* check_for_packages =
     "import importlib.util as u, sys; "
     "sys.exit(None in (u.find_spec('matplotlib'), u.find_spec('numpy')))";
@@ -33,8 +33,8 @@ struct PlotCommand {
   double device = 0;
 };
 
-/// The Python that can draw: that of the search path, or else the system's, which Debian's packages
-/// belong to.
+/// The Python that can draw: the one of the search path, or else the system's, for which Debian
+/// installs its packages.
 Result<std::string> find_python() {
   bool found = false;
   for (const char* python : {"python3", "/usr/bin/python3"}) {
@@ -63,10 +63,11 @@ Result<std::string> find_script() {
                   ": the script that draws is missing; install the project's scripts again");
 }
 
-/// A folder that vanishes with what is in it.
+/// A folder that is removed at the end, with its contents.
 class TemporaryFolder {
  public:
-  /// Beside a file, so that it can be renamed into place. Empty path where there can be none.
+  /// Makes the folder beside a file, so that a file in it can be renamed into place. The path is
+  /// empty if that fails.
   explicit TemporaryFolder(const fs::path& beside)
       : path_((beside.parent_path() / ".spm-plot-XXXXXX").string()) {
     if (mkdtemp(path_.data()) == nullptr) path_.clear();
@@ -83,7 +84,7 @@ class TemporaryFolder {
   std::string path_;
 };
 
-/// Checks what would have to fail later; gives where to draw to.
+/// Checks in advance what would fail later. Returns the path to draw to.
 Result<fs::path> check(const PlotCommand& command) {
   const fs::path out = command.out.empty() ? fs::path(command.recording).replace_extension(".svg")
                                            : fs::path(command.out);
@@ -109,13 +110,13 @@ Result<fs::path> check(const PlotCommand& command) {
                 fmt::format("{}: has no tick of device {} to draw; record a longer run",
                             command.recording, command.device));
   }
-  // Creating a temporary file beside it is the only check that no kind of file system can fool.
+  // Creating a temporary file beside it is the only check that works on every kind of file system.
   auto writable = OutputFile::create(out.string());
   if (!writable) return tl::make_unexpected(std::move(writable.error()));
   return out;
 }
 
-/// Gives the exit code of what draws.
+/// Returns the exit code of the drawing program.
 Result<int> plot(const PlotCommand& command, const fs::path& out) {
   const auto python = find_python();
   if (!python) return tl::make_unexpected(python.error());
@@ -127,7 +128,7 @@ Result<int> plot(const PlotCommand& command, const fs::path& out) {
                                               std::strerror(errno) + "); choose another place");
   }
   const fs::path prefix = fs::path(folder.path()) / "plot";
-  // Without -B it would leave compiled scripts in its folder.
+  // Without -B, Python would leave compiled scripts in the folder.
   const int code =
       run_child({*python, "-B", *script, "--device-number", fmt::format("{}", command.device), "-o",
                  prefix.string(), "--", command.recording},

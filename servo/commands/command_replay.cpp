@@ -8,6 +8,7 @@
 #include <span>
 
 #include "common/base/instruction_set.hpp"
+#include "formats/asset/asset_writer.hpp"
 #include "formats/asset/mapped_asset.hpp"
 #include "formats/motion/recording.hpp"
 #include "servo/commands/commands.hpp"
@@ -24,7 +25,7 @@ using nlohmann::ordered_json;
 struct ReplayCommand {
   cli::GlobalOptions global;
   std::string trajectory, out;
-  double device = 0;  ///< of a recording
+  double device = 0;  ///< index of the recording's device
   ForceOptions force;
   ReplayOptions options;
 };
@@ -68,7 +69,7 @@ Result<Source> read_source(const ReplayCommand& command) {
   return source;
 }
 
-/// The forces are those of the recording only with what it was made with.
+/// The forces equal those of the recording only if asset and program are the ones that made it.
 void warn_of_changes(const RecordingHeader& header, const Assets& assets) {
   bool same = header.assets.size() == assets.size();
   for (std::size_t i = 0; same && i < assets.size(); ++i) {
@@ -81,7 +82,7 @@ void warn_of_changes(const RecordingHeader& header, const Assets& assets) {
   }
 }
 
-/// Of forces that came from another scene than the one that is replayed nothing can be said.
+/// Forces that came from another scene than the replayed one cannot be compared.
 void warn_of_scene(const Source& source) {
   const RecordedTicks& ticks = source.ticks;
   if (source.recording->form < 2) {
@@ -121,7 +122,7 @@ ordered_json recording_json(const Source& source, const ReplayResult& result) {
   return json;
 }
 
-/// How the forces are beside the recording's, a line.
+/// How the forces compare with the recorded ones, as one line.
 std::string comparison_text(const ordered_json& recording) {
   const auto differing = recording["differing_ticks"].get<std::uint64_t>();
   const auto compared = recording["compared_ticks"].get<std::uint64_t>();

@@ -22,9 +22,9 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 constexpr std::chrono::milliseconds look_interval{16};
-constexpr int looks_a_drawing = 6;  // ten a second: faster nobody reads
+constexpr int looks_a_drawing = 6;  // ten a second; nobody reads faster
 constexpr std::chrono::seconds shown_time{1};
-/// A reading fails while the loop is kept from its processor amidst its writing.
+/// A reading fails if the loop is kept from its processor in the middle of a write.
 constexpr int most_tries = 10;
 constexpr std::chrono::milliseconds retry_interval{1};
 
@@ -64,7 +64,7 @@ Result<ClientHandle> connect(const TopCommand& command) {
   return ClientHandle(client);
 }
 
-/// Reads a struct of the library's; where that fails it stays what it was.
+/// Reads a struct by the library. If that fails, it keeps its value.
 template <class Record, class Read>
 bool refresh(Record& record, const Read& read) {
   Record found{};
@@ -94,7 +94,7 @@ void look_at_device(const spm_client* client, std::uint32_t index, TopSample::De
   device.cure = cure;
 }
 
-/// Looks at the daemon; what cannot be read is as in `last`.
+/// Looks at the daemon. What cannot be read is as in `last`.
 TopSample look(const spm_client* client, const TopSample& last) {
   TopSample sample = last;
   sample.daemon = spm_client_daemon_state(client, &sample.age);
@@ -117,7 +117,7 @@ bool is_over(int daemon) noexcept {
   return daemon == SPM_CLIENT_ENDED || daemon == SPM_CLIENT_GONE;
 }
 
-/// Draws until a key or a signal ends it, or the daemon does; gives the last view.
+/// Draws until a key or a signal ends it, or the daemon ends. Returns the last view.
 TopView watch(const spm_client* client) {
   StopSignals signals;
   signals.listen();

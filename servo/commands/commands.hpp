@@ -10,14 +10,14 @@
 
 namespace spm::servo {
 
-/// What a command does once its options are parsed; gives the exit code.
+/// What a command does when its options are parsed. Returns the exit code.
 using Action = std::function<int()>;
 
 /// Adds --asset, --scene, --method, --paper-rule, --stiffness and --probe.
 void add_force_options(CLI::App& command, ForceOptions& options);
 
-/// Adds an option that takes a bare number from `least` to `most`; anything else, and what is no
-/// number, is a usage error that names the range.
+/// Adds an option for a plain number from `least` to `most`. Anything else is a usage error that
+/// names the range.
 CLI::Option* add_number(CLI::App& command, const std::string& name, double least, double most,
                         double& target, const std::string& description);
 

@@ -9,20 +9,21 @@
 
 namespace spm::servo {
 
-/// What this process is allowed. Nothing means without limit.
+/// What this process is allowed. An empty value means without limit.
 struct ProcessLimits {
   bool root = false;
   std::optional<std::uint64_t> priority = 0;      ///< RLIMIT_RTPRIO
   std::optional<std::uint64_t> memory_bytes = 0;  ///< RLIMIT_MEMLOCK
 };
 
-/// Asks the kernel; a limit that cannot be asked for counts as 0.
+/// Reads the limits from the kernel. A limit that cannot be read counts as 0.
 [[nodiscard]] ProcessLimits read_process_limits() noexcept;
 
-/// Good where the loop got SCHED_FIFO.
+/// Good if the loop got SCHED_FIFO.
 [[nodiscard]] Check judge_scheduling(const RealtimeState& state, const ProcessLimits& limits);
 
-/// Good where memory is locked, and what is mapped later too; fair where the latter is not.
+/// Good if memory is locked, including memory that is mapped later; fair if the latter is not
+/// locked.
 [[nodiscard]] Check judge_memory_lock(const RealtimeState& state, const ProcessLimits& limits);
 
 }  // namespace spm::servo

@@ -89,7 +89,7 @@ Check judge_throttling(const MachineFacts& facts) {
       static_cast<double>(*facts.rt_runtime_us) / static_cast<double>(*facts.rt_period_us);
   const std::string measured =
       fmt::format("real-time threads may use {:.0f} % of the time", 100 * share);
-  // The loop and its devices' threads stay far below half of a processor.
+  // The loop and the threads of its devices need far less than half of a processor.
   if (share >= 0.5) return {"throttling", Verdict::good, measured, ""};
   return {"throttling", share > 0 ? Verdict::fair : Verdict::poor, measured,
           "Run: sudo sysctl kernel.sched_rt_runtime_us=950000 (the kernel's default)."};

@@ -6,22 +6,23 @@
 
 namespace spm::servo {
 
-/// Longest time to leave an idle state that leaves a wake-up good, us: a tenth of a tick.
+/// Longest time to leave an idle state that still allows a good wake-up, us: a tenth of a tick.
 inline constexpr double good_idle_exit_us = 100;
 
-/// Good with PREEMPT_RT, fair without: the wake-ups tell how fair.
+/// Good with PREEMPT_RT, fair without; how fair is shown by the wake-ups.
 [[nodiscard]] Check judge_kernel(const MachineFacts& facts);
 /// Fair on a virtual machine, whose host may stop it at any time.
 [[nodiscard]] Check judge_virtual(const MachineFacts& facts);
-/// Good where every processor's governor is `performance`; unknown where none is to be seen.
+/// Good if every processor's governor is `performance`; unknown if none can be read.
 [[nodiscard]] Check judge_governor(const MachineFacts& facts);
-/// Good where the slowest idle state in use is left within good_idle_exit_us.
+/// Good if the slowest idle state in use is left within good_idle_exit_us.
 [[nodiscard]] Check judge_idle(const MachineFacts& facts);
 /// Good with two processors or more.
 [[nodiscard]] Check judge_processors(const MachineFacts& facts);
-/// Poor where real-time threads get no time at all (sched_rt_runtime_us is 0).
+/// Poor if real-time threads get no time at all (sched_rt_runtime_us is 0).
 [[nodiscard]] Check judge_throttling(const MachineFacts& facts);
-/// Fair where a control group limits the processor time, poor where to less than one processor.
+/// Fair if a control group limits the processor time; poor if it limits it to less than one
+/// processor.
 [[nodiscard]] Check judge_cgroup(const MachineFacts& facts);
 
 }  // namespace spm::servo

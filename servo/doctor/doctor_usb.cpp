@@ -21,8 +21,8 @@ constexpr std::int64_t longest_ns = 1'000'000'000;
 constexpr std::int64_t longest_all_ns = 4'000'000'000;  // of the 30 s that the command may take
 constexpr unsigned timeout_ms = 100;
 
-/// GET_STATUS of the device itself (USB 2.0, section 9.4.5): two bytes, no side effect, no
-/// interface to claim, so that a running daemon keeps its device.
+/// GET_STATUS of the device itself (USB 2.0, section 9.4.5): two bytes, without a side effect and
+/// without claiming an interface, so that a running daemon keeps its device.
 bool ask_for_status(libusb_device_handle* handle) {
   constexpr std::uint8_t to_host = LIBUSB_ENDPOINT_IN;
   std::array<unsigned char, 2> answer{};

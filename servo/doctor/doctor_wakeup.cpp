@@ -15,7 +15,7 @@ namespace spm::servo {
 
 namespace {
 
-/// Time from the thread's set-up to its first tick, as in the loop.
+/// Time from the set-up of the thread to its first tick, as in the loop.
 constexpr std::int64_t lead_ns = 2'000'000;
 constexpr std::int64_t between_tellings_ns = 100'000'000;
 
@@ -50,7 +50,7 @@ Wakeups measure_wakeups(double seconds, const std::function<void(double)>& progr
   wakeups.seconds = seconds;
   std::atomic<std::uint64_t> tick{0};
   std::atomic<bool> done{false};
-  // A thread of its own, so that the rest of the program stays an ordinary one.
+  // In a thread of its own, so that the rest of the program keeps its ordinary priority.
   std::thread thread([&] {
     measure(seconds, wakeups, tick);
     done.store(true, std::memory_order_release);

@@ -16,7 +16,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// First line of a file; empty where it cannot be read.
+/// First line of a file; empty if it cannot be read.
 std::string line_of(const std::string& path) {
   std::ifstream file(path);
   std::string line;
@@ -24,7 +24,7 @@ std::string line_of(const std::string& path) {
   return line;
 }
 
-/// A number at the start of a text, whatever the locale.
+/// A number at the start of a text, in any locale.
 template <class Number>
 std::optional<Number> number_of(std::string_view text) {
   Number value{};
@@ -33,7 +33,7 @@ std::optional<Number> number_of(std::string_view text) {
   return value;
 }
 
-/// The value of a "name: value" line; nothing where there is none.
+/// The value of a "name: value" line; nothing if there is none.
 std::optional<std::string> field_of(const std::string& path, std::string_view name) {
   std::ifstream file(path);
   for (std::string line; std::getline(file, line);) {
@@ -93,7 +93,7 @@ void read_idle_states(const std::string& root, MachineFacts& facts) {
   facts.may_hold_latency = access((root + "/dev/cpu_dma_latency").c_str(), W_OK) == 0;
 }
 
-/// Where this process is in the unified hierarchy; a process is in one place.
+/// The group of this process in the unified hierarchy; a process is in exactly one group.
 std::string own_group(const std::string& root) {
   std::ifstream file(root + "/proc/self/cgroup");
   for (std::string line; std::getline(file, line);) {
@@ -102,7 +102,7 @@ std::string own_group(const std::string& root) {
   return {};
 }
 
-/// "QUOTA PERIOD", microseconds, or "max PERIOD".
+/// Reads "QUOTA PERIOD", microseconds, or "max PERIOD".
 std::optional<double> processors_of_quota(const std::string& text) {
   const std::size_t blank = text.find(' ');
   if (blank == std::string::npos) return std::nullopt;
@@ -118,7 +118,7 @@ void read_cgroup(const std::string& root, MachineFacts& facts) {
   std::string group = own_group(root);
   facts.has_cgroup = !group.empty() && fs::exists(mount + "/cgroup.controllers", ignored);
   if (!facts.has_cgroup) return;
-  // The limit of each group above holds as well.
+  // The limit of each group above this one applies as well.
   while (true) {
     const auto processors = processors_of_quota(line_of(mount + group + "/cpu.max"));
     if (processors && (!facts.quota || *processors < facts.quota->processors)) {

@@ -9,35 +9,37 @@
 
 namespace spm::servo {
 
-/// A time that a control group may use of each period.
+/// The processor time that a control group may use in each period.
 struct CpuQuota {
   std::string group;      ///< path of the group that sets it
-  double processors = 0;  ///< quota over period
+  double processors = 0;  ///< quota divided by period
 };
 
-/// What the kernel tells of this machine in /proc and /sys. What could not be read is absent.
+/// What the kernel reports about this machine in /proc and /sys. Values that could not be read are
+/// empty.
 struct MachineFacts {
-  std::vector<std::string> governors;  ///< one a processor that has frequency control
-  std::optional<bool> is_virtual;      ///< the processor tells of a hypervisor; x86 alone does
-  std::size_t online = 0;              ///< processors
-  std::string isolated;                ///< list of those kept free of other work ("2-3")
-  std::string kernel_release;          ///< "6.1.0-56-amd64"
-  std::string kernel_version;          ///< "#1 SMP PREEMPT_DYNAMIC ..."
-  bool realtime_kernel = false;        ///< PREEMPT_RT
+  std::vector<std::string> governors;  ///< one for each processor that has frequency control
+  std::optional<bool> is_virtual;  ///< whether the processor reports a hypervisor; only x86 does
+  std::size_t online = 0;          ///< processors
+  std::string isolated;        ///< list of the processors that are kept free of other work ("2-3")
+  std::string kernel_release;  ///< "6.1.0-56-amd64"
+  std::string kernel_version;  ///< "#1 SMP PREEMPT_DYNAMIC ..."
+  bool realtime_kernel = false;               ///< PREEMPT_RT
   std::optional<std::int64_t> rt_runtime_us;  ///< of each period; -1 is without limit
   std::optional<std::int64_t> rt_period_us;
-  bool has_cgroup = false;             ///< a unified control group is mounted
-  std::optional<CpuQuota> quota;       ///< the tightest on the way to this process; none: no limit
+  bool has_cgroup = false;  ///< a unified control group is mounted
+  /// the tightest limit that holds for this process; empty: no limit
+  std::optional<CpuQuota> quota;
   std::string idle_state;              ///< the slowest one in use on the first processor ("C10")
   std::optional<double> idle_exit_us;  ///< time to leave it
   bool may_hold_latency = false;       ///< this user may write /dev/cpu_dma_latency
   std::optional<double> load;          ///< runnable tasks, mean of the last minute
 };
 
-/// Reads them. `root` is put before /proc, /sys and /dev.
+/// Reads the facts. `root` is put before /proc, /sys and /dev.
 [[nodiscard]] MachineFacts read_machine(const std::string& root = "");
 
-/// Number of processors in a kernel's list such as "0-3,8"; 0 where it makes no sense.
+/// Number of processors in a kernel's list such as "0-3,8"; 0 if the list is invalid.
 [[nodiscard]] std::size_t count_of_list(const std::string& list);
 
 }  // namespace spm::servo

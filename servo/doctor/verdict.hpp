@@ -6,7 +6,7 @@
 
 namespace spm::servo {
 
-/// How well something serves a loop at 1 kHz.
+/// How well something suits a loop at 1 kHz.
 enum class Verdict : std::uint8_t { good, fair, poor, unknown };
 
 [[nodiscard]] inline const char* to_string(Verdict verdict) noexcept {
@@ -23,12 +23,12 @@ enum class Verdict : std::uint8_t { good, fair, poor, unknown };
   return "unknown";
 }
 
-/// One thing that `doctor` looked at.
+/// One result of `doctor`.
 struct Check {
   std::string name;  ///< part of the contract
   Verdict verdict = Verdict::unknown;
   std::string measured;  ///< what was found, a clause
-  std::string cure;      ///< what to do, a sentence; empty where there is nothing to do
+  std::string cure;      ///< what to do, a sentence; empty if there is nothing to do
 };
 
 }  // namespace spm::servo

@@ -8,13 +8,13 @@
 
 namespace spm {
 
-/// A way of so many of the encoder's steps, or of the noise's that readings show, tells no velocity
-/// to brake: a tool that swings between two steps would be braked with knocks that keep it
-/// swinging.
+/// A displacement of up to this many encoder steps gives no velocity for damping. The same holds
+/// for steps of the readings' own noise. Otherwise a tool that swings between two steps would be
+/// braked with knocks that keep it swinging.
 inline constexpr double doubted_steps = 1;
 
-/// The velocity of a position that is to be braked: told from as long a window as the encoder's
-/// step or the readings' own noise ask for, and rather too small than the encoder's.
+/// The velocity of a position, as damping uses it. It is estimated over a window as long as the
+/// encoder's step or the readings' own noise require, and is more likely too small than too large.
 class BrakingVelocity {
  public:
   /// `encoder_step`: m, 0 or more; `tick` in s, above 0.

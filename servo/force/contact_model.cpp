@@ -61,7 +61,7 @@ ContactForce ContactModel::next(const AssetView& asset, const Vector3& point) no
   return contact;
 }
 
-/// The force at a point by the method.
+/// The force at a point by the chosen method.
 ContactForce ContactModel::reaction(const AssetView& asset, const Vector3& point) noexcept {
   const ForceSettings& force = settings_.force;
   if (force.method == Method::proxy) return proxy_force(asset, point);
@@ -136,7 +136,7 @@ void ContactModel::add_paper_effects(const AssetView& asset, const Vector3& poin
     const double noise = effects.texture_noise * gaussian_number(effects.noise_seed, ticks_);
     reaction = paper_texture_force(settings_.force.stiffness, found, noise);
   }
-  // P_M, the projection on the plane, moves by the motion's part along the plane.
+  // P_M, the projection on the plane, moves by the component of the motion along the plane.
   const Vector3& normal = asset.planes[found.plane].n;
   const Vector3 along = motion - motion.dot(normal) * normal;
   contact.force = haptic_force(

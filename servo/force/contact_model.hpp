@@ -3,11 +3,11 @@
 
 #include <cstdint>
 
-#include "servo/force/coupling_point.hpp"
 #include "common/contact/effect_settings.hpp"
 #include "common/contact/force_law.hpp"
-#include "servo/force/potential_lattice.hpp"
 #include "common/contact/proxy.hpp"
+#include "servo/force/coupling_point.hpp"
+#include "servo/force/potential_lattice.hpp"
 #include "servo/force/velocity_estimate.hpp"
 
 namespace spm {
@@ -17,31 +17,31 @@ struct ContactSettings {
   ForceSettings force;
   EffectSettings effects;
   double tick = 1e-3;           ///< s, above 0
-  double encoder_step = 0;      ///< m, 0 or more: how far a position may be off
-  CouplingSettings coupling{};  ///< between the hand and what touches the object
+  double encoder_step = 0;      ///< m, 0 or more: largest error of a position
+  CouplingSettings coupling{};  ///< between the hand and the point that touches the object
   VelocityBy velocity = VelocityBy::estimate;
-  /// m, 0 or more: spacing of the lattice whose potential the force of `spm` is of
+  /// m, 0 or more: spacing of the lattice for the potential that gives the force of `spm`
   /// (PotentialLattice); 0 is off.
   double potential = 0;
 };
 
-/// The force on one probe at one object, tick by tick: reaction by the method that was chosen, and
-/// on it friction, damping and texture (eq. 18). Through a coupling the hand feels no more than
-/// felt_stiffness; the method is asked at the hand, see CouplingPoint. It remembers what these
-/// need, in the object's frame. Nothing in it allocates or throws.
+/// The force on one probe at one object, tick by tick: the reaction by the chosen method, then
+/// friction, damping and texture on it (eq. 18). Through a coupling the hand feels no more than
+/// felt_stiffness; the method is evaluated at the hand, see CouplingPoint. The state that these
+/// effects need is kept in the object's frame. No call allocates or throws.
 class ContactModel {
  public:
   explicit ContactModel(const ContactSettings& settings) noexcept;
 
   /// Force for a probe centred at `point` (object's frame, m) in the next tick. Without effects,
-  /// for `spm` and `paper`, that of contact_force. Never NaN; none where stiffness is below 0 or no
-  /// number. Where it is 0 there is contact and no force.
+  /// for `spm` and `paper`, it is that of contact_force. Never NaN. There is no force if the
+  /// stiffness is below 0 or not a number; if the stiffness is 0 there is contact without force.
   [[nodiscard]] ContactForce next(const AssetView& asset, const Vector3& point) noexcept;
 
-  /// Forgets all: at the start, and when the object was exchanged.
+  /// Forgets all state: at the start, and when the object was exchanged.
   void reset() noexcept;
 
-  /// As they were given, but for the stiffness, which is the one that is felt.
+  /// As they were given, except for the stiffness, which is the one that is felt.
   [[nodiscard]] const ContactSettings& settings() const noexcept { return settings_; }
 
  private:

@@ -12,8 +12,9 @@ CouplingPoint::CouplingPoint(const CouplingSettings& settings, double asked, dou
   damper_ = settings.damping / tick;
 }
 
-/// The balance K_s (w - e) = K_c e + b (e - e') / T of the point's way e from the hand, where w is
-/// the way to what holds it and e' that of the tick before; without contact K_s is 0.
+/// Solves the balance K_s (w - e) = K_c e + b (e - e') / T for e, the displacement of the point
+/// from the hand. w is the displacement from the hand to what holds the point, and e' is e of the
+/// tick before. Without contact K_s is 0.
 Vector3 CouplingPoint::damped(const Vector3& way) noexcept {
   if (!(damper_ > 0)) return Vector3::Zero();
   const Vector3 held = damper_ * stretch_;

@@ -8,7 +8,7 @@ namespace spm {
 
 double braking_share(double braking, double reaction, double whole_from) noexcept {
   const double share = std::min(1.0, reaction / whole_from);
-  // Written so that what is no number brakes nothing.
+  // Written so that NaN gives no damping.
   if (!(braking * share > 0) || !std::isfinite(braking)) return 0;
   return std::min(share, reaction / braking);
 }

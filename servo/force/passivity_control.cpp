@@ -11,7 +11,7 @@ namespace spm {
 
 namespace {
 
-/// N: one encoder step in a tick shall not be answered by more.
+/// N: the largest answer to one encoder step in a tick.
 constexpr double step_force = 0.1;
 
 double most_of(double mass, double encoder_step, double tick) noexcept {
@@ -20,7 +20,7 @@ double most_of(double mass, double encoder_step, double tick) noexcept {
   return std::min(most_damping(mass, tick), by_step);
 }
 
-/// The place of a part's components, or the turn.
+/// The components of one part: the position, or the rotation.
 template <class Vector>
 Vector3 part_of(const Vector& vector, std::size_t part) noexcept {
   return vector.template segment<3>(3 * static_cast<Eigen::Index>(part));
@@ -63,24 +63,24 @@ void PassivityControlOf<components>::rest() noexcept {
   came_free_ = true;
 }
 
-/// What of a motion (m) may be the encoder's alone. A point's three axes count as one encoder; a
-/// tool that is held on several sides swings along two and three of them at once.
+/// The part of a motion (m) that may come from the encoder alone. The three axes of a point count
+/// as one encoder. A tool that is held on several sides swings along two or three axes at once.
 template <int components>
 double PassivityControlOf<components>::within_step(const Vector3& moved, double step) noexcept {
   if constexpr (components == 3) return std::min(moved.norm(), step);
   return moved.cwiseAbs().cwiseMin(step).sum();
 }
 
-/// Adds up what the tick that is over gave the hand.
+/// Adds the energy that the finished tick gave the hand.
 template <int components>
 void PassivityControlOf<components>::observe(const Vector& moved, double stiffness, double stored,
                                              double carried) noexcept {
-  // In it acted, for a part of it, what was sent a tick later.
+  // For a part of the tick, the force that was sent a tick later acted.
   const Vector acted =
       (1 - part_delay_) * ago(whole_delay_).force + part_delay_ * ago(whole_delay_ + 1).force;
   generated_ += acted.dot(moved) + stored - stored_ - carried;
-  // A reading that changes by a step may stand for no motion at all: as much as this is the
-  // encoder's, by the sum over the steps there and back.
+  // A reading that changes by one step may stand for no motion at all. This much is attributed to
+  // the encoder, by the sum over the steps there and back.
   for (std::size_t part = 0; part < parts; ++part) {
     const double step = encoder_step_[part];
     generated_ -= 0.5 * stiffness * step * within_step(part_of(moved, part), step);
@@ -88,7 +88,7 @@ void PassivityControlOf<components>::observe(const Vector& moved, double stiffne
   generated_ = std::max(generated_, -most_credit);
 }
 
-/// The force that takes so much energy (J) over the next ticks; `power`: the velocity squared.
+/// The force that takes this much energy (J) over the next ticks. `power`: the velocity squared.
 template <int components>
 auto PassivityControlOf<components>::braking(const Vector& velocity, double power,
                                              double left) const noexcept -> Vector {
@@ -108,13 +108,13 @@ auto PassivityControlOf<components>::next(const Vector& wanted, const Vector& ha
   if (touching_) {
     observe(hand - hand_, stiffness, stored, carried);
   } else {
-    // What was pressed in the first tick, no force has answered; unless the contact is older.
+    // No force has answered what was pressed in the first tick, unless the contact is older.
     generated_ = came_free_ ? stored : 0;
   }
   touching_ = true;
   hand_ = hand;
   stored_ = stored;
-  // What the dampings that do not act yet will take.
+  // The energy that dampings which do not act yet will take.
   double left = generated_;
   for (std::size_t ticks = 0; ticks < whole_delay_; ++ticks) left -= ago(ticks).taken;
   Sent sent{wanted, 0};

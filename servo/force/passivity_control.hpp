@@ -5,8 +5,8 @@
 #include <array>
 #include <cstddef>
 
-#include "common/contact/stabilization_settings.hpp"
 #include "common/base/vector.hpp"
+#include "common/contact/stabilization_settings.hpp"
 
 namespace spm {
 
@@ -15,31 +15,34 @@ struct PassivitySettings {
   double tick = 1e-3;        ///< s, above 0
   double encoder_step = 0;   ///< m, 0 or more
   double device_mass = 0.1;  ///< kg, above 0
-  /// The same of a turn, used with six components alone: as a length and a mass at the lever by
-  /// which turns and torques are made lengths and forces.
+  /// The same for a rotation, used only with six components. Rotations and inertias are given as
+  /// lengths and masses at the lever that converts rotations to lengths and torques to forces.
   double turn_step = 0;          ///< m, rad times the lever; 0 or more
   double turning_inertia = 0.1;  ///< kg, kg m2 over the lever squared; above 0
 };
 
-/// What is dissipated beyond need counts against what is generated later up to this, J: a hand that
-/// slid for a while over something rough has no leave to be shaken by it afterwards.
+/// The limit of the credit, J. Energy that is dissipated beyond need counts against energy that is
+/// generated later, up to this limit. Without it, a hand that slid over something rough for a while
+/// could be shaken by it afterwards.
 inline constexpr double most_credit = 2e-5;
 
-/// What was generated is taken back over about so many ticks: at once it would be felt as knocks,
-/// since an encoder tells motion and energy by steps.
+/// Generated energy is taken back over about this many ticks. All at once it would be felt as
+/// knocks, since an encoder reports motion and energy in steps.
 inline constexpr double spread_ticks = 4;
 
-/// Time-domain passivity observer and controller (Hannaford and Ryu 2002): keeps account of the
-/// energy that a contact has given the hand, and takes what is too much by damping. The account is
-/// the work of the forces that were sent, each from when it acts on, and what the contact's springs
-/// hold now: so that what the sampling makes is seen while a spring is pressed, and not when it has
-/// thrown the hand out. It begins anew with each contact. The damping is at most
-/// min(0.25 m / T, 0.1 N T / D): more of it shakes a hand at rest by single encoder steps.
+/// Time-domain passivity observer and controller (Hannaford and Ryu 2002). It keeps an account of
+/// the energy that a contact has given the hand, and takes the excess back by damping.
 ///
-/// With three components force and place are a point's. With six they are force and torque, place
-/// and turn, the latter at one lever: N of N m and m of rad. There is one account of both, for
-/// contacts away from the middle pass energy from the place to the turn and back; damping acts on
-/// both, each up to its own most.
+/// The account is the work of the forces that were sent, each from when it acts, plus the energy
+/// that the contact's springs hold now. So an error of the sampling is seen while a spring is
+/// pressed, not only when it has thrown the hand out. The account begins again with each contact.
+/// The damping is at most min(0.25 m / T, 0.1 N T / D); a larger one shakes a hand at rest by
+/// single encoder steps.
+///
+/// With three components, force and position are those of a point. With six they are force and
+/// torque, position and rotation; the latter at one lever, which makes N of N m and m of rad. Both
+/// share one account, because contacts away from the middle exchange energy between position and
+/// rotation. Damping acts on both, each up to its own limit.
 template <int components>
 class PassivityControlOf {
  public:
@@ -48,10 +51,10 @@ class PassivityControlOf {
 
   explicit PassivityControlOf(const PassivitySettings& settings) noexcept;
 
-  /// One tick in contact: the force to send, N, for what is wanted, N. `hand` in m, whose change
-  /// is the motion that the force works along; `velocity` in m/s; `stiffness` in N/m of what
-  /// touches; `stored`: J, in its springs; `carried`: J, that objects which moved did on the hand
-  /// since the last tick: no fault of the loop's.
+  /// One tick in contact. Returns the force to send, N, for the force that is wanted, N. `hand` in
+  /// m: the force works along its change. `velocity` in m/s. `stiffness` in N/m of what touches.
+  /// `stored`: J, in the springs of the contact. `carried`: J, work on the hand since the last tick
+  /// by objects that moved, which is no fault of the loop.
   [[nodiscard]] Vector next(const Vector& wanted, const Vector& hand, const Vector& velocity,
                             double stiffness, double stored, double carried) noexcept;
 
@@ -61,16 +64,16 @@ class PassivityControlOf {
   /// Forgets all.
   void reset() noexcept;
 
-  /// J that were generated and not taken back yet; below 0: dissipated.
+  /// Energy that was generated and not taken back yet, J; below 0: dissipated.
   [[nodiscard]] double generated() const noexcept { return generated_; }
-  /// N s/m; of the turn with part 1.
+  /// N s/m; part 1 is the rotation.
   [[nodiscard]] double most_damping(std::size_t part = 0) const noexcept {
     return most_damping_[part];
   }
 
  private:
-  static constexpr std::size_t parts = components / 3;  ///< the place, and the turn
-  /// What was sent in a tick: force in N, and what its damping is to take, J.
+  static constexpr std::size_t parts = components / 3;  ///< the position, and the rotation
+  /// What was sent in a tick: the force in N, and the energy that its damping is to take, J.
   struct Sent {
     Vector force = Vector::Zero();
     double taken = 0;
@@ -88,8 +91,8 @@ class PassivityControlOf {
   double tick_;
   std::array<double, parts> encoder_step_, most_damping_;
   std::size_t whole_delay_;        ///< ticks
-  double part_delay_;              ///< and so much of one, 0 to 1
-  std::array<Sent, kept> sent_{};  ///< a ring
+  double part_delay_;              ///< the fraction of a tick beyond that, 0 to 1
+  std::array<Sent, kept> sent_{};  ///< a ring buffer
   std::size_t newest_ = 0;
   Vector hand_ = Vector::Zero();
   double stored_ = 0, generated_ = 0;
@@ -98,7 +101,7 @@ class PassivityControlOf {
 };
 
 using PassivityControl = PassivityControlOf<3>;
-/// Of a tool that turns.
+/// For a tool that turns.
 using WrenchPassivityControl = PassivityControlOf<6>;
 
 extern template class PassivityControlOf<3>;

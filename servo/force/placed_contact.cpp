@@ -5,7 +5,7 @@ namespace spm {
 
 namespace {
 
-/// Farthest sample of the smoothing's kernel, in sigmas.
+/// Distance of the farthest sample of the smoothing kernel, in sigmas.
 constexpr double kernel_reach = 2.5;
 
 }  // namespace
@@ -41,7 +41,7 @@ PlacedContact::PlacedContact(const PlacedObject& object, double tick, double enc
       seat_(position_),
       scale_(object.placement.scale),
       reach_(kernel_reach * object.effects.smoothing.sigma / object.placement.scale),
-      // Of the paper's readings this one may find contact anywhere.
+      // Of the paper's rules this one may find contact anywhere.
       may_skip_(object.force.method != Method::paper ||
                 object.force.rule != PaperRule::closest_surface),
       model_(in_asset_frame(object, tick, encoder_step, coupling, velocity, potential)) {}
@@ -58,27 +58,27 @@ Vector3 PlacedContact::carried(const Vector3& point) noexcept {
   return point - before;
 }
 
-/// Whether the hand's way since the last tick may have met the box of the asset's band.
+/// Whether the hand may have met the box of the asset's band on its way since the last tick.
 bool PlacedContact::passes(const AssetView& asset, const Vector3& point) const noexcept {
   const Extent extent = extent_of(asset);
   const Vector3& from = last_known_ ? last_ : point;
   const Vector3 low = extent.low.array() - reach_;
   const Vector3 high = (extent.low + extent.size).array() + reach_;
-  // Written so that what is no number passes, for the model to answer.
+  // Written so that NaN passes, and the model answers it.
   return !((from.cwiseMax(point).array() < low.array()).any() ||
            (from.cwiseMin(point).array() > high.array()).any());
 }
 
 ContactForce PlacedContact::next(const AssetView& asset, const Vector3& point) noexcept {
   const Vector3 local = rotation_.transpose() * (point - position_) / scale_;
-  // A proxy may hold a hand that has left the box on the other side.
+  // A proxy may still hold a hand that has left the box on the other side.
   if (may_skip_ && !touching_ && !passes(asset, local)) {
     if (!away_) model_.reset();
     away_ = last_known_ = true;
     last_ = local;
     return {};
   }
-  // The model is told where the hand comes from.
+  // The model needs to know where the hand comes from.
   if (away_) static_cast<void>(model_.next(asset, last_));
   away_ = false;
   last_known_ = true;

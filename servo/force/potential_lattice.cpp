@@ -8,10 +8,10 @@ namespace spm {
 
 namespace {
 
-/// Farther from the origin, in spacings, there is no lattice.
+/// There is no lattice farther from the origin than this, in spacings.
 constexpr double lattice_end = 1e9;
 
-/// The axes by their share of a cube, the largest first.
+/// The axes ordered by their coordinate within a cube, the largest first.
 std::array<int, 3> by_share(const Vector3& share) noexcept {
   std::array<int, 3> axes{0, 1, 2};
   if (share[axes[0]] < share[axes[1]]) std::swap(axes[0], axes[1]);
@@ -38,7 +38,7 @@ PotentialLattice::FieldValue PotentialLattice::field_at(const AssetView& asset,
 const PotentialLattice::FieldValue& PotentialLattice::corner_at(const AssetView& asset,
                                                                 const RuntimeSmoothing& smoothing,
                                                                 const Place& place) noexcept {
-  // Neighbours never share a place in memory.
+  // Neighbouring corners never share a place in memory.
   std::size_t where = 0;
   for (const std::int32_t number : place) {
     where = where * kept + static_cast<std::size_t>(number & (kept - 1));
@@ -58,7 +58,8 @@ PotentialLattice::FieldValue PotentialLattice::interpolated(const AssetView& ass
   const Vector3 share = at - low;
   Place place{static_cast<std::int32_t>(low.x()), static_cast<std::int32_t>(low.y()),
               static_cast<std::int32_t>(low.z())};
-  // Along the cube's edges to its far corner, the largest share first: the tetrahedron about it.
+  // Walks along the cube's edges to its far corner, the largest coordinate first. This gives the
+  // tetrahedron around the point.
   const std::array<int, 3> axes = by_share(share);
   std::array<const FieldValue*, 4> corners{&corner_at(asset, smoothing, place)};
   for (std::size_t i = 0; i < 3; ++i) {
@@ -76,7 +77,7 @@ PotentialLattice::FieldValue PotentialLattice::interpolated(const AssetView& ass
     Vector3 edge = Vector3::Zero();
     for (std::size_t j = i + 1; j < 4; ++j) {
       edge[axes[j - 1]] = spacing_;
-      // Along an edge a parabola, bent as the slopes at its ends differ.
+      // A parabola along the edge. Its curvature is the difference of the slopes at its ends.
       const double bend = (corners[i]->gradient - corners[j]->gradient).dot(edge) / 2;
       found.distance += weights[i] * weights[j] * bend;
       by_weight[i] += weights[j] * bend;
@@ -94,7 +95,7 @@ std::optional<ContactForce> PotentialLattice::force(const AssetView& asset,
                                                     const RuntimeSmoothing& smoothing,
                                                     const Vector3& point) noexcept {
   const Vector3 at = point / spacing_;
-  // Written so that what is no number is nowhere.
+  // Written so that NaN is outside.
   if (!(at.cwiseAbs().maxCoeff() < lattice_end) || !at.allFinite()) return std::nullopt;
   const auto [distance, slope] = interpolated(asset, smoothing, at);
   if (!std::isfinite(distance) || !slope.allFinite()) return std::nullopt;

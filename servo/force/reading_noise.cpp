@@ -7,9 +7,11 @@ namespace spm {
 
 namespace {
 
-/// Of independent errors' mean square, in that of their fourth differences: 1 + 16 + 36 + 16 + 1.
+/// The mean square of the fourth differences, as a multiple of the mean square of independent
+/// errors: 1 + 16 + 36 + 16 + 1.
 constexpr double gain = 70;
-/// Of the newest in the mean, which so forgets within a quarter of a second.
+/// The weight of the newest value in the mean, which therefore forgets within a quarter of a
+/// second.
 constexpr double share = 1.0 / 64;
 
 }  // namespace

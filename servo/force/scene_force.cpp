@@ -29,7 +29,7 @@ PlacedContact SceneForce::contact_of(const PlacedObject& object) const noexcept 
   capped.force.stiffness = std::min(object.force.stiffness, stiffness_cap_);
   FrictionSettings& friction = capped.effects.friction;
   friction.stiffness = std::min(friction.stiffness, stiffness_cap_);
-  // Turned, a force is no potential's.
+  // A force that was turned is no gradient of a potential.
   if (cures_.potential > 0) capped.effects.turn.rate = 0;
   const CouplingSettings coupling{cures_.coupling / scale_, cures_.coupling_damping / scale_};
   return PlacedContact(capped, tick_, encoder_step_, coupling, cures_.velocity,
@@ -43,7 +43,7 @@ std::optional<std::size_t> SceneForce::add(const PlacedObject& object) noexcept 
     objects_[i] = std::move(added);
     return i;
   }
-  // More would allocate.
+  // A further object would allocate.
   if (objects_.size() == objects_.capacity()) return std::nullopt;
   objects_.push_back(std::move(added));
   return objects_.size() - 1;
@@ -87,8 +87,7 @@ void SceneForce::reset() noexcept {
   }
 }
 
-/// What the objects that touch a place of the world can give back; as the hand feels it, whose
-/// metres are others.
+/// What the objects that touch a point of the world can give back, in the hand's units of length.
 ContactEnergy SceneForce::energy(const Vector3& point) noexcept {
   ContactEnergy energy;
   for (Object& object : objects_) {
@@ -131,7 +130,7 @@ ContactForce SceneForce::next(std::span<const AssetView* const> assets,
   if (sum.contact) {
     sum.force = rotation_.transpose() * sum.force;
     sum.normal = rotation_.transpose() * sum.normal;
-    // Each is finite; their sum may not be.
+    // Each force is finite; their sum may not be.
     if (!sum.force.allFinite()) return {};
   }
   return cures_.acts_on_sum() ? cured_.apply(sum, hand, energy(point)) : sum;

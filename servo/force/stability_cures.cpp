@@ -19,7 +19,7 @@ void StabilityCures::reset() noexcept {
   passivity_.reset();
 }
 
-/// What matched damping adds to a reaction (N) of that stiffness, N.
+/// The force, N, that matched damping adds to a reaction (N) of that stiffness.
 Vector3 StabilityCures::damped(const Vector3& velocity, const Vector3& reaction,
                                double stiffness) const noexcept {
   const double damping = std::min(

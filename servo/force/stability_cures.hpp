@@ -1,35 +1,36 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "servo/force/braking_velocity.hpp"
 #include "common/contact/force_law.hpp"
+#include "common/contact/stabilization_settings.hpp"
+#include "servo/force/braking_velocity.hpp"
 #include "servo/force/matched_damping.hpp"
 #include "servo/force/passivity_control.hpp"
-#include "common/contact/stabilization_settings.hpp"
 
 namespace spm {
 
-/// What a contact's force can give back, for the observer.
+/// The energy that a contact's force can give back, for the observer.
 struct ContactEnergy {
-  double stiffness = 0;  ///< N/m of the hand, of all that touches it together
+  double stiffness = 0;  ///< N/m of the hand, of all objects that touch it together
   double stored = 0;     ///< J, in the springs of the contact
-  double carried = 0;    ///< J, that objects which moved did on the hand since the last tick
+  double carried = 0;    ///< J, work on the hand since the last tick by objects that moved
 };
 
-/// The cures that act on the sum of the objects' forces, whatever made it, tick by tick; coupling
-/// and potential are each object's. A tick allocates nothing and does not throw.
+/// The stabilization that acts on the sum of the objects' forces, whatever their method, tick by
+/// tick. Coupling and potential act within each object instead. A tick allocates nothing and does
+/// not throw.
 class StabilityCures {
  public:
   /// `tick` in s, above 0; `encoder_step` in m of the hand, 0 or more.
   StabilityCures(const CureSettings& settings, double tick, double encoder_step) noexcept;
 
-  /// The force to send for what the law wants with the hand at `hand` (m, the same frame). What is
-  /// wanted comes back as it is where there is no contact, or no cure. Never NaN: a position or a
-  /// force that is not finite gives zero, and what came before is forgotten.
+  /// The force to send, when the force law wants `wanted` with the hand at `hand` (m, the same
+  /// frame). It is `wanted` itself if there is no contact, or no stabilization is on. Never NaN: a
+  /// position or a force that is not finite gives zero, and all state is forgotten.
   [[nodiscard]] ContactForce apply(const ContactForce& wanted, const Vector3& hand,
                                    const ContactEnergy& energy) noexcept;
 
-  /// Forgets all: at the start, and when what is felt was exchanged.
+  /// Forgets all state: at the start, and when what is felt was exchanged.
   void reset() noexcept;
 
  private:

@@ -9,7 +9,7 @@ namespace spm {
 
 namespace {
 
-/// One over so many ticks.
+/// 1 / n for each number of ticks n.
 constexpr auto inverses = [] {
   std::array<double, VelocityEstimate::most_ticks> table{};
   for (std::size_t ticks = 1; ticks < table.size(); ++ticks) {
@@ -20,8 +20,8 @@ constexpr auto inverses = [] {
 
 }  // namespace
 
-/// Whether the line of that slope (m a tick) through the newest position meets all those between it
-/// and the one so many ticks ago, within the step.
+/// Whether the line of this slope (m a tick) through the newest position passes within a step of
+/// all positions between it and the one `ticks` ago.
 bool VelocityEstimate::meets_all(double slope, std::size_t ticks, int axis) const noexcept {
   for (std::size_t k = 1; k < ticks; ++k) {
     const double line = ago(0, axis) - slope * static_cast<double>(k);
@@ -30,8 +30,8 @@ bool VelocityEstimate::meets_all(double slope, std::size_t ticks, int axis) cons
   return true;
 }
 
-/// Each position leaves a range of slopes whose line meets it, so that one look at each is enough;
-/// but for slopes at the very end of what all of them leave, which rounding must not decide.
+/// Each position allows a range of slopes, so that one test for each is enough. The exception is a
+/// slope at the very end of the range that all of them allow, which rounding must not decide.
 double VelocityEstimate::slope(int axis, double but) const noexcept {
   const double now = ago(0, axis);
   const double rounding = 1e-12 * (std::abs(now) + step_);
@@ -52,7 +52,7 @@ double VelocityEstimate::slope(int axis, double but) const noexcept {
   }
   if (longest == 0) return 0;
   const double way = now - ago(longest, axis);
-  // Nothing up to `but`, all of it from twice that on, without a jump between.
+  // Nothing up to `but`, the full value from twice that on, without a jump between.
   const double told = std::min(std::abs(way), 2 * std::max(0.0, std::abs(way) - but));
   return std::copysign(told, way) / static_cast<double>(longest);
 }

@@ -16,9 +16,10 @@ constexpr std::int64_t lead_ns = 2'000'000;
 
 constexpr int warm_up_rounds = 64;
 
-/// Where a device paces the loop: so much of a period before a tick is due reports are waited for,
-/// and so much after it the tick begins without one. A device that reports more often than the
-/// loop's rate cannot make it run away, and one that falls silent cannot stop it.
+/// For a loop whose pace a device sets: reports are waited for from this fraction of a period
+/// before a tick is due, and this fraction after it the tick begins without one. So a device that
+/// reports more often than the loop's rate cannot speed it up without bound, and one that falls
+/// silent cannot stop it.
 constexpr double pace_lead = 0.25, pace_patience = 0.5;
 
 ForceOff cause_of(DeviceHealth health) noexcept {
@@ -102,7 +103,7 @@ void Loop::wait_for(TickSchedule& schedule) noexcept {
   const double period = schedule.period_ns();
   sleep_until(schedule.due() - static_cast<std::int64_t>(pace_lead * period));
   const std::int64_t latest = schedule.due() + static_cast<std::int64_t>(pace_patience * period);
-  // The grid follows the device's clock. Without a report the tick is late, and counted so.
+  // The grid follows the device's clock. Without a report the tick is late, and is counted as late.
   if (channels_.front().device->wait_for_report(latest)) {
     schedule.shift_to(now_ns());
   } else {
@@ -120,7 +121,7 @@ void Loop::run_ticks(TickSchedule schedule) noexcept {
 
     take_edit(woke);
     begin_app(woke);
-    // After these: they may bring an object of an asset that was not needed before.
+    // After these two, because they may bring an object of an asset that was not needed before.
     take_up();
     for (Channel& channel : channels_) serve(channel, schedule.index(), stopping);
     end_app(schedule.index(), woke);
@@ -134,7 +135,7 @@ void Loop::run_ticks(TickSchedule schedule) noexcept {
       channel.record.busy_ns = finished - woke;
       const bool kept = ring_.try_enqueue(channel.record);
       channel.record.lost = !kept;
-      // What is told of one tick alone waits for a record that is kept.
+      // A mark that belongs to one tick alone waits for a record that the ring accepts.
       channel.record.edited = channel.record.edited && !kept;
       counters_.unrecorded += kept ? 0 : 1;
     }
@@ -147,7 +148,7 @@ void Loop::run_ticks(TickSchedule schedule) noexcept {
   }
 }
 
-/// Without one of its objects a scene gives no force at all.
+/// If the asset of one object is missing, a scene gives no force at all.
 ForceOff Loop::assets_off() const noexcept {
   if (!complete_) return had_assets_ ? ForceOff::asset_lost : ForceOff::starting;
   for (std::size_t i = 0; i < slots_in_use_; ++i) {
@@ -156,7 +157,7 @@ ForceOff Loop::assets_off() const noexcept {
   return ForceOff::none;
 }
 
-/// Of an asset without objects it does not matter what became of it.
+/// An asset without objects may be lost without effect.
 bool Loop::is_needed(std::size_t asset) const noexcept { return !app_ || app_->uses(asset); }
 
 void Loop::take_edit(std::int64_t now_ns) noexcept {
@@ -173,7 +174,7 @@ void Loop::take_edit(std::int64_t now_ns) noexcept {
   edits_->answer_with(done ? EditAnswer::done : EditAnswer::no_room);
 }
 
-/// Why what a device says cannot be used, if it cannot.
+/// Why the device's answer cannot be used; `none` if it can.
 ForceOff Loop::device_off(Channel& channel, DeviceHealth health, const Vector3& position,
                           std::uint64_t tick) noexcept {
   ForceOff cause = cause_of(health);
@@ -189,7 +190,7 @@ ForceOff Loop::device_off(Channel& channel, DeviceHealth health, const Vector3& 
   return channel.gate.jumped(position, tick) ? ForceOff::jumped : ForceOff::none;
 }
 
-/// Whether the hand moves freely, by an application or by the device's own button.
+/// Whether the hand moves freely, by request of an application or by the device's own button.
 bool Loop::is_clutched(const Channel& channel, const DeviceState& state) noexcept {
   const std::uint32_t button = channel.device->capabilities().clutch_button;
   return channel.app_clutched || (button > 0 && ((state.buttons >> (button - 1)) & 1U) != 0);
@@ -200,7 +201,7 @@ void Loop::serve(Channel& channel, std::uint64_t tick, bool stopping) noexcept {
   const DeviceHealth health = channel.device->read(state);
   const ForceOff device = device_off(channel, health, state.position, tick);
 
-  // Whatever the cause, the device is read and sent zero all the same.
+  // Whatever the cause, the device is still read, and zero is sent to it.
   ForceOff cause = assets_off();
   if (cause == ForceOff::none) cause = device;
   channel.clutched = device == ForceOff::none && is_clutched(channel, state);
@@ -212,7 +213,7 @@ void Loop::serve(Channel& channel, std::uint64_t tick, bool stopping) noexcept {
   if (cause == ForceOff::none) {
     channel.forgot = false;
     contact = channel.force.next(views_, tool);
-    // A page may have gone while the force was computed from it.
+    // A page of the asset may have been lost while the force was computed from it.
     cause = assets_off();
   }
   if (stopping) cause = ForceOff::stopping;
@@ -235,7 +236,8 @@ void Loop::serve(Channel& channel, std::uint64_t tick, bool stopping) noexcept {
   if (app_) tell(channel, state, health, sent);
 }
 
-/// Where the tool is for a hand: elsewhere by as much as the hand moved while it was clutched.
+/// The tool's position for a position of the hand. It is displaced by as much as the hand moved
+/// while it was clutched.
 Vector3 Loop::tool_of(Channel& channel, const Vector3& hand) noexcept {
   if (channel.clutched) channel.clutch = channel.tool - hand;
   channel.tool = hand + channel.clutch;
@@ -256,7 +258,8 @@ void Loop::begin_app(std::int64_t now_ns) noexcept {
   }
 }
 
-/// The slew limit is that of what is felt now, be it edited or an application's.
+/// Sets the slew limit for the stiffness that is felt now, after an edit or a command of an
+/// application.
 void Loop::follow_stiffness(double stiffness) noexcept {
   if (stiffness == stiffness_) return;
   stiffness_ = stiffness;
@@ -270,14 +273,14 @@ void Loop::end_app(std::uint64_t tick, std::int64_t now_ns) noexcept {
   if (app_) app_->end(tick, now_ns, told_, forces_);
 }
 
-/// Tells applications what was counted, now that the tick's length is known.
+/// Publishes the counts to applications, now that the tick's length is known.
 void Loop::tell_counts(std::int64_t woke, std::int64_t wake_ns, std::int64_t busy_ns) noexcept {
   if (!app_) return;
   app_->count({woke, wake_ns, busy_ns, counters_.ticks, counters_.missed, counters_.skipped,
                device_counters_});
 }
 
-/// What applications are told of a device, in the world's frame.
+/// Prepares what applications learn of a device, in the world's frame.
 void Loop::tell(Channel& channel, const DeviceState& state, DeviceHealth health,
                 const SafeForce& sent) noexcept {
   const Placement& workspace = settings_.scene.workspace;
@@ -289,7 +292,7 @@ void Loop::tell(Channel& channel, const DeviceState& state, DeviceHealth health,
   told.wrench = {workspace.rotation * sent.force, Vector3::Zero()};
   told.state.buttons = state.buttons;
   if (health != DeviceHealth::ok || !channel.record.position.allFinite()) {
-    // Where it was is what is known.
+    // The last known position is kept.
     channel.velocity.reset();
     told.velocity.setZero();
     return;

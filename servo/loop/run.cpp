@@ -16,12 +16,12 @@
 #include "common/base/instruction_set.hpp"
 #include "common/base/units.hpp"
 #include "servo/app/app_server.hpp"
-#include "servo/record/collector.hpp"
-#include "servo/realtime/core_pinning.hpp"
 #include "servo/devices/finder/device_list.hpp"
-#include "servo/scene/scene_keeper.hpp"
-#include "servo/realtime/stop_signals.hpp"
 #include "servo/loop/supervisor.hpp"
+#include "servo/realtime/core_pinning.hpp"
+#include "servo/realtime/stop_signals.hpp"
+#include "servo/record/collector.hpp"
+#include "servo/scene/scene_keeper.hpp"
 
 namespace spm::servo {
 
@@ -32,8 +32,8 @@ constexpr std::chrono::milliseconds drain_interval{4};
 void log_warning(const std::string& message) { spdlog::warn("{}", message); }
 void log_message(const std::string& message) { spdlog::info("{}", message); }
 
-/// What the command line gives, or else the scene: its driver, or `auto`; and its profile for a
-/// simulated one that names none.
+/// The devices of the command line, or else of the scene: the scene's driver, or `auto`. A
+/// simulated device that names no profile gets the scene's.
 Result<std::vector<std::unique_ptr<Device>>> make_devices(const RunOptions& options,
                                                           const ForceChoice& choice) {
   std::vector<std::string> wanted = options.devices;
@@ -54,7 +54,7 @@ Result<std::vector<std::unique_ptr<Device>>> make_devices(const RunOptions& opti
   return devices;
 }
 
-/// Whether the simulated device was taken for want of another.
+/// Whether the simulated device was taken because no other is plugged in.
 bool nothing_plugged_in(const RunOptions& options, const ForceChoice& choice,
                         const std::vector<Device*>& devices) {
   const std::string asked = options.devices.empty() ? device_of(choice.device) : options.devices[0];
@@ -89,7 +89,8 @@ RecordingHeader header_of(const RunOptions& options, const SceneAssets& assets,
   return header;
 }
 
-/// Opens what is to be kept, so that a file that cannot be written is told before the first tick.
+/// Opens the files that are to be kept, so that a file that cannot be written is reported before
+/// the first tick.
 Result<Collector::Keeps> open_keeps(const RunOptions& options, const RecordingHeader& header) {
   Collector::Keeps keeps;
   if (!options.trace.empty()) {
@@ -108,7 +109,7 @@ Result<Collector::Keeps> open_keeps(const RunOptions& options, const RecordingHe
   return keeps;
 }
 
-/// Says where a device cannot be as stiff as the scene asks.
+/// Warns if a device cannot be as stiff as the scene asks.
 void warn_of_stiffness(const ForceChoice& choice, const std::vector<Device*>& devices) {
   const double wanted = stiffness_at_hand(choice.scene);
   for (const Device* device : devices) {
@@ -122,7 +123,7 @@ void warn_of_stiffness(const ForceChoice& choice, const std::vector<Device*>& de
   }
 }
 
-/// Runs the loop in a thread of its own while this one takes its records.
+/// Runs the loop in a thread of its own, while this thread takes its records.
 Result<RealtimeState> drive(Loop& loop, Collector& collector, const RunOptions& options,
                             StopSignals& signals) {
   std::promise<Result<RealtimeState>> entered;
@@ -175,7 +176,7 @@ LoopSettings loop_settings(const RunOptions& options, const ForceChoice& choice)
   return settings;
 }
 
-/// Watches the scene's file; null where an asset alone is served.
+/// Watches the scene's file; null if an asset alone is served.
 std::unique_ptr<SceneKeeper> make_scene_keeper(const RunOptions& options, SceneAssets& assets,
                                                const std::vector<Device*>& devices,
                                                AppState& state) {
@@ -191,7 +192,8 @@ std::unique_ptr<SceneKeeper> make_scene_keeper(const RunOptions& options, SceneA
   return std::make_unique<SceneKeeper>(std::move(keeper), assets);
 }
 
-/// Opens all, their threads on the loop's core, and names them to the supervisor (null for none).
+/// Opens all devices, with their threads on the loop's core, and names them to the supervisor (null
+/// for none).
 Result<std::vector<Device*>> open_devices(const RunOptions& options, const ForceChoice& choice,
                                           std::span<const AssetView* const> views,
                                           const std::vector<std::unique_ptr<Device>>& devices,
@@ -216,8 +218,8 @@ Result<std::vector<Device*>> open_devices(const RunOptions& options, const Force
   return open;
 }
 
-/// Null where none is asked for; and where there is no place for its socket and none was named,
-/// since such a machine serves forces all the same.
+/// Null if no server is asked for. Also null if there is no place for its socket and no place was
+/// named, because such a machine can serve forces all the same.
 Result<std::unique_ptr<AppServer>> start_server(const RunOptions& options, AppState& state) {
   if (!options.serve) return std::unique_ptr<AppServer>();
   AppServerOptions served;
@@ -232,7 +234,7 @@ Result<std::unique_ptr<AppServer>> start_server(const RunOptions& options, AppSt
 }  // namespace
 
 Result<RunReport> run(const RunOptions& options) {
-  // First of all, as it forks: there are no threads yet; and ends last, when the devices are
+  // Made first, because it forks, and there are no threads yet. Ends last, when the devices are
   // closed.
   std::unique_ptr<Supervisor> supervisor;
   if (options.supervisor) {

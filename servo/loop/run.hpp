@@ -6,29 +6,30 @@
 #include <string>
 #include <vector>
 
-#include "servo/record/black_box.hpp"
+#include "servo/base/statistics.hpp"
 #include "servo/loop/loop.hpp"
 #include "servo/realtime/realtime.hpp"
+#include "servo/record/black_box.hpp"
 #include "servo/scene/asset_keeper.hpp"
 #include "servo/scene/force_choice.hpp"
-#include "servo/base/statistics.hpp"
 
 namespace spm::servo {
 
 struct RunOptions {
   ForceOptions force;
-  std::vector<std::string> devices;  ///< as make_device takes them; none: the scene's, or auto
+  /// in the form that make_device takes; empty: the scene's, or auto
+  std::vector<std::string> devices;
   double rate_hz = 1000;
-  bool paced_by_device = false;  ///< ticks follow the first device's reports
+  bool paced_by_device = false;  ///< ticks follow the reports of the first device
   RealtimeMode realtime = RealtimeMode::attempt;
-  std::optional<unsigned> core;  ///< that the loop and its devices' threads run on; none: any
+  std::optional<unsigned> core;  ///< for the loop and the threads of its devices; empty: any core
   MapMode map = MapMode::file;
   double duration = 0;     ///< s, from the first tick; 0: until a signal
-  std::string trace;       ///< file for one row a tick of the first device; empty for none
-  std::string record;      ///< file for a recording of all; empty for none
-  bool supervisor = true;  ///< another process sends zero force where this one is killed
+  std::string trace;       ///< file with one row for each tick of the first device; empty: none
+  std::string record;      ///< file for a recording of all devices; empty: none
+  bool supervisor = true;  ///< another process sends zero force if this one is killed
   bool serve = true;       ///< applications may connect
-  std::string socket;      ///< where; empty: the usual place
+  std::string socket;      ///< path of their socket; empty: the usual one
   std::string black_box = default_black_box();  ///< file for the ticks about a fault; empty: none
 };
 
@@ -51,10 +52,10 @@ struct RunReport {
   std::uint64_t black_boxes = 0;     ///< how often the black box was written
 };
 
-/// Serves forces from a baked asset or a scene until the duration is over or SIGINT, SIGTERM or
-/// SIGHUP comes. Three threads: the loop, the loading thread, and the caller's, which takes the
-/// loop's records. Warnings go to the default log. Errors: usage (options), file_or_device and
-/// invalid_input (scene, assets, trace), realtime_refused.
+/// Serves forces from a baked asset or a scene until the duration is over, or SIGINT, SIGTERM or
+/// SIGHUP comes. The loop has a thread of its own, each asset a loading thread, and the caller's
+/// thread takes the loop's records. Warnings go to the default log. Errors: usage (options),
+/// file_or_device and invalid_input (scene, assets, trace), realtime_refused.
 [[nodiscard]] Result<RunReport> run(const RunOptions& options);
 
 }  // namespace spm::servo

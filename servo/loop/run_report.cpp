@@ -77,7 +77,7 @@ ordered_json assets_json(const RunReport& report) {
   return list;
 }
 
-/// Over all devices.
+/// Sums over all devices.
 struct Totals {
   double force_max = 0;
   double generated_max = 0;

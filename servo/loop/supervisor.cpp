@@ -27,36 +27,41 @@ namespace {
 using std::chrono::milliseconds;
 using std::chrono::steady_clock;
 
-/// Not the daemon's name, so that `killall spm-servo` ends the daemon alone. 15 characters at most.
+/// Different from the daemon's name, so that `killall spm-servo` ends the daemon alone. At most 15
+/// characters.
 constexpr const char* process_name = "spm-supervisor";
 
-/// What ends the line of a daemon that ends as it should; a device has a line of its own.
+/// The last line from a daemon that ends as it should. A device has a line of its own.
 constexpr std::string_view good_bye = "good-bye\n";
 
-/// What it tells the daemon once it has let go of it, so that it is there before a device is open.
+/// Sent to the daemon when the supervisor has let go of the daemon's files, so that it exists
+/// before a device is open.
 constexpr char ready = 'r';
 
 constexpr milliseconds longest_search{2000};
 constexpr int zeros_sent = 6;
-constexpr milliseconds interval{20};  // between two of them, and two looks for a device
+// between two zero forces, and between two searches for a device
+constexpr milliseconds interval{20};
 
 /// A device after the daemon's death.
 struct LeftDevice {
   std::string target;
-  ZeroForce send;  ///< empty until it is open
+  ZeroForce send;  ///< empty until the device is open
   int left = zeros_sent;
-  std::string problem;  ///< why it is not open
+  std::string problem;  ///< why the device is not open
 };
 
-/// Keeps nothing of the daemon's but `line` and the standard error.
+/// Keeps nothing that belongs to the daemon, except `line` and the standard error.
 void let_go_of_the_daemon(int line) {
-  // A session of its own: what is sent to the daemon's group or by its terminal does not come here.
+  // A session of its own, so that signals to the daemon's group, or from its terminal, do not come
+  // here.
   setsid();
   for (const int number : {SIGINT, SIGTERM, SIGHUP, SIGQUIT, SIGPIPE}) {
     std::signal(number, SIG_IGN);
   }
   prctl(PR_SET_NAME, process_name);
-  // A daemon that was started with one has it before it asks. Locked memory is not handed on.
+  // If the daemon was started with a real-time priority, this process has inherited it. Locked
+  // memory is not inherited.
   sched_param parameters{};
   sched_setscheduler(0, SCHED_OTHER, &parameters);
 
@@ -65,12 +70,12 @@ void let_go_of_the_daemon(int line) {
   close_range(kept + 1, UINT_MAX, 0);
   const int nothing = ::open("/dev/null", O_RDWR | O_CLOEXEC);
   dup2(nothing, STDIN_FILENO);
-  // Who reads the daemon's output must not wait for this one.
+  // A program that reads the daemon's output must not wait for this process.
   dup2(nothing, STDOUT_FILENO);
   close(nothing);
 }
 
-/// Waits for the daemon's end: the devices that it left, or nothing where it said good-bye.
+/// Waits for the daemon's end. Returns the devices that it left, or nothing if it said good-bye.
 std::optional<std::vector<LeftDevice>> wait_for_end(int line) {
   std::string said;
   std::array<char, 512> part{};
@@ -88,7 +93,8 @@ std::optional<std::vector<LeftDevice>> wait_for_end(int line) {
   return devices;
 }
 
-/// Sends one zero, to a device that is opened first where it is not; whether more is to be done.
+/// Sends zero once to a device, which is opened first if it is not open. Returns whether more is to
+/// be done.
 bool serve(LeftDevice& device, const Supervisor::Open& open, steady_clock::time_point due) {
   if (device.left == 0) return false;
   if (!device.send) {
@@ -114,7 +120,7 @@ void send_zero_to(std::vector<LeftDevice>& devices, const Supervisor::Open& open
   const auto due = steady_clock::now() + longest_search;
   while (true) {
     bool any_left = false;
-    // All are held open until the last is done, so that none is found twice.
+    // All are held open until the last one is done, so that none is found twice.
     for (LeftDevice& device : devices) any_left = serve(device, open, due) || any_left;
     if (!any_left) return;
     std::this_thread::sleep_for(interval);
@@ -139,7 +145,7 @@ std::string sentence_of(const std::vector<LeftDevice>& devices) {
   return sentence + "\n";
 }
 
-/// All that the other process does.
+/// Everything that the other process does.
 void supervise(int line, const Supervisor::Open& open) noexcept {
   let_go_of_the_daemon(line);
   static_cast<void>(!write(line, &ready, 1));
@@ -153,11 +159,11 @@ void supervise(int line, const Supervisor::Open& open) noexcept {
 /// The other process, which ends here.
 [[noreturn]] void be_the_supervisor(int line, const Supervisor::Open& open) noexcept {
   supervise(line, open);
-  // Not exit: what the daemon registered for its end is none of this process's.
+  // Not exit(): what the daemon registered for its end does not concern this process.
   _exit(static_cast<int>(ExitCode::done));
 }
 
-/// Waits until the other process is ready; false where it ended before.
+/// Waits until the other process is ready. False if it ended before that.
 bool is_ready(int line) noexcept {
   char told = 0;
   ssize_t size = 0;
@@ -167,7 +173,7 @@ bool is_ready(int line) noexcept {
   return size == 1;
 }
 
-/// False where nobody listens.
+/// False if nobody listens.
 bool say(int line, std::string_view text) noexcept {
   while (!text.empty()) {
     const ssize_t size = send(line, text.data(), text.size(), MSG_NOSIGNAL);
@@ -197,7 +203,8 @@ Result<std::unique_ptr<Supervisor>> Supervisor::start(Open open) {
   const pid_t process = fork();
   if (process == 0) {
     close(ends[0]);
-    // Where the daemon was started without standard files, it may lie in their place.
+    // If the daemon was started without standard files, the descriptor may have one of their
+    // numbers.
     const int line = fcntl(ends[1], F_DUPFD_CLOEXEC, STDERR_FILENO + 1);
     be_the_supervisor(line, open);
   }

@@ -8,7 +8,7 @@ namespace spm::servo {
 
 namespace {
 
-/// "0, 1 and 3", of the cores that are allowed.
+/// The allowed cores as text, such as "0, 1 and 3".
 std::string listed(const cpu_set_t& cores) {
   std::string text;
   for (unsigned core = 0; core < CPU_SETSIZE; ++core) {

@@ -9,13 +9,13 @@
 
 namespace spm::servo {
 
-/// Holds the calling thread, and those that it starts meanwhile, to one core: the loop and the
-/// threads of its devices, so that none of them wakes another across cores in a tick. The caller's
-/// own thread goes where it went before when this ends.
+/// Holds the calling thread, and the threads that it starts meanwhile, to one core. The loop and
+/// the threads of its devices use it, so that none of them wakes another across cores in a tick.
+/// When this ends, the calling thread may use the same cores as before.
 class CorePinning {
  public:
-  /// Nothing is held where no core is given. Errors: usage, there is no such core, or this process
-  /// may not use it.
+  /// Holds nothing if no core is given. Errors: usage, if there is no such core or this process may
+  /// not use it.
   [[nodiscard]] static Result<CorePinning> hold(std::optional<unsigned> core);
 
   CorePinning(CorePinning&& other) noexcept;

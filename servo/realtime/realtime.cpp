@@ -18,13 +18,13 @@ namespace spm::servo {
 
 namespace {
 
-/// Above every ordinary process and the threaded interrupts' default of 50, below watchdogs.
+/// Above every ordinary process and the default of 50 of threaded interrupts, below the watchdogs.
 constexpr int loop_priority = 80;
-/// Below the loop: else the thread that the loop wakes to send takes its processor from it in the
-/// middle of a tick. The loop sleeps most of the time, and these threads do little.
+/// Below the loop. Otherwise the thread that the loop wakes to send would take the processor from
+/// the loop in the middle of a tick. The loop sleeps most of the time, and these threads do little.
 constexpr int device_priority = 75;
 
-/// How far below the most that RealtimeKit gives: in the same order.
+/// How far below the highest priority that RealtimeKit grants: in the same order as above.
 constexpr int loop_below_most = 0;
 constexpr int device_below_most = 1;
 
@@ -36,7 +36,8 @@ constexpr std::size_t stack_bytes = std::size_t{256} * 1024;
   for (std::size_t i = 0; i < stack_bytes; i += 1024) page[i] = 0;
 }
 
-/// Later memory is locked too only where no limit can make an allocation fail for it.
+/// Memory that is mapped later is locked too, but only if no limit can make an allocation fail
+/// because of it.
 bool lock_memory() noexcept {
   rlimit limit{};
   const bool unlimited =
@@ -49,7 +50,8 @@ struct GivenPriority {
   int priority;
 };
 
-/// By the process's own limits, or else by RealtimeKit. Errors: realtime_refused, by both.
+/// Takes a priority by the process's own limits, or else from RealtimeKit. Errors:
+/// realtime_refused, with both reasons.
 Result<GivenPriority> take_priority(int priority, int below_most) {
   sched_param parameters{};
   parameters.sched_priority = priority;
@@ -71,7 +73,7 @@ Result<RealtimeState> enter_realtime(RealtimeMode mode) {
   touch_stack();
   if (mode == RealtimeMode::off) return state;
 
-  // Where a priority is refused, at least no slack of 50 us is added to each sleep.
+  // If no priority is granted, at least sleeps are not prolonged by the default slack of 50 us.
   prctl(PR_SET_TIMERSLACK, 1UL);
 
   const Result<GivenPriority> given = take_priority(loop_priority, loop_below_most);
@@ -85,7 +87,8 @@ Result<RealtimeState> enter_realtime(RealtimeMode mode) {
   }
 
   state.memory_locked = lock_memory();
-  // Else the kernel makes large pages of small ones behind the loop's back, which then faults.
+  // Otherwise the kernel merges small pages into large ones behind the loop's back, and access to
+  // them faults.
   prctl(PR_SET_THP_DISABLE, 1UL, 0UL, 0UL, 0UL);
   if (!state.memory_locked) {
     state.warnings.push_back(
@@ -108,7 +111,7 @@ void enter_device_thread(RealtimeMode mode) noexcept {
 
 void leave_realtime() noexcept {
   const sched_param parameters{};
-  // Nobody is refused less than he has.
+  // Nobody is refused a lower priority than he has.
   static_cast<void>(pthread_setschedparam(pthread_self(), SCHED_OTHER, &parameters));
 }
 

@@ -21,7 +21,7 @@ constexpr const char* service = "org.freedesktop.RealtimeKit1";
 constexpr const char* object = "/org/freedesktop/RealtimeKit1";
 constexpr const char* interface = "org.freedesktop.RealtimeKit1";
 
-/// Long enough for the bus to start it.
+/// Long enough for the bus to start the service.
 constexpr std::uint64_t call_timeout_us = 2'000'000;
 
 struct CloseBus {
@@ -29,7 +29,7 @@ struct CloseBus {
 };
 using Bus = std::unique_ptr<sd_bus, CloseBus>;
 
-/// What a call of the bus's library says where it fails.
+/// The error of a call of the bus library.
 class BusError {
  public:
   BusError() = default;
@@ -47,7 +47,7 @@ class BusError {
   sd_bus_error error_ = SD_BUS_ERROR_NULL;
 };
 
-/// A property, of D-Bus's type int32 (i) or int64 (x) as `Number` says.
+/// A property whose D-Bus type is int32 (i) or int64 (x), according to `Number`.
 template <class Number>
 Result<Number> property(sd_bus* bus, const char* name) {
   static_assert(sizeof(Number) == 4 || sizeof(Number) == 8);
@@ -59,7 +59,7 @@ Result<Number> property(sd_bus* bus, const char* name) {
   return value;
 }
 
-/// RealtimeKit helps only those whom the kernel ends when they compute for longer than `most_us`.
+/// RealtimeKit helps only processes that the kernel ends if they compute for longer than `most_us`.
 Result<void> limit_time(std::int64_t most_us) {
   const auto most = static_cast<rlim_t>(std::max<std::int64_t>(most_us, 1));
   rlimit limit{};

@@ -35,7 +35,7 @@ StopSignals::StopSignals() {
   sigemptyset(&action.sa_mask);
   for (std::size_t i = 0; i < signals.size(); ++i) {
     sigaction(signals[i], &action, &previous_actions[i]);
-    // Started by nohup, it is meant to outlive its terminal.
+    // A program that was started by nohup is meant to outlive its terminal.
     const bool outlive = signals[i] == SIGHUP && previous_actions[i].sa_handler == SIG_IGN;
     if (outlive) sigaction(signals[i], &previous_actions[i], nullptr);
   }

@@ -5,9 +5,9 @@
 
 namespace spm::servo {
 
-/// Turns SIGINT, SIGTERM and SIGHUP (unless it is ignored, as under nohup) into a flag that the
-/// loop reads, while it lives. The signals are delivered to the thread that made it only: threads
-/// started later have them blocked. One at a time.
+/// While it lives, turns SIGINT, SIGTERM and SIGHUP into a flag that the loop reads. SIGHUP is left
+/// out if it is ignored, as under nohup. Only the thread that made this object receives the
+/// signals: threads started later have them blocked. At most one object at a time.
 class StopSignals {
  public:
   StopSignals();
@@ -17,7 +17,7 @@ class StopSignals {
 
   [[nodiscard]] const std::atomic<bool>& flag() const noexcept;
 
-  /// Lets the signals in on the calling thread, once all others were started.
+  /// Unblocks the signals on the calling thread. Call it when all other threads were started.
   void listen();
 };
 

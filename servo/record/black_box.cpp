@@ -12,7 +12,7 @@ namespace spm::servo {
 
 namespace {
 
-/// Whether a cause is a fault, and no part of a usual start or end.
+/// Whether a cause is a fault, not part of a usual start or end.
 bool is_fault(std::uint8_t cause) noexcept {
   switch (static_cast<ForceOff>(cause)) {
     case ForceOff::asset_lost:
@@ -63,7 +63,7 @@ void BlackBox::take(const RecordingRow& row) {
   next_ = (next_ + 1) % rows_.size();
   is_full_ = is_full_ || next_ == 0;
   std::uint8_t& last = last_cause_[row.device];
-  // What ends no force, such as a device that is not there yet, is no news.
+  // A cause that did not end a force is nothing new, such as a device that is not there yet.
   const bool was_on = last == static_cast<std::uint8_t>(ForceOff::none);
   if (was_on && is_fault(row.cause) && !pending_) {
     pending_ = true;

@@ -12,13 +12,13 @@
 
 namespace spm::servo {
 
-/// Where a black box is written unless something else is asked for: in the user's folder of states;
-/// empty where there is none.
+/// Where a black box is written by default: in the user's folder for program state. Empty if there
+/// is none.
 [[nodiscard]] std::string default_black_box();
 
-/// Keeps the last ticks, and writes them out as a recording a moment after the force went off for a
-/// fault: what led to it, and what came next. Of several faults in a row one file tells; a later
-/// one replaces it. Belongs to the collecting thread.
+/// Keeps the last ticks. A moment after the force went off because of a fault, it writes them out
+/// as a recording: what led to the fault and what came next. Several faults in a row share one
+/// file; a later fault replaces the file. Belongs to the collecting thread.
 class BlackBox {
  public:
   using Log = std::function<void(const std::string&)>;
@@ -26,15 +26,15 @@ class BlackBox {
   static constexpr double kept_seconds = 10;
   static constexpr double after_seconds = 0.5;
 
-  /// `path`: where it is written; empty: nowhere.
+  /// `path`: where the file is written; empty: nowhere.
   BlackBox(std::string path, RecordingHeader header, Log warn);
 
   void take(const RecordingRow& row);
 
-  /// Writes what a fault still waits for, at the end.
+  /// At the end: writes the file if a fault still waits for it.
   void finish();
 
-  /// How often a file was written.
+  /// How often the file was written.
   [[nodiscard]] std::uint64_t written() const noexcept { return written_; }
   [[nodiscard]] const std::string& path() const noexcept { return path_; }
 
@@ -44,7 +44,7 @@ class BlackBox {
   std::string path_;
   RecordingHeader header_;
   Log warn_;
-  std::vector<RecordingRow> rows_;  ///< in a ring
+  std::vector<RecordingRow> rows_;  ///< a ring buffer
   std::size_t next_ = 0;
   bool is_full_ = false;
   std::vector<std::uint8_t> last_cause_;  ///< of each device

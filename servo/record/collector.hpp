@@ -8,32 +8,33 @@
 #include <vector>
 
 #include "formats/motion/recording.hpp"
-#include "servo/record/black_box.hpp"
 #include "servo/base/statistics.hpp"
+#include "servo/record/black_box.hpp"
 #include "servo/record/tick_record.hpp"
 #include "servo/record/trace_csv.hpp"
 
 namespace spm::servo {
 
-/// The other end of the ring: turns the loop's records into statistics, log messages and, if asked,
-/// a trace, a recording and a black box. Belongs to one thread, which may allocate, log and block.
+/// The other end of the ring: turns the loop's records into statistics, log messages and, if asked
+/// for, a trace, a recording and a black box. Belongs to one thread, which may allocate, log and
+/// block.
 class Collector {
  public:
   using Log = std::function<void(const std::string&)>;
 
-  /// What is kept of a run, beside its statistics.
+  /// What is kept of a run beside its statistics.
   struct Keeps {
     std::optional<TraceCsv> trace;             ///< of the first device
-    std::optional<RecordingWriter> recording;  ///< of all
+    std::optional<RecordingWriter> recording;  ///< of all devices
     std::optional<BlackBox> black_box;
   };
 
   Collector(TickRing& ring, std::size_t devices, double rate_hz, Keeps keeps, Log warn);
 
-  /// Takes everything that is in the ring now.
+  /// Takes all records that are in the ring now.
   void drain();
 
-  /// After the last drain: writes the trace and the recording. Errors: file_or_device.
+  /// After the last drain: completes the trace and the recording. Errors: file_or_device.
   [[nodiscard]] Result<void> finish();
 
   /// How often the black box was written.

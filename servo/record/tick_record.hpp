@@ -12,35 +12,37 @@
 
 namespace spm::servo {
 
-/// What one tick did to one device; what the loop tells the statistics thread.
+/// What one tick did to one device. The loop passes it to the statistics thread.
 struct TickRecord {
   std::uint64_t tick = 0;  ///< index on the time grid
   std::uint32_t device = 0;
   std::int64_t wake_ns = 0;            ///< how late the loop woke up
-  std::int64_t busy_ns = 0;            ///< from waking up to the last device's write
+  std::int64_t busy_ns = 0;            ///< from waking up to the write to the last device
   Vector3 position = Vector3::Zero();  ///< m
-  Vector3 wanted = Vector3::Zero();    ///< N, what the force law said
+  Vector3 wanted = Vector3::Zero();    ///< N, result of the force law
   Vector3 force = Vector3::Zero();     ///< N, as sent
   double depth = 0;                    ///< m
   std::uint32_t buttons = 0;
   bool contact = false;
-  bool forgot = false;   ///< the force law had forgotten what was before this tick
-  bool lost = false;     ///< records before this one were lost, for the ring was full
-  bool touched = false;  ///< applications have moved, added or changed objects since the loop began
-  bool edited = false;   ///< an edited scene was taken up before this tick's forces
+  bool forgot = false;  ///< the force law had forgotten its state before this tick
+  bool lost = false;    ///< records before this one were lost because the ring was full
+  /// since the loop began, applications have moved, added or changed objects
+  bool touched = false;
+  bool edited = false;  ///< an edited scene was taken up before the forces of this tick
   ForceOff cause = ForceOff::none;
 };
 
-/// A record as files have it.
+/// A record in the form that files have.
 [[nodiscard]] RecordingRow to_row(const TickRecord& record) noexcept;
 
 /// Lock-free ring from the loop to the statistics thread.
 using TickRing = moodycamel::ReaderWriterQueue<TickRecord>;
 
-/// Seconds of ticks that the ring holds while the statistics thread is kept off the processor.
+/// How many seconds of ticks the ring holds, for times when the statistics thread gets no
+/// processor.
 inline constexpr double ring_seconds = 8;
 
-/// A ring of its full size with every page touched, so that writing to it never faults.
+/// A ring of its full size whose pages were all touched, so that writing to it never faults.
 [[nodiscard]] TickRing make_tick_ring(double rate_hz, std::size_t devices);
 
 }  // namespace spm::servo

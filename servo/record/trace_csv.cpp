@@ -15,7 +15,7 @@ constexpr std::size_t longest_number = 32;
 constexpr std::size_t buffer_bytes = 1 << 16;
 
 char* put(char* at, double number) {
-  // A negative zero reads oddly and means nothing here.
+  // A negative zero looks odd in a file and has no meaning here.
   at = std::to_chars(at, at + longest_number, number == 0 ? 0.0 : number).ptr;
   *at++ = ',';
   return at;

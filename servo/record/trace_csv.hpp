@@ -10,7 +10,7 @@
 
 namespace spm::servo {
 
-/// One tick in a table: seconds, metres, newtons.
+/// One tick as a row of a table: seconds, metres, newtons.
 struct TraceRow {
   double t = 0;
   Vector3 position = Vector3::Zero();
@@ -20,17 +20,17 @@ struct TraceRow {
   bool contact = false;
 };
 
-/// Writes rows as CSV (`t,x,y,z,fx,fy,fz,tx,ty,tz,depth,contact`); numbers round-trip whatever the
-/// locale. The file appears whole at `commit` or not at all.
+/// Writes rows as CSV (`t,x,y,z,fx,fy,fz,tx,ty,tz,depth,contact`). Numbers are read back exactly,
+/// in any locale. The file appears complete at `commit` or not at all.
 class TraceCsv {
  public:
-  /// Errors: file_or_device, where the file cannot be created.
+  /// Errors: file_or_device, if the file cannot be created.
   [[nodiscard]] static Result<TraceCsv> create(const std::string& path);
 
-  /// Buffers a row; an error while writing is told by `commit`.
+  /// Buffers a row. An error while writing is reported by `commit`.
   void append(const TraceRow& row);
 
-  /// Writes the rest, syncs and renames. Errors: file_or_device, of anything since `create`.
+  /// Writes the rest, syncs and renames. Errors: file_or_device, for any failure since `create`.
   [[nodiscard]] Result<void> commit();
 
  private:

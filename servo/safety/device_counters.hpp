@@ -13,7 +13,7 @@ struct DeviceCounters {
   std::uint64_t cap_hits = 0;
   std::uint64_t slew_hits = 0;
   double force_max = 0;       ///< N, as sent
-  double energy = 0;          ///< J, net work that the forces sent did on the hand: sum of F . dx
+  double energy = 0;          ///< J, net work of the sent forces on the hand: sum of F . dx
   double generated_max = 0;   ///< J, largest positive value of `energy`
   ForceOffTicks force_off{};  ///< indexed by ForceOff
 };

@@ -10,12 +10,13 @@ namespace {
 
 constexpr double fastest_hand = 1.0;  // m/s
 constexpr double slew_margin = 2.0;
-constexpr double least_slew = 1.0;  // N a tick, so that a soft asset is not held back by rounding
+constexpr double least_slew = 1.0;  // N a tick, so that a soft asset is not limited by rounding
 constexpr double ramp_seconds = 0.1;
-constexpr double fade_seconds = 0.5;  // slow enough that a hand that leans on a surface follows it
+// slow enough that a hand that leans on a surface can follow it
+constexpr double fade_seconds = 0.5;
 
-/// Limits how far the force may grow or turn in a tick. Falling is free: a force that ends must
-/// end.
+/// Limits how far the force may grow or turn in a tick. Decrease is not limited: a force that ends
+/// must end.
 Vector3 limit_slew(const Vector3& previous, const Vector3& wanted, double limit) noexcept {
   const double before = previous.norm();
   const double after = wanted.norm();
@@ -129,7 +130,7 @@ void SafetyStage::restart() noexcept {
   from_ = previous_;
 }
 
-/// What is left of a force in this tick, 0 to 1.
+/// The fraction of a force that is left in this tick, 0 to 1.
 double SafetyStage::next_fade(bool fading) noexcept {
   if (fading) {
     fade_tick_ = std::min(fade_tick_ + 1, settings_.fade_ticks);

@@ -12,60 +12,60 @@ namespace spm::servo {
 /// Why the force was zero in a tick. The names are part of the contract (`force_off`).
 enum class ForceOff : std::uint8_t {
   none,
-  starting,            ///< no asset was handed over yet
+  starting,            ///< no asset has been handed over yet
   asset_lost,          ///< the asset's file was truncated, edited, replaced or deleted
   not_a_number,        ///< a position or a force that is not finite
   device_fault,        ///< the device answered what makes no sense, or could not be written to
   stopping,            ///< the last tick
-  device_silent,       ///< no report came for longer than it may take
+  device_silent,       ///< no report came for longer than a report may take
   device_gone,         ///< the device was unplugged
   not_homed,           ///< the device's encoders do not know yet where they are
-  jumped,              ///< the position moved farther since the last tick than any hand can
+  jumped,              ///< the position moved farther since the last tick than any hand can move
   clutched,            ///< an application, or a button of the device, let the hand move freely
   outside_workspace,   ///< the tool is where the device's maker says it cannot be
-  application_silent,  ///< an application that moved objects does not answer any longer
+  application_silent,  ///< an application that moved objects no longer answers
 };
 
 inline constexpr std::size_t force_off_count = 13;
 
-/// Ticks without force, a cause each.
+/// The number of ticks without force, for each cause.
 using ForceOffTicks = std::array<std::uint64_t, force_off_count>;
 
 [[nodiscard]] const char* to_string(ForceOff cause) noexcept;
 
-/// What to do about a cause, a clause for the end of a sentence.
+/// What to do about a cause: a clause for the end of a sentence.
 [[nodiscard]] const char* cure_of(ForceOff cause) noexcept;
 
 /// Limits on the force of one device.
 struct SafetySettings {
-  double force_cap = 0;          ///< N; the magnitude is held to it, the direction kept
-  double slew_limit = 0;         ///< N a tick, on growth and turning only
+  double force_cap = 0;          ///< N; the magnitude is limited to it, the direction kept
+  double slew_limit = 0;         ///< N a tick, limits growth and turning only
   std::uint32_t ramp_ticks = 1;  ///< ticks of the soft start, 1 or more
-  std::uint32_t fade_ticks = 1;  ///< ticks in which a force is let go, 1 or more
+  std::uint32_t fade_ticks = 1;  ///< ticks in which a force fades to zero, 1 or more
 };
 
-/// Beyond a device's workspace by so much of it a position is not believed: makers' figures are
-/// outer ones, and a home may be off by some.
+/// A position is not believed if it is outside a device's workspace by more than this fraction of
+/// it. Makers state outer figures, and a home position may be slightly off.
 inline constexpr double workspace_margin = 0.25;
 
-/// Whether a position of the device's frame, m, is outside its workspace, whose half edges are 0
-/// where they are not known.
+/// Whether a position in the device's frame, m, is outside its workspace. Half edges are 0 if they
+/// are not known.
 [[nodiscard]] bool is_outside(const Vector3& position, const Vector3& half_edges) noexcept;
 
-/// Faster than a hand moves a tool: quick reaches peak at about 3 m/s. A position that moved
-/// faster was not measured but made up, by a slipped encoder or a lost report.
+/// Faster than a hand moves a tool: quick reaches peak at about 3 m/s. A position that moved faster
+/// is not true; an encoder slipped or a report was lost.
 inline constexpr double fastest_motion = 10;  // m/s
 
-/// Tells positions that no hand can have come to since the last tick.
+/// Detects positions that no hand can have reached since the last tick.
 class JumpGate {
  public:
   explicit JumpGate(double rate_hz) noexcept : most_a_tick_(fastest_motion / rate_hz) {}
 
-  /// Whether the position of a tick (its index on the grid) is too far from the last one that was
-  /// shown; the next is judged from this one.
+  /// Whether the position of a tick (its index on the grid) is too far from the last position that
+  /// was passed in. The next position is compared with this one.
   [[nodiscard]] bool jumped(const Vector3& position, std::uint64_t tick) noexcept;
 
-  /// To be called when a device was away: its next position is taken as it comes.
+  /// Call it when a device was away: its next position is then accepted as it is.
   void forget() noexcept { is_known_ = false; }
 
  private:
@@ -75,50 +75,53 @@ class JumpGate {
   bool is_known_ = false;
 };
 
-/// How far a force may grow in a tick, N, at a stiffness (N/m) and rate (Hz): twice what the
-/// stiffness gives a hand at 1 m/s, faster than people press, so that it only meets steps that no
-/// motion makes.
+/// How far a force may grow in a tick, N, at a stiffness (N/m) and rate (Hz). This is twice what
+/// the stiffness gives a hand at 1 m/s, faster than people press. It therefore only limits steps
+/// that no motion makes.
 [[nodiscard]] double slew_limit(double stiffness, double rate_hz) noexcept;
 
-/// Limits for a device at a stiffness (N/m) and rate (Hz).
+/// Limits for a device at a stiffness (N/m) and rate (Hz). `force_cap` in N.
 [[nodiscard]] SafetySettings safety_settings(double force_cap, double stiffness,
                                              double rate_hz) noexcept;
 
 /// A force that may be sent.
 struct SafeForce {
   Vector3 force = Vector3::Zero();  ///< N
-  ForceOff cause = ForceOff::none;  ///< why it is zero, if it was made so
+  ForceOff cause = ForceOff::none;  ///< why it is zero, if it was set to zero
   bool capped = false;
   bool slewed = false;
 };
 
-/// The stage between the force law and a device. Holds the state of the soft start and of the slew
-/// limit; neither allocates nor throws.
+/// The stage between the force law and a device. It holds the state of the soft start and of the
+/// slew limit. No call allocates or throws.
 class SafetyStage {
  public:
   explicit SafetyStage(const SafetySettings& settings) noexcept : settings_(settings) {}
 
-  /// The force to send for what the law wants, N. A cause other than `none` gives zero; so does a
-  /// force that is not finite. After a tick without force the soft start begins again. `fading`:
-  /// what is wanted is not to be trusted for long: it fades to zero, whose cause is then
-  /// `application_silent`, and fades in again from where it was when it is trusted again.
+  /// The force to send, when the force law wants `wanted`, N. A cause other than `none` gives zero,
+  /// and so does a force that is not finite. After a tick without force the soft start begins
+  /// again.
+  ///
+  /// `fading`: the wanted force cannot be trusted for long. It fades to zero, and the cause is then
+  /// `application_silent`. When it can be trusted again it fades in from where it was.
   [[nodiscard]] SafeForce apply(const Vector3& wanted, ForceOff cause,
                                 bool fading = false) noexcept;
 
-  /// Begins the soft start again, from the force that is sent now: after engaging, and where what
-  /// is felt has changed under the hand.
+  /// Begins the soft start again, from the force that is sent now. For a device that was just
+  /// engaged, and when what is felt has changed under the hand.
   void restart() noexcept;
 
-  /// N a tick, from the next tick on: where another stiffness is felt.
+  /// Sets the slew limit, N a tick, from the next tick on. For a change of the stiffness that is
+  /// felt.
   void set_slew_limit(double limit) noexcept { settings_.slew_limit = limit; }
 
  private:
   [[nodiscard]] double next_fade(bool fading) noexcept;
 
   SafetySettings settings_;
-  Vector3 from_ = Vector3::Zero();  ///< N, that the soft start begins from
+  Vector3 from_ = Vector3::Zero();  ///< N, where the soft start begins
   std::uint32_t ramp_tick_ = 0;
-  std::uint32_t fade_tick_ = 0;  ///< 0: nothing fades
+  std::uint32_t fade_tick_ = 0;  ///< 0: no fade is under way
   Vector3 previous_ = Vector3::Zero();
 };
 

@@ -47,7 +47,7 @@ Result<std::unique_ptr<AssetKeeper::Holding>> AssetKeeper::load() const {
     const Result<void> accepted = options_.accept((*asset)->metadata());
     if (!accepted) return tl::make_unexpected(accepted.error());
   }
-  // Reads the whole file: not while it is served, when the file must be watched.
+  // Reads the whole file. This is done now, not while the file is served, when it must be watched.
   static_cast<void>((*asset)->content_sha256());
   auto holding = std::make_unique<Holding>();
   holding->asset = std::move(*asset);
@@ -80,7 +80,7 @@ void AssetKeeper::look() {
   if (reload_wanted_ && steady_clock::now() >= next_try_) try_reload();
 }
 
-/// A sealed copy stays as it was, whatever became of its file.
+/// A sealed copy stays as it was, whatever happens to its file.
 bool AssetKeeper::damaged(AssetState state) const {
   return current_->served.lost() || (options_.mode == MapMode::file && state != AssetState::intact);
 }

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "common/base/error.hpp"
+#include "formats/asset/asset_writer.hpp"
 #include "formats/asset/mapped_asset.hpp"
 #include "servo/scene/asset_slot.hpp"
 
@@ -20,13 +21,13 @@ namespace spm::servo {
 struct KeeperOptions {
   std::string path;
   MapMode mode = MapMode::file;
-  bool lock = true;                      ///< lock the mapping in memory when permitted
+  bool lock = true;                      ///< lock the mapping in memory, if that is permitted
   std::chrono::milliseconds poll{5};     ///< between two looks at the file
   std::chrono::milliseconds retry{100};  ///< after a failed reload; doubles up to `longest_retry`
   std::chrono::milliseconds longest_retry{1000};
   /// Refuses an intact asset that the loop cannot serve with its settings. May be empty.
   std::function<Result<void>(const AssetMetadata&)> accept;
-  /// Tells a person what happened; called on the loading thread. May be empty.
+  /// Called with a sentence for a person, on the loading thread. May be empty.
   std::function<void(const std::string&)> warn;
 };
 
@@ -41,14 +42,15 @@ struct KeeperReport {
   std::uint64_t reloads = 0;
 };
 
-/// The loading thread: opens and validates an asset, hands it to the loop, watches its file, and
-/// takes the asset away when the file is truncated, edited, replaced or deleted. It then loads the
-/// file again until it is intact, and hands it over. A `sealed` asset is served on from its old
-/// bytes until the new ones are validated. An old mapping is freed once the loop let go of it.
+/// The loading thread. It opens and validates an asset, hands it to the loop and watches its file.
+/// When the file is truncated, edited, replaced or deleted, it takes the asset away from the loop,
+/// tries to load the file again until it is intact, and hands it over again. A `sealed` asset is
+/// served from its old bytes until the new ones are validated. An old mapping is freed when the
+/// loop no longer uses it.
 class AssetKeeper {
  public:
-  /// Opens the asset and offers it; no thread runs yet. Errors: those of MappedAsset::open and of
-  /// `accept`.
+  /// Opens the asset and offers it to the loop. No thread runs yet. Errors: those of
+  /// MappedAsset::open and of `accept`.
   [[nodiscard]] static Result<std::unique_ptr<AssetKeeper>> open(KeeperOptions options,
                                                                  AssetSlot& slot);
   AssetKeeper(const AssetKeeper&) = delete;
@@ -56,17 +58,17 @@ class AssetKeeper {
   /// Stops the thread. The loop must have ended.
   ~AssetKeeper();
 
-  /// The asset that `open` offered; valid until `watch`.
+  /// The asset that `open` offered. Valid until `watch`.
   [[nodiscard]] const AssetView& view() const { return *current_->served.view; }
 
   /// Starts the thread that watches the file.
   void watch();
 
-  /// Any thread, any time.
+  /// May be called on any thread at any time.
   [[nodiscard]] KeeperReport report() const;
 
  private:
-  /// A mapping and the record that the loop is given of it.
+  /// A mapping, and the record that describes it to the loop.
   struct Holding {
     std::unique_ptr<MappedAsset> asset;
     ServedAsset served;
@@ -92,7 +94,7 @@ class AssetKeeper {
   std::chrono::milliseconds wait_{0};
   std::string last_refusal_;
 
-  mutable std::mutex mutex_;  ///< guards what follows; the loop never takes it
+  mutable std::mutex mutex_;  ///< guards the members below; the loop never takes it
   std::condition_variable wake_;
   bool stop_ = false;
   KeeperReport report_;

@@ -16,16 +16,16 @@ struct ServedAsset {
   [[nodiscard]] bool lost() const noexcept { return mapping != nullptr && mapping->lost(); }
 };
 
-/// Hands assets from the loading thread to the loop without a lock: one thread a side. The loop
-/// announces what it uses (a hazard pointer), so that the loading thread knows when the old asset
-/// may be freed.
+/// Hands assets from the loading thread to the loop without a lock, with one thread on each side.
+/// The loop announces what it uses (a hazard pointer), so that the loading thread knows when the
+/// old asset may be freed.
 class AssetSlot {
  public:
   /// Loading thread: offers an asset, or none (null).
   void offer(const ServedAsset* asset) noexcept { offered_.store(asset); }
 
-  /// Loading thread: true where the loop neither uses the asset nor can take it up any more. The
-  /// asset must have been replaced by another `offer`.
+  /// Loading thread: true if the loop neither uses the asset nor can still take it up. The asset
+  /// must have been replaced by another `offer`.
   [[nodiscard]] bool released(const ServedAsset* asset) const noexcept {
     return in_use_.load() != asset;
   }
@@ -44,7 +44,7 @@ class AssetSlot {
     return nullptr;
   }
 
-  /// Loop: uses no asset any more.
+  /// Loop: from now on uses no asset.
   void release() noexcept { in_use_.store(nullptr); }
 
  private:

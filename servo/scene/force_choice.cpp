@@ -5,24 +5,24 @@
 #include <filesystem>
 #include <utility>
 
-#include "common/contact/stable_stiffness.hpp"
 #include "common/base/units.hpp"
+#include "common/contact/stable_stiffness.hpp"
 
 namespace spm::servo {
 
 namespace {
 
-/// Stiffest that any device is rated for is 8 N/mm; a hundred times that is a slip of the unit.
+/// The stiffest that any device is rated for is 8 N/mm. A hundred times that is a wrong unit.
 constexpr double stiffest = 1e6;  // N/m
 
-/// A radius that went through a decimal text may differ by rounding from the recorded one.
+/// A radius that was written as decimal text may differ by rounding from the recorded one.
 constexpr double radius_slack = 1e-9;
 
 std::string radius_text(double radius) {
   return radius == 0 ? "point" : "sphere:" + format_quantity(radius, Quantity::length);
 }
 
-/// Why a method does not know an effect, and what to do; empty where it does.
+/// Why a method does not have an effect, and what to do; empty if it has it.
 std::string unknown_effect(Method method, const EffectSettings& effects) {
   if (method == Method::paper) {
     if (std::max(effects.friction.stick, effects.friction.slide) > 0) {
@@ -46,7 +46,7 @@ std::string unknown_effect(Method method, const EffectSettings& effects) {
   return {};
 }
 
-/// What is wrong with settings, and what to do; empty where nothing is.
+/// What is wrong with settings, and what to do; empty if nothing is.
 std::string objection(const ForceSettings& settings, const EffectSettings& effects) {
   if (settings.method == Method::paper && settings.probe_radius > 0) {
     return "method paper knows a point probe only; take the probe point, or method spm";
@@ -58,7 +58,7 @@ std::string objection(const ForceSettings& settings, const EffectSettings& effec
   return unknown_effect(settings.method, effects);
 }
 
-/// The number of a file among those of a choice, which gets it if it is new.
+/// The index of a file among those of a choice. A new file is added.
 std::size_t asset_number(ForceChoice& choice, const std::string& path) {
   const std::string plain = std::filesystem::path(path).lexically_normal().string();
   const auto found = std::find(choice.assets.begin(), choice.assets.end(), plain);
@@ -67,7 +67,7 @@ std::size_t asset_number(ForceChoice& choice, const std::string& path) {
   return choice.assets.size() - 1;
 }
 
-/// The options with the stiffness that the scene's device is for. Errors: usage.
+/// The options with the stiffness that suits the scene's device. Errors: usage.
 Result<ForceOptions> with_stiffness(const ForceOptions& options, const Scene& scene) {
   ForceOptions settled = options;
   if (!options.stiffness_chosen) return settled;
@@ -81,12 +81,12 @@ Result<ForceOptions> with_stiffness(const ForceOptions& options, const Scene& sc
   return settled;
 }
 
-/// The scene's cures, or those of the command line for its device.
+/// The stabilization settings of the scene, or those of the command line for the scene's device.
 CureSettings cures_of(const ForceOptions& options, const Scene& scene) {
   return options.cures ? in_loop_of(scene.cures, *options.cures) : scene.cures;
 }
 
-/// What a command line and a scene's object, or the defaults, say together.
+/// The settings that a command line, an object of a scene and the defaults give together.
 ForceSettings settings_of(const ForceOptions& options, const SceneObject& object,
                           double probe_radius) {
   ForceSettings settings;

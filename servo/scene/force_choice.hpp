@@ -6,9 +6,9 @@
 #include <vector>
 
 #include "common/base/error.hpp"
-#include "servo/force/scene_force.hpp"
 #include "formats/asset/asset.hpp"
 #include "formats/scene/scene.hpp"
+#include "servo/force/scene_force.hpp"
 
 namespace spm::servo {
 
@@ -16,50 +16,50 @@ namespace spm::servo {
 [[nodiscard]] const char* to_string(PaperRule rule) noexcept;
 [[nodiscard]] const char* to_string(AssetForm form) noexcept;
 
-/// What a command line says of forces. What it leaves out comes from the scene, or is the default;
-/// what it gives is for every object.
+/// What a command line says of forces. What it leaves out comes from the scene, or is the default.
+/// What it gives holds for every object.
 struct ForceOptions {
-  std::string asset;  ///< a baked file, or
-  std::string scene;  ///< a scene; one of the two
+  std::string asset;  ///< a baked file; empty if a scene is given
+  std::string scene;  ///< a scene; empty if an asset is given
   std::optional<Method> method;
   std::optional<PaperRule> rule;
   std::optional<double> stiffness;     ///< N/m
   bool stiffness_chosen = false;       ///< by the device that the scene names
   std::optional<double> probe_radius;  ///< m
-  /// Which, instead of the scene's; delay and device stay the scene's.
+  /// Replace those of the scene, but delay and device stay the scene's.
   std::optional<CureSettings> cures;
 };
 
 /// What forces come from.
 struct ForceChoice {
-  std::string scene_path;  ///< empty where an asset was given
+  std::string scene_path;  ///< empty if an asset was given
   ForceScene scene;
   std::vector<std::string> assets;  ///< the objects' baked files, each once
-  std::vector<std::string> places;  ///< of the objects, for messages: file and line; empty where an
-                                    ///< asset was given
-  double probe_radius = 0;          ///< m, of the world
-  SceneDevice device;               ///< what the scene says of it
+  /// of the objects, for messages: file and line; empty if an asset was given
+  std::vector<std::string> places;
+  double probe_radius = 0;  ///< m, of the world
+  SceneDevice device;       ///< what the scene says of the device
 };
 
-/// Settles what forces come from: reads the scene, or makes one of the asset alone. Errors: usage,
-/// of the command line; those of read_scene; invalid_input, an object without a baked file, or with
-/// settings that no asset could serve.
+/// Decides what forces come from: reads the scene, or makes one of the asset alone. Errors: usage,
+/// for the command line; those of read_scene; invalid_input, for an object without a baked file or
+/// with settings that no asset could serve.
 [[nodiscard]] Result<ForceChoice> choose_forces(const ForceOptions& options);
 
-/// Refuses settings that no asset could serve, effects that their method does not know among them.
-/// `place`: file and line of a scene; empty for a command line. Errors: usage, or invalid_input
-/// where there is a place.
+/// Refuses settings that no asset could serve, such as effects that their method does not have.
+/// `place`: file and line of a scene; empty for a command line. Errors: usage, or invalid_input if
+/// there is a place.
 [[nodiscard]] Result<void> check_settings(const ForceSettings& settings,
                                           const EffectSettings& effects = {},
                                           const std::string& place = {});
 
-/// Refuses an asset that cannot serve the settings: `paper` on a sparse one, a probe larger than it
-/// was baked for. `path` is for the message; `scale` that of the object, by which the probe is
-/// divided. Errors: invalid_input.
+/// Refuses an asset that cannot serve the settings: `paper` on a sparse asset, or a probe larger
+/// than the asset was baked for. `path` is for the message. `scale` is that of the object, by which
+/// the probe is divided. Errors: invalid_input.
 [[nodiscard]] Result<void> check_asset(const AssetMetadata& asset, const ForceSettings& settings,
                                        const std::string& path, double scale = 1);
 
-/// The same for all objects of a scene that one of its assets is.
+/// The same for all objects of a scene that are of one of its assets.
 [[nodiscard]] Result<void> check_asset(const AssetMetadata& asset, const ForceChoice& choice,
                                        std::size_t which);
 

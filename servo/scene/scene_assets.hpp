@@ -12,12 +12,12 @@
 
 namespace spm::servo {
 
-/// The assets of a scene, each with the slot that hands it to the loop and the keeper that watches
-/// its file, and spare slots for those that the scene names newly while it runs. What was opened
-/// once stays mapped, also where no object is of it any more.
+/// The assets of a scene. Each has a slot, which hands it to the loop, and a keeper, which watches
+/// its file. Spare slots are for assets that an edited scene names. An asset that was opened once
+/// stays mapped, even if no object refers to it any more.
 class SceneAssets {
  public:
-  /// Opens the assets of a choice; no thread runs yet. `each` is for every keeper: its path and
+  /// Opens the assets of a choice. No thread runs yet. `each` is for every keeper; its path and
   /// what it accepts are filled in. Errors: those of AssetKeeper::open and of check_asset.
   [[nodiscard]] static Result<std::unique_ptr<SceneAssets>> open(KeeperOptions each,
                                                                  ForceChoice choice,
@@ -27,25 +27,25 @@ class SceneAssets {
   /// Stops the keepers. The loop must have ended.
   ~SceneAssets() = default;
 
-  /// All slots, the spare ones behind the others.
+  /// All slots, the spare ones after the others.
   [[nodiscard]] std::vector<AssetSlot*> slots() const;
   /// The assets that `open` opened; valid until `watch`.
   [[nodiscard]] std::vector<const AssetView*> views() const;
   /// Starts the keepers' threads.
   void watch();
 
-  /// One thread beside the loop: the number of the slot of a file, which is opened if it is new.
-  /// Errors: those of AssetKeeper::open; unsupported, where no slot is left.
+  /// One thread beside the loop: the index of the slot of a file, which is opened if it is new.
+  /// Errors: those of AssetKeeper::open; unsupported, if no slot is left.
   [[nodiscard]] Result<std::size_t> number_of(const std::string& path);
   /// The same thread: refuses a scene that an asset, as it is now, cannot serve.
   [[nodiscard]] Result<void> check(const ForceChoice& choice) const;
-  /// The same thread: the scene that assets which are loaded again have to serve from now on.
+  /// The same thread: sets the scene that assets which are loaded again have to serve from now on.
   void serve(ForceChoice choice);
 
-  /// Any thread: of all that were opened, by the numbers of their slots.
+  /// Any thread: the paths of all assets that were opened, by the indices of their slots.
   [[nodiscard]] std::vector<std::string> paths() const;
   [[nodiscard]] std::vector<KeeperReport> reports() const;
-  /// The scene that is served; its assets are numbered by slots.
+  /// The scene that is served; its assets are given by the indices of their slots.
   [[nodiscard]] ForceChoice choice() const;
 
  private:
@@ -57,7 +57,7 @@ class SceneAssets {
   mutable std::mutex mutex_;                       ///< guards what follows; the loop never takes it
   ForceChoice choice_;
   std::vector<std::string> paths_;
-  std::vector<std::unique_ptr<AssetKeeper>> keepers_;  ///< one a path; these end first
+  std::vector<std::unique_ptr<AssetKeeper>> keepers_;  ///< one for each path; these end first
 };
 
 }  // namespace spm::servo

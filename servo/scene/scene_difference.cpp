@@ -12,8 +12,8 @@ namespace {
 
 constexpr std::size_t nobody = std::numeric_limits<std::size_t>::max();
 
-// Members are bound by name and count: one that is added to these structs does not compile here
-// until it is compared.
+// Members are bound by name and count, so that a member that is added to these structs does not
+// compile here until it is compared.
 
 bool same_pose(const Placement& a, const Placement& b) {
   return a.position == b.position && a.rotation.coeffs() == b.rotation.coeffs();
@@ -55,7 +55,7 @@ std::uint32_t aspects_of_force(const ForceSettings& a, const ForceSettings& b) {
 }
 
 std::uint32_t aspects_of_effects(const EffectSettings& a, const EffectSettings& b) {
-  // Those that are not named here belong to friction and texture.
+  // Members that are not named here belong to friction and texture.
   const auto& [friction_a, damping_a, texture_a, smoothing_a, turn_a, force_a, depth_a, noise_a,
                seed_a] = a;
   return bit(same_friction(a, b), aspect_friction) | bit(damping_a == b.damping, aspect_damping) |
@@ -64,13 +64,13 @@ std::uint32_t aspects_of_effects(const EffectSettings& a, const EffectSettings& 
          bit(same_turn(turn_a, b.turn), aspect_turn_limit);
 }
 
-/// Finds for objects of one list their like in the other.
+/// Matches the objects of one list with those of the other.
 class Matching {
  public:
   Matching(std::span<const PlacedObject> before, std::span<const PlacedObject> after)
       : before_(before), after_(after), taken_(before.size(), false), like_(after.size(), nobody) {}
 
-  /// Matches objects at the same place of both lists that satisfy `alike`.
+  /// Matches objects that satisfy `alike` and are at the same place of both lists.
   template <class Alike>
   void at_same_place(const Alike& alike) {
     for (std::size_t i = 0; i < std::min(before_.size(), after_.size()); ++i) {
@@ -78,7 +78,7 @@ class Matching {
     }
   }
 
-  /// Matches objects that satisfy `alike` in the order of the lists.
+  /// Matches objects that satisfy `alike`, in the order of the lists.
   template <class Alike>
   void in_order(const Alike& alike) {
     for (std::size_t after = 0; after < after_.size(); ++after) {
@@ -112,7 +112,7 @@ class Matching {
 
   std::span<const PlacedObject> before_, after_;
   std::vector<bool> taken_;        ///< of the old list
-  std::vector<std::size_t> like_;  ///< of the new list: the place in the old one
+  std::vector<std::size_t> like_;  ///< for the new list: the place in the old one
 };
 
 }  // namespace

@@ -11,11 +11,12 @@
 
 namespace spm::servo {
 
-/// What of an object differs; bits. Their names, those of a scene's keys, are in names_of_aspects.
+/// In what an object differs, as bits. Their names, which are those of a scene's keys, are in
+/// names_of_aspects.
 enum ObjectAspect : std::uint32_t {
   aspect_pose = 1U << 0U,
   aspect_scale = 1U << 1U,
-  aspect_method = 1U << 2U,  ///< the paper's rule among it
+  aspect_method = 1U << 2U,  ///< includes the paper's rule
   aspect_stiffness = 1U << 3U,
   aspect_probe = 1U << 4U,
   aspect_friction = 1U << 5U,
@@ -26,37 +27,38 @@ enum ObjectAspect : std::uint32_t {
   aspect_movable = 1U << 10U,
 };
 
-/// What a hand may feel of a difference.
+/// The differences that a hand may feel.
 inline constexpr std::uint32_t felt_aspects = ~std::uint32_t{aspect_movable};
 
-/// Every bit in which two objects of the same asset differ.
+/// All bits in which two objects of the same asset differ.
 [[nodiscard]] std::uint32_t aspects_of(const PlacedObject& before, const PlacedObject& after);
 
-/// Such as "pose, stiffness".
+/// The names of aspects, such as "pose, stiffness".
 [[nodiscard]] std::string names_of_aspects(std::uint32_t aspects);
 
-/// An object of the one scene that goes on as one of the other.
+/// An object that is in both scenes.
 struct KeptObject {
   std::size_t before = 0, after = 0;  ///< its place in the two lists
   std::uint32_t aspects = 0;          ///< in which it differs
 };
 
-/// What makes one list of objects the other.
+/// The changes that turn one list of objects into the other.
 struct SceneDifference {
   std::vector<KeptObject> kept;      ///< in the order of the new list
   std::vector<std::size_t> removed;  ///< places in the old list, ascending
   std::vector<std::size_t> added;    ///< places in the new list, ascending
 
-  /// Whether nothing differs that the loop has to know; another order alone is nothing.
+  /// Whether nothing differs that the loop has to know. A different order alone is no difference.
   [[nodiscard]] bool empty() const;
-  /// Whether a hand may feel it.
+  /// Whether a hand may feel the difference.
   [[nodiscard]] bool felt() const;
 };
 
-/// Which object of a scene is which of an edited one; both number assets alike. An object goes on
-/// as the same only with the same asset: first those that are equal, at the same place of the list
-/// or else in order, so that one that was cut out of the middle is the one that is gone; then those
-/// at the same place of the list; then those that are left of an asset, in order.
+/// Which object of a scene is which object of an edited scene; both must number assets alike. An
+/// object is the same only if its asset is the same. Objects are matched in this order: equal
+/// objects, at the same place of the list or else in order, so that if one was deleted from the
+/// middle, it is that one which is missing; then those at the same place of the list; then the
+/// remaining ones of an asset, in order.
 [[nodiscard]] SceneDifference scene_difference(std::span<const PlacedObject> before,
                                                std::span<const PlacedObject> after);
 

@@ -23,7 +23,7 @@ std::vector<std::uint64_t> edited_ids(const SceneDifference& difference,
                                       std::span<const std::uint64_t> ids, std::size_t count) {
   std::vector<std::uint64_t> after(count);
   for (const KeptObject& object : difference.kept) after[object.after] = ids[object.before];
-  // An application that still means the one that was removed shall not meet another.
+  // An application that still refers to the removed object must not get another one.
   const std::set<std::uint64_t> taken(ids.begin(), ids.end());
   std::uint64_t next = 0;
   for (const std::size_t added : difference.added) {

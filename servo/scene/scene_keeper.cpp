@@ -13,7 +13,7 @@ using std::chrono::steady_clock;
 
 namespace {
 
-/// Of an edit in words: a sentence that a person reads to its end.
+/// How many changes are described in a message, so that a person reads it to its end.
 constexpr std::size_t most_told = 8;
 
 std::int64_t nanoseconds(const timespec& time) {
@@ -31,7 +31,7 @@ FileStamp stamp_of(const std::string& path) {
           nanoseconds(now.st_ctim)};
 }
 
-/// What of an edited scene takes a restart; null where nothing does.
+/// Which change of an edited scene needs a restart; null if none does.
 const char* fixed_part(const ForceChoice& before, const ForceChoice& after) {
   if (before.device.driver != after.device.driver) return "'driver' of [device]";
   if (before.device.profile != after.device.profile) return "'profile' of [device]";
@@ -126,7 +126,7 @@ void SceneKeeper::try_scene(bool first) {
       scene_difference(served_.choice.scene.objects, edited->scene.objects);
   const bool same_cures = served_.choice.scene.cures == edited->scene.cures;
   if (!difference.empty() || !same_cures) return offer(difference, std::move(*edited));
-  // Another order, and other lines for messages.
+  // A different order, and different lines for messages.
   served_.ids = edited_ids(difference, served_.ids, edited->scene.objects.size());
   served_.choice = std::move(*edited);
   assets_.serve(served_.choice);
@@ -135,7 +135,8 @@ void SceneKeeper::try_scene(bool first) {
   }
 }
 
-/// The scene as the file has it now, its assets opened and numbered by their slots.
+/// The scene that is in the file now. Its assets are opened, and given by the indices of their
+/// slots.
 Result<ForceChoice> SceneKeeper::read_edited() {
   Result<ForceChoice> edited = choose_forces(options_.force);
   if (!edited) return edited;

@@ -17,49 +17,51 @@
 
 namespace spm::servo {
 
-/// A scene as it is served.
+/// A scene that is served.
 struct ServedScene {
-  ForceChoice choice;              ///< its assets are numbered by the slots
+  ForceChoice choice;              ///< its assets are given by the indices of their slots
   std::vector<std::uint64_t> ids;  ///< of its objects, as applications know them
 };
 
 struct SceneKeeperOptions {
   ForceOptions force;                  ///< as at the start; its scene is the file that is watched
   std::chrono::milliseconds poll{20};  ///< between two looks at the file
-  std::chrono::milliseconds retry{1000};  ///< after a refusal that another file may cure
-  /// Tell a person what was taken up, and what was not and why: one sentence each. May be empty.
+  /// after a refusal that a change of another file may cure
+  std::chrono::milliseconds retry{1000};
+  /// Called with one sentence for a person: `tell` says what was taken up, `warn` what was not and
+  /// why. May be empty.
   std::function<void(const std::string&)> tell, warn;
-  /// Told each time that the loop has taken up an edit. May be empty.
+  /// Called each time that the loop has taken up an edit. May be empty.
   std::function<void(const ServedScene&)> taken_up;
   // All three are called on the watching thread.
 };
 
-/// Which file a path names, and in what state.
+/// Which file a path names, and its state.
 struct FileStamp {
   bool is_there = false;
   std::uint64_t device = 0, inode = 0;
   std::int64_t size = 0;        ///< bytes
-  std::int64_t written_ns = 0;  ///< when its content was
-  std::int64_t changed_ns = 0;  ///< when anything of it was
+  std::int64_t written_ns = 0;  ///< when its content was written
+  std::int64_t changed_ns = 0;  ///< when anything of it changed
 
   [[nodiscard]] bool operator==(const FileStamp&) const = default;
 };
 
-/// The thread that watches a scene's file while it is served: reads it again when it was edited or
-/// another was renamed to it, by what reads it at the start, opens assets that it names newly, and
-/// hands the loop what is different. What will not do is told once, and the scene stays as it was;
-/// device, tool and workspace take a restart. A file that is still being written is left alone
-/// until two looks find it the same.
+/// The thread that watches a scene's file while it is served. When the file was edited, or another
+/// file was renamed to it, it reads it as at the start, opens assets that are new, and hands the
+/// differences to the loop. An edit that is not acceptable is reported once, and the scene stays as
+/// it was. Changes of device, tool and workspace need a restart. A file that is still being written
+/// is left alone until two looks find it unchanged.
 class SceneKeeper {
  public:
-  /// The scene must be the one that `assets` serve, which must outlive this.
+  /// `assets` must serve this scene, and must outlive this.
   SceneKeeper(SceneKeeperOptions options, SceneAssets& assets);
   SceneKeeper(const SceneKeeper&) = delete;
   SceneKeeper& operator=(const SceneKeeper&) = delete;
   /// Stops the thread. The loop must have ended.
   ~SceneKeeper();
 
-  /// What hands edits to the loop.
+  /// The slot that hands edits to the loop.
   [[nodiscard]] SceneEditSlot& edits() noexcept { return slot_; }
   /// Starts the thread.
   void watch();
@@ -77,7 +79,7 @@ class SceneKeeper {
   SceneAssets& assets_;
   SceneEditSlot slot_;
   ServedScene served_;
-  // What the loop was offered and has not answered yet:
+  // What was offered to the loop and is not answered yet:
   SceneEdit edit_;
   ServedScene next_;
   std::string change_;  ///< the edit, in words
@@ -89,7 +91,7 @@ class SceneKeeper {
   std::chrono::steady_clock::time_point next_try_{};
   std::string last_refusal_;
 
-  std::mutex mutex_;  ///< guards what follows; the loop never takes it
+  std::mutex mutex_;  ///< guards the members below; the loop never takes it
   std::condition_variable wake_;
   bool stop_ = false;
   std::thread thread_;

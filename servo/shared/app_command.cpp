@@ -7,10 +7,10 @@ namespace spm::servo {
 
 namespace {
 
-/// The first thing that is wrong with a command's numbers.
+/// Finds the first thing that is wrong with a command's numbers.
 class Check {
  public:
-  /// `value` must be finite and lie between two bounds, these included.
+  /// `value` must be finite and lie between two bounds, which are included.
   void number(double value, double least, double most) noexcept {
     if (refusal_ != Refusal::none) return;
     if (!std::isfinite(value)) {

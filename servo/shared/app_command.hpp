@@ -10,17 +10,17 @@
 
 namespace spm::servo {
 
-/// What an application asks for.
+/// The kind of a request.
 enum class AppAction : std::uint8_t {
   add,        ///< an object of an asset that the daemon serves
   move,       ///< a pose of an object
   remove,     ///< an object that an application added
   material,   ///< how an object feels
-  clutch,     ///< the device's hand moves freely, the tool stays
-  departure,  ///< no request: the application is gone, its objects belong to nobody now
+  clutch,     ///< the device's hand moves freely, while the tool stays
+  departure,  ///< no request: the application is gone, and its objects belong to nobody now
 };
 
-/// How an object feels. What was not given in a command stays as it is.
+/// How an object feels. What a command does not give stays as it is.
 struct AppMaterial {
   std::uint32_t given = 0;    ///< SPM_MATERIAL_ bits
   double stiffness = 0;       ///< N/m
@@ -36,28 +36,28 @@ struct AppCommand {
   std::uint32_t client = 0;      ///< below SPM_MOST_CLIENTS
   std::uint32_t connection = 0;  ///< of the client, from 1, never used again
   std::uint64_t sequence = 0;
-  std::uint64_t object = 0;  ///< id; the connection that added it is its upper half
+  std::uint64_t object = 0;  ///< id; its upper half is the connection that added the object
   std::uint32_t index = 0;   ///< add: asset; clutch: device
-  Placement pose;            ///< scale means something with `add` alone
-  double period = 0;         ///< s, move: until the next pose; 0 where the application does not say
+  Placement pose;            ///< the scale has a meaning with `add` alone
+  double period = 0;         ///< s, move: until the next pose; 0 if the application does not say
   AppMaterial material;
   bool on = false;  ///< clutch
 };
 
-/// Limits of what an application may ask for. Positions: a room, far beyond any device's workspace.
+/// Limits of what an application may request. Positions: a room, far beyond any device's workspace.
 /// Stiffness: ten times what the stiffest desktop devices render. Friction: dry rubber has about 1
-/// (the scene's own limit). Damping, texture and scale: far beyond what is felt as such.
+/// (this limit is the scene's too). Damping, texture and scale: far beyond what can be felt.
 inline constexpr double app_farthest = 100;      // m
-inline constexpr double app_least_scale = 1e-4;  // as scenes in micrometres need
+inline constexpr double app_least_scale = 1e-4;  // scenes in micrometres need it
 inline constexpr double app_most_scale = 1e4;
 inline constexpr double app_longest_period = 1;       // s
 inline constexpr double app_most_stiffness = 1e5;     // N/m
 inline constexpr double app_most_friction = 10;       // mu
 inline constexpr double app_most_damping = 1e3;       // N s/m
 inline constexpr double app_most_amplitude = 0.1;     // m
-inline constexpr double app_least_wavelength = 1e-6;  // m, where there is an amplitude
+inline constexpr double app_least_wavelength = 1e-6;  // m, if there is an amplitude
 inline constexpr double app_most_wavelength = 1;      // m
-inline constexpr double app_quaternion_slack = 1e-3;  // of its length, as single precision has it
+inline constexpr double app_quaternion_slack = 1e-3;  // of its length; single precision needs it
 
 /// What commands are checked against.
 struct AppCommandLimits {
@@ -66,9 +66,9 @@ struct AppCommandLimits {
   std::int64_t now_ns = 0;  ///< of CLOCK_MONOTONIC
 };
 
-/// Reads a command that an application wrote. `from` must be a copy in private memory, so that it
-/// cannot change any more. `to` means something only where nothing was refused; who sent it is for
-/// the caller to fill in. Whether the object exists is not looked at.
+/// Reads a command that an application wrote. `from` must be a copy in private memory, which cannot
+/// change any more. `to` is valid only if nothing was refused; the caller fills in who sent it.
+/// Whether the object exists is not checked here.
 [[nodiscard]] Refusal check_command(const spm_shared_command& from, const AppCommandLimits& limits,
                                     AppCommand& to) noexcept;
 

@@ -8,7 +8,8 @@
 
 namespace spm::servo {
 
-/// Copies a text into a place of fixed size, cut where it is longer, with zeros behind it.
+/// Copies a text into a place of fixed size. Cuts it if it is too long, and fills the rest with
+/// zeros.
 template <std::size_t Size>
 void copy_text(char (&to)[Size], std::string_view from) noexcept {
   const std::size_t count = std::min(Size - 1, from.size());

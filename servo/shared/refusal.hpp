@@ -9,21 +9,21 @@ namespace spm::servo {
 /// Why a command was not followed. The numbers are part of spm_client.h.
 enum class Refusal : std::uint8_t {
   none,
-  unknown_kind,      ///< no kind of command of this layout
-  not_finite,        ///< a number that is not finite
-  out_of_range,      ///< a number beyond its limit
+  unknown_kind,      ///< this layout has no command of this kind
+  not_finite,        ///< a number is not finite
+  out_of_range,      ///< a number is beyond its limit
   unknown_asset,     ///< no such asset is served
   unknown_device,    ///< no such device
   unknown_object,    ///< no such object
   not_yours,         ///< an object of another application, or of the scene
   not_movable,       ///< the scene says that the object stays where it is
   too_many_objects,  ///< there is no room for another object
-  too_late,          ///< its deadline was over when the loop came to it
+  too_late,          ///< the loop came to it after its deadline
 };
 
 inline constexpr std::size_t refusal_count = 11;
 
-/// What was wrong and what to do about it, a sentence without its full stop.
+/// What was wrong and what to do about it: a sentence without its full stop.
 [[nodiscard]] const char* to_sentence(Refusal refusal) noexcept;
 
 }  // namespace spm::servo

@@ -1,16 +1,17 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /** The memory that the daemon and its clients share. Internal to both: programs use spm_client.h.
  *
- *  Two regions, so that a client that writes garbage hurts nobody but itself:
+ *  There are two kinds of regions, so that a client that writes garbage harms only itself:
  *  - spm_shared_state, one for all, which clients map read-only: what the loop publishes each tick;
- *  - spm_shared_ring, one a client, which that client and the daemon map for writing: commands.
+ *  - spm_shared_ring, one for each client, which that client and the daemon map for writing:
+ *    commands.
  *
- *  No pointers, fixed-width types, no padding that the compiler chooses. Every field is read and
- *  written by shared_words.hpp, as atomic words. Any change of this file that moves a field or
- * gives one another meaning raises SPM_LAYOUT_VERSION: daemon and library of different layouts
- * refuse each other with a sentence. Lengths in metres, forces in newtons, torques in newton
- * metres, times of CLOCK_MONOTONIC in nanoseconds, quaternions unit with w first, all in the world
- * frame. */
+ *  There are no pointers, only fixed-width types, and no padding that the compiler chooses. Every
+ *  field is read and written by shared_words.hpp, as atomic words. A change of this file that moves
+ *  a field, or gives one another meaning, raises SPM_LAYOUT_VERSION: daemon and library of
+ * different layouts refuse each other with a sentence. Lengths are in metres, forces in newtons,
+ * torques in newton metres, times of CLOCK_MONOTONIC in nanoseconds, quaternions are unit with w
+ * first, all in the world frame. */
 #ifndef SPM_SHARED_LAYOUT_H
 #define SPM_SHARED_LAYOUT_H
 
@@ -35,11 +36,11 @@ enum {
   SPM_MOST_ASSETS = 32,
   SPM_MOST_CAUSES = 32,
   SPM_MOST_CLIENTS = 16,
-  SPM_NAME_BYTES = 64, /* of every name, its closing zero included */
+  SPM_NAME_BYTES = 64, /* of every name, including its closing zero */
   SPM_CURE_BYTES = 192,
   SPM_VERSION_BYTES = 32,
   SPM_BUCKETS = 64,    /* of durations: shared_buckets.hpp */
-  SPM_RING_SLOTS = 256 /* a power of two: four frames of all the objects there may be */
+  SPM_RING_SLOTS = 256 /* a power of two: four frames of the largest number of objects */
 };
 
 /* Bits of spm_shared_device.flags. */
@@ -66,7 +67,7 @@ enum { SPM_OBJECT_MOVABLE = 1, SPM_OBJECT_CONTACT = 2, SPM_OBJECT_DRIVEN = 4 };
 
 /** One object in one tick. */
 typedef struct spm_shared_object {
-  uint64_t id; /* the connection that added it, 0 the scene, times 2^32, and a number */
+  uint64_t id; /* the connection that added it (0: the scene) times 2^32, plus a number */
   double position[3];
   double orientation[4];
   double scale;
@@ -77,8 +78,8 @@ typedef struct spm_shared_object {
   uint32_t flags;
 } spm_shared_object;
 
-/** One tick. Two of these take turns, each behind a sequence lock: a reader copies the one that was
- *  finished last, and has a whole tick for it before the loop comes back to that one. */
+/** One tick. Two of these are written in turn, each behind a sequence lock. A reader copies the one
+ *  that was finished last, and has a whole tick for it before the loop writes to that one again. */
 typedef struct spm_shared_snapshot {
   uint64_t sequence; /* odd while it is written */
   uint64_t tick;
@@ -90,13 +91,13 @@ typedef struct spm_shared_snapshot {
   spm_shared_object objects[SPM_MOST_OBJECTS];
 } spm_shared_snapshot;
 
-/** Why a force may be zero, in words, so that a library knows the causes of a newer daemon. */
+/** A cause of zero force in words, so that a library knows the causes of a newer daemon. */
 typedef struct spm_shared_cause {
   char name[SPM_NAME_BYTES];
   char cure[SPM_CURE_BYTES];
 } spm_shared_cause;
 
-/** What seldom changes: names, all closed by a zero. Behind a sequence lock of its own. */
+/** Names, which seldom change; all are closed by a zero. Behind a sequence lock of its own. */
 typedef struct spm_shared_info {
   uint32_t device_count;
   uint32_t asset_count;
@@ -114,20 +115,20 @@ typedef struct spm_shared_device_counts {
   uint64_t cap_hits;
   uint64_t slew_hits;
   double force_max;     /* as sent */
-  double energy;        /* J, net work that the forces sent did on the hand */
+  double energy;        /* J, net work of the sent forces on the hand */
   double generated_max; /* J, largest positive value of energy */
-  uint32_t last_cause;  /* of zero force, the last that there was; 0: none so far */
+  uint32_t last_cause;  /* the last cause of zero force; 0: none so far */
   uint32_t reserved;
 } spm_shared_device_counts;
 
-/** What the loop counted since it began, a tick later than its snapshots. Behind a sequence lock of
- *  its own. */
+/** What the loop counted since it began; written a tick later than its snapshots. Behind a sequence
+ *  lock of its own. */
 typedef struct spm_shared_loop {
   uint64_t sequence;
   int64_t time_ns; /* when the last tick that is counted began */
   uint64_t ticks;
-  uint64_t missed;  /* not finished before the next was due, skipped ones included */
-  uint64_t skipped; /* of the missed ones, those not run at all */
+  uint64_t missed;  /* not finished before the next one was due, including skipped ones */
+  uint64_t skipped; /* missed ticks that were not run at all */
   uint64_t busy_ns; /* sum */
   uint64_t wake_max_ns;
   uint64_t busy_max_ns;
@@ -146,10 +147,10 @@ typedef struct spm_shared_loop {
 typedef struct spm_shared_application {
   uint32_t connection;
   uint32_t process;
-  char name[SPM_NAME_BYTES]; /* as it calls itself, printable ASCII */
+  char name[SPM_NAME_BYTES]; /* its own name for itself, printable ASCII */
 } spm_shared_application;
 
-/** Who is connected. Behind a sequence lock of its own; the loop has no part in it. */
+/** Who is connected. Behind a sequence lock of its own; the loop does not use it. */
 typedef struct spm_shared_applications {
   uint64_t sequence;
   uint32_t count;
@@ -167,8 +168,8 @@ typedef struct spm_shared_state {
   uint32_t reserved;
   double rate_hz;
   int64_t heartbeat_ns; /* the loop's last tick */
-  uint64_t published; /* snapshots so far; the newest is number published - 1, at its lowest bit */
-  uint64_t ended;     /* 1 once the daemon ended in order */
+  uint64_t published;   /* snapshots so far; the newest is at index (published - 1) & 1 */
+  uint64_t ended;       /* 1 once the daemon ended in order */
   uint64_t info_sequence;
   uint64_t more_reserved[4];
   spm_shared_snapshot snapshots[2];
@@ -186,7 +187,7 @@ enum {
   SPM_COMMAND_CLUTCH = 5
 };
 
-/* Bits of spm_shared_command.fields: what of the material is set. */
+/* Bits of spm_shared_command.fields: which parts of the material are set. */
 enum {
   SPM_MATERIAL_STIFFNESS = 1,
   SPM_MATERIAL_FRICTION = 2,
@@ -195,7 +196,7 @@ enum {
   SPM_MATERIAL_ALL = 15
 };
 
-/** One command. The daemon believes nothing in it before it has checked it (app_command.hpp). */
+/** One command. The daemon checks everything in it before use (app_command.hpp). */
 typedef struct spm_shared_command {
   uint64_t sequence; /* 1 for a ring's first command, and so on */
   uint32_t kind;
@@ -225,9 +226,9 @@ typedef struct spm_shared_ring {
   uint32_t bytes;
   uint64_t reserved[6];
   uint64_t head;  /* by the client: commands written so far */
-  uint64_t calls; /* by the client: changes with every look at the state, a sign of life */
+  uint64_t calls; /* by the client: changes with every reading of the state, a sign of life */
   uint64_t more_reserved[6];
-  uint64_t tail; /* by the daemon, who never reads it back: commands taken so far */
+  uint64_t tail; /* by the daemon, which never reads it back: commands taken so far */
   uint64_t refused;
   uint64_t garbage;      /* heads and sequence numbers that made no sense */
   uint64_t last_refused; /* its sequence number */

@@ -11,14 +11,15 @@ namespace spm::servo {
 
 static_assert(std::atomic<std::uint64_t>::is_always_lock_free, "words are shared by processes");
 
-/// A record of shared_layout.h: whole words, nothing but bytes.
+/// A record of shared_layout.h consists of whole words and has no members but data.
 template <class Record>
 concept WordRecord = std::is_trivially_copyable_v<Record> && sizeof(Record) % 8 == 0 &&
                      alignof(Record) == 8;
 
-// The compiler's atomics, not std::atomic_ref: that one cannot read what is mapped read-only.
+// The compiler's atomics are used, not std::atomic_ref, because that one cannot read memory that is
+// mapped read-only.
 
-/// Reads a word or half word that another process may write meanwhile.
+/// Reads a word or half word that another process may write at the same time.
 template <class Word>
 [[nodiscard]] Word load_relaxed(const Word& shared) noexcept {
   Word value;
@@ -32,7 +33,7 @@ template <class Word>
   return value;
 }
 
-/// Writes a word or half word that another process may read meanwhile.
+/// Writes a word or half word that another process may read at the same time.
 template <class Word>
 void store_relaxed(Word& shared, std::type_identity_t<Word> value) noexcept {
   __atomic_store(&shared, &value, __ATOMIC_RELAXED);
@@ -74,7 +75,8 @@ void store_record(Record& shared, const Record& record) noexcept {
   store_words(&shared, &record, sizeof record);
 }
 
-/// Writes behind a sequence lock: `write` stores words by the functions above. One writer.
+/// Writes behind a sequence lock. `write` stores words by the functions above. Only one writer is
+/// allowed.
 template <class Write>
 void write_sequenced(std::uint64_t& sequence, const Write& write) noexcept {
   const std::uint64_t before = load_relaxed(sequence);
@@ -84,8 +86,8 @@ void write_sequenced(std::uint64_t& sequence, const Write& write) noexcept {
   store_release(sequence, before + 2);
 }
 
-/// Reads behind a sequence lock: true where `read`, which loads words by the functions above, saw
-/// none that was written meanwhile. What it read otherwise is to be thrown away.
+/// Reads behind a sequence lock. `read` loads words by the functions above. True if none of them
+/// was written meanwhile; otherwise what was read must be discarded.
 template <class Read>
 [[nodiscard]] bool read_sequenced(const std::uint64_t& sequence, const Read& read) noexcept {
   const std::uint64_t before = load_acquire(sequence);

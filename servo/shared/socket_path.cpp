@@ -13,7 +13,7 @@ namespace {
 
 constexpr std::size_t longest_name = 32;
 
-/// Without regard to the locale.
+/// In any locale.
 bool may_be_in_name(char c) noexcept {
   return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '-' ||
          c == '_' || c == '.';
@@ -27,7 +27,7 @@ bool is_own_folder(const std::string& path) noexcept {
 }  // namespace
 
 std::string socket_folder() {
-  // By the XDG base directory specification a relative path is to be ignored.
+  // By the XDG base directory specification a relative path must be ignored.
   const char* const given = std::getenv("XDG_RUNTIME_DIR");
   if (given != nullptr && given[0] == '/') return std::string(given) + "/spm-servo";
   const std::string user = std::to_string(geteuid());

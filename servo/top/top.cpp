@@ -26,7 +26,7 @@ TopDevice device_between(const TopSample::Device& before, const TopSample::Devic
   device.contact = now.state.contact != 0;
   device.contacts = now.state.contacts;
   device.force = std::hypot(now.state.force[0], now.state.force[1], now.state.force[2]);
-  // The counts are told a tick after the state.
+  // The counts are published a tick after the state.
   device.force_max = std::max(now.counts.force_max, device.force);
   device.cap_hits = count_of(before.counts.cap_hits, now.counts.cap_hits);
   device.slew_hits = count_of(before.counts.slew_hits, now.counts.slew_hits);
@@ -34,7 +34,7 @@ TopDevice device_between(const TopSample::Device& before, const TopSample::Devic
   device.generated_max = now.counts.generated_max;
   device.off = now.state.cause != SPM_CLIENT_FORCE_ON;
   device.cuts = count_of(before.state.cuts, now.state.cuts);
-  // Before the first cut there was no force yet, for no fault.
+  // Before the first cut there was no force yet, without any fault.
   if (!device.off && now.state.cuts == 0) return device;
   device.cause = now.cause;
   device.cure = now.cure;
@@ -90,7 +90,7 @@ TopTimes times_between(const std::uint64_t (&before)[64], const std::uint64_t (&
   for (std::size_t i = 0; i < std::size(now); ++i) count += now[i] - before[i];
   if (count == 0) return {};
   const auto length_of = [&](std::size_t bucket) {
-    // The last bucket has no end.
+    // The last bucket has no upper end.
     const std::uint64_t end = bucket + 1 < std::size(now) ? bucket_end_ns(bucket) : longest;
     return static_cast<double>(std::min(end, longest)) * us_per_ns;
   };
@@ -117,7 +117,7 @@ TopView view_between(const TopSample& before, const TopSample& now) {
   view.process = now.info.process;
   view.wanted_rate_hz = now.info.rate_hz;
   const spm_client_loop &from = before.loop, &to = now.loop;
-  // Before the first tick there is no time to begin from.
+  // Before the first tick there is no time to start from.
   if (from.ticks > 0 && to.time_ns > from.time_ns) {
     view.seconds = static_cast<double>(to.time_ns - from.time_ns) * seconds_per_ns;
     view.rate_hz = static_cast<double>(to.ticks - from.ticks) / view.seconds;

@@ -10,10 +10,10 @@
 
 namespace spm::servo {
 
-/// One look at a running daemon, as libspm_client tells it.
+/// One look at a running daemon, as libspm_client reports it.
 struct TopSample {
-  /// A device, with what the daemon says of its causes of zero force: the one there is now, or else
-  /// the last one.
+  /// A device, with the daemon's texts for its cause of zero force: the present one, or else the
+  /// last one.
   struct Device {
     std::string name;
     spm_client_device state{};
@@ -21,15 +21,15 @@ struct TopSample {
     std::string cause, cure;
   };
   int daemon = SPM_CLIENT_STALLED;  ///< enum spm_client_daemon
-  double age = -1;                  ///< s since the last tick; below 0: none so far
+  double age = -1;                  ///< s since the last tick; below 0: no tick so far
   spm_client_info info{};
   spm_client_loop loop{};
   std::vector<Device> devices;
   std::vector<spm_client_application> applications;
 };
 
-/// Durations of the ticks between two samples, us. At most a quarter too long, never too short; the
-/// maximum exact where it is the longest since the loop began.
+/// Durations of the ticks between two samples, us. They are at most a quarter too long, never too
+/// short. The maximum is exact if it is the longest since the loop began.
 struct TopTimes {
   double p50 = 0, p99 = 0, max = 0;
 };
@@ -49,9 +49,10 @@ struct TopDevice {
   TopCount cap_hits, slew_hits;
   double energy = 0;         ///< J, net work of the forces on the hand
   double generated_max = 0;  ///< J
-  bool off = false;          ///< the force is zero for a cause
+  bool off = false;          ///< the force is zero now, for a cause
   TopCount cuts;             ///< how often the force was cut to zero
-  std::string cause, cure;   ///< of zero force now, or else of the last cut; empty: there was none
+  /// of the zero force now, or else of the last cut; empty: there was none
+  std::string cause, cure;
 };
 
 /// What `top` shows of the time between two samples.
@@ -60,11 +61,11 @@ struct TopView {
   double age = -1;  ///< s
   std::string version;
   std::uint32_t process = 0;
-  double seconds = 0;         ///< from the first tick counted to the last
-  double rate_hz = 0;         ///< ticks a second; 0 where there was no time
+  double seconds = 0;         ///< from the first counted tick to the last
+  double rate_hz = 0;         ///< ticks a second; 0 if no time passed
   double wanted_rate_hz = 0;  ///< Hz
   TopTimes wake, busy;
-  double busy_share = 0;  ///< of the time, 0 to 1
+  double busy_share = 0;  ///< busy fraction of the time, 0 to 1
   std::uint64_t ticks = 0;
   TopCount missed, skipped;
   std::vector<TopDevice> devices;
@@ -72,8 +73,8 @@ struct TopView {
   std::uint64_t commands = 0, refused = 0, garbage = 0;
 };
 
-/// Percentiles (nearest rank) of what two histograms of the loop differ by. `longest`: ns, since
-/// the loop began, at each.
+/// Percentiles (nearest rank) of the difference of two histograms of the loop. `longest`: ns, since
+/// the loop began, at each sample.
 [[nodiscard]] TopTimes times_between(const std::uint64_t (&before)[64],
                                      const std::uint64_t (&now)[64], std::uint64_t longest_before,
                                      std::uint64_t longest);

@@ -12,7 +12,7 @@ namespace {
 
 constexpr std::size_t indent = 4;
 
-/// A text that grows by lines of at most so many columns.
+/// A text made of lines of limited width.
 class Lines {
  public:
   explicit Lines(std::size_t width) : width_(std::max(width, narrowest_screen)) {}
@@ -24,7 +24,7 @@ class Lines {
     text_ += '\n';
   }
 
-  /// Broken between words; lines after the first are indented, and the first one by `first`.
+  /// Broken between words. Lines after the first are indented, and the first one by `first`.
   void sentence(std::string_view words, std::size_t first = 0) {
     std::string line(first, ' ');
     for (bool empty = true; !words.empty();) {
@@ -70,7 +70,7 @@ std::string times_of(const char* what, const TopTimes& times) {
                      times.max);
 }
 
-/// A count since the loop began, and what came to it lately.
+/// A count since the loop began, and how much of it is new.
 std::string count_of(const TopCount& count) {
   return count.lately > 0 ? fmt::format("{} (+{})", count.ever, count.lately)
                           : std::to_string(count.ever);

@@ -8,11 +8,11 @@
 
 namespace spm::servo {
 
-/// Narrower than this a screen is not made.
+/// No screen is made narrower than this.
 inline constexpr std::size_t narrowest_screen = 40;
 
-/// What `top` shows, a line each, plain ASCII, none longer than `width` columns (at least
-/// `narrowest_screen`): sentences are broken between words, rows of the table are cut.
+/// What `top` shows: lines of plain ASCII, none longer than `width` columns (at least
+/// `narrowest_screen`). Sentences are broken between words, rows of the table are cut.
 [[nodiscard]] std::string top_screen(const TopView& view, std::size_t width);
 
 }  // namespace spm::servo

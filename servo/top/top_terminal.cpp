@@ -15,7 +15,7 @@ namespace {
 constexpr std::size_t usual_width = 80, usual_height = 24;
 constexpr char control_c = 3;
 
-// ECMA-48, and the private modes that terminals have taken over from xterm.
+// Control sequences of ECMA-48, and the private modes that terminals have taken over from xterm.
 constexpr std::string_view begin_screen = "\x1b[?1049h\x1b[?25l";
 constexpr std::string_view end_screen = "\x1b[?25h\x1b[?1049l";
 constexpr std::string_view to_top = "\x1b[H";
@@ -43,7 +43,7 @@ TopTerminal::TopTerminal()
     : has_keys_(isatty(STDIN_FILENO) == 1 && tcgetattr(STDIN_FILENO, &before_) == 0) {
   if (has_keys_) {
     termios keys = before_;
-    // Ctrl-C comes as a key, so that nothing stops the program before the terminal is as it was.
+    // Ctrl-C is read as a key, so that nothing stops the program before the terminal is restored.
     keys.c_lflag &= ~static_cast<tcflag_t>(ICANON | ECHO | ISIG);
     keys.c_cc[VMIN] = 0;
     keys.c_cc[VTIME] = 0;
@@ -64,7 +64,7 @@ std::size_t TopTerminal::width() noexcept {
 
 void TopTerminal::draw(const std::string& lines) noexcept {
   const winsize size = size_of_terminal();
-  // A line break in the last row would move all the others up.
+  // A line break in the last row would scroll all the others up.
   std::size_t room = (size.ws_row > 0 ? size.ws_row : usual_height) - std::size_t{1};
   std::string screen(to_top);
   for (std::size_t at = 0; at < lines.size() && room > 0; --room) {

@@ -10,7 +10,8 @@
 namespace spm::servo {
 
 /// The terminal at standard output while a program draws on it: a screen of its own, without a
-/// cursor, and keys that come at once and unseen. As it was before at the end. One at a time.
+/// cursor, and keys that are read at once and not echoed. At the end the terminal is restored. At
+/// most one object at a time.
 class TopTerminal {
  public:
   TopTerminal();
@@ -18,18 +19,19 @@ class TopTerminal {
   TopTerminal(const TopTerminal&) = delete;
   TopTerminal& operator=(const TopTerminal&) = delete;
 
-  /// Columns, 80 where the terminal does not tell.
+  /// Width in columns; 80 if the terminal does not say.
   [[nodiscard]] static std::size_t width() noexcept;
 
-  /// Draws lines over what was there; those that have no room below are left out.
+  /// Draws lines over the previous ones. Lines that do not fit at the bottom are left out.
   void draw(const std::string& lines) noexcept;
 
-  /// Waits so long, or until a key is pressed; true for q, Ctrl-C and a terminal that is gone.
+  /// Waits until the time is over or a key is pressed. True for q, Ctrl-C and a terminal that is
+  /// gone.
   [[nodiscard]] bool wait_for_end(std::chrono::milliseconds time) noexcept;
 
  private:
   termios before_{};
-  bool has_keys_;  ///< standard input is a terminal too
+  bool has_keys_;  ///< whether standard input is a terminal too
 };
 
 }  // namespace spm::servo

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Prints what the first device does, ten times a second, and moves an object of the scene (the first
-// one, unless another is named) to and fro meanwhile; at the end, how the loop kept time. In Unity
-// the body of the loop is a MonoBehaviour's FixedUpdate.
+// Prints what the first device does, ten times a second, and meanwhile moves an object of the scene
+// to and fro (the first one, unless another is named). At the end it prints how the loop kept time.
+// In Unity the body of the loop is a MonoBehaviour's FixedUpdate.
 // Usage: ReadState.exe [SOCKET [TIMES [OBJECT]]]
 using System;
 using System.Globalization;
@@ -26,7 +26,7 @@ public static class ReadState
             hand.Cause != 0 ? ", no force: " + client.CauseText(hand.Cause) : ""));
     }
 
-    /// The end of the bucket, ns, up to which so large a share of the ticks lies.
+    /// The end of the bucket, ns, up to which this fraction of the ticks lies.
     private static ulong Percentile(ulong[] buckets, double share)
     {
         ulong all = 0, below = 0;

@@ -95,8 +95,8 @@ namespace SpmHaptics
             return data;
         }
 
-        /// <summary>Adds an object of an asset, w x y z; gives its id. What the material does not
-        /// give is as in a scene that does not give it.</summary>
+        /// <summary>Adds an object of an asset, orientation w x y z; returns its id. What the
+        /// material does not give has the default of a scene.</summary>
         public ulong Add(uint asset, double[] position, double[] orientation, double scale = 1,
                          MaterialData material = default(MaterialData))
         {
@@ -108,7 +108,7 @@ namespace SpmHaptics
             return id;
         }
 
-        /// <summary>Sends a pose, w x y z; period in s is the time to the next one.</summary>
+        /// <summary>Sends a pose, orientation w x y z; period, s, is the time to the next.</summary>
         public void Move(ulong id, double[] position, double[] orientation, double period)
         {
             var pose = PoseOf(position, orientation, period);
@@ -124,7 +124,7 @@ namespace SpmHaptics
             Check(Library.spm_client_set_material(Open(), id, ref material));
         }
 
-        /// <summary>While it is on the hand moves freely and the tool stays.</summary>
+        /// <summary>While it is on, the hand moves freely and the tool stays.</summary>
         public void SetClutch(uint device, bool on)
         {
             Check(Library.spm_client_set_clutch(Open(), device, on ? 1 : 0));
@@ -144,7 +144,7 @@ namespace SpmHaptics
             return Marshal.PtrToStringAnsi(Library.spm_client_refusal(refusal));
         }
 
-        /// <summary>The next change of a device since the last call; false where there is none.</summary>
+        /// <summary>The next change of a device since the last call; false if none.</summary>
         public bool NextEvent(out EventData next)
         {
             next = new EventData { Size = SizeOf<EventData>() };
@@ -174,7 +174,7 @@ namespace SpmHaptics
             return data;
         }
 
-        /// <summary>Who is connected, this one among them.</summary>
+        /// <summary>The applications that are connected; this one is among them.</summary>
         public List<ApplicationData> Applications()
         {
             var connected = new List<ApplicationData>();

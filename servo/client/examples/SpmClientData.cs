@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What spm_client.h exchanges, in its order and units: each struct is one of the header's, laid out
-// as C does. SpmClient.cs sets every Size.
+// The structs of spm_client.h, in its order and units, with the layout of C. SpmClient.cs sets
+// every Size.
 using System;
 using System.Runtime.InteropServices;
 
@@ -20,7 +20,7 @@ namespace SpmHaptics
         ForceBack = 6, DeviceLost = 7, DeviceFound = 8
     }
 
-    /// <summary>What of a material is set; the rest stays as it is.</summary>
+    /// <summary>Which parts of a material are set; the rest stays as it is.</summary>
     [Flags]
     public enum MaterialFields : uint { None = 0, Stiffness = 1, Friction = 2, Damping = 4, Texture = 8 }
 

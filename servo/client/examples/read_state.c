@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Prints what the first device does, ten times a second: position, force, contact, and where the
- * force is zero, why and what to do about it. */
+/* Prints what the first device does, ten times a second: position, force and contact. If the force
+ * is zero, it also prints why and what to do about it. */
 #include <spm_client.h>
 #include <stdio.h>
 #include <stdlib.h>

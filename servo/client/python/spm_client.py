@@ -153,12 +153,12 @@ class Event:
 
 @dataclass(frozen=True)
 class Loop:
-    """What the loop counted since it began; of `wake` and `busy` the time that bucket i ends at is
+    """What the loop counted since it began. Bucket i of `wake` and `busy` ends at
     Client.bucket_end(i)."""
     time: float          # s of CLOCK_MONOTONIC, when the last tick that is counted began
     ticks: int
-    missed: int          # not finished before the next was due, skipped ones included
-    skipped: int         # of the missed ones, those not run at all
+    missed: int          # not finished before the next one was due, including skipped ones
+    skipped: int         # missed ticks that were not run at all
     busy_time: float     # s, of all ticks together
     wake_max: float      # s
     busy_max: float      # s
@@ -180,7 +180,7 @@ class DeviceCounts:
 
 @dataclass(frozen=True)
 class Application:
-    """One that is connected."""
+    """An application that is connected."""
     connection: int
     process: int
     name: str
@@ -205,7 +205,7 @@ class Client:
             raise ClientError(code, message.value.decode("utf-8", "replace"))
 
     def close(self) -> None:
-        """Hangs up; objects that were added leave the scene. May be called again."""
+        """Disconnects; objects that were added are removed. May be called again."""
         handle, self._handle = self._handle, ctypes.c_void_p()
         if handle:
             self._library.spm_client_disconnect(handle)
@@ -233,7 +233,7 @@ class Client:
                     found.daemon_version.decode(), found.library_version.decode())
 
     def cause(self, cause: int) -> tuple[str, str]:
-        """Name of a cause of zero force, and what to do about it; empty where there is none such."""
+        """Name of a cause of zero force, and what to do about it; empty for an unknown cause."""
         name, cure = ctypes.c_char_p(), ctypes.c_char_p()
         self._library.spm_client_cause(self._open(), cause, ctypes.byref(name), ctypes.byref(cure))
         return (name.value or b"").decode(), (cure.value or b"").decode()
@@ -272,7 +272,7 @@ class Client:
     def add(self, asset: int, position: Sequence[float] = (0.0, 0.0, 0.0),
             orientation: Sequence[float] = IDENTITY, *, scale: float = 1.0,
             material: Optional[Material] = None) -> int:
-        """Adds an object; gives its id."""
+        """Adds an object; returns its id."""
         identity = ctypes.c_uint64()
         feel = ctypes.byref(_material(material)) if material is not None else None
         self._check(self._library.spm_client_add_object(
@@ -282,7 +282,7 @@ class Client:
 
     def move(self, id: int, position: Sequence[float], orientation: Sequence[float] = IDENTITY, *,
              period: float = 0.0, deadline: float = 0.0) -> None:
-        """Sends an object's pose; `period` in s is the time to the next one, where it is known."""
+        """Sends an object's pose; `period` in s is the time to the next one, if it is known."""
         pose = _pose(position, orientation, period, deadline)
         self._check(self._library.spm_client_move_object(self._open(), id, ctypes.byref(pose)))
 
@@ -313,7 +313,7 @@ class Client:
                     list(found.wake), list(found.busy))
 
     def bucket_end(self, bucket: int) -> float:
-        """Where a bucket of a loop's `wake` and `busy` ends, s."""
+        """The end of a bucket of a loop's `wake` and `busy`, s."""
         return self._library.spm_client_bucket_end(bucket) * 1e-9
 
     def device_counts(self, device: int = 0) -> DeviceCounts:
@@ -324,7 +324,7 @@ class Client:
                             found.energy, found.generated_max, found.last_cause)
 
     def applications(self) -> list[Application]:
-        """Who is connected, this one among them."""
+        """The applications that are connected; this one is among them."""
         connected: list[Application] = []
         found = sized(ApplicationData)
         while True:

@@ -10,7 +10,7 @@ from pathlib import Path
 
 
 class Code(enum.IntEnum):
-    """What a call of the library gives; see spm_client.h."""
+    """What a call of the library returns; see spm_client.h."""
     OK = 0
     BAD_ARGUMENT = 1
     NO_DAEMON = 2
@@ -36,7 +36,7 @@ SENTENCES = {
 
 
 class ClientError(Exception):
-    """A call failed: `code` tells how, the text what to do."""
+    """A call failed: `code` says how, the text what to do."""
 
     def __init__(self, code: int, text: str) -> None:
         super().__init__(text)

@@ -12,17 +12,17 @@
 
 #include "common/base/device_profile.hpp"
 #include "common/base/error.hpp"
-#include "servo/force/scene_force.hpp"
 #include "common/base/wrench.hpp"
+#include "servo/force/scene_force.hpp"
 #include "servo/realtime/realtime.hpp"
 
 namespace spm::servo {
 
-/// What acts on the hand: N, and N m about the tool's origin; world frame.
+/// Force and torque on the hand: N, and N m about the tool's origin; world frame.
 using spm::Wrench;
 
-/// What a device measured: position of the tool's origin in metres, and how the tool is turned,
-/// world frame; one bit a button.
+/// What a device measured, world frame: the position of the tool's origin in metres, the
+/// orientation of the tool, and one bit for each button.
 struct DeviceState {
   Vector3 position = Vector3::Zero();
   Eigen::Quaterniond orientation = Eigen::Quaterniond::Identity();  ///< unit
@@ -34,24 +34,26 @@ struct DeviceState {
 enum class DeviceHealth : std::uint8_t {
   ok,
   fault,      ///< it answered what makes no sense
-  silent,     ///< it is there, but no report came for longer than it may take
+  silent,     ///< it is there, but no report came for longer than a report may take
   gone,       ///< it was unplugged; it is looked for
   not_homed,  ///< its encoders do not know yet where they are
 };
 
-/// What a device can do; fixed once it is open.
+/// The properties of a device, fixed once it is open.
 struct DeviceCapabilities {
   std::string name;
-  double force_cap = 0;     ///< N, largest force that may ever be sent to it; 0: it gives none
-  double encoder_step = 0;  ///< m, smallest step that it resolves at its centre
-  /// N/m, largest stiffness that may be felt with it.
+  double force_cap = 0;     ///< N, largest force that may ever be sent; 0: it gives no force
+  double encoder_step = 0;  ///< m, smallest step that it resolves, at its centre
+  /// N/m, largest stiffness that may be felt with the device.
   double stiffness_cap = std::numeric_limits<double>::infinity();
-  /// m, half edges of the box about its origin that holds every place of its tool; 0: not known.
+  /// m, half edges of the box about its origin that contains every position of its tool; 0: not
+  /// known.
   Vector3 workspace = Vector3::Zero();
-  std::uint32_t clutch_button = 0;  ///< while it is held the hand moves freely, from 1; 0: none
+  /// while this button is held the hand moves freely, counted from 1; 0: none
+  std::uint32_t clutch_button = 0;
 };
 
-/// What a profile tells of a device.
+/// The capabilities that a profile gives.
 [[nodiscard]] inline DeviceCapabilities capabilities_of(std::string name,
                                                         const DeviceProfile& profile) {
   const std::array<double, 3>& edges = profile.workspace;
@@ -62,12 +64,12 @@ struct DeviceCapabilities {
 /// What a device may need to know before the loop starts.
 struct DeviceSetup {
   double rate_hz = 1000;
-  RealtimeMode realtime = RealtimeMode::attempt;  ///< of threads that a device may have
+  RealtimeMode realtime = RealtimeMode::attempt;  ///< of the threads that a device may have
   ForceScene scene;
-  std::span<const AssetView* const> assets;  ///< the scene's; valid while `open` runs, not later
+  std::span<const AssetView* const> assets;  ///< the scene's; valid while `open` runs, not longer
 };
 
-/// A device that the loop drives: one `read`, then one `write`, a tick.
+/// A device that the loop drives: one `read`, then one `write`, in each tick.
 class Device {
  public:
   Device() = default;
@@ -75,17 +77,18 @@ class Device {
   Device& operator=(const Device&) = delete;
   virtual ~Device() = default;
 
-  /// Gets ready; may allocate, block and fail.
+  /// Makes the device ready. May allocate, block and fail.
   [[nodiscard]] virtual Result<void> open(const DeviceSetup& setup) = 0;
   /// Valid after `open`.
   [[nodiscard]] virtual const DeviceCapabilities& capabilities() const noexcept = 0;
-  /// Reads the state. Called by the loop: no allocation, lock or log call; blocks for a small part
-  /// of a tick at most.
+  /// Reads the state. Called by the loop: no allocation, lock or log call. It may block for a small
+  /// part of a tick at most.
   [[nodiscard]] virtual DeviceHealth read(DeviceState& state) noexcept = 0;
-  /// Sends a wrench, which acts until the next one. Called by the loop, as `read`.
+  /// Sends a wrench, which acts until the next one. Called by the loop, with the limits of `read`.
   [[nodiscard]] virtual DeviceHealth write(const Wrench& wrench) noexcept = 0;
-  /// Waits for a report that `read` has not taken yet, at most until a time of CLOCK_MONOTONIC;
-  /// false where none came, or the device cannot pace a loop. Called by the loop, as `read`.
+  /// Waits for a report that `read` has not taken yet, at most until a time of CLOCK_MONOTONIC.
+  /// False if none came, or if the device cannot set the pace of a loop. Called by the loop, with
+  /// the limits of `read`.
   [[nodiscard]] virtual bool wait_for_report(std::int64_t until_ns) noexcept {
     static_cast<void>(until_ns);
     return false;

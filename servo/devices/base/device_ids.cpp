@@ -10,7 +10,7 @@ namespace spm::servo {
 
 namespace {
 
-/// Other boards have a WoodenHaptics' ids too, so that usage and name must agree.
+/// Other boards have the ids of a WoodenHaptics too, so usage and name must match as well.
 constexpr std::string_view wooden_mbed_name = "HID DEVICE";
 constexpr std::uint16_t wooden_usage_page = 0xFFAB;
 constexpr std::uint16_t wooden_usage = 0x0200;
@@ -22,7 +22,7 @@ constexpr std::uint16_t connexion = 0x256F;
 constexpr std::array<std::uint16_t, 11> logitech_products{
     0xC603, 0xC605, 0xC606, 0xC621, 0xC623, 0xC625, 0xC626, 0xC627, 0xC628, 0xC629, 0xC62B};
 
-/// Mice and keyboards of 3Dconnexion, which are not to be opened. 0xC641 is unverified: no source
+/// Mice and keyboards of 3Dconnexion, which must not be opened. 0xC641 is unverified: no source
 /// says for certain what it is.
 constexpr std::array<std::uint16_t, 11> connexion_others{
     0xC62C, 0xC641, 0xC650, 0xC651, 0xC654, 0xC655, 0xC656, 0xC657, 0xC658, 0xC664, 0xC668};
@@ -38,7 +38,7 @@ bool contains(const List& list, std::uint16_t value) noexcept {
 }
 
 bool is_spacemouse(const HidIdentity& hid) noexcept {
-  // A receiver shows several interfaces; only the multi-axis one moves a tool.
+  // A receiver has several interfaces; only the multi-axis one moves a tool.
   if (hid.usage_page != desktop_page || hid.usage != multi_axis) return false;
   if (hid.ids.vendor == logitech) return contains(logitech_products, hid.ids.product);
   return hid.ids.vendor == connexion && !contains(connexion_others, hid.ids.product);
@@ -119,7 +119,7 @@ bool has_usage_page(std::span<const std::uint8_t> descriptor, std::uint16_t page
 }
 
 std::string usb_name_of(std::string_view sysfs_path) {
-  // The component of an interface is the device's name, a colon, configuration and interface.
+  // The path component of an interface is the device's name, a colon, configuration and interface.
   std::string name;
   while (!sysfs_path.empty()) {
     const std::size_t slash = sysfs_path.find('/');

@@ -8,7 +8,7 @@ namespace spm::servo {
 
 namespace {
 
-/// The turn from a device's frame to the world's; the axes must not mirror.
+/// The rotation from a device's frame to the world's. The axes must not mirror.
 Eigen::Quaterniond turn_of(const DeviceAxes& axes) {
   Eigen::Matrix3d turn;
   for (Eigen::Index i = 0; i < 3; ++i) turn.col(i) = axes.to_world(Vector3(Vector3::Unit(i)));
@@ -43,7 +43,7 @@ Result<void> PlacedDevice::open(const DeviceSetup& setup) {
 
 DeviceHealth PlacedDevice::read(DeviceState& state) noexcept {
   const DeviceAxes& axes = placement_.axes;
-  // What the driver leaves as it was stays so.
+  // What the driver does not change stays as it was.
   DeviceState own{axes.from_world(state.position), axes.from_world(state.orientation),
                   state.buttons};
   const DeviceHealth health = device_->read(own);

@@ -8,15 +8,15 @@
 
 namespace spm::servo {
 
-/// A device whose axes are the world's by choice, and whose limits are the user's where these are
-/// given. What its driver measures and sends is in the driver's own frame, as before; the work that
-/// a wrench does is the same in both.
+/// A device around another one: its axes are mapped to the world's as the user chose, and its
+/// limits are the user's if they are given. The driver still measures and sends in its own frame.
+/// The work of a wrench is the same in both frames.
 class PlacedDevice final : public Device {
  public:
   PlacedDevice(std::unique_ptr<Device> device, const DevicePlacement& placement);
 
-  /// The scene is told to the driver in its own frame, where that is no mirrored one; in such a
-  /// frame it is told as it is. Errors: the driver's.
+  /// The driver gets the scene in its own frame, unless that frame is mirrored; then it gets the
+  /// scene unchanged. Errors: the driver's.
   [[nodiscard]] Result<void> open(const DeviceSetup& setup) override;
   [[nodiscard]] const DeviceCapabilities& capabilities() const noexcept override {
     return capabilities_;
@@ -34,7 +34,7 @@ class PlacedDevice final : public Device {
   DeviceCapabilities capabilities_;
 };
 
-/// The device as it is placed; itself where nothing is asked for.
+/// The device with this placement, or the device itself if the placement changes nothing.
 [[nodiscard]] std::unique_ptr<Device> place_device(std::unique_ptr<Device> device,
                                                    const DevicePlacement& placement);
 

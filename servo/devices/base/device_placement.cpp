@@ -18,10 +18,10 @@ namespace {
 constexpr std::array<std::string_view, 4> keys{"axes", "clutch_button", "stiffness_cap",
                                                "workspace"};
 
-/// Buttons of a DeviceState.
+/// The number of buttons in a DeviceState.
 constexpr std::uint32_t most_buttons = 32;
 
-/// N/m; as much as any profile gives.
+/// N/m; the largest stiffness of any profile.
 constexpr double stiffest = std::max_element(device_profiles.begin(), device_profiles.end(),
                                              [](const DeviceProfile& a, const DeviceProfile& b) {
                                                return a.stiffness_cap < b.stiffness_cap;
@@ -122,7 +122,7 @@ std::string DeviceAxes::text() const {
 }
 
 bool DeviceAxes::mirrored() const noexcept {
-  // Three axes in turn are an even permutation, two exchanged an odd one.
+  // A cyclic permutation of the axes is even; an exchange of two axes is odd.
   const int permutation = (axes_[1] - axes_[0] + 3) % 3 == 1 ? 1 : -1;
   return permutation * signs_[0] * signs_[1] * signs_[2] < 0;
 }
@@ -166,7 +166,7 @@ Eigen::Quaterniond DeviceAxes::from_world(const Eigen::Quaterniond& orientation)
 Result<PlacedOptions> take_placement(const std::string& device, std::string_view options) {
   PlacedOptions placed;
   const auto list = split_options(device, options);
-  // The driver says what is wrong, where there is one of that name.
+  // If a driver of that name exists, it reports what is wrong.
   if (!list) return PlacedOptions{{}, std::string(options)};
   std::vector<std::string_view> taken;
   for (const DeviceOption& option : *list) {

@@ -5,11 +5,12 @@
 
 namespace spm::servo {
 
-/// Counts on where a 16-bit encoder counter wraps. Of two ways from one count to the next the
-/// shorter is taken, so that the counter may move by less than 32768 between two reports.
+/// Continues the count of a 16-bit encoder counter that wraps. Of the two possible steps from one
+/// count to the next, the shorter one is assumed. The counter may therefore move by less than 32768
+/// between two reports.
 class EncoderUnwrap {
  public:
-  /// Takes the next count; the first since a reset is taken as it is.
+  /// Takes the next count. The first one after a reset is taken as it is.
   [[nodiscard]] std::int64_t next(std::int16_t count) noexcept {
     if (!known_) {
       total_ = count;
@@ -23,7 +24,7 @@ class EncoderUnwrap {
     return total_;
   }
 
-  /// Forgets all: after the counter was set, or its device was plugged in again.
+  /// Forgets the count: after the counter was set, or its device was plugged in again.
   void reset() noexcept { known_ = false; }
 
  private:

@@ -16,7 +16,7 @@ constexpr double us_per_ns = 1e-3;
 
 void LatencyHistogram::add(std::int64_t duration_ns) noexcept {
   const auto value = static_cast<std::uint64_t>(std::max<std::int64_t>(duration_ns, 0));
-  // With one writer a count needs no locked instruction.
+  // With only one writer, a count needs no locked instruction.
   if (value > max_.load(std::memory_order_relaxed)) max_.store(value, std::memory_order_relaxed);
   std::atomic<std::uint64_t>& bucket = buckets_[Buckets::of(value)];
   bucket.store(bucket.load(std::memory_order_relaxed) + 1, std::memory_order_relaxed);

@@ -10,15 +10,15 @@
 
 namespace spm::servo {
 
-/// Durations that one thread counts while others may look: neither waits, and nothing is allocated
-/// after construction, which a DurationHistogram does not promise. Percentiles are at most 1/32
-/// above the true ones; the largest is exact.
+/// Durations that one thread counts while others may read. Neither side waits, and nothing is
+/// allocated after construction, which DurationHistogram does not promise. Percentiles are at most
+/// 1/32 above the true ones; the maximum is exact.
 class LatencyHistogram {
  public:
-  /// By the counting thread alone: a duration, ns; a negative one counts as zero.
+  /// Called by the counting thread alone, with a duration, ns; a negative one counts as zero.
   void add(std::int64_t duration_ns) noexcept;
 
-  /// `p50`, `p99` and `max` of what was counted so far, microseconds; zeros where nothing was.
+  /// `p50`, `p99` and `max` of what was counted so far, microseconds; zeros if nothing was counted.
   [[nodiscard]] nlohmann::ordered_json json_us() const;
 
  private:

@@ -8,27 +8,28 @@
 
 namespace spm::servo {
 
-/// The newest of the values that one thread puts and one other takes. Neither ever waits: three
-/// slots change hands, and values that nobody took are written over.
+/// Hands the newest value from one thread to one other. Neither ever waits: three slots are
+/// exchanged, and values that were not taken are overwritten.
 template <class Value>
 // NOLINTNEXTLINE(clang-analyzer-optin.performance.Padding): a cache line for each thread.
 class LatestValue {
   static_assert(std::is_trivially_copyable_v<Value>);
 
  public:
-  /// By the putting thread alone.
+  /// Called by the writing thread alone.
   void put(const Value& value) noexcept {
     slots_[own_by_putter_] = value;
     own_by_putter_ =
         between_.exchange(own_by_putter_ | fresh, std::memory_order_acq_rel) & slot_mask;
   }
 
-  /// By the taking thread alone: whether a value was put since the last take.
+  /// Called by the reading thread alone: whether a value was put since the last take.
   [[nodiscard]] bool is_fresh() const noexcept {
     return (between_.load(std::memory_order_relaxed) & fresh) != 0;
   }
 
-  /// By the taking thread alone: true, and the newest value, where one was put since the last take.
+  /// Called by the reading thread alone: true, with the newest value, if one was put since the last
+  /// take.
   [[nodiscard]] bool take(Value& value) noexcept {
     if (!is_fresh()) return false;
     own_by_taker_ = between_.exchange(own_by_taker_, std::memory_order_acq_rel) & slot_mask;

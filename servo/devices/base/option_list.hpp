@@ -10,20 +10,20 @@
 
 namespace spm::servo {
 
-/// One option of a device: of `--device NAME:key=value,key=value`.
+/// One option of a device, from `--device NAME:key=value,key=value`.
 struct DeviceOption {
   std::string_view key, value;
 };
 
-/// Splits a device's options; they refer to `text`. Errors: usage, one without a value.
+/// Splits a device's options, which refer to `text`. Errors: usage, for an option without a value.
 [[nodiscard]] Result<std::vector<DeviceOption>> split_options(const std::string& device,
                                                               std::string_view text);
 
-/// A usage error of a device's options.
+/// A usage error for a device's options.
 [[nodiscard]] tl::unexpected<Error> option_error(const std::string& device,
                                                  const std::string& message);
 
-/// Sets a quantity that is above 0, at least and at most so much, SI. Errors: usage.
+/// Sets a quantity, SI, that must be above 0 and within the bounds. Errors: usage.
 [[nodiscard]] Result<void> set_option_quantity(const std::string& device, double& target,
                                                std::string_view key, std::string_view value,
                                                Quantity quantity, double most, double least = 0);

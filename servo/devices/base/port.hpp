@@ -6,18 +6,18 @@
 
 namespace spm::servo {
 
-/// What became of waiting for a report.
+/// The result of waiting for a report.
 enum class Received : std::uint8_t {
   report,   ///< one came
-  nothing,  ///< none came in time, or only part of one, or one that made no sense
-  gone,     ///< the device was unplugged, or its connection cannot be used any longer
+  nothing,  ///< none came in time, or it was incomplete or made no sense
+  gone,     ///< the device was unplugged, or its connection can no longer be used
 };
 
-/// How long a port waits for a report at most, so that its threads can be told to end.
+/// The longest time that a port waits for a report, so that its threads can be told to end.
 inline constexpr std::chrono::milliseconds port_wait{20};
 
 /// One connection to a device, from its opening to its loss. A PortThreads calls `receive` from one
-/// thread and `send` from another, at the same time; both may block, allocate and lock.
+/// thread and `send` from another, at the same time. Both may block, allocate and lock.
 template <class Report, class Command>
 class Port {
  public:
@@ -26,9 +26,9 @@ class Port {
   Port& operator=(const Port&) = delete;
   virtual ~Port() = default;
 
-  /// Waits for the next report, at most port_wait.
+  /// Waits for the next report, at most for port_wait.
   [[nodiscard]] virtual Received receive(Report& report) = 0;
-  /// Sends a command; false where the connection cannot be used any longer.
+  /// Sends a command. False if the connection can no longer be used.
   [[nodiscard]] virtual bool send(const Command& command) = 0;
 };
 

@@ -23,26 +23,26 @@
 
 namespace spm::servo {
 
-/// Between the blocking calls of a device's connection and the loop, which must not wait: one
-/// thread receives reports, opens the device again when it was lost, and another sends commands.
-/// The loop takes the newest report and leaves the newest command; both are a few copies and at
-/// most one wake-up of a thread. Where the loop stalls, so that it leaves none for too long, the
-/// device is sent `Command{}`, which must be no force.
+/// Stands between the blocking calls of a device's connection and the loop, which must not wait.
+/// One thread receives reports, and opens the device again when it was lost; another sends
+/// commands. The loop takes the newest report and leaves the newest command; each costs a few
+/// copies, and at most one wake-up of a thread. If the loop stalls and leaves no command for too
+/// long, the device is sent `Command{}`, which must be no force.
 template <class Report, class Command>
 // NOLINTNEXTLINE(clang-analyzer-optin.performance.Padding): that of LatestValue, which wants it.
 class PortThreads {
  public:
   using DevicePort = Port<Report, Command>;
-  /// Opens the device, makes it ready (which may take seconds), or says in a sentence why not.
-  /// Called by `start`, and after a loss by a thread without real-time priority, while no other
-  /// uses the device. It gives up soon once `stop` is true.
+  /// Opens the device and makes it ready (which may take seconds), or says in a sentence why that
+  /// failed. Called by `start`, and after a loss by a thread without real-time priority, while no
+  /// other thread uses the device. It gives up soon after `stop` becomes true.
   using Open = std::function<Result<std::unique_ptr<DevicePort>>(const std::atomic<bool>& stop)>;
 
-  /// How long after a loss, or a failed attempt, the device is looked for again.
+  /// The time from a loss, or a failed attempt, to the next search for the device.
   static constexpr std::chrono::milliseconds retry_interval{200};
 
-  /// After so long without a command from the loop the device is sent none: twenty ticks of the
-  /// usual rate, more than a loop misses that still runs.
+  /// After this time without a command from the loop, the device is sent no force. It is twenty
+  /// ticks at the usual rate, more than a loop that still runs misses.
   static constexpr std::int64_t stall_ns = 20'000'000;
 
   PortThreads() = default;
@@ -68,7 +68,7 @@ class PortThreads {
     return {};
   }
 
-  /// Ends the threads; a command that was left before is sent still.
+  /// Ends the threads. A command that was left before is still sent.
   void end() noexcept {
     if (!receiver_.joinable()) return;
     stop_.store(true);
@@ -79,9 +79,10 @@ class PortThreads {
     open_now_.store(false);
   }
 
-  /// By the loop: the newest report, and when it came (now_ns()), where one has come since.
+  /// Called by the loop: the newest report and when it came (now_ns()), if one came since the last
+  /// call.
   [[nodiscard]] bool take(Report& report, std::int64_t& came_ns) noexcept {
-    // What lay there since before the loop began, or since a loss, tells nothing of delays.
+    // A report that was there before the loop began, or since a loss, says nothing about delays.
     const std::uint32_t opening = reopened() + 1;
     const bool begins = std::exchange(taken_opening_, opening) != opening;
     Stamped<Report> newest;
@@ -92,7 +93,7 @@ class PortThreads {
     return true;
   }
 
-  /// By the loop: waits until there is a report that it did not take yet; false where none came
+  /// Called by the loop: waits until there is a report that it did not take yet. False if none came
   /// until a time of now_ns().
   [[nodiscard]] bool wait(std::int64_t until_ns) noexcept {
     while (true) {
@@ -102,8 +103,8 @@ class PortThreads {
     }
   }
 
-  /// By the loop: leaves a command for the sending thread. Of several that it did not come to, the
-  /// last is sent.
+  /// Called by the loop: leaves a command for the sending thread. If that thread did not come to
+  /// several commands, the last one is sent.
   void give(const Command& command) noexcept {
     const std::int64_t now = now_ns();
     commands_.put({command, now});
@@ -113,22 +114,22 @@ class PortThreads {
 
   /// Whether the device is there.
   [[nodiscard]] bool is_open() const noexcept { return open_now_.load(std::memory_order_acquire); }
-  /// Counts how often the device was opened again.
+  /// How often the device was opened again.
   [[nodiscard]] std::uint32_t reopened() const noexcept {
     return reopened_.load(std::memory_order_relaxed);
   }
-  /// Why a lost device could not be opened again when it was last tried; empty where it was, and
-  /// where none was lost.
+  /// Why the last attempt to open a lost device again failed. Empty if it did not fail, or none was
+  /// lost.
   [[nodiscard]] std::string last_error() const {
     const std::lock_guard lock(error_mutex_);
     return last_error_;
   }
 
-  /// From when a report came to when the loop took it.
+  /// Time from the arrival of a report to when the loop took it.
   [[nodiscard]] const LatencyHistogram& report_age() const noexcept { return report_age_; }
-  /// From when the loop gave a command to when the device had it.
+  /// Time from when the loop gave a command to when the device had it.
   [[nodiscard]] const LatencyHistogram& command_sent() const noexcept { return command_sent_; }
-  /// Both, as a report tells them.
+  /// Both, as a report of a run shows them.
   [[nodiscard]] nlohmann::ordered_json latency_us() const {
     return {{"report_age", report_age_.json_us()}, {"command_sent", command_sent_.json_us()}};
   }
@@ -172,7 +173,7 @@ class PortThreads {
   void look_after_loop() {
     const std::int64_t given = given_ns_.load(std::memory_order_relaxed);
     if (given == 0 || now_ns() - given <= stall_ns) return;
-    // Not with each report: zero stays zero.
+    // Not for each report: zero stays zero.
     given_ns_.store(now_ns(), std::memory_order_relaxed);
     stalled_.store(true, std::memory_order_relaxed);
     wake_sender();
@@ -184,7 +185,7 @@ class PortThreads {
     port_.reset();
   }
 
-  /// To list all that is plugged in takes milliseconds of a core, which the loop may be in need of.
+  /// Listing all that is plugged in takes milliseconds of a core, which the loop may need.
   void open_again() {
     try {
       std::thread([this] {
@@ -229,7 +230,8 @@ class PortThreads {
       const bool is_given = commands_.take(command);
       const bool is_stalled = stalled_.exchange(false, std::memory_order_relaxed);
       if (is_given || is_stalled) {
-        // Only against the other thread's exchange of the port; the loop never takes it.
+        // This lock is only against the exchange of the port by the other thread; the loop never
+        // takes it.
         const std::lock_guard lock(mutex_);
         if (port_ != nullptr && !broken_.load()) send(command, is_given);
       }
@@ -249,7 +251,8 @@ class PortThreads {
   }
 
   Open open_;
-  /// Set and reset by the receiving thread, or the one that searches for it, under the mutex.
+  /// Set and reset under the mutex, by the receiving thread or by the thread that searches for the
+  /// device.
   std::unique_ptr<DevicePort> port_;
   std::mutex mutex_;
   mutable std::mutex error_mutex_;
@@ -260,13 +263,14 @@ class PortThreads {
   ReportSignal came_;
   LatencyHistogram report_age_;    ///< counted by the loop
   LatencyHistogram command_sent_;  ///< counted by the sending thread
-  std::uint32_t taken_opening_ =
-      0;  ///< the loop's: the opening of which it last asked for a report
+  /// used by the loop: the opening for which it last looked for a report
+  std::uint32_t taken_opening_ = 0;
   std::atomic<std::uint32_t> given_{0};  ///< changes with each command
   std::atomic<std::uint32_t> reopened_{0};
-  std::atomic<std::int64_t> given_ns_{0};  ///< when the last was; 0: none yet
+  std::atomic<std::int64_t> given_ns_{0};  ///< when the last one was given; 0: none yet
   std::atomic<bool> open_now_{false}, broken_{false}, stop_{false};
-  std::atomic<bool> stalled_{false};  ///< the loop is; the sending thread has not sent zero yet
+  /// the loop stalls, and the sending thread has not sent zero yet
+  std::atomic<bool> stalled_{false};
 };
 
 }  // namespace spm::servo

@@ -14,8 +14,8 @@ static_assert(sizeof(std::atomic<std::uint32_t>) == sizeof(std::uint32_t) &&
                   std::atomic<std::uint32_t>::is_always_lock_free,
               "the kernel reads the counter as a plain word");
 
-// Either the raising thread sees that it is waited for, or the waiting one sees the new count: all
-// four accesses below are in one order.
+// Either the signalling thread sees that somebody waits, or the waiting thread sees the new count:
+// all four accesses below are sequentially consistent.
 
 void ReportSignal::raise() noexcept {
   count_.fetch_add(1, std::memory_order_seq_cst);
@@ -24,7 +24,7 @@ void ReportSignal::raise() noexcept {
 }
 
 bool ReportSignal::wait(std::uint32_t seen, std::int64_t until_ns) noexcept {
-  // The one futex wait whose time is absolute; without another flag that of CLOCK_MONOTONIC.
+  // The only futex wait with an absolute time; by default that of CLOCK_MONOTONIC.
   constexpr int operation = FUTEX_WAIT_BITSET_PRIVATE;
   timespec until{};
   until.tv_sec = until_ns / 1'000'000'000;

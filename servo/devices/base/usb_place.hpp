@@ -10,8 +10,8 @@
 
 namespace spm::servo {
 
-/// Bus and ports of a USB device, as the kernel names it in /sys/bus/usb/devices ("1-2.3"): it
-/// stays the same as long as nobody moves the plug. Empty for a root hub.
+/// Bus and ports of a USB device, as the kernel names it in /sys/bus/usb/devices ("1-2.3"). The
+/// name stays the same as long as the plug is not moved. Empty for a root hub.
 [[nodiscard]] inline std::string usb_place(libusb_device* device) {
   // The deepest chain of hubs that USB allows, and the device behind it.
   std::array<std::uint8_t, 7> ports{};

@@ -20,14 +20,14 @@ namespace spm::servo {
 
 namespace {
 
-/// How far the length of an orientation may be from 1.
+/// Largest difference of an orientation's length from 1.
 constexpr double unit_slack = 1e-3;
 
 tl::unexpected<Error> io_error(const std::string& what) {
   return fail(ExitCode::file_or_device, "--device external: " + what);
 }
 
-/// Whether a link leads to the memory of a process that still runs.
+/// Whether a link points to the memory of a process that still runs.
 bool leads_somewhere(const std::string& link) noexcept {
   struct stat status {};
   return ::stat(link.c_str(), &status) == 0;
@@ -78,7 +78,7 @@ Result<void> DeviceExternal::make_link() {
     return io_error(link.parent_path().string() +
                     ": is no folder of this user; set XDG_RUNTIME_DIR to one");
   }
-  // Only the user's own processes shall find it.
+  // So that only the user's own processes find it.
   static_cast<void>(::chmod(link.parent_path().c_str(), S_IRWXU));
   if (leads_somewhere(link)) {
     return io_error("the name '" + options_.name +

@@ -12,17 +12,17 @@ struct spm_external_memory;
 
 namespace spm::servo {
 
-/// A device that another process drives, which supplies poses and takes wrenches over shared memory
-/// (spm_external.h). The memory cannot be shrunk, and nothing that is written into it can do more
-/// than take the force away: numbers that are not finite and orientations that are not unit are
-/// faults, poses that stop changing their counter are silence.
+/// A device that another process drives. That process supplies poses and takes wrenches over shared
+/// memory (spm_external.h). The memory cannot be shrunk, and nothing that is written into it can do
+/// more than take the force away: numbers that are not finite and orientations that are not unit
+/// are faults, and poses whose counter no longer changes are silence.
 class DeviceExternal final : public Device {
  public:
   explicit DeviceExternal(const ExternalOptions& options);
   ~DeviceExternal() override;
 
-  /// Makes the memory, and the link under which it is found. Errors: file_or_device, where another
-  /// daemon holds the name, or no memory is to be had.
+  /// Makes the memory, and the link by which it is found. Errors: file_or_device, if another daemon
+  /// has the name, or there is no memory.
   [[nodiscard]] Result<void> open(const DeviceSetup& setup) override;
   [[nodiscard]] const DeviceCapabilities& capabilities() const noexcept override {
     return capabilities_;
@@ -42,7 +42,7 @@ class DeviceExternal final : public Device {
   DeviceState last_;
   std::uint64_t last_counter_ = 0;
   std::int64_t last_ns_ = 0;
-  bool attached_ = false;  ///< a process supplied a pose
+  bool attached_ = false;  ///< whether a process has supplied a pose
 };
 
 }  // namespace spm::servo

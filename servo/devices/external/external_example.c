@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Lends a device to spm-servo whose vendor's library is closed. As it stands it moves up and down
- * by itself, 5 mm about a point, so that it can be tried without a device; put the vendor's calls
- * where it says so.
+/* Provides a device whose vendor's library is closed to spm-servo. As it stands, the tool moves to
+ * and fro by itself along z, 5 mm about a point, so that it can be tried without a device. Put the
+ * vendor's calls where the comments say VENDOR.
  *
  *   spm-servo run --asset demo.spm.exr --device external:name=demo &
  *   external_example demo 10 0 0 0.04

@@ -12,7 +12,7 @@ namespace {
 
 constexpr char device[] = "external";
 
-/// A name becomes a part of a path.
+/// A name becomes part of a path, so it must be plain.
 bool is_plain(std::string_view name) noexcept {
   return !name.empty() && std::all_of(name.begin(), name.end(), [](unsigned char letter) {
     return (std::isalnum(letter) != 0 && letter < 128) || letter == '-' || letter == '_';

@@ -1,11 +1,12 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* For a process that drives a device whose vendor's library is closed, and lends it to spm-servo:
- * it supplies poses and takes wrenches, over memory that the daemon shares. Header alone, C11 or
- * C++; Linux, GCC or Clang. external_example.c is a whole process, to be filled in.
+/* For a process that drives a device whose vendor's library is closed, and provides it to
+ * spm-servo: it supplies poses and takes wrenches, over memory that the daemon shares. A header
+ * without a library, C11 or C++; Linux, GCC or Clang. external_example.c is a complete process, to
+ * be filled in.
  *
- * The daemon is started with --device external:name=NAME. It may be started, and end, before or
- * after this process: spm_external_open fails while it does not run, and spm_external_get_wrench
- * gives zero once it is silent. SI units; frame: x to the right, y up, z towards the user. */
+ * Start the daemon with --device external:name=NAME. It may start and end before or after this
+ * process: spm_external_open fails while the daemon does not run, and spm_external_get_wrench gives
+ * zero when the daemon is silent. SI units; frame: x to the right, y up, z towards the user. */
 #ifndef SPM_EXTERNAL_H
 #define SPM_EXTERNAL_H
 
@@ -26,16 +27,16 @@ extern "C" {
 
 #define SPM_EXTERNAL_MAGIC 0x4C58454D5053ULL /* "SPMEXL" */
 #define SPM_EXTERNAL_VERSION 1U
-/** After so long without a new wrench the daemon counts as gone, and after so long without a new
- * pose the device does: no force either way. */
+/** After this time without a new wrench the daemon counts as gone, and after this time without a
+ * new pose the device does. In both cases there is no force. */
 #define SPM_EXTERNAL_SILENCE_NS 20000000LL
 
-/** One side's latest values: odd `sequence` while they are written. Numbers are the bits of
+/** One side's latest values. `sequence` is odd while they are written. `numbers` has the bits of
  * doubles. */
 struct spm_external_values {
   uint32_t sequence;
-  uint32_t word;       /* of poses the buttons, one bit each; of wrenches 0 */
-  uint64_t counter;    /* one more with each, the heartbeat */
+  uint32_t word;       /* for poses the buttons, one bit each; for wrenches 0 */
+  uint64_t counter;    /* increases with each write: the heartbeat */
   uint64_t numbers[7]; /* position and orientation w x y z; or force and torque, the last unused */
   uint64_t unused[7];
 };
@@ -64,7 +65,7 @@ static inline int64_t spm_external_now(void) {
   return (int64_t)time.tv_sec * 1000000000 + time.tv_nsec;
 }
 
-/** Writes values; one writer. */
+/** Writes values. Only one writer is allowed. */
 static inline void spm_external_put(struct spm_external_values* values, uint32_t word,
                                     const double* numbers) {
   const uint32_t sequence = __atomic_load_n(&values->sequence, __ATOMIC_RELAXED) | 1U;
@@ -81,7 +82,7 @@ static inline void spm_external_put(struct spm_external_values* values, uint32_t
   __atomic_store_n(&values->sequence, sequence + 1, __ATOMIC_RELEASE);
 }
 
-/** Reads values; 1, or 0 where the writer was at it for a few tries. */
+/** Reads values. 1; or 0 if the writer was writing in each of a few tries. */
 static inline int spm_external_get(struct spm_external_values* values, uint32_t* word,
                                    uint64_t* counter, double* numbers) {
   for (int tries = 0; tries < 8; ++tries) {
@@ -99,8 +100,8 @@ static inline int spm_external_get(struct spm_external_values* values, uint32_t*
   return 0;
 }
 
-/** Where the memory of a name is found: beside the daemon's socket, in $XDG_RUNTIME_DIR, or else in
- * /run/user/UID, or else in /tmp. 1, or 0 where it does not fit. */
+/** The path of the memory of a name: beside the daemon's socket, in $XDG_RUNTIME_DIR, or else in
+ * /run/user/UID, or else in /tmp. 1; or 0 if it does not fit into `size` bytes. */
 static inline int spm_external_path(const char* name, char* path, size_t size) {
   const char* given = getenv("XDG_RUNTIME_DIR");
   const unsigned user = (unsigned)geteuid();
@@ -118,7 +119,8 @@ static inline int spm_external_path(const char* name, char* path, size_t size) {
   return length > 0 && (size_t)length < size;
 }
 
-/** Finds the daemon's memory. 0, or -1 with a sentence in `message`, for which 1024 bytes do. */
+/** Maps the daemon's memory. 0; or -1 with a sentence in `message`. 1024 bytes are enough for it.
+ */
 static inline int spm_external_open(struct spm_external* device, const char* name, char* message,
                                     size_t message_size) {
   char path[512];
@@ -154,7 +156,8 @@ static inline int spm_external_open(struct spm_external* device, const char* nam
   return 0;
 }
 
-/** Tells the daemon a pose: position m, orientation w x y z, buttons one bit each. Once a tick. */
+/** Sends the daemon a pose: position m, orientation w x y z, buttons one bit each. Call it once a
+ * tick. */
 static inline void spm_external_put_pose(struct spm_external* device, const double position[3],
                                          const double orientation[4], uint32_t buttons) {
   double numbers[7];
@@ -163,8 +166,8 @@ static inline void spm_external_put_pose(struct spm_external* device, const doub
   spm_external_put(&device->memory->pose, buttons, numbers);
 }
 
-/** Gives the wrench to apply, N and N m. 1; or 0, and zero, once the daemon is silent: then open
- * again. Once a tick. */
+/** Gets the wrench to apply, N and N m. 1; or 0, and zero, if the daemon is silent: then open
+ * again. Call it once a tick. */
 static inline int spm_external_get_wrench(struct spm_external* device, double force[3],
                                           double torque[3]) {
   double numbers[7];
@@ -179,7 +182,7 @@ static inline int spm_external_get_wrench(struct spm_external* device, double fo
   }
   const int is_alive = now - device->last_ns <= SPM_EXTERNAL_SILENCE_NS;
   for (int axis = 0; axis < 3; ++axis) {
-    /* Kept from the last tick where this one was not to be had: a wrench acts until the next. */
+    /* Kept from the last tick if this one could not be read: a wrench acts until the next one. */
     if (got || !is_alive) {
       force[axis] = is_alive ? numbers[axis] : 0;
       torque[axis] = is_alive ? numbers[3 + axis] : 0;
@@ -188,7 +191,7 @@ static inline int spm_external_get_wrench(struct spm_external* device, double fo
   return is_alive;
 }
 
-/** Lets go of the memory. */
+/** Unmaps the memory. */
 static inline void spm_external_close(struct spm_external* device) {
   if (device->memory != NULL) munmap(device->memory, sizeof(struct spm_external_memory));
   device->memory = NULL;

@@ -21,8 +21,7 @@ namespace {
 
 constexpr const DeviceProfile& profile = *find_device_profile("falcon");
 
-/// A Falcon answers each packet within 1 or 2 ms; what is older than this tells nothing of the
-/// hand.
+/// A Falcon answers each packet within 1 or 2 ms; an older report says nothing about the hand.
 constexpr std::int64_t longest_silence_ns =
     std::chrono::nanoseconds(std::chrono::milliseconds(10)).count();
 
@@ -108,7 +107,7 @@ DeviceHealth DeviceFalcon::look() noexcept {
   const std::int64_t now = now_ns();
   FalconReport report;
   std::int64_t came_ns = 0;
-  // One that lay there since before a loss is too old, and tells nothing.
+  // A report that was there since before a loss is too old, and says nothing.
   if (threads_.take(report, came_ns) && now - came_ns <= longest_silence_ns) {
     came_ns_ = came_ns;
     buttons_ = report.buttons;
@@ -128,7 +127,7 @@ DeviceHealth DeviceFalcon::write(const Wrench& wrench) noexcept {
   if (health_ == DeviceHealth::ok && !push(wrench.force, command)) written = DeviceHealth::fault;
   if (health_ != DeviceHealth::ok) tracker_.pushed(0);
   set_lights(command, health_);
-  // In every tick, also without force: a Falcon that hears nothing stops after a while.
+  // In every tick, also without force: a Falcon that receives nothing stops after a while.
   threads_.give(command);
   return written;
 }

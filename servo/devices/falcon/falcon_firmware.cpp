@@ -22,7 +22,7 @@ namespace {
 
 using std::chrono::milliseconds;
 
-// Requests to the FTDI chip, and their values, as its public drivers send them.
+// Requests to the FTDI chip, and their values, as public drivers of the chip send them.
 constexpr std::uint8_t purge_request = 0, modem_request = 1, flow_request = 2, baud_request = 3,
                        line_request = 4, latency_request = 9;
 constexpr std::uint16_t purge_receiving = 1, purge_sending = 2;
@@ -32,28 +32,28 @@ constexpr std::uint16_t boot_baud = 0x4138;    // 9600
 constexpr std::uint16_t upload_baud = 0x0015;  // 142 857
 constexpr std::uint16_t normal_baud = 0x0002;  // 1.5 million
 constexpr std::uint16_t normal_latency = 1;    // ms
-/// With 1 ms the answers of the boot program come split.
+/// With 1 ms the answers of the boot program arrive in several packets.
 constexpr std::uint16_t upload_latency = 16;  // ms
 
 constexpr std::array<std::uint8_t, 3> boot_call{0x0A, 0x43, 0x0D};
-/// Sometimes led by a zero or more.
+/// Sometimes preceded by one zero or more.
 constexpr std::array<std::uint8_t, 4> boot_answer{0x0A, 0x44, 0x2C, 0x0D};
 constexpr std::array<std::uint8_t, 1> load_call{0x41};
 
 constexpr milliseconds transfer_timeout{1000};
-/// Between two looks at `stop`.
+/// Time between two checks of `stop`.
 constexpr milliseconds look_interval{50};
-/// The call and its answer take 8 ms at 9600 baud, and the chip up to 16 ms to tell.
+/// The call and its answer take 8 ms at 9600 baud, and the chip takes up to 16 ms to pass them on.
 constexpr milliseconds boot_answer_timeout{50};
 constexpr std::size_t most_boot_bytes = 512;  // that may come with its answer, as users found
-constexpr std::size_t block_size = 62;        // what one USB packet can echo
+constexpr std::size_t block_size = 62;        // the largest block that one USB packet can echo
 
 constexpr int probe_rounds = 10;
-constexpr milliseconds probe_timeout{100};  // a round
+constexpr milliseconds probe_timeout{100};  // for one round
 constexpr std::size_t most_probe_bytes = 4096;
 
 constexpr std::size_t smallest_file = 4096, largest_file = 16384;  // bytes
-/// Key of a boot table of this family of signal processors.
+/// The key of a boot table for this family of signal processors.
 constexpr std::array<std::uint8_t, 2> boot_key{0xAA, 0x08};
 
 struct KnownFirmware {
@@ -61,16 +61,16 @@ struct KnownFirmware {
   std::string_view sha256_begin;
 };
 
-/// Files that public drivers and their users have; to recognise them only.
+/// Files that public drivers and their users have. Used only to recognise them.
 constexpr std::array<KnownFirmware, 4> known_firmware{{{8492, "1119e39c39fab1f3"},
                                                        {7914, "ae838730af34b582"},
                                                        {7914, "e0ae3598670fa1c8"},
                                                        {7324, "b2700d5cd5ca217e"}}};
 
-/// Why an attempt came to its end, a clause of a sentence; empty where it succeeded.
+/// Why an attempt ended: a clause of a sentence; empty if it succeeded.
 struct Outcome {
   std::string failure;
-  bool again = true;  ///< whether another attempt may do
+  bool again = true;  ///< whether another attempt may succeed
 };
 
 Outcome failed(std::string_view step, std::string_view cause) {
@@ -118,8 +118,8 @@ LinkStatus enter_normal_mode(ByteLink& link) {
   return send_requests(link, requests);
 }
 
-/// Reads until `enough` says so of all bytes read, `most` have come, or nothing came for `timeout`.
-/// `timed_out` is also the status where the last was not enough.
+/// Reads until `enough` is true for all bytes read, `most` bytes have come, or nothing came for
+/// `timeout`. The status is `timed_out` also if `enough` was never true.
 template <class Enough>
 LinkResult read_until(ByteLink& link, std::span<std::uint8_t> bytes, milliseconds timeout,
                       const std::atomic<bool>& stop, const Enough& enough) {
@@ -143,7 +143,7 @@ bool holds(std::span<const std::uint8_t> bytes, std::span<const std::uint8_t> pa
   return std::search(bytes.begin(), bytes.end(), pattern.begin(), pattern.end()) != bytes.end();
 }
 
-/// Sends a call, and waits until its answer is among the bytes that come.
+/// Sends a call, and waits until its answer is among the bytes that arrive.
 LinkStatus call(ByteLink& link, std::span<const std::uint8_t> question,
                 std::span<const std::uint8_t> answer, milliseconds timeout,
                 const std::atomic<bool>& stop) {
@@ -222,7 +222,7 @@ Outcome send_file(ByteLink& link, std::span<const std::uint8_t> firmware,
   return {};
 }
 
-/// Whether a packet is answered by a packet, within a round.
+/// Whether a packet is answered by a packet, within one round.
 LinkStatus probe(ByteLink& link, const std::atomic<bool>& stop) {
   const auto packet = encode(FalconCommand{});
   const LinkResult sent = link.write(packet, transfer_timeout);
@@ -285,7 +285,7 @@ Result<FalconFirmwareFile> read_falcon_firmware(const std::string& path) {
   std::ifstream file(path, std::ios::binary);
   FalconFirmwareFile firmware;
   firmware.path = path;
-  // One byte more than may be tells a longer file, however long.
+  // One byte more than is allowed reveals a longer file, however long it is.
   std::vector<char> bytes(largest_file + 1);
   if (file) file.read(bytes.data(), static_cast<std::streamsize>(bytes.size()));
   if (!file.is_open() || file.bad()) {

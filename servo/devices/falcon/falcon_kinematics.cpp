@@ -19,9 +19,9 @@ using std::numbers::sqrt3;
 constexpr double thigh = 0.060;
 constexpr double shin = 0.1025;             // the long sides of its parallelogram
 constexpr double shin_ends = 2 * 0.01125;   // its two short sides, at the knee and at the grip
-constexpr double grip_outward = 0.01443;    // from the grip's middle to a shin's end
+constexpr double grip_outward = 0.01443;    // from the middle of the grip to the end of a shin
 constexpr double grip_sideways = -0.025;    // the same, along the thigh's axis
-constexpr double base_outward = 0.0400;     // from the base's middle to a thigh's axis
+constexpr double base_outward = 0.0400;     // from the middle of the base to the axis of a thigh
 constexpr double base_sideways = -0.02309;  // the same, along that axis
 
 /// The direction of a leg, seen from the front.
@@ -35,7 +35,8 @@ constexpr double cos_15 = sqrt2 * (sqrt3 + 1) / 4, sin_15 = sqrt2 * (sqrt3 - 1) 
 constexpr std::array<Azimuth, 3> azimuths{
     {{-sin_15, cos_15}, {cos_15, -sin_15}, {-sqrt2 / 2, -sqrt2 / 2}}};
 
-// 320 slots a turn of a motor, counted four times; its drum drives a sector of the thigh.
+// The encoder has 320 slots a turn of a motor, counted four times. The motor's drum drives a sector
+// of the thigh.
 constexpr double counts_a_turn = 320 * 4;
 constexpr double drum = 14.25, sector = 110;                                          // mm
 constexpr double count_angle = drum / sector * 2 * std::numbers::pi / counts_a_turn;  // rad
@@ -45,15 +46,15 @@ constexpr double count_angle = drum / sector * 2 * std::numbers::pi / counts_a_t
 constexpr double motor_command_scale = -10000;  // per N m
 
 constexpr double found_within = 1e-9;  // m; the encoders' step is 37 um
-constexpr double longest_step = 0.03;  // m; more is beyond what a tangent tells
+constexpr double longest_step = 0.03;  // m; beyond that the tangent says nothing
 
-/// Where the grip's end of a leg is, in the plane in which its thigh turns.
+/// Where the grip's end of a leg is, in the plane in which the leg's thigh turns.
 struct Leg {
   double outward;      ///< m, from the thigh's axis
   double forward;      ///< m
   double shin_cosine;  ///< of the shin's tilt out of the plane
   double shin_sine;
-  double reach;  ///< m, of the shin and its ends in the plane
+  double reach;  ///< m, of the shin and its ends, in the plane
 };
 
 Leg leg_at(const Vector3& position, const Azimuth& azimuth) noexcept {
@@ -63,12 +64,12 @@ Leg leg_at(const Vector3& position, const Azimuth& azimuth) noexcept {
   leg.outward = azimuth.cosine * x + azimuth.sine * y - base_outward + grip_outward;
   leg.forward = position.z() + falcon_centre_distance;
   leg.shin_cosine = sideways / shin;
-  leg.shin_sine = std::sqrt(1 - leg.shin_cosine * leg.shin_cosine);  // NaN out of its reach
+  leg.shin_sine = std::sqrt(1 - leg.shin_cosine * leg.shin_cosine);  // NaN if out of its reach
   leg.reach = shin_ends + shin * leg.shin_sine;
   return leg;
 }
 
-/// A gradient over a leg's own axes as one over x, y and z.
+/// Converts a gradient over a leg's own axes to one over x, y and z.
 Eigen::RowVector3d turned(const Azimuth& azimuth, double outward, double sideways,
                           double forward) noexcept {
   return {azimuth.cosine * outward - azimuth.sine * sideways,
@@ -79,7 +80,7 @@ Eigen::RowVector3d turned(const Azimuth& azimuth, double outward, double sideway
 struct Closure {
   Vector3 gap;
   Eigen::Matrix3d gradient;
-  bool knees_outward;  ///< as those of every Falcon are
+  bool knees_outward;  ///< whether the knees bend outward, as in every Falcon
 };
 
 Closure closure_at(const Vector3& position, const Vector3& angles) noexcept {
@@ -122,8 +123,8 @@ std::optional<Vector3> falcon_inverse(const Vector3& position) noexcept {
 }
 
 Eigen::Matrix3d falcon_jacobian(const Vector3& position, const Vector3& angles) noexcept {
-  // From the legs' closure, as its numeric derivative confirms; public drivers have another entry
-  // for z, which is wrong by a quarter.
+  // From the closure of the legs, as its numeric derivative confirms. Public drivers have another
+  // entry for z, which is wrong by a quarter.
   Eigen::Matrix3d jacobian;
   for (Eigen::Index i = 0; i < 3; ++i) {
     const Azimuth& azimuth = azimuths[static_cast<std::size_t>(i)];
@@ -160,7 +161,7 @@ FalconPose falcon_forward(const Vector3& angles, const Vector3& start) noexcept 
 
 std::optional<Vector3> falcon_torques(const Vector3& position, const Vector3& angles,
                                       const Vector3& force) noexcept {
-  // The power is the same at the thighs and at the hand.
+  // The power at the thighs equals that at the hand.
   const Vector3 torques = falcon_jacobian(position, angles).transpose().inverse() * force;
   if (!torques.allFinite()) return std::nullopt;
   return torques;

@@ -18,7 +18,7 @@ namespace {
 
 constexpr double profile_force_cap = find_device_profile("falcon")->force_cap;
 
-// How far a device's calibration may be from the approximate 35 degrees.
+// The range of a device's calibration around the approximate 35 degrees.
 constexpr double least_home_angle = 25 * std::numbers::pi / 180;
 constexpr double most_home_angle = 45 * std::numbers::pi / 180;
 
@@ -26,7 +26,7 @@ constexpr const char* device = "falcon";
 
 tl::unexpected<Error> usage(const std::string& message) { return option_error(device, message); }
 
-/// Takes a whole number off the front.
+/// Removes a whole number from the front.
 bool take_number(std::string_view& text) {
   const std::size_t digits = std::min(text.find_first_not_of("0123456789"), text.size());
   text.remove_prefix(digits);
@@ -39,7 +39,7 @@ bool take_mark(std::string_view& text, char mark) {
   return true;
 }
 
-/// BUS-PORT, and a .PORT for every hub.
+/// BUS-PORT, followed by .PORT for each hub.
 bool is_usb_path(std::string_view text) {
   if (!take_number(text) || !take_mark(text, '-') || !take_number(text)) return false;
   while (take_mark(text, '.')) {

@@ -7,10 +7,11 @@ namespace spm::servo {
 
 namespace {
 
-// The protocol as public drivers speak it: every nibble is one byte from 'A' on, the lowest first.
+// The protocol as public drivers use it: every nibble is one byte from 'A' on, the lowest nibble
+// first.
 constexpr std::uint8_t packet_begin = '<', packet_end = '>', zero_nibble = 'A', top_nibble = 'P';
 
-constexpr std::size_t number_bytes = 4;  // of one int16
+constexpr std::size_t number_bytes = 4;  // for one int16
 constexpr std::size_t flags_at = 1 + 3 * number_bytes, unused_at = flags_at + 1;
 
 constexpr unsigned homing_flag = 1, green_flag = 2, blue_flag = 4, red_flag = 8;

@@ -18,9 +18,9 @@ using std::chrono::microseconds;
 using std::chrono::milliseconds;
 using std::chrono::steady_clock;
 
-/// A packet takes 0.1 ms; a chip that does not take one for so long is lost.
+/// A packet takes 0.1 ms; a chip that does not accept one for this long is lost.
 constexpr milliseconds send_timeout{200};
-/// For the reads to come back after they were cancelled.
+/// Time for the reads to return after they were cancelled.
 constexpr milliseconds cancel_timeout{1000};
 constexpr milliseconds cancel_wait{10};
 
@@ -66,7 +66,7 @@ FalconPort::~FalconPort() {
     const std::lock_guard lock(mutex_);
     closing_ = true;
     for (const Read& read : *reads_) {
-      // Says that it is not found where the read has come back already.
+      // libusb reports that it is not found if the read has already returned.
       if (read.transfer != nullptr) static_cast<void>(libusb_cancel_transfer(read.transfer));
     }
   }
@@ -80,7 +80,7 @@ FalconPort::~FalconPort() {
     libusb_handle_events_timeout_completed(usb_->context(), &wait, nullptr);
   }
   if (posted_ > 0) {
-    // The kernel may write into them still: better lost than given to somebody else.
+    // The kernel may still write into them, so it is better to leak them than to reuse them.
     static_cast<void>(reads_.release());
     return;
   }

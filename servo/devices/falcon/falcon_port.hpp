@@ -7,31 +7,31 @@
 #include <mutex>
 
 #include "common/base/error.hpp"
+#include "servo/devices/base/port.hpp"
 #include "servo/devices/falcon/falcon_packet.hpp"
 #include "servo/devices/falcon/falcon_usb.hpp"
 #include "servo/devices/falcon/ftdi_stream.hpp"
-#include "servo/devices/base/port.hpp"
 
 struct libusb_transfer;
 
 namespace spm::servo {
 
-/// The packets of a Falcon whose firmware runs. Two reads of one USB packet are always posted, so
-/// that no answer waits for the next one to be asked for.
+/// The packets of a Falcon whose firmware runs. Two reads of one USB packet are always submitted,
+/// so that no answer waits for the next read.
 class FalconPort final : public Port<FalconReport, FalconCommand> {
  public:
-  /// Posts the reads. Errors: file_or_device.
+  /// Submits the reads. Errors: file_or_device.
   [[nodiscard]] static Result<std::unique_ptr<FalconPort>> start(std::unique_ptr<FalconUsb> usb);
-  /// Takes the reads back.
+  /// Cancels the reads.
   ~FalconPort() override;
 
-  /// Waits for USB events, and takes the newest report that they bring.
+  /// Waits for USB events, and takes the newest report among them.
   [[nodiscard]] Received receive(FalconReport& report) override;
   /// Sends one packet, and waits until the chip has it.
   [[nodiscard]] bool send(const FalconCommand& command) override;
 
  private:
-  /// One posted read.
+  /// One submitted read.
   struct Read {
     std::array<std::uint8_t, ftdi_packet_size> bytes{};
     libusb_transfer* transfer = nullptr;
@@ -44,7 +44,7 @@ class FalconPort final : public Port<FalconReport, FalconCommand> {
   void take(Read& read);
 
   std::unique_ptr<FalconUsb> usb_;
-  std::mutex mutex_;  ///< guards what follows: either thread may handle the other's USB events
+  std::mutex mutex_;  ///< guards the members below: either thread may handle the other's USB events
   std::unique_ptr<std::array<Read, 2>> reads_;
   int posted_ = 0;
   bool closing_ = false;

@@ -8,7 +8,7 @@ namespace spm::servo {
 
 DeviceHealth FalconTracker::follow(const FalconReport& report, std::int64_t came_ns) noexcept {
   if (report.homed != falcon_all_homed) {
-    // Homing moves the counts to where they belong: what was known ends here.
+    // Homing sets the counts to their right values, so the previous position is no longer valid.
     followed_ = false;
     return DeviceHealth::not_homed;
   }
@@ -24,7 +24,7 @@ DeviceHealth FalconTracker::follow(const FalconReport& report, std::int64_t came
   }
   const double seconds = static_cast<double>(came_ns - position_ns_) * 1e-9;
   const double farthest = falcon_fastest_hand * (std::max(seconds, 0.0) + falcon_report_delay);
-  // The place that was left grows old meanwhile, so that a true one is taken up again soon.
+  // The last position gets older meanwhile, so that a true position is accepted again soon.
   if (followed_ && (pose.position - position_).norm() > farthest) return DeviceHealth::fault;
 
   position_ = pose.position;
@@ -41,7 +41,7 @@ bool FalconTracker::frozen(const FalconReport& report, std::int64_t came_ns) noe
   counts_ = report.encoders;
   if (moved) stuck_ = false;
   if (moved || (!stuck_ && (gap || pushed_ < falcon_frozen_force))) moved_ns_ = came_ns;
-  // Once stuck they stay so until one counts, for then the force is zero.
+  // They count as stuck until one changes, because from now on the force is zero.
   stuck_ = stuck_ || came_ns - moved_ns_ > std::chrono::nanoseconds(falcon_frozen_time).count();
   return stuck_;
 }

@@ -34,7 +34,7 @@ struct FoundFalcon {
   std::string path;
 };
 
-/// Falcons of a list, which must outlive them.
+/// Falcons in a list of devices, which must outlive them.
 struct Found {
   DeviceList list;
   std::vector<FoundFalcon> falcons;
@@ -110,14 +110,14 @@ tl::unexpected<Error> not_opened(const std::string& path, int code) {
   }
 }
 
-/// Opens a device and claims its interface, or says why not by libusb's code.
+/// Opens a device and claims its interface. Returns libusb's error code if that fails.
 int open_and_claim(libusb_device* device, UsbHandle& handle) {
   libusb_device_handle* opened = nullptr;
   int code = libusb_open(device, &opened);
   if (code != LIBUSB_SUCCESS) return code;
   UsbHandle owned(opened);
-  // Debian's kernel has no driver for this device; a user may have given it one by hand. Where
-  // this is not supported there is nothing to detach.
+  // Debian's kernel has no driver for this device, but a user may have bound one by hand. If
+  // detaching is not supported, there is nothing to detach.
   static_cast<void>(libusb_set_auto_detach_kernel_driver(opened, 1));
   code = libusb_claim_interface(opened, data_interface);
   if (code == LIBUSB_SUCCESS) handle = std::move(owned);
@@ -197,7 +197,7 @@ LinkStatus FalconUsb::control(std::uint8_t request, std::uint16_t value) {
 
 LinkResult FalconUsb::write(std::span<const std::uint8_t> bytes, milliseconds timeout) {
   int carried = 0;
-  // libusb takes what it only reads as not constant.
+  // libusb takes a non-constant pointer, although it only reads.
   const int code = libusb_bulk_transfer(
       handle_.get(), out_endpoint, const_cast<unsigned char*>(bytes.data()),
       static_cast<int>(bytes.size()), &carried, static_cast<unsigned>(timeout.count()));
@@ -211,7 +211,7 @@ LinkResult FalconUsb::write(std::span<const std::uint8_t> bytes, milliseconds ti
 LinkResult FalconUsb::read(std::span<std::uint8_t> bytes, milliseconds timeout) {
   const auto due = steady_clock::now() + timeout;
   LinkStatus status = LinkStatus::done;
-  // The chip answers every latency period; mostly with its status alone.
+  // The chip answers in every latency period, mostly with its status alone.
   while (begin_ == end_ && status == LinkStatus::done) {
     const auto left = std::chrono::ceil<milliseconds>(due - steady_clock::now());
     if (left.count() <= 0) return {LinkStatus::timed_out, 0};

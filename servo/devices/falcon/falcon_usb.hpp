@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "common/base/error.hpp"
-#include "servo/devices/base/device_ids.hpp"
 #include "servo/devices/base/byte_link.hpp"
+#include "servo/devices/base/device_ids.hpp"
 #include "servo/devices/falcon/ftdi_stream.hpp"
 
 struct libusb_context;
@@ -28,11 +28,11 @@ struct UsbHandleDeleter {
 };
 using UsbHandle = std::unique_ptr<libusb_device_handle, UsbHandleDeleter>;
 
-/// A Falcon's USB ids: FTDI's vendor, and the product that its chip was given.
+/// A Falcon's USB ids: FTDI's vendor id, and the product id that its chip was given.
 inline constexpr std::uint16_t falcon_vendor = falcon_ids.vendor,
                                falcon_product = falcon_ids.product;
 
-/// The endpoint that a Falcon's FTDI chip is read from.
+/// The endpoint from which a Falcon's FTDI chip is read.
 inline constexpr std::uint8_t falcon_in_endpoint = 0x81;
 
 /// The USB paths, BUS-PORT.PORT, of all Falcons that are plugged in. Errors: file_or_device.
@@ -41,9 +41,9 @@ inline constexpr std::uint8_t falcon_in_endpoint = 0x81;
 /// A Falcon's FTDI chip over libusb, with its interface claimed until the end.
 class FalconUsb final : public ByteLink {
  public:
-  /// Opens the Falcon at a USB path, BUS-PORT.PORT, or where that is empty the first that may be
-  /// opened. `product`: its USB product id. Errors: file_or_device, with the permission or the
-  /// program that is in the way.
+  /// Opens the Falcon at a USB path, BUS-PORT.PORT; or, if that is empty, the first one that may be
+  /// opened. `product`: its USB product id. Errors: file_or_device, with the missing permission or
+  /// the program that uses it.
   [[nodiscard]] static Result<std::unique_ptr<FalconUsb>> open(
       const std::string& path, std::uint16_t product = falcon_product);
   ~FalconUsb() override;
@@ -66,7 +66,7 @@ class FalconUsb final : public ByteLink {
   UsbHandle handle_;
   std::string path_;
   std::array<std::uint8_t, ftdi_packet_size> received_{};
-  std::size_t begin_ = 0, end_ = 0;  ///< of what was received and not yet read
+  std::size_t begin_ = 0, end_ = 0;  ///< of the data that was received and not yet read
 };
 
 }  // namespace spm::servo

@@ -12,8 +12,8 @@
 #include <iterator>
 #include <span>
 
-#include "servo/devices/hid/hid_bus.hpp"
 #include "servo/devices/base/usb_place.hpp"
+#include "servo/devices/hid/hid_bus.hpp"
 
 namespace spm::servo {
 
@@ -46,7 +46,7 @@ void add_usb_device(const std::string& root, libusb_device* device, DeviceSearch
   found.kind = NodeKind::usb;
   found.ids = ids;
   found.usb = usb_place(device);
-  // The kernel has read the strings when the device was plugged in.
+  // The kernel read the strings when the device was plugged in.
   if (!found.usb.empty()) {
     const std::string folder = root + "/sys/bus/usb/devices/" + found.usb;
     found.product = first_line(folder + "/product");
@@ -59,7 +59,7 @@ void add_usb_device(const std::string& root, libusb_device* device, DeviceSearch
 }
 
 void add_hid_device(const std::string& root, const HidDevice& hid, DeviceSearch& search) {
-  // One node has an entry for each of its top-level collections.
+  // A node has one entry for each of its top-level collections.
   const auto same_node = [&](const FoundDevice& known) { return known.node == hid.path; };
   if (std::any_of(search.devices.begin(), search.devices.end(), same_node)) return;
 
@@ -148,7 +148,8 @@ DeviceSearch find_devices(const std::string& root) {
   find_usb_devices(root, search);
   find_hid_devices(root, search);
   find_serial_devices(root, search);
-  // The libraries list in whatever order the kernel does; the same machine gives the same list.
+  // The libraries list devices in the order of the kernel. Sorting gives the same list each time on
+  // the same machine.
   std::sort(search.devices.begin(), search.devices.end(),
             [](const FoundDevice& a, const FoundDevice& b) { return a.node < b.node; });
   return search;
@@ -183,7 +184,7 @@ std::string specification_of(const FoundDevice& device) {
   std::string driver = device.match.driver;
   if (driver == "falcon" && !device.usb.empty()) return driver + ":path=" + device.usb;
   const bool by_serial = driver == "woodenhaptics" || driver == "spacemouse" || driver == "pid";
-  // Options are separated by commas.
+  // Options are separated by commas, so a serial number with a comma cannot be used.
   if (by_serial && !device.serial.empty() && device.serial.find(',') == std::string::npos) {
     return driver + ":serial=" + device.serial;
   }

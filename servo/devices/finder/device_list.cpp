@@ -3,15 +3,15 @@
 
 #include <string_view>
 
-#include "servo/devices/finder/device_finder.hpp"
 #include "servo/devices/base/device_placed.hpp"
+#include "servo/devices/base/option_list.hpp"
 #include "servo/devices/external/device_external.hpp"
 #include "servo/devices/falcon/device_falcon.hpp"
+#include "servo/devices/finder/device_finder.hpp"
 #include "servo/devices/pid/device_pid.hpp"
+#include "servo/devices/sim/device_sim.hpp"
 #include "servo/devices/spacemouse/device_spacemouse.hpp"
 #include "servo/devices/wooden/device_wooden.hpp"
-#include "servo/devices/base/option_list.hpp"
-#include "servo/devices/sim/device_sim.hpp"
 
 namespace spm::servo {
 
@@ -24,7 +24,7 @@ std::string with_profile(std::string device, const SceneDevice& scene) {
   return device + std::string(scene.profile->name);
 }
 
-/// A device from what its own options parse to.
+/// Makes a device from its own parsed options.
 template <class Made, class Options>
 Result<std::unique_ptr<Device>> made_of(const Result<Options>& options) {
   if (!options) return tl::make_unexpected(options.error());
@@ -41,7 +41,7 @@ Result<std::unique_ptr<Device>> make_sim(const std::string& own, const DeviceAxe
   return made_of<DeviceSim>(options);
 }
 
-/// A device of that name from its driver's own options.
+/// Makes a device of that name from its driver's own options.
 Result<std::unique_ptr<Device>> make_driver(const std::string& name, const PlacedOptions& all) {
   const std::string& options = all.own;
   if (name == "sim") return make_sim(options, all.placement.axes);
@@ -69,7 +69,7 @@ std::string simulated_device_of(const SceneDevice& scene) { return with_profile(
 
 std::string first_of(const DeviceSearch& search, const std::string& simulated) {
   for (const FoundDevice& found : search.devices) {
-    // How strong a pid device is only the user can say.
+    // Only the user can say how strong a pid device is.
     if (std::string_view(found.match.driver) == "pid") continue;
     if (found.match.driven && found.permitted()) return specification_of(found);
   }

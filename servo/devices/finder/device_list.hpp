@@ -10,21 +10,22 @@
 
 namespace spm::servo {
 
-/// What `auto` is: the first device that was found and may be opened, as make_device takes it;
-/// `simulated` where there is none.
+/// What `auto` means: the first device that was found and may be opened, in the form that
+/// make_device takes; `simulated` if there is none.
 [[nodiscard]] std::string first_of(const DeviceSearch& search, const std::string& simulated);
 
 /// Makes the device that a command line asks for, NAME or NAME:option=value,..., with the options
-/// of its driver and those that any device has (take_placement); it is not open yet. `auto` is the
-/// first device found, and `simulated` where there is none. Errors: usage.
+/// of its driver and those of every device (take_placement). It is not open yet. `auto` is the
+/// first device found, or `simulated` if there is none. Errors: usage.
 [[nodiscard]] Result<std::unique_ptr<Device>> make_device(const std::string& asked,
                                                           const std::string& simulated = "sim");
 
-/// What a scene asks for, as make_device takes it: its driver, with the scene's profile where that
-/// is simulated and names none; `auto` where the scene names no driver.
+/// The device that a scene asks for, in the form that make_device takes: its driver, with the
+/// scene's profile if the driver is simulated and names none; `auto` if the scene names no driver.
 [[nodiscard]] std::string device_of(const SceneDevice& scene);
 
-/// The simulated device that `auto` is for a scene where nothing is plugged in: of its profile.
+/// The simulated device that `auto` means for a scene if nothing is plugged in: with the scene's
+/// profile.
 [[nodiscard]] std::string simulated_device_of(const SceneDevice& scene);
 
 }  // namespace spm::servo

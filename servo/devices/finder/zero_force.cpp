@@ -7,11 +7,11 @@
 #include <string_view>
 #include <utility>
 
+#include "servo/devices/base/port.hpp"
 #include "servo/devices/falcon/falcon_options.hpp"
 #include "servo/devices/falcon/falcon_port.hpp"
 #include "servo/devices/pid/pid_options.hpp"
 #include "servo/devices/pid/pid_port.hpp"
-#include "servo/devices/base/port.hpp"
 #include "servo/devices/wooden/wooden_options.hpp"
 #include "servo/devices/wooden/wooden_port.hpp"
 
@@ -21,8 +21,8 @@ namespace {
 
 constexpr std::string_view falcon = "falcon:", wooden = "woodenhaptics:", pid = "pid:";
 
-/// `Command{}` is no force, as PortThreads has it too. The report is taken as some boards wait for
-/// that before they hear the next command.
+/// `Command{}` is no force, as in PortThreads. The report is read because some boards wait for that
+/// before they accept the next command.
 template <class Report, class Command>
 ZeroForce through(std::shared_ptr<Port<Report, Command>> port) {
   return [port = std::move(port)] {
@@ -59,7 +59,7 @@ Result<ZeroForce> open_pid(std::string_view text) {
   return through<PidReport, PidCommand>(std::move(*port));
 }
 
-/// The option that names a device by its serial number, where it can.
+/// The option that names a device by its serial number, if it has one.
 std::string serial_option(const nlohmann::ordered_json& details) {
   const auto serial = details.at("serial").get<std::string>();
   const bool named = !serial.empty() && serial.find(',') == std::string::npos;
@@ -76,11 +76,11 @@ std::string zero_force_target(const Device& device) {
            ",product=" + details.at("usb_product").get<std::string>();
   }
   if (name == "woodenhaptics") {
-    // The protocol, so that none has to be told from a report first.
+    // The protocol is given, so that it need not be detected from a report first.
     return std::string(wooden) + "protocol=" + details.at("protocol").get<std::string>() +
            serial_option(details);
   }
-  // How strong it is must be given, and is the same for no force.
+  // The strength must be given; for zero force any value gives the same.
   if (name == "pid") return std::string(pid) + "full_force=1N" + serial_option(details);
   return {};
 }

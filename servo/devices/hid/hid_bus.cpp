@@ -16,13 +16,13 @@ namespace spm::servo {
 
 namespace {
 
-/// hidapi keeps one error text for the process, which opening, closing and listing exchange.
+/// hidapi keeps one error text for the whole process, which opening, closing and listing replace.
 std::mutex& hidapi_mutex() {
   static std::mutex mutex;
   return mutex;
 }
 
-/// UTF-8 of hidapi's wide text, which may be null; what is no code point becomes a question mark.
+/// UTF-8 of hidapi's wide text, which may be null. An invalid code point becomes a question mark.
 std::string narrow(const wchar_t* text) {
   std::string result;
   if (text == nullptr) return result;
@@ -52,10 +52,10 @@ std::string narrow(const wchar_t* text) {
   return result;
 }
 
-/// Why hidapi failed; never empty. Under the mutex, right after the call that failed.
+/// Why hidapi failed; never empty. Call it under the mutex, right after the call that failed.
 std::string hidapi_reason(int error_number) {
   std::string text = narrow(hid_error(nullptr));
-  // "Success" is what it says where it kept nothing.
+  // hidapi says "Success" if it kept no text.
   if (!text.empty() && text != "Success") return text;
   if (error_number != 0) return std::strerror(error_number);
   return "hidapi gives no reason";
@@ -95,7 +95,7 @@ tl::unexpected<Error> open_error(const HidDevice& device, std::string_view what,
 
 class HidLibrary {
  public:
-  /// Under the mutex. Null where hidapi does not start.
+  /// Call it under the mutex. Null if hidapi does not start.
   static std::shared_ptr<HidLibrary> use() {
     static std::weak_ptr<HidLibrary> used;
     auto library = used.lock();
@@ -145,7 +145,7 @@ HidHandle::~HidHandle() {
 
 Result<std::unique_ptr<HidHandle>> HidHandle::open(const HidDevice& device, std::string_view what,
                                                    HidUse use) {
-  // Opened once beside hidapi, which tells no error number and locks nothing.
+  // The node is opened once more beside hidapi, which reports no error number and locks nothing.
   int claim = ::open(device.path.c_str(), O_RDWR | O_CLOEXEC | O_NOCTTY);
   if (claim < 0) return open_error(device, what, errno);
   if (use == HidUse::alone && flock(claim, LOCK_EX | LOCK_NB) != 0) {
@@ -173,7 +173,7 @@ Result<std::unique_ptr<HidHandle>> HidHandle::open(const HidDevice& device, std:
 int HidHandle::read(std::span<std::uint8_t> bytes, int milliseconds) noexcept {
   errno = 0;
   const int count = hid_read_timeout(handle_, bytes.data(), bytes.size(), milliseconds);
-  // A signal that some thread of the program got is no loss.
+  // A signal to some thread of the program is no loss of the device.
   return count < 0 && errno == EINTR ? 0 : count;
 }
 

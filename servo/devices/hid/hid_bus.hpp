@@ -23,26 +23,27 @@ struct HidDevice {
   std::uint16_t usage_page = 0;
   std::uint16_t usage = 0;
   int interface_number = -1;  ///< -1 where it has none
-  std::string product_name;   ///< UTF-8, as is the serial number; either may be empty
+  std::string product_name;   ///< UTF-8, like the serial number; either may be empty
   std::string serial;
 };
 
-/// What is plugged in, in the order of the paths. Empty where there is none, or no USB at all.
+/// The HID devices that are plugged in, in the order of their paths. Empty if there is none, or no
+/// USB at all.
 [[nodiscard]] Result<std::vector<HidDevice>> list_hid_devices();
 
-/// hidapi's use by this process: hid_init with the first, hid_exit with the last.
+/// This process's use of hidapi: hid_init with the first user, hid_exit with the last.
 class HidLibrary;
 
 enum class HidUse : std::uint8_t {
   shared,  ///< other programs may read it too
-  alone,   ///< no other program that asks so too; a second one is told that it is busy
+  alone,  ///< no other program that asks for this too; a second one is told that the device is busy
 };
 
-/// One opening of a device, for one thread: hidapi keeps each handle's last error text without a
-/// lock, so that a thread that reads and one that writes need a handle each.
+/// One opening of a device, for one thread. hidapi keeps the last error text of each handle without
+/// a lock, so a reading and a writing thread need a handle each.
 class HidHandle {
  public:
-  /// `what` names the device in messages. Errors: file_or_device, a sentence of its own for a
+  /// `what` names the device in messages. Errors: file_or_device, with different sentences for a
   /// missing permission, for a device in use and for one that is gone.
   [[nodiscard]] static Result<std::unique_ptr<HidHandle>> open(const HidDevice& device,
                                                                std::string_view what, HidUse use);
@@ -51,18 +52,18 @@ class HidHandle {
   HidHandle& operator=(const HidHandle&) = delete;
   ~HidHandle();
 
-  /// Waits for a report, at most so many ms: its bytes, 0 where none came, -1 where the device is
-  /// gone.
+  /// Waits for a report, at most `milliseconds`. Returns its number of bytes; 0 if none came; -1 if
+  /// the device is gone.
   [[nodiscard]] int read(std::span<std::uint8_t> bytes, int milliseconds) noexcept;
-  /// Writes a report, the report id first; false where the device is gone.
+  /// Writes a report, the report id first. False if the device is gone.
   [[nodiscard]] bool write(std::span<const std::uint8_t> bytes) noexcept;
-  /// Sets a feature report, its id first (0 where it has none); false where the device refuses it,
-  /// or is gone.
+  /// Sets a feature report, its id first (0 if it has none). False if the device refuses it, or is
+  /// gone.
   [[nodiscard]] bool send_feature(std::span<const std::uint8_t> bytes) noexcept;
-  /// Asks for the feature report whose id is in the first byte, and which has so many bytes with
-  /// it: how many came, or -1 where the device refuses it, or is gone.
+  /// Reads the feature report whose id is in the first byte and whose size, with the id, is that of
+  /// `bytes`. Returns how many bytes came, or -1 if the device refuses it, or is gone.
   [[nodiscard]] int get_feature(std::span<std::uint8_t> bytes) noexcept;
-  /// The same for an input report, which is asked instead of waited for.
+  /// The same for an input report, which is requested instead of waited for.
   [[nodiscard]] int get_input(std::span<std::uint8_t> bytes) noexcept;
 
  private:
@@ -73,7 +74,7 @@ class HidHandle {
   int claim_;  ///< a file descriptor whose lock says that the device is in use, or -1
 };
 
-/// Which devices would do.
+/// Which devices are acceptable.
 struct HidFilter {
   std::string_view what;  ///< the device's name in messages
   std::function<bool(const HidDevice&)> fits;
@@ -86,8 +87,8 @@ struct OpenHid {
   std::unique_ptr<HidHandle> handle;
 };
 
-/// Opens the first device that fits and can be opened. Errors: file_or_device; that of the last one
-/// tried, or that none is plugged in.
+/// Opens the first device that matches and can be opened. Errors: file_or_device; the error of the
+/// last one tried, or that none is plugged in.
 [[nodiscard]] Result<OpenHid> open_hid(const HidFilter& filter, HidUse use);
 
 }  // namespace spm::servo

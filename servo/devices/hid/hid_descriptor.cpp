@@ -10,7 +10,7 @@ namespace spm::servo {
 
 namespace {
 
-/// A short item: what it is, and its data read both ways.
+/// A short item: its kind, and its data as signed and as unsigned.
 struct Item {
   unsigned kind = 0, tag = 0;
   std::size_t bytes = 0;
@@ -23,13 +23,13 @@ struct Item {
   }
 };
 
-/// A limit whose sign is known only with its partner's: an upper one is signed where the lower is
-/// below 0, as hosts read it.
+/// A limit whose sign is known only with its partner's: an upper limit is signed if the lower one
+/// is below 0, as hosts read it.
 struct Limit {
   std::int64_t with_sign = 0, without_sign = 0;
 };
 
-/// Items that stay in force until they are changed.
+/// Global items: they stay in force until they are changed.
 struct Globals {
   std::uint16_t page = 0;
   std::int64_t logical_min = 0, physical_min = 0;
@@ -39,7 +39,7 @@ struct Globals {
   std::uint8_t report_id = 0;
 };
 
-/// Usages from one to another; without a page they take that of the main item's time.
+/// A range of usages. Usages without a page get the one that holds at the main item.
 struct UsageRange {
   std::uint32_t first = 0, last = 0;
   bool has_page = false;
@@ -49,12 +49,12 @@ struct UsageRange {
   }
 };
 
-/// Items that hold for the next main item.
+/// Local items: they hold for the next main item.
 struct Locals {
   std::vector<UsageRange> usages;
   std::optional<UsageRange> open_range;  ///< a minimum that waits for its maximum
   bool delimited = false;                ///< within alternatives for one usage
-  bool delimited_taken = false;          ///< the first of them was
+  bool delimited_taken = false;          ///< the first of them was taken
 };
 
 class Parser {
@@ -82,7 +82,7 @@ class Parser {
     return tl::make_unexpected(HidDescriptorError{fault, at_});
   }
 
-  /// A long item comes as a reserved one, which nobody takes.
+  /// A long item is returned as a reserved one, which is ignored.
   bool read_item(Item& item, std::size_t& next) const {
     const std::uint8_t prefix = bytes_[at_];
     if (prefix == long_item) {
@@ -193,7 +193,7 @@ class Parser {
     return std::nullopt;
   }
 
-  /// Four bits with a sign, which some devices write out as a whole byte.
+  /// A signed number of four bits, which some devices write as a whole byte.
   static std::int32_t exponent_of(const Item& item) noexcept {
     if (item.value <= 0xF) {
       return item.value < 8 ? static_cast<std::int32_t>(item.value)
@@ -232,7 +232,7 @@ class Parser {
     locals_.usages.push_back(range);
   }
 
-  /// The usage of the value at a place; the last one is that of all further places.
+  /// The usage of the value at an index; the last usage is that of all further values.
   [[nodiscard]] HidUsage usage_at(std::uint64_t place) const noexcept {
     for (const UsageRange& range : locals_.usages) {
       const bool last = &range == &locals_.usages.back();
@@ -277,7 +277,7 @@ class Parser {
     return std::nullopt;
   }
 
-  /// A field of the next main item, without its place.
+  /// A field of the next main item, without its position in the report.
   [[nodiscard]] HidField field_of(HidReportType type, bool is_array) const {
     HidField field;
     field.type = type;

@@ -19,27 +19,28 @@ using HidUsage = std::uint32_t;
 
 enum class HidReportType : std::uint8_t { input, output, feature };
 
-/// One value of a report, as its descriptor tells it.
+/// One value of a report, as its descriptor describes it.
 struct HidField {
   HidReportType type = HidReportType::input;
   std::uint8_t report_id = 0;  ///< 0: its report has none
-  std::uint32_t bit = 0;       ///< where it begins, after the report id
+  std::uint32_t bit = 0;       ///< where the value begins, after the report id
   std::uint8_t bits = 0;       ///< 1 to 32
-  bool is_array = false;       ///< its value picks one of the usages; else it is that of the first
+  /// its value selects one of the usages; otherwise it is the value of the first usage
+  bool is_array = false;
   std::vector<HidUsage> usages;
   std::int64_t logical_min = 0, logical_max = 0;
-  std::int64_t physical_min = 0, physical_max = 0;  ///< both 0: as the logical ones
-  std::int32_t unit_exponent = 0;                   ///< of 10
-  std::uint32_t unit = 0;                           ///< as the item codes it; 0: none
+  std::int64_t physical_min = 0, physical_max = 0;  ///< both 0: same as the logical ones
+  std::int32_t unit_exponent = 0;                   ///< power of 10
+  std::uint32_t unit = 0;                           ///< as the item encodes it; 0: none
   int collection = -1;                              ///< index of the innermost one; -1: none
 };
 
 struct HidCollection {
   HidUsage usage = 0;  ///< 0: it has none
-  int parent = -1;     ///< index of the one about it; -1: none
+  int parent = -1;     ///< index of the enclosing one; -1: none
 };
 
-/// One report, with what its descriptor does not name included.
+/// One report, including what its descriptor does not name.
 struct HidReport {
   HidReportType type = HidReportType::input;
   std::uint8_t id = 0;
@@ -48,8 +49,8 @@ struct HidReport {
   [[nodiscard]] std::size_t bytes() const noexcept { return (std::size_t{bits} + 7) / 8; }
 };
 
-/// What a report descriptor says. Left out of `fields` are constants, values without a usage, and
-/// values of more than 32 bits; their room is counted.
+/// The contents of a report descriptor. Constants, values without a usage, and values of more than
+/// 32 bits are left out of `fields`, but their space is counted.
 struct HidDescriptor {
   std::vector<HidField> fields;
   std::vector<HidCollection> collections;
@@ -60,23 +61,24 @@ struct HidDescriptor {
   [[nodiscard]] bool is_within(const HidField& field, HidUsage usage) const noexcept;
 };
 
-/// What a descriptor may be at most. The first is the kernel's own limit; the others are far above
-/// what devices have.
+/// The largest descriptor that is accepted. The first limit is the kernel's own; the others are far
+/// above what devices have.
 inline constexpr std::size_t most_descriptor_bytes = 4096;
 inline constexpr std::size_t most_descriptor_fields = 8192;
 inline constexpr std::uint32_t most_report_bits = 32768;
-inline constexpr std::size_t most_array_usages = 256;  ///< the rest of an array's is left out
+/// the remaining usages of an array are left out
+inline constexpr std::size_t most_array_usages = 256;
 inline constexpr std::size_t most_collection_depth = 32;
 inline constexpr std::size_t most_pushes = 16;
 
 enum class HidFault : std::uint8_t {
   too_long,
-  cut_short,         ///< the last item says that it is longer
+  cut_short,         ///< the last item says that it is longer than the rest
   bad_report_id,     ///< 0, or above 255
-  report_too_long,   ///< its fields together
-  too_many_fields,   ///< of all reports
+  report_too_long,   ///< the sum of its fields
+  too_many_fields,   ///< the sum over all reports
   nested_too_deep,   ///< collections
-  not_nested,        ///< a collection that ends and never began, or the other way round
+  not_nested,        ///< a collection ends that never began, or never ends
   pushed_too_often,  ///< without a pop
   popped_too_often,  ///< without a push
 };
@@ -84,15 +86,15 @@ enum class HidFault : std::uint8_t {
 /// Why a descriptor cannot be used.
 struct HidDescriptorError {
   HidFault fault = HidFault::cut_short;
-  std::size_t at = 0;  ///< byte of the item, or the length where the end is wrong
+  std::size_t at = 0;  ///< byte offset of the item, or the length if the end is wrong
 };
 
-/// "byte 12: ..." for messages.
+/// As text such as "byte 12: ..." for messages.
 [[nodiscard]] std::string to_string(const HidDescriptorError& error);
 
 /// Reads a report descriptor (Device Class Definition for HID 1.11, sections 6.2.2 and 8.4). Long
-/// items and items that it reserves are stepped over; of delimited usages the first counts. Pure;
-/// any bytes give a descriptor or an error.
+/// and reserved items are skipped; of delimited usages the first one counts. Pure: any bytes give a
+/// descriptor or an error.
 [[nodiscard]] tl::expected<HidDescriptor, HidDescriptorError> parse_hid_descriptor(
     std::span<const std::uint8_t> bytes);
 

@@ -8,23 +8,24 @@
 
 #include "common/base/device_profile.hpp"
 #include "servo/devices/base/device.hpp"
+#include "servo/devices/base/port_threads.hpp"
 #include "servo/devices/hid/hid_bus.hpp"
 #include "servo/devices/pid/pid_options.hpp"
 #include "servo/devices/pid/pid_port.hpp"
-#include "servo/devices/base/port_threads.hpp"
 
 namespace spm::servo {
 
-/// The device is silent when its newest report is older, ns: three times what a low-speed device
-/// may be left between two reports.
+/// The device counts as silent if its newest report is older than this, ns: three times the longest
+/// polling interval of a low-speed device.
 inline constexpr std::int64_t pid_silent_ns = 30'000'000;
 
-/// How stiff a surface may be, N/m: that of the softest profile, as nobody tells it of a stick [U].
+/// Largest stiffness of a surface, N/m: that of the softest profile, since no source gives it for a
+/// stick [U].
 inline constexpr double pid_stiffness_cap = 400;
 static_assert(pid_stiffness_cap == find_device_profile("touch")->stiffness_cap);
 
-/// A joystick, or another device of the HID PID class, with constant force along one or two axes:
-/// they become x and y, and z stays 0. Written to USB PID 1.0 and to what the kernel's driver and
+/// A joystick or another device of the HID PID class, with constant force along one or two axes.
+/// These become x and y, and z stays 0. Written to USB PID 1.0 and to what the kernel's driver and
 /// public firmware do; not tried on a device [U].
 class DevicePid final : public Device {
  public:
@@ -48,11 +49,11 @@ class DevicePid final : public Device {
   PidOptions options_;
   DeviceCapabilities capabilities_;
   PidReport report_;
-  std::int64_t came_ns_ = 0;  ///< 0: none did yet
+  std::int64_t came_ns_ = 0;  ///< 0: none came yet
   mutable std::mutex found_mutex_;
-  HidDevice found_;  ///< the last one opened, as is its layout
+  HidDevice found_;  ///< the one opened last; the same for its layout
   PidLayout found_layout_;
-  PortThreads<PidReport, PidCommand> threads_;  ///< last: its threads use the rest
+  PortThreads<PidReport, PidCommand> threads_;  ///< last: its threads use the other members
 };
 
 }  // namespace spm::servo

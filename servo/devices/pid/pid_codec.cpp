@@ -8,7 +8,7 @@ namespace spm::servo {
 
 namespace {
 
-/// A message of the report that a field is in, all zeros.
+/// A message for the report that contains a field, all zeros.
 PidMessage empty_message(const PidLayout& layout, const HidField& field) {
   PidMessage message{field.type, {}};
   message.bytes.resize(1 + layout.payload_bytes(field.type, field.report_id));
@@ -22,13 +22,13 @@ void set(PidMessage& message, const HidField& field, std::int64_t value) {
 
 void set(PidMessage& message, const PidChoice& choice) { set(message, choice.field, choice.value); }
 
-/// A value that HID takes for none: below the logical range, else all bits set [U].
+/// A value that HID defines as no value: below the logical range, else all bits set [U].
 std::int64_t null_value(const HidField& field) noexcept { return field.logical_min > 0 ? 0 : -1; }
 
-/// Seconds a count, or of a millisecond where it has no unit of time.
+/// Seconds for one count; a millisecond if the field has no unit of time.
 double seconds_a_count(const HidField& field) noexcept {
   constexpr double millisecond = 1e-3;
-  // Of the unit's digits the lowest is the system, the fourth the power of time; 1 is seconds.
+  // The lowest digit of the unit is the system, the fourth the power of time; 1 is seconds.
   constexpr std::uint32_t all_but_system = 0xFFFFFFF0U, seconds = 0x1000;
   if ((field.unit & all_but_system) != seconds) return millisecond;
   const double unit = std::pow(10.0, field.unit_exponent);
@@ -37,14 +37,15 @@ double seconds_a_count(const HidField& field) noexcept {
   return logical > 0 && physical > 0 ? unit * physical / logical : unit;
 }
 
-/// A part of a circle; the whole logical range is one. Whether its end is once around or one count
-/// less differs, by which a direction is off by less than a degree and a half.
+/// A fraction of a circle; the whole logical range is one circle. Devices differ in whether the end
+/// of the range is a full circle or one count less; the difference is less than a degree and a
+/// half.
 std::int64_t angle_value(const HidField& field, double turns) noexcept {
   const auto range = static_cast<double>(field.logical_max - field.logical_min);
   return field.logical_min + std::llround(turns * range);
 }
 
-/// The logical value nearest 0.
+/// The logical value that is nearest to 0.
 std::int64_t zero_value(const HidField& field) noexcept {
   return std::max(field.logical_min, std::min<std::int64_t>(field.logical_max, 0));
 }
@@ -54,7 +55,7 @@ void set_direction(const PidLayout& layout, std::size_t axis, PidMessage& messag
   const auto& effect = layout.set_effect;
   switch (effect.told) {
     case PidDirection::polar:
-      // As the kernel's driver does: no axis is enabled by itself then.
+      // As the kernel's driver does: no axis is then enabled individually.
       if (effect.direction_enable) set(message, *effect.direction_enable, 1);
       set(message, *effect.direction[0], angle_value(*effect.direction[0], turns[axis]));
       return;
@@ -122,7 +123,7 @@ bool take_pid_report(const PidLayout& layout, std::uint8_t id,
     if (value < field.logical_min || value > field.logical_max) return false;
     const auto range = static_cast<double>(field.logical_max - field.logical_min);
     const double place = 2 * static_cast<double>(value - field.logical_min) / range - 1;
-    // Y of HID grows towards the user.
+    // In HID, Y grows towards the user.
     next.deflection[axis] = axis == 1 ? -place : place;
     any = true;
   }
@@ -183,7 +184,7 @@ PidMessage pid_set_effect(const PidLayout& layout, PidBlock block, std::size_t a
   PidMessage message = empty_message(layout, effect.block);
   set(message, effect.block, block);
   set(message, effect.constant);
-  // All bits set is for ever.
+  // All bits set means without end.
   set(message, effect.duration, duration ? hid_time(effect.duration, *duration) : -1);
   if (effect.gain) set(message, *effect.gain, effect.gain->logical_max);
   if (effect.trigger_button) {
@@ -200,7 +201,7 @@ PidMessage pid_constant_force(const PidLayout& layout, PidBlock block, std::size
   set(message, layout.constant_force.block, block);
   const auto most = static_cast<double>(std::min(field.logical_max, -field.logical_min));
   const double part = std::isfinite(force) ? std::clamp(force, -1.0, 1.0) : 0;
-  // It comes from the right, or from the user's side.
+  // By convention it comes from the right, or from the user's side.
   const double magnitude = axis == 0 ? -part : part;
   set(message, field, std::llround(magnitude * most));
   return message;

@@ -15,7 +15,7 @@ namespace {
 
 constexpr HidUsage pid(std::uint16_t number) noexcept { return hid_usage(pid_usage_page, number); }
 
-/// Collections and fields of the page of force feedback.
+/// Collections and fields of the usage page of force feedback.
 namespace usages {
 constexpr HidUsage set_effect = pid(0x21);
 constexpr HidUsage block_index = pid(0x22);
@@ -46,22 +46,22 @@ constexpr HidUsage create_new_effect = pid(0xAB);
 constexpr std::uint16_t button_page = 0x09;
 constexpr std::uint16_t most_buttons = 32;
 
-/// The axes of a hand, on the page of the desktop.
+/// The axes of a hand, on the desktop usage page.
 constexpr std::array<HidUsage, 2> axis_usages{hid_usage(0x01, 0x30), hid_usage(0x01, 0x31)};
 
 constexpr HidUsage anywhere = 0;
 
-/// Something that constant force cannot do without.
+/// Something that constant force requires.
 struct Missing {
   const char* what;
 };
 
-/// Looks fields up by type of report, collection and usage.
+/// Finds fields by type of report, collection and usage.
 class Finder {
  public:
   explicit Finder(const HidDescriptor& descriptor) : descriptor_(descriptor) {}
 
-  /// One that finds fields of the same report alone.
+  /// A finder for fields of the same report only.
   [[nodiscard]] Finder beside(const HidField& field) const {
     Finder near(*this);
     near.report_ = HidReport{field.type, field.report_id, 0};
@@ -78,7 +78,7 @@ class Finder {
     });
   }
 
-  /// A usage that an array picks among others, or that is a bit.
+  /// A usage that an array selects among others, or that is a single bit.
   [[nodiscard]] std::optional<PidChoice> choice(Types types, HidUsage collection,
                                                 HidUsage usage) const {
     const auto place_in = [usage](const HidField& field) {
@@ -92,7 +92,7 @@ class Finder {
                      found->is_array ? found->logical_min + place_in(*found) : found->logical_max};
   }
 
-  /// The first field of a collection whatever its usage, or the one that has the collection's.
+  /// The first field of a collection with any usage, or the one that has the collection's usage.
   [[nodiscard]] std::optional<HidField> first_in(HidUsage collection, HidUsage inner) const {
     return first({HidReportType::output}, collection, [&](const HidField& field) {
       const bool is_inner = descriptor_.is_within(field, inner) || field.usages.front() == inner;
@@ -106,7 +106,7 @@ class Finder {
   }
 
  private:
-  /// Types in their order, and fields of a type in the descriptor's.
+  /// Types in their order, and the fields of a type in the descriptor's order.
   template <class Match>
   [[nodiscard]] std::optional<HidField> first(Types types, HidUsage collection,
                                               const Match& matches) const {
@@ -125,10 +125,10 @@ class Finder {
   }
 
   const HidDescriptor& descriptor_;
-  std::optional<HidReport> report_;  ///< nothing: any
+  std::optional<HidReport> report_;  ///< empty: any report
 };
 
-/// Takes what was found, or says what was not.
+/// Takes what was found, or records what was not.
 template <class Part>
 std::optional<Missing> take(Part& part, const std::optional<Part>& found, const char* what) {
   if (!found) return Missing{what};
@@ -136,7 +136,7 @@ std::optional<Missing> take(Part& part, const std::optional<Part>& found, const 
   return std::nullopt;
 }
 
-/// The first that is missing.
+/// The first part that is missing.
 std::optional<Missing> first_of(std::initializer_list<std::optional<Missing>> all) {
   for (const auto& missing : all) {
     if (missing) return missing;
@@ -208,7 +208,7 @@ std::optional<Missing> find_memory(const Finder& find, PidLayout& layout) {
               "an effect block index (usage 0x22) in its Block Load report (0x89)");
 }
 
-/// Positions and buttons, which are in input reports. False where there is no X.
+/// Positions and buttons, which are in input reports. False if there is no X.
 bool find_input(const HidDescriptor& descriptor, const Finder& find, PidLayout& layout) {
   const Finder::Types in{HidReportType::input};
   const auto usable = [](const std::optional<HidField>& field) {
@@ -232,7 +232,7 @@ bool find_input(const HidDescriptor& descriptor, const Finder& find, PidLayout& 
   return true;
 }
 
-/// How a direction can be told, and to how many axes. Of the ways the kernel's own goes first.
+/// Finds how a direction can be given, and for how many axes. The kernel's own method comes first.
 std::optional<Missing> find_directions(const Finder& find, PidLayout& layout,
                                        std::optional<PidDirection> wanted) {
   const Finder::Types out{HidReportType::output};
@@ -245,7 +245,8 @@ std::optional<Missing> find_directions(const Finder& find, PidLayout& layout,
   }
   const auto angle = near.first_in(usages::set_effect, usages::direction);
   const bool has_parts = effect.direction[0].has_value();
-  // A second axis that is measured and takes no force is no axis of the hand, as a wheel's pedal.
+  // A second axis that is measured but takes no force is no axis of the hand, such as a wheel's
+  // pedal.
   const bool second = find.has_collection(usages::axes_enable)
                           ? effect.axis_enable[1].has_value()
                           : (has_parts ? effect.direction[1] : angle).has_value();

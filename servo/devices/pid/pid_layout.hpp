@@ -14,27 +14,27 @@
 
 namespace spm::servo {
 
-/// How an effect is told along which axis it acts. Each axis has an effect of its own, so that a
-/// direction is told once and no more.
+/// How the axis along which an effect acts is given. Each axis has an effect of its own, so that
+/// its direction is sent only once.
 enum class PidDirection : std::uint8_t {
-  polar,      ///< an angle from the north, clockwise, as the kernel's driver tells it
-  cartesian,  ///< a part for each axis
-  axes,       ///< the axis is enabled, and no direction told
+  polar,      ///< an angle from the north, clockwise, as the kernel's driver sends it
+  cartesian,  ///< a component for each axis
+  axes,       ///< the axis is enabled, and no direction is sent
 };
 
 [[nodiscard]] const char* to_string(PidDirection direction) noexcept;
 [[nodiscard]] std::optional<PidDirection> find_pid_direction(std::string_view name) noexcept;
 
-/// One of the things that a device knows by name: a value of an array, or a bit of its own.
+/// A named command of a device: a value of an array, or a bit of its own.
 struct PidChoice {
   HidField field;
   std::int64_t value = 0;
 };
 
-/// Where a device of the PID class has what constant force takes.
+/// Where the reports of a device of the PID class have the fields that constant force needs.
 struct PidLayout {
-  /// Axes that have a place and take force: 1 (X, as a wheel), or 2 (X, Y). Z is a throttle on most
-  /// sticks, and no axis of a hand.
+  /// Number of axes that have a position and take force: 1 (X, as a wheel), or 2 (X, Y). Z is a
+  /// throttle on most sticks, and no axis of a hand.
   std::size_t axes = 1;
   std::array<HidField, 2> position;
   std::vector<HidField> buttons;  ///< button 1 first; 32 at most
@@ -59,22 +59,23 @@ struct PidLayout {
     HidField block;
     PidChoice success;
     std::optional<PidChoice> full;
-  } load;                                       ///< a feature report
-  std::optional<HidField> free_block, gain;     ///< gain: of the whole device
-  std::optional<PidChoice> reset, enable;       ///< of the device, and of its actuators
-  std::optional<HidField> device_managed_pool;  ///< a feature report: the device keeps the effects
+  } load;                                    ///< a feature report
+  std::optional<HidField> free_block, gain;  ///< gain: of the whole device
+  std::optional<PidChoice> reset, enable;    ///< of the device, and of its actuators
+  /// a feature report: whether the device manages the memory of effects
+  std::optional<HidField> device_managed_pool;
 
   bool has_ids = false;
   std::vector<HidReport> reports;
 
-  /// Bytes of a report without its id; 0 where there is none such.
+  /// Size of a report in bytes, without its id; 0 if there is no such report.
   [[nodiscard]] std::size_t payload_bytes(HidReportType type, std::uint8_t id) const noexcept;
 };
 
-/// Finds what constant force takes. `wanted` says how directions are to be told; without it polar
-/// where the descriptor has angles, cartesian where it has a part for each axis, else axes. Errors:
-/// a sentence that says what the descriptor lacks, and its usage. Usages are those of USB PID 1.0;
-/// how devices understand a direction is unverified [U].
+/// Finds the fields that constant force needs. `wanted` says how directions are to be given.
+/// Without it: polar if the descriptor has angles, cartesian if it has a component for each axis,
+/// else axes. Errors: a sentence that says what the descriptor lacks, with its usage. Usages are
+/// those of USB PID 1.0; how devices interpret a direction is unverified [U].
 [[nodiscard]] tl::expected<PidLayout, std::string> find_pid_layout(
     const HidDescriptor& descriptor, std::optional<PidDirection> wanted = {});
 

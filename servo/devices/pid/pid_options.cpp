@@ -13,11 +13,11 @@ namespace spm::servo {
 
 namespace {
 
-/// Far above any stick; a wheel's rim is not stronger either.
+/// N, far above any stick; the rim of a wheel is not stronger either.
 constexpr double largest_full_force = 500;  // N
 constexpr double largest_travel = 1;        // m
 
-/// What no haptic device may exceed, whoever made it.
+/// No haptic device may exceed this, whoever made it.
 constexpr double strongest_cap = device_profiles[0].force_cap;
 static_assert(device_profiles[0].name == "low");
 

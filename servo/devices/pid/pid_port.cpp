@@ -20,13 +20,14 @@ namespace {
 
 constexpr std::string_view name = "HID PID device";
 
-/// What a reset takes, and how long a device may be at an effect, differs; no source says [U].
+/// How long a reset takes, and how long a device may be busy with an effect, differs; no source
+/// says [U].
 constexpr std::chrono::milliseconds reset_wait{20};
 constexpr std::chrono::milliseconds load_wait{5};
 constexpr int load_attempts = 40;
 
-/// A device that does not answer so often is not asked for its report again: each question may
-/// take as long as the kernel's patience.
+/// After this many requests without an answer a device is no longer asked for its report: each
+/// request may take until the kernel's timeout.
 constexpr int most_unanswered = 3;
 
 bool is_pid(const HidDevice& device) {
@@ -86,7 +87,7 @@ Result<std::unique_ptr<PidPort>> PidPort::open(const PidOptions& options,
 }
 
 PidPort::~PidPort() {
-  // Where the device is gone these fail, and there is nothing left to stop.
+  // If the device is gone these fail, and there is nothing left to stop.
   for (const PidBlock block : effects_) {
     static_cast<void>(send_message(pid_stop(layout_, block)));
     const auto give_back = pid_free(layout_, block);
@@ -192,7 +193,7 @@ Received PidPort::ask(PidReport& report) {
     return Received::nothing;
   }
   unanswered_ = 0;
-  // Without ids, too, the first byte is that of the id here.
+  // Also without ids, the first byte here is the place of the id.
   const auto told = std::span<const std::uint8_t>(bytes).first(static_cast<std::size_t>(count));
   return take(layout_.has_ids ? told : told.subspan(1), report) ? Received::report
                                                                 : Received::nothing;
@@ -203,7 +204,7 @@ bool PidPort::send(const PidCommand& command) {
   const bool restart =
       watchdog_ && now - started_ns_ >= std::chrono::nanoseconds(pid_restart_after).count();
   for (std::size_t axis = 0; axis < effects_.size(); ++axis) {
-    // Each report takes a frame of the bus, so that what did not change is not told again.
+    // Each report takes a frame of the bus, so a force that did not change is not sent again.
     if (!restart && command.force[axis] == sent_[axis]) continue;
     if (!send_message(pid_constant_force(layout_, effects_[axis], axis, command.force[axis]))) {
       return false;

@@ -11,39 +11,40 @@
 #include <vector>
 
 #include "common/base/error.hpp"
+#include "servo/devices/base/port.hpp"
 #include "servo/devices/hid/hid_bus.hpp"
 #include "servo/devices/pid/pid_codec.hpp"
 #include "servo/devices/pid/pid_layout.hpp"
 #include "servo/devices/pid/pid_options.hpp"
-#include "servo/devices/base/port.hpp"
 
 namespace spm::servo {
 
-/// A stick that did not move may tell nothing, so that one that is quiet for so long is asked: as
-/// long as a low-speed device may be left between two reports.
+/// A stick that does not move may send nothing, so one that is quiet for this long is asked. It is
+/// the longest polling interval of a low-speed device.
 inline constexpr std::chrono::milliseconds pid_ask_after{10};
 
-/// The watchdog: effects end after the first of these unless they are started again, which happens
-/// in every second. That devices keep to a duration, and go on without a gap where an effect is
-/// started again, is what public firmware does; other firmware is unverified [U].
+/// The watchdog: effects end after the first of these times unless they are started again, which
+/// happens after every second one. That devices respect a duration, and go on without a gap when an
+/// effect is started again, is what public firmware does; other firmware is unverified [U].
 inline constexpr double pid_effect_seconds = 0.2;
 inline constexpr std::chrono::milliseconds pid_restart_after{50};
 
-/// A force feedback device of the HID PID class over hidraw, opened twice, once for each thread
-/// (HidHandle says why). The kernel's own driver of that class stays at it, and sends nothing
-/// unless a program asks it to.
+/// A force feedback device of the HID PID class over hidraw. It is opened twice, once for each
+/// thread (HidHandle says why). The kernel's own driver of that class stays bound to it, and sends
+/// nothing unless a program asks it to.
 class PidPort final : public Port<PidReport, PidCommand> {
  public:
-  /// Opens the first that the options allow and that nobody uses, resets it, and starts an effect
-  /// of constant force, 0, for each axis. Errors: file_or_device, not found, no permission, in use,
-  /// or an effect that it refuses; unsupported, a descriptor that lacks something, which is named.
+  /// Opens the first device that the options allow and that nobody uses, resets it, and starts an
+  /// effect of constant force, 0, for each axis. Errors: file_or_device, for not found, no
+  /// permission, in use, or an effect that the device refuses; unsupported, for a descriptor that
+  /// lacks something, which is named.
   [[nodiscard]] static Result<std::unique_ptr<PidPort>> open(const PidOptions& options,
                                                              const std::atomic<bool>& stop);
 
-  /// Stops its effects and gives their memory back.
+  /// Stops its effects and frees their memory.
   ~PidPort() override;
 
-  /// Gives all that the device told since it was opened, not the last report alone.
+  /// Returns everything that the device has reported since it was opened, not only the last report.
   [[nodiscard]] Received receive(PidReport& report) override;
   [[nodiscard]] bool send(const PidCommand& command) override;
 
@@ -72,14 +73,14 @@ class PidPort final : public Port<PidReport, PidCommand> {
   std::unique_ptr<HidHandle> reader_, writer_;
   bool watchdog_;
   PidReport told_;
-  int unanswered_ = 0;  ///< questions for a report
+  int unanswered_ = 0;  ///< requests for a report without an answer
   std::vector<PidBlock> effects_;
   std::array<double, 2> sent_{};
   std::int64_t started_ns_ = 0;
 };
 
-/// The report descriptor of a hidraw node, from /sys, where anybody may read it; empty where it is
-/// not there.
+/// The report descriptor of a hidraw node, from /sys, where anybody may read it. Empty if it is not
+/// there.
 [[nodiscard]] std::vector<std::uint8_t> hid_descriptor_of(const HidDevice& device);
 
 }  // namespace spm::servo

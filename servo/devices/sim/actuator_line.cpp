@@ -44,7 +44,7 @@ void ActuatorLine::arrive() noexcept {
 void ActuatorLine::command(const Vector3& force) noexcept {
   for (std::size_t i = 0; i < count_; ++i) pending_[(first_ + i) % pending_.size()].due -= 1;
   last_due_ -= 1;
-  // Both are drawn for every tick, so that one setting does not change the other's luck.
+  // Both are drawn in every tick, so that one setting does not change the other's random numbers.
   const double share = random_.between(0, 1);
   const double deviation = settings_.jitter > 0 ? random_.normal() * settings_.jitter : 0;
   if (share < settings_.lost_share) return;

@@ -58,8 +58,8 @@ DeviceSim::DeviceSim(const SimOptions& options)
     : options_(options),
       capabilities_(capabilities_of("sim", *find_device_profile(options.profile->name))),
       plant_(plant_of(options, 1e-3)) {
-  // What a real one could not render stably is to be tried here; and its hand goes wherever the
-  // scene's objects lie.
+  // The simulation is meant for stiffnesses that a real device could not render stably. Its hand
+  // goes wherever the scene's objects lie.
   capabilities_.stiffness_cap = std::numeric_limits<double>::infinity();
   capabilities_.workspace.setZero();
 }

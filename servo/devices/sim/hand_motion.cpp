@@ -58,7 +58,7 @@ bool HandMotion::turn_around() noexcept {
 Vector3 HandMotion::travel() noexcept {
   Vector3 at = position_;
   double left = step_;
-  // Points that lie on each other take no way; the bound keeps a tick finite.
+  // Points that coincide have no distance; the bound keeps a tick finite.
   for (std::size_t passed = 0; passed <= 2 * points_.size(); ++passed) {
     const Vector3 way = points_[heading_to_] - at;
     const double length = way.norm();

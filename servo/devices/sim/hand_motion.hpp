@@ -8,30 +8,32 @@
 
 namespace spm::servo {
 
-/// Speed that a hand's target never exceeds, m/s.
+/// Largest speed of a hand's target, m/s.
 inline constexpr double fastest_target = 1.0;
 
-/// Where a hand wants its tool, tick by tick; a function of the number of ticks alone. The target
+/// Where a hand wants its tool, tick by tick. It depends on the number of ticks alone. The target
 /// never jumps.
 class HandMotion {
  public:
   HandMotion() = default;
 
-  /// From the first point along the others at a speed (m/s), then back and forth for ever between
-  /// the last point and points[turn]. At least one point; `turn` below their number.
+  /// From the first point along the others at a speed (m/s), then back and forth without end
+  /// between the last point and points[turn]. At least one point; `turn` is below their number.
   [[nodiscard]] static HandMotion back_and_forth(std::vector<Vector3> points, std::size_t turn,
                                                  double speed, double period);
 
-  /// From a point straight to another at a speed (m/s), and there it stays.
+  /// From a point straight to another at a speed (m/s), where it stays.
   [[nodiscard]] static HandMotion press(const Vector3& from, const Vector3& to, double speed,
                                         double period);
 
-  /// One recorded position a tick, as fast as a target may go; stays at the last. At least one.
+  /// One recorded position a tick, no faster than a target may move; stays at the last. At least
+  /// one.
   [[nodiscard]] static HandMotion recorded(std::vector<Vector3> positions, double period);
 
   [[nodiscard]] const Vector3& start() const noexcept { return points_.front(); }
 
-  /// Ticks from the start to the end and back, about; those of the table for a recorded motion.
+  /// Approximate number of ticks from the start to the end and back; for a recorded motion the
+  /// length of its table.
   [[nodiscard]] std::size_t cycle_ticks() const noexcept;
 
   /// The target of the next tick.

@@ -17,25 +17,28 @@ constexpr double good_share = 0.9;    // of the worst second
 constexpr double longest_walk = 0.2;  // m
 constexpr std::size_t longest_trial = 12000;
 
-/// A slide that gets stuck before this length shows little; it counts as so much worse.
+/// A slide that gets stuck before this length shows little; its score is reduced by the penalty.
 constexpr double shortest_walk = 0.02;  // m
 constexpr double stuck_penalty = 0.2;
 
-/// A hand that wants more than this share of a wall's thickness is pushed out on its other side.
+/// A hand that wants to go deeper than this fraction of a wall's thickness is pushed out on the
+/// other side.
 constexpr double share_of_thickness = 0.35;
 
-/// Thickness that is looked for, in depths: a full press fits in it.
+/// The thickness to look for, in depths: a full press fits in it.
 constexpr double thickness_in_depths = 1 / share_of_thickness;
 
-/// How deep, in depths, the places must be firm in each round of the search: good places first.
+/// To which depth the places must be firm, as a fraction of the full depth, in each round of the
+/// search. Good places come first.
 constexpr double rounds[] = {1, 0.5, 0.25, 0.1, 0.05, 0};
 
 struct Plan {
   HandMotion motion;
-  double worth = -1;  ///< share of the worst second, less a penalty
+  double worth = -1;  ///< contact in the worst second, 0 to 1, less a penalty
 };
 
-/// An object as a hand comes to it: its asset, and how its frame and the hand's lie to each other.
+/// An object as the hand reaches it: its asset, and the transformation between its frame and the
+/// hand's.
 struct Reached {
   const AssetView& asset;
   Placement object, hand;
@@ -53,7 +56,7 @@ struct Reached {
   }
 };
 
-/// The hand's target below a touch.
+/// The hand's target below a touched place.
 Vector3 target_below(const Reached& reached, const Touch& touch) {
   const double limit = thickness_in_depths * reached.depth;
   const double thickness = thickness_below(reached.asset, reached.probe_radius, touch, limit);
@@ -78,7 +81,7 @@ HandMotion motion_from(const Reached& reached, const HandTask& task, const Touch
   return HandMotion::back_and_forth(std::move(points), 1, task.speed, task.plant.period);
 }
 
-/// How much a motion is worth to a task.
+/// The score of a motion for a task.
 double worth_of(std::span<const AssetView* const> assets, const HandTask& task,
                 const HandMotion& motion) {
   const std::size_t ticks = std::min(motion.cycle_ticks(), longest_trial);
@@ -89,7 +92,7 @@ double worth_of(std::span<const AssetView* const> assets, const HandTask& task,
   return share - (stuck ? stuck_penalty : 0);
 }
 
-/// Plans on one object, until a plan is good; `best` is the best of all so far.
+/// Plans on one object, until a plan is good. `best` is the best of all plans so far.
 void plan_on(std::span<const AssetView* const> assets, const HandTask& task, std::size_t which,
              Random& random, Plan& best) {
   const Reached reached(assets, task, which);

@@ -10,14 +10,15 @@ namespace spm::servo {
 
 namespace {
 
-/// m, about the origin: within it every pose is reached, and no leg is near its end.
+/// m, about the origin: every pose within it can be reached, and no leg is near its end.
 constexpr double falcon_reach = 0.04;
 constexpr double wooden_reach = 0.08;
 
-/// Share of the Falcon's mass that moves as the grip does; the rest turns with the thighs. Assumed.
+/// Fraction of the Falcon's mass that moves as the grip does; the rest turns with the thighs.
+/// Assumed.
 constexpr double falcon_grip_share = 0.4;
 
-/// kg m^2, of a motor's rotor and drum. Assumed, by motors of the size.
+/// kg m^2, of a motor's rotor and drum. Assumed from motors of that size.
 constexpr double wooden_rotor = 1.4e-5;
 
 constexpr double gradient_step = 1e-4;  // m
@@ -27,7 +28,8 @@ Vector3 within(const Vector3& position, double reach) noexcept {
   return distance > reach ? Vector3(position * (reach / distance)) : position;
 }
 
-/// J^T J of the thighs' turns over the tool's motion, 1/m^2: the mass of thighs of 1 kg m^2.
+/// J^T J of the thighs' rotation with respect to the tool's motion, 1/m^2: the mass of thighs of 1
+/// kg m^2.
 Eigen::Matrix3d falcon_thighs(const Vector3& position) noexcept {
   const auto angles = falcon_inverse(position);
   if (!angles) return Eigen::Matrix3d::Identity();  // never within the reach
@@ -35,7 +37,7 @@ Eigen::Matrix3d falcon_thighs(const Vector3& position) noexcept {
   return jacobian.transpose() * jacobian;
 }
 
-/// Transposed Jacobian of a point on an arm, m: from forces at it to torques of the joints.
+/// Transposed Jacobian of a point on an arm, m: from forces at the point to torques of the joints.
 Eigen::Matrix3d transposed_jacobian(const WoodenModel& model, const Vector3& angles) noexcept {
   Eigen::Matrix3d transposed;
   for (int axis = 0; axis < 3; ++axis) {
@@ -77,7 +79,7 @@ Eigen::Matrix3d falcon_mass(double mass, const Vector3& position) noexcept {
                  (1 - falcon_grip_share) / at_centre * falcon_thighs(position));
 }
 
-/// The arms weigh what the model says; the handle is what is left of the profile's mass, at least a
+/// The arms have the model's masses; the handle has the rest of the profile's mass, at least a
 /// fifth of it.
 Eigen::Matrix3d serial_mass(double mass, const Vector3& position) noexcept {
   static const double at_centre = wooden_arms(Vector3::Zero()).trace() / 3;

@@ -17,14 +17,15 @@ enum class MovingMass : std::uint8_t {
   serial_arm,  ///< a WoodenHaptics arm
 };
 
-/// The mass felt at the tool, kg, symmetric and positive definite; scaled by an assumed handle so
-/// that its mean over the directions is `mass` (kg, above 0) where the device's tool is at the
-/// origin. `position` in m, world frame; beyond the reach for which it is known, as at its edge.
+/// The mass felt at the tool, kg, symmetric and positive definite. It is scaled by an assumed
+/// handle so that, with the tool at the device's origin, its mean over the directions is `mass`
+/// (kg, above 0). `position` in m, world frame; outside the range for which the mass is known, it
+/// is the one at the edge of the range.
 [[nodiscard]] Eigen::Matrix3d mass_at(MovingMass kind, double mass,
                                       const Vector3& position) noexcept;
 
-/// The forces (N, on the tool) by which a mass that changes with the pose resists its own motion:
-/// minus the centrifugal and Coriolis terms of Lagrange's equations, so that energy is kept.
+/// The forces (N, on the tool) with which a mass that changes with the pose resists its own motion:
+/// minus the centrifugal and Coriolis terms of Lagrange's equations, so that energy is conserved.
 [[nodiscard]] Vector3 gyroscopic_force(MovingMass kind, double mass, const Vector3& position,
                                        const Vector3& velocity) noexcept;
 

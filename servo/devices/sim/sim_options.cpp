@@ -75,7 +75,7 @@ Result<void> set_hand_model(SimOptions& options, std::string_view value) {
   return {};
 }
 
-/// Sets a number without a unit, from 0 to the most.
+/// Sets a number without a unit, from 0 to the option's maximum.
 Result<void> set_number(double& target, const SimNumber& option, std::string_view value) {
   double number = 0;
   const char* end = value.data() + value.size();
@@ -88,7 +88,7 @@ Result<void> set_number(double& target, const SimNumber& option, std::string_vie
                            option.unit, option.most));
 }
 
-/// `device` needs the profile, which may come later: it is looked up when all is read.
+/// `device` needs the profile, which may come later in the text, so it is looked up at the end.
 Result<void> set_mass(bool& of_device, std::string_view value) {
   if (value != "constant" && value != "device") {
     return usage(fmt::format("mass '{}' is not known; it is constant or device", value));

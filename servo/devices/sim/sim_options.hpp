@@ -24,7 +24,7 @@ enum class HandKind : std::uint8_t {
 struct SimOptions {
   const SimProfile* profile = &sim_profiles[0];  ///< one of these
   HandKind hand = HandKind::slide;
-  std::string path;     ///< trajectory of a recorded hand, one row a tick
+  std::string path;     ///< trajectory of a recorded hand, one row for each tick
   double depth = 1e-3;  ///< m, above 0
   double speed = 0.04;  ///< m/s, above 0, at most fastest_target
   std::uint64_t seed = 1;
@@ -32,12 +32,13 @@ struct SimOptions {
   MovingMass mass = MovingMass::constant;
   double delay_ticks = 0;   ///< 0 to longest_delay
   double jitter_ticks = 0;  ///< 0 to longest_delay, standard deviation
-  double lost_share = 0;    ///< 0 to 1, of the ticks' forces
+  double lost_share = 0;    ///< 0 to 1, fraction of the ticks whose force is lost
   double noise = 0;         ///< m, 0 or more, standard deviation of a reading
 };
 
-/// Parses what follows `sim:`; the empty text gives the defaults. Errors: usage, an unknown key or
-/// word with the valid ones, a value out of range, a profile whose kinematics are not known.
+/// Parses the text after `sim:`; the empty text gives the defaults. Errors: usage, for an unknown
+/// key or word, with the valid ones, a value out of range, and a profile whose kinematics are not
+/// known.
 [[nodiscard]] Result<SimOptions> parse_sim_options(std::string_view text);
 
 }  // namespace spm::servo

@@ -11,16 +11,16 @@ namespace {
 
 constexpr int least_substeps = 20;
 constexpr double longest_substep = 50e-6;  // s
-constexpr int friction_rounds = 30;        // of Newton's method; four or so do
+constexpr int friction_rounds = 30;        // of Newton's method; about four are enough
 constexpr double friction_found = 1e-13;
 
-/// Seeds of the two sources of luck, so that one setting does not change the other's.
+/// Seeds of the two sources of random numbers, so that one setting does not change the other's.
 constexpr std::uint64_t noise_seed = 0x6E6F697365;
 
 }  // namespace
 
 int substeps_for(double period) noexcept {
-  // A hair less, so that 1 ms is 20 substeps in spite of rounding.
+  // Slightly reduced, so that 1 ms is 20 substeps in spite of rounding.
   return std::max(least_substeps, static_cast<int>(std::ceil(period / longest_substep - 1e-9)));
 }
 
@@ -86,7 +86,7 @@ PlantEnergy SimPlant::energy() const noexcept {
 
 void SimPlant::begin_tick() noexcept {
   if (settings_.mass == MovingMass::constant) return;
-  // Where the tool will be halfway through the tick: the mean of a mass that is held over it.
+  // Where the tool will be halfway through the tick: the mass is held at this value over the tick.
   const Vector3 halfway = position_ + velocity_ * (settings_.period / 2);
   mass_ = mass_at(settings_.mass, settings_.profile.mass, halfway);
   gyroscopic_ = gyroscopic_force(settings_.mass, settings_.profile.mass, halfway, velocity_);
@@ -96,17 +96,18 @@ void SimPlant::begin_tick() noexcept {
   principal_masses_ = solver.eigenvalues();
 }
 
-/// The velocity v for which A v + f v/|v| = `push`, where A is the mass over the substep plus
-/// `added` (N s/m) on each axis: Coulomb friction taken at the substep's end, so that it holds a
-/// tool still, and stops one, without ever turning it round.
+/// The velocity v that solves A v + f v/|v| = `push`. A is the mass over the substep, plus `added`
+/// (N s/m) on each axis. Coulomb friction is evaluated at the substep's end, so that it holds a
+/// tool at rest and stops a moving one, without ever reversing it.
 Vector3 SimPlant::rubbed(const Vector3& push, double added) const noexcept {
   const Vector3 along = mass_axes_.transpose() * push;
   const Eigen::Array3d weight = principal_masses_.array() / step_ + added;
   if (!(friction_ > 0)) return mass_axes_ * (along.array() / weight).matrix();
   const double size = along.norm();
   if (size <= friction_) return Vector3::Zero();
-  // The speed s solves |along / (s weight + f)| = 1; its inverse is nearly straight in s, so that
-  // Newton's method is there at once, exactly so where the mass is the same in all directions.
+  // The speed s solves |along / (s weight + f)| = 1. The inverse of this expression is almost
+  // linear in s, so that Newton's method converges at once, exactly so if the mass is the same in
+  // all directions.
   double speed = 0;
   for (int round = 0; round < friction_rounds; ++round) {
     const Eigen::Array3d each = weight * speed + friction_;
@@ -125,8 +126,8 @@ void SimPlant::substep(const Vector3& actuator, const HandTarget& wanted,
   const Moment before{position_, velocity_, arm_position_, arm_velocity_};
   const auto& [from, speed, arm_from, arm_speed] = before;
   const double damping = settings_.profile.damping;
-  // The implicit midpoint rule: each force is that of the mean of both ends of the substep. What
-  // the unknown end adds to it goes to the left, as `added` to the mass over the substep.
+  // The implicit midpoint rule: each force is taken at the mean of both ends of the substep. The
+  // contribution of the unknown end goes to the left side, as `added` to the mass over the substep.
   const double grip = hand_.grip_stiffness * step_ / 4 + hand_.grip_damping / 2;
   Vector3 push = mass_ * speed / step_ + actuator + gyroscopic_ - damping / 2 * speed;
   double added = damping / 2 + grip;
@@ -135,7 +136,7 @@ void SimPlant::substep(const Vector3& actuator, const HandTarget& wanted,
             grip * speed;
     velocity_ = rubbed(push, added);
   } else {
-    // The arm's own end is linear in the tool's: it is eliminated.
+    // The end of the arm depends linearly on that of the tool, so it is eliminated.
     const double lead = hand_.stiffness * step_ / 4 + hand_.damping / 2;
     const double arm_weight = hand_.arm_mass / step_ + lead + grip;
     const Vector3 stretch = hand_.grip_stiffness * (arm_from - from) + grip * (arm_speed - speed);
@@ -155,7 +156,7 @@ void SimPlant::substep(const Vector3& actuator, const HandTarget& wanted,
   account(before, actuator, rubbing, wanted, tick);
 }
 
-/// Adds what a substep did to the books, with the same means as moved the tool.
+/// Adds the energy of a substep to the sums, with the same means that moved the tool.
 void SimPlant::account(const Moment& before, const Vector3& actuator, const Vector3& rubbing,
                        const HandTarget& wanted, PlantTick& tick) const noexcept {
   const bool has_arm = hand_.arm_mass > 0;

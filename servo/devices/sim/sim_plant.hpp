@@ -5,11 +5,11 @@
 #include <cstdint>
 
 #include "common/base/vector.hpp"
+#include "servo/base/random.hpp"
 #include "servo/devices/sim/actuator_line.hpp"
 #include "servo/devices/sim/hand_model.hpp"
 #include "servo/devices/sim/moving_mass.hpp"
 #include "servo/devices/sim/sim_profile.hpp"
-#include "servo/base/random.hpp"
 
 namespace spm::servo {
 
@@ -20,27 +20,30 @@ struct PlantSettings {
   double period = 1e-3;  ///< s, of a tick
   HandModel hand = HandModel::arm;
   MovingMass mass = MovingMass::constant;
-  double delay_ticks = 0;     ///< 0 to longest_delay; a fraction acts within the tick
-  double jitter = 0;          ///< s, standard deviation of when a force arrives, never before its
-                              ///< reading and never out of order
-  double lost_share = 0;      ///< 0 to 1, of ticks whose force never arrives: the last one holds
-  double friction_scale = 1;  ///< of the profile's Coulomb friction
+  double delay_ticks = 0;  ///< 0 to longest_delay; a fraction acts within the tick
+  /// s, standard deviation of the time at which a force arrives; never before its reading and never
+  /// out of order
+  double jitter = 0;
+  /// 0 to 1, fraction of the ticks whose force never arrives: the last one holds
+  double lost_share = 0;
+  double friction_scale = 1;  ///< factor of the profile's Coulomb friction
   double encoder_step = -1;   ///< m; 0: none; below 0: the profile's
-  double noise = 0;           ///< m, standard deviation a tick and axis, before the encoder's step
+  double noise = 0;  ///< m, standard deviation for each tick and axis, before the encoder's step
   std::uint64_t seed = 1;
   int substeps = 20;  ///< a tick, at least 1; Coulomb friction and a lag need 20
 };
 
-/// Substeps that a tick of `period` s needs: at least 20, and none longer than 50 us.
+/// Number of substeps for a tick of `period` s: at least 20, and none longer than 50 us.
 [[nodiscard]] int substeps_for(double period) noexcept;
 
-/// What happened in a tick. Forces are means over it, of true forces; work is over true motion.
+/// What happened in a tick. Forces are means over the tick, of true forces; work is over the true
+/// motion.
 struct PlantTick {
   Vector3 hand_force = Vector3::Zero();      ///< N, of the hand on the tool
   Vector3 actuator_force = Vector3::Zero();  ///< N, of the actuators on the tool
   double work = 0;                           ///< J, of the actuators on the tool
   double hand_work = 0;                      ///< J, of the hand on the tool
-  double target_work = 0;  ///< J, that moving the target puts into the hand's springs and dampers
+  double target_work = 0;  ///< J, put into the hand's springs and dampers by moving the target
   double loss = 0;         ///< J, in the device's damping and friction
   double hand_loss = 0;    ///< J, in the hand's dampers
 };
@@ -51,18 +54,18 @@ struct PlantEnergy {
   double hand = 0;  ///< kinetic, of the arm, and of the hand's springs
 };
 
-/// A device's tool in a hand, integrated finer than the tick by the implicit midpoint rule, which
-/// keeps its books of energy exactly while the mass is constant. Coulomb friction sticks: a tool at
-/// rest stays until the other forces exceed it. No allocation after construction; the same settings
-/// and forces give the same ticks.
+/// A device's tool in a hand, integrated in substeps of a tick by the implicit midpoint rule, which
+/// conserves energy exactly while the mass is constant. Coulomb friction sticks: a tool at rest
+/// stays until the other forces exceed it. No allocation after construction. The same settings and
+/// forces give the same ticks.
 class SimPlant {
  public:
   explicit SimPlant(const PlantSettings& settings) noexcept;
 
-  /// Puts tool and arm at a place (m), the target there too; all at rest, no force on its way.
+  /// Puts tool, arm and target at a position (m), all at rest, with no force on its way.
   void place(const Vector3& position) noexcept;
 
-  /// The position as the encoders tell it, m: with the tick's noise, rounded to their step.
+  /// The position as the encoders read it, m: with the tick's noise, rounded to their step.
   [[nodiscard]] Vector3 measured_position() const noexcept;
 
   [[nodiscard]] const Vector3& position() const noexcept { return position_; }
@@ -72,22 +75,22 @@ class SimPlant {
   [[nodiscard]] PlantEnergy energy() const noexcept;
   [[nodiscard]] const PlantSettings& settings() const noexcept { return settings_; }
 
-  /// Goes on by one tick: `commanded` (N) answers the reading at its begin, and the target moves
-  /// evenly to where it is at its end.
+  /// Advances by one tick. `commanded` (N) answers the reading at the tick's beginning. The target
+  /// moves at constant speed to its position at the tick's end.
   PlantTick step(const Vector3& commanded, const HandTarget& target) noexcept;
 
-  /// The same, but the hand is as strong as it must be to take the tool evenly to a place (m) over
-  /// the tick; its force counts as the hand's, and there is no arm.
+  /// The same, but the hand is as strong as necessary to take the tool at constant speed to a
+  /// position (m) during the tick. Its force counts as the hand's, and there is no arm.
   PlantTick carry(const Vector3& commanded, const Vector3& to) noexcept;
 
  private:
-  /// The hand's springs and dampers; an absent part is 0.
+  /// The hand's springs and dampers; a part that is absent is 0.
   struct Hand {
     double grip_stiffness, grip_damping;  ///< N/m, N s/m, between the tool and the next
     double arm_mass, stiffness, damping;  ///< kg, N/m, N s/m, from the arm to the target
   };
 
-  /// How all moves at the begin of a substep.
+  /// The motion of all parts at the beginning of a substep.
   struct Moment {
     Vector3 position, velocity, arm_position, arm_velocity;
   };

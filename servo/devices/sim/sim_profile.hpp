@@ -8,8 +8,8 @@
 
 namespace spm::servo {
 
-/// A device with one moving mass, seen from its tool. Damping and friction are assumed: no data
-/// sheet gives them. All else is that of device_profile.hpp.
+/// A device with one moving mass, as it is at its tool. Damping and friction are assumed: no data
+/// sheet gives them. The other values are those of device_profile.hpp.
 struct SimProfile {
   std::string_view name;
   double mass;          ///< kg
@@ -20,7 +20,7 @@ struct SimProfile {
   double bandwidth;     ///< Hz, of the actuator, a first-order lag
 };
 
-/// A profile of device_profile.hpp with what a simulation needs beside it.
+/// A profile of device_profile.hpp, completed with what a simulation needs.
 [[nodiscard]] constexpr SimProfile sim_profile(const DeviceProfile& device, double damping,
                                                double friction) noexcept {
   return {device.name,         device.moving_mass, damping,         friction,

@@ -23,7 +23,7 @@ bool inside(const AssetView& asset, double probe_radius, const Vector3& point) {
          (answer.status == Status::exact && answer.distance < probe_radius);
 }
 
-/// Turns a tangent about the normal by an angle, and back into the tangent plane.
+/// Rotates a tangent about the normal by an angle, and projects it back into the tangent plane.
 Vector3 turned(const Vector3& heading, const Vector3& normal, double angle) {
   const Vector3 tangent = heading - heading.dot(normal) * normal;
   const double size = tangent.norm();
@@ -105,7 +105,7 @@ std::vector<Touch> walk(const AssetView& asset, const WalkSettings& settings, co
     const Touch& from = touches.back();
     std::optional<Touch> to;
     for (int attempt = 0; attempt < headings_tried && !to; ++attempt) {
-      // Straight on with a gentle wander; ever wilder where the way is barred.
+      // Straight on with small random turns; larger ones each time that the way is blocked.
       const double wildest = std::numbers::pi * (attempt + 0.03) / headings_tried;
       const Vector3 next = turned(heading, from.normal, random.between(-wildest, wildest));
       to = step_from(asset, settings, from, next);

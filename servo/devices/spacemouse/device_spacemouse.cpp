@@ -24,7 +24,7 @@ Result<void> DeviceSpaceMouse::open(const DeviceSetup& setup) {
     found_ = (*port)->device();
     return Opened(std::move(*port));
   };
-  // What the tool moves in one tick at the smallest deflection.
+  // How far the tool moves in one tick at the smallest deflection.
   capabilities_.encoder_step = options_.speed / spacemouse_full_deflection / setup.rate_hz;
   return threads_.start(open_port, setup.realtime);
 }
@@ -39,7 +39,7 @@ DeviceHealth DeviceSpaceMouse::read(DeviceState& state) noexcept {
     battery_percent_.store(mouse_.battery_percent, std::memory_order_relaxed);
   }
   const DeviceHealth now_health = health();
-  // A mouse that is gone moves nothing, and begins anew, at rest, when it is back.
+  // A mouse that is gone moves nothing. When it is back, it begins again at rest.
   if (now_health != DeviceHealth::ok) mouse_ = SpaceMouseState{};
   const std::int64_t now = now_ns();
   const double time = read_ns_ == 0 ? 0 : static_cast<double>(now - read_ns_) * 1e-9;
@@ -60,7 +60,7 @@ nlohmann::ordered_json DeviceSpaceMouse::describe() const {
                               {"serial", found_.serial},        {"speed_m_s", options_.speed},
                               {"turn_rad_s", options_.turn},    {"dead_zone", options_.dead_zone},
                               {"box_m", options_.box},          {"reopened", threads_.reopened()}};
-  // What it is sent is its light alone.
+  // Its only command is its light.
   json["latency_us"]["report_age"] = threads_.report_age().json_us();
   const std::string error = threads_.last_error();
   if (!error.empty()) json["last_error"] = error;

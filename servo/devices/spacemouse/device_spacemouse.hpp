@@ -7,19 +7,20 @@
 #include <nlohmann/json.hpp>
 
 #include "servo/devices/base/device.hpp"
-#include "servo/devices/hid/hid_bus.hpp"
 #include "servo/devices/base/port_threads.hpp"
+#include "servo/devices/hid/hid_bus.hpp"
 #include "servo/devices/spacemouse/spacemouse_motion.hpp"
 #include "servo/devices/spacemouse/spacemouse_options.hpp"
 #include "servo/devices/spacemouse/spacemouse_port.hpp"
 
 namespace spm::servo {
 
-/// A late tick moves the tool on by so much time at most, s.
+/// Longest time for which a late tick moves the tool, s.
 inline constexpr double spacemouse_longest_step = 0.02;
 
-/// A 3Dconnexion SpaceMouse: moves and turns a tool, and gives no force. Silence means that nothing
-/// changed, so that only its unplugging is told; the tool then stays. Not tried on a device [U].
+/// A 3Dconnexion SpaceMouse. It moves and rotates a tool, and gives no force. Silence means that
+/// nothing changed, so only unplugging it is a loss; the tool then stays where it is. Not tried on
+/// a device [U].
 class DeviceSpaceMouse final : public Device {
  public:
   explicit DeviceSpaceMouse(const SpaceMouseOptions& options);
@@ -44,8 +45,9 @@ class DeviceSpaceMouse final : public Device {
   std::int64_t read_ns_ = 0;
   std::atomic<int> battery_percent_{-1};
   mutable std::mutex found_mutex_;
-  HidDevice found_;                                          ///< the last one opened
-  PortThreads<SpaceMouseState, SpaceMouseCommand> threads_;  ///< last: its threads use the rest
+  HidDevice found_;  ///< the last one opened
+  /// last: its threads use the other members
+  PortThreads<SpaceMouseState, SpaceMouseCommand> threads_;
 };
 
 }  // namespace spm::servo

@@ -7,13 +7,13 @@
 
 namespace spm::servo {
 
-/// A tool that a SpaceMouse moves: its deflection is a velocity, so that it goes anywhere in the
-/// box about the origin, and stays where it is let go.
+/// A tool that a SpaceMouse moves. The deflection is a velocity, so that the tool can go anywhere
+/// in the box about the origin, and stays where it is when the mouse is released.
 class SpaceMouseMotion {
  public:
   explicit SpaceMouseMotion(const SpaceMouseOptions& options) noexcept : options_(options) {}
 
-  /// Moves on by a time, s, 0 or more; world frame.
+  /// Moves the tool for a time, s, 0 or more; world frame.
   void step(const SpaceMouseState& mouse, double time) noexcept;
 
   [[nodiscard]] const Vector3& position() const noexcept { return position_; }
@@ -25,8 +25,8 @@ class SpaceMouseMotion {
   Eigen::Quaterniond orientation_ = Eigen::Quaterniond::Identity();
 };
 
-/// A deflection of one axis, -1 to 1, without its dead zone: 0 within it, and from there evenly to
-/// full deflection, without a step.
+/// The deflection of one axis, -1 to 1, without its dead zone: 0 within the zone, and from there
+/// linear to full deflection, without a step.
 [[nodiscard]] double beyond_dead_zone(double deflection, double dead_zone) noexcept;
 
 }  // namespace spm::servo

@@ -21,8 +21,8 @@ struct SpaceMouseOptions {
 };
 static_assert(device_profiles[0].name == "low");
 
-/// Parses what follows `spacemouse:`; the empty text gives the defaults. Errors: usage, an unknown
-/// key with the valid ones, a value out of range.
+/// Parses the text after `spacemouse:`; the empty text gives the defaults. Errors: usage, for an
+/// unknown key, with the valid ones, and for a value out of range.
 [[nodiscard]] Result<SpaceMouseOptions> parse_spacemouse_options(std::string_view text);
 
 }  // namespace spm::servo

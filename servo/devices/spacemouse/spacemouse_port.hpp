@@ -5,29 +5,30 @@
 #include <utility>
 
 #include "common/base/error.hpp"
-#include "servo/devices/hid/hid_bus.hpp"
 #include "servo/devices/base/port.hpp"
+#include "servo/devices/hid/hid_bus.hpp"
 #include "servo/devices/spacemouse/spacemouse_options.hpp"
 #include "servo/devices/spacemouse/spacemouse_reports.hpp"
 
 namespace spm::servo {
 
-/// The light of a SpaceMouse, which says that it is in use.
+/// The light of a SpaceMouse, which shows that it is in use.
 struct SpaceMouseCommand {
   bool light = false;
 };
 
-/// A SpaceMouse over hidraw, opened twice, once for each thread (HidHandle says why). Other
+/// A SpaceMouse over hidraw. It is opened twice, once for each thread (HidHandle says why). Other
 /// programs may read it at the same time.
 class SpaceMousePort final : public Port<SpaceMouseState, SpaceMouseCommand> {
  public:
-  /// Opens the first that the options allow. Errors: file_or_device, not found or no permission.
+  /// Opens the first one that the options allow. Errors: file_or_device, for not found or no
+  /// permission.
   [[nodiscard]] static Result<std::unique_ptr<SpaceMousePort>> open(
       const SpaceMouseOptions& options);
 
-  /// Gives all that the mouse told since it was opened, not the last report alone.
+  /// Returns everything that the mouse has reported since it was opened, not only the last report.
   [[nodiscard]] Received receive(SpaceMouseState& state) override;
-  /// A mouse without a light is none the worse; a loss is told by `receive`.
+  /// A mouse without a light works as well; a loss is reported by `receive`.
   [[nodiscard]] bool send(const SpaceMouseCommand& command) override;
 
   [[nodiscard]] const HidDevice& device() const noexcept { return device_; }

@@ -10,7 +10,7 @@ namespace {
 
 constexpr std::uint8_t push_id = 1, twist_id = 2, buttons_id = 3, battery_id = 0x17;
 
-/// Three numbers of 16 bits, turned to the world's frame; full deflection is 1.
+/// Three numbers of 16 bits, converted to the world's frame; full deflection is 1.
 std::array<double, 3> axes(std::span<const std::uint8_t> bytes) noexcept {
   std::array<double, 3> device{};
   for (std::size_t i = 0; i < 3; ++i) {
@@ -29,7 +29,7 @@ bool take_spacemouse_report(std::span<const std::uint8_t> bytes, SpaceMouseState
   const auto payload = bytes.subspan(1);
   switch (bytes[0]) {
     case push_id:
-      // The length tells the layouts apart, not the product.
+      // The length distinguishes the layouts, not the product.
       if (payload.size() != 6 && payload.size() != 12) return false;
       state.push = axes(payload);
       if (payload.size() == 12) state.twist = axes(payload.subspan(6));

@@ -14,10 +14,11 @@ DeviceWooden::DeviceWooden(const WoodenOptions& options)
       capabilities_(capabilities_of("woodenhaptics", *find_device_profile("wooden"))),
       tracker_(options) {
   capabilities_.force_cap = wooden_force_cap(*options.model);
-  // The profile's box holds the arm's reach, but nobody says where it lies; the home pose, 0.2 m
-  // above the origin, is outside of one about that. The arm itself ends its workspace.
+  // The profile's box contains the arm's workspace, but no source says where it lies. It cannot be
+  // about the origin, because the home pose, 0.2 m above the origin, is outside such a box. The
+  // mechanics of the arm limit its workspace.
   capabilities_.workspace.setZero();
-  // The options may be made by hand, without a cap of their own.
+  // The options may be made without parsing, without a cap of their own.
   if (!(options_.force_cap > 0)) options_.force_cap = capabilities_.force_cap;
   capabilities_.force_cap = std::min(capabilities_.force_cap, options_.force_cap);
   tracker_ = WoodenTracker(options_);

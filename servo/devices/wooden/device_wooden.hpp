@@ -8,17 +8,17 @@
 #include <nlohmann/json.hpp>
 
 #include "servo/devices/base/device.hpp"
-#include "servo/devices/hid/hid_bus.hpp"
 #include "servo/devices/base/port_threads.hpp"
+#include "servo/devices/hid/hid_bus.hpp"
 #include "servo/devices/wooden/wooden_options.hpp"
 #include "servo/devices/wooden/wooden_port.hpp"
 #include "servo/devices/wooden/wooden_tracker.hpp"
 
 namespace spm::servo {
 
-/// A WoodenHaptics or other arm of its family over HID (V1, V2, V3): three motors, and a handle
-/// that some models measure. Written to the protocols that public hosts show; not tried on a device
-/// [U].
+/// A WoodenHaptics or another arm of its family over HID (V1, V2, V3): three motors, and a handle
+/// whose orientation some models measure. Written to the protocols that public hosts show; not
+/// tried on a device [U].
 class DeviceWooden final : public Device {
  public:
   using Threads = PortThreads<WoodenReport, WoodenCommand>;
@@ -27,7 +27,7 @@ class DeviceWooden final : public Device {
 
   /// Errors: those of WoodenPort::open.
   [[nodiscard]] Result<void> open(const DeviceSetup& setup) override;
-  /// As `open`, over connections that somebody else makes. Errors: theirs.
+  /// The same as `open`, with connections that the caller makes. Errors: theirs.
   [[nodiscard]] Result<void> start(Threads::Open open, RealtimeMode realtime);
   [[nodiscard]] const DeviceCapabilities& capabilities() const noexcept override {
     return capabilities_;
@@ -43,11 +43,11 @@ class DeviceWooden final : public Device {
   WoodenOptions options_;
   DeviceCapabilities capabilities_;
   WoodenTracker tracker_;
-  std::uint32_t connections_ = 0;  ///< by whoever opens
+  std::uint32_t connections_ = 0;  ///< counted by the thread that opens
   mutable std::mutex found_mutex_;
-  HidDevice found_;  ///< the last one opened, as is its protocol
+  HidDevice found_;  ///< the one opened last; the same for its protocol
   WoodenProtocol found_protocol_ = WoodenProtocol::v1;
-  Threads threads_;  ///< last: its threads use the rest
+  Threads threads_;  ///< last: its threads use the other members
 };
 
 }  // namespace spm::servo

@@ -13,12 +13,12 @@ namespace {
 constexpr double turn = 2 * std::numbers::pi;
 constexpr double standard_gravity = 9.80665;  // m/s^2
 
-/// Turns of a joint a turn of its motor.
+/// Turns of a joint for one turn of its motor.
 double gear(const WoodenModel& model, std::size_t joint) noexcept {
   return model.capstan[joint] / model.body[joint];
 }
 
-/// How far the tool is from the column's axis, m.
+/// Distance of the tool from the column's axis, m.
 double radius_at(const WoodenModel& model, const Vector3& angles) noexcept {
   return model.length[1] * std::sin(angles[1]) + model.length[2] * std::sin(angles[2]);
 }
@@ -67,8 +67,8 @@ std::optional<Vector3> wooden_inverse(const WoodenModel& model, const Vector3& p
   const double height = reached.z() - model.length[0];
   const double upper = model.length[1];
   const double lower = model.length[2];
-  // The lower arm's angle counts from below: seen from above it is `elbow` further than the
-  // upper's.
+  // The angle of the lower arm counts from below: seen from above, it is `elbow` larger than the
+  // upper arm's.
   const double cosine =
       (radius * radius + height * height - upper * upper - lower * lower) / (2 * upper * lower);
   if (!(std::abs(cosine) <= 1)) return std::nullopt;

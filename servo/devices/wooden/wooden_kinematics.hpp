@@ -11,21 +11,22 @@
 
 namespace spm::servo {
 
-/// One construction of the WoodenHaptics family with a serial arm: yaw A, upper arm B, lower arm C,
-/// the last two of a parallel linkage, so that both angles are absolute.
+/// One construction of the WoodenHaptics family with a serial arm: yaw A, upper arm B, lower arm C.
+/// B and C belong to a parallel linkage, so that both angles are absolute.
 struct WoodenModel {
   std::string_view name;
   std::array<double, 3> capstan;          ///< m, diameter of each motor's drum
-  std::array<double, 3> body;             ///< m, diameter of what it turns
+  std::array<double, 3> body;             ///< m, diameter of the body that it turns
   std::array<double, 3> length;           ///< m, column, upper arm, lower arm
-  std::array<double, 3> origin;           ///< m, taken off the position, device frame
+  std::array<double, 3> origin;           ///< m, subtracted from the position, device frame
   std::array<double, 3> torque_constant;  ///< N m / A of each motor
-  double full_scale_current;              ///< A, what the drives give at full scale
+  double full_scale_current;              ///< A, of the drives at full scale
   std::array<double, 3> counts_per_turn;  ///< of encoders A to C, at the motor
-  double gimbal_counts_per_turn;          ///< of encoders D to F; 0: it has none
-  std::array<double, 3> home;  ///< counts, in the joint's positive sense, where the counters are 0
-  double max_force;            ///< N
-  std::array<double, 2> mass;  ///< kg, upper and lower arm
+  double gimbal_counts_per_turn;          ///< of encoders D to F; 0: there are none
+  /// counts in the joint's positive direction, when the counters are 0
+  std::array<double, 3> home;
+  double max_force;                      ///< N
+  std::array<double, 2> mass;            ///< kg, upper and lower arm
   std::array<double, 2> centre_of_mass;  ///< m from its joint
 };
 
@@ -100,33 +101,35 @@ inline constexpr std::array<WoodenModel, 5> wooden_models{{
 
 /// The model of that name, or null.
 [[nodiscard]] const WoodenModel* find_wooden_model(std::string_view name) noexcept;
-/// The names of all models, a blank before each, for messages.
+/// The names of all models, each after a blank, for messages.
 [[nodiscard]] std::string wooden_model_names();
 
-/// How one arm counts and is wired. Public hosts disagree about the signs, which depend on the
-/// firmware and the wiring, so that each arm needs a check: move a joint, see which way it goes.
+/// How one arm counts and is wired. Public hosts disagree about the signs, which depend on firmware
+/// and wiring. Therefore each arm needs a check: move a joint and see which way it goes.
 struct WoodenCalibration {
-  std::array<double, 6> count_signs{1, 1, 1, 1, 1, 1};  ///< +1 or -1: joint over counter, A to F
-  std::array<double, 3> motor_signs{1, 1, 1};           ///< +1 or -1: current over torque
-  std::array<double, 3> home{0, 0, 0};                  ///< counts, as WoodenModel::home
+  /// +1 or -1: joint relative to counter, A to F
+  std::array<double, 6> count_signs{1, 1, 1, 1, 1, 1};
+  std::array<double, 3> motor_signs{1, 1, 1};  ///< +1 or -1: current relative to torque
+  std::array<double, 3> home{0, 0, 0};         ///< counts, as WoodenModel::home
 };
 
 /// From the device's frame (x out of the base along the arm at rest, y to its left, z up) to the
-/// world's (x to the right, y up, z towards the user).
-/// Assumed [U]: the base stands across from the user, and the arm reaches towards the user. No
-/// source says how it stands; an arm that stands otherwise is turned by the scene's workspace.
+/// world's (x to the right, y up, z towards the user). Assumed [U]: the base stands opposite the
+/// user, and the arm points towards the user. No source says how it stands. For an arm that stands
+/// otherwise, rotate the scene's workspace.
 inline const Eigen::Matrix3d wooden_to_world =
     (Eigen::Matrix3d() << 0, 1, 0, 0, 0, 1, 1, 0, 0).finished();
 
-/// Angles of the joints A, B, C in rad, from counters unwrapped.
+/// Angles of the joints A, B, C in rad, from unwrapped counters.
 [[nodiscard]] Vector3 wooden_angles(const WoodenModel& model, const WoodenCalibration& calibration,
                                     const std::array<std::int64_t, 3>& counts) noexcept;
 
 /// Position of the tool, m, device frame.
 [[nodiscard]] Vector3 wooden_position(const WoodenModel& model, const Vector3& angles) noexcept;
 
-/// Angles that bring the tool to a position, m, device frame; nothing where the arm does not reach
-/// it. Of the two ways the one with the lower arm's elbow up and the tool in front of the column.
+/// Angles that bring the tool to a position, m, device frame; nothing if the arm does not reach it.
+/// Of the two solutions it gives the one with the lower arm's elbow up and the tool in front of the
+/// column.
 [[nodiscard]] std::optional<Vector3> wooden_inverse(const WoodenModel& model,
                                                     const Vector3& position) noexcept;
 
@@ -134,22 +137,23 @@ inline const Eigen::Matrix3d wooden_to_world =
 [[nodiscard]] Vector3 wooden_torques(const WoodenModel& model, const Vector3& angles,
                                      const Vector3& force) noexcept;
 
-/// Energy of the arm's height, J: the two masses alone.
+/// Potential energy of the arm's two masses in gravity, J.
 [[nodiscard]] double wooden_height_energy(const WoodenModel& model, const Vector3& angles) noexcept;
 
-/// Torques of the joints, N m, that hold the arm's weight: the slope of wooden_height_energy. The
-/// term of the public hosts, switched off in all their tables, has another sign and angle for B;
-/// neither was tried on a device [U].
+/// Torques of the joints, N m, that hold the arm's weight: the gradient of wooden_height_energy.
+/// The term in public hosts, which is off in all their tables, has a different sign and angle for
+/// B; neither was tried on a device [U].
 [[nodiscard]] Vector3 wooden_gravity_torques(const WoodenModel& model,
                                              const Vector3& angles) noexcept;
 
-/// How the handle is turned, device frame: identity where the model has no encoders D to F.
-/// `gimbal`: counters D to F, the button taken off D. The order of the turns is of one variant [U].
+/// Orientation of the handle, device frame; identity if the model has no encoders D to F. `gimbal`:
+/// counters D to F, with the button removed from D. The order of the rotations is that of one
+/// variant [U].
 [[nodiscard]] Eigen::Quaterniond wooden_orientation(
     const WoodenModel& model, const WoodenCalibration& calibration, const Vector3& angles,
     const std::array<std::int16_t, 3>& gimbal) noexcept;
 
-/// Currents of the motors, mA, for torques of the joints, N m; each is clipped at `limit`, A.
+/// Currents of the motors, mA, for torques of the joints, N m. Each is limited to `limit`, A.
 [[nodiscard]] std::array<std::int16_t, 3> wooden_currents(const WoodenModel& model,
                                                           const WoodenCalibration& calibration,
                                                           const Vector3& torques,

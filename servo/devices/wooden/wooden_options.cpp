@@ -15,7 +15,7 @@ namespace spm::servo {
 
 namespace {
 
-/// The strongest drives that were built in give so much, A.
+/// A, of the strongest drives that were built in.
 constexpr double largest_current = 6;
 
 /// A counter has 16 bits.

@@ -13,12 +13,12 @@
 
 namespace spm::servo {
 
-/// Whether someone says that the arm stood in its home pose when its board got power, which is
-/// where its counters begin; the board cannot know.
+/// Whether the user confirms that the arm stood in its home pose when its board got power. The
+/// counters begin there, and the board cannot know.
 enum class WoodenHome : std::uint8_t {
-  unconfirmed,  ///< nobody does: V2 and V3 wait for the calibration button, V1 gives no force
-  once,         ///< it did before this start, and does not once it was unplugged
-  always,       ///< it does whenever it is plugged in, as on a rest that holds it there
+  unconfirmed,  ///< not confirmed: V2 and V3 wait for the calibration button, V1 gives no force
+  once,         ///< it did before this start; not valid any more after it was unplugged
+  always,       ///< it does whenever it is plugged in, for example on a rest that holds it there
 };
 
 [[nodiscard]] const char* to_string(WoodenHome home) noexcept;
@@ -28,31 +28,32 @@ enum class WoodenHome : std::uint8_t {
 /// current_limit=CURRENT,gravity=on|off,force_cap=FORCE`.
 struct WoodenOptions {
   const WoodenModel* model = find_wooden_model("woodenhaptics2016");
-  std::optional<WoodenProtocol> protocol;            ///< nothing: told from the device
+  std::optional<WoodenProtocol> protocol;            ///< empty: detected from the device
   std::string serial;                                ///< empty: any
   std::optional<std::array<double, 6>> count_signs;  ///< +1 or -1, encoders A to F
   std::optional<std::array<double, 3>> motor_signs;  ///< +1 or -1, motors A to C
-  std::optional<std::array<double, 3>> home;         ///< counts; nothing: the model's
+  std::optional<std::array<double, 3>> home;         ///< counts; empty: the model's
   WoodenHome home_confirmed = WoodenHome::unconfirmed;
   double full_scale_current = model->full_scale_current;  ///< A, as the board's drives are set
-  double current_limit = 2;  ///< A of one motor, at most full_scale_current
+  double current_limit = 2;  ///< A, for one motor, at most full_scale_current
   bool gravity = false;      ///< whether the motors hold the arm's weight
   double force_cap = 0;      ///< N, above 0, at most the profile's and the model's
 };
 
-/// Parses what follows `woodenhaptics:`; the empty text gives the defaults. Errors: usage, an
-/// unknown key or word with the valid ones, a value out of range.
+/// Parses the text after `woodenhaptics:`; the empty text gives the defaults. Errors: usage, for an
+/// unknown key or word, with the valid ones, and for a value out of range.
 [[nodiscard]] Result<WoodenOptions> parse_wooden_options(std::string_view text);
 
-/// Largest force that may be sent to a model, N: the lesser of the profile's and its own.
+/// Largest force that may be sent to a model, N: the smaller of the profile's and the model's.
 [[nodiscard]] double wooden_force_cap(const WoodenModel& model) noexcept;
 
-/// Signs and home for a protocol: those of the options, else what public hosts use with it. These
-/// disagree with one another, so that a new arm needs a check of each joint and motor [U].
+/// Signs and home for a protocol: those of the options, or else those that public hosts use with
+/// it. These disagree with one another, so that a new arm needs a check of each joint and motor
+/// [U].
 [[nodiscard]] WoodenCalibration wooden_calibration(const WoodenOptions& options,
                                                    WoodenProtocol protocol) noexcept;
 
-/// "+-+" for messages and reports.
+/// Text such as "+-+" for messages and reports.
 [[nodiscard]] std::string signs_text(const double* signs, std::size_t count);
 
 }  // namespace spm::servo

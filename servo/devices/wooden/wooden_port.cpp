@@ -16,19 +16,19 @@ namespace {
 
 constexpr std::string_view name = "WoodenHaptics";
 
-/// How long a first report is waited for; a V1 board sends one each millisecond or so.
+/// How long to wait for a first report; a V1 board sends about one each millisecond.
 constexpr std::chrono::milliseconds first_report_wait{100};
 constexpr std::chrono::milliseconds first_report_step{10};
 
-/// One byte more than the longest report, so that a longer one is not taken for it.
+/// One byte more than the longest report, so that a longer one can be recognised.
 using Buffer = std::array<std::uint8_t, longest_wooden_report + 1>;
 
 bool is_teensy(const HidDevice& device) noexcept {
   return DeviceIds{device.vendor, device.product} == wooden_teensy_ids;
 }
 
-/// Waits for a report of V1 or V2, in steps, so that a stop is heard. Gives the protocol, or the
-/// length of the last report, which fits neither: 0 where none came, -1 where the board is gone.
+/// Waits for a report of V1 or V2, in steps, so that `stop` is noticed. Returns the protocol, or
+/// the length of the last report, which fits neither: 0 if none came, -1 if the board is gone.
 std::variant<WoodenProtocol, int> told_by_report(HidHandle& reader, const std::atomic<bool>& stop) {
   Buffer buffer{};
   int seen = 0;
@@ -44,8 +44,8 @@ std::variant<WoodenProtocol, int> told_by_report(HidHandle& reader, const std::a
   return seen;
 }
 
-/// V1 or V2, by the length of a report. A quiet board can only be V2, as V1 sends unasked; it is
-/// then asked with a command without current.
+/// Detects V1 or V2 by the length of a report. V1 sends reports by itself, so a quiet board can
+/// only be V2; it is then sent a command without current.
 Result<WoodenProtocol> told_by_length(HidHandle& reader, const std::atomic<bool>& stop) {
   auto told = told_by_report(reader, stop);
   if (told == std::variant<WoodenProtocol, int>(0)) {

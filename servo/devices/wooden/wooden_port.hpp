@@ -9,25 +9,25 @@
 #include <string>
 
 #include "common/base/error.hpp"
-#include "servo/devices/hid/hid_bus.hpp"
 #include "servo/devices/base/port.hpp"
+#include "servo/devices/hid/hid_bus.hpp"
 #include "servo/devices/wooden/wooden_options.hpp"
 #include "servo/devices/wooden/wooden_reports.hpp"
 
 namespace spm::servo {
 
-/// How long a V2 or V3 board may be quiet before it is sent a command without current: it answers
-/// commands alone, so that a lost one would leave both sides waiting.
+/// How long a V2 or V3 board may be quiet before it is sent a command without current. It only
+/// answers commands, so that after a lost one both sides would wait.
 inline constexpr std::chrono::milliseconds wooden_kick_after{10};
 
 /// A WoodenHaptics board over hidraw. It is opened twice, once for each thread (HidHandle says
 /// why).
 class WoodenPort final : public Port<WoodenReport, WoodenCommand> {
  public:
-  /// Opens the first board that the options allow and that nobody uses. Without a protocol given it
-  /// is told from the ids and the length of the first report, which may take 0.2 s. `connection` is
-  /// put into each report. Errors: file_or_device, not found, no permission, in use, or a board
-  /// that says nothing that is known.
+  /// Opens the first board that the options allow and that nobody uses. If no protocol is given, it
+  /// is detected from the ids and the length of the first report, which may take 0.2 s.
+  /// `connection` is put into each report. Errors: file_or_device, for not found, no permission, in
+  /// use, or a board whose report is not known.
   [[nodiscard]] static Result<std::unique_ptr<WoodenPort>> open(const WoodenOptions& options,
                                                                 std::uint32_t connection,
                                                                 const std::atomic<bool>& stop);
@@ -53,8 +53,8 @@ class WoodenPort final : public Port<WoodenReport, WoodenCommand> {
   std::uint32_t connection_;
 };
 
-/// Whether a HID device is a board of the family that speaks the protocol, or any where none is
-/// given. The ids of V1 and V2 are no registered ones, so that name and usage are asked too.
+/// Whether a HID device is a board of the family that uses the protocol, or any protocol if none is
+/// given. The ids of V1 and V2 are not registered, so name and usage are checked too.
 [[nodiscard]] bool is_wooden_board(const HidDevice& device,
                                    std::optional<WoodenProtocol> protocol) noexcept;
 

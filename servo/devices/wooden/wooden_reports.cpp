@@ -8,11 +8,11 @@ namespace spm::servo {
 
 namespace {
 
-/// Above it the handle's button is pressed, and the count is this much more than it was.
+/// If the count is above this, the handle's button is pressed and has added this amount.
 constexpr std::int16_t pressed_above = 5000;
 constexpr std::int16_t pressed_adds = 10000;
 
-/// A report's numbers are of 16 bits, the lower byte first.
+/// The numbers in a report have 16 bits, the lower byte first.
 std::uint16_t word(std::span<const std::uint8_t> bytes, std::size_t index) noexcept {
   return static_cast<std::uint16_t>(bytes[2 * index] | (bytes[2 * index + 1] << 8));
 }
@@ -58,7 +58,7 @@ WoodenPacket::WoodenPacket(WoodenProtocol protocol, const WoodenCommand& command
     return;
   }
   if (protocol == WoodenProtocol::v1) return;
-  // The counts of D to F lie where the currents are else, those of A to C behind the command.
+  // The counts of D to F are in the place of the currents, those of A to C after the command.
   for (std::size_t i = 0; i < 3; ++i) put(i, command.counters[i + 3]);
   put(3, 1);
   for (std::size_t i = 0; i < 3; ++i) put(i + 4, command.counters[i]);
@@ -66,7 +66,7 @@ WoodenPacket::WoodenPacket(WoodenProtocol protocol, const WoodenCommand& command
 
 std::int16_t limited_milliamperes(double current, double limit) noexcept {
   if (!std::isfinite(current) || !(limit > 0)) return 0;
-  // Towards zero, so that rounding never exceeds the limit.
+  // Rounded towards zero, so that rounding never exceeds the limit.
   const double most = std::min(std::floor(limit * 1000), 32767.0);
   return static_cast<std::int16_t>(std::clamp(std::trunc(current * 1000), -most, most));
 }

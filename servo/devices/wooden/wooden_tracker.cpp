@@ -7,7 +7,7 @@ namespace spm::servo {
 
 namespace {
 
-/// A force held to a cap, its direction kept; none where it is not finite.
+/// A force limited to a cap, with its direction kept. Zero if it is not finite.
 Vector3 capped(const Vector3& force, double cap) noexcept {
   if (!force.allFinite()) return Vector3::Zero();
   const double size = force.norm();
@@ -71,7 +71,7 @@ void WoodenTracker::measure(const WoodenReport& report, std::int64_t came_ns) no
   angles_ = wooden_angles(*options_.model, calibration_, counts);
   const Vector3 before = state_.position;
   state_.position = wooden_to_world * wooden_position(*options_.model, angles_);
-  // The handle at rest is the tool unturned, in either frame.
+  // The handle at rest is the tool without rotation, in either frame.
   const Eigen::Quaterniond frame(wooden_to_world);
   const Eigen::Quaterniond turned =
       wooden_orientation(*options_.model, calibration_, angles_,
@@ -104,7 +104,8 @@ bool WoodenTracker::command(const Wrench& wrench, std::int64_t at_ns,
                             WoodenCommand& command) noexcept {
   command = WoodenCommand{};
   if (homing_ == Homing::clearing || homing_ == Homing::setting) {
-    // Sent again only when it was lost: each one sets the counters, wherever the arm is by then.
+    // Sent again only if it was lost, because each one sets the counters, wherever the arm is by
+    // then.
     if (set_sent_ && at_ns - set_ns_ <= wooden_silent_ns) return false;
     set_sent_ = true;
     set_ns_ = at_ns;

@@ -12,24 +12,26 @@
 
 namespace spm::servo {
 
-/// The board is silent when its newest report is older, ns. It should send one each millisecond;
-/// the public hosts start it again after so long.
+/// The board counts as silent if its newest report is older than this, ns. It is meant to send one
+/// each millisecond; the public hosts restart it after this time.
 inline constexpr std::int64_t wooden_silent_ns = 10'000'000;
 
-/// No hand moves the tool faster, m/s: what does is a wrong report, or a board that was reset.
+/// No hand moves the tool faster, m/s: a faster motion is a wrong report, or a board that was
+/// reset.
 inline constexpr double wooden_fastest = 3;
 
-/// Reports that a late thread gathered come closer together than the motion in them, s.
+/// Reports that a late thread collected arrive with less time between them than the motion in them
+/// took, s.
 inline constexpr double wooden_least_interval = 2e-3;
 
-/// From reports to a state, and from wrenches to commands: homing, unwrapping, kinematics and what
-/// makes a report implausible. Pure: times are given, nothing is sent.
+/// Turns reports into a state, and wrenches into commands: homing, unwrapping, kinematics, and the
+/// test for implausible reports. Pure: times are arguments, nothing is sent.
 ///
-/// Homing. Counters begin at 0 where the arm stood when its board got power. Force needs either the
-/// user's word that this was its home pose (WoodenHome), or, with V2 and V3, the calibration button
-/// pressed while the arm is held at home: the counters are then set to 0. A press from before the
-/// board was opened is cleared, and does not count, since the arm may have moved after it. The
-/// counters cannot have wrapped unseen: 16 bits are more than the joints' range.
+/// Homing: counters begin at 0 where the arm stood when its board got power. Force needs either the
+/// user's confirmation that this was the home pose (WoodenHome) or, with V2 and V3, the calibration
+/// button pressed while the arm is held at home; the counters are then set to 0. A press from
+/// before the board was opened is cleared and does not count, since the arm may have moved after
+/// it. The counters cannot have wrapped unnoticed: 16 bits cover more than the joints' range.
 class WoodenTracker {
  public:
   explicit WoodenTracker(const WoodenOptions& options) noexcept : options_(options) {}
@@ -40,19 +42,19 @@ class WoodenTracker {
   /// Whether the newest report can be trusted at a time.
   [[nodiscard]] DeviceHealth health(std::int64_t at_ns) const noexcept;
 
-  /// World frame; of the newest report.
+  /// The state by the newest report; world frame.
   [[nodiscard]] const DeviceState& state() const noexcept { return state_; }
 
-  /// What to send at a time for a wrench, whose torque no motor can give: currents, none unless the
-  /// health is ok; or new counters. False where nothing is to be sent, since new counters are on
-  /// their way.
+  /// What to send at a time for a wrench, whose torque no motor can give: either currents, which
+  /// are zero unless the health is ok, or new counters. False if nothing is to be sent because new
+  /// counters are on their way.
   [[nodiscard]] bool command(const Wrench& wrench, std::int64_t at_ns,
                              WoodenCommand& command) noexcept;
 
  private:
   enum class Homing : std::uint8_t {
     wanted,    ///< waits for the calibration button
-    clearing,  ///< takes back a press from before
+    clearing,  ///< clears a press from before
     setting,   ///< sets the counters to 0 after a press
     done
   };
@@ -72,7 +74,7 @@ class WoodenTracker {
   std::int64_t set_ns_ = 0;  ///< when new counters were last sent
   std::uint32_t connections_ = 0;
   Homing homing_ = Homing::wanted;
-  bool position_known_ = false;  ///< one to tell a jump from
+  bool position_known_ = false;  ///< whether there is a last position, to detect a jump
   bool plausible_ = true;
   bool set_sent_ = false;
 };

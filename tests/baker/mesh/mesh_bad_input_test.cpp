@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "baker/base/bake_error.hpp"
+#include "baker/mesh/load.hpp"
 #include "baker/mesh/mesh.hpp"
 #include "tests/baker/mesh/mesh_support.hpp"
 

@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "baker/mesh/load.hpp"
 #include "baker/mesh/mesh.hpp"
 #include "tests/baker/mesh/mesh_support.hpp"
 

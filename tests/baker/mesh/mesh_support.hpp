@@ -12,6 +12,7 @@
 #include <string_view>
 #include <vector>
 
+#include "baker/mesh/load.hpp"
 #include "baker/mesh/mesh.hpp"
 #include "tests/support/shapes.hpp"
 

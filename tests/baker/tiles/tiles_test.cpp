@@ -5,14 +5,16 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
-#include "tests/baker/pipeline/bake_support.hpp"
-#include "baker/tiles/clip_fit.hpp"
 #include "baker/base/random.hpp"
 #include "baker/proof/surface_proof.hpp"
 #include "baker/proof/tile_bins.hpp"
+#include "baker/proof/tile_proof.hpp"
+#include "baker/tiles/clip_fit.hpp"
 #include "baker/tiles/tile_fit.hpp"
 #include "common/query/query.hpp"
+#include "common/surface/closest_on_tile.hpp"
 #include "common/surface/support_plane_mapping.hpp"
+#include "tests/baker/pipeline/bake_support.hpp"
 
 namespace spm::baker {
 namespace {

@@ -7,8 +7,9 @@
 
 #include "baker/pipeline/bake.hpp"
 #include "common/base/units.hpp"
-#include "tests/bench/model/model.hpp"
+#include "formats/asset/asset_writer.hpp"
 #include "tests/bench/base/unwrap.hpp"
+#include "tests/bench/model/model.hpp"
 
 namespace spm::bench {
 

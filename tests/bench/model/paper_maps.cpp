@@ -5,9 +5,9 @@
 
 #include <utility>
 
+#include "baker/full/full.hpp"
 #include "baker/planes/hull.hpp"
 #include "baker/planes/planes.hpp"
-#include "baker/full/stages.hpp"
 #include "tests/bench/model/model.hpp"
 
 namespace spm::bench {

@@ -6,10 +6,11 @@
 #include <utility>
 
 #include "baker/base/bake_error.hpp"
-#include "tests/bench/model/float_mesh.hpp"
-#include "tests/bench/methods/methods.hpp"
+#include "baker/mesh/load.hpp"
 #include "tests/bench/base/temporary_folder.hpp"
 #include "tests/bench/base/thread_limit.hpp"
+#include "tests/bench/methods/methods.hpp"
+#include "tests/bench/model/float_mesh.hpp"
 
 namespace spm::bench {
 namespace {

@@ -7,13 +7,14 @@
 #include <utility>
 
 #include "baker/base/bake_error.hpp"
-#include "servo/force/contact_model.hpp"
+#include "baker/mesh/load.hpp"
 #include "formats/asset/mapped_asset.hpp"
-#include "tests/bench/model/baked_file.hpp"
-#include "tests/bench/model/paper_maps.hpp"
+#include "servo/force/contact_model.hpp"
 #include "tests/bench/base/temporary_folder.hpp"
 #include "tests/bench/base/thread_limit.hpp"
 #include "tests/bench/base/unwrap.hpp"
+#include "tests/bench/model/baked_file.hpp"
+#include "tests/bench/model/paper_maps.hpp"
 
 namespace spm::bench {
 namespace {

@@ -10,15 +10,16 @@
 #include <utility>
 
 #include "baker/base/bake_error.hpp"
+#include "baker/mesh/load.hpp"
 #include "common/base/units.hpp"
 #include "formats/motion/trajectory.hpp"
+#include "tests/bench/base/temporary_folder.hpp"
+#include "tests/bench/base/thread_limit.hpp"
+#include "tests/bench/base/unwrap.hpp"
+#include "tests/bench/methods/tick_methods.hpp"
 #include "tests/bench/model/baked_file.hpp"
 #include "tests/bench/model/bumpy_sphere.hpp"
 #include "tests/bench/model/paper_maps.hpp"
-#include "tests/bench/base/temporary_folder.hpp"
-#include "tests/bench/base/thread_limit.hpp"
-#include "tests/bench/methods/tick_methods.hpp"
-#include "tests/bench/base/unwrap.hpp"
 
 namespace spm::bench {
 namespace {

@@ -8,13 +8,14 @@
 #include <utility>
 
 #include "baker/base/bake_error.hpp"
-#include "tests/bench/methods/contestants.hpp"
-#include "tests/bench/methods/methods.hpp"
+#include "baker/mesh/load.hpp"
 #include "tests/bench/base/quantile.hpp"
-#include "tests/bench/model/query_sets.hpp"
 #include "tests/bench/base/temporary_folder.hpp"
 #include "tests/bench/base/thread_limit.hpp"
 #include "tests/bench/geometry/trilinear.hpp"
+#include "tests/bench/methods/contestants.hpp"
+#include "tests/bench/methods/methods.hpp"
+#include "tests/bench/model/query_sets.hpp"
 
 namespace spm::bench {
 namespace {

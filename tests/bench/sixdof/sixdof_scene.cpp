@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "baker/base/bake_error.hpp"
+#include "baker/mesh/load.hpp"
 #include "tests/bench/model/model.hpp"
 
 namespace spm::bench {

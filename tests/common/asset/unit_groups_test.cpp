@@ -8,10 +8,11 @@
 #include <limits>
 #include <vector>
 
-#include "tests/support/asset_by_hand.hpp"
+#include "common/index/unit_reaches.hpp"
+#include "common/surface/closest_on_tile.hpp"
 #include "common/surface/closest_on_triangle.hpp"
 #include "common/surface/support_plane_mapping.hpp"
-#include "common/index/unit_reaches.hpp"
+#include "tests/support/asset_by_hand.hpp"
 #include "tests/support/every_target.hpp"
 #include "tests/support/random.hpp"
 

@@ -5,10 +5,11 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
-#include "tests/support/asset_by_hand.hpp"
 #include "common/asset/cell_group.hpp"
+#include "common/surface/closest_on_tile.hpp"
 #include "common/surface/distance_map.hpp"
 #include "common/surface/support_plane_mapping.hpp"
+#include "tests/support/asset_by_hand.hpp"
 #include "tests/support/random.hpp"
 
 namespace spm {

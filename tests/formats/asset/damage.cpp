@@ -3,6 +3,7 @@
 
 #include <catch2/catch.hpp>
 
+#include "formats/asset/asset_writer.hpp"
 #include "formats/asset/mapped_asset.hpp"
 #include "tests/formats/support/exr_by_hand.hpp"
 #include "tests/formats/support/synthetic_asset.hpp"

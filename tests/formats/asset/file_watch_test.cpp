@@ -10,6 +10,7 @@
 #include <filesystem>
 
 #include "common/query/query.hpp"
+#include "formats/asset/asset_writer.hpp"
 #include "formats/asset/mapped_asset.hpp"
 #include "formats/files/sha256.hpp"
 #include "tests/formats/support/synthetic_asset.hpp"

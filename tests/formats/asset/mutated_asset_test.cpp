@@ -5,6 +5,7 @@
 
 #include "common/contact/force_law.hpp"
 #include "common/query/query.hpp"
+#include "formats/asset/asset_writer.hpp"
 #include "formats/asset/mapped_asset.hpp"
 #include "tests/formats/support/exr_by_hand.hpp"
 #include "tests/formats/support/synthetic_asset.hpp"

@@ -5,8 +5,9 @@
 #include <cstring>
 
 #include "common/query/query.hpp"
-#include "formats/exr/exr_layout.hpp"
+#include "formats/asset/asset_writer.hpp"
 #include "formats/asset/mapped_asset.hpp"
+#include "formats/exr/exr_layout.hpp"
 #include "formats/files/sha256.hpp"
 #include "tests/formats/support/exr_by_hand.hpp"
 #include "tests/formats/support/synthetic_asset.hpp"

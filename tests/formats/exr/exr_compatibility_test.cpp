@@ -13,6 +13,7 @@
 #include <nlohmann/json.hpp>
 
 #include "formats/asset/asset.hpp"
+#include "formats/asset/asset_writer.hpp"
 #include "formats/exr/exr_layout.hpp"
 #include "tests/formats/support/synthetic_asset.hpp"
 

@@ -7,6 +7,7 @@
 #include <csignal>
 
 #include "formats/asset/asset.hpp"
+#include "formats/asset/asset_writer.hpp"
 #include "formats/asset/mapped_asset.hpp"
 #include "formats/files/output_file.hpp"
 #include "tests/formats/support/synthetic_asset.hpp"

@@ -5,10 +5,11 @@
 #include <filesystem>
 #include <stdexcept>
 
-#include "common/surface/closest_on_triangle.hpp"
 #include "common/base/octahedral.hpp"
 #include "common/query/query.hpp"
+#include "common/surface/closest_on_triangle.hpp"
 #include "common/surface/support_plane_mapping.hpp"
+#include "formats/asset/asset_writer.hpp"
 #include "tests/support/triangle_tree.hpp"
 
 namespace spm::test {

@@ -15,6 +15,7 @@
 #include <utility>
 #include <vector>
 
+#include "baker/mesh/load.hpp"
 #include "baker/mesh/mesh.hpp"
 #include "servo/devices/sim/sim_plant.hpp"
 #include "tests/bench/model/known_meshes.hpp"

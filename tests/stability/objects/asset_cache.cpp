@@ -12,6 +12,7 @@
 #include <system_error>
 
 #include "baker/base/bake_error.hpp"
+#include "formats/asset/asset_writer.hpp"
 #include "formats/files/sha256.hpp"
 #include "tests/bench/base/unwrap.hpp"
 

@@ -10,11 +10,12 @@
 #include <utility>
 
 #include "baker/base/bake_error.hpp"
+#include "baker/mesh/load.hpp"
 #include "formats/files/sha256.hpp"
 #include "tests/baker/pipeline/bake_support.hpp"
 #include "tests/bench/geometry/distance_lattice.hpp"
-#include "tests/bench/model/known_meshes.hpp"
 #include "tests/bench/methods/methods.hpp"
+#include "tests/bench/model/known_meshes.hpp"
 #include "tests/bench/model/paper_maps.hpp"
 #include "tests/stability/objects/asset_cache.hpp"
 

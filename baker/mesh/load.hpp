@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "baker/mesh/mesh.hpp"
+
+namespace spm::baker {
+
+struct LoadOptions {
+  double unit = 1;
+  std::optional<double> fit_diagonal;  ///< m
+};
+
+/// Reads OBJ, PLY, STL or OFF. Fans polygons from their first vertex, merges equal points, drops
+/// zero-area and duplicated triangles, orients, stitches and turns inverted components, then
+/// scales. Throws BakeError: file_or_device, or invalid_input, which names file, place, cause and
+/// what to do.
+[[nodiscard]] Mesh load_mesh(const std::string& path, const LoadOptions& options);
+
+}  // namespace spm::baker
