@@ -102,8 +102,9 @@ class Marks(unittest.TestCase):
         self.assertEqual(lines("# A\n5 us\n## Measured\n5 us\n### B\n3 to 7 % more\n## C\n5 us\n"),
                          [4, 6])
         self.assertEqual(lines("# A\n16 MB\n1 N/mm, 2 mm, 2.5 N s/m\n", True), [2])
-        self.assertEqual(lines("# Measured\n| a | 5 |\n`5 us` [a](5 us) <!-- not measured -->5 us"
-                               "<!-- /not measured --> <!-- figure: 5 -->5<!-- /figure --> us\n"), [2])
+        self.assertEqual(lines("# Measured\n| a | 5 |\n`5 us` [a](5 us) "
+                               "<!-- not measured -->5 us<!-- /not measured --> <!-- figure: 5 -->5"
+                               "<!-- /figure --> us\n"), [2])
 
 
 if __name__ == "__main__":

@@ -100,7 +100,7 @@ def names_of(reports: dict[str, dict]) -> dict:
 
 
 def text_of(value, form: str) -> str:
-    """How a page shows a value: lines as a block, a number by the format or else as `number` does."""
+    """How a page shows a value: lines as a block, a number by the format, else as `number` does."""
     if isinstance(value, list):
         return "\n\n" + "\n".join(value) + "\n\n"
     if form:
@@ -153,9 +153,9 @@ def rendered(text: str, names: dict) -> str:
 
 
 def bare_figures(text: str, whole_page: bool) -> list[tuple[int, str]]:
-    """Lines with a figure by hand: a number with a unit, or a number in a table, outside marks. They
-    are looked for under headings with the word "measured", or on the whole page; code, and what
-    stands between `not measured` marks, is left out."""
+    """Lines with a figure by hand: a number with a unit, or a number in a table, outside marks.
+    They are looked for under headings with the word "measured", or on the whole page, there in text
+    only; code, and what stands between `not measured` marks, is left out."""
     for pattern in (MARK, NOT_MEASURED, CODE, re.compile(r"<!--.*?-->", re.DOTALL),
                     re.compile(r"`[^`]*`"), re.compile(r"\]\([^)]*\)")):
         text = blanked(text, pattern)

@@ -41,8 +41,8 @@ def measure(name: str, mesh: Path, tolerance: int, samples: int, folder: str, *f
     asset = os.path.join(folder, name + ".spm.exr")
     before = resource.getrusage(resource.RUSAGE_CHILDREN)
     begun = time.monotonic()
-    bake = run("build", mesh, "-o", asset, "--tolerance", f"{tolerance}um", "--max-depth", MAX_DEPTH,
-               "--margin", MARGIN, *fit)
+    bake = run("build", mesh, "-o", asset, "--tolerance", f"{tolerance}um",
+               "--max-depth", MAX_DEPTH, "--margin", MARGIN, *fit)
     seconds = time.monotonic() - begun
     after = resource.getrusage(resource.RUSAGE_CHILDREN)
     row = {"mesh": name, "tolerance_um": tolerance, "triangles": bake["mesh"]["triangles"],

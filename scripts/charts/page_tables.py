@@ -53,9 +53,9 @@ def made(reports: dict, *names: str) -> list[str]:
             continue
         what = reports[name]["made"]
         machine = what["machine"]
-        lines.append(f"- `{name}.json`: {machine['processor']}, "
-                     f"{machine['cores']} cores, {machine['system']}, {machine['compiler']}; commit "
-                     f"`{what['commit']}`, `{what['command']}`")
+        lines.append(f"- `{name}.json`: {machine['processor']}, {machine['cores']} cores, "
+                     f"{machine['system']}, {machine['compiler']}; commit `{what['commit']}`, "
+                     f"`{what['command']}`")
     return lines
 
 
@@ -84,7 +84,8 @@ def bakes_table(reports: dict) -> list[str]:
              f"{wrong(row['verify'])} / {wrong(row['verify']['adversarial'])}"]
             for row in reports["bakes"]["rows"] if "verify" in row]
     rows += [[*bake(row), *[""] * 5] for row in reports["bakes"]["rows"] if "verify" not in row]
-    return table(["mesh", "tolerance", "bytes", "mesh", "bake, processor time and memory", "fallback",
+    return table(["mesh", "tolerance", "bytes", "mesh", "bake, processor time and memory",
+                  "fallback",
                   "distance error p50 / p99 / p99.9 / max, um", "direction p50 / p99, deg",
                   "hard places: max, um", "wrong side or unanswered, places / hard places"], rows)
 
@@ -109,7 +110,8 @@ def methods_table(reports: dict) -> list[str]:
     rivals = (("triangle-grid", "cell 1 mm"), ("triangle-grid", "cell 600 um"),
               ("embree", "default"), ("dense-sdf", "cell 500 um"), ("openvdb", "voxel 500 um"),
               ("adaptive-sdf", "tolerance 200 um"))
-    return table(["mesh, tolerance", "`spm`", *(f"`{name}`, {setting}" for name, setting in rivals)],
+    head = ["mesh, tolerance", "`spm`", *(f"`{name}`, {setting}" for name, setting in rivals)]
+    return table(head,
                  [[f"{mesh['mesh']}, {mesh['tolerance_um']:g} um",
                    cell(mesh, "spm", own_row(methods, mesh["mesh"])["settings"]),
                    *(cell(mesh, *rival) for rival in rivals)] for mesh in methods["meshes"]])
@@ -119,10 +121,10 @@ def batch_table(reports: dict) -> list[str]:
     methods = reports["methods"]
 
     def cells(mesh: dict) -> list[str]:
-        own = own_row(methods, mesh["mesh"])
-        return [hot_and_random(find(methods["rows"], mesh=mesh["mesh"], method=method, settings=settings))
-                for method, settings in (("spm", own["settings"]), ("spm", own["settings"] + ", batch"),
-                                         ("spm-scalar", own["settings"]))]
+        settings = own_row(methods, mesh["mesh"])["settings"]
+        return [hot_and_random(find(methods["rows"], mesh=mesh["mesh"], method=method,
+                                    settings=settings + more))
+                for method, more in (("spm", ""), ("spm", ", batch"), ("spm-scalar", ""))]
 
     return table(["mesh", "a point a call", "many points a call", "a point a call, without SIMD"],
                  [[mesh["mesh"], *cells(mesh)] for mesh in methods["meshes"]])
@@ -159,10 +161,12 @@ def forces_table(reports: dict) -> list[str]:
 
     def cell(**wanted) -> str:
         row = find(rows, **wanted)
-        return (f"{number(100 * row['relative_difference'])} % / {row['excess_step_n']['p999']:.2f} N / "
+        return (f"{number(100 * row['relative_difference'])} % / "
+                f"{row['excess_step_n']['p999']:.2f} N / "
                 f"{row['excess_step_clear_n']['p999']:.2f} N") if row else ""
 
-    return table(["mesh", "method, probe", "recorded slide: difference / excess step / judged alone",
+    return table(["mesh", "method, probe",
+                  "recorded slide: difference / excess step / judged alone",
                   "walked: the same"],
                  [[mesh, name, *(cell(mesh=mesh, path=path, method=method, probe_radius_m=radius,
                                       turn_limit_rad_per_s=limit)
@@ -177,7 +181,8 @@ def sixdof_table(reports: dict) -> list[str]:
 
     return table(["method", "settings", "a tick p50 / p99, us", "ended coarser, %",
                   "force off, median / p95, %", "direction off, median / p95, deg"],
-                 [[f"`{row['method']}`", row["settings"], f"{row['p50_us']:.0f} / {row['p99_us']:.0f}",
+                 [[f"`{row['method']}`", row["settings"],
+                   f"{row['p50_us']:.0f} / {row['p99_us']:.0f}",
                    f"{100 * row['degraded']:.1f}", pair(row["force_error_percent"]),
                    pair(row["direction_error_deg"])] for row in reports["sixdof"]["rows"]])
 
@@ -203,7 +208,8 @@ def laboratory_table(reports: dict) -> list[str]:
         tried = [stable[fraction, method, *run] for run in runs
                  if all((fraction, other, *run) in stable
                         for other in (LABORATORY_METHODS if shared else (method,)))]
-        return f"{100 * sum(tried) / len(tried):.0f} %, {sum(tried)} of {len(tried)}" if tried else ""
+        good, count = sum(tried), len(tried)
+        return f"{100 * good / count:.0f} %, {good} of {count}" if tried else ""
 
     return table(["", *(f"`{method}`" for method in LABORATORY_METHODS)],
                  [[f"good at {fraction:g}, of the runs {which}",
