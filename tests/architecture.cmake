@@ -43,3 +43,6 @@ find_package(Python3 3.11 REQUIRED COMPONENTS Interpreter)
 add_test(NAME "The generated models are closed, outward and of the right volume"
          COMMAND ${Python3_EXECUTABLE} -B ${CMAKE_SOURCE_DIR}/models/generate.py --check
                  --out ${CMAKE_BINARY_DIR}/models)
+add_test(NAME "The figures on the pages are those of the JSON files"
+         COMMAND ${Python3_EXECUTABLE} -B ${CMAKE_CURRENT_LIST_DIR}/figures_test.py
+                 ${CMAKE_SOURCE_DIR})

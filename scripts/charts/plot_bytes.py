@@ -124,7 +124,7 @@ def limits_of(report: dict) -> dict:
 
 
 def draw_key(axes, report: dict) -> None:
-    machine = report["machine"]
+    machine = report["made"]["machine"]
     voxels = sorted({row["setting_um"] for row in report["rows"] if row["method"] == "openvdb"},
                     reverse=True)
     lines = [

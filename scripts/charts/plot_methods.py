@@ -133,7 +133,7 @@ def limits_of(report: dict) -> dict:
 def draw_key(axes, report: dict) -> None:
     axes.set_xlim(0, 1)
     axes.set_ylim(0, 1)
-    machine = report["machine"]
+    machine = report["made"]["machine"]
     model = report["meshes"][0]
     lines = [
         ("How to read it", "#222222", "bold"),

@@ -3,10 +3,12 @@
 
 #include <embree3/rtcore_config.h>
 #include <openvdb/version.h>
+#include <sys/utsname.h>
 #include <unistd.h>
 
 #include <cstddef>
 #include <cstdint>
+#include <filesystem>
 #include <fstream>
 #include <string>
 #include <thread>
@@ -29,7 +31,22 @@ std::string value_of(const char* file, const std::string& key, char separator) {
   return {};
 }
 
-}  // namespace
+std::string kernel() {
+  utsname names{};
+  return uname(&names) == 0 ? std::string(names.sysname) + " " + names.release : std::string();
+}
+
+/// The words of this process's command line. A word that is a path keeps its last part only.
+std::string command() {
+  std::ifstream stream("/proc/self/cmdline");
+  std::string text;
+  for (std::string word; std::getline(stream, word, '\0');) {
+    if (!text.empty()) text += ' ';
+    text += word.find('/') == std::string::npos ? word
+                                                : std::filesystem::path(word).filename().string();
+  }
+  return text;
+}
 
 nlohmann::ordered_json machine_json() {
   nlohmann::ordered_json json;
@@ -38,12 +55,19 @@ nlohmann::ordered_json machine_json() {
   json["memory_bytes"] = static_cast<std::uint64_t>(sysconf(_SC_PHYS_PAGES)) *
                          static_cast<std::uint64_t>(sysconf(_SC_PAGE_SIZE));
   json["system"] = value_of("/etc/os-release", "PRETTY_NAME", '=');
+  json["kernel"] = kernel();
   json["compiler"] = "g++ " __VERSION__;
   json["build"] = SPM_BUILD_TYPE;
   json["embree"] = RTC_VERSION_STRING;
   json["openvdb"] = OPENVDB_LIBRARY_VERSION_STRING;
   json["spm"] = SPM_VERSION;
   return json;
+}
+
+}  // namespace
+
+nlohmann::ordered_json made_json() {
+  return {{"machine", machine_json()}, {"command", command()}};
 }
 
 }  // namespace spm::bench

@@ -5,8 +5,9 @@
 
 namespace spm::bench {
 
-/// What the figures were measured on: processor, cores, memory, system, compiler, libraries.
-/// Nothing that names the machine, its user or its folders.
-[[nodiscard]] nlohmann::ordered_json machine_json();
+/// What made the figures, for the key `made` of a report: `machine` (processor, cores, memory,
+/// system, kernel, compiler, libraries) and `command` (this process's own, paths without their
+/// folders). Nothing that names the machine, its user or its folders.
+[[nodiscard]] nlohmann::ordered_json made_json();
 
 }  // namespace spm::bench

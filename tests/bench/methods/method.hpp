@@ -19,6 +19,7 @@ struct MethodFacts {
   double setting = 0;       ///< m: the tolerance or cell that was asked for; 0 where there is none
   std::uint64_t bytes = 0;  ///< of memory that a query may read
   double build_seconds = 0;
+  double open_seconds = 0;  ///< to open the file and derive its index; 0 where there is none
 };
 
 /// A way to answer signed distance and outward normal near a surface, ready to be asked. Immutable;

@@ -35,6 +35,7 @@ class Spm : public Method {
     facts_.setting = file.tolerance;
     facts_.bytes = counted == CountedBytes::file ? file.bytes : spm_query_memory(asset_.get());
     facts_.build_seconds = file.seconds;
+    facts_.open_seconds = file.open_seconds;
   }
 
   [[nodiscard]] Answer query(const Vector3& point) const noexcept override {

@@ -15,7 +15,8 @@ struct BakedFile {
   std::string settings;  ///< for a person, such as "tolerance 100 um"
   double tolerance = 0;  ///< m
   std::uint64_t bytes = 0;
-  double seconds = 0;  ///< to bake and write it
+  double seconds = 0;       ///< to bake and write it
+  double open_seconds = 0;  ///< to open it; set by who opens it
 };
 
 /// What a bake is asked for; metres.

@@ -72,7 +72,7 @@ void append_comparison(const ComparisonRow& row, std::string& text) {
 
 Json to_json(const BytesReport& report) {
   Json json;
-  json["machine"] = machine_json();
+  json["made"] = made_json();
   json["band_m"] = bench_band.max_depth;
   json["margin_m"] = bench_band.margin;
   json["diagonal_m"] = bench_diagonal;

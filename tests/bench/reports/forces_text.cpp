@@ -109,7 +109,7 @@ void append_path(const PathRow& path, const ForcesReport& report, std::string& t
 
 Json to_json(const ForcesReport& report, const ForcesPlan& plan) {
   Json json;
-  json["machine"] = machine_json();
+  json["made"] = made_json();
   json["stiffness_n_per_m"] = plan.stiffness;
   json["walked_depth_m"] = plan.depth;
   json["walked_speed_m_per_s"] = walked_speed;

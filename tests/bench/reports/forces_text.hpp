@@ -8,7 +8,7 @@
 
 namespace spm::bench {
 
-/// `machine`, what was asked for, `paths`, `rows`, `failures`; forces in N.
+/// `made`, what was asked for, `paths`, `rows`, `failures`; forces in N.
 [[nodiscard]] nlohmann::ordered_json to_json(const ForcesReport& report, const ForcesPlan& plan);
 
 /// A table a path.

@@ -34,6 +34,7 @@ Json facts_json(const std::string& model, const MethodFacts& facts) {
   json["setting_um"] = facts.setting > 0 ? Json(facts.setting * micro) : Json();
   json["bytes"] = facts.bytes;
   json["build_seconds"] = facts.build_seconds;
+  if (facts.open_seconds > 0) json["open_seconds"] = facts.open_seconds;
   return json;
 }
 

@@ -62,7 +62,7 @@ void append_row(const TableRow& row, std::string& text) {
 
 Json to_json(const TablesReport& report) {
   Json json;
-  json["machine"] = machine_json();
+  json["made"] = made_json();
   json["rows"] = Json::array();
   json["growth"] = Json::array();
   for (const TableRow& row : report.rows) json["rows"].push_back(row_json(row));

@@ -8,7 +8,7 @@
 
 namespace spm::bench {
 
-/// `machine`, `rows`, `growth`, `failures`; times in us.
+/// `made`, `rows`, `growth`, `failures`; times in us.
 [[nodiscard]] nlohmann::ordered_json to_json(const TablesReport& report);
 
 /// The three tables.

@@ -124,8 +124,10 @@ class Race {
     tolerances.erase(std::unique(tolerances.begin(), tolerances.end()), tolerances.end());
     for (const double tolerance : tolerances) {
       attempt("spm", [&] {
-        const BakedFile file = bake_sparse(model_.mesh, {model_.band, tolerance}, folder_.path());
+        BakedFile file = bake_sparse(model_.mesh, {model_.band, tolerance}, folder_.path());
+        const Clock::time_point start = Clock::now();
         const QueryAsset asset = open_query_asset(file.path);
+        file.open_seconds = seconds_since(start);
         methods_.push_back(make_spm(file, asset, CountedBytes::memory));
         if (tolerance != model_.tolerance) return;
         methods_.push_back(make_spm_batch(file, asset));

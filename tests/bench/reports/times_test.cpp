@@ -149,7 +149,7 @@ TEST_CASE("Ratios compare each rival with the product at the mesh's own toleranc
   add("spm", 100e-6, 200);
   add("embree", 0, 500);
   const nlohmann::ordered_json json = to_json(report, {});
-  for (const char* key : {"machine", "meshes", "rows", "probe_rows", "ratios", "failures"}) {
+  for (const char* key : {"made", "meshes", "rows", "probe_rows", "ratios", "failures"}) {
     CHECK(json.contains(key));
   }
   REQUIRE(json["ratios"].size() == 1);

@@ -91,7 +91,7 @@ void append_probe(const ProbeRow& row, std::string& text) {
 
 Json to_json(const TimesReport& report, const TimesPlan& plan) {
   Json json;
-  json["machine"] = machine_json();
+  json["made"] = made_json();
   json["band_m"] = bench_band.max_depth;
   json["margin_m"] = bench_band.margin;
   json["diagonal_m"] = bench_diagonal;

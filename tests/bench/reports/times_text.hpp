@@ -8,7 +8,7 @@
 
 namespace spm::bench {
 
-/// `machine`, `meshes`, `rows`, `probe_rows`, `ratios`, `failures`; lengths in um, times in ns.
+/// `made`, `meshes`, `rows`, `probe_rows`, `ratios`, `failures`; lengths in um, times in ns.
 [[nodiscard]] nlohmann::ordered_json to_json(const TimesReport& report, const TimesPlan& plan);
 
 /// A table a mesh.

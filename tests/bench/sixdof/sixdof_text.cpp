@@ -81,7 +81,7 @@ void append_culling(const SixdofReport& report, std::string& text) {
 
 Json to_json(const SixdofReport& report) {
   Json json;
-  json["machine"] = machine_json();
+  json["made"] = made_json();
   json["tool"] = {{"mesh", report.tool}, {"triangles", report.tool_triangles}};
   json["object"] = {{"mesh", report.object}, {"triangles", report.object_triangles}};
   json["ticks"] = report.ticks;

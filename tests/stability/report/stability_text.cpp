@@ -214,7 +214,7 @@ void append_targets(const StabilityReport& report, std::string& text) {
 
 Json to_json(const StabilityReport& report, const StabilityPlan& plan) {
   Json json;
-  json["machine"] = bench::machine_json();
+  json["made"] = bench::made_json();
   json["seed"] = plan.seed;
   json["fractions"] = plan.fractions;
   json["border_share"] = plan.border_share;

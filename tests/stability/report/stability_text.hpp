@@ -8,7 +8,7 @@
 
 namespace spm::stability {
 
-/// `machine`, `catalogue`, `flat_borders`, `cases`, `borders`, `energies`, `theory`, `loops`,
+/// `made`, `catalogue`, `flat_borders`, `cases`, `borders`, `energies`, `theory`, `loops`,
 /// `maps`, `costs`, `idle`, `targets`, `worst`, `failures`; SI units.
 [[nodiscard]] nlohmann::ordered_json to_json(const StabilityReport& report,
                                              const StabilityPlan& plan);

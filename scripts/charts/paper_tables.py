@@ -1,8 +1,5 @@
-#!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Writes what `spm-bench tables --json` measured as Markdown: the paper's Tables 1 to 3."""
-
-import sys
+"""What `spm-bench tables --json` measured as Markdown: the paper's Tables 1 to 3."""
 
 from chart_io import report_of
 from markdown_table import table
@@ -71,19 +68,10 @@ def growth_lines(report: dict, over: str) -> list[str]:
     return lines + table(head, body)
 
 
-def main() -> int:
-    report = report_of(__doc__, "tables")
-    machine = report["machine"]
-    lines = ["# The paper's tables, measured", "",
-             f"`spm-bench tables` on one pinned core of: {machine['processor']}, {machine['system']}, "
-             f"{machine['compiler']}. What the rows mean: [README](../README.md#tables).", "",
-             "## Table 1: growth, measured on a bumpy sphere"]
+def paper_tables(report: dict) -> list[str]:
+    """Lines from the heading of Table 1 on."""
+    lines = ["## Table 1: growth, measured on a bumpy sphere"]
     lines += growth_lines(report, "triangles") + growth_lines(report, "planes")
     for which in SLIDES:
         lines += slide_lines(report, which)
-    print("\n".join(lines))
-    return 0
-
-
-if __name__ == "__main__":
-    sys.exit(main())
+    return lines

@@ -1,12 +1,8 @@
-#!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Writes what `spm-bench stability --json` measured as Markdown: flat borders, targets, the cases
-against the methods, the largest good stiffness, the theory check, static loops, costs and how idle
+"""What `spm-bench stability --json` measured as Markdown: flat borders, targets, the cases against
+the methods, the largest good stiffness, the theory check, static loops, costs and how idle
 cures are."""
 
-import sys
-
-from chart_io import report_of
 from markdown_table import table
 from stability_rows import methods_of, names_of, themes_of, verdict_of
 
@@ -184,17 +180,9 @@ def idle_lines(report: dict) -> list[str]:
                            for device in devices)] for method in methods_of(report["idle"])])]
 
 
-def main() -> int:
-    report = report_of(__doc__, "stability", "cases")
-    lines = ["# Where methods fail, measured", "",
-             "`spm-bench stability`: the cases, the judges and the profiles are told in "
-             "[the laboratory's page](../../stability/README.md).", ""]
-    lines += flat_lines(report) + target_lines(report) + failing_lines(report)
+def stability_tables(report: dict) -> list[str]:
+    """Every table of the laboratory, each under its heading."""
+    lines = flat_lines(report) + target_lines(report) + failing_lines(report)
     lines += verdict_lines(report) + border_lines(report) + theory_lines(report)
     lines += loop_lines(report) + cost_lines(report) + idle_lines(report)
-    print("\n".join(lines).rstrip())
-    return 0
-
-
-if __name__ == "__main__":
-    sys.exit(main())
+    return "\n".join(lines).rstrip().split("\n")

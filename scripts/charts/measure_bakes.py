@@ -1,0 +1,83 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
+"""Bakes the meshes of the README's table with spm-bake and verifies each asset, and prints one JSON
+object. SPM_BIN names the folder of the built programs, SPM_SHARED that of the shared meshes."""
+
+import argparse
+import json
+import os
+import resource
+import shutil
+import subprocess
+import sys
+import tempfile
+import time
+from pathlib import Path
+
+SOURCE = Path(__file__).resolve().parents[2]
+BAKE = Path(os.environ.get("SPM_BIN", SOURCE / "build/release/bin")) / "spm-bake"
+MESHES = Path(os.environ.get("SPM_SHARED", SOURCE / "../shared")) / "meshes"
+DIAGONAL, MAX_DEPTH, MARGIN = "100mm", "2mm", "0.5mm"
+TOLERANCES = {"duck": 100, "spot": 100, "fandisk": 20, "rocker-arm": 100, "teeth": 50,
+              "stanford-bunny": 100, "galleon": 100}  # um
+QUICK = {"duck": 400}
+PICTURED = ("teeth", "galleon")
+ROUGH_TRIANGLES, ROUGH_TOLERANCE = 1_000_000, 100
+
+
+def run(*command) -> dict:
+    done = subprocess.run([BAKE, *map(str, command), "--json"], capture_output=True, text=True,
+                          check=False)
+    if done.returncode != 0:
+        sys.exit(f"spm-bake {command[0]} {Path(command[1]).name} ended with {done.returncode}: "
+                 f"{done.stderr.strip()}")
+    return json.loads(done.stdout)
+
+
+def measure(name: str, mesh: Path, tolerance: int, samples: int, folder: str, *fit: str) -> dict:
+    """One row: what `build` and `verify` report, and the processor time of the bake; `verify` draws
+    into a folder named like the mesh."""
+    print(f"{name} at {tolerance} um", file=sys.stderr, flush=True)
+    asset = os.path.join(folder, name + ".spm.exr")
+    before = resource.getrusage(resource.RUSAGE_CHILDREN)
+    begun = time.monotonic()
+    bake = run("build", mesh, "-o", asset, "--tolerance", f"{tolerance}um",
+               "--max-depth", MAX_DEPTH, "--margin", MARGIN, *fit)
+    seconds = time.monotonic() - begun
+    after = resource.getrusage(resource.RUSAGE_CHILDREN)
+    row = {"mesh": name, "tolerance_um": tolerance, "triangles": bake["mesh"]["triangles"],
+           "vertices": bake["mesh"]["vertices"], "bytes": bake["bytes"],
+           "bake_seconds": seconds, "bake_processor_seconds": after.ru_utime + after.ru_stime -
+           before.ru_utime - before.ru_stime, "bake_peak_rss_bytes": bake["peak_rss_bytes"]}
+    if samples:
+        pictures = ("--png", os.path.join(folder, name)) if name in PICTURED else ()
+        row["verify"] = run("verify", asset, mesh, "--samples", samples, *pictures)
+    return row
+
+
+def main() -> int:
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--quick", action="store_true", help="one mesh, coarse, few samples")
+    parser.add_argument("--pictures", type=Path, metavar="DIR",
+                        help="keeps MESH-surface.png and MESH-error-worst.png of two meshes there")
+    arguments = parser.parse_args()
+    samples = 20_000 if arguments.quick else 1_000_000
+    with tempfile.TemporaryDirectory(prefix="spm-bakes-") as folder:
+        rows = [measure(name, MESHES / (name + ".obj"), tolerance, samples, folder,
+                        "--fit-diagonal", DIAGONAL)
+                for name, tolerance in (QUICK if arguments.quick else TOLERANCES).items()]
+        if not arguments.quick:
+            rough = Path(folder) / "rough.obj"
+            subprocess.run([sys.executable, SOURCE / "models/rough.py", rough, "--triangles",
+                            str(ROUGH_TRIANGLES)], check=True, stdout=sys.stderr)
+            rows.append(measure("rough", rough, ROUGH_TOLERANCE, 0, folder))
+        for name in PICTURED if arguments.pictures else ():
+            for picture in ("surface.png", "error-worst.png"):
+                if (drawn := Path(folder) / name / picture).exists():
+                    shutil.copy(drawn, arguments.pictures / f"{name}-{picture}")
+    print(json.dumps({"rows": rows}))
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,252 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Tables that stand on the project's pages, each a function from the JSON files under
+tests/bench/charts, by their names, to lines of Markdown."""
+
+import math
+from typing import Iterable
+
+from markdown_table import table
+from paper_tables import paper_tables
+from stability_tables import failing_lines, stability_tables, target_lines, theory_lines
+
+FORCE_METHODS = (("spm", 0, None, "`spm`, point, turns not limited"),
+                 ("spm", 0, 120, "`spm`, point, as served: turns of at most 120 rad/s"),
+                 ("paper", 0, None, "`paper`, point"), ("proxy", 0, None, "`proxy`, point"),
+                 ("proxy", 0.0005, None, "`proxy`, ball of 0.5 mm"))
+NOT_MEASURED = "Not measured yet for this version: `scripts/measure` writes it."
+LABORATORY_METHODS = ("paper", "distance-field", "exact-penalty", "mesh-proxy", "spm", "proxy",
+                      "default")
+
+
+def number(value: float) -> str:
+    """Two significant digits, and from 100 on all before the point."""
+    if isinstance(value, int) or abs(value) >= 99.5 or value == 0:
+        return f"{value:,.0f}"
+    magnitude = math.floor(math.log10(abs(float(f"{value:.1e}"))))
+    return f"{value:.{max(0, 1 - magnitude)}f}"
+
+
+def span(values: Iterable[float]) -> str:
+    """From the least to the largest, once where they look the same."""
+    ordered = sorted(values)
+    return " to ".join(dict.fromkeys((number(ordered[0]), number(ordered[-1]))))
+
+
+def kilobytes(count: float) -> str:
+    return f"{count / 1e3:,.0f} kB"
+
+
+def megabytes(count: float) -> str:
+    return f"{number(count / 1e6)} MB"
+
+
+def find(rows: list[dict], **wanted) -> dict | None:
+    return next((row for row in rows if all(row[key] == value for key, value in wanted.items())),
+                None)
+
+
+def made(reports: dict, *names: str) -> list[str]:
+    """Where the figures of some reports come from: one line each."""
+    lines = []
+    for name in names:
+        if name not in reports:
+            continue
+        what = reports[name]["made"]
+        machine = what["machine"]
+        lines.append(f"- `{name}.json`: {machine['processor']}, {machine['cores']} cores, "
+                     f"{machine['system']}, {machine['compiler']}; commit `{what['commit']}`, "
+                     f"`{what['command']}`")
+    return lines
+
+
+def bakes_table(reports: dict) -> list[str]:
+    if "bakes" not in reports:
+        return [NOT_MEASURED]
+
+    def errors(row: dict) -> str:
+        found = row["verify"]["distance_error_um"]
+        return " / ".join(f"{found[key]:.{digits}f}" for key, digits in
+                          (("p50", 1), ("p99", 0), ("p999", 0), ("max", 0)))
+
+    def wrong(of: dict) -> int:
+        return round(of["samples"] * (sum(of["misclassified"].values()) + of["unanswered"]))
+
+    def bake(row: dict) -> list[str]:
+        mesh = find(reports["bytes"]["rows"], mesh=row["mesh"], method="raw-mesh")
+        return [row["mesh"], f"{row['tolerance_um']:g} um", kilobytes(row["bytes"]),
+                kilobytes(mesh["bytes"]) if mesh else "", f"{row['bake_processor_seconds']:.0f} s, "
+                f"{megabytes(row['bake_peak_rss_bytes'])}"]
+
+    rows = [[*bake(row), f"{100 * row['verify']['fallback_answers']:.0f} %", errors(row),
+             f"{row['verify']['direction_error_deg']['p50']:.2f} / "
+             f"{row['verify']['direction_error_deg']['p99']:.1f}",
+             f"{row['verify']['adversarial']['distance_error_um']['max']:.0f}",
+             f"{wrong(row['verify'])} / {wrong(row['verify']['adversarial'])}"]
+            for row in reports["bakes"]["rows"] if "verify" in row]
+    rows += [[*bake(row), *[""] * 5] for row in reports["bakes"]["rows"] if "verify" not in row]
+    return table(["mesh", "tolerance", "bytes", "mesh", "bake, processor time and memory",
+                  "fallback",
+                  "distance error p50 / p99 / p99.9 / max, um", "direction p50 / p99, deg",
+                  "hard places: max, um", "wrong side or unanswered, places / hard places"], rows)
+
+
+def own_row(methods: dict, mesh: str) -> dict:
+    """The row of `spm` at the mesh's own tolerance."""
+    tolerance = find(methods["meshes"], mesh=mesh)["tolerance_um"]
+    return find(methods["rows"], mesh=mesh, method="spm", settings=f"tolerance {tolerance:g} um")
+
+
+def hot_and_random(row: dict | None) -> str:
+    return f"{row['ns']['hot']:,.0f} / {row['ns']['random']:,.0f}" if row else ""
+
+
+def methods_table(reports: dict) -> list[str]:
+    methods = reports["methods"]
+
+    def cell(mesh: dict, method: str, settings: str) -> str:
+        row = find(methods["rows"], mesh=mesh["mesh"], method=method, settings=settings)
+        return f"{hot_and_random(row)} ({megabytes(row['bytes'])})" if row else ""
+
+    rivals = (("triangle-grid", "cell 1 mm"), ("triangle-grid", "cell 600 um"),
+              ("embree", "default"), ("dense-sdf", "cell 500 um"), ("openvdb", "voxel 500 um"),
+              ("adaptive-sdf", "tolerance 200 um"))
+    head = ["mesh, tolerance", "`spm`", *(f"`{name}`, {setting}" for name, setting in rivals)]
+    return table(head,
+                 [[f"{mesh['mesh']}, {mesh['tolerance_um']:g} um",
+                   cell(mesh, "spm", own_row(methods, mesh["mesh"])["settings"]),
+                   *(cell(mesh, *rival) for rival in rivals)] for mesh in methods["meshes"]])
+
+
+def batch_table(reports: dict) -> list[str]:
+    methods = reports["methods"]
+
+    def cells(mesh: dict) -> list[str]:
+        settings = own_row(methods, mesh["mesh"])["settings"]
+        return [hot_and_random(find(methods["rows"], mesh=mesh["mesh"], method=method,
+                                    settings=settings + more))
+                for method, more in (("spm", ""), ("spm", ", batch"), ("spm-scalar", ""))]
+
+    return table(["mesh", "a point a call", "many points a call", "a point a call, without SIMD"],
+                 [[mesh["mesh"], *cells(mesh)] for mesh in methods["meshes"]])
+
+
+def probes_table(reports: dict) -> list[str]:
+    rows = reports["methods"]["probe_rows"]
+    names = list(dict.fromkeys(row["method"] for row in rows))
+    return table(["mesh", *(f"`{name}`" for name in names)],
+                 [[mesh, *(f"{row['ns']['hot']:,.0f}" if (row := find(rows, mesh=mesh, method=name))
+                           else "" for name in names)]
+                  for mesh in dict.fromkeys(row["mesh"] for row in rows)])
+
+
+def accuracy_table(reports: dict) -> list[str]:
+    """What `spm` answers with the index, as served, at each tolerance that was measured."""
+    rows = [row for row in reports["methods"]["rows"]
+            if row["method"] == "spm" and not row["settings"].endswith("batch")]
+    opened = "open_seconds" in rows[0]  # older reports have no such key
+
+    def cells(row: dict) -> list[str]:
+        return [row["mesh"], f"{row['setting_um']:g} um",
+                f"{row['depth_error_um']['p99']:.0f} / {row['depth_error_um']['max']:.0f}",
+                f"{number(100 * row['unanswered'])} %", f"{number(100 * row['misclassified'])} %",
+                megabytes(row["bytes"]), *([f"{row['open_seconds']:.1f} s"] if opened else [])]
+
+    return table(["mesh", "baked to", "distance error p99 / max, um", "unanswered",
+                  "wrong side, of places farther than the mesh's tolerance", "file and index",
+                  *(["opened in"] if opened else [])], [cells(row) for row in rows])
+
+
+def forces_table(reports: dict) -> list[str]:
+    rows = reports["forces"]["rows"]
+
+    def cell(**wanted) -> str:
+        row = find(rows, **wanted)
+        return (f"{number(100 * row['relative_difference'])} % / "
+                f"{row['excess_step_n']['p999']:.2f} N / "
+                f"{row['excess_step_clear_n']['p999']:.2f} N") if row else ""
+
+    return table(["mesh", "method, probe",
+                  "recorded slide: difference / excess step / judged alone",
+                  "walked: the same"],
+                 [[mesh, name, *(cell(mesh=mesh, path=path, method=method, probe_radius_m=radius,
+                                      turn_limit_rad_per_s=limit)
+                                 for path in ("recorded", "walked"))]
+                  for mesh in dict.fromkeys(row["mesh"] for row in rows)
+                  for method, radius, limit, name in FORCE_METHODS])
+
+
+def sixdof_table(reports: dict) -> list[str]:
+    def pair(of: dict | None) -> str:
+        return f"{number(of['median'])} / {number(of['p95'])}" if of else ""
+
+    return table(["method", "settings", "a tick p50 / p99, us", "ended coarser, %",
+                  "force off, median / p95, %", "direction off, median / p95, deg"],
+                 [[f"`{row['method']}`", row["settings"],
+                   f"{row['p50_us']:.0f} / {row['p99_us']:.0f}",
+                   f"{100 * row['degraded']:.1f}", pair(row["force_error_percent"]),
+                   pair(row["direction_error_deg"])] for row in reports["sixdof"]["rows"]])
+
+
+def culling_table(reports: dict) -> list[str]:
+    return table(["scene", "objects", "pairs whose axis-aligned boxes meet",
+                  "separated by oriented boxes", "by support planes", "us a pair"],
+                 [[row["scene"], f"{row['objects']:,}", f"{row['after_aabb']:,}",
+                   f"{100 * row['rejected_obb']:.0f} %", f"{100 * row['rejected_spm']:.0f} %",
+                   f"{row['obb_ns'] / 1e3:.2f} / {row['spm_ns'] / 1e3:.2f}"]
+                  for row in reports["sixdof"]["culling"]])
+
+
+def laboratory_table(reports: dict) -> list[str]:
+    """How many runs each method holds: of all it was tried in, and of those that all were tried in,
+    where the shares have one denominator."""
+    cases = reports["stability"]["cases"]
+    stable = {(row["fraction"], row["method"], row["case"], row["device"]): row["stable"]
+              for row in cases}
+    runs = dict.fromkeys((row["case"], row["device"]) for row in cases)
+
+    def cell(method: str, fraction: float, shared: bool) -> str:
+        tried = [stable[fraction, method, *run] for run in runs
+                 if all((fraction, other, *run) in stable
+                        for other in (LABORATORY_METHODS if shared else (method,)))]
+        good, count = sum(tried), len(tried)
+        return f"{100 * good / count:.0f} %, {good} of {count}" if tried else ""
+
+    return table(["", *(f"`{method}`" for method in LABORATORY_METHODS)],
+                 [[f"good at {fraction:g}, of the runs {which}",
+                   *(cell(method, fraction, shared) for method in LABORATORY_METHODS)]
+                  for fraction in reports["stability"]["fractions"]
+                  for which, shared in (("it had", False), ("that all had", True))])
+
+
+def costs_table(reports: dict) -> list[str]:
+    costs = {row["method"]: row for row in reports["stability"]["costs"]}
+    return table(["method", "a tick, mean / p99, us", "force off, median / RMS"],
+                 [[f"`{method}`", f"{costs[method]['mean_us']:.2f} / {costs[method]['p99_us']:.1f}",
+                   f"{number(100 * costs[method]['median_error'])} % / "
+                   f"{number(100 * costs[method]['relative_error'])} %"]
+                  for method in LABORATORY_METHODS if method in costs])
+
+
+def soak_tables(reports: dict) -> list[str]:
+    """What the soak programs found; they need real-time rights."""
+    if "soaks" not in reports:
+        return [NOT_MEASURED]
+    lines: list[str] = []
+    for name, text in reports["soaks"]["tables"].items():
+        lines += [f"`{name}.py`: {text[0].lstrip('# ')}", "", *text[2:], ""]
+    return lines[:-1]
+
+
+TABLES = {
+    "accuracy_table": accuracy_table, "bakes_table": bakes_table, "batch_table": batch_table,
+    "costs_table": costs_table,
+    "culling_table": culling_table, "forces_table": forces_table,
+    "failing_table": lambda reports: failing_lines(reports["stability"])[2:-1],
+    "laboratory_table": laboratory_table, "made": made, "methods_table": methods_table,
+    "probes_table": probes_table,
+    "paper_tables": lambda reports: paper_tables(reports["tables"]),
+    "sixdof_table": sixdof_table, "soak_tables": soak_tables,
+    "stability_tables": lambda reports: stability_tables(reports["stability"]),
+    "targets_table": lambda reports: target_lines(reports["stability"])[2:-1],
+    "theory_table": lambda reports: theory_lines(reports["stability"])[4:-1],
+}
