@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """What `spm-bench tables --json` measured as Markdown: the paper's Tables 1 to 3."""
 
-from chart_io import report_of
 from markdown_table import table
 
 SLIDES = {2: "Table 2: Galeon", 3: "Table 3: Teeth"}
