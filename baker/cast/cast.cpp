@@ -36,7 +36,7 @@ struct HitCollector {
 
 struct Candidate {
   double distance;
-  Vector3 foot;
+  Vector3 closest_point;
   std::uint32_t triangle;
 };
 
@@ -264,12 +264,12 @@ ClosestPoint Caster::closest(const Vector3& point) const {
     auto& io = *static_cast<Search*>(arguments->userPtr);
     const std::uint32_t triangle = arguments->primID;
     const auto& corners = io.self->corners[triangle];
-    const Vector3 foot = closest_on_triangle(io.point, corners[0], corners[1], corners[2]);
-    const double distance = (foot - io.point).norm();
+    const Vector3 closest_point = closest_on_triangle(io.point, corners[0], corners[1], corners[2]);
+    const double distance = (closest_point - io.point).norm();
     const bool cap = triangle >= io.self->surface_count;
     if (distance > io.nearest + io.tie && (cap || distance > io.nearest_surface + io.tie))
       return false;
-    io.candidates->push_back({distance, foot, triangle});
+    io.candidates->push_back({distance, closest_point, triangle});
     io.nearest = std::min(io.nearest, distance);
     if (cap || distance >= io.nearest_surface) return false;
     io.nearest_surface = distance;
@@ -281,15 +281,15 @@ ClosestPoint Caster::closest(const Vector3& point) const {
   rtcPointQuery(self.points, &query, &context, visit, &search);
 
   ClosestPoint result;
-  bool claimed_inside = false, claimed_outside = false;
+  bool voted_inside = false, voted_outside = false;
   double least = infinity;
   const Candidate* nearest = nullptr;
   for (const Candidate& candidate : candidates) {
     if (candidate.distance <= search.nearest + search.tie) {
-      const double height = self.normals[candidate.triangle].dot(point - candidate.foot);
-      (height < 0 ? claimed_inside : claimed_outside) = true;
+      const double height = self.normals[candidate.triangle].dot(point - candidate.closest_point);
+      (height < 0 ? voted_inside : voted_outside) = true;
       // A cap is a guess: it may be creased or cross the surface.
-      if (candidate.triangle >= self.surface_count) claimed_inside = claimed_outside = true;
+      if (candidate.triangle >= self.surface_count) voted_inside = voted_outside = true;
     }
     if (candidate.triangle >= self.surface_count) continue;
     const bool closer = candidate.distance < least ||
@@ -302,15 +302,14 @@ ClosestPoint Caster::closest(const Vector3& point) const {
   if (nearest == nullptr) throw BakeError(ExitCode::internal, "the surface has no triangle");
   // At an edge or a corner triangles may disagree. Neither the nearest nor the one that faces the
   // point most is always right.
-  const bool inside =
-      claimed_inside && claimed_outside ? self.winding->at(point) > 0.5 : claimed_inside;
+  const bool inside = voted_inside && voted_outside ? self.winding->at(point) > 0.5 : voted_inside;
   const double side = inside ? -1 : 1;
   result.distance = side * least;
-  result.clear = search.nearest;
-  result.foot = nearest->foot;
+  result.clearance = search.nearest;
+  result.closest_point = nearest->closest_point;
   result.triangle = nearest->triangle;
   result.direction = least > surface_share * self.diagonal
-                         ? Vector3(side * (point - nearest->foot) / least)
+                         ? Vector3(side * (point - nearest->closest_point) / least)
                          : self.normals[nearest->triangle];
   return result;
 }
@@ -337,8 +336,8 @@ void Caster::within(const Vector3& point, double radius,
   const auto visit = [](RTCPointQueryFunctionArguments* arguments) {
     const auto& in = *static_cast<Search*>(arguments->userPtr);
     const auto& corners = in.self->corners[arguments->primID];
-    const Vector3 foot = closest_on_triangle(in.point, corners[0], corners[1], corners[2]);
-    if ((foot - in.point).norm() <= in.radius) in.triangles->push_back(arguments->primID);
+    const Vector3 closest_point = closest_on_triangle(in.point, corners[0], corners[1], corners[2]);
+    if ((closest_point - in.point).norm() <= in.radius) in.triangles->push_back(arguments->primID);
     return false;
   };
   rtcPointQuery(self.points, &query, &context, visit, &search);

@@ -28,10 +28,10 @@ struct Column {
 /// The closest point of the surface, and the side on which the asked point lies.
 struct ClosestPoint {
   double distance = 0;  ///< signed, m, negative inside
-  Vector3 foot = Vector3::Zero();
+  Vector3 closest_point = Vector3::Zero();
   Vector3 direction = Vector3::UnitZ();  ///< unit, outward: gradient of the signed distance
   std::uint32_t triangle = 0;
-  double clear = 0;  ///< distance to surface or cap, m: within it the side is the same
+  double clearance = 0;  ///< distance to surface or cap, m: within it the side is the same
 };
 
 /// Rays and closest points on an outer surface. Embree finds the triangle in single precision. Hits

@@ -14,7 +14,7 @@
 #include "baker/commands/caps_report.hpp"
 #include "baker/commands/time_limit.hpp"
 #include "baker/mesh/load.hpp"
-#include "baker/reach/reach.hpp"
+#include "baker/reachability/reachability.hpp"
 #include "common/base/units.hpp"
 #include "formats/asset/asset_writer.hpp"
 #include "formats/files/sha256.hpp"
@@ -184,7 +184,7 @@ Json to_json(const BuildRequest& request, const Mesh& mesh, const BakeResult& ba
   json["mesh"] = mesh_json(mesh);
   json["spm"] = spm_json(baked);
   json["proof"] = {{"refused_cells", baked.report.refused_tile_cells},
-                   {"mended_places", baked.report.mended_places},
+                   {"resolved_places", baked.report.resolved_places},
                    {"wrong_trials", baked.report.wrong_trials},
                    {"fallback_area", baked.report.fallback_area}};
   json["fallback"] = {{"cells", share(baked.report.fallback_cells, baked.report.record_cells)},

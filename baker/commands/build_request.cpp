@@ -12,7 +12,7 @@
 namespace spm::baker {
 namespace {
 
-constexpr std::uint32_t most_layers = 255;
+constexpr std::uint32_t max_layers = 255;
 constexpr std::uint64_t longest_time_limit = 1'000'000;  // s, a week and a half
 
 Result<void> read_layers(const std::string& text, BakeOptions& options) {
@@ -27,7 +27,7 @@ Result<void> read_layers(const std::string& text, BakeOptions& options) {
   std::uint32_t limit = 0;
   const char* end = text.data() + text.size();
   const auto parsed = std::from_chars(text.data(), end, limit);
-  if (parsed.ec != std::errc() || parsed.ptr != end || limit < 1 || limit > most_layers) {
+  if (parsed.ec != std::errc() || parsed.ptr != end || limit < 1 || limit > max_layers) {
     return fail(ExitCode::usage,
                 "'" + text + "' will not do: write auto, scalar or a whole number from 1 to 255");
   }

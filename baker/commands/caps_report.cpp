@@ -13,7 +13,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 /// Most entries of a report. A scan may have thousands of holes, of which the largest matter.
-constexpr std::size_t most_entries = 100;
+constexpr std::size_t max_entries = 100;
 constexpr double mm2_of_m2 = 1e6;
 
 }  // namespace
@@ -23,7 +23,7 @@ void add_caps_json(const std::vector<CappedHole>& holes, Json& report) {
   double area = 0;
   for (const CappedHole& hole : holes) {
     area += hole.area;
-    if (caps.size() >= most_entries) continue;
+    if (caps.size() >= max_entries) continue;
     caps.push_back({{"place", {hole.middle.x(), hole.middle.y(), hole.middle.z()}},
                     {"area_mm2", hole.area * mm2_of_m2},
                     {"edges", hole.edges}});

@@ -23,7 +23,7 @@ using Json = nlohmann::ordered_json;
 
 constexpr std::uint32_t picture_side = 512;
 constexpr std::uint32_t thumbnail_side = 160;
-constexpr std::size_t most_thumbnails = 100;
+constexpr std::size_t max_thumbnails = 100;
 
 struct InfoSettings {
   std::string asset;
@@ -47,7 +47,7 @@ std::vector<std::string> write_pictures(const AssetView& view, const InfoSetting
   const std::filesystem::path folder = make_picture_folder(settings.pictures);
   const std::vector<std::size_t> planes = planes_with_maps(view);
   std::vector<Picture> thumbnails;
-  for (std::size_t i = 0; i < std::min(planes.size(), most_thumbnails); ++i) {
+  for (std::size_t i = 0; i < std::min(planes.size(), max_thumbnails); ++i) {
     thumbnails.push_back(plane_picture(view, planes[i], thumbnail_side));
   }
   std::vector<std::string> paths;
@@ -89,10 +89,10 @@ std::uint64_t samples_of(const AssetView& view) {
 std::uint64_t band_cells(const AssetView& view) {
   std::uint64_t cells = 0;
   if (view.full) visit_all_lists(view.grid, [&cells](const GridList&) { ++cells; });
-  for (std::size_t i = 0; i < view.space.words.size(); i += space_node_words) {
+  for (std::size_t i = 0; i < view.sign_octree.words.size(); i += sign_octree_node_words) {
     for (std::uint32_t octant = 0; octant < 8; ++octant) {
-      const SpaceKind kind = octant_kind(view.space.words[i], octant);
-      cells += kind <= SpaceKind::outside ? 1 : 0;
+      const SignKind kind = octant_kind(view.sign_octree.words[i], octant);
+      cells += kind <= SignKind::outside ? 1 : 0;
     }
   }
   return cells;
@@ -133,12 +133,12 @@ Json to_json(const MappedAsset& asset, const std::vector<std::string>& pictures)
                     {"cell_m", view.grid.cell_size},
                     {"cells", view.grid.cells}};
   } else {
-    json["space"] = {{"origin_m", vector_json(view.space.origin)},
-                     {"edge_m", view.space.edge},
-                     {"nodes", view.space.words.size() / space_node_words}};
-    json["tree"] = {{"origin_m", vector_json(view.tree.origin)},
-                    {"size_m", view.tree.size},
-                    {"nodes", view.tree.words.size() / tree_node_words}};
+    json["sign_octree"] = {{"origin_m", vector_json(view.sign_octree.origin)},
+                           {"edge_m", view.sign_octree.edge},
+                           {"nodes", view.sign_octree.words.size() / sign_octree_node_words}};
+    json["bvh"] = {{"origin_m", vector_json(view.bvh.origin)},
+                   {"size_m", view.bvh.size},
+                   {"nodes", view.bvh.words.size() / bvh_node_words}};
   }
   json["fallback"] = {
       {"cells", metadata.fallback_cells},

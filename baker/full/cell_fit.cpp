@@ -24,7 +24,7 @@ constexpr double probe_spacing_share = 1.0 / 350;
 /// the finest cell of a map.
 constexpr double probe_inset_share = 3e-4;
 /// More candidates than this in a cell cost more time than triangles would.
-constexpr std::size_t most_candidates = 8;
+constexpr std::size_t max_candidates = 8;
 /// Share of the tolerance by which a sample point may be off. The rest is for the points between.
 constexpr double accepted_share = 0.6;
 constexpr double accepted_cosine = 0.985;  // 10 degrees
@@ -150,16 +150,16 @@ void CellFitter::list_probes(std::uint64_t seed) {
 /// through the cube that is nearest to the point. If any point of the path has its closest point
 /// there, that end has.
 std::vector<Probe> CellFitter::probes_through(const Vector3& middle, double edge) const {
-  const double reach = std::max(band_.max_depth, band_.margin) + edge / 2;
+  const double search_radius = std::max(band_.max_depth, band_.margin) + edge / 2;
   std::array<std::int64_t, 3> low{}, high{};
   for (int axis = 0; axis < 3; ++axis) {
     const auto k = static_cast<std::size_t>(axis);
     const double last = grid_.cells[k] - 1.0;
     const double place = (middle[axis] - grid_.origin[axis]) / grid_.cell_size;
     low[k] = static_cast<std::int64_t>(
-        std::clamp(std::floor(place - reach / grid_.cell_size), 0.0, last));
+        std::clamp(std::floor(place - search_radius / grid_.cell_size), 0.0, last));
     high[k] = static_cast<std::int64_t>(
-        std::clamp(std::floor(place + reach / grid_.cell_size), 0.0, last));
+        std::clamp(std::floor(place + search_radius / grid_.cell_size), 0.0, last));
   }
   std::vector<Probe> found;
   for (std::int64_t z = low[2]; z <= high[2]; ++z) {
@@ -202,10 +202,12 @@ CellFitter::Sample CellFitter::sample_at(const Vector3& point) const {
 CellFitter::Reply CellFitter::ask(std::uint32_t candidate, const Sample& sample) const {
   const auto [which, layer] = unpack_candidate(candidate);
   const DistanceMap& map = asset_.maps[which];
-  const MapFoot foot = closest_on_map(map, layer, asset_.planes[map.plane], sample.point);
-  if (!std::isfinite(foot.rank)) return {};
+  const MapClosestPoint closest_point =
+      closest_on_map(map, layer, asset_.planes[map.plane], sample.point);
+  if (!std::isfinite(closest_point.rank)) return {};
   const double side = side_of_crossing(map.first_layer + layer);
-  return {foot.valid, side * foot.distance, foot.rank, candidate, foot.cell};
+  return {closest_point.valid, side * closest_point.distance, closest_point.rank, candidate,
+          closest_point.cell};
 }
 
 Vector3 CellFitter::normal_of(const Reply& reply) const {
@@ -228,16 +230,16 @@ bool CellFitter::agrees(const Reply& reply, const Sample& sample) const {
   if (normal.dot(sample.truth.direction) >= accepted_cosine) return true;
   // Near the medial axis another feature competes. Its closest point lies on the surface all the
   // same.
-  const Vector3 foot = sample.point - reply.distance * normal;
-  return std::abs(caster_.closest(foot).distance) <= directionless_share * tolerance_;
+  const Vector3 closest_point = sample.point - reply.distance * normal;
+  return std::abs(caster_.closest(closest_point).distance) <= directionless_share * tolerance_;
 }
 
 /// True where a map contains the surface at a point of the surface, within the tolerance along the
 /// map's rays.
-bool CellFitter::covers(std::uint32_t candidate, const Vector3& foot) const {
+bool CellFitter::covers(std::uint32_t candidate, const Vector3& closest_point) const {
   const auto [which, layer] = unpack_candidate(candidate);
   const DistanceMap& map = asset_.maps[which];
-  const PlaneCoordinates place = project_on_plane(asset_.planes[map.plane], foot);
+  const PlaneCoordinates place = project_on_plane(asset_.planes[map.plane], closest_point);
   const MapCell cell = locate(map, place.eta, place.omega);
   const double beyond_eta = place.eta - map.eta0 - (cell.column + cell.fx) * map.spacing;
   const double beyond_omega = place.omega - map.omega0 - (cell.row + cell.fy) * map.spacing;
@@ -268,7 +270,7 @@ bool CellFitter::holds_at(const std::vector<std::uint32_t>& chosen, const Probe&
 std::vector<std::uint32_t> CellFitter::candidates_of(const std::vector<Sample>& samples) const {
   std::vector<std::int64_t> bins;
   for (const Sample& sample : samples) {
-    const std::int64_t bin = bin_of(sample.truth.foot);
+    const std::int64_t bin = bin_of(sample.truth.closest_point);
     if (bin != nowhere) bins.push_back(bin);
   }
   std::sort(bins.begin(), bins.end());
@@ -297,7 +299,7 @@ std::vector<std::uint32_t> CellFitter::choose(const std::vector<std::uint32_t>& 
   for (const std::uint32_t candidate : candidates) {
     Option option{candidate, std::vector<bool>(samples.size(), false), 0};
     for (std::size_t i = 0; i < samples.size(); ++i) {
-      if (!covers(candidate, samples[i].truth.foot)) continue;
+      if (!covers(candidate, samples[i].truth.closest_point)) continue;
       const Reply reply = ask(candidate, samples[i]);
       if (!reply.valid || !agrees(reply, samples[i])) continue;
       option.serves[i] = true;
@@ -308,7 +310,7 @@ std::vector<std::uint32_t> CellFitter::choose(const std::vector<std::uint32_t>& 
   std::vector<bool> open(samples.size(), true);
   std::size_t left = samples.size();
   std::vector<std::uint32_t> chosen;
-  while (left > 0 && chosen.size() < most_candidates) {
+  while (left > 0 && chosen.size() < max_candidates) {
     const Option* best = nullptr;
     std::size_t most = 0;
     for (const Option& option : options) {

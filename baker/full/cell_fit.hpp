@@ -47,7 +47,7 @@ class CellFitter {
   [[nodiscard]] Reply ask(std::uint32_t candidate, const Sample& sample) const;
   [[nodiscard]] Vector3 normal_of(const Reply& reply) const;
   [[nodiscard]] bool agrees(const Reply& reply, const Sample& sample) const;
-  [[nodiscard]] bool covers(std::uint32_t candidate, const Vector3& foot) const;
+  [[nodiscard]] bool covers(std::uint32_t candidate, const Vector3& closest_point) const;
   [[nodiscard]] bool holds(const std::vector<std::uint32_t>& chosen, const Sample& sample) const;
   [[nodiscard]] std::vector<std::uint32_t> candidates_of(const std::vector<Sample>& samples) const;
   [[nodiscard]] std::vector<std::uint32_t> choose(const std::vector<std::uint32_t>& candidates,

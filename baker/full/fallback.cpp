@@ -45,8 +45,9 @@ std::vector<std::uint32_t> closest_candidates(const Caster& caster, const Vector
       distance[i] = distance_to(caster, all[i], point);
       if (!caster.is_cap(all[i])) nearest = std::min(nearest, distance[i]);
     }
-    const double reach = (nearest + 2 * radius / parts) * (1 + 1e-9);
-    for (std::size_t i = 0; i < all.size(); ++i) needed[i] = needed[i] || distance[i] <= reach;
+    const double upper_bound = (nearest + 2 * radius / parts) * (1 + 1e-9);
+    for (std::size_t i = 0; i < all.size(); ++i)
+      needed[i] = needed[i] || distance[i] <= upper_bound;
   }
   std::vector<std::uint32_t> kept;
   for (std::size_t i = 0; i < all.size(); ++i) {

@@ -19,7 +19,7 @@ constexpr double continuity_share = 2.5e-4;
 /// Steeper cells see the surface at too flat an angle to answer for it.
 constexpr double largest_slope = 2.5;
 /// Crossings kept along a ray; a candidate names its layer in eight bits.
-constexpr std::size_t most_layers = 255;
+constexpr std::size_t max_layers = 255;
 
 /// Rows of rays of one plane: its samples, and the middles of its cells.
 struct Rays {
@@ -106,11 +106,11 @@ std::size_t layer_limit(const BakeOptions& options) {
     case Layers::scalar:
       return 1;
     case Layers::limited:
-      return std::min<std::size_t>(options.layer_limit, most_layers);
+      return std::min<std::size_t>(options.layer_limit, max_layers);
     case Layers::automatic:
       break;
   }
-  return most_layers;
+  return max_layers;
 }
 
 void cast_rays(const Caster& caster, const SupportPlane& plane, const MapData& map, Rays& rays) {

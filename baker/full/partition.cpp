@@ -22,7 +22,7 @@ namespace {
 
 constexpr double cells_per_diagonal = 64;
 /// A grid of more cells than this would not be worth its index.
-constexpr double most_cells = 1 << 26;
+constexpr double max_cells = 1 << 26;
 /// Trial points over the surface's band for each record.
 constexpr std::size_t trials_per_record = 100;
 /// Each pass has its own trial points, so that a leaf that was corrected in one is tried again in
@@ -32,22 +32,22 @@ constexpr std::uint64_t repair_passes = 2;
 constexpr double nearby_tolerances = 4;
 constexpr int repair_rounds = 2;
 /// Failing points of a leaf that are kept for the next choice.
-constexpr std::size_t most_failures = 16;
+constexpr std::size_t max_failures = 16;
 /// A header with all bits set belongs to a split cell.
-constexpr std::size_t most_triangles = 0xFFFE;
+constexpr std::size_t max_triangles = 0xFFFE;
 
 void place_grid(Asset& asset) {
   GridData& grid = asset.grid;
   const AssetMetadata& metadata = asset.metadata;
-  const double reach = metadata.band.margin * (1 + 1e-9) + 1e-6 * metadata.diagonal;
-  const Vector3 low = metadata.box_min - Vector3::Constant(reach);
-  const Vector3 size = metadata.box_max - metadata.box_min + Vector3::Constant(2 * reach);
+  const double margin = metadata.band.margin * (1 + 1e-9) + 1e-6 * metadata.diagonal;
+  const Vector3 low = metadata.box_min - Vector3::Constant(margin);
+  const Vector3 size = metadata.box_max - metadata.box_min + Vector3::Constant(2 * margin);
   grid.cell_size = metadata.diagonal / cells_per_diagonal;
   double total = 1;
   for (std::size_t axis = 0; axis < 3; ++axis) {
     const double count = std::max(1.0, std::ceil(size[static_cast<int>(axis)] / grid.cell_size));
     total *= count;
-    if (total > most_cells) {
+    if (total > max_cells) {
       throw BakeError(
           ExitCode::invalid_input,
           "the margin is too wide for the object: the spatial partition would have more "
@@ -93,7 +93,7 @@ Failures failures_of(const CellFitter& fitter, const Trials& trials,
   for (const auto& one : each) {
     for (const auto& [leaf, point] : one) {
       std::vector<Vector3>& points = failures[leaf];
-      if (points.size() < most_failures) points.push_back(point);
+      if (points.size() < max_failures) points.push_back(point);
     }
   }
   return failures;
@@ -191,7 +191,7 @@ class RecordWriter {
   }
 
   std::uint32_t write_record(const PartitionCell& cell) {
-    if (cell.triangles.size() > most_triangles) {
+    if (cell.triangles.size() > max_triangles) {
       throw BakeError(ExitCode::invalid_input,
                       std::to_string(cell.triangles.size()) +
                           " triangles crowd into one cell of the partition, more than the 65534 "

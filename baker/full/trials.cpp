@@ -11,7 +11,7 @@ namespace {
 
 constexpr std::uint64_t points_per_border_cell = 6;
 /// A `full` asset has many cells; a random part of them is enough.
-constexpr std::uint64_t most_cells_looked_at = 1'000'000;
+constexpr std::uint64_t max_cells_looked_at = 1'000'000;
 constexpr std::uint64_t border_stream = 0xB0DE;
 
 double height_in(const Band& band, double share) {
@@ -52,7 +52,7 @@ void Trials::collect_borders() {
   for (const DistanceMap& map : asset_.maps) {
     cells += std::uint64_t{map.layers} * map.cells_per_layer();
   }
-  const std::uint64_t stride = cells / most_cells_looked_at + 1;
+  const std::uint64_t stride = cells / max_cells_looked_at + 1;
   std::uint64_t number = 0;
   for (std::uint32_t which = 0; which < asset_.maps.size(); ++which) {
     const DistanceMap& map = asset_.maps[which];
@@ -88,7 +88,7 @@ Probe Trials::about_border(std::uint64_t index) const {
   const Vector3& normal = caster_.normal(surface.triangle);
   const double share = random_unit(stream, 3 * index + 2);
   const double height = index % 2 == 0 ? nearby_ * (2 * share - 1) : height_in(asset_.band, share);
-  return {surface.foot + height * normal, normal, height};
+  return {surface.closest_point + height * normal, normal, height};
 }
 
 Probe Trials::anywhere(std::uint64_t index) const {
@@ -104,10 +104,10 @@ Probe Trials::anywhere(std::uint64_t index) const {
   }
   const double height = height_in(asset_.band, random_unit(seed_, 4 * index + 3));
   const Vector3& a = caster_.corner(triangle, 0);
-  const Vector3 foot =
+  const Vector3 closest_point =
       a + x * (caster_.corner(triangle, 1) - a) + y * (caster_.corner(triangle, 2) - a);
   const Vector3& normal = caster_.normal(triangle);
-  return {foot + height * normal, normal, height};
+  return {closest_point + height * normal, normal, height};
 }
 
 }  // namespace spm::baker

@@ -29,7 +29,7 @@ struct Mesh {
   std::uint32_t components = 0;
   std::uint64_t border_edges = 0;
   std::vector<std::array<std::uint32_t, 2>> border;  ///< the border edges, indices of vertices
-  std::uint32_t turned_components = 0;               ///< components that were inside out
+  std::uint32_t inverted_components = 0;             ///< components that were inside out
   std::uint64_t dropped_triangles = 0;               ///< zero area or duplicated
   std::vector<std::string> notes;  ///< findings and assumptions, a sentence each, for the user
   [[nodiscard]] bool closed() const noexcept { return border_edges == 0; }

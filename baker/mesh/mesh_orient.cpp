@@ -86,7 +86,7 @@ class Patcher {
           Orientation& orientation)
       : triangles_(triangles), orientation_(orientation), neighbours_(triangles.size()) {
     for_each_edge(edges, [&](std::span<const HalfEdge> users) {
-      if (users.size() > 2) ++orientation_.crowded;
+      if (users.size() > 2) ++orientation_.nonmanifold_edges;
       if (users.size() != 2) return;
       const bool agree = users[0].forward != users[1].forward;
       neighbours_[users[0].triangle].push_back({users[1].triangle, agree});
@@ -263,7 +263,7 @@ class Turner {
   void turn_patch(std::size_t index, Orientation& orientation) {
     for (const std::uint32_t t : patches_[index].triangles) turn(triangles_[t]);
     patches_[index].volume = -patches_[index].volume;
-    ++orientation.turned;
+    ++orientation.inverted;
   }
 
   std::span<const Vector3> points_;

@@ -94,26 +94,26 @@ void describe(std::size_t merged, const Orientation& orientation, Mesh& mesh) {
     mesh.notes.push_back(counted(orientation.flipped, "triangle", "triangles") +
                          " reversed to agree with the neighbours.");
   }
-  if (orientation.turned > 0) {
-    mesh.notes.push_back(counted(orientation.turned, "part that was", "parts that were") +
+  if (orientation.inverted > 0) {
+    mesh.notes.push_back(counted(orientation.inverted, "part that was", "parts that were") +
                          " inside out turned, so that normals point out of the solid.");
   }
   if (orientation.unorientable > 0) {
     mesh.notes.push_back(counted(orientation.unorientable, "edge joins", "edges join") +
                          " triangles that cannot agree on an outside (a one-sided strip).");
   }
-  if (orientation.crowded > 0) {
-    mesh.notes.push_back(counted(orientation.crowded, "edge is", "edges are") +
+  if (orientation.nonmanifold_edges > 0) {
+    mesh.notes.push_back(counted(orientation.nonmanifold_edges, "edge is", "edges are") +
                          " shared by more than two triangles.");
   }
   if (orientation.undecided > 0) {
-    mesh.notes.push_back(counted(orientation.undecided, "open sheet has", "open sheets have") +
+    mesh.notes.push_back(counted(orientation.undecided, "open surface has", "open surfaces have") +
                          " no recognisable inside; the direction of the file's triangles is kept.");
   }
   if (mesh.border_edges > 0) {
     mesh.notes.push_back(
         "The mesh is open, with " + counted(mesh.border_edges, "border edge", "border edges") +
-        ": sides are decided by the generalised winding number, a sheet that encloses nothing is "
+        ": sides are decided by the generalised winding number, a surface that encloses nothing is "
         "not solid, and nothing is promised about answers near the holes.");
   }
 }
@@ -134,7 +134,7 @@ void repair(PolygonSoup soup, Mesh& mesh) {
   const Orientation orientation = orient(soup.points, soup.triangles);
   mesh.dropped_triangles += drop_zero_area(soup.points, soup.triangles);
   mesh.components = orientation.components;
-  mesh.turned_components = orientation.turned;
+  mesh.inverted_components = orientation.inverted;
   mesh.border = orientation.border;
   mesh.triangles = std::move(soup.triangles);
   compact(soup.points, mesh);

@@ -33,7 +33,7 @@ struct BakeReport {
   // Of the sparse form's proof.
   std::uint64_t refused_tile_cells =
       0;  ///< cells of tiles that could not be proven and were removed
-  std::uint64_t mended_places =
+  std::uint64_t resolved_places =
       0;  ///< where space was divided since the elements' votes gave the wrong side
   std::uint64_t wrong_trials = 0;  ///< trials of the side that stayed wrong
   double fallback_area = 0;        ///< share of the surface that triangles represent

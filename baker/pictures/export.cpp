@@ -155,9 +155,9 @@ void add_listed_triangles(const AssetView& asset, SurfaceBuilder& builder) {
 
 /// Adds the fans of a `sparse` asset in the same way.
 void add_fans(const AssetView& asset, SurfaceBuilder& builder) {
-  for (std::size_t word = 0; word < asset.tree.words.size(); ++word) {
-    if (word % tree_node_words >= tree_children) continue;
-    const TreeChild child = unpack_child(asset.tree.words[word]);
+  for (std::size_t word = 0; word < asset.bvh.words.size(); ++word) {
+    if (word % bvh_node_words >= bvh_children) continue;
+    const BvhChild child = unpack_child(asset.bvh.words[word]);
     if (child.kind != ElementKind::fan || child.first >= asset.first_cap) continue;
     builder.add_fan(asset, child.first, child.count);
   }

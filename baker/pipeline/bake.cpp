@@ -24,7 +24,7 @@ namespace {
 /// Share of the diagonal that is the tolerance where none was given.
 constexpr double default_tolerance_share = 1e-3;
 /// Height samples, over all planes and before layers, that a `full` asset may have: 2 GB of floats.
-constexpr double most_samples = 5e8;
+constexpr double max_samples = 5e8;
 /// The error that the partition of a `full` asset aims at, as a share of the diagonal. It promises
 /// nothing.
 constexpr double full_aim_share = 5e-4;
@@ -101,7 +101,7 @@ void bake_full(BakeResult& result, const Caster& caster, const Hull& hull,
   SupportPlaneSet set = make_support_planes(hull, options.kind, options.planes);
   const double samples =
       static_cast<double>(set.planes.size()) * options.resolution * options.resolution;
-  if (samples > most_samples) {
+  if (samples > max_samples) {
     throw BakeError(ExitCode::usage,
                     std::to_string(set.planes.size()) + " planes of " +
                         std::to_string(options.resolution) + " x " +

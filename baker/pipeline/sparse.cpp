@@ -10,9 +10,9 @@
 
 #include "baker/base/stopwatch.hpp"
 #include "baker/pipeline/sparse_model.hpp"
-#include "baker/reach/reach.hpp"
+#include "baker/reachability/reachability.hpp"
 #include "baker/tiles/tile_fit.hpp"
-#include "baker/trees/space_build.hpp"
+#include "baker/trees/sign_octree_build.hpp"
 #include "baker/trials/side_trials.hpp"
 
 namespace spm::baker {
@@ -27,11 +27,11 @@ constexpr double surfel_spacing_share = 1.0 / 350;   ///< of the diagonal
 constexpr double residual_share = 0.5;
 /// Tolerances below this share of the diagonal are not proven, since the rounding of queries, in
 /// floats, is no longer small.
-constexpr double least_tolerance_share = 1e-5;
+constexpr double min_tolerance_share = 1e-5;
 
 /// The tolerance with which the bake works: no finer than it can prove.
 double provable(const AssetMetadata& metadata, const Caster& caster) {
-  return std::max(*metadata.tolerance, least_tolerance_share * caster.diagonal());
+  return std::max(*metadata.tolerance, min_tolerance_share * caster.diagonal());
 }
 
 TileSettings settings_for(const Caster& caster, double tolerance) {
@@ -110,28 +110,30 @@ void bake_sparse(BakeResult& result, const Caster& caster, const Hull& hull,
   metadata.height_unit = settings.height_unit;
 
   const Clock::time_point started = Clock::now();
-  const Reach reach(caster, metadata.band, options.probe_radius, options.workspace, progress);
-  SpaceBuilder space(caster, metadata.band, tolerance, reach.cuts() ? &reach : nullptr, progress);
-  SparseModel model =
-      model_surface(asset, settings, {caster, space, reach, tolerance, options.seed, progress});
+  const Reachability reachability(caster, metadata.band, options.probe_radius, options.workspace,
+                                  progress);
+  SignOctreeBuilder sign_octree(caster, metadata.band, tolerance,
+                                reachability.cuts() ? &reachability : nullptr, progress);
+  SparseModel model = model_surface(
+      asset, settings, {caster, sign_octree, reachability, tolerance, options.seed, progress});
   asset = std::move(model.asset);
   report.pruned = std::move(model.pruned);
   counts = count_layers(asset, caster);
   drop_unused_planes(asset);
   round_to_stored(asset);
-  const SideTrials sides = try_sides(asset, caster, space, progress);
+  const SideTrials sides = try_sides(asset, caster, sign_octree, progress);
   asset.metadata.certified = tolerance;
   report.seconds_cast = model.seconds_cast;
   report.seconds_fit += seconds_since(started) - model.seconds_cast;
   report.samples = asset.tiles.size() * tile_sample_count;
   report.record_cells = sides.cells;
   report.fallback_cells = sides.fallback_cells;
-  report.mended_places = sides.mended;
+  report.resolved_places = sides.resolved;
   report.wrong_trials = sides.wrong;
   report.refused_tile_cells = model.refused_cells;
   report.fallback_area = model.triangle_area_share;
   report.direction = model.direction;
-  if (model.direction > 1.1 * most_direction) {
+  if (model.direction > 1.1 * max_direction) {
     report.notes.push_back(
         fmt::format("directions are off by {:.1f} degrees in the median, for the surface has "
                     "facets smaller than what a file of {:.2g} MB can follow",

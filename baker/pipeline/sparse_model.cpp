@@ -11,9 +11,9 @@
 #include "baker/proof/surface_proof.hpp"
 #include "baker/proof/tile_proof.hpp"
 #include "baker/tiles/tile_fit.hpp"
+#include "baker/trees/bvh_elements.hpp"
 #include "baker/trees/element_choice.hpp"
 #include "baker/trees/fallback_triangles.hpp"
-#include "baker/trees/tree_elements.hpp"
 #include "baker/trials/direction_error.hpp"
 
 namespace spm::baker {
@@ -72,7 +72,7 @@ SurfaceCover cover_surface(const ModelSource& source, Asset& asset, TileSettings
             {(piece.corners[0] + piece.corners[1] + piece.corners[2]) / 3, piece.triangle});
       }
     }
-    settings.least_surfels = gap_pieces;
+    settings.min_surfels = gap_pieces;
   }
   return cover;
 }
@@ -96,16 +96,16 @@ class Modeller {
     ElementChoice choice = choose_elements(source_.caster, std::move(asset.tiles), cover, share);
     asset.tiles = std::move(choice.tiles);
     result.triangle_area_share = choice.triangle_area_share;
-    const TreeElements elements(source_.caster, choice.triangles, source_.tolerance);
-    result.pruned =
-        elements.build(asset, source_.space, source_.reach.cuts() ? &source_.reach : nullptr);
-    if (asset.tree.words.empty()) {
+    const BvhElements elements(source_.caster, choice.triangles, source_.tolerance);
+    result.pruned = elements.build(asset, source_.sign_octree,
+                                   source_.reachability.cuts() ? &source_.reachability : nullptr);
+    if (asset.bvh.words.empty()) {
       throw BakeError(
           ExitCode::invalid_input,
           "nothing of the object is left to model: the probe's centre comes to no place "
           "of its band; move the object into the workspace, or take a smaller probe");
     }
-    asset.space = source_.space.data();
+    asset.sign_octree = source_.sign_octree.data();
     result.direction = median_direction_error(asset, source_.caster, source_.seed);
     result.bytes = bytes_of(asset);
     return result;
@@ -118,7 +118,7 @@ class Modeller {
     settings.faceted = true;
     double seconds = known.seconds_cast;
     double direction = known.direction, bytes = known.bytes;
-    for (int round = 0; round < direction_rounds && known.direction > most_direction; ++round) {
+    for (int round = 0; round < direction_rounds && known.direction > max_direction; ++round) {
       const double known_gain = round == 0 ? facet_gain : 1;
       const double wanted =
           std::min(1.0, std::pow(aimed_direction / (known_gain * direction), 1 / direction_power));
@@ -126,7 +126,7 @@ class Modeller {
       const double share = std::max(wanted, allowed);
       // Not worth it where the file would be too large for the wanted error.
       const double expected = direction * std::pow(share, direction_power);
-      if (expected > 1.2 * most_direction || share > 1) break;
+      if (expected > 1.2 * max_direction || share > 1) break;
       settings.angle *= share;
       SparseModel made = model(start, settings, facet_share);
       direction = made.direction;
@@ -143,9 +143,9 @@ class Modeller {
 
   /// An estimate of the bytes of an asset's parts in a file.
   [[nodiscard]] static double bytes_of(const Asset& asset) {
-    std::uint64_t bytes = 4 * (asset.tree.words.size() + asset.space.words.size()) +
+    std::uint64_t bytes = 4 * (asset.bvh.words.size() + asset.sign_octree.words.size()) +
                           2 * asset.small_triangles.size() + 4 * asset.triangles.size();
-    for (const TileData& tile : asset.tiles) bytes += tile_bytes(tile) - tree_bytes;
+    for (const TileData& tile : asset.tiles) bytes += tile_bytes(tile) - bvh_bytes;
     return static_cast<double>(bytes);
   }
 };

@@ -7,23 +7,23 @@
 
 #include "baker/base/progress.hpp"
 #include "baker/options/bake_report.hpp"
-#include "baker/reach/reach.hpp"
+#include "baker/reachability/reachability.hpp"
 #include "baker/tiles/tiles.hpp"
-#include "baker/trees/space_build.hpp"
+#include "baker/trees/sign_octree_build.hpp"
 #include "formats/asset/asset.hpp"
 
 namespace spm::baker {
 
-/// Where the median error of directions (rad) is above `most_direction`, finer tiles are tried, as
+/// Where the median error of directions (rad) is above `max_direction`, finer tiles are tried, as
 /// long as the asset takes no more than `direction_bytes` bytes.
-inline constexpr double most_direction = 0.95 * std::numbers::pi / 180;
+inline constexpr double max_direction = 0.95 * std::numbers::pi / 180;
 inline constexpr double direction_bytes = 0.98e6;
 
 /// What a model is made from.
 struct ModelSource {
   const Caster& caster;
-  const SpaceBuilder& space;
-  const Reach& reach;
+  const SignOctreeBuilder& sign_octree;
+  const Reachability& reachability;
   double tolerance;  ///< m, to be proven
   std::uint64_t seed;
   const Progress& progress;

@@ -20,14 +20,14 @@ namespace {
 /// A piece with edges shorter than this share of the bound that is still not proven never will be.
 constexpr double smallest_share = 0.3;
 /// A triangle that is not proven in this many pieces is not worth more; see worthwhile_tries.
-constexpr int most_tries = 20000;
+constexpr int max_tries = 20000;
 /// Pieces of the fallback are no smaller than this, in bounds: many small ones take more bytes.
 constexpr double emitted_bounds = 4;
 constexpr double emitted_share = 1.0 / 400;  ///< of the diagonal
 /// Pieces larger than this, in bounds, are cut before they are measured against single cells.
 constexpr double close_bounds = 8;
 /// Most samples along a side that the first test examines. A larger piece is cut first.
-constexpr int most_samples = 10;
+constexpr int max_samples = 10;
 
 /// A cell near a piece covers it only where their normals are within this cosine, since the cell
 /// must tell the side too.
@@ -109,18 +109,18 @@ class SurfaceProof {
     const Vector3 middle = (piece[0] + piece[1] + piece[2]) / 3;
     const std::span<const std::uint32_t> near = bins_.near(middle);
     // A layer of surface that faces the other way is the other side of a thin wall.
-    const auto looks_away = [&](std::uint32_t which) {
+    const auto faces_away = [&](std::uint32_t which) {
       return normal.dot(planes_[tiles_[which].plane].n) <= 0;
     };
     for (const std::uint32_t which : near) {
-      if (looks_away(which)) continue;
+      if (faces_away(which)) continue;
       if (const std::uint64_t cells = lies_along(which, piece)) return TileUse{which, cells};
     }
     const double radius = std::max(
         {(piece[0] - middle).norm(), (piece[1] - middle).norm(), (piece[2] - middle).norm()});
     if (radius > close_bounds * bound_) return std::nullopt;
     for (const std::uint32_t which : near) {
-      if (looks_away(which)) continue;
+      if (faces_away(which)) continue;
       if (const std::uint64_t cell = lies_by(which, piece, normal, middle, radius)) {
         return TileUse{which, cell};
       }
@@ -148,7 +148,7 @@ class SurfaceProof {
     const int x0 = static_cast<int>(low.x()), y0 = static_cast<int>(low.y());
     const int x1 = std::max(x0 + 1, static_cast<int>(std::ceil(high.x())));
     const int y1 = std::max(y0 + 1, static_cast<int>(std::ceil(high.y())));
-    if (x1 - x0 > most_samples || y1 - y0 > most_samples || x1 > 8 || y1 > 8) return 0;
+    if (x1 - x0 > max_samples || y1 - y0 > max_samples || x1 > 8 || y1 > 8) return 0;
     for (int y = y0; y < y1; ++y) {
       const std::uint64_t row = ((std::uint64_t{1} << (x1 - x0)) - 1) << (y * 8 + x0);
       if ((tile.valid & ~tile.clipped & row) != row) return 0;
@@ -168,7 +168,7 @@ class SurfaceProof {
     std::uint64_t cells = 0;
     for (int y = y0; y < y1; ++y) {
       for (int x = x0; x < x1; ++x) {
-        slack = std::max(slack, foot_slack(which, x, y));
+        slack = std::max(slack, closest_point_slack(which, x, y));
         cells |= std::uint64_t{1} << (y * 8 + x);
       }
     }
@@ -196,7 +196,7 @@ class SurfaceProof {
   /// How much farther than the nearest point of a cell's patch the query's closest point may be, m.
   /// The slopes of the patch differ from its mean plane by at most s. So its points are no nearer
   /// than the distance of the query's closest point over sqrt(1 + s^2).
-  [[nodiscard]] double foot_slack(std::uint32_t which, int x, int y) const {
+  [[nodiscard]] double closest_point_slack(std::uint32_t which, int x, int y) const {
     const TileHeights& h = heights_[which];
     const std::size_t first =
         static_cast<std::size_t>(y) * tile_samples + static_cast<std::size_t>(x);
@@ -213,17 +213,17 @@ class SurfaceProof {
                                       double radius) const {
     const Tile& tile = tiles_[which];
     const SupportPlane& plane = planes_[tile.plane];
-    const TileFoot foot =
+    const TileClosestPoint closest_point =
         closest_on_tile(tile, height_unit_, plane, middle, static_cast<float>(bound_));
-    if (!std::isfinite(foot.distance)) return 0;
-    const Vector3 looks = surface_normal(plane, static_cast<double>(foot.slope_eta),
-                                         static_cast<double>(foot.slope_omega));
-    if (looks.normalized().dot(normal) < like_cosine) return 0;
-    const std::uint32_t cell = foot.cell;
+    if (!std::isfinite(closest_point.distance)) return 0;
+    const Vector3 facing = surface_normal(plane, static_cast<double>(closest_point.slope_eta),
+                                          static_cast<double>(closest_point.slope_omega));
+    if (facing.normalized().dot(normal) < like_cosine) return 0;
+    const std::uint32_t cell = closest_point.cell;
     const int x = static_cast<int>(cell % tile_cells), y = static_cast<int>(cell / tile_cells);
-    const double slack = foot_slack(which, x, y);
+    const double slack = closest_point_slack(which, x, y);
     const std::uint64_t bit = std::uint64_t{1} << cell;
-    if (static_cast<double>(foot.distance) + radius + slack <= bound_) {
+    if (static_cast<double>(closest_point.distance) + radius + slack <= bound_) {
       return bit;
     }
     const TileHeights& h = heights_[which];
@@ -264,7 +264,7 @@ SurfaceCover prove_surface(const Caster& caster, const std::vector<SupportPlane>
     const std::size_t end = std::min(caster.surface_count(), (i + 1) * batch);
     for (std::size_t k = i * batch; k < end; ++k) {
       const auto triangle = static_cast<std::uint32_t>(k);
-      int tries = static_cast<int>(most_tries * share);
+      int tries = static_cast<int>(max_tries * share);
       proof.open(
           {caster.corner(triangle, 0), caster.corner(triangle, 1), caster.corner(triangle, 2)},
           caster.normal(triangle), triangle, cover.open[k], cover.uses[k], tries);

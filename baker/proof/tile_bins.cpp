@@ -43,7 +43,7 @@ Box tile_box(const SupportPlane& plane, const Tile& tile, float height_unit) {
 }
 
 TileBins::TileBins(std::span<const SupportPlane> planes, std::span<const Tile> tiles,
-                   float height_unit, double edge, double reach) {
+                   float height_unit, double edge, double radius) {
   Vector3 low = Vector3::Constant(std::numeric_limits<double>::infinity()), high = -low;
   for (const Tile& tile : tiles) {
     visit_boxes(planes[tile.plane], tile, height_unit, [&](const Box& box) {
@@ -52,7 +52,7 @@ TileBins::TileBins(std::span<const SupportPlane> planes, std::span<const Tile> t
     });
   }
   if (!(low.x() <= high.x())) return;
-  const Vector3 around = Vector3::Constant(reach);
+  const Vector3 around = Vector3::Constant(radius);
   low -= around;
   grid_ = CubeGrid(low, high - low + around, edge);
   std::vector<CubeBins::Member> members;

@@ -27,11 +27,11 @@ struct Box {
 /// Tiles, listed by the cubes of space through which their valid surface passes.
 class TileBins {
  public:
-  /// Cubes of `edge` metres. A tile counts as `reach` metres thick.
+  /// Cubes of `edge` metres. A tile counts as `radius` metres thick.
   TileBins(std::span<const SupportPlane> planes, std::span<const Tile> tiles, float height_unit,
-           double edge, double reach);
+           double edge, double radius);
 
-  /// Tiles whose surface may be within `reach` of a point.
+  /// Tiles whose surface may be within `radius` of a point.
   [[nodiscard]] std::span<const std::uint32_t> near(const Vector3& point) const;
 
  private:

@@ -21,7 +21,7 @@ namespace {
 /// A part smaller than this share of the bound that is still not proven never will be.
 constexpr double smallest_share = 0.1;
 /// A cell that is not proven in this many parts is not worth more; see worthwhile_tries.
-constexpr int most_parts = 2000;
+constexpr int max_parts = 2000;
 /// Share of the bound by which a clipped cell may be off the surface. Where such a cell juts over
 /// an edge, it faces points whose side it must not tell.
 constexpr double clipped_share = 0.7;
@@ -54,7 +54,7 @@ class CellProof {
     omega_ = tile.omega0 + (row + 0.5) * spacing_;
     base_ = tile.base;
     const double share = worthwhile_tries(bound, caster.diagonal());
-    parts_left_ = 10 + static_cast<int>(most_parts * share);
+    parts_left_ = 10 + static_cast<int>(max_parts * share);
     clipped_ = ((tile.clipped >> cell) & 1U) != 0;
     if (clipped_) {
       bound_ *= clipped_share;
@@ -67,7 +67,7 @@ class CellProof {
   /// True where surface that faces the other way comes so near to the cell that two patches, each
   /// off by the bound, could change places: a thin wall, a crack or a knife edge.
   [[nodiscard]] bool is_thin() const {
-    const double reach = thin_bounds * full_bound_;
+    const double margin = thin_bounds * full_bound_;
     const Vector3 across =
         (point(0.5, 0.5) - point(-0.5, -0.5)).cross(point(-0.5, 0.5) - point(0.5, -0.5));
     const double radius = ((point(0.5, 0.5) - point(-0.5, -0.5)).norm() +
@@ -75,13 +75,13 @@ class CellProof {
                           4;
     thread_local std::vector<std::uint32_t> near;
     near.clear();
-    caster_.within(point(0, 0), radius + reach, near);
+    caster_.within(point(0, 0), radius + margin, near);
     return std::any_of(near.begin(), near.end(), [&](std::uint32_t triangle) {
       if (caster_.is_cap(triangle) ||
           caster_.normal(triangle).dot(across) > opposite_cosine * across.norm()) {
         return false;
       }
-      return comes_near(triangle, reach);
+      return comes_near(triangle, margin);
     });
   }
 
@@ -105,21 +105,21 @@ class CellProof {
   [[nodiscard]] double beyond(double x, double y) const { return beyond_clip(clip_, x, y); }
 
   /// True where a place of a triangle is that near to the cell, judged at a few places.
-  [[nodiscard]] bool comes_near(std::uint32_t triangle, double reach) const {
-    const double wide = 0.5 + reach / spacing_;
+  [[nodiscard]] bool comes_near(std::uint32_t triangle, double margin) const {
+    const double wide = 0.5 + margin / spacing_;
     for (int k = 0; k < 9; ++k) {
-      const Vector3 foot = closest_on_triangle(
+      const Vector3 closest_point = closest_on_triangle(
           point((k % 3 - 1) * 0.5, (k / 3 - 1) * 0.5), caster_.corner(triangle, 0),
           caster_.corner(triangle, 1), caster_.corner(triangle, 2));
-      const PlaneCoordinates place = project_on_plane(plane_, foot);
+      const PlaneCoordinates place = project_on_plane(plane_, closest_point);
       const double x = (place.eta - eta_) / spacing_, y = (place.omega - omega_) / spacing_;
       if (std::max(std::abs(x), std::abs(y)) > wide) continue;
       const double inner_x = std::clamp(x, -0.5, 0.5), inner_y = std::clamp(y, -0.5, 0.5);
-      if (clipped_ && beyond(inner_x, inner_y) > std::abs(clip_.a) * reach / spacing_ +
-                                                     std::abs(clip_.b) * reach / spacing_) {
+      if (clipped_ && beyond(inner_x, inner_y) > std::abs(clip_.a) * margin / spacing_ +
+                                                     std::abs(clip_.b) * margin / spacing_) {
         continue;
       }
-      if ((foot - point(inner_x, inner_y)).norm() <= reach) return true;
+      if ((closest_point - point(inner_x, inner_y)).norm() <= margin) return true;
     }
     return false;
   }

@@ -13,9 +13,9 @@
 #include "baker/base/bake_error.hpp"
 #include "baker/base/progress_counter.hpp"
 #include "baker/cast/cast.hpp"
-#include "baker/smooth/sheet.hpp"
-#include "baker/smooth/sheet_refine.hpp"
-#include "baker/smooth/sheet_window.hpp"
+#include "baker/smooth/mesh_refine.hpp"
+#include "baker/smooth/mesh_window.hpp"
+#include "baker/smooth/surface_mesh.hpp"
 #include "baker/surface/outer_surface.hpp"
 #include "common/base/units.hpp"
 #include "common/paper/smoothing.hpp"
@@ -31,14 +31,14 @@ constexpr double longest_edge = 1.0;
 constexpr double longest_edge_when_sharp = 0.5;
 constexpr double sharp_turn = 0.35;  // rad, 20 degrees
 /// A vertex moves where a bend is in its window. All of its window needs short edges.
-constexpr double window_reach = 2 * gaussian_reach + longest_edge;  // in sigmas
-constexpr double sharp_reach = 2;                                   // in sigmas
-constexpr std::size_t most_triangles = 2000000;
+constexpr double window_cutoff = 2 * gaussian_cutoff + longest_edge;  // in sigmas
+constexpr double sharp_cutoff = 2;                                    // in sigmas
+constexpr std::size_t max_triangles = 2000000;
 /// Largest number of visits of vertices, all windows together. These take minutes.
-constexpr double most_visits = 4e9;
+constexpr double max_visits = 4e9;
 /// Edges that turn by less than this, rad, count as flat: smoothing moves them by less than 1e-4 of
 /// sigma.
-constexpr double least_turn = 1e-4;
+constexpr double min_turn = 1e-4;
 constexpr std::size_t grain = 64;
 
 [[noreturn]] void refuse(const std::string& message) {
@@ -50,68 +50,69 @@ double area_of(const std::vector<Vector3>& points, const Triangle& t) {
 }
 
 /// The outer surface without its caps.
-Sheet sheet_of(OuterSurface surface) {
+SurfaceMesh surface_mesh_of(OuterSurface surface) {
   surface.triangles.resize(surface.surface_count);
   return {std::move(surface.vertices), std::move(surface.triangles)};
 }
 
-bool is_crease(const SheetEdge& edge, const SmoothOptions& options) {
+bool is_crease(const MeshEdge& edge, const SmoothOptions& options) {
   return options.kind == Smoothing::crease && edge.turn > options.angle;
 }
 
-SheetNeighbours neighbours_of(const Sheet& sheet, const SmoothOptions& options) {
-  const SheetEdges edges = edges_of(sheet);
-  std::vector<char> fixed(sheet.vertices.size(), 0);
-  std::vector<char> bent(sheet.vertices.size(), 0);
-  for (const SheetEdge& edge : edges.edges) {
+MeshNeighbours neighbours_of(const SurfaceMesh& surface_mesh, const SmoothOptions& options) {
+  const MeshEdges edges = edges_of(surface_mesh);
+  std::vector<char> fixed(surface_mesh.vertices.size(), 0);
+  std::vector<char> bent(surface_mesh.vertices.size(), 0);
+  for (const MeshEdge& edge : edges.edges) {
     for (const std::uint32_t end : edge.ends) {
       if (!edge.paired || is_crease(edge, options)) fixed[end] = 1;
-      if (edge.turn > least_turn && !is_crease(edge, options)) bent[end] = 1;
+      if (edge.turn > min_turn && !is_crease(edge, options)) bent[end] = 1;
     }
   }
-  return {sheet, edges, std::move(fixed), std::move(bent)};
+  return {surface_mesh, edges, std::move(fixed), std::move(bent)};
 }
 
 /// Halves edges near bends that are to be smoothed, and more often near sharp ones.
-Sheet refined_for(Sheet sheet, const SmoothOptions& options) {
+SurfaceMesh refined_for(SurfaceMesh surface_mesh, const SmoothOptions& options) {
   const auto turns_by = [&](double least) {
-    return [&options, least](const SheetEdge& edge) {
+    return [&options, least](const MeshEdge& edge) {
       return edge.turn > least && !is_crease(edge, options);
     };
   };
   const double sigma = options.sigma;
   // Halved edges turn as much as the edges that they come from, so the second round finds the sharp
   // ones again.
-  sheet = refined(std::move(sheet), turns_by(least_turn), longest_edge * sigma,
-                  window_reach * sigma, most_triangles);
-  return in_order_of_space(refined(std::move(sheet), turns_by(sharp_turn),
-                                   longest_edge_when_sharp * sigma, sharp_reach * sigma,
-                                   most_triangles));
+  surface_mesh = refined(std::move(surface_mesh), turns_by(min_turn), longest_edge * sigma,
+                         window_cutoff * sigma, max_triangles);
+  return in_order_of_space(refined(std::move(surface_mesh), turns_by(sharp_turn),
+                                   longest_edge_when_sharp * sigma, sharp_cutoff * sigma,
+                                   max_triangles));
 }
 
 /// Refuses what would take hours: a large kernel on a fine mesh.
-void check_work(const Sheet& sheet, double sigma) {
+void check_work(const SurfaceMesh& surface_mesh, double sigma) {
   double area = 0;
-  for (const Triangle& triangle : sheet.triangles) area += area_of(sheet.vertices, triangle);
-  const double reach = gaussian_reach * sigma;
-  const auto count = static_cast<double>(sheet.vertices.size());
-  if (count * count * std::min(1.0, 3.14 * reach * reach / area) > most_visits) {
+  for (const Triangle& triangle : surface_mesh.triangles)
+    area += area_of(surface_mesh.vertices, triangle);
+  const double cutoff = gaussian_cutoff * sigma;
+  const auto count = static_cast<double>(surface_mesh.vertices.size());
+  if (count * count * std::min(1.0, 3.14 * cutoff * cutoff / area) > max_visits) {
     refuse("the mesh is too fine for a kernel of sigma " +
            format_quantity(sigma, Quantity::length) + "; ask for a smaller one, or give a mesh " +
            "with fewer triangles");
   }
 }
 
-std::vector<Vector3> smoothed_points(const SheetNeighbours& neighbours, double sigma,
+std::vector<Vector3> smoothed_points(const MeshNeighbours& neighbours, double sigma,
                                      const Progress& progress) {
-  std::vector<Vector3> points = neighbours.sheet().vertices;
+  std::vector<Vector3> points = neighbours.surface_mesh().vertices;
   // A little more than a window's reach, for the rounding on the way.
-  const std::vector<char> moves = SheetWindow(neighbours).near_bends(1.01 * gaussian_reach * sigma);
-  tbb::enumerable_thread_specific<SheetWindow> windows([&] { return SheetWindow(neighbours); });
+  const std::vector<char> moves = MeshWindow(neighbours).near_bends(1.01 * gaussian_cutoff * sigma);
+  tbb::enumerable_thread_specific<MeshWindow> windows([&] { return MeshWindow(neighbours); });
   ProgressCounter counter(progress, "smooth", points.size() / grain + 1);
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, points.size(), grain),
                     [&](const tbb::blocked_range<std::size_t>& range) {
-                      SheetWindow& window = windows.local();
+                      MeshWindow& window = windows.local();
                       for (std::size_t i = range.begin(); i != range.end(); ++i) {
                         if (moves[i] == 0) continue;
                         const auto moved = window.smoothed(static_cast<std::uint32_t>(i), sigma);
@@ -164,7 +165,7 @@ Caster caster_of(const std::vector<Vector3>& points, const std::vector<Triangle>
 
 /// The distances between the two surfaces, measured from both. Where a thorn was smoothed away, the
 /// new surface is near the old one, but the thorn's tip is far from the new one.
-void measure(const Sheet& before, const std::vector<Vector3>& after, SmoothReport& report) {
+void measure(const SurfaceMesh& before, const std::vector<Vector3>& after, SmoothReport& report) {
   const Caster old_surface = caster_of(before.vertices, before.triangles);
   const Caster new_surface = caster_of(after, before.triangles);
   std::vector<Gap> all = gaps(after, before.vertices, before.triangles, old_surface);
@@ -189,17 +190,17 @@ void measure(const Sheet& before, const std::vector<Vector3>& after, SmoothRepor
 }
 
 /// The smoothed surface as a mesh of the same file, without triangles that lost their area.
-Mesh mesh_from(const Mesh& mesh, const Sheet& sheet, std::vector<Vector3> points) {
+Mesh mesh_from(const Mesh& mesh, const SurfaceMesh& surface_mesh, std::vector<Vector3> points) {
   Mesh smoothed = mesh;
   smoothed.vertices = std::move(points);
-  smoothed.triangles = sheet.triangles;
+  smoothed.triangles = surface_mesh.triangles;
   std::erase_if(smoothed.triangles,
                 [&](const Triangle& t) { return !(area_of(smoothed.vertices, t) > 0); });
   smoothed.border.clear();
   smoothed.notes.clear();
   // A gap that rounding left where parts of a closed mesh intersect is no hole.
   if (!mesh.closed()) {
-    for (const SheetEdge& edge : edges_of(sheet).edges) {
+    for (const MeshEdge& edge : edges_of(surface_mesh).edges) {
       if (!edge.paired) smoothed.border.push_back(edge.ends);
     }
   }
@@ -234,12 +235,12 @@ Mesh smoothed_mesh(const Mesh& mesh, const SmoothOptions& options, const Progres
   report = {};
   report.options = fitted;
   report.hidden = surface.hidden;
-  const Sheet sheet = refined_for(sheet_of(std::move(surface)), fitted);
-  check_work(sheet, fitted.sigma);
+  const SurfaceMesh surface_mesh = refined_for(surface_mesh_of(std::move(surface)), fitted);
+  check_work(surface_mesh, fitted.sigma);
   std::vector<Vector3> points =
-      smoothed_points(neighbours_of(sheet, fitted), fitted.sigma, progress);
-  if (!sheet.triangles.empty()) measure(sheet, points, report);
-  return mesh_from(mesh, sheet, std::move(points));
+      smoothed_points(neighbours_of(surface_mesh, fitted), fitted.sigma, progress);
+  if (!surface_mesh.triangles.empty()) measure(surface_mesh, points, report);
+  return mesh_from(mesh, surface_mesh, std::move(points));
 }
 
 }  // namespace spm::baker

@@ -16,7 +16,7 @@ constexpr int directions = 16;  ///< directions of the line that are tried
 constexpr int scans = 5;        ///< lines across the crease along which the crease is searched
 constexpr int halvings = 6;
 /// A line that keeps fewer of the places than this is not worth the word that stores it.
-constexpr int least_kept = 3;
+constexpr int min_kept = 3;
 
 struct Place {
   double x, y;
@@ -30,8 +30,8 @@ double median(double* values, std::size_t count) {
 
 /// Where the surface ends on the scan line t along (a, b) through the cell; empty where it does not
 /// end.
-std::optional<double> sheet_end(double a, double b, double t, double x, double y,
-                                const std::function<bool(double, double)>& on_sheet) {
+std::optional<double> layer_end(double a, double b, double t, double x, double y,
+                                const std::function<bool(double, double)>& on_layer) {
   // The part of the line within the cell.
   double from = -1, to = 1;
   const auto narrow = [&](double start, double slope) {
@@ -46,7 +46,7 @@ std::optional<double> sheet_end(double a, double b, double t, double x, double y
   narrow(-t * b, a);
   narrow(t * a, b);
   if (!(to - from > 0.1)) return std::nullopt;
-  const auto inside = [&](double s) { return on_sheet(x + s * a - t * b, y + s * b + t * a); };
+  const auto inside = [&](double s) { return on_layer(x + s * a - t * b, y + s * b + t * a); };
   if (!inside(from)) return std::nullopt;
   double good = from, bad = to;
   constexpr int steps = 6;
@@ -69,11 +69,11 @@ std::optional<double> sheet_end(double a, double b, double t, double x, double y
 }  // namespace
 
 std::optional<Clip> fit_clip(double x, double y,
-                             const std::function<bool(double, double)>& on_sheet) {
+                             const std::function<bool(double, double)>& on_layer) {
   std::array<Place, side * side> places{};
   for (int k = 0; k < side * side; ++k) {
     const double px = (k % side) / (side - 1.0) - 0.5, py = (k / side) / (side - 1.0) - 0.5;
-    places[static_cast<std::size_t>(k)] = {px, py, on_sheet(x + px, y + py)};
+    places[static_cast<std::size_t>(k)] = {px, py, on_layer(x + px, y + py)};
   }
   int most = 0;
   double best_a = 1, best_b = 0;
@@ -94,7 +94,7 @@ std::optional<Clip> fit_clip(double x, double y,
       best_b = b;
     }
   }
-  if (most < least_kept) return std::nullopt;
+  if (most < min_kept) return std::nullopt;
 
   // Where the surface ends along lines across the crease, found by halving. The clip line runs
   // through these ends.
@@ -105,7 +105,7 @@ std::optional<Clip> fit_clip(double x, double y,
   std::size_t found = 0;
   for (int k = 0; k < scans; ++k) {
     const double t = 0.96 * (k / (scans - 1.0) - 0.5);
-    if (const std::optional<double> end = sheet_end(best_a, best_b, t, x, y, on_sheet)) {
+    if (const std::optional<double> end = layer_end(best_a, best_b, t, x, y, on_layer)) {
       ends[found++] = {t, *end};
     }
   }

@@ -193,7 +193,7 @@ struct CellJudge {
   const TileHeights& heights;
   double base;
 
-  [[nodiscard]] bool on_sheet(double depth, const Vector3& normal, double x, double y) const {
+  [[nodiscard]] bool on_layer(double depth, const Vector3& normal, double x, double y) const {
     return std::abs(depth - height(x, y)) * normal.dot(site.plane.n) <= site.residual;
   }
   [[nodiscard]] double height(double x, double y) const {
@@ -228,7 +228,7 @@ struct CellJudge {
         const std::uint32_t k = TileRays::index(cell, i, j);
         const TileRay& ray = rays.ray(k);
         const double x = TileRays::x_of(k), y = TileRays::y_of(k);
-        if (!ray.hit || !on_sheet(ray.depth, *ray.normal, x, y)) {
+        if (!ray.hit || !on_layer(ray.depth, *ray.normal, x, y)) {
           ++off;
           continue;
         }
@@ -279,12 +279,12 @@ std::optional<TileFit> fit_tile(const Caster& caster, const TileSite& site, cons
       data.valid |= bit;
       continue;
     }
-    const auto on_sheet = [&](double x, double y) {
+    const auto on_layer = [&](double x, double y) {
       const std::optional<TileRay> ray = rays.cast(x, y, judge.height(x, y), 2 * site.residual);
-      return ray && judge.on_sheet(ray->depth, *ray->normal, x, y);
+      return ray && judge.on_layer(ray->depth, *ray->normal, x, y);
     };
     const std::optional<Clip> clip =
-        fit_clip(cell % tile_cells + 0.5, cell / tile_cells + 0.5, on_sheet);
+        fit_clip(cell % tile_cells + 0.5, cell / tile_cells + 0.5, on_layer);
     if (!clip) continue;
     data.valid |= bit;
     data.clipped |= bit;

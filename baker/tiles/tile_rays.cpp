@@ -13,7 +13,7 @@ namespace {
 /// between them.
 constexpr double crease_cosine = 0.82;  // 35 degrees
 /// Surface seen at a flatter angle than this belongs to another plane.
-constexpr double least_cosine = 0.4;
+constexpr double min_cosine = 0.4;
 /// How far the depth may be off the tangent plane, in steps.
 constexpr double leave_steps = 1.0;
 
@@ -67,7 +67,7 @@ void TileRays::visit(std::uint32_t k, const TileRay& from, double dx, double dy,
   const double window = leave_steps * site_.spacing / per_cell;
   const std::optional<TileRay> ray = cast(x_of(k), y_of(k), from.depth + rise, window);
   if (!ray || ray->normal->dot(normal) < crease_cosine ||
-      ray->normal->dot(site_.plane.n) < least_cosine) {
+      ray->normal->dot(site_.plane.n) < min_cosine) {
     return;
   }
   rays_[k] = *ray;

@@ -25,7 +25,7 @@ namespace {
 constexpr double last_angle = 0.5;
 /// A place is tried only if at least this share of the surfels that a tile must cover face its
 /// plane best. Otherwise the rest would belong to other planes.
-constexpr double least_members = 0.5;
+constexpr double min_members = 0.5;
 /// Tiles side by side are worth it only where they cover this many times the least that a tile must
 /// cover. The gaps between them may take fewer tiles that are shifted.
 constexpr double first_worth = 2;
@@ -115,8 +115,7 @@ class TileChooser {
   /// Chooses tiles of a level that each cover `least` times what is worthwhile. They lie side by
   /// side. With `shifted` they may also be shifted by half a tile, for the gaps that others leave.
   void run_level(std::uint32_t level, bool shifted, const Progress& progress) {
-    const double least =
-        least_at(level) * (shifted || settings_.least_surfels > 0 ? 1 : first_worth);
+    const double least = min_at(level) * (shifted || settings_.min_surfels > 0 ? 1 : first_worth);
     const double stride =
         std::ldexp(settings_.tile_spacing * tile_stride, -static_cast<int>(level));
     std::vector<std::pair<TileKey, std::uint32_t>> placed;
@@ -164,8 +163,8 @@ class TileChooser {
   [[nodiscard]] bool is_last(std::uint32_t level) const { return level + 1 == settings_.levels; }
 
   /// How many surfels a tile of a level must newly cover.
-  [[nodiscard]] double least_at(std::uint32_t level) const {
-    if (settings_.least_surfels > 0) return settings_.least_surfels;
+  [[nodiscard]] double min_at(std::uint32_t level) const {
+    if (settings_.min_surfels > 0) return settings_.min_surfels;
     const double extent = std::ldexp(settings_.tile_spacing * tile_cells, -static_cast<int>(level));
     const double whole = std::max(1.0, std::pow(extent / settings_.surfel_spacing, 2));
     return whole * (is_last(level) ? settings_.last_worthwhile : settings_.worthwhile);
@@ -174,7 +173,7 @@ class TileChooser {
   /// One candidate for each layer of surface on which the members of a place lie.
   [[nodiscard]] std::vector<Candidate> candidates_at(
       std::uint32_t level, const TileKey& key, const std::vector<std::uint32_t>& members) const {
-    const bool any_angle = is_last(level) || settings_.least_surfels > 0;
+    const bool any_angle = is_last(level) || settings_.min_surfels > 0;
     const SupportPlane& plane = planes_[key.direction];
     const TileSite site{
         plane,
@@ -189,7 +188,7 @@ class TileChooser {
         any_angle ? last_angle : settings_.cell_angle,
         settings_.faceted};
     std::vector<Candidate> candidates;
-    if (static_cast<double>(members.size()) < least_members * least_at(level)) return candidates;
+    if (static_cast<double>(members.size()) < min_members * min_at(level)) return candidates;
     std::vector<bool> tried(members.size(), false);
     for (std::size_t i = 0; i < members.size(); ++i) {
       if (tried[i]) continue;
@@ -203,7 +202,7 @@ class TileChooser {
       }
       if (!fit->good) continue;
       Candidate candidate{std::move(fit->data), covered_by(view)};
-      if (static_cast<double>(candidate.covers.size()) >= least_at(level)) {
+      if (static_cast<double>(candidate.covers.size()) >= min_at(level)) {
         candidates.push_back(std::move(candidate));
       }
     }

@@ -16,7 +16,7 @@ namespace {
 /// Triangles may represent at most this share of the surface, while everything together takes more
 /// bytes than `many_bytes` and than `many_times` the bytes of the surface's own triangles. A
 /// rigging of thin spars, for example, is no place for maps.
-constexpr double most_share = 0.5;
+constexpr double max_share = 0.5;
 constexpr double many_bytes = 400e3;
 constexpr double many_times = 3;
 
@@ -127,7 +127,7 @@ class Chooser {
     const double share = (left_ + move.area) / all_;
     if (share <= free_share_) return true;
     const double own = many_times * static_cast<double>(triangle_bytes * area_.size());
-    return share <= most_share && static_cast<double>(bytes_) > std::max(many_bytes, own);
+    return share <= max_share && static_cast<double>(bytes_) > std::max(many_bytes, own);
   }
 
   void take(std::uint32_t triangle) {
@@ -151,7 +151,7 @@ class Chooser {
 
 std::uint64_t tile_bytes(const TileData& tile) {
   return 2 * tile_sample_count + 4 * tile_words + (~tile.valid != 0 ? 8 : 0) +
-         (tile.clipped != 0 ? 8 + 4 * tile.clips.size() : 0) + tree_bytes;
+         (tile.clipped != 0 ? 8 + 4 * tile.clips.size() : 0) + bvh_bytes;
 }
 
 ElementChoice choose_elements(const Caster& caster, std::vector<TileData> tiles,

@@ -24,7 +24,7 @@ struct ElementChoice {
                                             const SurfaceCover& cover, double free_share);
 
 /// A node of the BVH is 40 bytes. Replacing one child by four adds one node.
-inline constexpr std::uint64_t tree_bytes = 14;
+inline constexpr std::uint64_t bvh_bytes = 14;
 /// Bytes that a tile takes in a file, together with its share of the BVH.
 [[nodiscard]] std::uint64_t tile_bytes(const TileData& tile);
 /// The same for a triangle.

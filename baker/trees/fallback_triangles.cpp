@@ -13,7 +13,7 @@ namespace {
 /// Share of the tolerance that the rounding of triangles may take.
 constexpr double rounding_share = 0.1;
 /// Triangles flatter than this many steps lose their direction in the rounding.
-constexpr double least_steps = 1;
+constexpr double min_steps = 1;
 
 }  // namespace
 
@@ -25,7 +25,7 @@ FallbackTriangles::FallbackTriangles(const Caster& caster, double tolerance) {
     for (int k = 0; k < 3; ++k) box.include(caster.corner(i, k));
   }
   const double step = (box.high - box.low).maxCoeff() / 65535;
-  if (least_steps * step <= rounding(tolerance)) {
+  if (min_steps * step <= rounding(tolerance)) {
     origin_ = box.low;
     step_ = step;
   }
@@ -51,7 +51,7 @@ bool FallbackTriangles::lost(const std::array<Vector3, 3>& corners) const {
   const auto [a, b, c] = stored(corners);
   const double twice_area = (b - a).cross(c - a).norm();
   const double longest = std::max({(b - a).norm(), (c - b).norm(), (a - c).norm()});
-  return !(twice_area > least_steps * step_ * longest);
+  return !(twice_area > min_steps * step_ * longest);
 }
 
 void FallbackTriangles::describe(Asset& asset) const {

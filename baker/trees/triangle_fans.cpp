@@ -13,7 +13,7 @@ namespace {
 
 constexpr std::uint32_t none = std::numeric_limits<std::uint32_t>::max();
 /// Longer fans save little more, and their boxes grow.
-constexpr std::size_t most_triangles = 8;
+constexpr std::size_t max_triangles = 8;
 /// Fans of at least this many triangles are taken first, then shorter ones of the rest.
 constexpr std::array<std::size_t, 4> rounds{6, 4, 2, 1};
 
@@ -74,12 +74,12 @@ class FanFinder {
       return std::any_of(sides.begin(), sides.end(),
                          [side](Side one) { return one / 3 == side / 3; });
     };
-    while (sides.size() < most_triangles) {
+    while (sides.size() < max_triangles) {
       const Side next = other_[last_side(sides.back())];
       if (!free(next) || known(next)) break;
       sides.push_back(next);
     }
-    while (sides.size() < most_triangles) {
+    while (sides.size() < max_triangles) {
       const Side back = other_[sides.front()];
       if (!free(back) || known(back)) break;
       sides.insert(sides.begin(), next_side(back));

@@ -18,7 +18,7 @@ constexpr std::uint64_t numbers = 6;  ///< random numbers for each point
 constexpr double near_tolerances = 2;
 /// The smallest distance of places about edges and corners, in tolerances. Their distances are
 /// log-uniform.
-constexpr double least_tolerances = 0.25;
+constexpr double min_tolerances = 0.25;
 /// Weight of an edge between triangles in one plane; an edge that turns all the way has weight 1.
 constexpr double level_edge_weight = 0.02;
 
@@ -93,7 +93,7 @@ Vector3 BandTrials::near_corner(std::uint64_t index) const {
 
 Vector3 BandTrials::offset(std::uint64_t index) const {
   const auto random = [&](std::uint64_t k) { return random_unit(seed_, numbers * index + k); };
-  const double least = least_tolerances * tolerance_;
+  const double least = min_tolerances * tolerance_;
   const double longest = std::max(band_.max_depth, 2 * least);
   return least * std::pow(longest / least, random(4)) * direction_of(random(2), random(3));
 }

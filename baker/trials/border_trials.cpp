@@ -13,8 +13,8 @@ namespace {
 
 constexpr std::uint64_t numbers = 6;  ///< random numbers for each point
 /// Smallest and largest distance of places from the line, in tolerances. Distances are log-uniform.
-constexpr double least_tolerances = 0.25;
-constexpr double most_tolerances = 4;
+constexpr double min_tolerances = 0.25;
+constexpr double max_tolerances = 4;
 
 }  // namespace
 
@@ -51,7 +51,7 @@ Vector3 BorderTrials::point(std::uint64_t index) const {
   const Vector3 place =
       support_plane_point(plane, eta, omega) - height_at(tile, heights, cell, x, y).value * plane.n;
   const double away =
-      least_tolerances * asset_.tolerance * std::pow(most_tolerances / least_tolerances, random(5));
+      min_tolerances * asset_.tolerance * std::pow(max_tolerances / min_tolerances, random(5));
   return place + away * direction_of(random(3), random(4));
 }
 

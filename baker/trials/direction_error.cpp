@@ -20,7 +20,7 @@ constexpr std::uint64_t trials = 20000;
 /// One of three trials of BandTrials lies anywhere over the band.
 constexpr std::uint64_t every = 3, first = 1;
 /// Nearer to the surface than this, in tolerances, a direction means nothing.
-constexpr double least_tolerances = 0.05;
+constexpr double min_tolerances = 0.05;
 
 /// A triangle faces a place directly within this cosine.
 constexpr double facing_cosine = 1 - 1e-9;
@@ -38,7 +38,7 @@ bool uncontested(const Caster& caster, const Vector3& point, const ClosestPoint&
   std::vector<std::uint32_t> near;
   const double away = std::abs(closest.distance);
   caster.within(point, away + competing_tolerances * tolerance, near);
-  const Vector3 toward = (closest.foot - point) / away;
+  const Vector3 toward = (closest.closest_point - point) / away;
   return std::none_of(near.begin(), near.end(), [&](std::uint32_t triangle) {
     if (caster.is_cap(triangle)) return false;
     const Vector3 other =
@@ -61,7 +61,7 @@ double median_direction_error(const Asset& asset, const Caster& caster, std::uin
   tbb::parallel_for(std::uint64_t{0}, trials, [&](std::uint64_t i) {
     const Vector3 point = band.point(every * i + first);
     const ClosestPoint closest = caster.closest(point);
-    if (std::abs(closest.distance) < least_tolerances * view.tolerance) return;
+    if (std::abs(closest.distance) < min_tolerances * view.tolerance) return;
     if (!uncontested(caster, point, closest, view.tolerance)) return;
     const Answer answer = query_point(view, point);
     if (answer.status != Status::exact) return;

@@ -27,13 +27,13 @@ constexpr std::uint64_t passes = 24;
 /// Votes that differ by less than this are close.
 constexpr double close_margin = 0.25;
 /// How far from a failure and from a close place the additional trials lie, in tolerances.
-constexpr double about_reach = 4;
-constexpr double close_reach = 1;
+constexpr double about_radius = 4;
+constexpr double close_radius = 1;
 /// An error above this share of the tolerance is nearly a failure. Places around it are tried, then
 /// places around the worst of those. With each step the threshold rises and the places lie nearer.
 constexpr double near_share = 0.65;
 constexpr double near_step = 0.07;
-constexpr double near_reach = 0.6;
+constexpr double near_radius = 0.6;
 constexpr double nearer = 0.7;
 constexpr std::uint64_t seed = 0x3E9D;
 
@@ -46,12 +46,12 @@ struct Outcome {
 /// Queries the distance of a point. Where a cube gives the side, the side cannot be wrong.
 Outcome outcome_at(const AssetView& view, const Caster& caster, double tolerance,
                    const Vector3& point) {
-  if (space_at(view.space, point) != SpaceKind::told) return {};
-  const ElementReading reading = read_elements(view, point, CubeKind::told);
+  if (sign_at(view.sign_octree, point) != SignKind::boundary) return {};
+  const ElementReading reading = read_elements(view, point, CubeKind::boundary);
   const ClosestPoint closest = caster.closest(point);
   // Near a cap nothing is promised.
-  if (closest.clear < std::min(tolerance, std::abs(closest.distance))) return {};
-  const double error = told_distance(view, reading) - closest.distance;
+  if (closest.clearance < std::min(tolerance, std::abs(closest.distance))) return {};
+  const double error = signed_distance(view, reading) - closest.distance;
   return {std::abs(error) / tolerance, reading.sides.margin() < close_margin};
 }
 
@@ -67,8 +67,8 @@ std::vector<Outcome> outcomes(const AssetView& view, const Caster& caster, doubl
 /// Evaluates the trials of a pass: resolves what is wrong, and finds the places of the next pass.
 class Followed {
  public:
-  Followed(SpaceBuilder& space, double tolerance, SideTrials& counts)
-      : space_(space), tolerance_(tolerance), counts_(counts) {}
+  Followed(SignOctreeBuilder& sign_octree, double tolerance, SideTrials& counts)
+      : sign_octree_(sign_octree), tolerance_(tolerance), counts_(counts) {}
 
   /// The places to try next, around those with a bad outcome. Empty where there are none left.
   [[nodiscard]] std::vector<Vector3> take() { return std::exchange(more_, {}); }
@@ -85,28 +85,28 @@ class Followed {
     for (std::size_t i = 0; i < points.size(); ++i) {
       if (found[i].error > 1) {
         right = false;
-        mend(points[i]);
-        look_about(points[i], trials_about_failure, about_reach, pass);
+        resolve(points[i]);
+        look_about(points[i], trials_about_failure, about_radius, pass);
       } else if (found[i].error > near) {
-        look_about(points[i], trials_about_near, near_reach * nearer_by, pass);
+        look_about(points[i], trials_about_near, near_radius * nearer_by, pass);
       } else if (found[i].close && step == 0) {
-        look_about(points[i], trials_about_close, close_reach, pass);
+        look_about(points[i], trials_about_close, close_radius, pass);
       }
     }
     return right;
   }
 
  private:
-  SpaceBuilder& space_;
+  SignOctreeBuilder& sign_octree_;
   double tolerance_;
   SideTrials& counts_;
   std::vector<Vector3> more_;
 
-  void mend(const Vector3& point) {
+  void resolve(const Vector3& point) {
     // The division for an earlier failure may have resolved this one as well.
-    if (space_.mend(point)) {
-      ++counts_.mended;
-    } else if (space_.place(point) == SpaceKind::told) {
+    if (sign_octree_.resolve(point)) {
+      ++counts_.resolved;
+    } else if (sign_octree_.place(point) == SignKind::boundary) {
       ++counts_.wrong;
     }
   }
@@ -114,20 +114,20 @@ class Followed {
   /// Adds places around one to those of the next pass, at most so many tolerances away.
   void look_about(const Vector3& point, std::uint64_t count, double tolerances,
                   std::uint64_t pass) {
-    const double reach = tolerances * tolerance_;
+    const double radius = tolerances * tolerance_;
     for (std::uint64_t k = 0; k < count && more_.size() < trials; ++k) {
       const std::uint64_t index = 3 * more_.size();
       const auto random = [&](std::uint64_t n) { return random_unit(seed + 1 + pass, index + n); };
       const Vector3 away(random(0), random(1), random(2));
-      more_.push_back(point + reach * (2 * away - Vector3::Constant(1)));
+      more_.push_back(point + radius * (2 * away - Vector3::Constant(1)));
     }
   }
 };
 
-void count_cells(const AssetView& view, const Caster& caster, const SpaceBuilder& space,
+void count_cells(const AssetView& view, const Caster& caster, const SignOctreeBuilder& sign_octree,
                  SideTrials& result) {
-  space.visit_leaves([&](const SpaceNode& leaf) {
-    if (leaf.kind == SpaceKind::far || leaf.kind == SpaceKind::pruned) return;
+  sign_octree.visit_leaves([&](const SignOctreeNode& leaf) {
+    if (leaf.kind == SignKind::far || leaf.kind == SignKind::pruned) return;
     const double distance = caster.closest(leaf.middle).distance;
     if (distance + std::sqrt(3.0) / 2 * leaf.edge < -view.band.max_depth) return;
     ++result.cells;
@@ -138,7 +138,7 @@ void count_cells(const AssetView& view, const Caster& caster, const SpaceBuilder
 
 }  // namespace
 
-SideTrials try_sides(Asset& asset, const Caster& caster, SpaceBuilder& space,
+SideTrials try_sides(Asset& asset, const Caster& caster, SignOctreeBuilder& sign_octree,
                      const Progress& progress) {
   SideTrials result;
   const double tolerance = *asset.metadata.tolerance;
@@ -147,14 +147,14 @@ SideTrials try_sides(Asset& asset, const Caster& caster, SpaceBuilder& space,
   const AssetTables tables = tables_of(asset);
   AssetView view = tables.view();
   const BorderTrials borders(view, seed);
-  Followed followed(space, tolerance, result);
+  Followed followed(sign_octree, tolerance, result);
   std::uint64_t drawn = 0;
   bool clean = false, right = true;
   int step = 0;
   // A round, and all passes that follow from it, must find no failure.
   for (std::uint64_t pass = 0; pass < passes && !clean; ++pass) {
-    const SpaceData now = space.data();
-    view.space = {now.origin, now.edge, now.words};
+    const SignOctreeData now = sign_octree.data();
+    view.sign_octree = {now.origin, now.edge, now.words};
     std::vector<Vector3> points = followed.take();
     step = points.empty() ? 0 : step + 1;
     for (std::uint64_t i = 0; step == 0 && i < trials; ++i, ++drawn) {
@@ -168,8 +168,8 @@ SideTrials try_sides(Asset& asset, const Caster& caster, SpaceBuilder& space,
       progress("sides", static_cast<double>(pass + 1) / static_cast<double>(passes));
     }
   }
-  asset.space = space.data();
-  count_cells(view, caster, space, result);
+  asset.sign_octree = sign_octree.data();
+  count_cells(view, caster, sign_octree, result);
   return result;
 }
 

@@ -3,14 +3,14 @@
 
 #include <cstdint>
 
-#include "baker/trees/space_build.hpp"
+#include "baker/trees/sign_octree_build.hpp"
 #include "formats/asset/asset.hpp"
 
 namespace spm::baker {
 
 /// Results of the trials of a `sparse` asset.
 struct SideTrials {
-  std::uint64_t mended = 0;          ///< places where cubes were divided for the side
+  std::uint64_t resolved = 0;        ///< places where cubes were divided for the side
   std::uint64_t wrong = 0;           ///< trials of the last pass that no division resolved
   std::uint64_t cells = 0;           ///< cubes that touch the band
   std::uint64_t fallback_cells = 0;  ///< those of them whose middle is nearest to a triangle
@@ -20,7 +20,7 @@ struct SideTrials {
 /// edges. Where it is wrong and farther than the tolerance from the surface, the cubes of the sign
 /// octree are divided down to one that lies on one side, and more places are tried around it. Fills
 /// the asset's space.
-[[nodiscard]] SideTrials try_sides(Asset& asset, const Caster& caster, SpaceBuilder& space,
-                                   const Progress& progress);
+[[nodiscard]] SideTrials try_sides(Asset& asset, const Caster& caster,
+                                   SignOctreeBuilder& sign_octree, const Progress& progress);
 
 }  // namespace spm::baker

@@ -182,10 +182,10 @@ void sort_halving(const ExactWinding& winding, const Corners& piece, const Vecto
   const Vector3 centre = (piece[0] + piece[1] + piece[2]) / 3;
   const auto [side, clearance] = judge(winding, centre, normal, scale.probe);
   double longest = 0;
-  double reach = 0;
+  double radius = 0;
   std::size_t split = 0;
   for (std::size_t i = 0; i < 3; ++i) {
-    reach = std::max(reach, (piece[i] - centre).norm());
+    radius = std::max(radius, (piece[i] - centre).norm());
     const double length = (piece[(i + 1) % 3] - piece[i]).norm();
     if (length > longest) {
       longest = length;
@@ -193,7 +193,7 @@ void sort_halving(const ExactWinding& winding, const Corners& piece, const Vecto
     }
   }
   const bool settled =
-      longest < scale.finest || winding.variation(centre, reach) < clearance ||
+      longest < scale.finest || winding.variation(centre, radius) < clearance ||
       std::all_of(piece.begin(), piece.end(), [&, side = side](const Vector3& corner) {
         const Vector3 point = 0.95 * corner + 0.05 * centre;
         return judge(winding, point, normal, scale.probe).side == side;

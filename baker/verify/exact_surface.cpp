@@ -25,7 +25,7 @@ using Kernel = CGAL::Simple_cartesian<double>;
 using Point = Kernel::Point_3;
 using Triangles = std::vector<Kernel::Triangle_3>;
 using Segments = std::vector<Kernel::Segment_3>;
-using TriangleTree = CGAL::AABB_tree<
+using TriangleBvh = CGAL::AABB_tree<
     CGAL::AABB_traits<Kernel, CGAL::AABB_triangle_primitive<Kernel, Triangles::const_iterator>>>;
 using SegmentTree = CGAL::AABB_tree<
     CGAL::AABB_traits<Kernel, CGAL::AABB_segment_primitive<Kernel, Segments::const_iterator>>>;
@@ -107,7 +107,7 @@ struct ExactSurface::Implementation {
   Triangles triangles;
   Segments segments;
   std::vector<double> cumulative;  ///< area up to and including each triangle
-  TriangleTree tree;
+  TriangleBvh tree;
   SegmentTree border;
   double area = 0;
   double hidden_area = 0;

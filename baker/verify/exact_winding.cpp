@@ -135,7 +135,7 @@ double ExactWinding::at(const Vector3& point) const noexcept {
   return sum;
 }
 
-double ExactWinding::variation(const Vector3& point, double reach) const noexcept {
+double ExactWinding::variation(const Vector3& point, double distance) const noexcept {
   if (nodes_.empty()) return 0;
   const Node& root = nodes_.front();
   double gradient = 0;
@@ -144,11 +144,11 @@ double ExactWinding::variation(const Vector3& point, double reach) const noexcep
     const Vector3 along = vertices_[edges_[e][1]] - from;
     const double length = along.norm();
     // No point of the edge is nearer than this.
-    const double gap = (from + along / 2 - point).norm() - length / 2 - reach;
+    const double gap = (from + along / 2 - point).norm() - length / 2 - distance;
     if (gap <= 0) return std::numeric_limits<double>::infinity();
     gradient += length / (4 * std::numbers::pi * gap * gap);
   }
-  return gradient * reach;
+  return gradient * distance;
 }
 
 }  // namespace spm::baker

@@ -25,10 +25,10 @@ class ExactWinding {
   explicit ExactWinding(const Mesh& mesh);
   [[nodiscard]] double at(const Vector3& point) const noexcept;
 
-  /// How much the winding number can change in a move of `reach` metres that crosses no triangle.
-  /// It is the solid angle of the mesh's boundary, whose gradient is at most that of a current
-  /// along the boundary.
-  [[nodiscard]] double variation(const Vector3& point, double reach) const noexcept;
+  /// How much the winding number can change in a move of `distance` metres that crosses no
+  /// triangle. It is the solid angle of the mesh's boundary, whose gradient is at most that of a
+  /// current along the boundary.
+  [[nodiscard]] double variation(const Vector3& point, double distance) const noexcept;
 
  private:
   using Edge = std::array<std::uint32_t, 2>;

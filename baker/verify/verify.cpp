@@ -25,9 +25,9 @@
 namespace spm::baker {
 namespace {
 
-constexpr double hole_share = 0.03;      // of the diagonal
-constexpr double least_distance = 2e-6;  // m; nearer the direction is lost in rounding
-constexpr std::uint64_t most_draws = 256;
+constexpr double hole_share = 0.03;    // of the diagonal
+constexpr double min_distance = 2e-6;  // m; nearer the direction is lost in rounding
+constexpr std::uint64_t max_draws = 256;
 /// Samples that are tried first, so that a surface without a place to measure is reported at once.
 constexpr std::uint64_t first_samples = 256;
 
@@ -72,8 +72,8 @@ void judge_smoothing(const ExactSurface& unsmoothed, Outcome& outcome) {
 /// Draws places until one is in the band by its true distance and not beside a hole.
 Vector3 draw(const Setting& setting, std::uint64_t index, Outcome& outcome) {
   Vector3 closest = Vector3::Zero();
-  for (std::uint64_t attempt = 0; attempt < most_draws && !outcome.drawn; ++attempt) {
-    const std::uint64_t counter = 4 * (index * most_draws + attempt);
+  for (std::uint64_t attempt = 0; attempt < max_draws && !outcome.drawn; ++attempt) {
+    const std::uint64_t counter = 4 * (index * max_draws + attempt);
     const SurfacePoint start = setting.surface.at(random_unit(setting.seed, counter),
                                                   random_unit(setting.seed, counter + 1),
                                                   random_unit(setting.seed, counter + 2));
@@ -81,7 +81,7 @@ Vector3 draw(const Setting& setting, std::uint64_t index, Outcome& outcome) {
                                                         random_unit(setting.seed, counter + 3);
     outcome.point = setting.adversarial
                         ? adversarial_place(setting.surface, setting.view, setting.tolerance,
-                                            setting.seed, index * most_draws + attempt)
+                                            setting.seed, index * max_draws + attempt)
                         : Vector3(start.position + offset * start.normal);
     closest = setting.surface.closest(outcome.point).position;
     const double distance = (outcome.point - closest).norm();
@@ -117,7 +117,7 @@ void judge_distance(const Setting& setting, const Answer& answer, Outcome& outco
 
 void judge_direction(const Setting& setting, const Vector3& closest, const Answer& answer,
                      Outcome& outcome) {
-  outcome.contested = std::abs(outcome.truth) < least_distance ||
+  outcome.contested = std::abs(outcome.truth) < min_distance ||
                       setting.surface.contested(outcome.point, closest, 2 * setting.tolerance);
   if (outcome.contested || answer.normal.squaredNorm() == 0) return;
   const Vector3 away =

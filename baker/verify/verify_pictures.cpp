@@ -28,11 +28,11 @@ std::vector<std::string> write_error_pictures(const AssetView& view, const Asset
 
   const bool hard = report.adversarial.distance.max > report.distance.max;
   const Vector3 worst = hard ? report.adversarial.worst_point : report.worst_point;
-  const SurfacePoint foot = exact.closest(worst);
-  const Window whole = whole_of(mesh.box_min, mesh.box_max, foot.normal);
-  const Window close{foot.position, foot.normal, close_share * mesh.diagonal};
+  const SurfacePoint closest_point = exact.closest(worst);
+  const Window whole = whole_of(mesh.box_min, mesh.box_max, closest_point.normal);
+  const Window close{closest_point.position, closest_point.normal, close_share * mesh.diagonal};
   // A cut across the surface, so that the band is visible.
-  const Window cut{worst, foot.normal.unitOrthogonal(),
+  const Window cut{worst, closest_point.normal.unitOrthogonal(),
                    4 * std::max(view.band.max_depth, view.band.margin)};
   const ErrorScale scale{exact, view, report.band,
                          metadata.tolerance.value_or(metadata.diagonal / 1000)};

@@ -5,9 +5,9 @@
 #include <cstdint>
 #include <span>
 
+#include "common/asset/bvh.hpp"
 #include "common/asset/element_index.hpp"
-#include "common/asset/element_tree.hpp"
-#include "common/asset/space_tree.hpp"
+#include "common/asset/sign_octree.hpp"
 #include "common/surface/distance_map.hpp"
 #include "common/surface/support_plane.hpp"
 #include "common/surface/tile.hpp"
@@ -48,8 +48,8 @@ inline constexpr int split_levels = 6;
 inline constexpr std::uint32_t payload_mask = 0x3FFFFFFFU;
 inline constexpr std::uint32_t split_bit = 1U << 28U;
 inline constexpr std::uint32_t offset_mask = 0x0FFFFFFFU;
-inline constexpr std::uint32_t most_listed = 0xFFU;
-inline constexpr std::uint32_t most_listed_triangles = 0xFFFFU;
+inline constexpr std::uint32_t max_listed = 0xFFU;
+inline constexpr std::uint32_t max_listed_triangles = 0xFFFFU;
 
 /// A map candidate in a list of a `full` asset, unpacked from its word.
 struct MapCandidate {
@@ -93,7 +93,7 @@ struct AssetView {
   std::span<const Tile> tiles;  ///< `sparse` only, as `maps` are `full` only
   float height_unit = 1;        ///< m per unit of the tiles' heights
   /// Corners of the exact fallback triangles: in `full` three per triangle, in `sparse` in fans
-  /// (ElementTree). Either three floats each, metres; or three 16-bit numbers each, where a
+  /// (Bvh). Either three floats each, metres; or three 16-bit numbers each, where a
   /// coordinate is triangle_origin plus the number times triangle_step, metres. One of the two is
   /// empty.
   std::span<const float> triangles;
@@ -103,10 +103,10 @@ struct AssetView {
   /// `sparse` only: corners from this number on belong to caps, which decide the side but carry no
   /// distance.
   std::uint32_t first_cap = 0;
-  Grid grid;           ///< `full` only
-  SpaceTree space;     ///< `sparse` only
-  ElementTree tree;    ///< `sparse` only
-  ElementIndex index;  ///< `sparse` only; empty before it was derived
+  Grid grid;               ///< `full` only
+  SignOctree sign_octree;  ///< `sparse` only
+  Bvh bvh;                 ///< `sparse` only
+  ElementIndex index;      ///< `sparse` only; empty before it was derived
   Band band;
   double tolerance = 0;  ///< m; how far beyond the band's end an answer may lie
   bool full = false;     ///< map k belongs to plane k and `paper` applies
@@ -133,10 +133,9 @@ struct Extent {
     return {asset.grid.origin, asset.grid.cell_size * Vector3(cells[0], cells[1], cells[2])};
   }
   const double margin = asset.band.margin + asset.tolerance;
-  const Vector3 size(static_cast<double>(asset.tree.size[0]),
-                     static_cast<double>(asset.tree.size[1]),
-                     static_cast<double>(asset.tree.size[2]));
-  return {asset.tree.origin - Vector3::Constant(margin), size + Vector3::Constant(2 * margin)};
+  const Vector3 size(static_cast<double>(asset.bvh.size[0]), static_cast<double>(asset.bvh.size[1]),
+                     static_cast<double>(asset.bvh.size[2]));
+  return {asset.bvh.origin - Vector3::Constant(margin), size + Vector3::Constant(2 * margin)};
 }
 
 }  // namespace spm

@@ -8,31 +8,31 @@
 #include <cstdint>
 #include <span>
 
-#include "common/asset/unit_groups.hpp"
+#include "common/asset/primitive_packets.hpp"
 #include "common/surface/support_plane.hpp"
 
 namespace spm {
 
 /// A primitive, the part of an element that a query treats separately: a cell of a tile, or a
 /// triangle.
-struct IndexUnit {
-  std::uint32_t group = 0;
+struct IndexPrimitive {
+  std::uint32_t packet = 0;
   std::uint32_t lane = 0;
 };
 
 /// What an index records of a whole cube.
 enum class CubeKind : std::uint32_t {
-  unknown = 0,  ///< the space tree tells what a point is
-  told = 1,     ///< as SpaceKind
+  unknown = 0,   ///< the sign octree tells what a point is
+  boundary = 1,  ///< as SignKind
   inside = 2,
   outside = 3,
-  one_sheet = 4,  ///< what is near looks one way: the nearest tells the side
+  one_sided = 4,  ///< what is near looks one way: the nearest tells the side
   far = 5,        ///< outside, beyond the margin
   beside = 6,     ///< not in the grid: far, pruned, or deep in what was cut; in no word
 };
 
 /// Look-up table of the primitives of a `sparse` asset that can matter to a point, cube by cube. It
-/// replaces the descent in an ElementTree. Derived when an asset is opened (build_element_index),
+/// replaces the descent in an Bvh. Derived when an asset is opened (build_element_index),
 /// never stored; without it queries descend the tree. Views; nothing is owned.
 ///
 /// The cubes of a regular grid, x fastest, come first in `words`, one word each:
@@ -53,12 +53,12 @@ struct ElementIndex {
   double per_cell = 1;               ///< 1 / cell_size
   std::array<std::uint32_t, 3> cells{0, 0, 0};
   std::span<const std::uint32_t> words;
-  double slack = 0;  ///< m: how far bounds of groups, which are floats, may be off
-  UnitGroups groups;
+  double slack = 0;  ///< m: how far bounds of packets, which are floats, may be off
+  PrimitivePackets packets;
 
-  /// Whether numbers of groups are of 16 bits.
+  /// Whether numbers of packets are of 16 bits.
   [[nodiscard]] bool has_small_numbers() const noexcept {
-    return groups.cells.size() + groups.triangles.size() <= (std::size_t{1} << 16U);
+    return packets.cells.size() + packets.triangles.size() <= (std::size_t{1} << 16U);
   }
 };
 
@@ -66,8 +66,8 @@ inline constexpr std::uint32_t index_split = 1U << 31U;
 inline constexpr std::uint32_t index_place = (1U << 28U) - 1;
 inline constexpr int index_levels = 6;  ///< halvings of a cube of the grid at most
 
-/// Groups that a list may name at most.
-inline constexpr std::size_t index_list_groups = 64;
+/// Packets that a list may name at most.
+inline constexpr std::size_t index_list_packets = 64;
 
 /// The list of a cube, as found for a point.
 struct IndexList {
@@ -145,37 +145,39 @@ inline constexpr std::size_t points_at_once = 32;
 void lists_at(const ElementIndex& index, std::span<const Vector3> points,
               IndexList* lists) noexcept;
 
-/// The first groups of a list, at most index_list_groups.
-[[nodiscard]] inline GroupNames names_of(const ElementIndex& index, const IndexList& list,
-                                         std::size_t count) noexcept {
-  return {list.numbers, std::min(count, index_list_groups), index.has_small_numbers()};
+/// The first packets of a list, at most index_list_packets.
+[[nodiscard]] inline PackedNumbers packed_numbers_of(const ElementIndex& index,
+                                                     const IndexList& list,
+                                                     std::size_t count) noexcept {
+  return {list.numbers, std::min(count, index_list_packets), index.has_small_numbers()};
 }
 
-/// The unit that a group of a list and a lane name.
-[[nodiscard]] inline IndexUnit unit_at(const GroupNames& names, std::size_t which) noexcept {
-  return {names[which / group_units], static_cast<std::uint32_t>(which % group_units)};
+/// The primitive that a packet of a list and a lane name.
+[[nodiscard]] inline IndexPrimitive primitive_at(const PackedNumbers& names,
+                                                 std::size_t which) noexcept {
+  return {names[which / packet_width], static_cast<std::uint32_t>(which % packet_width)};
 }
 
-/// Calls `visit(unit)` for the units of a list that may lie nearer to a point (`place`, m from the
-/// tree's origin) than `limit()` (m), which may shrink on the way: nearest bounds first.
+/// Calls `visit(primitive)` for the primitives of a list that may lie nearer to a point (`place`, m
+/// from the tree's origin) than `limit()` (m), which may shrink on the way: nearest bounds first.
 template <class Visit, class Limit>
 void visit_list(const ElementIndex& index, const IndexList& list, const std::array<float, 3>& place,
                 const Visit& visit, const Limit& limit) noexcept {
   // Without initial values: only what is written is read.
-  alignas(64) std::array<float, index_list_groups * group_units> squares;
-  std::array<std::uint32_t, (index_list_groups + 1) * group_units> near;
-  const GroupNames names = names_of(index, list, list.count);
+  alignas(64) std::array<float, index_list_packets * packet_width> squares;
+  std::array<std::uint32_t, (index_list_packets + 1) * packet_width> near;
+  const PackedNumbers names = packed_numbers_of(index, list, list.count);
   if (names.size() == 0) return;
-  const auto reach = [&limit, slack = index.slack] {
+  const auto bound = [&limit, slack = index.slack] {
     const double farthest = limit() + slack;
     return static_cast<float>(farthest * farthest * (1 + 1e-6));
   };
-  const std::uint32_t first = group_squares(index.groups, names, place, squares.data());
-  if (!(squares[first] <= reach()) || !(squares[first] < nothing_square)) return;
-  visit(unit_at(names, first));
+  const std::uint32_t first = packet_squares(index.packets, names, place, squares.data());
+  if (!(squares[first] <= bound()) || !(squares[first] < nothing_square)) return;
+  visit(primitive_at(names, first));
   squares[first] = empty_square;
-  float farthest = std::min(reach(), empty_square / 2);
-  std::size_t left = near_lanes(squares.data(), names.size() * group_units, farthest, near.data());
+  float farthest = std::min(bound(), empty_square / 2);
+  std::size_t left = near_lanes(squares.data(), names.size() * packet_width, farthest, near.data());
   while (left > 0) {
     std::size_t next = 0;
     for (std::size_t i = 1; i < left; ++i) {
@@ -184,8 +186,8 @@ void visit_list(const ElementIndex& index, const IndexList& list, const std::arr
     const std::size_t which = near[next];
     near[next] = near[--left];
     if (!(squares[which] <= farthest)) return;
-    visit(unit_at(names, which));
-    farthest = std::min(reach(), empty_square / 2);
+    visit(primitive_at(names, which));
+    farthest = std::min(bound(), empty_square / 2);
   }
 }
 

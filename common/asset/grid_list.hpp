@@ -17,8 +17,8 @@ class GridList {
     const std::size_t offset = word & offset_mask;
     if (offset >= grid.records.size()) return;
     const std::uint32_t header = grid.records[offset];
-    const std::uint32_t maps = header & most_listed;
-    const std::uint32_t triangles = (header >> 8U) & most_listed_triangles;
+    const std::uint32_t maps = header & max_listed;
+    const std::uint32_t triangles = (header >> 8U) & max_listed_triangles;
     const std::size_t words = std::size_t{maps} + triangles;
     if (words > grid.records.size() - offset - 1) return;
     words_ = grid.records.subspan(offset + 1, words);

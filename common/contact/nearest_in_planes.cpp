@@ -10,7 +10,7 @@ namespace spm {
 namespace {
 
 /// Planes whose normals span less than this are treated as parallel.
-constexpr double least_span = 1e-6;
+constexpr double min_span = 1e-6;
 /// How far outside a half-space a point may be and still count as inside, m: rounding.
 constexpr double rounding = 1e-12;
 
@@ -24,8 +24,8 @@ double how_far_out(const HalfSpaces& spaces, const Vector3& place) noexcept {
 
 /// The point common to the planes of a subset that is nearest to `point`; false where they have
 /// none.
-bool foot_on(const HalfSpaces& spaces, unsigned subset, const Vector3& point,
-             Vector3& foot) noexcept {
+bool closest_point_on(const HalfSpaces& spaces, unsigned subset, const Vector3& point,
+                      Vector3& closest_point) noexcept {
   std::array<std::size_t, 3> members{};
   std::size_t count = 0;
   for (std::size_t i = 0; i < spaces.count; ++i) {
@@ -43,11 +43,11 @@ bool foot_on(const HalfSpaces& spaces, unsigned subset, const Vector3& point,
     }
   }
   const double determinant = products.determinant();
-  if (!(determinant > least_span)) return false;
+  if (!(determinant > min_span)) return false;
   const Vector3 weights = products.inverse() * beyond;
-  foot = point;
+  closest_point = point;
   for (std::size_t i = 0; i < count; ++i) {
-    foot -= weights[static_cast<int>(i)] * spaces.planes[members[i]].normal;
+    closest_point -= weights[static_cast<int>(i)] * spaces.planes[members[i]].normal;
   }
   return true;
 }
@@ -56,24 +56,24 @@ bool foot_on(const HalfSpaces& spaces, unsigned subset, const Vector3& point,
 
 Vector3 nearest_in_planes(const HalfSpaces& spaces, const Vector3& point) noexcept {
   if (how_far_out(spaces, point) <= rounding) return point;
-  Vector3 best = point, least_out = point;
+  Vector3 best = point, min_out = point;
   double nearest = std::numeric_limits<double>::infinity();
   double least = std::numeric_limits<double>::infinity();
   for (unsigned subset = 1; subset < (1U << spaces.count); ++subset) {
-    Vector3 foot;
-    if (!foot_on(spaces, subset, point, foot)) continue;
-    const double out = how_far_out(spaces, foot);
-    const double square = (foot - point).squaredNorm();
+    Vector3 closest_point;
+    if (!closest_point_on(spaces, subset, point, closest_point)) continue;
+    const double out = how_far_out(spaces, closest_point);
+    const double square = (closest_point - point).squaredNorm();
     if (out <= rounding + 1e-9 * std::sqrt(square) && square < nearest) {
       nearest = square;
-      best = foot;
+      best = closest_point;
     }
     if (out < least) {
       least = out;
-      least_out = foot;
+      min_out = closest_point;
     }
   }
-  return std::isfinite(nearest) ? best : least_out;
+  return std::isfinite(nearest) ? best : min_out;
 }
 
 }  // namespace spm

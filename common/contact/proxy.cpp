@@ -22,9 +22,9 @@ constexpr double lifted_share = 0.5;
 /// Largest number of lifts. Close to a surface whose error is the tolerance, places outside may be
 /// reported as inside: with 4 lifts a proxy stays behind on flat teeth in 29 % of a slide's ticks,
 /// with 6 in none.
-constexpr int most_lifts = 8;
+constexpr int max_lifts = 8;
 /// How often a step that ends inside is tried again, each time an eighth as long.
-constexpr int most_shorter = 2;
+constexpr int max_shorter = 2;
 
 /// A place, and the surface as the proxy sees it from there.
 struct Place {
@@ -66,7 +66,7 @@ class Mover {
 
   /// Moves a place straight out of the surface until it is outside; false where that fails.
   bool lift(Place& place) noexcept {
-    for (int k = 0; k < most_lifts && !place.outside(); ++k) {
+    for (int k = 0; k < max_lifts && !place.outside(); ++k) {
       place = ask(place.at - place.clearance * place.normal);
     }
     return place.outside();
@@ -103,7 +103,7 @@ class Mover {
     HalfSpaces walls;
     if (!place.normal.isZero()) walls.add(place.half_space());
     double longest = std::min(std::max(place.clearance, proxy_blind_step), travel_);
-    for (int tries = 0; tries <= most_shorter;) {
+    for (int tries = 0; tries <= max_shorter;) {
       const Vector3 goal = nearest_in_planes(walls, target_);
       const Vector3 way = goal - place.at;
       const double length = way.norm();

@@ -34,7 +34,7 @@ Vector3 offset(std::uint32_t sample, std::uint32_t samples) noexcept {
 SmoothedAnswer smoothed_query(const AssetView& asset, const RuntimeSmoothing& smoothing,
                               const Vector3& point) noexcept {
   // Pairs, and the sample in the middle.
-  const std::uint32_t samples = std::clamp(smoothing.samples, 1U, most_smoothing_samples) | 1U;
+  const std::uint32_t samples = std::clamp(smoothing.samples, 1U, max_smoothing_samples) | 1U;
   SmoothedAnswer result;
   double known = 0;
   for (std::uint32_t k = 0; k < samples; ++k) {

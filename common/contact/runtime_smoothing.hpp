@@ -11,10 +11,10 @@ namespace spm {
 /// smooth an asset, which costs nothing at run time.
 struct RuntimeSmoothing {
   double sigma = 0;           ///< m, of the Gaussian; 0: off
-  std::uint32_t samples = 7;  ///< of the kernel, 1 to most_smoothing_samples
+  std::uint32_t samples = 7;  ///< of the kernel, 1 to max_smoothing_samples
 };
 
-inline constexpr std::uint32_t most_smoothing_samples = 64;
+inline constexpr std::uint32_t max_smoothing_samples = 64;
 
 /// The smoothed field at a point.
 struct SmoothedAnswer {

@@ -7,21 +7,21 @@ namespace spm {
 
 namespace {
 
-bool set_cure(std::string_view word, CureSettings& cures) noexcept {
+bool set_stabilization(std::string_view word, StabilizationSettings& stabilization) noexcept {
   if (word == "damping") {
-    cures.damping_share = advised_damping_share;
+    stabilization.damping_share = recommended_damping_share;
   } else if (word == "coupling") {
-    cures.coupling = advised_coupling;
+    stabilization.coupling = recommended_coupling;
   } else if (word == "passivity") {
-    cures.passivity = true;
+    stabilization.passivity = true;
   } else if (word == "velocity") {
-    cures.velocity = VelocityBy::estimate;
+    stabilization.velocity = VelocityMethod::estimate;
   } else if (word == "difference") {
-    cures.velocity = VelocityBy::difference;
+    stabilization.velocity = VelocityMethod::difference;
   } else if (word == "potential") {
-    cures.potential = advised_potential;
-  } else if (word == "default") {
-    cures = in_loop_of(cures, advised_cures);
+    stabilization.potential = recommended_potential;
+  } else if (word == "recommended") {
+    stabilization = in_loop_of(stabilization, recommended_stabilization);
   } else {
     return false;
   }
@@ -30,15 +30,15 @@ bool set_cure(std::string_view word, CureSettings& cures) noexcept {
 
 }  // namespace
 
-bool parse_cures(std::string_view words, CureSettings& cures) noexcept {
-  CureSettings read = cures;
+bool parse_stabilization(std::string_view words, StabilizationSettings& stabilization) noexcept {
+  StabilizationSettings read = stabilization;
   while (!words.empty()) {
     const std::size_t end = std::min(words.find('+'), words.size());
-    if (!set_cure(words.substr(0, end), read)) return false;
+    if (!set_stabilization(words.substr(0, end), read)) return false;
     if (end + 1 == words.size()) return false;
     words.remove_prefix(std::min(end + 1, words.size()));
   }
-  cures = read;
+  stabilization = read;
   return true;
 }
 

@@ -11,7 +11,7 @@ namespace spm {
 
 namespace {
 
-constexpr double most_cells = 1e12;  ///< from the origin, along an axis
+constexpr double max_cells = 1e12;  ///< from the origin, along an axis
 
 /// The value at a corner of the lattice, -1 to 1.
 double corner_value(std::uint64_t seed, std::int64_t x, std::int64_t y, std::int64_t z) noexcept {
@@ -33,7 +33,7 @@ struct Blend {
 TextureHeight texture_at(const TextureSettings& settings, const Vector3& place) noexcept {
   const Vector3 cells = place / settings.wavelength;
   // Written so that NaN is rejected as well.
-  if (!(cells.cwiseAbs().maxCoeff() < most_cells) || !cells.allFinite()) return {};
+  if (!(cells.cwiseAbs().maxCoeff() < max_cells) || !cells.allFinite()) return {};
   const Vector3 low = cells.array().floor();
   const std::array<Blend, 3> blend{Blend(cells.x() - low.x()), Blend(cells.y() - low.y()),
                                    Blend(cells.z() - low.z())};

@@ -22,17 +22,17 @@ struct TurnLimit {
 };
 
 /// The servo's default rate, rad/s.
-inline constexpr double usual_turn_rate = 120;
+inline constexpr double default_turn_rate = 120;
 
-/// The unit vector `most` rad from `from` towards `to`, both unit; `to` itself where its angle is
-/// not more than `most`, or more than `jump`. Never NaN for unit vectors.
-[[nodiscard]] inline Vector3 limited_turn(const Vector3& from, const Vector3& to, double most,
+/// The unit vector `max_angle` rad from `from` towards `to`, both unit; `to` itself where its angle
+/// is not more than `max_angle`, or more than `jump`. Never NaN for unit vectors.
+[[nodiscard]] inline Vector3 limited_turn(const Vector3& from, const Vector3& to, double max_angle,
                                           double jump) noexcept {
   const Vector3 across = to - to.dot(from) * from;
   const double sine = across.norm();
   const double angle = std::atan2(sine, to.dot(from));
-  if (!(angle > most) || angle > jump || !(sine > 0)) return to;
-  return (std::cos(most) * from + std::sin(most) / sine * across).normalized();
+  if (!(angle > max_angle) || angle > jump || !(sine > 0)) return to;
+  return (std::cos(max_angle) * from + std::sin(max_angle) / sine * across).normalized();
 }
 
 }  // namespace spm

@@ -10,7 +10,7 @@
 #include <utility>
 
 #include "common/index/index_branches.hpp"
-#include "common/index/unit_groups_build.hpp"
+#include "common/index/primitive_packets_build.hpp"
 
 namespace spm {
 
@@ -18,28 +18,28 @@ namespace {
 
 /// Cubes of the grid along the longest side of the band's box.
 constexpr double cells_along = 16;
-/// Rounding of groups' bounds, of the longest side of all.
+/// Rounding of packets' bounds, of the longest side of all.
 constexpr double rounding_share = 1e-6;
-/// How often groups may be looked at for an index, and more for each there is; and for a cube of
+/// How often packets may be looked at for an index, and more for each there is; and for a cube of
 /// its grid at least and at most: where all lie in each other's way it would take minutes.
-constexpr std::size_t most_looks = 20000000, most_looks_a_group = 400000;
-constexpr std::size_t least_looks_a_cube = 10000, most_looks_a_cube = 16000000;
-/// Where a cube of the grid has this share of all groups in the mean, they lie in each other's way:
-/// an index would take long to build and be of little use. Few groups are none too many, and with
-/// many a cube the share counts that those of a surface are below.
-constexpr double most_share_a_cube = 0.12, surface_share_a_cube = 0.025;
-constexpr double few_groups_a_cube = 64, many_groups_a_cube = 800;
+constexpr std::size_t base_budget = 20000000, max_budget_per_packet = 400000;
+constexpr std::size_t min_budget_per_cube = 10000, max_budget_per_cube = 16000000;
+/// Where a cube of the grid has this share of all packets in the mean, they lie in each other's
+/// way: an index would take long to build and be of little use. Few packets are none too many, and
+/// with many a cube the share counts that those of a surface are below.
+constexpr double max_share_a_cube = 0.12, surface_share_a_cube = 0.025;
+constexpr double few_packets_per_cube = 64, many_packets_per_cube = 800;
 /// Threads that look at cubes, at most.
-constexpr unsigned most_threads = 8;
+constexpr unsigned max_threads = 8;
 
 class Builder {
  public:
   explicit Builder(const AssetView& asset) : asset_(asset) { asset_.index = {}; }
 
   ElementIndexData build() {
-    if (asset_.full || asset_.tree.words.empty()) return {};
+    if (asset_.full || asset_.bvh.words.empty()) return {};
     gather();
-    if (units_.size() == 0) return {};
+    if (primitives_.size() == 0) return {};
     const Extent extent = extent_of(asset_);
     data_.origin = extent.low;
     data_.cell_size = extent.size.maxCoeff() / cells_along;
@@ -49,43 +49,43 @@ class Builder {
       data_.cells[axis] = static_cast<std::uint32_t>(std::max(1.0, std::ceil(cells - 1e-9)));
       count *= data_.cells[axis];
     }
-    GroupNumbers all(units_.size());
+    PacketNumbers all(primitives_.size());
     for (std::uint32_t i = 0; i < all.size(); ++i) all[i] = i;
     cubes_.resize(count);
-    IndexBrancher brancher(asset_, units_);
+    IndexBrancher brancher(asset_, primitives_);
     gather_cubes(brancher, {0, 0, 0}, data_.cells, all);
     if (!find_branches()) return {};
     data_.words.resize(count);
     for (std::size_t cell = 0; cell < count; ++cell) data_.words[cell] = word_of(branches_[cell]);
     // What does not fit is not told.
     if (data_.words.size() > index_place) data_.words.assign(count, 0);
-    data_.cell_groups = std::move(units_.cells);
-    data_.clip_groups = std::move(units_.clips);
-    data_.triangle_groups = std::move(units_.triangles);
+    data_.cell_packets = std::move(primitives_.cells);
+    data_.clip_packets = std::move(primitives_.clips);
+    data_.triangle_packets = std::move(primitives_.triangles);
     return std::move(data_);
   }
 
  private:
   AssetView asset_;
   ElementIndexData data_;
-  UnitGroupsData units_;
+  PrimitivePacketsData primitives_;
   std::vector<IndexCube> cubes_;       ///< of the grid
   std::vector<IndexBranch> branches_;  ///< theirs
   std::map<IndexLists, std::uint32_t> lists_;
 
   void gather() {
-    units_ = gather_unit_groups(asset_);
-    const std::array<float, 3>& size = asset_.tree.size;
+    primitives_ = gather_primitive_packets(asset_);
+    const std::array<float, 3>& size = asset_.bvh.size;
     data_.slack = rounding_share * static_cast<double>(*std::max_element(size.begin(), size.end()));
-    // Groups are complete: the rest is found with them.
-    asset_.index.groups = units_.view();
+    // Packets are complete: the rest is found with them.
+    asset_.index.packets = primitives_.view();
     asset_.index.slack = data_.slack;
   }
 
-  /// Looks at a block of the grid's cubes, halving it along its longest side, so that few groups
+  /// Looks at a block of the grid's cubes, halving it along its longest side, so that few packets
   /// are looked at for each.
   void gather_cubes(IndexBrancher& brancher, const std::array<std::uint32_t, 3>& low,
-                    const std::array<std::uint32_t, 3>& size, const GroupNumbers& some) {
+                    const std::array<std::uint32_t, 3>& size, const PacketNumbers& some) {
     const Vector3 edges = data_.cell_size * Vector3(size[0], size[1], size[2]);
     const Vector3 middle =
         data_.origin + data_.cell_size * Vector3(low[0], low[1], low[2]) + edges / 2;
@@ -99,39 +99,41 @@ class Builder {
     }
     std::array<std::uint32_t, 3> half = size, upper = low;
     half[longest] = size[longest] / 2;
-    gather_cubes(brancher, low, half, cube.claims);
+    gather_cubes(brancher, low, half, cube.votes);
     upper[longest] += half[longest];
     half[longest] = size[longest] - half[longest];
-    gather_cubes(brancher, upper, half, cube.claims);
+    gather_cubes(brancher, upper, half, cube.votes);
   }
 
   /// Each cube by itself, so that how many threads there are changes nothing; false: an index is
   /// of no use here.
   [[nodiscard]] bool find_branches() {
     branches_.resize(cubes_.size());
-    const IndexBrancher any(asset_, units_);
-    std::size_t count = 0, groups = 0;
+    const IndexBrancher any(asset_, primitives_);
+    std::size_t count = 0, packets = 0;
     for (const IndexCube& cube : cubes_) {
       if (any.is_beyond(cube)) continue;
       ++count;
-      groups += cube.claims.size();
+      packets += cube.votes.size();
     }
-    const double mean = static_cast<double>(groups) / static_cast<double>(count + 1);
-    const auto all_groups = static_cast<double>(units_.size());
-    const double most = std::min(most_share_a_cube * all_groups,
-                                 std::max(many_groups_a_cube, surface_share_a_cube * all_groups));
-    if (mean > std::max(few_groups_a_cube, most)) return false;
-    const std::size_t all = most_looks + most_looks_a_group * units_.size();
-    const std::size_t looks = std::clamp(all / (count + 1), least_looks_a_cube, most_looks_a_cube);
+    const double mean = static_cast<double>(packets) / static_cast<double>(count + 1);
+    const auto all_packets = static_cast<double>(primitives_.size());
+    const double most =
+        std::min(max_share_a_cube * all_packets,
+                 std::max(many_packets_per_cube, surface_share_a_cube * all_packets));
+    if (mean > std::max(few_packets_per_cube, most)) return false;
+    const std::size_t all = base_budget + max_budget_per_packet * primitives_.size();
+    const std::size_t budget =
+        std::clamp(all / (count + 1), min_budget_per_cube, max_budget_per_cube);
     std::atomic<std::size_t> next = 0;
-    const auto work = [this, &next, looks] {
-      IndexBrancher brancher(asset_, units_);
+    const auto work = [this, &next, budget] {
+      IndexBrancher brancher(asset_, primitives_);
       for (std::size_t cell = next++; cell < cubes_.size(); cell = next++) {
-        branches_[cell] = brancher.branch_of(cubes_[cell], looks);
+        branches_[cell] = brancher.branch_of(cubes_[cell], budget);
       }
     };
     std::vector<std::jthread> others;
-    const unsigned threads = std::clamp(std::thread::hardware_concurrency(), 1U, most_threads);
+    const unsigned threads = std::clamp(std::thread::hardware_concurrency(), 1U, max_threads);
     for (unsigned k = 1; k < threads; ++k) others.emplace_back(work);
     work();
     return true;

@@ -17,9 +17,9 @@ struct ElementIndexData {
   std::array<std::uint32_t, 3> cells{0, 0, 0};
   std::vector<std::uint32_t> words;
   double slack = 0;
-  std::vector<CellGroup> cell_groups;
-  std::vector<ClipGroup> clip_groups;
-  std::vector<TriangleGroup> triangle_groups;
+  std::vector<CellPacket> cell_packets;
+  std::vector<ClipPacket> clip_packets;
+  std::vector<TrianglePacket> triangle_packets;
 
   [[nodiscard]] ElementIndex view() const noexcept {
     return {origin,
@@ -28,11 +28,12 @@ struct ElementIndexData {
             cells,
             words,
             slack,
-            {cell_groups, clip_groups, triangle_groups}};
+            {cell_packets, clip_packets, triangle_packets}};
   }
   [[nodiscard]] std::size_t bytes() const noexcept {
-    return 4 * words.size() + sizeof(CellGroup) * cell_groups.size() +
-           sizeof(ClipGroup) * clip_groups.size() + sizeof(TriangleGroup) * triangle_groups.size();
+    return 4 * words.size() + sizeof(CellPacket) * cell_packets.size() +
+           sizeof(ClipPacket) * clip_packets.size() +
+           sizeof(TrianglePacket) * triangle_packets.size();
   }
 };
 

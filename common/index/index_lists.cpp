@@ -9,7 +9,7 @@
 namespace spm {
 
 std::vector<std::uint32_t> IndexLists::packed(bool small) const {
-  GroupNumbers numbers = nearest;
+  PacketNumbers numbers = nearest;
   std::set_difference(all.begin(), all.end(), nearest.begin(), nearest.end(),
                       std::back_inserter(numbers));
   std::vector<std::uint32_t> words{static_cast<std::uint32_t>(nearest.size()) |
@@ -24,14 +24,14 @@ std::vector<std::uint32_t> IndexLists::packed(bool small) const {
   return words;
 }
 
-void add_numbers(const GroupNumbers& some, GroupNumbers& to) {
-  GroupNumbers both;
+void add_numbers(const PacketNumbers& some, PacketNumbers& to) {
+  PacketNumbers both;
   std::set_union(some.begin(), some.end(), to.begin(), to.end(), std::back_inserter(both));
   to = std::move(both);
 }
 
-void keep_numbers(const GroupNumbers& others, GroupNumbers& of) {
-  GroupNumbers both;
+void keep_numbers(const PacketNumbers& others, PacketNumbers& of) {
+  PacketNumbers both;
   std::set_intersection(others.begin(), others.end(), of.begin(), of.end(),
                         std::back_inserter(both));
   of = std::move(both);

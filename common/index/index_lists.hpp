@@ -8,12 +8,12 @@
 namespace spm {
 
 /// Numbers of packets, in order.
-using GroupNumbers = std::vector<std::uint32_t>;
+using PacketNumbers = std::vector<std::uint32_t>;
 
 /// The packets of a list of an ElementIndex: `all`, and among them those that may hold the nearest
 /// primitive.
 struct IndexLists {
-  GroupNumbers nearest, all;
+  PacketNumbers nearest, all;
 
   auto operator<=>(const IndexLists&) const = default;
 
@@ -22,9 +22,9 @@ struct IndexLists {
 };
 
 /// Adds numbers to others.
-void add_numbers(const GroupNumbers& some, GroupNumbers& to);
+void add_numbers(const PacketNumbers& some, PacketNumbers& to);
 
 /// Keeps only those of some numbers that are among others.
-void keep_numbers(const GroupNumbers& others, GroupNumbers& of);
+void keep_numbers(const PacketNumbers& others, PacketNumbers& of);
 
 }  // namespace spm

@@ -21,20 +21,20 @@ Vector3 step_to(unsigned corner, double half) {
           (corner & 4U) != 0 ? half : -half};
 }
 
-/// How far a tile's surface leaves its tangent plane at a foot, along the tile's rays, within a
-/// radius, m; nothing where some of that is not there.
+/// How far a tile's surface leaves its tangent plane at a closest point, along the tile's rays,
+/// within a radius, m; nothing where some of that is not there.
 std::optional<double> ripple_about(const AssetView& asset, const Tile& tile, const Vector3& point,
-                                   const TileFoot& foot, double radius) {
+                                   const TileClosestPoint& closest_point, double radius) {
   const SupportPlane& plane = asset.planes[tile.plane];
   const PlaneCoordinates at = project_on_plane(plane, point);
   const double spacing = double{tile.spacing};
-  const double x = (at.eta - tile.eta0 - double{foot.away_eta}) / spacing;
-  const double y = (at.omega - tile.omega0 - double{foot.away_omega}) / spacing;
-  const double depth = at.depth - tile.base - double{foot.away_depth};
-  const double reach = radius / spacing;
+  const double x = (at.eta - tile.eta0 - double{closest_point.away_eta}) / spacing;
+  const double y = (at.omega - tile.omega0 - double{closest_point.away_omega}) / spacing;
+  const double depth = at.depth - tile.base - double{closest_point.away_depth};
+  const double radius_in_cells = radius / spacing;
   const auto first = [](double value) { return static_cast<int>(std::floor(value)); };
-  const int x0 = first(x - reach), x1 = first(x + reach), y0 = first(y - reach),
-            y1 = first(y + reach);
+  const int x0 = first(x - radius_in_cells), x1 = first(x + radius_in_cells),
+            y0 = first(y - radius_in_cells), y1 = first(y + radius_in_cells);
   if (x0 < 0 || y0 < 0 || x1 >= static_cast<int>(tile_cells) ||
       y1 >= static_cast<int>(tile_cells)) {
     return std::nullopt;
@@ -53,9 +53,9 @@ std::optional<double> ripple_about(const AssetView& asset, const Tile& tile, con
     for (int column = x0; column <= x1 + 1; ++column) {
       const auto sample =
           static_cast<std::size_t>(row) * tile_samples + static_cast<std::size_t>(column);
-      const double tangent =
-          depth +
-          (double{foot.slope_eta} * (column - x) + double{foot.slope_omega} * (row - y)) * spacing;
+      const double tangent = depth + (double{closest_point.slope_eta} * (column - x) +
+                                      double{closest_point.slope_omega} * (row - y)) *
+                                         spacing;
       most = std::max(most, std::abs(double{heights[sample]} - tangent));
     }
   }
@@ -65,13 +65,13 @@ std::optional<double> ripple_about(const AssetView& asset, const Tile& tile, con
 }  // namespace
 
 SurfaceCube surface_cube(const AssetView& asset, const Vector3& middle, double half,
-                         const ElementFoot& nearest) {
+                         const ElementClosestPoint& nearest) {
   SurfaceCube cube;
-  cube.middle = from_origin(asset.tree, middle);
+  cube.middle = from_origin(asset.bvh, middle);
   cube.half = static_cast<float>(half);
   Vector3 away = middle - nearest.on_triangle;
   if (nearest.tile != nullptr) {
-    const TileFoot& on = nearest.on_tile;
+    const TileClosestPoint& on = nearest.on_tile;
     away = from_plane_frame(asset.planes[nearest.tile->plane], double{on.away_eta},
                             double{on.away_omega}, double{on.away_depth});
   }
@@ -81,7 +81,7 @@ SurfaceCube surface_cube(const AssetView& asset, const Vector3& middle, double h
   }
   cube.known[1] = cube.known[0];
   if (nearest.tile == nullptr) return cube;
-  const TileFoot& on = nearest.on_tile;
+  const TileClosestPoint& on = nearest.on_tile;
   const auto ripple =
       ripple_about(asset, *nearest.tile, middle, on, std::numbers::sqrt3 * half + rounding);
   if (!ripple) return cube;

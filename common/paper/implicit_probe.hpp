@@ -28,9 +28,9 @@ class ImplicitProbe {
   /// The span within the probe of the line origin + t direction; direction of unit length.
   [[nodiscard]] virtual ProbeSpan span(const Vector3& origin,
                                        const Vector3& direction) const noexcept = 0;
-  /// Centre of a ball that contains the probe; `reach` is its radius.
+  /// Centre of a ball that contains the probe; `bounding_radius` is its radius.
   [[nodiscard]] virtual Vector3 centre() const noexcept = 0;
-  [[nodiscard]] virtual double reach() const noexcept = 0;
+  [[nodiscard]] virtual double bounding_radius() const noexcept = 0;
 
  protected:
   ImplicitProbe() = default;
@@ -44,7 +44,7 @@ class SphereProbe final : public ImplicitProbe {
   [[nodiscard]] ProbeSpan span(const Vector3& origin,
                                const Vector3& direction) const noexcept override;
   [[nodiscard]] Vector3 centre() const noexcept override { return centre_; }
-  [[nodiscard]] double reach() const noexcept override { return radius_; }
+  [[nodiscard]] double bounding_radius() const noexcept override { return radius_; }
 
  private:
   Vector3 centre_;
@@ -61,7 +61,7 @@ class CapsuleProbe final : public ImplicitProbe {
   [[nodiscard]] ProbeSpan span(const Vector3& origin,
                                const Vector3& direction) const noexcept override;
   [[nodiscard]] Vector3 centre() const noexcept override { return (from_ + to_) / 2; }
-  [[nodiscard]] double reach() const noexcept override {
+  [[nodiscard]] double bounding_radius() const noexcept override {
     return radius_ + (to_ - from_).norm() / 2;
   }
 

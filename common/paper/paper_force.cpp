@@ -31,7 +31,7 @@ struct Least {
 };
 
 /// Number of the plane that a point is least deep below; of several the first.
-std::size_t find_least_deep(const AssetView& asset, const Vector3& point) {
+std::size_t find_min_deep(const AssetView& asset, const Vector3& point) {
   const Doubles lanes;
   const std::size_t width = hn::Lanes(lanes);
   const std::size_t count = asset.plane_offset.size();
@@ -90,7 +90,7 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace spm {
 
-HWY_EXPORT(find_least_deep);
+HWY_EXPORT(find_min_deep);
 
 namespace {
 
@@ -130,7 +130,7 @@ PaperContact all_planes(const AssetView& asset, const Vector3& point) noexcept {
 }  // namespace
 
 std::size_t closest_support_plane(const AssetView& asset, const Vector3& point) noexcept {
-  return HWY_DYNAMIC_DISPATCH(find_least_deep)(asset, point);
+  return HWY_DYNAMIC_DISPATCH(find_min_deep)(asset, point);
 }
 
 // Where only some of the four samples around P_M met the surface, only the nearest sample is used:

@@ -26,16 +26,16 @@ std::uint32_t clamped(double position, std::uint32_t count) noexcept {
 template <class Visit>
 void visit_columns(const AssetView& asset, const ImplicitProbe& probe, const Visit& visit) {
   const Vector3 centre = probe.centre();
-  const double reach = probe.reach();
+  const double bounding_radius = probe.bounding_radius();
   if (!asset.maps_every_plane()) return;
-  if (!centre.allFinite() || !std::isfinite(reach)) return;
+  if (!centre.allFinite() || !std::isfinite(bounding_radius)) return;
   const std::size_t index = closest_support_plane(asset, centre);
   const SupportPlane& plane = asset.planes[index];
   const DistanceMap& map = asset.maps[index];
   const PlaneCoordinates middle = project_on_plane(plane, centre);
   const double x = (middle.eta - map.eta0) / map.spacing;
   const double y = (middle.omega - map.omega0) / map.spacing;
-  const double wide = reach / map.spacing;
+  const double wide = bounding_radius / map.spacing;
   const std::uint32_t x1 = clamped(x + wide, map.columns), y1 = clamped(y + wide, map.rows);
   for (std::uint32_t row = clamped(std::ceil(y - wide), map.rows); row <= y1; ++row) {
     for (std::uint32_t column = clamped(std::ceil(x - wide), map.columns); column <= x1; ++column) {

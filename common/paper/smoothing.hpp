@@ -7,7 +7,7 @@
 namespace spm {
 
 /// Half-width of the filter's window in sigmas; 1.1 % of a Gaussian's weight lies beyond it.
-inline constexpr double gaussian_reach = 3;
+inline constexpr double gaussian_cutoff = 3;
 
 /// The kernel G_sigma of eq. 16 at an offset (eta, omega) along a support plane, 1/m2. Its integral
 /// over the plane is 1. Lengths in metres, sigma above 0.

@@ -7,43 +7,46 @@
 #include <limits>
 
 #include "common/asset/asset_view.hpp"
-#include "common/query/side_claims.hpp"
+#include "common/query/side_votes.hpp"
 #include "common/surface/closest_on_tile.hpp"
 #include "common/surface/tile.hpp"
 
 namespace spm {
 
-/// Elements within so many tolerances of the nearest may tell the side; see SideClaims.
+/// Elements within so many tolerances of the nearest may tell the side; see SideVotes.
 inline constexpr double tie_tolerances = 1;
-/// Triangles whose feet are no farther apart share one, or no farther than their corners' step.
+/// Triangles whose closest points are no farther apart share one, or no farther than their corners'
+/// step.
 inline constexpr double rounding_tolerances = 0.01;
 
-/// A foot whose own normal meets the point within this cosine faces it: see ElementReading::facing.
+/// A closest point whose own normal meets the point within this cosine faces it: see
+/// ElementReading::facing.
 inline constexpr double facing_cosine = 0.998;
 
-/// How much farther than the nearest foot one that faces the point may be and count, in tolerances.
+/// How much farther than the nearest point one that faces the point may be and count, in
+/// tolerances.
 inline constexpr double facing_tolerances = 0.7;
 
 /// The point of one element of a `sparse` asset that is closest to a query point.
-struct ElementFoot {
+struct ElementClosestPoint {
   double distance = std::numeric_limits<double>::infinity();  ///< m
   const Tile* tile = nullptr;                                 ///< null: on a triangle
-  TileFoot on_tile;
+  TileClosestPoint on_tile;
   Vector3 on_triangle = Vector3::Zero(), triangle_normal = Vector3::Zero();
-  double along_normal = 0;  ///< how much of the distance is along the foot's own normal, m
+  double along_normal = 0;  ///< how much of the distance is along the closest point's own normal, m
 };
 
 /// The result of a search among the elements, before the side of the point is decided.
 struct ElementReading {
   ElementReading(double tie, double rounding) noexcept : sides(tie, rounding) {}
 
-  ElementFoot nearest;  ///< its distance is infinite where there is none
-  /// The nearest foot whose own normal meets the point, if one is so near that the surface's own
+  ElementClosestPoint nearest;  ///< its distance is infinite where there is none
+  /// The nearest point whose own normal meets the point, if one is so near that the surface's own
   /// error may have put it behind `nearest`: then that is the border of a patch, whose direction
   /// means nothing.
-  ElementFoot facing;
+  ElementClosestPoint facing;
   std::uint32_t visited = 0;  ///< elements or parts of them that were looked at
-  SideClaims sides;           ///< filled only where the place does not tell the side
+  SideVotes sides;            ///< filled only where the place does not tell the side
 };
 
 /// A corner of the fallback's triangles, m; false where there is no such corner.
@@ -63,11 +66,12 @@ struct ElementReading {
 [[nodiscard]] ElementReading read_elements(const AssetView& asset, const IndexList& list,
                                            const Vector3& point) noexcept;
 
-/// The signed distance that a reading comes to by what elements claim, m, finite where it found
-/// one. Where claims for the two sides are close and the surface no farther than the tolerance, it
+/// The signed distance that a reading comes to by what elements vote, m, finite where it found
+/// one. Where votes for the two sides are close and the surface no farther than the tolerance, it
 /// is less than the distance by up to 0.55 tolerances: so that close to the surface it goes through
-/// 0, and not from one side's to the other's, where the claims change places, and is off by less if
+/// 0, and not from one side's to the other's, where the votes change places, and is off by less if
 /// they are wrong.
-[[nodiscard]] double told_distance(const AssetView& asset, const ElementReading& reading) noexcept;
+[[nodiscard]] double signed_distance(const AssetView& asset,
+                                     const ElementReading& reading) noexcept;
 
 }  // namespace spm

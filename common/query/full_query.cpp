@@ -34,16 +34,16 @@ Answer closest_of_maps(const AssetView& asset, const GridList& list,
                        const Vector3& point) noexcept {
   const DistanceMap* map = nullptr;
   std::uint32_t layer = 0;
-  MapFoot best;
+  MapClosestPoint best;
   best.rank = infinity;
   for (std::uint32_t k = 0; k < list.maps(); ++k) {
     const auto [which, candidate_layer] = unpack_candidate(list.map(k));
     if (which >= asset.maps.size() || candidate_layer >= asset.maps[which].layers) continue;
     const DistanceMap& candidate_map = asset.maps[which];
-    const MapFoot foot =
+    const MapClosestPoint closest_point =
         closest_on_map(candidate_map, candidate_layer, asset.planes[candidate_map.plane], point);
-    if (!(foot.rank < best.rank)) continue;
-    best = foot;
+    if (!(closest_point.rank < best.rank)) continue;
+    best = closest_point;
     map = &candidate_map;
     layer = candidate_layer;
   }
@@ -68,7 +68,7 @@ Answer closest_of_triangles(const AssetView& asset, const GridList& list,
                             const Vector3& point) noexcept {
   const double tie = tie_share_of_cell * asset.grid.cell_size;
   double surface = infinity, deciding = infinity, facing = -1, side = 1;
-  Vector3 foot = Vector3::Zero(), face_normal = Vector3::Zero();
+  Vector3 closest_point = Vector3::Zero(), face_normal = Vector3::Zero();
   for (std::uint32_t k = 0; k < list.triangles(); ++k) {
     const std::uint32_t candidate = list.triangle(k);
     std::array<Vector3, 3> corners;
@@ -90,7 +90,7 @@ Answer closest_of_triangles(const AssetView& asset, const GridList& list,
     }
     if (!cap && distance < surface) {
       surface = distance;
-      foot = nearest;
+      closest_point = nearest;
       if (face_normal.isZero()) face_normal = normal;
     }
   }
@@ -98,7 +98,7 @@ Answer closest_of_triangles(const AssetView& asset, const GridList& list,
   Answer answer;
   answer.distance = side * surface;
   // On the surface itself the direction to the closest point is noise; the face's normal is not.
-  answer.normal = surface > tie ? Vector3(side * (point - foot) / surface) : face_normal;
+  answer.normal = surface > tie ? Vector3(side * (point - closest_point) / surface) : face_normal;
   answer.source = Source::triangles;
   answer.status = Status::exact;
   return answer;

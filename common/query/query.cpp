@@ -7,7 +7,7 @@
 
 #include "common/query/closest_element.hpp"
 #include "common/query/full_query.hpp"
-#include "common/query/listed_feet.hpp"
+#include "common/query/listed_closest_points.hpp"
 #include "common/surface/closest_on_tile.hpp"
 
 namespace spm {
@@ -23,20 +23,22 @@ constexpr float face_normal_cosine = 0.9995F;
 constexpr double surface_share = 0.1;
 
 /// Outward normal of the solid at a closest point, for a query point on the given side.
-Vector3 normal_of(const AssetView& asset, const ElementFoot& foot, const Vector3& point,
-                  bool inside) noexcept {
+Vector3 normal_of(const AssetView& asset, const ElementClosestPoint& closest_point,
+                  const Vector3& point, bool inside) noexcept {
   const double side = inside ? -1 : 1;
   // Away from the closest point's own normal the query point faces an edge, and the direction
   // between them is the gradient. On the surface itself that direction is noise.
-  const bool close = foot.distance < surface_share * asset.tolerance;
-  if (foot.tile == nullptr) {
-    const Vector3 away = point - foot.on_triangle;
-    const double height = foot.triangle_normal.dot(away);
-    const bool faces = side * height >= static_cast<double>(face_normal_cosine) * foot.distance;
-    return faces || close ? foot.triangle_normal : Vector3(side * away / foot.distance);
+  const bool close = closest_point.distance < surface_share * asset.tolerance;
+  if (closest_point.tile == nullptr) {
+    const Vector3 away = point - closest_point.on_triangle;
+    const double height = closest_point.triangle_normal.dot(away);
+    const bool faces =
+        side * height >= static_cast<double>(face_normal_cosine) * closest_point.distance;
+    return faces || close ? closest_point.triangle_normal
+                          : Vector3(side * away / closest_point.distance);
   }
-  const TileFoot& on = foot.on_tile;
-  const SupportPlane& plane = asset.planes[foot.tile->plane];
+  const TileClosestPoint& on = closest_point.on_tile;
+  const SupportPlane& plane = asset.planes[closest_point.tile->plane];
   const bool faces =
       std::abs(on.below) >= face_normal_cosine * on.distance && (on.below > 0) == inside;
   if (faces || close) {
@@ -52,19 +54,19 @@ Vector3 normal_of(const AssetView& asset, const ElementFoot& foot, const Vector3
 }
 
 /// On which side of the surface at a closest point the query point lies.
-bool is_inside(const ElementFoot& foot, const Vector3& point) noexcept {
-  if (foot.tile != nullptr) return foot.on_tile.below > 0;
-  return foot.triangle_normal.dot(point - foot.on_triangle) < 0;
+bool is_inside(const ElementClosestPoint& closest_point, const Vector3& point) noexcept {
+  if (closest_point.tile != nullptr) return closest_point.on_tile.below > 0;
+  return closest_point.triangle_normal.dot(point - closest_point.on_triangle) < 0;
 }
 
 /// The kind of the surroundings of a point; `unknown` where there is no answer.
-CubeKind kind_of(SpaceKind kind) noexcept {
+CubeKind kind_of(SignKind kind) noexcept {
   switch (kind) {
-    case SpaceKind::told:
-      return CubeKind::told;
-    case SpaceKind::inside:
+    case SignKind::boundary:
+      return CubeKind::boundary;
+    case SignKind::inside:
       return CubeKind::inside;
-    case SpaceKind::outside:
+    case SignKind::outside:
       return CubeKind::outside;
     default:
       return CubeKind::unknown;
@@ -72,14 +74,15 @@ CubeKind kind_of(SpaceKind kind) noexcept {
 }
 
 /// Sets the answer from the nearest closest point, and from the one whose direction counts.
-void set_answer(const AssetView& asset, const ElementFoot& nearest, const ElementFoot& foot,
-                const Vector3& point, bool inside, Answer& answer) noexcept {
+void set_answer(const AssetView& asset, const ElementClosestPoint& nearest,
+                const ElementClosestPoint& closest_point, const Vector3& point, bool inside,
+                Answer& answer) noexcept {
   if (!std::isfinite(nearest.distance)) {
     answer = unanswered(Status::far);
     return;
   }
   answer.distance = inside ? -nearest.distance : nearest.distance;
-  answer.normal = normal_of(asset, foot, point, inside);
+  answer.normal = normal_of(asset, closest_point, point, inside);
   if (nearest.tile != nullptr) {
     answer.plane = static_cast<std::int32_t>(nearest.tile->plane);
     answer.layer = static_cast<std::int32_t>(nearest.tile->first_layer);
@@ -93,23 +96,23 @@ void query_elements(const AssetView& asset, const IndexList& list, const Vector3
                     CubeKind kind, Answer& answer) noexcept {
   const ElementReading reading = list.numbers != nullptr ? read_elements(asset, list, point)
                                                          : read_elements(asset, point, kind);
-  const bool told = kind == CubeKind::told;
-  const bool inside = told ? reading.sides.inside() : kind == CubeKind::inside;
-  const ElementFoot& nearest = reading.nearest;
+  const bool boundary = kind == CubeKind::boundary;
+  const bool inside = boundary ? reading.sides.inside() : kind == CubeKind::inside;
+  const ElementClosestPoint& nearest = reading.nearest;
   const bool faced =
       reading.facing.distance <= nearest.distance + facing_tolerances * asset.tolerance;
   set_answer(asset, nearest, faced ? reading.facing : nearest, point, inside, answer);
-  if (told && answer.status == Status::exact) answer.distance = told_distance(asset, reading);
+  if (boundary && answer.status == Status::exact) answer.distance = signed_distance(asset, reading);
 }
 
 /// Answers from the closest points on a list's primitives, in a place whose side is not known
 /// beforehand.
-void set_listed(const AssetView& asset, const ListedFeet& feet, const Vector3& point, CubeKind kind,
-                Answer& answer) noexcept {
-  const ElementFoot& foot = feet.faced();
+void set_listed(const AssetView& asset, const ListedClosestPoints& closest_points,
+                const Vector3& point, CubeKind kind, Answer& answer) noexcept {
+  const ElementClosestPoint& closest_point = closest_points.faced();
   const bool inside =
-      kind == CubeKind::one_sheet ? is_inside(foot, point) : kind == CubeKind::inside;
-  set_answer(asset, feet.nearest, foot, point, inside, answer);
+      kind == CubeKind::one_sided ? is_inside(closest_point, point) : kind == CubeKind::inside;
+  set_answer(asset, closest_points.nearest, closest_point, point, inside, answer);
 }
 
 /// Returns the distance of the surface, as in AnswerAndDistance.
@@ -117,11 +120,11 @@ double query_sparse(const AssetView& asset, const IndexList& list, const Vector3
                     Answer& answer) noexcept {
   CubeKind kind = list.kind;
   if (kind == CubeKind::unknown || kind == CubeKind::beside) {
-    const SpaceKind space = space_at(asset.space, point);
-    const bool is_solid = space == SpaceKind::inside;
-    kind = kind == CubeKind::unknown || is_solid ? kind_of(space) : CubeKind::unknown;
+    const SignKind sign = sign_at(asset.sign_octree, point);
+    const bool is_solid = sign == SignKind::inside;
+    kind = kind == CubeKind::unknown || is_solid ? kind_of(sign) : CubeKind::unknown;
     if (kind == CubeKind::unknown) {
-      answer = unanswered(space == SpaceKind::pruned ? Status::pruned : Status::far);
+      answer = unanswered(sign == SignKind::pruned ? Status::pruned : Status::far);
       return -1;
     }
   }
@@ -129,13 +132,13 @@ double query_sparse(const AssetView& asset, const IndexList& list, const Vector3
     answer = unanswered(Status::far);
     return -1;
   }
-  if (list.numbers == nullptr || kind == CubeKind::told) {
+  if (list.numbers == nullptr || kind == CubeKind::boundary) {
     query_elements(asset, list, point, kind, answer);
     return -1;
   }
-  const ListedFeet feet = listed_feet(asset, list, point);
-  set_listed(asset, feet, point, kind, answer);
-  return feet.nearest.distance;
+  const ListedClosestPoints closest_points = listed_closest_points(asset, list, point);
+  set_listed(asset, closest_points, point, kind, answer);
+  return closest_points.nearest.distance;
 }
 
 /// Completes an answer beyond the band.
@@ -153,30 +156,30 @@ void settle(const AssetView& asset, Answer& answer) noexcept {
 void query_some(const AssetView& asset, std::span<const Vector3> points,
                 std::span<Answer> answers) noexcept {
   std::array<IndexList, points_at_once> lists;
-  std::array<GroupNames, points_at_once> names;
+  std::array<PackedNumbers, points_at_once> names;
   std::array<std::array<float, 3>, points_at_once> places;
   std::array<std::size_t, points_at_once> listed, others;
-  std::array<NearestUnit, points_at_once> found;
+  std::array<NearestPrimitive, points_at_once> found;
   std::size_t count = 0, rest = 0;
   lists_at(asset.index, points, lists.data());
   for (std::size_t i = 0; i < points.size(); ++i) {
     const IndexList& list = lists[i];
-    const bool by_list =
-        list.numbers != nullptr && list.kind != CubeKind::told && list.kind != CubeKind::unknown;
+    const bool by_list = list.numbers != nullptr && list.kind != CubeKind::boundary &&
+                         list.kind != CubeKind::unknown;
     others[rest] = i;
     rest += by_list ? 0 : 1;
     listed[count] = i;
-    names[count] = names_of(asset.index, list, list.nearest);
-    places[count] = from_origin(asset.tree, points[i]);
+    names[count] = packed_numbers_of(asset.index, list, list.nearest);
+    places[count] = from_origin(asset.bvh, points[i]);
     count += by_list ? 1 : 0;
   }
-  nearest_units(asset.index.groups, std::span(names).first(count), std::span(places).first(count),
-                std::span(found).first(count));
+  nearest_primitives(asset.index.packets, std::span(names).first(count),
+                     std::span(places).first(count), std::span(found).first(count));
   for (std::size_t k = 0; k < count; ++k) {
     const std::size_t i = listed[k];
     answers[i] = {};
-    set_listed(asset, listed_feet(asset, lists[i], points[i], found[k]), points[i], lists[i].kind,
-               answers[i]);
+    set_listed(asset, listed_closest_points(asset, lists[i], points[i], found[k]), points[i],
+               lists[i].kind, answers[i]);
     settle(asset, answers[i]);
   }
   for (std::size_t k = 0; k < rest; ++k) {

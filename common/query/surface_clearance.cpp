@@ -7,7 +7,7 @@
 #include <limits>
 
 #include "common/query/closest_element.hpp"
-#include "common/query/listed_feet.hpp"
+#include "common/query/listed_closest_points.hpp"
 
 namespace spm {
 
@@ -20,10 +20,10 @@ constexpr double rounding_share = 2e-6;
 /// Nodes that were not opened yet, and the squares of their distances, m^2.
 struct OpenNodes {
   static constexpr std::size_t most =
-      static_cast<std::size_t>(most_clearance_nodes) * (tree_children - 1) + 1;
+      static_cast<std::size_t>(max_clearance_nodes) * (bvh_children - 1) + 1;
   struct Node {
     std::uint32_t number;
-    TreeBox box;
+    BvhBox box;
   };
   // Left uninitialised: only entries that were put are read.
   std::array<float, most> squares;
@@ -35,7 +35,7 @@ struct OpenNodes {
     for (std::size_t k = 1; k < count; ++k) best = squares[k] < squares[best] ? k : best;
     return best;
   }
-  void put(std::size_t at, float square, std::uint32_t number, const TreeBox& box) noexcept {
+  void put(std::size_t at, float square, std::uint32_t number, const BvhBox& box) noexcept {
     squares[at] = square;
     nodes[at].number = number;
     nodes[at].box = box;
@@ -45,25 +45,25 @@ struct OpenNodes {
 }  // namespace
 
 double box_clearance(const AssetView& asset, const Vector3& point) noexcept {
-  const ElementTree& tree = asset.tree;
-  const std::size_t nodes = tree.words.size() / tree_node_words;
+  const Bvh& bvh = asset.bvh;
+  const std::size_t nodes = bvh.words.size() / bvh_node_words;
   if (nodes == 0) return std::numeric_limits<double>::infinity();
-  const std::array<float, 3> place = from_origin(tree, point);
+  const std::array<float, 3> place = from_origin(bvh, point);
   OpenNodes open;
-  open.put(open.count++, 0, 0, {{}, tree.size});
+  open.put(open.count++, 0, 0, {{}, bvh.size});
   float least = std::numeric_limits<float>::infinity();
   NodeBoxes boxes;
-  for (int opened = 0; opened < most_clearance_nodes && open.count > 0; ++opened) {
+  for (int opened = 0; opened < max_clearance_nodes && open.count > 0; ++opened) {
     // The nearest node is opened; the remaining ones then bound everything.
     const std::size_t at = open.nearest();
     if (open.squares[at] >= least) break;
     const std::uint32_t* node =
-        tree.words.data() + std::size_t{open.nodes[at].number} * tree_node_words;
+        bvh.words.data() + std::size_t{open.nodes[at].number} * bvh_node_words;
     find_node_boxes(open.nodes[at].box, node, place, boxes);
     const std::size_t last = --open.count;
     if (at != last) open.put(at, open.squares[last], open.nodes[last].number, open.nodes[last].box);
-    for (std::size_t k = 0; k < tree_children; ++k) {
-      const TreeChild child = unpack_child(node[k]);
+    for (std::size_t k = 0; k < bvh_children; ++k) {
+      const BvhChild child = unpack_child(node[k]);
       if (child.kind == ElementKind::none) continue;
       if (child.kind == ElementKind::node && child.first < nodes) {
         open.put(open.count++, boxes.squares[k], child.first, boxes.box(k));
@@ -75,7 +75,7 @@ double box_clearance(const AssetView& asset, const Vector3& point) noexcept {
   for (std::size_t k = 0; k < open.count; ++k) least = std::min(least, open.squares[k]);
   if (!(least >= 0)) return 0;
   const double distance = std::sqrt(static_cast<double>(least));
-  const float size = std::max({tree.size[0], tree.size[1], tree.size[2]});
+  const float size = std::max({bvh.size[0], bvh.size[1], bvh.size[2]});
   return std::max(0.0, distance - rounding_share * (distance + static_cast<double>(size)));
 }
 

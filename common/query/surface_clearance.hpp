@@ -6,7 +6,7 @@
 namespace spm {
 
 /// Largest number of tree nodes that box_clearance opens.
-inline constexpr int most_clearance_nodes = 24;
+inline constexpr int max_clearance_nodes = 24;
 
 /// Lower bound of the distance from a point (the asset's frame, m) to the surface of a `sparse`
 /// asset, from the boxes of its elements alone. It is cheap, and known far beyond the margin, where

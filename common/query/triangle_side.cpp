@@ -16,8 +16,8 @@ constexpr double corner_share = 1e-14;
 
 }  // namespace
 
-FootCorner foot_corner(const std::array<Vector3, 3>& corners, const Vector3& foot,
-                       bool within) noexcept {
+IncidentSector incident_sector(const std::array<Vector3, 3>& corners, const Vector3& closest_point,
+                               bool within) noexcept {
   if (within) return {2 * std::numbers::pi, Vector3::Zero()};
   // The closest point lies on the side between whose ends it is the smallest detour.
   std::size_t side = 0;
@@ -26,12 +26,12 @@ FootCorner foot_corner(const std::array<Vector3, 3>& corners, const Vector3& foo
     const Vector3 next = corners[(k + 1) % 3] - corners[k];
     const Vector3 last = corners[(k + 2) % 3] - corners[k];
     const double most = corner_share * std::min(next.squaredNorm(), last.squaredNorm());
-    if ((foot - corners[k]).squaredNorm() <= most) {
+    if ((closest_point - corners[k]).squaredNorm() <= most) {
       return {std::atan2(next.cross(last).norm(), next.dot(last)),
               next.normalized() - last.normalized()};
     }
-    const double detour =
-        (corners[k] - foot).norm() + (corners[(k + 1) % 3] - foot).norm() - next.norm();
+    const double detour = (corners[k] - closest_point).norm() +
+                          (corners[(k + 1) % 3] - closest_point).norm() - next.norm();
     if (detour < least) {
       least = detour;
       side = k;

@@ -11,7 +11,7 @@
 namespace spm {
 
 /// The angle that a triangle takes up around the closest point on it.
-struct FootCorner {
+struct IncidentSector {
   double angle = 0;  ///< rad: pi on a side, 2 pi in the interior
   /// The difference of the unit vectors along the triangle's borders away from the closest point:
   /// the one along its orientation minus the other; 0 in the interior. For triangles that surround
@@ -19,10 +19,10 @@ struct FootCorner {
   Vector3 borders = Vector3::Zero();
 };
 
-/// `foot` is the triangle's point closest to the query point; `within` is true where it is on none
-/// of the triangle's sides.
-[[nodiscard]] FootCorner foot_corner(const std::array<Vector3, 3>& corners, const Vector3& foot,
-                                     bool within) noexcept;
+/// `closest_point` is the triangle's point closest to the query point; `within` is true where it is
+/// on none of the triangle's sides.
+[[nodiscard]] IncidentSector incident_sector(const std::array<Vector3, 3>& corners,
+                                             const Vector3& closest_point, bool within) noexcept;
 
 /// Decides on which side of a mesh a point lies, from the triangles nearest to it.
 ///
@@ -39,20 +39,21 @@ class TriangleSide {
 
   /// Adds a triangle: its corners, its closest point and that point's distance, and the component
   /// of the distance along the triangle's normal, m, below 0 inside.
-  void add(const std::array<Vector3, 3>& corners, const Vector3& foot, double distance,
+  void add(const std::array<Vector3, 3>& corners, const Vector3& closest_point, double distance,
            double along_normal) noexcept {
-    const bool near = is_near(foot, distance);
+    const bool near = is_near(closest_point, distance);
     const bool nearer = distance < distance_;
     if (!nearer && !near) return;
     const double cosine = distance > 0 ? along_normal / distance : 0;
     const bool within = std::abs(along_normal) > within_cosine * distance;
-    const FootCorner corner = foot_corner(corners, foot, within);
-    const bool same = (foot - foot_).squaredNorm() <= square(same_share * rounding_);
+    const IncidentSector corner = incident_sector(corners, closest_point, within);
+    const bool same =
+        (closest_point - closest_point_).squaredNorm() <= square(same_share * rounding_);
     if (nearer && !same) shared_ = Around{};
     if (nearer && !near) about_ = Around{};
     if (nearer) {
       distance_ = distance;
-      foot_ = foot;
+      closest_point_ = closest_point;
     }
     if (same || nearer) shared_.add(cosine, corner);
     about_.add(cosine, corner);
@@ -80,7 +81,7 @@ class TriangleSide {
     double inside = 0, outside = 0;  ///< largest cosine towards each side
     bool within = false;             ///< it lies in the interior of one of them
 
-    void add(double cosine, const FootCorner& corner) noexcept {
+    void add(double cosine, const IncidentSector& corner) noexcept {
       borders += corner.borders;
       within = within || corner.angle > within_angle;
       sum += corner.angle * cosine;
@@ -92,15 +93,16 @@ class TriangleSide {
 
   double rounding_;
   double distance_ = std::numeric_limits<double>::max();
-  Vector3 foot_ = Vector3::Constant(std::sqrt(std::numeric_limits<double>::max()) / 2);
+  Vector3 closest_point_ = Vector3::Constant(std::sqrt(std::numeric_limits<double>::max()) / 2);
   Around shared_;  ///< around the nearest closest point
   Around about_;   ///< around the same point, within rounding
 
   /// True where rounding may have moved a closest point this far from the nearest.
-  [[nodiscard]] bool is_near(const Vector3& foot, double distance) const noexcept {
+  [[nodiscard]] bool is_near(const Vector3& closest_point, double distance) const noexcept {
     if (std::abs(distance - distance_) > rounding_share * rounding_) return false;
     // Sideways by as much as changes the distance by no more than that.
-    return (foot - foot_).squaredNorm() <= rounding_ * (rounding_ + 2 * rounding_share * distance);
+    return (closest_point - closest_point_).squaredNorm() <=
+           rounding_ * (rounding_ + 2 * rounding_share * distance);
   }
   [[nodiscard]] static double square(double x) noexcept { return x * x; }
   /// The two faces of a sheet without thickness cancel, apart from the rounding of numbers.

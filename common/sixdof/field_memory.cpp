@@ -12,14 +12,15 @@ namespace {
 /// Where normals differ by more than this sine, the plane counts as wrong.
 constexpr double turned_sine = 0.07;
 /// A reading this many validity radii away says nothing about how flat the field is.
-constexpr double judged_reaches = 3;
-constexpr double first_share = 0.5, least_share = 0.125, growth = 1.5;
+constexpr double judged_radii = 3;
+constexpr double first_share = 0.5, min_share = 0.125, growth = 1.5;
 
 }  // namespace
 
 FieldMemory::FieldMemory(const Settings& settings)
     : settings_(settings),
-      entries_(settings.most_reach > 0 ? std::bit_ceil(std::max(settings.points, 1U)) : 0) {}
+      entries_(settings.max_validity_radius > 0 ? std::bit_ceil(std::max(settings.points, 1U))
+                                                : 0) {}
 
 const FieldReading& FieldMemory::recall(std::uint32_t point) const noexcept {
   if (entries_.empty()) return nothing_;
@@ -28,20 +29,22 @@ const FieldReading& FieldMemory::recall(std::uint32_t point) const noexcept {
 }
 
 void FieldMemory::learn(std::uint32_t point, FieldReading& reading) noexcept {
-  double reach = reading.normal.isZero() ? 0 : first_share * settings_.most_reach;
-  reading.reach = static_cast<float>(reach);
+  double validity_radius =
+      reading.normal.isZero() ? 0 : first_share * settings_.max_validity_radius;
+  reading.validity_radius = static_cast<float>(validity_radius);
   reading.point = point;
   if (entries_.empty()) return;
   FieldReading& old = entries_[point & (entries_.size() - 1)].reading;
-  const auto before = static_cast<double>(old.reach);
+  const auto before = static_cast<double>(old.validity_radius);
   if (old.point == point && !old.normal.isZero() && !reading.normal.isZero() && before > 0 &&
-      (reading.place - old.place).norm() < judged_reaches * before) {
+      (reading.place - old.place).norm() < judged_radii * before) {
     const bool off =
         std::abs(old.distance_at(reading.place) - reading.distance) > settings_.error ||
         old.normal.cross(reading.normal).norm() > turned_sine || old.normal.dot(reading.normal) < 0;
-    reach = std::clamp((off ? 0.5 : growth) * before, least_share * settings_.most_reach,
-                       settings_.most_reach);
-    reading.reach = static_cast<float>(reach);
+    validity_radius =
+        std::clamp((off ? 0.5 : growth) * before, min_share * settings_.max_validity_radius,
+                   settings_.max_validity_radius);
+    reading.validity_radius = static_cast<float>(validity_radius);
   }
   old = reading;
 }

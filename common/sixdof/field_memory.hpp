@@ -14,12 +14,12 @@ struct FieldReading {
   Vector3 place = Vector3::Zero();    ///< the field's frame, m
   double distance = 0;                ///< signed, m; a lower bound where the normal is zero
   Vector3 normal = Vector3::Zero();   ///< unit, outward
-  float reach = -1;                   ///< validity radius, m; below 0: nothing is known
+  float validity_radius = -1;         ///< validity radius, m; below 0: nothing is known
   std::uint32_t point = 0xFFFFFFFFU;  ///< the point of a FieldMemory that it belongs to
 
-  [[nodiscard]] bool known() const noexcept { return reach >= 0; }
+  [[nodiscard]] bool known() const noexcept { return validity_radius >= 0; }
   [[nodiscard]] bool stands_for(const Vector3& at) const noexcept {
-    const auto far = static_cast<double>(reach);
+    const auto far = static_cast<double>(validity_radius);
     return (at - place).squaredNorm() <= far * far && known() && !normal.isZero();
   }
   [[nodiscard]] double distance_at(const Vector3& at) const noexcept {
@@ -35,9 +35,9 @@ struct FieldReading {
 class FieldMemory {
  public:
   struct Settings {
-    double most_reach = 0;  ///< largest validity radius, m; 0: a reading is used again only at
-                            ///< exactly its own place
-    double error = 1e-5;    ///< m, allowed error of a distance that is used again
+    double max_validity_radius = 0;  ///< largest validity radius, m; 0: a reading is used again
+                                     ///< only at exactly its own place
+    double error = 1e-5;           ///< m, allowed error of a distance that is used again
     std::uint32_t points = 65536;  ///< number of points remembered at once, a power of two
   };
 

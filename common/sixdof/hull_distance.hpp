@@ -34,7 +34,7 @@ class NearestSimplex {
 /// Result of hull_distance for a convex set.
 struct HullDistance {
   Vector3 direction = Vector3::UnitX();  ///< unit, from the origin towards the set
-  double least = 0;  ///< m: lower bound of its distance; 0: it may contain the origin
+  double lower_bound = 0;  ///< m: lower bound of its distance; 0: it may contain the origin
 };
 
 /// Distance from the origin to a convex set. `support(v)` gives the point of the set that is
@@ -51,8 +51,8 @@ template <class Support>
     const Vector3 towards = simplex.nearest() / length;
     const Vector3 point = support(-towards);
     const double least = towards.dot(point);
-    if (least > found.least) found = {towards, least};
-    if (found.least > enough || length - least <= 1e-9 * length || !simplex.add(point)) break;
+    if (least > found.lower_bound) found = {towards, least};
+    if (found.lower_bound > enough || length - least <= 1e-9 * length || !simplex.add(point)) break;
   }
   return found;
 }

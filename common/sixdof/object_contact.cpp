@@ -112,12 +112,12 @@ ObjectContact::ObjectContact(const SurfaceSamples& tool, const ObjectContactSett
     : tool_(tool),
       settings_(settings),
       pairs_(settings.objects),
-      memories_(settings.objects,
-                FieldMemory({settings.most_reach, settings.most_reach / reaches_an_error,
-                             settings.remembered})),
+      memories_(settings.objects, FieldMemory({settings.max_validity_radius,
+                                               settings.max_validity_radius / reaches_an_error,
+                                               settings.remembered})),
       until_(std::size_t{settings.objects} * tool.places.size(), 0.0) {
-  active_.reserve(settings.most_active);
-  next_.reserve(settings.most_active);
+  active_.reserve(settings.max_active);
+  next_.reserve(settings.max_active);
 }
 
 void ObjectContact::forget(std::uint32_t object) noexcept {
@@ -150,11 +150,12 @@ FieldReading ObjectContact::read(std::uint32_t object, std::uint32_t sample, con
   reading.place = place;
   const auto radius = static_cast<double>(tool_.places[sample].radius);
   const IndexList list = list_at(field.index, place);
-  SpaceKind space = SpaceKind::told;
-  if (list.numbers == nullptr && list.kind != CubeKind::far) space = space_at(field.space, place);
+  SignKind sign = SignKind::boundary;
+  if (list.numbers == nullptr && list.kind != CubeKind::far)
+    sign = sign_at(field.sign_octree, place);
   const bool is_far =
-      list.kind == CubeKind::far || (list.kind == CubeKind::beside && space != SpaceKind::inside);
-  const bool outside = is_far || space == SpaceKind::far || space == SpaceKind::outside;
+      list.kind == CubeKind::far || (list.kind == CubeKind::beside && sign != SignKind::inside);
+  const bool outside = is_far || sign == SignKind::far || sign == SignKind::outside;
   // Beyond the margin only the distance matters. The cube and the field's boxes give it for less
   // time. Inside they say nothing about the side.
   if (outside) {
@@ -163,7 +164,7 @@ FieldReading ObjectContact::read(std::uint32_t object, std::uint32_t sample, con
     if (reading.distance < clear) {
       reading.distance = std::max(reading.distance, box_clearance(field, place));
     }
-    reading.reach = 0;
+    reading.validity_radius = 0;
     if (reading.distance > clear) return reading;
   }
   if (is_far && radius > 0) {
@@ -192,7 +193,7 @@ void ObjectContact::look(std::uint32_t sample, std::uint32_t object, const Field
   const Pair& pair = pairs_[object];
   double& until = until_[std::size_t{object} * tool_.places.size() + sample];
   if (pair.travelled < std::abs(until)) {
-    if (until > 0) report.clear = std::min(report.clear, until - pair.travelled);
+    if (until > 0) report.clearance = std::min(report.clearance, until - pair.travelled);
     if (until < 0) found.push_back({sample, object, 0, {}});
     return;
   }
@@ -204,7 +205,7 @@ void ObjectContact::look(std::uint32_t sample, std::uint32_t object, const Field
   const double doubt = doubtful_tolerances * pair.field->tolerance;
   const auto let_go = [&](double spare) {
     until = pair.travelled + spare;
-    report.clear = std::min(report.clear, spare);
+    report.clearance = std::min(report.clearance, spare);
   };
   // By reference, and directly into its place: copying what was just written would stall.
   const FieldReading* reading = &above;
@@ -248,7 +249,7 @@ void ObjectContact::look(std::uint32_t sample, std::uint32_t object, const Field
     if (reading->normal.isZero()) own = std::max(own, distance / 4);
     if (own > 0) until = -(pair.travelled + own);
   } else {
-    report.clear = 0;
+    report.clearance = 0;
   }
   if (radius > 0 || distance < 0) add(distance);
 }
@@ -337,7 +338,7 @@ ObjectContactReport ObjectContact::tick(const Eigen::Isometry3d& tool_pose,
     for (const Active& active : left) press(active, report.sum);
   });
   // Samples that were not resolved to the finest level may touch.
-  if (report.degraded || report.level + 1 < levels) report.clear = 0;
+  if (report.degraded || report.level + 1 < levels) report.clearance = 0;
   const Matrix6 whole = report.sum.stiffness.selfadjointView<Eigen::Lower>();
   report.sum.stiffness = whole;
   return report;

@@ -33,12 +33,12 @@ struct TickBudget {
 struct ObjectContactSettings {
   double stiffness = 1e9;     ///< N/m3: N/m for a square metre of contact
   std::uint32_t objects = 1;  ///< largest number of objects
-  std::uint32_t most_active =
+  std::uint32_t max_active =
       65536;  ///< largest number of samples that may touch at once; beyond it coarser ones are used
   /// largest validity radius, m: how far from a query its tangent plane may be used instead of the
   /// field, for a sample that moved or for one below it in the tree. Less where the field turns out
   /// to be curved. 0: never.
-  double most_reach = 5e-4;
+  double max_validity_radius = 5e-4;
   std::uint32_t remembered =
       65536;  ///< samples per object whose last answer is kept, a power of two
 };
@@ -50,7 +50,7 @@ struct ObjectContactReport {
   double refined = 0;       ///< part of the contact that was resolved to the next level, below 1
   /// m: no sample touches before tool and objects have moved this far relative to each other; 0 in
   /// contact
-  double clear = std::numeric_limits<double>::infinity();
+  double clearance = std::numeric_limits<double>::infinity();
   std::uint64_t asked = 0;   ///< queries of a field
   std::uint64_t tested = 0;  ///< samples whose distance was evaluated
   bool degraded = false;     ///< time or space ran out before the finest level

@@ -61,11 +61,11 @@ class Walk {
   void run() noexcept {
     if (samples_.levels.empty()) return;
     const SampleLevel& coarsest = samples_.levels.front();
-    for (std::uint32_t k = 0; k < coarsest.count; ++k) visit(coarsest.first + k, most_levels);
+    for (std::uint32_t k = 0; k < coarsest.count; ++k) visit(coarsest.first + k, max_levels);
   }
 
  private:
-  static constexpr int most_levels = 24;
+  static constexpr int max_levels = 24;
 
   const SurfaceSamples& samples_;
   const AssetView& field_;
@@ -90,12 +90,12 @@ class Walk {
     // Patches of the finest samples extend beyond their middles.
     const double radius = static_cast<double>(samples_.places[sample].radius) +
                           samples_.levels.back().bound + field_.tolerance;
-    const SpaceKind kind = space_at(field_.space, place);
-    if (kind == SpaceKind::inside) return false;
+    const SignKind kind = sign_at(field_.sign_octree, place);
+    if (kind == SignKind::inside) return false;
     if (box_clearance(field_, place) < radius && surface_clearance(field_, place) < radius) {
       return false;
     }
-    if (kind != SpaceKind::told) return true;
+    if (kind != SignKind::boundary) return true;
     ++tested;
     const Answer answer = query_point(field_, place);
     return !(answer.distance < 0);

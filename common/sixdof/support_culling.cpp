@@ -14,7 +14,7 @@ namespace spm {
 
 namespace {
 
-constexpr int most_hull_steps = 64;
+constexpr int max_hull_steps = 64;
 
 Vector3 to_vector(const std::array<float, 3>& v) noexcept { return {v[0], v[1], v[2]}; }
 
@@ -36,7 +36,7 @@ double outside(const std::vector<Vector3>& hull, const Vector3& point, double en
   const auto support = [&](const Vector3& v) {
     return Vector3(hull[support_mapping(hull, v)] - point);
   };
-  return hull_distance(support, hull.front() - point, enough, most_hull_steps).least;
+  return hull_distance(support, hull.front() - point, enough, max_hull_steps).lower_bound;
 }
 
 /// Adds every sample that lies farther than the tolerance outside the hull of those added before
@@ -112,10 +112,10 @@ CullResult objects_apart(const SupportHull& object1, const SupportHull& object2,
   };
   const double grown = object1.grown + object2.grown;
   const HullDistance found = hull_distance(support, last.direction.isZero() ? line : last.direction,
-                                           grown, most_cull_steps);
-  if (!(found.least > grown)) return {};
+                                           grown, max_cull_steps);
+  if (!(found.lower_bound > grown)) return {};
   last.direction = found.direction;
-  return {true, CullStage::search, found.least - grown};
+  return {true, CullStage::search, found.lower_bound - grown};
 }
 
 }  // namespace spm

@@ -37,11 +37,11 @@ enum class CullStage : std::uint8_t { ball, remembered, plane, search, none };
 struct CullResult {
   bool apart = false;
   CullStage stage = CullStage::none;  ///< the stage that separated them
-  double least = 0;                   ///< m: lower bound of their distance
+  double lower_bound = 0;             ///< m: lower bound of their distance
 };
 
 /// Largest number of steps of the search.
-inline constexpr int most_cull_steps = 16;
+inline constexpr int max_cull_steps = 16;
 
 /// Whether two objects are apart, by their support planes (section 2.1: the step between bounding
 /// boxes and narrow phase). The tests, in this order: balls; the direction that separated the pair

@@ -21,7 +21,7 @@ constexpr double same_place_tolerances = 2;
 constexpr double same_place_cosine = 0.5;
 /// Least number of parts along a side of a cell that a clip line crosses.
 constexpr int clipped_parts = 6;
-constexpr int most_parts = 256;
+constexpr int max_parts = 256;
 
 std::array<float, 3> to_floats(const Vector3& v) noexcept {
   return {static_cast<float>(v.x()), static_cast<float>(v.y()), static_cast<float>(v.z())};
@@ -29,9 +29,9 @@ std::array<float, 3> to_floats(const Vector3& v) noexcept {
 
 /// The bilinear sheet of a tile's cell: depth below the plane at (x, y) in [-0.5, 0.5] cells from
 /// its middle, and slopes.
-class CellSheet {
+class CellSurface {
  public:
-  CellSheet(const Tile& tile, float height_unit, std::uint32_t cell) noexcept
+  CellSurface(const Tile& tile, float height_unit, std::uint32_t cell) noexcept
       : spacing_(static_cast<double>(tile.spacing)) {
     const std::uint32_t column = cell % tile_cells, row = cell / tile_cells;
     const auto depth = [&](std::uint32_t i, std::uint32_t j) {
@@ -72,11 +72,11 @@ bool cut_off(const Tile& tile, std::uint32_t cell, double x, double y) noexcept 
 class PatchMaker {
  public:
   PatchMaker(const AssetView& asset, double step) noexcept
-      : asset_(asset), step_(step), reach_(same_place_tolerances * asset.tolerance) {}
+      : asset_(asset), step_(step), slack_(same_place_tolerances * asset.tolerance) {}
 
   std::vector<SurfacePatch> patches;
 
-  void add(const TreeChild& child) {
+  void add(const BvhChild& child) {
     if (child.kind == ElementKind::tile) {
       add_tile(child.first);
     } else if (child.first < asset_.first_cap) {
@@ -89,13 +89,13 @@ class PatchMaker {
  private:
   using Corners = std::array<Vector3, 3>;
   /// Numbers of tiles come after those of triangles.
-  static constexpr std::uint32_t first_tile = most_tree_elements * 2;
+  static constexpr std::uint32_t first_tile = max_bvh_elements * 2;
 
   const AssetView& asset_;
   double step_;
-  double reach_;
+  double slack_;
 
-  [[nodiscard]] std::optional<Corners> fan_triangle(const TreeChild& fan,
+  [[nodiscard]] std::optional<Corners> fan_triangle(const BvhChild& fan,
                                                     std::uint32_t k) const noexcept {
     Corners c;
     if (!stored_corner(asset_, fan.first, c[0]) ||
@@ -118,22 +118,22 @@ class PatchMaker {
   void add_cell(std::uint32_t which, std::uint32_t cell) {
     const Tile& tile = asset_.tiles[which];
     const SupportPlane& plane = asset_.planes[tile.plane];
-    const CellSheet sheet(tile, asset_.height_unit, cell);
+    const CellSurface surface(tile, asset_.height_unit, cell);
     const auto spacing = static_cast<double>(tile.spacing);
-    const double stretch = sheet.normal(plane, 0, 0).norm();
+    const double stretch = surface.normal(plane, 0, 0).norm();
     const bool clipped = ((tile.clipped >> cell) & 1U) != 0;
     const int parts = std::max(
         clipped ? clipped_parts : 1,
-        static_cast<int>(std::min<double>(most_parts, std::ceil(spacing * stretch / step_))));
+        static_cast<int>(std::min<double>(max_parts, std::ceil(spacing * stretch / step_))));
     for (int j = 0; j < parts; ++j) {
       for (int i = 0; i < parts; ++i) {
         const double x = (i + 0.5) / parts - 0.5, y = (j + 0.5) / parts - 0.5;
         if (cut_off(tile, cell, x, y)) continue;
         const double eta = tile.eta0 + (cell % tile_cells + 0.5 + x) * spacing;
         const double omega = tile.omega0 + (cell / tile_cells + 0.5 + y) * spacing;
-        const Vector3 across = sheet.normal(plane, x, y);
+        const Vector3 across = surface.normal(plane, x, y);
         const double side = spacing / parts;
-        keep(reconstructed_surface(plane, eta, omega, sheet.depth(x, y)), across.normalized(),
+        keep(reconstructed_surface(plane, eta, omega, surface.depth(x, y)), across.normalized(),
              across.norm() * side * side, first_tile + which);
       }
     }
@@ -172,16 +172,16 @@ class PatchMaker {
   void keep(const Vector3& position, const Vector3& normal, double area, std::uint32_t rank) {
     bool owned = true;
     visit_elements(
-        asset_.tree, position,
-        [&](const TreeChild& child) { owned = owned && !covered(child, position, normal, rank); },
-        [&] { return owned ? reach_ : -1.0; });
+        asset_.bvh, position,
+        [&](const BvhChild& child) { owned = owned && !covered(child, position, normal, rank); },
+        [&] { return owned ? slack_ : -1.0; });
     if (owned) {
       patches.push_back({to_floats(position), to_floats(normal), static_cast<float>(area)});
     }
   }
 
   /// Whether an element with a lower number than `rank` already represents a place.
-  [[nodiscard]] bool covered(const TreeChild& child, const Vector3& position, const Vector3& normal,
+  [[nodiscard]] bool covered(const BvhChild& child, const Vector3& position, const Vector3& normal,
                              std::uint32_t rank) const noexcept {
     if (child.kind == ElementKind::tile) {
       return first_tile + child.first < rank && covered_by_tile(child.first, position, normal);
@@ -209,10 +209,10 @@ class PatchMaker {
     if (((tile.valid >> cell) & 1U) == 0) return false;
     const double x = column - std::floor(column) - 0.5, y = row - std::floor(row) - 0.5;
     if (cut_off(tile, cell, x, y)) return false;
-    const CellSheet sheet(tile, asset_.height_unit, cell);
-    const Vector3 across = sheet.normal(plane, x, y);
+    const CellSurface surface(tile, asset_.height_unit, cell);
+    const Vector3 across = surface.normal(plane, x, y);
     const double stretch = across.norm();
-    return std::abs(place.depth - sheet.depth(x, y)) <= reach_ * stretch &&
+    return std::abs(place.depth - surface.depth(x, y)) <= slack_ * stretch &&
            across.dot(normal) > same_place_cosine * stretch;
   }
 
@@ -221,7 +221,7 @@ class PatchMaker {
     const Vector3 across = (c[1] - c[0]).cross(c[2] - c[0]);
     const double size = across.norm();
     const Vector3 off = position - c[0];
-    if (!(size > 0) || std::abs(across.dot(off)) > reach_ * size ||
+    if (!(size > 0) || std::abs(across.dot(off)) > slack_ * size ||
         !(across.dot(normal) > same_place_cosine * size)) {
       return false;
     }
@@ -245,10 +245,10 @@ Result<std::vector<SurfacePatch>> surface_patches(const AssetView& asset, double
     return fail(ExitCode::usage, "surface samples: the step must be above 0; give a length in m");
   }
   PatchMaker maker(asset, step);
-  const std::size_t nodes = asset.tree.words.size() / tree_node_words;
+  const std::size_t nodes = asset.bvh.words.size() / bvh_node_words;
   for (std::size_t node = 0; node < nodes; ++node) {
-    for (std::size_t k = 0; k < tree_children; ++k) {
-      const TreeChild child = unpack_child(asset.tree.words[node * tree_node_words + k]);
+    for (std::size_t k = 0; k < bvh_children; ++k) {
+      const BvhChild child = unpack_child(asset.bvh.words[node * bvh_node_words + k]);
       if (child.kind == ElementKind::tile || child.kind == ElementKind::fan) maker.add(child);
     }
   }

@@ -50,8 +50,8 @@ VirtualTool::Coupling VirtualTool::couple(const Eigen::Isometry3d& device,
                                           const Eigen::Isometry3d& pose) const noexcept {
   const Vector3 stretch = device.translation() - pose.translation();
   const Vector3 turn = turn_between(pose.linear(), device.linear());
-  const CappedSpring line = capped(settings_.stiffness, settings_.most_force, stretch.norm());
-  const CappedSpring twist = capped(settings_.turning, settings_.most_torque, turn.norm());
+  const CappedSpring line = capped(settings_.stiffness, settings_.max_force, stretch.norm());
+  const CappedSpring twist = capped(settings_.turning, settings_.max_torque, turn.norm());
   Coupling coupling;
   coupling.wrench << line.stiffness * stretch, twist.stiffness * turn;
   coupling.stiffness = line.stiffness;
@@ -78,10 +78,10 @@ VirtualToolReport VirtualTool::tick(const Eigen::Isometry3d& device,
     Vector6 step = stiffness.ldlt().solve(coupling.wrench + contact.wrench);
     const double far = step.head<3>().norm() + radius_ * step.tail<3>().norm();
     const double most =
-        limit_share * std::max(settings_.most_step, std::min(report.contact.clear, far));
+        limit_share * std::max(settings_.max_step, std::min(report.contact.clearance, far));
     if (!step.allFinite()) break;
     if (far > most) step *= most / far;
-    if (std::min(far, most) < balanced_share * settings_.most_step) {
+    if (std::min(far, most) < balanced_share * settings_.max_step) {
       report.balanced = true;
       break;
     }

@@ -10,11 +10,11 @@
 namespace spm {
 
 struct VirtualToolSettings {
-  double stiffness = 1000;   ///< of the coupling, N/m
-  double turning = 1;        ///< N m/rad
-  double most_force = 5;     ///< N, largest force of the coupling
-  double most_torque = 0.1;  ///< N m
-  double most_step =
+  double stiffness = 1000;  ///< of the coupling, N/m
+  double turning = 1;       ///< N m/rad
+  double max_force = 5;     ///< N, largest force of the coupling
+  double max_torque = 0.1;  ///< N m
+  double max_step =
       5e-5;  ///< m: largest motion of any place of the tool in a step where it may touch
   std::uint32_t steps = 12;  ///< largest number per tick
 };
@@ -35,7 +35,7 @@ struct VirtualToolReport {
 ///
 /// Near the objects the steps are so short that thin parts are met and not jumped over; elsewhere
 /// they are as long as the clearance. That holds where the contact's stiffness balances
-/// `most_force` on the few samples of an edge or corner before they are halfway through. The
+/// `max_force` on the few samples of an edge or corner before they are halfway through. The
 /// stiffness may be high here, because there is no mass to oscillate. The force is bounded whatever
 /// the objects do. A tick neither allocates nor throws.
 class VirtualTool {

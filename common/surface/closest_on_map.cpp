@@ -78,20 +78,20 @@ bool valid_nearby(const DistanceMap& map, std::uint32_t layer, const MapCell& ce
 
 }  // namespace
 
-MapFoot closest_on_map(const DistanceMap& map, std::uint32_t layer, const SupportPlane& plane,
-                       const Vector3& point) noexcept {
+MapClosestPoint closest_on_map(const DistanceMap& map, std::uint32_t layer,
+                               const SupportPlane& plane, const Vector3& point) noexcept {
   const PlaneCoordinates target = project_on_plane(plane, point);
   const double enough = settled_share * map.spacing;
   double eta = target.eta;
   double omega = target.omega;
   MapCell cell;
   Height height;
-  for (int step = 0; step <= foot_steps; ++step) {
+  for (int step = 0; step <= closest_point_steps; ++step) {
     cell = locate(map, eta, omega);
     height = height_at(map, layer, cell);
     eta = map.eta0 + (cell.column + cell.fx) * map.spacing;
     omega = map.omega0 + (cell.row + cell.fy) * map.spacing;
-    if (step == foot_steps) break;
+    if (step == closest_point_steps) break;
     const double below = target.depth - height.value - height.d_eta * (target.eta - eta) -
                          height.d_omega * (target.omega - omega);
     const double along_normal =
@@ -103,21 +103,21 @@ MapFoot closest_on_map(const DistanceMap& map, std::uint32_t layer, const Suppor
     omega = next_omega;
   }
 
-  MapFoot foot;
-  foot.cell = cell;
+  MapClosestPoint closest_point;
+  closest_point.cell = cell;
   const double d_eta = target.eta - eta;
   const double d_omega = target.omega - omega;
   const double d_depth = target.depth - height.value;
   const double length = std::sqrt(d_eta * d_eta + d_omega * d_omega + d_depth * d_depth);
   const double below = d_depth - height.d_eta * d_eta - height.d_omega * d_omega;
-  foot.distance = below > 0 ? -length : length;
-  foot.valid = valid_nearby(map, layer, cell);
-  foot.rank = length;
-  if (!foot.valid) {
+  closest_point.distance = below > 0 ? -length : length;
+  closest_point.valid = valid_nearby(map, layer, cell);
+  closest_point.rank = length;
+  if (!closest_point.valid) {
     const bool steep = std::abs(height.d_eta) + std::abs(height.d_omega) > silhouette_slope;
-    foot.rank += steep ? last_rank : masked_share * map.spacing;
+    closest_point.rank += steep ? last_rank : masked_share * map.spacing;
   }
-  return foot;
+  return closest_point;
 }
 
 Vector3 normal_at(const DistanceMap& map, std::uint32_t layer, const SupportPlane& plane,

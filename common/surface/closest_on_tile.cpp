@@ -8,7 +8,7 @@
 #include <cmath>
 #include <cstring>
 
-#include "common/surface/cell_foot.hpp"
+#include "common/surface/closest_on_cell.hpp"
 #include "common/surface/tile.hpp"
 
 namespace spm {
@@ -146,9 +146,9 @@ Lanes block_row(const Tile& tile, float height_unit, std::uint32_t column,
 
 Four four_of(Lanes lanes) noexcept { return {lanes[0], lanes[1], lanes[2], lanes[3]}; }
 
-/// Closest points on the four cells of a block; keeps the nearest in `foot`.
+/// Closest points on the four cells of a block; keeps the nearest in `closest_point`.
 void visit_block(const Tile& tile, float height_unit, const Local& p, std::uint32_t block,
-                 TileFoot& foot, float& best) noexcept {
+                 TileClosestPoint& closest_point, float& best) noexcept {
   const std::uint32_t column = (block & 3U) * 2, row = (block >> 2U) * 2;
   const Lanes first = block_row(tile, height_unit, column, row);
   const Lanes second = block_row(tile, height_unit, column, row + 1);
@@ -191,17 +191,17 @@ void visit_block(const Tile& tile, float height_unit, const Local& p, std::uint3
     float y = square1[k] <= square2[k] ? y1[k] : y2[k];
     const CellPatch cell{slope_x[k], slope_y[k], twist[k], dx[k], dy[k], dz[k]};
     if (((tile.clipped >> index) & 1U) != 0) {
-      if (!clip_foot(cell, cell_clip(tile, index), s, x, y)) continue;
+      if (!clip_closest_point(cell, cell_clip(tile, index), s, x, y)) continue;
       square = cell.squared_distance(x, y);
       if (!(square < best)) continue;
     }
     best = square;
-    foot.cell = index;
-    foot.slope_eta = cell.slope_x + cell.twist * y;
-    foot.slope_omega = cell.slope_y + cell.twist * x;
-    foot.away_eta = cell.dx - x;
-    foot.away_omega = cell.dy - y;
-    foot.away_depth = cell.dz - cell.height(x, y);
+    closest_point.cell = index;
+    closest_point.slope_eta = cell.slope_x + cell.twist * y;
+    closest_point.slope_omega = cell.slope_y + cell.twist * x;
+    closest_point.away_eta = cell.dx - x;
+    closest_point.away_omega = cell.dy - y;
+    closest_point.away_depth = cell.dz - cell.height(x, y);
   }
 }
 
@@ -212,11 +212,11 @@ float tile_distance_bound(const Tile& tile, const SupportPlane& plane,
   return bound_of(tile, local_of(tile, plane, point));
 }
 
-TileFoot closest_on_tile(const Tile& tile, float height_unit, const SupportPlane& plane,
-                         const Vector3& point, float limit) noexcept {
-  TileFoot foot;
+TileClosestPoint closest_on_tile(const Tile& tile, float height_unit, const SupportPlane& plane,
+                                 const Vector3& point, float limit) noexcept {
+  TileClosestPoint closest_point;
   const Local p = local_of(tile, plane, point);
-  if (!(bound_of(tile, p) < limit)) return foot;
+  if (!(bound_of(tile, p) < limit)) return closest_point;
   Blocks bounds = block_bounds(tile, block_planes(tile, height_unit), p);
   float best = limit * limit;
   const float start = best;
@@ -225,10 +225,10 @@ TileFoot closest_on_tile(const Tile& tile, float height_unit, const SupportPlane
     const float bound = bounds.minCoeff(&nearest);
     if (!(bound < 0) && !(bound * bound < best)) break;
     bounds[nearest] = std::numeric_limits<float>::infinity();
-    visit_block(tile, height_unit, p, static_cast<std::uint32_t>(nearest), foot, best);
+    visit_block(tile, height_unit, p, static_cast<std::uint32_t>(nearest), closest_point, best);
   }
-  if (best < start) settle_foot(foot, std::sqrt(best));
-  return foot;
+  if (best < start) settle_closest_point(closest_point, std::sqrt(best));
+  return closest_point;
 }
 
 }  // namespace spm

@@ -10,7 +10,7 @@
 namespace spm {
 
 /// Closest point of a tile's valid surface to a point.
-struct TileFoot {
+struct TileClosestPoint {
   float distance = std::numeric_limits<float>::infinity();  ///< m, 0 or more
   float below = 0;      ///< m: how far the query point lies under the tangent plane at the closest
                         ///< point, towards the solid; negative outside
@@ -26,9 +26,9 @@ struct TileFoot {
 /// Newton step (eq. 7, 8) finds the closest point on the cell's mean plane; it is clamped to the
 /// cell, and the bilinear height is taken there. The distance is that of a true point of the tile.
 /// It exceeds the least distance by at most half the cell's twist |h00 - h10 - h01 + h11|.
-[[nodiscard]] TileFoot closest_on_tile(const Tile& tile, float height_unit,
-                                       const SupportPlane& plane, const Vector3& point,
-                                       float limit) noexcept;
+[[nodiscard]] TileClosestPoint closest_on_tile(const Tile& tile, float height_unit,
+                                               const SupportPlane& plane, const Vector3& point,
+                                               float limit) noexcept;
 
 /// Lower bound of the distance from a point to the tile's valid surface, m.
 [[nodiscard]] float tile_distance_bound(const Tile& tile, const SupportPlane& plane,

@@ -58,13 +58,13 @@ AssetTables::AssetTables(std::vector<SupportPlane> planes, std::vector<DistanceM
 void AssetTables::build_index() {
   const ElementIndexData index = build_element_index(view_);
   words_.assign(index.words.begin(), index.words.end());
-  cell_groups_.assign(index.cell_groups.begin(), index.cell_groups.end());
-  clip_groups_.assign(index.clip_groups.begin(), index.clip_groups.end());
-  triangle_groups_.assign(index.triangle_groups.begin(), index.triangle_groups.end());
+  cell_packets_.assign(index.cell_packets.begin(), index.cell_packets.end());
+  clip_packets_.assign(index.clip_packets.begin(), index.clip_packets.end());
+  triangle_packets_.assign(index.triangle_packets.begin(), index.triangle_packets.end());
   index_bytes_ = index.bytes();
   view_.index = index.view();
   view_.index.words = words_;
-  view_.index.groups = {cell_groups_, clip_groups_, triangle_groups_};
+  view_.index.packets = {cell_packets_, clip_packets_, triangle_packets_};
 }
 
 AssetTables tables_of(const Asset& asset) {
@@ -108,8 +108,10 @@ AssetTables tables_of(const Asset& asset) {
                .cells = asset.grid.cells,
                .index = asset.grid.index,
                .records = asset.grid.records};
-  rest.space = {.origin = asset.space.origin, .edge = asset.space.edge, .words = asset.space.words};
-  rest.tree = {.origin = asset.tree.origin, .size = asset.tree.size, .words = asset.tree.words};
+  rest.sign_octree = {.origin = asset.sign_octree.origin,
+                      .edge = asset.sign_octree.edge,
+                      .words = asset.sign_octree.words};
+  rest.bvh = {.origin = asset.bvh.origin, .size = asset.bvh.size, .words = asset.bvh.words};
   rest.first_cap = asset.first_cap;
   rest.band = asset.metadata.band;
   rest.tolerance = answer_tolerance(asset.metadata);

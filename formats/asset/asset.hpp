@@ -86,15 +86,15 @@ struct GridData {
   std::vector<std::uint32_t> records;
 };
 
-/// Of a `sparse` asset; see SpaceTree.
-struct SpaceData {
+/// Of a `sparse` asset; see SignOctree.
+struct SignOctreeData {
   Vector3 origin = Vector3::Zero();
   double edge = 0;
   std::vector<std::uint32_t> words;
 };
 
-/// Of a `sparse` asset; see ElementTree.
-struct TreeData {
+/// Of a `sparse` asset; see Bvh.
+struct BvhData {
   Vector3 origin = Vector3::Zero();
   std::array<float, 3> size{};
   std::vector<std::uint32_t> words;
@@ -109,8 +109,8 @@ struct Asset {
   std::vector<MapData> maps;
   std::vector<TileData> tiles;
   GridData grid;
-  SpaceData space;
-  TreeData tree;
+  SignOctreeData sign_octree;
+  BvhData bvh;
   // Corners of the fallback's triangles, in one of two forms; see AssetView.
   std::vector<float> triangles;                ///< three each
   std::vector<std::uint16_t> small_triangles;  ///< three each
@@ -153,9 +153,9 @@ class AssetTables {
   std::vector<double> nx_, ny_, nz_, offset_;
   // The index's:
   LargeTable<std::uint32_t> words_;
-  LargeTable<CellGroup> cell_groups_;
-  LargeTable<ClipGroup> clip_groups_;
-  LargeTable<TriangleGroup> triangle_groups_;
+  LargeTable<CellPacket> cell_packets_;
+  LargeTable<ClipPacket> clip_packets_;
+  LargeTable<TrianglePacket> triangle_packets_;
   std::size_t index_bytes_ = 0;
   AssetView view_;
 };

@@ -80,21 +80,21 @@ Result<void> check_grid(const AssetView& asset, const std::string& path) {
 
 /// The error in the sign octree; empty where there is none. A child's number is above its parent's,
 /// so a walk over all nodes in order knows the depth of each.
-std::string space_problem(const SpaceTree& tree) {
-  const std::size_t nodes = tree.words.size() / space_node_words;
+std::string sign_octree_problem(const SignOctree& octree) {
+  const std::size_t nodes = octree.words.size() / sign_octree_node_words;
   std::vector<int> depth(nodes, 0);
   for (std::size_t node = 0; node < nodes; ++node) {
-    const std::uint32_t kinds = tree.words[node * space_node_words];
-    std::size_t child = tree.words[node * space_node_words + 1];
+    const std::uint32_t kinds = octree.words[node * sign_octree_node_words];
+    std::size_t child = octree.words[node * sign_octree_node_words + 1];
     for (std::uint32_t octant = 0; octant < 8; ++octant) {
-      const SpaceKind kind = octant_kind(kinds, octant);
-      if (kind != SpaceKind::split) {
-        if (kind > SpaceKind::pruned) return "is of no kind";
+      const SignKind kind = octant_kind(kinds, octant);
+      if (kind != SignKind::split) {
+        if (kind > SignKind::pruned) return "is of no kind";
         continue;
       }
       if (child <= node || child >= nodes) return "leads to no cube below it";
       depth[child] = depth[node] + 1;
-      if (depth[child] >= space_levels) return "is split too often";
+      if (depth[child] >= sign_octree_levels) return "is split too often";
       ++child;
     }
   }
@@ -102,20 +102,20 @@ std::string space_problem(const SpaceTree& tree) {
 }
 
 /// The same for the tree of elements.
-std::string tree_problem(const AssetView& asset) {
-  const std::size_t nodes = asset.tree.words.size() / tree_node_words;
+std::string bvh_problem(const AssetView& asset) {
+  const std::size_t nodes = asset.bvh.words.size() / bvh_node_words;
   const std::size_t corners = (asset.triangles.size() + asset.small_triangles.size()) / 3;
   std::vector<int> depth(nodes, 0);
   for (std::size_t node = 0; node < nodes; ++node) {
-    for (std::size_t k = 0; k < tree_children; ++k) {
-      const TreeChild child = unpack_child(asset.tree.words[node * tree_node_words + k]);
+    for (std::size_t k = 0; k < bvh_children; ++k) {
+      const BvhChild child = unpack_child(asset.bvh.words[node * bvh_node_words + k]);
       switch (child.kind) {
         case ElementKind::none:
           break;
         case ElementKind::node:
           if (child.first <= node || child.first >= nodes) return "leads to no box below it";
           depth[child.first] = depth[node] + 1;
-          if (depth[child.first] >= tree_levels) return "lies too deep";
+          if (depth[child.first] >= bvh_levels) return "lies too deep";
           break;
         case ElementKind::tile:
           if (child.first >= asset.tiles.size()) return "names a tile that does not exist";
@@ -132,11 +132,11 @@ std::string tree_problem(const AssetView& asset) {
 }
 
 Result<void> check_trees(const AssetView& asset, const std::string& path) {
-  if (const std::string problem = space_problem(asset.space); !problem.empty()) {
+  if (const std::string problem = sign_octree_problem(asset.sign_octree); !problem.empty()) {
     return fail(ExitCode::invalid_input,
-                path + ": a cube of its space " + problem + "; bake it again");
+                path + ": a cube of its sign octree " + problem + "; bake it again");
   }
-  if (const std::string problem = tree_problem(asset); !problem.empty()) {
+  if (const std::string problem = bvh_problem(asset); !problem.empty()) {
     return fail(ExitCode::invalid_input,
                 path + ": a box of its elements " + problem + "; bake it again");
   }

@@ -12,14 +12,14 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr std::uint32_t most_maps = 1U << 24U;  // limit of a grid record
-constexpr std::uint32_t most_tiles = 1U << 24U;
-constexpr std::uint32_t most_samples_a_side = 1U << 14U;
-constexpr std::uint32_t most_cells_an_axis = 1U << 20U;
-constexpr std::uint64_t most_cells = std::uint64_t{1} << 30U;
-constexpr std::uint64_t most_words = std::uint64_t{1} << 28U;  // limit of a grid word
+constexpr std::uint32_t max_maps = 1U << 24U;  // limit of a grid record
+constexpr std::uint32_t max_tiles = 1U << 24U;
+constexpr std::uint32_t max_samples_a_side = 1U << 14U;
+constexpr std::uint32_t max_cells_an_axis = 1U << 20U;
+constexpr std::uint64_t max_cells = std::uint64_t{1} << 30U;
+constexpr std::uint64_t max_words = std::uint64_t{1} << 28U;  // limit of a grid word
 // Lengths that stay normal floats over all levels and heights.
-constexpr double least_length = 1e-20, greatest_length = 1e20;
+constexpr double min_length = 1e-20, greatest_length = 1e20;
 constexpr double basis_slack = 1e-6;
 
 Json json_of(const Vector3& vector) { return Json::array({vector.x(), vector.y(), vector.z()}); }
@@ -59,16 +59,16 @@ Json grid_json(const AssetDescription& description) {
           {"records", description.grid_records}};
 }
 
-Json space_json(const AssetDescription& description) {
-  return {{"origin", json_of(description.space_origin)},
-          {"edge", description.space_edge},
-          {"nodes", description.space_nodes}};
+Json sign_octree_json(const AssetDescription& description) {
+  return {{"origin", json_of(description.sign_octree_origin)},
+          {"edge", description.sign_octree_edge},
+          {"nodes", description.sign_octree_nodes}};
 }
 
-Json tree_json(const AssetDescription& description) {
-  return {{"origin", json_of(description.tree_origin)},
-          {"size", description.tree_size},
-          {"nodes", description.tree_nodes}};
+Json bvh_json(const AssetDescription& description) {
+  return {{"origin", json_of(description.bvh_origin)},
+          {"size", description.bvh_size},
+          {"nodes", description.bvh_nodes}};
 }
 
 /// Adds the number of maps or tiles of the asset's form, and the layout of their samples.
@@ -160,29 +160,29 @@ void read_grid(JsonFields grid, AssetDescription& description) {
   description.grid_origin = grid.vector("origin");
   description.grid_cell_size = grid.number("cell_size", 0);
   if (description.grid_cell_size <= 0) grid.wrong("cell_size", "a length above 0");
-  description.grid_cells = grid.triple("cells", 1, most_cells_an_axis);
+  description.grid_cells = grid.triple("cells", 1, max_cells_an_axis);
   const auto& cells = description.grid_cells;
-  if (std::uint64_t{cells[0]} * cells[1] > most_cells ||
-      std::uint64_t{cells[0]} * cells[1] * cells[2] > most_cells) {
+  if (std::uint64_t{cells[0]} * cells[1] > max_cells ||
+      std::uint64_t{cells[0]} * cells[1] * cells[2] > max_cells) {
     grid.wrong("cells", "a grid of at most 2^30 cells");
   }
-  description.grid_records = grid.integer("records", 0, most_words);
+  description.grid_records = grid.integer("records", 0, max_words);
 }
 
 void read_trees(JsonFields& fields, AssetDescription& description) {
-  JsonFields space = fields.child("space");
-  description.space_origin = space.vector("origin");
-  description.space_edge = space.number("edge", least_length, greatest_length);
-  description.space_nodes = space.integer("nodes", 1, most_words);
-  JsonFields tree = fields.child("tree");
-  description.tree_origin = tree.vector("origin");
-  const Vector3 size = tree.vector("size");
+  JsonFields sign_octree = fields.child("space");
+  description.sign_octree_origin = sign_octree.vector("origin");
+  description.sign_octree_edge = sign_octree.number("edge", min_length, greatest_length);
+  description.sign_octree_nodes = sign_octree.integer("nodes", 1, max_words);
+  JsonFields bvh = fields.child("tree");
+  description.bvh_origin = bvh.vector("origin");
+  const Vector3 size = bvh.vector("size");
   for (std::size_t axis = 0; axis < 3; ++axis) {
     const double extent = size[static_cast<int>(axis)];
-    if (!(extent >= 0 && extent <= greatest_length)) tree.wrong("size", "three lengths");
-    description.tree_size[axis] = static_cast<float>(extent);
+    if (!(extent >= 0 && extent <= greatest_length)) bvh.wrong("size", "three lengths");
+    description.bvh_size[axis] = static_cast<float>(extent);
   }
-  description.tree_nodes = tree.integer("nodes", 0, most_tree_elements);
+  description.bvh_nodes = bvh.integer("nodes", 0, max_bvh_elements);
 }
 
 void read_triangles(JsonFields& fields, AssetDescription& description) {
@@ -197,21 +197,21 @@ void read_triangles(JsonFields& fields, AssetDescription& description) {
   if (!description.small_triangles) return;
   JsonFields small = fields.child("small_triangles");
   description.triangle_origin = small.vector("origin");
-  description.triangle_step = small.number("step", least_length, greatest_length);
+  description.triangle_step = small.number("step", min_length, greatest_length);
 }
 
 void read_maps(JsonFields maps, AssetDescription& description) {
   const auto integer = [&maps](const char* key, std::uint64_t low, std::uint64_t high) {
     return static_cast<std::uint32_t>(maps.integer(key, low, high));
   };
-  description.maps = integer("count", 1, most_maps);
-  description.map_columns = integer("columns", 2, most_samples_a_side);
-  description.map_rows = integer("rows", 2, most_samples_a_side);
+  description.maps = integer("count", 1, max_maps);
+  description.map_columns = integer("columns", 2, max_samples_a_side);
+  description.map_rows = integer("rows", 2, max_samples_a_side);
 }
 
 void read_tiles(JsonFields tiles, AssetDescription& description) {
-  description.tiles = static_cast<std::uint32_t>(tiles.integer("count", 0, most_tiles));
-  const double least = description.tiles == 0 ? 0 : least_length;
+  description.tiles = static_cast<std::uint32_t>(tiles.integer("count", 0, max_tiles));
+  const double least = description.tiles == 0 ? 0 : min_length;
   description.metadata.tile_spacing = tiles.number("spacing", least, greatest_length);
   description.metadata.height_unit = tiles.number("height_unit", least, greatest_length);
 }
@@ -255,12 +255,12 @@ AssetDescription describe(const Asset& asset) {
   description.grid_cell_size = asset.grid.cell_size;
   description.grid_cells = asset.grid.cells;
   description.grid_records = asset.grid.records.size();
-  description.space_origin = asset.space.origin;
-  description.space_edge = asset.space.edge;
-  description.space_nodes = asset.space.words.size() / space_node_words;
-  description.tree_origin = asset.tree.origin;
-  description.tree_size = asset.tree.size;
-  description.tree_nodes = asset.tree.words.size() / tree_node_words;
+  description.sign_octree_origin = asset.sign_octree.origin;
+  description.sign_octree_edge = asset.sign_octree.edge;
+  description.sign_octree_nodes = asset.sign_octree.words.size() / sign_octree_node_words;
+  description.bvh_origin = asset.bvh.origin;
+  description.bvh_size = asset.bvh.size;
+  description.bvh_nodes = asset.bvh.words.size() / bvh_node_words;
   description.maps = static_cast<std::uint32_t>(asset.maps.size());
   if (!asset.maps.empty()) {
     description.map_columns = asset.maps.front().columns;
@@ -300,8 +300,8 @@ std::string to_json(const AssetDescription& description) {
   if (metadata.form == AssetForm::full) {
     json["grid"] = grid_json(description);
   } else {
-    json["space"] = space_json(description);
-    json["tree"] = tree_json(description);
+    json["space"] = sign_octree_json(description);
+    json["tree"] = bvh_json(description);
   }
   add_surfaces(description, json);
   json["planes"] = planes_json(description);

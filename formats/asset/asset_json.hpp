@@ -24,13 +24,13 @@ struct AssetDescription {
   double grid_cell_size = 1;
   std::array<std::uint32_t, 3> grid_cells{0, 0, 0};
   std::uint64_t grid_records = 0;  ///< words
-  // `sparse` only: see SpaceTree and ElementTree.
-  Vector3 space_origin = Vector3::Zero();
-  double space_edge = 0;
-  std::uint64_t space_nodes = 0;
-  Vector3 tree_origin = Vector3::Zero();
-  std::array<float, 3> tree_size{};
-  std::uint64_t tree_nodes = 0;
+  // `sparse` only: see SignOctree and Bvh.
+  Vector3 sign_octree_origin = Vector3::Zero();
+  double sign_octree_edge = 0;
+  std::uint64_t sign_octree_nodes = 0;
+  Vector3 bvh_origin = Vector3::Zero();
+  std::array<float, 3> bvh_size{};
+  std::uint64_t bvh_nodes = 0;
   std::uint32_t maps = 0;  ///< `full` only, with their columns and rows
   std::uint32_t map_columns = 0;
   std::uint32_t map_rows = 0;

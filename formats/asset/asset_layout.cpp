@@ -205,15 +205,16 @@ std::string_view find_grid(const Parts& parts, const AssetDescription& descripti
 /// The trees of a `sparse` asset, likewise.
 std::string_view find_trees(const Parts& parts, const AssetDescription& description,
                             AssetView& view) {
-  const auto space =
-      parts.words<std::uint32_t>(part_name::grid_space, description.space_nodes * space_node_words);
-  if (!space) return part_name::grid_space;
-  const auto tree =
-      parts.words<std::uint32_t>(part_name::grid_tree, description.tree_nodes * tree_node_words);
-  if (!tree) return part_name::grid_tree;
-  view.space = {
-      .origin = description.space_origin, .edge = description.space_edge, .words = *space};
-  view.tree = {.origin = description.tree_origin, .size = description.tree_size, .words = *tree};
+  const auto sign_octree = parts.words<std::uint32_t>(
+      part_name::grid_space, description.sign_octree_nodes * sign_octree_node_words);
+  if (!sign_octree) return part_name::grid_space;
+  const auto bvh =
+      parts.words<std::uint32_t>(part_name::grid_tree, description.bvh_nodes * bvh_node_words);
+  if (!bvh) return part_name::grid_tree;
+  view.sign_octree = {.origin = description.sign_octree_origin,
+                      .edge = description.sign_octree_edge,
+                      .words = *sign_octree};
+  view.bvh = {.origin = description.bvh_origin, .size = description.bvh_size, .words = *bvh};
   return {};
 }
 

@@ -169,9 +169,10 @@ std::string inconsistency(const Asset& asset) {
     return "its grid has not one word a cell";
   }
   if (grid.records.size() > offset_mask) return "its grid has more words than can be named";
-  if (full ? !asset.space.words.empty() || !asset.tree.words.empty()
-           : asset.space.words.empty() || asset.space.words.size() % space_node_words != 0 ||
-                 asset.tree.words.empty() || asset.tree.words.size() % tree_node_words != 0 ||
+  if (full ? !asset.sign_octree.words.empty() || !asset.bvh.words.empty()
+           : asset.sign_octree.words.empty() ||
+                 asset.sign_octree.words.size() % sign_octree_node_words != 0 ||
+                 asset.bvh.words.empty() || asset.bvh.words.size() % bvh_node_words != 0 ||
                  !grid.index.empty() || !grid.records.empty()) {
     return "its trees are not of whole nodes, or of the other form";
   }
@@ -251,8 +252,8 @@ Result<AssetBytes> write_asset(const Asset& asset, const std::string& path) {
   };
   add(part_name::grid_index, SampleType::uint32, asset.grid.index);
   add(part_name::grid_records, SampleType::uint32, asset.grid.records);
-  add(part_name::grid_space, SampleType::uint32, asset.space.words);
-  add(part_name::grid_tree, SampleType::uint32, asset.tree.words);
+  add(part_name::grid_space, SampleType::uint32, asset.sign_octree.words);
+  add(part_name::grid_tree, SampleType::uint32, asset.bvh.words);
   add(part_name::grid_tiles, SampleType::uint32, gathered.words.tiles);
   add(part_name::grid_masks, SampleType::uint32, gathered.words.masks);
   add(part_name::triangles, SampleType::float32, asset.triangles);

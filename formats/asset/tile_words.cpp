@@ -77,10 +77,10 @@ const char* read_tile(const std::uint32_t* words, double tile_spacing, std::size
                       Tile& tile) noexcept {
   const std::uint32_t level = (words[0] >> 12U) & 0xFU;
   if ((words[0] & ~known_bits) != 0) return "has bits of no meaning";
-  tile.plane = words[0] & (most_tile_planes - 1);
-  tile.first_layer = (words[0] >> 16U) & (most_tile_layers - 1);
+  tile.plane = words[0] & (max_tile_planes - 1);
+  tile.first_layer = (words[0] >> 16U) & (max_tile_layers - 1);
   if (tile.plane >= planes) return "names a plane that does not exist";
-  if (level >= most_tile_levels) return "has a level that does not exist";
+  if (level >= max_tile_levels) return "has a level that does not exist";
   place(tile, level, static_cast<std::int16_t>(words[1] & 0xFFFFU),
         static_cast<std::int16_t>(words[1] >> 16U), tile_spacing);
   const auto base = std::bit_cast<float>(words[2]);
@@ -133,8 +133,8 @@ Tile tile_over(const TileData& data, double tile_spacing) noexcept {
 }
 
 std::string tile_problem(const TileData& tile, std::size_t planes) {
-  if (tile.plane >= planes || tile.plane >= most_tile_planes) return "has no plane";
-  if (tile.level >= most_tile_levels || tile.first_layer >= most_tile_layers ||
+  if (tile.plane >= planes || tile.plane >= max_tile_planes) return "has no plane";
+  if (tile.level >= max_tile_levels || tile.first_layer >= max_tile_layers ||
       !fits_16_bits(tile.column) || !fits_16_bits(tile.row)) {
     return "has a place that cannot be stored";
   }

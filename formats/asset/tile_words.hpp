@@ -22,9 +22,9 @@ namespace spm {
 // where bit 25 is set `clipped`, two words, and then one clip per set bit.
 
 inline constexpr std::uint32_t tile_words = 4;
-inline constexpr std::uint32_t most_tile_planes = 1U << 12U;
-inline constexpr std::uint32_t most_tile_levels = 12;
-inline constexpr std::uint32_t most_tile_layers = 1U << 8U;
+inline constexpr std::uint32_t max_tile_planes = 1U << 12U;
+inline constexpr std::uint32_t max_tile_levels = 12;
+inline constexpr std::uint32_t max_tile_layers = 1U << 8U;
 
 /// The words of both parts.
 struct TileWords {

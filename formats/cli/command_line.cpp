@@ -216,19 +216,19 @@ CLI::Option* add_probe(CLI::App& command, std::optional<double>& radius) {
   return add_probe_into(command, radius);
 }
 
-CLI::Option* add_integer(CLI::App& command, const std::string& name, std::uint64_t least,
-                         std::uint64_t most, std::function<void(std::uint64_t)> store,
+CLI::Option* add_integer(CLI::App& command, const std::string& name, std::uint64_t min,
+                         std::uint64_t max, std::function<void(std::uint64_t)> store,
                          const std::string& description) {
   return add_parsed(
       command, name,
-      [least, most, store = std::move(store)](const std::string& text) -> Result<void> {
+      [min, max, store = std::move(store)](const std::string& text) -> Result<void> {
         std::uint64_t value = 0;
         const char* end = text.data() + text.size();
         const auto parsed = std::from_chars(text.data(), end, value);
-        if (parsed.ec != std::errc() || parsed.ptr != end || value < least || value > most) {
-          return fail(ExitCode::usage,
-                      fmt::format("'{}' will not do: write a whole number from {} to {}", text,
-                                  least, most));
+        if (parsed.ec != std::errc() || parsed.ptr != end || value < min || value > max) {
+          return fail(
+              ExitCode::usage,
+              fmt::format("'{}' will not do: write a whole number from {} to {}", text, min, max));
         }
         store(value);
         return {};

@@ -48,10 +48,10 @@ CLI::Option* add_parsed(CLI::App& command, const std::string& name,
                         std::function<Result<void>(const std::string&)> store,
                         const std::string& description, const std::string& type);
 
-/// Adds a whole number from `least` to `most`; anything else is a usage error that names the range.
+/// Adds a whole number from `min` to `max`; anything else is a usage error that names the range.
 /// `store` gets the number.
-CLI::Option* add_integer(CLI::App& command, const std::string& name, std::uint64_t least,
-                         std::uint64_t most, std::function<void(std::uint64_t)> store,
+CLI::Option* add_integer(CLI::App& command, const std::string& name, std::uint64_t min,
+                         std::uint64_t max, std::function<void(std::uint64_t)> store,
                          const std::string& description);
 
 /// Adds an option that takes one of a few words; any other word is a usage error that lists them.

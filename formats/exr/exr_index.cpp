@@ -17,7 +17,7 @@ namespace {
 constexpr int largest_image_side = 1 << 26;
 constexpr int largest_tile_side = 1 << 24;
 constexpr std::size_t largest_allocation = std::size_t{1} << 30U;
-constexpr int most_parts = 300;  // 255 numbers of layers and the grid
+constexpr int max_parts = 300;  // 255 numbers of layers and the grid
 
 struct Source {
   std::span<const std::byte> bytes;
@@ -201,7 +201,7 @@ Cause read_part(exr_const_context_t context, int index, std::uint64_t file_size,
 Cause read_parts(exr_const_context_t context, std::span<const std::byte> bytes,
                  std::vector<ExrPart>& parts) {
   int count = 0;
-  if (exr_get_count(context, &count) != EXR_ERR_SUCCESS || count < 1 || count > most_parts) {
+  if (exr_get_count(context, &count) != EXR_ERR_SUCCESS || count < 1 || count > max_parts) {
     return "it has no parts, or too many";
   }
   std::set<std::string> names;

@@ -15,7 +15,7 @@ namespace spm {
 void free_large_pages(void* memory) noexcept;
 
 /// Tables of at least this size lie on large pages; smaller ones would waste most of a page.
-inline constexpr std::size_t least_large_table = std::size_t{1} << 20U;
+inline constexpr std::size_t min_large_table = std::size_t{1} << 20U;
 
 /// Allocator for containers that grow large.
 template <class T>
@@ -29,11 +29,11 @@ struct LargePageAllocator {
 
   [[nodiscard]] T* allocate(std::size_t count) {
     const std::size_t bytes = count * sizeof(T);
-    if (bytes >= least_large_table) return static_cast<T*>(take_large_pages(bytes));
+    if (bytes >= min_large_table) return static_cast<T*>(take_large_pages(bytes));
     return static_cast<T*>(::operator new(bytes, std::align_val_t(alignof(T))));
   }
   void deallocate(T* memory, std::size_t count) noexcept {
-    if (count * sizeof(T) >= least_large_table) {
+    if (count * sizeof(T) >= min_large_table) {
       free_large_pages(memory);
     } else {
       ::operator delete(memory, std::align_val_t(alignof(T)));

@@ -30,7 +30,7 @@ constexpr std::string_view magic = "SPM-REC1";
 constexpr std::size_t start_bytes = magic.size() + 8;
 constexpr std::size_t end_bytes = 16;
 constexpr std::size_t buffer_bytes = std::size_t{1} << 16U;
-constexpr std::size_t most_header_bytes = std::size_t{1} << 20U;
+constexpr std::size_t max_header_bytes = std::size_t{1} << 20U;
 constexpr double slowest = 1, fastest = 1e5;  // Hz
 
 void append_bytes(std::string& to, const void* from, std::size_t count) {
@@ -183,7 +183,7 @@ Result<Recording> read_recording(const std::string& path) {
   }
   const auto rows = number_at<std::uint64_t>(*bytes, covered - sizeof(std::uint64_t));
   const std::size_t row_bytes = bytes->size() - start_bytes - end_bytes;
-  if (header_bytes > most_header_bytes || header_bytes > row_bytes ||
+  if (header_bytes > max_header_bytes || header_bytes > row_bytes ||
       rows > row_bytes / sizeof(RecordingRow) ||
       rows * sizeof(RecordingRow) != row_bytes - header_bytes) {
     return bad(path, "has not as many bytes as it says");

@@ -10,15 +10,15 @@
 #include "common/base/units.hpp"
 #include "common/contact/stable_stiffness.hpp"
 #include "formats/files/text_file.hpp"
-#include "formats/scene/scene_cures.hpp"
 #include "formats/scene/scene_effects.hpp"
+#include "formats/scene/scene_stabilization.hpp"
 #include "formats/scene/table_reader.hpp"
 
 namespace spm {
 namespace {
 
 constexpr double unit_slack = 0.01;  // of a quaternion written with few digits
-constexpr double least_scale = 1e-6, most_scale = 1e6;
+constexpr double min_scale = 1e-6, max_scale = 1e6;
 
 void read_pose(TableReader& reader, Placement& placement) {
   const char* cure = "; give [x, y, z] in metres, or [x, y, z, qw, qx, qy, qz]";
@@ -49,7 +49,7 @@ void read_scale(TableReader& reader, Placement& placement) {
   const toml::node& value = *reader.node("scale");
   const std::optional<double> scale = value.value<double>();
   const bool number = value.is_number() && scale && std::isfinite(*scale);
-  if (number && *scale >= least_scale && *scale <= most_scale) {
+  if (number && *scale >= min_scale && *scale <= max_scale) {
     placement.scale = *scale;
   } else if (number && *scale < 0) {
     reader.refuse("scale",
@@ -160,9 +160,9 @@ Scene read_document(const std::string& path, const toml::table& document,
                     std::optional<Error>& error) {
   Scene scene;
   scene.path = path;
-  TableReader top(path, document, "a scene", {"device", "tool", "workspace", "cures", "object"},
-                  error);
-  for (const char* name : {"device", "tool", "workspace", "cures"}) {
+  TableReader top(path, document, "a scene",
+                  {"device", "tool", "workspace", "stabilization", "object"}, error);
+  for (const char* name : {"device", "tool", "workspace", "stabilization"}) {
     const toml::node* node = document.get(name);
     if (node == nullptr) continue;
     if (!node->is_table()) {
@@ -176,9 +176,9 @@ Scene read_document(const std::string& path, const toml::table& document,
           read_device(TableReader(path, table, in, {"driver", "profile", "force_cap"}, error));
     } else if (name == std::string_view("tool")) {
       scene.probe_radius = read_tool(TableReader(path, table, in, {"probe"}, error));
-    } else if (name == std::string_view("cures")) {
-      TableReader reader(path, table, in, cure_keys, error);
-      scene.cures = read_cures(reader, scene.device.profile);
+    } else if (name == std::string_view("stabilization")) {
+      TableReader reader(path, table, in, stabilization_keys, error);
+      scene.stabilization = read_stabilization(reader, scene.device.profile);
     } else {
       TableReader reader(path, table, in, {"pose", "scale"}, error);
       scene.workspace = read_placement(reader);

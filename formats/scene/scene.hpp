@@ -45,7 +45,7 @@ struct Scene {
   SceneDevice device;
   std::optional<double> probe_radius;  ///< m, 0 for a point
   Placement workspace;                 ///< of the device's frame, whose origin is its tool's centre
-  CureSettings cures;
+  StabilizationSettings stabilization;
   std::vector<SceneObject> objects;  ///< at least one
 };
 

@@ -7,7 +7,7 @@ namespace spm {
 
 namespace {
 
-constexpr double most_friction = 10;  // dry rubber has about 1
+constexpr double max_friction = 10;  // dry rubber has about 1
 constexpr auto largest_seed = static_cast<std::uint64_t>(
     std::numeric_limits<std::int64_t>::max());  // the largest integer of TOML
 
@@ -23,9 +23,9 @@ void read_paper_friction(TableReader& friction, EffectSettings& effects) {
     return friction.refuse("depth_gain", "'depth_gain' needs 'force', such as \"0.3N\"");
   }
   effects.friction_force =
-      friction.quantity("force", Quantity::force, "0.3N", 0, TableReader::Least::zero);
+      friction.quantity("force", Quantity::force, "0.3N", 0, TableReader::Minimum::zero);
   effects.friction_depth =
-      friction.quantity("depth_gain", Quantity::per_length, "100/m", 0, TableReader::Least::zero);
+      friction.quantity("depth_gain", Quantity::per_length, "100/m", 0, TableReader::Minimum::zero);
 }
 
 void read_friction(TableReader& object, double stiffness, EffectSettings& effects) {
@@ -42,8 +42,8 @@ void read_friction(TableReader& object, double stiffness, EffectSettings& effect
   }
   // Where one of the two is not given, both are the same.
   FrictionSettings& read = effects.friction;
-  read.stick = friction->number("stick", 0, most_friction, 0);
-  read.slide = friction->number("slide", 0, most_friction, read.stick);
+  read.stick = friction->number("stick", 0, max_friction, 0);
+  read.slide = friction->number("slide", 0, max_friction, read.stick);
   if (!friction->has("stick")) read.stick = read.slide;
   read.stiffness = friction->quantity("stiffness", Quantity::stiffness, "2N/mm", stiffness);
   if (read.stick < read.slide) {
@@ -65,7 +65,7 @@ void read_texture(TableReader& object, EffectSettings& effects) {
                              "space; give those of one kind");
     }
     effects.texture_noise =
-        texture->quantity("noise", Quantity::length, "10um", 0, TableReader::Least::zero);
+        texture->quantity("noise", Quantity::length, "10um", 0, TableReader::Minimum::zero);
     effects.noise_seed = seed;
     return;
   }
@@ -77,7 +77,7 @@ void read_texture(TableReader& object, EffectSettings& effects) {
     }
   }
   effects.texture.amplitude =
-      texture->quantity("amplitude", Quantity::length, "50um", 0, TableReader::Least::zero);
+      texture->quantity("amplitude", Quantity::length, "50um", 0, TableReader::Minimum::zero);
   effects.texture.wavelength = texture->quantity("wavelength", Quantity::length, "1mm", 1);
   effects.texture.seed = seed;
 }
@@ -89,9 +89,9 @@ void read_smoothing(TableReader& object, EffectSettings& effects) {
     return object.refuse("smoothing", "'smoothing' needs 'sigma', such as \"0.2mm\"");
   }
   effects.smoothing.sigma =
-      smoothing->quantity("sigma", Quantity::length, "0.2mm", 0, TableReader::Least::zero);
+      smoothing->quantity("sigma", Quantity::length, "0.2mm", 0, TableReader::Minimum::zero);
   effects.smoothing.samples = static_cast<std::uint32_t>(
-      smoothing->whole("samples", 1, most_smoothing_samples, effects.smoothing.samples));
+      smoothing->whole("samples", 1, max_smoothing_samples, effects.smoothing.samples));
 }
 
 }  // namespace
@@ -100,11 +100,11 @@ EffectSettings read_effects(TableReader& object, double stiffness) {
   EffectSettings effects;
   read_friction(object, stiffness, effects);
   effects.damping =
-      object.quantity("damping", Quantity::damping, "2Ns/m", 0, TableReader::Least::zero);
+      object.quantity("damping", Quantity::damping, "2Ns/m", 0, TableReader::Minimum::zero);
   read_texture(object, effects);
   read_smoothing(object, effects);
   effects.turn.rate = object.quantity("turn_limit", Quantity::angular_speed, "120rad/s",
-                                      usual_turn_rate, TableReader::Least::zero);
+                                      default_turn_rate, TableReader::Minimum::zero);
   return effects;
 }
 

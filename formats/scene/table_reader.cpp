@@ -86,7 +86,7 @@ std::optional<std::size_t> TableReader::word(const char* key,
 }
 
 double TableReader::quantity(const char* key, Quantity kind, const std::string& example,
-                             double otherwise, Least least) {
+                             double otherwise, Minimum min) {
   const toml::node* value = table_.get(key);
   if (value == nullptr) return otherwise;
   const auto* found = value->as_string();
@@ -99,34 +99,34 @@ double TableReader::quantity(const char* key, Quantity kind, const std::string& 
     refuse(key, in_quotes(key) + ": " + parsed.error().message);
     return otherwise;
   }
-  const bool zero_allowed = least == Least::zero;
+  const bool zero_allowed = min == Minimum::zero;
   if (*parsed > 0 || (zero_allowed && *parsed == 0)) return *parsed;
   refuse(key, in_quotes(key) + (zero_allowed ? " must be 0 or more" : " must be above 0") +
                   ", such as \"" + example + "\"");
   return otherwise;
 }
 
-double TableReader::number(const char* key, double least, double most, double otherwise) {
+double TableReader::number(const char* key, double min, double max, double otherwise) {
   const toml::node* value = table_.get(key);
   if (value == nullptr) return otherwise;
   const std::optional<double> found = value->value<double>();
-  if (value->is_number() && found && *found >= least && *found <= most) return *found;
-  refuse(key, in_quotes(key) + " must be a number from " + shown(least) + " to " + shown(most) +
+  if (value->is_number() && found && *found >= min && *found <= max) return *found;
+  refuse(key, in_quotes(key) + " must be a number from " + shown(min) + " to " + shown(max) +
                   ", without a unit");
   return otherwise;
 }
 
-std::uint64_t TableReader::whole(const char* key, std::uint64_t least, std::uint64_t most,
+std::uint64_t TableReader::whole(const char* key, std::uint64_t min, std::uint64_t max,
                                  std::uint64_t otherwise) {
   const toml::node* value = table_.get(key);
   if (value == nullptr) return otherwise;
   const auto* found = value->as_integer();
   if (found != nullptr && found->get() >= 0) {
     const auto number = static_cast<std::uint64_t>(found->get());
-    if (number >= least && number <= most) return number;
+    if (number >= min && number <= max) return number;
   }
-  refuse(key, in_quotes(key) + " must be a whole number from " + std::to_string(least) + " to " +
-                  std::to_string(most));
+  refuse(key, in_quotes(key) + " must be a whole number from " + std::to_string(min) + " to " +
+                  std::to_string(max));
   return otherwise;
 }
 

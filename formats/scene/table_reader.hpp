@@ -22,7 +22,7 @@ namespace spm {
 /// A key that is missing has its default value.
 class TableReader {
  public:
-  enum class Least { zero, above_zero };
+  enum class Minimum { zero, above_zero };
 
   /// `name` is the table's name in messages. Path, table and error must outlive the reader.
   TableReader(const std::string& path, const toml::table& table, std::string name,
@@ -44,13 +44,13 @@ class TableReader {
 
   /// A quantity with its unit, SI.
   [[nodiscard]] double quantity(const char* key, Quantity kind, const std::string& example,
-                                double otherwise, Least least = Least::above_zero);
+                                double otherwise, Minimum min = Minimum::above_zero);
 
-  /// A bare number from `least` to `most`.
-  [[nodiscard]] double number(const char* key, double least, double most, double otherwise);
+  /// A bare number from `min` to `max`.
+  [[nodiscard]] double number(const char* key, double min, double max, double otherwise);
 
-  /// A whole number from `least` to `most`.
-  [[nodiscard]] std::uint64_t whole(const char* key, std::uint64_t least, std::uint64_t most,
+  /// A whole number from `min` to `max`.
+  [[nodiscard]] std::uint64_t whole(const char* key, std::uint64_t min, std::uint64_t max,
                                     std::uint64_t otherwise);
 
   /// true or false.

@@ -87,11 +87,11 @@ def log_panel(axes, limits: dict, model: dict) -> None:
     axes.set_title(f"{model['triangles']:,} triangles", loc="right", fontsize=8.5, color="#666666")
 
 
-def mesh_panels(models: list[dict], most_columns: int, size: tuple[float, float], title: str,
+def mesh_panels(models: list[dict], max_columns: int, size: tuple[float, float], title: str,
                 labels: tuple[str, str]):
     """A figure with a panel a mesh, the panels, and one more for the key; `size` of a panel,
     `labels` across and up."""
-    columns = min(most_columns, len(models) + 1)
+    columns = min(max_columns, len(models) + 1)
     rows = -(-(len(models) + 1) // columns)
     figure, panels = plt.subplots(rows, columns,
                                   figsize=(size[0] * columns, size[1] * rows + 0.5),

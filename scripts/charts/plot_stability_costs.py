@@ -103,7 +103,7 @@ def main() -> int:
     right.set_title("Stable and fast: up and left", fontweight="bold", fontsize=12)
     figure.suptitle("Stable, accurate, fast", x=0.008, ha="left", fontsize=16, fontweight="bold")
     figure.text(0.008, 0.02,
-                "Dot: mean of the cases, hollow with a cure; triangle: the worst case, at 0 where the "
+                "Dot: mean of the cases, hollow with a stabilizer; triangle: the worst case, at 0 where the "
                 "method fails it at any stiffness.\nLeft: the median of the ticks, its line to the RMS of "
                 "all, in which a proxy that is left behind weighs most. Right: the mean, its line to the "
                 "99th per cent.", fontsize=9.5, color="#555555", linespacing=1.4)

@@ -80,7 +80,7 @@ def main() -> int:
     parser.add_argument("traces", help="folder that it wrote traces to")
     arguments = parser.parse_args()
     report = read_report(arguments.report, "stability", "worst")
-    # A cure alone is a column of the table; here the methods are seen, and the default.
+    # A stabilizer alone is a column of the table; here the methods are seen, and the default.
     found = {one["method"]: one for one in report["worst"] if "+" not in one["method"]}
     worst = [found[method] for method in methods_of(list(found.values()))]
     if not worst:

@@ -16,7 +16,7 @@ def names_of(rows: list[dict], key: str) -> list[str]:
 
 
 def methods_of(rows: list[dict]) -> list[str]:
-    """The rivals, each method of ours with its cures beside it, the default last."""
+    """The rivals, each method of ours with its stabilizers beside it, the default last."""
     found = names_of(rows, "method")
 
     def place(method: str):

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """What `spm-bench stability --json` measured as Markdown: flat borders, targets, the cases against
 the methods, the largest good stiffness, the theory check, static loops, costs and how idle
-cures are."""
+stabilizers are."""
 
 from markdown_table import table
 from stability_rows import methods_of, names_of, themes_of, verdict_of
@@ -124,7 +124,7 @@ def border_lines(report: dict) -> list[str]:
     everywhere = [method for method in ("proxy", "default") if method in methods]
     if len(devices) > 1 and everywhere:
         pairs = [(device, method) for device in devices for method in everywhere]
-        lines += ["On every profile, bare and with the default's cures:", ""]
+        lines += ["On every profile, bare and with the default's stabilizers:", ""]
         lines += spaced_table(["case", *(f"{device}, {method}" for device, method in pairs)], [
             [case, *(share_text(cells.get((case, method, device))) for device, method in pairs)]
             for case in cases if any((case, method, devices[1]) in cells for method in everywhere)])
@@ -173,8 +173,8 @@ def idle_lines(report: dict) -> list[str]:
         return []
     cells = {(row["method"], row["device"]): row["added_step_n"] for row in report["idle"]}
     devices = names_of(report["idle"], "device")
-    return ["## Cures on a gentle press", "",
-            "How much a tick's step of force grows by the cure at half of the flat border, N.", "",
+    return ["## Stabilizers on a gentle press", "",
+            "How much a tick's step of force grows by the stabilizer at half of the flat border, N.", "",
             *spaced_table(["method", *devices], [
                 [method, *(f"{cells[method, device]:.3f}" if (method, device) in cells else ""
                            for device in devices)] for method in methods_of(report["idle"])])]

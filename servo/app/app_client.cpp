@@ -17,7 +17,7 @@ namespace spm::servo {
 
 namespace {
 
-constexpr std::size_t most_sent = 2;
+constexpr std::size_t max_sent = 2;
 
 /// Text from a client in a form that a terminal can show: ASCII, cut at its closing zero.
 template <std::size_t Size>
@@ -46,7 +46,7 @@ bool send_answer(int descriptor, const spm_socket_answer& answer, const int* sen
   msghdr message{};
   message.msg_iov = &part;
   message.msg_iovlen = 1;
-  alignas(cmsghdr) std::array<unsigned char, CMSG_SPACE(most_sent * sizeof(int))> control{};
+  alignas(cmsghdr) std::array<unsigned char, CMSG_SPACE(max_sent * sizeof(int))> control{};
   if (sent_count > 0) {
     message.msg_control = control.data();
     message.msg_controllen = CMSG_SPACE(sent_count * sizeof(int));
@@ -102,7 +102,7 @@ bool AppClient::greet(const SharedMemory& state) {
   answer.connection = attached_.connection;
   answer.state_bytes = static_cast<std::uint32_t>(sizeof(spm_shared_state));
   answer.ring_bytes = static_cast<std::uint32_t>(sizeof(spm_shared_ring));
-  const std::array<int, most_sent> sent{*read_only, memory_.descriptor()};
+  const std::array<int, max_sent> sent{*read_only, memory_.descriptor()};
   const bool went = send_answer(descriptor_, answer, sent.data(), sent.size());
   close(*read_only);
   return went;

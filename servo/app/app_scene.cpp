@@ -36,9 +36,9 @@ void set_material(const AppMaterial& material, PlacedObject& object) noexcept {
 AppScene::AppScene(AppState& state, const ForceScene& scene)
     : state_(state), probe_radius_(scene.objects.front().force.probe_radius) {
   objects_.reserve(scene.objects.size() + room(scene));
-  told_.reserve(SPM_MOST_OBJECTS);
-  least_scales_.resize(assets_of(scene.objects) + spare_assets,
-                       std::numeric_limits<double>::infinity());
+  published_.reserve(SPM_MAX_OBJECTS);
+  min_scales_.resize(assets_of(scene.objects) + spare_assets,
+                     std::numeric_limits<double>::infinity());
   for (const PlacedObject& object : scene.objects) {
     note_scale(object);
     objects_.push_back({objects_.size(), object, PoseInterpolator({}, object.placement)});
@@ -47,13 +47,13 @@ AppScene::AppScene(AppState& state, const ForceScene& scene)
 }
 
 std::size_t AppScene::room(const ForceScene& scene) noexcept {
-  return SPM_MOST_OBJECTS - std::min<std::size_t>(SPM_MOST_OBJECTS, scene.objects.size());
+  return SPM_MAX_OBJECTS - std::min<std::size_t>(SPM_MAX_OBJECTS, scene.objects.size());
 }
 
 /// A smaller scale would need a larger probe than was checked for the scene.
 void AppScene::note_scale(const PlacedObject& object) noexcept {
-  if (object.asset >= least_scales_.size()) return;
-  double& least = least_scales_[object.asset];
+  if (object.asset >= min_scales_.size()) return;
+  double& least = min_scales_[object.asset];
   least = probe_radius_ > 0 ? std::min(least, object.placement.scale) : 0;
 }
 
@@ -123,15 +123,15 @@ Refusal AppScene::follow(const AppCommand& command, std::int64_t now_ns,
 }
 
 Refusal AppScene::add(const AppCommand& command, std::span<SceneForce* const> forces) noexcept {
-  if (command.index >= least_scales_.size()) return Refusal::unknown_asset;
-  if (!(command.pose.scale >= least_scales_[command.index])) return Refusal::out_of_range;
+  if (command.index >= min_scales_.size()) return Refusal::unknown_asset;
+  if (!(command.pose.scale >= min_scales_[command.index])) return Refusal::out_of_range;
   const bool is_own = owner_of(command.object) == command.connection;
   if (!is_own || find(command.object) != nullptr) return Refusal::not_yours;
   Object added{command.object, {}, PoseInterpolator({}, command.pose)};
   added.settings.asset = command.index;
   added.settings.placement = command.pose;
   added.settings.force.probe_radius = probe_radius_;
-  added.settings.effects.turn.rate = usual_turn_rate;
+  added.settings.effects.turn.rate = default_turn_rate;
   added.settings.movable = true;
   set_material(command.material, added.settings);
   if (!put(added, forces)) return Refusal::too_many_objects;
@@ -229,8 +229,8 @@ bool AppScene::uses(std::size_t asset) const noexcept {
 bool AppScene::edit(const SceneEdit& edit, std::int64_t now_ns,
                     std::span<SceneForce* const> forces) noexcept {
   if (edit.added.size() > free_places() + edit.removed.size()) return false;
-  if (edit.cures) {
-    for (SceneForce* force : forces) force->cure(*edit.cures);
+  if (edit.stabilization) {
+    for (SceneForce* force : forces) force->stabilize(*edit.stabilization);
   }
   for (const std::uint64_t id : edit.removed) {
     if (const Object* object = find(id)) {
@@ -259,27 +259,27 @@ bool AppScene::edit(const SceneEdit& edit, std::int64_t now_ns,
 
 void AppScene::end(std::uint64_t tick, std::int64_t now_ns, std::span<const AppDevice> devices,
                    std::span<SceneForce* const> forces) noexcept {
-  told_.clear();
-  for (std::size_t i = 0; i < objects_.size() && told_.size() < SPM_MOST_OBJECTS; ++i) {
+  published_.clear();
+  for (std::size_t i = 0; i < objects_.size() && published_.size() < SPM_MAX_OBJECTS; ++i) {
     const Object& object = objects_[i];
     if (!object.is_there) continue;
     const InterpolatedPose& now = object.now;
-    AppObject told;
-    told.id = object.id;
-    told.asset = static_cast<std::uint32_t>(object.settings.asset);
-    told.pose = now.pose;
-    told.pose.scale = object.settings.placement.scale;
+    AppObject published;
+    published.id = object.id;
+    published.asset = static_cast<std::uint32_t>(object.settings.asset);
+    published.pose = now.pose;
+    published.pose.scale = object.settings.placement.scale;
     for (const SceneForce* force : forces) {
-      told.reaction.force += force->reaction(i).force;
-      told.reaction.torque += force->reaction(i).torque;
+      published.reaction.force += force->reaction(i).force;
+      published.reaction.torque += force->reaction(i).torque;
     }
-    told.silent = now.silent;
-    told.movable = object.settings.movable;
-    told.contact = !told.reaction.force.isZero();
-    told.driven = now.driven;
-    told_.push_back(told);
+    published.silent = now.silent;
+    published.movable = object.settings.movable;
+    published.contact = !published.reaction.force.isZero();
+    published.driven = now.driven;
+    published_.push_back(published);
   }
-  state_.publish({tick, now_ns, devices, told_});
+  state_.publish({tick, now_ns, devices, published_});
 }
 
 }  // namespace spm::servo

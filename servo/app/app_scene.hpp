@@ -35,7 +35,7 @@ struct AppChanges {
 /// system call.
 class AppScene {
  public:
-  /// `state` must outlive this. The first SPM_MOST_OBJECTS objects of a scene can be driven.
+  /// `state` must outlive this. The first SPM_MAX_OBJECTS objects of a scene can be driven.
   AppScene(AppState& state, const ForceScene& scene);
 
   /// The number of objects that applications may add to a scene.
@@ -98,14 +98,14 @@ class AppScene {
   AppState& state_;
   double probe_radius_;  ///< m
   /// for each asset, the smallest scale that its baked probe allows
-  std::vector<double> least_scales_;
+  std::vector<double> min_scales_;
   std::vector<Object> objects_;  ///< by the numbers that SceneForce gives
-  std::array<AppClutch, SPM_MOST_DEVICES> clutches_;
+  std::array<AppClutch, SPM_MAX_DEVICES> clutches_;
   std::size_t clutch_count_ = 0;
   bool felt_anew_ = false;
   bool touched_ = false;
   double stiffest_ = 0;  ///< N/m
-  std::vector<AppObject> told_;
+  std::vector<AppObject> published_;
 };
 
 }  // namespace spm::servo

@@ -21,7 +21,7 @@ constexpr int look_ms = 20;
 /// How long it accepts no clients when the process has no descriptors left, ms.
 constexpr int rest_ms = 200;
 /// So that an application that tries again and again does not fill the log.
-constexpr std::uint32_t most_warnings = 100;
+constexpr std::uint32_t max_warnings = 100;
 
 /// Starts a thread that receives none of the process's signals.
 template <class Run>
@@ -148,8 +148,8 @@ void AppServer::welcome(int connection) {
   }
   const auto empty = std::find(clients_.begin(), clients_.end(), nullptr);
   if (empty == clients_.end()) {
-    return refuse("the daemon has " + std::to_string(SPM_MOST_CLIENTS) +
-                  " applications already, its most: close one");
+    return refuse("the daemon has " + std::to_string(SPM_MAX_CLIENTS) +
+                  " applications already, as many as it can serve: close one");
   }
   auto client = AppClient::make(connection, connections_ + 1, peer.pid);
   if (!client) return warn("an application could not connect: " + client.error().message);
@@ -213,9 +213,10 @@ void AppServer::free_released() {
 }
 
 void AppServer::warn(const std::string& message) {
-  if (!options_.warn || warnings_ > most_warnings) return;
+  if (!options_.warn || warnings_ > max_warnings) return;
   ++warnings_;
-  options_.warn(warnings_ > most_warnings ? "nothing more is told of applications" : message);
+  options_.warn(warnings_ > max_warnings ? "further messages about applications are left out"
+                                         : message);
 }
 
 }  // namespace spm::servo

@@ -77,7 +77,7 @@ class AppServer {
   std::vector<std::unique_ptr<AppClient>> departed_;
 
   mutable std::mutex mutex_;  ///< guards the members below; the loop never takes it
-  std::array<std::unique_ptr<AppClient>, SPM_MOST_CLIENTS> clients_;
+  std::array<std::unique_ptr<AppClient>, SPM_MAX_CLIENTS> clients_;
   std::thread thread_;
 };
 

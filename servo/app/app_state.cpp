@@ -18,7 +18,7 @@ namespace spm::servo {
 namespace {
 
 // The numbers of these are known to applications.
-static_assert(force_off_count <= SPM_MOST_CAUSES);
+static_assert(force_off_count <= SPM_MAX_CAUSES);
 static_assert(static_cast<int>(ForceOff::none) == SPM_CLIENT_FORCE_ON);
 static_assert(static_cast<int>(ForceOff::starting) == SPM_CLIENT_OFF_STARTING);
 static_assert(static_cast<int>(ForceOff::asset_lost) == SPM_CLIENT_OFF_ASSET_LOST);
@@ -142,8 +142,8 @@ void AppState::publish(const AppTick& tick) noexcept {
   spm_shared_state& state = shared();
   const std::uint64_t number = load_relaxed(state.published);
   spm_shared_snapshot& to = state.snapshots[number & 1];
-  const std::size_t devices = std::min<std::size_t>(tick.devices.size(), SPM_MOST_DEVICES);
-  const std::size_t objects = std::min<std::size_t>(tick.objects.size(), SPM_MOST_OBJECTS);
+  const std::size_t devices = std::min<std::size_t>(tick.devices.size(), SPM_MAX_DEVICES);
+  const std::size_t objects = std::min<std::size_t>(tick.objects.size(), SPM_MAX_OBJECTS);
   write_sequenced(to.sequence, [&] {
     store_relaxed(to.tick, tick.tick);
     store_relaxed(to.time_ns, tick.time_ns);
@@ -162,7 +162,7 @@ void AppState::publish(const AppTick& tick) noexcept {
 
 void AppState::count(const AppLoop& loop) noexcept {
   spm_shared_loop& to = shared().loop;
-  const std::size_t devices = std::min<std::size_t>(loop.devices.size(), SPM_MOST_DEVICES);
+  const std::size_t devices = std::min<std::size_t>(loop.devices.size(), SPM_MAX_DEVICES);
   const auto wake = static_cast<std::uint64_t>(std::max<std::int64_t>(loop.wake_ns, 0));
   const auto busy = static_cast<std::uint64_t>(std::max<std::int64_t>(loop.busy_ns, 0));
   const AppCounters commands = counters();
@@ -188,7 +188,7 @@ void AppState::count(const AppLoop& loop) noexcept {
 
 void AppState::tell_clients(std::span<const AppClientReport> clients) noexcept {
   spm_shared_applications& to = shared().applications;
-  const std::size_t count = std::min<std::size_t>(clients.size(), SPM_MOST_CLIENTS);
+  const std::size_t count = std::min<std::size_t>(clients.size(), SPM_MAX_CLIENTS);
   write_sequenced(to.sequence, [&] {
     store_relaxed(to.count, static_cast<std::uint32_t>(count));
     for (std::size_t i = 0; i < count; ++i) {
@@ -232,20 +232,20 @@ std::span<const AppCommand> AppState::take(std::int64_t now_ns) noexcept {
                                 devices_.load(std::memory_order_relaxed), now_ns};
   taken_count_ = 0;
   now_ns_ = now_ns;
-  std::size_t left = most_of_all;
+  std::size_t left = max_of_all;
   std::uint32_t next = first_client_;
-  for (std::uint32_t turn = 0; turn < SPM_MOST_CLIENTS; ++turn) {
-    const std::uint32_t client = (first_client_ + turn) % SPM_MOST_CLIENTS;
+  for (std::uint32_t turn = 0; turn < SPM_MAX_CLIENTS; ++turn) {
+    const std::uint32_t client = (first_client_ + turn) % SPM_MAX_CLIENTS;
     const bool had_a_turn = left > 0;
-    left -= take_from(client, std::min(left, most_of_client), limits);
-    if (had_a_turn && left == 0) next = (client + 1) % SPM_MOST_CLIENTS;
+    left -= take_from(client, std::min(left, max_of_client), limits);
+    if (had_a_turn && left == 0) next = (client + 1) % SPM_MAX_CLIENTS;
   }
   first_client_ = next;
   return {taken_.data(), taken_count_};
 }
 
-/// Looks at up to `most` places of a ring. Returns how many it looked at.
-std::size_t AppState::take_from(std::uint32_t client, std::size_t most,
+/// Looks at up to `max_count` places of a ring. Returns how many it looked at.
+std::size_t AppState::take_from(std::uint32_t client, std::size_t max_count,
                                 const AppCommandLimits& limits) noexcept {
   ClientRing& ring = rings_[client];
   const std::uint32_t connection = ring.begin();
@@ -256,7 +256,7 @@ std::size_t AppState::take_from(std::uint32_t client, std::size_t most,
     if (alive.connection != connection || alive.sign != sign) alive = {connection, sign, now_ns_};
   }
   std::size_t looked_at = 0;
-  for (; connection != 0 && looked_at < most; ++looked_at) {
+  for (; connection != 0 && looked_at < max_count; ++looked_at) {
     spm_shared_command command;
     const RingEntry entry = ring.next(command);
     if (entry == RingEntry::empty) break;

@@ -43,7 +43,7 @@ struct AppObject {
   bool driven = false;  ///< an application has given it a pose
 };
 
-/// What applications learn of a tick. At most SPM_MOST_DEVICES and SPM_MOST_OBJECTS are published.
+/// What applications learn of a tick. At most SPM_MAX_DEVICES and SPM_MAX_OBJECTS are published.
 struct AppTick {
   std::uint64_t tick = 0;
   std::int64_t time_ns = 0;  ///< of CLOCK_MONOTONIC
@@ -74,8 +74,8 @@ struct AppCounters {
 class AppState {
  public:
   /// Places in rings that one tick looks at: of one client, and of all.
-  static constexpr std::size_t most_of_client = 16;
-  static constexpr std::size_t most_of_all = 32;
+  static constexpr std::size_t max_of_client = 16;
+  static constexpr std::size_t max_of_all = 32;
 
   /// Errors: file_or_device, if there is no memory.
   [[nodiscard]] static Result<std::unique_ptr<AppState>> create(double rate_hz,
@@ -109,10 +109,10 @@ class AppState {
 
   /// Server: tells applications that the daemon ends in order.
   void end() noexcept;
-  /// Server, one thread: publishes who is connected; at most SPM_MOST_CLIENTS.
+  /// Server, one thread: publishes who is connected; at most SPM_MAX_CLIENTS.
   void tell_clients(std::span<const AppClientReport> clients) noexcept;
   /// Server: the places for clients' rings.
-  [[nodiscard]] std::array<ClientRing, SPM_MOST_CLIENTS>& rings() noexcept { return rings_; }
+  [[nodiscard]] std::array<ClientRing, SPM_MAX_CLIENTS>& rings() noexcept { return rings_; }
   /// Server: the memory that clients map.
   [[nodiscard]] const SharedMemory& memory() const noexcept { return memory_; }
 
@@ -125,7 +125,7 @@ class AppState {
     return *static_cast<spm_shared_state*>(memory_.data());
   }
   [[nodiscard]] spm_shared_device packed(std::size_t index, const AppDevice& device) noexcept;
-  std::size_t take_from(std::uint32_t client, std::size_t most,
+  std::size_t take_from(std::uint32_t client, std::size_t max_count,
                         const AppCommandLimits& limits) noexcept;
   void meet(std::uint32_t client) noexcept;
   void keep_or_refuse(ClientRing& ring, const spm_shared_command& command, std::uint32_t client,
@@ -147,11 +147,11 @@ class AppState {
   };
 
   SharedMemory memory_;
-  std::array<ClientRing, SPM_MOST_CLIENTS> rings_;
-  std::array<Alive, SPM_MOST_CLIENTS> alive_;
+  std::array<ClientRing, SPM_MAX_CLIENTS> rings_;
+  std::array<Alive, SPM_MAX_CLIENTS> alive_;
   std::int64_t now_ns_ = 0;  ///< of the last `take`
-  std::array<Seen, SPM_MOST_DEVICES> seen_;
-  std::array<AppCommand, most_of_all + SPM_MOST_CLIENTS> taken_;  ///< and departures
+  std::array<Seen, SPM_MAX_DEVICES> seen_;
+  std::array<AppCommand, max_of_all + SPM_MAX_CLIENTS> taken_;  ///< and departures
   std::size_t taken_count_ = 0;
   std::uint32_t first_client_ = 0;  ///< whose turn is first
   std::atomic<std::uint32_t> devices_{0}, assets_{0};

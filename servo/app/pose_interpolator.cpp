@@ -11,7 +11,7 @@ namespace {
 /// The weight of a new measurement in the known period.
 constexpr double weight = 0.125;
 /// A measurement counts as at most this many known periods.
-constexpr double most_growth = 2;
+constexpr double max_growth = 2;
 
 double seconds_between(std::int64_t from_ns, std::int64_t to_ns) noexcept {
   return static_cast<double>(to_ns - from_ns) * 1e-9;
@@ -49,7 +49,7 @@ void PoseInterpolator::give(const Placement& pose, double period, std::int64_t n
   measure(period, now_ns);
   const double way = (to_.position - from_.position).norm();
   duration_ =
-      std::max({stretch * period_, way / settings_.most_speed, turn_.norm() / settings_.most_turn});
+      std::max({stretch * period_, way / settings_.max_speed, turn_.norm() / settings_.max_turn});
 }
 
 /// Updates the time between poses from the newest one.
@@ -58,7 +58,7 @@ void PoseInterpolator::measure(double period, std::int64_t now_ns) noexcept {
   const bool plausible = driven_ && since >= shortest_period && since <= longest_period;
   if (plausible) {
     // A single frame that took long says little about the next ones.
-    const double counted = std::min(since, most_growth * period_);
+    const double counted = std::min(since, max_growth * period_);
     period_ = measured_ ? period_ + weight * (counted - period_) : since;
     measured_ = true;
   } else if (!measured_ && period > 0) {

@@ -10,8 +10,8 @@ namespace spm::servo {
 
 /// How the poses of an application become motion.
 struct PoseInterpolatorSettings {
-  double most_speed = 1.0;  ///< m/s, above 0: faster than people push; limits the kick of any pose
-  double most_turn = 10.0;  ///< rad/s, above 0
+  double max_speed = 1.0;  ///< m/s, above 0: faster than people push; limits the kick of any pose
+  double max_turn = 10.0;  ///< rad/s, above 0
   double first_period = 1. / 60;  ///< s, until a period was measured, if the application gives none
 };
 

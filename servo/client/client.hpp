@@ -20,7 +20,7 @@ struct spm_client {
 
   spm::servo::Connection connection;
   /// the texts of the daemon, closed by zeros
-  std::array<spm_shared_cause, SPM_MOST_CAUSES> causes{};
+  std::array<spm_shared_cause, SPM_MAX_CAUSES> causes{};
   std::uint32_t cause_count = 0;
 
   std::mutex mutex;                 ///< guards the members below; the daemon does not take it

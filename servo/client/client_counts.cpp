@@ -79,7 +79,7 @@ int spm_client_read_device_counts(const spm_client* client, uint32_t device,
   const spm_shared_loop& shared = look(*client).loop;
   spm_shared_device_counts found{};
   const int code = look_up(shared.sequence, [&] {
-    const bool there = device < SPM_MOST_DEVICES && device < load_relaxed(shared.device_count);
+    const bool there = device < SPM_MAX_DEVICES && device < load_relaxed(shared.device_count);
     if (there) found = load_record(shared.devices[device]);
     return there;
   });
@@ -92,7 +92,7 @@ int spm_client_read_application(const spm_client* client, uint32_t index,
   const spm_shared_applications& shared = look(*client).applications;
   spm_shared_application found{};
   const int code = look_up(shared.sequence, [&] {
-    const bool there = index < SPM_MOST_CLIENTS && index < load_relaxed(shared.count);
+    const bool there = index < SPM_MAX_CLIENTS && index < load_relaxed(shared.count);
     if (there) load_words(&found, &shared.list[index], sizeof found);
     return there;
   });

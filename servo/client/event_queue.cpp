@@ -6,7 +6,7 @@
 namespace spm::servo {
 
 void EventQueue::look(std::uint64_t tick,
-                      const std::array<spm_shared_device, SPM_MOST_DEVICES>& devices,
+                      const std::array<spm_shared_device, SPM_MAX_DEVICES>& devices,
                       std::uint32_t count) noexcept {
   count_ = taken_ = 0;
   tick_ = tick;

@@ -17,7 +17,7 @@ class EventQueue {
   [[nodiscard]] bool empty() const noexcept { return taken_ == count_; }
 
   /// Looks at the devices. The first look at a device makes no event.
-  void look(std::uint64_t tick, const std::array<spm_shared_device, SPM_MOST_DEVICES>& devices,
+  void look(std::uint64_t tick, const std::array<spm_shared_device, SPM_MAX_DEVICES>& devices,
             std::uint32_t count) noexcept;
 
   /// The next event; the queue must not be empty.
@@ -30,12 +30,12 @@ class EventQueue {
 
   /// For one device: two of contact, three of cuts, one of being plugged in, and one for each
   /// button.
-  static constexpr std::size_t most_of_device = 3 + 3 + 1 + 32;
+  static constexpr std::size_t max_of_device = 3 + 3 + 1 + 32;
 
-  std::array<spm_shared_device, SPM_MOST_DEVICES> seen_{};
+  std::array<spm_shared_device, SPM_MAX_DEVICES> seen_{};
   std::uint32_t seen_count_ = 0;
   std::uint64_t tick_ = 0;
-  std::array<spm_client_event, SPM_MOST_DEVICES * most_of_device> events_{};
+  std::array<spm_client_event, SPM_MAX_DEVICES * max_of_device> events_{};
   std::size_t count_ = 0, taken_ = 0;
 };
 

@@ -126,7 +126,7 @@ const char* name_at(const char (&names)[Most][SPM_NAME_BYTES], std::uint32_t cou
 
 void keep_causes(spm_client& client) {
   static_cast<void>(read_info(client.connection.state(), [&](const spm_shared_info& info) {
-    client.cause_count = std::min<std::uint32_t>(load_relaxed(info.cause_count), SPM_MOST_CAUSES);
+    client.cause_count = std::min<std::uint32_t>(load_relaxed(info.cause_count), SPM_MAX_CAUSES);
     load_words(client.causes.data(), info.causes, sizeof info.causes);
   }));
   for (spm_shared_cause& cause : client.causes) {
@@ -282,20 +282,20 @@ int spm_client_read_object(const spm_client* client, uint64_t object, spm_client
 }
 
 int spm_client_read_all(const spm_client* client, spm_client_tick* tick, spm_client_device* devices,
-                        size_t most_devices, spm_client_object* objects, size_t most_objects) {
+                        size_t max_devices, spm_client_object* objects, size_t max_objects) {
   if (client == nullptr || tick == nullptr || tick->size < sizeof *tick ||
-      (most_devices > 0 && (devices == nullptr || devices->size < sizeof *devices)) ||
-      (most_objects > 0 && (objects == nullptr || objects->size < sizeof *objects))) {
+      (max_devices > 0 && (devices == nullptr || devices->size < sizeof *devices)) ||
+      (max_objects > 0 && (objects == nullptr || objects->size < sizeof *objects))) {
     return SPM_CLIENT_BAD_ARGUMENT;
   }
   spm_client_tick found{};
-  std::array<spm_shared_device, SPM_MOST_DEVICES> found_devices;
-  std::array<spm_shared_object, SPM_MOST_OBJECTS> found_objects;
+  std::array<spm_shared_device, SPM_MAX_DEVICES> found_devices;
+  std::array<spm_shared_object, SPM_MAX_OBJECTS> found_objects;
   std::size_t devices_read = 0, objects_read = 0;
   const ReadResult result = read_newest(look(*client), [&](const auto& snapshot) {
     found = public_tick(snapshot);
-    devices_read = std::min<std::size_t>(found.device_count, most_devices);
-    objects_read = std::min<std::size_t>(found.object_count, most_objects);
+    devices_read = std::min<std::size_t>(found.device_count, max_devices);
+    objects_read = std::min<std::size_t>(found.object_count, max_objects);
     load_words(found_devices.data(), snapshot.devices, devices_read * sizeof(spm_shared_device));
     load_words(found_objects.data(), snapshot.objects, objects_read * sizeof(spm_shared_object));
     return true;
@@ -321,7 +321,7 @@ int spm_client_next_event(spm_client* client, spm_client_event* event) {
   }
   const std::lock_guard lock(client->mutex);
   if (client->events.empty()) {
-    std::array<spm_shared_device, SPM_MOST_DEVICES> devices;
+    std::array<spm_shared_device, SPM_MAX_DEVICES> devices;
     std::uint64_t tick = 0;
     std::uint32_t count = 0;
     const ReadResult result = read_newest(look(*client), [&](const auto& snapshot) {

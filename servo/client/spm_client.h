@@ -200,8 +200,8 @@ SPM_CLIENT_API int spm_client_read_object(const spm_client* client, uint64_t obj
  *  first element of each array; it holds for all of them. `tick` gives how many there are. An array
  *  may be NULL if its number is 0. */
 SPM_CLIENT_API int spm_client_read_all(const spm_client* client, spm_client_tick* tick,
-                                       spm_client_device* devices, size_t most_devices,
-                                       spm_client_object* objects, size_t most_objects);
+                                       spm_client_device* devices, size_t max_devices,
+                                       spm_client_object* objects, size_t max_objects);
 
 /* --- Commands --------------------------------------------------------------------------------- */
 

@@ -50,36 +50,36 @@ void add_force_options(CLI::App& command, ForceOptions& options) {
       "STIFFNESS|auto");
   cli::add_probe(command, options.probe_radius);
   cli::add_parsed(
-      command, "--cures",
+      command, "--stabilization",
       [&options](const std::string& text) -> Result<void> {
-        CureSettings cures;
-        if (text != "none" && !parse_cures(text == "advised" ? "default" : text, cures)) {
+        StabilizationSettings stabilization;
+        if (text != "none" && !parse_stabilization(text, stabilization)) {
           return fail(ExitCode::usage,
                       "'" + text +
-                          "' will not do: write none, advised, or some of damping, "
+                          "' will not do: write none, recommended, or some of damping, "
                           "coupling, passivity and potential, joined by +");
         }
-        options.cures = cures;
+        options.stabilization = stabilization;
         return {};
       },
-      "What keeps stiff contacts from shaking (default: what the scene says, or none); advised: "
+      "What keeps stiff contacts from shaking (default: what the scene says, or none); "
+      "recommended: "
       "damping+passivity",
-      "none|advised|WORDS");
+      "none|recommended|WORDS");
 }
 
-CLI::Option* add_number(CLI::App& command, const std::string& name, double least, double most,
+CLI::Option* add_number(CLI::App& command, const std::string& name, double min, double max,
                         double& target, const std::string& description) {
   return command.add_option_function<std::string>(
       name,
-      [name, least, most, &target](const std::string& text) {
+      [name, min, max, &target](const std::string& text) {
         const char* end = text.data() + text.size();
         double value = 0;
         const auto parsed = std::from_chars(text.data(), end, value);
         // Written so that NaN is out of range.
-        if (parsed.ec != std::errc{} || parsed.ptr != end || !(value >= least && value <= most)) {
+        if (parsed.ec != std::errc{} || parsed.ptr != end || !(value >= min && value <= max)) {
           throw CLI::ValidationError(
-              name,
-              fmt::format("'{}' will not do: write a number from {} to {}", text, least, most));
+              name, fmt::format("'{}' will not do: write a number from {} to {}", text, min, max));
         }
         target = value;
       },

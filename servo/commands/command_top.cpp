@@ -22,10 +22,10 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 constexpr std::chrono::milliseconds look_interval{16};
-constexpr int looks_a_drawing = 6;  // ten a second; nobody reads faster
+constexpr int rounds_per_drawing = 6;  // ten a second; nobody reads faster
 constexpr std::chrono::seconds shown_time{1};
 /// A reading fails if the loop is kept from its processor in the middle of a write.
-constexpr int most_tries = 10;
+constexpr int max_tries = 10;
 constexpr std::chrono::milliseconds retry_interval{1};
 
 struct TopCommand {
@@ -69,7 +69,7 @@ template <class Record, class Read>
 bool refresh(Record& record, const Read& read) {
   Record found{};
   found.size = sizeof found;
-  for (int attempt = 0; attempt < most_tries; ++attempt) {
+  for (int attempt = 0; attempt < max_tries; ++attempt) {
     const int code = read(&found);
     if (code == SPM_CLIENT_OK) record = found;
     if (code != SPM_CLIENT_BUSY) return code == SPM_CLIENT_OK;
@@ -123,9 +123,9 @@ TopView watch(const spm_client* client) {
   signals.listen();
   TopTerminal terminal;
   std::deque<std::pair<Clock::time_point, TopSample>> samples{{Clock::now(), look(client, {})}};
-  for (int looks = 0;; ++looks) {
+  for (int rounds = 0;; ++rounds) {
     const TopView view = view_between(samples.front().second, samples.back().second);
-    if (looks % looks_a_drawing == 0) {
+    if (rounds % rounds_per_drawing == 0) {
       terminal.draw(top_screen(view, TopTerminal::width()) + "q ends\n");
     }
     const bool end = is_over(view.daemon) || signals.flag().load();

@@ -16,9 +16,9 @@ using cli::Command;
 /// Adds --asset, --scene, --method, --paper-rule, --stiffness and --probe.
 void add_force_options(CLI::App& command, ForceOptions& options);
 
-/// Adds an option for a plain number from `least` to `most`. Anything else is a usage error that
+/// Adds an option for a plain number from `min` to `max`. Anything else is a usage error that
 /// names the range.
-CLI::Option* add_number(CLI::App& command, const std::string& name, double least, double most,
+CLI::Option* add_number(CLI::App& command, const std::string& name, double min, double max,
                         double& target, const std::string& description);
 
 /// Adds --rate.

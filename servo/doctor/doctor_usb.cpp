@@ -16,7 +16,7 @@ namespace spm::servo {
 
 namespace {
 
-constexpr std::size_t most_round_trips = 300;
+constexpr std::size_t max_round_trips = 300;
 constexpr std::int64_t longest_ns = 1'000'000'000;
 constexpr std::int64_t longest_all_ns = 4'000'000'000;  // of the 30 s that the command may take
 constexpr unsigned timeout_ms = 100;
@@ -36,7 +36,7 @@ RoundTrips measure(libusb_device* device, const std::string& place) {
   if (libusb_open(device, &handle) != LIBUSB_SUCCESS) return trips;
   std::vector<double> times;
   const std::int64_t start = now_ns();
-  while (times.size() < most_round_trips && now_ns() - start < longest_ns) {
+  while (times.size() < max_round_trips && now_ns() - start < longest_ns) {
     const std::int64_t asked = now_ns();
     if (!ask_for_status(handle)) break;
     times.push_back(1e-3 * static_cast<double>(now_ns() - asked));

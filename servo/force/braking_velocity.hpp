@@ -18,7 +18,8 @@ inline constexpr double doubted_steps = 1;
 class BrakingVelocity {
  public:
   /// `encoder_step`: m, 0 or more; `tick` in s, above 0.
-  BrakingVelocity(double encoder_step, double tick, VelocityBy by = VelocityBy::estimate) noexcept
+  BrakingVelocity(double encoder_step, double tick,
+                  VelocityMethod by = VelocityMethod::estimate) noexcept
       : encoder_step_(encoder_step), estimate_(encoder_step, tick, by) {}
 
   /// Takes the next tick's position, m.

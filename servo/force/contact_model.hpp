@@ -6,9 +6,9 @@
 #include "common/contact/effect_settings.hpp"
 #include "common/contact/force_law.hpp"
 #include "common/contact/proxy.hpp"
-#include "servo/force/coupling_point.hpp"
 #include "servo/force/potential_lattice.hpp"
 #include "servo/force/velocity_estimate.hpp"
+#include "servo/force/virtual_coupling.hpp"
 
 namespace spm {
 
@@ -19,7 +19,7 @@ struct ContactSettings {
   double tick = 1e-3;           ///< s, above 0
   double encoder_step = 0;      ///< m, 0 or more: largest error of a position
   CouplingSettings coupling{};  ///< between the hand and the point that touches the object
-  VelocityBy velocity = VelocityBy::estimate;
+  VelocityMethod velocity = VelocityMethod::estimate;
   /// m, 0 or more: spacing of the lattice for the potential that gives the force of `spm`
   /// (PotentialLattice); 0 is off.
   double potential = 0;
@@ -27,7 +27,7 @@ struct ContactSettings {
 
 /// The force on one probe at one object, tick by tick: the reaction by the chosen method, then
 /// friction, damping and texture on it (eq. 18). Through a coupling the hand feels no more than
-/// felt_stiffness; the method is evaluated at the hand, see CouplingPoint. The state that these
+/// felt_stiffness; the method is evaluated at the hand, see VirtualCoupling. The state that these
 /// effects need is kept in the object's frame. No call allocates or throws.
 class ContactModel {
  public:
@@ -49,7 +49,7 @@ class ContactModel {
   ProxyState proxy_;
   FrictionState friction_;
   VelocityEstimate velocity_;
-  CouplingPoint coupling_;
+  VirtualCoupling coupling_;
   PotentialLattice lattice_;
   Vector3 last_point_ = Vector3::Zero();
   Vector3 last_normal_ = Vector3::Zero();  ///< unit; zero where the last tick had no contact

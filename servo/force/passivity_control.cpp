@@ -14,10 +14,10 @@ namespace {
 /// N: the largest answer to one encoder step in a tick.
 constexpr double step_force = 0.1;
 
-double most_of(double mass, double encoder_step, double tick) noexcept {
+double max_of(double mass, double encoder_step, double tick) noexcept {
   const double by_step =
       encoder_step > 0 ? step_force * tick / encoder_step : std::numeric_limits<double>::infinity();
-  return std::min(most_damping(mass, tick), by_step);
+  return std::min(max_damping(mass, tick), by_step);
 }
 
 /// The components of one part: the position, or the rotation.
@@ -32,14 +32,14 @@ template <int components>
 PassivityControlOf<components>::PassivityControlOf(const PassivitySettings& settings) noexcept
     : tick_(settings.tick) {
   encoder_step_[0] = settings.encoder_step;
-  most_damping_[0] = most_of(settings.device_mass, settings.encoder_step, tick_);
+  max_damping_[0] = max_of(settings.device_mass, settings.encoder_step, tick_);
   if constexpr (parts > 1) {
     encoder_step_[1] = settings.turn_step;
-    most_damping_[1] = most_of(settings.turning_inertia, settings.turn_step, tick_);
+    max_damping_[1] = max_of(settings.turning_inertia, settings.turn_step, tick_);
   }
-  const double delay = std::clamp(settings.delay_ticks, 0.0, most_delay_ticks);
-  whole_delay_ = static_cast<std::size_t>(delay);
-  part_delay_ = delay - static_cast<double>(whole_delay_);
+  const double delay = std::clamp(settings.delay_ticks, 0.0, max_delay_ticks);
+  integer_delay_ = static_cast<std::size_t>(delay);
+  fractional_delay_ = delay - static_cast<double>(integer_delay_);
 }
 
 template <int components>
@@ -76,8 +76,8 @@ template <int components>
 void PassivityControlOf<components>::observe(const Vector& moved, double stiffness, double stored,
                                              double carried) noexcept {
   // For a part of the tick, the force that was sent a tick later acted.
-  const Vector acted =
-      (1 - part_delay_) * ago(whole_delay_).force + part_delay_ * ago(whole_delay_ + 1).force;
+  const Vector acted = (1 - fractional_delay_) * ago(integer_delay_).force +
+                       fractional_delay_ * ago(integer_delay_ + 1).force;
   generated_ += acted.dot(moved) + stored - stored_ - carried;
   // A reading that changes by one step may stand for no motion at all. This much is attributed to
   // the encoder, by the sum over the steps there and back.
@@ -85,7 +85,7 @@ void PassivityControlOf<components>::observe(const Vector& moved, double stiffne
     const double step = encoder_step_[part];
     generated_ -= 0.5 * stiffness * step * within_step(part_of(moved, part), step);
   }
-  generated_ = std::max(generated_, -most_credit);
+  generated_ = std::max(generated_, -max_credit);
 }
 
 /// The force that takes this much energy (J) over the next ticks. `power`: the velocity squared.
@@ -96,7 +96,7 @@ auto PassivityControlOf<components>::braking(const Vector& velocity, double powe
   Vector braking;
   for (std::size_t part = 0; part < parts; ++part) {
     braking.template segment<3>(3 * static_cast<Eigen::Index>(part)) =
-        -std::min(damping, most_damping_[part]) * part_of(velocity, part);
+        -std::min(damping, max_damping_[part]) * part_of(velocity, part);
   }
   return braking;
 }
@@ -116,7 +116,7 @@ auto PassivityControlOf<components>::next(const Vector& wanted, const Vector& ha
   stored_ = stored;
   // The energy that dampings which do not act yet will take.
   double left = generated_;
-  for (std::size_t ticks = 0; ticks < whole_delay_; ++ticks) left -= ago(ticks).taken;
+  for (std::size_t ticks = 0; ticks < integer_delay_; ++ticks) left -= ago(ticks).taken;
   Sent sent{wanted, 0};
   const double power = velocity.squaredNorm();
   if (left > 0 && power > 0) {

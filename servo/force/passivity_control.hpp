@@ -24,7 +24,7 @@ struct PassivitySettings {
 /// The limit of the credit, J. Energy that is dissipated beyond need counts against energy that is
 /// generated later, up to this limit. Without it, a hand that slid over something rough for a while
 /// could be shaken by it afterwards.
-inline constexpr double most_credit = 2e-5;
+inline constexpr double max_credit = 2e-5;
 
 /// Generated energy is taken back over about this many ticks. All at once it would be felt as
 /// knocks, since an encoder reports motion and energy in steps.
@@ -67,8 +67,8 @@ class PassivityControlOf {
   /// Energy that was generated and not taken back yet, J; below 0: dissipated.
   [[nodiscard]] double generated() const noexcept { return generated_; }
   /// N s/m; part 1 is the rotation.
-  [[nodiscard]] double most_damping(std::size_t part = 0) const noexcept {
-    return most_damping_[part];
+  [[nodiscard]] double max_damping(std::size_t part = 0) const noexcept {
+    return max_damping_[part];
   }
 
  private:
@@ -89,9 +89,9 @@ class PassivityControlOf {
   void send(const Sent& sent) noexcept;
 
   double tick_;
-  std::array<double, parts> encoder_step_, most_damping_;
-  std::size_t whole_delay_;        ///< ticks
-  double part_delay_;              ///< the fraction of a tick beyond that, 0 to 1
+  std::array<double, parts> encoder_step_, max_damping_;
+  std::size_t integer_delay_;      ///< ticks
+  double fractional_delay_;        ///< the fraction of a tick beyond that, 0 to 1
   std::array<Sent, kept> sent_{};  ///< a ring buffer
   std::size_t newest_ = 0;
   Vector hand_ = Vector::Zero();

@@ -6,12 +6,12 @@ namespace spm {
 namespace {
 
 /// Distance of the farthest sample of the smoothing kernel, in sigmas.
-constexpr double kernel_reach = 2.5;
+constexpr double kernel_radius = 2.5;
 
 }  // namespace
 
 ContactSettings in_asset_frame(const PlacedObject& object, double tick, double encoder_step,
-                               const CouplingSettings& coupling, VelocityBy velocity,
+                               const CouplingSettings& coupling, VelocityMethod velocity,
                                double potential) noexcept {
   const double scale = object.placement.scale;
   ContactSettings settings{object.force, object.effects,   tick, encoder_step / scale, coupling,
@@ -32,7 +32,7 @@ ContactSettings in_asset_frame(const PlacedObject& object, double tick, double e
 }
 
 PlacedContact::PlacedContact(const PlacedObject& object, double tick, double encoder_step,
-                             const CouplingSettings& coupling, VelocityBy velocity,
+                             const CouplingSettings& coupling, VelocityMethod velocity,
                              double potential) noexcept
     : asset_(object.asset),
       rotation_(object.placement.rotation.toRotationMatrix()),
@@ -40,7 +40,7 @@ PlacedContact::PlacedContact(const PlacedObject& object, double tick, double enc
       seat_rotation_(rotation_),
       seat_(position_),
       scale_(object.placement.scale),
-      reach_(kernel_reach * object.effects.smoothing.sigma / object.placement.scale),
+      contact_margin_(kernel_radius * object.effects.smoothing.sigma / object.placement.scale),
       // Of the paper's rules this one may find contact anywhere.
       may_skip_(object.force.method != Method::paper ||
                 object.force.rule != PaperRule::closest_surface),
@@ -62,8 +62,8 @@ Vector3 PlacedContact::carried(const Vector3& point) noexcept {
 bool PlacedContact::passes(const AssetView& asset, const Vector3& point) const noexcept {
   const Extent extent = extent_of(asset);
   const Vector3& from = last_known_ ? last_ : point;
-  const Vector3 low = extent.low.array() - reach_;
-  const Vector3 high = (extent.low + extent.size).array() + reach_;
+  const Vector3 low = extent.low.array() - contact_margin_;
+  const Vector3 high = (extent.low + extent.size).array() + contact_margin_;
   // Written so that NaN passes, and the model answers it.
   return !((from.cwiseMax(point).array() < low.array()).any() ||
            (from.cwiseMin(point).array() > high.array()).any());

@@ -23,7 +23,7 @@ struct PlacedObject {
 [[nodiscard]] ContactSettings in_asset_frame(const PlacedObject& object, double tick,
                                              double encoder_step,
                                              const CouplingSettings& coupling = {},
-                                             VelocityBy velocity = VelocityBy::estimate,
+                                             VelocityMethod velocity = VelocityMethod::estimate,
                                              double potential = 0) noexcept;
 
 /// The force of one object in the world, tick by tick. If the hand is farther from the object than
@@ -32,8 +32,8 @@ class PlacedContact {
  public:
   /// `tick` in s, above 0; `encoder_step` in m of the world, 0 or more.
   PlacedContact(const PlacedObject& object, double tick, double encoder_step,
-                const CouplingSettings& coupling = {}, VelocityBy velocity = VelocityBy::estimate,
-                double potential = 0) noexcept;
+                const CouplingSettings& coupling = {},
+                VelocityMethod velocity = VelocityMethod::estimate, double potential = 0) noexcept;
 
   /// Force for a probe centred at `point` in the next tick. Force, normal and depth are in the
   /// world, as ContactModel defines them. `asset` must be the object's.
@@ -74,8 +74,9 @@ class PlacedContact {
   Eigen::Matrix3d seat_rotation_;  ///< where it was when `carried` was last called
   Vector3 seat_;
   double scale_;
-  double reach_;   ///< m, asset's frame: how far outside the asset's box there may be contact
-  bool may_skip_;  ///< whether there is no contact beyond that
+  double
+      contact_margin_;  ///< m, asset's frame: how far outside the asset's box there may be contact
+  bool may_skip_;       ///< whether there is no contact beyond that
   ContactModel model_;
   Vector3 last_ = Vector3::Zero();  ///< m, asset's frame: where the hand was
   bool last_known_ = false;

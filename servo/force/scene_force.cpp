@@ -18,8 +18,8 @@ SceneForce::SceneForce(const ForceScene& scene, double tick, double encoder_step
       tick_(tick),
       encoder_step_(encoder_step * scale_),
       stiffness_cap_(stiffness_cap / scale_),
-      cures_(scene.cures),
-      cured_(scene.cures, tick, encoder_step) {
+      stabilization_(scene.stabilization),
+      stabilizer_(scene.stabilization, tick, encoder_step) {
   objects_.reserve(scene.objects.size() + room);
   for (const PlacedObject& object : scene.objects) static_cast<void>(add(object));
 }
@@ -30,10 +30,11 @@ PlacedContact SceneForce::contact_of(const PlacedObject& object) const noexcept 
   FrictionSettings& friction = capped.effects.friction;
   friction.stiffness = std::min(friction.stiffness, stiffness_cap_);
   // A force that was turned is no gradient of a potential.
-  if (cures_.potential > 0) capped.effects.turn.rate = 0;
-  const CouplingSettings coupling{cures_.coupling / scale_, cures_.coupling_damping / scale_};
-  return PlacedContact(capped, tick_, encoder_step_, coupling, cures_.velocity,
-                       cures_.potential * scale_);
+  if (stabilization_.potential > 0) capped.effects.turn.rate = 0;
+  const CouplingSettings coupling{stabilization_.coupling / scale_,
+                                  stabilization_.coupling_damping / scale_};
+  return PlacedContact(capped, tick_, encoder_step_, coupling, stabilization_.velocity,
+                       stabilization_.potential * scale_);
 }
 
 std::optional<std::size_t> SceneForce::add(const PlacedObject& object) noexcept {
@@ -53,12 +54,12 @@ void SceneForce::change(std::size_t object, const PlacedObject& settings) noexce
   if (object >= objects_.size()) return;
   objects_[object].settings = settings;
   objects_[object].contact = contact_of(settings);
-  cured_.reset();
+  stabilizer_.reset();
 }
 
-void SceneForce::cure(const CureSettings& cures) noexcept {
-  cures_ = cures;
-  cured_ = StabilityCures(cures, tick_, encoder_step_ / scale_);
+void SceneForce::stabilize(const StabilizationSettings& stabilization) noexcept {
+  stabilization_ = stabilization;
+  stabilizer_ = Stabilizer(stabilization, tick_, encoder_step_ / scale_);
   for (Object& object : objects_) {
     PlacedContact contact = contact_of(object.settings);
     contact.place_as(object.contact);
@@ -71,7 +72,7 @@ void SceneForce::remove(std::size_t object) noexcept {
   if (object >= objects_.size()) return;
   objects_[object].is_there = false;
   objects_[object].reaction = {};
-  cured_.reset();
+  stabilizer_.reset();
 }
 
 void SceneForce::place(std::size_t object, const Vector3& position,
@@ -80,7 +81,7 @@ void SceneForce::place(std::size_t object, const Vector3& position,
 }
 
 void SceneForce::reset() noexcept {
-  cured_.reset();
+  stabilizer_.reset();
   for (Object& object : objects_) {
     object.contact.reset();
     object.reaction = {};
@@ -133,7 +134,7 @@ ContactForce SceneForce::next(std::span<const AssetView* const> assets,
     // Each force is finite; their sum may not be.
     if (!sum.force.allFinite()) return {};
   }
-  return cures_.acts_on_sum() ? cured_.apply(sum, hand, energy(point)) : sum;
+  return stabilization_.acts_on_sum() ? stabilizer_.apply(sum, hand, energy(point)) : sum;
 }
 
 }  // namespace spm

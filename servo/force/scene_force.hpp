@@ -9,7 +9,7 @@
 
 #include "common/base/wrench.hpp"
 #include "servo/force/placed_contact.hpp"
-#include "servo/force/stability_cures.hpp"
+#include "servo/force/stabilizer.hpp"
 
 namespace spm {
 
@@ -18,7 +18,7 @@ namespace spm {
 struct ForceScene {
   Placement workspace;                ///< of the hand's frame; its scale applies to lengths only
   std::vector<PlacedObject> objects;  ///< one or more
-  CureSettings cures{};               ///< of the sum, and of how the objects are touched
+  StabilizationSettings stabilization{};  ///< of the sum, and of how the objects are touched
 };
 
 /// The scene of one object whose frame is the hand's.
@@ -55,7 +55,7 @@ class SceneForce {
   /// forgotten.
   void change(std::size_t object, const PlacedObject& settings) noexcept;
   /// Gives the scene other stabilization settings. The state of all contacts is forgotten.
-  void cure(const CureSettings& cures) noexcept;
+  void stabilize(const StabilizationSettings& stabilization) noexcept;
   /// Removes an object together with its force. Its number may be given to another object.
   void remove(std::size_t object) noexcept;
   /// What the hand did to an object in the last tick: N, and N m about its origin; world frame.
@@ -84,8 +84,8 @@ class SceneForce {
   double scale_;
   double tick_, encoder_step_;
   double stiffness_cap_;  ///< N per metre of the world
-  CureSettings cures_;
-  StabilityCures cured_;         ///< stabilization of the sum
+  StabilizationSettings stabilization_;
+  Stabilizer stabilizer_;        ///< stabilization of the sum
   std::vector<Object> objects_;  ///< never grows beyond its capacity
 };
 

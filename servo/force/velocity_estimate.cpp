@@ -11,7 +11,7 @@ namespace {
 
 /// 1 / n for each number of ticks n.
 constexpr auto inverses = [] {
-  std::array<double, VelocityEstimate::most_ticks> table{};
+  std::array<double, VelocityEstimate::max_ticks> table{};
   for (std::size_t ticks = 1; ticks < table.size(); ++ticks) {
     table[ticks] = 1.0 / static_cast<double>(ticks);
   }
@@ -46,20 +46,20 @@ double VelocityEstimate::slope(int axis, double but) const noexcept {
       if (!meets_all(way / static_cast<double>(ticks), ticks, axis)) break;
     }
     longest = ticks;
-    const double reach = step_ * inverses[ticks];
-    least = std::max(least, tried - reach);
-    most = std::min(most, tried + reach);
+    const double slack = step_ * inverses[ticks];
+    least = std::max(least, tried - slack);
+    most = std::min(most, tried + slack);
   }
   if (longest == 0) return 0;
   const double way = now - ago(longest, axis);
   // Nothing up to `but`, the full value from twice that on, without a jump between.
-  const double told = std::min(std::abs(way), 2 * std::max(0.0, std::abs(way) - but));
-  return std::copysign(told, way) / static_cast<double>(longest);
+  const double counted = std::min(std::abs(way), 2 * std::max(0.0, std::abs(way) - but));
+  return std::copysign(counted, way) / static_cast<double>(longest);
 }
 
 void VelocityEstimate::take(const Vector3& position) noexcept {
   if (!position.allFinite()) return reset();
-  newest_ = (newest_ + 1) % most_ticks;
+  newest_ = (newest_ + 1) % max_ticks;
   last_[newest_] = position;
   count_ = std::min(count_ + 1, longest_);
 }

@@ -18,11 +18,11 @@ namespace spm {
 /// without lag.
 class VelocityEstimate {
  public:
-  static constexpr std::size_t most_ticks = 32;
+  static constexpr std::size_t max_ticks = 32;
 
   /// `step`: largest error of a position, m, 0 or more; `tick` in s, above 0.
-  VelocityEstimate(double step, double tick, VelocityBy by = VelocityBy::estimate) noexcept
-      : step_(step), tick_(tick), longest_(by == VelocityBy::difference ? 2 : most_ticks) {}
+  VelocityEstimate(double step, double tick, VelocityMethod by = VelocityMethod::estimate) noexcept
+      : step_(step), tick_(tick), longest_(by == VelocityMethod::difference ? 2 : max_ticks) {}
 
   /// Takes the next tick's position, m, and returns the velocity, m/s, axis by axis. A position
   /// that is not finite starts again and gives zero.
@@ -44,13 +44,13 @@ class VelocityEstimate {
 
  private:
   double step_, tick_;
-  std::size_t longest_;                     ///< number of positions in use
-  std::array<Vector3, most_ticks> last_{};  ///< a ring buffer
+  std::size_t longest_;                    ///< number of positions in use
+  std::array<Vector3, max_ticks> last_{};  ///< a ring buffer
   std::size_t newest_ = 0, count_ = 0;
 
   /// One coordinate of the position that many ticks ago.
   [[nodiscard]] double ago(std::size_t ticks, int axis) const noexcept {
-    return last_[(newest_ + most_ticks - ticks) % most_ticks][axis];
+    return last_[(newest_ + max_ticks - ticks) % max_ticks][axis];
   }
   [[nodiscard]] bool meets_all(double slope, std::size_t ticks, int axis) const noexcept;
   [[nodiscard]] double slope(int axis, double but) const noexcept;

@@ -81,7 +81,7 @@ Loop::Loop(const LoopSettings& settings, std::vector<Device*> devices,
   }
   for (Channel& channel : channels_) forces_.push_back(&channel.force);
   if (app != nullptr) app_.emplace(*app, settings_.scene);
-  told_.resize(channels_.size());
+  published_.resize(channels_.size());
   device_counters_.resize(channels_.size());
 }
 
@@ -270,7 +270,7 @@ void Loop::follow_stiffness(double stiffness) noexcept {
 }
 
 void Loop::end_app(std::uint64_t tick, std::int64_t now_ns) noexcept {
-  if (app_) app_->end(tick, now_ns, told_, forces_);
+  if (app_) app_->end(tick, now_ns, published_, forces_);
 }
 
 /// Publishes the counts to applications, now that the tick's length is known.
@@ -284,22 +284,22 @@ void Loop::tell_counts(std::int64_t woke, std::int64_t wake_ns, std::int64_t bus
 void Loop::tell(Channel& channel, const DeviceState& state, DeviceHealth health,
                 const SafeForce& sent) noexcept {
   const Placement& workspace = settings_.scene.workspace;
-  AppDevice& told = told_[channel.record.device];
-  told.health = health;
-  told.cause = sent.cause;
-  told.contact = channel.record.contact;
-  told.depth = channel.record.depth;
-  told.wrench = {workspace.rotation * sent.force, Vector3::Zero()};
-  told.state.buttons = state.buttons;
+  AppDevice& published = published_[channel.record.device];
+  published.health = health;
+  published.cause = sent.cause;
+  published.contact = channel.record.contact;
+  published.depth = channel.record.depth;
+  published.wrench = {workspace.rotation * sent.force, Vector3::Zero()};
+  published.state.buttons = state.buttons;
   if (health != DeviceHealth::ok || !channel.record.position.allFinite()) {
     // The last known position is kept.
     channel.velocity.reset();
-    told.velocity.setZero();
+    published.velocity.setZero();
     return;
   }
-  told.state.position = workspace.to_world(channel.record.position);
-  told.state.orientation = workspace.rotation * state.orientation;
-  told.velocity =
+  published.state.position = workspace.to_world(channel.record.position);
+  published.state.orientation = workspace.rotation * state.orientation;
+  published.velocity =
       workspace.scale * (workspace.rotation * channel.velocity.next(channel.record.position));
 }
 

@@ -115,7 +115,7 @@ class Loop {
   std::vector<Channel> channels_;
   std::vector<SceneForce*> forces_;  ///< of the channels
   std::optional<AppScene> app_;
-  std::vector<AppDevice> told_;                  ///< what applications learn, one for each device
+  std::vector<AppDevice> published_;             ///< what applications learn, one for each device
   std::vector<DeviceCounters> device_counters_;  ///< one for each device
   SceneEditSlot* edits_;
   std::vector<AssetSlot*> slots_;

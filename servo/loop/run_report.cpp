@@ -122,14 +122,14 @@ void add_forces(ordered_json& report, const ForceChoice& choice) {
       report["objects"].push_back(std::move(entry));
     }
   }
-  const CureSettings& cures = choice.scene.cures;
-  if (cures.any()) {
-    report["cures"] = {{"damping_share", cures.damping_share},
-                       {"delay_ticks", cures.delay_ticks},
-                       {"lag_s", cures.lag},
-                       {"coupling_n_m", cures.coupling},
-                       {"passivity", cures.passivity},
-                       {"potential_m", cures.potential}};
+  const StabilizationSettings& stabilization = choice.scene.stabilization;
+  if (stabilization.any()) {
+    report["stabilization_settings"] = {{"damping_share", stabilization.damping_share},
+                                        {"delay_ticks", stabilization.delay_ticks},
+                                        {"lag_s", stabilization.lag},
+                                        {"coupling_n_m", stabilization.coupling},
+                                        {"passivity", stabilization.passivity},
+                                        {"potential_m", stabilization.potential}};
   }
   report["probe_radius_m"] = choice.probe_radius;
 }

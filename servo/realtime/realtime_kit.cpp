@@ -59,9 +59,9 @@ Result<Number> property(sd_bus* bus, const char* name) {
   return value;
 }
 
-/// RealtimeKit helps only processes that the kernel ends if they compute for longer than `most_us`.
-Result<void> limit_time(std::int64_t most_us) {
-  const auto most = static_cast<rlim_t>(std::max<std::int64_t>(most_us, 1));
+/// RealtimeKit helps only processes that the kernel ends if they compute for longer than `max_us`.
+Result<void> limit_time(std::int64_t max_us) {
+  const auto most = static_cast<rlim_t>(std::max<std::int64_t>(max_us, 1));
   rlimit limit{};
   if (getrlimit(RLIMIT_RTTIME, &limit) == 0) {
     limit = {std::min(limit.rlim_cur, most), std::min(limit.rlim_max, most)};

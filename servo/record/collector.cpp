@@ -47,10 +47,10 @@ void Collector::take(const TickRecord& record) {
 
 void Collector::keep(const RecordingRow& row) {
   if (keeps_.black_box) keeps_.black_box->take(row);
-  if (!keeps_.recording || told_full_) return;
+  if (!keeps_.recording || full_reported_) return;
   keeps_.recording->append(row);
   if (keeps_.recording->ok()) return;
-  told_full_ = true;
+  full_reported_ = true;
   warn_(fmt::format(
       "tick {}: the recording could not be written any further and is given up; free the disk, or "
       "record elsewhere. The loop goes on",

@@ -51,7 +51,7 @@ class Collector {
   TickRing& ring_;
   double rate_hz_;
   Keeps keeps_;
-  bool told_full_ = false;
+  bool full_reported_ = false;
   Log warn_;
   DurationHistogram wake_, busy_;
   std::vector<ForceOff> last_cause_;

@@ -10,7 +10,7 @@ namespace {
 
 constexpr double fastest_hand = 1.0;  // m/s
 constexpr double slew_margin = 2.0;
-constexpr double least_slew = 1.0;  // N a tick, so that a soft asset is not limited by rounding
+constexpr double min_slew = 1.0;  // N a tick, so that a soft asset is not limited by rounding
 constexpr double ramp_seconds = 0.1;
 // slow enough that a hand that leans on a surface can follow it
 constexpr double fade_seconds = 0.5;
@@ -103,7 +103,7 @@ bool is_outside(const Vector3& position, const Vector3& half_edges) noexcept {
 
 bool JumpGate::jumped(const Vector3& position, std::uint64_t tick) noexcept {
   const double ticks = static_cast<double>(tick > last_tick_ ? tick - last_tick_ : 1);
-  const bool is_too_far = is_known_ && (position - last_).norm() > most_a_tick_ * ticks;
+  const bool is_too_far = is_known_ && (position - last_).norm() > max_a_tick_ * ticks;
   last_ = position;
   last_tick_ = tick;
   is_known_ = true;
@@ -111,7 +111,7 @@ bool JumpGate::jumped(const Vector3& position, std::uint64_t tick) noexcept {
 }
 
 double slew_limit(double stiffness, double rate_hz) noexcept {
-  return std::max(least_slew, slew_margin * stiffness * fastest_hand / rate_hz);
+  return std::max(min_slew, slew_margin * stiffness * fastest_hand / rate_hz);
 }
 
 SafetySettings safety_settings(double force_cap, double stiffness, double rate_hz) noexcept {

@@ -59,7 +59,7 @@ inline constexpr double fastest_motion = 10;  // m/s
 /// Detects positions that no hand can have reached since the last tick.
 class JumpGate {
  public:
-  explicit JumpGate(double rate_hz) noexcept : most_a_tick_(fastest_motion / rate_hz) {}
+  explicit JumpGate(double rate_hz) noexcept : max_a_tick_(fastest_motion / rate_hz) {}
 
   /// Whether the position of a tick (its index on the grid) is too far from the last position that
   /// was passed in. The next position is compared with this one.
@@ -69,7 +69,7 @@ class JumpGate {
   void forget() noexcept { is_known_ = false; }
 
  private:
-  double most_a_tick_;
+  double max_a_tick_;
   Vector3 last_ = Vector3::Zero();
   std::uint64_t last_tick_ = 0;
   bool is_known_ = false;

@@ -33,7 +33,7 @@ class AssetSlot {
   /// Loop: the asset to use until the next call, or null.
   [[nodiscard]] const ServedAsset* acquire() noexcept {
     const ServedAsset* asset = offered_.load();
-    for (int attempt = 0; attempt < most_attempts; ++attempt) {
+    for (int attempt = 0; attempt < max_attempts; ++attempt) {
       in_use_.store(asset);
       // An offer that changed before it was announced may already have been freed.
       const ServedAsset* now = offered_.load();
@@ -48,7 +48,7 @@ class AssetSlot {
   void release() noexcept { in_use_.store(nullptr); }
 
  private:
-  static constexpr int most_attempts = 4;  // offers come seconds apart
+  static constexpr int max_attempts = 4;  // offers come seconds apart
 
   std::atomic<const ServedAsset*> offered_{nullptr};
   std::atomic<const ServedAsset*> in_use_{nullptr};

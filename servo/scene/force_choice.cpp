@@ -82,8 +82,9 @@ Result<ForceOptions> with_stiffness(const ForceOptions& options, const Scene& sc
 }
 
 /// The stabilization settings of the scene, or those of the command line for the scene's device.
-CureSettings cures_of(const ForceOptions& options, const Scene& scene) {
-  return options.cures ? in_loop_of(scene.cures, *options.cures) : scene.cures;
+StabilizationSettings stabilization_of(const ForceOptions& options, const Scene& scene) {
+  return options.stabilization ? in_loop_of(scene.stabilization, *options.stabilization)
+                               : scene.stabilization;
 }
 
 /// The settings that a command line, an object of a scene and the defaults give together.
@@ -106,11 +107,11 @@ Result<ForceChoice> choose_asset(const ForceOptions& options) {
   ForceChoice choice;
   choice.probe_radius = options.probe_radius.value_or(0);
   EffectSettings effects;
-  effects.turn.rate = usual_turn_rate;
+  effects.turn.rate = default_turn_rate;
   choice.scene = scene_of(settings_of(options, {}, choice.probe_radius), effects);
   choice.assets = {options.asset};
   choice.places = {{}};
-  if (options.cures) choice.scene.cures = *options.cures;
+  if (options.stabilization) choice.scene.stabilization = *options.stabilization;
   if (auto checked = check_settings(choice.scene.objects.front().force); !checked) {
     return tl::make_unexpected(std::move(checked.error()));
   }
@@ -126,7 +127,7 @@ Result<ForceChoice> choose_scene(const ForceOptions& options) {
   choice.scene_path = scene->path;
   choice.device = scene->device;
   choice.scene.workspace = scene->workspace;
-  choice.scene.cures = cures_of(options, *scene);
+  choice.scene.stabilization = stabilization_of(options, *scene);
   choice.probe_radius = options.probe_radius.value_or(scene->probe_radius.value_or(0));
   for (const SceneObject& object : scene->objects) {
     const std::string place = scene->path + ": line " + std::to_string(object.line) + ": ";

@@ -27,7 +27,7 @@ struct ForceOptions {
   bool stiffness_chosen = false;       ///< by the device that the scene names
   std::optional<double> probe_radius;  ///< m
   /// Replace those of the scene, but delay and device stay the scene's.
-  std::optional<CureSettings> cures;
+  std::optional<StabilizationSettings> stabilization;
 };
 
 /// What forces come from.

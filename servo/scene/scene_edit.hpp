@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "servo/force/placed_contact.hpp"
-#include "servo/force/stability_cures.hpp"
+#include "servo/force/stabilizer.hpp"
 #include "servo/scene/scene_difference.hpp"
 
 namespace spm::servo {
@@ -31,9 +31,9 @@ struct SceneEdit {
   std::vector<std::uint64_t> removed;  ///< ids
   std::vector<EditedObject> changed;
   std::vector<EditedObject> added;
-  std::optional<CureSettings> cures;  ///< if the scene has others
-  std::size_t assets = 0;             ///< the number of the loop's slots in use from now on
-  bool felt = true;                   ///< whether forces have to fade in again
+  std::optional<StabilizationSettings> stabilization;  ///< if the scene has others
+  std::size_t assets = 0;  ///< the number of the loop's slots in use from now on
+  bool felt = true;        ///< whether forces have to fade in again
 };
 
 /// The number of assets that a scene's objects name.

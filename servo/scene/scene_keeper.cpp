@@ -14,7 +14,7 @@ using std::chrono::steady_clock;
 namespace {
 
 /// How many changes are described in a message, so that a person reads it to its end.
-constexpr std::size_t most_told = 8;
+constexpr std::size_t max_told = 8;
 
 std::int64_t nanoseconds(const timespec& time) {
   return std::int64_t{time.tv_sec} * 1'000'000'000 + time.tv_nsec;
@@ -53,7 +53,7 @@ std::string in_words(const SceneEdit& edit, const SceneDifference& difference,
     parts.push_back("object " + std::to_string(after.ids[object.after]) + ": " +
                     names_of_aspects(object.aspects));
   }
-  if (edit.cures) parts.emplace_back("cures");
+  if (edit.stabilization) parts.emplace_back("stabilization");
   for (const EditedObject& object : edit.added) {
     const std::filesystem::path asset = after.choice.assets[object.settings.asset];
     parts.push_back("object " + std::to_string(object.id) + " added (" + asset.filename().string() +
@@ -63,11 +63,11 @@ std::string in_words(const SceneEdit& edit, const SceneDifference& difference,
     parts.push_back("object " + std::to_string(id) + " removed");
   }
   std::string text;
-  for (std::size_t i = 0; i < std::min(parts.size(), most_told); ++i) {
+  for (std::size_t i = 0; i < std::min(parts.size(), max_told); ++i) {
     text += (i > 0 ? "; " : "") + parts[i];
   }
-  if (parts.size() > most_told) {
-    text += "; and " + std::to_string(parts.size() - most_told) + " more";
+  if (parts.size() > max_told) {
+    text += "; and " + std::to_string(parts.size() - max_told) + " more";
   }
   return text;
 }
@@ -124,8 +124,8 @@ void SceneKeeper::try_scene(bool first) {
   if (!edited) return refuse(edited.error().message);
   const SceneDifference difference =
       scene_difference(served_.choice.scene.objects, edited->scene.objects);
-  const bool same_cures = served_.choice.scene.cures == edited->scene.cures;
-  if (!difference.empty() || !same_cures) return offer(difference, std::move(*edited));
+  const bool same_stabilization = served_.choice.scene.stabilization == edited->scene.stabilization;
+  if (!difference.empty() || !same_stabilization) return offer(difference, std::move(*edited));
   // A different order, and different lines for messages.
   served_.ids = edited_ids(difference, served_.ids, edited->scene.objects.size());
   served_.choice = std::move(*edited);
@@ -165,8 +165,8 @@ void SceneKeeper::offer(const SceneDifference& difference, ForceChoice edited) {
   next_.ids = edited_ids(difference, served_.ids, objects.size());
   edit_ = scene_edit(difference, served_.ids, objects, next_.ids);
   edit_.assets = edited.assets.size();
-  if (edited.scene.cures != served_.choice.scene.cures) {
-    edit_.cures = edited.scene.cures;
+  if (edited.scene.stabilization != served_.choice.scene.stabilization) {
+    edit_.stabilization = edited.scene.stabilization;
     edit_.felt = true;
   }
   next_.choice = std::move(edited);

@@ -44,24 +44,24 @@ void read_material(const spm_shared_command& from, Check& check, AppCommand& to)
   material.given = from.fields;
   check.holds((from.fields & ~std::uint32_t{SPM_MATERIAL_ALL}) == 0, Refusal::out_of_range);
   if ((from.fields & SPM_MATERIAL_STIFFNESS) != 0) {
-    check.number(from.stiffness, 0, app_most_stiffness);
+    check.number(from.stiffness, 0, app_max_stiffness);
     material.stiffness = from.stiffness;
   }
   if ((from.fields & SPM_MATERIAL_FRICTION) != 0) {
-    check.number(from.friction_stick, 0, app_most_friction);
-    check.number(from.friction_slide, 0, app_most_friction);
+    check.number(from.friction_stick, 0, app_max_friction);
+    check.number(from.friction_slide, 0, app_max_friction);
     check.holds(from.friction_stick >= from.friction_slide, Refusal::out_of_range);
     material.friction_stick = from.friction_stick;
     material.friction_slide = from.friction_slide;
   }
   if ((from.fields & SPM_MATERIAL_DAMPING) != 0) {
-    check.number(from.damping, 0, app_most_damping);
+    check.number(from.damping, 0, app_max_damping);
     material.damping = from.damping;
   }
   if ((from.fields & SPM_MATERIAL_TEXTURE) != 0) {
-    check.number(from.texture_amplitude, 0, app_most_amplitude);
-    check.number(from.texture_wavelength, 0, app_most_wavelength);
-    check.holds(from.texture_amplitude == 0 || from.texture_wavelength >= app_least_wavelength,
+    check.number(from.texture_amplitude, 0, app_max_amplitude);
+    check.number(from.texture_wavelength, 0, app_max_wavelength);
+    check.holds(from.texture_amplitude == 0 || from.texture_wavelength >= app_min_wavelength,
                 Refusal::out_of_range);
     material.texture = {from.texture_amplitude, from.texture_wavelength, from.texture_seed};
   }
@@ -73,7 +73,7 @@ void read_add(const spm_shared_command& from, const AppCommandLimits& limits, Ch
   to.index = from.index;
   check.holds(from.index < limits.assets, Refusal::unknown_asset);
   read_pose(from, check, to);
-  check.number(from.scale, app_least_scale, app_most_scale);
+  check.number(from.scale, app_min_scale, app_max_scale);
   to.pose.scale = from.scale;
   read_material(from, check, to);
 }

@@ -33,7 +33,7 @@ struct AppMaterial {
 /// A command whose every number was found finite and in range.
 struct AppCommand {
   AppAction action = AppAction::move;
-  std::uint32_t client = 0;      ///< below SPM_MOST_CLIENTS
+  std::uint32_t client = 0;      ///< below SPM_MAX_CLIENTS
   std::uint32_t connection = 0;  ///< of the client, from 1, never used again
   std::uint64_t sequence = 0;
   std::uint64_t object = 0;  ///< id; its upper half is the connection that added the object
@@ -47,16 +47,16 @@ struct AppCommand {
 /// Limits of what an application may request. Positions: a room, far beyond any device's workspace.
 /// Stiffness: ten times what the stiffest desktop devices render. Friction: dry rubber has about 1
 /// (this limit is the scene's too). Damping, texture and scale: far beyond what can be felt.
-inline constexpr double app_farthest = 100;      // m
-inline constexpr double app_least_scale = 1e-4;  // scenes in micrometres need it
-inline constexpr double app_most_scale = 1e4;
+inline constexpr double app_farthest = 100;    // m
+inline constexpr double app_min_scale = 1e-4;  // scenes in micrometres need it
+inline constexpr double app_max_scale = 1e4;
 inline constexpr double app_longest_period = 1;       // s
-inline constexpr double app_most_stiffness = 1e5;     // N/m
-inline constexpr double app_most_friction = 10;       // mu
-inline constexpr double app_most_damping = 1e3;       // N s/m
-inline constexpr double app_most_amplitude = 0.1;     // m
-inline constexpr double app_least_wavelength = 1e-6;  // m, if there is an amplitude
-inline constexpr double app_most_wavelength = 1;      // m
+inline constexpr double app_max_stiffness = 1e5;      // N/m
+inline constexpr double app_max_friction = 10;        // mu
+inline constexpr double app_max_damping = 1e3;        // N s/m
+inline constexpr double app_max_amplitude = 0.1;      // m
+inline constexpr double app_min_wavelength = 1e-6;    // m, if there is an amplitude
+inline constexpr double app_max_wavelength = 1;       // m
 inline constexpr double app_quaternion_slack = 1e-3;  // of its length; single precision needs it
 
 /// What commands are checked against.

@@ -31,11 +31,11 @@
 #define SPM_RING_MAGIC UINT64_C(0x676e6952204d5053)  /* the bytes SPM Ring */
 
 enum {
-  SPM_MOST_DEVICES = 8,
-  SPM_MOST_OBJECTS = 64,
-  SPM_MOST_ASSETS = 32,
-  SPM_MOST_CAUSES = 32,
-  SPM_MOST_CLIENTS = 16,
+  SPM_MAX_DEVICES = 8,
+  SPM_MAX_OBJECTS = 64,
+  SPM_MAX_ASSETS = 32,
+  SPM_MAX_CAUSES = 32,
+  SPM_MAX_CLIENTS = 16,
   SPM_NAME_BYTES = 64, /* of every name, including its closing zero */
   SPM_CURE_BYTES = 192,
   SPM_VERSION_BYTES = 32,
@@ -87,8 +87,8 @@ typedef struct spm_shared_snapshot {
   uint32_t device_count;
   uint32_t object_count;
   uint64_t reserved[4];
-  spm_shared_device devices[SPM_MOST_DEVICES];
-  spm_shared_object objects[SPM_MOST_OBJECTS];
+  spm_shared_device devices[SPM_MAX_DEVICES];
+  spm_shared_object objects[SPM_MAX_OBJECTS];
 } spm_shared_snapshot;
 
 /** A cause of zero force in words, so that a library knows the causes of a newer daemon. */
@@ -103,10 +103,10 @@ typedef struct spm_shared_info {
   uint32_t asset_count;
   uint32_t object_count; /* of the scene; added objects have no name */
   uint32_t cause_count;
-  char devices[SPM_MOST_DEVICES][SPM_NAME_BYTES];
-  char assets[SPM_MOST_ASSETS][SPM_NAME_BYTES];
-  char objects[SPM_MOST_OBJECTS][SPM_NAME_BYTES];
-  spm_shared_cause causes[SPM_MOST_CAUSES];
+  char devices[SPM_MAX_DEVICES][SPM_NAME_BYTES];
+  char assets[SPM_MAX_ASSETS][SPM_NAME_BYTES];
+  char objects[SPM_MAX_OBJECTS][SPM_NAME_BYTES];
+  spm_shared_cause causes[SPM_MAX_CAUSES];
 } spm_shared_info;
 
 /** What the loop counted for one device since it began. */
@@ -140,7 +140,7 @@ typedef struct spm_shared_loop {
   uint64_t more_reserved[4];
   uint64_t wake[SPM_BUCKETS]; /* ticks by how late they began */
   uint64_t busy[SPM_BUCKETS]; /* ticks by how long they worked */
-  spm_shared_device_counts devices[SPM_MOST_DEVICES];
+  spm_shared_device_counts devices[SPM_MAX_DEVICES];
 } spm_shared_loop;
 
 /** A client, as the others see it. */
@@ -155,7 +155,7 @@ typedef struct spm_shared_applications {
   uint64_t sequence;
   uint32_t count;
   uint32_t reserved;
-  spm_shared_application list[SPM_MOST_CLIENTS];
+  spm_shared_application list[SPM_MAX_CLIENTS];
 } spm_shared_applications;
 
 /** The region that all clients map read-only. */

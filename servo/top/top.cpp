@@ -59,7 +59,7 @@ ordered_json to_json(const TopTimes& times) {
 }
 
 ordered_json to_json(const TopCount& count) {
-  return {{"lately", count.lately}, {"ever", count.ever}};
+  return {{"recent", count.recent}, {"total", count.total}};
 }
 
 ordered_json to_json(const TopDevice& device) {

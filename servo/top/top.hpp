@@ -36,7 +36,7 @@ struct TopTimes {
 
 /// What was counted between two samples, and since the loop began.
 struct TopCount {
-  std::uint64_t lately = 0, ever = 0;
+  std::uint64_t recent = 0, total = 0;
 };
 
 struct TopDevice {

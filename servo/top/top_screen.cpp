@@ -72,8 +72,8 @@ std::string times_of(const char* what, const TopTimes& times) {
 
 /// A count since the loop began, and how much of it is new.
 std::string count_of(const TopCount& count) {
-  return count.lately > 0 ? fmt::format("{} (+{})", count.ever, count.lately)
-                          : std::to_string(count.ever);
+  return count.recent > 0 ? fmt::format("{} (+{})", count.total, count.recent)
+                          : std::to_string(count.total);
 }
 
 void add_loop(Lines& lines, const TopView& view) {
@@ -83,7 +83,7 @@ void add_loop(Lines& lines, const TopView& view) {
   lines.row(times_of("busy", view.busy) +
             fmt::format(", {:.2f} % of the time", 100 * view.busy_share));
   lines.row(fmt::format("missed {} of {} ticks, of them skipped {}", count_of(view.missed),
-                        view.ticks + view.skipped.ever, count_of(view.skipped)));
+                        view.ticks + view.skipped.total, count_of(view.skipped)));
 }
 
 void add_device(Lines& lines, const TopDevice& device) {
@@ -94,7 +94,7 @@ void add_device(Lines& lines, const TopDevice& device) {
   const std::string words = device.cause + ": " + device.cure;
   if (device.off) {
     lines.sentence("NO FORCE, " + words, indent);
-  } else if (device.cuts.ever > 0) {
+  } else if (device.cuts.total > 0) {
     lines.sentence("force was cut " + count_of(device.cuts) + " times, last " + words, indent);
   }
 }

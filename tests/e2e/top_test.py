@@ -131,8 +131,8 @@ class Top(WithAsset):
         self.assertGreater(first["busy_share"], 0)
         self.assertLess(first["busy_share"], 1)
         for name in ("missed", "skipped"):
-            self.assertLessEqual(first[name]["lately"], first[name]["ever"])
-        self.assertLessEqual(first["skipped"]["ever"], first["missed"]["ever"])
+            self.assertLessEqual(first[name]["recent"], first[name]["total"])
+        self.assertLessEqual(first["skipped"]["total"], first["missed"]["total"])
         self.assertEqual([device["name"] for device in first["devices"]], ["sim"])
         self.assertIs(first["devices"][0]["connected"], True)
         self.assertEqual([application["name"] for application in first["applications"]],
@@ -162,7 +162,7 @@ class Top(WithAsset):
         self.assertEqual(device["force_off"]["cause"], "asset_lost")
         self.assertIn("put the file back", device["force_off"]["cure"])
         self.assertEqual(device["force_n"]["now"], 0)
-        self.assertEqual(device["cuts"]["ever"], 1)
+        self.assertEqual(device["cuts"]["total"], 1)
         self.assertIn("NO FORCE, asset_lost: ", self.top().stdout)
 
     def test_where_the_output_is_no_terminal_it_prints_one_screen(self):

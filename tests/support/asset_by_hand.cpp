@@ -130,16 +130,16 @@ TiledCubeByHand::TiledCubeByHand(double size, const Band& band) {
   }
   std::vector<BoxedChild> leaves;
   for (std::uint32_t tile = 0; tile < by_hand.size(); ++tile) leaves.push_back(tile_child(tile));
-  tree = tree_over(leaves);
-  space = {octants(SpaceKind::told), 0};
+  bvh = bvh_over(leaves);
+  sign_octree = {octants(SignKind::boundary), 0};
   view.band = band;
   view.height_unit = 1e-6F;
   view.tolerance = 1e-5;
-  view.space.origin = Vector3::Constant(-size / 2 - band.margin);
-  view.space.edge = size + 2 * band.margin;
+  view.sign_octree.origin = Vector3::Constant(-size / 2 - band.margin);
+  view.sign_octree.edge = size + 2 * band.margin;
   const auto edge = static_cast<float>(size);
-  view.tree.origin = Vector3::Constant(-size / 2);
-  view.tree.size = {edge, edge, edge};
+  view.bvh.origin = Vector3::Constant(-size / 2);
+  view.bvh.size = {edge, edge, edge};
   refresh();
 }
 
@@ -150,8 +150,8 @@ void TiledCubeByHand::refresh() {
   view.tiles = tiles;
   view.triangles = triangles;
   view.small_triangles = small_triangles;
-  view.space.words = space;
-  view.tree.words = tree;
+  view.sign_octree.words = sign_octree;
+  view.bvh.words = bvh;
 }
 
 }  // namespace spm::test

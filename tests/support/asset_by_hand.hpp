@@ -71,7 +71,7 @@ class TiledCubeByHand {
   std::vector<SupportPlane> planes;
   std::vector<TileByHand> by_hand;
   std::vector<Tile> tiles;
-  std::vector<std::uint32_t> space, tree;
+  std::vector<std::uint32_t> sign_octree, bvh;
   std::vector<float> triangles;
   std::vector<std::uint16_t> small_triangles;
   AssetView view;

@@ -8,15 +8,15 @@
 #include <utility>
 #include <vector>
 
-#include "common/asset/element_tree.hpp"
-#include "common/asset/space_tree.hpp"
+#include "common/asset/bvh.hpp"
+#include "common/asset/sign_octree.hpp"
 
 namespace spm::test {
 
 /// A child of a node, and its box in 255ths of the node's: the whole of it where a test says
 /// nothing.
 struct BoxedChild {
-  TreeChild child;
+  BvhChild child;
   std::array<std::uint8_t, 3> low{0, 0, 0}, high{255, 255, 255};
 };
 
@@ -28,10 +28,10 @@ inline BoxedChild fan_child(std::uint32_t first, std::uint32_t count) {
 }
 
 /// Adds a node of up to four children to a tree of elements.
-inline void add_tree_node(std::vector<std::uint32_t>& words,
-                          const std::vector<BoxedChild>& children) {
+inline void add_bvh_node(std::vector<std::uint32_t>& words,
+                         const std::vector<BoxedChild>& children) {
   const std::size_t first = words.size();
-  words.resize(first + tree_node_words, 0);
+  words.resize(first + bvh_node_words, 0);
   for (std::size_t k = 0; k < children.size(); ++k) {
     words.at(first + k) = pack_child(children[k].child);
     for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -42,7 +42,7 @@ inline void add_tree_node(std::vector<std::uint32_t>& words,
 }
 
 /// A tree over leaves: each node holds three of them, and the next node where there are more.
-inline std::vector<std::uint32_t> tree_over(const std::vector<BoxedChild>& leaves) {
+inline std::vector<std::uint32_t> bvh_over(const std::vector<BoxedChild>& leaves) {
   std::vector<std::uint32_t> words;
   for (std::size_t first = 0; first < leaves.size(); first += 3) {
     const std::size_t end = std::min(first + 3, leaves.size());
@@ -51,31 +51,31 @@ inline std::vector<std::uint32_t> tree_over(const std::vector<BoxedChild>& leave
     if (end < leaves.size()) {
       children.push_back(node_child(static_cast<std::uint32_t>(first / 3 + 1)));
     }
-    add_tree_node(words, children);
+    add_bvh_node(words, children);
   }
   return words;
 }
 
 /// The first word of a node of space whose octants are all of one kind, but for those named.
-inline std::uint32_t octants(
-    SpaceKind rest, std::initializer_list<std::pair<std::uint32_t, SpaceKind>> named = {}) {
+inline std::uint32_t octants(SignKind rest,
+                             std::initializer_list<std::pair<std::uint32_t, SignKind>> named = {}) {
   std::uint32_t kinds = 0;
   for (std::uint32_t octant = 0; octant < 8; ++octant) {
-    SpaceKind kind = rest;
+    SignKind kind = rest;
     for (const auto& [which, its_kind] : named) {
       if (which == octant) kind = its_kind;
     }
-    kinds |= static_cast<std::uint32_t>(kind) << (space_kind_bits * octant);
+    kinds |= static_cast<std::uint32_t>(kind) << (sign_kind_bits * octant);
   }
   return kinds;
 }
 
 /// So many nodes below each other: the last octant of each is the next, that of the last is `end`.
-inline std::vector<std::uint32_t> space_chain(int nodes, SpaceKind rest, SpaceKind end) {
+inline std::vector<std::uint32_t> sign_octree_chain(int nodes, SignKind rest, SignKind end) {
   std::vector<std::uint32_t> words;
   for (int node = 1; node <= nodes; ++node) {
     const bool last = node == nodes;
-    words.push_back(octants(rest, {{7, last ? end : SpaceKind::split}}));
+    words.push_back(octants(rest, {{7, last ? end : SignKind::split}}));
     words.push_back(last ? 0 : static_cast<std::uint32_t>(node));
   }
   return words;

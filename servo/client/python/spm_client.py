@@ -37,8 +37,8 @@ Vector = tuple[float, float, float]
 Quaternion = tuple[float, float, float, float]
 
 NAME_BYTES = 64
-MOST_DEVICES = 8
-MOST_OBJECTS = 64
+MAX_DEVICES = 8
+MAX_OBJECTS = 64
 IDENTITY: Quaternion = (1.0, 0.0, 0.0, 0.0)
 
 
@@ -252,10 +252,10 @@ class Client:
     def all(self) -> tuple[list[Device], list[Object]]:
         """All devices and objects, of one and the same tick."""
         tick = sized(TickData)
-        devices, objects = (DeviceData * MOST_DEVICES)(), (ObjectData * MOST_OBJECTS)()
+        devices, objects = (DeviceData * MAX_DEVICES)(), (ObjectData * MAX_OBJECTS)()
         devices[0].size, objects[0].size = ctypes.sizeof(DeviceData), ctypes.sizeof(ObjectData)
         self._check(self._library.spm_client_read_all(self._open(), ctypes.byref(tick), devices,
-                                                      MOST_DEVICES, objects, MOST_OBJECTS))
+                                                      MAX_DEVICES, objects, MAX_OBJECTS))
         return ([self._device(devices[i]) for i in range(tick.device_count)],
                 [self._object(objects[i]) for i in range(tick.object_count)])
 

@@ -19,7 +19,7 @@ constexpr std::array<std::string_view, 4> keys{"axes", "clutch_button", "stiffne
                                                "workspace"};
 
 /// The number of buttons in a DeviceState.
-constexpr std::uint32_t most_buttons = 32;
+constexpr std::uint32_t max_buttons = 32;
 
 /// N/m; the largest stiffness of any profile.
 constexpr double stiffest = std::max_element(device_profiles.begin(), device_profiles.end(),
@@ -50,10 +50,10 @@ Result<void> set_clutch_button(const std::string& device, DevicePlacement& place
   const char* const end = value.data() + value.size();
   std::uint32_t button = 0;
   const auto parsed = std::from_chars(value.data(), end, button);
-  if (parsed.ec != std::errc{} || parsed.ptr != end || button < 1 || button > most_buttons) {
+  if (parsed.ec != std::errc{} || parsed.ptr != end || button < 1 || button > max_buttons) {
     return option_error(device, fmt::format("clutch_button '{}' is no button; it must be a whole "
                                             "number from 1 to {}",
-                                            value, most_buttons));
+                                            value, max_buttons));
   }
   placement.clutch_button = button;
   return {};

@@ -26,14 +26,14 @@ Result<std::vector<DeviceOption>> split_options(const std::string& device, std::
 }
 
 Result<void> set_option_quantity(const std::string& device, double& target, std::string_view key,
-                                 std::string_view value, Quantity quantity, double most,
-                                 double least) {
+                                 std::string_view value, Quantity quantity, double max,
+                                 double min) {
   const Result<double> parsed = parse_quantity(value, quantity);
   if (!parsed) return option_error(device, fmt::format("{}: {}", key, parsed.error().message));
-  if (!(*parsed > 0 && *parsed >= least && *parsed <= most)) {
-    const std::string low = least > 0 ? "at least " + format_quantity(least, quantity) : "above 0";
+  if (!(*parsed > 0 && *parsed >= min && *parsed <= max)) {
+    const std::string low = min > 0 ? "at least " + format_quantity(min, quantity) : "above 0";
     return option_error(device, fmt::format("{} {} is out of range; it must be {} and at most {}",
-                                            key, value, low, format_quantity(most, quantity)));
+                                            key, value, low, format_quantity(max, quantity)));
   }
   target = *parsed;
   return {};

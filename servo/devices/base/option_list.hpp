@@ -27,7 +27,7 @@ struct DeviceOption {
 /// Sets a quantity, SI, that must be above 0 and within the bounds. Errors: usage.
 [[nodiscard]] Result<void> set_option_quantity(const std::string& device, double& target,
                                                std::string_view key, std::string_view value,
-                                               Quantity quantity, double most, double least = 0);
+                                               Quantity quantity, double max, double min = 0);
 /// Sets what is on or off. Errors: usage.
 [[nodiscard]] Result<void> set_option_switch(const std::string& device, bool& target,
                                              std::string_view key, std::string_view value);

@@ -45,12 +45,12 @@ constexpr milliseconds transfer_timeout{1000};
 constexpr milliseconds look_interval{50};
 /// The call and its answer take 8 ms at 9600 baud, and the chip takes up to 16 ms to pass them on.
 constexpr milliseconds boot_answer_timeout{50};
-constexpr std::size_t most_boot_bytes = 512;  // that may come with its answer, as users found
-constexpr std::size_t block_size = 62;        // the largest block that one USB packet can echo
+constexpr std::size_t max_boot_bytes = 512;  // that may come with its answer, as users found
+constexpr std::size_t block_size = 62;       // the largest block that one USB packet can echo
 
 constexpr int probe_rounds = 10;
 constexpr milliseconds probe_timeout{100};  // for one round
-constexpr std::size_t most_probe_bytes = 4096;
+constexpr std::size_t max_probe_bytes = 4096;
 
 constexpr std::size_t smallest_file = 4096, largest_file = 16384;  // bytes
 /// The key of a boot table for this family of signal processors.
@@ -149,7 +149,7 @@ LinkStatus call(ByteLink& link, std::span<const std::uint8_t> question,
                 const std::atomic<bool>& stop) {
   const LinkResult sent = link.write(question, transfer_timeout);
   if (sent.status != LinkStatus::done) return sent.status;
-  std::array<std::uint8_t, most_boot_bytes> bytes{};
+  std::array<std::uint8_t, max_boot_bytes> bytes{};
   return read_until(link, bytes, timeout, stop,
                     [answer](std::span<const std::uint8_t> come) { return holds(come, answer); })
       .status;
@@ -229,7 +229,7 @@ LinkStatus probe(ByteLink& link, const std::atomic<bool>& stop) {
   if (sent.status != LinkStatus::done) return sent.status;
   FalconParser parser;
   std::size_t parsed = 0;
-  std::array<std::uint8_t, most_probe_bytes> bytes{};
+  std::array<std::uint8_t, max_probe_bytes> bytes{};
   return read_until(link, bytes, probe_timeout, stop,
                     [&](std::span<const std::uint8_t> come) {
                       for (; parsed < come.size(); ++parsed) {

@@ -139,7 +139,7 @@ Eigen::Matrix3d falcon_jacobian(const Vector3& position, const Vector3& angles) 
 FalconPose falcon_forward(const Vector3& angles, const Vector3& start) noexcept {
   FalconPose pose;
   pose.position = start;
-  while (pose.steps < falcon_most_steps) {
+  while (pose.steps < falcon_max_steps) {
     const Closure closure = closure_at(pose.position, angles);
     Vector3 step = -(closure.gradient.inverse() * closure.gap);
     const double length = step.norm();

@@ -49,9 +49,9 @@ struct FalconPose {
 };
 
 /// The position at given angles, to a nanometre, searched from `start`. There is no closed form;
-/// the last position is the best start. Takes at most falcon_most_steps steps.
+/// the last position is the best start. Takes at most falcon_max_steps steps.
 [[nodiscard]] FalconPose falcon_forward(const Vector3& angles, const Vector3& start) noexcept;
-inline constexpr int falcon_most_steps = 20;
+inline constexpr int falcon_max_steps = 20;
 
 /// Torques at the thighs, N m, that push the hand with a force, N. None if a leg is stretched out,
 /// because then no torque gives that force.

@@ -19,8 +19,8 @@ namespace {
 constexpr double profile_force_cap = find_device_profile("falcon")->force_cap;
 
 // The range of a device's calibration around the approximate 35 degrees.
-constexpr double least_home_angle = 25 * std::numbers::pi / 180;
-constexpr double most_home_angle = 45 * std::numbers::pi / 180;
+constexpr double min_home_angle = 25 * std::numbers::pi / 180;
+constexpr double max_home_angle = 45 * std::numbers::pi / 180;
 
 constexpr const char* device = "falcon";
 
@@ -88,8 +88,8 @@ Result<void> set(FalconOptions& options, std::string_view key, std::string_view 
     return set_quantity(options.force_cap, key, value, Quantity::force, 0, profile_force_cap);
   }
   if (key == "home_angle") {
-    return set_quantity(options.home_angle, key, value, Quantity::angle, least_home_angle,
-                        most_home_angle);
+    return set_quantity(options.home_angle, key, value, Quantity::angle, min_home_angle,
+                        max_home_angle);
   }
   return usage(fmt::format(
       "option '{}' is not known; the options are firmware, path, product, force_cap and home_angle",

@@ -62,7 +62,7 @@ class Parser {
   explicit Parser(std::span<const std::uint8_t> bytes) : bytes_(bytes) {}
 
   tl::expected<HidDescriptor, HidDescriptorError> parse() {
-    if (bytes_.size() > most_descriptor_bytes) return wrong(HidFault::too_long);
+    if (bytes_.size() > max_descriptor_bytes) return wrong(HidFault::too_long);
     while (at_ < bytes_.size()) {
       Item item;
       std::size_t next = 0;
@@ -128,7 +128,7 @@ class Parser {
       case 0xB:
         return add_fields(HidReportType::feature, item.value);
       case 0xA:
-        if (depth_ == most_collection_depth) return HidFault::nested_too_deep;
+        if (depth_ == max_collection_depth) return HidFault::nested_too_deep;
         ++depth_;
         result_.collections.push_back({locals_.usages.empty() ? 0 : usage_at(0), open_});
         open_ = static_cast<int>(result_.collections.size()) - 1;
@@ -179,7 +179,7 @@ class Parser {
         globals_.report_count = item.value;
         break;
       case 0xA:
-        if (pushed_.size() == most_pushes) return HidFault::pushed_too_often;
+        if (pushed_.size() == max_pushes) return HidFault::pushed_too_often;
         pushed_.push_back(globals_);
         break;
       case 0xB:
@@ -260,7 +260,7 @@ class Parser {
     constexpr std::uint32_t constant = 1, variable = 2;
     HidReport& report = report_of(type);
     const std::uint64_t all = std::uint64_t{globals_.report_size} * globals_.report_count;
-    if (all > most_report_bits - report.bits) return HidFault::report_too_long;
+    if (all > max_report_bits - report.bits) return HidFault::report_too_long;
     std::uint32_t bit = report.bits;
     report.bits += static_cast<std::uint32_t>(all);
     const std::uint32_t size = globals_.report_size;
@@ -269,7 +269,7 @@ class Parser {
     }
     HidField field = field_of(type, (flags & variable) == 0);
     for (std::uint32_t i = 0; i < globals_.report_count; ++i, bit += size) {
-      if (result_.fields.size() == most_descriptor_fields) return HidFault::too_many_fields;
+      if (result_.fields.size() == max_descriptor_fields) return HidFault::too_many_fields;
       field.bit = bit;
       if (!field.is_array) field.usages.assign(1, usage_at(i));
       result_.fields.push_back(field);
@@ -296,7 +296,7 @@ class Parser {
     if (!is_array) return field;
     std::uint64_t count = 0;
     for (const UsageRange& range : locals_.usages) count += range.count();
-    for (std::uint64_t i = 0; i < std::min<std::uint64_t>(count, most_array_usages); ++i) {
+    for (std::uint64_t i = 0; i < std::min<std::uint64_t>(count, max_array_usages); ++i) {
       field.usages.push_back(usage_at(i));
     }
     return field;

@@ -63,13 +63,13 @@ struct HidDescriptor {
 
 /// The largest descriptor that is accepted. The first limit is the kernel's own; the others are far
 /// above what devices have.
-inline constexpr std::size_t most_descriptor_bytes = 4096;
-inline constexpr std::size_t most_descriptor_fields = 8192;
-inline constexpr std::uint32_t most_report_bits = 32768;
+inline constexpr std::size_t max_descriptor_bytes = 4096;
+inline constexpr std::size_t max_descriptor_fields = 8192;
+inline constexpr std::uint32_t max_report_bits = 32768;
 /// the remaining usages of an array are left out
-inline constexpr std::size_t most_array_usages = 256;
-inline constexpr std::size_t most_collection_depth = 32;
-inline constexpr std::size_t most_pushes = 16;
+inline constexpr std::size_t max_array_usages = 256;
+inline constexpr std::size_t max_collection_depth = 32;
+inline constexpr std::size_t max_pushes = 16;
 
 enum class HidFault : std::uint8_t {
   too_long,

@@ -41,8 +41,9 @@ DeviceHealth DevicePid::health(std::int64_t at_ns) const noexcept {
 
 DeviceHealth DevicePid::read(DeviceState& state) noexcept {
   static_cast<void>(threads_.take(report_, came_ns_));
-  const double reach = options_.travel / 2;
-  state.position = Vector3(reach * report_.deflection[0], reach * report_.deflection[1], 0);
+  const double half_travel = options_.travel / 2;
+  state.position =
+      Vector3(half_travel * report_.deflection[0], half_travel * report_.deflection[1], 0);
   state.orientation = Eigen::Quaterniond::Identity();
   state.buttons = report_.buttons;
   return health(now_ns());
@@ -66,7 +67,7 @@ nlohmann::ordered_json DevicePid::describe() const {
                               {"path", found_.path},
                               {"serial", found_.serial},
                               {"axes", found_layout_.axes},
-                              {"direction", to_string(found_layout_.set_effect.told)},
+                              {"direction", to_string(found_layout_.set_effect.direction_form)},
                               {"full_force_N", options_.full_force},
                               {"force_signs", options_.force_signs},
                               {"travel_m", options_.travel},

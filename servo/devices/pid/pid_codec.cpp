@@ -53,7 +53,7 @@ std::int64_t zero_value(const HidField& field) noexcept {
 void set_direction(const PidLayout& layout, std::size_t axis, PidMessage& message) {
   constexpr std::array<double, 2> turns{0.25, 0.5};  // east, south
   const auto& effect = layout.set_effect;
-  switch (effect.told) {
+  switch (effect.direction_form) {
     case PidDirection::polar:
       // As the kernel's driver does: no axis is then enabled individually.
       if (effect.direction_enable) set(message, *effect.direction_enable, 1);

@@ -44,7 +44,7 @@ constexpr HidUsage create_new_effect = pid(0xAB);
 }  // namespace usages
 
 constexpr std::uint16_t button_page = 0x09;
-constexpr std::uint16_t most_buttons = 32;
+constexpr std::uint16_t max_buttons = 32;
 
 /// The axes of a hand, on the desktop usage page.
 constexpr std::array<HidUsage, 2> axis_usages{hid_usage(0x01, 0x30), hid_usage(0x01, 0x31)};
@@ -69,7 +69,7 @@ class Finder {
   }
 
   using Types = std::initializer_list<HidReportType>;
-  static constexpr Types told{HidReportType::output, HidReportType::feature};
+  static constexpr Types sent{HidReportType::output, HidReportType::feature};
 
   [[nodiscard]] std::optional<HidField> field(Types types, HidUsage collection,
                                               HidUsage usage) const {
@@ -194,7 +194,7 @@ std::optional<Missing> find_operation(const Finder& find, PidLayout& layout) {
 
 std::optional<Missing> find_memory(const Finder& find, PidLayout& layout) {
   const Finder::Types feature{HidReportType::feature};
-  layout.free_block = find.field(Finder::told, usages::block_free, usages::block_index);
+  layout.free_block = find.field(Finder::sent, usages::block_free, usages::block_index);
   layout.device_managed_pool = find.field(feature, anywhere, usages::device_managed);
   const auto missing = first_of(
       {take(layout.create, find.choice(feature, usages::create_new_effect, usages::type_constant),
@@ -222,7 +222,7 @@ bool find_input(const HidDescriptor& descriptor, const Finder& find, PidLayout& 
     layout.position[1] = *y;
     layout.axes = 2;
   }
-  for (std::uint16_t number = 1; number <= most_buttons; ++number) {
+  for (std::uint16_t number = 1; number <= max_buttons; ++number) {
     const auto button = find.field(in, anywhere, hid_usage(button_page, number));
     if (!button) break;
     layout.buttons.push_back(*button);
@@ -257,10 +257,10 @@ std::optional<Missing> find_directions(const Finder& find, PidLayout& layout,
   const bool cartesian = all(effect.direction);
   const bool polar = angle && (wanted == PidDirection::polar || !has_parts);
   const bool axes = all(effect.axis_enable) || layout.axes == 1;
-  effect.told = wanted.value_or(polar       ? PidDirection::polar
-                                : cartesian ? PidDirection::cartesian
-                                            : PidDirection::axes);
-  switch (effect.told) {
+  effect.direction_form = wanted.value_or(polar       ? PidDirection::polar
+                                          : cartesian ? PidDirection::cartesian
+                                                      : PidDirection::axes);
+  switch (effect.direction_form) {
     case PidDirection::polar:
       if (!polar) return Missing{"a direction (usage 0x57) in its Set Effect report (0x21)"};
       effect.direction = {angle, std::nullopt};
@@ -318,9 +318,9 @@ tl::expected<PidLayout, std::string> find_pid_layout(const HidDescriptor& descri
   if (missing) {
     return tl::make_unexpected(fmt::format("its report descriptor lacks {}", missing->what));
   }
-  layout.reset = find.choice(Finder::told, anywhere, usages::device_reset);
-  layout.enable = find.choice(Finder::told, anywhere, usages::enable_actuators);
-  layout.gain = find.field(Finder::told, anywhere, usages::device_gain);
+  layout.reset = find.choice(Finder::sent, anywhere, usages::device_reset);
+  layout.enable = find.choice(Finder::sent, anywhere, usages::enable_actuators);
+  layout.gain = find.field(Finder::sent, anywhere, usages::device_gain);
   return layout;
 }
 

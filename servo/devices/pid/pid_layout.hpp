@@ -44,7 +44,7 @@ struct PidLayout {
     PidChoice constant;
     std::optional<HidField> gain, trigger_button, direction_enable;
     std::array<std::optional<HidField>, 2> axis_enable, direction;
-    PidDirection told = PidDirection::axes;
+    PidDirection direction_form = PidDirection::axes;
   } set_effect;
   struct {
     HidField block, magnitude;

@@ -28,7 +28,7 @@ constexpr int load_attempts = 40;
 
 /// After this many requests without an answer a device is no longer asked for its report: each
 /// request may take until the kernel's timeout.
-constexpr int most_unanswered = 3;
+constexpr int max_unanswered = 3;
 
 bool is_pid(const HidDevice& device) {
   const auto match = match_hid({{device.vendor, device.product},
@@ -103,12 +103,12 @@ tl::unexpected<Error> PidPort::failed(const char* what) const {
 }
 
 Result<void> PidPort::set_up(const std::atomic<bool>& stop) {
-  const auto told = [this](const std::optional<PidChoice>& what) {
+  const auto sent = [this](const std::optional<PidChoice>& what) {
     return !what || send_message(pid_control(layout_, *what));
   };
-  if (!told(layout_.reset)) return failed("refuses to be reset");
+  if (!sent(layout_.reset)) return failed("refuses to be reset");
   std::this_thread::sleep_for(reset_wait);
-  if (!told(layout_.enable)) return failed("refuses to switch its motors on");
+  if (!sent(layout_.enable)) return failed("refuses to switch its motors on");
   if (layout_.gain && !send_message(pid_full_gain(layout_, *layout_.gain))) {
     return failed("refuses its gain");
   }
@@ -166,15 +166,15 @@ bool PidPort::send_message(const PidMessage& message) {
 bool PidPort::take(std::span<const std::uint8_t> bytes, PidReport& report) {
   if (bytes.empty()) return false;
   const std::uint8_t id = layout_.has_ids ? bytes[0] : 0;
-  if (!take_pid_report(layout_, id, layout_.has_ids ? bytes.subspan(1) : bytes, told_)) {
+  if (!take_pid_report(layout_, id, layout_.has_ids ? bytes.subspan(1) : bytes, latest_)) {
     return false;
   }
-  report = told_;
+  report = latest_;
   return true;
 }
 
 Received PidPort::receive(PidReport& report) {
-  std::array<std::uint8_t, most_report_bits / 8 + 1> buffer{};
+  std::array<std::uint8_t, max_report_bits / 8 + 1> buffer{};
   const int count = reader_->read(buffer, static_cast<int>(pid_ask_after.count()));
   if (count < 0) return Received::gone;
   if (count == 0) return ask(report);
@@ -183,7 +183,7 @@ Received PidPort::receive(PidReport& report) {
 }
 
 Received PidPort::ask(PidReport& report) {
-  if (unanswered_ >= most_unanswered) return Received::nothing;
+  if (unanswered_ >= max_unanswered) return Received::nothing;
   const HidField& field = layout_.position[0];
   std::vector<std::uint8_t> bytes(1 + layout_.payload_bytes(field.type, field.report_id));
   bytes[0] = field.report_id;
@@ -194,8 +194,8 @@ Received PidPort::ask(PidReport& report) {
   }
   unanswered_ = 0;
   // Also without ids, the first byte here is the place of the id.
-  const auto told = std::span<const std::uint8_t>(bytes).first(static_cast<std::size_t>(count));
-  return take(layout_.has_ids ? told : told.subspan(1), report) ? Received::report
+  const auto sent = std::span<const std::uint8_t>(bytes).first(static_cast<std::size_t>(count));
+  return take(layout_.has_ids ? sent : sent.subspan(1), report) ? Received::report
                                                                 : Received::nothing;
 }
 

@@ -72,7 +72,7 @@ class PidPort final : public Port<PidReport, PidCommand> {
   PidLayout layout_;
   std::unique_ptr<HidHandle> reader_, writer_;
   bool watchdog_;
-  PidReport told_;
+  PidReport latest_;
   int unanswered_ = 0;  ///< requests for a report without an answer
   std::vector<PidBlock> effects_;
   std::array<double, 2> sent_{};

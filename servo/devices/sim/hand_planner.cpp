@@ -34,7 +34,7 @@ constexpr double rounds[] = {1, 0.5, 0.25, 0.1, 0.05, 0};
 
 struct Plan {
   HandMotion motion;
-  double worth = -1;  ///< contact in the worst second, 0 to 1, less a penalty
+  double score = -1;  ///< contact in the worst second, 0 to 1, less a penalty
 };
 
 /// An object as the hand reaches it: its asset, and the transformation between its frame and the
@@ -82,7 +82,7 @@ HandMotion motion_from(const Reached& reached, const HandTask& task, const Touch
 }
 
 /// The score of a motion for a task.
-double worth_of(std::span<const AssetView* const> assets, const HandTask& task,
+double score_of(std::span<const AssetView* const> assets, const HandTask& task,
                 const HandMotion& motion) {
   const std::size_t ticks = std::min(motion.cycle_ticks(), longest_trial);
   const double share = contact_share(assets, task, motion, ticks);
@@ -105,9 +105,9 @@ void plan_on(std::span<const AssetView* const> assets, const HandTask& task, std
       if (!firm_below(reached.asset, reached.probe_radius, *touch, firm_depth)) continue;
       ++plans;
       HandMotion motion = motion_from(reached, task, *touch, firm_depth, random);
-      const double worth = worth_of(assets, task, motion);
-      if (worth > best.worth) best = {std::move(motion), worth};
-      if (best.worth >= good_share) return;
+      const double score = score_of(assets, task, motion);
+      if (score > best.score) best = {std::move(motion), score};
+      if (best.score >= good_share) return;
     }
   }
 }
@@ -136,10 +136,10 @@ double contact_share(std::span<const AssetView* const> assets, const HandTask& t
 Result<HandMotion> plan_hand(std::span<const AssetView* const> assets, const HandTask& task) {
   Random random(task.seed);
   Plan best;
-  for (std::size_t i = 0; i < task.scene.objects.size() && best.worth < good_share; ++i) {
+  for (std::size_t i = 0; i < task.scene.objects.size() && best.score < good_share; ++i) {
     plan_on(assets, task, i, random, best);
   }
-  if (best.worth < -stuck_penalty) {
+  if (best.score < -stuck_penalty) {
     return fail(
         ExitCode::invalid_input,
         "device sim: the asset shows no surface for the hand to touch; bake it again with a "

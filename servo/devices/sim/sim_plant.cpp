@@ -9,7 +9,7 @@ namespace spm::servo {
 
 namespace {
 
-constexpr int least_substeps = 20;
+constexpr int min_substeps = 20;
 constexpr double longest_substep = 50e-6;  // s
 constexpr int friction_rounds = 30;        // of Newton's method; about four are enough
 constexpr double friction_found = 1e-13;
@@ -21,7 +21,7 @@ constexpr std::uint64_t noise_seed = 0x6E6F697365;
 
 int substeps_for(double period) noexcept {
   // Slightly reduced, so that 1 ms is 20 substeps in spite of rounding.
-  return std::max(least_substeps, static_cast<int>(std::ceil(period / longest_substep - 1e-9)));
+  return std::max(min_substeps, static_cast<int>(std::ceil(period / longest_substep - 1e-9)));
 }
 
 SimPlant::Hand SimPlant::hand_of(HandModel model) noexcept {

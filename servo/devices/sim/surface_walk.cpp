@@ -59,12 +59,12 @@ std::optional<Touch> touch_from_outside(const AssetView& asset, double probe_rad
                                         Random& random) {
   const auto [low, size] = extent_of(asset);
   const Vector3 middle = low + size / 2;
-  const double reach = size.norm() / 2;
+  const double radius = size.norm() / 2;
   Vector3 aim = middle;
   for (int axis = 0; axis < 3; ++axis) aim[axis] += random.between(-0.4, 0.4) * size[axis];
   const Vector3 direction = random.direction();
-  const double stride = std::max(0.4 * (asset.band.max_depth + asset.band.margin), reach * 1e-4);
-  for (double gone = -2 * reach; gone < 2 * reach; gone += stride) {
+  const double stride = std::max(0.4 * (asset.band.max_depth + asset.band.margin), radius * 1e-4);
+  for (double gone = -2 * radius; gone < 2 * radius; gone += stride) {
     const Vector3 point = aim + gone * direction;
     const Answer answer = query_point(asset, point);
     if (answer.status == Status::exact) {

@@ -38,8 +38,8 @@ Received SpaceMousePort::receive(SpaceMouseState& state) {
   const int count = reader_->read(buffer, static_cast<int>(port_wait.count()));
   if (count < 0) return Received::gone;
   const std::span<const std::uint8_t> bytes(buffer.data(), static_cast<std::size_t>(count));
-  if (!take_spacemouse_report(bytes, told_)) return Received::nothing;
-  state = told_;
+  if (!take_spacemouse_report(bytes, latest_)) return Received::nothing;
+  state = latest_;
   return Received::report;
 }
 

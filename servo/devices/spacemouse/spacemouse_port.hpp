@@ -40,7 +40,7 @@ class SpaceMousePort final : public Port<SpaceMouseState, SpaceMouseCommand> {
 
   HidDevice device_;
   std::unique_ptr<HidHandle> reader_, writer_;
-  SpaceMouseState told_;
+  SpaceMouseState latest_;
 };
 
 }  // namespace spm::servo

@@ -19,7 +19,7 @@ namespace {
 constexpr double largest_current = 6;
 
 /// A counter has 16 bits.
-constexpr int most_counts = 32767;
+constexpr int max_counts = 32767;
 
 tl::unexpected<Error> usage(const std::string& what) { return option_error("woodenhaptics", what); }
 
@@ -83,11 +83,11 @@ Result<void> set_home(WoodenOptions& options, std::string_view value) {
     int count = 0;
     const char* end = item.data() + item.size();
     const auto parsed = std::from_chars(item.data(), end, count);
-    if (parsed.ec != std::errc{} || parsed.ptr != end || std::abs(count) > most_counts ||
+    if (parsed.ec != std::errc{} || parsed.ptr != end || std::abs(count) > max_counts ||
         (colon == std::string_view::npos) != last) {
       return usage(
           fmt::format("home '{}' is not three whole counts such as 0:0:6000, from -{} to {}", value,
-                      most_counts, most_counts));
+                      max_counts, max_counts));
     }
     home[i] = count;
     if (!last) rest.remove_prefix(colon + 1);

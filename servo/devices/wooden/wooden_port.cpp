@@ -29,7 +29,8 @@ bool is_teensy(const HidDevice& device) noexcept {
 
 /// Waits for a report of V1 or V2, in steps, so that `stop` is noticed. Returns the protocol, or
 /// the length of the last report, which fits neither: 0 if none came, -1 if the board is gone.
-std::variant<WoodenProtocol, int> told_by_report(HidHandle& reader, const std::atomic<bool>& stop) {
+std::variant<WoodenProtocol, int> protocol_by_report(HidHandle& reader,
+                                                     const std::atomic<bool>& stop) {
   Buffer buffer{};
   int seen = 0;
   for (auto waited = std::chrono::milliseconds(0); waited < first_report_wait && !stop.load();
@@ -46,14 +47,14 @@ std::variant<WoodenProtocol, int> told_by_report(HidHandle& reader, const std::a
 
 /// Detects V1 or V2 by the length of a report. V1 sends reports by itself, so a quiet board can
 /// only be V2; it is then sent a command without current.
-Result<WoodenProtocol> told_by_length(HidHandle& reader, const std::atomic<bool>& stop) {
-  auto told = told_by_report(reader, stop);
-  if (told == std::variant<WoodenProtocol, int>(0)) {
+Result<WoodenProtocol> protocol_by_length(HidHandle& reader, const std::atomic<bool>& stop) {
+  auto found = protocol_by_report(reader, stop);
+  if (found == std::variant<WoodenProtocol, int>(0)) {
     static_cast<void>(reader.write(WoodenPacket(WoodenProtocol::v2, {}).bytes()));
-    told = told_by_report(reader, stop);
+    found = protocol_by_report(reader, stop);
   }
-  if (const auto* protocol = std::get_if<WoodenProtocol>(&told)) return *protocol;
-  const int count = std::get<int>(told);
+  if (const auto* protocol = std::get_if<WoodenProtocol>(&found)) return *protocol;
+  const int count = std::get<int>(found);
   if (count <= 0) {
     return fail(ExitCode::file_or_device,
                 fmt::format("the {} is plugged in, but sends no report: unplug it, plug it in "
@@ -94,9 +95,9 @@ Result<std::unique_ptr<WoodenPort>> WoodenPort::open(const WoodenOptions& option
   if (options.protocol) {
     protocol = *options.protocol;
   } else if (!is_teensy(opened->device)) {
-    const auto told = told_by_length(*opened->handle, stop);
-    if (!told) return tl::make_unexpected(told.error());
-    protocol = *told;
+    const auto found = protocol_by_length(*opened->handle, stop);
+    if (!found) return tl::make_unexpected(found.error());
+    protocol = *found;
   }
   return std::unique_ptr<WoodenPort>(new WoodenPort(std::move(opened->device),
                                                     std::move(opened->handle), std::move(*writer),

@@ -82,7 +82,7 @@ void WoodenTracker::measure(const WoodenReport& report, std::int64_t came_ns) no
   plausible_ = state_.position.allFinite();
   if (position_known_ && plausible_) {
     const double interval =
-        std::max(static_cast<double>(came_ns - came_ns_) * 1e-9, wooden_least_interval);
+        std::max(static_cast<double>(came_ns - came_ns_) * 1e-9, wooden_min_interval);
     plausible_ = (state_.position - before).norm() <= wooden_fastest * interval;
   }
   position_known_ = state_.position.allFinite();

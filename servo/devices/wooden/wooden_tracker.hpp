@@ -22,7 +22,7 @@ inline constexpr double wooden_fastest = 3;
 
 /// Reports that a late thread collected arrive with less time between them than the motion in them
 /// took, s.
-inline constexpr double wooden_least_interval = 2e-3;
+inline constexpr double wooden_min_interval = 2e-3;
 
 /// Turns reports into a state, and wrenches into commands: homing, unwrapping, kinematics, and the
 /// test for implausible reports. Pure: times are arguments, nothing is sent.

@@ -175,7 +175,7 @@ TEST_CASE("OFF with counts on its first line and with colours is understood") {
 
 TEST_CASE("An inverted mesh is turned") {
   const Mesh mesh = load_shape(turned_inside_out(sphere(1, 2)));
-  CHECK(mesh.turned_components == 1);
+  CHECK(mesh.inverted_components == 1);
   CHECK(signed_volume(mesh.vertices, mesh.triangles) > 0);
   CHECK(noted(mesh, "inside out"));
 }
@@ -184,10 +184,10 @@ TEST_CASE("An inverted open mesh is turned, and one that faces outward is not") 
   Shape bowl = sphere(1, 3);
   std::erase_if(bowl.triangles, [&](const auto& t) { return bowl.vertices[t[0]].z() > 0.6; });
   const Mesh right = load_shape(bowl);
-  CHECK(right.turned_components == 0);
+  CHECK(right.inverted_components == 0);
   CHECK(!right.closed());
   const Mesh turned = load_shape(turned_inside_out(bowl));
-  CHECK(turned.turned_components == 1);
+  CHECK(turned.inverted_components == 1);
   CHECK(signed_volume(turned.vertices, turned.triangles) > 1);
 }
 
@@ -208,12 +208,12 @@ TEST_CASE("A shell that bounds a cavity keeps facing it") {
   const Shape cavity = merged(sphere(1, 2), turned_inside_out(sphere(0.5, 2)));
   const Mesh mesh = load_shape(cavity);
   CHECK(mesh.components == 2);
-  CHECK(mesh.turned_components == 0);
+  CHECK(mesh.inverted_components == 0);
   const double solid = signed_volume(mesh.vertices, mesh.triangles);
   CHECK(solid < signed_volume(sphere(1, 2).vertices, sphere(1, 2).triangles));
   SECTION("also where the whole file is inverted") {
     const Mesh inverted = load_shape(turned_inside_out(cavity));
-    CHECK(inverted.turned_components == 2);
+    CHECK(inverted.inverted_components == 2);
     CHECK(signed_volume(inverted.vertices, inverted.triangles) == Approx(solid));
   }
 }
@@ -222,13 +222,13 @@ TEST_CASE("Of nested shells that all face inward all are turned") {
   const Shape nested =
       turned_inside_out(merged(sphere(1, 2), merged(sphere(0.5, 2), sphere(0.2, 2))));
   const Mesh mesh = load_shape(nested);
-  CHECK(mesh.turned_components == 3);
+  CHECK(mesh.inverted_components == 3);
 }
 
 TEST_CASE("An inverted part beside a right one is turned alone") {
   const Mesh mesh =
       load_shape(merged(sphere(1, 2), turned_inside_out(moved(sphere(1, 2), {3, 0, 0}))));
-  CHECK(mesh.turned_components == 1);
+  CHECK(mesh.inverted_components == 1);
   CHECK(signed_volume(mesh.vertices, mesh.triangles) > 7);
 }
 
@@ -236,7 +236,7 @@ TEST_CASE("An inverted solid within a cavity is turned") {
   const Shape shape = merged(merged(sphere(1, 2), turned_inside_out(sphere(0.5, 2))),
                              turned_inside_out(sphere(0.2, 2)));
   const Mesh mesh = load_shape(shape);
-  CHECK(mesh.turned_components == 1);
+  CHECK(mesh.inverted_components == 1);
 }
 
 TEST_CASE("An open mesh is reported with its border edges") {
@@ -351,7 +351,7 @@ TEST_CASE("The shared meshes load with the counts that are known of them") {
     CHECK(mesh.triangles.size() == known.triangles);
     CHECK(mesh.border_edges == known.borders);
     CHECK(mesh.components == known.components);
-    CHECK(mesh.turned_components == 0);
+    CHECK(mesh.inverted_components == 0);
   }
 }
 

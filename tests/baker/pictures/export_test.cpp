@@ -4,7 +4,7 @@
 #include <catch2/catch.hpp>
 
 #include "baker/pictures/picture.hpp"
-#include "common/asset/element_tree.hpp"
+#include "common/asset/bvh.hpp"
 #include "common/surface/support_plane_mapping.hpp"
 #include "formats/asset/asset.hpp"
 
@@ -36,9 +36,9 @@ Asset tile_asset(bool small) {
   }
   asset.first_cap = 3;
   for (const std::uint32_t first : {0U, 3U}) {
-    asset.tree.words.push_back(pack_child({ElementKind::fan, first, 1}));
+    asset.bvh.words.push_back(pack_child({ElementKind::fan, first, 1}));
   }
-  asset.tree.words.resize(tree_node_words, 0);
+  asset.bvh.words.resize(bvh_node_words, 0);
   return asset;
 }
 

@@ -15,7 +15,7 @@ namespace {
 struct Exact {
   double distance;
   Vector3 direction;
-  double to_edge = 1;  ///< how far the foot is from the nearest sharp edge, m
+  double to_edge = 1;  ///< how far the closest point is from the nearest sharp edge, m
 };
 using ClosedForm = std::function<Exact(const Vector3&)>;
 

@@ -12,7 +12,7 @@
 
 #include "baker/base/bake_error.hpp"
 #include "baker/cast/cast.hpp"
-#include "baker/smooth/sheet_refine.hpp"
+#include "baker/smooth/mesh_refine.hpp"
 #include "baker/surface/outer_surface.hpp"
 #include "common/base/random.hpp"
 #include "common/paper/smoothing.hpp"
@@ -119,10 +119,11 @@ ExitCode refusal(const test::Shape& shape, const SmoothOptions& options) {
 
 /// Largest turn between two triangles whose shared edge's middle is in a region, rad.
 double largest_turn(const Mesh& mesh, const std::function<bool(const Vector3&)>& region) {
-  const Sheet sheet{mesh.vertices, mesh.triangles};
+  const SurfaceMesh surface_mesh{mesh.vertices, mesh.triangles};
   double turn = 0;
-  for (const SheetEdge& edge : edges_of(sheet).edges) {
-    const Vector3 middle = (sheet.vertices[edge.ends[0]] + sheet.vertices[edge.ends[1]]) / 2;
+  for (const MeshEdge& edge : edges_of(surface_mesh).edges) {
+    const Vector3 middle =
+        (surface_mesh.vertices[edge.ends[0]] + surface_mesh.vertices[edge.ends[1]]) / 2;
     if (region(middle)) turn = std::max(turn, edge.turn);
   }
   return turn;
@@ -262,7 +263,8 @@ TEST_CASE("A step of a solid is smoothed about its own edges only") {
     CHECK(std::abs(caster.closest({-away * sigma, 0, 0.005}).distance) < 1e-12);
     CHECK(std::abs(caster.closest({away * sigma, 0, 0.013}).distance) < 1e-12);
   }
-  CHECK(caster.closest({0, 0, 0.005}).distance < -0.5 * sigma);  // a fillet at the step's foot
+  CHECK(caster.closest({0, 0, 0.005}).distance <
+        -0.5 * sigma);  // a fillet at the step's closest point
   CHECK(caster.closest({0, 0, 0.013}).distance > 0.5 * sigma);
 }
 
@@ -334,18 +336,18 @@ TEST_CASE("A kernel that is too large or too small for the object is a usage err
 
 TEST_CASE("A surface that would need too many triangles is a usage error") {
   const test::Shape box = test::box({0.03, 0.03, 0.03});
-  const auto every = [](const SheetEdge&) { return true; };
-  const Sheet sheet{box.vertices, box.triangles};
-  CHECK(refined(sheet, every, 0.005, 0.01, 4000).triangles.size() < 4000);
-  CHECK_THROWS_AS(refined(sheet, every, 0.001, 0.01, 4000), BakeError);
+  const auto every = [](const MeshEdge&) { return true; };
+  const SurfaceMesh surface_mesh{box.vertices, box.triangles};
+  CHECK(refined(surface_mesh, every, 0.005, 0.01, 4000).triangles.size() < 4000);
+  CHECK_THROWS_AS(refined(surface_mesh, every, 0.001, 0.01, 4000), BakeError);
 }
 
 TEST_CASE("Refining leaves no long edge near a chosen one, and no gap") {
   const test::Shape box = test::box({0.03, 0.03, 0.0003});
-  const auto sharp = [](const SheetEdge& edge) { return edge.turn > 1; };
-  const Sheet fine = refined({box.vertices, box.triangles}, sharp, 0.001, 0.004, 100000);
+  const auto sharp = [](const MeshEdge& edge) { return edge.turn > 1; };
+  const SurfaceMesh fine = refined({box.vertices, box.triangles}, sharp, 0.001, 0.004, 100000);
   double area = 0;
-  for (const SheetEdge& edge : edges_of(fine).edges) {
+  for (const MeshEdge& edge : edges_of(fine).edges) {
     const Vector3& a = fine.vertices[edge.ends[0]];
     const Vector3& b = fine.vertices[edge.ends[1]];
     CHECK(edge.paired);

@@ -79,10 +79,10 @@ TEST_CASE("A clip line is found along a straight crease, whichever way it runs")
   for (int k = 0; k < 24; ++k) {
     const double angle = 0.27 * k, a = std::cos(angle), b = std::sin(angle);
     const double offset = 0.25 * (random_unit(3, static_cast<std::uint64_t>(k)) - 0.5);
-    const auto on_sheet = [&](double x, double y) {
+    const auto on_layer = [&](double x, double y) {
       return a * (x - 3.5) + b * (y - 2.5) <= offset;
     };
-    const std::optional<Clip> clip = fit_clip(3.5, 2.5, on_sheet);
+    const std::optional<Clip> clip = fit_clip(3.5, 2.5, on_layer);
     REQUIRE(clip);
     const auto length = static_cast<double>(std::hypot(clip->a, clip->b));
     CHECK(static_cast<double>(clip->a) / length == Approx(a).margin(0.03));
@@ -131,10 +131,10 @@ TEST_CASE("Tiles and pieces together stand for every point of the surface, withi
   for (const SurfacePoint& sample : surface_points(covered.caster, 5e-4, 0, 9)) {
     double least = 1;
     for (const Tile& tile : tiles) {
-      const TileFoot foot =
+      const TileClosestPoint closest_point =
           closest_on_tile(tile, static_cast<float>(unit), covered.planes[tile.plane], sample.point,
                           static_cast<float>(least));
-      least = std::min(least, static_cast<double>(foot.distance));
+      least = std::min(least, static_cast<double>(closest_point.distance));
     }
     if (least <= tolerance * 1.001) continue;
     ++open;
@@ -212,9 +212,10 @@ TEST_CASE("Every tile near a point is in its bin") {
   for (const SurfacePoint& sample : surface_points(covered.caster, 2e-3, 0, 5)) {
     const std::span<const std::uint32_t> near = bins.near(sample.point);
     for (std::uint32_t i = 0; i < tiles.size(); ++i) {
-      const TileFoot foot = closest_on_tile(tiles[i], static_cast<float>(unit),
-                                            covered.planes[tiles[i].plane], sample.point, 9.9e-5F);
-      if (!std::isfinite(foot.distance)) continue;
+      const TileClosestPoint closest_point =
+          closest_on_tile(tiles[i], static_cast<float>(unit), covered.planes[tiles[i].plane],
+                          sample.point, 9.9e-5F);
+      if (!std::isfinite(closest_point.distance)) continue;
       CHECK(std::find(near.begin(), near.end(), i) != near.end());
     }
   }

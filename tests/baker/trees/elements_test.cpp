@@ -6,11 +6,11 @@
 #include <set>
 
 #include "baker/base/bake_error.hpp"
+#include "baker/trees/bvh_build.hpp"
 #include "baker/trees/element_choice.hpp"
-#include "baker/trees/space_build.hpp"
-#include "baker/trees/tree_build.hpp"
+#include "baker/trees/sign_octree_build.hpp"
 #include "baker/trees/triangle_fans.hpp"
-#include "common/asset/element_tree.hpp"
+#include "common/asset/bvh.hpp"
 #include "common/base/random.hpp"
 #include "tests/baker/pipeline/bake_support.hpp"
 
@@ -23,11 +23,11 @@ Vector3 random_point(std::uint64_t seed, std::uint64_t index) {
 }
 
 /// Small boxes at random places; every third a tile, a few of the others caps.
-std::vector<TreeElement> random_elements(std::size_t count) {
-  std::vector<TreeElement> elements;
+std::vector<BvhElement> random_elements(std::size_t count) {
+  std::vector<BvhElement> elements;
   std::uint32_t tiles = 0, fans = 0;
   for (std::size_t i = 0; i < count; ++i) {
-    TreeElement element;
+    BvhElement element;
     element.triangles = static_cast<std::uint32_t>(i % 3);
     element.cap = element.triangles > 0 && i % 7 == 1;
     element.number = element.triangles == 0 ? tiles++ : fans++;
@@ -43,14 +43,14 @@ double distance_to(const Box& box, const Vector3& point) {
 }
 
 /// Old numbers of the fans by the first of their corners.
-std::map<std::uint32_t, std::uint32_t> fans_by_corner(const std::vector<TreeElement>& elements,
-                                                      const BuiltTree& tree) {
+std::map<std::uint32_t, std::uint32_t> fans_by_corner(const std::vector<BvhElement>& elements,
+                                                      const BuiltBvh& bvh) {
   std::map<std::uint32_t, std::uint32_t> triangles, fans;
-  for (const TreeElement& element : elements) {
+  for (const BvhElement& element : elements) {
     if (element.triangles > 0) triangles[element.number] = element.triangles;
   }
   std::uint32_t corner = 0;
-  for (const std::uint32_t fan : tree.fans) {
+  for (const std::uint32_t fan : bvh.fans) {
     fans[corner] = fan;
     corner += triangles[fan] + 2;
   }
@@ -58,32 +58,32 @@ std::map<std::uint32_t, std::uint32_t> fans_by_corner(const std::vector<TreeElem
 }
 
 /// Which elements, tiles or not and their old numbers, a visit meets.
-std::set<std::pair<bool, std::uint32_t>> met(const std::vector<TreeElement>& elements,
-                                             const BuiltTree& tree, const Vector3& point,
-                                             double reach) {
+std::set<std::pair<bool, std::uint32_t>> met(const std::vector<BvhElement>& elements,
+                                             const BuiltBvh& bvh, const Vector3& point,
+                                             double distance) {
   std::set<std::pair<bool, std::uint32_t>> found;
-  const auto fans = fans_by_corner(elements, tree);
-  const ElementTree view{tree.data.origin, tree.data.size, tree.data.words};
+  const auto fans = fans_by_corner(elements, bvh);
+  const Bvh view{bvh.data.origin, bvh.data.size, bvh.data.words};
   visit_elements(
       view, point,
-      [&](const TreeChild& child) {
+      [&](const BvhChild& child) {
         const bool tile = child.kind == ElementKind::tile;
-        found.emplace(tile, tile ? tree.tiles[child.first] : fans.at(child.first));
+        found.emplace(tile, tile ? bvh.tiles[child.first] : fans.at(child.first));
       },
-      [reach] { return reach; });
+      [distance] { return distance; });
   return found;
 }
 
 TEST_CASE("A tree of elements leads to every element that may be near enough") {
   for (const std::size_t count : {1, 2, 5, 300}) {
-    const std::vector<TreeElement> elements = random_elements(count);
-    const BuiltTree tree = build_tree(elements);
+    const std::vector<BvhElement> elements = random_elements(count);
+    const BuiltBvh bvh = build_bvh(elements);
     for (std::uint64_t i = 0; i < 200; ++i) {
       const Vector3 point = 1.4 * random_point(3, i) - Vector3::Constant(0.2);
-      const double reach = 0.3 * random_unit(4, i);
-      const auto found = met(elements, tree, point, reach);
-      for (const TreeElement& element : elements) {
-        if (distance_to(element.box, point) > reach) continue;
+      const double distance = 0.3 * random_unit(4, i);
+      const auto found = met(elements, bvh, point, distance);
+      for (const BvhElement& element : elements) {
+        if (distance_to(element.box, point) > distance) continue;
         CHECK(found.count({element.triangles == 0, element.number}) == 1);
       }
     }
@@ -91,54 +91,54 @@ TEST_CASE("A tree of elements leads to every element that may be near enough") {
 }
 
 TEST_CASE("A tree names every element once, and caps last") {
-  const std::vector<TreeElement> elements = random_elements(400);
-  const BuiltTree tree = build_tree(elements);
-  CHECK(std::set(tree.tiles.begin(), tree.tiles.end()).size() == tree.tiles.size());
-  CHECK(std::set(tree.fans.begin(), tree.fans.end()).size() == tree.fans.size());
-  CHECK(tree.tiles.size() + tree.fans.size() == elements.size());
+  const std::vector<BvhElement> elements = random_elements(400);
+  const BuiltBvh bvh = build_bvh(elements);
+  CHECK(std::set(bvh.tiles.begin(), bvh.tiles.end()).size() == bvh.tiles.size());
+  CHECK(std::set(bvh.fans.begin(), bvh.fans.end()).size() == bvh.fans.size());
+  CHECK(bvh.tiles.size() + bvh.fans.size() == elements.size());
   std::map<std::uint32_t, bool> caps;
-  for (const TreeElement& element : elements) {
+  for (const BvhElement& element : elements) {
     if (element.triangles > 0) caps[element.number] = element.cap;
   }
-  for (const auto& [corner, fan] : fans_by_corner(elements, tree)) {
-    CHECK(caps[fan] == (corner >= tree.first_cap));
+  for (const auto& [corner, fan] : fans_by_corner(elements, bvh)) {
+    CHECK(caps[fan] == (corner >= bvh.first_cap));
   }
 }
 
 TEST_CASE("Elements that all lie in one place still make a tree that ends") {
-  std::vector<TreeElement> elements = random_elements(500);
-  for (TreeElement& element : elements) element.box = elements[0].box;
-  const BuiltTree tree = build_tree(elements);
-  CHECK(met(elements, tree, elements[0].box.low, 1e-3).size() == elements.size());
+  std::vector<BvhElement> elements = random_elements(500);
+  for (BvhElement& element : elements) element.box = elements[0].box;
+  const BuiltBvh bvh = build_bvh(elements);
+  CHECK(met(elements, bvh, elements[0].box.low, 1e-3).size() == elements.size());
 }
 
 TEST_CASE("Cubes of one side hold no point of the other, and all of the band is in some cube") {
   const Caster caster(test::surface_of(test::torus(0.02, 0.006, 60, 30)));
   const Band band{0.002, 0.001};
-  const SpaceBuilder space(caster, band, 1e-4, nullptr, {});
+  const SignOctreeBuilder sign_octree(caster, band, 1e-4, nullptr, {});
   for (std::uint64_t i = 0; i < 3000; ++i) {
     const Vector3 point = 0.06 * (random_point(5, i) - Vector3::Constant(0.5));
     const double distance = caster.closest(point).distance;
-    const SpaceKind kind = space.place(point);
-    if (kind == SpaceKind::inside) CHECK(distance < 0);
-    if (kind == SpaceKind::outside) CHECK(distance > 0);
-    if (kind == SpaceKind::far) CHECK(distance > band.margin);
+    const SignKind kind = sign_octree.place(point);
+    if (kind == SignKind::inside) CHECK(distance < 0);
+    if (kind == SignKind::outside) CHECK(distance > 0);
+    if (kind == SignKind::far) CHECK(distance > band.margin);
   }
 }
 
 TEST_CASE("Space tells the same in memory and in its words, before and after mending") {
   const Caster caster(test::surface_of(test::box({0.03, 0.02, 0.01})));
-  SpaceBuilder space(caster, {0.002, 0.001}, 1e-4, nullptr, {});
+  SignOctreeBuilder sign_octree(caster, {0.002, 0.001}, 1e-4, nullptr, {});
   const Vector3 beside(0.0154, 0.0005, 0.0005);
-  REQUIRE(space.place(beside) == SpaceKind::told);
-  CHECK(space.mend(beside));
-  CHECK(space.place(beside) == SpaceKind::outside);
-  CHECK_FALSE(space.mend(beside));
-  const SpaceData data = space.data();
-  const SpaceTree tree{data.origin, data.edge, data.words};
+  REQUIRE(sign_octree.place(beside) == SignKind::boundary);
+  CHECK(sign_octree.resolve(beside));
+  CHECK(sign_octree.place(beside) == SignKind::outside);
+  CHECK_FALSE(sign_octree.resolve(beside));
+  const SignOctreeData data = sign_octree.data();
+  const SignOctree octree{data.origin, data.edge, data.words};
   for (std::uint64_t i = 0; i < 3000; ++i) {
     const Vector3 point = 0.04 * (random_point(6, i) - Vector3::Constant(0.5));
-    CHECK(space_at(tree, point) == space.place(point));
+    CHECK(sign_at(octree, point) == sign_octree.place(point));
   }
 }
 

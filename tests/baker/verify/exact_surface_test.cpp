@@ -35,8 +35,8 @@ double depth_to_sphere(const Vector3& point, const Vector3& centre, double radiu
                        double sign) {
   const Vector3 radial = point - centre;
   const double distance = radial.norm();
-  const Vector3 foot = centre + radial * (radius / distance);
-  if (sign * (foot.x() - middle) >= 0) return std::abs(radius - distance);
+  const Vector3 closest_point = centre + radial * (radius / distance);
+  if (sign * (closest_point.x() - middle) >= 0) return std::abs(radius - distance);
   const double ring = std::sqrt(radius * radius - (middle - centre.x()) * (middle - centre.x()));
   const double off_axis = std::hypot(point.y(), point.z());
   return std::hypot(point.x() - middle, off_axis - ring);

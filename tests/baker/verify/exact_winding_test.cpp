@@ -64,11 +64,11 @@ TEST_CASE("The variation bounds how much the winding number of an open mesh chan
   for (std::uint64_t i = 0; i < 2000; ++i) {
     const Vector3 point = test::point_around(mesh, -0.005, random_unit(6, 4 * i),
                                              random_unit(6, 4 * i + 1), random_unit(6, 4 * i + 2));
-    const double reach = 0.004 * random_unit(6, 4 * i + 3);
-    const double bound = winding.variation(point, reach);
+    const double distance = 0.004 * random_unit(6, 4 * i + 3);
+    const double bound = winding.variation(point, distance);
     if (!std::isfinite(bound)) continue;
     ++bounded;
-    const Vector3 moved = point + reach * Vector3(1, -2, 3).normalized();
+    const Vector3 moved = point + distance * Vector3(1, -2, 3).normalized();
     CHECK(std::abs(winding.at(moved) - winding.at(point)) <= bound + 1e-12);
   }
   CHECK(bounded > 100);

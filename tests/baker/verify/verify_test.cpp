@@ -9,7 +9,7 @@
 #include "baker/base/bake_error.hpp"
 #include "formats/files/sha256.hpp"
 #include "tests/baker/verify/verify_shapes.hpp"
-#include "tests/support/triangle_tree.hpp"
+#include "tests/support/triangle_bvh.hpp"
 
 using namespace spm;
 using namespace spm::baker;
@@ -17,8 +17,8 @@ using namespace spm::baker;
 namespace {
 
 /// Makes all space around an asset, and the asset, of one kind.
-void fill_space(Asset& asset, SpaceKind kind) {
-  test::fill_space(asset, Vector3::Constant(-0.1), 0.2, kind);
+void fill_sign_octree(Asset& asset, SignKind kind) {
+  test::fill_sign_octree(asset, Vector3::Constant(-0.1), 0.2, kind);
 }
 
 /// An asset of every triangle of a shape: its answers are exact for the shape that it was made of.
@@ -35,8 +35,8 @@ Asset exact_asset(const test::Shape& shape, double tolerance) {
       }
     }
   }
-  const test::TriangleTree tree(asset);
-  fill_space(asset, SpaceKind::told);
+  const test::TriangleBvh tree(asset);
+  fill_sign_octree(asset, SignKind::boundary);
   return asset;
 }
 
@@ -94,7 +94,7 @@ TEST_CASE("An asset that is inside out has every clear sample on the wrong side"
 
 TEST_CASE("Places without an answer are counted, and inside they count as taken for outside") {
   Asset asset = exact_asset(box(), 50e-6);
-  fill_space(asset, SpaceKind::far);
+  fill_sign_octree(asset, SignKind::far);
   const VerifyReport report = verify(box(), asset);
   CHECK(report.unanswered > 0.9);  // near the margin `far` is an answer
   CHECK(report.unanswered < 1);
@@ -105,7 +105,7 @@ TEST_CASE("Places without an answer are counted, and inside they count as taken 
 TEST_CASE("A deep answer where it is shallow is off by the difference") {
   // Of a box so large that all of the band is deep in it.
   Asset asset = exact_asset(test::box({0.09, 0.09, 0.09}), 50e-6);
-  fill_space(asset, SpaceKind::inside);
+  fill_sign_octree(asset, SignKind::inside);
   const VerifyReport report = verify(box(), asset);
   CHECK(report.unanswered == 0);
   CHECK(report.distance.max == Approx(0.0025).epsilon(0.01));
@@ -115,7 +115,7 @@ TEST_CASE("A deep answer where it is shallow is off by the difference") {
 TEST_CASE("Samples reach the whole band and no farther") {
   // Of a box so large that all of the band is deep in it.
   Asset asset = exact_asset(test::box({0.09, 0.09, 0.09}), 50e-6);
-  fill_space(asset, SpaceKind::inside);
+  fill_sign_octree(asset, SignKind::inside);
   const AssetTables tables = tables_of(asset);
   VerifyOptions options;
   options.samples = 4000;

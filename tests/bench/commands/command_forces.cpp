@@ -6,12 +6,12 @@
 
 #include "formats/cli/command_line.hpp"
 #include "formats/files/output_file.hpp"
+#include "tests/bench/base/unwrap.hpp"
 #include "tests/bench/commands/commands.hpp"
+#include "tests/bench/model/known_meshes.hpp"
 #include "tests/bench/reports/forces.hpp"
 #include "tests/bench/reports/forces_text.hpp"
-#include "tests/bench/model/known_meshes.hpp"
 #include "tests/bench/reports/row_text.hpp"
-#include "tests/bench/base/unwrap.hpp"
 
 namespace spm::bench {
 namespace {
@@ -52,10 +52,10 @@ ForcesPlan plan_of(const Settings& settings) {
   }
   if (settings.quick) {
     plan.paper_resolution = 17;
-    plan.most_ticks = 3000;
+    plan.max_ticks = 3000;
     plan.walked_ticks = 2000;
   }
-  if (settings.ticks > 0) plan.most_ticks = plan.walked_ticks = settings.ticks;
+  if (settings.ticks > 0) plan.max_ticks = plan.walked_ticks = settings.ticks;
   return plan;
 }
 

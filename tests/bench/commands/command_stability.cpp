@@ -11,8 +11,8 @@
 #include "formats/cli/command_line.hpp"
 #include "formats/files/nearest_word.hpp"
 #include "formats/files/output_file.hpp"
-#include "tests/bench/commands/commands.hpp"
 #include "tests/bench/base/thread_limit.hpp"
+#include "tests/bench/commands/commands.hpp"
 #include "tests/stability/report/stability_report.hpp"
 #include "tests/stability/report/stability_text.hpp"
 
@@ -113,8 +113,8 @@ Command add_stability_command(CLI::App& app) {
                   "try this case only; may be repeated (default: the whole catalogue)");
   add_name_option(
       *command, "--method", settings->plan.methods,
-      "try this method only; may be repeated (default: all); METHOD+CURE for one with a "
-      "cure, default for the product's default");
+      "try this method only; may be repeated (default: all); METHOD+STABILIZER for one with a "
+      "stabilizer, default for the product's default");
   add_name_option(*command, "--device", settings->plan.devices,
                   "try this profile only; may be repeated (default: all five; low with --quick)");
   add_name_option(*command, "--part", settings->parts,

@@ -38,7 +38,7 @@ TablesPlan plan_of(const Settings& settings) {
     plan.plane_counts = {100, 1000};
     plan.paper_resolution = 17;
     plan.slide_steps = 300;
-    plan.most_ticks = 3000;
+    plan.max_ticks = 3000;
     plan.scaling_tolerance = 400e-6;
     plan.timing = {5, 0.5, 2};
   } else {

@@ -14,13 +14,14 @@ namespace spm::bench {
 using AxisBox = Eigen::AlignedBox3d;
 
 /// A box turned with its object; the object's frame.
-struct TurnedBox {
+struct OrientedBoundingBox {
   Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();  ///< the box's middle and axes
   Vector3 half = Vector3::Zero();
 };
 
 /// The box along the main axes of points, grown by `grown` metres.
-[[nodiscard]] inline TurnedBox turned_box(const std::vector<Vector3>& points, double grown) {
+[[nodiscard]] inline OrientedBoundingBox oriented_bounding_box(const std::vector<Vector3>& points,
+                                                               double grown) {
   Vector3 mean = Vector3::Zero();
   for (const Vector3& point : points) mean += point / static_cast<double>(points.size());
   Eigen::Matrix3d spread = Eigen::Matrix3d::Zero();
@@ -29,7 +30,7 @@ struct TurnedBox {
   if (axes.determinant() < 0) axes.col(0) *= -1;
   AxisBox box;
   for (const Vector3& point : points) box.extend(Vector3(axes.transpose() * point));
-  TurnedBox made;
+  OrientedBoundingBox made;
   made.pose.linear() = axes;
   made.pose.translation() = axes * box.center();
   made.half = box.sizes() / 2 + Vector3::Constant(grown);

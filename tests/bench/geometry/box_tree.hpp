@@ -71,7 +71,7 @@ class BoxTree {
   /// As AllTriangles::each.
   template <class Visit>
   void each(const SearchBox& box, const Visit& visit) const {
-    std::array<std::uint32_t, most_depth> open{};
+    std::array<std::uint32_t, max_depth> open{};
     std::size_t count = 0;
     std::uint32_t at = 0;
     while (true) {
@@ -92,7 +92,7 @@ class BoxTree {
   }
 
  private:
-  static constexpr std::size_t most_depth = 64;
+  static constexpr std::size_t max_depth = 64;
   static constexpr std::size_t leaf_triangles = 4;
 
   /// The first half follows its node.

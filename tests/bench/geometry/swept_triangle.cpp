@@ -10,7 +10,7 @@
 namespace spm::bench {
 namespace {
 
-constexpr int most_steps = 12;
+constexpr int max_steps = 12;
 
 /// Whether a point of the triangle's plane lies in it, or at most `slack` metres beside it.
 bool inside(const Vector3& point, const std::array<Vector3, 3>& corners, const Vector3& normal,
@@ -36,12 +36,12 @@ bool touch_by_point(const Vector3& from, const Vector3& move, const std::array<V
   const double share = std::clamp(-start / change, 0.0, 1.0);
   const double area = across.norm();
   const Vector3 normal = across / area;
-  const Vector3 foot = from + share * move;
+  const Vector3 closest_point = from + share * move;
   // Neighbours overlap by a thousandth of the skin, so that none is passed between.
-  if (!inside(foot, corners, normal, 1e-3 * skin)) return false;
+  if (!inside(closest_point, corners, normal, 1e-3 * skin)) return false;
   // Back along the move until it is a skin above the plane, or at its start.
   touch.share = std::max(0.0, share - skin * area / std::abs(change));
-  touch.foot = foot;
+  touch.closest_point = closest_point;
   touch.normal = start > 0 ? normal : Vector3(-normal);
   return true;
 }
@@ -53,10 +53,10 @@ bool touch_by_ball(const Vector3& from, const Vector3& move, double radius,
   // over the seam of two triangles, comes to no such place.
   const double reach = radius + skin / 2;
   double share = 0;
-  for (int step = 0; step < most_steps; ++step) {
+  for (int step = 0; step < max_steps; ++step) {
     const Vector3 place = from + share * move;
-    touch.foot = closest_on_triangle(place, corners[0], corners[1], corners[2]);
-    const Vector3 away = place - touch.foot;
+    touch.closest_point = closest_on_triangle(place, corners[0], corners[1], corners[2]);
+    const Vector3 away = place - touch.closest_point;
     const double distance = away.norm();
     if (!(distance > 0)) return false;
     touch.normal = away / distance;

@@ -9,9 +9,9 @@ namespace spm::bench {
 
 /// Where a moving point or ball first touches a triangle.
 struct Touch {
-  double share = 0;                  ///< of the move, 0 to 1
-  Vector3 foot = Vector3::Zero();    ///< on the triangle
-  Vector3 normal = Vector3::Zero();  ///< unit, towards what moves
+  double share = 0;                         ///< of the move, 0 to 1
+  Vector3 closest_point = Vector3::Zero();  ///< on the triangle
+  Vector3 normal = Vector3::Zero();         ///< unit, towards what moves
 };
 
 /// First touch of a point moving from `from` by `move`, from either side of the triangle; it stops

@@ -9,10 +9,12 @@ namespace spm::bench {
 namespace {
 
 /// Whether a place of a triangle lies within `tie` of its border.
-bool on_border(const std::array<Vector3, 3>& corners, const Vector3& foot, double tie) noexcept {
+bool on_border(const std::array<Vector3, 3>& corners, const Vector3& closest_point,
+               double tie) noexcept {
   for (std::size_t k = 0; k < 3; ++k) {
     const Vector3 edge = corners[(k + 1) % 3] - corners[k];
-    if (edge.cross(foot - corners[k]).squaredNorm() <= tie * tie * edge.squaredNorm()) return true;
+    if (edge.cross(closest_point - corners[k]).squaredNorm() <= tie * tie * edge.squaredNorm())
+      return true;
   }
   return false;
 }
@@ -35,12 +37,12 @@ TriangleNeighbours::TriangleNeighbours(const FloatMesh& mesh)
 
 Answer TriangleNeighbours::answer(const FloatMesh& mesh, const Vector3& point,
                                   std::uint32_t triangle, double tie) const noexcept {
-  NearestFoot nearest(point, tie);
+  NearestPoint nearest(point, tie);
   const auto show = [&](std::uint32_t shown) {
     const std::array<Vector3, 3> corners = mesh.corners(shown);
-    const Vector3 foot = closest_on_triangle(point, corners[0], corners[1], corners[2]);
-    nearest.show(foot, corners[0], corners[1], corners[2]);
-    return on_border(corners, foot, tie);
+    const Vector3 closest_point = closest_on_triangle(point, corners[0], corners[1], corners[2]);
+    nearest.show(closest_point, corners[0], corners[1], corners[2]);
+    return on_border(corners, closest_point, tie);
   };
   if (!show(triangle)) return nearest.answer();
   for (const std::uint32_t vertex : mesh.triangles[triangle]) {

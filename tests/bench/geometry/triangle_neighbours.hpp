@@ -4,8 +4,8 @@
 #include <cstdint>
 #include <vector>
 
+#include "tests/bench/geometry/nearest_point.hpp"
 #include "tests/bench/model/float_mesh.hpp"
-#include "tests/bench/geometry/nearest_foot.hpp"
 
 namespace spm::bench {
 
@@ -20,8 +20,8 @@ class TriangleNeighbours {
     return 4 * (first_.size() + triangles_.size());
   }
 
-  /// Answer at a point whose nearest triangle, or one of several, is `triangle`; where its foot
-  /// lies on an edge or a corner, of all that touch it. `tie` in metres.
+  /// Answer at a point whose nearest triangle, or one of several, is `triangle`; where its closest
+  /// point lies on an edge or a corner, of all that touch it. `tie` in metres.
   [[nodiscard]] Answer answer(const FloatMesh& mesh, const Vector3& point, std::uint32_t triangle,
                               double tie) const noexcept;
 

@@ -6,8 +6,8 @@
 #include <utility>
 #include <vector>
 
-#include "common/surface/closest_on_triangle.hpp"
 #include "common/base/units.hpp"
+#include "common/surface/closest_on_triangle.hpp"
 #include "tests/bench/geometry/box_tree.hpp"
 #include "tests/bench/geometry/swept_triangle.hpp"
 
@@ -54,7 +54,7 @@ class Proxy final : public MeshProxy {
     if (contact.triangle == no_triangle) return result(tool);
     if (options_.shading) {
       // The second pass: towards where the shaded plane would hold it, over the true surface.
-      const Vector3 shaded = shaded_normal(contact.triangle, contact.foot, contact.normal);
+      const Vector3 shaded = shaded_normal(contact.triangle, contact.closest_point, contact.normal);
       Vector3 goal = tool + shaded * std::max(0.0, (proxy_ - tool).dot(shaded));
       goal += contact.normal * std::max(0.0, (proxy_ - goal).dot(contact.normal));
       slide(goal);
@@ -65,10 +65,10 @@ class Proxy final : public MeshProxy {
   [[nodiscard]] ProxyContact force_at(const Vector3& tool,
                                       std::uint32_t triangle) const noexcept override {
     const auto [a, b, c] = mesh_.corners(triangle);
-    const Vector3 foot = closest_on_triangle(tool, a, b, c);
+    const Vector3 closest_point = closest_on_triangle(tool, a, b, c);
     Vector3 normal = (b - a).cross(c - a).normalized();
-    const double height = normal.dot(tool - foot);
-    if (options_.shading) normal = shaded_normal(triangle, foot, normal);
+    const double height = normal.dot(tool - closest_point);
+    if (options_.shading) normal = shaded_normal(triangle, closest_point, normal);
     ProxyContact found;
     found.depth = std::max(0.0, options_.radius - height);
     found.contact = found.depth > 0;
@@ -88,7 +88,7 @@ class Proxy final : public MeshProxy {
   /// The first surface that held the proxy on its way.
   struct Contact {
     std::uint32_t triangle = no_triangle;
-    Vector3 foot = Vector3::Zero();
+    Vector3 closest_point = Vector3::Zero();
     Vector3 normal = Vector3::Zero();
   };
 
@@ -108,7 +108,7 @@ class Proxy final : public MeshProxy {
                                : touch_by_point(proxy_, move, corners, skin, touch);
       if (!touches || touch.share >= best) return;
       best = touch.share;
-      contact = {triangle, touch.foot, touch.normal};
+      contact = {triangle, touch.closest_point, touch.normal};
       box.set(proxy_, proxy_ + best * move, options_.radius + 2 * skin);
     });
     if (contact.triangle == no_triangle) {
@@ -117,7 +117,7 @@ class Proxy final : public MeshProxy {
     }
     proxy_ += best * move;
     // What rounding took of a ball's skin is given back.
-    const double height = (proxy_ - contact.foot).dot(contact.normal);
+    const double height = (proxy_ - contact.closest_point).dot(contact.normal);
     if (options_.radius > 0 && height < options_.radius + skin) {
       proxy_ += std::min(options_.radius + skin - height, skin) * contact.normal;
     }
@@ -145,13 +145,13 @@ class Proxy final : public MeshProxy {
   }
 
   /// On the side of `side`.
-  [[nodiscard]] Vector3 shaded_normal(std::uint32_t triangle, const Vector3& foot,
+  [[nodiscard]] Vector3 shaded_normal(std::uint32_t triangle, const Vector3& closest_point,
                                       const Vector3& side) const noexcept {
     const auto [a, b, c] = mesh_.corners(triangle);
     const Vector3 across = (b - a).cross(c - a);
     const double area = across.squaredNorm();
-    const double of_a = across.dot((b - foot).cross(c - foot)) / area;
-    const double of_b = across.dot((c - foot).cross(a - foot)) / area;
+    const double of_a = across.dot((b - closest_point).cross(c - closest_point)) / area;
+    const double of_b = across.dot((c - closest_point).cross(a - closest_point)) / area;
     const std::array<double, 3> weights{of_a, of_b, 1 - of_a - of_b};
     Vector3 sum = Vector3::Zero();
     for (std::size_t k = 0; k < 3; ++k) {

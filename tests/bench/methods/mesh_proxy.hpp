@@ -42,8 +42,9 @@ class MeshProxy {
   /// The tool moves here: the proxy follows. The search for triangles is part of it.
   virtual ProxyContact follow(const Vector3& tool) noexcept = 0;
 
-  /// The force that a tool gets from one triangle without any search: the plane of its foot, and
-  /// shading. Which triangle a tick touches is `last_triangle()` of the following before.
+  /// The force that a tool gets from one triangle without any search: the plane of its closest
+  /// point, and shading. Which triangle a tick touches is `last_triangle()` of the following
+  /// before.
   [[nodiscard]] virtual ProxyContact force_at(const Vector3& tool,
                                               std::uint32_t triangle) const noexcept = 0;
   [[nodiscard]] virtual std::uint32_t last_triangle() const noexcept = 0;

@@ -5,11 +5,11 @@
 #include <cstdint>
 
 #include "common/surface/closest_on_triangle.hpp"
-#include "tests/bench/model/float_mesh.hpp"
-#include "tests/bench/methods/methods.hpp"
-#include "tests/bench/geometry/nearest_foot.hpp"
-#include "tests/bench/methods/probe_method.hpp"
+#include "tests/bench/geometry/nearest_point.hpp"
 #include "tests/bench/geometry/trilinear.hpp"
+#include "tests/bench/methods/methods.hpp"
+#include "tests/bench/methods/probe_method.hpp"
+#include "tests/bench/model/float_mesh.hpp"
 
 namespace spm::bench {
 namespace {
@@ -63,7 +63,7 @@ class ShowTriangles final : public btTriangleCallback {
   Vector3 point_;
 
  public:
-  NearestFoot nearest;
+  NearestPoint nearest;
 };
 
 class Bullet : public Method {

@@ -7,9 +7,9 @@
 
 #include "baker/base/bake_error.hpp"
 #include "common/surface/closest_on_triangle.hpp"
-#include "tests/bench/model/float_mesh.hpp"
+#include "tests/bench/geometry/nearest_point.hpp"
 #include "tests/bench/methods/methods.hpp"
-#include "tests/bench/geometry/nearest_foot.hpp"
+#include "tests/bench/model/float_mesh.hpp"
 
 namespace spm::bench {
 namespace {
@@ -41,9 +41,9 @@ class Embree : public Method {
     struct Search {
       const Embree* self;
       Vector3 point;
-      NearestFoot nearest;
+      NearestPoint nearest;
     };
-    Search search{this, point, NearestFoot(point, tie_)};
+    Search search{this, point, NearestPoint(point, tie_)};
     RTCPointQuery place{};
     place.x = static_cast<float>(point.x());
     place.y = static_cast<float>(point.y());
@@ -54,8 +54,8 @@ class Embree : public Method {
     const auto visit = [](RTCPointQueryFunctionArguments* arguments) {
       auto& io = *static_cast<Search*>(arguments->userPtr);
       const auto [a, b, c] = io.self->mesh_.corners(arguments->primID);
-      const Vector3 foot = closest_on_triangle(io.point, a, b, c);
-      if (!io.nearest.show(foot, a, b, c)) return false;
+      const Vector3 closest_point = closest_on_triangle(io.point, a, b, c);
+      if (!io.nearest.show(closest_point, a, b, c)) return false;
       // Slack, so that single precision loses none that decides the side.
       arguments->query->radius = static_cast<float>(
           (io.nearest.distance() + io.self->tie_) * (1 + 1e-5) + 1e-6 * io.self->diagonal_);

@@ -7,13 +7,13 @@
 #include <numbers>
 #include <vector>
 
-#include "common/surface/closest_on_triangle.hpp"
 #include "common/base/units.hpp"
-#include "tests/bench/model/float_mesh.hpp"
+#include "common/surface/closest_on_triangle.hpp"
 #include "tests/bench/geometry/grid_number.hpp"
-#include "tests/bench/methods/methods.hpp"
-#include "tests/bench/geometry/nearest_foot.hpp"
+#include "tests/bench/geometry/nearest_point.hpp"
 #include "tests/bench/geometry/trilinear.hpp"
+#include "tests/bench/methods/methods.hpp"
+#include "tests/bench/model/float_mesh.hpp"
 
 namespace spm::bench {
 namespace {
@@ -108,7 +108,7 @@ class TriangleGrid : public Method {
     const std::uint32_t word = index_[grid_number(layout_.cells, cell)];
     if (word == far_cell) return far_answer();
     if (word == deep_cell) return deep_answer(band_.max_depth);
-    NearestFoot nearest(point, tie_);
+    NearestPoint nearest(point, tie_);
     for (std::uint32_t i = 1; i <= lists_[word]; ++i) {
       const auto [a, b, c] = mesh_.corners(lists_[word + i]);
       nearest.show(closest_on_triangle(point, a, b, c), a, b, c);

@@ -69,7 +69,7 @@ std::vector<TickTimes> time_ticks(std::span<const std::unique_ptr<TickMethod>> m
   }
   for (std::size_t pass = 0; pass < plan.passes; ++pass) {
     for (std::size_t i = 0; i < methods.size(); ++i) {
-      if (pass >= plan.least_passes && records[i].seconds > plan.most_seconds) continue;
+      if (pass >= plan.min_passes && records[i].seconds > plan.max_seconds) continue;
       time_pass(*methods[i], path, records[i]);
     }
   }

@@ -33,8 +33,8 @@ class TickMethod {
 
 struct TickPlan {
   std::size_t passes = 9;
-  double most_seconds = 6;       ///< of one method, after which it gets no further pass
-  std::size_t least_passes = 3;  ///< whatever they take
+  double max_seconds = 6;      ///< of one method, after which it gets no further pass
+  std::size_t min_passes = 3;  ///< whatever they take
 };
 
 /// Microseconds a tick.

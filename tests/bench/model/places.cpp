@@ -12,8 +12,8 @@
 namespace spm::bench {
 namespace {
 
-constexpr double least_distance = 2e-6;  // m; nearer the direction is lost in rounding
-constexpr std::uint64_t most_draws = 256;
+constexpr double min_distance = 2e-6;  // m; nearer the direction is lost in rounding
+constexpr std::uint64_t max_draws = 256;
 
 struct Draw {
   Place place;
@@ -24,8 +24,8 @@ struct Draw {
 Draw draw(const Model& model, std::uint64_t seed, std::uint64_t index) {
   const Band& band = model.band;
   Draw result;
-  for (std::uint64_t attempt = 0; attempt < most_draws; ++attempt) {
-    const std::uint64_t counter = 4 * (index * most_draws + attempt);
+  for (std::uint64_t attempt = 0; attempt < max_draws; ++attempt) {
+    const std::uint64_t counter = 4 * (index * max_draws + attempt);
     const auto unit = [&](std::uint64_t i) { return random_unit(seed, counter + i); };
     const baker::SurfacePoint start = model.truth.at(unit(0), unit(1), unit(2));
     const Vector3 point =
@@ -47,16 +47,17 @@ TruePlace truth_at(const Model& model, const Vector3& point) {
   TruePlace truth;
   Place& place = truth.place;
   place.point = point;
-  truth.foot = model.truth.closest(point).position;
-  const double distance = (point - truth.foot).norm();
+  truth.closest_point = model.truth.closest(point).position;
+  const double distance = (point - truth.closest_point).norm();
   const double side = model.truth.inside(point) ? -1 : 1;
   place.distance = side * distance;
   if (place.distance < -model.band.max_depth || place.distance > model.band.margin) return truth;
-  truth.near_hole = model.truth.border_distance(truth.foot) < hole_share * model.mesh.diagonal;
+  truth.near_hole =
+      model.truth.border_distance(truth.closest_point) < hole_share * model.mesh.diagonal;
   truth.judged = !truth.near_hole;
-  if (truth.judged && distance >= least_distance &&
-      !model.truth.contested(point, truth.foot, 2 * model.tolerance)) {
-    place.outward = side * (point - truth.foot) / distance;
+  if (truth.judged && distance >= min_distance &&
+      !model.truth.contested(point, truth.closest_point, 2 * model.tolerance)) {
+    place.outward = side * (point - truth.closest_point) / distance;
   }
   return truth;
 }

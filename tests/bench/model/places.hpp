@@ -21,9 +21,9 @@ struct Place {
 /// What is true at any point.
 struct TruePlace {
   Place place;
-  Vector3 foot = Vector3::Zero();  ///< the closest point of the surface
-  bool judged = false;             ///< in the band, and not beside a hole
-  bool near_hole = false;          ///< within 3 % of the diagonal of a border edge
+  Vector3 closest_point = Vector3::Zero();  ///< the closest point of the surface
+  bool judged = false;                      ///< in the band, and not beside a hole
+  bool near_hole = false;                   ///< within 3 % of the diagonal of a border edge
 };
 
 [[nodiscard]] TruePlace truth_at(const Model& model, const Vector3& point);

@@ -15,14 +15,14 @@ constexpr double step_length = 0.1e-3;  // m
 constexpr double swing_steps = 400;     // of the depth, there and back
 constexpr double largest_turn = 0.05;   // rad a step
 constexpr double free_height = 20e-6;   // m above the surface, where a proxy is put
-constexpr std::size_t most_refusals = 40;
-constexpr std::size_t most_tries = 200;  // steps tried for each that is wanted
+constexpr std::size_t max_refusals = 40;
+constexpr std::size_t max_tries = 200;  // steps tried for each that is wanted
 
-/// On the free side of the surface, beside the foot of a point.
+/// On the free side of the surface, beside the closest point of a point.
 Vector3 free_place(const Model& model, const TruePlace& truth) {
   Vector3 outward = truth.place.outward;
   if (outward.isZero()) outward = model.truth.closest(truth.place.point).normal;
-  return truth.foot + free_height * outward;
+  return truth.closest_point + free_height * outward;
 }
 
 /// The contact that moves over the surface, and the hand that moves with it.
@@ -91,7 +91,7 @@ WalkedPath walk_surface(const Model& model, double low, double high, std::size_t
   bool fresh = true;
   std::size_t refused = 0;
   for (std::size_t tried = 0; path.steps.size() < steps; ++tried) {
-    if (tried > most_tries * steps) {
+    if (tried > max_tries * steps) {
       throw baker::BakeError(ExitCode::invalid_input,
                              model.mesh.path +
                                  ": its surface is too small, or too full of holes, "
@@ -100,7 +100,7 @@ WalkedPath walk_surface(const Model& model, double low, double high, std::size_t
     const TruePlace truth = truth_at(model, walk.step());
     if (!truth.judged) {
       fresh = true;
-      if (++refused < most_refusals) continue;
+      if (++refused < max_refusals) continue;
       refused = 0;
       walk.restart();
       continue;

@@ -20,7 +20,7 @@ constexpr double exact_error = 5e-8;
 
 /// No adaptive field is built for less, m: its cubes along edges are half as small, and take more
 /// than ten minutes a mesh.
-constexpr double least_adaptive = 100e-6;
+constexpr double min_adaptive = 100e-6;
 
 /// Builds and asks one method of a model after another.
 class Bench {
@@ -54,7 +54,7 @@ class Bench {
     }
     for (const double voxel : plan_.voxels) add_sdfs(model, places, voxel);
     for (const double tolerance : tolerances) {
-      if (tolerance < least_adaptive) continue;
+      if (tolerance < min_adaptive) continue;
       add(model, places, "adaptive-sdf", [&] { return make_adaptive_sdf(model, tolerance); });
     }
     ++models_done_;

@@ -56,7 +56,8 @@ void append_row(const MethodRow& row, std::string& text) {
 void append_comparison(const ComparisonRow& row, std::string& text) {
   const auto out = std::back_inserter(text);
   if (!row.size) {
-    fmt::format_to(out, "  {:<13} cannot be told: too few settings, or more bytes that err more\n",
+    fmt::format_to(out,
+                   "  {:<13} cannot be estimated: too few settings, or more bytes that err more\n",
                    row.method);
     return;
   }

@@ -14,7 +14,7 @@ struct ExactTick {
   double distance = 0;                ///< signed, m, negative inside
   Vector3 outward = Vector3::Zero();  ///< unit: gradient of the distance
   bool contested = false;             ///< another feature is nearly as near: see ExactSurface
-  bool near_hole = false;             ///< the foot is beside a border edge: see TruePlace
+  bool near_hole = false;             ///< the closest point is beside a border edge: see TruePlace
   bool sliding = true;                ///< neither lifted nor pressed just then
   bool fresh = false;                 ///< the path begins anew: no step leads here
 };

@@ -48,7 +48,7 @@ class Course {
     tell("paths");
     std::vector<SlidePath> paths;
     if (!source_.trajectory.empty()) {
-      paths.push_back(recorded_slide(model, source_.trajectory, plan_.most_ticks));
+      paths.push_back(recorded_slide(model, source_.trajectory, plan_.max_ticks));
     }
     paths.push_back(walked_slide(model, plan_.depth, plan_.walked_ticks, plan_.seed));
     first_ = report_.traces.size();

@@ -27,7 +27,7 @@ struct ForcesPlan {
   double turn_rate = 120;        ///< rad/s: of the row of `spm` with a limit on turns
   double depth = 1e-3;           ///< m: of the walked slide
   std::size_t walked_ticks = 20000;
-  std::size_t most_ticks = 0;  ///< of the recorded slides; 0: all
+  std::size_t max_ticks = 0;  ///< of the recorded slides; 0: all
   std::uint64_t seed = 1;
   unsigned threads = 0;  ///< 0: as many as there are cores; changes no figure
 };

@@ -11,26 +11,27 @@
 
 #include "baker/base/bake_error.hpp"
 #include "formats/motion/trajectory.hpp"
+#include "tests/bench/base/unwrap.hpp"
 #include "tests/bench/model/places.hpp"
 #include "tests/bench/model/query_sets.hpp"
-#include "tests/bench/base/unwrap.hpp"
 
 namespace spm::bench {
 namespace {
 
-constexpr double on_surface = 1e-9;  // m; nearer the direction to the foot is rounding
+constexpr double on_surface = 1e-9;  // m; nearer the direction to the closest point is rounding
 
 ExactTick exact_at(const Model& model, const Vector3& point) {
-  const baker::SurfacePoint foot = model.truth.closest(point);
-  const Vector3 away = point - foot.position;
+  const baker::SurfacePoint closest_point = model.truth.closest(point);
+  const Vector3 away = point - closest_point.position;
   const double distance = away.norm();
   const double side = model.truth.inside(point) ? -1 : 1;
   ExactTick tick;
   tick.distance = side * distance;
-  tick.outward = distance > on_surface ? Vector3(side * away / distance) : foot.normal;
+  tick.outward = distance > on_surface ? Vector3(side * away / distance) : closest_point.normal;
   if (tick.distance < -model.band.max_depth || tick.distance > model.band.margin) return tick;
-  tick.near_hole = model.truth.border_distance(foot.position) < hole_share * model.mesh.diagonal;
-  tick.contested = model.truth.contested(point, foot.position, 2 * model.tolerance);
+  tick.near_hole =
+      model.truth.border_distance(closest_point.position) < hole_share * model.mesh.diagonal;
+  tick.contested = model.truth.contested(point, closest_point.position, 2 * model.tolerance);
   return tick;
 }
 
@@ -59,7 +60,7 @@ std::vector<bool> read_phases(const std::string& trajectory, std::size_t count) 
 
 }  // namespace
 
-SlidePath recorded_slide(const Model& model, const std::string& file, std::size_t most_ticks) {
+SlidePath recorded_slide(const Model& model, const std::string& file, std::size_t max_ticks) {
   const std::vector<TrajectorySample> samples = unwrap(read_trajectory(file));
   if (samples.empty()) {
     throw baker::BakeError(ExitCode::invalid_input, file + ": holds no position");
@@ -67,7 +68,7 @@ SlidePath recorded_slide(const Model& model, const std::string& file, std::size_
   SlidePath path;
   path.name = "recorded";
   for (const TrajectorySample& sample : samples) {
-    if (most_ticks > 0 && path.points.size() == most_ticks) break;
+    if (max_ticks > 0 && path.points.size() == max_ticks) break;
     path.points.push_back(sample.position);
   }
   add_truth(model, path);

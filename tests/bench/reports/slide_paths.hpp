@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "tests/bench/reports/force_errors.hpp"
 #include "tests/bench/model/model.hpp"
+#include "tests/bench/reports/force_errors.hpp"
 
 namespace spm::bench {
 
@@ -17,11 +17,11 @@ struct SlidePath {
   std::vector<ExactTick> ticks;
 };
 
-/// A recorded trajectory, cut after `most_ticks` where that is above 0. Which ticks slide is told
+/// A recorded trajectory, cut after `max_ticks` where that is above 0. Which ticks slide is told
 /// by the file beside it that ends in `.phase.txt` for `.txt` (0 a line: sliding), where there is
 /// one. Throws BakeError where either file cannot be read.
 [[nodiscard]] SlidePath recorded_slide(const Model& model, const std::string& file,
-                                       std::size_t most_ticks);
+                                       std::size_t max_ticks);
 
 /// Of walk_surface, at 1 kHz.
 inline constexpr double walked_speed = 0.1;  // m/s

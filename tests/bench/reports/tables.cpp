@@ -148,8 +148,8 @@ std::vector<Vector3> read_path(const std::string& file, std::size_t most) {
 /// Table 2 or 3: one of the paper's models, at its own size.
 void measure_slide(const SlidSource& source, const TablesPlan& plan, TablesReport& report) {
   const baker::Mesh mesh = baker::load_mesh(source.model.path, {});
-  Course course(source.table, source.model.name, mesh,
-                read_path(source.trajectory, plan.most_ticks), plan, report);
+  Course course(source.table, source.model.name, mesh, read_path(source.trajectory, plan.max_ticks),
+                plan, report);
   course.expect(source.mesh_based, source.free_form);
   for (const bool tree : {false, true}) {
     for (const double radius : {0.0, plan.probe_radius}) {

@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "tests/bench/reports/bytes.hpp"
 #include "tests/bench/methods/tick_timing.hpp"
+#include "tests/bench/reports/bytes.hpp"
 
 namespace spm::bench {
 
@@ -35,7 +35,7 @@ struct TablesPlan {
   double scaling_tolerance = 100e-6;  ///< m: of `spm` in Table 1
   double probe_radius = 0.5e-3;       ///< m: of the rows with a ball
   std::size_t slide_steps = 1000;     ///< Table 1's path
-  std::size_t most_ticks = 0;         ///< of the recorded slides; 0: all
+  std::size_t max_ticks = 0;          ///< of the recorded slides; 0: all
   unsigned threads = 0;               ///< of the bakes; timing takes one
   TickPlan timing;
 };

@@ -70,7 +70,7 @@ class Scene {
       pose.translation() = other.translation() + far * along;
       SeparatingDirection none;
       const CullResult found = objects_apart(hull_, hull_, other.inverse() * pose, none);
-      if (found.apart && found.least > gap) break;
+      if (found.apart && found.lower_bound > gap) break;
       far += 0.05 * hull_.radius;
     }
   }
@@ -96,7 +96,7 @@ bool hulls_touch(const SupportHull& hull, const Isometry3d& pose2) noexcept {
                    hull.points[support_mapping(hull.points, -v)]);
   };
   const double enough = 2 * hull.grown;
-  return hull_distance(support, pose2.translation(), enough, exact_steps).least <= enough;
+  return hull_distance(support, pose2.translation(), enough, exact_steps).lower_bound <= enough;
 }
 
 CullingRow measure(const SupportHull& hull, std::uint64_t objects, bool near, std::uint64_t seed) {
@@ -104,7 +104,7 @@ CullingRow measure(const SupportHull& hull, std::uint64_t objects, bool near, st
   row.scene = near ? "near" : "random";
   row.objects = objects;
   Scene scene(hull, objects, near, seed);
-  const TurnedBox turned = turned_box(hull.points, hull.grown);
+  const OrientedBoundingBox turned = oriented_bounding_box(hull.points, hull.grown);
   std::map<std::pair<std::size_t, std::size_t>, SeparatingDirection> last;
   double aabb = 0, obb = 0, spm = 0, remembered = 0, told = 0;
   const OneCore pinned;
@@ -158,11 +158,11 @@ CullingRow measure(const SupportHull& hull, std::uint64_t objects, bool near, st
 
 }  // namespace
 
-std::vector<CullingRow> measure_culling(const SupportHull& hull, std::uint64_t most_objects,
+std::vector<CullingRow> measure_culling(const SupportHull& hull, std::uint64_t max_objects,
                                         std::uint64_t seed) {
   std::vector<CullingRow> rows;
   for (const std::uint64_t objects : {2U, 10U, 100U, 1000U}) {
-    if (objects > most_objects) continue;
+    if (objects > max_objects) continue;
     for (const bool near : {false, true}) rows.push_back(measure(hull, objects, near, seed));
   }
   return rows;

@@ -21,10 +21,10 @@ struct CullingRow {
   double remembered = 0;  ///< of the pairs that support planes told apart, by the last direction
 };
 
-/// Scenes of 2, 10, 100 and 1000 copies of a hull (`most_objects` at most), random and near.
+/// Scenes of 2, 10, 100 and 1000 copies of a hull (`max_objects` at most), random and near.
 /// Support planes and oriented boxes are asked of what passed the boxes along the axes.
 [[nodiscard]] std::vector<CullingRow> measure_culling(const SupportHull& hull,
-                                                      std::uint64_t most_objects,
+                                                      std::uint64_t max_objects,
                                                       std::uint64_t seed);
 
 }  // namespace spm::bench

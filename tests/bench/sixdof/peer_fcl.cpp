@@ -7,7 +7,7 @@
 namespace spm::bench {
 namespace {
 
-constexpr std::size_t most_contacts = 100000;
+constexpr std::size_t max_contacts = 100000;
 
 using Tree = fcl::BVHModel<fcl::OBBRSSd>;
 
@@ -30,7 +30,7 @@ class Fcl : public Peer {
       : tool_(tree_of(tool.surface)), object_(tree_of(object.surface)) {}
 
   [[nodiscard]] PeerAnswer ask(const Eigen::Isometry3d& tool_pose) override {
-    const fcl::CollisionRequestd request(most_contacts, true);
+    const fcl::CollisionRequestd request(max_contacts, true);
     fcl::CollisionResultd result;
     fcl::collide(object_.get(), Eigen::Isometry3d::Identity(), tool_.get(), tool_pose, request,
                  result);

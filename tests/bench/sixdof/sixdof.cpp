@@ -12,9 +12,9 @@
 #include <utility>
 
 #include "common/sixdof/object_contact.hpp"
-#include "tests/bench/sixdof/exact_contact.hpp"
-#include "tests/bench/model/model.hpp"
 #include "tests/bench/base/one_core.hpp"
+#include "tests/bench/model/model.hpp"
+#include "tests/bench/sixdof/exact_contact.hpp"
 #include "tests/bench/sixdof/sixdof_path.hpp"
 #include "tests/bench/sixdof/sixdof_peers.hpp"
 
@@ -71,7 +71,7 @@ class Runner {
                bool remembers) {
     ObjectContactSettings settings;
     settings.stiffness = stiffness;
-    if (!remembers) settings.most_reach = 0;
+    if (!remembers) settings.max_validity_radius = 0;
     std::optional<ObjectContact> contact;
     const std::array objects{ContactObject{&object, Isometry3d::Identity()}};
     SixdofRow row;
@@ -135,7 +135,7 @@ class Runner {
         busy.push_back(busy_seconds() - before);
       }
       for (const double time : times) row.mean += time;
-      row.most = std::max(row.most, *std::max_element(times.begin(), times.end()));
+      row.max = std::max(row.max, *std::max_element(times.begin(), times.end()));
       middles.push_back(quantile(times, 0.5));
       tails.push_back(quantile(times, 0.99));
       busy_tails.push_back(quantile(busy, 0.99));

@@ -36,7 +36,7 @@ struct SixdofRow {
   std::uint64_t samples = 0;  ///< of the tool; 0 for meshes
   /// s a tick, by the clock on the wall: of the passes over the path the median, most and mean of
   /// all.
-  double p50 = 0, p99 = 0, most = 0, mean = 0;
+  double p50 = 0, p99 = 0, max = 0, mean = 0;
   double busy_p99 = 0;  ///< s a tick of the core's time alone, likewise
   double tested = 0;    ///< samples whose distance was read, mean a tick
   double asked = 0;     ///< queries of the baked field, mean a tick

@@ -27,7 +27,7 @@ constexpr double wedged = 4e-4;
 constexpr double follow_share = 0.02;
 /// A tool turns so far a tick about its contact, rad.
 constexpr double twist = 5e-4;
-constexpr std::uint64_t most_trials = 400;
+constexpr std::uint64_t max_trials = 400;
 
 Vector3 to_vector(const std::array<float, 3>& v) { return {v[0], v[1], v[2]}; }
 
@@ -54,8 +54,8 @@ class Stroke {
 
   /// Presses the tool to where the stroke begins; false where it does not fit there.
   [[nodiscard]] bool settle() {
-    for (int step = 0; step < settle_steps; ++step) press(plan_.least_depth, 5e-4);
-    return std::abs(deepest_ - plan_.least_depth) < wedged / 4;
+    for (int step = 0; step < settle_steps; ++step) press(plan_.min_depth, 5e-4);
+    return std::abs(deepest_ - plan_.min_depth) < wedged / 4;
   }
 
   /// A pose on the way down to where it settled, `above` that, m.
@@ -76,7 +76,7 @@ class Stroke {
     angle_ += twist;
     const double phase = 2 * std::numbers::pi * static_cast<double>(tick) / 250;
     const double target =
-        plan_.least_depth + (plan_.most_depth - plan_.least_depth) * (1 - std::cos(phase)) / 2;
+        plan_.min_depth + (plan_.max_depth - plan_.min_depth) * (1 - std::cos(phase)) / 2;
     for (int k = 0; k < follow_steps; ++k) press(target, 5e-5);
     if (deepest_ > target + wedged) return std::nullopt;
     return pose();
@@ -121,7 +121,7 @@ std::vector<Isometry3d> press_and_slide(const SurfaceSamples& samples, const Ass
                                         const PathPlan& plan) {
   std::vector<Isometry3d> poses;
   for (std::uint64_t trial = 0; poses.size() < plan.ticks; ++trial) {
-    if (trial == most_trials) {
+    if (trial == max_trials) {
       throw baker::BakeError(ExitCode::invalid_input,
                              "the tool finds no place on the object where it can slide; give "
                              "another tool or a smaller one");

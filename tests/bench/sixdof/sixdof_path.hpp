@@ -13,10 +13,10 @@ namespace spm::bench {
 struct PathPlan {
   std::uint64_t ticks = 5000;
   std::uint64_t seed = 1;
-  double speed = 0.04;        ///< m/s along the object
-  double rate = 1000;         ///< 1/s
-  double least_depth = 1e-4;  ///< m: the deepest sample of the tool goes between these
-  double most_depth = 6e-4;
+  double speed = 0.04;      ///< m/s along the object
+  double rate = 1000;       ///< 1/s
+  double min_depth = 1e-4;  ///< m: the deepest sample of the tool goes between these
+  double max_depth = 6e-4;
 };
 
 /// Poses of a tool that is pressed shallowly to an object and slides over it, stroke by stroke:

@@ -27,7 +27,7 @@ Json row_json(const SixdofRow& row) {
   json["samples"] = row.samples > 0 ? Json(row.samples) : Json();
   json["p50_us"] = row.p50 * micro;
   json["p99_us"] = row.p99 * micro;
-  json["max_us"] = row.most * micro;
+  json["max_us"] = row.max * micro;
   json["mean_us"] = row.mean * micro;
   json["busy_p99_us"] = row.busy_p99 * micro;
   json["samples_tested"] = row.tested;

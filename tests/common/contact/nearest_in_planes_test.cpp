@@ -19,7 +19,7 @@ TEST_CASE("A point that is in all half-spaces is left where it is") {
         Vector3(1, 2, 3));
 }
 
-TEST_CASE("One, two and three planes leave a foot, a line and a corner") {
+TEST_CASE("One, two and three planes leave a closest point, a line and a corner") {
   const HalfSpace x = half_space_above(Vector3::UnitX(), 1);
   const HalfSpace y = half_space_above(Vector3::UnitY(), 2);
   const HalfSpace z = half_space_above(Vector3::UnitZ(), 3);

@@ -26,7 +26,7 @@ void check_beyond(const AssetView& by_tree, const IndexList& list, const Answer&
                   const Vector3& point) {
   if (list.kind == CubeKind::far) {
     REQUIRE(list.numbers == nullptr);
-    const double distance = read_elements(by_tree, point, CubeKind::told).nearest.distance;
+    const double distance = read_elements(by_tree, point, CubeKind::boundary).nearest.distance;
     REQUIRE(distance >= static_cast<double>(list.beyond));
   }
   if (answer.status == Status::deep) REQUIRE(answer.normal.norm() == Approx(1));
@@ -52,7 +52,7 @@ void check_at_once(const AssetView& asset, const std::vector<Vector3>& points,
 
 /// Asks at random places by the index, which must tell at a share of them, and by descending the
 /// tree.
-void check_alike(const test::Shape& shape, double tolerance, double least_listed) {
+void check_alike(const test::Shape& shape, double tolerance, double min_listed) {
   BakeOptions options;
   options.tolerance = tolerance;
   const BakeResult result = bake(test::mesh_of(shape), options);
@@ -62,7 +62,7 @@ void check_alike(const test::Shape& shape, double tolerance, double least_listed
   const AssetView& by_index = tables.view();
   REQUIRE(!by_index.index.words.empty());
   const Extent extent = extent_of(by_tree);
-  std::size_t exact = 0, listed = 0, far = 0, far_feet = 0, other_normals = 0;
+  std::size_t exact = 0, listed = 0, far = 0, far_closest_points = 0, other_normals = 0;
   std::vector<Vector3> points{{0, 0, std::nan("")}, extent.low - Vector3::Ones()};
   std::vector<Answer> answers{query_point(by_index, points[0]), query_point(by_index, points[1])};
   for (std::uint64_t seed = 1; seed <= 3; ++seed) {
@@ -82,19 +82,20 @@ void check_alike(const test::Shape& shape, double tolerance, double least_listed
       if (std::abs(wanted.distance) > tolerance / 4) {
         REQUIRE((found.distance < 0) == (wanted.distance < 0));
       }
-      // The foot on a cell is a near one, and which is found may hang on what was found before.
+      // The closest point on a cell is a near one, and which is found may hang on what was found
+      // before.
       REQUIRE(found.distance == Approx(wanted.distance).margin(tolerance / 4));
-      far_feet += std::abs(found.distance - wanted.distance) > 1e-8 ? 1 : 0;
+      far_closest_points += std::abs(found.distance - wanted.distance) > 1e-8 ? 1 : 0;
       other_normals += (found.normal - wanted.normal).norm() > 1e-4 ? 1 : 0;
     }
   }
   CHECK(exact > 2000);
   CHECK(far > 200);
   check_at_once(by_index, points, answers);
-  CHECK(static_cast<double>(listed) > least_listed * static_cast<double>(exact));
-  CHECK(far_feet * 100 <= exact);
-  // By the tree one foot of a tile is looked at, by the index one of each cell: at a kink between
-  // cells another may be found that faces the point.
+  CHECK(static_cast<double>(listed) > min_listed * static_cast<double>(exact));
+  CHECK(far_closest_points * 100 <= exact);
+  // By the tree one closest point of a tile is looked at, by the index one of each cell: at a kink
+  // between cells another may be found that faces the point.
   CHECK(other_normals * 40 <= exact);
 }
 

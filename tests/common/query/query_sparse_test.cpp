@@ -5,26 +5,26 @@
 #include <limits>
 #include <random>
 
-#include "tests/support/asset_by_hand.hpp"
 #include "common/query/query.hpp"
+#include "tests/support/asset_by_hand.hpp"
 #include "tests/support/tree_by_hand.hpp"
 
 namespace spm {
 namespace {
 
+using test::bvh_over;
 using test::fan_child;
 using test::octants;
 using test::TileByHand;
 using test::TiledCubeByHand;
-using test::tree_over;
 
 constexpr double size = 0.04;
 constexpr double half = size / 2;
 constexpr float half_f = static_cast<float>(half);
 
 /// Makes a cube's space of one kind.
-void fill(TiledCubeByHand& cube, SpaceKind kind) {
-  cube.space = {octants(kind), 0};
+void fill(TiledCubeByHand& cube, SignKind kind) {
+  cube.sign_octree = {octants(kind), 0};
   cube.refresh();
 }
 
@@ -35,7 +35,7 @@ void replace_tiles(TiledCubeByHand& cube, const std::vector<float>& corners, std
   cube.view.first_cap = 3 * (count - caps);
   std::vector<test::BoxedChild> fans;
   for (std::uint32_t k = 0; k < count; ++k) fans.push_back(fan_child(3 * k, 1));
-  cube.tree = tree_over(fans);
+  cube.bvh = bvh_over(fans);
   cube.refresh();
 }
 
@@ -96,24 +96,24 @@ TEST_CASE("Where the place tells the side, no element is asked for it") {
   TiledCubeByHand cube(size);
   const Vector3 below(0.003, 0.0197, -0.002), above(0.003, 0.0203, -0.002);
   for (const auto& [kind, side] :
-       {std::pair(SpaceKind::inside, -1), std::pair(SpaceKind::outside, 1)}) {
+       {std::pair(SignKind::inside, -1), std::pair(SignKind::outside, 1)}) {
     fill(cube, kind);
     CHECK(query_point(cube.view, below).distance == Approx(side * 0.0003));
     CHECK(query_point(cube.view, above).distance == Approx(side * 0.0003));
   }
   CHECK((query_point(cube.view, above).normal - Vector3::UnitY()).norm() < 1e-6);
-  fill(cube, SpaceKind::inside);
+  fill(cube, SignKind::inside);
   CHECK((query_point(cube.view, below).normal - Vector3::UnitY()).norm() < 1e-6);
 }
 
 TEST_CASE("Far and pruned places say so, and a place of no known kind is far") {
   TiledCubeByHand cube(size);
   const Vector3 point(0.003, 0.0199, -0.002);
-  fill(cube, SpaceKind::pruned);
+  fill(cube, SignKind::pruned);
   CHECK(query_point(cube.view, point).status == Status::pruned);
   CHECK(std::isnan(query_point(cube.view, point).distance));
   for (const std::uint32_t kind : {3U, 5U, 6U, 8U, 15U}) {
-    fill(cube, static_cast<SpaceKind>(kind));
+    fill(cube, static_cast<SignKind>(kind));
     const Answer answer = query_point(cube.view, point);
     CHECK(answer.status == Status::far);
     CHECK(std::isnan(answer.distance));
@@ -123,8 +123,8 @@ TEST_CASE("Far and pruned places say so, and a place of no known kind is far") {
 
 TEST_CASE("Octants of one space answer each by its own kind") {
   TiledCubeByHand cube(size);
-  cube.space = {octants(SpaceKind::told, {{0, SpaceKind::pruned}, {7, SpaceKind::split}}), 1,
-                octants(SpaceKind::far, {{7, SpaceKind::told}}), 0};
+  cube.sign_octree = {octants(SignKind::boundary, {{0, SignKind::pruned}, {7, SignKind::split}}), 1,
+                      octants(SignKind::far, {{7, SignKind::boundary}}), 0};
   cube.refresh();
   CHECK(query_point(cube.view, {-0.01, -0.01, -0.0199}).status == Status::pruned);
   CHECK(query_point(cube.view, {0.01, -0.01, -0.0199}).distance == Approx(-0.0001));
@@ -134,8 +134,8 @@ TEST_CASE("Octants of one space answer each by its own kind") {
 
 TEST_CASE("Beyond the margin the answer is far, told or outside") {
   TiledCubeByHand cube(size);
-  cube.view.space.edge = 1;  // so that the point lies in it
-  for (const SpaceKind kind : {SpaceKind::told, SpaceKind::outside}) {
+  cube.view.sign_octree.edge = 1;  // so that the point lies in it
+  for (const SignKind kind : {SignKind::boundary, SignKind::outside}) {
     fill(cube, kind);
     CHECK(query_point(cube.view, {0, 0, half + 0.00049}).status == Status::exact);
     const Answer answer = query_point(cube.view, {0, 0, half + 0.00052});
@@ -147,7 +147,7 @@ TEST_CASE("Beyond the margin the answer is far, told or outside") {
 
 TEST_CASE("Deeper than the band the answer is its bound and the normal of a near enough face") {
   TiledCubeByHand cube(size);
-  for (const SpaceKind kind : {SpaceKind::told, SpaceKind::inside}) {
+  for (const SignKind kind : {SignKind::boundary, SignKind::inside}) {
     fill(cube, kind);
     const Answer answer = query_point(cube.view, {0, 0.015, 0});
     CHECK(answer.status == Status::deep);
@@ -191,7 +191,7 @@ TEST_CASE("Where a border is nearest, a tile within a tie that faces the point t
   CHECK(query_point(cube.view, point).distance < 0);
 }
 
-TEST_CASE("A foot that faces the point gives the normal where a border is little nearer") {
+TEST_CASE("A closest point that faces the point gives the normal where a border is little nearer") {
   // The left half of the face at +z is in place, the right half lies too deep.
   TiledCubeByHand tiled(size);
   tiled.by_hand[4].tile.valid = 0x0F0F0F0F0F0F0F0FU;
@@ -215,7 +215,7 @@ TEST_CASE("A foot that faces the point gives the normal where a border is little
     CHECK(faced.status == Status::exact);
     CHECK(faced.distance == Approx(off.norm()).margin(1e-8));
     CHECK((faced.normal - plane.n).norm() < 1e-6);
-    // The right half's foot is 1.4e-5 farther, which is now more than 0.7 tolerances.
+    // The right half's closest point is 1.4e-5 farther, which is now more than 0.7 tolerances.
     asset->view.tolerance = 1.5e-5;
     const Answer border = query_point(asset->view, point);
     CHECK(border.distance == Approx(off.norm()).margin(1e-8));
@@ -242,7 +242,7 @@ TEST_CASE("Triangles of 16-bit numbers are found where origin and step put them"
   cube.view.triangle_step = 1e-6;
   cube.view.first_cap = 3;
   cube.small_triangles = {0, 0, 0, 40000, 0, 0, 0, 40000, 0};
-  cube.tree = tree_over({fan_child(0, 1)});
+  cube.bvh = bvh_over({fan_child(0, 1)});
   cube.refresh();
   const Answer answer = query_point(cube.view, {-0.01, -0.01, 0.019});
   CHECK(answer.distance == Approx(-0.0005));
@@ -258,7 +258,7 @@ TEST_CASE("Each triangle of a fan is found, the first corner being every one's")
   cube.triangles = {0,      0,      half_f, -half_f, -half_f, half_f, half_f,  -half_f, half_f,
                     half_f, half_f, half_f, -half_f, half_f,  half_f, -half_f, -half_f, half_f};
   cube.view.first_cap = 6;
-  cube.tree = tree_over({fan_child(0, 4)});
+  cube.bvh = bvh_over({fan_child(0, 4)});
   cube.refresh();
   for (const double x : {-0.013, 0.001, 0.012}) {
     for (const double y : {-0.011, 0.002, 0.014}) {
@@ -266,7 +266,7 @@ TEST_CASE("Each triangle of a fan is found, the first corner being every one's")
     }
   }
   // One triangle fewer leaves its quarter open.
-  cube.tree = tree_over({fan_child(0, 3)});
+  cube.bvh = bvh_over({fan_child(0, 3)});
   cube.refresh();
   CHECK(query_point(cube.view, {-0.013, 0.001, half - 0.0004}).distance < -0.0008);
   CHECK(query_point(cube.view, {0.013, 0.001, half - 0.0004}).distance ==
@@ -317,14 +317,14 @@ TEST_CASE("A cap decides the side of a sparse query and carries no distance") {
   CHECK(above.source == Source::triangles);
   CHECK(query_point(cube.view, {0, 0, -0.001}).distance == Approx(-0.011).margin(1e-7));
   // Where the place tells the side, the cap says nothing.
-  fill(cube, SpaceKind::inside);
+  fill(cube, SignKind::inside);
   CHECK(query_point(cube.view, {0, 0, 0.001}).distance == Approx(-0.009).margin(1e-7));
 }
 
 TEST_CASE("Caps alone are no surface") {
   TiledCubeByHand cube(size);
   replace_tiles(cube, {-0.02F, -0.02F, 0, 0.02F, -0.02F, 0, 0, 0.02F, 0}, 1);
-  for (const SpaceKind kind : {SpaceKind::told, SpaceKind::inside, SpaceKind::outside}) {
+  for (const SignKind kind : {SignKind::boundary, SignKind::inside, SignKind::outside}) {
     fill(cube, kind);
     CHECK(query_point(cube.view, {0, 0, -0.0001}).status == Status::far);
   }
@@ -335,7 +335,7 @@ TEST_CASE("A triangle without area on a face changes neither side nor distance")
   cube.triangles.assign(9, 0);
   cube.triangles[2] = cube.triangles[5] = cube.triangles[8] = 0.02F;
   cube.view.first_cap = 3;
-  cube.tree = tree_over({fan_child(0, 1), test::tile_child(4)});
+  cube.bvh = bvh_over({fan_child(0, 1), test::tile_child(4)});
   cube.refresh();
   for (const double height : {0.0003, -0.0003}) {
     CHECK(query_point(cube.view, {0, 0, half + height}).distance == Approx(height).margin(1e-8));
@@ -344,8 +344,8 @@ TEST_CASE("A triangle without area on a face changes neither side nor distance")
 
 TEST_CASE("An asset without elements is far wherever its space is not pruned") {
   TiledCubeByHand cube(size);
-  cube.tree.clear();
-  for (const SpaceKind kind : {SpaceKind::told, SpaceKind::inside, SpaceKind::outside}) {
+  cube.bvh.clear();
+  for (const SignKind kind : {SignKind::boundary, SignKind::inside, SignKind::outside}) {
     fill(cube, kind);
     CHECK(query_point(cube.view, {0, 0, 0.0199}).status == Status::far);
   }
@@ -363,11 +363,11 @@ TEST_CASE("Trees and tiles that were damaged under the map never lead outside it
     cube.small_triangles.assign(18, 1000);
     cube.view.triangle_step = 1e-6;
     cube.view.first_cap = random(3);
-    for (std::uint32_t& word : cube.tree) {
+    for (std::uint32_t& word : cube.bvh) {
       if (trial % 3 == 0) word = static_cast<std::uint32_t>(bits());
       if (random(4) == 0) word = (word & 0xFF000000U) | random(9);
     }
-    if (trial % 2 == 0) cube.space = {octants(static_cast<SpaceKind>(random(16))), random(3)};
+    if (trial % 2 == 0) cube.sign_octree = {octants(static_cast<SignKind>(random(16))), random(3)};
     for (TileByHand& made : cube.by_hand) {
       for (std::uint16_t& height : made.heights) height = static_cast<std::uint16_t>(bits());
     }

@@ -21,7 +21,7 @@ void fit_boxes(test::TiledCubeByHand& cube) {
     (k % 2 == 0 ? leaf.low : leaf.high)[k / 2] = k % 2 == 0 ? 255 : 0;
     leaves.push_back(leaf);
   }
-  cube.tree = test::tree_over(leaves);
+  cube.bvh = test::bvh_over(leaves);
   cube.refresh();
 }
 
@@ -62,7 +62,7 @@ TEST_CASE("The clearance by elements is never more than the distance and no less
 TEST_CASE("A tree too large to be opened whole still gives a bound") {
   test::TiledCubeByHand cube(size);
   std::vector<test::BoxedChild> leaves(400, test::tile_child(4));  // a chain of 134 nodes
-  cube.tree = test::tree_over(leaves);
+  cube.bvh = test::bvh_over(leaves);
   cube.refresh();
   CHECK(box_clearance(cube.view, {0, 0, 0.03}) == Approx(0.01).margin(1e-6));
   CHECK(box_clearance(cube.view, {0, 0, 0}) == 0);
@@ -70,13 +70,13 @@ TEST_CASE("A tree too large to be opened whole still gives a bound") {
 
 TEST_CASE("Without elements the clearance is infinite, and words that lead astray give a number") {
   test::TiledCubeByHand cube(size);
-  cube.tree.clear();
+  cube.bvh.clear();
   cube.refresh();
   CHECK(std::isinf(box_clearance(cube.view, {0, 0, 0})));
   std::mt19937_64 bits(9);
   for (int trial = 0; trial < 500; ++trial) {
-    cube.tree.resize(50);
-    for (std::uint32_t& word : cube.tree) word = static_cast<std::uint32_t>(bits());
+    cube.bvh.resize(50);
+    for (std::uint32_t& word : cube.bvh) word = static_cast<std::uint32_t>(bits());
     cube.refresh();
     CHECK(box_clearance(cube.view, {0, 0, 0.03}) >= 0);
   }

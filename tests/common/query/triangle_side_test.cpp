@@ -26,10 +26,10 @@ Vector3 normal_of(const Triangle& t) { return (t[1] - t[0]).cross(t[2] - t[0]).n
 double side_of(const Triangles& triangles, const Vector3& point) {
   TriangleSide side(rounding);
   for (const Triangle& t : triangles) {
-    const Vector3 foot = closest_on_triangle(point, t[0], t[1], t[2]);
-    const double distance = (point - foot).norm();
-    const double along = normal_of(t).dot(point - foot);
-    side.add(t, foot, distance, along);
+    const Vector3 closest_point = closest_on_triangle(point, t[0], t[1], t[2]);
+    const double distance = (point - closest_point).norm();
+    const double along = normal_of(t).dot(point - closest_point);
+    side.add(t, closest_point, distance, along);
   }
   return side.side();
 }
@@ -76,7 +76,7 @@ Triangles spiky_ball(std::mt19937& random) {
   return result;
 }
 
-TEST_CASE("The triangles around a foot tell the side at spikes, pits and saddles") {
+TEST_CASE("The triangles around a closest point tell the side at spikes, pits and saddles") {
   for (unsigned seed = 0; seed < 12; ++seed) {
     std::mt19937 random(seed);
     const Triangles ball = spiky_ball(random);

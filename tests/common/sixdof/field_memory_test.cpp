@@ -14,7 +14,7 @@ FieldReading of_ball(double radius, const Vector3& place) {
   reading.place = place;
   reading.distance = place.norm() - radius;
   reading.normal = place.normalized();
-  reading.reach = 0;
+  reading.validity_radius = 0;
   return reading;
 }
 
@@ -24,7 +24,7 @@ TEST_CASE(
   CHECK_FALSE(memory.recall(3).known());
   FieldReading reading = of_ball(1, {0, 0, 1});
   memory.learn(3, reading);
-  CHECK(reading.reach > 0);
+  CHECK(reading.validity_radius > 0);
   CHECK(memory.recall(3).place == reading.place);
   CHECK_FALSE(memory.recall(19).known());
   memory.learn(19, reading);
@@ -49,15 +49,15 @@ TEST_CASE("A reading reaches as far as its plane holds: far on flat ground, less
       worst = std::max(worst, std::abs(reading.distance_at(place)));
     }
     CHECK(worst < 2.5e-5);
-    if (radius < 1) CHECK(reading.reach < 1.01e-4F);
-    if (radius > 1) CHECK(reading.reach == 2e-4F);
+    if (radius < 1) CHECK(reading.validity_radius < 1.01e-4F);
+    if (radius > 1) CHECK(reading.validity_radius == 2e-4F);
   }
 }
 
 TEST_CASE("A bound has no plane, and without a reach nothing is kept") {
   FieldMemory memory({1e-4, 1e-5, 16});
   FieldReading bound;
-  bound.reach = 0;
+  bound.validity_radius = 0;
   bound.distance = 0.01;
   memory.learn(5, bound);
   CHECK(memory.recall(5).known());

@@ -55,7 +55,7 @@ ObjectContactSettings settings(std::uint32_t objects = 1) {
   ObjectContactSettings made;
   made.stiffness = stiffness;
   made.objects = objects;
-  made.most_reach = 0;
+  made.max_validity_radius = 0;
   return made;
 }
 
@@ -106,7 +106,7 @@ TEST_CASE("A tool wholly inside an object, deeper than the band, is pushed by al
   const ContactSum wanted = every_sample(tool, pose, objects);
   CHECK(wanted.forces().force.z() > 1);
   const ObjectContactReport report = contact.tick(pose, objects);
-  CHECK(report.clear == 0);
+  CHECK(report.clearance == 0);
   CHECK((report.sum.forces().force - wanted.forces().force).norm() <
         0.01 * wanted.forces().force.norm());
 }
@@ -144,7 +144,7 @@ TEST_CASE("Answers that are used again change the force by little, and spare the
   const TiledCubeByHand field(field_size);
   const SurfaceSamples tool = tool_samples(0.0003);
   ObjectContactSettings remembering = settings();
-  remembering.most_reach = 2e-4;
+  remembering.max_validity_radius = 2e-4;
   ObjectContact contact(tool, settings()), sparing(tool, remembering);
   std::array objects{ContactObject{&field.view, Isometry3d::Identity()}};
   RandomTwister random(11);
@@ -246,7 +246,7 @@ TEST_CASE("More contacts than there is room for degrade the answer and do not sp
   const TiledCubeByHand field(field_size);
   const SurfaceSamples tool = tool_samples(0.0001);
   ObjectContactSettings narrow = settings();
-  narrow.most_active = 2000;
+  narrow.max_active = 2000;
   ObjectContact contact(tool, narrow);
   const std::array objects{ContactObject{&field.view, Isometry3d::Identity()}};
   const ObjectContactReport report = contact.tick(pressed_by(0.0003), objects);

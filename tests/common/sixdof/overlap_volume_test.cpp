@@ -7,9 +7,9 @@
 #include <utility>
 #include <vector>
 
-#include "tests/support/asset_by_hand.hpp"
 #include "common/paper/paper_volume.hpp"
 #include "common/surface/support_plane_mapping.hpp"
+#include "tests/support/asset_by_hand.hpp"
 #include "tests/support/tree_by_hand.hpp"
 
 namespace spm {
@@ -40,7 +40,7 @@ void double_tiles(TiledCubeByHand& cube) {
     cube.by_hand.push_back(tile);
   }
   for (std::uint32_t k = 0; k < cube.by_hand.size(); ++k) leaves.push_back(test::tile_child(k));
-  cube.tree = test::tree_over(leaves);
+  cube.bvh = test::bvh_over(leaves);
   cube.refresh();
 }
 

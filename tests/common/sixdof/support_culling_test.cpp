@@ -60,7 +60,7 @@ TEST_CASE(
     const double wanted = (middle.cwiseAbs() - Vector3::Ones()).cwiseMax(0).norm();
     const auto support = [&](const Vector3& v) { return corners[support_mapping(corners, v)]; };
     const HullDistance found = hull_distance(support, middle, 1e9, 64);
-    REQUIRE(found.least == Approx(wanted).margin(1e-6));
+    REQUIRE(found.lower_bound == Approx(wanted).margin(1e-6));
     REQUIRE(found.direction.norm() == Approx(1));
   }
 }
@@ -76,7 +76,7 @@ TEST_CASE("A cube's hull needs few of its samples and holds them all within the 
     const auto support = [&](const Vector3& v) {
       return Vector3(hull.points[support_mapping(hull.points, v)] - at);
     };
-    REQUIRE(hull_distance(support, -at, 1, 64).least <= 0.0002 + 1e-9);
+    REQUIRE(hull_distance(support, -at, 1, 64).lower_bound <= 0.0002 + 1e-9);
   }
 }
 
@@ -123,7 +123,7 @@ TEST_CASE("What is far is told by balls alone, and what is no pose is told nothi
       objects_apart(hull, hull, Isometry3d(Eigen::Translation3d(0.2, 0, 0)), last);
   CHECK(far.apart);
   CHECK(far.stage == CullStage::ball);
-  CHECK(far.least > 0.12);
+  CHECK(far.lower_bound > 0.12);
   CHECK_FALSE(objects_apart(hull, hull, Isometry3d(Eigen::Translation3d(NAN, 0, 0)), last).apart);
   CHECK_FALSE(objects_apart(hull, {}, Isometry3d(Eigen::Translation3d(1, 0, 0)), last).apart);
 }

@@ -32,7 +32,7 @@ void add_tiles(TiledCubeByHand& cube, const std::vector<test::TileByHand>& more)
   std::vector<test::BoxedChild> leaves;
   cube.by_hand.insert(cube.by_hand.end(), more.begin(), more.end());
   for (std::uint32_t k = 0; k < cube.by_hand.size(); ++k) leaves.push_back(test::tile_child(k));
-  cube.tree = test::tree_over(leaves);
+  cube.bvh = test::bvh_over(leaves);
   cube.refresh();
 }
 
@@ -79,7 +79,7 @@ TEST_CASE("A triangle on a tile is the owner, and the areas stay") {
   cube.view.first_cap = 3;
   std::vector<test::BoxedChild> leaves{test::fan_child(0, 1)};
   for (std::uint32_t k = 0; k < 6; ++k) leaves.push_back(test::tile_child(k));
-  cube.tree = test::tree_over(leaves);
+  cube.bvh = test::bvh_over(leaves);
   cube.refresh();
   CHECK(area_of(cube.view, 0.0005) == Approx(6 * size * size).epsilon(2e-3));
   cube.view.first_cap = 0;  // a cap is no surface
@@ -176,7 +176,7 @@ TEST_CASE("A full asset, an empty one and a spacing of nothing are refused with 
   for (const double spacing : {0.0, -1.0, 1e-12, std::nan("")}) {
     CHECK(sample_surface(cube.view, spacing).error().code == ExitCode::usage);
   }
-  cube.tree.clear();
+  cube.bvh.clear();
   cube.refresh();
   CHECK(sample_surface(cube.view, 0.001).error().code == ExitCode::invalid_input);
 }

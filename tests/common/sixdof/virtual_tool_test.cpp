@@ -44,7 +44,7 @@ Isometry3d at(double x, double y, double z) { return Isometry3d(Eigen::Translati
 /// The two faces of a plate so thick, across z; without its narrow ones, whose tiles are as wide.
 void make_plate(TiledCubeByHand& cube, double thickness) {
   for (std::size_t k : {4U, 5U}) cube.planes[k].x0 *= thickness / size;
-  cube.tree = test::tree_over({test::tile_child(4), test::tile_child(5)});
+  cube.bvh = test::bvh_over({test::tile_child(4), test::tile_child(5)});
   cube.refresh();
 }
 
@@ -97,7 +97,7 @@ TEST_CASE("However deep the device goes the wrench is bounded, and the tool stay
     const Isometry3d device =
         at(0, 0, 0.03 - tick * 2e-4) * Eigen::AngleAxisd(0.004 * tick, Vector3::UnitX());
     const VirtualToolReport report = scene.tick(device);
-    REQUIRE(report.wrench.force.norm() <= bounds.most_force * 1.0001);
+    REQUIRE(report.wrench.force.norm() <= bounds.max_force * 1.0001);
     REQUIRE(report.contact.sum.deepest < 5e-4);
   }
 }

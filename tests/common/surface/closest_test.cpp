@@ -2,10 +2,10 @@
 #include <catch2/catch.hpp>
 #include <random>
 
-#include "tests/support/asset_by_hand.hpp"
 #include "common/surface/closest_on_map.hpp"
 #include "common/surface/closest_on_triangle.hpp"
 #include "common/surface/support_plane_mapping.hpp"
+#include "tests/support/asset_by_hand.hpp"
 
 namespace spm {
 namespace {
@@ -61,23 +61,25 @@ TEST_CASE("The closest point on a cap's map has the sphere's distance and direct
     const Vector3 direction(std::sin(along) * std::cos(around), std::sin(along) * std::sin(around),
                             std::cos(along));
     const double distance = -0.002 + 0.0025 * unit(bits);
-    const MapFoot foot = closest_on_map(made.map, 0, plane, (radius + distance) * direction);
-    REQUIRE(foot.valid);
-    CHECK(foot.distance == Approx(distance).margin(3e-6));
-    CHECK(normal_at(made.map, 0, plane, foot.cell).dot(direction) > std::cos(0.01));
+    const MapClosestPoint closest_point =
+        closest_on_map(made.map, 0, plane, (radius + distance) * direction);
+    REQUIRE(closest_point.valid);
+    CHECK(closest_point.distance == Approx(distance).margin(3e-6));
+    CHECK(normal_at(made.map, 0, plane, closest_point.cell).dot(direction) > std::cos(0.01));
   }
 }
 
-TEST_CASE("A foot beyond the map is clamped to its border, and never closer than the surface") {
+TEST_CASE(
+    "A closest point beyond the map is clamped to its border, and never closer than the surface") {
   const test::MapByHand made = cap_map(0.05, 0.01, 17);
   const SupportPlane plane = plane_with_normal({0, 0, 0.05}, Vector3::UnitZ());
   const Vector3 point(0.03, 0, 0.0405);
-  const MapFoot foot = closest_on_map(made.map, 0, plane, point);
-  CHECK(std::abs(foot.distance) > std::abs(point.norm() - 0.05));
-  CHECK(std::abs(foot.distance) < 0.03);
+  const MapClosestPoint closest_point = closest_on_map(made.map, 0, plane, point);
+  CHECK(std::abs(closest_point.distance) > std::abs(point.norm() - 0.05));
+  CHECK(std::abs(closest_point.distance) < 0.03);
 }
 
-TEST_CASE("A foot in a masked cell is not valid") {
+TEST_CASE("A closest point in a masked cell is not valid") {
   test::MapByHand made = cap_map(0.05, 0.02, 9);
   std::fill(made.mask.begin(), made.mask.end(), 0U);
   const SupportPlane plane = plane_with_normal({0, 0, 0.05}, Vector3::UnitZ());

@@ -5,7 +5,7 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
-#include "common/asset/cell_group.hpp"
+#include "common/asset/cell_packet.hpp"
 #include "common/surface/closest_on_tile.hpp"
 #include "common/surface/distance_map.hpp"
 #include "common/surface/support_plane_mapping.hpp"
@@ -138,7 +138,9 @@ TEST_CASE("A clip line survives packing to its steps") {
   CHECK(limited.c == Approx(255).margin(1));
 }
 
-TEST_CASE("The foot on a tile is a point of its valid surface, as near as any but for the twist") {
+TEST_CASE(
+    "The closest point on a tile is a point of its valid surface, as near as any but for the "
+    "twist") {
   RandomTwister random(5);
   for (int trial = 0; trial < 200; ++trial) {
     const SupportPlane plane = random_plane(random);
@@ -150,59 +152,63 @@ TEST_CASE("The foot on a tile is a point of its valid surface, as near as any bu
     const auto spacing = static_cast<double>(tile.spacing);
     for (int k = 0; k < 10; ++k) {
       const Vector3 point = point_near(random, tile, plane);
-      const TileFoot foot = closest_on_tile(tile, unit_of_heights, plane, point, 1.0F);
+      const TileClosestPoint closest_point =
+          closest_on_tile(tile, unit_of_heights, plane, point, 1.0F);
       const double least = distance_by_search(tile, heights, plane, point);
-      REQUIRE(std::isfinite(foot.distance) == std::isfinite(least));
+      REQUIRE(std::isfinite(closest_point.distance) == std::isfinite(least));
       if (!std::isfinite(least)) continue;
-      INFO("trial " << trial << ", distance " << foot.distance << ", by search " << least);
-      CHECK(double{foot.distance} <= least + twist / 2 + rounding);
-      CHECK(double{tile_distance_bound(tile, plane, point)} <= double{foot.distance} + rounding);
+      INFO("trial " << trial << ", distance " << closest_point.distance << ", by search " << least);
+      CHECK(double{closest_point.distance} <= least + twist / 2 + rounding);
+      CHECK(double{tile_distance_bound(tile, plane, point)} <=
+            double{closest_point.distance} + rounding);
 
       const PlaneCoordinates target = project_on_plane(plane, point);
-      const double x =
-          (target.eta - double{foot.away_eta} - tile.eta0) / spacing - (foot.cell % 8 + 0.5);
-      const double y =
-          (target.omega - double{foot.away_omega} - tile.omega0) / spacing - (foot.cell / 8 + 0.5);
-      const Clip clip = clip_at(tile, foot.cell);
-      CHECK(((tile.valid >> foot.cell) & 1U) == 1);
+      const double x = (target.eta - double{closest_point.away_eta} - tile.eta0) / spacing -
+                       (closest_point.cell % 8 + 0.5);
+      const double y = (target.omega - double{closest_point.away_omega} - tile.omega0) / spacing -
+                       (closest_point.cell / 8 + 0.5);
+      const Clip clip = clip_at(tile, closest_point.cell);
+      CHECK(((tile.valid >> closest_point.cell) & 1U) == 1);
       CHECK(std::max(std::abs(x), std::abs(y)) <= 0.5 + 1e-4);
       CHECK(double{clip.a} * x + double{clip.b} * y <= double{clip.c} + 0.02);
-      CHECK(depth_at(tile, heights, foot.cell, x, y) ==
-            Approx(target.depth - double{foot.away_depth}).margin(rounding));
+      CHECK(depth_at(tile, heights, closest_point.cell, x, y) ==
+            Approx(target.depth - double{closest_point.away_depth}).margin(rounding));
     }
   }
 }
 
-TEST_CASE("A foot that is no nearer than the limit is none") {
+TEST_CASE("A closest point that is no nearer than the limit is none") {
   RandomTwister random(6);
   for (int trial = 0; trial < 500; ++trial) {
     const SupportPlane plane = random_plane(random);
     const test::TileByHand made = random_tile(random);
     const Tile tile = made.view(unit_of_heights);
     const Vector3 point = point_near(random, tile, plane);
-    const TileFoot foot = closest_on_tile(tile, unit_of_heights, plane, point, 1.0F);
-    if (!std::isfinite(foot.distance)) continue;
+    const TileClosestPoint closest_point =
+        closest_on_tile(tile, unit_of_heights, plane, point, 1.0F);
+    if (!std::isfinite(closest_point.distance)) continue;
     const auto with_limit = [&](float limit) {
       return closest_on_tile(tile, unit_of_heights, plane, point, limit).distance;
     };
-    CHECK(with_limit(foot.distance * 1.001F + 1e-7F) == foot.distance);
-    CHECK(std::isinf(with_limit(foot.distance * 0.999F)));
+    CHECK(with_limit(closest_point.distance * 1.001F + 1e-7F) == closest_point.distance);
+    CHECK(std::isinf(with_limit(closest_point.distance * 0.999F)));
   }
 }
 
-TEST_CASE("Points that are not finite have no foot") {
+TEST_CASE("Points that are not finite have no closest point") {
   RandomTwister random(8);
   const SupportPlane plane = random_plane(random);
   const test::TileByHand made = random_tile(random);
   const Tile tile = made.view(unit_of_heights);
   const double nan = std::numeric_limits<double>::quiet_NaN();
   for (const double wrong : {nan, std::numeric_limits<double>::infinity(), 1e300}) {
-    const TileFoot foot = closest_on_tile(tile, unit_of_heights, plane, {0, wrong, 0}, 1.0F);
-    CHECK(std::isinf(foot.distance));
+    const TileClosestPoint closest_point =
+        closest_on_tile(tile, unit_of_heights, plane, {0, wrong, 0}, 1.0F);
+    CHECK(std::isinf(closest_point.distance));
   }
 }
 
-TEST_CASE("The nearest of a tile's cells is the foot on the tile") {
+TEST_CASE("The nearest of a tile's cells is the closest point on the tile") {
   RandomTwister random(9);
   int found = 0;
   for (int trial = 0; trial < 500; ++trial) {
@@ -213,26 +219,27 @@ TEST_CASE("The nearest of a tile's cells is the foot on the tile") {
     tile_heights(tile, unit_of_heights, heights);
     const double twist = greatest_twist(heights);
     const Vector3 point = point_near(random, tile, plane);
-    const TileFoot whole = closest_on_tile(tile, unit_of_heights, plane, point, 1.0F);
+    const TileClosestPoint whole = closest_on_tile(tile, unit_of_heights, plane, point, 1.0F);
     const Vector3 origin = point + Vector3(0.02, -0.03, 0.01);
     float least = std::numeric_limits<float>::infinity();
-    for (std::uint32_t part = 0; part < tile_groups; ++part) {
-      const CellGroup group = cell_group(tile, unit_of_heights, plane, part, origin);
-      for (std::uint32_t lane = 0; lane < group_units; ++lane) {
-        const TileFoot foot = closest_on_cell(tile, group, lane, point - origin, 1.0F);
-        if (!(foot.distance < least)) continue;
-        least = foot.distance;
-        CHECK(((tile.valid >> foot.cell) & 1U) == 1);
-        CHECK(foot.cell == cell_of(group, lane));
-        const TileFoot none =
-            closest_on_cell(tile, group, lane, point - origin, foot.distance * 0.999F);
+    for (std::uint32_t part = 0; part < tile_packets; ++part) {
+      const CellPacket packet = cell_packet(tile, unit_of_heights, plane, part, origin);
+      for (std::uint32_t lane = 0; lane < packet_width; ++lane) {
+        const TileClosestPoint closest_point =
+            closest_on_cell(tile, packet, lane, point - origin, 1.0F);
+        if (!(closest_point.distance < least)) continue;
+        least = closest_point.distance;
+        CHECK(((tile.valid >> closest_point.cell) & 1U) == 1);
+        CHECK(closest_point.cell == cell_of(packet, lane));
+        const TileClosestPoint none =
+            closest_on_cell(tile, packet, lane, point - origin, closest_point.distance * 0.999F);
         CHECK(std::isinf(none.distance));
       }
     }
     REQUIRE(std::isfinite(least) == std::isfinite(whole.distance));
     if (!std::isfinite(least)) continue;
     ++found;
-    // Which foot on a cell is found may hang on what was found before.
+    // Which closest point on a cell is found may hang on what was found before.
     CHECK(double{least} == Approx(double{whole.distance}).margin(twist / 2 + rounding));
   }
   CHECK(found > 300);

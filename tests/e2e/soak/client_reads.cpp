@@ -22,7 +22,7 @@
 
 namespace {
 
-constexpr std::size_t most_objects = 64;  // that a daemon tells
+constexpr std::size_t max_objects = 64;  // that a daemon tells
 constexpr int clock_pairs = 100'000;
 
 std::int64_t now_ns() noexcept {
@@ -73,7 +73,7 @@ int run(spm_client* client, int reads) {
   spm_client_tick tick{};
   spm_client_device device{};
   std::array<spm_client_device, 1> devices{};
-  std::array<spm_client_object, most_objects> objects{};
+  std::array<spm_client_object, max_objects> objects{};
   tick.size = sizeof tick;
   device.size = devices[0].size = sizeof device;
   objects[0].size = sizeof objects[0];

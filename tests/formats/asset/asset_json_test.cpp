@@ -212,17 +212,17 @@ TEST_CASE("A description has the partition of its own form alone") {
   }
 }
 
-TEST_CASE("The sizes of an element tree's box round-trip to the last bit") {
+TEST_CASE("The sizes of an BVH's box round-trip to the last bit") {
   AssetDescription description = describe(sparse_asset(3));
   Random random(10);
   for (int k = 0; k < 200; ++k) {
-    for (float& size : description.tree_size) {
+    for (float& size : description.bvh_size) {
       size = static_cast<float>(
           std::ldexp(random.between(0.5, 1), static_cast<int>(below(random, 40)) - 30));
     }
     const auto parsed = parse_description(to_json(description), "a.exr");
     REQUIRE(parsed.has_value());
-    REQUIRE(parsed->tree_size == description.tree_size);
+    REQUIRE(parsed->bvh_size == description.bvh_size);
   }
 }
 

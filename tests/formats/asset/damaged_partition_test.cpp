@@ -4,9 +4,9 @@
 
 #include "common/asset/grid_list.hpp"
 #include "formats/asset/mapped_asset.hpp"
-#include "tests/support/tree_by_hand.hpp"
 #include "tests/formats/asset/damage.hpp"
 #include "tests/formats/support/synthetic_asset.hpp"
+#include "tests/support/tree_by_hand.hpp"
 
 // Assets whose grid, space or tree of elements leads where there is nothing, in files that are
 // otherwise right.
@@ -60,17 +60,17 @@ std::string sparse_with(const std::function<void(Asset&)>& change) {
   return baked(asset);
 }
 
-std::string with_space(const std::vector<std::uint32_t>& words) {
-  return sparse_with([&words](Asset& asset) { asset.space.words = words; });
+std::string with_sign_octree(const std::vector<std::uint32_t>& words) {
+  return sparse_with([&words](Asset& asset) { asset.sign_octree.words = words; });
 }
 
-std::string with_first_child(const TreeChild& child) {
-  return sparse_with([&child](Asset& asset) { asset.tree.words[0] = pack_child(child); });
+std::string with_first_child(const BvhChild& child) {
+  return sparse_with([&child](Asset& asset) { asset.bvh.words[0] = pack_child(child); });
 }
 
-std::string with_last_child(const TreeChild& child) {
+std::string with_last_child(const BvhChild& child) {
   return sparse_with([&child](Asset& asset) {
-    asset.tree.words[asset.tree.words.size() - tree_node_words] = pack_child(child);
+    asset.bvh.words[asset.bvh.words.size() - bvh_node_words] = pack_child(child);
   });
 }
 
@@ -78,43 +78,46 @@ std::string with_last_child(const TreeChild& child) {
 std::vector<std::uint32_t> chain_of_nodes(int nodes) {
   std::vector<std::uint32_t> words;
   for (int node = 1; node < nodes; ++node) {
-    add_tree_node(words, {node_child(static_cast<std::uint32_t>(node))});
+    add_bvh_node(words, {node_child(static_cast<std::uint32_t>(node))});
   }
-  add_tree_node(words, {tile_child(0)});
+  add_bvh_node(words, {tile_child(0)});
   return words;
 }
 
-std::uint32_t kind_of(std::uint32_t kind) { return octants(static_cast<SpaceKind>(kind)); }
+std::uint32_t kind_of(std::uint32_t kind) { return octants(static_cast<SignKind>(kind)); }
 
-std::vector<Damage> wrong_spaces() {
-  const std::uint32_t split = octants(SpaceKind::outside, {{3, SpaceKind::split}});
+std::vector<Damage> wrong_sign_octrees() {
+  const std::uint32_t split = octants(SignKind::outside, {{3, SignKind::split}});
   const std::uint32_t two_splits =
-      octants(SpaceKind::outside, {{3, SpaceKind::split}, {4, SpaceKind::split}});
-  const std::uint32_t whole = octants(SpaceKind::told);
-  const std::string none_below = "a cube of its space leads to no cube below it";
-  const std::string no_kind = "a cube of its space is of no kind";
+      octants(SignKind::outside, {{3, SignKind::split}, {4, SignKind::split}});
+  const std::uint32_t whole = octants(SignKind::boundary);
+  const std::string none_below = "a cube of its sign octree leads to no cube below it";
+  const std::string no_kind = "a cube of its sign octree is of no kind";
   return {
-      {"a cube that leads to itself", with_space({split, 0}), none_below},
-      {"a cube that leads upwards", with_space({split, 1, split, 0}), none_below},
-      {"a cube below that leads to itself", with_space({split, 1, split, 1}), none_below},
-      {"a cube that leads outside", with_space({split, 2, whole, 0}), none_below},
-      {"a cube that leads far outside", with_space({split, 0xFFFFFFFFU, whole, 0}), none_below},
-      {"a split cut short", with_space({two_splits, 1, whole, 0}), none_below},
-      {"a kind that is not", with_space({kind_of(5), 0}), no_kind},
-      {"another", with_space({kind_of(6), 0}), no_kind},
-      {"a kind of later bits", with_space({split, 1, kind_of(8), 0}), no_kind},
-      {"a kind of all bits", with_space({split, 1, kind_of(15), 0}), no_kind},
+      {"a cube that leads to itself", with_sign_octree({split, 0}), none_below},
+      {"a cube that leads upwards", with_sign_octree({split, 1, split, 0}), none_below},
+      {"a cube below that leads to itself", with_sign_octree({split, 1, split, 1}), none_below},
+      {"a cube that leads outside", with_sign_octree({split, 2, whole, 0}), none_below},
+      {"a cube that leads far outside", with_sign_octree({split, 0xFFFFFFFFU, whole, 0}),
+       none_below},
+      {"a split cut short", with_sign_octree({two_splits, 1, whole, 0}), none_below},
+      {"a kind that is not", with_sign_octree({kind_of(5), 0}), no_kind},
+      {"another", with_sign_octree({kind_of(6), 0}), no_kind},
+      {"a kind of later bits", with_sign_octree({split, 1, kind_of(8), 0}), no_kind},
+      {"a kind of all bits", with_sign_octree({split, 1, kind_of(15), 0}), no_kind},
       {"one octant of no kind",
-       with_space({octants(SpaceKind::told, {{7, static_cast<SpaceKind>(9)}}), 0}), no_kind},
+       with_sign_octree({octants(SignKind::boundary, {{7, static_cast<SignKind>(9)}}), 0}),
+       no_kind},
       {"splits below each other beyond the last level",
-       with_space(space_chain(space_levels + 1, SpaceKind::inside, SpaceKind::told)),
-       "a cube of its space is split too often"},
+       with_sign_octree(
+           sign_octree_chain(sign_octree_levels + 1, SignKind::inside, SignKind::boundary)),
+       "a cube of its sign octree is split too often"},
   };
 }
 
 std::vector<Damage> wrong_trees() {
   const Asset asset = sparse_asset(1);
-  const auto nodes = static_cast<std::uint32_t>(asset.tree.words.size() / tree_node_words);
+  const auto nodes = static_cast<std::uint32_t>(asset.bvh.words.size() / bvh_node_words);
   const std::string none_below = "a box of its elements leads to no box below it";
   const std::string no_tile = "a box of its elements names a tile that does not exist";
   const std::string no_triangle = "a box of its elements names a triangle that does not exist";
@@ -132,12 +135,12 @@ std::vector<Damage> wrong_trees() {
       {"a fan of small triangles of which the last is not",
        [] {
          Asset small = sparse_asset(1, {.small = true});
-         small.tree.words[0] = pack_child({ElementKind::fan, 20, 39});
+         small.bvh.words[0] = pack_child({ElementKind::fan, 20, 39});
          return baked(small);
        }(),
        no_triangle},
       {"boxes below each other beyond the last level",
-       sparse_with([](Asset& a) { a.tree.words = chain_of_nodes(tree_levels + 1); }),
+       sparse_with([](Asset& a) { a.bvh.words = chain_of_nodes(bvh_levels + 1); }),
        "a box of its elements lies too deep"},
   };
 }
@@ -154,15 +157,18 @@ void check_opens(const std::string& bytes) {
 
 TEST_CASE("An asset whose grid leads astray is refused") { check_all_refused(wrong_grids()); }
 
-TEST_CASE("An asset whose space leads astray is refused") { check_all_refused(wrong_spaces()); }
+TEST_CASE("An asset whose space leads astray is refused") {
+  check_all_refused(wrong_sign_octrees());
+}
 
 TEST_CASE("An asset whose tree of elements leads astray is refused") {
   check_all_refused(wrong_trees());
 }
 
 TEST_CASE("Trees as deep as they may be, and the last tile and triangle, are accepted") {
-  check_opens(with_space(space_chain(space_levels, SpaceKind::inside, SpaceKind::told)));
-  check_opens(sparse_with([](Asset& a) { a.tree.words = chain_of_nodes(tree_levels); }));
+  check_opens(with_sign_octree(
+      sign_octree_chain(sign_octree_levels, SignKind::inside, SignKind::boundary)));
+  check_opens(sparse_with([](Asset& a) { a.bvh.words = chain_of_nodes(bvh_levels); }));
   check_opens(with_first_child({ElementKind::tile, 99, 1}));
   check_opens(with_first_child({ElementKind::fan, 20, 38}));
   check_opens(with_first_child({ElementKind::none, 0, 1}));

@@ -63,12 +63,12 @@ void check_same_frame(const Asset& asset, const AssetView& view) {
   CHECK(view.grid.origin == asset.grid.origin);
   CHECK(view.grid.cell_size == asset.grid.cell_size);
   CHECK(view.grid.cells == asset.grid.cells);
-  check_same_words(view.space.words, asset.space.words);
-  CHECK(view.space.origin == asset.space.origin);
-  CHECK(view.space.edge == asset.space.edge);
-  check_same_words(view.tree.words, asset.tree.words);
-  CHECK(view.tree.origin == asset.tree.origin);
-  CHECK(view.tree.size == asset.tree.size);
+  check_same_words(view.sign_octree.words, asset.sign_octree.words);
+  CHECK(view.sign_octree.origin == asset.sign_octree.origin);
+  CHECK(view.sign_octree.edge == asset.sign_octree.edge);
+  check_same_words(view.bvh.words, asset.bvh.words);
+  CHECK(view.bvh.origin == asset.bvh.origin);
+  CHECK(view.bvh.size == asset.bvh.size);
 }
 
 void check_same_content(const Asset& asset, const AssetView& view) {

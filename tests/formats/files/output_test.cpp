@@ -134,18 +134,18 @@ TEST_CASE("An asset that contradicts itself is not written") {
   wrong[14] = full_asset(1, {2, 1});
   wrong[14].tiles = sparse_asset(1).tiles;
   // A tree without whole nodes, or of the other form.
-  wrong[15].space.words.clear();
-  wrong[16].space.words.pop_back();
-  wrong[17].tree.words.pop_back();
+  wrong[15].sign_octree.words.clear();
+  wrong[16].sign_octree.words.pop_back();
+  wrong[17].bvh.words.pop_back();
   wrong[18].grid = full_asset(1, {2, 1}).grid;
   wrong[19].grid.records.push_back(0);
   wrong[20] = full_asset(1, {2, 1});
-  wrong[20].space = sparse_asset(1).space;
+  wrong[20].sign_octree = sparse_asset(1).sign_octree;
   wrong[21] = full_asset(1, {2, 1});
-  wrong[21].tree = sparse_asset(1).tree;
+  wrong[21].bvh = sparse_asset(1).bvh;
   wrong[22] = full_asset(1, {2, 1});
   wrong[22].grid = {};
-  wrong[23].tree.words.clear();
+  wrong[23].bvh.words.clear();
   for (std::size_t k = 0; k < wrong.size(); ++k) {
     INFO("wrong[" << k << "]");
     const auto written = write_asset(wrong[k], path);

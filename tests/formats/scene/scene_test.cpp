@@ -131,7 +131,7 @@ texture = { noise = "10um", seed = 3 }
   CHECK(second.smoothing.samples == 9);
   CHECK(second.texture.amplitude == Approx(1e-5));
   CHECK(second.damping == 0);
-  CHECK(first.turn.rate == usual_turn_rate);
+  CHECK(first.turn.rate == default_turn_rate);
   CHECK(second.turn.rate == 90);
   const EffectSettings& third = scene->objects[2].effects;
   CHECK(scene->objects[2].method == Method::paper);
@@ -243,7 +243,7 @@ TEST_CASE("What is wrong in a scene is told by its line, cause and cure") {
            Case{"[[object]]\nmsh = \"a.obj\"\n", "line 2", "did you mean 'mesh'?"},
            Case{"[[object]]\ncolour = 1\n", "line 2", "its keys are asset mesh pose scale"},
            Case{"[tools]\n", "line 1", "did you mean 'tool'?"},
-           Case{"[physics]\n", "line 1", "its keys are device tool workspace cures object"},
+           Case{"[physics]\n", "line 1", "its keys are device tool workspace stabilization object"},
            Case{"device = \"sim\"\n", "line 1", "write [device]"},
            Case{"[device]\nprofile = \"falcn\"\n", "line 2", "low falcon touch omega3 wooden"},
            Case{"[device]\nforce_cap = 3\n", "line 2", "\"3N\""},

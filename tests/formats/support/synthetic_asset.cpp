@@ -183,46 +183,46 @@ class GridMaker {
 };
 
 /// A space of four levels: half of the octants above the last are split.
-SpaceData random_space(Random& random) {
-  SpaceData space;
-  space.origin = Vector3(-0.0375, -0.0375, -0.0375);
-  space.edge = 0.075;
+SignOctreeData random_sign_octree(Random& random) {
+  SignOctreeData sign_octree;
+  sign_octree.origin = Vector3(-0.0375, -0.0375, -0.0375);
+  sign_octree.edge = 0.075;
   std::vector<int> levels{1};  // of each node so far, in the order of their numbers
   for (std::size_t node = 0; node < levels.size(); ++node) {
     const auto first_child = static_cast<std::uint32_t>(levels.size());
     std::uint32_t kinds = 0;
     for (std::uint32_t octant = 0; octant < 8; ++octant) {
-      SpaceKind kind =
-          below(random, 2) == 0 ? SpaceKind::told : static_cast<SpaceKind>(below(random, 5));
+      SignKind kind =
+          below(random, 2) == 0 ? SignKind::boundary : static_cast<SignKind>(below(random, 5));
       if (levels[node] < 4 && (octant == 0 || below(random, 2) == 0)) {
-        kind = SpaceKind::split;
+        kind = SignKind::split;
         levels.push_back(levels[node] + 1);
       }
-      kinds |= static_cast<std::uint32_t>(kind) << (space_kind_bits * octant);
+      kinds |= static_cast<std::uint32_t>(kind) << (sign_kind_bits * octant);
     }
-    space.words.push_back(kinds);
-    space.words.push_back(levels.size() > first_child ? first_child : 0);
+    sign_octree.words.push_back(kinds);
+    sign_octree.words.push_back(levels.size() > first_child ? first_child : 0);
   }
-  return space;
+  return sign_octree;
 }
 
 /// A tree over all tiles and fans, with random boxes that leave little out.
-TreeData random_tree(Random& random, std::uint32_t tiles, std::uint32_t corners) {
-  std::vector<TreeChild> leaves;
+BvhData random_tree(Random& random, std::uint32_t tiles, std::uint32_t corners) {
+  std::vector<BvhChild> leaves;
   for (std::uint32_t tile = 0; tile < tiles; ++tile) leaves.push_back({ElementKind::tile, tile, 1});
   for (std::uint32_t first = 0; first + 2 < corners;) {
     const std::uint32_t count = std::min(1 + below(random, 5), corners - first - 2);
     leaves.push_back({ElementKind::fan, first, count});
     first += count + 2;
   }
-  TreeData tree;
-  tree.origin = Vector3(-0.035, -0.035, -0.025);
-  tree.size = {0.07F, 0.07F, 0.05F};
+  BvhData bvh;
+  bvh.origin = Vector3(-0.035, -0.035, -0.025);
+  bvh.size = {0.07F, 0.07F, 0.05F};
   // The leaves below each node so far; without any there is one node of no children.
   std::vector<std::pair<std::size_t, std::size_t>> nodes{{0, leaves.size()}};
   for (std::size_t node = 0; node < nodes.size(); ++node) {
     const auto [begin, end] = nodes[node];
-    const std::size_t share = (end - begin + tree_children - 1) / tree_children;
+    const std::size_t share = (end - begin + bvh_children - 1) / bvh_children;
     std::vector<BoxedChild> children;
     for (std::size_t first = begin; first < end; first += share) {
       const std::size_t last = std::min(first + share, end);
@@ -236,9 +236,9 @@ TreeData random_tree(Random& random, std::uint32_t tiles, std::uint32_t corners)
         high = static_cast<std::uint8_t>(255 - below(random, 40));
       children.push_back(child);
     }
-    add_tree_node(tree.words, children);
+    add_bvh_node(bvh.words, children);
   }
-  return tree;
+  return bvh;
 }
 
 std::vector<float> random_triangles(Random& random, std::uint32_t count) {
@@ -271,8 +271,8 @@ Asset sparse_asset(std::uint64_t seed, const SparseShape& shape) {
     asset.triangles = random_triangles(random, shape.triangles);
   }
   asset.first_cap = 3 * (shape.triangles - shape.triangles / 4);
-  asset.space = random_space(random);
-  asset.tree = random_tree(random, shape.tiles, 3 * shape.triangles);
+  asset.sign_octree = random_sign_octree(random);
+  asset.bvh = random_tree(random, shape.tiles, 3 * shape.triangles);
   round_to_stored(asset);
   return asset;
 }

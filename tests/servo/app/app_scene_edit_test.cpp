@@ -228,11 +228,11 @@ TEST_CASE("An edit that there is no room for changes nothing, one that makes roo
   SceneEdit edit;
   edit.assets = 1;
   PlacedObject added = scene.settings(0);
-  for (std::uint64_t id = 2; id < SPM_MOST_OBJECTS; ++id) {
+  for (std::uint64_t id = 2; id < SPM_MAX_OBJECTS; ++id) {
     added.placement.position.x() = static_cast<double>(id);
     edit.added.push_back({id, added, true});
   }
-  edit.added.push_back({SPM_MOST_OBJECTS, added, true});
+  edit.added.push_back({SPM_MAX_OBJECTS, added, true});
   PlacedObject softer = scene.settings(0);
   softer.force.stiffness = 100;
   edit.changed.push_back({0, softer, false});
@@ -245,5 +245,5 @@ TEST_CASE("An edit that there is no room for changes nothing, one that makes roo
   CHECK(scene.force_at(0) == Approx(0.1));
   CHECK(scene.force_at(1) == 0);
   CHECK(scene.force_at(2) == Approx(1));
-  CHECK(scene.told().size() == SPM_MOST_OBJECTS);
+  CHECK(scene.told().size() == SPM_MAX_OBJECTS);
 }

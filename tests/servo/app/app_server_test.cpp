@@ -19,9 +19,9 @@
 #include <functional>
 #include <thread>
 
+#include "servo/client/spm_client.h"
 #include "servo/shared/shared_words.hpp"
 #include "servo/shared/socket_messages.h"
-#include "servo/client/spm_client.h"
 #include "tests/servo/support/connected_client.hpp"
 #include "tests/servo/support/loop_stand_in.hpp"
 
@@ -171,7 +171,7 @@ TEST_CASE("The seventeenth client is refused with a sentence, and welcome when a
   const auto state = small_state();
   const auto server = started(*state, folder.path("a.sock"));
   std::vector<std::unique_ptr<Connected>> clients;
-  for (int i = 0; i < SPM_MOST_CLIENTS; ++i) {
+  for (int i = 0; i < SPM_MAX_CLIENTS; ++i) {
     clients.push_back(std::make_unique<Connected>(server->path()));
     REQUIRE(clients.back()->message.empty());
   }

@@ -28,8 +28,8 @@ const spm_shared_state& shared(const AppState& state) {
 /// A tick of full size, told by its number.
 struct FullTick {
   explicit FullTick(std::uint64_t number)
-      : devices(SPM_MOST_DEVICES, device_of(number)), tick(number) {
-    for (std::uint64_t id = 0; id < SPM_MOST_OBJECTS; ++id) {
+      : devices(SPM_MAX_DEVICES, device_of(number)), tick(number) {
+    for (std::uint64_t id = 0; id < SPM_MAX_OBJECTS; ++id) {
       objects.push_back(object_of(id, number));
     }
   }
@@ -63,19 +63,19 @@ TEST_CASE("A published tick is read back as it was") {
       return true;
     });
     REQUIRE(result == ReadResult::fine);
-    REQUIRE(devices == SPM_MOST_DEVICES);
-    REQUIRE(objects == SPM_MOST_OBJECTS);
+    REQUIRE(devices == SPM_MAX_DEVICES);
+    REQUIRE(objects == SPM_MAX_OBJECTS);
   }
 }
 
 TEST_CASE("More devices and objects than there is room for are left out") {
   const auto state = small_state();
   FullTick tick(3);
-  tick.devices.resize(SPM_MOST_DEVICES + 3, device_of(3));
-  tick.objects.resize(SPM_MOST_OBJECTS + 9, object_of(0, 3));
+  tick.devices.resize(SPM_MAX_DEVICES + 3, device_of(3));
+  tick.objects.resize(SPM_MAX_OBJECTS + 9, object_of(0, 3));
   state->publish(tick.view());
   const ReadResult result = read_newest(shared(*state), [](const auto& snapshot) {
-    return snapshot.device_count == SPM_MOST_DEVICES && snapshot.object_count == SPM_MOST_OBJECTS;
+    return snapshot.device_count == SPM_MAX_DEVICES && snapshot.object_count == SPM_MAX_OBJECTS;
   });
   REQUIRE(result == ReadResult::fine);
 }
@@ -100,8 +100,8 @@ TEST_CASE("A state is never read torn while it is written without a pause") {
     const auto index = static_cast<std::uint32_t>(read);
     const ReadResult result = read_newest(shared(*state), [&](const auto& snapshot) {
       number = load_relaxed(snapshot.tick);
-      device = load_record(snapshot.devices[index % SPM_MOST_DEVICES]);
-      object = load_record(snapshot.objects[index % SPM_MOST_OBJECTS]);
+      device = load_record(snapshot.devices[index % SPM_MAX_DEVICES]);
+      object = load_record(snapshot.objects[index % SPM_MAX_OBJECTS]);
       return true;
     });
     if (result != ReadResult::fine) {
@@ -162,7 +162,7 @@ TEST_CASE("Names and causes are there for applications, and are cut where they a
   }
   state->rename({{std::string(200, 'x')}, std::vector<std::string>(100, "a"), {}});
   REQUIRE(std::string(info.devices[0]) == std::string(SPM_NAME_BYTES - 1, 'x'));
-  REQUIRE(info.asset_count == SPM_MOST_ASSETS);
+  REQUIRE(info.asset_count == SPM_MAX_ASSETS);
   REQUIRE(info.object_count == 0);
 }
 
@@ -187,26 +187,26 @@ TEST_CASE("Applications cannot map the loop's state for writing") {
 TEST_CASE("A flood is bounded a tick, and every client gets its turn") {
   const auto state = small_state();
   std::vector<RawRing> rings;
-  for (std::uint32_t client = 0; client < SPM_MOST_CLIENTS; ++client) {
+  for (std::uint32_t client = 0; client < SPM_MAX_CLIENTS; ++client) {
     rings.emplace_back(client + 1);
   }
-  for (std::uint32_t client = 0; client < SPM_MOST_CLIENTS; ++client) {
+  for (std::uint32_t client = 0; client < SPM_MAX_CLIENTS; ++client) {
     state->rings()[client].offer(rings[client].attached());
   }
-  std::vector<int> taken_of(SPM_MOST_CLIENTS, 0);
+  std::vector<int> taken_of(SPM_MAX_CLIENTS, 0);
   for (int tick = 0; tick < 160; ++tick) {
-    for (std::uint32_t client = 0; client < SPM_MOST_CLIENTS; ++client) {
+    for (std::uint32_t client = 0; client < SPM_MAX_CLIENTS; ++client) {
       // All but one flood; that one sends one command a tick where there is room.
-      const int sent = client == 11 ? 1 : AppState::most_of_client;
+      const int sent = client == 11 ? 1 : AppState::max_of_client;
       const bool room = rings[client].ring().head - rings[client].ring().tail + sent <
                         std::uint64_t{SPM_RING_SLOTS};
       for (int i = 0; room && i < sent; ++i) rings[client].write(move_command(0, tick));
     }
     const auto taken = state->take(0);
-    REQUIRE(taken.size() <= AppState::most_of_all);
+    REQUIRE(taken.size() <= AppState::max_of_all);
     for (const AppCommand& command : taken) ++taken_of[command.client];
   }
-  for (std::uint32_t client = 0; client < SPM_MOST_CLIENTS; ++client) {
+  for (std::uint32_t client = 0; client < SPM_MAX_CLIENTS; ++client) {
     // Sixteen clients share two full turns a tick.
     REQUIRE(taken_of[client] >= 100);
   }
@@ -294,7 +294,7 @@ TEST_CASE("A ring that is taken away while the loop runs is never used afterward
   });
   for (std::uint32_t round = 1; round < 2000; ++round) {
     RawRing ring(round);
-    ClientRing& place = state->rings()[round % SPM_MOST_CLIENTS];
+    ClientRing& place = state->rings()[round % SPM_MAX_CLIENTS];
     place.offer(ring.attached());
     ring.write(move_command(0, 1));
     place.offer(nullptr);

@@ -6,8 +6,8 @@
 #include "servo/app/app_state.hpp"
 #include "servo/app/pose_interpolator.hpp"
 #include "servo/realtime/page_faults.hpp"
-#include "tests/servo/support/loop_stand_in.hpp"
 #include "tests/servo/support/intercepted_calls.hpp"
+#include "tests/servo/support/loop_stand_in.hpp"
 
 using namespace spm;
 using namespace spm::servo;
@@ -16,9 +16,9 @@ TEST_CASE("What a tick does for applications neither allocates, locks, writes no
   const auto state = test::small_state();
   test::RawRing ring(1);
   state->rings()[0].offer(ring.attached());
-  const std::vector<AppDevice> devices(SPM_MOST_DEVICES, test::device_of(1));
-  const std::vector<AppObject> objects(SPM_MOST_OBJECTS, test::object_of(1, 1));
-  const std::vector<DeviceCounters> counted(SPM_MOST_DEVICES);
+  const std::vector<AppDevice> devices(SPM_MAX_DEVICES, test::device_of(1));
+  const std::vector<AppObject> objects(SPM_MAX_OBJECTS, test::object_of(1, 1));
+  const std::vector<DeviceCounters> counted(SPM_MAX_DEVICES);
   PoseInterpolator interpolator({}, Placement());
   std::size_t taken = 0;
   const auto tick = [&](std::uint64_t number) {

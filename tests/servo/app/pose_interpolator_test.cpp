@@ -122,8 +122,8 @@ TEST_CASE("Between two poses the way is even, and ends at the pose exactly") {
 
 TEST_CASE("No pose moves an object faster than the caps") {
   PoseInterpolatorSettings settings;
-  settings.most_speed = 0.5;
-  settings.most_turn = 2;
+  settings.max_speed = 0.5;
+  settings.max_turn = 2;
   for (std::uint64_t seed = 0; seed < 100; ++seed) {
     Random random(seed);
     PoseInterpolator interpolator(settings, Placement());
@@ -149,7 +149,7 @@ TEST_CASE("No pose moves an object faster than the caps") {
 
 TEST_CASE("An object that jumps arrives at its pose later, by the cap") {
   PoseInterpolatorSettings settings;
-  settings.most_speed = 0.5;
+  settings.max_speed = 0.5;
   PoseInterpolator interpolator(settings, Placement());
   interpolator.give(placed({1, 0, 0}), 0.01, 0);
   REQUIRE(interpolator.at(1'000'000'000).pose.position.x() == Approx(0.5));

@@ -213,7 +213,7 @@ TEST_CASE("A ring that is full is a return code, and has room again once the loo
     REQUIRE(spm_client_move_object(here.client, 0, &pose) == SPM_CLIENT_OK);
   }
   REQUIRE(spm_client_move_object(here.client, 0, &pose) == SPM_CLIENT_RING_FULL);
-  REQUIRE(daemon.state->take(0).size() == AppState::most_of_client);
+  REQUIRE(daemon.state->take(0).size() == AppState::max_of_client);
   REQUIRE(spm_client_move_object(here.client, 0, &pose) == SPM_CLIENT_OK);
 }
 

@@ -165,18 +165,19 @@ TEST_CASE("A recording of a run replays to forces equal bit by bit, friction and
 TEST_CASE("Cures of the command line act, are reported, and a replay with them gives the same") {
   const Workshop shop;
   const std::string recording = shop.folder.file("cured.spmrec");
-  const Outcome run =
-      servo(shop.folder, {"run", "--asset", shop.sparse, "--cures", "advised", "--duration", "1",
-                          "--device", "sim:seed=3", "--json", "--record", recording});
+  const Outcome run = servo(
+      shop.folder, {"run", "--asset", shop.sparse, "--stabilization", "recommended", "--duration",
+                    "1", "--device", "sim:seed=3", "--json", "--record", recording});
   CAPTURE(run.err);
   REQUIRE(run.code == 0);
   const json report = json::parse(run.out);
-  CHECK(report["cures"]["damping_share"] == 1);
-  CHECK(report["cures"]["passivity"] == true);
-  const auto forces_equal = [&](const char* cures) {
-    const Outcome replay = servo(shop.folder, {"replay", recording, "--asset", shop.sparse,
-                                               "--cures", cures, "--out", shop.out, "--json"});
-    CAPTURE(cures, replay.err);
+  CHECK(report["stabilization_settings"]["damping_share"] == 1);
+  CHECK(report["stabilization_settings"]["passivity"] == true);
+  const auto forces_equal = [&](const char* stabilization) {
+    const Outcome replay =
+        servo(shop.folder, {"replay", recording, "--asset", shop.sparse, "--stabilization",
+                            stabilization, "--out", shop.out, "--json"});
+    CAPTURE(stabilization, replay.err);
     REQUIRE(replay.code == 0);
     return json::parse(replay.out)["recording"]["forces_equal"].get<bool>();
   };
@@ -184,15 +185,15 @@ TEST_CASE("Cures of the command line act, are reported, and a replay with them g
   CHECK_FALSE(forces_equal("none"));
   // The scene's own give way.
   const std::string scene =
-      shop.scene("[cures]\nadvised = true\n[[object]]\nasset = \"sparse.spm.exr\"\n");
+      shop.scene("[stabilization]\nrecommended = true\n[[object]]\nasset = \"sparse.spm.exr\"\n");
   const auto reported = [&](std::vector<std::string> more) {
     std::vector<std::string> words{"replay", recording, "--scene", scene,
                                    "--out",  shop.out,  "--json"};
     words.insert(words.end(), more.begin(), more.end());
-    return json::parse(servo(shop.folder, words).out).contains("cures");
+    return json::parse(servo(shop.folder, words).out).contains("stabilization_settings");
   };
   CHECK(reported({}));
-  CHECK_FALSE(reported({"--cures", "none"}));
+  CHECK_FALSE(reported({"--stabilization", "none"}));
 }
 
 TEST_CASE("A run of a scene reports its objects, and holds the scene's cap after the sum") {
@@ -347,8 +348,8 @@ TEST_CASE("A wrong command ends with the contract's exit code and one sentence")
       {run + shop.full + " --stiffness 1000", 1},
       {run + shop.full + " --stiffness -1N/mm", 1},
       {run + shop.full + " --stiffness auto", 1},
-      {run + shop.full + " --cures dampng", 1},
-      {run + shop.full + " --cures damping+", 1},
+      {run + shop.full + " --stabilization dampng", 1},
+      {run + shop.full + " --stabilization damping+", 1},
       {run + shop.full + " --method voxels", 1},
       {run + shop.full + " --method paper --probe sphere:1mm", 1},
       {run + shop.full + " --record", 1},

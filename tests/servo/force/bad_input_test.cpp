@@ -5,8 +5,8 @@
 #include <limits>
 #include <vector>
 
-#include "tests/support/asset_by_hand.hpp"
 #include "servo/force/contact_model.hpp"
+#include "tests/support/asset_by_hand.hpp"
 #include "tests/support/tree_by_hand.hpp"
 
 namespace spm {
@@ -105,7 +105,7 @@ TEST_CASE("Stiffness that is zero, below zero or no number gives no force") {
 
 TEST_CASE("In a place that the bake left out there is no force") {
   test::TiledCubeByHand cube(size);
-  cube.space = {test::octants(SpaceKind::pruned), 0};
+  cube.sign_octree = {test::octants(SignKind::pruned), 0};
   cube.refresh();
   for (const Method method : {Method::spm, Method::proxy}) {
     ContactModel model(settings_of(method, 1000));
@@ -128,7 +128,7 @@ TEST_CASE("Two objects in one place push twice as one, each with a model of its 
 
 TEST_CASE("An asset without elements gives no force") {
   test::TiledCubeByHand cube(size);
-  cube.tree.clear();
+  cube.bvh.clear();
   cube.refresh();
   for (const Method method : {Method::spm, Method::proxy}) {
     ContactModel model(settings_of(method, 1000));

@@ -89,8 +89,8 @@ TEST_CASE("A wall that pushes harder out than in is braked, by no more than the 
   const Moved coarse = moved_by(1.1, true, 1, 1e-4, 5);
   CHECK(coarse.largest_damping <= 1 + 1e-9);
   CHECK(coarse.work < moved_by(1.1, false, 1, 1e-4, 5).work);
-  CHECK(PassivityControl({1, tick, 1e-4, 0.1}).most_damping() == Approx(1));
-  CHECK(PassivityControl({1, tick, 0, 0.1}).most_damping() == Approx(25));
+  CHECK(PassivityControl({1, tick, 1e-4, 0.1}).max_damping() == Approx(1));
+  CHECK(PassivityControl({1, tick, 0, 0.1}).max_damping() == Approx(25));
 }
 
 TEST_CASE("A hand at rest by one encoder step is not braked, for it is given nothing") {
@@ -128,8 +128,8 @@ TEST_CASE("Energy that is generated in the turn alone is taken by the turn's dam
   CHECK(controlled.work < 0.2 * bare.work);
   CHECK(controlled.largest_damping > 1);
   const WrenchPassivityControl control({1, tick, 1e-4, 0.1, 1e-5, 0.02});
-  CHECK(control.most_damping(0) == Approx(1));
-  CHECK(control.most_damping(1) == Approx(5));
+  CHECK(control.max_damping(0) == Approx(1));
+  CHECK(control.max_damping(1) == Approx(5));
 }
 
 TEST_CASE("A hand that does not turn is controlled as one that cannot") {

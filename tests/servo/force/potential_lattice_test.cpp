@@ -46,7 +46,7 @@ class BrokenCube : public test::TiledCubeByHand {
     for (std::uint32_t tile = 0; tile < by_hand.size(); ++tile) {
       leaves.push_back(test::tile_child(tile));
     }
-    tree = test::tree_over(leaves);
+    bvh = test::bvh_over(leaves);
     view.tolerance = 1e-4;
     refresh();
   }

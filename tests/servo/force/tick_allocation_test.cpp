@@ -2,12 +2,12 @@
 #include <array>
 #include <catch2/catch.hpp>
 
-#include "tests/support/asset_by_hand.hpp"
 #include "common/sixdof/overlap_volume.hpp"
-#include "servo/force/scene_force.hpp"
 #include "common/sixdof/support_culling.hpp"
 #include "common/sixdof/virtual_tool.hpp"
+#include "servo/force/scene_force.hpp"
 #include "tests/servo/support/intercepted_calls.hpp"
+#include "tests/support/asset_by_hand.hpp"
 
 namespace spm {
 namespace {
@@ -43,7 +43,8 @@ TEST_CASE("Ticks of contact, virtual tool, overlap and culling allocate, lock an
   CHECK(after.writes == before.writes);
 }
 
-TEST_CASE("A tick of a scene with every effect and cure allocates, locks and writes nothing") {
+TEST_CASE(
+    "A tick of a scene with every effect and stabilizer allocates, locks and writes nothing") {
   const test::TiledCubeByHand cube(0.04);
   PlacedObject object;
   object.effects.friction = {0.5, 0.4, 2000};
@@ -54,8 +55,8 @@ TEST_CASE("A tick of a scene with every effect and cure allocates, locks and wri
   scene.objects[1].placement.position = {0.039, 0, 0};
   scene.objects[1].force.method = Method::proxy;
   scene.objects[2].placement.position = {1, 0, 0};
-  REQUIRE(parse_cures("damping+coupling+passivity+potential", scene.cures));
-  scene.cures.coupling_damping = 1;
+  REQUIRE(parse_stabilization("damping+coupling+passivity+potential", scene.stabilization));
+  scene.stabilization.coupling_damping = 1;
   SceneForce force(scene, 1e-3, 2e-5);
   const std::array<const AssetView*, 1> assets{&cube.view};
   std::uint64_t contacts = 0;
@@ -64,7 +65,7 @@ TEST_CASE("A tick of a scene with every effect and cure allocates, locks and wri
   for (int tick = 0; tick < 400; ++tick) {
     contacts += force.next(assets, {1e-4 * tick, 0.003, 0.019}).contact ? 1 : 0;
     if (tick == 200) force.reset();
-    if (tick == 300) force.cure(advised_cures);
+    if (tick == 300) force.stabilize(recommended_stabilization);
   }
   test::watch(false);
   const test::InterceptedCalls after = test::intercepted_calls();

@@ -18,7 +18,7 @@ double counted(double position) { return step * std::round(position / step); }
 
 /// The definition, window by window: the positions end now, m; m a tick.
 double by_definition(const std::vector<double>& positions) {
-  const std::size_t count = std::min(positions.size(), VelocityEstimate::most_ticks);
+  const std::size_t count = std::min(positions.size(), VelocityEstimate::max_ticks);
   const auto ago = [&](std::size_t ticks) { return positions[positions.size() - 1 - ticks]; };
   double slope = 0;
   for (std::size_t ticks = 1; ticks < count; ++ticks) {
@@ -49,7 +49,7 @@ TEST_CASE("The velocity is that of the longest straight window, to the bit") {
 }
 
 TEST_CASE("By difference the last two positions tell it alone") {
-  VelocityEstimate estimate(step, tick, VelocityBy::difference);
+  VelocityEstimate estimate(step, tick, VelocityMethod::difference);
   CHECK(estimate.next({1, 0, 0}).x() == 0);
   CHECK(estimate.next({1 + step, 0, 0}).x() == Approx(step / tick));
   CHECK(estimate.next({1 + step, 0, 0}).x() == 0);
@@ -70,7 +70,7 @@ TEST_CASE("A steady motion is told from counts without the noise of a count a ti
     }
     INFO("at " << velocity << " m/s: off by " << worst << ", a difference by " << naive);
     // Two counts over the window.
-    CHECK(worst <= 2 * step / (VelocityEstimate::most_ticks - 1) / tick);
+    CHECK(worst <= 2 * step / (VelocityEstimate::max_ticks - 1) / tick);
     if (velocity == 0.02) CHECK(worst < naive / 8);
   }
 }

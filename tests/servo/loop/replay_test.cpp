@@ -79,7 +79,7 @@ TEST_CASE("The depth is that below the nearest face of a box") {
   }
 }
 
-TEST_CASE("A replay has the cures of its scene, and none where the scene has none") {
+TEST_CASE("A replay has the stabilizers of its scene, and none where the scene has none") {
   const Asset asset = test::box_asset(2 * half);
   const AssetTables tables = tables_of(asset);
   std::vector<TrajectorySample> pressed(60);
@@ -88,15 +88,15 @@ TEST_CASE("A replay has the cures of its scene, and none where the scene has non
   }
   ReplayOptions options;
   const ReplayResult bare = replay(one(tables), pressed, options);
-  options.scene.cures = advised_cures;
-  const ReplayResult cured = replay(one(tables), pressed, options);
-  options.scene.cures.coupling = 500;
+  options.scene.stabilization = recommended_stabilization;
+  const ReplayResult stabilized = replay(one(tables), pressed, options);
+  options.scene.stabilization.coupling = 500;
   const ReplayResult coupled = replay(one(tables), pressed, options);
   const double depth = bare.contacts.back().depth;
   CHECK(bare.contacts.back().force.z() == Approx(1000 * depth));
   // At 20 mm/s.
-  const double damping = matched_damping(advised_damping_share, 1000, 1, 1e-3);
-  CHECK(cured.contacts.back().force.z() == Approx(1000 * depth + damping * 0.02));
+  const double damping = matched_damping(recommended_damping_share, 1000, 1, 1e-3);
+  CHECK(stabilized.contacts.back().force.z() == Approx(1000 * depth + damping * 0.02));
   CHECK(coupled.contacts.back().force.z() == Approx(400 * depth + 0.4 * damping * 0.02));
 }
 

@@ -109,8 +109,8 @@ class FakeKit {
   [[nodiscard]] const std::vector<Asked>& asked() const { return asked_; }
   [[nodiscard]] pid_t child() const { return child_; }
 
-  static constexpr std::int32_t most_priority = 17;
-  static constexpr std::int64_t most_time_us = 150'000;
+  static constexpr std::int32_t max_priority = 17;
+  static constexpr std::int64_t max_time_us = 150'000;
 
  private:
   static int answer(sd_bus_message* message, void* self, sd_bus_error*) {
@@ -120,10 +120,10 @@ class FakeKit {
       if (sd_bus_message_read(message, "ss", &of, &which) < 0) return 0;
       if (std::strcmp(of, name) != 0) return 0;
       if (std::strcmp(which, "MaxRealtimePriority") == 0) {
-        return sd_bus_reply_method_return(message, "v", "i", most_priority);
+        return sd_bus_reply_method_return(message, "v", "i", max_priority);
       }
       if (std::strcmp(which, "RTTimeUSecMax") == 0) {
-        return sd_bus_reply_method_return(message, "v", "x", most_time_us);
+        return sd_bus_reply_method_return(message, "v", "x", max_time_us);
       }
       return 0;
     }
@@ -187,8 +187,8 @@ TEST_CASE("RealtimeKit is asked for the calling thread, below the most that it g
   const Asked& asked = kit.asked().front();
   REQUIRE(asked.process == static_cast<std::uint64_t>(kit.child()));
   REQUIRE(asked.thread != asked.process);
-  REQUIRE(asked.priority == FakeKit::most_priority - 2);
-  REQUIRE(asked.time_limit == FakeKit::most_time_us);
+  REQUIRE(asked.priority == FakeKit::max_priority - 2);
+  REQUIRE(asked.time_limit == FakeKit::max_time_us);
   REQUIRE(told == "15 " + std::to_string(asked.thread));
 }
 
@@ -252,12 +252,12 @@ TEST_CASE("Where the kernel refuses a loop its priority RealtimeKit is asked, an
     enter_device_thread(RealtimeMode::attempt);
     return text_of(enter_realtime(RealtimeMode::attempt));
   });
-  REQUIRE(told.starts_with("rtkit " + std::to_string(FakeKit::most_priority)));
+  REQUIRE(told.starts_with("rtkit " + std::to_string(FakeKit::max_priority)));
   REQUIRE(told.find("no real-time priority") == std::string::npos);
   // The threads of devices stay below the loop.
   REQUIRE(kit.asked().size() == 2);
-  REQUIRE(kit.asked()[0].priority == FakeKit::most_priority - 1);
-  REQUIRE(kit.asked()[1].priority == FakeKit::most_priority);
+  REQUIRE(kit.asked()[0].priority == FakeKit::max_priority - 1);
+  REQUIRE(kit.asked()[1].priority == FakeKit::max_priority);
 }
 
 TEST_CASE("Where RealtimeKit refuses too, both reasons are in the warning") {

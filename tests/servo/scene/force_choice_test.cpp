@@ -56,15 +56,15 @@ TEST_CASE("A stiffness may be left to the device that the scene names, for every
   CHECK(alone.error().code == ExitCode::usage);
 }
 
-TEST_CASE("A scene's cures come to the loop, and an asset alone has none") {
-  const auto choice = choose("[cures]\ndamping = 0.8\n[[object]]\nasset = \"a\"\n");
+TEST_CASE("A scene's stabilizers come to the loop, and an asset alone has none") {
+  const auto choice = choose("[stabilization]\ndamping = 0.8\n[[object]]\nasset = \"a\"\n");
   REQUIRE(choice);
-  CHECK(choice->scene.cures.damping_share == 0.8);
+  CHECK(choice->scene.stabilization.damping_share == 0.8);
   ForceOptions options;
   options.asset = "duck.spm.exr";
   const auto alone = choose_forces(options);
   REQUIRE(alone);
-  CHECK_FALSE(alone->scene.cures.any());
+  CHECK_FALSE(alone->scene.stabilization.any());
 }
 
 TEST_CASE("Neither or both of asset and scene is a usage error") {

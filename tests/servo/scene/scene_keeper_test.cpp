@@ -143,25 +143,25 @@ TEST_CASE("An edit in place is taken up as one that replaces the file") {
   CHECK(edit.changed[0].settings.effects.damping == 3);
 }
 
-TEST_CASE("Other cures of a scene are handed to the loop, and the same ones are nothing") {
+TEST_CASE("Other stabilizers of a scene are handed to the loop, and the same ones are nothing") {
   const Edited edited;
   edited.keeper->watch();
-  edited.save("[cures]\ndamping = 0.8\npassivity = true\n" + box);
+  edited.save("[stabilization]\ndamping = 0.8\npassivity = true\n" + box);
   const SceneEdit edit = edited.take();
-  REQUIRE(edit.cures);
-  CHECK(edit.cures->damping_share == 0.8);
-  CHECK(edit.cures->passivity);
+  REQUIRE(edit.stabilization);
+  CHECK(edit.stabilization->damping_share == 0.8);
+  CHECK(edit.stabilization->passivity);
   CHECK(edit.felt);
   CHECK(edit.changed.empty());
-  CHECK(contains(edited.said(0), "taken up again: cures"));
-  edited.save("[cures]\npassivity = true\ndamping = 0.8\n" + box);
+  CHECK(contains(edited.said(0), "taken up again: stabilization"));
+  edited.save("[stabilization]\npassivity = true\ndamping = 0.8\n" + box);
   CHECK(contains(edited.said(1), "nothing is different"));
-  edited.save("[cures]\npassivity = true\ndamping = 0.8\n" + box + "movable = true\n");
-  CHECK_FALSE(edited.take().cures);
+  edited.save("[stabilization]\npassivity = true\ndamping = 0.8\n" + box + "movable = true\n");
+  CHECK_FALSE(edited.take().stabilization);
   edited.save(box);
   const SceneEdit off = edited.take();
-  REQUIRE(off.cures);
-  CHECK_FALSE(off.cures->any());
+  REQUIRE(off.stabilization);
+  CHECK_FALSE(off.stabilization->any());
 }
 
 TEST_CASE("What was edited between the daemon's reading and its first look is taken up") {
@@ -323,7 +323,7 @@ TEST_CASE("Edits in a row are felt by the hand, each faded in") {
   CHECK(comes_to(3));
   edited.save(box + "stiffness = \"2N/mm\"\npose = [0, 0, 0.0005]\n" + other);
   CHECK(comes_to(4));
-  edited.save("[cures]\ncoupling = \"1N/mm\"\n" + other);
+  edited.save("[stabilization]\ncoupling = \"1N/mm\"\n" + other);
   CHECK(comes_to(0.8));
   edited.save(other);
   CHECK(comes_to(1));

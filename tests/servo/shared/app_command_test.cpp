@@ -157,7 +157,7 @@ TEST_CASE("Random bytes in a ring are counted, bounded, and never come out as a 
     Random random(seed);
     const auto state = small_state();
     RawRing ring(9);
-    state->rings()[static_cast<std::size_t>(seed % SPM_MOST_CLIENTS)].offer(ring.attached());
+    state->rings()[static_cast<std::size_t>(seed % SPM_MAX_CLIENTS)].offer(ring.attached());
     for (int round = 0; round < 20; ++round) {
       for (spm_shared_command& slot : ring.ring().slots) {
         for (std::size_t word = 0; word < sizeof slot / 8; ++word) {
@@ -170,7 +170,7 @@ TEST_CASE("Random bytes in a ring are counted, bounded, and never come out as a 
       ring.ring().head = random.next() % 2 == 0 ? random.next() : ring.ring().head + 10;
       ring.ring().tail = random.next();
       const auto taken = state->take(0);
-      REQUIRE(taken.size() <= AppState::most_of_client);
+      REQUIRE(taken.size() <= AppState::max_of_client);
       for (const AppCommand& command : taken) {
         REQUIRE(command.pose.position.allFinite());
         REQUIRE(command.pose.position.cwiseAbs().maxCoeff() <= app_farthest);

@@ -8,8 +8,8 @@
 #include <stdexcept>
 #include <utility>
 
-#include "servo/shared/shared_words.hpp"
 #include "servo/base/clock.hpp"
+#include "servo/shared/shared_words.hpp"
 
 namespace spm::test {
 
@@ -122,7 +122,7 @@ LoopStandIn::LoopStandIn(AppState& state) : state_(state) {
   AppObject first;
   first.movable = true;
   objects_.push_back(first);
-  objects_.reserve(SPM_MOST_OBJECTS);
+  objects_.reserve(SPM_MAX_OBJECTS);
   thread_ = std::thread([this] { run(); });
 }
 
@@ -174,7 +174,7 @@ Refusal LoopStandIn::apply(const AppCommand& command) {
     return object.id == command.object;
   });
   if (command.action == AppAction::add) {
-    if (objects_.size() == SPM_MOST_OBJECTS) return Refusal::too_many_objects;
+    if (objects_.size() == SPM_MAX_OBJECTS) return Refusal::too_many_objects;
     AppObject object;
     object.id = command.object;
     object.asset = command.index;

@@ -110,13 +110,13 @@ TEST_CASE(
     Counted counted;
     for (int i = 0; i < 3000; ++i) counted.add(some_duration(random));
     const Counted before = counted;
-    std::vector<double> lately;
+    std::vector<double> recent;
     for (int i = 0; i < 1000; ++i) {
       const std::int64_t duration = some_duration(random);
       counted.add(duration);
-      lately.push_back(static_cast<double>(duration) * 1e-3);
+      recent.push_back(static_cast<double>(duration) * 1e-3);
     }
-    std::sort(lately.begin(), lately.end());
+    std::sort(recent.begin(), recent.end());
     const TopTimes times =
         times_between(before.buckets, counted.buckets, before.longest, counted.longest);
     // What is longer than the last bucket's begin is only known to be no longer than the longest.
@@ -126,9 +126,9 @@ TEST_CASE(
                                              : static_cast<double>(counted.longest) * 1e-3;
       return told >= exact && told <= most;
     };
-    REQUIRE(is_close(times.p50, lately[nearest_rank(0.5, 1000) - 1]));
-    REQUIRE(is_close(times.p99, lately[nearest_rank(0.99, 1000) - 1]));
-    REQUIRE(is_close(times.max, lately.back()));
+    REQUIRE(is_close(times.p50, recent[nearest_rank(0.5, 1000) - 1]));
+    REQUIRE(is_close(times.p99, recent[nearest_rank(0.99, 1000) - 1]));
+    REQUIRE(is_close(times.max, recent.back()));
   }
 }
 
@@ -159,9 +159,9 @@ TEST_CASE("Rate and busy share are those between two looks, by the loop's own cl
   REQUIRE(view.rate_hz == Approx(900));
   REQUIRE(view.busy_share == Approx(900 * 20e-6));
   REQUIRE(view.ticks == 5900);
-  REQUIRE(view.missed.lately == 100);
-  REQUIRE(view.missed.ever == 130);
-  REQUIRE(view.skipped.lately == 100);
+  REQUIRE(view.missed.recent == 100);
+  REQUIRE(view.missed.total == 130);
+  REQUIRE(view.skipped.recent == 100);
 }
 
 TEST_CASE("Before the first tick, and while the loop stands still, there is no rate and no time") {
@@ -191,8 +191,8 @@ TEST_CASE("A device shows its force now and at most, and the caps it met lately 
   const TopDevice& device = view.devices[0];
   REQUIRE(device.force == Approx(5));
   REQUIRE(device.force_max == Approx(6));
-  REQUIRE(device.cap_hits.lately == 7);
-  REQUIRE(device.cap_hits.ever == 11);
+  REQUIRE(device.cap_hits.recent == 7);
+  REQUIRE(device.cap_hits.total == 11);
   REQUIRE(device.cause.empty());
   const std::string screen = top_screen(view, 80);
   for (const char* part :
@@ -319,13 +319,13 @@ TEST_CASE("More devices and applications than there is room for are left out of 
   auto state = AppState::create(1000, {{"hand"}, {"asset"}, {"object"}});
   REQUIRE(state);
   const auto& shared = *static_cast<const spm_shared_state*>((*state)->memory().data());
-  const std::vector<DeviceCounters> devices(SPM_MOST_DEVICES + 2);
+  const std::vector<DeviceCounters> devices(SPM_MAX_DEVICES + 2);
   (*state)->count({1, 1, 1, 1, 0, 0, devices});
-  REQUIRE(shared.loop.device_count == SPM_MOST_DEVICES);
-  const std::vector<AppClientReport> clients(SPM_MOST_CLIENTS + 3,
+  REQUIRE(shared.loop.device_count == SPM_MAX_DEVICES);
+  const std::vector<AppClientReport> clients(SPM_MAX_CLIENTS + 3,
                                              {9, 99, std::string(200, 'n'), 0, 0});
   (*state)->tell_clients(clients);
-  REQUIRE(shared.applications.count == SPM_MOST_CLIENTS);
+  REQUIRE(shared.applications.count == SPM_MAX_CLIENTS);
   REQUIRE(shared.applications.list[15].process == 99);
   REQUIRE(std::string(shared.applications.list[15].name) == std::string(SPM_NAME_BYTES - 1, 'n'));
   (*state)->tell_clients({});

@@ -23,7 +23,7 @@ StabilityCase friction_at_rest() {
       "A flat wall with friction is held with 2 N and pulled sideways by less than the friction: a "
       "friction that goes by the last step's direction chatters with the encoders.",
       flat_block(), {.place = {place_x, place_y, 0}});
-  made.hand.front().to.x() += reach(0.3);
+  made.hand.front().to.x() += press_depth(0.3);
   made.seconds = script_seconds(made);
   made.max_depth = 15e-3;
   give_friction(made);

@@ -37,7 +37,7 @@ StabilityCase loop_case(std::string name, std::string title, test::Shape shape,
   made.max_depth = 2e-3;
   made.tolerance = 30e-6;
   made.judged = {.ripple = false, .pop = false, .energy = true, .settles = false};
-  made.judged.most_gained = 10e-6;
+  made.judged.max_gained = 10e-6;
   return made;
 }
 

@@ -54,7 +54,7 @@ StabilityCase plate_into_hand() {
       flat_plate(1e-3), {.place = {place_x, place_y, 0}});
   made.max_depth = 2e-3;
   made.start = {place_x, place_y, 3e-3};
-  made.hand = {{made.start, usual_speed, long_rest}};
+  made.hand = {{made.start, default_speed, long_rest}};
   made.surface = rising(20e-3);
   made.seconds = script_seconds(made);
   return made;
@@ -70,7 +70,7 @@ StabilityCase coarser_level() {
       "coarser-level-switch",
       "A wall is held with 2 N while its asset is exchanged for one of a tolerance of 100 um and "
       "back, ten times in a second: every switch steps the force, and may feed an oscillation.",
-      usual_press);
+      default_press);
   made.surface = [](double time) {
     const double count = std::floor((time - moved_at) / each);
     const bool is_coarse = count >= 0 && count < switches && std::fmod(count, 2) == 0;

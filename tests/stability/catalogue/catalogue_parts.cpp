@@ -6,7 +6,7 @@
 
 namespace spm::stability {
 
-double reach(double force) noexcept {
+double press_depth(double force) noexcept {
   return force * (1 / servo::arm_stiffness + 1 / servo::grip_stiffness);
 }
 
@@ -17,7 +17,7 @@ double runway(double speed) noexcept {
 }
 
 Vector3 pressed_target(const Press& press) noexcept {
-  return press.place - reach(press.force) * press.normal;
+  return press.place - press_depth(press.force) * press.normal;
 }
 
 StabilityCase press_case(std::string theme, std::string name, std::string title, test::Shape shape,

@@ -12,18 +12,18 @@ namespace spm::stability {
 
 /// N, that a hand presses with where nothing else is said: below every device's cap, above what
 /// half a millimetre of 3 N/mm holds.
-inline constexpr double usual_press = 2;
+inline constexpr double default_press = 2;
 /// m/s, where nothing else is said.
-inline constexpr double usual_speed = 0.05;
+inline constexpr double default_speed = 0.05;
 /// s, that a hand rests at the end. A tap at 1 m/s rings for about 1 s on a wall; what is judged
 /// are the last 0.7 s.
-inline constexpr double usual_rest = 2;
+inline constexpr double default_rest = 2;
 /// m, of the ball.
 inline constexpr double ball_radius = 2e-3;
 
 /// How far below what holds its tool a hand's target lies when it presses with a force (N), m: arm
 /// and grip in series.
-[[nodiscard]] double reach(double force) noexcept;
+[[nodiscard]] double press_depth(double force) noexcept;
 
 /// How far above the surface a hand starts, m, so that the tool of `low` meets it with about the
 /// target's speed (m/s): never less than 2 mm.
@@ -33,9 +33,9 @@ inline constexpr double ball_radius = 2e-3;
 struct Press {
   Vector3 place = Vector3::Zero();    ///< m, of the probe's centre where it just touches
   Vector3 normal = Vector3::UnitZ();  ///< unit, outward: the hand comes against it
-  double speed = usual_speed;         ///< m/s
-  double force = usual_press;         ///< N
-  double rest = usual_rest;           ///< s
+  double speed = default_speed;       ///< m/s
+  double force = default_press;       ///< N
+  double rest = default_rest;         ///< s
 };
 
 /// A case of pressing straight down and staying. A band of 5 mm holds that of a device at 0.4 N/mm.

@@ -302,8 +302,8 @@ TEST_CASE("Every hand presses with a force that every device can hold") {
     INFO(one.name);
     // Where its probe is about held: the target's end, and the reach of its press above it.
     const double target = one.hand.back().to.dot(one.normal);
-    const double expected = one.mesh.empty() ? usual_press : 1.0;
-    const double pressed = final_press(one, target + reach(expected));
+    const double expected = one.mesh.empty() ? default_press : 1.0;
+    const double pressed = final_press(one, target + press_depth(expected));
     CHECK(pressed == Approx(expected).epsilon(0.15));
     for (const servo::SimProfile& profile : servo::sim_profiles) {
       CHECK(pressed < 0.7 * profile.force_cap);

@@ -34,7 +34,7 @@ StabilityCase taper_case() {
       "The hand presses the flat side of a wedge with 2 N where it is 3.4 mm thick, and slides at "
       "0.05 m/s to where it is 0.9 mm: on the way it becomes too thin for a depth to hold.",
       taper(4e-3, 0.4e-3), {.place = {-10e-3, place_y, 0}, .rest = 0.5});
-  made.hand.push_back({made.hand.front().to + Vector3(20.8e-3, 0, 0), usual_speed, usual_rest});
+  made.hand.push_back({made.hand.front().to + Vector3(20.8e-3, 0, 0), default_speed, default_rest});
   made.seconds = script_seconds(made);
   made.max_depth = thin_band;
   return made;

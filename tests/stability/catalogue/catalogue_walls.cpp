@@ -9,7 +9,7 @@ namespace {
 /// Away from the wall's symmetries.
 constexpr double place_x = 1.3e-3, place_y = -2.1e-3;  // m
 
-StabilityCase wall_case(std::string name, std::string title, double speed = usual_speed) {
+StabilityCase wall_case(std::string name, std::string title, double speed = default_speed) {
   StabilityCase made = press_case("walls", std::move(name), std::move(title), flat_block(),
                                   {.place = {place_x, place_y, 0}, .speed = speed});
   // What a device of 3.3 N lets through of a tap at 0.5 m/s.
@@ -34,12 +34,12 @@ StabilityCase press_slide_lift() {
   const Vector3 slide(10e-3, 0, 0);
   std::vector<HandLeg> legs;
   for (int round = 0; round < rounds; ++round) {
-    legs.push_back({below, usual_speed, 0.3});
+    legs.push_back({below, default_speed, 0.3});
     legs.push_back({below + slide, 0.1, 0.1});
     legs.push_back({above + slide, 0.1, 0});
     legs.push_back({above, 0.1, 0});
   }
-  legs.push_back({below, usual_speed, usual_rest});
+  legs.push_back({below, default_speed, default_rest});
   made.hand = legs;
   made.seconds = script_seconds(made);
   return made;
@@ -82,7 +82,7 @@ std::vector<StabilityCase> wall_cases() {
                 0.6),
       of_border("flat-wall-at-1-7",
                 "A flat wall is held with 2 N at 1.7 of the device's own border: it must buzz "
-                "without a cure, or the judges see nothing.",
+                "without a stabilizer, or the judges see nothing.",
                 1.7),
       wall_case("delay-2-ticks",
                 "A flat wall is held with 2 N while the force comes two ticks late: the border "

@@ -9,8 +9,8 @@ const std::vector<Contender>& all_contenders() {
                                {"exact-penalty", {}}, {"mesh-proxy", {}},
                                {"spm", {}},           {"proxy", {}}};
     for (const char* method : {"spm", "proxy"}) {
-      for (const char* cure : {"damping", "coupling", "passivity", "potential"}) {
-        all.push_back({method, cure});
+      for (const char* stabilizer : {"damping", "coupling", "passivity", "potential"}) {
+        all.push_back({method, stabilizer});
       }
     }
     all.push_back({"proxy", "damping+passivity"});
@@ -22,8 +22,8 @@ const std::vector<Contender>& all_contenders() {
 
 std::string name_of(const Contender& contender) {
   std::string name = contender.method;
-  if (!contender.cures.empty()) name += "+";
-  return name += contender.cures;
+  if (!contender.stabilization.empty()) name += "+";
+  return name += contender.stabilization;
 }
 
 }  // namespace spm::stability

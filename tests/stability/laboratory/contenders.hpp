@@ -9,7 +9,7 @@
 namespace spm::stability {
 
 /// All that the laboratory compares, in the order of its tables: the rivals, the product's own
-/// forms, each cure alone on both, and the product's default.
+/// forms, each stabilizer alone on both, and the product's default.
 [[nodiscard]] const std::vector<Contender>& all_contenders();
 
 /// The contender's name in reports and on the command line: `proxy`, `proxy+damping`.

@@ -23,14 +23,14 @@ class ExactPenalty final : public Contestant {
     if ((point.array() < low_.array()).any() || (point.array() > high_.array()).any()) {
       return contact;
     }
-    const baker::SurfacePoint foot = surface_.closest(point);
-    const Vector3 away = point - foot.position;
+    const baker::SurfacePoint closest_point = surface_.closest(point);
+    const Vector3 away = point - closest_point.position;
     const double distance = away.norm();
     look(point, distance);
     bench::ExactTick tick;
     tick.distance = inside_ ? -distance : distance;
     // On the surface itself the way there has no direction.
-    tick.outward = distance > 0 ? Vector3(away / tick.distance) : foot.normal;
+    tick.outward = distance > 0 ? Vector3(away / tick.distance) : closest_point.normal;
     contact.force = bench::exact_penalty(tick, stiffness_, radius_);
     contact.contact = tick.distance < radius_;
     if (!contact.contact) return contact;

@@ -3,7 +3,7 @@
 
 #include "baker/base/bake_error.hpp"
 #include "servo/force/scene_force.hpp"
-#include "servo/force/stability_cures.hpp"
+#include "servo/force/stabilizer.hpp"
 #include "tests/stability/laboratory/contestants.hpp"
 
 namespace spm::stability {
@@ -47,7 +47,7 @@ EffectSettings effects_of(const StabilityCase& tried, Method method, const RunSe
   EffectSettings effects = tried.effects;
   if (effects.friction.stiffness == 0) effects.friction.stiffness = settings.stiffness;
   // Where nothing else is said the servo limits turns.
-  if (method == Method::spm && effects.turn.rate == 0) effects.turn.rate = usual_turn_rate;
+  if (method == Method::spm && effects.turn.rate == 0) effects.turn.rate = default_turn_rate;
   if (method == Method::paper) {
     effects.friction = {};
     effects.texture = {};
@@ -59,16 +59,18 @@ EffectSettings effects_of(const StabilityCase& tried, Method method, const RunSe
   return effects;
 }
 
-CureSettings cures_of(const Contender& contender, const StabilityCase& tried,
-                      const RunSettings& settings) {
-  CureSettings cures;
-  if (!contender.cures.empty() && !parse_cures(contender.cures, cures)) {
-    throw baker::BakeError(ExitCode::usage, "unknown cure in '" + contender.cures + "'");
+StabilizationSettings stabilization_of(const Contender& contender, const StabilityCase& tried,
+                                       const RunSettings& settings) {
+  StabilizationSettings stabilization;
+  if (!contender.stabilization.empty() &&
+      !parse_stabilization(contender.stabilization, stabilization)) {
+    throw baker::BakeError(ExitCode::usage,
+                           "unknown stabilizer in '" + contender.stabilization + "'");
   }
-  cures.delay_ticks = tried.delay_ticks;
-  cures.lag = judged_loop(tried, settings).lag;
-  cures.device_mass = settings.profile->mass;
-  return cures;
+  stabilization.delay_ticks = tried.delay_ticks;
+  stabilization.lag = judged_loop(tried, settings).lag;
+  stabilization.device_mass = settings.profile->mass;
+  return stabilization;
 }
 
 }  // namespace
@@ -80,17 +82,17 @@ std::unique_ptr<Contestant> product_contestant(const Contender& contender,
   const Method method = contender.method == "paper"   ? Method::paper
                         : contender.method == "proxy" ? Method::proxy
                                                       : Method::spm;
-  CureSettings cures = cures_of(contender, tried, settings);
+  StabilizationSettings stabilization = stabilization_of(contender, tried, settings);
   ForceSettings force;
   force.method = method;
   force.stiffness = settings.stiffness;
   force.probe_radius = tried.probe_radius;
-  if (cures.coupling > 0) {
+  if (stabilization.coupling > 0) {
     // Two equal springs in series: the hand feels half of either. The scene makes the second.
-    cures.coupling = 2 * settings.stiffness;
+    stabilization.coupling = 2 * settings.stiffness;
   }
   ForceScene scene = scene_of(force, effects_of(tried, method, settings));
-  scene.cures = cures;
+  scene.stabilization = stabilization;
   const AssetView& asset = method == Method::paper ? object.paper() : object.sparse();
   return std::make_unique<SceneContestant>(asset, scene, tried, settings);
 }

@@ -12,17 +12,17 @@ bool is_product(const std::string& method) {
   return method == "spm" || method == "proxy" || method == "default";
 }
 
-/// The method that a name stands for, with all of its cures.
+/// The method that a name stands for, with all of its stabilizers.
 Contender resolved(const Contender& contender) {
   if (contender.method != "default") return contender;
   Contender product = default_contender();
-  if (!contender.cures.empty()) product.cures += "+" + contender.cures;
+  if (!contender.stabilization.empty()) product.stabilization += "+" + contender.stabilization;
   return product;
 }
 
 }  // namespace
 
-Contender default_contender() { return {"proxy", "default"}; }
+Contender default_contender() { return {"proxy", "recommended"}; }
 
 const std::vector<std::string>& contender_methods() {
   static const std::vector<std::string> methods{
@@ -35,10 +35,10 @@ std::string why_not(const Contender& contender, const StabilityCase& tried) {
   if (std::find(methods.begin(), methods.end(), contender.method) == methods.end()) {
     return "there is no method '" + contender.method + "'";
   }
-  if (!contender.cures.empty() && !is_product(contender.method)) {
-    return contender.method + " has no cures";
+  if (!contender.stabilization.empty() && !is_product(contender.method)) {
+    return contender.method + " has no stabilizers";
   }
-  if (contender.method == "proxy" && contender.cures == "potential") {
+  if (contender.method == "proxy" && contender.stabilization == "potential") {
     return "the force of a proxy is its spring's already";
   }
   const EffectSettings& effects = tried.effects;

@@ -10,20 +10,20 @@
 
 namespace spm::stability {
 
-/// What `default` stands for: the product's method and cures, chosen by the catalogue.
+/// What `default` stands for: the product's method and stabilizers, chosen by the catalogue.
 [[nodiscard]] Contender default_contender();
 
 /// The names of all methods, `default` last.
 [[nodiscard]] const std::vector<std::string>& contender_methods();
 
-/// Why a contender is not asked about a case, in words; empty where it is. Effects and cures are of
-/// the product's methods (`paper` has the effects of its letter): a rival without them would pass
-/// their cases for nothing.
+/// Why a contender is not asked about a case, in words; empty where it is. Effects and stabilizers
+/// are of the product's methods (`paper` has the effects of its letter): a rival without them would
+/// pass their cases for nothing.
 [[nodiscard]] std::string why_not(const Contender& contender, const StabilityCase& tried);
 
 /// The object and all contenders need of it outlive the contestant. The stiffness is what the hand
-/// feels: a spring in series with a cure's is made stiffer by as much. Throws BakeError where the
-/// name is unknown or `why_not` says a reason.
+/// feels: a spring in series with a stabilizer's is made stiffer by as much. Throws BakeError where
+/// the name is unknown or `why_not` says a reason.
 [[nodiscard]] std::unique_ptr<Contestant> make_contestant(const Contender& contender,
                                                           const PreparedObject& object,
                                                           const StabilityCase& tried,

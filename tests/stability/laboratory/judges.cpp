@@ -187,9 +187,9 @@ Findings find(const StabilityCase& tried, const JudgedLoop& loop, const Trace& t
   const Hold hold = hold_of(trace);
   found.ripple_n = std::sqrt(residual_of(trace, hold, &TraceTick::commanded).squares);
   found.ripple_m = residual_of(trace, hold, &TraceTick::position).swing;
-  if (std::isfinite(tried.judged.most_gained)) {
+  if (std::isfinite(tried.judged.max_gained)) {
     found.generated_j = field_work(trace);
-    found.generated_bound_j = tried.judged.most_gained * loop.stiffness / 1000;
+    found.generated_bound_j = tried.judged.max_gained * loop.stiffness / 1000;
   } else {
     found.generated_j = generated(trace);
     found.generated_bound_j = generated_bound(loop, trace);

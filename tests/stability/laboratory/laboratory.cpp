@@ -239,8 +239,8 @@ double stiffest(const std::function<bool(double)>& is_good, double low, double h
 }
 
 CaseVerdict case_verdict(const StabilityCase& tried, const RunSettings& settings,
-                         const Contender& contender, int most_seeds) {
-  std::vector<Verdict> verdicts(static_cast<std::size_t>(seeds_of(tried, most_seeds)));
+                         const Contender& contender, int max_seeds) {
+  std::vector<Verdict> verdicts(static_cast<std::size_t>(seeds_of(tried, max_seeds)));
   tbb::parallel_for(std::size_t{0}, verdicts.size(), [&](std::size_t i) {
     verdicts[i] = run_and_judge(tried, with_seed(settings, static_cast<int>(i)), contender).verdict;
   });
@@ -248,8 +248,8 @@ CaseVerdict case_verdict(const StabilityCase& tried, const RunSettings& settings
 }
 
 bool all_good(const StabilityCase& tried, const RunSettings& settings, const Contender& contender,
-              int most_seeds) {
-  for (int i = 0; i < seeds_of(tried, most_seeds); ++i) {
+              int max_seeds) {
+  for (int i = 0; i < seeds_of(tried, max_seeds); ++i) {
     if (!run_and_judge(tried, with_seed(settings, i), contender).verdict.good) return false;
   }
   return true;
@@ -257,11 +257,11 @@ bool all_good(const StabilityCase& tried, const RunSettings& settings, const Con
 
 double case_border(const StabilityCase& tried, const RunSettings& settings,
                    const Contender& contender, double low, double high, double share,
-                   int most_seeds) {
+                   int max_seeds) {
   const auto is_good = [&](double stiffness) {
     RunSettings at = settings;
     at.stiffness = stiffness;
-    return all_good(tried, at, contender, most_seeds);
+    return all_good(tried, at, contender, max_seeds);
   };
   return stiffest(is_good, low, high, share);
 }

@@ -16,10 +16,10 @@
 namespace spm::stability {
 
 /// Which force law, by the contract's names: paper, spm, proxy, exact-penalty, mesh-proxy,
-/// distance-field; and `default`, the product's with its default cures.
+/// distance-field; and `default`, the product's with its default stabilizers.
 struct Contender {
   std::string method;
-  std::string cures;  ///< words joined by "+", of servo/force/stability_cures.hpp; empty: none
+  std::string stabilization;  ///< words joined by "+", of servo/force/stabilizer.hpp; empty: none
 };
 
 /// One run's settings beside the case.
@@ -82,20 +82,20 @@ struct CaseVerdict {
 [[nodiscard]] double stiffest(const std::function<bool(double)>& is_good, double low, double high,
                               double share);
 
-/// All seeds of a case, from the settings' on, or `most_seeds` of them; in parallel, with the same
+/// All seeds of a case, from the settings' on, or `max_seeds` of them; in parallel, with the same
 /// result whatever the threads. Throws as run_and_judge does.
 [[nodiscard]] CaseVerdict case_verdict(const StabilityCase& tried, const RunSettings& settings,
                                        const Contender& contender,
-                                       int most_seeds = std::numeric_limits<int>::max());
+                                       int max_seeds = std::numeric_limits<int>::max());
 
 /// True where all seeds of a case are good; it stops at the first that is not.
 [[nodiscard]] bool all_good(const StabilityCase& tried, const RunSettings& settings,
                             const Contender& contender,
-                            int most_seeds = std::numeric_limits<int>::max());
+                            int max_seeds = std::numeric_limits<int>::max());
 
 /// The largest stiffness (N/m) at which a case is good, by `stiffest`; all seeds must agree.
 [[nodiscard]] double case_border(const StabilityCase& tried, const RunSettings& settings,
                                  const Contender& contender, double low, double high, double share,
-                                 int most_seeds = std::numeric_limits<int>::max());
+                                 int max_seeds = std::numeric_limits<int>::max());
 
 }  // namespace spm::stability

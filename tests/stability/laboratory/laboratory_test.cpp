@@ -244,8 +244,8 @@ TEST_CASE("Damping matched to stiffness and delay raises a flat wall's border") 
 TEST_CASE("A hand feels the stiffness that is asked for, a coupling in series included") {
   const StabilityCase tried = pressed_box();
   const RunSettings settings;
-  const auto held = [&](const char* cures) {
-    return run_and_judge(tried, settings, {"proxy", cures}).verdict.findings.held_n;
+  const auto held = [&](const char* stabilization) {
+    return run_and_judge(tried, settings, {"proxy", stabilization}).verdict.findings.held_n;
   };
   CHECK(held("coupling") == Approx(held("")).epsilon(0.02));
 }

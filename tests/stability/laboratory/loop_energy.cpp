@@ -59,7 +59,7 @@ bool is_free(const baker::ExactSurface& surface, const Vector3& place, double ra
 std::vector<ClosedLoop> closed_loops(const StabilityCase& tried, const LoopPlan& plan) {
   const baker::ExactSurface& surface = prepared_object(tried).model().truth;
   const double radius = tried.probe_radius;
-  const double shorter = (plan.most_depth - plan.least_depth) / 2;
+  const double shorter = (plan.max_depth - plan.min_depth) / 2;
   const double longer = longer_axis(plan.length, shorter);
   const double round = plan.length / (2 * std::numbers::pi);
   const auto count = static_cast<std::size_t>(std::lround(plan.length / plan.step));
@@ -70,17 +70,17 @@ std::vector<ClosedLoop> closed_loops(const StabilityCase& tried, const LoopPlan&
     const double choice = random.between(0, 1), a = random.between(0, 1), b = random.between(0, 1);
     const baker::SurfacePoint place = surface.at(choice, a, b);
     const Vector3 any = random.direction();
-    const double depth = random.between(plan.least_depth, plan.most_depth);
+    const double depth = random.between(plan.min_depth, plan.max_depth);
     const Vector3 along = (any - any.dot(place.normal) * place.normal).normalized();
     const auto below = [&](double deep) -> Vector3 {
       return place.position + (radius - deep) * place.normal;
     };
     ClosedLoop loop;
-    loop.from = below(-plan.least_depth);
+    loop.from = below(-plan.min_depth);
     if (!is_free(surface, loop.from, radius)) continue;
     loop.points = loops.size() % 2 == 0 ? ellipse(below(depth), round * along,
                                                   round * along.cross(place.normal), count)
-                                        : ellipse(below(plan.least_depth + shorter), longer * along,
+                                        : ellipse(below(plan.min_depth + shorter), longer * along,
                                                   shorter * place.normal, count);
     loops.push_back(std::move(loop));
   }

@@ -14,11 +14,11 @@ namespace spm::stability {
 /// How closed paths are laid in an object's surface.
 struct LoopPlan {
   std::size_t loops = 100;
-  double length = 10e-3;        ///< m, of each
-  double least_depth = 0.1e-3;  ///< m below the place of the surface that a loop is laid at; the
-  double most_depth = 0.6e-3;   ///< loop lies between the two where the surface is flat
-  double step = 2e-6;           ///< m, along the path: a jump of the force by 1 N is 1 uJ off
-  double stiffness = 1000;      ///< N/m
+  double length = 10e-3;      ///< m, of each
+  double min_depth = 0.1e-3;  ///< m below the place of the surface that a loop is laid at; the
+  double max_depth = 0.6e-3;  ///< loop lies between the two where the surface is flat
+  double step = 2e-6;         ///< m, along the path: a jump of the force by 1 N is 1 uJ off
+  double stiffness = 1000;    ///< N/m
   std::uint64_t seed = 1;
 };
 

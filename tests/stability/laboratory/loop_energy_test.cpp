@@ -66,7 +66,7 @@ TEST_CASE("Loops are closed, of the length asked for, and as deep as asked for a
   for (const ClosedLoop& loop : loops) {
     CHECK(path_length(loop) == Approx(10e-3).epsilon(2e-3));
     const double out = loop.from.cwiseAbs().maxCoeff();
-    CHECK(out == Approx(0.03 + plan.least_depth));
+    CHECK(out == Approx(0.03 + plan.min_depth));
   }
 }
 

@@ -63,20 +63,20 @@ class AlongSlide final : public bench::TickMethod {
   std::vector<Vector3> forces_;
 };
 
-Vector3 foot_of(const bench::SlidePath& path, std::size_t i) {
+Vector3 closest_point_of(const bench::SlidePath& path, std::size_t i) {
   return path.points[i] - path.ticks[i].distance * path.ticks[i].outward;
 }
 
 bool passes_an_edge(const bench::SlidePath& path, std::size_t i) {
   return path.ticks[i].outward.dot(path.ticks[i - 1].outward) < std::cos(passing_turn) ||
-         (foot_of(path, i) - foot_of(path, i - 1)).norm() > passing_way;
+         (closest_point_of(path, i) - closest_point_of(path, i - 1)).norm() > passing_way;
 }
 
 /// Above the surface, m, by more than a bake may be off, or less where another part is near.
-Vector3 free_place(const bench::Model& model, const Vector3& foot, const Vector3& outward,
+Vector3 free_place(const bench::Model& model, const Vector3& closest_point, const Vector3& outward,
                    double height) {
   for (;; height /= 2) {
-    Vector3 place = foot + height * outward;
+    Vector3 place = closest_point + height * outward;
     const double clearance = (place - model.truth.closest(place).position).norm();
     if ((!model.truth.inside(place) && clearance > 0.9 * height) || height < 1e-6) return place;
   }
@@ -121,7 +121,8 @@ HeldSlide held_slide(const StabilityCase& object, const CostPlan& plan) {
     bench::ExactTick& tick = path.ticks[i];
     tick.fresh = tick.fresh || (i > 0 && passes_an_edge(path, i));
     if (!tick.fresh) continue;
-    slide.free_places[i] = free_place(model, foot_of(path, i), tick.outward, 2 * object.tolerance);
+    slide.free_places[i] =
+        free_place(model, closest_point_of(path, i), tick.outward, 2 * object.tolerance);
   }
   return slide;
 }
@@ -141,7 +142,7 @@ std::vector<CostRow> measure_costs(const std::vector<Contender>& contenders,
   }
   bench::TickPlan timing;
   timing.passes = 5;
-  timing.most_seconds = 2;
+  timing.max_seconds = 2;
   const std::vector<bench::TickTimes> times = bench::time_ticks(methods, slide.path.points, timing);
   const bench::ForceRules rules{plan.stiffness, 0, object.max_depth, object.tolerance};
   for (std::size_t i = 0; i < rows.size(); ++i) {
@@ -165,12 +166,12 @@ IdleRow measure_idle(const Contender& contender, const servo::SimProfile& profil
   settings.stiffness = stiffness;
   const Contender bare{contender.method == "default" ? "proxy" : contender.method, {}};
   const Trace trace = run_and_judge(wall, settings, bare).trace;
-  const auto cured = make_contestant(contender, prepared_object(wall), wall, settings);
-  cured->begin(trace.ticks.front().position);
+  const auto stabilized = make_contestant(contender, prepared_object(wall), wall, settings);
+  stabilized->begin(trace.ticks.front().position);
   IdleRow row{name_of(contender), std::string(profile.name)};
   Vector3 last = Vector3::Zero(), last_bare = Vector3::Zero();
   for (const TraceTick& tick : trace.ticks) {
-    const Vector3 force = cured->next(tick.measured, tick.surface).force;
+    const Vector3 force = stabilized->next(tick.measured, tick.surface).force;
     const double step = (force - last).norm(), bare_step = (tick.commanded - last_bare).norm();
     row.added_step_n = std::max(row.added_step_n, step - bare_step);
     last = force;

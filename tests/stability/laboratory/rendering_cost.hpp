@@ -21,9 +21,9 @@ struct CostRow {
   double p99_us = 0;
 };
 
-/// What a cure adds to the force of a gentle press, where it has nothing to cure.
+/// What a stabilizer adds to the force of a gentle press, where it has nothing to stabilize.
 struct IdleRow {
-  std::string method;  ///< of the contender with its cure
+  std::string method;  ///< of the contender with its stabilizer
   std::string device;
   double added_step_n = 0;  ///< N: most that a tick's step of force grew
 };
@@ -59,8 +59,8 @@ struct HeldSlide {
 /// m/s, of a gentle press.
 inline constexpr double gentle_speed = 0.02;
 
-/// Presses the catalogue's flat wall gently without cures, and asks the contender, one of the
-/// product's methods with cures, along what was read then.
+/// Presses the catalogue's flat wall gently without stabilizers, and asks the contender, one of the
+/// product's methods with stabilizers, along what was read then.
 [[nodiscard]] IdleRow measure_idle(const Contender& contender, const servo::SimProfile& profile,
                                    double stiffness);
 

@@ -21,11 +21,11 @@ class HandScript {
 
  private:
   /// A straight way, or a rest where it begins and ends at one place.
-  struct Way {
+  struct Segment {
     double from_time, to_time;  ///< s
     Vector3 from, to;           ///< m
   };
-  std::vector<Way> ways_;
+  std::vector<Segment> segments_;
   Vector3 end_;
 };
 

@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "servo/force/contact_model.hpp"
 #include "servo/devices/sim/hand_model.hpp"
+#include "servo/force/contact_model.hpp"
 #include "tests/support/shapes.hpp"
 
 namespace spm::stability {
@@ -28,7 +28,7 @@ struct Judged {
   double longest_penetration = std::numeric_limits<double>::infinity();  ///< m
   /// J at 1 N/mm, and in proportion to the stiffness: the work that a field may do on a tool that
   /// is carried, by the trapezoid of its forces; no number: the bound of judges.hpp.
-  double most_gained = std::numeric_limits<double>::quiet_NaN();
+  double max_gained = std::numeric_limits<double>::quiet_NaN();
 };
 
 /// One named way to fail, small enough to understand. Lengths in m, world frame; the object stands

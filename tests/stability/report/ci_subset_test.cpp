@@ -113,7 +113,7 @@ TEST_CASE("No case of a shape is lost at 0.6 or at 1.7 of the flat border") {
 struct GoldenTrace {
   const char* name;
   const char* method;
-  const char* cures;
+  const char* stabilization;
   EffectSettings effects;
   bool is_felt = true;  ///< on this block; a stiff coupling and a potential's are to change nothing
 };
@@ -128,11 +128,11 @@ std::vector<GoldenTrace> golden_traces() {
           {"damping", "spm", "", damping},
           {"texture", "proxy", "", texture},
           {"smoothing", "spm", "", smoothing},
-          {"cure-damping", "proxy", "damping", {}},
-          {"cure-coupling", "spm", "coupling", {}, false},
-          {"cure-passivity", "spm", "passivity", {}},
-          {"cure-velocity", "proxy", "damping+velocity", {}},
-          {"cure-potential", "spm", "potential", {}, false}};
+          {"stabilization-damping", "proxy", "damping", {}},
+          {"stabilization-coupling", "spm", "coupling", {}, false},
+          {"stabilization-passivity", "spm", "passivity", {}},
+          {"stabilization-velocity", "proxy", "damping+velocity", {}},
+          {"stabilization-potential", "spm", "potential", {}, false}};
 }
 
 /// A block of 20 x 20 x 10 mm, whose upper face is pressed and slid over, past an edge.
@@ -145,7 +145,7 @@ std::vector<Vector3> traced_forces(const GoldenTrace& trace) {
   block.tolerance = tolerance;
   block.effects = trace.effects;
   const auto contestant =
-      make_contestant({trace.method, trace.cures}, prepared_object(block), block, {});
+      make_contestant({trace.method, trace.stabilization}, prepared_object(block), block, {});
   const Vector3 start(0, 1.3e-3, 6e-3), pressed(0, 1.3e-3, 4.4e-3), end(11e-3, 1.3e-3, 4.4e-3);
   contestant->begin(start);
   std::vector<Vector3> forces;
@@ -179,7 +179,7 @@ std::vector<Vector3> golden_forces(const GoldenTrace& trace) {
   return forces;
 }
 
-TEST_CASE("The forces of each effect and each cure are those that were kept") {
+TEST_CASE("The forces of each effect and each stabilizer are those that were kept") {
   for (const GoldenTrace& trace : golden_traces()) {
     INFO(trace.name);
     const std::vector<Vector3> forces = traced_forces(trace);
@@ -196,7 +196,8 @@ TEST_CASE("The forces of each effect and each cure are those that were kept") {
   }
 }
 
-TEST_CASE("Each effect and each cure changes the force on a block, but those that are not to") {
+TEST_CASE(
+    "Each effect and each stabilizer changes the force on a block, but those that are not to") {
   for (const GoldenTrace& trace : golden_traces()) {
     INFO(trace.name);
     const GoldenTrace bare{trace.name, trace.method, "", {}, false};

@@ -49,9 +49,8 @@ StabilityMap measure_map(const MapPlan& plan, const Contender& contender,
   map.delays = plan.delays;
   const int last = std::max(1, plan.stiffnesses - 1);
   for (int i = 0; i < plan.stiffnesses; ++i) {
-    map.stiffnesses.push_back(
-        plan.least_stiffness *
-        std::pow(plan.most_stiffness / plan.least_stiffness, static_cast<double>(i) / last));
+    map.stiffnesses.push_back(plan.min_stiffness * std::pow(plan.max_stiffness / plan.min_stiffness,
+                                                            static_cast<double>(i) / last));
   }
   for (const double delay : map.delays) {
     for (const double damping : map.dampings) {

@@ -13,8 +13,8 @@ namespace spm::stability {
 /// delay.
 struct MapPlan {
   int stiffnesses = 20;                                    ///< evenly on a logarithmic scale
-  double least_stiffness = 250;                            ///< N/m
-  double most_stiffness = 32e3;                            ///< N/m
+  double min_stiffness = 250;                              ///< N/m
+  double max_stiffness = 32e3;                             ///< N/m
   std::vector<double> dampings{0, 0.5, 1, 2, 3, 4, 5, 6};  ///< N s/m
   std::vector<double> delays{0, 1, 2, 4};                  ///< ticks
   double rest = 1.2;                                       ///< s, that the hand holds

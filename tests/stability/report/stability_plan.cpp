@@ -2,8 +2,8 @@
 #include <algorithm>
 
 #include "tests/stability/catalogue/catalogue.hpp"
-#include "tests/stability/sixdof/sixdof_case.hpp"
 #include "tests/stability/report/stability_report.hpp"
+#include "tests/stability/sixdof/sixdof_case.hpp"
 
 namespace spm::stability {
 
@@ -45,9 +45,9 @@ std::vector<std::string> quick_cases() {
 void make_quick(StabilityPlan& plan) {
   if (plan.devices.empty()) plan.devices = {std::string(servo::sim_profiles.front().name)};
   if (plan.cases.empty()) plan.cases = quick_cases();
-  plan.least_tolerance = 100e-6;
+  plan.min_tolerance = 100e-6;
   plan.borders = plan.loops = plan.costs = false;
-  plan.most_seeds = 1;
+  plan.max_seeds = 1;
   plan.theory_loops = 12;
   plan.map.methods = {"proxy", "default"};
   plan.map.stiffnesses = 10;

@@ -11,17 +11,17 @@
 #include "tests/stability/catalogue/catalogue.hpp"
 #include "tests/stability/laboratory/contestants.hpp"
 #include "tests/stability/laboratory/loop_energy.hpp"
+#include "tests/stability/report/tried_case.hpp"
 #include "tests/stability/sixdof/sixdof_laboratory.hpp"
 #include "tests/stability/theory/theory_check.hpp"
-#include "tests/stability/report/tried_case.hpp"
 
 namespace spm::stability {
 namespace {
 
-/// Of the flat border, where cures are to be idle.
+/// Of the flat border, where stabilizers are to be idle.
 constexpr double gentle_share = 0.5;
 /// N/m, between which the flat borders are looked for.
-constexpr double least_flat = 200, most_flat = 60e3;
+constexpr double min_flat = 200, max_flat = 60e3;
 
 bool is_asked(const std::vector<std::string>& asked, const std::string& name) {
   return asked.empty() || std::find(asked.begin(), asked.end(), name) != asked.end();
@@ -76,7 +76,7 @@ class Measurement {
     std::vector<TriedCase> all = tried_cases();
     for (TriedCase& one : all) {
       if (!is_asked(plan_.cases, one.name())) continue;
-      one.coarsen(plan_.least_tolerance);
+      one.coarsen(plan_.min_tolerance);
       tell("preparing " + one.name(), 0);
       const std::string reason = one.prepare(contenders_);
       if (!reason.empty()) {
@@ -100,8 +100,8 @@ class Measurement {
       RunSettings settings = settings_of(*profiles_[i]);
       report_.flats[i].device = profiles_[i]->name;
       report_.flats[i].linear = flat_theory(*profiles_[i]);
-      report_.flats[i].measured = case_border(wall, settings, {"exact-penalty", {}}, least_flat,
-                                              most_flat, plan_.border_share / 2);
+      report_.flats[i].measured = case_border(wall, settings, {"exact-penalty", {}}, min_flat,
+                                              max_flat, plan_.border_share / 2);
     });
   }
 
@@ -138,7 +138,7 @@ class Measurement {
   [[nodiscard]] CaseRow row_of(const Cell& cell) const {
     RunSettings settings = settings_of(*cell.profile);
     settings.stiffness = cell.fraction * cell.flat;
-    const CaseVerdict found = cell.tried->verdict(settings, *cell.contender, plan_.most_seeds);
+    const CaseVerdict found = cell.tried->verdict(settings, *cell.contender, plan_.max_seeds);
     CaseRow row;
     row.name = cell.tried->name();
     row.method = name_of(*cell.contender);
@@ -180,10 +180,10 @@ class Measurement {
   }
 
   /// On the worst profile for all; on the others, in three degrees of freedom, for the default and
-  /// for what it is without cures.
+  /// for what it is without stabilizers.
   static bool has_border_on_all(const TriedCase& tried, const Contender& contender) {
-    const bool is_asked_of =
-        contender.method == "default" || (contender.method == "proxy" && contender.cures.empty());
+    const bool is_asked_of = contender.method == "default" ||
+                             (contender.method == "proxy" && contender.stabilization.empty());
     return is_asked_of && tried.degrees() == 3;
   }
 
@@ -196,7 +196,7 @@ class Measurement {
         for (std::size_t i = 0; i < profiles_.size(); ++i) {
           if (i > 0 && !has_border_on_all(tried, contender)) break;
           cells.push_back(
-              {&tried, &contender, profiles_[i], report_.flats[i].measured, most_border_share});
+              {&tried, &contender, profiles_[i], report_.flats[i].measured, max_border_share});
         }
       }
     }
@@ -204,8 +204,8 @@ class Measurement {
     in_parallel("borders", cells.size(), [&](std::size_t i) {
       const Cell& cell = cells[i];
       const double border = cell.tried->border(
-          settings_of(*cell.profile), *cell.contender, least_border_share * cell.flat,
-          most_border_share * cell.flat, plan_.border_share, plan_.most_border_seeds);
+          settings_of(*cell.profile), *cell.contender, min_border_share * cell.flat,
+          max_border_share * cell.flat, plan_.border_share, plan_.max_border_seeds);
       report_.borders[i] = {cell.tried->name(),
                             name_of(*cell.contender),
                             std::string(cell.profile->name),
@@ -266,7 +266,7 @@ class Measurement {
     report_.theory.insert(report_.theory.end(), formulas.begin(), formulas.end());
   }
 
-  /// Every real object once, for methods without cures and the default.
+  /// Every real object once, for methods without stabilizers and the default.
   void measure_loops() {
     LoopPlan loops;
     loops.loops = plan_.field_loops;
@@ -278,8 +278,8 @@ class Measurement {
       if (std::find(done.begin(), done.end(), one->mesh) != done.end()) continue;
       done.push_back(one->mesh);
       for (const Contender& contender : contenders_) {
-        if (contender.method != "default" && !contender.cures.empty() &&
-            contender.cures != "potential") {
+        if (contender.method != "default" && !contender.stabilization.empty() &&
+            contender.stabilization != "potential") {
           continue;
         }
         if (!tried.why_not(contender).empty()) continue;
@@ -314,7 +314,7 @@ class Measurement {
       fail("slide for errors and times", "all", error.what());
     }
     for (const Contender& contender : contenders_) {
-      if (contender.method != "default" && contender.cures.empty()) continue;
+      if (contender.method != "default" && contender.stabilization.empty()) continue;
       if (!why_not(contender, wall_cases().front()).empty()) continue;
       for (std::size_t i = 0; i < profiles_.size(); ++i) {
         report_.idle.push_back(

@@ -21,14 +21,14 @@ struct StabilityPlan {
   std::vector<std::string> devices;         ///< names of profiles
   std::vector<double> fractions{0.6, 1.7};  ///< of each profile's own flat border
   double border_share = 0.05;               ///< how exactly borders are found
-  double least_tolerance = 0;               ///< m: no bake is finer
+  double min_tolerance = 0;                 ///< m: no bake is finer
   bool borders = true;
   bool theory = true;
   bool loops = true;
   bool maps = true;
   bool costs = true;
-  int most_seeds = 30;           ///< of a verdict; 1 or more
-  int most_border_seeds = 5;     ///< of a try of a border
+  int max_seeds = 30;            ///< of a verdict; 1 or more
+  int max_border_seeds = 5;      ///< of a try of a border
   int theory_loops = 120;        ///< that the plant is held against
   std::size_t field_loops = 40;  ///< closed ones, an object
   MapPlan map;
@@ -73,7 +73,7 @@ struct CaseRow {
 };
 
 /// How far borders are looked for, as shares of the profile's flat border.
-inline constexpr double least_border_share = 0.05, most_border_share = 4;
+inline constexpr double min_border_share = 0.05, max_border_share = 4;
 
 /// The largest good stiffness of a case.
 struct BorderRow {

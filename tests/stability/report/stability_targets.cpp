@@ -145,7 +145,7 @@ bool is_sphere_between_walls(const std::string& name) {
 void show_sphere(const StabilityReport& report, const BorderRow& row, Worst& sphere) {
   const BorderRow* exact = beside(report, row, "exact-penalty");
   if (!is_sphere_between_walls(row.name) || exact == nullptr) return;
-  const double least = least_border_share * row.flat;
+  const double least = min_border_share * row.flat;
   const std::string what = row.name + ", " + row.device;
   if (exact->border > 0) {
     sphere.show(row.border / exact->border, what);
@@ -160,7 +160,7 @@ void show_sphere(const StabilityReport& report, const BorderRow& row, Worst& sph
 void add_borders(const StabilityReport& report, std::vector<TargetRow>& rows) {
   Worst worst("worst case's border over the flat border, default", "times", 0.6, 0.9, true);
   Worst sphere("sphere in groove and corner: default over exact penalty", "times", 3, 4.5, true);
-  Worst cures("border with one cure over without", "times", 0.8, 1, true);
+  Worst stabilization("border with one stabilizer over without", "times", 0.8, 1, true);
   Worst product("border of the default over bare proxy, every profile", "times", 0.8, 1, true);
   for (const BorderRow& row : report.borders) {
     const std::string what = row.name + ", " + row.device;
@@ -177,12 +177,12 @@ void add_borders(const StabilityReport& report, std::vector<TargetRow>& rows) {
     if (is_default) {
       product.show(ratio, what);
     } else {
-      cures.show(ratio, row.method + ", " + what);
+      stabilization.show(ratio, row.method + ", " + what);
     }
   }
   worst.append_to(rows);
   sphere.append_to(rows);
-  cures.append_to(rows);
+  stabilization.append_to(rows);
   product.append_to(rows);
 }
 
@@ -197,7 +197,7 @@ void add_loops(const StabilityReport& report, std::vector<TargetRow>& rows) {
 }
 
 void add_costs(const StabilityReport& report, std::vector<TargetRow>& rows) {
-  Worst idle("cures idle on a gentle press: added force step", "N", 0.1, 0.03, false);
+  Worst idle("stabilizers idle on a gentle press: added force step", "N", 0.1, 0.03, false);
   for (const IdleRow& row : report.idle) {
     idle.show(row.added_step_n, row.method + ", " + row.device);
   }
@@ -210,7 +210,7 @@ void add_costs(const StabilityReport& report, std::vector<TargetRow>& rows) {
   };
   const double added = mean_of("default") - mean_of("proxy");
   if (std::isnan(added)) return;
-  rows.push_back({"cost of the default's cures in the tick", added, 1, 0.2, false, "us",
+  rows.push_back({"cost of the default's stabilizers in the tick", added, 1, 0.2, false, "us",
                   "mean of the slide's ticks, default less proxy"});
 }
 

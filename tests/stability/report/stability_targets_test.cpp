@@ -101,7 +101,7 @@ TEST_CASE("Where the exact penalty has no border the sphere's ratio is a bound, 
   CHECK(measured.worst.find("at least") == std::string::npos);
   report.borders[1].border = 0;
   const TargetRow bound = row_of(report, "sphere in groove and corner");
-  CHECK(bound.value == Approx(2200 / (least_border_share * 2000)));
+  CHECK(bound.value == Approx(2200 / (min_border_share * 2000)));
   CHECK(bound.worst.find("at least") != std::string::npos);
 }
 
@@ -114,9 +114,9 @@ TEST_CASE("The default's borders are held against bare proxy on every profile") 
   const TargetRow product = row_of(report, "border of the default over bare proxy");
   CHECK(product.value == Approx(0.75));
   CHECK(product.worst == "flat-wall, touch");
-  const TargetRow cure = row_of(report, "border with one cure over without");
-  CHECK(cure.value == Approx(1.2));
-  CHECK(cure.worst == "proxy+damping, flat-wall, low");
+  const TargetRow stabilizer = row_of(report, "border with one stabilizer over without");
+  CHECK(stabilizer.value == Approx(1.2));
+  CHECK(stabilizer.worst == "proxy+damping, flat-wall, low");
 }
 
 TEST_CASE("The row of static loops says what the object was baked to") {

@@ -73,18 +73,18 @@ std::string TriedCase::why_not(const Contender& contender) const {
 }
 
 CaseVerdict TriedCase::verdict(const RunSettings& settings, const Contender& contender,
-                               int most_seeds) const {
-  if (three() != nullptr) return case_verdict(*three(), settings, contender, most_seeds);
-  return sixdof_verdict(std::get<SixdofCase>(tried_), *scene_, settings, contender, most_seeds);
+                               int max_seeds) const {
+  if (three() != nullptr) return case_verdict(*three(), settings, contender, max_seeds);
+  return sixdof_verdict(std::get<SixdofCase>(tried_), *scene_, settings, contender, max_seeds);
 }
 
 double TriedCase::border(const RunSettings& settings, const Contender& contender, double low,
-                         double high, double share, int most_seeds) const {
+                         double high, double share, int max_seeds) const {
   if (three() != nullptr) {
-    return case_border(*three(), settings, contender, low, high, share, most_seeds);
+    return case_border(*three(), settings, contender, low, high, share, max_seeds);
   }
   return sixdof_border(std::get<SixdofCase>(tried_), *scene_, settings, contender, low, high, share,
-                       most_seeds);
+                       max_seeds);
 }
 
 std::vector<TriedCase> tried_cases() {

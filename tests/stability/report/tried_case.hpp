@@ -6,9 +6,9 @@
 #include <vector>
 
 #include "tests/stability/laboratory/laboratory.hpp"
+#include "tests/stability/objects/stability_case.hpp"
 #include "tests/stability/sixdof/sixdof_case.hpp"
 #include "tests/stability/sixdof/sixdof_scene.hpp"
-#include "tests/stability/objects/stability_case.hpp"
 
 namespace spm::stability {
 
@@ -39,9 +39,9 @@ class TriedCase {
 
   // As case_verdict and case_border, once it is prepared.
   [[nodiscard]] CaseVerdict verdict(const RunSettings& settings, const Contender& contender,
-                                    int most_seeds) const;
+                                    int max_seeds) const;
   [[nodiscard]] double border(const RunSettings& settings, const Contender& contender, double low,
-                              double high, double share, int most_seeds) const;
+                              double high, double share, int max_seeds) const;
 
  private:
   std::variant<StabilityCase, SixdofCase> tried_;

@@ -3,8 +3,8 @@
 #include <cmath>
 #include <numbers>
 
-#include "tests/stability/sixdof/sixdof_case.hpp"
 #include "tests/stability/catalogue/sixdof_shapes.hpp"
+#include "tests/stability/sixdof/sixdof_case.hpp"
 
 namespace spm::stability {
 
@@ -23,7 +23,7 @@ Isometry3d pose_of(const Vector3& place, const Vector3& turn = Vector3::Zero()) 
 constexpr double dropped_seconds = 4;
 
 /// How far a shape reaches below its origin when it is turned, m.
-double reach_below(const test::Shape& shape, const Vector3& turn) {
+double depth_below(const test::Shape& shape, const Vector3& turn) {
   const Eigen::Quaterniond orientation = orientation_of(turn);
   double lowest = 0;
   for (const Vector3& vertex : shape.vertices) {
@@ -119,7 +119,7 @@ SixdofCase dropped_on_its_edge() {
   made.object = test::moved(test::box({40e-3, 40e-3, 12e-3}), {0, 0, -6e-3});
   made.places = {Isometry3d::Identity()};
   const Vector3 turn(0.1, 0.61, 0);
-  const double rest = reach_below(made.tool, turn);
+  const double rest = depth_below(made.tool, turn);
   made.start = pose_of({0, 0, rest + 13e-3}, turn);
   made.hand = {{{0, 0, rest - 10e-3}, turn, 0.5}};
   made.seconds = dropped_seconds;

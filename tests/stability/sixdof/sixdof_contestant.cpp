@@ -6,10 +6,10 @@
 
 #include "baker/base/bake_error.hpp"
 #include "common/paper/paper_force.hpp"
-#include "servo/force/stability_cures.hpp"
 #include "common/sixdof/virtual_tool.hpp"
+#include "servo/force/stabilizer.hpp"
 #include "tests/stability/laboratory/contestants.hpp"
-#include "tests/stability/sixdof/sixdof_cured.hpp"
+#include "tests/stability/sixdof/sixdof_stabilized.hpp"
 
 namespace spm::stability {
 
@@ -138,19 +138,19 @@ class EverySample final : public SixdofContestant {
   double stiffness_;
 };
 
-/// The cures that a contender names, those that have no form here left out of the default's.
-CureSettings cures_of(const Contender& contender) {
-  CureSettings cures;
-  std::string words = contender.cures;
+/// The stabilizers that a contender names, those that have no form here left out of the default's.
+StabilizationSettings stabilization_of(const Contender& contender) {
+  StabilizationSettings stabilization;
+  std::string words = contender.stabilization;
   if (contender.method == "default") {
-    words = default_contender().cures;
-    if (!contender.cures.empty()) words += "+" + contender.cures;
+    words = default_contender().stabilization;
+    if (!contender.stabilization.empty()) words += "+" + contender.stabilization;
   }
-  if (!words.empty() && !parse_cures(words, cures)) {
-    throw baker::BakeError(ExitCode::usage, "unknown cure in '" + words + "'");
+  if (!words.empty() && !parse_stabilization(words, stabilization)) {
+    throw baker::BakeError(ExitCode::usage, "unknown stabilizer in '" + words + "'");
   }
-  if (contender.method == "default") cures.coupling = cures.potential = 0;
-  return cures;
+  if (contender.method == "default") stabilization.coupling = stabilization.potential = 0;
+  return stabilization;
 }
 
 std::unique_ptr<SixdofContestant> every_sample(const Contender& contender, const SixdofScene& scene,
@@ -175,8 +175,8 @@ VirtualToolSettings tool_settings(const SixdofCase& tried, const RunSettings& se
   made.stiffness = settings.stiffness;
   made.turning = settings.stiffness * sixdof_lever * sixdof_lever;
   // What the device can do, or a held weight would tear the coupling before the device gives way.
-  made.most_force = settings.profile->force_cap;
-  made.most_torque = plant.torque_cap();
+  made.max_force = settings.profile->force_cap;
+  made.max_torque = plant.torque_cap();
   return made;
 }
 
@@ -186,9 +186,9 @@ std::string why_not_sixdof(const Contender& contender) {
   const std::string reason = why_not(contender, StabilityCase{});
   if (!reason.empty()) return reason;
   if (contender.method == "mesh-proxy") return "mesh-proxy knows a point and a ball alone";
-  const CureSettings cures = cures_of(contender);
-  if (cures.coupling > 0) return "the coupling of a tool that turns is what proxy is";
-  if (cures.potential > 0) return "the force of samples is one potential's already";
+  const StabilizationSettings stabilization = stabilization_of(contender);
+  if (stabilization.coupling > 0) return "the coupling of a tool that turns is what proxy is";
+  if (stabilization.potential > 0) return "the force of samples is one potential's already";
   return {};
 }
 
@@ -206,15 +206,15 @@ std::unique_ptr<SixdofContestant> make_sixdof_contestant(const Contender& conten
   } else {
     made = every_sample(contender, scene, scene.area_stiffness(settings.stiffness));
   }
-  CureSettings cures = cures_of(contender);
-  if (!cures.any()) return made;
+  StabilizationSettings stabilization = stabilization_of(contender);
+  if (!stabilization.any()) return made;
   const SixdofPlant plant(sixdof_settings(tried, settings));
-  cures.delay_ticks = tried.delay_ticks;
-  cures.lag = judged_loop(StabilityCase{}, settings).lag;
-  cures.device_mass = settings.profile->mass;
+  stabilization.delay_ticks = tried.delay_ticks;
+  stabilization.lag = judged_loop(StabilityCase{}, settings).lag;
+  stabilization.device_mass = settings.profile->mass;
   const SixdofLoop loop{settings.period, settings.profile->encoder_step, plant.turn_step(),
                         plant.inertia().minCoeff()};
-  return std::make_unique<CuredWrench>(std::move(made), cures, loop);
+  return std::make_unique<StabilizedWrench>(std::move(made), stabilization, loop);
 }
 
 }  // namespace spm::stability

@@ -51,8 +51,8 @@ class SixdofContestant {
 /// sixdof_lever squared. All others push with every sample's depth, by the stiffness of area that
 /// SixdofScene::area_stiffness gives: `spm` by ObjectContact; `exact-penalty`, `distance-field` and
 /// `paper` ask each finest sample of the exact surface, of trilinear distances and of the paper's
-/// maps. `default` is `proxy` with those of the default's cures that have a form here. The scene
-/// outlives the contestant. Throws BakeError where `why_not_sixdof` says a reason.
+/// maps. `default` is `proxy` with those of the default's stabilizers that have a form here. The
+/// scene outlives the contestant. Throws BakeError where `why_not_sixdof` says a reason.
 [[nodiscard]] std::unique_ptr<SixdofContestant> make_sixdof_contestant(const Contender& contender,
                                                                        const SixdofScene& scene,
                                                                        const SixdofCase& tried,

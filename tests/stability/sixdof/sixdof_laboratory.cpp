@@ -200,11 +200,10 @@ Verdict judge_sixdof(const SixdofCase& tried, const RunSettings& settings, const
 }
 
 CaseVerdict sixdof_verdict(const SixdofCase& tried, const SixdofScene& scene,
-                           const RunSettings& settings, const Contender& contender,
-                           int most_seeds) {
+                           const RunSettings& settings, const Contender& contender, int max_seeds) {
   std::vector<Verdict> verdicts;
   RunSettings seeded = settings;
-  for (int i = 0; i < std::max(1, std::min(tried.seeds, most_seeds)); ++i, ++seeded.seed) {
+  for (int i = 0; i < std::max(1, std::min(tried.seeds, max_seeds)); ++i, ++seeded.seed) {
     verdicts.push_back(run_sixdof_case(tried, scene, seeded, contender).verdict);
   }
   return gathered(verdicts, settings.seed);
@@ -212,11 +211,11 @@ CaseVerdict sixdof_verdict(const SixdofCase& tried, const SixdofScene& scene,
 
 double sixdof_border(const SixdofCase& tried, const SixdofScene& scene, const RunSettings& settings,
                      const Contender& contender, double low, double high, double share,
-                     int most_seeds) {
+                     int max_seeds) {
   const auto is_good = [&](double stiffness) {
     RunSettings at = settings;
     at.stiffness = stiffness;
-    for (int i = 0; i < std::max(1, std::min(tried.seeds, most_seeds)); ++i, ++at.seed) {
+    for (int i = 0; i < std::max(1, std::min(tried.seeds, max_seeds)); ++i, ++at.seed) {
       if (!run_sixdof_case(tried, scene, at, contender).verdict.good) return false;
     }
     return true;

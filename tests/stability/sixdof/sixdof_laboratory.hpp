@@ -25,16 +25,16 @@ struct SixdofRun {
 [[nodiscard]] Verdict judge_sixdof(const SixdofCase& tried, const RunSettings& settings,
                                    const SixdofRun& run, double deepest);
 
-/// All seeds of a case, from the settings' on, or `most_seeds` of them.
+/// All seeds of a case, from the settings' on, or `max_seeds` of them.
 [[nodiscard]] CaseVerdict sixdof_verdict(const SixdofCase& tried, const SixdofScene& scene,
                                          const RunSettings& settings, const Contender& contender,
-                                         int most_seeds = std::numeric_limits<int>::max());
+                                         int max_seeds = std::numeric_limits<int>::max());
 
-/// The largest stiffness (N/m) at which a case is good with all of its seeds, or `most_seeds` of
+/// The largest stiffness (N/m) at which a case is good with all of its seeds, or `max_seeds` of
 /// them, by `stiffest`.
 [[nodiscard]] double sixdof_border(const SixdofCase& tried, const SixdofScene& scene,
                                    const RunSettings& settings, const Contender& contender,
                                    double low, double high, double share,
-                                   int most_seeds = std::numeric_limits<int>::max());
+                                   int max_seeds = std::numeric_limits<int>::max());
 
 }  // namespace spm::stability

@@ -9,7 +9,7 @@
 
 #include "formats/asset/asset.hpp"
 #include "tests/bench/base/unwrap.hpp"
-#include "tests/support/triangle_tree.hpp"
+#include "tests/support/triangle_bvh.hpp"
 
 namespace spm::stability {
 
@@ -45,7 +45,7 @@ SurfaceSamples samples_of(const test::Shape& tool, double spacing) {
       }
     }
   }
-  const test::TriangleTree tree(asset);
+  const test::TriangleBvh tree(asset);
   const AssetTables tables = tables_of(asset);
   return bench::unwrap(sample_surface(tables.view(), spacing));
 }

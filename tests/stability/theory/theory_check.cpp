@@ -22,9 +22,9 @@ using Random;
 constexpr double seconds = 4;  // of a run: the hand's own swing has died in the first quarter
 constexpr double searched = 0.2;
 constexpr double found_share = 1e-7;
-constexpr int most_rounds = 60;
+constexpr int max_rounds = 60;
 constexpr double edge_share = 1e-5;  // of an encoder step: viscous losses count for nothing
-constexpr double least_border = 100, most_border = 50e3;  // N/m
+constexpr double min_border = 100, max_border = 50e3;  // N/m
 
 double logarithmic(Random& random, double low, double high) {
   return low * std::pow(high / low, random.between(0, 1));
@@ -194,7 +194,7 @@ double simulated_border(const SampledLoop& loop, double guess) {
   if (!(below < 0 && above > 0)) return std::numeric_limits<double>::quiet_NaN();
   // Regula falsi; a side that stays twice counts half (the Illinois rule).
   int stayed = 0;
-  for (int round = 0; round < most_rounds && high - low > found_share * guess; ++round) {
+  for (int round = 0; round < max_rounds && high - low > found_share * guess; ++round) {
     const double middle = low + (high - low) * below / (below - above);
     const double now = growth(loop, middle);
     if (now < 0) {
@@ -219,8 +219,8 @@ std::vector<SampledLoop> drawn_loops(int count, std::uint64_t seed) {
   std::vector<SampledLoop> loops;
   while (static_cast<int>(loops.size()) < count) {
     SampledLoop loop = drawn_loop(random);
-    loop.stiffness = border_stiffness(loop, 10, 2 * most_border);
-    if (loop.stiffness > least_border && loop.stiffness < most_border) loops.push_back(loop);
+    loop.stiffness = border_stiffness(loop, 10, 2 * max_border);
+    if (loop.stiffness > min_border && loop.stiffness < max_border) loops.push_back(loop);
   }
   return loops;
 }

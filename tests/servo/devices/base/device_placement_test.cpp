@@ -67,9 +67,9 @@ struct Seen {
 };
 
 /// A driver that measures what it is told to.
-class ToldDevice final : public Device {
+class ReportingDevice final : public Device {
  public:
-  ToldDevice(const DeviceState& state, Seen& seen) : state_(state), seen_(seen) {
+  ReportingDevice(const DeviceState& state, Seen& seen) : state_(state), seen_(seen) {
     capabilities_.name = "told";
     capabilities_.stiffness_cap = 3000;
     capabilities_.workspace = Vector3(0.1, 0.2, 0.3);
@@ -109,7 +109,7 @@ class ToldDevice final : public Device {
 std::unique_ptr<Device> told(const std::string& axes, const DeviceState& state, Seen& seen) {
   DevicePlacement placement;
   placement.axes = axes_of(axes);
-  return std::make_unique<PlacedDevice>(std::make_unique<ToldDevice>(state, seen), placement);
+  return std::make_unique<PlacedDevice>(std::make_unique<ReportingDevice>(state, seen), placement);
 }
 
 }  // namespace
@@ -192,7 +192,7 @@ TEST_CASE("A placed device's limits are the user's where these are given, else t
   Seen seen;
   DevicePlacement placement;
   placement.axes = axes_of("-z+x+y");
-  PlacedDevice turned(std::make_unique<ToldDevice>(DeviceState{}, seen), placement);
+  PlacedDevice turned(std::make_unique<ReportingDevice>(DeviceState{}, seen), placement);
   REQUIRE(turned.capabilities().workspace == Vector3(0.3, 0.1, 0.2));
   REQUIRE(turned.capabilities().stiffness_cap == 3000);
   REQUIRE(turned.capabilities().clutch_button == 0);
@@ -204,7 +204,7 @@ TEST_CASE("A placed device's limits are the user's where these are given, else t
   placement.workspace = Vector3(0.01, 0.02, 0.03);
   placement.stiffness_cap = 500;
   placement.clutch_button = 32;
-  PlacedDevice limited(std::make_unique<ToldDevice>(DeviceState{}, seen), placement);
+  PlacedDevice limited(std::make_unique<ReportingDevice>(DeviceState{}, seen), placement);
   REQUIRE(limited.open({}));
   REQUIRE(limited.capabilities().workspace == Vector3(0.01, 0.02, 0.03));
   REQUIRE(limited.capabilities().stiffness_cap == 500);
@@ -215,7 +215,7 @@ TEST_CASE("A placed device's limits are the user's where these are given, else t
 
 TEST_CASE("What a driver leaves as it was is not turned a second time") {
   Seen seen;
-  auto driver = std::make_unique<ToldDevice>(DeviceState{}, seen);
+  auto driver = std::make_unique<ReportingDevice>(DeviceState{}, seen);
   driver->leaves_state = true;
   DevicePlacement placement;
   placement.axes = axes_of("+y-z+x");

@@ -94,8 +94,8 @@ int run(std::uint64_t ticks, const std::string& text) {
   }
   json["changes"] = changes;
   json["new_positions"] = fresh;
-  json["least_m"] = {least.x(), least.y(), least.z()};
-  json["most_m"] = {most.x(), most.y(), most.z()};
+  json["min_m"] = {least.x(), least.y(), least.z()};
+  json["max_m"] = {most.x(), most.y(), most.z()};
   json["farthest_step_m"] = farthest_step;
   json["farthest_step_tick"] = farthest_step_tick;
   json["farthest_step_s"] = static_cast<double>(farthest_step_time) * 1e-9;

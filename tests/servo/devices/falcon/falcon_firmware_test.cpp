@@ -35,7 +35,7 @@ class ScriptedLink final : public ByteLink {
  public:
   explicit ScriptedLink(ScriptedFalcon& falcon) : falcon_(falcon) {}
 
-  std::size_t most_a_read = 62;                                          ///< bytes
+  std::size_t max_a_read = 62;                                           ///< bytes
   std::size_t transfers_left = std::numeric_limits<std::size_t>::max();  ///< until it is unplugged
   int failing_writes = 0;
   std::size_t reads = 0;
@@ -63,7 +63,7 @@ class ScriptedLink final : public ByteLink {
     if (unplugged()) return {LinkStatus::gone, 0};
     if (++reads == stop_at_read) stop->store(true);
     auto& waiting = falcon_.outgoing();
-    const std::size_t size = std::min({waiting.size(), bytes.size(), most_a_read});
+    const std::size_t size = std::min({waiting.size(), bytes.size(), max_a_read});
     std::copy_n(waiting.begin(), size, bytes.begin());
     waiting.erase(waiting.begin(), waiting.begin() + static_cast<std::ptrdiff_t>(size));
     if (size > 0) return {LinkStatus::done, size};
@@ -141,7 +141,7 @@ TEST_CASE("A zero in front of the boot program's answer, and answers in parts, d
   faults.leading_zero = zero;
   ScriptedFalcon falcon(firmware_size, faults);
   ScriptedLink link(falcon);
-  link.most_a_read = part;
+  link.max_a_read = part;
   const auto firmware = some_firmware();
   REQUIRE(upload_falcon_firmware(link, firmware, false, no_back_off));
   REQUIRE(falcon.loaded() == firmware);

@@ -108,7 +108,7 @@ TEST_CASE("Angles of no position, or that are no numbers, are not found in bound
   for (const Vector3& angles : {Vector3(nan, 0.4, 0.4), Vector3(3, -1, 0.4), Vector3(-2, 2, 2)}) {
     const FalconPose pose = falcon_forward(angles, Vector3::Zero());
     REQUIRE(pose.search != FalconSearch::found);
-    REQUIRE(pose.steps <= falcon_most_steps);
+    REQUIRE(pose.steps <= falcon_max_steps);
   }
   REQUIRE(falcon_forward(Vector3::Constant(0.4), Vector3(nan, 0, 0)).search ==
           FalconSearch::not_found);
@@ -121,7 +121,7 @@ TEST_CASE("Any counts end in bounded steps, with a finite position where one is 
     std::array<std::int16_t, 3> counts{};
     for (auto& count : counts) count = static_cast<std::int16_t>(random.next());
     const FalconPose pose = falcon_forward(falcon_angles(counts), Vector3::Zero());
-    REQUIRE(pose.steps <= falcon_most_steps);
+    REQUIRE(pose.steps <= falcon_max_steps);
     if (pose.search == FalconSearch::found) REQUIRE(pose.position.allFinite());
   }
 }

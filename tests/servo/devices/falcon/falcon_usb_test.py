@@ -54,8 +54,8 @@ class FalconOverUsb(unittest.TestCase):
         self.assertGreater(seen["new_positions"], 50, seen)
         # The grip goes 20 mm to each side, 15 mm up and down and 10 mm in and out.
         for axis, way in enumerate((0.0201, 0.0151, 0.0101)):
-            self.assertLessEqual(seen["most_m"][axis], way)
-            self.assertGreaterEqual(seen["least_m"][axis], -way)
+            self.assertLessEqual(seen["max_m"][axis], way)
+            self.assertGreaterEqual(seen["min_m"][axis], -way)
         return seen, mock
 
     def health(self, seen: dict) -> list[str]:

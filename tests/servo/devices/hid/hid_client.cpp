@@ -77,8 +77,8 @@ void print(const Seen& seen, const Device& device) {
   json["changes"] = seen.changes;
   json["new_positions"] = seen.new_positions;
   json["first_m"] = numbers(seen.first);
-  json["least_m"] = numbers(seen.least);
-  json["most_m"] = numbers(seen.most);
+  json["min_m"] = numbers(seen.least);
+  json["max_m"] = numbers(seen.most);
   json["farthest_step_m"] = seen.farthest_step;
   json["buttons"] = seen.buttons;
   json["device"] = device.describe();

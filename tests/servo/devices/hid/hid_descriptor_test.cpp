@@ -33,15 +33,15 @@ HidFault fault_of(const Bytes& bytes) {
 
 /// What holds of any descriptor that was read, whatever it was read from.
 void check_bounds(const HidDescriptor& descriptor) {
-  REQUIRE(descriptor.fields.size() <= most_descriptor_fields);
-  for (const HidReport& report : descriptor.reports) REQUIRE(report.bits <= most_report_bits);
+  REQUIRE(descriptor.fields.size() <= max_descriptor_fields);
+  for (const HidReport& report : descriptor.reports) REQUIRE(report.bits <= max_report_bits);
   for (std::size_t i = 0; i < descriptor.collections.size(); ++i) {
     REQUIRE(descriptor.collections[i].parent < static_cast<int>(i));
   }
   const auto collections = static_cast<int>(descriptor.collections.size());
   for (const HidField& field : descriptor.fields) {
     const bool within = field.bits >= 1 && field.bits <= 32 && field.collection < collections &&
-                        !field.usages.empty() && field.usages.size() <= most_array_usages &&
+                        !field.usages.empty() && field.usages.size() <= max_array_usages &&
                         std::any_of(descriptor.reports.begin(), descriptor.reports.end(),
                                     [&field](const HidReport& report) {
                                       return report.type == field.type &&
@@ -172,7 +172,7 @@ TEST_CASE("Long and reserved items are stepped over, and of delimited usages the
 }
 
 TEST_CASE("A descriptor that makes no sense is an error that says where") {
-  REQUIRE(fault_of(Bytes(most_descriptor_bytes + 1, 0x05)) == HidFault::too_long);
+  REQUIRE(fault_of(Bytes(max_descriptor_bytes + 1, 0x05)) == HidFault::too_long);
   REQUIRE(fault_of({0x05}) == HidFault::cut_short);
   REQUIRE(fault_of({0x27, 0, 0, 0}) == HidFault::cut_short);
   REQUIRE(fault_of({0xFE}) == HidFault::cut_short);
@@ -182,11 +182,11 @@ TEST_CASE("A descriptor that makes no sense is an error that says where") {
   REQUIRE(fault_of({0xC0}) == HidFault::not_nested);
   REQUIRE(fault_of({0xA1, 0x01}) == HidFault::not_nested);
   REQUIRE(fault_of({0xB4}) == HidFault::popped_too_often);
-  REQUIRE(fault_of(Bytes(most_pushes + 1, 0xA4)) == HidFault::pushed_too_often);
+  REQUIRE(fault_of(Bytes(max_pushes + 1, 0xA4)) == HidFault::pushed_too_often);
   REQUIRE(fault_of({0x77, 0xFF, 0xFF, 0xFF, 0xFF, 0x97, 0xFF, 0xFF, 0xFF, 0xFF, 0x81, 0x02}) ==
           HidFault::report_too_long);
   Bytes deep;
-  for (std::size_t i = 0; i <= most_collection_depth; ++i) deep.insert(deep.end(), {0xA1, 0x00});
+  for (std::size_t i = 0; i <= max_collection_depth; ++i) deep.insert(deep.end(), {0xA1, 0x00});
   REQUIRE(fault_of(deep) == HidFault::nested_too_deep);
   REQUIRE(fault_of({0x09, 0x01, 0x75, 0x01, 0x96, 0x00, 0x70, 0x81, 0x02}) ==
           HidFault::too_many_fields);

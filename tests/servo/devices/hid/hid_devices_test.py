@@ -54,15 +54,15 @@ class HidDevices(unittest.TestCase):
         self.assertGreater(seen["read"]["ok"], 10, seen)
         self.assertGreater(seen["new_positions"], 10, seen)
         for axis in range(3):
-            self.assertLess(seen["most_m"][axis], HOME[axis] + 0.018)
-            self.assertGreater(seen["least_m"][axis], HOME[axis] - 0.018)
+            self.assertLess(seen["max_m"][axis], HOME[axis] + 0.018)
+            self.assertGreater(seen["min_m"][axis], HOME[axis] - 0.018)
 
     def test_each_protocol_is_told_and_the_arm_is_followed_and_pushed(self) -> None:
         for device in WOODEN:
             with self.subTest(device):
                 seen, mock = self.run_wooden(device, 800)
                 self.assert_followed(seen)
-                self.assertGreater(seen["most_m"][0] - seen["least_m"][0], 0.003)
+                self.assertGreater(seen["max_m"][0] - seen["min_m"][0], 0.003)
                 self.assertEqual(seen["read"]["gone"], 0)
                 self.assertGreater(mock["commands_with_current"], 10)
                 self.assertGreater(mock["largest_mA"], 500)
@@ -188,9 +188,9 @@ class HidDevices(unittest.TestCase):
         seen, mock = self.run_client("spacemouse", 160)
         self.assertEqual(seen["changes"], ["ok"])
         self.assertEqual(seen["force_cap_N"], 0)
-        self.assertGreater(seen["most_m"][0], 0.02)
-        self.assertEqual(seen["least_m"], [0, 0, 0])
-        self.assertEqual(seen["most_m"][1:], [0, 0])
+        self.assertGreater(seen["max_m"][0], 0.02)
+        self.assertEqual(seen["min_m"], [0, 0, 0])
+        self.assertEqual(seen["max_m"][1:], [0, 0])
         self.assertEqual(seen["buttons"], 1)
         self.assertEqual(mock["light"], [1, 0])
         self.assertEqual(list(seen["device"]["latency_us"]), ["report_age"])

@@ -45,11 +45,12 @@ Bytes bytes_of(const PidMessage& message) { return message.bytes; }
 }  // namespace
 
 TEST_CASE("A direction is told as the descriptor has it, or as it is asked for") {
-  REQUIRE(layout_of(PidStick::polar).set_effect.told == PidDirection::polar);
-  REQUIRE(layout_of(PidStick::axes).set_effect.told == PidDirection::axes);
-  REQUIRE(layout_of(PidStick::cartesian).set_effect.told == PidDirection::cartesian);
-  REQUIRE(layout_of(PidStick::polar, PidDirection::axes).set_effect.told == PidDirection::axes);
-  REQUIRE(layout_of(PidStick::cartesian, PidDirection::polar).set_effect.told ==
+  REQUIRE(layout_of(PidStick::polar).set_effect.direction_form == PidDirection::polar);
+  REQUIRE(layout_of(PidStick::axes).set_effect.direction_form == PidDirection::axes);
+  REQUIRE(layout_of(PidStick::cartesian).set_effect.direction_form == PidDirection::cartesian);
+  REQUIRE(layout_of(PidStick::polar, PidDirection::axes).set_effect.direction_form ==
+          PidDirection::axes);
+  REQUIRE(layout_of(PidStick::cartesian, PidDirection::polar).set_effect.direction_form ==
           PidDirection::polar);
   for (const PidStick stick : {PidStick::polar, PidStick::axes, PidStick::cartesian}) {
     REQUIRE(layout_of(stick).axes == 2);

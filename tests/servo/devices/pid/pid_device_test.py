@@ -51,11 +51,11 @@ class PidDevice(unittest.TestCase):
     def assert_followed(self, seen: dict) -> None:
         """The emulated stick swings by 0.6 and 0.4 of its way, which is 50 mm to each side."""
         self.assertGreater(seen["new_positions"], 10)
-        self.assertGreater(seen["most_m"][0], 0.02)
-        self.assertLess(seen["most_m"][0], 0.031)
-        self.assertGreater(seen["least_m"][0], -0.031)
-        self.assertLess(seen["most_m"][1], 0.021)
-        self.assertEqual([seen["least_m"][2], seen["most_m"][2]], [0, 0])
+        self.assertGreater(seen["max_m"][0], 0.02)
+        self.assertLess(seen["max_m"][0], 0.031)
+        self.assertGreater(seen["min_m"][0], -0.031)
+        self.assertLess(seen["max_m"][1], 0.021)
+        self.assertEqual([seen["min_m"][2], seen["max_m"][2]], [0, 0])
 
     def test_a_stick_is_set_up_by_its_descriptor_followed_and_pushed(self) -> None:
         for device, reports in (("pid", 800), ("pid-axes", 20)):
@@ -87,7 +87,7 @@ class PidDevice(unittest.TestCase):
         seen, mock = self.run_client(
             "pid", 800, "full_force=4N,force_cap=500mN,force_signs=-+,travel=200mm")
         self.assert_pushed(mock, -0.125, 0)
-        self.assertGreater(seen["most_m"][0], 0.04)
+        self.assertGreater(seen["max_m"][0], 0.04)
 
     def test_a_stick_that_seldom_tells_anything_is_asked_in_between(self) -> None:
         seen, mock = self.run_client("pid-axes", 30)

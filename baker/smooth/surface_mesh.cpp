@@ -1,0 +1,135 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "baker/smooth/surface_mesh.hpp"
+
+#include <tbb/parallel_for.h>
+#include <tbb/parallel_sort.h>
+
+#include <algorithm>
+#include <cmath>
+#include <span>
+#include <utility>
+
+namespace spm::baker {
+namespace {
+
+/// A triangle's side, for sorting it next to the others along the same edge.
+struct Side {
+  std::uint64_t ends;  ///< the lower vertex in the upper bits, the higher in the lower
+  std::uint32_t side;  ///< 3 * triangle + corner
+  [[nodiscard]] bool operator<(const Side& other) const {
+    return ends != other.ends ? ends < other.ends : side < other.side;
+  }
+};
+
+double angle_between(const Vector3& a, const Vector3& b) {
+  return std::atan2(a.cross(b).norm(), a.dot(b));
+}
+
+std::vector<Vector3> areas_of(const SurfaceMesh& surface_mesh) {
+  std::vector<Vector3> areas(surface_mesh.triangles.size());
+  tbb::parallel_for(std::size_t{0}, areas.size(), [&](std::size_t i) {
+    const auto& [a, b, c] = surface_mesh.triangles[i];
+    const Vector3& from = surface_mesh.vertices[a];
+    areas[i] = (surface_mesh.vertices[b] - from).cross(surface_mesh.vertices[c] - from) / 2;
+  });
+  return areas;
+}
+
+std::vector<Side> sorted_sides(const SurfaceMesh& surface_mesh) {
+  std::vector<Side> sides(3 * surface_mesh.triangles.size());
+  tbb::parallel_for(std::size_t{0}, sides.size(), [&](std::size_t i) {
+    const Triangle& triangle = surface_mesh.triangles[i / 3];
+    const auto [low, high] = std::minmax(triangle[i % 3], triangle[(i + 1) % 3]);
+    sides[i] = {std::uint64_t{low} << 32U | high, static_cast<std::uint32_t>(i)};
+  });
+  tbb::parallel_sort(sides.begin(), sides.end());
+  return sides;
+}
+
+/// The edge that a run of sides has in common.
+MeshEdge edge_of(const SurfaceMesh& surface_mesh, std::span<const Vector3> areas,
+                 std::span<const Side> run) {
+  MeshEdge edge;
+  edge.ends = {static_cast<std::uint32_t>(run.front().ends >> 32U),
+               static_cast<std::uint32_t>(run.front().ends)};
+  int balance = 0;
+  for (const Side& side : run) {
+    const Vector3& area = areas[side.side / 3];
+    edge.area += area.norm() / 3;
+    balance += surface_mesh.triangles[side.side / 3][side.side % 3] == edge.ends[0] ? 1 : -1;
+    for (const Side& other : run) {
+      if (other.side >= side.side) break;
+      edge.turn = std::max(edge.turn, angle_between(areas[other.side / 3], area));
+    }
+  }
+  edge.paired = balance == 0;
+  edge.triangles = static_cast<int>(run.size());
+  return edge;
+}
+
+constexpr std::uint32_t unplaced = 0xFFFFFFFF;
+
+}  // namespace
+
+MeshEdges edges_of(const SurfaceMesh& surface_mesh) {
+  const std::vector<Side> sides = sorted_sides(surface_mesh);
+  const std::vector<Vector3> areas = areas_of(surface_mesh);
+  MeshEdges result;
+  result.of_sides.resize(surface_mesh.triangles.size());
+  std::vector<std::size_t> starts;
+  starts.reserve(sides.size() / 2 + 1);
+  for (std::size_t i = 0; i < sides.size(); ++i) {
+    if (i == 0 || sides[i].ends != sides[i - 1].ends) starts.push_back(i);
+    result.of_sides[sides[i].side / 3][sides[i].side % 3] =
+        static_cast<std::uint32_t>(starts.size() - 1);
+  }
+  result.edges.resize(starts.size());
+  starts.push_back(sides.size());
+  tbb::parallel_for(std::size_t{0}, result.edges.size(), [&](std::size_t i) {
+    result.edges[i] = edge_of(surface_mesh, areas,
+                              std::span(sides).subspan(starts[i], starts[i + 1] - starts[i]));
+  });
+  return result;
+}
+
+SurfaceMesh in_order_of_space(const SurfaceMesh& surface_mesh) {
+  if (surface_mesh.vertices.empty()) return surface_mesh;
+  Vector3 low = surface_mesh.vertices.front();
+  Vector3 high = low;
+  for (const Vector3& vertex : surface_mesh.vertices) {
+    low = low.cwiseMin(vertex);
+    high = high.cwiseMax(vertex);
+  }
+  const double step = std::max((high - low).maxCoeff(), 1e-300) / 1023;
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> order;  // code, vertex
+  std::vector<std::uint32_t> place(surface_mesh.vertices.size(), unplaced);
+  for (const Triangle& triangle : surface_mesh.triangles) {
+    for (const std::uint32_t corner : triangle) {
+      if (place[corner] != unplaced) continue;
+      place[corner] = 0;
+      const Vector3 cell = (surface_mesh.vertices[corner] - low) / step;
+      std::uint32_t code = 0;
+      for (std::uint32_t bit = 0; bit < 10; ++bit) {
+        for (std::uint32_t axis = 0; axis < 3; ++axis) {
+          const auto along = static_cast<std::uint32_t>(cell[static_cast<int>(axis)]);
+          code |= ((along >> bit) & 1U) << (3 * bit + axis);
+        }
+      }
+      order.emplace_back(code, corner);
+    }
+  }
+  tbb::parallel_sort(order.begin(), order.end());
+  SurfaceMesh ordered;
+  ordered.vertices.reserve(order.size());
+  for (const auto& [code, vertex] : order) {
+    place[vertex] = static_cast<std::uint32_t>(ordered.vertices.size());
+    ordered.vertices.push_back(surface_mesh.vertices[vertex]);
+  }
+  ordered.triangles.reserve(surface_mesh.triangles.size());
+  for (const auto& [a, b, c] : surface_mesh.triangles) {
+    ordered.triangles.push_back({place[a], place[b], place[c]});
+  }
+  return ordered;
+}
+
+}  // namespace spm::baker

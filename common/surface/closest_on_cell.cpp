@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "common/surface/closest_on_cell.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace spm {
+
+void closest_on_patch(const CellPatch& cell, float& x, float& y) noexcept {
+  const float sx = cell.slope_x, sy = cell.slope_y;
+  const float along = (cell.dz - sx * cell.dx - sy * cell.dy) / (sx * sx + sy * sy + 1);
+  const auto clamp = [](float value) { return std::min(std::max(value, -0.5F), 0.5F); };
+  // The minimum over a rectangle lies on a side beyond which the unconstrained minimum is: one of
+  // each direction is tried.
+  const float x1 = clamp(cell.dx + along * sx), y2 = clamp(cell.dy + along * sy);
+  const float y1 = clamp((cell.dy + sy * (cell.dz - sx * x1)) / (sy * sy + 1));
+  const float x2 = clamp((cell.dx + sx * (cell.dz - sy * y2)) / (sx * sx + 1));
+  const bool first = cell.squared_distance(x1, y1) <= cell.squared_distance(x2, y2);
+  x = first ? x1 : x2;
+  y = first ? y1 : y2;
+}
+
+bool clip_segment(const Clip& clip, ClipSegment& segment) noexcept {
+  const float square = clip.a * clip.a + clip.b * clip.b;
+  if (!(square > 0)) return false;
+  const float x0 = clip.a * clip.c / square, y0 = clip.b * clip.c / square;
+  const float along_x = -clip.b, along_y = clip.a;
+  constexpr float half = 0.5F;
+  float from = -std::numeric_limits<float>::infinity(), to = -from;
+  if (along_x != 0) {
+    const float one = (-half - x0) / along_x, other = (half - x0) / along_x;
+    from = std::max(from, std::min(one, other));
+    to = std::min(to, std::max(one, other));
+  } else if (std::abs(x0) > half) {
+    return false;
+  }
+  if (along_y != 0) {
+    const float one = (-half - y0) / along_y, other = (half - y0) / along_y;
+    from = std::max(from, std::min(one, other));
+    to = std::min(to, std::max(one, other));
+  } else if (std::abs(y0) > half) {
+    return false;
+  }
+  if (!(from <= to)) return false;
+  segment = {x0 + from * along_x, y0 + from * along_y, (to - from) * along_x,
+             (to - from) * along_y};
+  return true;
+}
+
+bool clip_closest_point(const CellPatch& cell, const Clip& clip, float spacing, float& x,
+                        float& y) noexcept {
+  if (clip.a * x + clip.b * y <= clip.c * spacing) return true;
+  ClipSegment segment{};
+  if (!clip_segment(clip, segment)) return false;
+  const float x0 = segment.x * spacing, y0 = segment.y * spacing;
+  const float to_x = segment.to_x * spacing, to_y = segment.to_y * spacing;
+  const float to_z = cell.slope_x * to_x + cell.slope_y * to_y;
+  const float z0 = cell.slope_x * x0 + cell.slope_y * y0;
+  const float square = to_x * to_x + to_y * to_y + to_z * to_z;
+  const float along = (cell.dx - x0) * to_x + (cell.dy - y0) * to_y + (cell.dz - z0) * to_z;
+  const float share = square > 0 ? std::clamp(along / square, 0.0F, 1.0F) : 0.0F;
+  x = x0 + share * to_x;
+  y = y0 + share * to_y;
+  return true;
+}
+
+void settle_closest_point(TileClosestPoint& closest_point, float distance) noexcept {
+  closest_point.distance = distance;
+  const float level = std::sqrt(1 + closest_point.slope_eta * closest_point.slope_eta +
+                                closest_point.slope_omega * closest_point.slope_omega);
+  closest_point.below =
+      (closest_point.away_depth - closest_point.slope_eta * closest_point.away_eta -
+       closest_point.slope_omega * closest_point.away_omega) /
+      level;
+}
+
+}  // namespace spm
