@@ -17,7 +17,6 @@
 namespace spm::stability {
 namespace {
 
-using Random;
 
 constexpr double seconds = 4;  // of a run: the hand's own swing has died in the first quarter
 constexpr double searched = 0.2;
