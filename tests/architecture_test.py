@@ -9,6 +9,7 @@ Usage: architecture_test.py SOURCE_DIR BUILD_DIR [unittest options]
 import re
 import subprocess
 import sys
+import tempfile
 import unittest
 from graphlib import TopologicalSorter
 from pathlib import Path
@@ -219,6 +220,14 @@ class Folders(unittest.TestCase):
 
     def test_the_rooms_form_no_cycle(self) -> None:
         self.assertGreater(len(list(TopologicalSorter(rooms()).static_order())), 40)
+
+    def test_the_drawing_of_the_rooms_is_that_of_these_includes(self) -> None:
+        with tempfile.TemporaryDirectory() as folder:
+            drawn = Path(folder) / "rooms.svg"
+            subprocess.run([sys.executable, "-B", SOURCE / "scripts/draw_rooms", "-o", drawn],
+                           check=True, capture_output=True)
+            self.assertEqual(drawn.read_text(), text_of(Path("tests/bench/charts/rooms.svg")),
+                             "scripts/draw_rooms -o tests/bench/charts/rooms.svg draws it anew")
 
     def test_no_room_is_fuller_than_a_reader_likes(self) -> None:
         files: dict[str, int] = {}

@@ -45,7 +45,8 @@ nlohmann::ordered_json line_of(const std::string& name, const Result<BuildReport
   return line;
 }
 
-void tell(const BatchSettings& settings, const std::string& name, const Result<BuildReport>& report) {
+void tell(const BatchSettings& settings, const std::string& name,
+          const Result<BuildReport>& report) {
   if (settings.global.json) {
     cli::print_json(line_of(name, report));
   }

@@ -37,8 +37,8 @@ class FieldMemory {
   struct Settings {
     double max_validity_radius = 0;  ///< largest validity radius, m; 0: a reading is used again
                                      ///< only at exactly its own place
-    double error = 1e-5;           ///< m, allowed error of a distance that is used again
-    std::uint32_t points = 65536;  ///< number of points remembered at once, a power of two
+    double error = 1e-5;             ///< m, allowed error of a distance that is used again
+    std::uint32_t points = 65536;    ///< number of points remembered at once, a power of two
   };
 
   explicit FieldMemory(const Settings& settings);

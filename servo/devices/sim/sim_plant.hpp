@@ -6,7 +6,6 @@
 
 #include "common/base/random.hpp"
 #include "common/base/vector.hpp"
-#include "common/base/random.hpp"
 #include "servo/devices/sim/actuator_line.hpp"
 #include "servo/devices/sim/hand_model.hpp"
 #include "servo/devices/sim/moving_mass.hpp"

@@ -7,7 +7,7 @@
 #include "common/surface/support_plane_mapping.hpp"
 #include "tests/baker/pipeline/bake_support.hpp"
 
-namespace spm::baker {
+namespace spm::baker::cast_test {
 namespace {
 
 using test::surface_of;
@@ -131,4 +131,4 @@ TEST_CASE("The triangles within a radius are those that brute force finds") {
 }
 
 }  // namespace
-}  // namespace spm::baker
+}  // namespace spm::baker::cast_test

@@ -4,7 +4,7 @@
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
 
-namespace spm::test {
+namespace spm::test::caps_report_test {
 namespace {
 
 using baker::CappedHole;
@@ -43,4 +43,4 @@ TEST_CASE("Capped holes are one line for a person, and none where there are none
         "(10, 20, -30) mm\n");
 }
 
-}  // namespace spm::test
+}  // namespace spm::test::caps_report_test

@@ -8,10 +8,10 @@
 #include <fstream>
 #include <numbers>
 
-#include "tests/baker/pipeline/bake_support.hpp"
 #include "baker/base/bake_error.hpp"
+#include "tests/baker/pipeline/bake_support.hpp"
 
-namespace spm::baker {
+namespace spm::baker::scene_limits_test {
 namespace {
 
 /// A folder with two meshes and a scene, gone at the end.
@@ -256,4 +256,4 @@ TEST_CASE("A workspace with nothing of the object in it is refused") {
 }
 
 }  // namespace
-}  // namespace spm::baker
+}  // namespace spm::baker::scene_limits_test

@@ -15,7 +15,7 @@
 #include "tests/support/random.hpp"
 #include "tests/support/skip.hpp"
 
-namespace spm::test {
+namespace spm::test::mesh_bad_input_test {
 namespace {
 
 struct BadMesh {
@@ -216,4 +216,4 @@ TEST_CASE("Random bytes under any mesh name are refused with code 3") {
   }
 }
 
-}  // namespace spm::test
+}  // namespace spm::test::mesh_bad_input_test

@@ -15,7 +15,7 @@
 #include "tests/support/random.hpp"
 #include "tests/support/skip.hpp"
 
-namespace spm::test {
+namespace spm::test::mesh_load_test {
 namespace {
 
 using baker::Mesh;
@@ -355,4 +355,4 @@ TEST_CASE("The shared meshes load with the counts that are known of them") {
   }
 }
 
-}  // namespace spm::test
+}  // namespace spm::test::mesh_load_test

@@ -8,6 +8,8 @@
 #include "common/surface/support_plane_mapping.hpp"
 #include "formats/asset/asset.hpp"
 
+namespace export_test {
+
 namespace {
 
 using namespace spm;
@@ -84,3 +86,5 @@ TEST_CASE("The picture of a plane shows its tiles' valid cells up to their clips
   CHECK(!shown(8, 75));  // and beyond it
   CHECK(shown(12, 75));
 }
+
+}  // namespace export_test

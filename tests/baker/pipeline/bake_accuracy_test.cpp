@@ -8,7 +8,7 @@
 #include "common/base/random.hpp"
 #include "common/query/query.hpp"
 
-namespace spm::baker {
+namespace spm::baker::bake_accuracy_test {
 namespace {
 
 /// Closed form of a shape: signed distance and outward direction at a point.
@@ -115,4 +115,4 @@ TEST_CASE("On a torus, concave in its hole, both forms meet the closed form") {
 }
 
 }  // namespace
-}  // namespace spm::baker
+}  // namespace spm::baker::bake_accuracy_test

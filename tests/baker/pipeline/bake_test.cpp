@@ -11,7 +11,7 @@
 #include "common/paper/paper_force.hpp"
 #include "common/query/query.hpp"
 
-namespace spm::baker {
+namespace spm::baker::bake_test {
 namespace {
 
 BakeOptions full(std::size_t planes, std::uint32_t resolution = 17) {
@@ -202,4 +202,4 @@ TEST_CASE("Options that cannot be met are refused as usage errors") {
 }
 
 }  // namespace
-}  // namespace spm::baker
+}  // namespace spm::baker::bake_test

@@ -10,7 +10,7 @@
 #include "tests/baker/mesh/mesh_support.hpp"
 #include "tests/support/random.hpp"
 
-namespace spm::test {
+namespace spm::test::hull_test {
 namespace {
 
 using baker::convex_hull;
@@ -128,4 +128,4 @@ TEST_CASE("Points in one plane, on a line or too few have no hull") {
   }
 }
 
-}  // namespace spm::test
+}  // namespace spm::test::hull_test

@@ -12,7 +12,7 @@
 #include "tests/baker/mesh/mesh_support.hpp"
 #include "tests/support/random.hpp"
 
-namespace spm::test {
+namespace spm::test::planes_test {
 namespace {
 
 using baker::convex_hull;
@@ -261,4 +261,4 @@ TEST_CASE("Fibonacci directions are spread evenly") {
   }
 }
 
-}  // namespace spm::test
+}  // namespace spm::test::planes_test

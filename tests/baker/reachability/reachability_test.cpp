@@ -12,7 +12,7 @@
 #include "common/base/random.hpp"
 #include "tests/baker/pipeline/bake_support.hpp"
 
-namespace spm::baker {
+namespace spm::baker::reachability_test {
 namespace {
 
 using test::surface_of;
@@ -275,4 +275,4 @@ TEST_CASE("What is reached is the same for any number of threads") {
 }
 
 }  // namespace
-}  // namespace spm::baker
+}  // namespace spm::baker::reachability_test

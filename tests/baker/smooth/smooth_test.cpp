@@ -19,6 +19,8 @@
 #include "tests/baker/pipeline/bake_support.hpp"
 #include "tests/baker/verify/verify_shapes.hpp"
 
+namespace smooth_test {
+
 using namespace spm;
 using namespace spm::baker;
 
@@ -376,3 +378,5 @@ TEST_CASE("An asset's options give back the smoothing that they record") {
   CHECK_FALSE(recorded_smoothing(R"({"smooth":{"kind":"gaussian","sigma":0}})").has_value());
   CHECK_FALSE(recorded_smoothing(R"({"smooth":7})").has_value());
 }
+
+}  // namespace smooth_test

@@ -12,7 +12,7 @@
 #include "tests/baker/mesh/mesh_support.hpp"
 #include "tests/support/random.hpp"
 
-namespace spm::test {
+namespace spm::test::outer_surface_test {
 namespace {
 
 using baker::outer_surface;
@@ -223,4 +223,4 @@ TEST_CASE("The winding number of an open mesh lies between that of its sides") {
   CHECK(winding.at({0, 0, -3}) == Approx(0).margin(0.05));
 }
 
-}  // namespace spm::test
+}  // namespace spm::test::outer_surface_test

@@ -16,7 +16,7 @@
 #include "common/surface/support_plane_mapping.hpp"
 #include "tests/baker/pipeline/bake_support.hpp"
 
-namespace spm::baker {
+namespace spm::baker::tiles_test {
 namespace {
 
 constexpr double unit = 0x1p-10;
@@ -222,4 +222,4 @@ TEST_CASE("Every tile near a point is in its bin") {
 }
 
 }  // namespace
-}  // namespace spm::baker
+}  // namespace spm::baker::tiles_test

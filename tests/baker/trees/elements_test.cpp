@@ -14,7 +14,7 @@
 #include "common/base/random.hpp"
 #include "tests/baker/pipeline/bake_support.hpp"
 
-namespace spm::baker {
+namespace spm::baker::elements_test {
 namespace {
 
 Vector3 random_point(std::uint64_t seed, std::uint64_t index) {
@@ -243,4 +243,4 @@ TEST_CASE("Many open pieces of a small triangle become the triangle, few of a la
 }
 
 }  // namespace
-}  // namespace spm::baker
+}  // namespace spm::baker::elements_test

@@ -7,7 +7,7 @@
 
 #include "tests/baker/pipeline/bake_support.hpp"
 
-namespace spm::baker {
+namespace spm::baker::direction_error_test {
 namespace {
 
 BakeResult baked(const test::Shape& shape) {
@@ -48,4 +48,4 @@ TEST_CASE("Facets smaller than tiles get directions within a degree in the media
 }
 
 }  // namespace
-}  // namespace spm::baker
+}  // namespace spm::baker::direction_error_test

@@ -9,6 +9,8 @@
 #include "common/base/random.hpp"
 #include "tests/baker/verify/verify_shapes.hpp"
 
+namespace exact_surface_test {
+
 using namespace spm;
 using namespace spm::baker;
 
@@ -196,3 +198,5 @@ TEST_CASE("A surface turned inside out bounds no solid") {
       test::box({0.1, 0.1, 0.1}), test::moved(test::box({0.1, 0.1, 0.1}), {1.0, 0.0, 0.0})))));
   CHECK(surface.empty());
 }
+
+}  // namespace exact_surface_test

@@ -6,6 +6,8 @@
 #include "common/base/random.hpp"
 #include "tests/baker/verify/verify_shapes.hpp"
 
+namespace exact_winding_test {
+
 using namespace spm;
 using namespace spm::baker;
 
@@ -78,3 +80,5 @@ TEST_CASE("A closed mesh's winding number varies nowhere off its surface") {
   const ExactWinding winding(test::as_mesh(test::sphere(0.05, 3)));
   CHECK(winding.variation({0.01, 0, 0}, 0.01) == 0);
 }
+
+}  // namespace exact_winding_test

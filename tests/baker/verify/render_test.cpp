@@ -3,10 +3,10 @@
 
 #include <catch2/catch.hpp>
 
-#include "tests/baker/pipeline/bake_support.hpp"
 #include "formats/asset/asset.hpp"
+#include "tests/baker/pipeline/bake_support.hpp"
 
-namespace spm::baker {
+namespace spm::baker::render_test {
 namespace {
 
 constexpr std::uint32_t side = 40;
@@ -105,4 +105,4 @@ TEST_CASE("A section shows the band about the surface and nothing beyond it") {
 }
 
 }  // namespace
-}  // namespace spm::baker
+}  // namespace spm::baker::render_test

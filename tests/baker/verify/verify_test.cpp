@@ -11,6 +11,8 @@
 #include "tests/baker/verify/verify_shapes.hpp"
 #include "tests/support/triangle_bvh.hpp"
 
+namespace verify_test {
+
 using namespace spm;
 using namespace spm::baker;
 
@@ -180,3 +182,5 @@ TEST_CASE("Another mesh than the asset's is refused as invalid input") {
   CHECK(code_of(options) == ExitCode::done);
   std::filesystem::remove(path);
 }
+
+}  // namespace verify_test

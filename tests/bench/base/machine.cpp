@@ -66,8 +66,6 @@ nlohmann::ordered_json machine_json() {
 
 }  // namespace
 
-nlohmann::ordered_json made_json() {
-  return {{"machine", machine_json()}, {"command", command()}};
-}
+nlohmann::ordered_json made_json() { return {{"machine", machine_json()}, {"command", command()}}; }
 
 }  // namespace spm::bench

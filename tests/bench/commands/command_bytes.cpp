@@ -3,10 +3,10 @@
 
 #include "baker/base/bake_error.hpp"
 #include "formats/cli/command_line.hpp"
-#include "tests/bench/reports/bytes.hpp"
-#include "tests/bench/reports/bytes_text.hpp"
 #include "tests/bench/commands/commands.hpp"
 #include "tests/bench/model/known_meshes.hpp"
+#include "tests/bench/reports/bytes.hpp"
+#include "tests/bench/reports/bytes_text.hpp"
 #include "tests/bench/reports/row_text.hpp"
 
 namespace spm::bench {

@@ -3,10 +3,10 @@
 
 #include <memory>
 
+#include "tests/bench/base/timing.hpp"
 #include "tests/bench/methods/mesh_proxy.hpp"
 #include "tests/bench/methods/method.hpp"
 #include "tests/bench/methods/probe_method.hpp"
-#include "tests/bench/base/timing.hpp"
 
 namespace spm::bench {
 

@@ -9,6 +9,8 @@
 #include "tests/bench/model/bumpy_sphere.hpp"
 #include "tests/support/shapes.hpp"
 
+namespace mesh_proxy_test {
+
 namespace {
 
 using namespace spm;
@@ -174,3 +176,5 @@ TEST_CASE("The force of a triangle that is given is that of the box's face") {
   CHECK(given.contact);
   CHECK((given.force - followed.force).norm() < 1e-3);
 }
+
+}  // namespace mesh_proxy_test

@@ -7,8 +7,8 @@
 #include <string>
 #include <utility>
 
-#include "common/query/query.hpp"
 #include "common/base/vector.hpp"
+#include "common/query/query.hpp"
 
 namespace spm::bench {
 

@@ -9,8 +9,8 @@
 
 #include "common/base/units.hpp"
 #include "tests/bench/geometry/grid_number.hpp"
-#include "tests/bench/methods/methods.hpp"
 #include "tests/bench/geometry/trilinear.hpp"
+#include "tests/bench/methods/methods.hpp"
 
 namespace spm::bench {
 namespace {

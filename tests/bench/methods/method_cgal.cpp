@@ -7,9 +7,9 @@
 #include <cstdint>
 #include <vector>
 
-#include "tests/bench/methods/methods.hpp"
 #include "tests/bench/geometry/triangle_neighbours.hpp"
 #include "tests/bench/geometry/trilinear.hpp"
+#include "tests/bench/methods/methods.hpp"
 
 namespace spm::bench {
 namespace {

@@ -3,8 +3,8 @@
 #include <utility>
 
 #include "common/base/units.hpp"
-#include "tests/bench/methods/methods.hpp"
 #include "tests/bench/geometry/trilinear.hpp"
+#include "tests/bench/methods/methods.hpp"
 
 namespace spm::bench {
 namespace {

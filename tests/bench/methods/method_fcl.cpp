@@ -10,10 +10,10 @@
 #include <cstdint>
 #include <vector>
 
-#include "tests/bench/methods/methods.hpp"
-#include "tests/bench/methods/probe_method.hpp"
 #include "tests/bench/geometry/triangle_neighbours.hpp"
 #include "tests/bench/geometry/trilinear.hpp"
+#include "tests/bench/methods/methods.hpp"
+#include "tests/bench/methods/probe_method.hpp"
 
 namespace spm::bench {
 namespace {

@@ -6,8 +6,8 @@
 #include <cmath>
 
 #include "common/base/units.hpp"
-#include "tests/bench/methods/methods.hpp"
 #include "tests/bench/geometry/trilinear.hpp"
+#include "tests/bench/methods/methods.hpp"
 
 namespace spm::bench {
 namespace {

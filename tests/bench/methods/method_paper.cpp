@@ -2,9 +2,9 @@
 #include <cmath>
 
 #include "common/paper/paper_force.hpp"
+#include "tests/bench/geometry/trilinear.hpp"
 #include "tests/bench/methods/methods.hpp"
 #include "tests/bench/model/paper_maps.hpp"
-#include "tests/bench/geometry/trilinear.hpp"
 
 namespace spm::bench {
 namespace {

@@ -4,9 +4,9 @@
 #include <memory>
 #include <string>
 
-#include "tests/bench/model/baked_file.hpp"
 #include "tests/bench/geometry/distance_lattice.hpp"
 #include "tests/bench/methods/method.hpp"
+#include "tests/bench/model/baked_file.hpp"
 #include "tests/bench/model/model.hpp"
 #include "tests/bench/model/query_asset.hpp"
 

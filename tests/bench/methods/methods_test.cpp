@@ -14,6 +14,8 @@
 #include "tests/bench/model/float_mesh.hpp"
 #include "tests/support/shapes.hpp"
 
+namespace methods_test {
+
 namespace {
 
 using namespace spm;
@@ -252,3 +254,5 @@ TEST_CASE("Bytes count all that a method keeps") {
   CHECK(coarse->facts().bytes < fine->facts().bytes);
   CHECK(coarse->facts().bytes % 4 == 0);
 }
+
+}  // namespace methods_test

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "common/contact/force_law.hpp"
 #include "formats/asset/mapped_asset.hpp"
-#include "tests/bench/methods/probe_method.hpp"
 #include "tests/bench/base/unwrap.hpp"
+#include "tests/bench/methods/probe_method.hpp"
 
 namespace spm::bench {
 namespace {

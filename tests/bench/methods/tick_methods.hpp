@@ -6,8 +6,8 @@
 
 #include "common/asset/asset_view.hpp"
 #include "tests/bench/methods/mesh_proxy.hpp"
-#include "tests/bench/model/query_asset.hpp"
 #include "tests/bench/methods/tick_timing.hpp"
+#include "tests/bench/model/query_asset.hpp"
 
 namespace spm::bench {
 

@@ -5,9 +5,9 @@
 #include <string>
 
 #include "baker/cast/cast.hpp"
-#include "baker/verify/exact_surface.hpp"
 #include "baker/mesh/mesh.hpp"
 #include "baker/surface/outer_surface.hpp"
+#include "baker/verify/exact_surface.hpp"
 #include "common/asset/asset_view.hpp"
 
 namespace spm::bench {

@@ -3,8 +3,8 @@
 
 #include <cstdint>
 
-#include "tests/bench/model/places.hpp"
 #include "tests/bench/base/timing.hpp"
+#include "tests/bench/model/places.hpp"
 
 namespace spm::bench {
 

@@ -8,8 +8,8 @@
 
 #include "tests/bench/base/bench_progress.hpp"
 #include "tests/bench/methods/method.hpp"
-#include "tests/bench/model/model.hpp"
 #include "tests/bench/methods/score.hpp"
+#include "tests/bench/model/model.hpp"
 #include "tests/bench/reports/size_at_error.hpp"
 
 namespace spm::bench {

@@ -13,6 +13,8 @@
 #include "tests/bench/model/places.hpp"
 #include "tests/support/shapes.hpp"
 
+namespace bytes_test {
+
 namespace {
 
 using namespace spm;
@@ -160,3 +162,5 @@ TEST_CASE("Methods are compared at the error of the product at the model's own t
   REQUIRE(comparisons[0].size);
   CHECK(comparisons[0].size->bytes == Approx(25e6));
 }
+
+}  // namespace bytes_test

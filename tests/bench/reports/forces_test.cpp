@@ -10,6 +10,8 @@
 #include "tests/bench/reports/slide_paths.hpp"
 #include "tests/support/shapes.hpp"
 
+namespace forces_test {
+
 namespace {
 
 using namespace spm;
@@ -169,3 +171,5 @@ TEST_CASE("A trace has a line a tick and a column group a method") {
           "exact_z,spm_x,spm_y,spm_z,spm_limited_x,spm_limited_y,spm_limited_z,proxy_ball_x"));
   CHECK_THAT(text, Catch::Contains("\n0.001,0.000000000,0.000000000,0.019000000,-0.001000000,1,"));
 }
+
+}  // namespace forces_test

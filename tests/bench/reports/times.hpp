@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "tests/bench/reports/bytes.hpp"
 #include "tests/bench/base/timing.hpp"
+#include "tests/bench/reports/bytes.hpp"
 
 namespace spm::bench {
 

@@ -5,11 +5,13 @@
 #include <cmath>
 
 #include "tests/baker/verify/verify_shapes.hpp"
+#include "tests/bench/methods/tick_timing.hpp"
 #include "tests/bench/model/query_sets.hpp"
 #include "tests/bench/reports/tables_text.hpp"
-#include "tests/bench/methods/tick_timing.hpp"
 #include "tests/bench/reports/times_text.hpp"
 #include "tests/support/shapes.hpp"
+
+namespace times_test {
 
 namespace {
 
@@ -176,3 +178,5 @@ TEST_CASE("A table's row tells what the paper reports, where it does") {
     CHECK(json["rows"][0].contains(key));
   }
 }
+
+}  // namespace times_test

@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "baker/pipeline/bake.hpp"
-#include "baker/verify/exact_surface.hpp"
 #include "baker/surface/outer_surface.hpp"
+#include "baker/verify/exact_surface.hpp"
 #include "common/sixdof/surface_samples.hpp"
 
 namespace spm::bench {

@@ -10,7 +10,7 @@
 
 #include "tests/support/tree_by_hand.hpp"
 
-namespace spm {
+namespace spm::bvh_test {
 namespace {
 
 using test::add_bvh_node;
@@ -251,4 +251,4 @@ TEST_CASE("Points that are no numbers and random words visit no leaf too often")
 }
 
 }  // namespace
-}  // namespace spm
+}  // namespace spm::bvh_test

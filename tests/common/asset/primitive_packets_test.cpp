@@ -16,7 +16,7 @@
 #include "tests/support/every_target.hpp"
 #include "tests/support/random.hpp"
 
-namespace spm {
+namespace spm::primitive_packets_test {
 namespace {
 
 using test::RandomTwister;
@@ -181,8 +181,8 @@ TEST_CASE("In a cube no unit is nearer than what reaches tell") {
       for (auto& known : cube.known) known[k] = static_cast<float>((corner - place).norm());
     }
     std::array<std::uint32_t, tile_packets + 1> numbers{0, 1, 2, 3, 4, 5, 6, 7, 8};
-    std::array<PacketBounds, numbers.size()> bounds;
-    packet_bounds(view, numbers, cube, 1e-3F, bounds.data());
+    std::array<PacketBounds, numbers.size()> lower_bounds;
+    packet_bounds(view, numbers, cube, 1e-3F, lower_bounds.data());
     for (int sample = 0; sample < 20; ++sample) {
       const Vector3 point = middle + vector_in(random, half);
       Squares squares;
@@ -191,8 +191,8 @@ TEST_CASE("In a cube no unit is nearer than what reaches tell") {
         for (std::size_t lane = 0; lane < packet_width; ++lane) {
           const double excess =
               std::sqrt(double{squares.values[i * packet_width + lane]}) - (point - place).norm();
-          REQUIRE(excess >= double{bounds[i].lower_bound} - 1e-6);
-          const bool in_reach = ((bounds[i].lanes >> lane) & 1U) != 0;
+          REQUIRE(excess >= double{lower_bounds[i].lower_bound} - 1e-6);
+          const bool in_reach = ((lower_bounds[i].lanes >> lane) & 1U) != 0;
           REQUIRE((in_reach || excess >= 1e-3 - 1e-6));
           told += in_reach ? 0 : 1;
         }
@@ -269,7 +269,7 @@ TEST_CASE("Every processor finds the same of groups, bit by bit, and lists the s
     test::on_every_target([&] {
       Squares squares;
       std::array<float, numbers.size()> of_packets{};
-      std::array<PacketBounds, numbers.size()> bounds;
+      std::array<PacketBounds, numbers.size()> lower_bounds;
       std::vector<float>& all = found.emplace_back();
       std::vector<std::uint32_t>& list = lists.emplace_back();
       const auto keep = [&](const NearestPrimitive& unit) {
@@ -281,8 +281,8 @@ TEST_CASE("Every processor finds the same of groups, bit by bit, and lists the s
       keep(nearest_facing(packets, names(numbers), place, 0.99F));
       keep(nearest_of_packets(packets, names(numbers), place, of_packets.data()));
       all.insert(all.end(), of_packets.begin(), of_packets.end());
-      packet_bounds(packets, numbers, cube, 1e-3F, bounds.data());
-      for (const PacketBounds& reach : bounds) {
+      packet_bounds(packets, numbers, cube, 1e-3F, lower_bounds.data());
+      for (const PacketBounds& reach : lower_bounds) {
         all.push_back(reach.lower_bound);
         list.push_back(reach.lanes);
       }
@@ -321,4 +321,4 @@ TEST_CASE("Lanes without a unit, and numbers of no group, are out of all reach")
 }
 
 }  // namespace
-}  // namespace spm
+}  // namespace spm::primitive_packets_test

@@ -8,7 +8,7 @@
 
 #include "tests/support/tree_by_hand.hpp"
 
-namespace spm {
+namespace spm::sign_octree_test {
 namespace {
 
 using test::octants;
@@ -134,4 +134,4 @@ TEST_CASE("Random words of space end at some kind") {
 }
 
 }  // namespace
-}  // namespace spm
+}  // namespace spm::sign_octree_test

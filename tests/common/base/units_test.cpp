@@ -5,6 +5,8 @@
 #include <numbers>
 #include <random>
 
+namespace units_test {
+
 using spm::format_quantity;
 using spm::parse_mesh_unit;
 using spm::parse_probe;
@@ -95,3 +97,5 @@ TEST_CASE("A mesh file's unit is one of four") {
   CHECK_FALSE(parse_mesh_unit("MM"));
   CHECK_FALSE(parse_mesh_unit("1mm"));
 }
+
+}  // namespace units_test

@@ -8,7 +8,7 @@
 #include <numbers>
 #include <random>
 
-namespace spm {
+namespace spm::coulomb_friction_test {
 namespace {
 
 const FrictionSettings settings{0.5, 0.3, 1000};
@@ -114,4 +114,4 @@ TEST_CASE("What is no number gives no friction and lets go") {
 }
 
 }  // namespace
-}  // namespace spm
+}  // namespace spm::coulomb_friction_test

@@ -6,7 +6,7 @@
 
 #include "tests/support/asset_by_hand.hpp"
 
-namespace spm {
+namespace spm::force_law_test {
 namespace {
 
 using test::BoxByHand;
@@ -64,4 +64,4 @@ TEST_CASE("A point that is not finite, or a map that is not, gives no force") {
 }
 
 }  // namespace
-}  // namespace spm
+}  // namespace spm::force_law_test

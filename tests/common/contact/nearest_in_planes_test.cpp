@@ -4,7 +4,7 @@
 #include <catch2/catch.hpp>
 #include <random>
 
-namespace spm {
+namespace spm::nearest_in_planes_test {
 namespace {
 
 HalfSpaces spaces_of(std::initializer_list<HalfSpace> planes) {
@@ -64,4 +64,4 @@ TEST_CASE("Planes that face each other give a finite place") {
 }
 
 }  // namespace
-}  // namespace spm
+}  // namespace spm::nearest_in_planes_test

@@ -10,7 +10,7 @@
 #include "tests/servo/support/shape_asset.hpp"
 #include "tests/support/shapes.hpp"
 
-namespace spm {
+namespace spm::proxy_test {
 namespace {
 
 /// Shapes are made of exact triangles: 2 mm of depth, 1 mm of margin.
@@ -212,4 +212,4 @@ TEST_CASE("The queries of a tick are bounded, and sliding takes few") {
 }
 
 }  // namespace
-}  // namespace spm
+}  // namespace spm::proxy_test

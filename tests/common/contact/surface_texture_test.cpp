@@ -7,7 +7,7 @@
 #include <numbers>
 #include <random>
 
-namespace spm {
+namespace spm::surface_texture_test {
 namespace {
 
 const TextureSettings settings{2e-5, 1e-3, 7};
@@ -99,4 +99,4 @@ TEST_CASE("A place that no lattice counts has no texture") {
 }
 
 }  // namespace
-}  // namespace spm
+}  // namespace spm::surface_texture_test

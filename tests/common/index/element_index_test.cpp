@@ -8,7 +8,7 @@
 #include "common/query/query.hpp"
 #include "tests/baker/pipeline/bake_support.hpp"
 
-namespace spm::baker {
+namespace spm::baker::element_index_test {
 namespace {
 
 /// A random place of the box around an asset's band.
@@ -124,4 +124,4 @@ TEST_CASE("An asset of the full form has no index") {
 }
 
 }  // namespace
-}  // namespace spm::baker
+}  // namespace spm::baker::element_index_test

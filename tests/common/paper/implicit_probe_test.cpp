@@ -7,7 +7,7 @@
 #include <limits>
 #include <random>
 
-namespace spm {
+namespace spm::implicit_probe_test {
 namespace {
 
 double to_line(const Vector3& point, const Vector3& from, const Vector3& to) {
@@ -65,4 +65,4 @@ TEST_CASE("A capsule of one point is a sphere, and what is no number is missed")
 }
 
 }  // namespace
-}  // namespace spm
+}  // namespace spm::implicit_probe_test

@@ -3,7 +3,7 @@
 
 #include <catch2/catch.hpp>
 
-namespace spm {
+namespace spm::paper_effects_test {
 namespace {
 
 PaperContact touching() {
@@ -45,4 +45,4 @@ TEST_CASE("Noise on the distance map changes the force by stiffness times noise 
 }
 
 }  // namespace
-}  // namespace spm
+}  // namespace spm::paper_effects_test

@@ -7,7 +7,7 @@
 #include "tests/support/asset_by_hand.hpp"
 #include "tests/support/every_target.hpp"
 
-namespace spm {
+namespace spm::paper_force_test {
 namespace {
 
 using test::BoxByHand;
@@ -126,4 +126,4 @@ TEST_CASE("Beside a silhouette the nearest sample decides, not a blend with a mi
 }
 
 }  // namespace
-}  // namespace spm
+}  // namespace spm::paper_force_test

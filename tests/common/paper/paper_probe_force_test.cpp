@@ -6,10 +6,10 @@
 #include <limits>
 #include <numbers>
 
-#include "tests/support/asset_by_hand.hpp"
 #include "common/surface/support_plane_mapping.hpp"
+#include "tests/support/asset_by_hand.hpp"
 
-namespace spm {
+namespace spm::paper_probe_force_test {
 namespace {
 
 using test::map_by_hand;
@@ -120,4 +120,4 @@ TEST_CASE("Over the ground, beside the map or nowhere a probe feels nothing") {
 }
 
 }  // namespace
-}  // namespace spm
+}  // namespace spm::paper_probe_force_test

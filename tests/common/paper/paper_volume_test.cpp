@@ -8,10 +8,10 @@
 #include <numbers>
 #include <vector>
 
-#include "tests/support/asset_by_hand.hpp"
 #include "common/surface/support_plane_mapping.hpp"
+#include "tests/support/asset_by_hand.hpp"
 
-namespace spm {
+namespace spm::paper_volume_test {
 namespace {
 
 using test::map_by_hand;
@@ -144,4 +144,4 @@ TEST_CASE("A pose that is no number shares nothing") {
 }
 
 }  // namespace
-}  // namespace spm
+}  // namespace spm::paper_volume_test

@@ -9,6 +9,8 @@
 
 #include "common/surface/distance_map.hpp"
 
+namespace smoothing_test {
+
 using namespace spm;
 
 namespace {
@@ -92,3 +94,5 @@ TEST_CASE("What lies beyond a silhouette does not count") {
   CHECK(map.filtered().weight() < 0.8);
   CHECK(map.filtered().value() == Approx(0.01).epsilon(1e-6));
 }
+
+}  // namespace smoothing_test

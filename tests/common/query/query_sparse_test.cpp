@@ -9,7 +9,7 @@
 #include "tests/support/asset_by_hand.hpp"
 #include "tests/support/tree_by_hand.hpp"
 
-namespace spm {
+namespace spm::query_sparse_test {
 namespace {
 
 using test::bvh_over;
@@ -381,4 +381,4 @@ TEST_CASE("Trees and tiles that were damaged under the map never lead outside it
 }
 
 }  // namespace
-}  // namespace spm
+}  // namespace spm::query_sparse_test

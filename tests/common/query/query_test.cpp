@@ -5,10 +5,10 @@
 #include <limits>
 #include <random>
 
-#include "tests/support/asset_by_hand.hpp"
 #include "common/base/octahedral.hpp"
+#include "tests/support/asset_by_hand.hpp"
 
-namespace spm {
+namespace spm::query_test {
 namespace {
 
 using test::BoxByHand;
@@ -163,4 +163,4 @@ TEST_CASE("Words of a grid that were damaged under the map never lead outside it
 }
 
 }  // namespace
-}  // namespace spm
+}  // namespace spm::query_test

@@ -8,7 +8,7 @@
 #include <limits>
 #include <vector>
 
-namespace spm {
+namespace spm::side_votes_test {
 namespace {
 
 constexpr double tie = 1e-5;
@@ -109,4 +109,4 @@ TEST_CASE("A vote that is no number says nothing") {
 }
 
 }  // namespace
-}  // namespace spm
+}  // namespace spm::side_votes_test

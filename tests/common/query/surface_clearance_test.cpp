@@ -8,7 +8,7 @@
 #include "tests/support/asset_by_hand.hpp"
 #include "tests/support/tree_by_hand.hpp"
 
-namespace spm {
+namespace spm::surface_clearance_test {
 namespace {
 
 constexpr double size = 0.04;
@@ -84,4 +84,4 @@ TEST_CASE("Without elements the clearance is infinite, and words that lead astra
 }
 
 }  // namespace
-}  // namespace spm
+}  // namespace spm::surface_clearance_test

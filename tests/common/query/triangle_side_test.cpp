@@ -13,7 +13,7 @@
 
 #include "common/surface/closest_on_triangle.hpp"
 
-namespace spm {
+namespace spm::triangle_side_test {
 namespace {
 
 constexpr double rounding = 1e-6;
@@ -169,4 +169,4 @@ TEST_CASE("A triangle alone tells the side where it faces a point, not beside it
 }
 
 }  // namespace
-}  // namespace spm
+}  // namespace spm::triangle_side_test

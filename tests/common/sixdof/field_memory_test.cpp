@@ -5,7 +5,7 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
-namespace spm {
+namespace spm::field_memory_test {
 namespace {
 
 /// What a ball of this radius about the origin says.
@@ -69,4 +69,4 @@ TEST_CASE("A bound has no plane, and without a reach nothing is kept") {
 }
 
 }  // namespace
-}  // namespace spm
+}  // namespace spm::field_memory_test

@@ -9,7 +9,7 @@
 #include "tests/support/asset_by_hand.hpp"
 #include "tests/support/random.hpp"
 
-namespace spm {
+namespace spm::object_contact_test {
 namespace {
 
 using Eigen::Isometry3d;
@@ -315,4 +315,4 @@ TEST_CASE("Two objects in one place push a tool twice as one, and a mirrored one
 }
 
 }  // namespace
-}  // namespace spm
+}  // namespace spm::object_contact_test

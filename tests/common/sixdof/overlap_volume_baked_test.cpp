@@ -1,14 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "common/sixdof/overlap_volume.hpp"
-
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <numbers>
 #include <vector>
 
+#include "common/sixdof/overlap_volume.hpp"
 #include "tests/baker/pipeline/bake_support.hpp"
 
-namespace spm::baker {
+namespace spm::baker::overlap_volume_baked_test {
 namespace {
 
 using Eigen::Isometry3d;
@@ -160,4 +159,4 @@ TEST_CASE("A box that dips an edge into a slab shares a wedge") {
 }
 
 }  // namespace
-}  // namespace spm::baker
+}  // namespace spm::baker::overlap_volume_baked_test

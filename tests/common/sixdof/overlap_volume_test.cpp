@@ -12,7 +12,7 @@
 #include "tests/support/asset_by_hand.hpp"
 #include "tests/support/tree_by_hand.hpp"
 
-namespace spm {
+namespace spm::overlap_volume_test {
 namespace {
 
 using Eigen::Isometry3d;
@@ -186,4 +186,4 @@ TEST_CASE("Missing objects and poses that are no numbers share nothing") {
 }
 
 }  // namespace
-}  // namespace spm
+}  // namespace spm::overlap_volume_test

@@ -10,7 +10,7 @@
 #include "tests/support/asset_by_hand.hpp"
 #include "tests/support/random.hpp"
 
-namespace spm {
+namespace spm::support_culling_test {
 namespace {
 
 using Eigen::Isometry3d;
@@ -129,4 +129,4 @@ TEST_CASE("What is far is told by balls alone, and what is no pose is told nothi
 }
 
 }  // namespace
-}  // namespace spm
+}  // namespace spm::support_culling_test

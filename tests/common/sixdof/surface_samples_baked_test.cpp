@@ -1,14 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "common/sixdof/surface_samples.hpp"
-
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <numbers>
 #include <utility>
 
+#include "common/sixdof/surface_samples.hpp"
 #include "tests/baker/pipeline/bake_support.hpp"
 
-namespace spm::baker {
+namespace spm::baker::surface_samples_baked_test {
 namespace {
 
 SurfaceSamples samples_of(const AssetView& view, double spacing) {
@@ -62,4 +61,4 @@ TEST_CASE("Samples of a box have its area for coarse and fine bakes, whatever th
 }
 
 }  // namespace
-}  // namespace spm::baker
+}  // namespace spm::baker::surface_samples_baked_test

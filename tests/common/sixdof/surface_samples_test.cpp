@@ -9,7 +9,7 @@
 #include "tests/support/asset_by_hand.hpp"
 #include "tests/support/tree_by_hand.hpp"
 
-namespace spm {
+namespace spm::surface_samples_test {
 namespace {
 
 using test::BoxByHand;
@@ -182,4 +182,4 @@ TEST_CASE("A full asset, an empty one and a spacing of nothing are refused with 
 }
 
 }  // namespace
-}  // namespace spm
+}  // namespace spm::surface_samples_test

@@ -9,7 +9,7 @@
 #include "tests/support/asset_by_hand.hpp"
 #include "tests/support/tree_by_hand.hpp"
 
-namespace spm {
+namespace spm::virtual_tool_test {
 namespace {
 
 using Eigen::Isometry3d;
@@ -134,4 +134,4 @@ TEST_CASE("A device that is nowhere moves nothing and gives no wrench") {
 }
 
 }  // namespace
-}  // namespace spm
+}  // namespace spm::virtual_tool_test

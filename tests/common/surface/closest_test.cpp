@@ -7,7 +7,7 @@
 #include "common/surface/support_plane_mapping.hpp"
 #include "tests/support/asset_by_hand.hpp"
 
-namespace spm {
+namespace spm::closest_test {
 namespace {
 
 double unit(std::mt19937_64& bits) { return static_cast<double>(bits() >> 11U) * 0x1p-53; }
@@ -87,4 +87,4 @@ TEST_CASE("A closest point in a masked cell is not valid") {
 }
 
 }  // namespace
-}  // namespace spm
+}  // namespace spm::closest_test

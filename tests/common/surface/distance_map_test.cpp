@@ -2,10 +2,10 @@
 #include <catch2/catch.hpp>
 #include <limits>
 
-#include "tests/support/asset_by_hand.hpp"
 #include "common/surface/support_plane_mapping.hpp"
+#include "tests/support/asset_by_hand.hpp"
 
-namespace spm {
+namespace spm::distance_map_test {
 namespace {
 
 using test::MapByHand;
@@ -84,4 +84,4 @@ TEST_CASE("A mask has one bit for each cell of each layer") {
 }
 
 }  // namespace
-}  // namespace spm
+}  // namespace spm::distance_map_test

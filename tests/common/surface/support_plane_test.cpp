@@ -5,7 +5,7 @@
 #include "common/base/octahedral.hpp"
 #include "common/surface/support_plane_mapping.hpp"
 
-namespace spm {
+namespace spm::support_plane_test {
 namespace {
 
 Vector3 random_vector(std::mt19937_64& bits) {
@@ -77,4 +77,4 @@ TEST_CASE("Thirty bits keep a direction within a hundredth of a degree") {
 }
 
 }  // namespace
-}  // namespace spm
+}  // namespace spm::support_plane_test

@@ -12,7 +12,7 @@
 #include "tests/support/asset_by_hand.hpp"
 #include "tests/support/random.hpp"
 
-namespace spm {
+namespace spm::tile_test {
 namespace {
 
 constexpr float unit_of_heights = 1e-6F;
@@ -245,4 +245,4 @@ TEST_CASE("The nearest of a tile's cells is the closest point on the tile") {
   CHECK(found > 300);
 }
 
-}  // namespace spm
+}  // namespace spm::tile_test

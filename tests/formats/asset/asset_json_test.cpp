@@ -9,6 +9,8 @@
 #include "tests/formats/support/synthetic_asset.hpp"
 #include "tests/support/skip.hpp"
 
+namespace asset_json_test {
+
 namespace {
 
 using namespace spm;
@@ -234,3 +236,5 @@ TEST_CASE("Text that is no JSON object is refused") {
           "a.exr: its `spm` attribute is not a JSON object; bake it again");
   }
 }
+
+}  // namespace asset_json_test

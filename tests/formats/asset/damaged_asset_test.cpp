@@ -24,6 +24,8 @@
 #include "tests/support/as_nobody.hpp"
 #include "tests/support/skip.hpp"
 
+namespace damaged_asset_test {
+
 namespace {
 
 using namespace spm;
@@ -340,3 +342,5 @@ TEST_CASE("An asset without permission to read is a file error") {
   REQUIRE(!opened);
   CHECK(opened.error().code == ExitCode::file_or_device);
 }
+
+}  // namespace damaged_asset_test

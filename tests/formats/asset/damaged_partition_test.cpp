@@ -8,6 +8,8 @@
 #include "tests/formats/support/synthetic_asset.hpp"
 #include "tests/support/tree_by_hand.hpp"
 
+namespace damaged_partition_test {
+
 // Assets whose grid, space or tree of elements leads where there is nothing, in files that are
 // otherwise right.
 
@@ -173,3 +175,5 @@ TEST_CASE("Trees as deep as they may be, and the last tile and triangle, are acc
   check_opens(with_first_child({ElementKind::fan, 20, 38}));
   check_opens(with_first_child({ElementKind::none, 0, 1}));
 }
+
+}  // namespace damaged_partition_test

@@ -15,6 +15,8 @@
 #include "formats/files/sha256.hpp"
 #include "tests/formats/support/synthetic_asset.hpp"
 
+namespace file_watch_test {
+
 namespace {
 
 using namespace spm;
@@ -185,3 +187,5 @@ TEST_CASE("A symbolic link to an asset opens") {
   std::filesystem::create_symlink(opened.path, opened.folder.path("link.exr"));
   CHECK(MappedAsset::open(opened.folder.path("link.exr"), {.index = false}).has_value());
 }
+
+}  // namespace file_watch_test

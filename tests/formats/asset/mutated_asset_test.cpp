@@ -10,6 +10,8 @@
 #include "tests/formats/support/exr_by_hand.hpp"
 #include "tests/formats/support/synthetic_asset.hpp"
 
+namespace mutated_asset_test {
+
 namespace {
 
 using namespace spm;
@@ -132,3 +134,5 @@ TEST_CASE("Bytes that change under the map after the checks leave queries safe")
     CHECK((*opened)->check_file() == AssetState::edited);
   }
 }
+
+}  // namespace mutated_asset_test

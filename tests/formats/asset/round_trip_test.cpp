@@ -12,6 +12,8 @@
 #include "tests/formats/support/exr_by_hand.hpp"
 #include "tests/formats/support/synthetic_asset.hpp"
 
+namespace round_trip_test {
+
 namespace {
 
 using namespace spm;
@@ -350,3 +352,5 @@ TEST_CASE("A mapped asset reports its parts, bytes and hash") {
   CHECK((*opened)->parts().at(0).channels == std::vector<std::string>{"Y"});
   CHECK((*opened)->path() == path);
 }
+
+}  // namespace round_trip_test

@@ -3,6 +3,8 @@
 
 #include <catch2/catch.hpp>
 
+namespace progress_text_test {
+
 using spm::cli::progress_text;
 
 TEST_CASE("A progress line tells the stage and its share done") {
@@ -30,3 +32,5 @@ TEST_CASE("A stage that has not moved, or is done, tells no time left") {
   CHECK(progress_text("casting", {.done = 0.5, .start = 0.5, .seconds = 5}) == "casting  50 %");
   CHECK(progress_text("casting", {.done = 1, .seconds = 30}) == "casting 100 %");
 }
+
+}  // namespace progress_text_test

@@ -18,6 +18,8 @@
 #include "tests/formats/support/synthetic_asset.hpp"
 #include "tests/support/skip.hpp"
 
+namespace exr_compatibility_test {
+
 namespace {
 
 using namespace spm;
@@ -150,3 +152,5 @@ TEST_CASE("The attributes say what the contract names") {
     CHECK(file.header(part).displayWindow() == file.header(0).displayWindow());
   }
 }
+
+}  // namespace exr_compatibility_test

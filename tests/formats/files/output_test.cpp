@@ -14,6 +14,8 @@
 #include "tests/support/as_nobody.hpp"
 #include "tests/support/skip.hpp"
 
+namespace output_test {
+
 namespace {
 
 using namespace spm;
@@ -162,3 +164,5 @@ TEST_CASE("write_file replaces a file whole") {
   CHECK(read_bytes(folder.path("a")) == "two");
   CHECK(folder.entries() == Names{"a"});
 }
+
+}  // namespace output_test

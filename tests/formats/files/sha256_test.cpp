@@ -5,6 +5,8 @@
 
 #include "tests/formats/support/synthetic_asset.hpp"
 
+namespace sha256_test {
+
 TEST_CASE("SHA-256 gives the digests of FIPS 180-4") {
   CHECK(spm::sha256_bytes(std::string_view("")) ==
         "e3b0c44298fc1c149afbf4c8996fb92427ae41e4649b934ca495991b7852b855");
@@ -21,3 +23,5 @@ TEST_CASE("The hash of a file is that of its bytes, and a missing file is refuse
   REQUIRE(!missing);
   CHECK(missing.error().code == spm::ExitCode::file_or_device);
 }
+
+}  // namespace sha256_test

@@ -10,6 +10,8 @@
 
 #include "tests/formats/support/synthetic_asset.hpp"
 
+namespace recording_test {
+
 namespace {
 
 using namespace spm;
@@ -143,3 +145,5 @@ TEST_CASE("A recording of the first form is read as such, and one of a newer for
   CHECK(newer.error().code == ExitCode::invalid_input);
   CHECK(newer.error().message.find("newer") != std::string::npos);
 }
+
+}  // namespace recording_test

@@ -9,6 +9,8 @@
 #include "tests/formats/support/synthetic_asset.hpp"
 #include "tests/support/skip.hpp"
 
+namespace trajectory_test {
+
 namespace {
 
 using namespace spm;
@@ -104,3 +106,5 @@ TEST_CASE("The shared trajectories are read whole") {
   REQUIRE(samples.has_value());
   CHECK(samples->size() == 20000);
 }
+
+}  // namespace trajectory_test

@@ -13,6 +13,8 @@
 #include "tests/formats/query/c_client.h"
 #include "tests/formats/support/synthetic_asset.hpp"
 
+namespace c_library_test {
+
 namespace {
 
 using namespace spm;
@@ -191,3 +193,5 @@ TEST_CASE("An asset that is truncated while the C library maps it is told as los
   }
   CHECK(spm_query_lost(both.c) == 1);
 }
+
+}  // namespace c_library_test

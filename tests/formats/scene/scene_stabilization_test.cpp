@@ -6,6 +6,8 @@
 #include "formats/scene/scene.hpp"
 #include "tests/formats/scene/scene_text.hpp"
 
+namespace scene_stabilization_test {
+
 namespace {
 
 using namespace spm;
@@ -107,3 +109,5 @@ TEST_CASE("A stiffness may be left to the device, and is the same at the hand by
   CHECK(nobody.error().message.find("add 'profile' to [device], one of low falcon") !=
         std::string::npos);
 }
+
+}  // namespace scene_stabilization_test

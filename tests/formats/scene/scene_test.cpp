@@ -9,6 +9,8 @@
 #include "tests/formats/support/synthetic_asset.hpp"
 #include "tests/support/skip.hpp"
 
+namespace scene_test {
+
 namespace {
 
 using namespace spm;
@@ -315,3 +317,5 @@ TEST_CASE("The profiles have the figures of their devices, and low is the worst 
     }
   }
 }
+
+}  // namespace scene_test

@@ -9,6 +9,8 @@
 #include "tests/servo/support/loop_stand_in.hpp"
 #include "tests/servo/support/shape_asset.hpp"
 
+namespace app_scene_edit_test {
+
 using namespace spm;
 using namespace spm::servo;
 using namespace spm::test;
@@ -247,3 +249,5 @@ TEST_CASE("An edit that there is no room for changes nothing, one that makes roo
   CHECK(scene.force_at(2) == Approx(1));
   CHECK(scene.told().size() == SPM_MAX_OBJECTS);
 }
+
+}  // namespace app_scene_edit_test

@@ -17,6 +17,8 @@
 #include "tests/servo/support/scripted_device.hpp"
 #include "tests/servo/support/shape_asset.hpp"
 
+namespace app_scene_test {
+
 using namespace spm;
 using namespace spm::servo;
 using namespace spm::test;
@@ -315,3 +317,5 @@ TEST_CASE("What an application moved stays where it is, and is felt, when the ap
   REQUIRE(eventually([&] { return seen().tick > begun + 2000; }));
   CHECK(seen().force[2] == Approx(1).epsilon(0.05));
 }
+
+}  // namespace app_scene_test

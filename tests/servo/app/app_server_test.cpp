@@ -25,6 +25,8 @@
 #include "tests/servo/support/connected_client.hpp"
 #include "tests/servo/support/loop_stand_in.hpp"
 
+namespace app_server_test {
+
 using namespace spm;
 using namespace spm::servo;
 using namespace spm::test;
@@ -330,3 +332,5 @@ TEST_CASE("The server ends while clients are connected and the loop runs") {
   REQUIRE(eventually([&] { return loop.departures() == 1; }));
   REQUIRE(spm_client_daemon_state(client.client, nullptr) == SPM_CLIENT_ENDED);
 }
+
+}  // namespace app_server_test

@@ -15,6 +15,8 @@
 #include "servo/client/state_reader.hpp"
 #include "tests/servo/support/loop_stand_in.hpp"
 
+namespace app_state_test {
+
 using namespace spm;
 using namespace spm::servo;
 using namespace spm::test;
@@ -304,3 +306,5 @@ TEST_CASE("A ring that is taken away while the loop runs is never used afterward
   stop.store(true);
   loop.join();
 }
+
+}  // namespace app_state_test

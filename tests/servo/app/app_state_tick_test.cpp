@@ -9,6 +9,8 @@
 #include "tests/servo/support/intercepted_calls.hpp"
 #include "tests/servo/support/loop_stand_in.hpp"
 
+namespace app_state_tick_test {
+
 using namespace spm;
 using namespace spm::servo;
 
@@ -49,3 +51,5 @@ TEST_CASE("What a tick does for applications neither allocates, locks, writes no
   REQUIRE(after.locks == before.locks);
   REQUIRE(after.writes == before.writes);
 }
+
+}  // namespace app_state_tick_test

@@ -13,6 +13,8 @@
 #include "tests/servo/support/connected_client.hpp"
 #include "tests/servo/support/loop_stand_in.hpp"
 
+namespace listening_socket_test {
+
 using namespace spm;
 using namespace spm::servo;
 using namespace spm::test;
@@ -111,3 +113,5 @@ TEST_CASE("The usual socket lies in a private folder of the user's") {
     unsetenv("XDG_RUNTIME_DIR");
   }
 }
+
+}  // namespace listening_socket_test

@@ -8,6 +8,8 @@
 
 #include "common/base/random.hpp"
 
+namespace pose_interpolator_test {
+
 using namespace spm;
 using namespace spm::servo;
 
@@ -219,3 +221,5 @@ TEST_CASE("The scale stays as it was") {
   REQUIRE(interpolator.at(5'000'000).pose.scale == 3);
   REQUIRE(interpolator.at(5'000'000'000).pose.scale == 3);
 }
+
+}  // namespace pose_interpolator_test

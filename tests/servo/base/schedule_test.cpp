@@ -5,6 +5,8 @@
 
 #include "common/base/random.hpp"
 
+namespace schedule_test {
+
 using spm::servo::TickSchedule;
 
 TEST_CASE("Ticks in time follow one another on the grid") {
@@ -47,3 +49,5 @@ TEST_CASE("Whatever the delays, every tick is later than the last and in the fut
     REQUIRE(ran + skipped == schedule.index());
   }
 }
+
+}  // namespace schedule_test

@@ -7,6 +7,8 @@
 
 #include "common/base/random.hpp"
 
+namespace statistics_test {
+
 using spm::servo::DurationHistogram;
 using spm::servo::summarise;
 using spm::servo::Summary;
@@ -79,3 +81,5 @@ TEST_CASE("The histogram takes the longest duration there is") {
   REQUIRE(histogram.summary_us().max == Approx(9.223372036854775807e15));
   REQUIRE(histogram.summary_us().p50 == 0);
 }
+
+}  // namespace statistics_test

@@ -8,10 +8,12 @@
 #include <thread>
 #include <utility>
 
-#include "servo/shared/socket_messages.h"
 #include "servo/client/spm_client.h"
+#include "servo/shared/socket_messages.h"
 #include "tests/servo/support/connected_client.hpp"
 #include "tests/servo/support/loop_stand_in.hpp"
+
+namespace client_connect_test {
 
 using namespace spm::test;
 
@@ -116,3 +118,5 @@ TEST_CASE("A message is cut to its buffer, and wrong arguments are told") {
   auto device = sized<spm_client_device>();
   REQUIRE(spm_client_read_device(nullptr, 0, &device) == SPM_CLIENT_BAD_ARGUMENT);
 }
+
+}  // namespace client_connect_test

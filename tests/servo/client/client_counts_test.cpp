@@ -9,10 +9,12 @@
 #include <vector>
 
 #include "servo/app/app_server.hpp"
-#include "servo/shared/shared_buckets.hpp"
 #include "servo/client/spm_client.h"
+#include "servo/shared/shared_buckets.hpp"
 #include "tests/servo/support/connected_client.hpp"
 #include "tests/servo/support/loop_stand_in.hpp"
+
+namespace client_counts_test {
 
 using namespace spm;
 using namespace spm::servo;
@@ -155,3 +157,5 @@ TEST_CASE("A struct of a size that no version had, and no client, are refused") 
   REQUIRE(spm_client_read_loop(nullptr, &loop) == SPM_CLIENT_BAD_ARGUMENT);
   REQUIRE(spm_client_read_loop(here.client, nullptr) == SPM_CLIENT_BAD_ARGUMENT);
 }
+
+}  // namespace client_counts_test

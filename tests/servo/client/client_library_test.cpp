@@ -14,6 +14,8 @@
 #include "tests/servo/support/connected_client.hpp"
 #include "tests/servo/support/loop_stand_in.hpp"
 
+namespace client_library_test {
+
 using namespace spm;
 using namespace spm::servo;
 using namespace spm::test;
@@ -339,3 +341,5 @@ TEST_CASE("Many threads read and send at once, and nothing is torn or lost") {
   REQUIRE(counts.refused == 0);
   REQUIRE(daemon.state->counters().garbage == 0);
 }
+
+}  // namespace client_library_test

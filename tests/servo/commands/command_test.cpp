@@ -16,6 +16,8 @@
 #include "tests/servo/support/shape_asset.hpp"
 #include "tests/support/skip.hpp"
 
+namespace command_test {
+
 using nlohmann::json;
 using spm::test::TemporaryFolder;
 
@@ -430,3 +432,5 @@ TEST_CASE("Help and version go to stdout with exit code 0") {
     REQUIRE(outcome.err.empty());
   }
 }
+
+}  // namespace command_test

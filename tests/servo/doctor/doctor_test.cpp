@@ -10,6 +10,8 @@
 #include "servo/doctor/doctor_usb.hpp"
 #include "tests/servo/support/shape_asset.hpp"
 
+namespace doctor_test {
+
 using namespace spm::servo;
 using spm::test::TemporaryFolder;
 
@@ -315,3 +317,5 @@ TEST_CASE("A diagnosis names every check once, and a cure with whatever is not g
   for (const std::string& name : names) REQUIRE(text.find(name) != std::string::npos);
   REQUIRE(text.find(to_string(diagnosis.verdict)) != std::string::npos);
 }
+
+}  // namespace doctor_test

@@ -9,7 +9,7 @@
 #include "tests/support/asset_by_hand.hpp"
 #include "tests/support/tree_by_hand.hpp"
 
-namespace spm {
+namespace spm::bad_input_test {
 namespace {
 
 constexpr double size = 0.04;
@@ -137,4 +137,4 @@ TEST_CASE("An asset without elements gives no force") {
 }
 
 }  // namespace
-}  // namespace spm
+}  // namespace spm::bad_input_test

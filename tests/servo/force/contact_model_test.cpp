@@ -6,10 +6,10 @@
 #include <limits>
 #include <numbers>
 
-#include "tests/support/asset_by_hand.hpp"
 #include "common/paper/paper_effects.hpp"
+#include "tests/support/asset_by_hand.hpp"
 
-namespace spm {
+namespace spm::contact_model_test {
 namespace {
 
 constexpr double size = 0.04;
@@ -239,4 +239,4 @@ TEST_CASE("A smoothed force is that of an energy: no closed path gains any") {
 }
 
 }  // namespace
-}  // namespace spm
+}  // namespace spm::contact_model_test

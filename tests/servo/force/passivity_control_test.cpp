@@ -10,7 +10,7 @@
 
 #include "servo/force/velocity_estimate.hpp"
 
-namespace spm {
+namespace spm::passivity_control_test {
 namespace {
 
 constexpr double tick = 1e-3;
@@ -185,4 +185,4 @@ TEST_CASE("Each contact begins anew, and what is no number leaves the force as i
 }
 
 }  // namespace
-}  // namespace spm
+}  // namespace spm::passivity_control_test

@@ -13,7 +13,7 @@
 #include "tests/support/asset_by_hand.hpp"
 #include "tests/support/tree_by_hand.hpp"
 
-namespace spm {
+namespace spm::potential_lattice_test {
 namespace {
 
 constexpr double size = 0.04;
@@ -194,4 +194,4 @@ TEST_CASE("What is no place, or too far for a lattice, gets no answer") {
 }
 
 }  // namespace
-}  // namespace spm
+}  // namespace spm::potential_lattice_test

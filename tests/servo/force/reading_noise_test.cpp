@@ -7,7 +7,7 @@
 #include <numbers>
 #include <random>
 
-namespace spm {
+namespace spm::reading_noise_test {
 namespace {
 
 constexpr double tick = 1e-3;
@@ -49,4 +49,4 @@ TEST_CASE("Too few readings, and readings that are no numbers, tell of no noise"
 }
 
 }  // namespace
-}  // namespace spm
+}  // namespace spm::reading_noise_test

@@ -9,7 +9,7 @@
 
 #include "tests/support/asset_by_hand.hpp"
 
-namespace spm {
+namespace spm::scene_force_test {
 namespace {
 
 constexpr double size = 0.04;
@@ -318,4 +318,4 @@ TEST_CASE("By the paper's letter a scene has friction, damping and noise of eq. 
 }
 
 }  // namespace
-}  // namespace spm
+}  // namespace spm::scene_force_test

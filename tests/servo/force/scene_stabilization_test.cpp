@@ -11,7 +11,7 @@
 #include "servo/force/scene_force.hpp"
 #include "tests/support/asset_by_hand.hpp"
 
-namespace spm {
+namespace spm::scene_stabilization_test {
 namespace {
 
 constexpr double size = 0.04;
@@ -245,4 +245,4 @@ TEST_CASE("With every stabilizer no position makes a force that is no number") {
 }
 
 }  // namespace
-}  // namespace spm
+}  // namespace spm::scene_stabilization_test

@@ -14,7 +14,7 @@
 #include "servo/force/scene_force.hpp"
 #include "tests/support/asset_by_hand.hpp"
 
-namespace spm {
+namespace spm::stabilizer_test {
 namespace {
 
 constexpr double tick = 1e-3;
@@ -220,4 +220,4 @@ TEST_CASE("Positions and forces that are no numbers give no force, and are forgo
 }
 
 }  // namespace
-}  // namespace spm
+}  // namespace spm::stabilizer_test

@@ -9,7 +9,7 @@
 #include "tests/servo/support/intercepted_calls.hpp"
 #include "tests/support/asset_by_hand.hpp"
 
-namespace spm {
+namespace spm::tick_allocation_test {
 namespace {
 
 using Eigen::Isometry3d;
@@ -76,4 +76,4 @@ TEST_CASE(
 }
 
 }  // namespace
-}  // namespace spm
+}  // namespace spm::tick_allocation_test

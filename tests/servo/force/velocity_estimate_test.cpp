@@ -8,7 +8,7 @@
 #include <random>
 #include <vector>
 
-namespace spm {
+namespace spm::velocity_estimate_test {
 namespace {
 
 constexpr double tick = 1e-3;
@@ -131,4 +131,4 @@ TEST_CASE("A position that is no number starts anew") {
 }
 
 }  // namespace
-}  // namespace spm
+}  // namespace spm::velocity_estimate_test

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <catch2/catch.hpp>
 
-namespace spm {
+namespace spm::virtual_coupling_test {
 namespace {
 
 constexpr double tick = 1e-3;
@@ -55,4 +55,4 @@ TEST_CASE("A coupling that was forgotten begins as a new one") {
 }
 
 }  // namespace
-}  // namespace spm
+}  // namespace spm::virtual_coupling_test

@@ -11,6 +11,8 @@
 #include "tests/servo/support/scripted_device.hpp"
 #include "tests/servo/support/shape_asset.hpp"
 
+namespace loop_test {
+
 using namespace spm;
 using namespace spm::servo;
 using spm::test::ScriptedDevice;
@@ -342,3 +344,5 @@ TEST_CASE("Paced by its device the loop ticks once a report, and by the clock wh
   loop.run(silent, 100);
   REQUIRE(silent.forces()[50].z() > 0);
 }
+
+}  // namespace loop_test

@@ -9,6 +9,8 @@
 #include "common/query/query.hpp"
 #include "tests/servo/support/shape_asset.hpp"
 
+namespace replay_test {
+
 using namespace spm;
 using namespace spm::servo;
 
@@ -195,3 +197,5 @@ TEST_CASE("Forces are compared in the rows that are asked for, and in no other")
   CHECK(two.first_row == 2);
   CHECK(two.largest == 2);
 }
+
+}  // namespace replay_test

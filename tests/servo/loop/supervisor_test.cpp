@@ -20,6 +20,8 @@
 #include "servo/devices/finder/device_list.hpp"
 #include "tests/servo/support/shape_asset.hpp"
 
+namespace supervisor_test {
+
 using namespace spm::servo;
 using spm::test::TemporaryFolder;
 
@@ -315,3 +317,5 @@ TEST_CASE("A daemon outlives its supervisor, and is told of that when it names a
   REQUIRE(!watched);
   REQUIRE(watched.error().message.find("has ended") != std::string::npos);
 }
+
+}  // namespace supervisor_test

@@ -17,6 +17,8 @@
 #include "tests/servo/support/shape_asset.hpp"
 #include "tests/support/skip.hpp"
 
+namespace tick_test {
+
 using namespace spm;
 using namespace spm::servo;
 
@@ -126,3 +128,5 @@ TEST_CASE("A tick does not fault a page once the memory is locked") {
   }
   REQUIRE(loop.counters().page_faults == 0);
 }
+
+}  // namespace tick_test

@@ -4,6 +4,8 @@
 #include <catch2/catch.hpp>
 #include <thread>
 
+namespace core_pinning_test {
+
 using namespace spm::servo;
 
 namespace {
@@ -48,3 +50,5 @@ TEST_CASE("A core that there is not is refused with those that there are") {
   }
   REQUIRE(CorePinning::hold({}));
 }
+
+}  // namespace core_pinning_test

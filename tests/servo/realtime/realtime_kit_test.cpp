@@ -24,6 +24,8 @@
 
 #include "servo/realtime/realtime.hpp"
 
+namespace realtime_kit_test {
+
 using namespace spm::servo;
 
 namespace {
@@ -276,3 +278,5 @@ TEST_CASE("Where RealtimeKit refuses too, both reasons are in the warning") {
   REQUIRE(kit.beside(ask(RealtimeMode::require)).starts_with("real time was required, but "));
   REQUIRE(kit.beside(ask(RealtimeMode::off)) == "other 0");
 }
+
+}  // namespace realtime_kit_test

@@ -7,6 +7,8 @@
 
 #include "tests/servo/support/shape_asset.hpp"
 
+namespace black_box_test {
+
 using namespace spm;
 using namespace spm::servo;
 using spm::test::TemporaryFolder;
@@ -98,3 +100,5 @@ TEST_CASE("Where the black box cannot be written, a warning says so and no more"
   REQUIRE(warnings.size() == 1);
   CHECK(warnings[0].find("could not be kept") != std::string::npos);
 }
+
+}  // namespace black_box_test

@@ -3,6 +3,8 @@
 
 #include <catch2/catch.hpp>
 
+namespace collector_test {
+
 using namespace spm::servo;
 
 TEST_CASE("The ring takes its seconds of ticks of every device and then refuses without growing") {
@@ -44,3 +46,5 @@ TEST_CASE("Stopping is no event to warn of") {
   collector.drain();
   REQUIRE(messages == 0);
 }
+
+}  // namespace collector_test

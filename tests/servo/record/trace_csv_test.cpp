@@ -8,6 +8,8 @@
 
 #include "tests/servo/support/shape_asset.hpp"
 
+namespace trace_csv_test {
+
 using namespace spm::servo;
 using spm::test::TemporaryFolder;
 
@@ -54,3 +56,5 @@ TEST_CASE("A table in a folder that does not exist is refused with exit code 2")
   REQUIRE_FALSE(table);
   REQUIRE(table.error().code == spm::ExitCode::file_or_device);
 }
+
+}  // namespace trace_csv_test

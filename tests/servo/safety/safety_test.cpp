@@ -7,6 +7,8 @@
 
 #include "common/base/random.hpp"
 
+namespace safety_test {
+
 using namespace spm::servo;
 using spm::Random;
 using spm::Vector3;
@@ -196,3 +198,5 @@ TEST_CASE("A workspace has a margin, and one that is not known bounds nothing") 
   REQUIRE(is_outside({0, -0.251, 0}, half_edges));
   REQUIRE_FALSE(is_outside({5, 5, 5}, Vector3::Zero()));
 }
+
+}  // namespace safety_test

@@ -19,6 +19,8 @@
 #include "tests/servo/support/scripted_device.hpp"
 #include "tests/servo/support/shape_asset.hpp"
 
+namespace asset_keeper_test {
+
 using namespace spm;
 using namespace spm::servo;
 using spm::test::eventually;
@@ -203,3 +205,5 @@ TEST_CASE("The loop outlives an asset that is damaged while it is felt") {
     for (const Vector3& force : forces) REQUIRE(force.norm() <= 1.001);
   }
 }
+
+}  // namespace asset_keeper_test

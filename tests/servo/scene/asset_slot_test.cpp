@@ -7,6 +7,8 @@
 #include <thread>
 #include <vector>
 
+namespace asset_slot_test {
+
 using namespace spm::servo;
 
 TEST_CASE("An asset counts as used until the loop takes another") {
@@ -68,3 +70,5 @@ TEST_CASE("The loop never holds an asset that was freed") {
   loop.join();
   REQUIRE(dead.load() == 0);
 }
+
+}  // namespace asset_slot_test

@@ -7,6 +7,8 @@
 #include "common/contact/stable_stiffness.hpp"
 #include "tests/servo/support/shape_asset.hpp"
 
+namespace force_choice_test {
+
 using namespace spm;
 using namespace spm::servo;
 
@@ -194,3 +196,5 @@ TEST_CASE("A probe larger than the asset's exits 3, one as large passes") {
   REQUIRE(checked.error().code == ExitCode::invalid_input);
   REQUIRE(checked.error().message.find("--probe") != std::string::npos);
 }
+
+}  // namespace force_choice_test

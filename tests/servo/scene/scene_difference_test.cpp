@@ -8,6 +8,8 @@
 
 #include "servo/scene/scene_edit.hpp"
 
+namespace scene_difference_test {
+
 using namespace spm;
 using namespace spm::servo;
 
@@ -284,3 +286,5 @@ TEST_CASE("Objects keep their ids, and a new one gets the lowest that nobody has
   CHECK(edit.added[1].id == 3);
   CHECK(edit.felt);
 }
+
+}  // namespace scene_difference_test

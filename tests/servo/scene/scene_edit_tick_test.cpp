@@ -10,6 +10,8 @@
 #include "tests/servo/support/scripted_device.hpp"
 #include "tests/servo/support/shape_asset.hpp"
 
+namespace scene_edit_tick_test {
+
 using namespace spm;
 using namespace spm::servo;
 
@@ -81,3 +83,5 @@ TEST_CASE("A tick that takes up an edited scene neither allocates, locks nor wri
   REQUIRE(calls.writes == 0);
   REQUIRE(loop.counters().contact_ticks > 0);
 }
+
+}  // namespace scene_edit_tick_test

@@ -20,6 +20,8 @@
 #include "tests/servo/support/scripted_device.hpp"
 #include "tests/servo/support/shape_asset.hpp"
 
+namespace scene_keeper_test {
+
 using namespace spm;
 using namespace spm::servo;
 using spm::test::contains;
@@ -351,3 +353,5 @@ TEST_CASE("Edits in a row are felt by the hand, each faded in") {
           return contains(text, "taken up again");
         }) == 5);
 }
+
+}  // namespace scene_keeper_test

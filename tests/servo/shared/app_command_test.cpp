@@ -14,6 +14,8 @@
 #include "servo/shared/shared_words.hpp"
 #include "tests/servo/support/loop_stand_in.hpp"
 
+namespace app_command_test {
+
 using namespace spm;
 using namespace spm::servo;
 using namespace spm::test;
@@ -200,3 +202,5 @@ TEST_CASE("A ring that was spoilt works again once its client writes well") {
   store_release(ring.ring().head, std::uint64_t{1'000'001});
   REQUIRE(state->take(0).size() == 1);
 }
+
+}  // namespace app_command_test

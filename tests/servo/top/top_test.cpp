@@ -16,6 +16,8 @@
 #include "servo/shared/shared_buckets.hpp"
 #include "servo/top/top_screen.hpp"
 
+namespace top_test {
+
 using namespace spm;
 using namespace spm::servo;
 
@@ -331,3 +333,5 @@ TEST_CASE("More devices and applications than there is room for are left out of 
   (*state)->tell_clients({});
   REQUIRE(shared.applications.count == 0);
 }
+
+}  // namespace top_test

@@ -23,7 +23,7 @@
 #include "tests/stability/objects/hand_script.hpp"
 #include "tests/support/skip.hpp"
 
-namespace spm::stability {
+namespace spm::stability::catalogue_test {
 namespace {
 
 using test::Shape;
@@ -354,4 +354,4 @@ TEST_CASE("The places on real objects are what is said of them") {
   }
 }
 
-}  // namespace spm::stability
+}  // namespace spm::stability::catalogue_test

@@ -3,8 +3,8 @@
 
 #include <string>
 
-#include "tests/stability/objects/stability_case.hpp"
 #include "tests/stability/laboratory/stability_trace.hpp"
+#include "tests/stability/objects/stability_case.hpp"
 
 namespace spm::stability {
 

@@ -7,7 +7,7 @@
 #include <functional>
 #include <numbers>
 
-namespace spm::stability {
+namespace spm::stability::judges_test {
 namespace {
 
 constexpr double period = 1e-3;  // s
@@ -265,4 +265,4 @@ TEST_CASE("Deeper than a case allows is bad") {
 }
 
 }  // namespace
-}  // namespace spm::stability
+}  // namespace spm::stability::judges_test

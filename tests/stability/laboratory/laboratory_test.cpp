@@ -8,7 +8,7 @@
 #include "tests/stability/laboratory/contestants.hpp"
 #include "tests/stability/objects/hand_script.hpp"
 
-namespace spm::stability {
+namespace spm::stability::laboratory_test {
 namespace {
 
 /// A hand that presses on a box's top, z = 0, and stays.
@@ -293,4 +293,4 @@ TEST_CASE("A hand's script goes straight, waits, and stays at its end") {
 }
 
 }  // namespace
-}  // namespace spm::stability
+}  // namespace spm::stability::laboratory_test

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <numbers>
 
-namespace spm::stability {
+namespace spm::stability::loop_energy_test {
 namespace {
 
 /// A force field without memory.
@@ -82,4 +82,4 @@ TEST_CASE("The exact penalty gains nothing on closed loops, and the product litt
 }
 
 }  // namespace
-}  // namespace spm::stability
+}  // namespace spm::stability::loop_energy_test

@@ -8,7 +8,7 @@
 
 #include "tests/stability/objects/prepared_object.hpp"
 
-namespace spm::stability {
+namespace spm::stability::rendering_cost_test {
 namespace {
 
 /// A box whose every edge the walked slide passes under.
@@ -72,4 +72,4 @@ TEST_CASE("On a box's slide every method but the paper's is right within a few p
 }
 
 }  // namespace
-}  // namespace spm::stability
+}  // namespace spm::stability::rendering_cost_test

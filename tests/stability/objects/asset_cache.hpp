@@ -4,8 +4,8 @@
 #include <memory>
 #include <string>
 
-#include "baker/pipeline/bake.hpp"
 #include "baker/mesh/mesh.hpp"
+#include "baker/pipeline/bake.hpp"
 #include "formats/asset/mapped_asset.hpp"
 
 namespace spm::stability {

@@ -6,8 +6,8 @@
 #include <string>
 
 #include "common/asset/asset_view.hpp"
-#include "tests/bench/model/float_mesh.hpp"
 #include "tests/bench/methods/method.hpp"
+#include "tests/bench/model/float_mesh.hpp"
 #include "tests/bench/model/model.hpp"
 #include "tests/stability/objects/stability_case.hpp"
 

@@ -18,7 +18,7 @@
 // The catalogue's fast part, so that a change that loses a case fails. What is expected lies in the
 // folder `golden`, in text; SPM_STABILITY_GOLDEN=write has these tests write it anew.
 
-namespace spm::stability {
+namespace spm::stability::ci_subset_test {
 namespace {
 
 constexpr int seeds = 5;
@@ -212,4 +212,4 @@ TEST_CASE(
 }
 
 }  // namespace
-}  // namespace spm::stability
+}  // namespace spm::stability::ci_subset_test

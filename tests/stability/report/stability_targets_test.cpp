@@ -5,7 +5,7 @@
 #include <cmath>
 #include <string>
 
-namespace spm::stability {
+namespace spm::stability::stability_targets_test {
 namespace {
 
 CaseRow gentle_run(const std::string& name, const std::string& device, bool is_good,
@@ -140,4 +140,4 @@ TEST_CASE("Parts that are named are kept, and no others; without a name all are"
 }
 
 }  // namespace
-}  // namespace spm::stability
+}  // namespace spm::stability::stability_targets_test

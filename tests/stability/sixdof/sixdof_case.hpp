@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "tests/stability/sixdof/sixdof_plant.hpp"
 #include "tests/stability/objects/stability_case.hpp"
+#include "tests/stability/sixdof/sixdof_plant.hpp"
 
 namespace spm::stability {
 

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <numbers>
 
-namespace spm::stability {
+namespace spm::stability::sixdof_plant_test {
 namespace {
 
 using Eigen::Isometry3d;
@@ -200,4 +200,4 @@ TEST_CASE("The measured pose is within half an encoder step of the true one, and
 }
 
 }  // namespace
-}  // namespace spm::stability
+}  // namespace spm::stability::sixdof_plant_test

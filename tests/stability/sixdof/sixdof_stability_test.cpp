@@ -7,7 +7,7 @@
 #include "common/sixdof/virtual_tool.hpp"
 #include "tests/stability/sixdof/sixdof_laboratory.hpp"
 
-namespace spm::stability {
+namespace spm::stability::sixdof_stability_test {
 namespace {
 
 /// The worst device for stability, at the coupling that VirtualTool has where nothing else is said.
@@ -242,4 +242,4 @@ TEST_CASE("Contenders that have no form with a tool that turns say why") {
 }
 
 }  // namespace
-}  // namespace spm::stability
+}  // namespace spm::stability::sixdof_stability_test

@@ -6,6 +6,8 @@
 #include "tests/stability/theory/passivity_adversary.hpp"
 #include "tests/stability/theory/theory_check.hpp"
 
+namespace adversary_test {
+
 using namespace spm::stability;
 using spm::Random;
 
@@ -103,3 +105,5 @@ TEST_CASE("Motions that do not reach the border give none") {
   REQUIRE(drawn_border(board, {alternating_motion(1e-4, 0)}, 2 * border, 3 * border) == 0);
   REQUIRE(drawn_border(board, {alternating_motion(1e-4, 0)}, border / 3, border / 2) == 0);
 }
+
+}  // namespace adversary_test

@@ -4,6 +4,8 @@
 
 #include "tests/stability/theory/theory_check.hpp"
 
+namespace plant_test {
+
 using namespace spm::stability;
 
 TEST_CASE("The plant's linear border is that of the exact eigenvalue to 0.2 %") {
@@ -21,3 +23,5 @@ TEST_CASE("A border that is searched for in the wrong place is not found") {
   REQUIRE(std::isnan(simulated_border(loop, 0.6 * loop.stiffness)));
   REQUIRE(std::abs(simulated_border(loop, 1.1 * loop.stiffness) / loop.stiffness - 1) < 0.002);
 }
+
+}  // namespace plant_test

@@ -8,6 +8,8 @@
 #include "common/base/random.hpp"
 #include "tests/stability/theory/theory_check.hpp"
 
+namespace sampled_loop_test {
+
 using namespace spm::stability;
 using spm::Random;
 using spm::servo::HandModel;
@@ -131,3 +133,5 @@ TEST_CASE("Virtual damping raises the border of stability and lowers that of pas
   REQUIRE(border_stiffness(damped) > 1.1 * border_stiffness(loop));
   REQUIRE(passive_border(damped) < 0.9 * passive_border(loop));
 }
+
+}  // namespace sampled_loop_test

@@ -14,6 +14,8 @@
 #include "servo/devices/base/device_placed.hpp"
 #include "servo/devices/finder/device_list.hpp"
 
+namespace device_placement_test {
+
 using namespace spm;
 using namespace spm::servo;
 
@@ -341,3 +343,5 @@ TEST_CASE("A simulated hand is not planned in a mirrored frame, but follows a fi
   REQUIRE(make_device("sim:axes=-x-y+z"));
   REQUIRE(make_device("falcon:axes=-x+y+z"));
 }
+
+}  // namespace device_placement_test

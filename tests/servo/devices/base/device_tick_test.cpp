@@ -16,6 +16,8 @@
 #include "tests/servo/devices/falcon/falcon_counts.hpp"
 #include "tests/servo/support/intercepted_calls.hpp"
 
+namespace device_tick_test {
+
 using namespace spm;
 using namespace spm::servo;
 using spm::test::falcon_counts;
@@ -151,3 +153,5 @@ TEST_CASE("A placed device's tick neither allocates, locks nor writes") {
   PlacedDevice device(std::move(falcon), placement);
   check(device, carried);
 }
+
+}  // namespace device_tick_test

@@ -6,6 +6,8 @@
 
 #include "common/base/random.hpp"
 
+namespace encoder_unwrap_test {
+
 using namespace spm::servo;
 using spm::Random;
 
@@ -55,3 +57,5 @@ TEST_CASE("Any walk with steps below half the range is followed exactly") {
     REQUIRE(same);
   }
 }
+
+}  // namespace encoder_unwrap_test

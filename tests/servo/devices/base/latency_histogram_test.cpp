@@ -12,6 +12,8 @@
 
 #include "common/base/random.hpp"
 
+namespace latency_histogram_test {
+
 using namespace spm::servo;
 using spm::Random;
 
@@ -73,3 +75,5 @@ TEST_CASE("A latency histogram may be read while it counts") {
   stop.store(true);
   counts.join();
 }
+
+}  // namespace latency_histogram_test

@@ -6,6 +6,8 @@
 #include <catch2/catch.hpp>
 #include <thread>
 
+namespace latest_value_test {
+
 using namespace spm::servo;
 
 namespace {
@@ -77,3 +79,5 @@ TEST_CASE("Between two threads no value is torn, none comes back, and the last a
   Wide value;
   REQUIRE_FALSE(latest.take(value));
 }
+
+}  // namespace latest_value_test

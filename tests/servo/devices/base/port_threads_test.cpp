@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "servo/devices/base/port_threads.hpp"
-#include "tests/servo/support/eventually.hpp"
 
 #include <pthread.h>
 #include <sched.h>
@@ -10,6 +9,10 @@
 #include <condition_variable>
 #include <deque>
 #include <vector>
+
+#include "tests/servo/support/eventually.hpp"
+
+namespace port_threads_test {
 
 using namespace spm;
 using namespace spm::servo;
@@ -316,3 +319,5 @@ TEST_CASE("The threads end while the device is lost, and may be told to end twic
   REQUIRE_FALSE(threads.is_open());
   REQUIRE(script.ports_open == 0);
 }
+
+}  // namespace port_threads_test

@@ -8,6 +8,8 @@
 
 #include "servo/base/clock.hpp"
 
+namespace report_signal_test {
+
 using namespace spm::servo;
 
 namespace {
@@ -60,3 +62,5 @@ TEST_CASE("No raising is lost between looking and sleeping") {
   REQUIRE(woken);
   REQUIRE(answered);
 }
+
+}  // namespace report_signal_test

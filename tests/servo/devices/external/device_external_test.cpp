@@ -12,9 +12,11 @@
 #include <limits>
 #include <thread>
 
-#include "servo/shared/socket_path.hpp"
 #include "servo/devices/external/spm_external.h"
+#include "servo/shared/socket_path.hpp"
 #include "tests/servo/support/shape_asset.hpp"
+
+namespace device_external_test {
 
 using namespace spm;
 using namespace spm::servo;
@@ -166,3 +168,5 @@ TEST_CASE("External options that will not do are refused with what would") {
   REQUIRE(options);
   CHECK(options->profile->name == "omega3");
 }
+
+}  // namespace device_external_test

@@ -11,6 +11,8 @@
 #include "tests/servo/devices/falcon/scripted_falcon.hpp"
 #include "tests/servo/support/shape_asset.hpp"
 
+namespace falcon_firmware_test {
+
 using namespace spm;
 using namespace spm::servo;
 using spm::servo::test::FalconFaults;
@@ -319,3 +321,5 @@ TEST_CASE("A firmware file that is not there, or is a folder, is exit code 2 wit
     REQUIRE(says(read.error().message, "firmware=FILE"));
   }
 }
+
+}  // namespace falcon_firmware_test

@@ -10,6 +10,8 @@
 #include "servo/devices/falcon/falcon_packet.hpp"
 #include "tests/servo/devices/falcon/falcon_counts.hpp"
 
+namespace falcon_kinematics_test {
+
 using namespace spm;
 using namespace spm::servo;
 using spm::test::falcon_counts;
@@ -215,3 +217,5 @@ TEST_CASE("Torques that are no numbers, and legs stretched out, give no command"
   REQUIRE_FALSE(falcon_torques(Vector3::Zero(), *angles, {nan, 0, 0}));
   REQUIRE_FALSE(falcon_torques({0.3, 0, 0}, *angles, {1, 0, 0}));
 }
+
+}  // namespace falcon_kinematics_test

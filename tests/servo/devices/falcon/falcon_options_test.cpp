@@ -5,6 +5,8 @@
 #include <cstdlib>
 #include <string>
 
+namespace falcon_options_test {
+
 using namespace spm::servo;
 
 namespace {
@@ -96,3 +98,5 @@ TEST_CASE("A wrong option of a Falcon is a usage error that says what would do")
   REQUIRE(options.error().code == spm::ExitCode::usage);
   REQUIRE(options.error().message.find(hint) != std::string::npos);
 }
+
+}  // namespace falcon_options_test

@@ -8,6 +8,8 @@
 
 #include "common/base/random.hpp"
 
+namespace falcon_packet_test {
+
 using namespace spm::servo;
 using spm::Random;
 
@@ -164,3 +166,5 @@ TEST_CASE("A parser that is reset forgets the packet it was in") {
   REQUIRE(parse(parser, whole.substr(10)).empty());
   REQUIRE(parse(parser, whole).size() == 1);
 }
+
+}  // namespace falcon_packet_test

@@ -6,6 +6,8 @@
 
 #include "tests/servo/devices/falcon/falcon_counts.hpp"
 
+namespace falcon_tracker_test {
+
 using namespace spm;
 using namespace spm::servo;
 using spm::test::falcon_counts;
@@ -115,3 +117,5 @@ TEST_CASE("Encoders that stand still under a large force for long are a fault un
   now += millisecond;
   REQUIRE(tracker.follow(moved, now) == DeviceHealth::ok);
 }
+
+}  // namespace falcon_tracker_test

@@ -4,6 +4,8 @@
 #include <catch2/catch.hpp>
 #include <vector>
 
+namespace ftdi_stream_test {
+
 using spm::servo::strip_ftdi_status;
 
 namespace {
@@ -48,3 +50,5 @@ TEST_CASE("A last packet that was cut within its status gives nothing") {
   transfer.push_back(0x01);
   REQUIRE(stripped(transfer) == std::vector<std::uint8_t>(62, 'A'));
 }
+
+}  // namespace ftdi_stream_test

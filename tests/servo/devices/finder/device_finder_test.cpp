@@ -15,6 +15,8 @@
 #include "tests/support/as_nobody.hpp"
 #include "tests/support/skip.hpp"
 
+namespace device_finder_test {
+
 using namespace spm::servo;
 using spm::test::TemporaryFolder;
 
@@ -250,3 +252,5 @@ TEST_CASE("auto is the first device that may be opened and whose strength is kno
   search.devices.push_back(found("spacemouse", true, NodeAccess::granted));
   CHECK(first_of(search, "sim:profile=touch") == "falcon:path=1-2");
 }
+
+}  // namespace device_finder_test

@@ -8,6 +8,8 @@
 #include "common/base/random.hpp"
 #include "tests/servo/devices/hid/pid_descriptors.hpp"
 
+namespace hid_descriptor_test {
+
 using namespace spm::servo;
 using spm::Random;
 using spm::test::DescriptorWriter;
@@ -238,3 +240,5 @@ TEST_CASE("A stick's descriptor with bytes changed, lost or added is read within
   }
   REQUIRE(read > 100);
 }
+
+}  // namespace hid_descriptor_test

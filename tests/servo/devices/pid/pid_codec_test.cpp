@@ -9,6 +9,8 @@
 #include "common/base/random.hpp"
 #include "tests/servo/devices/hid/pid_descriptors.hpp"
 
+namespace pid_codec_test {
+
 using namespace spm;
 using namespace spm::servo;
 using spm::test::PidStick;
@@ -321,3 +323,5 @@ TEST_CASE("A damaged descriptor never makes a message that is not of its report"
   }
   REQUIRE(used > 100);
 }
+
+}  // namespace pid_codec_test

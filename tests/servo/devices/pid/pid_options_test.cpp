@@ -3,6 +3,8 @@
 
 #include <catch2/catch.hpp>
 
+namespace pid_options_test {
+
 using namespace spm::servo;
 
 TEST_CASE("A pid device is asked for its full force, which nobody else can tell") {
@@ -59,3 +61,5 @@ TEST_CASE("A wrong pid option is a usage error that says what would do") {
   REQUIRE(options.error().code == spm::ExitCode::usage);
   REQUIRE(options.error().message.find(hint) != std::string::npos);
 }
+
+}  // namespace pid_options_test

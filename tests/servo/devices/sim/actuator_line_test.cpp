@@ -6,6 +6,8 @@
 #include <numbers>
 #include <vector>
 
+namespace actuator_line_test {
+
 using namespace spm::servo;
 using spm::Vector3;
 
@@ -164,3 +166,5 @@ TEST_CASE("The luck of a line comes from its seed alone") {
   line.reset();
   REQUIRE(line.mean_force(0, 1) == Vector3::Zero());
 }
+
+}  // namespace actuator_line_test

@@ -5,6 +5,8 @@
 
 #include "common/base/random.hpp"
 
+namespace hand_motion_test {
+
 using namespace spm::servo;
 using spm::Random;
 using spm::Vector3;
@@ -82,3 +84,5 @@ TEST_CASE("Points that all lie on one place end nothing") {
       HandMotion::back_and_forth(std::vector<Vector3>(5, Vector3::Ones()), 1, 0.04, period);
   for (int i = 0; i < 100; ++i) REQUIRE(motion.next().position == Vector3::Ones());
 }
+
+}  // namespace hand_motion_test

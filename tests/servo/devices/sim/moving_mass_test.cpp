@@ -7,6 +7,8 @@
 #include "common/base/random.hpp"
 #include "servo/devices/sim/sim_plant.hpp"
 
+namespace moving_mass_test {
+
 using namespace spm::servo;
 using spm::Random;
 using spm::Vector3;
@@ -105,3 +107,5 @@ TEST_CASE("A tool with a pose-dependent mass that coasts keeps its energy to 1 %
     REQUIRE(plant.energy().tool == Approx(before).epsilon(0.01));
   }
 }
+
+}  // namespace moving_mass_test

@@ -8,6 +8,8 @@
 #include "servo/devices/sim/device_sim.hpp"
 #include "tests/servo/support/shape_asset.hpp"
 
+namespace sim_device_test {
+
 using namespace spm;
 using namespace spm::servo;
 
@@ -230,3 +232,5 @@ TEST_CASE("Unknown devices are usage errors that name the known ones") {
   REQUIRE(make_device("auto"));
   REQUIRE(make_device("sim:profile=falcon"));
 }
+
+}  // namespace sim_device_test

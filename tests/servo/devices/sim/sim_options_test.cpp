@@ -3,6 +3,8 @@
 
 #include <catch2/catch.hpp>
 
+namespace sim_options_test {
+
 using namespace spm::servo;
 
 TEST_CASE("Without options the hand slides, 1 mm deep at 40 mm/s") {
@@ -90,3 +92,5 @@ TEST_CASE("A wrong option is a usage error that says what would do") {
   REQUIRE(options.error().code == spm::ExitCode::usage);
   REQUIRE(options.error().message.find(hint) != std::string::npos);
 }
+
+}  // namespace sim_options_test

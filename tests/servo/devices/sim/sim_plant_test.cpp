@@ -5,6 +5,8 @@
 #include <cmath>
 #include <complex>
 
+namespace sim_plant_test {
+
 using namespace spm::servo;
 using spm::Vector3;
 
@@ -339,3 +341,5 @@ TEST_CASE("The profiles have the figures of their devices") {
   REQUIRE(find_sim_profile("touch")->encoder_step == Approx(55e-6));
   REQUIRE(find_sim_profile("") == nullptr);
 }
+
+}  // namespace sim_plant_test

@@ -6,6 +6,8 @@
 
 #include "common/base/random.hpp"
 
+namespace spacemouse_motion_test {
+
 using namespace spm;
 using namespace spm::servo;
 
@@ -81,3 +83,5 @@ TEST_CASE("The tool never leaves its box, and its turn stays a unit one") {
     REQUIRE(furthest == 0.05);
   }
 }
+
+}  // namespace spacemouse_motion_test

@@ -4,6 +4,8 @@
 #include <catch2/catch.hpp>
 #include <numbers>
 
+namespace spacemouse_options_test {
+
 using namespace spm::servo;
 
 TEST_CASE("Without options a SpaceMouse moves at 0.1 m/s and a quarter turn a second") {
@@ -49,3 +51,5 @@ TEST_CASE("A wrong SpaceMouse option is a usage error that says what would do") 
   REQUIRE(options.error().message.find("spacemouse") != std::string::npos);
   REQUIRE(options.error().message.find(hint) != std::string::npos);
 }
+
+}  // namespace spacemouse_options_test

@@ -8,6 +8,8 @@
 
 #include "common/base/random.hpp"
 
+namespace spacemouse_reports_test {
+
 using namespace spm;
 using namespace spm::servo;
 
@@ -123,3 +125,5 @@ TEST_CASE("Other ids and wrong lengths change nothing") {
   REQUIRE(state.twist == before.twist);
   REQUIRE(state.buttons == before.buttons);
 }
+
+}  // namespace spacemouse_reports_test

@@ -8,6 +8,8 @@
 
 #include "common/base/random.hpp"
 
+namespace wooden_kinematics_test {
+
 using namespace spm;
 using namespace spm::servo;
 
@@ -207,3 +209,5 @@ TEST_CASE("With encoders in the handle the tool turns by what they count, at a l
   const Eigen::Quaterniond yaw(Eigen::AngleAxisd(0.5, Vector3::UnitZ()));
   REQUIRE(wooden_orientation(model, calibration, {0.5, 0.4, pi / 2}, {0, 0, 0}).isApprox(yaw));
 }
+
+}  // namespace wooden_kinematics_test

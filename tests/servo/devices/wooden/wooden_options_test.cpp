@@ -3,6 +3,8 @@
 
 #include <catch2/catch.hpp>
 
+namespace wooden_options_test {
+
 using namespace spm::servo;
 
 TEST_CASE("Without options a WoodenHaptics of 2016 is held to 2 A and 5 N, and home is asked for") {
@@ -106,3 +108,5 @@ TEST_CASE("A wrong WoodenHaptics option is a usage error that says what would do
   REQUIRE(options.error().message.find("woodenhaptics") != std::string::npos);
   REQUIRE(options.error().message.find(hint) != std::string::npos);
 }
+
+}  // namespace wooden_options_test

@@ -7,6 +7,8 @@
 
 #include "common/base/random.hpp"
 
+namespace wooden_reports_test {
+
 using namespace spm::servo;
 using spm::Random;
 
@@ -131,3 +133,5 @@ TEST_CASE("The handle's button adds 10000 to encoder D") {
     REQUIRE(handle.counter == count);
   }
 }
+
+}  // namespace wooden_reports_test

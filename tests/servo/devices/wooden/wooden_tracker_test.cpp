@@ -5,6 +5,8 @@
 #include <cmath>
 #include <limits>
 
+namespace wooden_tracker_test {
+
 using namespace spm;
 using namespace spm::servo;
 
@@ -197,3 +199,5 @@ TEST_CASE("The handle's button is the first button, and turns nothing") {
   REQUIRE(board.tracker.state().buttons == 1);
   REQUIRE(board.tracker.state().orientation.isApprox(before.orientation));
 }
+
+}  // namespace wooden_tracker_test
