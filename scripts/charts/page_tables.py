@@ -68,8 +68,8 @@ def bakes_table(reports: dict) -> list[str]:
         return " / ".join(f"{found[key]:.{digits}f}" for key, digits in
                           (("p50", 1), ("p99", 0), ("p999", 0), ("max", 0)))
 
-    def wrong(of: dict) -> int:
-        return round(of["samples"] * (sum(of["misclassified"].values()) + of["unanswered"]))
+    def judged(row: dict, count) -> str:
+        return " / ".join(count(of) for of in (row["verify"], row["verify"]["adversarial"]))
 
     def bake(row: dict) -> list[str]:
         mesh = find(reports["bytes"]["rows"], mesh=row["mesh"], method="raw-mesh")
@@ -81,13 +81,15 @@ def bakes_table(reports: dict) -> list[str]:
              f"{row['verify']['direction_error_deg']['p50']:.2f} / "
              f"{row['verify']['direction_error_deg']['p99']:.1f}",
              f"{row['verify']['adversarial']['distance_error_um']['max']:.0f}",
-             f"{wrong(row['verify'])} / {wrong(row['verify']['adversarial'])}"]
+             judged(row, lambda of: f"{of['samples'] * of['unanswered']:.0f}"),
+             judged(row, lambda of: number(100 * sum(of["misclassified"].values())))]
             for row in reports["bakes"]["rows"] if "verify" in row]
-    rows += [[*bake(row), *[""] * 5] for row in reports["bakes"]["rows"] if "verify" not in row]
+    rows += [[*bake(row), *[""] * 6] for row in reports["bakes"]["rows"] if "verify" not in row]
     return table(["mesh", "tolerance", "bytes", "mesh", "bake, processor time and memory",
                   "fallback",
                   "distance error p50 / p99 / p99.9 / max, um", "direction p50 / p99, deg",
-                  "hard places: max, um", "wrong side or unanswered, places / hard places"], rows)
+                  "hard places: max, um",
+                  "unanswered, places / hard places", "wrong side, %, places / hard places"], rows)
 
 
 def own_row(methods: dict, mesh: str) -> dict:
