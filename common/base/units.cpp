@@ -120,15 +120,15 @@ Result<double> parse_quantity(std::string_view text, Quantity quantity) {
                                    ", such as " + std::string(facts.examples));
 }
 
-std::string format_quantity(double si_value, Quantity quantity) {
+std::string format_quantity(double in_si, Quantity quantity) {
   const Unit* best = nullptr;
   for (const Unit& unit : facts_of(quantity).units) {
     if (!unit.printed) continue;
     // The margin below 1 keeps a value such as 0.99999 mm from being printed as 1000 um.
-    if (best == nullptr || std::abs(si_value) * unit.divisor / unit.multiplier >= 0.99995)
+    if (best == nullptr || std::abs(in_si) * unit.divisor / unit.multiplier >= 0.99995)
       best = &unit;
   }
-  return shortest(si_value * best->divisor / best->multiplier) + " " + std::string(best->name);
+  return shortest(in_si * best->divisor / best->multiplier) + " " + std::string(best->name);
 }
 
 Result<double> parse_probe(std::string_view text) {

@@ -27,7 +27,7 @@ enum class Quantity {
 [[nodiscard]] Result<double> parse_quantity(std::string_view text, Quantity quantity);
 
 /// Prints an SI value with the unit that is easiest to read ("50 um", "2 mm", "1 N/mm").
-[[nodiscard]] std::string format_quantity(double si_value, Quantity quantity);
+[[nodiscard]] std::string format_quantity(double in_si, Quantity quantity);
 
 /// Parses a probe: "point" gives 0, "sphere:0.5mm" gives the radius in metres. Errors as above.
 [[nodiscard]] Result<double> parse_probe(std::string_view text);
