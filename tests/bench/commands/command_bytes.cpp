@@ -12,7 +12,7 @@
 namespace spm::bench {
 namespace {
 
-struct Settings {
+struct BytesSettings {
   BytesPlan plan;
   std::vector<std::string> meshes;
   std::optional<double> tolerance;
@@ -24,12 +24,12 @@ struct Settings {
 /// What --quick takes: the smallest with curves, and one with edges.
 const std::vector<KnownMesh> quick_meshes{{"duck", 100e-6}, {"fandisk", 100e-6}};
 
-std::vector<ModelSource> models_of(const Settings& settings) {
+std::vector<ModelSource> models_of(const BytesSettings& settings) {
   if (!settings.meshes.empty()) return sources_of(settings.meshes, settings.tolerance);
   return sources_of(settings.quick ? quick_meshes : known_meshes(), settings.tolerance);
 }
 
-BytesPlan plan_of(const Settings& settings) {
+BytesPlan plan_of(const BytesSettings& settings) {
   BytesPlan plan = settings.plan;
   plan.models = models_of(settings);
   plan.grid_cells = {2e-3, 1e-3};
@@ -46,7 +46,7 @@ BytesPlan plan_of(const Settings& settings) {
   return plan;
 }
 
-int run(const Settings& settings) {
+int run(const BytesSettings& settings) {
   cli::configure_messages(settings.global);
   const BytesPlan plan = plan_of(settings);
   const BytesReport report = measured(settings.global, [&plan](const BenchProgress& progress) {
@@ -61,7 +61,7 @@ int run(const Settings& settings) {
 }  // namespace
 
 Command add_bytes_command(CLI::App& app) {
-  auto settings = std::make_shared<Settings>();
+  auto settings = std::make_shared<BytesSettings>();
   CLI::App* command = app.add_subcommand(
       "bytes", "Error against bytes of every method, on one equal set of places");
   add_mesh_option(*command, settings->meshes, "the seven");

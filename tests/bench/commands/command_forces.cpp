@@ -16,7 +16,7 @@
 namespace spm::bench {
 namespace {
 
-struct Settings {
+struct ForcesSettings {
   ForcesPlan plan;
   std::vector<std::string> meshes;
   std::optional<double> tolerance;
@@ -28,7 +28,7 @@ struct Settings {
 
 /// The models with a recorded slide, and the paper's counts of planes on them; the first alone is
 /// quick.
-std::vector<ForceSource> recorded_sources(const Settings& settings) {
+std::vector<ForceSource> recorded_sources(const ForcesSettings& settings) {
   std::vector<KnownMesh> meshes{{"teeth", settings.quick ? 400e-6 : 50e-6}};
   if (!settings.quick) meshes.push_back({"galleon", 100e-6});
   const std::vector<std::size_t> planes{1500, 1000};
@@ -41,7 +41,7 @@ std::vector<ForceSource> recorded_sources(const Settings& settings) {
   return sources;
 }
 
-ForcesPlan plan_of(const Settings& settings) {
+ForcesPlan plan_of(const ForcesSettings& settings) {
   ForcesPlan plan = settings.plan;
   if (settings.meshes.empty()) {
     plan.sources = recorded_sources(settings);
@@ -68,7 +68,7 @@ void write_traces(const std::string& folder, const ForcesReport& report, const F
   }
 }
 
-int run(const Settings& settings) {
+int run(const ForcesSettings& settings) {
   cli::configure_messages(settings.global);
   const ForcesPlan plan = plan_of(settings);
   const ForcesReport report = measured(settings.global, [&plan](const BenchProgress& progress) {
@@ -84,7 +84,7 @@ int run(const Settings& settings) {
 }  // namespace
 
 Command add_forces_command(CLI::App& app) {
-  auto settings = std::make_shared<Settings>();
+  auto settings = std::make_shared<ForcesSettings>();
   CLI::App* command = app.add_subcommand(
       "forces", "Forces along slides, recorded and walked, beside the exact mesh's penalty");
   add_mesh_option(*command, settings->meshes, "teeth and galleon, with their recorded slides,");

@@ -12,7 +12,7 @@
 namespace spm::bench {
 namespace {
 
-struct Settings {
+struct MethodsSettings {
   TimesPlan plan;
   std::vector<std::string> meshes;
   std::optional<double> tolerance;
@@ -30,12 +30,12 @@ const std::vector<KnownMesh> timed_meshes{{"teeth", 50e-6},
                                           {"galleon", 100e-6}};
 const std::vector<KnownMesh> quick_meshes{{"duck", 100e-6}};
 
-std::vector<ModelSource> models_of(const Settings& settings) {
+std::vector<ModelSource> models_of(const MethodsSettings& settings) {
   if (!settings.meshes.empty()) return sources_of(settings.meshes, settings.tolerance);
   return sources_of(settings.quick ? quick_meshes : timed_meshes, settings.tolerance);
 }
 
-TimesPlan plan_of(const Settings& settings) {
+TimesPlan plan_of(const MethodsSettings& settings) {
   TimesPlan plan = settings.plan;
   plan.models = models_of(settings);
   if (settings.quick) {
@@ -59,7 +59,7 @@ TimesPlan plan_of(const Settings& settings) {
   return plan;
 }
 
-int run(const Settings& settings) {
+int run(const MethodsSettings& settings) {
   cli::configure_messages(settings.global);
   const TimesPlan plan = plan_of(settings);
   const TimesReport report = measured(settings.global, [&plan](const BenchProgress& progress) {
@@ -74,7 +74,7 @@ int run(const Settings& settings) {
 }  // namespace
 
 Command add_methods_command(CLI::App& app) {
-  auto settings = std::make_shared<Settings>();
+  auto settings = std::make_shared<MethodsSettings>();
   CLI::App* command = app.add_subcommand(
       "methods", "Error against time of every method, at the same places, on one core");
   add_mesh_option(*command, settings->meshes, "five");

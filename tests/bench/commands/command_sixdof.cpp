@@ -12,7 +12,7 @@
 namespace spm::bench {
 namespace {
 
-struct Settings {
+struct SixdofSettings {
   SixdofPlan plan;
   std::optional<double> tolerance;
   bool quick = false;
@@ -24,7 +24,7 @@ std::string shared_mesh(const char* name) {
   return (std::filesystem::path(shared_folder()) / "meshes" / name).string();
 }
 
-SixdofPlan plan_of(const Settings& settings) {
+SixdofPlan plan_of(const SixdofSettings& settings) {
   SixdofPlan plan = settings.plan;
   if (plan.tool.empty()) plan.tool = shared_mesh("drill.obj");
   if (plan.object.empty()) plan.object = shared_mesh("teeth.obj");
@@ -44,7 +44,7 @@ SixdofPlan plan_of(const Settings& settings) {
   return plan;
 }
 
-int run(const Settings& settings) {
+int run(const SixdofSettings& settings) {
   cli::configure_messages(settings.global);
   const SixdofPlan plan = plan_of(settings);
   const SixdofReport report = measured(settings.global, [&plan](const BenchProgress& progress) {
@@ -58,7 +58,7 @@ int run(const Settings& settings) {
 }  // namespace
 
 Command add_sixdof_command(CLI::App& app) {
-  auto settings = std::make_shared<Settings>();
+  auto settings = std::make_shared<SixdofSettings>();
   CLI::App* command =
       app.add_subcommand("sixdof", "Force on an object that slides over another, and its time");
   command

@@ -19,7 +19,7 @@
 namespace spm::bench {
 namespace {
 
-struct Settings {
+struct StabilitySettings {
   stability::StabilityPlan plan;
   std::vector<std::string> parts;
   std::string traces;
@@ -61,7 +61,7 @@ class PhaseLines {
   int quarter_ = 0;
 };
 
-stability::StabilityPlan plan_of(const Settings& settings) {
+stability::StabilityPlan plan_of(const StabilitySettings& settings) {
   stability::StabilityPlan plan = settings.plan;
   if (settings.quick) stability::make_quick(plan);
   stability::keep_parts(plan, settings.parts);
@@ -76,7 +76,7 @@ void write_traces(const std::string& folder, const stability::StabilityReport& r
   }
 }
 
-int run(const Settings& settings) {
+int run(const StabilitySettings& settings) {
   cli::configure_messages(settings.global);
   const stability::StabilityPlan plan = plan_of(settings);
   const auto limit = thread_limit(plan.threads);
@@ -106,7 +106,7 @@ void add_name_option(CLI::App& command, const std::string& option, std::vector<s
 }  // namespace
 
 Command add_stability_command(CLI::App& app) {
-  auto settings = std::make_shared<Settings>();
+  auto settings = std::make_shared<StabilitySettings>();
   CLI::App* command = app.add_subcommand(
       "stability", "Where methods fail: closed loops with a simulated device and hand");
   add_name_option(*command, "--case", settings->plan.cases,

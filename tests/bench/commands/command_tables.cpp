@@ -12,7 +12,7 @@
 namespace spm::bench {
 namespace {
 
-struct Settings {
+struct TablesSettings {
   bool quick = false;
   unsigned threads = 0;
   cli::GlobalOptions global;
@@ -29,7 +29,7 @@ std::vector<SlidSource> slides(bool quick) {
           {3, models[1], (folder / "teeth-slide.txt").string(), 1500, {4200, 820}, {36, 5}}};
 }
 
-TablesPlan plan_of(const Settings& settings) {
+TablesPlan plan_of(const TablesSettings& settings) {
   TablesPlan plan;
   plan.threads = settings.threads;
   plan.slides = slides(settings.quick);
@@ -48,7 +48,7 @@ TablesPlan plan_of(const Settings& settings) {
   return plan;
 }
 
-int run(const Settings& settings) {
+int run(const TablesSettings& settings) {
   cli::configure_messages(settings.global);
   const TablesPlan plan = plan_of(settings);
   const TablesReport report = measured(settings.global, [&plan](const BenchProgress& progress) {
@@ -63,7 +63,7 @@ int run(const Settings& settings) {
 }  // namespace
 
 Command add_tables_command(CLI::App& app) {
-  auto settings = std::make_shared<Settings>();
+  auto settings = std::make_shared<TablesSettings>();
   CLI::App* command = app.add_subcommand(
       "tables", "The paper's Tables 1 to 3 measured: time of a force, on its recorded slides");
   add_threads_option(*command, settings->threads, " that bake, 1 to 1024; timing takes one");

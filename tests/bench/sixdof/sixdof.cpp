@@ -51,7 +51,7 @@ double quantile(std::vector<double>& values, double share) {
   return values[static_cast<std::size_t>(at)];
 }
 
-Quantiles quantiles(std::vector<double> values) {
+TickQuantiles quantiles(std::vector<double> values) {
   return {quantile(values, 0.5), quantile(values, 0.95)};
 }
 

@@ -25,7 +25,7 @@ struct SixdofPlan {
   std::uint64_t seed = 1;
 };
 
-struct Quantiles {
+struct TickQuantiles {
   double median = 0, p95 = 0;
 };
 
@@ -44,8 +44,8 @@ struct SixdofRow {
   double level = 0;     ///< mean of those that were resolved, 1 the finest
   double degraded = 0;  ///< share of the ticks that ended before the finest
   /// Of the force, of that of the reference; none where the method has another law.
-  std::optional<Quantiles> force_error;
-  Quantiles direction_error;  ///< rad
+  std::optional<TickQuantiles> force_error;
+  TickQuantiles direction_error;  ///< rad
 };
 
 struct SixdofReport {

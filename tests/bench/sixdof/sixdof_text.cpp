@@ -16,7 +16,7 @@ using Json = nlohmann::ordered_json;
 constexpr double micro = 1e6;
 constexpr double degrees = 180 / std::numbers::pi;
 
-Json quantiles_json(const Quantiles& values, double unit) {
+Json quantiles_json(const TickQuantiles& values, double unit) {
   return {{"median", values.median * unit}, {"p95", values.p95 * unit}};
 }
 

@@ -18,6 +18,7 @@
 namespace device_finder_test {
 
 using namespace spm::servo;
+using spm::test::AsNobody;
 using spm::test::TemporaryFolder;
 
 namespace {

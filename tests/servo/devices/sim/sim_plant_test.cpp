@@ -8,6 +8,7 @@
 namespace sim_plant_test {
 
 using namespace spm::servo;
+using spm::Random;
 using spm::Vector3;
 
 namespace {
