@@ -17,7 +17,6 @@
 namespace spm::stability {
 namespace {
 
-
 constexpr double seconds = 4;  // of a run: the hand's own swing has died in the first quarter
 constexpr double searched = 0.2;
 constexpr double found_share = 1e-7;
