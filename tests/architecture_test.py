@@ -98,10 +98,8 @@ def includes(path: Path) -> list[tuple[str, bool]]:
 
 def folder_of_include(path: Path, name: str) -> str | None:
     """Our folder that a quoted include leads into; None where it leads nowhere of ours."""
-    if (SOURCE / name).is_file():
-        return Path(name).parts[0]
-    if (SOURCE / path.parent / name).is_file():
-        return path.parts[0]
+    if found := file_of_include(path, name):
+        return found.parts[0]
     # The C library's header, as a program that uses the library includes it.
     return "formats" if (SOURCE / "formats" / "query" / name).is_file() else None
 

@@ -35,13 +35,6 @@ def report_and_prefix(description: str, mode: str, key: str = "rows") -> tuple[d
     return read_report(arguments.report, mode, key), arguments.prefix
 
 
-def report_of(description: str, mode: str, key: str = "rows") -> dict:
-    """From a command line: a report."""
-    parser = argparse.ArgumentParser(description=description)
-    add_report(parser, mode)
-    return read_report(parser.parse_args().report, mode, key)
-
-
 def read_columns(path: str) -> tuple[list[str], list[list[float]]]:
     """The names and the rows of a CSV of numbers."""
     with open(path, encoding="ascii", newline="") as file:
