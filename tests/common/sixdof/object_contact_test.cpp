@@ -217,7 +217,7 @@ TEST_CASE("The two levels above the finest give its force within a tenth in the 
 }
 
 std::int64_t counted = 0;
-std::int64_t count_looks() noexcept { return counted++; }
+std::int64_t count_readings() noexcept { return counted++; }
 
 TEST_CASE("When time is over a tick ends with the levels it came to, and says so") {
   const TiledCubeByHand field(field_size);
@@ -227,18 +227,18 @@ TEST_CASE("When time is over a tick ends with the levels it came to, and says so
   const Isometry3d pose = pressed_by(0.0003);
   const double whole = contact.tick(pose, objects).sum.forces().force.z();
   std::uint64_t last = 0;
-  for (const std::int64_t looks : {1, 30, 300, 1000}) {
+  for (const std::int64_t budget : {1, 30, 300, 1000}) {
     contact.forget(0);
     counted = 0;
-    const ObjectContactReport report = contact.tick(pose, objects, {looks, &count_looks});
+    const ObjectContactReport report = contact.tick(pose, objects, {budget, &count_readings});
     CHECK(report.degraded);
     CHECK(report.level + 1 < tool.levels.size());
     CHECK(report.refined < 1);
-    // No more than a few samples are asked between two looks at the clock.
-    CHECK(report.tested <= 12 * static_cast<std::uint64_t>(looks) + 100);
+    // No more than a few samples are asked between two readings of the clock.
+    CHECK(report.tested <= 12 * static_cast<std::uint64_t>(budget) + 100);
     CHECK(report.tested >= last);
     last = report.tested;
-    if (looks >= 300) CHECK(report.sum.forces().force.z() == Approx(whole).epsilon(0.1));
+    if (budget >= 300) CHECK(report.sum.forces().force.z() == Approx(whole).epsilon(0.1));
   }
 }
 

@@ -164,9 +164,10 @@ TEST_CASE("A recording of a run replays to forces equal bit by bit, friction and
   require_one_sentence(third.err);
 }
 
-TEST_CASE("Cures of the command line act, are reported, and a replay with them gives the same") {
+TEST_CASE(
+    "Stabilization by the command line acts, is reported, and a replay with it gives the same") {
   const Workshop shop;
-  const std::string recording = shop.folder.file("cured.spmrec");
+  const std::string recording = shop.folder.file("stabilized.spmrec");
   const Outcome run = servo(
       shop.folder, {"run", "--asset", shop.sparse, "--stabilization", "recommended", "--duration",
                     "1", "--device", "sim:seed=3", "--json", "--record", recording});

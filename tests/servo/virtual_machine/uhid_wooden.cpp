@@ -50,16 +50,16 @@ class Uhid {
   Uhid& operator=(const Uhid&) = delete;
   ~Uhid() { close(file_); }
 
-  void create(const HidLooks& looks) {
+  void create(const HidIdentity& identity) {
     uhid_event event{};
     event.type = UHID_CREATE2;
-    put_text(&event.u.create2.name, sizeof event.u.create2.name, looks.name);
-    put_text(&event.u.create2.uniq, sizeof event.u.create2.uniq, looks.serial);
+    put_text(&event.u.create2.name, sizeof event.u.create2.name, identity.name);
+    put_text(&event.u.create2.uniq, sizeof event.u.create2.uniq, identity.serial);
     event.u.create2.bus = BUS_USB;
-    event.u.create2.vendor = looks.vendor;
-    event.u.create2.product = looks.product;
-    event.u.create2.rd_size = static_cast<__u16>(looks.descriptor.size());
-    std::memcpy(event.u.create2.rd_data, looks.descriptor.data(), looks.descriptor.size());
+    event.u.create2.vendor = identity.vendor;
+    event.u.create2.product = identity.product;
+    event.u.create2.rd_size = static_cast<__u16>(identity.descriptor.size());
+    std::memcpy(event.u.create2.rd_data, identity.descriptor.data(), identity.descriptor.size());
     give(event);
   }
 
@@ -103,7 +103,7 @@ class Board {
       : device_(std::move(device)), options_(options) {}
 
   void run() {
-    kernel_.create(device_->looks());
+    kernel_.create(device_->identity());
     while (!told_to_end()) {
       uhid_event event{};
       if (kernel_.take(event, next_wait())) hear(event);
@@ -174,7 +174,7 @@ class Board {
     uhid_event event{};
     while (kernel_.take(event, milliseconds(0))) {  // was meant for the one that is gone
     }
-    kernel_.create(device_->looks());
+    kernel_.create(device_->identity());
   }
 
   Uhid kernel_;

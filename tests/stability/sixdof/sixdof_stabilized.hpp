@@ -8,7 +8,7 @@
 
 namespace spm::stability {
 
-/// The loop that a wrench is cured for.
+/// The loop that a wrench is stabilized for.
 struct SixdofLoop {
   double period = 1e-3;           ///< s
   double encoder_step = 0;        ///< m
@@ -16,8 +16,8 @@ struct SixdofLoop {
   double turning_inertia = 1e-4;  ///< kg m2, the least about any axis
 };
 
-/// Another law's wrench, cured; turns and torques are lengths and forces at sixdof_lever. Matched
-/// damping brakes the place along the force and the turn about the torque, each by its own
+/// Another law's wrench, stabilized; turns and torques are lengths and forces at sixdof_lever.
+/// Matched damping brakes the place along the force and the turn about the torque, each by its own
 /// stiffness. The passivity controller keeps one account of force and torque.
 class StabilizedWrench final : public SixdofContestant {
  public:

@@ -38,7 +38,7 @@ class EmulatedWooden final : public EmulatedHid {
  public:
   EmulatedWooden(Wire wire, const EmulatedOptions& options) : wire_(wire), options_(options) {}
 
-  [[nodiscard]] HidLooks looks() const override {
+  [[nodiscard]] HidIdentity identity() const override {
     if (wire_ == Wire::v3) {
       return {0x16C0, 0x0486, "Teensyduino RawHID", "7654321", raw_descriptor(64)};
     }
@@ -201,7 +201,7 @@ class EmulatedWooden final : public EmulatedHid {
 /// button is held in every second push.
 class EmulatedSpaceMouse final : public EmulatedHid {
  public:
-  [[nodiscard]] HidLooks looks() const override {
+  [[nodiscard]] HidIdentity identity() const override {
     // Six axes in two reports, buttons in the third, the light in the fourth.
     return {
         0x046D,

@@ -15,7 +15,7 @@ namespace spm::test {
 using HidBytes = std::vector<std::uint8_t>;
 
 /// How a device shows itself on the bus.
-struct HidLooks {
+struct HidIdentity {
   std::uint16_t vendor = 0;
   std::uint16_t product = 0;
   std::string name;
@@ -32,7 +32,7 @@ class EmulatedHid {
   EmulatedHid& operator=(const EmulatedHid&) = delete;
   virtual ~EmulatedHid() = default;
 
-  [[nodiscard]] virtual HidLooks looks() const = 0;
+  [[nodiscard]] virtual HidIdentity identity() const = 0;
   /// ms between calls of `unasked`; 0: none.
   [[nodiscard]] virtual int period_ms() const = 0;
   /// It got power.

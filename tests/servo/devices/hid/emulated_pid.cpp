@@ -31,7 +31,7 @@ class EmulatedPid final : public EmulatedHid {
   EmulatedPid(PidStick stick, std::size_t room, bool busy)
       : stick_(stick), room_(room), busy_(busy) {}
 
-  [[nodiscard]] HidLooks looks() const override {
+  [[nodiscard]] HidIdentity identity() const override {
     return {0x1209, 0xFFB0, "Emulated stick", "S1", pid_descriptor(stick_)};
   }
   [[nodiscard]] int period_ms() const override { return 1; }

@@ -59,8 +59,8 @@ std::string hex4(unsigned number, int digits = 4) {
 }
 
 /// What /sys says of the device, in umockdev's notation.
-std::string records(const HidLooks& looks, const std::string& node) {
-  const std::string vendor = hex4(looks.vendor), product = hex4(looks.product);
+std::string records(const HidIdentity& identity, const std::string& node) {
+  const std::string vendor = hex4(identity.vendor), product = hex4(identity.product);
   const std::string hid_name = "0003:" + vendor + ":" + product + ".0001";
   const std::string usb = usb_path + std::strlen("/sys");
   const std::string interface = interface_path + std::strlen("/sys");
@@ -69,17 +69,17 @@ std::string records(const HidLooks& looks, const std::string& node) {
   text += "P: " + hid + "/hidraw/" + node + "\nN: " + node + "\nE: DEVNAME=/dev/" + node + "\n";
   text += "E: SUBSYSTEM=hidraw\nE: MAJOR=240\nE: MINOR=7\nL: device=../../../" + hid_name + "\n\n";
   text += "P: " + hid +
-          "\nE: SUBSYSTEM=hid\nE: DRIVER=hid-generic\nE: HID_ID=0003:" + hex4(looks.vendor, 8) +
-          ":" + hex4(looks.product, 8) + "\nE: HID_NAME=" + looks.name +
-          "\nE: HID_UNIQ=" + looks.serial + "\nE: HID_PHYS=usb-0000:00:14.0-1/input0\n";
-  text += "H: report_descriptor=" + hex(looks.descriptor) + "\n\n";
+          "\nE: SUBSYSTEM=hid\nE: DRIVER=hid-generic\nE: HID_ID=0003:" + hex4(identity.vendor, 8) +
+          ":" + hex4(identity.product, 8) + "\nE: HID_NAME=" + identity.name +
+          "\nE: HID_UNIQ=" + identity.serial + "\nE: HID_PHYS=usb-0000:00:14.0-1/input0\n";
+  text += "H: report_descriptor=" + hex(identity.descriptor) + "\n\n";
   text += "P: " + interface + "\nE: SUBSYSTEM=usb\nE: DEVTYPE=usb_interface\nE: DRIVER=usbhid\n";
   text += "A: bInterfaceNumber=00\\n\nA: bInterfaceClass=03\\n\n\n";
   text += "P: " + usb + "\nE: SUBSYSTEM=usb\nE: DEVTYPE=usb_device\nA: idVendor=" + vendor +
           "\\n\nA: idProduct=" + product +
-          "\\n\nA: manufacturer=Emulated\\n\nA: product=" + looks.name +
+          "\\n\nA: manufacturer=Emulated\\n\nA: product=" + identity.name +
           "\\n\nA: bcdDevice=0001\\n\nA: busnum=1\\n\nA: devnum=2\\n\n";
-  if (!looks.serial.empty()) text += "A: serial=" + looks.serial + "\\n\n";
+  if (!identity.serial.empty()) text += "A: serial=" + identity.serial + "\\n\n";
   return text + "\n";
 }
 
@@ -111,7 +111,7 @@ void MockHidBus::plug_in() {
   }
   const std::string node = node_name();
   GError* error = nullptr;
-  umockdev_testbed_add_from_string(testbed_, records(device_->looks(), node).c_str(), &error);
+  umockdev_testbed_add_from_string(testbed_, records(device_->identity(), node).c_str(), &error);
   check(error);
   const std::string path = "/dev/" + node;
   umockdev_testbed_attach_ioctl(testbed_, path.c_str(), handler_, &error);
@@ -181,9 +181,9 @@ std::string MockHidBus::node_name() const { return "hidraw" + std::to_string(6 +
 
 /// The device's own, children first.
 std::vector<std::string> MockHidBus::sys_paths() const {
-  const HidLooks looks = device_->looks();
-  const std::string hid = std::string(interface_path) + "/0003:" + hex4(looks.vendor) + ":" +
-                          hex4(looks.product) + ".0001";
+  const HidIdentity identity = device_->identity();
+  const std::string hid = std::string(interface_path) + "/0003:" + hex4(identity.vendor) + ":" +
+                          hex4(identity.product) + ".0001";
   return {hid + "/hidraw/" + node_name(), hid, interface_path, usb_path};
 }
 
@@ -281,7 +281,7 @@ void MockHidBus::on_connected(UMockdevIoctlBase*, UMockdevIoctlClient* client, g
 
 gboolean MockHidBus::on_ioctl(UMockdevIoctlBase*, UMockdevIoctlClient* client, gpointer self) {
   auto* bus = static_cast<MockHidBus*>(self);
-  const HidLooks looks = bus->device_->looks();
+  const HidIdentity identity = bus->device_->identity();
   const auto request = umockdev_ioctl_client_get_request(client);
   const auto number = static_cast<unsigned>(_IOC_NR(request));
   UMockdevIoctlData* argument = umockdev_ioctl_client_get_arg(client);
@@ -292,18 +292,18 @@ gboolean MockHidBus::on_ioctl(UMockdevIoctlBase*, UMockdevIoctlClient* client, g
     return data;
   };
   if (request == HIDIOCGRDESCSIZE) {
-    const int size = static_cast<int>(looks.descriptor.size());
+    const int size = static_cast<int>(identity.descriptor.size());
     std::memcpy(resolve(sizeof size)->data, &size, sizeof size);
   } else if (request == HIDIOCGRDESC) {
     hidraw_report_descriptor descriptor{};
-    descriptor.size = static_cast<std::uint32_t>(looks.descriptor.size());
-    std::memcpy(descriptor.value, looks.descriptor.data(), looks.descriptor.size());
+    descriptor.size = static_cast<std::uint32_t>(identity.descriptor.size());
+    std::memcpy(descriptor.value, identity.descriptor.data(), identity.descriptor.size());
     std::memcpy(resolve(sizeof descriptor)->data, &descriptor, sizeof descriptor);
   } else if (request == HIDIOCGRAWINFO) {
     hidraw_devinfo info{};
     info.bustype = 3;
-    info.vendor = static_cast<std::int16_t>(looks.vendor);
-    info.product = static_cast<std::int16_t>(looks.product);
+    info.vendor = static_cast<std::int16_t>(identity.vendor);
+    info.product = static_cast<std::int16_t>(identity.product);
     std::memcpy(resolve(sizeof info)->data, &info, sizeof info);
   } else if (_IOC_TYPE(request) == 'H' && is_exchange(number)) {
     // Their size is part of their number.
