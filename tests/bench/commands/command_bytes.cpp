@@ -74,6 +74,7 @@ Command add_bytes_command(CLI::App& app) {
   add_seed_option(*command, settings->plan.seed, "the places");
   add_threads_option(*command, settings->plan.threads,
                      ", 1 to 1024; all but seconds is the same for any");
+  add_bakes_option(*command, settings->plan.bakes);
   command->add_flag("--quick", settings->quick,
                     "two small meshes, and fewer settings and places: under 45 s on two cores");
   cli::add_global_options(*command, settings->global);

@@ -87,6 +87,7 @@ Command add_methods_command(CLI::App& app) {
   add_seed_option(*command, settings->plan.seed, "places and path");
   add_threads_option(*command, settings->plan.threads,
                      " that build and score, 1 to 1024; timing takes one");
+  add_bakes_option(*command, settings->plan.bakes);
   command->add_flag("--quick", settings->quick,
                     "one small mesh, and fewer settings and places: under 45 s on two cores");
   cli::add_global_options(*command, settings->global);

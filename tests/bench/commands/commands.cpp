@@ -37,6 +37,14 @@ void add_threads_option(CLI::App& command, unsigned& threads, const std::string&
       "threads" + what + " (default: all cores)");
 }
 
+void add_bakes_option(CLI::App& command, std::string& folder) {
+  command
+      .add_option("--bakes", folder,
+                  "keep the baked assets in this folder, and take up those that a run of this very "
+                  "build left there (default: bake all anew)")
+      ->type_name("DIR");
+}
+
 void check_tolerance(const std::optional<double>& tolerance) {
   if (tolerance && *tolerance <= 0) throw CLI::ValidationError("--tolerance", "must be above 0");
 }

@@ -47,6 +47,7 @@ void add_method_option(CLI::App& command, std::vector<std::string>& methods);
 /// `what` tells what the number is for. The number must outlive the command.
 void add_seed_option(CLI::App& command, std::uint64_t& seed, const std::string& what);
 void add_threads_option(CLI::App& command, unsigned& threads, const std::string& what);
+void add_bakes_option(CLI::App& command, std::string& folder);
 
 /// Usage errors that several modes share: a tolerance must be above 0, a method one of the mode's.
 void check_tolerance(const std::optional<double>& tolerance);

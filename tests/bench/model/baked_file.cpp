@@ -13,6 +13,15 @@
 
 namespace spm::bench {
 
+BakedFile baked_file(const SparseOptions& options, const std::string& folder) {
+  BakedFile file;
+  file.settings = "tolerance " + format_quantity(options.tolerance, Quantity::length);
+  file.tolerance = options.tolerance;
+  const std::string name = fmt::format("{:.0f}nm.spm.exr", 1e9 * options.tolerance);
+  file.path = (std::filesystem::path(folder) / name).string();
+  return file;
+}
+
 BakedFile bake_sparse(const baker::Mesh& mesh, const SparseOptions& options,
                       const std::string& folder) {
   const Clock::time_point start = Clock::now();
@@ -22,11 +31,7 @@ BakedFile bake_sparse(const baker::Mesh& mesh, const SparseOptions& options,
   bake.tolerance = options.tolerance;
   bake.probe_radius = options.probe_radius;
   const baker::BakeResult baked = baker::bake(mesh, bake);
-  BakedFile file;
-  file.settings = "tolerance " + format_quantity(options.tolerance, Quantity::length);
-  file.tolerance = options.tolerance;
-  const std::string name = fmt::format("{:.0f}nm.spm.exr", 1e9 * options.tolerance);
-  file.path = (std::filesystem::path(folder) / name).string();
+  BakedFile file = baked_file(options, folder);
   file.bytes = unwrap(write_asset(baked.asset, file.path)).total;
   file.seconds = seconds_since(start);
   return file;

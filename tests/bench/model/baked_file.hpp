@@ -26,6 +26,9 @@ struct SparseOptions {
   double probe_radius = 0;
 };
 
+/// What is known of the file before it is baked: path, settings and tolerance.
+[[nodiscard]] BakedFile baked_file(const SparseOptions& options, const std::string& folder);
+
 /// The product's own form, in a file of `folder`. Throws BakeError.
 [[nodiscard]] BakedFile bake_sparse(const baker::Mesh& mesh, const SparseOptions& options,
                                     const std::string& folder);

@@ -7,9 +7,9 @@
 
 #include "baker/base/bake_error.hpp"
 #include "baker/mesh/load.hpp"
-#include "tests/bench/base/temporary_folder.hpp"
 #include "tests/bench/base/thread_limit.hpp"
 #include "tests/bench/methods/methods.hpp"
+#include "tests/bench/model/bake_folder.hpp"
 #include "tests/bench/model/float_mesh.hpp"
 
 namespace spm::bench {
@@ -26,7 +26,7 @@ constexpr double min_adaptive = 100e-6;
 class Bench {
  public:
   Bench(const BytesPlan& plan, const BenchProgress& progress, BytesReport& report)
-      : plan_(plan), progress_(progress), report_(report) {}
+      : plan_(plan), progress_(progress), report_(report), bakes_(plan.bakes) {}
 
   void measure(const ModelSource& source) {
     tell(source.name, "places");
@@ -42,7 +42,7 @@ class Bench {
     tolerances.erase(std::unique(tolerances.begin(), tolerances.end()), tolerances.end());
     for (const double tolerance : tolerances) {
       add(model, places, "spm", [&] {
-        const BakedFile file = bake_sparse(model.mesh, {model.band, tolerance}, folder_.path());
+        const BakedFile file = bakes_.asset(model, tolerance);
         return make_spm(file, open_query_asset(file.path), CountedBytes::file);
       });
     }
@@ -104,7 +104,7 @@ class Bench {
   const BytesPlan& plan_;
   const BenchProgress& progress_;
   BytesReport& report_;
-  TemporaryFolder folder_;
+  BakeFolder bakes_;
   std::size_t models_done_ = 0;
 };
 

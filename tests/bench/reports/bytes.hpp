@@ -21,6 +21,7 @@ struct BytesPlan {
   std::vector<double> voxels;        ///< m: cells of `dense-sdf` and `openvdb`
   std::vector<double> grid_cells;    ///< m: of `triangle-grid`
   std::vector<std::string> methods;  ///< only these; all where empty
+  std::string bakes;                 ///< folder of assets, see BakeFolder; temporary where empty
   std::uint64_t samples = 100000;
   std::uint64_t seed = 1;
   unsigned threads = 0;  ///< 0: as many as there are cores; changes no figure but seconds

@@ -10,11 +10,11 @@
 #include "baker/base/bake_error.hpp"
 #include "baker/mesh/load.hpp"
 #include "tests/bench/base/quantile.hpp"
-#include "tests/bench/base/temporary_folder.hpp"
 #include "tests/bench/base/thread_limit.hpp"
 #include "tests/bench/geometry/trilinear.hpp"
 #include "tests/bench/methods/contestants.hpp"
 #include "tests/bench/methods/methods.hpp"
+#include "tests/bench/model/bake_folder.hpp"
 #include "tests/bench/model/query_sets.hpp"
 
 namespace spm::bench {
@@ -63,6 +63,7 @@ class Race {
       : plan_(plan),
         report_(report),
         tell_(std::move(tell)),
+        bakes_(plan.bakes),
         model_(source, baker::load_mesh(source.path, {1, bench_diagonal})),
         places_(draw_places(model_, plan.samples, plan.seed)),
         path_(walk_surface(model_, -model_.band.max_depth, model_.band.margin, plan.path_steps,
@@ -124,7 +125,7 @@ class Race {
     tolerances.erase(std::unique(tolerances.begin(), tolerances.end()), tolerances.end());
     for (const double tolerance : tolerances) {
       attempt("spm", [&] {
-        BakedFile file = bake_sparse(model_.mesh, {model_.band, tolerance}, folder_.path());
+        BakedFile file = bakes_.asset(model_, tolerance);
         const Clock::time_point start = Clock::now();
         const QueryAsset asset = open_query_asset(file.path);
         file.open_seconds = seconds_since(start);
@@ -222,7 +223,7 @@ class Race {
   const TimesPlan& plan_;
   TimesReport& report_;
   std::function<void(const std::string&, double)> tell_;
-  TemporaryFolder folder_;
+  BakeFolder bakes_;
   Model model_;
   Places places_;
   WalkedPath path_;

@@ -21,6 +21,7 @@ struct TimesPlan {
   std::uint32_t paper_resolution = 65;
   double probe_radius = 0.5e-3;      ///< m: of the probe rows
   std::vector<std::string> methods;  ///< only these; all where empty
+  std::string bakes;                 ///< folder of assets, see BakeFolder; temporary where empty
   std::uint64_t samples = 100000;
   std::size_t path_steps = 4096;
   std::uint64_t seed = 1;
