@@ -16,6 +16,8 @@ from pathlib import Path
 SOURCE = Path()
 # Pages that are held as a whole; of all others, what stands under a heading with "measured".
 WHOLE_PAGES = {"README.md"}
+# Of a machine: what only reports of spm-bench tell, or only the others.
+UNEQUAL = ("embree", "openvdb", "spm", "kernel")
 
 
 def check(folder: Path) -> subprocess.CompletedProcess:
@@ -45,6 +47,12 @@ class Pages(unittest.TestCase):
                 self.assertRegex(made["commit"], r"^[0-9a-f]{7,40}$")
                 self.assertTrue(made["machine"]["processor"] and made["command"])
                 self.assertNotIn("/home", json.dumps(made))
+
+    def test_all_reports_come_from_one_machine(self) -> None:
+        machines = {json.dumps({**json.loads(report.read_text(encoding="utf-8"))["made"]["machine"],
+                                **dict.fromkeys(UNEQUAL)}, sort_keys=True): report.name
+                    for report in sorted((SOURCE / figures.CHARTS).glob("*.json"))}
+        self.assertEqual(len(machines), 1, f"{machines}: measure all with scripts/measure")
 
 
 class Marks(unittest.TestCase):
