@@ -42,6 +42,7 @@ class Program {
       : out_(folder.file("stdout")), err_(folder.file("stderr")) {
     arguments.insert(arguments.begin(), SPM_SERVO_PROGRAM);
     std::vector<char*> argv;
+    argv.reserve(arguments.size() + 1);
     for (std::string& argument : arguments) argv.push_back(argument.data());
     argv.push_back(nullptr);
     child_ = fork();
@@ -94,7 +95,7 @@ struct Workshop {
 
   /// Writes a scene, each to a file of its own, and names it.
   [[nodiscard]] std::string scene(const std::string& text) const {
-    const std::string path = folder.file("scene" + std::to_string(scenes++) + ".toml");
+    std::string path = folder.file("scene" + std::to_string(scenes++) + ".toml");
     std::ofstream(path) << text;
     return path;
   }
@@ -228,7 +229,7 @@ TEST_CASE("A scene with a profile and no driver takes what is plugged in, or say
   const std::string scene =
       shop.scene("[device]\nprofile = \"falcon\"\n[[object]]\nasset = \"sparse.spm.exr\"\n");
   const Outcome run = servo(shop.folder, {"run", "--scene", scene, "--duration", "0.2", "--json"});
-  if (spm::servo::first_of(spm::servo::find_devices(), "") != "") {
+  if (!spm::servo::first_of(spm::servo::find_devices(), "").empty()) {
     SPM_SKIP("a haptic device is plugged in: what a scene takes without one is not tested");
   }
   REQUIRE(run.code == 0);

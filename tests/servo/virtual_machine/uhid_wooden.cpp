@@ -18,6 +18,7 @@
 #include <cstdio>
 #include <cstring>
 #include <deque>
+#include <exception>
 #include <memory>
 #include <thread>
 #include <vector>
@@ -200,7 +201,7 @@ int run(const EmulatorOptions& options) {
 }  // namespace
 }  // namespace spm::test
 
-int main(int count, char** arguments) {
+int main(int count, char** arguments) try {
   const auto options = spm::test::parse_emulator_options(count, arguments);
   if (!options || options->words.size() != 1 || options->report.empty()) {
     std::fprintf(stderr,
@@ -209,4 +210,7 @@ int main(int count, char** arguments) {
     return 1;
   }
   return spm::test::run(*options);
+} catch (const std::exception& problem) {
+  std::fprintf(stderr, "uhid_wooden: %s\n", problem.what());
+  return 4;
 }

@@ -15,6 +15,7 @@
 #include <cstdint>
 #include <cstdio>
 #include <deque>
+#include <exception>
 #include <memory>
 #include <optional>
 #include <span>
@@ -203,7 +204,7 @@ int run(const EmulatorOptions& options) {
 }  // namespace
 }  // namespace spm::test
 
-int main(int count, char** arguments) {
+int main(int count, char** arguments) try {
   const auto options = spm::test::parse_emulator_options(count, arguments);
   if (!options || !options->words.empty() || options->report.empty()) {
     std::fprintf(
@@ -211,4 +212,7 @@ int main(int count, char** arguments) {
     return 1;
   }
   return spm::test::run(*options);
+} catch (const std::exception& problem) {
+  std::fprintf(stderr, "usbip_falcon: %s\n", problem.what());
+  return 4;
 }
