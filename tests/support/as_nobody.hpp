@@ -14,8 +14,8 @@ class AsNobody {
  public:
   AsNobody() {
     if (geteuid() != 0) return;
-    // access() asks for the real user, everything else for the effective one; the saved one stays
-    // root's, to come back.
+    // access() checks the real user, everything else checks the effective one; the saved user
+    // stays root, so that the rights can be restored.
     if (setresgid(nobody, nobody, 0) != 0) return;
     changed_ = true;
     (void)!setresuid(nobody, nobody, 0);

@@ -61,7 +61,7 @@ class BoxByHand {
 };
 
 /// A cube of edge length `size` about the origin as a `sparse` asset: six faces in the order of
-/// BoxByHand, one tile each, in a tree of whole boxes, and a space that is told by them everywhere.
+/// BoxByHand, one tile each, in a tree of whole boxes, and a space where the tiles always decide.
 class TiledCubeByHand {
  public:
   explicit TiledCubeByHand(double size, const Band& band = {0.002, 0.0005});

@@ -7,7 +7,7 @@
 
 namespace spm::test {
 
-/// Runs `work()` once by each kind of instructions that this processor has, the portable one too.
+/// Runs `work()` once with each instruction set that this processor has, also the portable one.
 template <class Work>
 void on_every_target(const Work& work) {
   for (std::int64_t rest = hwy::SupportedTargets(); rest != 0; rest &= rest - 1) {

@@ -6,8 +6,8 @@
 
 namespace spm::test {
 
-/// What a test program ends with where a test was skipped and none failed. ctest counts such a test
-/// as skipped and names it (SKIP_RETURN_CODE in tests/ctest.cmake).
+/// Exit code of a test program in which a test was skipped and none failed. ctest counts such a
+/// test as skipped and names it (SKIP_RETURN_CODE in tests/ctest.cmake).
 inline constexpr int skip_code = 77;
 
 /// Prints `SKIPPED: why` and makes the program end with `skip_code` unless a test fails.
@@ -15,7 +15,7 @@ void note_skip(const std::string& why);
 
 }  // namespace spm::test
 
-/// Leaves a test case that cannot be tried on this machine. Takes what a stream takes.
+/// Leaves a test case that cannot run on this machine. Takes anything that a stream takes.
 #define SPM_SKIP(why)                          \
   do {                                         \
     std::ostringstream spm_skip_text;          \

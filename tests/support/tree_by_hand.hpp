@@ -13,8 +13,8 @@
 
 namespace spm::test {
 
-/// A child of a node, and its box in 255ths of the node's: the whole of it where a test says
-/// nothing.
+/// A child of a node, and its box in 255ths of the node's box. The default is the whole box of the
+/// node.
 struct BoxedChild {
   BvhChild child;
   std::array<std::uint8_t, 3> low{0, 0, 0}, high{255, 255, 255};
@@ -22,7 +22,7 @@ struct BoxedChild {
 
 inline BoxedChild node_child(std::uint32_t node) { return {{ElementKind::node, node, 1}}; }
 inline BoxedChild tile_child(std::uint32_t tile) { return {{ElementKind::tile, tile, 1}}; }
-/// A fan of so many triangles from a corner on.
+/// A fan of `count` triangles that starts at corner `first`.
 inline BoxedChild fan_child(std::uint32_t first, std::uint32_t count) {
   return {{ElementKind::fan, first, count}};
 }
@@ -41,7 +41,7 @@ inline void add_bvh_node(std::vector<std::uint32_t>& words,
   }
 }
 
-/// A tree over leaves: each node holds three of them, and the next node where there are more.
+/// A tree over leaves: each node holds three of them, and also the next node if there are more.
 inline std::vector<std::uint32_t> bvh_over(const std::vector<BoxedChild>& leaves) {
   std::vector<std::uint32_t> words;
   for (std::size_t first = 0; first < leaves.size(); first += 3) {
@@ -56,7 +56,7 @@ inline std::vector<std::uint32_t> bvh_over(const std::vector<BoxedChild>& leaves
   return words;
 }
 
-/// The first word of a node of space whose octants are all of one kind, but for those named.
+/// The first word of a node of space whose octants are all of one kind, except those named.
 inline std::uint32_t octants(SignKind rest,
                              std::initializer_list<std::pair<std::uint32_t, SignKind>> named = {}) {
   std::uint32_t kinds = 0;
@@ -70,7 +70,7 @@ inline std::uint32_t octants(SignKind rest,
   return kinds;
 }
 
-/// So many nodes below each other: the last octant of each is the next, that of the last is `end`.
+/// A chain of nodes: the last octant of each leads to the next node; that of the last is `end`.
 inline std::vector<std::uint32_t> sign_octree_chain(int nodes, SignKind rest, SignKind end) {
   std::vector<std::uint32_t> words;
   for (int node = 1; node <= nodes; ++node) {

@@ -9,8 +9,8 @@
 
 namespace spm::test {
 
-/// Puts a `sparse` asset's triangles (floats) into a tree of elements, halves of halves by their
-/// middles, each a fan of its own; the baker's own builder is not linked here.
+/// Puts a `sparse` asset's triangles (floats) into a tree of elements. They are halved again and
+/// again by their middles, and each is its own fan. The baker's own builder is not linked here.
 class TriangleBvh {
  public:
   explicit TriangleBvh(Asset& asset) : asset_(asset) {

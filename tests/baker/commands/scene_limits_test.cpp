@@ -206,7 +206,7 @@ TEST_CASE("A band wider than the object is refused, whoever asked for it") {
   options.margin = 0.06;
   error = thrown_by([&] { check_limits(sources, options, mesh, false); });
   CHECK(error.code == ExitCode::usage);
-  options.probe_radius = 0.05;  // a probe larger than the object is none of its mistakes
+  options.probe_radius = 0.05;  // a probe larger than the object is not an error
   CHECK(thrown_by([&] { check_limits(sources, options, mesh, false); }).code == ExitCode::done);
 }
 

@@ -27,7 +27,7 @@ using namespace spm::baker;
 namespace {
 
 constexpr double degree = std::numbers::pi / 180;
-/// How much of its variance a Gaussian keeps that is cut off at three sigmas.
+/// The share of its variance that a Gaussian keeps when it is cut off at three sigmas.
 const double kept_variance = (1 - 5.5 * std::exp(-4.5)) / (1 - std::exp(-4.5));
 
 SmoothOptions gaussian(double sigma) { return {Smoothing::gaussian, sigma, 0}; }
@@ -188,7 +188,7 @@ TEST_CASE("A Gaussian rounds the edges of a box and leaves its faces where they 
   SmoothReport report;
   const Mesh mesh = smoothed(test::box({0.03, 0.03, 0.03}), gaussian(sigma), report);
   const Caster caster = caster_of(mesh);
-  // Along either face the mean of what lies beyond the edge is the half of a Gaussian's mean.
+  // Along either face, what lies beyond the edge adds the mean of a Gaussian's positive part.
   const double inward = sigma / std::sqrt(2 * std::numbers::pi);
   for (const Vector3& edge : {Vector3(0.015, 0.015, 0), Vector3(-0.015, 0, 0.015)}) {
     CHECK(caster.closest(edge).distance == Approx(std::numbers::sqrt2 * inward).epsilon(0.03));

@@ -34,7 +34,7 @@ using baker::WindingNumber;
                surface.triangles.begin() + static_cast<std::ptrdiff_t>(surface.surface_count)});
 }
 
-/// Total length of edges that triangles do not close.
+/// Total length of the edges that the triangles leave open.
 [[nodiscard]] double open_length(const OuterSurface& surface) {
   std::map<std::pair<std::uint32_t, std::uint32_t>, int> balance;
   for (const Triangle& t : surface.triangles) {

@@ -55,7 +55,7 @@ std::vector<SurfacePiece> open_pieces(const SurfaceCover& cover) {
   return pieces;
 }
 
-/// Tiles over a shape, proven, and the pieces that are left.
+/// Proven tiles over a shape, and the pieces that are left over.
 struct Covered {
   Caster caster;
   std::vector<SupportPlane> planes;

@@ -57,7 +57,7 @@ std::map<std::uint32_t, std::uint32_t> fans_by_corner(const std::vector<BvhEleme
   return fans;
 }
 
-/// Which elements, tiles or not and their old numbers, a visit meets.
+/// The elements that a visit meets: whether each is a tile, and its old number.
 std::set<std::pair<bool, std::uint32_t>> met(const std::vector<BvhElement>& elements,
                                              const BuiltBvh& bvh, const Vector3& point,
                                              double distance) {
@@ -142,7 +142,7 @@ TEST_CASE("Space tells the same in memory and in its words, before and after men
   }
 }
 
-/// Triangles of fans again.
+/// Turns fans back into triangles.
 std::vector<std::array<Vector3, 3>> opened(const std::vector<TriangleFan>& fans) {
   std::vector<std::array<Vector3, 3>> triangles;
   for (const TriangleFan& fan : fans) {
@@ -184,7 +184,7 @@ TEST_CASE("Triangles that share no edge are fans of their own") {
   CHECK(fans_of({}).empty());
 }
 
-/// A surface of so many equal squares in a row, two triangles each, and tiles over them: tile k
+/// A surface of this many equal squares in a row, two triangles each, and tiles over them: tile k
 /// stands for square k, the last square for nothing.
 struct Row {
   test::Shape shape;

@@ -17,7 +17,7 @@ BakeResult baked(const test::Shape& shape) {
   return bake(test::mesh_of(shape), options);
 }
 
-/// Turned about the x axis.
+/// The shape turned about the x axis.
 test::Shape turned(test::Shape shape, double angle) {
   for (Vector3& vertex : shape.vertices) {
     const double y = vertex.y(), z = vertex.z();

@@ -150,7 +150,7 @@ TEST_CASE("A cavity is outside, and its wall is surface") {
 
 TEST_CASE("Of an open box the faces are surface and the hole's edges are known") {
   test::Shape shape = test::box({0.02, 0.02, 0.02});
-  // The two triangles of the face at +x go.
+  // The two triangles of the face at +x are removed.
   shape.triangles.resize(10);
   const Mesh mesh = test::as_mesh(shape);
   REQUIRE(mesh.border_edges == 4);

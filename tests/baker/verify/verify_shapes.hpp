@@ -54,7 +54,7 @@ namespace spm::test {
   return mesh;
 }
 
-/// A point of the box around a mesh, grown by `grow` metres, from three numbers in [0, 1).
+/// A point in the box around a mesh, grown by `grow` metres, from three numbers in [0, 1).
 [[nodiscard]] inline Vector3 point_around(const baker::Mesh& mesh, double grow, double a, double b,
                                           double c) {
   const Vector3 low = mesh.box_min - Vector3::Constant(grow);

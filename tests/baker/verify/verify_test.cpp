@@ -18,7 +18,7 @@ using namespace spm::baker;
 
 namespace {
 
-/// Makes all space around an asset, and the asset, of one kind.
+/// Sets all space in and around an asset to one kind.
 void fill_sign_octree(Asset& asset, SignKind kind) {
   test::fill_sign_octree(asset, Vector3::Constant(-0.1), 0.2, kind);
 }
@@ -105,7 +105,7 @@ TEST_CASE("Places without an answer are counted, and inside they count as taken 
 }
 
 TEST_CASE("A deep answer where it is shallow is off by the difference") {
-  // Of a box so large that all of the band is deep in it.
+  // An asset of a box so large that all of the band is deep in it.
   Asset asset = exact_asset(test::box({0.09, 0.09, 0.09}), 50e-6);
   fill_sign_octree(asset, SignKind::inside);
   const VerifyReport report = verify(box(), asset);
@@ -115,7 +115,7 @@ TEST_CASE("A deep answer where it is shallow is off by the difference") {
 }
 
 TEST_CASE("Samples reach the whole band and no farther") {
-  // Of a box so large that all of the band is deep in it.
+  // An asset of a box so large that all of the band is deep in it.
   Asset asset = exact_asset(test::box({0.09, 0.09, 0.09}), 50e-6);
   fill_sign_octree(asset, SignKind::inside);
   const AssetTables tables = tables_of(asset);

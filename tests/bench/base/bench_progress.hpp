@@ -6,7 +6,7 @@
 
 namespace spm::bench {
 
-/// Called with what is being measured and how much of all is done, 0 to 1; may be empty.
+/// Called with the name of the current measurement and the share done, 0 to 1; may be empty.
 using BenchProgress = std::function<void(const std::string& what, double done)>;
 
 }  // namespace spm::bench

@@ -5,7 +5,7 @@
 
 namespace spm::bench {
 
-/// What made the figures, for the key `made` of a report: `machine` (processor, cores, memory,
+/// How the figures were made, for the key `made` of a report: `machine` (processor, cores, memory,
 /// system, kernel, compiler, libraries) and `command` (this process's own, paths without their
 /// folders). Nothing that names the machine, its user or its folders.
 [[nodiscard]] nlohmann::ordered_json made_json();

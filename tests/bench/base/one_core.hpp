@@ -5,8 +5,8 @@
 
 namespace spm::bench {
 
-/// Keeps the calling thread on the core it runs on, until its end; does nothing where the system
-/// refuses.
+/// Keeps the calling thread on its current core until the object is destroyed. Does nothing if the
+/// system refuses.
 class OneCore {
  public:
   OneCore() {

@@ -8,7 +8,7 @@
 
 namespace spm::bench {
 
-/// Nearest-rank quantile; 0 of none. Changes the order of the values.
+/// Nearest-rank quantile; 0 if there are no values. Changes the order of the values.
 [[nodiscard]] inline double quantile(std::vector<double>& values, double share) {
   if (values.empty()) return 0;
   const double rank = std::ceil(share * static_cast<double>(values.size()));

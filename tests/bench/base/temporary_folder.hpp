@@ -10,7 +10,7 @@
 
 namespace spm::bench {
 
-/// A folder of its own under the system's temporary folder, removed with all in it at the end.
+/// A new folder under the system's temporary folder. The destructor removes it with its contents.
 class TemporaryFolder {
  public:
   TemporaryFolder()

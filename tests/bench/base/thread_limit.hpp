@@ -6,7 +6,7 @@
 
 namespace spm::bench {
 
-/// While it lives, parallel work takes so many threads; 0: as many as there are cores.
+/// During its lifetime, parallel work uses this many threads; 0: as many as there are cores.
 [[nodiscard]] inline tbb::global_control thread_limit(unsigned threads) {
   return {tbb::global_control::max_allowed_parallelism,
           threads > 0 ? threads : static_cast<unsigned>(tbb::info::default_concurrency())};

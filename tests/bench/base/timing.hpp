@@ -12,20 +12,20 @@
 
 namespace spm::bench {
 
-/// A place to ask at, and where a proxy that starts afresh is put before.
+/// A place to query, and the place where a proxy is put before if it starts afresh.
 struct TimedPlace {
   Vector3 point = Vector3::Zero();
   Vector3 free = Vector3::Zero();  ///< on the surface's free side
   bool fresh = true;               ///< not one step from the place before
 };
 
-/// What every method is asked: one set for all of them.
+/// The queries for every method; all methods get the same set.
 struct QuerySets {
   std::vector<TimedPlace> hot;     ///< along a path
-  std::vector<TimedPlace> random;  ///< in no order
+  std::vector<TimedPlace> random;  ///< in random order
 };
 
-/// What is timed. `ask` is called with whole blocks, so that neither clock nor call weighs.
+/// A timed method. `ask` gets whole blocks, so that the cost of the clock and the call is small.
 class Contestant {
  public:
   Contestant() = default;
@@ -33,26 +33,26 @@ class Contestant {
   Contestant(const Contestant&) = delete;
   Contestant& operator=(const Contestant&) = delete;
 
-  /// Before a block, not timed: brings what remembers to the block's first place.
+  /// Runs before a block, not timed: moves a method with state to the first place of the block.
   virtual void begin(std::span<const TimedPlace> block) = 0;
 
-  /// Asks at every place of the block that was begun, in order.
+  /// Queries every place of the block that was begun, in order.
   virtual void ask(std::span<const TimedPlace> block) = 0;
 };
 
 struct TimingPlan {
-  std::size_t rounds = 15;         ///< passes of each contestant, in turn
-  double pass_seconds = 0.015;     ///< a pass of a slow one is cut to as many blocks as this takes
-  std::size_t cold_queries = 100;  ///< of each contestant
-  std::size_t cold_bytes = 48u << 20u;  ///< walked before each of them
+  std::size_t rounds = 15;              ///< passes of each contestant, in turn
+  double pass_seconds = 0.015;          ///< a slow pass is cut to the blocks that fit in this time
+  std::size_t cold_queries = 100;       ///< of each contestant
+  std::size_t cold_bytes = 48u << 20u;  ///< read before each of them
 };
 
-/// Nanoseconds a query.
+/// Nanoseconds per query.
 struct QueryTimes {
   double hot = 0, random = 0, cold = 0;
 };
 
-/// Holds this thread to the processor it runs on while it lives.
+/// Pins this thread to its current processor during the lifetime of the object.
 class PinnedThread {
  public:
   PinnedThread();
@@ -64,24 +64,24 @@ class PinnedThread {
   std::vector<std::uint8_t> before_;
 };
 
-/// What reading the clock twice takes, s: the median of many.
+/// Time to read the clock twice, s: the median of many measurements.
 [[nodiscard]] double clock_seconds();
 
-/// Times all contestants on one pinned core, in rounds, so that what the machine does meanwhile
-/// hits all alike. Hot and random: the median over a pass's blocks of 64 queries, then over the
-/// passes. Each pass goes once over its blocks beforehand, so that hot is hot. Cold: the median
-/// over single queries at random places, a buffer larger than the caches walked before each. The
-/// clock's own time is taken off.
+/// Times all contestants on one pinned core, in rounds, so that other load on the machine affects
+/// all of them equally. Hot and random: the median over a pass's blocks of 64 queries, then over
+/// the passes. Each pass first runs once over its blocks to warm the caches. Cold: the median over
+/// single queries at random places; before each, a buffer larger than the caches is read. The
+/// clock's own time is subtracted.
 [[nodiscard]] std::vector<QueryTimes> time_queries(
     const std::vector<std::unique_ptr<Contestant>>& contestants, const QuerySets& sets,
     const TimingPlan& plan, const std::function<void(double done)>& progress);
 
-/// The hot figures alone.
+/// Only the hot figures.
 [[nodiscard]] std::vector<double> time_hot(
     const std::vector<std::unique_ptr<Contestant>>& contestants, std::span<const TimedPlace> places,
     const TimingPlan& plan);
 
-/// Keeps the compiler from leaving out what nobody reads.
+/// Keeps the compiler from removing a value that is never read.
 template <class T>
 void keep(const T& value) {
   asm volatile("" : : "g"(&value) : "memory");

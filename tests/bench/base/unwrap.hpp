@@ -8,7 +8,7 @@
 
 namespace spm::bench {
 
-/// The value of a result; throws BakeError where there is none.
+/// The value of a result; throws BakeError if there is none.
 template <class T>
 [[nodiscard]] T unwrap(Result<T> result) {
   if (!result) throw baker::BakeError(result.error().code, result.error().message);

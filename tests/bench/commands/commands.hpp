@@ -23,7 +23,7 @@ using cli::Command;
 [[nodiscard]] Command add_stability_command(CLI::App& app);
 [[nodiscard]] Command add_tables_command(CLI::App& app);
 
-/// Gives what `measure(progress)` does, beside a line of progress.
+/// Returns the result of `measure(progress)` and shows a progress line meanwhile.
 template <class Measure>
 [[nodiscard]] auto measured(const cli::GlobalOptions& global, const Measure& measure) {
   cli::ProgressLine line(global);
@@ -41,15 +41,15 @@ void print_report(const cli::GlobalOptions& global, const Json& json, const Text
   }
 }
 
-/// Options that several modes share; `which` tells what of the table is measured without --mesh.
+/// Options that several modes share; `which` says which table meshes are measured without --mesh.
 void add_mesh_option(CLI::App& command, std::vector<std::string>& meshes, const std::string& which);
 void add_method_option(CLI::App& command, std::vector<std::string>& methods);
-/// `what` tells what the number is for. The number must outlive the command.
+/// `what` describes the purpose of the number. The number must outlive the command.
 void add_seed_option(CLI::App& command, std::uint64_t& seed, const std::string& what);
 void add_threads_option(CLI::App& command, unsigned& threads, const std::string& what);
 void add_bakes_option(CLI::App& command, std::string& folder);
 
-/// Usage errors that several modes share: a tolerance must be above 0, a method one of the mode's.
+/// Usage errors of several modes: a tolerance must be above 0, a method must belong to the mode.
 void check_tolerance(const std::optional<double>& tolerance);
 void check_methods(const std::vector<std::string>& asked, const std::vector<std::string>& names);
 

@@ -10,10 +10,10 @@
 
 namespace spm::bench {
 
-/// A box along the axes of the world.
+/// A box aligned with the world axes.
 using AxisBox = Eigen::AlignedBox3d;
 
-/// A box turned with its object; the object's frame.
+/// A box that rotates with its object, in the object's frame.
 struct OrientedBoundingBox {
   Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();  ///< the box's middle and axes
   Vector3 half = Vector3::Zero();
@@ -37,8 +37,8 @@ struct OrientedBoundingBox {
   return made;
 }
 
-/// Whether two boxes are apart, by all fifteen axes (Gottschalk et al. 1996); `pose2` takes the
-/// second's middle and axes to those of the first.
+/// Whether two boxes are disjoint, tested on all fifteen axes (Gottschalk et al. 1996). `pose2`
+/// maps the frame of the second box (its middle and axes) to that of the first.
 [[nodiscard]] inline bool boxes_apart(const Vector3& half1, const Vector3& half2,
                                       const Eigen::Isometry3d& pose2) noexcept {
   const Eigen::Matrix3d& turn = pose2.linear();

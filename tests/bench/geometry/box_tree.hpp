@@ -16,7 +16,7 @@ namespace spm::bench {
 struct SearchBox {
   std::array<float, 3> low{}, high{};
 
-  /// Around both ends of a move, grown by `grow`, and a rounding more.
+  /// Encloses both ends of a move, grown by `grow` and a little more for rounding.
   void set(const Vector3& from, const Vector3& to, double grow) noexcept {
     for (std::size_t axis = 0; axis < 3; ++axis) {
       const auto a = static_cast<int>(axis);
@@ -43,7 +43,7 @@ class AllTriangles {
     }
   }
 
-  /// Whether a triangle's box meets another.
+  /// Whether the box of a triangle meets another box.
   [[nodiscard]] static bool triangle_meets(const FloatMesh& mesh, std::uint32_t triangle,
                                            const SearchBox& box) noexcept {
     const auto& [a, b, c] = mesh.triangles[triangle];
@@ -60,7 +60,7 @@ class AllTriangles {
   const FloatMesh* mesh_;
 };
 
-/// A binary tree of boxes around triangles, halves by the middles of the widest axis.
+/// A binary tree of boxes around triangles, split in halves by their middles on the widest axis.
 class BoxTree {
  public:
   /// Puts the mesh's triangles in the tree's order. The mesh must outlive the tree.
@@ -68,7 +68,7 @@ class BoxTree {
 
   [[nodiscard]] std::uint64_t bytes() const noexcept { return nodes_.size() * sizeof(Node); }
 
-  /// As AllTriangles::each.
+  /// The same as AllTriangles::each.
   template <class Visit>
   void each(const SearchBox& box, const Visit& visit) const {
     std::array<std::uint32_t, max_depth> open{};
@@ -95,11 +95,11 @@ class BoxTree {
   static constexpr std::size_t max_depth = 64;
   static constexpr std::size_t leaf_triangles = 4;
 
-  /// The first half follows its node.
+  /// The node of the first half directly follows its parent.
   struct Node {
     std::array<float, 3> low{}, high{};
     std::uint32_t next = 0;   ///< the second half's node; in a leaf its first triangle
-    std::uint32_t count = 0;  ///< of a leaf's triangles, else 0
+    std::uint32_t count = 0;  ///< number of triangles of a leaf, else 0
   };
 
   [[nodiscard]] static bool meets(const Node& node, const SearchBox& box) noexcept {

@@ -9,7 +9,7 @@
 namespace spm::bench {
 namespace {
 
-constexpr int block_nodes = 8;  ///< a side of the blocks that are skipped whole where they can be
+constexpr int block_nodes = 8;  ///< per side of a block; a block may be skipped as a whole
 
 /// Samples the block of nodes that begins at `first`.
 void sample_block(const Model& model, const GridCounts& first, DistanceLattice& lattice) {
@@ -44,7 +44,7 @@ DistanceLattice sample_band(const Model& model, double cell) {
   const Clock::time_point start = Clock::now();
   DistanceLattice lattice;
   lattice.cell = cell;
-  // The corners of a cube are within its diagonal of any place in it.
+  // The corners of a cube are at most its diagonal away from any place in it.
   const double reach = 1.001 * std::numbers::sqrt3 * cell;
   lattice.inside = model.band.max_depth + reach;
   lattice.outside = model.band.margin + reach;
@@ -53,7 +53,7 @@ DistanceLattice sample_band(const Model& model, double cell) {
   const Vector3 size = model.mesh.box_max + grow - lattice.origin;
   GridCounts blocks{};
   for (std::size_t axis = 0; axis < 3; ++axis) {
-    // A node more than cubes, and a cube more than fit: places on the upper faces have a cube too.
+    // One more node than cubes, and one more cube than fits, so that upper faces have cubes too.
     lattice.nodes[axis] = static_cast<int>(size[static_cast<int>(axis)] / cell) + 2;
     blocks[axis] = (lattice.nodes[axis] + block_nodes - 1) / block_nodes;
   }

@@ -15,12 +15,12 @@ struct DistanceLattice {
   double cell = 1;            ///< m
   GridCounts nodes{};         ///< along each axis
   double inside = 0;          ///< m; values at and below its negative are clamped
-  double outside = 0;         ///< m; likewise above
+  double outside = 0;         ///< m; values at and above it are clamped
   std::vector<float> values;  ///< x fastest
-  double seconds = 0;         ///< it took to compute
+  double seconds = 0;         ///< that the computation took
 };
 
-/// Distances and sides are the baker's caster's, so that no rival is judged by a worse inside test.
+/// Takes distances and sides from the baker's caster, so that no rival has a worse inside test.
 [[nodiscard]] DistanceLattice sample_band(const Model& model, double cell);
 
 }  // namespace spm::bench

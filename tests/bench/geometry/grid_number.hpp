@@ -23,7 +23,7 @@ using GridCounts = std::array<int, 3>;
   return grid_number(counts, {0, 0, counts[2]});
 }
 
-/// The place of a number.
+/// The place that has a number.
 [[nodiscard]] inline GridCounts grid_place(const GridCounts& counts, std::size_t number) noexcept {
   const auto columns = static_cast<std::size_t>(counts[0]);
   const auto rows = static_cast<std::size_t>(counts[1]);

@@ -8,8 +8,8 @@
 
 namespace spm::bench {
 
-/// The nearest of the triangles it is shown, and the side of the solid: where several touch the
-/// nearest place, the triangle that faces the point most tells.
+/// Finds the nearest of the triangles it is shown, and the side of the solid. If several triangles
+/// share the nearest place, the triangle that faces the point most directly decides the side.
 class NearestPoint {
  public:
   /// `tie`: metres within which closest points count as equally near.
@@ -22,7 +22,7 @@ class NearestPoint {
     const Vector3 away = point_ - closest_point;
     const double squared = away.squaredNorm();
     if (squared > bound_squared_) return false;
-    // Only what may be nearest is worth a normal.
+    // The normal is computed only for triangles that may be nearest.
     const Vector3 normal = (b - a).cross(c - a).normalized();
     const double distance = std::sqrt(squared);
     const double height = normal.dot(away);
@@ -39,10 +39,10 @@ class NearestPoint {
     return true;
   }
 
-  /// m; infinite before the first triangle
+  /// In metres; infinite before the first triangle.
   [[nodiscard]] double distance() const noexcept { return distance_; }
 
-  /// `far` where no triangle was shown.
+  /// `far` if no triangle was shown.
   [[nodiscard]] Answer answer() const noexcept {
     Answer answer;
     answer.distance = std::numeric_limits<double>::quiet_NaN();

@@ -12,7 +12,7 @@ namespace {
 
 constexpr int max_steps = 12;
 
-/// Whether a point of the triangle's plane lies in it, or at most `slack` metres beside it.
+/// Whether a point in the plane of the triangle is inside it or at most `slack` metres outside.
 bool inside(const Vector3& point, const std::array<Vector3, 3>& corners, const Vector3& normal,
             double slack) noexcept {
   for (std::size_t k = 0; k < 3; ++k) {
@@ -30,16 +30,16 @@ bool touch_by_point(const Vector3& from, const Vector3& move, const std::array<V
   const Vector3 across = (corners[1] - corners[0]).cross(corners[2] - corners[0]);
   const double start = across.dot(from - corners[0]);
   const double change = across.dot(move);
-  // It crosses the plane where the two have different signs and the change is the larger.
+  // The point crosses the plane if the two have different signs and the change is larger.
   if (start > 0 ? start + change > 0 : start + change < 0) return false;
   if (change == 0) return false;
   const double share = std::clamp(-start / change, 0.0, 1.0);
   const double area = across.norm();
   const Vector3 normal = across / area;
   const Vector3 closest_point = from + share * move;
-  // Neighbours overlap by a thousandth of the skin, so that none is passed between.
+  // Neighbours overlap by a thousandth of the skin, so that no point slips between them.
   if (!inside(closest_point, corners, normal, 1e-3 * skin)) return false;
-  // Back along the move until it is a skin above the plane, or at its start.
+  // Move back until the point is one skin above the plane, or at its start.
   touch.share = std::max(0.0, share - skin * area / std::abs(change));
   touch.closest_point = closest_point;
   touch.normal = start > 0 ? normal : Vector3(-normal);
@@ -63,7 +63,7 @@ bool touch_by_ball(const Vector3& from, const Vector3& move, double radius,
     const double slope = touch.normal.dot(move);
     const double gap = distance - reach;
     if (slope >= 0) return false;
-    // Back along the move until a whole skin is between, or at its start.
+    // Move back until the gap is a whole skin, or to the start of the move.
     touch.share = std::max(0.0, share + skin / 2 / slope);
     if (gap <= 0.01 * skin) return true;
     share -= gap / slope;

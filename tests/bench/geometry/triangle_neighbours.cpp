@@ -8,7 +8,7 @@
 namespace spm::bench {
 namespace {
 
-/// Whether a place of a triangle lies within `tie` of its border.
+/// Whether a place in a triangle is within `tie` of its border.
 bool on_border(const std::array<Vector3, 3>& corners, const Vector3& closest_point,
                double tie) noexcept {
   for (std::size_t k = 0; k < 3; ++k) {

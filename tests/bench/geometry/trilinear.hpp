@@ -11,8 +11,8 @@ namespace spm::bench {
 /// Signed distances at a cube's corners, metres; bit 0 of the index is x, bit 1 y, bit 2 z.
 using CubeCorners = std::array<double, 8>;
 
-/// Distance at a place of the cube, each coordinate from 0 to 1, and as its normal the direction of
-/// the gradient of the trilinear function.
+/// Distance at a place in the cube, each coordinate from 0 to 1. The normal is the direction of the
+/// gradient of the trilinear function.
 [[nodiscard]] inline Answer trilinear(const CubeCorners& corners, const Vector3& place) noexcept {
   const auto mix = [](double a, double b, double t) { return a + t * (b - a); };
   std::array<double, 4> along_x{}, slope_x{};
@@ -34,7 +34,7 @@ using CubeCorners = std::array<double, 8>;
   return answer;
 }
 
-/// Answer beyond the band: `deep` says no more than how deep the band goes.
+/// Answer for a point deeper than the band: `deep`, with only the depth of the band.
 [[nodiscard]] inline Answer deep_answer(double max_depth) noexcept {
   Answer answer;
   answer.distance = -max_depth;
@@ -42,7 +42,7 @@ using CubeCorners = std::array<double, 8>;
   return answer;
 }
 
-/// Answer outside, beyond the margin.
+/// Answer for a point outside, beyond the margin.
 [[nodiscard]] inline Answer far_answer() noexcept {
   Answer answer;
   answer.distance = std::numeric_limits<double>::quiet_NaN();

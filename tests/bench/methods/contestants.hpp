@@ -10,15 +10,15 @@
 
 namespace spm::bench {
 
-// What is timed, for each kind of method; each refers to a method that must outlive it.
+// The timed object for each kind of method. The method that it refers to must outlive it.
 
-/// A method without memory: asked at the points of a block at once.
+/// A method without state: queried at all points of a block at once.
 [[nodiscard]] std::unique_ptr<Contestant> contestant_of(const Method& method);
 
 /// A ball at each point.
 [[nodiscard]] std::unique_ptr<Contestant> contestant_of(ProbeMethod& method);
 
-/// A proxy that follows; where a place is fresh it is put on the free side first.
+/// A proxy that follows the path. At a fresh place it is first put on the free side.
 [[nodiscard]] std::unique_ptr<Contestant> contestant_of(MeshProxy& proxy);
 
 }  // namespace spm::bench

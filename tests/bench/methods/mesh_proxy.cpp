@@ -53,7 +53,7 @@ class Proxy final : public MeshProxy {
     triangle_ = contact.triangle;
     if (contact.triangle == no_triangle) return result(tool);
     if (options_.shading) {
-      // The second pass: towards where the shaded plane would hold it, over the true surface.
+      // Second pass: moves over the true surface to where the shaded plane would hold the proxy.
       const Vector3 shaded = shaded_normal(contact.triangle, contact.closest_point, contact.normal);
       Vector3 goal = tool + shaded * std::max(0.0, (proxy_ - tool).dot(shaded));
       goal += contact.normal * std::max(0.0, (proxy_ - goal).dot(contact.normal));
@@ -92,7 +92,7 @@ class Proxy final : public MeshProxy {
     Vector3 normal = Vector3::Zero();
   };
 
-  /// Moves the proxy towards a goal until a triangle holds it. False where none does.
+  /// Moves the proxy towards a goal until a triangle stops it. False if none does.
   bool advance(const Vector3& goal, Contact& contact) noexcept {
     const Vector3 move = goal - proxy_;
     if (!(move.squaredNorm() > 0)) return false;
@@ -116,7 +116,7 @@ class Proxy final : public MeshProxy {
       return false;
     }
     proxy_ += best * move;
-    // What rounding took of a ball's skin is given back.
+    // Restore the part of a ball's skin that was lost to rounding.
     const double height = (proxy_ - contact.closest_point).dot(contact.normal);
     if (options_.radius > 0 && height < options_.radius + skin) {
       proxy_ += std::min(options_.radius + skin - height, skin) * contact.normal;
@@ -124,8 +124,8 @@ class Proxy final : public MeshProxy {
     return true;
   }
 
-  /// Follows a goal: freely, then along the plane that holds the proxy, then along the line where
-  /// two do, until three hold it.
+  /// Follows a goal: freely, then along the plane that stops the proxy, then along the line where
+  /// two planes meet, until three planes stop it.
   Contact slide(const Vector3& goal) noexcept {
     Contact first, second, third;
     if (!advance(goal, first)) return first;
@@ -135,8 +135,8 @@ class Proxy final : public MeshProxy {
     const Vector3 line = first.normal.cross(second.normal);
     const double size = line.squaredNorm();
     const Vector3 rest = goal - proxy_;
-    // Where the second plane alone leads away from the first, as where they are almost one, the
-    // first holds it no more.
+    // If sliding along the second plane alone leads away from the first, or if both are almost the
+    // same plane, the first no longer holds the proxy.
     const Vector3 by_second = rest - second.normal * std::min(0.0, rest.dot(second.normal));
     const bool leaves = !(size > 1e-6) || !(by_second.dot(first.normal) < 0);
     const Vector3 along = leaves ? by_second : Vector3(line * (rest.dot(line) / size));
@@ -144,7 +144,7 @@ class Proxy final : public MeshProxy {
     return first;
   }
 
-  /// On the side of `side`.
+  /// The shaded normal, on the same side as `side`.
   [[nodiscard]] Vector3 shaded_normal(std::uint32_t triangle, const Vector3& closest_point,
                                       const Vector3& side) const noexcept {
     const auto [a, b, c] = mesh_.corners(triangle);

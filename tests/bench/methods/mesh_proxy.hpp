@@ -9,9 +9,9 @@
 
 namespace spm::bench {
 
-/// What a proxy on a mesh is made of.
+/// The options of a proxy on a mesh.
 struct MeshProxyOptions {
-  bool tree = true;        ///< a tree of boxes finds the triangles; otherwise all are looked at
+  bool tree = true;        ///< a tree of boxes finds the triangles; otherwise all are tested
   bool shading = true;     ///< by interpolated vertex normals (Ruspini et al. 1997)
   double radius = 0;       ///< m; 0 is a point
   double stiffness = 1e3;  ///< N/m
@@ -27,8 +27,8 @@ struct ProxyContact {
 };
 
 /// A god object on a triangle mesh (Zilles and Salisbury 1995): a point or ball that follows the
-/// tool as near as up to three constraint planes let it, and never passes the surface. The rival
-/// that the paper compares itself with. It remembers where it is: not for several threads.
+/// tool as closely as up to three constraint planes allow, and never crosses the surface. The paper
+/// compares itself with this method. It remembers its position, so it is not thread-safe.
 class MeshProxy {
  public:
   MeshProxy() = default;
@@ -39,12 +39,12 @@ class MeshProxy {
   /// Puts the proxy at a place, which must be free.
   virtual void place(const Vector3& where) noexcept = 0;
 
-  /// The tool moves here: the proxy follows. The search for triangles is part of it.
+  /// Moves the tool to a place; the proxy follows. This includes the search for triangles.
   virtual ProxyContact follow(const Vector3& tool) noexcept = 0;
 
-  /// The force that a tool gets from one triangle without any search: the plane of its closest
-  /// point, and shading. Which triangle a tick touches is `last_triangle()` of the following
-  /// before.
+  /// The force that one triangle gives a tool, without any search: from the plane at its closest
+  /// point, and shading. An earlier `follow()` gives the triangle of a tick, as
+  /// `last_triangle()`.
   [[nodiscard]] virtual ProxyContact force_at(const Vector3& tool,
                                               std::uint32_t triangle) const noexcept = 0;
   [[nodiscard]] virtual std::uint32_t last_triangle() const noexcept = 0;

@@ -17,7 +17,7 @@ using namespace spm;
 using namespace spm::bench;
 
 const Vector3 box_size(0.02, 0.016, 0.012);
-constexpr double skin = 3e-7;  // m: what a proxy keeps from the surface, and rounding
+constexpr double skin = 3e-7;  // m: the gap of a proxy to the surface, plus rounding
 
 FloatMesh mesh_of(const test::Shape& shape) {
   baker::OuterSurface surface;
@@ -87,7 +87,7 @@ TEST_CASE("A proxy stays on the side it came from, however thin the wall") {
 }
 
 TEST_CASE("Three planes hold a proxy in a corner") {
-  // From within: the box's triangles stop it from either side.
+  // From inside: the triangles of the box stop it from both sides.
   for (const MeshProxyOptions& options : plain_options()) {
     INFO(to_string(options));
     const auto proxy = make_mesh_proxy(mesh_of(test::box(box_size)), options);
@@ -140,7 +140,7 @@ TEST_CASE("A tree finds what looking at all triangles finds") {
     for (const Vector3& tool : path) {
       const ProxyContact a = tree->follow(tool), b = all->follow(tool);
       contacts += a.contact ? 1 : 0;
-      // Where two triangles hold it alike, either may be found first.
+      // If two triangles hold it equally, either may be found first.
       CHECK((a.proxy - b.proxy).norm() < 5e-6);
     }
     CHECK(contacts > 300);

@@ -12,12 +12,12 @@
 
 namespace spm::bench {
 
-/// What a method is, and what it took to make it. Counted by the method itself.
+/// Describes a method and the cost to build it. The method itself fills this in.
 struct MethodFacts {
   std::string name;         ///< as the tables and the chart call it
   std::string settings;     ///< for a person, such as "cell 1 mm"
   double setting = 0;       ///< m: the tolerance or cell that was asked for; 0 where there is none
-  std::uint64_t bytes = 0;  ///< of memory that a query may read
+  std::uint64_t bytes = 0;  ///< size of the memory that a query may read
   double build_seconds = 0;
   double open_seconds = 0;  ///< to open the file and derive its index; 0 where there is none
 };
@@ -35,7 +35,7 @@ class Method {
   /// beyond the band.
   [[nodiscard]] virtual Answer query(const Vector3& point) const noexcept = 0;
 
-  /// Answers at many points, one after the other unless a method knows better.
+  /// Answers at many points, one after the other unless a method has a faster way.
   virtual void query_all(std::span<const Vector3> points,
                          std::span<Answer> answers) const noexcept {
     for (std::size_t i = 0; i < points.size(); ++i) answers[i] = query(points[i]);

@@ -15,16 +15,16 @@
 namespace spm::bench {
 namespace {
 
-// A word tells what a cube is: a marker, a leaf's number, or the first of its octants' eight words.
+// The word of a cube is a marker, a leaf's number, or the first of its octants' eight words.
 constexpr std::uint32_t far_word = 0xFFFFFFFFU;
 constexpr std::uint32_t deep_word = 0xFFFFFFFEU;
 constexpr std::uint32_t leaf_bit = 1U << 31U;
 
-/// Cubes larger than this are split unseen: the places tried in one might all miss the band.
+/// Larger cubes are split without a test, as all tried places in one might miss the band.
 constexpr double largest_leaf = 0.004;  // m
-/// Places tried in a cube are no farther apart than this.
+/// The largest spacing of the places tried in a cube.
 constexpr double largest_step = 0.001;  // m
-/// Nothing is gained from cubes much smaller than the error that is allowed.
+/// Cubes much smaller than the allowed error bring no gain.
 constexpr double smallest_leaf = 0.5;  // tolerances
 
 struct Cube {
@@ -43,8 +43,8 @@ struct Look {
 /// Corner `index` of a cube of edge 1.
 Vector3 unit_corner(std::uint32_t index) { return grid_vector(grid_place({2, 2, 2}, index)); }
 
-/// True where the trilinear function of a cube's corners holds at the places of a lattice in it, so
-/// many steps a side, as far as they are in the band.
+/// True if the trilinear function of a cube's corners is within the tolerance at the places in the
+/// band of a lattice in the cube, with `steps` steps per side.
 bool holds(const Model& model, double tolerance, const Cube& cube, const CubeCorners& corners,
            int steps) {
   const GridCounts tried{steps + 1, steps + 1, steps + 1};
@@ -76,7 +76,7 @@ Look look(const Model& model, double tolerance, const Cube& cube) {
   }
   result.verdict = Verdict::leaf;
   if (cube.edge <= smallest_leaf * tolerance) return result;
-  // As Frisken et al. do, the middles of edges and faces and its own; then finer in large cubes.
+  // Like Frisken et al., test the middles of edges, faces and cube; then finer in large cubes.
   for (int steps = 2; result.verdict == Verdict::leaf; steps *= 2) {
     if (!holds(model, tolerance, cube, corners, steps)) result.verdict = Verdict::split;
     if (cube.edge <= steps * largest_step) break;
@@ -120,7 +120,7 @@ class AdaptiveSdf : public Method {
   }
 
  private:
-  /// A level at a time: cubes are judged side by side, and enter the tree in their order.
+  /// One level at a time: cubes are judged in parallel and enter the tree in their order.
   void build(const Model& model, double tolerance) {
     root_.low = model.mesh.box_min - Vector3::Constant(model.band.margin);
     root_.edge = (model.mesh.box_max - model.mesh.box_min).maxCoeff() + 2 * model.band.margin;

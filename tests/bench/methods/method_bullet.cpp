@@ -21,7 +21,7 @@ btVector3 bullet_vector(const Vector3& vector) {
           static_cast<btScalar>(vector.z())};
 }
 
-/// The mesh in Bullet's hands: it reads our vertices and triangles where they lie.
+/// The mesh as Bullet uses it: Bullet reads our vertices and triangles in place.
 class BulletMesh {
  public:
   explicit BulletMesh(FloatMesh mesh)
@@ -82,7 +82,7 @@ class Bullet : public Method {
 
   [[nodiscard]] Answer query(const Vector3& point) const noexcept override {
     if (!point.allFinite()) return far_answer();
-    // Boxes hold more triangles than balls: small ones first, as a user who knows would.
+    // Boxes hold more triangles than balls. So try small boxes first, as an expert user would.
     for (double reach = first_reach;; reach = std::min(2 * reach, reach_)) {
       ShowTriangles show(point, tie_);
       const Vector3 corner = Vector3::Constant(reach + tie_);

@@ -48,8 +48,8 @@ class CgalTree : public Method {
   }
 
  private:
-  /// A triangle, its primitive, a node of the tree and a hint (a point and whose it is, and a
-  /// pointer to it) a triangle; and the indexed mesh and neighbours that tell the side.
+  /// Per triangle: the triangle, its primitive, a tree node and a hint (a point with its primitive,
+  /// and a pointer to it). Also the indexed mesh and the neighbours that decide the side.
   [[nodiscard]] std::uint64_t bytes() const noexcept {
     const std::size_t each = sizeof(Kernel::Triangle_3) + sizeof(Primitive) +
                              sizeof(CGAL::AABB_node<Tree::AABB_traits>) +

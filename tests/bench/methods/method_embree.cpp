@@ -56,7 +56,7 @@ class Embree : public Method {
       const auto [a, b, c] = io.self->mesh_.corners(arguments->primID);
       const Vector3 closest_point = closest_on_triangle(io.point, a, b, c);
       if (!io.nearest.show(closest_point, a, b, c)) return false;
-      // Slack, so that single precision loses none that decides the side.
+      // Slack, so that single precision loses no triangle that decides the side.
       arguments->query->radius = static_cast<float>(
           (io.nearest.distance() + io.self->tie_) * (1 + 1e-5) + 1e-6 * io.self->diagonal_);
       return true;

@@ -20,7 +20,7 @@ namespace {
 
 using FclMesh = fcl::BVHModel<fcl::OBBRSSd>;
 
-constexpr double point_radius = 1e-9;  // m: FCL knows no points; a ball below all rounding
+constexpr double point_radius = 1e-9;  // m: FCL has no points; a ball below rounding size
 
 void build(FclMesh& tree, const FloatMesh& mesh) {
   std::vector<fcl::Vector3d> vertices;

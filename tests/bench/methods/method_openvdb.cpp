@@ -27,10 +27,10 @@ class OpenVdb : public Method {
 
   [[nodiscard]] Answer query(const Vector3& point) const noexcept override {
     const Vector3 place = (point - origin_) / cell_;
-    // Coordinates of a tree are 32 bits wide.
+    // The coordinates in a tree are 32 bits wide.
     if (!(place.lpNorm<Eigen::Infinity>() < 1e9)) return far_answer();
     const Vector3 cube = place.array().floor();
-    // One that is not registered with the tree: registering takes a lock.
+    // This accessor is not registered with the tree, because registering takes a lock.
     const openvdb::tree::ValueAccessor<const openvdb::FloatTree, false> accessor(tree_);
     CubeCorners corners{};
     for (std::size_t i = 0; i < corners.size(); ++i) {

@@ -11,7 +11,7 @@
 namespace spm::bench {
 namespace {
 
-// The library's codes are the enumerators' own.
+// The codes of the library equal the values of the enumerators.
 static_assert(static_cast<int>(Status::pruned) == SPM_QUERY_PRUNED);
 static_assert(static_cast<int>(Source::none) == SPM_QUERY_NONE);
 
@@ -26,7 +26,7 @@ Answer answer_of(const spm_query_answer& told) noexcept {
   return answer;
 }
 
-/// One point a call.
+/// One point per call.
 class Spm : public Method {
  public:
   Spm(const BakedFile& file, QueryAsset asset, CountedBytes counted) : asset_(std::move(asset)) {
@@ -68,7 +68,7 @@ class SpmBatch final : public Spm {
   }
 };
 
-/// While it lives Highway runs what it has for any processor, a number at a time.
+/// During its lifetime Highway runs its generic code, which handles one number at a time.
 class ScalarTarget {
  public:
   explicit ScalarTarget(std::int64_t usual) : usual_(usual) {
@@ -82,7 +82,7 @@ class ScalarTarget {
   std::int64_t usual_;
 };
 
-/// One point a call, and one unit of a list after the other.
+/// One point per call, and one unit of a list after the other.
 class SpmScalar final : public Spm {
  public:
   SpmScalar(const BakedFile& file, QueryAsset asset)
@@ -92,7 +92,7 @@ class SpmScalar final : public Spm {
 
   void query_all(std::span<const Vector3> points,
                  std::span<Answer> answers) const noexcept override {
-    // A block a time: each switch is for all threads.
+    // Switch once per block, since each switch affects all threads.
     const ScalarTarget scalar(usual_);
     Spm::query_all(points, answers);
   }

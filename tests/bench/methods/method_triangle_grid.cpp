@@ -22,7 +22,7 @@ using List = std::vector<std::uint32_t>;
 
 constexpr std::uint32_t far_cell = 0xFFFFFFFFU;
 constexpr std::uint32_t deep_cell = 0xFFFFFFFEU;
-constexpr int parts = 4;  ///< a side that a cell is looked at in: its list is the union of theirs
+constexpr int parts = 4;  ///< per side of a cell; a cell's list is the union of their lists
 
 struct Layout {
   Vector3 origin = Vector3::Zero();
@@ -30,15 +30,15 @@ struct Layout {
   GridCounts cells{};
 };
 
-/// What a cell holds: a marker, or a list.
+/// The content of a cell: a marker or a list.
 struct Cell {
   std::uint32_t marker = far_cell;
   List triangles;
 };
 
-/// Adds the triangles that can be closest to a place of a cube, where the cube touches the band.
-/// Whichever is closest to a place is closer to the cube's middle than the middle's own distance
-/// and two half-diagonals.
+/// Adds the triangles that can be closest to a place in a cube, if the cube touches the band. A
+/// triangle that is closest to a place in the cube is no farther from the middle of the cube than
+/// the surface distance at the middle plus two half-diagonals.
 void add_triangles(const Model& model, const Vector3& middle, double edge, List& found) {
   const double reach = std::numbers::sqrt3 / 2 * edge;
   const double distance = model.caster.closest(middle).distance;
@@ -123,7 +123,7 @@ class TriangleGrid : public Method {
       const Vector3 place = grid_vector(grid_place(layout_.cells, i));
       cells[i] = make_cell(model, layout_.origin + layout_.cell * place, layout_.cell);
     });
-    // Equal lists are kept once.
+    // Equal lists are stored once.
     std::map<List, std::uint32_t> known;
     index_.reserve(cells.size());
     for (const Cell& cell : cells) {
@@ -144,8 +144,8 @@ class TriangleGrid : public Method {
   Layout layout_;
   Band band_;
   double tie_;
-  std::vector<std::uint32_t> index_;  ///< a word a cell, x fastest: a marker or a place in lists_
-  std::vector<std::uint32_t> lists_;  ///< how many, then the triangles
+  std::vector<std::uint32_t> index_;  ///< one per cell, x fastest: a marker or an index in lists_
+  std::vector<std::uint32_t> lists_;  ///< each: the count, then the triangles
 };
 
 }  // namespace

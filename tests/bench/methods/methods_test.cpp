@@ -45,7 +45,7 @@ bool in_band(double distance) {
   return distance > -bench_band.max_depth && distance < bench_band.margin;
 }
 
-/// The largest error of a method against a closed form, over places of the band.
+/// The largest error of a method against a closed form, over places in the band.
 template <class Truth>
 double largest_error(const Method& method, const Model& model, const Truth& truth) {
   double largest = 0;
@@ -54,7 +54,7 @@ double largest_error(const Method& method, const Model& model, const Truth& trut
     const double distance = truth(point);
     if (!in_band(distance)) continue;
     const double error = std::abs(method.query(point).distance - distance);
-    // Not a number is the largest error of all.
+    // NaN counts as the largest error of all.
     if (!(error <= largest)) largest = error;
   }
   return largest;
@@ -186,8 +186,8 @@ TEST_CASE("Distance fields are exact where the distance is linear") {
 TEST_CASE("Distance fields of a ball err as little as their cells allow") {
   const Model model = model_of(test::sphere(ball_radius, 5));
   const auto truth = [](const Vector3& point) { return point.norm() - ball_radius; };
-  // An eighth of the squared cell times the sum of the second derivatives, 2 / radius, where that
-  // is least; and the flat triangles under the ball.
+  // An eighth of the squared cell size times the sum of the second derivatives, 2 / radius, at the
+  // least radius; plus the error of the flat triangles under the ball.
   const double flat = ball_radius - std::abs(model.caster.closest(Vector3::Zero()).distance);
   const auto bound = [flat](double cell) {
     return cell * cell / 4 / (ball_radius - bench_band.max_depth - cell) + flat;
@@ -204,7 +204,7 @@ TEST_CASE("Distance fields of a ball err as little as their cells allow") {
       CHECK(sparse->query(point).distance == dense->query(point).distance);
     }
   }
-  // Between the places that it tries an adaptive field may err a little more.
+  // Between the tried places an adaptive field may have a slightly larger error.
   CHECK(largest_error(*make_adaptive_sdf(model, tolerance), model, truth) < 1.1 * tolerance + flat);
 }
 
@@ -232,13 +232,13 @@ TEST_CASE("Bytes count all that a method keeps") {
   CHECK(mesh == 8 * 3 * sizeof(float) + 12 * 3 * sizeof(std::uint32_t));
   CHECK(FloatMesh(model.surface).bytes() == mesh);
 
-  // 21 x 17 x 13 mm with the margin: so many cells, and nodes one more and one to spare.
+  // 21 x 17 x 13 mm with the margin: one cell per mm; nodes are one more, and one to spare.
   const std::uint64_t nodes = 23 * 19 * 15;
   CHECK(make_dense_sdf(sample_band(model, 1e-3))->facts().bytes == nodes * sizeof(float));
 
   const std::uint64_t cells = 22 * 18 * 14;
   const std::uint64_t grid = make_triangle_grid(model, 1e-3)->facts().bytes;
-  // The twelve triangles make few different lists, each of which is kept once.
+  // The twelve triangles make few different lists, and each is stored once.
   CHECK(grid > mesh + 4 * cells);
   CHECK(grid < mesh + 4 * cells + 4 * 13 * 200);
 
@@ -246,7 +246,7 @@ TEST_CASE("Bytes count all that a method keeps") {
   CHECK(compact > mesh);
   CHECK(compact <= make_embree(model, false)->facts().bytes);
 
-  // At the least the floats of a leaf of 8 voxels a side for every 8 mm.
+  // At least the floats of one leaf, with 8 voxels per side, for every 8 mm.
   CHECK(make_openvdb(sample_band(model, 1e-3))->facts().bytes > 3 * 2 * 2 * 512 * sizeof(float));
 
   const auto coarse = make_adaptive_sdf(model, 1e-3);

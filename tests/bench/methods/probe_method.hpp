@@ -10,7 +10,7 @@
 
 namespace spm::bench {
 
-/// A way to tell how deep a ball is in contact. Not for several threads at once.
+/// A method that computes the contact depth of a ball. Not thread-safe.
 class ProbeMethod {
  public:
   ProbeMethod() = default;
@@ -33,7 +33,7 @@ class ProbeMethod {
   std::string settings_;
 };
 
-// `radius` in metres, at most the margin of the band for `spm`. In the files of the methods.
+// `radius` is in metres; for `spm` at most the margin of the band. Defined in the method files.
 
 /// The product's force for a ball on a baked file. Throws BakeError.
 [[nodiscard]] std::unique_ptr<ProbeMethod> make_spm_probe(const BakedFile& file, double radius);

@@ -17,7 +17,7 @@ struct Outcome {
   bool answered = false;
   bool outside = false;
   double error = 0;
-  double angle = -1;  ///< rad; negative where none is judged
+  double angle = -1;  ///< rad; negative if no direction is judged
 };
 
 Outcome judge(const Answer& answer, const Model& model, const Place& place) {

@@ -10,7 +10,7 @@ namespace spm::bench {
 
 /// How far a method's answers are from the truth.
 struct Score {
-  double rms = 0, p50 = 0, p99 = 0, max = 0;    ///< m, of the answered places
+  double rms = 0, p50 = 0, p99 = 0, max = 0;    ///< m, over the answered places
   double direction_p50 = 0, direction_p99 = 0;  ///< rad, of the places with a direction
   double misclassified = 0;  ///< share of the places farther off than the model's tolerance
   double unanswered = 0;     ///< share of all places
@@ -20,7 +20,7 @@ struct Score {
 /// tolerance of it, and as no answer elsewhere.
 [[nodiscard]] Score score(const Method& method, const Model& model, const Places& places);
 
-/// The same of answers that were given before, one a place, in their order.
+/// The same for answers that already exist, one per place, in the same order.
 [[nodiscard]] Score score(std::span<const Answer> answers, const Model& model,
                           const Places& places);
 

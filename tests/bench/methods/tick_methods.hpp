@@ -11,15 +11,15 @@
 
 namespace spm::bench {
 
-// Forces along a path, of 1000 N/m. What they refer to must outlive them. "Given" ones are told
-// what the search found, one element a tick of `path`, and count the ticks in contact: the tables'
-// figures without collision detection.
+// Forces along a path, with a stiffness of 1000 N/m. The arguments must outlive the methods. The
+// "given" methods already have the search results, one per tick of `path`, and count the ticks in
+// contact. They give the figures without collision detection in the tables.
 
 [[nodiscard]] std::unique_ptr<TickMethod> proxy_ticks(MeshProxy& proxy);
 [[nodiscard]] std::unique_ptr<TickMethod> proxy_ticks_given(MeshProxy& proxy,
                                                             std::span<const Vector3> path);
 
-/// The paper's rule, closest plane, and its force (eq. 9).
+/// The paper's rule, which takes the closest plane, and its force (eq. 9).
 [[nodiscard]] std::unique_ptr<TickMethod> paper_ticks(const AssetView& asset);
 [[nodiscard]] std::unique_ptr<TickMethod> paper_ticks_given(const AssetView& asset,
                                                             std::span<const Vector3> path);

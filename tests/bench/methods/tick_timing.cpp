@@ -14,7 +14,7 @@ namespace {
 
 using TimingClock = std::chrono::steady_clock;
 
-/// One method's least time of each tick, so far.
+/// The least time of each tick so far, for one method.
 struct Record {
   std::vector<double> least;
   std::size_t contacts = 0;

@@ -10,7 +10,7 @@
 namespace spm::bench {
 namespace {
 
-/// Beside an asset, once it is whole: the seconds of its bake.
+/// File beside a complete asset that holds the seconds of its bake.
 std::string seconds_path(const BakedFile& file) { return file.path + ".seconds"; }
 
 void make_folder(const std::string& path) {

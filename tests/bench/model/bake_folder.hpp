@@ -10,14 +10,14 @@
 
 namespace spm::bench {
 
-/// Where a mode puts the assets that it bakes: a folder whose assets later runs take up, with the
-/// time that their bake took, or a temporary one. Nothing tells builds of the program apart there.
+/// The folder, kept or temporary, for the assets that a mode bakes. Later runs reuse the assets of
+/// a kept folder, with their bake times. It does not record which build of the program baked them.
 class BakeFolder {
  public:
-  /// Temporary where `kept` is empty. Throws BakeError where no folder can be made.
+  /// Temporary if `kept` is empty. Throws BakeError if the folder cannot be created.
   explicit BakeFolder(const std::string& kept);
 
-  /// The model's asset without a probe, baked unless it is there. Throws BakeError.
+  /// The model's asset without a probe; bakes it if it does not exist yet. Throws BakeError.
   [[nodiscard]] BakedFile asset(const Model& model, double tolerance) const;
 
  private:

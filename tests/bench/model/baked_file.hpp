@@ -16,10 +16,10 @@ struct BakedFile {
   double tolerance = 0;  ///< m
   std::uint64_t bytes = 0;
   double seconds = 0;       ///< to bake and write it
-  double open_seconds = 0;  ///< to open it; set by who opens it
+  double open_seconds = 0;  ///< to open it; set by the code that opens it
 };
 
-/// What a bake is asked for; metres.
+/// The settings of a bake; metres.
 struct SparseOptions {
   Band band;
   double tolerance = 1e-4;
@@ -29,7 +29,7 @@ struct SparseOptions {
 /// What is known of the file before it is baked: path, settings and tolerance.
 [[nodiscard]] BakedFile baked_file(const SparseOptions& options, const std::string& folder);
 
-/// The product's own form, in a file of `folder`. Throws BakeError.
+/// Bakes the product's own file format into `folder`. Throws BakeError.
 [[nodiscard]] BakedFile bake_sparse(const baker::Mesh& mesh, const SparseOptions& options,
                                     const std::string& folder);
 

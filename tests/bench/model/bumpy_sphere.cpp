@@ -28,7 +28,7 @@ baker::Mesh bumpy_sphere(int subdivisions) {
   for (Vector3& vertex : shape.vertices) vertex *= radius_along(vertex);
   baker::Mesh mesh = test::as_mesh(shape);
   mesh.path = "bumpy sphere";
-  // There is no file; a bake wants the name of what it baked.
+  // There is no file, but a bake needs a source name.
   mesh.sha256 = std::string(64, '0');
   return mesh;
 }
@@ -39,7 +39,7 @@ std::vector<Vector3> bumpy_slide(std::size_t steps, double depth) {
   const double turn = slide_step / mean_radius;
   for (std::size_t i = 0; i < steps; ++i) {
     const double angle = turn * static_cast<double>(i);
-    // A slow drift towards the poles, so that no place is met twice.
+    // A slow drift towards the poles, so that the path visits no place twice.
     const double height = 0.8 * std::sin(0.13 * angle + 0.3);
     const double flat = std::sqrt(1 - height * height);
     const Vector3 direction(flat * std::cos(angle), flat * std::sin(angle), height);

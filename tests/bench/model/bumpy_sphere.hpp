@@ -7,12 +7,12 @@
 
 namespace spm::bench {
 
-/// A sphere with bumps, the same shape at any number of triangles: 20 * 4^subdivisions, no limit of
-/// its own. Metres; a bounding box of about 0.1 m diagonal.
+/// A sphere with bumps. The shape is the same at any number of triangles: 20 * 4^subdivisions,
+/// without an upper limit. Metres; the diagonal of the bounding box is about 0.1 m.
 [[nodiscard]] baker::Mesh bumpy_sphere(int subdivisions);
 
 /// A spiral over it, `depth` metres below its surface, in steps of 40 um (40 mm/s at 1 kHz), after
-/// a descent from outside. Distances along the radius.
+/// a descent from outside. Distances are measured along the radius.
 [[nodiscard]] std::vector<Vector3> bumpy_slide(std::size_t steps, double depth);
 
 }  // namespace spm::bench

@@ -18,7 +18,7 @@ struct FloatMesh {
   /// The triangles of an outer surface without its caps, and the vertices they use.
   explicit FloatMesh(const baker::OuterSurface& surface);
 
-  /// Three floats a vertex, three numbers of 32 bits a triangle.
+  /// Three floats per vertex and three 32-bit numbers per triangle.
   [[nodiscard]] static constexpr std::uint64_t bytes_of(std::uint64_t vertices,
                                                         std::uint64_t triangles) noexcept {
     return 12 * (vertices + triangles);

@@ -9,7 +9,7 @@
 
 namespace spm::bench {
 
-/// A mesh of the project's table, and the tolerance that the table gives it, metres.
+/// A mesh from the project's table, and its tolerance in that table, metres.
 struct KnownMesh {
   const char* name;
   double tolerance;
@@ -18,16 +18,16 @@ struct KnownMesh {
 /// All seven of them.
 [[nodiscard]] const std::vector<KnownMesh>& known_meshes();
 
-/// The folder that SPM_SHARED names, else the one beside the checkout. Throws BakeError where
+/// The folder that SPM_SHARED names, or else the one beside the checkout. Throws BakeError if
 /// there is none.
 [[nodiscard]] std::string shared_folder();
 
-/// Where known meshes lie in the shared folder; `tolerance` replaces their own. Throws BakeError.
+/// The known meshes in the shared folder; `tolerance` replaces their own. Throws BakeError.
 [[nodiscard]] std::vector<ModelSource> sources_of(const std::vector<KnownMesh>& meshes,
                                                   std::optional<double> tolerance);
 
-/// Mesh files as the command line names them; a thousandth of the diagonal where no tolerance is
-/// given.
+/// Mesh files as the command line names them. The default tolerance is a thousandth of the
+/// diagonal.
 [[nodiscard]] std::vector<ModelSource> sources_of(const std::vector<std::string>& paths,
                                                   std::optional<double> tolerance);
 

@@ -20,11 +20,11 @@ inline constexpr double bench_diagonal = 0.1;
 struct ModelSource {
   std::string name;
   std::string path;
-  double tolerance = 1e-4;  ///< m: at which the methods are compared
+  double tolerance = 1e-4;  ///< m: the methods are compared at this tolerance
 };
 
-/// What the methods are built from, and the truth they are measured against, which shares no code
-/// with any of them. Throws BakeError where no part of the mesh bounds a solid.
+/// The data from which the methods are built, and the ground truth, which shares no code with any
+/// of them. Throws BakeError if no part of the mesh bounds a solid.
 struct Model {
   Model(const ModelSource& source, baker::Mesh loaded);
 

@@ -12,19 +12,19 @@
 
 namespace spm::bench {
 
-/// The paper's own data: support planes and one scalar distance map a plane, as a `full` bake makes
-/// them, without the partition of space that the product adds and the paper does not know.
+/// The paper's own data: support planes and one scalar distance map per plane, as a `full` bake
+/// makes them, without the partition of space, which the product adds and the paper does not have.
 class PaperMaps {
  public:
-  /// `caster` casts on the surface of `mesh`; as many planes, or as a bake takes by itself;
-  /// resolution x resolution samples a plane. Throws BakeError.
+  /// `caster` casts on the surface of `mesh`. Takes the given number of planes, or the default of
+  /// a bake, with resolution x resolution samples per plane. Throws BakeError.
   PaperMaps(const baker::Mesh& mesh, const baker::Caster& caster, std::optional<std::size_t> planes,
             std::uint32_t resolution);
 
   [[nodiscard]] const AssetView& view() const noexcept { return tables_.view(); }
 
-  /// What the rule may read: for the search four doubles a plane, then the planes and their maps'
-  /// samples, a float each.
+  /// The memory that the rule may read: four doubles per plane for the search, then the planes and
+  /// the samples of their maps, one float each.
   [[nodiscard]] std::uint64_t bytes() const noexcept;
   [[nodiscard]] double build_seconds() const noexcept { return seconds_; }
   [[nodiscard]] std::string settings() const;

@@ -12,7 +12,7 @@
 namespace spm::bench {
 namespace {
 
-constexpr double min_distance = 2e-6;  // m; nearer the direction is lost in rounding
+constexpr double min_distance = 2e-6;  // m; closer, rounding destroys the direction
 constexpr std::uint64_t max_draws = 256;
 
 struct Draw {
@@ -63,7 +63,7 @@ TruePlace truth_at(const Model& model, const Vector3& point) {
 }
 
 Places draw_places(const Model& model, std::uint64_t count, std::uint64_t seed) {
-  // A seed of its own keeps these places apart from those that a bake tries and verifies with.
+  // A separate seed makes these places differ from those that a bake tries and verifies.
   const std::uint64_t own = random_bits(seed, 0x62656E6368000000ULL);
   std::vector<Draw> draws(count);
   tbb::parallel_for(std::size_t{0}, draws.size(),

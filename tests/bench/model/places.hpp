@@ -8,17 +8,17 @@
 
 namespace spm::bench {
 
-/// Nearer than this share of the diagonal to a border edge nothing is judged.
+/// Nothing is judged closer to a border edge than this share of the diagonal.
 inline constexpr double hole_share = 0.03;
 
-/// A place in the band and what is true there.
+/// A place in the band, with the ground truth there.
 struct Place {
   Vector3 point = Vector3::Zero();
   double distance = 0;                ///< signed, m
   Vector3 outward = Vector3::Zero();  ///< unit; zero where no direction is defined
 };
 
-/// What is true at any point.
+/// The ground truth at any point.
 struct TruePlace {
   Place place;
   Vector3 closest_point = Vector3::Zero();  ///< the closest point of the surface
@@ -28,7 +28,7 @@ struct TruePlace {
 
 [[nodiscard]] TruePlace truth_at(const Model& model, const Vector3& point);
 
-/// One equal set of places for all methods of a model.
+/// The set of places that all methods of a model share.
 struct Places {
   std::vector<Place> places;
   double contested = 0;   ///< share of the places without a direction
@@ -36,9 +36,9 @@ struct Places {
 };
 
 /// Draws places as `spm-bake verify` does: uniform by area over the outer surface, at uniform
-/// depths of the band, none within 3 % of the diagonal of a border edge. A direction is defined 2
-/// um or more from the surface and farther than two tolerances of the model from the medial axis.
-/// Deterministic for any number of threads. Throws BakeError where no place is left.
+/// depths in the band, and at least 3 % of the diagonal from any border edge. A direction is
+/// defined at 2 um or more from the surface and at more than two model tolerances from the medial
+/// axis. Deterministic for any number of threads. Throws BakeError if no place is left.
 [[nodiscard]] Places draw_places(const Model& model, std::uint64_t count, std::uint64_t seed);
 
 }  // namespace spm::bench

@@ -12,13 +12,13 @@ namespace spm::bench {
 namespace {
 
 constexpr double step_length = 0.1e-3;  // m
-constexpr double swing_steps = 400;     // of the depth, there and back
+constexpr double swing_steps = 400;     // steps per swing of the depth, there and back
 constexpr double largest_turn = 0.05;   // rad a step
-constexpr double free_height = 20e-6;   // m above the surface, where a proxy is put
+constexpr double free_height = 20e-6;   // m above the surface; a proxy is put there
 constexpr std::size_t max_refusals = 40;
-constexpr std::size_t max_tries = 200;  // steps tried for each that is wanted
+constexpr std::size_t max_tries = 200;  // steps tried per wanted step
 
-/// On the free side of the surface, beside the closest point of a point.
+/// A place on the free side of the surface, beside the closest point of the true place.
 Vector3 free_place(const Model& model, const TruePlace& truth) {
   Vector3 outward = truth.place.outward;
   if (outward.isZero()) outward = model.truth.closest(truth.place.point).normal;
@@ -42,7 +42,7 @@ class Walk {
     const double length = move.norm();
     hand_ += move * std::min(1.0, step_length / std::max(length, 1e-12));
     phase_ += 1;
-    // The contact waits for the hand where a corner throws its goal far off.
+    // The contact waits for the hand if a corner moves the hand's goal far away.
     if (length < 2 * step_length) advance();
     return hand_;
   }
@@ -66,7 +66,7 @@ class Walk {
     heading_.normalize();
     const Vector3 before = contact_.position;
     contact_ = model_.truth.closest(before + step_length * heading_);
-    // In a groove it would stand still: out along the groove.
+    // In a groove the contact would stand still: turn to leave along the groove.
     if ((contact_.position - before).norm() < 0.2 * step_length) {
       heading_ = contact_.normal.cross(heading_);
     }

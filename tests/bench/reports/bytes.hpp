@@ -17,7 +17,7 @@ namespace spm::bench {
 /// What `spm-bench bytes` measures.
 struct BytesPlan {
   std::vector<ModelSource> models;
-  std::vector<double> tolerances;    ///< m, beside each model's own: of `spm` and `adaptive-sdf`
+  std::vector<double> tolerances;    ///< m: `spm`, `adaptive-sdf`; besides each model's own
   std::vector<double> voxels;        ///< m: cells of `dense-sdf` and `openvdb`
   std::vector<double> grid_cells;    ///< m: of `triangle-grid`
   std::vector<std::string> methods;  ///< only these; all where empty
@@ -27,7 +27,7 @@ struct BytesPlan {
   unsigned threads = 0;  ///< 0: as many as there are cores; changes no figure but seconds
 };
 
-/// A model as it was measured.
+/// A measured model.
 struct ModelRow {
   std::string name;
   double tolerance = 0;  ///< m
@@ -70,11 +70,11 @@ struct BytesReport {
 /// The names of the methods, in the order of the table.
 [[nodiscard]] const std::vector<std::string>& method_names();
 
-/// Loads each model, draws its places, then builds, asks and drops one method after another. A bake
+/// Loads each model, draws its places, then builds, queries and drops the methods in turn. A bake
 /// that fails is a failure of its row. Throws BakeError where a model cannot be measured at all.
 [[nodiscard]] BytesReport measure_bytes(const BytesPlan& plan, const BenchProgress& progress);
 
-/// One row a method on each model, at errors that `spm` reached with the model's own tolerance.
+/// One row per method and model, at the error that `spm` reached with the model's own tolerance.
 [[nodiscard]] std::vector<ComparisonRow> compare_bytes(const std::vector<ModelRow>& models,
                                                        const std::vector<MethodRow>& rows);
 

@@ -14,7 +14,7 @@ namespace spm::bench {
 /// A model to slide on.
 struct ForceSource {
   ModelSource model;
-  std::string trajectory;  ///< path of the recorded one; none where empty
+  std::string trajectory;  ///< file of the recorded trajectory; none if empty
   std::size_t planes = 1000;
 };
 
@@ -23,23 +23,23 @@ struct ForcesPlan {
   std::vector<ForceSource> sources;
   std::uint32_t paper_resolution = 65;
   double stiffness = 1e3;        ///< N/m
-  double probe_radius = 0.5e-3;  ///< m: of the row with a ball
-  double turn_rate = 120;        ///< rad/s: of the row of `spm` with a limit on turns
+  double probe_radius = 0.5e-3;  ///< m: for the row with a ball
+  double turn_rate = 120;        ///< rad/s: for the `spm` row with a turn limit
   double depth = 1e-3;           ///< m: of the walked slide
   std::size_t walked_ticks = 20000;
-  std::size_t max_ticks = 0;  ///< of the recorded slides; 0: all
+  std::size_t max_ticks = 0;  ///< limit for the recorded slides; 0: all
   std::uint64_t seed = 1;
   unsigned threads = 0;  ///< 0: as many as there are cores; changes no figure
 };
 
-/// One path on one model, for one size of probe: what the exact penalty does on it.
+/// One path on one model, for one probe size, with the results of the exact penalty.
 struct PathRow {
   std::string model, path;
   double radius = 0;  ///< m
   std::uint64_t ticks = 0;
   JudgedTicks judged;
   Quantiles exact_step;           ///< N, while sliding
-  std::uint64_t exact_rough = 0;  ///< of these ticks those with a step of smooth_step or more
+  std::uint64_t exact_rough = 0;  ///< number of these ticks with a step of at least smooth_step
 };
 
 /// One method on one path.

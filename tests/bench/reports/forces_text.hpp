@@ -8,10 +8,10 @@
 
 namespace spm::bench {
 
-/// `made`, what was asked for, `paths`, `rows`, `failures`; forces in N.
+/// `made`, the settings, `paths`, `rows`, `failures`; forces in N.
 [[nodiscard]] nlohmann::ordered_json to_json(const ForcesReport& report, const ForcesPlan& plan);
 
-/// A table a path.
+/// One table per path.
 [[nodiscard]] std::string to_text(const ForcesReport& report);
 
 /// A path's forces as CSV, a line a tick: time, place, distance, what is judged, then force and

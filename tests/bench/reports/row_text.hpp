@@ -9,20 +9,20 @@
 
 namespace spm::bench {
 
-// What the reports of several modes have in common.
+// Output that the reports of several modes share.
 
-/// `mesh`, its size, tolerance, and what its places were.
+/// `mesh`, its size and tolerance, and facts about its places.
 [[nodiscard]] nlohmann::ordered_json model_json(const ModelRow& model);
 
 /// `mesh`, `method`, `settings`, `setting_um`, `bytes`, `build_seconds`.
 [[nodiscard]] nlohmann::ordered_json facts_json(const std::string& model, const MethodFacts& facts);
 
-/// Adds errors of distance and direction, and shares.
+/// Adds the errors of distance and direction, and the shares.
 void add_score(const Score& score, nlohmann::ordered_json& row);
 
 [[nodiscard]] nlohmann::ordered_json failures_json(const std::vector<FailureRow>& failures);
 
-/// One warning a failure.
+/// One warning per failure.
 void warn_of(const std::vector<FailureRow>& failures);
 
 /// Such as "201 kB" or "16.1 MB".

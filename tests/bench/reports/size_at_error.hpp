@@ -6,15 +6,15 @@
 
 namespace spm::bench {
 
-/// What one setting of a method came to.
+/// The bytes and the error of one setting of a method.
 struct SizeAndError {
   double bytes = 0;
   double error = 0;  ///< m
 };
 
 enum class Estimate {
-  measured,      ///< one setting has no more error than asked for and no fewer bytes are known
-  interpolated,  ///< between two settings, straight on two logarithmic scales
+  measured,      ///< one setting is within the error, and none with fewer bytes is known
+  interpolated,  ///< between two settings, on a straight line in log-log scale
   extrapolated,  ///< beyond the settings, along the slope of the nearest two
 };
 
@@ -25,8 +25,8 @@ struct SizeAtError {
 };
 
 /// The bytes that a method would need for an error of at most `error` metres. Errors below
-/// `exact` metres count as none: such a method is taken at its smallest setting. Nothing where the
-/// settings do not tell: fewer than two, or an error that does not fall with the bytes.
+/// `exact` metres count as none: the smallest such setting of a method is taken. No value if the
+/// settings are not enough: fewer than two, or an error that does not fall as the bytes grow.
 [[nodiscard]] std::optional<SizeAtError> size_at_error(std::vector<SizeAndError> settings,
                                                        double error, double exact);
 

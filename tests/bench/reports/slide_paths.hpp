@@ -10,23 +10,23 @@
 
 namespace spm::bench {
 
-/// A probe's path at 1 kHz and what is true along it, tick by tick.
+/// The path of a probe at 1 kHz, and the ground truth at each tick.
 struct SlidePath {
   std::string name;  ///< recorded or walked
   std::vector<Vector3> points;
   std::vector<ExactTick> ticks;
 };
 
-/// A recorded trajectory, cut after `max_ticks` where that is above 0. Which ticks slide is told
-/// by the file beside it that ends in `.phase.txt` for `.txt` (0 a line: sliding), where there is
-/// one. Throws BakeError where either file cannot be read.
+/// A recorded trajectory, cut after `max_ticks` if that is above 0. The file beside it that ends in
+/// `.phase.txt` instead of `.txt`, if it exists, marks the sliding ticks (a line with 0: sliding).
+/// Throws BakeError if either file cannot be read.
 [[nodiscard]] SlidePath recorded_slide(const Model& model, const std::string& file,
                                        std::size_t max_ticks);
 
-/// Of walk_surface, at 1 kHz.
+/// Speed of walk_surface at 1 kHz.
 inline constexpr double walked_speed = 0.1;  // m/s
 
-/// A point slid at walked_speed, `depth` metres below the surface; see walk_surface. Throws
+/// A point that slides at walked_speed, `depth` metres below the surface; see walk_surface. Throws
 /// BakeError.
 [[nodiscard]] SlidePath walked_slide(const Model& model, double depth, std::size_t ticks,
                                      std::uint64_t seed);

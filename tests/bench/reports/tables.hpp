@@ -11,7 +11,7 @@
 
 namespace spm::bench {
 
-/// What the paper reports of one process, us.
+/// The figures that the paper reports for one process, us.
 struct PaperFigure {
   double mean = 0, sd = 0;
 };
@@ -28,15 +28,15 @@ struct SlidSource {
 /// What `spm-bench tables` measures.
 struct TablesPlan {
   std::vector<SlidSource> slides;         ///< Tables 2 and 3
-  std::vector<int> subdivisions;          ///< Table 1: triangles, 20 * 4^n of a bumpy sphere
-  std::vector<std::size_t> plane_counts;  ///< Table 1: support planes of the coarsest of them
-  std::size_t paper_planes = 1000;        ///< of Table 1's other rows
+  std::vector<int> subdivisions;          ///< Table 1: bumpy spheres of 20 * 4^n triangles
+  std::vector<std::size_t> plane_counts;  ///< Table 1: support planes on the coarsest of them
+  std::size_t paper_planes = 1000;        ///< in the other rows of Table 1
   std::uint32_t paper_resolution = 65;
-  double scaling_tolerance = 100e-6;  ///< m: of `spm` in Table 1
+  double scaling_tolerance = 100e-6;  ///< m: for `spm` in Table 1
   double probe_radius = 0.5e-3;       ///< m: of the rows with a ball
   std::size_t slide_steps = 1000;     ///< Table 1's path
   std::size_t max_ticks = 0;          ///< of the recorded slides; 0: all
-  unsigned threads = 0;               ///< of the bakes; timing takes one
+  unsigned threads = 0;               ///< for the bakes; timing uses one
   TickPlan timing;
 };
 
@@ -72,7 +72,7 @@ struct TablesReport {
 /// Throws BakeError where a mesh or a trajectory cannot be read.
 [[nodiscard]] TablesReport measure_tables(const TablesPlan& plan, const BenchProgress& progress);
 
-/// Least-squares slopes on two logarithmic scales, of what Table 1 has at several counts.
+/// Least-squares slopes in log-log scale, for the methods that Table 1 has at several counts.
 [[nodiscard]] std::vector<GrowthRow> growth_of(const std::vector<TableRow>& rows);
 
 }  // namespace spm::bench

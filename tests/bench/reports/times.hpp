@@ -13,7 +13,7 @@ namespace spm::bench {
 /// What `spm-bench methods` measures.
 struct TimesPlan {
   std::vector<ModelSource> models;
-  std::vector<double> tolerances;           ///< m, beside each model's own: of `spm`
+  std::vector<double> tolerances;           ///< m: for `spm`, besides each model's own
   std::vector<double> adaptive_tolerances;  ///< m: of `adaptive-sdf`
   std::vector<double> voxels;               ///< m: cells of `dense-sdf` and `openvdb`
   std::vector<double> grid_cells;           ///< m: of `triangle-grid`
@@ -25,8 +25,8 @@ struct TimesPlan {
   std::uint64_t samples = 100000;
   std::size_t path_steps = 4096;
   std::uint64_t seed = 1;
-  unsigned threads = 0;  ///< of builds and scores; timing takes one
-  bool scalar = true;    ///< the product without SIMD too
+  unsigned threads = 0;  ///< for builds and scores; timing uses one
+  bool scalar = true;    ///< also times the product without SIMD
   TimingPlan timing;
 };
 
@@ -36,7 +36,7 @@ struct TimesRow {
   MethodFacts facts;
   QueryTimes ns;
   Score score;
-  bool on_path = false;  ///< judged along the path, since it remembers; else at the places
+  bool on_path = false;  ///< judged along the path, as it has state; else at the places
 };
 
 /// A ball against the surface.
@@ -45,7 +45,7 @@ struct ProbeRow {
   std::string method, settings;
   double hot = 0;           ///< ns
   double p50 = 0, p99 = 0;  ///< m, errors of the depth along the path
-  double missed = 0;        ///< share of true contacts without one
+  double missed = 0;        ///< share of true contacts that are not found
 };
 
 struct TimesReport {
@@ -59,8 +59,8 @@ struct TimesReport {
 [[nodiscard]] const std::vector<std::string>& timed_method_names();
 
 /// Loads each model, builds every method, scores them with all threads, and times them against each
-/// other on one core. What cannot be built is a failure of its row. Throws BakeError where a model
-/// cannot be measured at all.
+/// other on one core. A method that cannot be built is a failure of its row. Throws BakeError if a
+/// model cannot be measured at all.
 [[nodiscard]] TimesReport measure_times(const TimesPlan& plan, const BenchProgress& progress);
 
 /// The row of `spm`, point by point, at the model's own tolerance; null where there is none.

@@ -11,7 +11,7 @@ namespace spm::bench {
 /// `made`, `meshes`, `rows`, `probe_rows`, `ratios`, `failures`; lengths in um, times in ns.
 [[nodiscard]] nlohmann::ordered_json to_json(const TimesReport& report, const TimesPlan& plan);
 
-/// A table a mesh.
+/// One table per mesh.
 [[nodiscard]] std::string to_text(const TimesReport& report);
 
 }  // namespace spm::bench

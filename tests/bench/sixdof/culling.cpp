@@ -21,7 +21,7 @@ using Eigen::Isometry3d;
 constexpr int ticks = 40;
 constexpr double drift = 1e-4, turn = 2e-3;  // m and rad a tick, at most
 constexpr int exact_steps = 64;
-/// Room that a random scene gives an object, in cubes of its ball's radius.
+/// Volume per object in a random scene, in units of the cubed radius of its ball.
 constexpr double room = 4;
 
 /// Objects and how they move.
@@ -61,7 +61,7 @@ class Scene {
     return direction_of(a, b);
   }
 
-  /// Along a direction, as far that the hulls are a gap apart.
+  /// Moves `pose` away from `other` along a random direction until the hulls are a gap apart.
   void place_beside(const Isometry3d& other, Isometry3d& pose) {
     const Vector3 along = direction();
     const double gap = 0.1 * hull_.radius * unit();
@@ -130,7 +130,7 @@ CullingRow measure(const SupportHull& hull, std::uint64_t objects, bool near, st
       row.after_obb += boxes_apart(turned.half, turned.half, to_box * pose * turned.pose) ? 0 : 1;
     }
     obb += seconds_since(start);
-    // Where a loop keeps them is not ours to time.
+    // Storing and loading the directions is not part of the measured time.
     std::vector<SeparatingDirection> directions;
     for (const auto& pair : left) directions.push_back(last[pair]);
     start = Clock::now();

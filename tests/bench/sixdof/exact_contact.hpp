@@ -7,9 +7,9 @@
 
 namespace spm::bench {
 
-/// Force on a tool at a pose by the law of ObjectContact, from all of its finest samples, whose
-/// depths and directions are those of the object's exact surface. The baked field only tells which
-/// samples need not be asked, being farther out than three tolerances.
+/// Force on a tool at a pose by the law of ObjectContact, from all samples of the finest level.
+/// Depths and directions come from the object's exact surface. The baked field is used only to skip
+/// samples that are farther outside than three tolerances.
 [[nodiscard]] Vector3 exact_force(const SurfaceSamples& tool, const BakedObject& object,
                                   const Eigen::Isometry3d& tool_pose, double stiffness);
 

@@ -51,7 +51,7 @@ struct Contacts : btCollisionWorld::ContactResultCallback {
   explicit Contacts(const btCollisionObject* tool) : tool_(tool) {}
   btScalar addSingleResult(btManifoldPoint& point, const btCollisionObjectWrapper* first, int, int,
                            const btCollisionObjectWrapper*, int, int) override {
-    // Its normals lead from the second object to the first.
+    // Its normals point from the second object to the first.
     const double side = first->getCollisionObject() == tool_ ? 1 : -1;
     const double depth = std::max(0.0, static_cast<double>(-point.getDistance()));
     const btVector3& normal = point.m_normalWorldOnB;
@@ -73,7 +73,7 @@ class Bullet : public Peer {
         tool_(tool.surface),
         object_(object.surface) {
     btGImpactCollisionAlgorithm::registerAlgorithm(&dispatcher_);
-    // A test of one pair asks another table, in which GImpact does not enter itself.
+    // A test of a single pair uses another table, in which GImpact does not register itself.
     dispatcher_.registerClosestPointsCreateFunc(GIMPACT_SHAPE_PROXYTYPE, GIMPACT_SHAPE_PROXYTYPE,
                                                 &create_);
   }

@@ -38,7 +38,7 @@ class Fcl : public Peer {
     answer.contacts = result.numContacts();
     for (std::size_t i = 0; i < result.numContacts(); ++i) {
       const fcl::Contactd& contact = result.getContact(i);
-      // Its normals lead from the first object to the second.
+      // Its normals point from the first object to the second.
       answer.force += contact.penetration_depth * contact.normal;
     }
     return answer;

@@ -27,17 +27,17 @@ constexpr double stiffness = 1e9;  // N/m3
 constexpr std::uint64_t path_samples = 8000;
 constexpr double hull_tolerance = 2e-4;  // m
 constexpr std::size_t hull_planes = 64;
-/// Limit of a tick, ns: of few samples, and of more than so many.
+/// Time limit of a tick, ns, for at most `small_samples` samples and for more.
 constexpr std::int64_t small_limit = 250000, large_limit = 800000;
 constexpr std::uint64_t small_samples = 100000;
-/// Fewer are also asked one by one.
+/// Tools with fewer samples are also run with every sample queried, without culling.
 constexpr std::uint64_t samples_without_culling = 40000;
 
-/// So often each method follows the path, from the start: what the machine does meanwhile for less
-/// than half of that does not tell.
+/// Number of times that each method follows the path from the start. Other load on the machine in
+/// less than half of the passes does not affect the medians.
 constexpr std::size_t passes = 3;
 
-/// Seconds that this thread has run.
+/// CPU time of this thread, s.
 double busy_seconds() {
   timespec time{};
   clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
@@ -66,7 +66,7 @@ class Runner {
   Runner(std::vector<Isometry3d> path, std::vector<Judged> judged, SixdofReport& report)
       : path_(std::move(path)), judged_(std::move(judged)), report_(report) {}
 
-  /// Ours, with a limit in ns where it is above 0, and with or without using answers again.
+  /// Runs our method, with a limit in ns if it is above 0, and with or without reuse of answers.
   void run_spm(const SurfaceSamples& tool, const AssetView& object, std::int64_t limit,
                bool remembers) {
     ObjectContactSettings settings;
@@ -101,7 +101,7 @@ class Runner {
     row.samples = peer.samples();
     const std::size_t stride = std::max<std::size_t>(1, path_.size() / ticks);
     std::vector<Vector3> forces;
-    // Peers remember nothing.
+    // Peers have no state to reset.
     follow(
         stride, row, forces, [] {},
         [&](const Isometry3d& pose) {
@@ -169,7 +169,7 @@ std::vector<Judged> references(const SixdofPlan& plan, const std::vector<Isometr
                                SixdofReport& report) {
   const SurfaceSamples samples = samples_of_count(tool.view(), plan.reference_samples);
   report.reference_samples = samples.levels.back().count;
-  // Ticks that peers are asked at as well.
+  // Use only ticks at which the peers are queried as well.
   const std::size_t peers = std::max<std::size_t>(1, path.size() / plan.peer_ticks);
   const std::size_t stride =
       peers *

@@ -17,11 +17,11 @@ struct SixdofPlan {
   double tool_tolerance = 5e-5;  ///< m
   double tolerance = 5e-5;       ///< m, of the object
   std::vector<std::uint64_t> samples;
-  std::uint64_t ticks = 5000;      ///< of the path, at 1 kHz
-  std::uint64_t peer_ticks = 500;  ///< of them, evenly, that peers are asked
-  std::uint64_t judged = 100;      ///< of them, evenly, that forces are judged at
+  std::uint64_t ticks = 5000;      ///< number on the path, at 1 kHz
+  std::uint64_t peer_ticks = 500;  ///< how many of them, evenly spaced, the peers compute
+  std::uint64_t judged = 100;      ///< how many of them, evenly spaced, have their force judged
   std::uint64_t reference_samples = 130000;
-  std::uint64_t culled_objects = 1000;  ///< of the largest scene of culling
+  std::uint64_t culled_objects = 1000;  ///< in the largest culling scene
   std::uint64_t seed = 1;
 };
 
@@ -33,17 +33,17 @@ struct TickQuantiles {
 struct SixdofRow {
   std::string method;
   std::string settings;
-  std::uint64_t samples = 0;  ///< of the tool; 0 for meshes
-  /// s a tick, by the clock on the wall: of the passes over the path the median, most and mean of
-  /// all.
+  std::uint64_t samples = 0;  ///< number on the tool; 0 for meshes
+  /// Wall-clock time per tick, s. `p50` and `p99` are medians over the passes along the path; `max`
+  /// and `mean` are over all passes.
   double p50 = 0, p99 = 0, max = 0, mean = 0;
-  double busy_p99 = 0;  ///< s a tick of the core's time alone, likewise
-  double tested = 0;    ///< samples whose distance was read, mean a tick
-  double asked = 0;     ///< queries of the baked field, mean a tick
-  double contacts = 0;  ///< mean a tick
-  double level = 0;     ///< mean of those that were resolved, 1 the finest
-  double degraded = 0;  ///< share of the ticks that ended before the finest
-  /// Of the force, of that of the reference; none where the method has another law.
+  double busy_p99 = 0;  ///< CPU time per tick, s; the median over the passes, as above
+  double tested = 0;    ///< samples whose distance was read, mean per tick
+  double asked = 0;     ///< queries of the baked field, mean per tick
+  double contacts = 0;  ///< mean per tick
+  double level = 0;     ///< mean sample level that was reached; 1 is the finest
+  double degraded = 0;  ///< share of the ticks that ended before the finest level
+  /// Relative to the size of the reference force; none if the method uses another force law.
   std::optional<TickQuantiles> force_error;
   TickQuantiles direction_error;  ///< rad
 };
@@ -53,7 +53,7 @@ struct SixdofReport {
   std::uint64_t tool_triangles = 0, object_triangles = 0;
   std::uint64_t ticks = 0, judged = 0, reference_samples = 0;
   std::vector<SixdofRow> rows;
-  std::uint64_t hull_points = 0;  ///< of the tool's, which the scenes of culling are made of
+  std::uint64_t hull_points = 0;  ///< of the tool's hull, which the culling scenes use
   std::vector<CullingRow> culling;
 };
 

@@ -21,11 +21,11 @@ constexpr std::uint64_t stroke_ticks = 500;
 constexpr double approach_height = 3e-3;  // m
 constexpr int settle_steps = 80;
 constexpr int follow_steps = 3;
-/// A stroke whose depth is off by more than this ends there: the tool is wedged, m.
+/// A stroke ends if its depth is too large by more than this, m: the tool is wedged.
 constexpr double wedged = 4e-4;
-/// Share of the object's normal that a tick takes over: a hand does not follow every facet.
+/// Weight of the object's new normal at each tick: a hand does not follow every facet.
 constexpr double follow_share = 0.02;
-/// A tool turns so far a tick about its contact, rad.
+/// Rotation of the tool about its contact per tick, rad.
 constexpr double twist = 5e-4;
 constexpr std::uint64_t max_trials = 400;
 
@@ -48,24 +48,24 @@ class Stroke {
     own_normal_ = to_vector(tool.shares[on_tool].normal);
     along_ = normal_.cross(direction_of(unit(), unit())).normalized();
     angle_ = 2 * std::numbers::pi * unit();
-    // From well above, so that no other part of the tool is inside.
+    // Start well above the object, so that no other part of the tool is inside.
     lift_ = 2e-3;
   }
 
-  /// Presses the tool to where the stroke begins; false where it does not fit there.
+  /// Presses the tool onto the start of the stroke; false if it does not fit there.
   [[nodiscard]] bool settle() {
     for (int step = 0; step < settle_steps; ++step) press(plan_.min_depth, 5e-4);
     return std::abs(deepest_ - plan_.min_depth) < wedged / 4;
   }
 
-  /// A pose on the way down to where it settled, `above` that, m.
+  /// A pose on the way down, `above` metres above the settled pose.
   [[nodiscard]] Isometry3d approach(double above) const {
     Isometry3d made = pose();
     made.pretranslate(above * normal_);
     return made;
   }
 
-  /// The pose at a tick of the stroke; none where it ends early.
+  /// The pose at a tick of the stroke; none if the stroke ends early.
   [[nodiscard]] std::optional<Isometry3d> step(std::uint64_t tick) {
     at_ += along_ * plan_.speed / plan_.rate;
     const Answer answer = query_point(object_, at_);

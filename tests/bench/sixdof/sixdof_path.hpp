@@ -15,13 +15,13 @@ struct PathPlan {
   std::uint64_t seed = 1;
   double speed = 0.04;      ///< m/s along the object
   double rate = 1000;       ///< 1/s
-  double min_depth = 1e-4;  ///< m: the deepest sample of the tool goes between these
+  double min_depth = 1e-4;  ///< m: the depth of the deepest tool sample varies between these
   double max_depth = 6e-4;
 };
 
-/// Poses of a tool that is pressed shallowly to an object and slides over it, stroke by stroke:
-/// each begins at another place of both, with another turn. Same arguments, same path. `samples`
-/// are the tool's, `object` a `sparse` field that stands still.
+/// Poses of a tool that is pressed lightly against an object and slides over it in strokes. Each
+/// stroke begins at another place on both, with another rotation. The same arguments give the same
+/// path. `samples` belong to the tool; `object` is a `sparse` field that does not move.
 [[nodiscard]] std::vector<Eigen::Isometry3d> press_and_slide(const SurfaceSamples& samples,
                                                              const AssetView& object,
                                                              const SurfaceSamples& object_samples,

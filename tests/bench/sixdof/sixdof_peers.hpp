@@ -11,13 +11,13 @@
 
 namespace spm::bench {
 
-/// What a method says of a pose.
+/// The answer of a method for one pose.
 struct PeerAnswer {
-  Vector3 force = Vector3::Zero();  ///< its direction; its size only where the method has our law
+  Vector3 force = Vector3::Zero();  ///< the size counts only if same_law()
   std::uint64_t contacts = 0;
 };
 
-/// Another way to find the contacts of a tool and an object that stands still.
+/// Another method that finds the contacts between a tool and a fixed object.
 class Peer {
  public:
   Peer() = default;
@@ -27,21 +27,21 @@ class Peer {
   [[nodiscard]] virtual PeerAnswer ask(const Eigen::Isometry3d& tool_pose) = 0;
   [[nodiscard]] virtual std::string name() const = 0;
   [[nodiscard]] virtual std::string settings() const = 0;
-  /// Samples of the tool that it asks; 0 where it takes meshes.
+  /// Number of tool samples that it queries; 0 if it works on meshes.
   [[nodiscard]] virtual std::uint64_t samples() const { return 0; }
-  /// True where its forces can be held against ours in size too.
+  /// True if the size of its forces can be compared with ours, not only the direction.
   [[nodiscard]] virtual bool same_law() const { return false; }
 };
 
-/// Every sample asked of the baked field, none culled.
+/// Queries the baked field at every sample, without culling.
 [[nodiscard]] std::unique_ptr<Peer> make_every_sample(const SurfaceSamples& tool,
                                                       const AssetView& object, double stiffness);
 
-/// FCL: trees of OBB-RSS over both meshes, all pairs of triangles that meet; the force is the sum
-/// of their normals times depths.
+/// FCL: OBB-RSS trees over both meshes report all pairs of triangles that intersect. The force is
+/// the sum of their normals times their depths.
 [[nodiscard]] std::unique_ptr<Peer> make_fcl(const BakedObject& tool, const BakedObject& object);
 
-/// Bullet's GImpact for both meshes; the force as with FCL.
+/// Bullet's GImpact for both meshes. The force is computed as for FCL.
 [[nodiscard]] std::unique_ptr<Peer> make_bullet(const BakedObject& tool, const BakedObject& object);
 
 }  // namespace spm::bench

@@ -11,10 +11,10 @@
 
 namespace spm::bench {
 
-/// Diagonal that a tool is scaled to, m.
+/// The tool is scaled to this bounding box diagonal, m.
 inline constexpr double tool_diagonal = 0.06;
 
-/// A mesh with its asset, the surface that peers are built from, and the truth.
+/// A mesh with its asset, the surface from which the peers are built, and the exact surface.
 struct BakedObject {
   /// Scales the mesh to `diagonal` (m) and bakes it. Throws BakeError.
   BakedObject(const std::string& path, double diagonal, double tolerance);
@@ -29,7 +29,7 @@ struct BakedObject {
   [[nodiscard]] const AssetView& view() const noexcept { return tables.view(); }
 };
 
-/// Samples of a surface, about so many of them (within a tenth). Throws BakeError.
+/// Samples of a surface; their number is within a tenth of `count`. Throws BakeError.
 [[nodiscard]] SurfaceSamples samples_of_count(const AssetView& asset, std::uint64_t count);
 
 }  // namespace spm::bench

@@ -40,7 +40,7 @@ Json row_json(const SixdofRow& row) {
   return json;
 }
 
-/// Of the pairs that boxes along the axes leave, the share that is told apart.
+/// Of the pairs that the axis-aligned boxes leave, the share that is found to be apart.
 double told_apart(const CullingRow& row, std::uint64_t left) {
   return row.after_aabb > 0 ? 1 - static_cast<double>(left) / static_cast<double>(row.after_aabb)
                             : 0;

@@ -28,7 +28,7 @@ Bvh tree_of(const std::vector<std::uint32_t>& words) {
 
 Vector3 at(double x, double y, double z) { return Vector3(1, 2, 3) + Vector3(x, y, z); }
 
-/// A tile whose box is the slab of these x.
+/// A tile whose box is the slab from `low` to `high` along x.
 BoxedChild slab(std::uint32_t tile, std::uint8_t low, std::uint8_t high) {
   BoxedChild child = tile_child(tile);
   child.low[0] = low;
@@ -36,7 +36,7 @@ BoxedChild slab(std::uint32_t tile, std::uint8_t low, std::uint8_t high) {
   return child;
 }
 
-/// Numbers of the leaves in the order of visits, with a limit that stays.
+/// Numbers of the leaves in the order of visits; the limit stays the same.
 std::vector<std::uint32_t> visited(const std::vector<std::uint32_t>& words, const Vector3& point,
                                    double limit = infinity) {
   std::vector<std::uint32_t> order;
@@ -151,7 +151,7 @@ TEST_CASE("Leaves below several nodes are visited with their kinds and counts") 
 }
 
 TEST_CASE("A limit that shrinks to the nearest leaf finds it among many, and few are visited") {
-  // Cubes of one metre at random places, under four times four nodes of whole boxes' size.
+  // Cubes of one metre at random places, below four times four nodes with whole boxes.
   std::mt19937_64 bits(5);
   const auto byte = [&bits] { return static_cast<std::uint8_t>(bits() % 255); };
   std::vector<std::array<std::uint8_t, 3>> corners(64);
@@ -221,7 +221,7 @@ TEST_CASE("Words that lead in circles, or outside, end") {
 }
 
 TEST_CASE("A tree deeper than it may be ends, and what fits is visited") {
-  // A node for each of the leaves, and three ways on to the next: more than may wait at a time.
+  // Each node has one leaf and three links to the next node: more than may wait at a time.
   std::vector<std::uint32_t> words;
   constexpr std::uint32_t deep = 4 * bvh_levels;
   for (std::uint32_t node = 0; node < deep; ++node) {

@@ -124,7 +124,7 @@ TEST_CASE("The nearest unit of a tile's groups is the closest point on the tile"
     REQUIRE(nearest.is_found() == std::isfinite(wanted.distance));
     if (!std::isfinite(wanted.distance)) continue;
     ++found;
-    // A cell's twist, and places that are beyond two sides of it.
+    // The margin covers a cell's twist, and places that are beyond two sides of it.
     CHECK(std::sqrt(double{nearest.square}) == Approx(double{wanted.distance}).margin(2e-5));
     const TileClosestPoint closest_point = closest_point_of(packets, nearest, point);
     CHECK(double{closest_point.distance} == Approx(double{wanted.distance}).margin(2e-5));
@@ -255,7 +255,7 @@ TEST_CASE("Every processor finds the same of groups, bit by bit, and lists the s
     const TilePackets tile = random_cells(random);
     std::vector<std::array<Vector3, 3>> corners;
     std::vector<TrianglePacket> triangles{random_triangles(random, corners)};
-    // Alike, so that the least is there twice.
+    // A copy, so that the smallest distance occurs twice.
     triangles.push_back(triangles.front());
     const PrimitivePackets packets{tile.cells, tile.clips, triangles};
     const std::array<std::uint32_t, 11> numbers{9, 0, 1, 2, 3, 8, 4, 5, 6, 7, 3};

@@ -31,7 +31,7 @@ TEST_CASE("A point is of the kind of the octant that it lies in") {
   CHECK(sign_at(tree, {-0.5, 0.5, -0.5}) == SignKind::inside);
   CHECK(sign_at(tree, {-0.5, -0.5, 0.5}) == SignKind::far);
   CHECK(sign_at(tree, {-0.5, 0.5, 0.5}) == SignKind::pruned);
-  // A wall between two belongs to the upper one, the lowest corner to the cube.
+  // A wall between two octants belongs to the upper one. The lowest corner belongs to the cube.
   CHECK(sign_at(tree, {0, -0.5, -0.5}) == SignKind::boundary);
   CHECK(sign_at(tree, {-1, -1, -1}) == SignKind::outside);
 }
@@ -71,7 +71,7 @@ TEST_CASE("Octants that are split lead to the kinds of their own octants") {
   CHECK(sign_at(tree, {0.5, 0.5, 0.5}) == SignKind::far);
   CHECK(sign_at(tree, {0.75, 0.25, 0.75}) == SignKind::boundary);
   CHECK(sign_at(tree, {-0.75, 0.25, 0.75}) == SignKind::outside);
-  // Octant 4 of octant 3 is the cube from (0, 0, -0.5), of which octant 2 is told apart.
+  // Octant 4 of octant 3 is the cube from (0, 0, -0.5). Its octant 2 differs from the others.
   CHECK(sign_at(tree, {0.1, 0.4, -0.4}) == SignKind::inside);
   CHECK(sign_at(tree, {0.4, 0.4, -0.4}) == SignKind::far);
 }
@@ -122,7 +122,7 @@ TEST_CASE("Random words of space end at some kind") {
   for (int trial = 0; trial < 2000; ++trial) {
     for (std::uint32_t& word : words) {
       word = static_cast<std::uint32_t>(bits());
-      // Some lead on within the words.
+      // Some words lead to nodes that exist.
       if (bits() % 2 == 0) word %= 32;
       if (bits() % 3 == 0) word = octants(SignKind::split);
     }

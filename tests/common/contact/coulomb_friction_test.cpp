@@ -33,7 +33,7 @@ TEST_CASE("It sticks up to mu at rest, and then slides with mu in motion") {
   CHECK(largest == Approx(0.5 * 2));
   CHECK(force.x() == Approx(-0.3 * 2));
   CHECK(state.sliding);
-  // Turned round, the spring first gives way, and the point sticks again.
+  // When the motion turns round, the spring first gives way, and the point sticks again.
   force = coulomb_friction(settings, {1e-5 * 290, 0, 0}, up, 2, state);
   CHECK_FALSE(state.sliding);
   CHECK(force.x() == Approx(-0.6 + 0.1));

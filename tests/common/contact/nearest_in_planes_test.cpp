@@ -26,7 +26,7 @@ TEST_CASE("One, two and three planes leave a closest point, a line and a corner"
   CHECK((nearest_in_planes(spaces_of({x}), {0, 5, 7}) - Vector3(1, 5, 7)).norm() < 1e-12);
   CHECK((nearest_in_planes(spaces_of({x, y}), {0, 0, 7}) - Vector3(1, 2, 7)).norm() < 1e-12);
   CHECK((nearest_in_planes(spaces_of({x, y, z}), {0, 0, 0}) - Vector3(1, 2, 3)).norm() < 1e-12);
-  // A plane that does not hold it is of no account.
+  // A plane that does not hold the point back has no effect.
   CHECK((nearest_in_planes(spaces_of({x, y, z}), {0, 9, 9}) - Vector3(1, 9, 9)).norm() < 1e-12);
 }
 

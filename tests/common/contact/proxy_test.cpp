@@ -22,7 +22,7 @@ struct Made {
   [[nodiscard]] const AssetView& view() const { return tables.view(); }
 };
 
-/// Moves the hand along a line in so many ticks; gives what the last one felt.
+/// Moves the hand along a line in `ticks` ticks; returns the contact of the last tick.
 ProxyContact sweep(const AssetView& asset, double radius, const Vector3& from, const Vector3& to,
                    int ticks, ProxyState& state) {
   ProxyContact contact;
@@ -36,7 +36,7 @@ ProxyContact sweep(const AssetView& asset, double radius, const Vector3& from, c
 TEST_CASE("In free space the proxy is where the hand is, and feels nothing") {
   const Made box(test::box({0.02, 0.03, 0.04}));
   ProxyState state;
-  for (const double speed : {0.001, 0.01}) {  // m a tick
+  for (const double speed : {0.001, 0.01}) {  // m per tick
     for (int tick = 0; tick < 50; ++tick) {
       const double turn = speed * tick / 0.03;
       const Vector3 point(0.03 * std::cos(turn), 0.03 * std::sin(turn), 0.001 * tick);
@@ -84,7 +84,7 @@ TEST_CASE("A ball's proxy keeps its distance around a sphere, and the force its 
     const Vector3 hand = 0.0095 * Vector3(std::cos(turn), std::sin(turn), 0);
     const ProxyContact contact = move_proxy(sphere.view(), probe, hand, state);
     REQUIRE(contact.contact);
-    // As near as so many facets are to the sphere.
+    // The margin allows for the facets, which are not exactly on the sphere.
     CHECK(contact.proxy.norm() == Approx(radius + probe).margin(3e-5));
     // The facets are off by up to 4 degrees.
     CHECK(contact.normal.dot(hand.normalized()) > 0.997);
@@ -147,7 +147,7 @@ TEST_CASE("No proxy passes through a plate of 0.2 mm at 1 m/s") {
     ProxyState state;
     ProxyContact contact;
     const double start = random(3, 4);
-    // Until the hand is 1.5 mm behind the plate, or as good as out beside it.
+    // Until the hand is 1.5 mm behind the plate, or almost beside it.
     for (double tick = -start; tick * way.z() > -0.0015; ++tick) {
       const Vector3 hand = aim + tick * way;
       if (hand.head<2>().cwiseAbs().maxCoeff() > 0.0095) break;
@@ -187,7 +187,7 @@ TEST_CASE("What is not finite forgets the proxy and gives nothing") {
 TEST_CASE("An object that moves takes its proxy along: the hand is not let through") {
   const Made plate(test::plate({0.02, 0.02, 0.0005}));
   ProxyState state;
-  // The hand stands still; the plate comes at it from below at 0.1 m/s, past it by 3 mm.
+  // The hand stands still; the plate comes from below at 0.1 m/s and moves 3 mm past it.
   for (int tick = 0; tick < 60; ++tick) {
     const Vector3 hand(0, 0, 0.003 - 1e-4 * tick);
     const ProxyContact contact = move_proxy(plate.view(), 0, hand, state);

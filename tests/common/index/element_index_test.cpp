@@ -11,7 +11,7 @@
 namespace spm::baker::element_index_test {
 namespace {
 
-/// A random place of the box around an asset's band.
+/// A random place in the box around an asset's band.
 Vector3 place(const Extent& extent, std::uint64_t seed, std::uint64_t number) {
   Vector3 share;
   for (int axis = 0; axis < 3; ++axis) {
@@ -20,8 +20,8 @@ Vector3 place(const Extent& extent, std::uint64_t seed, std::uint64_t number) {
   return extent.low + share.cwiseProduct(extent.size);
 }
 
-/// What a cube tells that needs no list: that it is far, and how far at least; the normal of what
-/// is deeper than the band.
+/// Checks what needs no list: a far cube gives a lower bound of the distance, and a point deeper
+/// than the band gets a unit normal.
 void check_beyond(const AssetView& by_tree, const IndexList& list, const Answer& answer,
                   const Vector3& point) {
   if (list.kind == CubeKind::far) {
@@ -32,7 +32,7 @@ void check_beyond(const AssetView& by_tree, const IndexList& list, const Answer&
   if (answer.status == Status::deep) REQUIRE(answer.normal.norm() == Approx(1));
 }
 
-/// All at once must be told as one by one.
+/// Querying all points at once must give the same answers as querying them one by one.
 void check_at_once(const AssetView& asset, const std::vector<Vector3>& points,
                    const std::vector<Answer>& wanted) {
   Answer other;
@@ -50,8 +50,8 @@ void check_at_once(const AssetView& asset, const std::vector<Vector3>& points,
   }
 }
 
-/// Asks at random places by the index, which must tell at a share of them, and by descending the
-/// tree.
+/// Queries random places with the index, which must have lists for a share of them, and by
+/// descending the tree. Both must agree.
 void check_alike(const test::Shape& shape, double tolerance, double min_listed) {
   BakeOptions options;
   options.tolerance = tolerance;
@@ -78,12 +78,12 @@ void check_alike(const test::Shape& shape, double tolerance, double min_listed) 
       if (wanted.status != Status::exact) continue;
       ++exact;
       listed += list.numbers != nullptr ? 1 : 0;
-      // On the surface itself either side may be told.
+      // On the surface itself the answer may be either side.
       if (std::abs(wanted.distance) > tolerance / 4) {
         REQUIRE((found.distance < 0) == (wanted.distance < 0));
       }
-      // The closest point on a cell is a near one, and which is found may hang on what was found
-      // before.
+      // The closest point on a cell is approximate: which point is found may depend on what was
+      // found before.
       REQUIRE(found.distance == Approx(wanted.distance).margin(tolerance / 4));
       far_closest_points += std::abs(found.distance - wanted.distance) > 1e-8 ? 1 : 0;
       other_normals += (found.normal - wanted.normal).norm() > 1e-4 ? 1 : 0;
@@ -94,8 +94,8 @@ void check_alike(const test::Shape& shape, double tolerance, double min_listed) 
   check_at_once(by_index, points, answers);
   CHECK(static_cast<double>(listed) > min_listed * static_cast<double>(exact));
   CHECK(far_closest_points * 100 <= exact);
-  // By the tree one closest point of a tile is looked at, by the index one of each cell: at a kink
-  // between cells another may be found that faces the point.
+  // The tree looks at one closest point per tile, the index at one per cell. At a kink between
+  // cells the index may find another closest point that faces the query point.
   CHECK(other_normals * 40 <= exact);
 }
 
@@ -108,7 +108,7 @@ TEST_CASE("On a box of few tiles the index answers as the tree does") {
 }
 
 TEST_CASE("On triangles alone the index answers as the tree does") {
-  // Thousands of triangles are alike near in its middle: the index gives up, and the tree tells.
+  // Thousands of triangles are equally near in its middle: the index gives up, the tree answers.
   check_alike(test::sphere(0.004, 1), 1e-6, 0.01);
 }
 

@@ -80,7 +80,7 @@ TEST_CASE("A sphere wholly in the ground feels its centre's depth, from both sid
 
 TEST_CASE("The form over the volume is the mean depth of what is in the ground") {
   const Ground ground;
-  // Of half a ball 3 r / 8, of a whole one its centre's.
+  // The mean depth of half a ball is 3 r / 8; that of a whole ball is its centre's depth.
   CHECK(paper_probe_volume_force(ground.view, SphereProbe({0, 0, 0}, radius), stiffness).z() ==
         Approx(stiffness * 3 * radius / 8).epsilon(0.01));
   CHECK(paper_probe_volume_force(ground.view, SphereProbe({0, 0, -0.02}, radius), stiffness).z() ==
@@ -92,7 +92,7 @@ TEST_CASE("A capsule that lies half in the ground feels a cylinder's mean depth"
   constexpr double thin = 0.006125;
   const CapsuleProbe capsule({-0.015, 0, 0}, {0.015, 0, 0}, thin);
   const double straight = 0.03 * 2 * thin, ends = std::numbers::pi * thin * thin;
-  // pi r / 4 over the strip, 2 r / 3 over the two half discs.
+  // The mean is pi r / 4 over the strip, and 2 r / 3 over the two half discs.
   const double mean =
       (straight * std::numbers::pi * thin / 4 + ends * 2 * thin / 3) / (straight + ends);
   CHECK(paper_probe_force(ground.view, capsule, stiffness).force.z() ==

@@ -19,8 +19,8 @@ using test::MapByHand;
 
 constexpr double nothing = std::numeric_limits<double>::infinity();
 
-/// A `full` asset of one plane about a point with a normal, whose map is square and so wide; depths
-/// are a function of the distances from its middle.
+/// A `full` asset of one plane about a point with a normal. Its map is a square of this width; its
+/// depths are a function of the distances from its middle.
 class OnePlane {
  public:
   OnePlane(const Vector3& middle, const Vector3& normal, double wide,

@@ -22,7 +22,7 @@ constexpr double size = 0.04;
 constexpr double half = size / 2;
 constexpr float half_f = static_cast<float>(half);
 
-/// Makes a cube's space of one kind.
+/// Sets all of a cube's space to one kind.
 void fill(TiledCubeByHand& cube, SignKind kind) {
   cube.sign_octree = {octants(kind), 0};
   cube.refresh();
@@ -39,7 +39,7 @@ void replace_tiles(TiledCubeByHand& cube, const std::vector<float>& corners, std
   cube.refresh();
 }
 
-/// Random places of a cube about the origin.
+/// Random places in a cube about the origin.
 class Places {
  public:
   explicit Places(double edge) : edge_(edge) {}
@@ -316,7 +316,7 @@ TEST_CASE("A cap decides the side of a sparse query and carries no distance") {
   CHECK(above.distance == Approx(0.009).margin(1e-7));
   CHECK(above.source == Source::triangles);
   CHECK(query_point(cube.view, {0, 0, -0.001}).distance == Approx(-0.011).margin(1e-7));
-  // Where the place tells the side, the cap says nothing.
+  // Where the space gives the side, the cap has no effect.
   fill(cube, SignKind::inside);
   CHECK(query_point(cube.view, {0, 0, 0.001}).distance == Approx(-0.009).margin(1e-7));
 }

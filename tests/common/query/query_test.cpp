@@ -29,7 +29,7 @@ TEST_CASE("Below a face of a box the query gives its depth, normal, plane and la
 
 TEST_CASE("Exit layers answer with the solid on their plane's side") {
   BoxByHand box(size);
-  // From +y, the exit: the face at -y.
+  // Seen from +y, the exit layer is the face at -y.
   box.records = {list_header(1, 0), pack_candidate({2, 1})};
   box.refresh();
   const Answer answer = query_point(box.view, {0.003, -0.019, -0.002});
@@ -124,7 +124,7 @@ TEST_CASE("Splits lead as deep as they may, and no deeper") {
   BoxByHand box(size);
   const std::vector<std::uint32_t> list = box.records;
   for (int levels = 1; levels <= split_levels + 1; ++levels) {
-    // The last octant of each split is split again; in the last it is the list.
+    // The last octant of each split is split again; in the last split it is the list.
     box.index = {record | split_bit};
     box.records.clear();
     for (int level = 1; level <= levels; ++level) {

@@ -19,7 +19,7 @@ SideVote vote(double distance, bool inside, double cosine) {
   return {distance, inside, cosine * distance};
 }
 
-/// What the votes say together, which must not depend on their order.
+/// Whether the votes together say inside. The result must not depend on their order.
 bool inside_by_votes(std::vector<SideVote> votes) {
   const auto ask = [&votes] {
     SideVotes sides(tie, rounding);

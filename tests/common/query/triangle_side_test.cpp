@@ -34,8 +34,8 @@ double side_of(const Triangles& triangles, const Vector3& point) {
   return side.side();
 }
 
-/// The solid angle that the triangles take up around a point: a whole turn within (van Oosterom and
-/// Strackee 1983).
+/// Whether a point is inside: there the triangles cover the full solid angle around it (van
+/// Oosterom and Strackee 1983).
 bool inside(const Triangles& triangles, const Vector3& point) {
   double turn = 0;
   for (const Triangle& t : triangles) {
@@ -47,7 +47,7 @@ bool inside(const Triangles& triangles, const Vector3& point) {
   return turn > 2 * std::numbers::pi;
 }
 
-/// A ball of which every corner lies at a distance of its own: full of spikes, pits and saddles.
+/// A ball whose corners all lie at different distances: full of spikes, pits and saddles.
 Triangles spiky_ball(std::mt19937& random) {
   constexpr std::size_t rings = 6, around = 9;
   std::uniform_real_distribution<double> radius(0.01, 0.03);

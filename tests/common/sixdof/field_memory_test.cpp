@@ -8,7 +8,7 @@
 namespace spm::field_memory_test {
 namespace {
 
-/// What a ball of this radius about the origin says.
+/// The field reading of a ball of this radius about the origin.
 FieldReading of_ball(double radius, const Vector3& place) {
   FieldReading reading;
   reading.place = place;

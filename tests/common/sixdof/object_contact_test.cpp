@@ -29,10 +29,10 @@ SurfaceSamples tool_samples(double spacing) {
 
 Isometry3d at(double x, double y, double z) { return Isometry3d(Eigen::Translation3d(x, y, z)); }
 
-/// Of the tool on the middle of the upper face, so deep.
+/// Pose of the tool, pressed this deep into the middle of the upper face.
 Isometry3d pressed_by(double depth) { return at(0, 0, (field_size + tool_size) / 2 - depth); }
 
-/// All finest samples, asked one by one.
+/// The contact of all finest samples, queried one by one.
 ContactSum every_sample(const SurfaceSamples& tool, const Isometry3d& pose,
                         std::span<const ContactObject> objects) {
   ContactSum sum;
@@ -72,7 +72,7 @@ TEST_CASE("A cube pressed on a cube is pushed back by stiffness, area and depth"
   const std::array objects{ContactObject{&field.view, Isometry3d::Identity()}};
   constexpr double depth = 0.0005;
   const ObjectContactReport report = contact.tick(pressed_by(depth), objects);
-  // The face below, and the strips beside it, which are half as deep in the mean.
+  // The face below, and the strips beside it, which are half as deep on average.
   const double wanted = stiffness * depth * tool_size * (tool_size + 4 * depth / 2);
   CHECK(report.sum.forces().force.z() == Approx(wanted).epsilon(0.02));
   CHECK(report.sum.forces().force.head<2>().norm() < 1e-3 * wanted);
@@ -234,7 +234,7 @@ TEST_CASE("When time is over a tick ends with the levels it came to, and says so
     CHECK(report.degraded);
     CHECK(report.level + 1 < tool.levels.size());
     CHECK(report.refined < 1);
-    // No more than a few samples are asked between two readings of the clock.
+    // No more than a few samples are queried between two readings of the clock.
     CHECK(report.tested <= 12 * static_cast<std::uint64_t>(budget) + 100);
     CHECK(report.tested >= last);
     last = report.tested;

@@ -62,7 +62,7 @@ std::vector<Polygon> faces(const Vector3& size, const Isometry3d& pose) {
   return made;
 }
 
-/// What of a polygon lies in a box about the origin.
+/// The part of a polygon that lies in a box about the origin.
 Polygon cut_to_box(Polygon polygon, const Vector3& size) {
   for (int axis = 0; axis < 3; ++axis) {
     for (const double side : {1.0, -1.0}) {
@@ -84,7 +84,7 @@ struct Solid {
   Vector3 centre = Vector3::Zero();
 };
 
-/// The overlap of a box about the origin with another that is moved, by their polygons.
+/// The overlap of a box about the origin with another, moved box, by their polygons.
 Solid boxes_overlap(const Vector3& size1, const Vector3& size2, const Isometry3d& pose2) {
   std::vector<Polygon> boundary;
   for (const Polygon& face : faces(size2, pose2)) boundary.push_back(cut_to_box(face, size1));

@@ -31,7 +31,7 @@ struct Sampled {
 
 Isometry3d at(double x, double y, double z) { return Isometry3d(Eigen::Translation3d(x, y, z)); }
 
-/// Every tile twice, and the second ones off by a tolerance.
+/// Adds every tile a second time, offset by the tolerance.
 void double_tiles(TiledCubeByHand& cube) {
   const std::vector<test::TileByHand> once = cube.by_hand;
   std::vector<test::BoxedChild> leaves;

@@ -29,7 +29,7 @@ Isometry3d pose_of(RandomTwister& random, double most) {
   return Eigen::Translation3d(by) * Isometry3d(Eigen::AngleAxisd(turn.norm(), turn.normalized()));
 }
 
-/// How far two cubes are apart by their faces and edges (separating axes); 0 or less: they overlap.
+/// Gap between two cubes along the separating axes of faces and edges; 0 or less: they overlap.
 double cube_gap(const Isometry3d& pose2) {
   double most = -1;
   const auto along = [&](const Vector3& axis) {

@@ -30,7 +30,7 @@ TEST_CASE("Samples of a baked ball have its area, and lie on it with its normals
     const SampleLevel& finest = samples.levels.back();
     for (std::uint32_t i = finest.first; i < finest.first + finest.count; ++i) {
       const Vector3 position = to_vector(samples.places[i].position);
-      REQUIRE(std::abs(position.norm() - radius) < 2 * tolerance + 20e-6);  // of facets 15 um
+      REQUIRE(std::abs(position.norm() - radius) < 2 * tolerance + 20e-6);  // facets: 15 um
       REQUIRE(to_vector(samples.shares[i].normal).dot(position) > 0.98 * radius);
     }
   }
@@ -42,7 +42,7 @@ TEST_CASE("Samples of two balls that overlap have the area of their union") {
                                         test::moved(test::sphere(radius, 5), {apart / 2, 0, 0}));
   const BakeResult baked = bake(test::mesh_of(both), {});
   const AssetTables tables = tables_of(baked.asset);
-  // Each lacks a cap as high as the half of their overlap.
+  // Each ball lacks a cap as high as half of their overlap.
   const double wanted = 2 * (4 * std::numbers::pi * radius * radius -
                              2 * std::numbers::pi * radius * (radius - apart / 2));
   CHECK(samples_of(tables.view(), 0.002).area == Approx(wanted).epsilon(1e-2));

@@ -156,7 +156,8 @@ TEST_CASE("The mean place and the spread of a sample are those of its surface") 
   TiledCubeByHand cube(size);
   const auto samples = sample_surface(cube.view, 0.0005);
   REQUIRE(samples.has_value());
-  // The coarsest stand for a face each: its middle, and a square's variance of size^2 / 12 an axis.
+  // Each of the coarsest samples stands for one face: it has the face's middle, and the variance of
+  // a square, size^2 / 12 per axis.
   REQUIRE(samples->levels[0].count == 6);
   for (std::uint32_t i = 0; i < 6; ++i) {
     const Vector3 middle =

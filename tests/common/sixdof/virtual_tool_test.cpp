@@ -41,7 +41,8 @@ struct Scene {
 
 Isometry3d at(double x, double y, double z) { return Isometry3d(Eigen::Translation3d(x, y, z)); }
 
-/// The two faces of a plate so thick, across z; without its narrow ones, whose tiles are as wide.
+/// The two faces across z of a plate of this thickness. Its narrow faces are left out, because
+/// their tiles would be as wide as before.
 void make_plate(TiledCubeByHand& cube, double thickness) {
   for (std::size_t k : {4U, 5U}) cube.planes[k].x0 *= thickness / size;
   cube.bvh = test::bvh_over({test::tile_child(4), test::tile_child(5)});

@@ -16,7 +16,7 @@ namespace spm::tile_test {
 namespace {
 
 constexpr float unit_of_heights = 1e-6F;
-constexpr double rounding = 3e-8;  ///< of single precision at a tile's size, m
+constexpr double rounding = 3e-8;  ///< error of single precision at a tile's size, m
 
 using test::RandomTwister;
 
@@ -45,7 +45,7 @@ test::TileByHand random_tile(RandomTwister& random) {
   return made;
 }
 
-/// The line of a clipped cell; one that clips nothing of another.
+/// The line of a clipped cell; for any other cell, a line that clips nothing.
 Clip clip_at(const Tile& tile, std::uint32_t cell) {
   if (((tile.clipped >> cell) & 1U) == 0) return {0, 0, 1};
   const std::uint64_t before = tile.clipped & ((std::uint64_t{1} << cell) - 1);
@@ -239,7 +239,7 @@ TEST_CASE("The nearest of a tile's cells is the closest point on the tile") {
     REQUIRE(std::isfinite(least) == std::isfinite(whole.distance));
     if (!std::isfinite(least)) continue;
     ++found;
-    // Which closest point on a cell is found may hang on what was found before.
+    // Which closest point on a cell is found may depend on what was found before.
     CHECK(double{least} == Approx(double{whole.distance}).margin(twist / 2 + rounding));
   }
   CHECK(found > 300);

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 
-// Measures how long libspm_client takes to read the state of a live daemon, and prints JSON: ns a
-// read over batches of one read and of sixteen, timed by clock_gettime, whose own time (the median
-// of two calls in a row) is taken off.
+// Measures how long libspm_client takes to read the state of a live daemon, and prints JSON: ns
+// per read over batches of one read and of sixteen, timed by clock_gettime. The time of
+// clock_gettime itself (the median of two calls in a row) is subtracted.
 //
-// Usage: client_reads SOCKET [READS]. Exit code 2, and the sentence, where no daemon answers.
+// Usage: client_reads SOCKET [READS]. Exits with code 2 and a message if no daemon answers.
 
 #include <spm_client.h>
 
@@ -22,7 +22,7 @@
 
 namespace {
 
-constexpr std::size_t max_objects = 64;  // that a daemon tells
+constexpr std::size_t max_objects = 64;  // that a daemon reports
 constexpr int clock_pairs = 100'000;
 
 std::int64_t now_ns() noexcept {
@@ -31,7 +31,7 @@ std::int64_t now_ns() noexcept {
   return std::int64_t{time.tv_sec} * 1'000'000'000 + time.tv_nsec;
 }
 
-/// By the nearest rank; sorts.
+/// Percentile by the nearest rank; sorts `values`.
 double percentile(std::vector<double>& values, double share) {
   std::sort(values.begin(), values.end());
   const auto rank = static_cast<std::size_t>(std::ceil(share * static_cast<double>(values.size())));
@@ -47,8 +47,8 @@ double clock_overhead() {
   return percentile(pairs, 0.5);
 }
 
-/// Times `read`, which gives a code of spm_client.h, in batches. One that is refused as busy counts
-/// as the read it was.
+/// Times `read`, which gives a code of spm_client.h, in batches. A read that is refused as
+/// busy still counts as a read.
 template <class Read>
 nlohmann::ordered_json measure(const char* what, int batch, int reads, double overhead,
                                const Read& read) {

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 
-// Answers each report of a WoodenHaptics at once, without a loop: what a round trip over hidapi
-// takes by itself. The answer has a current where the third counter is positive, and none
-// elsewhere.
+// Answers each report of a WoodenHaptics at once, without a loop. This shows how long a round trip
+// over hidapi takes by itself. The answer has a current where the third counter is positive, and
+// none elsewhere.
 //
-// Usage: ping_hid OPTIONS, those of --device woodenhaptics. SIGTERM ends it. Exit code 2, and the
-// sentence, where the device does not open.
+// Usage: ping_hid OPTIONS, those of --device woodenhaptics. SIGTERM ends it. If the device does not
+// open, it prints a message and exits with code 2.
 
 #include <atomic>
 #include <csignal>

@@ -34,7 +34,7 @@ using namespace spm::test;
 std::string sparse_bytes() { return baked(sparse_asset(1)); }
 std::string full_bytes() { return baked(full_asset(1, {2, 2, 1, 12, 2})); }
 
-/// Changes the first digit of a number of the description: the one of this key behind `object`.
+/// Changes the first digit of a number in the description: the one with this key after `object`.
 std::string with_other_number(std::string bytes, const std::string& object, std::string key) {
   key = '"' + key + "\":";
   const std::size_t at = bytes.find(key, bytes.find('"' + object + '"'));
@@ -86,8 +86,8 @@ std::string foreign_exr(bool attributes_of_ours) {
   return bytes;
 }
 
-/// An asset of one channel a part as another tool saves it: the same parts, attributes and pixels,
-/// with the header changed.
+/// An asset of one channel per part as another tool saves it: the same parts, attributes and
+/// pixels, with the header changed.
 std::string resaved(const std::string& bytes, const std::function<void(Imf::Header&)>& change) {
   const TemporaryFolder folder;
   write_bytes(folder.path("in"), bytes);

@@ -10,15 +10,15 @@
 
 namespace damaged_partition_test {
 
-// Assets whose grid, space or tree of elements leads where there is nothing, in files that are
-// otherwise right.
+// Assets whose grid, space or tree of elements points to something that does not exist, in files
+// that are otherwise right.
 
 namespace {
 
 using namespace spm;
 using namespace spm::test;
 
-/// First cell of the grid whose word says what it leads to by these bits.
+/// First cell of the grid whose word leads to a record and has these bits.
 std::uint64_t record_cell(const Asset& asset, std::uint32_t bits) {
   std::uint64_t cell = 0;
   while (asset.grid.index[cell] >> 28U != (8U | bits >> 28U)) ++cell;
@@ -76,7 +76,7 @@ std::string with_last_child(const BvhChild& child) {
   });
 }
 
-/// So many nodes below each other.
+/// A chain of this many nodes, one below the other.
 std::vector<std::uint32_t> chain_of_nodes(int nodes) {
   std::vector<std::uint32_t> words;
   for (int node = 1; node < nodes; ++node) {

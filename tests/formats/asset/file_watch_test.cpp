@@ -22,7 +22,7 @@ namespace {
 using namespace spm;
 using namespace spm::test;
 
-/// A written asset of some hundred pages, opened; without the index, which is not of the file.
+/// A written asset of some hundred pages, opened; without the index, which is not in the file.
 struct Opened {
   TemporaryFolder folder;
   std::string path = folder.path("a.spm.exr");

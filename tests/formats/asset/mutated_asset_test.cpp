@@ -98,7 +98,7 @@ TEST_CASE("A mutated asset with a right checksum is refused, or is safe to query
     int opened_mutants = 0, refused_mutants = 0;
     for (int k = 0; k < 2000; ++k) {
       write_bytes(path, mutant(bytes, ranges, random));
-      // Most without the index, which takes most of the time to derive.
+      // Most are opened without the index, which takes most of the time to derive.
       const auto opened = MappedAsset::open(path, {.index = k % 20 == 0});
       if (opened) {
         ++opened_mutants;

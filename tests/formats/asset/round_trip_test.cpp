@@ -51,7 +51,7 @@ void check_same_tile(const TileData& wanted, const Tile& tile, double tile_spaci
   REQUIRE(std::equal(wanted.clips.begin(), wanted.clips.end(), tile.clips));
 }
 
-/// That the planes, the grid and the trees are those of an asset.
+/// Checks that the planes, the grid and the trees are those of an asset.
 void check_same_frame(const Asset& asset, const AssetView& view) {
   REQUIRE(view.planes.size() == asset.planes.size());
   for (std::size_t k = 0; k < asset.planes.size(); ++k) {
@@ -109,7 +109,7 @@ void check_same_content(const Asset& asset, const AssetView& view) {
   CHECK(view.band.max_depth == asset.metadata.band.max_depth);
   CHECK(view.band.margin == asset.metadata.band.margin);
   CHECK(view.full == (asset.metadata.form == AssetForm::full));
-  // In the full form the lists tell which triangles are caps.
+  // In the full form the lists say which triangles are caps.
   if (!view.full) CHECK(view.first_cap == asset.first_cap);
 }
 

@@ -22,7 +22,7 @@ using namespace spm;
 using namespace spm::test;
 using Names = std::vector<std::string>;
 
-/// Files may not grow over `bytes` in its scope: a full disk, as far as a writer can tell.
+/// Files may not grow beyond `bytes` in its scope: a full disk, as far as a writer can tell.
 class FileSizeLimit {
  public:
   explicit FileSizeLimit(rlim_t bytes) {

@@ -135,7 +135,7 @@ TEST_CASE("A recording of the first form is read as such, and one of a newer for
   const auto first = written(1);
   REQUIRE(first);
   CHECK(first->header.form == 1);
-  // As the programs wrote it that knew no other.
+  // As written by programs that knew no other form.
   CHECK(content(folder.path("a.spmrec")).find("\"form\"") == std::string::npos);
   const auto now = written(recording_form);
   REQUIRE(now);

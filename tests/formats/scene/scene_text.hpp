@@ -8,7 +8,7 @@
 
 namespace spm::test {
 
-/// read_scene of a file that holds a text, `scene.toml` in a folder of its own.
+/// Runs read_scene on a file that holds this text, `scene.toml` in a folder of its own.
 [[nodiscard]] inline Result<Scene> scene_of_text(const std::string& text) {
   const TemporaryFolder folder;
   write_bytes(folder.path("scene.toml"), text);

@@ -167,7 +167,7 @@ class GridMaker {
     return word_of(CellKind::record, offset);
   }
 
-  /// A split cell, whose first octant is split again until `levels` lie in each other.
+  /// A split cell, whose first octant is split again until `levels` splits are nested.
   std::uint32_t split(int levels) {
     std::vector<std::uint32_t> octants;
     if (levels > 1) octants.push_back(split(levels - 1));
@@ -218,7 +218,7 @@ BvhData random_tree(Random& random, std::uint32_t tiles, std::uint32_t corners) 
   BvhData bvh;
   bvh.origin = Vector3(-0.035, -0.035, -0.025);
   bvh.size = {0.07F, 0.07F, 0.05F};
-  // The leaves below each node so far; without any there is one node of no children.
+  // The leaves below each node so far; without leaves there is one node with no children.
   std::vector<std::pair<std::size_t, std::size_t>> nodes{{0, leaves.size()}};
   for (std::size_t node = 0; node < nodes.size(); ++node) {
     const auto [begin, end] = nodes[node];

@@ -35,16 +35,16 @@ struct SparseShape {
   std::uint32_t planes = 10;
   std::uint32_t tiles = 100;
   std::uint32_t triangles = 20;
-  bool small = false;  ///< triangles of 16-bit numbers
+  bool small = false;  ///< stores the triangles as 16-bit numbers
 };
 
 /// Assets with random content that is consistent: no object has this shape, but every part of the
 /// format is used, and queries in the box find maps, tiles and triangles.
-/// Space has cubes of all kinds, four levels deep; of the triangles the last quarter are caps.
+/// Space has cubes of all kinds, four levels deep; the last quarter of the triangles are caps.
 [[nodiscard]] Asset sparse_asset(std::uint64_t seed, const SparseShape& shape = {});
 
-/// One map a plane, plane k with layers[k] layers. Cells share lists, and splits lie three deep in
-/// each other.
+/// One map per plane; the map of plane k has layers[k] layers. Cells share lists, and splits are
+/// nested three deep.
 [[nodiscard]] Asset full_asset(std::uint64_t seed, const std::vector<std::uint32_t>& layers,
                                std::uint32_t columns = 9, std::uint32_t rows = 7);
 

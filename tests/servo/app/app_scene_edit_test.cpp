@@ -32,7 +32,7 @@ class Edited {
   }
 
   void send(const spm_shared_command& command) { ring_.write(command); }
-  /// A second later, when all is where it was sent.
+  /// Runs a tick one second later, when everything has reached the place it was sent to.
   void tick() {
     now_ns_ += second;
     changes_ = app_->begin(now_ns_, forces());
@@ -114,7 +114,7 @@ TEST_CASE("An object that an application moved stays there unless its pose was e
 
   edited.placement.position.x() = -0.4;
   REQUIRE(scene.edit(change_of(0, edited, true)));
-  // At once, however far.
+  // The object moves at once, however far.
   CHECK(scene.force_at(-0.4) == Approx(0.5));
   CHECK(scene.force_at(0.3) == 0);
   scene.tick();

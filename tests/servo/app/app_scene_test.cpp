@@ -26,7 +26,7 @@ using namespace spm::test;
 namespace {
 
 constexpr double half = 0.02;
-/// Above the box by so much.
+/// How far the hand rests above the box, m.
 constexpr double above = 1e-3;
 
 /// A loop on a box of 40 mm that an application may move, a hand that rests above it, and an
@@ -68,11 +68,11 @@ class Beside {
     static_cast<void>(spm_client_read_object(here->client, id, &read));
     return read;
   }
-  /// Whether the force along z comes to be near a value, N.
+  /// Waits until the force along z is near a value, N. Returns false if it never is.
   [[nodiscard]] bool comes_to(double force) const {
     return eventually([&] { return std::abs(device().force[2] - force) < 0.02; });
   }
-  /// Why the last command was not followed, once it was not.
+  /// Waits until a command is refused, and returns the reason.
   [[nodiscard]] std::string refusal() const {
     auto counts = sized<spm_client_command_counts>();
     const bool refused = eventually([&] {
@@ -92,7 +92,7 @@ class Beside {
     return taken;
   }
 
-  /// The application hangs up; gives where another may connect.
+  /// Disconnects the application. Returns the path at which another may connect.
   std::string leave() {
     here.reset();
     return server_->path();
@@ -149,7 +149,7 @@ TEST_CASE("An object that the scene holds still stays, and the application is to
 TEST_CASE("Records say from which tick on an application has touched the scene") {
   Beside beside;
   REQUIRE(eventually([&] { return beside.device().tick > 20; }));
-  // Looking on touches nothing, nor does what is refused.
+  // Neither watching nor a refused command touches the scene.
   const spm_client_pose up = raised(2 * above);
   REQUIRE(spm_client_move_object(beside.here->client, 7, &up) == SPM_CLIENT_OK);
   REQUIRE_FALSE(beside.refusal().empty());
@@ -160,7 +160,7 @@ TEST_CASE("Records say from which tick on an application has touched the scene")
   const auto first = std::find_if(records.begin(), records.end(),
                                   [](const TickRecord& record) { return record.touched; });
   REQUIRE(first != records.end());
-  // No force came of it before, and from then on it stays so, whatever the application does.
+  // Before the first mark there was no contact. Then it stays, whatever the application does.
   for (auto record = records.begin(); record != first; ++record) CHECK_FALSE(record->contact);
   CHECK(std::all_of(first, records.end(), [](const TickRecord& record) { return record.touched; }));
   beside.leave();

@@ -159,7 +159,7 @@ TEST_CASE("A client that is served can neither cut its ring nor take pages out o
   REQUIRE(ftruncate(client.ring, 0) != 0);
   REQUIRE(fallocate(client.ring, FALLOC_FL_PUNCH_HOLE | FALLOC_FL_KEEP_SIZE, 0, 4096) != 0);
   REQUIRE(madvise(ring, 4096, MADV_REMOVE) != 0);
-  // What it mapped before it can still write.
+  // The client can still write to memory that it mapped before.
   auto* const shared = static_cast<spm_shared_ring*>(ring);
   store_release(shared->head, std::uint64_t{1} << 40U);
   const LoopStandIn loop(*state);
@@ -213,7 +213,7 @@ TEST_CASE("A client that sends nonsense is let go, and the others are not distur
     REQUIRE(bad.say(nonsense.data(), size));
     REQUIRE(bad.is_let_go());
   }
-  // Well begun is not enough.
+  // A correct beginning is not enough.
   RawClient bad(server->path());
   spm_socket_answer answer{};
   REQUIRE(bad.hear(answer));

@@ -27,7 +27,7 @@ const spm_shared_state& shared(const AppState& state) {
   return *static_cast<const spm_shared_state*>(state.memory().data());
 }
 
-/// A tick of full size, told by its number.
+/// A tick of full size, whose values follow from its number.
 struct FullTick {
   explicit FullTick(std::uint64_t number)
       : devices(SPM_MAX_DEVICES, device_of(number)), tick(number) {
@@ -198,7 +198,7 @@ TEST_CASE("A flood is bounded a tick, and every client gets its turn") {
   std::vector<int> taken_of(SPM_MAX_CLIENTS, 0);
   for (int tick = 0; tick < 160; ++tick) {
     for (std::uint32_t client = 0; client < SPM_MAX_CLIENTS; ++client) {
-      // All but one flood; that one sends one command a tick where there is room.
+      // All clients but one flood. That one sends one command a tick if there is room.
       const int sent = client == 11 ? 1 : AppState::max_of_client;
       const bool room = rings[client].ring().head - rings[client].ring().tail + sent <
                         std::uint64_t{SPM_RING_SLOTS};

@@ -74,7 +74,7 @@ TEST_CASE("An object at 0.1 m/s with poses at 90 Hz moves in even steps of 0.1 m
   for (const double rate : {60.0, 72.0, 90.0, 120.0}) {
     PoseInterpolator interpolator({}, Placement());
     const auto poses = play({rate}, 2, interpolator);
-    // Poses reach the loop on whole ticks: that alone moves a step by a tick in a stretched period.
+    // Poses reach the loop on whole ticks. This alone moves a step by a tick in a stretched period.
     const double slack = 1e-4 * 1e-3 * rate;
     const auto [least, most] = steps(poses, 500);
     CAPTURE(rate, least, most);

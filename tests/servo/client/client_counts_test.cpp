@@ -28,7 +28,7 @@ struct Daemon {
   std::unique_ptr<AppServer> server = started(*state, folder.path("a.sock"));
 };
 
-/// Counts of a tick all of whose numbers are told by it.
+/// Counts a tick with numbers that all follow from the tick.
 void count_tick(AppState& state, std::uint64_t tick) {
   const auto number = static_cast<double>(tick);
   const std::vector<DeviceCounters> devices(

@@ -321,7 +321,7 @@ TEST_CASE("Many threads read and send at once, and nothing is torn or lost") {
       for (int i = 0; i < 3000; ++i) {
         const int code = spm_client_read_device(here.client, 0, &device);
         if (code == SPM_CLIENT_OK) {
-          // The stand-in's x is told by its tick, and ticks never go back.
+          // The stand-in's x follows from its tick, and ticks never go back.
           const bool whole = device.position[0] == static_cast<double>(device.tick) * 1e-6;
           torn += whole && device.tick >= newest ? 0 : 1;
           newest = device.tick;

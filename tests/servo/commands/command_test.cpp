@@ -93,7 +93,7 @@ struct Workshop {
     for (int i = 0; i < 500; ++i) file << i * 1e-5 << " 0 " << 0.0195 << '\n';
   }
 
-  /// Writes a scene, each to a file of its own, and names it.
+  /// Writes a scene to a file of its own, and returns the file's path.
   [[nodiscard]] std::string scene(const std::string& text) const {
     std::string path = folder.file("scene" + std::to_string(scenes++) + ".toml");
     std::ofstream(path) << text;
@@ -187,7 +187,7 @@ TEST_CASE(
   };
   CHECK(forces_equal("damping+passivity"));
   CHECK_FALSE(forces_equal("none"));
-  // The scene's own give way.
+  // The scene's own stabilizers are overridden.
   const std::string scene =
       shop.scene("[stabilization]\nrecommended = true\n[[object]]\nasset = \"sparse.spm.exr\"\n");
   const auto reported = [&](std::vector<std::string> more) {

@@ -31,7 +31,7 @@ class Machine {
   TemporaryFolder folder_;
 };
 
-/// Wake-ups of which so many are late by so much, the others by 20 us.
+/// Wake-ups: the first `late` of them are late by `late_us`, the others by 20 us.
 Wakeups wakeups_of(int ticks, int late, double late_us) {
   Wakeups wakeups;
   DurationHistogram histogram;

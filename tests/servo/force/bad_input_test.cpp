@@ -58,7 +58,7 @@ std::vector<Vector3> awkward_places() {
 TEST_CASE("On every border, on the medial axis and out of all reach the force is finite") {
   const Assets assets;
   for (const Method method : methods) {
-    // One that comes from the last place, and one that begins at each.
+    // One model goes on from the last place, and one begins anew at each place.
     ContactModel goes_on(settings_of(method, 1000));
     for (const Vector3& place : awkward_places()) {
       ContactModel begins(settings_of(method, 1000));

@@ -15,7 +15,7 @@ namespace {
 constexpr double size = 0.04;
 constexpr double half = size / 2;
 
-/// A hand that slides over the top of a cube, so deep (m) and so far a tick (m).
+/// A hand that slides over the top of a cube, `depth` (m) deep and `step` (m) a tick.
 Vector3 sliding(int tick, double depth, double step) {
   return {-0.01 + step * tick, 0.003, half - depth};
 }
@@ -67,7 +67,7 @@ TEST_CASE("Friction opposes sliding with mu N, is no more at rest, and ends with
       CHECK(std::hypot(last.force.x(), last.force.y()) <= 0.5 * normal + 1e-6);
     }
     CHECK(last.force.z() == Approx(1).margin(1e-3));
-    // A proxy lags by what its spring is long: its own normal leans back by less than a micrometre.
+    // A proxy lags by its spring's length: its own normal leans back by less than a micrometre.
     CHECK(last.force.x() == Approx(-0.4).margin(0.01));
     const Vector3 rest = sliding(59, 0.001, 1e-4);
     for (int tick = 0; tick < 20; ++tick) {

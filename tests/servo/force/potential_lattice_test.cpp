@@ -119,7 +119,7 @@ TEST_CASE("About an edge the direction turns with the field, and does not jump")
     if (at > 0) sharpest = std::max(sharpest, (found->normal - last).norm());
     last = found->normal;
   }
-  // Linear in each tetrahedron it would jump by spacing over radius, 0.17.
+  // If it were linear in each tetrahedron, it would jump by spacing / radius = 0.17.
   CHECK(farthest < 0.02);
   CHECK(sharpest < 0.02);
 }

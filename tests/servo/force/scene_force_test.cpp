@@ -30,7 +30,7 @@ Eigen::Quaterniond quarter() {
   return Eigen::Quaterniond(Eigen::AngleAxisd(std::numbers::pi / 2, Vector3::UnitZ()));
 }
 
-/// A hand that slides over the top of a cube, so deep and so far a tick (m).
+/// A hand that slides over the top of a cube, at a depth and with a step each tick (m).
 Vector3 sliding(int at, double depth, double step) {
   return {-0.01 + step * at, 0.003, half - depth};
 }

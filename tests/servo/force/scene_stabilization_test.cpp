@@ -34,7 +34,7 @@ StabilizationSettings stabilization_of(std::string_view words) {
   return stabilization;
 }
 
-/// Over a side of the cube and its edge, pressed and let go, at a few cm/s.
+/// The hand slides over a side of the cube and its edge, presses and lets go, at a few cm/s.
 Vector3 sliding(int at) { return {-0.01 + 4e-5 * at, 0.003, half - 1e-3 * std::sin(0.02 * at)}; }
 
 TEST_CASE("With all stabilizers off a scene gives the forces that it gave, to the bit") {
@@ -137,7 +137,7 @@ TEST_CASE("Of one potential is the force of the lattice, whose turns are not lim
     ForceScene stabilized = scene_of_cube(Method::spm, stabilization);
     stabilized.objects[0].effects.turn.rate = 10;
     stabilized.objects[0].effects.smoothing.sigma = sigma;
-    // Of an object twice as large for a hand whose metres are half of the world's.
+    // The object is twice as large for a hand whose metres are half of the world's.
     stabilized.objects[0].placement.scale = 4;
     stabilized.workspace.scale = 2;
     SceneForce found(stabilized, tick, 0);

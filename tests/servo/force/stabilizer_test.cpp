@@ -30,7 +30,7 @@ ContactForce wall(const Vector3& hand, double stiffness) {
   return contact;
 }
 
-/// As a hand presses gently and lets go: smoothly, at most so fast, with a rest between.
+/// A hand presses gently and lets go: smoothly, at most at `speed`, with a rest between.
 std::vector<double> gentle_press(double depth, double speed) {
   std::vector<double> way;
   const double top = 3e-4;
@@ -44,7 +44,7 @@ std::vector<double> gentle_press(double depth, double speed) {
   return way;
 }
 
-/// What a wall that was asked to push with a stiffness can give back.
+/// The energy that a wall can give back when it is asked to push with a stiffness.
 ContactEnergy energy_of(const ContactForce& wanted, double stiffness) {
   return {stiffness, wanted.force.squaredNorm() / (2 * stiffness), 0};
 }

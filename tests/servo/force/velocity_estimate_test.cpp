@@ -104,7 +104,7 @@ TEST_CASE("Beyond a step a tool between two counts rests, and one that goes on i
   for (int i = 0; i < 100; ++i) (void)estimate.next({counted(0.02 * tick * i), 0, 0});
   CHECK(estimate.velocity().x() == Approx(0.02).epsilon(0.2));
   CHECK(estimate.beyond(1).x() == estimate.velocity().x());
-  // Between one step and two in the window: less, and no jump.
+  // Between one and two steps in the window, the result is less, and it does not jump.
   for (const double steps : {1.0, 1.001, 1.5, 1.999, 2.0}) {
     VelocityEstimate two(step, tick);
     (void)two.next(Vector3::Zero());

@@ -9,7 +9,7 @@ namespace {
 
 constexpr double tick = 1e-3;
 
-/// Force on a hand so deep in a wall (m) that the coupling holds it from, N.
+/// Force (N) on a hand at a depth (m) in a wall from which the coupling holds it back.
 double felt_force(VirtualCoupling& coupling, double depth) {
   const Vector3 way(0, 0, std::max(0.0, depth));
   return (coupling.felt() * way + coupling.damped(way)).z();

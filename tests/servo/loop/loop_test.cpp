@@ -296,7 +296,7 @@ TEST_CASE(
   LoopOnBox loop;
   ScriptedDevice device([](std::size_t read, DeviceState& state, DeviceHealth& health) {
     press(read, state, health);
-    // As far as no jump is: the tool drifts out and comes back.
+    // Too short a way to count as a jump: the tool drifts out and comes back.
     if (read >= 150 && read < 200) state.position.x() = 6e-3;
   });
   device.can().workspace = {4e-3, half, half};

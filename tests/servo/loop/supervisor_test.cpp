@@ -32,7 +32,7 @@ std::string content(const std::string& path) {
   return {std::istreambuf_iterator<char>(file), {}};
 }
 
-/// 0 where there is none.
+/// The only child of a process; 0 if there is none.
 pid_t only_child_of(pid_t process) {
   const std::string id = std::to_string(process);
   std::ifstream file("/proc/" + id + "/task/" + id + "/children");
@@ -52,7 +52,7 @@ std::size_t count_of(const std::string& text, const std::string& line) {
   return count;
 }
 
-/// What comes until nobody can write any longer.
+/// Reads everything until nobody can write any longer.
 std::string read_all(int file) {
   std::string text;
   std::array<char, 256> part{};
@@ -74,7 +74,7 @@ Supervisor::Open logged_devices(const std::string& log) {
   };
 }
 
-/// A daemon that starts a supervisor, drives devices, and does then what `end` says. Its standard
+/// A daemon that starts a supervisor, drives devices, and then does what `end` says. Its standard
 /// error is a pipe, which its supervisor holds too: it ends when both have.
 class StandIn {
  public:
@@ -124,7 +124,7 @@ class StandIn {
   [[nodiscard]] int ready() const { return ready_; }
 
  private:
-  /// Of a crash, without the tests' handler and without a core file.
+  /// Makes a crash end the process without the tests' handler and without a core file.
   static void die_as_others_do() {
     std::signal(SIGSEGV, SIG_DFL);
     const rlimit none{};
@@ -262,7 +262,7 @@ TEST_CASE("The supervisor keeps no file, priority or locked memory of the daemon
            status.substr(status.find("VmLck:"), status.find("VmPin:") - status.find("VmLck:")));
     return logged_devices(log)(target);
   };
-  // Where it is allowed, as of a daemon that was started by chrt.
+  // Takes real-time priority if allowed, like a daemon that was started by chrt.
   const auto be_real_time = [] {
     sched_param priority{};
     priority.sched_priority = 10;
@@ -273,7 +273,7 @@ TEST_CASE("The supervisor keeps no file, priority or locked memory of the daemon
   daemon.await();
   kill(daemon.process(), SIGKILL);
   REQUIRE(WIFSIGNALED(daemon.status()));
-  // The supervisor still waits at the gate, and would keep this from its end.
+  // The supervisor still waits at the gate. If it held the daemon's files, this read would not end.
   REQUIRE(read_all(daemon.ready()).empty());
   append(gate, "open");
   REQUIRE(daemon.said().ends_with("zero force was sent to one\n"));

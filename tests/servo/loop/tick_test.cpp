@@ -24,7 +24,7 @@ using namespace spm::servo;
 
 namespace {
 
-/// The simulated device; from its first read on, everything that the loop's thread does is watched.
+/// The simulated device. From its first read on, everything that the loop's thread does is watched.
 class WatchedSim final : public Device {
  public:
   WatchedSim() : sim_(SimOptions{}) {}

@@ -162,7 +162,7 @@ std::string text_of(const spm::Result<RealtimeState>& state) {
   return text;
 }
 
-/// As a user who may have no real-time priority by himself.
+/// Makes the process one that may not take real-time priority by itself.
 void give_up_priority() {
   const rlimit none{};
   setrlimit(RLIMIT_RTPRIO, &none);
@@ -233,7 +233,7 @@ TEST_CASE("Without RealtimeKit or without a bus the refusal says so, and no limi
   const PrivateBus bus;
   SECTION("no such service") {
     FakeKit kit;
-    // Of another bus, where nobody has the name.
+    // Ask on another bus, where nobody owns the name.
     const PrivateBus empty;
     told = kit.beside(ask);
   }

@@ -20,7 +20,7 @@ using Random = std::mt19937_64;
 std::size_t below(Random& random, std::size_t bound) { return random() % bound; }
 double drawn(Random& random) { return std::uniform_real_distribution<double>(0.1, 1)(random); }
 
-/// A way in which an object can be edited, and the name that a person is told.
+/// A way in which an object can be edited, and its name in messages to the user.
 struct Edit {
   ObjectAspect aspect;
   const char* name;
@@ -82,7 +82,7 @@ Objects drawn_scene(Random& random) {
   return scene;
 }
 
-/// A scene as somebody may leave it who has edited another.
+/// A scene as it may look after somebody has edited `scene`.
 Objects edited_scene(Objects scene, Random& random) {
   for (std::size_t step = below(random, 5); step > 0; --step) {
     const auto place = static_cast<std::ptrdiff_t>(below(random, scene.size() + 1));
@@ -104,7 +104,7 @@ Objects edited_scene(Objects scene, Random& random) {
   return scene;
 }
 
-/// Gives one object what of the other a difference names, and nothing else.
+/// Copies to one object those aspects of the other that a difference names, and nothing else.
 PlacedObject with_aspects(PlacedObject object, const PlacedObject& from, std::uint32_t aspects) {
   const auto has = [aspects](ObjectAspect aspect) { return (aspects & aspect) != 0; };
   if (has(aspect_pose)) {
@@ -171,8 +171,8 @@ std::vector<double> numbers_of(const PlacedObject& o) {
           o.movable ? 1.0 : 0.0};
 }
 
-/// The edited scene, made from the old one and what a difference says; what it does not say of the
-/// new one is not looked at.
+/// The edited scene, made from the old one and a difference. Whatever the difference does not name
+/// in the new scene is not used.
 std::vector<std::vector<double>> applied(const Objects& before, const Objects& after,
                                          const SceneDifference& difference) {
   std::vector<std::vector<double>> made(after.size());
@@ -202,7 +202,7 @@ TEST_CASE("The difference of two scenes, applied to the one, gives the other") {
     for (const PlacedObject& object : after) wanted.push_back(numbers_of(object));
     REQUIRE(applied(before, after, difference) == wanted);
 
-    // Each old object is gone or goes on, and none is taken for new that an old one could be.
+    // Each old object is removed or kept, and no object counts as new if an old one could match it.
     std::vector<std::size_t> ends = difference.removed;
     for (const KeptObject& kept : difference.kept) {
       ends.push_back(kept.before);
@@ -250,13 +250,13 @@ TEST_CASE("An object that is cut out of the middle is the one that is gone") {
   CHECK(difference.kept[1].before == 2);
   CHECK(difference.kept[1].aspects == 0);
 
-  // Where each was changed, its place in the list tells.
+  // If every object was changed, they are matched by their places in the list.
   after = before;
   for (PlacedObject& object : after) object.force.stiffness = 1;
   difference = scene_difference(before, after);
   for (const KeptObject& kept : difference.kept) CHECK(kept.before == kept.after);
 
-  // Another order alone is no difference.
+  // A changed order alone is no difference.
   after = {before[2], before[0], before[1]};
   difference = scene_difference(before, after);
   CHECK(difference.empty());

@@ -29,7 +29,7 @@ TEST_CASE("A tick that takes up an edited scene neither allocates, locks nor wri
   auto state = AppState::create(1000, {{"hand"}, {"box"}, {"box"}});
   REQUIRE(state);
   std::atomic<bool> stop{false};
-  // The first read is in a tick: what comes before it is the loop's own beginning.
+  // The first read is inside a tick. Everything before it belongs to the loop's start-up.
   test::ScriptedDevice device([&](std::size_t read, DeviceState& hand, DeviceHealth&) {
     if (read == 0) test::watch(true);
     hand.position = {0, 0, size / 2 - 1e-3};
@@ -68,7 +68,7 @@ TEST_CASE("A tick that takes up an edited scene neither allocates, locks nor wri
     done += static_cast<int>(taken_up(grows)) + static_cast<int>(taken_up(changes)) +
             static_cast<int>(taken_up(shrinks));
   }
-  // More than there is room for is left alone, all of it.
+  // An edit that needs more room than there is gets refused as a whole.
   SceneEdit too_many;
   for (std::uint64_t id = 1; id <= 64; ++id) too_many.added.push_back({id, object, true});
   too_many.removed.clear();

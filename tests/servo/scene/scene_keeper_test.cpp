@@ -30,7 +30,7 @@ using spm::test::eventually;
 namespace {
 
 constexpr double size = 0.04;
-/// As deep the hand is in the box at the origin, m.
+/// How deep the hand is inside the box at the origin, m.
 constexpr double depth = 1e-3;
 
 const std::string box = "[[object]]\nasset = \"box.spm.exr\"\n";
@@ -70,7 +70,7 @@ class Edited {
     keeper = std::make_unique<SceneKeeper>(std::move(options), *assets);
   }
 
-  /// As an editor saves: writes another file and renames it over the old one.
+  /// Saves as an editor does: writes another file and renames it over the old one.
   void save(const std::string& scene) const {
     write("scene.toml.new", scene);
     std::filesystem::rename(file("scene.toml.new"), file("scene.toml"));
@@ -84,7 +84,7 @@ class Edited {
     const std::lock_guard lock(mutex_);
     return said_;
   }
-  /// What was said as the nth thing, from 0, once it was.
+  /// Waits for the nth message, counted from 0, and returns it.
   [[nodiscard]] std::string said(std::size_t nth) const {
     static_cast<void>(eventually([&] { return said().size() > nth; }));
     const auto all = said();
@@ -95,7 +95,7 @@ class Edited {
     return served_;
   }
 
-  /// In the loop's place: the edit that comes, answered.
+  /// Acts as the loop: waits for the next edit, answers it and returns it.
   [[nodiscard]] SceneEdit take(EditAnswer answer = EditAnswer::done) const {
     const SceneEdit* edit = nullptr;
     REQUIRE(eventually([&] { return (edit = keeper->edits().pending()) != nullptr; }));
@@ -234,7 +234,7 @@ TEST_CASE("An asset that the scene names newly is there before the loop is told 
   REQUIRE(eventually([&] { return edited.served().ids == std::vector<std::uint64_t>{1, 0}; }));
   CHECK(edited.served().choice.assets.size() == 2);
 
-  // Its object goes again; the asset stays.
+  // The asset's object is removed again; the asset stays.
   edited.save(box);
   CHECK(edited.take().removed == std::vector<std::uint64_t>{1});
   CHECK(contains(edited.said(1), "object 1 removed"));
@@ -278,7 +278,7 @@ TEST_CASE("An asset that is baked again has to serve the edited scene") {
   edited.save(box + "method = \"paper\"\n");
   CHECK(edited.take().changed.size() == 1);
   REQUIRE(contains(edited.said(0), "object 0: method"));
-  // The first scene would have taken a sparse one.
+  // The first scene would have accepted a sparse asset.
   test::write(test::shape_asset(test::box({size, size, size})), edited.file("box.spm.exr"));
   CHECK(contains(edited.said(1), "force is off"));
   CHECK(contains(edited.said(2), "--form full"));
@@ -329,13 +329,13 @@ TEST_CASE("Edits in a row are felt by the hand, each faded in") {
   CHECK(comes_to(0.8));
   edited.save(other);
   CHECK(comes_to(1));
-  // What became of the asset of an object that is gone is of no matter.
+  // It does not matter what happens to the asset of an object that is gone.
   std::filesystem::remove(edited.file("box.spm.exr"));
   CHECK(eventually([&] { return edited.assets->reports()[0].losses == 1; }));
   const std::uint64_t then = reads.load();
   CHECK(eventually([&] { return reads.load() > then + 50; }));
   CHECK(comes_to(1));
-  // What became of one that is still there is.
+  // It does matter for an object that is still there.
   std::filesystem::remove(edited.file("other.spm.exr"));
   CHECK(comes_to(0));
   stop.store(true);

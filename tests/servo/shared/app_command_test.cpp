@@ -22,7 +22,7 @@ using namespace spm::test;
 
 namespace {
 
-/// A full command to which nothing is wrong, of each kind.
+/// A complete and valid command of each kind.
 spm_shared_command good_command(std::uint32_t kind, std::uint32_t connection) {
   spm_shared_command command = move_command(std::uint64_t{connection} << 32U | 1U, 0.1);
   command.kind = kind;
@@ -165,7 +165,7 @@ TEST_CASE("Random bytes in a ring are counted, bounded, and never come out as a 
         for (std::size_t word = 0; word < sizeof slot / 8; ++word) {
           reinterpret_cast<std::uint64_t*>(&slot)[word] = random.next();
         }
-        // Often enough all but the numbers is right.
+        // In many commands, only the numbers are wrong.
         if (random.next() % 2 == 0) slot.kind = 1 + static_cast<std::uint32_t>(random.next() % 5);
         if (random.next() % 2 == 0) slot.sequence = ring.ring().tail + 1 + random.next() % 4;
       }
@@ -191,7 +191,7 @@ TEST_CASE("A ring that was spoilt works again once its client writes well") {
   state->rings()[0].offer(ring.attached());
   ring.write(move_command(0, 0.1));
   REQUIRE(state->take(0).size() == 1);
-  // A head far beyond the ring: all up to there is given up.
+  // The head is far beyond the ring: everything up to it is dropped.
   store_release(ring.ring().head, std::uint64_t{1'000'000});
   REQUIRE(state->take(0).empty());
   REQUIRE(ring.ring().tail == 1'000'000);

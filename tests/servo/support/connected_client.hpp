@@ -30,10 +30,10 @@ template <class Record>
                                                         const std::string& path);
 
 [[nodiscard]] sockaddr_un address_of(const std::string& path);
-/// A socket of the kind that the daemon listens at.
+/// A socket of the kind that the daemon listens on.
 [[nodiscard]] int new_socket();
 
-/// A connection by the library, or why there is none.
+/// A connection made by the library, or the reason why there is none.
 class Connected {
  public:
   explicit Connected(const std::string& path, int timeout_ms = 20000);

@@ -7,8 +7,8 @@
 
 namespace spm::test {
 
-/// Asks again and again until something is so; false where it never came to be, beyond any
-/// machine's worst moment: the time only ends a test that has failed.
+/// Checks a condition again and again until it holds. Returns false if it never held, after more
+/// time than the slowest machine needs: the time limit only ends a test that has failed.
 template <class Condition>
 [[nodiscard]] bool eventually(const Condition& so) {
   const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(20);

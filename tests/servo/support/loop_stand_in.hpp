@@ -12,13 +12,13 @@
 
 namespace spm::test {
 
-/// A device whose every number is told by the tick, so that a state mixed from two ticks shows.
+/// A device whose numbers all follow from the tick, so that a state mixed from two ticks shows.
 [[nodiscard]] servo::AppDevice device_of(std::uint64_t tick);
 
 /// Whether every number of a device, as shared, belongs to one tick.
 [[nodiscard]] bool is_of_tick(const spm_shared_device& device, std::uint64_t tick);
 
-/// An object whose every number is told by the tick.
+/// An object whose numbers all follow from the tick.
 [[nodiscard]] servo::AppObject object_of(std::uint64_t id, std::uint64_t tick);
 [[nodiscard]] bool is_of_tick(const spm_shared_object& object, std::uint64_t tick);
 
@@ -39,7 +39,7 @@ class SocketFolder {
   std::string folder_;
 };
 
-/// A ring as a client writes it, without a socket: well or badly.
+/// A ring that a test writes as a client would, correctly or not, without a socket.
 class RawRing {
  public:
   explicit RawRing(std::uint32_t connection);
@@ -54,10 +54,10 @@ class RawRing {
   std::uint64_t head_ = 0;
 };
 
-/// A pose that may be sent, at x metres.
+/// A command to move an object to x metres, with a pose that may be sent.
 [[nodiscard]] spm_shared_command move_command(std::uint64_t object, double x);
 
-/// How late each tick of the stand-in is said to have begun, and how long to have worked.
+/// How late each tick of the stand-in is reported to begin, and how long it is reported to work.
 inline constexpr std::int64_t stand_in_wake_ns = 200, stand_in_busy_ns = 500;
 
 /// A thread in the place of the loop: it publishes 1000 ticks a second, moves the object along x by

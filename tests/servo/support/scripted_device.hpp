@@ -18,8 +18,8 @@ class ScriptedDevice final : public servo::Device {
 
   explicit ScriptedDevice(Script script, double force_cap = 10);
 
-  /// Has the loop stop in its tick of so many, 2 or more: ticks that are run, since how many a
-  /// machine is late for is not the test's matter.
+  /// Makes the loop stop in tick number `ticks`, which is 2 or more. Only ticks that are run count,
+  /// since the number that a slow machine skips does not matter to the test.
   void end_after(std::size_t ticks, std::atomic<bool>& stop) {
     last_read_ = ticks - 2;
     stop_ = &stop;
@@ -33,9 +33,9 @@ class ScriptedDevice final : public servo::Device {
   [[nodiscard]] servo::DeviceHealth write(const servo::Wrench& wrench) noexcept override;
   [[nodiscard]] nlohmann::ordered_json describe() const override;
 
-  /// What the device can do; to be changed before a loop has it.
+  /// What the device can do. Change it only before a loop uses the device.
   [[nodiscard]] servo::DeviceCapabilities& can() { return capabilities_; }
-  /// Has the device report so long after its last report, ns; otherwise it cannot pace a loop.
+  /// Makes each report come `period_ns` after the last, ns. Without this it cannot pace a loop.
   void report_every(std::int64_t period_ns) { period_ns_ = period_ns; }
   [[nodiscard]] bool wait_for_report(std::int64_t until_ns) noexcept override;
 

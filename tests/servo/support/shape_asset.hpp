@@ -12,7 +12,7 @@ namespace spm::test {
 /// depth, 1 mm of margin, probes up to 0.5 mm. For shapes of some hundred triangles.
 [[nodiscard]] Asset shape_asset(const Shape& shape);
 
-/// A box with edges of `size` as a `full` asset: a support plane a face, maps of distance 0.
+/// A box with edges of `size` as a `full` asset: one support plane per face, maps of distance 0.
 [[nodiscard]] Asset box_asset(double size);
 
 /// A folder of its own under the system's temporary one, removed at the end.

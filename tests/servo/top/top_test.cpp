@@ -121,7 +121,7 @@ TEST_CASE(
     std::sort(recent.begin(), recent.end());
     const TopTimes times =
         times_between(before.buckets, counted.buckets, before.longest, counted.longest);
-    // What is longer than the last bucket's begin is only known to be no longer than the longest.
+    // For a time beyond the last bucket's start, the only known bound is the longest time.
     const double last_begin = static_cast<double>(bucket_end_ns(SPM_BUCKETS - 2)) * 1e-3;
     const auto is_close = [&](double told, double exact) {
       const double most = exact < last_begin ? std::max(1.2501 * exact, exact + 0.128)
@@ -208,7 +208,7 @@ TEST_CASE("The cause of zero force is shown with its cure, and what it was once 
   TopSample before = sample_at(1000), now = sample_at(2000);
   now.devices[0].cause = "device_gone";
   now.devices[0].cure = "plug the device in again, the loop takes it up by itself";
-  // A device that never was without a force has no cause to show, whatever the loop began with.
+  // A device that was never without force has no cause to show, whatever cause the loop began with.
   REQUIRE_FALSE(has(top_screen(view_between(before, now), 80), "device_gone"));
   now.devices[0].state.cause = SPM_CLIENT_OFF_DEVICE_GONE;
   now.devices[0].state.cuts = 2;

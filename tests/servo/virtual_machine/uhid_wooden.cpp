@@ -36,7 +36,7 @@ constexpr int wrong_packet_code = 70;
 constexpr milliseconds longest_wait{50};  // between two looks at the signal
 constexpr milliseconds frame_time{1};
 
-/// Into a field that ends with a zero.
+/// Copies text into a field that ends with a zero.
 void put_text(void* field, std::size_t size, const std::string& text) {
   std::memcpy(field, text.data(), std::min(text.size(), size - 1));
 }
@@ -150,7 +150,7 @@ class Board {
     ready_.insert(ready_.end(), reports.begin(), reports.end());
   }
 
-  /// As a full-speed host does: it asks for a report each millisecond, whether a program reads them
+  /// Acts as a full-speed host: asks for a report each millisecond, whether a program reads them
   /// or not. A frame that comes late is late; none is made up for.
   void begin_frame() {
     const auto now = steady_clock::now();
@@ -173,7 +173,7 @@ class Board {
     with_current_before_ = with_current();
     std::this_thread::sleep_for(options_.away);
     uhid_event event{};
-    while (kernel_.take(event, milliseconds(0))) {  // was meant for the one that is gone
+    while (kernel_.take(event, milliseconds(0))) {  // drop events for the unplugged device
     }
     kernel_.create(device_->identity());
   }

@@ -77,7 +77,7 @@ class Chip {
     falcon_.outgoing().clear();  // it has its power from the cable
   }
 
-  /// Does what is due until something comes from the kernel, or the time is over.
+  /// Waits a while for a message from the kernel, or until data is due; then handles both.
   void serve() {
     const auto message = link_.receive(next_wait());
     if (message) {
@@ -136,7 +136,7 @@ class Chip {
     }
   }
 
-  /// A packet, with two bytes of status before its data, where one is full or its time has come.
+  /// Sends a packet, two status bytes before its data, when it is full or its time has come.
   void send_due() {
     constexpr std::size_t packet_data = 62;
     std::deque<std::uint8_t>& answers = falcon_.outgoing();

@@ -26,7 +26,7 @@ constexpr const char* attach_file = "/sys/devices/platform/vhci_hcd.0/attach";
 constexpr unsigned port = 0;
 constexpr unsigned device_id = 0x00010002;  // bus 1, device 2
 constexpr unsigned full_speed = 2;          // enum usb_device_speed
-/// A port is not free at once when its device was unplugged.
+/// A port is not free immediately after its device was unplugged.
 constexpr milliseconds attach_wait{5000}, attach_step{10};
 
 // Every message begins with 48 bytes: twelve numbers, big-endian, or ten and a setup packet.

@@ -17,7 +17,7 @@ struct UsbTransfer {
   std::uint32_t number = 0;
   unsigned endpoint = 0;
   bool in = false;
-  std::size_t length = 0;               ///< wanted, or sent
+  std::size_t length = 0;               ///< bytes wanted (IN) or sent (OUT)
   std::array<std::uint8_t, 8> setup{};  ///< of endpoint 0
   std::vector<std::uint8_t> data;       ///< sent
 };
@@ -41,7 +41,7 @@ class UsbIpLink {
   UsbIpLink& operator=(const UsbIpLink&) = delete;
   ~UsbIpLink();
 
-  /// Waits for what the kernel says; nothing where that did not come in time.
+  /// Waits for a message from the kernel. Returns nothing if none came in time.
   [[nodiscard]] std::optional<UsbMessage> receive(std::chrono::nanoseconds wait);
   /// Ends an OUT transfer, or one without data. `status`: 0 or a negative errno.
   void end(const UsbTransfer& transfer, int status);

@@ -10,15 +10,15 @@
 
 namespace spm::stability {
 
-// Closed, triangles anticlockwise seen from outside; metres. Where an object has an upper side, it
-// is at z = 0.
+// Closed shapes, in metres; triangles are anticlockwise seen from outside. Where an object has an
+// upper side, it is at z = 0.
 
-/// A profile in x and z, anticlockwise seen against y, drawn out along y by `length`, half each
-/// way. All of it is seen from its first place.
+/// A profile in x and z, anticlockwise seen against y, extruded along y by `length`, half each way.
+/// The whole profile must be visible from its first point.
 [[nodiscard]] test::Shape prism(const std::vector<std::array<double, 2>>& profile, double length);
 
-/// Of the cells between the planes at `xs`, `ys` and `zs` (each rising) those that are filled; the
-/// filled ones touch each other by faces only.
+/// The filled ones of the cells between the planes at `xs`, `ys` and `zs` (each rising). Filled
+/// cells may touch each other only by faces.
 [[nodiscard]] test::Shape cells(const std::vector<double>& xs, const std::vector<double>& ys,
                                 const std::vector<double>& zs,
                                 const std::function<bool(int, int, int)>& filled);
@@ -29,10 +29,10 @@ namespace spm::stability {
 /// 30 x 30 mm.
 [[nodiscard]] test::Shape flat_plate(double thickness);
 
-/// The same twice, the second below the first by a gap.
+/// The same plate twice, the second below the first with a gap between them.
 [[nodiscard]] test::Shape two_plates(double thickness, double gap);
 
-/// Along y: 40 mm long, square.
+/// A square bar along y, 40 mm long.
 [[nodiscard]] test::Shape square_bar(double side);
 
 /// A plate whose upper side is flat; x from -15 to 15 mm, 30 mm along y. Its thickness goes evenly
@@ -46,7 +46,7 @@ namespace spm::stability {
 /// A block with a slot along y, about x = 0, with upright walls; 20 x 15 mm, 5 mm below the slot.
 [[nodiscard]] test::Shape slot(double width, double depth);
 
-/// Three walls that meet at the origin; free is where x, y and z are above 0, up to 8 mm.
+/// Three walls that meet at the origin; the free space is where x, y and z are above 0, up to 8 mm.
 [[nodiscard]] test::Shape inner_corner();
 
 /// A round block with a cone about z, whose sides are at 90 degrees to each other, `depth` deep.

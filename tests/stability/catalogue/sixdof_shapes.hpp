@@ -11,8 +11,9 @@
 
 namespace spm::stability {
 
-/// A profile turned about the z axis: distances from it (m, 0 or more) and heights (m), from the
-/// axis below to the axis above, outside to the right of the way; `around` sides.
+/// A profile turned about the z axis. Its points are distances from the axis (m, 0 or more) and
+/// heights (m), from the axis below to the axis above, with the outside to the right of the path;
+/// `around` sides.
 [[nodiscard]] inline test::Shape turned_profile(
     const std::vector<std::pair<double, double>>& places, int around) {
   test::Shape shape;
@@ -52,7 +53,8 @@ namespace spm::stability {
 }
 
 /// A square plate `size` wide whose upper side, about z = 0, has bumps: `height` times the sine of
-/// x and that of y, `bumps` waves each way, from squares of `cells` a side; its lower side is flat.
+/// x times the sine of y, `bumps` waves each way, made of `cells` squares along each side. Its
+/// lower side is flat.
 [[nodiscard]] inline test::Shape bumpy_plate(double size, double thickness, double height,
                                              int bumps, int cells) {
   test::Shape shape;

@@ -8,8 +8,8 @@
 
 namespace spm::stability {
 
-/// A way to make forces that the laboratory judges. One tick after another, the hand's reading in,
-/// the force out; `object` moved by a translation (m) since the start. It remembers what it needs.
+/// A force law that the laboratory judges. Each tick takes the hand's reading and returns the
+/// force; `object` moved by a translation (m) since the start. It remembers what it needs.
 class Contestant {
  public:
   Contestant() = default;

@@ -14,7 +14,7 @@ class DistanceField final : public Contestant {
   ContactForce next(const Vector3& measured, const Vector3& moved) override {
     const Answer answer = field_.query(measured - moved);
     ContactForce contact;
-    // Written so that what has no distance is no contact.
+    // Written so that a point without a distance counts as no contact.
     if (!(answer.distance < radius_)) return contact;
     contact.contact = true;
     contact.depth = radius_ - answer.distance;

@@ -29,7 +29,7 @@ class ExactPenalty final : public Contestant {
     look(point, distance);
     bench::ExactTick tick;
     tick.distance = inside_ ? -distance : distance;
-    // On the surface itself the way there has no direction.
+    // On the surface itself, the vector to the surface has no direction.
     tick.outward = distance > 0 ? Vector3(away / tick.distance) : closest_point.normal;
     contact.force = bench::exact_penalty(tick, stiffness_, radius_);
     contact.contact = tick.distance < radius_;
@@ -40,7 +40,8 @@ class ExactPenalty final : public Contestant {
   }
 
  private:
-  /// Which side a point is on: of a closed surface the same as before, unless it may lie between.
+  /// Which side of a closed surface a point is on: the same as before, unless the surface may lie
+  /// between.
   void look(const Vector3& point, double distance) {
     const bool is_same = (point - looked_).norm() < same_within_;
     if (!is_same) inside_ = surface_.inside(point);
@@ -53,7 +54,7 @@ class ExactPenalty final : public Contestant {
   double radius_, stiffness_;
   Vector3 low_, high_;  ///< m, beyond which there is no contact
   bool is_closed_ = false;
-  // Of the point that was looked at last, in the object's frame, m.
+  // State of the last point looked at, in the object's frame, m.
   Vector3 looked_ = Vector3::Zero();
   double same_within_ = 0;
   bool inside_ = false;

@@ -9,8 +9,8 @@
 namespace spm::stability {
 namespace {
 
-/// The servo's scene of one object, which is placed where it is moved to; or, where a step stands
-/// for another asset in its place, exchanged there.
+/// The servo's scene of one object. The object is placed where it is moved to; where a step stands
+/// for another asset in its place, the asset is exchanged.
 class SceneContestant final : public Contestant {
  public:
   SceneContestant(const AssetView& asset, const ForceScene& scene, const StabilityCase& tried,
@@ -46,7 +46,7 @@ class SceneContestant final : public Contestant {
 EffectSettings effects_of(const StabilityCase& tried, Method method, const RunSettings& settings) {
   EffectSettings effects = tried.effects;
   if (effects.friction.stiffness == 0) effects.friction.stiffness = settings.stiffness;
-  // Where nothing else is said the servo limits turns.
+  // By default the servo limits turns.
   if (method == Method::spm && effects.turn.rate == 0) effects.turn.rate = default_turn_rate;
   if (method == Method::paper) {
     effects.friction = {};

@@ -16,23 +16,23 @@ namespace spm::stability {
 /// The names of all methods, `default` last.
 [[nodiscard]] const std::vector<std::string>& contender_methods();
 
-/// Why a contender is not asked about a case, in words; empty where it is. Effects and stabilizers
-/// are of the product's methods (`paper` has the effects of its letter): a rival without them would
-/// pass their cases for nothing.
+/// Why a contender is not run on a case, in words; empty where it is run. Effects and stabilizers
+/// belong to the product's methods (`paper` has the effects of its own equations): a rival without
+/// them would pass their cases without being tested.
 [[nodiscard]] std::string why_not(const Contender& contender, const StabilityCase& tried);
 
-/// The object and all contenders need of it outlive the contestant. The stiffness is what the hand
-/// feels: a spring in series with a stabilizer's is made stiffer by as much. Throws BakeError where
-/// the name is unknown or `why_not` says a reason.
+/// The object, and all that contenders need of it, must outlive the contestant. The stiffness is
+/// the one that the hand feels: a spring in series with a stabilizer's spring is made stiffer to
+/// make up for it. Throws BakeError where the name is unknown or `why_not` gives a reason.
 [[nodiscard]] std::unique_ptr<Contestant> make_contestant(const Contender& contender,
                                                           const PreparedObject& object,
                                                           const StabilityCase& tried,
                                                           const RunSettings& settings);
 
-// The contestants, a file each. `stiffness` in N/m.
+// The contestants, one file each. `stiffness` in N/m.
 
-/// The servo's own force code (SceneForce) with a method of the product, on its baked asset; an
-/// object that moves is placed, as an application does it.
+/// The servo's own force code (SceneForce) with a method of the product, on its baked asset. An
+/// object that moves is moved by setting its placement, as an application does.
 [[nodiscard]] std::unique_ptr<Contestant> product_contestant(const Contender& contender,
                                                              const PreparedObject& object,
                                                              const StabilityCase& tried,
@@ -57,7 +57,7 @@ namespace spm::stability {
                                                                 double probe_radius,
                                                                 double stiffness);
 
-/// Stiffness times depth along the gradient of trilinear distances (PreparedObject says on which
+/// Stiffness times depth along the gradient of trilinear distances (see PreparedObject for the
 /// lattice); without memory.
 [[nodiscard]] std::unique_ptr<Contestant> distance_field_contestant(const PreparedObject& object,
                                                                     double probe_radius,

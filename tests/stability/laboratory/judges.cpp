@@ -15,7 +15,7 @@ namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
-/// Which ticks of a run are its hold, and half of the moving mean's window.
+/// The ticks of a run that belong to its hold, and half of the moving mean's window.
 struct Hold {
   std::size_t first = 0, end = 0;
   std::size_t half = 0;  ///< ticks
@@ -29,8 +29,8 @@ Hold hold_of(const Trace& trace) {
   return {count - std::min(count, ticks_in(hold_seconds)), count, ticks_in(mean_seconds / 2)};
 }
 
-/// What is left of a vector of the ticks in hold when the mean of a window about each is taken off;
-/// only where the window is whole.
+/// The rest of a vector in the hold after the mean of a window about each tick is subtracted; only
+/// where the window is whole.
 struct Residual {
   double squares = 0;  ///< mean of the squared lengths
   double swing = 0;    ///< peak to peak, of the axis where it is largest
@@ -66,7 +66,7 @@ double motion_limit(const JudgedLoop& loop) {
   return std::max(bad_motion_steps * loop.encoder_step, bad_motion);
 }
 
-/// The largest net work that actuators did up to any time, what a moved object put in taken off.
+/// The largest net work that the actuators did up to any time, less what a moved object put in.
 double generated(const Trace& trace) {
   double sum = 0, largest = 0;
   for (const TraceTick& tick : trace.ticks) {
@@ -76,8 +76,8 @@ double generated(const Trace& trace) {
   return largest;
 }
 
-/// The largest net work that the field itself did on a tool that is carried: by the trapezoid of
-/// its forces, since held forces leak a little in every field.
+/// The largest net work that the field itself did on a tool that is carried. It uses the trapezoid
+/// rule, since held forces leak a little in every field.
 double field_work(const Trace& trace) {
   double sum = 0, largest = 0;
   for (std::size_t i = 1; i < trace.ticks.size(); ++i) {
@@ -92,7 +92,7 @@ double field_work(const Trace& trace) {
 double generated_bound(const JudgedLoop& loop, const Trace& trace) {
   double speed = 0, force = 0;
   for (const TraceTick& tick : trace.ticks) {
-    // A force that is on its way still acts when contact is over.
+    // A delayed force still acts after contact is over.
     if (!tick.contact && tick.work == 0) continue;
     speed = std::max(speed, tick.velocity.norm());
     force = std::max(force, tick.commanded.norm());
@@ -103,8 +103,8 @@ double generated_bound(const JudgedLoop& loop, const Trace& trace) {
               force * loop.encoder_step);
 }
 
-/// Where the tool first touched, along the normal and as seen from the object; no number where it
-/// never did.
+/// Height of the first touch along the normal, relative to the object; NaN where the tool never
+/// touched.
 double touched_height(const StabilityCase& tried, const Trace& trace) {
   for (const TraceTick& tick : trace.ticks) {
     if (tick.contact) return (tick.position - tick.surface).dot(tried.normal);
@@ -118,7 +118,7 @@ double pressed_force(const StabilityCase& tried, const JudgedLoop& loop, const T
   const TraceTick& last = trace.ticks.back();
   double pressed = tried.pressed;
   if (!std::isfinite(pressed)) pressed = touched - (last.target - last.surface).dot(tried.normal);
-  // A tool that is carried is held by nothing that gives way.
+  // A tool that is carried is held rigidly.
   const double spring = tried.is_carried          ? loop.stiffness
                         : loop.hand_stiffness > 0 ? loop.stiffness * loop.hand_stiffness /
                                                         (loop.stiffness + loop.hand_stiffness)
@@ -128,7 +128,7 @@ double pressed_force(const StabilityCase& tried, const JudgedLoop& loop, const T
   return force > 0 ? force : 0;
 }
 
-/// From when on the tool stays where it ends, s; infinite where it moves in the hold.
+/// Time, s, from which the tool stays where it ends; infinite where it moves in the hold.
 double settled_time(const JudgedLoop& loop, const Trace& trace, const Hold& hold) {
   Vector3 sum = Vector3::Zero();
   for (std::size_t i = hold.first; i < hold.end; ++i) sum += trace.ticks[i].position;
@@ -140,7 +140,7 @@ double settled_time(const JudgedLoop& loop, const Trace& trace, const Hold& hold
   return 0;
 }
 
-/// Whether the hand and the object rest in the hold, so that the tool should.
+/// Whether the hand and the object rest in the hold, so that the tool should rest as well.
 bool should_rest(const JudgedLoop& loop, const Trace& trace, const Hold& hold) {
   const TraceTick& first = trace.ticks[hold.first];
   const TraceTick& last = trace.ticks[hold.end - 1];

@@ -8,7 +8,7 @@
 
 namespace spm::stability {
 
-/// What the device and the force law are, as far as thresholds and bounds need it.
+/// Properties of the device and the force law that the thresholds and bounds need.
 struct JudgedLoop {
   double stiffness = 1000;    ///< N/m, that the hand feels
   double delay = 1;           ///< ticks
@@ -16,33 +16,33 @@ struct JudgedLoop {
   double encoder_step = 0;    ///< m
   double force_cap = 0;       ///< N; 0: none
   double hand_stiffness = 0;  ///< N/m, at rest, from the hand's target to the tool; 0: no hand
-  double friction = 0;        ///< N, of the device, which may carry a part of what the hand presses
+  double friction = 0;        ///< N, of the device; it may carry a part of the hand's press
 };
 
 /// The figures of a run.
 struct Findings {
   double ripple_n = 0;     ///< N RMS, of the commanded force in hold, moving mean removed
   double ripple_m = 0;     ///< m peak to peak, of the true position in hold, moving mean removed
-  double generated_j = 0;  ///< J, largest net work on the hand, that of moving surfaces taken off
+  double generated_j = 0;  ///< J, largest net work on the hand, without that of moving surfaces
   double generated_bound_j = 0;  ///< X <= 2 [K (1/2 + d + lag/T)(v_max T)^2 + F_max D]
   double penetration_m =
-      0;                 ///< m, largest way in contact below where it first touched, by `normal`
+      0;                 ///< m, in contact: largest distance below the first touch, along `normal`
   double settled_s = 0;  ///< s, after which the tool stays at rest; infinite where never
   double held_n = 0;     ///< N, mean force along the normal in hold
-  double pressed_n = 0;  ///< N, that the hand would press with there; 0: it does not press
+  double pressed_n = 0;  ///< N, the hand's press if the surface held it; 0: it does not press
   bool popped = false;   ///< the held force along the normal fell below 0.3 of the hand's, or
                          ///< the surface was never felt
 };
 
-/// What the figures say. The energy is a judge of its own, beside good and bad: no sampled force is
-/// free of a tick's leak, and a thin plate is lost without any. It decides the verdict of a tool
-/// that is carried, of which there is nothing else to judge: good within its bound, bad above
-/// twice.
+/// The judgement of the figures. Energy is judged separately from good and bad: every sampled force
+/// leaks some energy in a tick, and a thin plate can be lost without any energy being generated.
+/// Energy decides the verdict only for a tool that is carried, because nothing else can be judged
+/// there: good within its bound, bad above twice the bound.
 struct Verdict {
   bool good = true;           ///< ripple passes, no pop, settled where that is judged
-  bool bad = false;           ///< fails clearly; neither good nor bad is between
+  bool bad = false;           ///< fails clearly; a verdict neither good nor bad is "between"
   bool within_energy = true;  ///< generated no more than its bound, where that is judged
-  std::string reason;         ///< of what is not good: words with figures; empty where good
+  std::string reason;         ///< why it is not good, with figures; empty where good
   Findings findings;
 };
 
@@ -55,16 +55,16 @@ inline constexpr double pop_share = 0.3;       ///< of the hand's force along th
 inline constexpr double hold_seconds = 0.7;    ///< s, the end of a run that is looked at
 inline constexpr double mean_seconds = 0.1;    ///< s, of the moving mean, centred
 
-/// Of every figure of a run, whatever the case wants judged.
+/// Finds every figure of a run, whatever the case wants judged.
 [[nodiscard]] Findings find(const StabilityCase& tried, const JudgedLoop& loop, const Trace& trace);
 
 /// Judges a run of at least hold_seconds and mean_seconds; a shorter one has no ripple.
 [[nodiscard]] Verdict judge(const StabilityCase& tried, const JudgedLoop& loop, const Trace& trace);
 
-/// Peak energy of the last quarter of a run over that of the second: above 1 it grows; 0 where the
-/// tool rests in the last, infinite where it only did in the second. An oscillation's peak kinetic
-/// energy is all of its energy, and the mass cancels. Decides borders of linear loops; the absolute
-/// thresholds decide verdicts only.
+/// Peak energy in the last quarter of a run over the peak in the second quarter. Above 1 the motion
+/// grows; 0 where the tool rests in the last quarter, infinite where it rests only in the second.
+/// An oscillation's peak kinetic energy is all of its energy, and the mass cancels. This ratio
+/// decides borders of linear loops; the absolute thresholds decide verdicts only.
 [[nodiscard]] double envelope_ratio(const Trace& trace);
 
 }  // namespace spm::stability

@@ -12,7 +12,7 @@ namespace {
 
 constexpr double period = 1e-3;  // s
 
-/// A trace of so many seconds, each tick as `fill` makes it of its time.
+/// A trace of so many seconds; `fill` sets each tick from its time.
 Trace trace_of(double seconds, const std::function<void(double, TraceTick&)>& fill) {
   Trace trace;
   trace.period = period;
@@ -119,9 +119,10 @@ TEST_CASE("The envelope ratio of a growing oscillation is above 1, of a decaying
       tick.velocity.z() = std::exp(rate * time) * sine(100, time + 1.25e-3);
     }));
   };
-  // From the end of the second quarter to that of the last it is a second, of an energy's rate.
+  // For a growing motion the peaks lie at the quarters' ends, 1 s apart; energy grows at twice the
+  // rate.
   CHECK(ratio(1) == Approx(std::exp(2.0)).epsilon(0.05));
-  // From the begin of the one to that of the other likewise.
+  // For a decaying motion they lie at the quarters' starts, also 1 s apart.
   CHECK(ratio(-1) == Approx(std::exp(-2.0)).epsilon(0.05));
   CHECK(ratio(0) == Approx(1).epsilon(0.01));
   CHECK(envelope_ratio(trace_of(1, [](double, TraceTick&) {})) == 0);

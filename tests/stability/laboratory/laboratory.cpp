@@ -18,12 +18,12 @@ namespace spm::stability {
 namespace {
 
 constexpr std::uint64_t offset_seed = 0x6F6666736574;
-/// In which a border's search goes up: the fourth root of 2.
+/// Factor by which a border's search steps up: the fourth root of 2.
 constexpr double border_steps = 1.189207115002721;
-/// How far from a stiffness that fails both neighbours are that may excuse it.
+/// Factor from a stiffness that fails to its two neighbours that may excuse it.
 constexpr double chance_share = 1.01;
 
-/// Where between encoder steps the hand's path lies, m: no run begins on a step by chance.
+/// Offset of the hand's path between encoder steps, m, so that no run begins on a step by chance.
 Vector3 path_offset(double encoder_step, std::uint64_t seed) {
   Random random(seed ^ offset_seed);
   Vector3 offset;
@@ -31,9 +31,9 @@ Vector3 path_offset(double encoder_step, std::uint64_t seed) {
   return offset;
 }
 
-/// What a moved object put in from one tick to the next: force on the tool times its way, the mean
-/// of the forces before and after it. An object that came from outside pushed no farther than it
-/// now reaches over the tool.
+/// The work that a moved object put in from one tick to the next: the mean of the forces on the
+/// tool before and after, times the object's displacement. An object that came from outside pushed
+/// no farther than it now reaches over the tool.
 double surface_work(const TraceTick* before, const TraceTick& now) {
   if (before == nullptr) return 0;
   const Vector3 way = now.surface - before->surface;
@@ -132,7 +132,7 @@ Trace run(const StabilityCase& tried, const RunSettings& settings, Contestant& c
   return trace;
 }
 
-/// How bad a verdict is: its kind first, then its ripple.
+/// Whether one verdict is worse than another: by its kind first, then by its ripple.
 bool is_worse(const Verdict& one, const Verdict& other) {
   const auto rank = [](const Verdict& verdict) { return verdict.bad ? 2 : verdict.good ? 0 : 1; };
   if (rank(one) != rank(other)) return rank(one) > rank(other);
@@ -215,12 +215,12 @@ CaseVerdict gathered(const std::vector<Verdict>& verdicts, std::uint64_t first_s
 }
 
 double stiffest(const std::function<bool(double)>& is_good, double low, double high, double share) {
-  // Some tool rests on the edge of an encoder's step by chance, and there it is never quiet.
+  // By chance some tools rest on the edge of an encoder step, and there they are never quiet.
   const auto holds = [&is_good](double stiffness) {
     return is_good(stiffness) ||
            (is_good(stiffness / chance_share) && is_good(stiffness * chance_share));
   };
-  // Below what a law needs to hold the tool at all it sinks through.
+  // Below the stiffness that a law needs to hold the tool at all, the tool sinks through.
   while (!holds(low)) {
     low *= border_steps;
     if (low > high) return 0;

@@ -28,7 +28,7 @@ struct RunSettings {
   double stiffness = 1000;  ///< N/m, that the hand feels
   double damping = 0;       ///< N s/m, added to the device's own, for the maps
   double period = 1e-3;     ///< s
-  std::uint64_t seed = 1;   ///< of noise, losses, and where between encoder steps the hand goes
+  std::uint64_t seed = 1;   ///< of noise, losses, and the path's offset between encoder steps
   servo::MovingMass mass = servo::MovingMass::constant;
 };
 
@@ -44,7 +44,7 @@ struct RunSettings {
 [[nodiscard]] Trace run_case(const StabilityCase& tried, const RunSettings& settings,
                              Contestant& contestant);
 
-/// A run and what the judges say of it.
+/// A run and the judges' verdict on it.
 struct CaseResult {
   Trace trace;
   Verdict verdict;
@@ -55,12 +55,12 @@ struct CaseResult {
 [[nodiscard]] CaseResult run_and_judge(const StabilityCase& tried, const RunSettings& settings,
                                        const Contender& contender);
 
-/// What all seeds of a case say together.
+/// The combined verdict of all seeds of a case.
 struct CaseVerdict {
   int seeds = 0;
   int good_seeds = 0;
   int bad_seeds = 0;
-  std::uint64_t worst_seed = 1;  ///< bad before between before good, then by ripple
+  std::uint64_t worst_seed = 1;  ///< bad is worse than between, between than good; then by ripple
   Verdict worst;                 ///< of that seed
 
   [[nodiscard]] bool good() const noexcept { return good_seeds == seeds; }
@@ -70,20 +70,20 @@ struct CaseVerdict {
   }
 };
 
-/// What verdicts of consecutive seeds say together; at least one.
+/// The combined verdict of consecutive seeds; at least one.
 [[nodiscard]] CaseVerdict gathered(const std::vector<Verdict>& verdicts, std::uint64_t first_seed);
 
-/// The largest stiffness (N/m) that is good and all tried below it as well, but for those at which
-/// nothing holds yet: up a ladder from `low`, each step a fourth root of 2, from the first that is
-/// good to the first that is not, and between these by bisection until they are within a share.
-/// Good and bad may alternate there: all who are compared are tried at the same steps. A stiffness
-/// that fails alone, between two that are good 1 % away, is taken for good. 0 where none is good,
-/// `high` where all are.
+/// The largest stiffness (N/m) that is good, with everything tried below it good as well, except
+/// low stiffnesses at which nothing holds yet. The search climbs a ladder from `low`, each step a
+/// fourth root of 2, from the first good stiffness to the first that is not. Between these it
+/// bisects until they are within `share`. Good and bad may alternate there, so all contenders are
+/// tried at the same steps. A stiffness that fails alone, between two good ones 1 % away, counts as
+/// good. 0 where none is good, `high` where all are.
 [[nodiscard]] double stiffest(const std::function<bool(double)>& is_good, double low, double high,
                               double share);
 
-/// All seeds of a case, from the settings' on, or `max_seeds` of them; in parallel, with the same
-/// result whatever the threads. Throws as run_and_judge does.
+/// Runs all seeds of a case, starting at the settings' seed, or at most `max_seeds` of them. Runs
+/// in parallel, with the same result whatever the number of threads. Throws as run_and_judge does.
 [[nodiscard]] CaseVerdict case_verdict(const StabilityCase& tried, const RunSettings& settings,
                                        const Contender& contender,
                                        int max_seeds = std::numeric_limits<int>::max());

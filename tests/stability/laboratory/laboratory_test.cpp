@@ -23,7 +23,7 @@ StabilityCase pressed_box() {
   return tried;
 }
 
-/// A law that answers with what it is told, and remembers what it was asked.
+/// A force law that returns what the test sets, and remembers what it was asked.
 class Scripted final : public Contestant {
  public:
   explicit Scripted(std::function<Vector3(const Vector3&, const Vector3&)> force)

@@ -23,7 +23,7 @@ double circumference(double longer, double shorter) {
          (3 * (longer + shorter) - std::sqrt((3 * longer + shorter) * (longer + 3 * shorter)));
 }
 
-/// The longer semi-axis of an ellipse of a circumference; by bisection.
+/// The longer semi-axis of an ellipse with the given circumference; by bisection.
 double longer_axis(double length, double shorter) {
   double low = 0, high = length;
   for (int i = 0; i < 60; ++i) {

@@ -28,18 +28,19 @@ struct ClosedLoop {
   std::vector<Vector3> points;     ///< m; the first is not repeated at the end
 };
 
-/// Closed paths about places of the exact surface, in turn circles in the tangent plane, and flat
-/// ellipses across it, which press, slide, lift and slide back. For a probe of the case's radius.
-/// Fewer than asked for where the surface leaves no free places.
+/// Closed paths about places of the exact surface. Circles in the tangent plane alternate with flat
+/// ellipses across it, which press, slide, lift and slide back. They are for a probe of the case's
+/// radius. There are fewer than asked for where the surface leaves no free places.
 [[nodiscard]] std::vector<ClosedLoop> closed_loops(const StabilityCase& tried,
                                                    const LoopPlan& plan);
 
-/// Work (J) that a force law does on a tool that is led round a closed path once, without dynamics,
-/// by the trapezoid of its forces. The tool comes from the free place and goes round once before,
-/// so that a law that remembers is in its cycle. A gain, above 0, is energy made out of nothing.
+/// Work (J) that a force law does on a tool that is led once round a closed path, without dynamics,
+/// by the trapezoid rule over its forces. The tool comes from the free place and first goes round
+/// once uncounted, so that a law with memory has reached its cycle. A gain, above 0, is energy made
+/// out of nothing.
 [[nodiscard]] double loop_work(Contestant& contestant, const ClosedLoop& loop, double step);
 
-/// What a static field gains.
+/// The energy that a static field gains.
 struct LoopEnergy {
   double largest_j = 0;   ///< J, the most of all loops, either way round
   double median_j = 0;    ///< J, of each loop's better way round

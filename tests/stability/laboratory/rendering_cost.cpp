@@ -14,13 +14,14 @@ namespace spm::stability {
 namespace {
 
 constexpr double tick_way = bench::walked_speed * 1e-3;  // m
-/// Where in a tick the direction turns by more, rad, or the nearest place of the surface moves by
-/// more, m, the way leads from under one face to under another.
+/// If in one tick the direction turns by more than this, rad, or the nearest place of the surface
+/// moves by more than this, m, the path passes from under one face to under another.
 constexpr double passing_turn = 0.6, passing_way = 2.5 * tick_way;
-/// Ticks that a tool rests once it is in: what brakes it has forgotten the way in.
+/// Ticks that a tool rests after it was led in: by then braking stabilizers have forgotten the way
+/// in.
 constexpr int rest_ticks = 30;
 
-/// A contestant that is asked along a slide, led in from outside where that begins.
+/// A contestant that is run along a slide. It is led in from outside where the slide begins.
 class AlongSlide final : public bench::TickMethod {
  public:
   AlongSlide(const Contender& contender, const StabilityCase& object, double stiffness,
@@ -38,7 +39,7 @@ class AlongSlide final : public bench::TickMethod {
     return contact.contact;
   }
 
-  /// Not those that lead in.
+  /// The ticks that lead in do not count.
   [[nodiscard]] bool counts(std::size_t index) const override {
     return !slide_.path.ticks[index].fresh;
   }
@@ -72,7 +73,8 @@ bool passes_an_edge(const bench::SlidePath& path, std::size_t i) {
          (closest_point_of(path, i) - closest_point_of(path, i - 1)).norm() > passing_way;
 }
 
-/// Above the surface, m, by more than a bake may be off, or less where another part is near.
+/// A place above the surface, higher (m) than the bake's possible error, or lower where another
+/// part is near.
 Vector3 free_place(const bench::Model& model, const Vector3& closest_point, const Vector3& outward,
                    double height) {
   for (;; height /= 2) {
@@ -82,8 +84,8 @@ Vector3 free_place(const bench::Model& model, const Vector3& closest_point, cons
   }
 }
 
-/// N, in the middle of all judged ticks; and the share of these that are off by more than the exact
-/// force's RMS.
+/// Adds the median error of all judged ticks, relative to the exact force's RMS, and the share of
+/// these ticks that are off by more than that RMS.
 void add_spread(const bench::SlidePath& path, const std::vector<Vector3>& forces,
                 const bench::ForceRules& rules, double exact_rms, CostRow& row) {
   std::vector<double> off;

@@ -25,7 +25,7 @@ struct CostRow {
 struct IdleRow {
   std::string method;  ///< of the contender with its stabilizer
   std::string device;
-  double added_step_n = 0;  ///< N: most that a tick's step of force grew
+  double added_step_n = 0;  ///< N: largest growth of a tick's step of force
 };
 
 struct CostPlan {
@@ -35,15 +35,15 @@ struct CostPlan {
   std::uint64_t seed = 1;
 };
 
-/// The teeth, for a point that reads without steps.
+/// The case of the teeth, for a point probe whose reading has no encoder steps.
 [[nodiscard]] StabilityCase slid_teeth();
 
-/// A slide below a surface that a tool can go which the surface holds, at 0.1 m/s. The walked one
-/// (bench::walked_slide) passes under edges from one face to the next, which no hand can: from
-/// there on it is another slide (`fresh`).
+/// A slide below a surface, at 0.1 m/s, that a tool held by the surface can follow. The walked
+/// slide (bench::walked_slide) passes under edges from one face to the next, which no hand can do:
+/// from there on it is another slide (`fresh`).
 struct HeldSlide {
   bench::SlidePath path;
-  /// m, of each fresh tick: a free place above the surface to come from; zero of the others.
+  /// For each fresh tick, a free place above the surface to come from, m; zero for the others.
   std::vector<Vector3> free_places;
 };
 
@@ -56,11 +56,11 @@ struct HeldSlide {
 [[nodiscard]] std::vector<CostRow> measure_costs(const std::vector<Contender>& contenders,
                                                  const StabilityCase& object, const CostPlan& plan);
 
-/// m/s, of a gentle press.
+/// Speed of a gentle press, m/s.
 inline constexpr double gentle_speed = 0.02;
 
-/// Presses the catalogue's flat wall gently without stabilizers, and asks the contender, one of the
-/// product's methods with stabilizers, along what was read then.
+/// Presses gently on the catalogue's flat wall without stabilizers. Then runs the contender, one of
+/// the product's methods with stabilizers, on the recorded readings.
 [[nodiscard]] IdleRow measure_idle(const Contender& contender, const servo::SimProfile& profile,
                                    double stiffness);
 

@@ -11,7 +11,7 @@
 namespace spm::stability::rendering_cost_test {
 namespace {
 
-/// A box whose every edge the walked slide passes under.
+/// A box; the walked slide passes under each of its edges.
 StabilityCase small_box() {
   StabilityCase object;
   object.name = "small-box";
@@ -67,7 +67,7 @@ TEST_CASE("On a box's slide every method but the paper's is right within a few p
     CHECK(rows[method].median_error < 0.05);
     CHECK(rows[method].lost_share == 0);
   }
-  // What brakes is meant to differ while the tool moves.
+  // Braking stabilizers are meant to differ while the tool moves.
   CHECK(rows["proxy+damping"].relative_error > rows["proxy"].relative_error);
 }
 

@@ -21,7 +21,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Of a text, short enough for a file's name.
+/// A hash of a text, short enough for a file's name.
 std::string short_hash(const std::string& text) { return sha256_bytes(text).substr(0, 20); }
 
 /// Keeps other processes that ask for the same file's lock waiting while it lives.
@@ -43,7 +43,7 @@ class FileLock {
   int file_;
 };
 
-/// The folder of the program that runs: one a program, and in it one a build.
+/// The folder of the running program: one folder per program, and in it one per build.
 fs::path build_folder() {
   fs::create_directories(cache_folder());
   // So that no process clears away what another has just made.

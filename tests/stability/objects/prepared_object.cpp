@@ -29,7 +29,7 @@ class Once {
   template <class Make>
   const T& get(const Make& make) {
     const std::lock_guard lock(mutex_);
-    // Work that is stolen meanwhile could ask for this very part, and wait for itself.
+    // Work stolen by the waiting thread could ask for this very part, and wait for itself.
     if (!made_) tbb::this_task_arena::isolate([&] { made_ = make(); });
     return *made_;
   }
@@ -43,7 +43,7 @@ std::string mesh_path(const StabilityCase& tried) {
   return (std::filesystem::path(bench::shared_folder()) / "meshes" / tried.mesh).string();
 }
 
-/// What a mesh is made of, as short as a file's name.
+/// A name for a mesh's content, short enough for a file's name.
 std::string content_of(const StabilityCase& tried) {
   if (!tried.mesh.empty()) {
     const std::string path = mesh_path(tried);
@@ -61,16 +61,17 @@ std::string content_of(const StabilityCase& tried) {
   return sha256_bytes(bytes);
 }
 
-/// All that a case's object depends on.
+/// Everything that a case's object depends on.
 std::string recipe_of(const StabilityCase& tried) {
   return fmt::format("{} {:.17g} {:.17g} {:.17g}", content_of(tried), tried.tolerance,
                      tried.max_depth, tried.probe_radius);
 }
 
-/// Samples a side of the paper's maps.
+/// Samples per side of the paper's maps.
 constexpr std::uint32_t paper_resolution = 65;
 
-/// The paper's maps, and one cell of space about the band, for who asks how far the asset reaches.
+/// The paper's maps, and one cell of space about the band, for code that asks how far the asset
+/// reaches.
 struct PaperTables {
   explicit PaperTables(const bench::Model& model)
       : maps(model.mesh, model.caster, {}, paper_resolution), view(maps.view()) {

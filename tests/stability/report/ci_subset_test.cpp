@@ -15,8 +15,8 @@
 #include "tests/stability/laboratory/laboratory.hpp"
 #include "tests/stability/report/stability_report.hpp"
 
-// The catalogue's fast part, so that a change that loses a case fails. What is expected lies in the
-// folder `golden`, in text; SPM_STABILITY_GOLDEN=write has these tests write it anew.
+// The catalogue's fast part, so that a change that loses a case fails. The expected results are
+// text files in the folder `golden`; with SPM_STABILITY_GOLDEN=write these tests write them anew.
 
 namespace spm::stability::ci_subset_test {
 namespace {
@@ -25,7 +25,7 @@ constexpr int seeds = 5;
 constexpr std::array fractions{0.6, 1.7};  ///< of the flat border
 constexpr double tolerance = 100e-6;       ///< m, of the bakes, which take most of the time
 constexpr double force_tolerance = 5e-3;   ///< N, of a golden trace: another compiler's rounding
-constexpr std::size_t every = 5;           ///< ticks, of which one is kept
+constexpr std::size_t every = 5;           ///< one in so many ticks is kept
 
 bool is_writing() {
   const char* word = std::getenv("SPM_STABILITY_GOLDEN");
@@ -42,7 +42,7 @@ char letter_of(const CaseVerdict& verdict) {
   return verdict.good_seeds == 0 ? 'x' : '?';
 }
 
-/// Case and method to a letter a fraction.
+/// Maps case and method to one letter per fraction.
 using Verdicts = std::map<std::pair<std::string, std::string>, std::string>;
 
 Verdicts measured_verdicts() {
@@ -135,7 +135,7 @@ std::vector<GoldenTrace> golden_traces() {
           {"stabilization-potential", "spm", "potential", {}, false}};
 }
 
-/// A block of 20 x 20 x 10 mm, whose upper face is pressed and slid over, past an edge.
+/// A block of 20 x 20 x 10 mm. The tool presses on its upper face and slides over it, past an edge.
 std::vector<Vector3> traced_forces(const GoldenTrace& trace) {
   constexpr int press = 100, slide = 300;
   StabilityCase block;

@@ -23,7 +23,7 @@ StabilityCase pressed_wall(const MapPlan& plan, double delay) {
   return wall;
 }
 
-/// What is linear of a device against a wall.
+/// The linear part of a device against a wall.
 SampledLoop loop_of(const servo::SimProfile& profile, double damping, double delay) {
   SampledLoop loop;
   loop.mass = profile.mass;

@@ -23,19 +23,19 @@ struct MapPlan {
                                    "spm",           "proxy",          "default"};
 };
 
-/// What one method does on one device.
+/// The stability map of one method on one device.
 struct StabilityMap {
   std::string method, device;
   std::vector<double> stiffnesses, dampings, delays;
-  /// The wall is held well: [delay][damping][stiffness], the last fastest.
+  /// Whether the wall is held well: [delay][damping][stiffness], the last index runs fastest.
   std::vector<std::uint8_t> stable;
-  /// N/m, where the spectral radius of the sampled loop is 1: [delay][damping]; infinite where it
-  /// never is.
+  /// Stiffness, N/m, at which the spectral radius of the sampled loop is 1: [delay][damping];
+  /// infinite where it never is.
   std::vector<double> theory;
 };
 
-/// The border of a profile against the catalogue's flat wall by the exact eigenvalue, N/m: of all
-/// that is linear, without the device's Coulomb friction and encoders.
+/// The border of a profile against the catalogue's flat wall by the exact eigenvalue, N/m. It
+/// covers only what is linear: the device's Coulomb friction and encoders are left out.
 [[nodiscard]] double flat_theory(const servo::SimProfile& profile);
 
 /// A map of one contender on one profile, all cells in parallel.

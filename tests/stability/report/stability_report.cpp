@@ -18,9 +18,9 @@
 namespace spm::stability {
 namespace {
 
-/// Of the flat border, where stabilizers are to be idle.
+/// Share of the flat border at which stabilizers are expected to be idle.
 constexpr double gentle_share = 0.5;
-/// N/m, between which the flat borders are looked for.
+/// The range in which the flat borders are searched, N/m.
 constexpr double min_flat = 200, max_flat = 60e3;
 
 bool is_asked(const std::vector<std::string>& asked, const std::string& name) {
@@ -153,7 +153,8 @@ class Measurement {
     return row;
   }
 
-  /// What the default generates at 1 N/mm, wherever there is a loop in three degrees of freedom.
+  /// The energy that the default generates at 1 N/mm, wherever there is a loop in three degrees of
+  /// freedom.
   void weigh_energy() {
     const auto product =
         std::find_if(contenders_.begin(), contenders_.end(),
@@ -179,8 +180,8 @@ class Measurement {
     });
   }
 
-  /// On the worst profile for all; on the others, in three degrees of freedom, for the default and
-  /// for what it is without stabilizers.
+  /// On the worst profile for all contenders. On the others, in three degrees of freedom, for the
+  /// default and for the same method without stabilizers.
   static bool has_border_on_all(const TriedCase& tried, const Contender& contender) {
     const bool is_asked_of = contender.method == "default" ||
                              (contender.method == "proxy" && contender.stabilization.empty());
@@ -224,7 +225,7 @@ class Measurement {
     }
   }
 
-  /// Of each method the case that fails worst on the first profile at the least fraction.
+  /// For each method, the case that fails worst on the first profile at the lowest fraction.
   void keep_worst() {
     for (const Contender& contender : contenders_) {
       const CaseRow* worst = nullptr;

@@ -14,7 +14,7 @@
 
 namespace spm::stability {
 
-/// What `spm-bench stability` measures. Empty lists: all there is.
+/// What `spm-bench stability` measures. An empty list stands for all there is.
 struct StabilityPlan {
   std::vector<std::string> cases;
   std::vector<std::string> methods;         ///< names of contenders
@@ -28,21 +28,23 @@ struct StabilityPlan {
   bool maps = true;
   bool costs = true;
   int max_seeds = 30;            ///< of a verdict; 1 or more
-  int max_border_seeds = 5;      ///< of a try of a border
-  int theory_loops = 120;        ///< that the plant is held against
-  std::size_t field_loops = 40;  ///< closed ones, an object
+  int max_border_seeds = 5;      ///< of one trial in a border's search
+  int theory_loops = 120;        ///< number of loops that the plant is compared with
+  std::size_t field_loops = 40;  ///< number of closed loops per object
   MapPlan map;
   std::uint64_t seed = 1;
-  unsigned threads = 0;  ///< 0: as many as there are cores; changes no figure but times
+  unsigned threads = 0;  ///< 0: one per core; changes no figure but times
 };
 
-/// Cases of shapes that are quickly made, of every theme that has such and a loop.
+/// Quick cases: shapes that are fast to make, from every theme that has such shapes and a loop.
 [[nodiscard]] std::vector<std::string> quick_cases();
-/// Cuts a plan to what ends in under 45 s on two cores; devices and cases that were named stay.
+/// Cuts a plan down so that it ends in under 45 s on two cores; devices and cases that were named
+/// stay.
 void make_quick(StabilityPlan& plan);
 /// Parts of a report that can be left out: borders, theory, loops, maps, costs.
 [[nodiscard]] const std::vector<std::string>& part_names();
-/// Keeps the parts that are named, of `part_names`, and whatever has none: all where none is named.
+/// Keeps only the named parts, out of `part_names`, and everything that belongs to no part. Keeps
+/// all parts where none is named.
 void keep_parts(StabilityPlan& plan, const std::vector<std::string>& parts);
 
 /// The largest good stiffness of a pressed flat wall by the exact penalty on a profile.
@@ -72,28 +74,29 @@ struct CaseRow {
   Verdict verdict;
 };
 
-/// How far borders are looked for, as shares of the profile's flat border.
+/// The range in which borders are searched, as shares of the profile's flat border.
 inline constexpr double min_border_share = 0.05, max_border_share = 4;
 
 /// The largest good stiffness of a case.
 struct BorderRow {
   std::string name, method, device;
   int degrees = 3;
-  double border = 0;  ///< N/m; 0 where it fails at the least that is tried
+  double border = 0;  ///< N/m; 0 where it fails at the lowest stiffness tried
   double flat = 0;    ///< N/m, the profile's
 };
 
-/// Energy that the default makes in a case at a stiffness that is the same for all, one seed.
+/// Energy that the default generates in a case, at a stiffness that is the same for all cases; one
+/// seed.
 struct EnergyRow {
   std::string name, device;
   double stiffness = 1000;  ///< N/m
   Verdict verdict;
 };
 
-/// What a static field gains on a closed loop of 10 mm, without dynamics.
+/// The energy that a static field gains on a closed loop of 10 mm, without dynamics.
 struct LoopRow {
   std::string object, method;
-  double tolerance = 0;  ///< m, that the object was baked to
+  double tolerance = 0;  ///< m, of the object's bake
   double gained_j = 0;   ///< J, the most of all loops
   double median_j = 0;
   int loops = 0;
@@ -132,8 +135,9 @@ struct StabilityReport {
 [[nodiscard]] std::vector<std::string> method_names();
 [[nodiscard]] std::vector<std::string> device_names();
 
-/// Measures all of a plan; figures but for times are the same whatever the threads. A case that
-/// cannot be prepared is a failure of its rows. Throws BakeError where a shared mesh is missing.
+/// Measures everything in a plan. All figures except times are the same whatever the number of
+/// threads. A case that cannot be prepared is reported as a failure of its rows. Throws BakeError
+/// where a shared mesh is missing.
 [[nodiscard]] StabilityReport measure_stability(const StabilityPlan& plan,
                                                 const bench::BenchProgress& progress);
 

@@ -12,9 +12,9 @@
 namespace spm::stability {
 namespace {
 
-constexpr double gentle_fraction = 0.6;  ///< of the flat border: where the default is to hold
+constexpr double gentle_fraction = 0.6;  ///< of the flat border: here the default must hold
 
-/// Keeps the worst of what it is shown, and what that was.
+/// Keeps the worst value shown to it, and where that came from.
 class Worst {
  public:
   Worst(std::string name, std::string unit, double floor, double goal, bool larger_is_better) {
@@ -56,7 +56,7 @@ void add_theory(const StabilityReport& report, std::vector<TargetRow>& rows) {
   passivity.append_to(rows);
 }
 
-/// What failed, by case: `delay-4-ticks (falcon, touch), encoder-100um (low)`.
+/// The failed cases, with devices: `delay-4-ticks (falcon, touch), encoder-100um (low)`.
 std::string list_of(const std::map<std::string, std::vector<std::string>>& failed,
                     const std::vector<std::string>& order, bool with_devices) {
   std::string text;
@@ -70,7 +70,8 @@ std::string list_of(const std::map<std::string, std::vector<std::string>>& faile
   return text.empty() ? "none failed" : text;
 }
 
-/// Shares of what is good at 0.6: of the pairs of case and profile, and of the cases everywhere.
+/// Shares of good results at 0.6: of all pairs of case and profile, and of the cases that are good
+/// on every profile.
 void add_shares(const StabilityReport& report, std::vector<TargetRow>& rows) {
   std::vector<std::string> tried;
   std::map<std::string, std::vector<std::string>> failed;
@@ -108,7 +109,7 @@ void add_energy(const StabilityReport& report, std::vector<TargetRow>& rows) {
   all.append_to(rows);
 }
 
-/// The floor is twice the bound of the run that decides.
+/// The floor is twice the bound of the run with the most energy.
 void add_fixed_energy(const StabilityReport& report, std::vector<TargetRow>& rows) {
   const EnergyRow* most = nullptr;
   for (const EnergyRow& row : report.energies) {
@@ -124,7 +125,7 @@ void add_fixed_energy(const StabilityReport& report, std::vector<TargetRow>& row
        fmt::format("{}, {}: {}; the floor is twice its bound", most->name, most->device, run)});
 }
 
-/// The border that another method has in the same case on the same profile; nothing without one.
+/// The border of another method in the same case on the same profile; null where there is none.
 const BorderRow* beside(const StabilityReport& report, const BorderRow& row,
                         const std::string& method) {
   for (const BorderRow& other : report.borders) {
@@ -140,8 +141,8 @@ bool is_sphere_between_walls(const std::string& name) {
          name.starts_with("sphere-corner") || name.starts_with("sphere-in-corner");
 }
 
-/// The default over the exact penalty; where that fails even at the least stiffness that is tried,
-/// over this: a ratio that is at least so large.
+/// The default's border over that of the exact penalty. Where the exact penalty fails even at the
+/// lowest stiffness tried, that stiffness is the divisor: the true ratio is at least as large.
 void show_sphere(const StabilityReport& report, const BorderRow& row, Worst& sphere) {
   const BorderRow* exact = beside(report, row, "exact-penalty");
   if (!is_sphere_between_walls(row.name) || exact == nullptr) return;

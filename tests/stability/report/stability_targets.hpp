@@ -9,7 +9,7 @@
 
 namespace spm::stability {
 
-/// A figure that the laboratory is asked for, beside its floor and its goal.
+/// A figure that the laboratory must reach, with its floor and its goal.
 struct TargetRow {
   std::string name;
   double value = 0;
@@ -23,7 +23,8 @@ struct TargetRow {
   }
 };
 
-/// What of the targets the report's rows tell; those whose rows were left out are missing.
+/// The targets that can be computed from the report's rows; targets whose rows were left out are
+/// missing.
 [[nodiscard]] std::vector<TargetRow> targets_of(const StabilityReport& report);
 
 }  // namespace spm::stability

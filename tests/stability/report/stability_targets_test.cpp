@@ -22,7 +22,7 @@ CaseRow gentle_run(const std::string& name, const std::string& device, bool is_g
   return row;
 }
 
-/// The row whose name begins so; the test fails where there is none.
+/// The row whose name begins with this text; the test fails where there is none.
 TargetRow row_of(const StabilityReport& report, const std::string& begin) {
   for (const TargetRow& row : targets_of(report)) {
     if (row.name.starts_with(begin)) return row;

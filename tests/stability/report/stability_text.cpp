@@ -108,7 +108,7 @@ Json list(const auto& rows, const auto& json_of) {
   return json;
 }
 
-/// Names in the order in which they first come.
+/// Names in the order in which they first appear.
 std::vector<std::string> methods_in(const StabilityReport& report) {
   std::vector<std::string> names;
   for (const CaseRow& row : report.cases) {
@@ -281,8 +281,8 @@ std::string to_csv(const WorstTrace& worst) {
                    tick.target.dot(worst.normal), tick.position.dot(worst.normal),
                    tick.commanded.dot(worst.normal), tick.commanded.norm(),
                    tick.hand_force.dot(worst.normal), tick.depth, energy, tick.contact);
-    // Energy that the device gave so far, at the tick's begin: what moving surfaces put in is
-    // theirs.
+    // Energy that the device has generated up to the tick's start; the work of moving surfaces is
+    // left out.
     energy += tick.work - tick.surface_work;
   }
   return text;

@@ -13,13 +13,13 @@ namespace spm::stability {
 [[nodiscard]] nlohmann::ordered_json to_json(const StabilityReport& report,
                                              const StabilityPlan& plan);
 
-/// For a person: cases against methods, a letter a profile.
+/// Readable text: cases against methods, one letter per profile.
 [[nodiscard]] std::string to_text(const StabilityReport& report, const StabilityPlan& plan);
 
-/// The name of the file that a worst case's run is written to: METHOD.csv.
+/// The name of the file to which a worst case's run is written: METHOD.csv.
 [[nodiscard]] std::string trace_name(const WorstTrace& worst);
 
-/// The run of a worst case as CSV, a line a tick.
+/// The run of a worst case as CSV, one line per tick.
 [[nodiscard]] std::string to_csv(const WorstTrace& worst);
 
 }  // namespace spm::stability

@@ -12,7 +12,7 @@
 namespace spm::stability {
 namespace {
 
-/// What a contender needs of an object.
+/// Prepares what a contender needs of an object.
 void make_part(const PreparedObject& object, const std::string& method) {
   if (method == "paper") {
     static_cast<void>(object.paper());

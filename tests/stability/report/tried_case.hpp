@@ -30,14 +30,15 @@ class TriedCase {
   /// A tool that is carried has no loop, and so no border.
   [[nodiscard]] bool has_border() const noexcept;
 
-  /// Bakes no finer than so, m.
+  /// Makes the bake's tolerance at least this, m.
   void coarsen(double tolerance) noexcept;
 
-  /// Bakes what the contenders need; why it cannot, in words, empty where it can.
+  /// Bakes what the contenders need. Returns the reason, in words, if that is not possible;
+  /// otherwise an empty string.
   [[nodiscard]] std::string prepare(const std::vector<Contender>& contenders);
   [[nodiscard]] std::string why_not(const Contender& contender) const;
 
-  // As case_verdict and case_border, once it is prepared.
+  // Like case_verdict and case_border; call these after `prepare`.
   [[nodiscard]] CaseVerdict verdict(const RunSettings& settings, const Contender& contender,
                                     int max_seeds) const;
   [[nodiscard]] double border(const RunSettings& settings, const Contender& contender, double low,

@@ -10,7 +10,7 @@
 
 namespace spm::stability {
 
-/// What a hand does: straight from pose to pose, then a rest there.
+/// One leg of a hand's motion: it moves straight from pose to pose and then rests there.
 struct SixdofLeg {
   Vector3 to = Vector3::Zero();    ///< m, of the tool's origin
   Vector3 turn = Vector3::Zero();  ///< rad, axis times angle from the world's axes
@@ -19,14 +19,14 @@ struct SixdofLeg {
   double rest = 0;                 ///< s, at the end of the leg
 };
 
-/// One named way to fail with a tool that turns. Metres, world frame; the tool in its own frame,
-/// which the hand holds at the origin.
+/// One named way to fail with a tool that turns. Lengths are in metres, in the world frame. The
+/// tool is given in its own frame; the hand holds it at the origin of that frame.
 struct SixdofCase {
   std::string name;   ///< words joined by "-", as the reports name it
   std::string title;  ///< a sentence: what is done, and which failure it looks for
   test::Shape tool;
   test::Shape object;
-  std::vector<Eigen::Isometry3d> places;  ///< where the object stands, once each
+  std::vector<Eigen::Isometry3d> places;  ///< where the object stands, one copy at each
   double tolerance = 40e-6;               ///< m, of the object's bake
   double max_depth = 4e-3;                ///< m, of the object's band
   double spacing = 1e-3;                  ///< m, of the tool's samples
@@ -34,12 +34,13 @@ struct SixdofCase {
   std::vector<SixdofLeg> hand;
   double seconds = 3;       ///< of the run
   double mass_scale = 1;    ///< of the profile's mass
-  bool has_weight = false;  ///< what is above the profile's own mass, which a device balances
+  bool has_weight = false;  ///< only the mass above the profile's own, which a device balances
   double grip_share = 1;    ///< of the hand's grip
   double delay_ticks = 1;
   Vector3 normal = Vector3::UnitZ();  ///< unit, outward, where the hand presses
-  /// One surface of the object touched as in the case, and the way into it (unit): here stiffness
-  /// by area is set to what the hand is to feel.
+  /// The pose in which the tool just touches one surface of the object as in the case, and the
+  /// direction into it (unit). There the stiffness by area is set to the stiffness that the hand is
+  /// to feel.
   Eigen::Isometry3d touch = Eigen::Isometry3d::Identity();
   Vector3 press = -Vector3::UnitZ();
   Judged judged;
@@ -49,7 +50,8 @@ struct SixdofCase {
 /// The hand's target, tick by tick.
 class SixdofScript {
  public:
-  /// `tried` must outlive this; `period` of a tick, s; `offset` (m) moves all of the way.
+  /// `tried` must outlive this. `period` is the length of a tick, s. `offset` (m) moves the whole
+  /// path.
   SixdofScript(const SixdofCase& tried, double period, const Vector3& offset);
 
   /// Where the hand wants the tool at a time (s, 0 or more), and how it moves there.
@@ -59,8 +61,8 @@ class SixdofScript {
   struct Part {
     double begin = 0, end = 0;  ///< s; it rests until the next begins
     Vector3 from = Vector3::Zero(), to = Vector3::Zero();
-    Eigen::Quaterniond orientation = Eigen::Quaterniond::Identity();  ///< at its begin
-    Vector3 turn = Vector3::Zero();                                   ///< of all of it
+    Eigen::Quaterniond orientation = Eigen::Quaterniond::Identity();  ///< at the start of the part
+    Vector3 turn = Vector3::Zero();                                   ///< over the whole part
   };
   std::vector<Part> parts_;
 };

@@ -19,7 +19,7 @@ Isometry3d pose_of(const Vector3& place, const Vector3& turn = Vector3::Zero()) 
   return pose;
 }
 
-/// s: a loose grip's own swing, whose time constant is 0.5 s, is over before the hold.
+/// s. A loose grip's own swing has a time constant of 0.5 s; it is over before the hold begins.
 constexpr double dropped_seconds = 4;
 
 /// How far a shape reaches below its origin when it is turned, m.
@@ -32,8 +32,8 @@ double depth_below(const test::Shape& shape, const Vector3& turn) {
   return -lowest;
 }
 
-/// A round peg, 6 mm thick, led into a blind hole with 0.15 mm of play: at the mouth it is tilted
-/// by 6 degrees; then it is pushed to the floor and against the wall.
+/// A round peg, 6 mm thick, is led into a blind hole with 0.15 mm of play. At the mouth it is
+/// tilted by 6 degrees; then it is pushed to the floor and against the wall.
 SixdofCase peg_in_hole() {
   constexpr double radius = 3e-3, play = 0.15e-3;
   constexpr int around = 24;
@@ -84,8 +84,8 @@ SixdofCase wedged_tool() {
   return made;
 }
 
-/// Three times the device's mass as a flat tool of 30 mm on bumps of 0.4 mm: put down, pushed on by
-/// 4 mm, held.
+/// A flat tool of 30 mm with three times the device's mass, on bumps of 0.4 mm: it is put down,
+/// pushed on by 4 mm and held.
 SixdofCase heavy_tool() {
   constexpr double bump = 0.4e-3, thickness = 6e-3;
   SixdofCase made;
@@ -107,8 +107,8 @@ SixdofCase heavy_tool() {
   return made;
 }
 
-/// A loosely held box of twice the device's mass falls, tilted by 35 degrees, on a plate, so that
-/// its own edge meets it at 0.5 m/s.
+/// A loosely held box with twice the device's mass falls on a plate, tilted by 35 degrees, so that
+/// its own edge meets the plate at 0.5 m/s.
 SixdofCase dropped_on_its_edge() {
   SixdofCase made;
   made.name = "tool-dropped-on-its-edge";

@@ -15,11 +15,11 @@ namespace spm::stability {
 
 namespace {
 
-/// Of the contact between the virtual tool and the objects, N/m3: its samples, of about a square
-/// millimetre, are far stiffer than any coupling.
+/// Stiffness of the contact between the virtual tool and the objects, N/m3: its samples, of about a
+/// square millimetre each, are far stiffer than any coupling.
 constexpr double virtual_contact = 5e10;
 
-/// m: a virtual tool that is farther from the device than this is held off by something.
+/// m. If the virtual tool is farther from the device than this, something holds it off.
 constexpr double free_stretch = 1e-6;
 
 ObjectContactSettings contact_settings(const SixdofScene& scene, double stiffness) {
@@ -29,7 +29,7 @@ ObjectContactSettings contact_settings(const SixdofScene& scene, double stiffnes
   return settings;
 }
 
-/// Of a symmetric stiffness, along a direction; 0 where there is none.
+/// A symmetric stiffness along a direction; 0 where there is no direction.
 double stiffness_along(const Eigen::Matrix3d& stiffness, const Vector3& direction) {
   const double square = direction.squaredNorm();
   return square > 0 ? direction.dot(stiffness * direction) / square : 0;
@@ -78,7 +78,7 @@ class CoupledTool final : public SixdofContestant {
   SixdofAnswer next(const Eigen::Isometry3d& measured) override {
     const VirtualToolReport report = tool_.tick(measured, objects_);
     const ContactSum& sum = report.contact.sum;
-    // Just off a surface that it cannot go back into it is held up as well as in it.
+    // A tool just off a surface that it cannot go back into is held up as well as a tool in it.
     const bool held = report.wrench.force.norm() > free_stretch * settings_.stiffness;
     return {report.wrench,       report.pose,       sum.deepest,  sum.contacts > 0 || held,
             settings_.stiffness, settings_.turning, report.energy};
@@ -138,7 +138,8 @@ class EverySample final : public SixdofContestant {
   double stiffness_;
 };
 
-/// The stabilizers that a contender names, those that have no form here left out of the default's.
+/// The stabilizers that a contender names. Those of the default that have no form here are left
+/// out.
 StabilizationSettings stabilization_of(const Contender& contender) {
   StabilizationSettings stabilization;
   std::string words = contender.stabilization;
@@ -174,7 +175,8 @@ VirtualToolSettings tool_settings(const SixdofCase& tried, const RunSettings& se
   VirtualToolSettings made;
   made.stiffness = settings.stiffness;
   made.turning = settings.stiffness * sixdof_lever * sixdof_lever;
-  // What the device can do, or a held weight would tear the coupling before the device gives way.
+  // The device's limits. Without them, a held weight would tear the coupling before the device
+  // gives way.
   made.max_force = settings.profile->force_cap;
   made.max_torque = plant.torque_cap();
   return made;

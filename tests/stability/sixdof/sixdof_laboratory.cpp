@@ -15,10 +15,10 @@ namespace spm::stability {
 namespace {
 
 constexpr double gravity = 9.81;  // m/s2
-/// The drawn tool is held against the exact object every so many ticks.
+/// The drawn tool is compared with the exact object once in this many ticks.
 constexpr std::size_t looked_at = 10;
 
-/// Where between encoder steps a run lies, so that none begins on one by chance; in steps.
+/// Offset of a run between encoder steps, in steps, so that no run starts on a step by chance.
 Vector3 offset_of(Random& random) {
   Vector3 offset;
   for (double& along : offset) along = random.between(-0.5, 0.5);
@@ -31,7 +31,7 @@ StabilityCase judged_case(const SixdofCase& tried) {
   made.name = tried.name;
   made.normal = tried.normal;
   made.judged = tried.judged;
-  // How deep a tool that turns lies is no matter of one height: it is judged here.
+  // One height cannot tell how deep a turning tool lies: judge_sixdof checks the depth.
   made.judged.longest_penetration = std::numeric_limits<double>::infinity();
   return made;
 }
@@ -46,12 +46,12 @@ JudgedLoop loop_of(const SixdofCase& tried, const RunSettings& settings) {
   loop.force_cap = plant.profile.force_cap;
   const double grip = tried.grip_share * servo::grip_stiffness;
   loop.hand_stiffness = grip * servo::arm_stiffness / (grip + servo::arm_stiffness);
-  // Friction carries a part of what presses, and the weight adds to it.
+  // Friction carries a part of the pressing force, and the weight adds to the force.
   loop.friction = plant.profile.friction + plant.weight.dot(tried.normal);
   return loop;
 }
 
-/// The same of the turn, as lengths and forces at the lever.
+/// The same for the turn, as lengths and forces at the lever.
 JudgedLoop turning_loop_of(const SixdofCase& tried, const RunSettings& settings) {
   const SixdofPlant plant(sixdof_settings(tried, settings));
   JudgedLoop loop = loop_of(tried, settings);
@@ -62,7 +62,7 @@ JudgedLoop turning_loop_of(const SixdofCase& tried, const RunSettings& settings)
   return loop;
 }
 
-/// Makes a tick's record before it is gone through.
+/// Records a tick's state before the plant steps through it.
 class TickReader {
  public:
   TickReader(const SixdofPlant& plant, const Eigen::Isometry3d& start)
@@ -109,7 +109,7 @@ class TickReader {
   Eigen::Quaterniond start_;
 };
 
-/// Of two parts of one run.
+/// Joins the verdicts on two parts of one run.
 void join(Verdict& verdict, const Verdict& turning) {
   verdict.good = verdict.good && turning.good;
   verdict.bad = verdict.bad || turning.bad;

@@ -111,7 +111,7 @@ Wrench SixdofPlant::reachable(const Wrench& commanded) const noexcept {
 void SixdofPlant::drift(double seconds) noexcept {
   pose_.translation() += seconds * velocity_;
   arm_ += seconds * arm_velocity_;
-  // The rates of a body that turns freely are those of its middle orientation, to second order.
+  // The rates of a freely turning body are those of its middle orientation, to second order.
   const Eigen::Quaterniond before = orientation_;
   orientation_ = before * orientation_of(body_rates() * (seconds / 2));
   orientation_ = (before * orientation_of(body_rates() * seconds)).normalized();
@@ -127,7 +127,7 @@ void SixdofPlant::kick_place(const Vector3& wanted, const Vector3& speed,
   const Vector3 held = has_arm ? arm_ : wanted;
   const Vector3 spring = grip * (held - pose_.translation());
   const Vector3 outer = actuator_.force + s.weight + spring;
-  // Mean velocities over the substep, of the handle and what it hangs on: implicit in the dampers.
+  // Mean velocities over the substep, of the handle and of what holds it: implicit in the dampers.
   const double own = 2 * mass_ + step_ * (s.profile.damping + grip_damping);
   const Vector3 push = 2 * mass_ * velocity_ + step_ * outer;
   Vector3 mean, held_mean = speed;

@@ -10,29 +10,29 @@
 
 namespace spm::stability {
 
-/// A device and hand in six degrees of freedom. No data sheet gives what turns, so all of it is
-/// assumed: the handle's mass, damping and friction sit `gyration` from its middle, its angles are
-/// read by encoders of the profile's step `encoder_lever` away, and its motors turn it by the
-/// force's cap at `torque_lever`.
+/// A device and hand in six degrees of freedom. No data sheet gives the rotational values, so all
+/// of them are assumed. The handle's mass, damping and friction sit `gyration` from its middle. Its
+/// angles are read by encoders with the profile's step, `encoder_lever` away. Its motors turn it
+/// with at most the force cap times `torque_lever`.
 struct SixdofSettings {
   servo::SimProfile profile = servo::sim_profiles[0];
   double period = 1e-3;                ///< s, of a tick
-  int substeps = 20;                   ///< a tick, 1 or more
-  double mass_scale = 1;               ///< above 0; the profile's mass and inertia times this
+  int substeps = 20;                   ///< per tick, 1 or more
+  double mass_scale = 1;               ///< above 0; factor on the profile's mass and inertia
   Vector3 gyration{0.03, 0.03, 0.03};  ///< m, radii about the handle's own axes; assumed
   double encoder_lever = 0.1;          ///< m; assumed
   double torque_lever = 0.05;          ///< m; assumed
   double friction_scale = 1;           ///< of the profile's Coulomb friction; 0: none
   double encoder_step = -1;            ///< m; below 0: the profile's; 0: none
   double delay_ticks = 1;              ///< 0 to servo::longest_delay; a fraction acts within a tick
-  servo::HandModel hand = servo::HandModel::arm;  ///< with `none` nothing turns it either
+  servo::HandModel hand = servo::HandModel::arm;  ///< with `none`, no hand turns it either
   double grip_share = 1;                          ///< of the grip's springs and dampers, 0 or more
   double grip_turning = 2;                        ///< N m/rad; assumed
   double grip_turning_damping = 0.01;             ///< N m s/rad; assumed
   Vector3 weight = Vector3::Zero();               ///< N, on the handle's middle, world frame
 };
 
-/// Where the hand wants the tool at a tick's end, and how it moves there.
+/// The pose that the hand wants the tool to have at a tick's end, and its motion there.
 struct SixdofTarget {
   Vector3 position = Vector3::Zero();  ///< m
   Eigen::Quaterniond orientation = Eigen::Quaterniond::Identity();
@@ -40,9 +40,9 @@ struct SixdofTarget {
   Vector3 angular_velocity = Vector3::Zero();  ///< rad/s, world frame
 };
 
-/// A tick of it. Wrenches are means over the tick, about the handle's middle, world frame; what
-/// they worked, over the true motion, J. The change of the handle's kinetic energy is
-/// `work + hand_work + weight_work - dissipated`.
+/// One tick of the plant. Wrenches are means over the tick, about the handle's middle, world frame.
+/// Works are taken over the true motion, J. The change of the handle's kinetic energy is `work +
+/// hand_work + weight_work - dissipated`.
 struct SixdofTick {
   Wrench hand;
   Wrench actuator;
@@ -52,25 +52,26 @@ struct SixdofTick {
   double dissipated = 0;   ///< by the device's own damping and friction
 };
 
-/// A rigid handle in a hand's grip, under a wrench that is held from tick to tick. Strang
-/// splitting: half a drift, a kick whose dampers are implicit, half a drift; second order, and free
-/// of torque momentum is kept to rounding.
+/// A rigid handle in a hand's grip, under a wrench that is held constant over each tick. Integrated
+/// by Strang splitting: half a drift, a kick with implicit dampers, half a drift. This is second
+/// order, and without torque the momentum is kept to rounding.
 class SixdofPlant {
  public:
   explicit SixdofPlant(const SixdofSettings& settings) noexcept;
 
-  /// Puts the tool, and the arm where there is one, at rest; forgets what was commanded.
+  /// Places the tool at rest, and the arm too where there is one; forgets earlier commands.
   void place(const Eigen::Isometry3d& pose) noexcept;
 
   /// Sets the handle's motion: m/s and rad/s, world frame.
   void set_motion(const Vector3& velocity, const Vector3& angular_velocity) noexcept;
 
-  /// Goes on by a tick. `commanded` answers the reading before it and acts `delay_ticks` later.
+  /// Advances by one tick. `commanded` is the answer to the reading before this tick and acts
+  /// `delay_ticks` later.
   SixdofTick step(const Wrench& commanded, const SixdofTarget& target) noexcept;
 
   [[nodiscard]] const Eigen::Isometry3d& pose() const noexcept { return pose_; }
-  /// The pose as the encoders tell it: place by place, and the turn since `place` as axis times
-  /// angle, each rounded to its step. Below half a turn.
+  /// The pose as the encoders read it: each coordinate of the position, and the turn since `place`
+  /// as axis times angle, each rounded to its step. The turn must be below half a turn.
   [[nodiscard]] Eigen::Isometry3d measured_pose() const noexcept;
   [[nodiscard]] const Vector3& velocity() const noexcept { return velocity_; }
   [[nodiscard]] Vector3 angular_velocity() const noexcept;  ///< rad/s, world frame
@@ -89,7 +90,7 @@ class SixdofPlant {
   double step_;  ///< s, of a substep
   double mass_;
   Vector3 inertia_;
-  double grip_;  ///< share of it
+  double grip_;  ///< share of the grip
   double encoder_step_;
 
   Eigen::Isometry3d pose_ = Eigen::Isometry3d::Identity();
@@ -100,7 +101,7 @@ class SixdofPlant {
   Vector3 arm_ = Vector3::Zero();       ///< m
   Vector3 arm_velocity_ = Vector3::Zero();
   servo::ActuatorLine forces_, torques_;
-  Wrench actuator_;  ///< that acts in the present substep
+  Wrench actuator_;  ///< the wrench that acts in the current substep
 
   [[nodiscard]] Vector3 body_rates() const noexcept;
   void drift(double seconds) noexcept;

@@ -15,15 +15,15 @@ namespace spm::stability {
 
 namespace {
 
-/// How far the touched surface is pressed in where stiffness is compared, m: more than the distance
-/// of any tool's samples, so that an edge does not slip between them.
+/// How far, m, the touched surface is pressed in when stiffnesses are compared. It is more than the
+/// sample spacing of any tool, so that an edge does not slip between the samples.
 constexpr double compared_depth = 2e-3;
 /// Of a tool's vertices, m.
 constexpr double rounding = 1e-6;
-/// Nearer than this the way to the surface says nothing of its direction, m.
+/// Below this distance, m, the vector to the surface gives no reliable direction.
 constexpr double on_surface = 1e-9;
 
-/// A case's object as what is baked of it.
+/// A case's object, in the form in which it is baked.
 StabilityCase baked_object(const SixdofCase& tried) {
   StabilityCase made;
   made.name = tried.name;
@@ -33,8 +33,8 @@ StabilityCase baked_object(const SixdofCase& tried) {
   return made;
 }
 
-/// Samples of a tool's surface by its triangles: nothing is asked of its inside, so it need not be
-/// baked.
+/// Samples of a tool's surface, taken from its triangles. Nothing is asked about its inside, so it
+/// need not be baked.
 SurfaceSamples samples_of(const test::Shape& tool, double spacing) {
   Asset asset;
   asset.metadata.tolerance = rounding;
@@ -62,7 +62,7 @@ class ExactField : public SampledField {
     const baker::SurfacePoint closest = truth_.closest(place);
     const Vector3 out = closest.position - place;
     const double distance = out.norm();
-    // A sample that did not come as far as the surface is on the side where it was.
+    // A sample that moved less than its distance to the surface is still on the same side.
     const bool inside = -last.distance > moved || truth_.inside(place);
     last = {place, inside ? -distance : distance};
     if (!inside) return std::nullopt;

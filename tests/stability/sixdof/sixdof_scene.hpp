@@ -17,19 +17,21 @@ struct SampleDepth {
   Vector3 normal = Vector3::Zero();  ///< unit, outward, the object's frame
 };
 
-/// One object as the samples of a tool ask it, one after the other; it may remember what it said of
-/// each.
+/// One object, as the samples of a tool query it, one after the other. It may remember its last
+/// answer for each sample.
 class SampledField {
  public:
   SampledField() = default;
   virtual ~SampledField() = default;
   SampledField(const SampledField&) = delete;
   SampledField& operator=(const SampledField&) = delete;
-  /// Of sample number `sample` at a place in the object's frame, m; nothing where it is outside.
+  /// Depth and normal for sample number `sample` at a place in the object's frame, m; nothing where
+  /// the place is outside.
   [[nodiscard]] virtual std::optional<SampleDepth> at(std::size_t sample, const Vector3& place) = 0;
 };
 
-/// What the finest samples of a tool add up to, on the tool, about its origin, world frame.
+/// The summed contact of a tool's finest samples: the wrench on the tool about its origin, world
+/// frame.
 struct SampledContact {
   Wrench wrench;
   double deepest = 0;  ///< m
@@ -38,8 +40,8 @@ struct SampledContact {
 /// A case's tool and object as all contestants need them.
 class SixdofScene {
  public:
-  /// The object is baked, or found baked, when its asset is first asked for; the tool is only
-  /// sampled. Throws BakeError. `tried` need not outlive this.
+  /// The object is baked, or loaded if already baked, when its asset is first asked for; the tool
+  /// is only sampled. Throws BakeError. `tried` need not outlive this.
   explicit SixdofScene(const SixdofCase& tried);
 
   [[nodiscard]] const SurfaceSamples& tool() const noexcept { return tool_; }
@@ -47,21 +49,22 @@ class SixdofScene {
   [[nodiscard]] const std::vector<Eigen::Isometry3d>& places() const noexcept { return places_; }
   /// The object's asset at all of its places.
   [[nodiscard]] std::vector<ContactObject> contact_objects() const;
-  /// m: no place of the tool is farther from its origin.
+  /// Largest distance of a place of the tool from its origin, m.
   [[nodiscard]] double tool_radius() const noexcept { return tool_radius_; }
 
-  /// The exact surface at each place, which asks only samples that may touch: it remembers how far
-  /// each was, and no distance changes by more than a step's length.
+  /// The exact surface, one field for each place of the object. It is queried only for samples that
+  /// may touch: each field remembers how far each sample was, and a distance cannot change by more
+  /// than the sample has moved.
   [[nodiscard]] std::vector<std::unique_ptr<SampledField>> exact_fields() const;
 
-  /// Every finest sample of the tool at a pose, asked of one field a place; each pushes with the
-  /// stiffness (N/m3) times its area and depth.
+  /// Sums over every finest sample of the tool at a pose, with one field for each place of the
+  /// object. Each sample pushes with the stiffness (N/m3) times its area and its depth.
   [[nodiscard]] SampledContact contact(const std::vector<std::unique_ptr<SampledField>>& fields,
                                        const Eigen::Isometry3d& pose, double stiffness) const;
 
-  /// The stiffness by area, N/m3, at which the case's touched surface is felt like a spring of
-  /// `stiffness` (N/m): pressed in by 2 mm it pushes back with 2 mm times that. By the exact
-  /// surface.
+  /// The stiffness by area, N/m3, at which the case's touched surface feels like a spring of
+  /// `stiffness` (N/m): pressed in by 2 mm, it pushes back with 2 mm times `stiffness`. Computed
+  /// with the exact surface.
   [[nodiscard]] double area_stiffness(double stiffness) const;
 
  private:
@@ -73,7 +76,7 @@ class SixdofScene {
   Vector3 press_;
 };
 
-/// A case's scene, made once a process. Throws BakeError.
+/// A case's scene, made once per process. Throws BakeError.
 [[nodiscard]] const SixdofScene& sixdof_scene(const SixdofCase& tried);
 
 }  // namespace spm::stability

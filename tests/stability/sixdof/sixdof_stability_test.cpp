@@ -10,7 +10,7 @@
 namespace spm::stability::sixdof_stability_test {
 namespace {
 
-/// The worst device for stability, at the coupling that VirtualTool has where nothing else is said.
+/// The worst device for stability, at the default coupling of VirtualTool.
 RunSettings default_coupling() {
   RunSettings settings;
   settings.stiffness = VirtualToolSettings{}.stiffness;
@@ -42,7 +42,7 @@ TEST_CASE("A hand's target goes from pose to pose at its speeds, without a jump,
   tried.start.translation() = Vector3(0, 0, 0.01);
   tried.hand = {{{0, 0, 0}, {0.2, 0, 0}, 0.05, 0.5, 0.1}, {{0.01, 0, 0}, {0.2, 0, 0}, 0.02}};
   const SixdofScript script(tried, 1e-3, Vector3::Zero());
-  // The turn of 0.2 rad takes longer than the way.
+  // The turn of 0.2 rad takes longer than the straight motion.
   CHECK(script.at(0.2).position.z() == Approx(0.005));
   CHECK(script.at(0.2).velocity.z() == Approx(-0.025));
   CHECK(script.at(0.2).angular_velocity.x() == Approx(0.5));
@@ -106,8 +106,8 @@ TEST_CASE("The virtual tool keeps the peg from passing through the wall of its h
     INFO(run.verdict.reason);
     CHECK(run.verdict.good);
     CHECK(run.verdict.findings.penetration_m < 0.5e-3);
-    // It is in the hole, to the floor or stuck tilted at the mouth, and held by the wall: the hand
-    // wants it 16 mm away.
+    // The peg is in the hole, at the floor or stuck tilted at the mouth, and the wall holds it: the
+    // hand wants it 16 mm away.
     CHECK(run.trace.ticks.back().position.z() < 7e-3);
     CHECK(run.trace.ticks.back().position.x() < 2.5e-3);
     CHECK(run.verdict.findings.held_n > 1);
@@ -134,7 +134,7 @@ TEST_CASE("A tool that was dropped on its edge stays on its side of the plate") 
   CHECK(run.verdict.findings.penetration_m < 1e-3);
   CHECK(run.verdict.findings.held_n > 0.5);
   for (const TraceTick& tick : run.trace.ticks) REQUIRE(tick.position.z() > 0);
-  // So loosely held it bounces for ever; matched damping brings it to rest.
+  // Held so loosely, it bounces for ever; matched damping brings it to rest.
   CHECK(run.verdict.bad);
   const Verdict damped = run_of(tried, {"proxy", "damping"}).verdict;
   INFO(damped.reason);

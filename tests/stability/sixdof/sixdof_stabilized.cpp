@@ -8,8 +8,8 @@ namespace spm::stability {
 
 namespace {
 
-/// What the damping of the place or of the turn needs of the stabilizers; the account is common to
-/// both.
+/// The stabilizer settings that the damping of the place or of the turn needs. Both share one
+/// energy account.
 StabilizationSettings damping_of(StabilizationSettings stabilization, double mass) {
   stabilization.passivity = false;
   stabilization.device_mass = mass;
@@ -53,7 +53,7 @@ void StabilizedWrench::begin(const Eigen::Isometry3d& start) {
   hand_ << start.translation(), Vector3::Zero();
 }
 
-/// The turn is added up by small ones: only along those does the torque work by their product.
+/// The turn is summed from small turns: only along these is the torque's work their product.
 Vector3 StabilizedWrench::moved_to(const Eigen::Isometry3d& measured) noexcept {
   const Eigen::Quaterniond orientation(measured.linear());
   Vector3 turned = hand_.tail<3>() + sixdof_lever * turn_between(orientation_, orientation);

@@ -8,7 +8,7 @@
 
 namespace spm::stability {
 
-/// The loop that a wrench is stabilized for.
+/// The loop in which a wrench is stabilized.
 struct SixdofLoop {
   double period = 1e-3;           ///< s
   double encoder_step = 0;        ///< m
@@ -16,9 +16,10 @@ struct SixdofLoop {
   double turning_inertia = 1e-4;  ///< kg m2, the least about any axis
 };
 
-/// Another law's wrench, stabilized; turns and torques are lengths and forces at sixdof_lever.
-/// Matched damping brakes the place along the force and the turn about the torque, each by its own
-/// stiffness. The passivity controller keeps one account of force and torque.
+/// The wrench of another force law, stabilized. Turns and torques are expressed as lengths and
+/// forces at sixdof_lever. Matched damping brakes the place along the force and the turn about the
+/// torque, each by its own stiffness. The passivity controller keeps one energy account for force
+/// and torque together.
 class StabilizedWrench final : public SixdofContestant {
  public:
   StabilizedWrench(std::unique_ptr<SixdofContestant> law, const StabilizationSettings& settings,

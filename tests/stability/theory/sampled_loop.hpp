@@ -17,18 +17,18 @@ struct SampledLoop {
   double period = 1e-3;       ///< s, of a tick
   double delay_ticks = 0;     ///< 0 or more, whole or not
   double lag = 0;             ///< s, time constant of the actuator; 0: none
-  servo::HandModel hand = servo::HandModel::none;  ///< its target at rest
+  servo::HandModel hand = servo::HandModel::none;  ///< the hand's target is at rest
 };
 
-/// Largest modulus of the eigenvalues of the loop's exact map from a tick to the next: below 1 it
-/// is asymptotically stable. Continuous parts by the matrix exponential, the held force and its
-/// fractional delay included. Criterion: stability. Source: any text on sampled-data systems, such
-/// as Astrom and Wittenmark, Computer-Controlled Systems, 1997, ch. 3.
+/// Largest modulus of the eigenvalues of the loop's exact map from one tick to the next: below 1
+/// the loop is asymptotically stable. Continuous parts are computed by the matrix exponential,
+/// including the held force and its fractional delay. Criterion: stability. Source: any text on
+/// sampled-data systems, such as Astrom and Wittenmark, Computer-Controlled Systems, 1997, ch. 3.
 [[nodiscard]] double spectral_radius(const SampledLoop& loop);
 
-/// The smallest stiffness (N/m) from `low` up at which the spectral radius reaches 1; 0 where it is
-/// above 1 at `low` already, infinite where it stays below up to `high`. `loop.stiffness` is not
-/// used. To a share of 1e-9.
+/// The smallest stiffness (N/m), from `low` up, at which the spectral radius reaches 1. 0 where it
+/// is already above 1 at `low`, infinite where it stays below 1 up to `high`. `loop.stiffness` is
+/// not used. Accurate to a share of 1e-9.
 [[nodiscard]] double border_stiffness(SampledLoop loop, double low = 1, double high = 1e6);
 
 /// K < (b + B) / (T/2 + t_d). Criterion: stability, approximately, for a mass that is large beside

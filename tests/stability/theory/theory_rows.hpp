@@ -6,7 +6,7 @@
 
 namespace spm::stability {
 
-/// One figure of theory beside what the plant does.
+/// One figure from theory, compared with what the plant does.
 struct TheoryRow {
   std::string criterion;  ///< what is compared: such as `eigenvalue` or `passivity-encoder`
   std::string kind;       ///< `stability` or `passivity`: two borders, never one
@@ -15,7 +15,8 @@ struct TheoryRow {
   double measured = 0;    ///< of the plant; same unit
   std::string unit;
 
-  /// How far the plant is off the criterion, a share; above 0 where it holds longer.
+  /// Deviation of the plant from the criterion, as a share; above 0 where the plant stays stable
+  /// (or passive) beyond the criterion.
   [[nodiscard]] double off() const noexcept {
     return expected != 0 ? measured / expected - 1 : measured;
   }

@@ -21,7 +21,7 @@ using namespace spm::servo;
 
 namespace {
 
-/// All 48, as they are written.
+/// All 48 axis options, in their text form.
 std::vector<std::string> all_axes() {
   std::vector<std::string> all;
   std::string order = "xyz";
@@ -68,7 +68,7 @@ struct Seen {
   std::int64_t until_ns = 0;
 };
 
-/// A driver that measures what it is told to.
+/// A driver that reports a given state as its measurement.
 class ReportingDevice final : public Device {
  public:
   ReportingDevice(const DeviceState& state, Seen& seen) : state_(state), seen_(seen) {

@@ -158,7 +158,7 @@ std::uint64_t MockUsbChip::packets() const {
 void MockUsbChip::submit(UMockdevIoctlClient* client) {
   UMockdevIoctlData* const arg = umockdev_ioctl_client_get_arg(client);
   UMockdevIoctlData* const urb = umockdev_ioctl_data_resolve(arg, 0, sizeof(usbdevfs_urb), nullptr);
-  // Of a program that was killed meanwhile there is no memory to be had.
+  // The memory of a program that was killed in the meantime cannot be read.
   if (urb == nullptr) {
     umockdev_ioctl_client_complete(client, -1, EFAULT);
     return;

@@ -27,7 +27,7 @@ class MockUsbChip {
   MockUsbChip& operator=(const MockUsbChip&) = delete;
   ~MockUsbChip();
 
-  /// The terminal that stands for the device's node: it can be written to when a transfer ended.
+  /// The terminal that stands for the device's node. It is writable once a transfer has ended.
   [[nodiscard]] const char* terminal() const { return terminal_.c_str(); }
 
   /// Answers one ioctl; false where it is not known.
@@ -35,12 +35,12 @@ class MockUsbChip {
   /// The program closed the node.
   void forget(UMockdevIoctlClient* client);
 
-  /// Ends all transfers as those of a device that is gone; the program that has it open gets
+  /// Ends all transfers as for a device that is gone. The program that has the device open gets
   /// nothing else from now on.
   void unplug();
   /// Forgets firmware and homing.
   void lose_power();
-  /// Takes packets after so many, but answers none.
+  /// After `packets` packets, it still takes packets but answers none.
   void mute_after(std::uint64_t packets);
   /// Says that another program has claimed the interface.
   void refuse_claims();

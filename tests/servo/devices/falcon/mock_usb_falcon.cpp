@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 
-// Runs a program before which a Novint Falcon is plugged in that exists only as a script: umockdev
+// Runs a program that sees a Novint Falcon plugged in, which exists only as a script: umockdev
 // gives it to the real libusb as a USB device, and answers for the kernel.
 //
 // Usage: mock_usb_falcon [--mode MODE] [--firmware-size BYTES] [--home-after PACKETS]

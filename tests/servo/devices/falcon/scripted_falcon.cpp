@@ -18,7 +18,7 @@ constexpr std::size_t packet_size = 16;
 /// Counts of the encoders when the device was switched on, which is where they begin.
 constexpr std::array<int, 3> power_up_counts{-150, 40, -90};
 
-/// Where the grip is after so many packets: slowly around the centre.
+/// Encoder counts after a number of packets: the grip moves slowly around the centre.
 std::array<int, 3> counts_after(std::uint64_t packets) {
   const double t = 1e-3 * static_cast<double>(packets);
   const auto angles =

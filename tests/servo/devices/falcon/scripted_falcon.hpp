@@ -12,12 +12,12 @@ namespace spm::servo::test {
 
 /// What goes wrong with a scripted Falcon.
 struct FalconFaults {
-  bool leading_zero = false;         ///< in front of the boot program's answer
-  int unanswered_calls = 0;          ///< of the boot program, before it answers one; -1: all
+  bool leading_zero = false;         ///< a zero precedes the boot program's answer
+  int unanswered_calls = 0;          ///< that the boot program ignores before it answers; -1: all
   int wrong_echoes = 0;              ///< uploads in which a byte comes back wrong; -1: all
   std::size_t wrong_echo_at = 1000;  ///< byte of the file
   bool dumb_firmware = false;        ///< loads, but never answers
-  int short_every = 0;               ///< every so many answers lack their last two bytes; 0: none
+  int short_every = 0;               ///< every Nth answer lacks its last two bytes; 0: none
 };
 
 /// A Falcon as its FTDI chip's serial line sees it: boot program, loading, firmware with encoders
@@ -36,10 +36,10 @@ class ScriptedFalcon {
   /// What waits for the host; it is taken from the front.
   [[nodiscard]] std::deque<std::uint8_t>& outgoing() { return outgoing_; }
 
-  /// Forgets firmware, homing and what was on its way.
+  /// Forgets the firmware, the homing and the bytes that were on their way.
   void lose_power();
 
-  /// Packets with the homing bit until all encoders are homed.
+  /// Sets how many packets with the homing bit it takes until all encoders are homed.
   void home_after(std::uint64_t packets) { home_after_ = packets; }
 
   [[nodiscard]] bool runs() const { return state_ == State::running; }

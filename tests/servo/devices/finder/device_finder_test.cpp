@@ -101,7 +101,7 @@ TEST_CASE("A usage page is found at any size of its item") {
   REQUIRE(has_usage_page(std::vector<std::uint8_t>{0x07, 0x0F, 0x00, 0x00, 0x00}, pid_usage_page));
   REQUIRE(has_usage_page(std::vector<std::uint8_t>{0xFE, 0x02, 0x00, 0x09, 0x09, 0x05, 0x0F},
                          pid_usage_page));
-  // A usage of 0x0F, and a page whose low byte is it.
+  // A usage of 0x0F, and a page whose low byte is 0x0F.
   REQUIRE_FALSE(has_usage_page(std::vector<std::uint8_t>{0x09, 0x0F}, pid_usage_page));
   REQUIRE_FALSE(has_usage_page(std::vector<std::uint8_t>{0x06, 0x0F, 0xFF}, pid_usage_page));
 }

@@ -35,20 +35,20 @@ class EmulatedHid {
   [[nodiscard]] virtual HidIdentity identity() const = 0;
   /// ms between calls of `unasked`; 0: none.
   [[nodiscard]] virtual int period_ms() const = 0;
-  /// It got power.
+  /// The device got power.
   virtual std::vector<HidBytes> plug_in() = 0;
   /// Reports that it sends by itself now.
   virtual std::vector<HidBytes> unasked() = 0;
-  /// A report that the host wrote, the report id first; what it sends in answer.
+  /// Takes a report that the host wrote, report id first. Returns what the device sends in answer.
   virtual std::vector<HidBytes> written(const HidBytes& bytes) = 0;
-  /// The host took a report; what it sends next.
+  /// Called when the host took a report. Returns what the device sends next.
   virtual std::vector<HidBytes> taken() = 0;
-  /// A feature report that the host set, its id first; false where the device refuses it.
+  /// Takes a feature report that the host set, id first. Returns false if the device refuses it.
   virtual bool feature_written(const HidBytes& bytes) {
     static_cast<void>(bytes);
     return false;
   }
-  /// The feature report, or the input report, of an id, which the host asked for; nothing where the
+  /// The feature report, or the input report, with the id that the host asked for. Nothing if the
   /// device refuses that.
   virtual std::optional<HidBytes> feature_asked(std::uint8_t id) {
     static_cast<void>(id);

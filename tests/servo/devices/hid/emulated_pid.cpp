@@ -151,7 +151,7 @@ class EmulatedPid final : public EmulatedHid {
     return {1, low(x_count), high(x_count), low(y_count), high(y_count), low(pressed ? 2 : 0)};
   }
 
-  /// Parts of its greatest force, in the world: to the right, and away from the user.
+  /// Force as fractions of its greatest force, in the world: to the right, and away from the user.
   [[nodiscard]] std::array<double, 2> force_now() const {
     std::array<double, 2> force{};
     for (const auto& [block, effect] : effects_) {

@@ -33,7 +33,7 @@ HidFault fault_of(const Bytes& bytes) {
   return result.error().fault;
 }
 
-/// What holds of any descriptor that was read, whatever it was read from.
+/// Checks that hold for any descriptor that was read, whatever its source.
 void check_bounds(const HidDescriptor& descriptor) {
   REQUIRE(descriptor.fields.size() <= max_descriptor_fields);
   for (const HidReport& report : descriptor.reports) REQUIRE(report.bits <= max_report_bits);

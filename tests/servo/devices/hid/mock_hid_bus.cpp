@@ -21,7 +21,7 @@ namespace {
 constexpr const char* usb_path = "/sys/devices/pci0000:00/0000:00:14.0/usb1/1-1";
 constexpr const char* interface_path = "/sys/devices/pci0000:00/0000:00:14.0/usb1/1-1/1-1:1.0";
 
-/// The kernel keeps so many reports that nobody fetched, and drops what comes then.
+/// How many reports the kernel keeps until somebody fetches them; it drops those that come then.
 constexpr std::size_t kept_reports = 64;
 
 /// Numbers of the ioctls that exchange a report.
@@ -179,7 +179,7 @@ int MockHidBus::wrong() {
 
 std::string MockHidBus::node_name() const { return "hidraw" + std::to_string(6 + generation_); }
 
-/// The device's own, children first.
+/// The device's own paths, children first.
 std::vector<std::string> MockHidBus::sys_paths() const {
   const HidIdentity identity = device_->identity();
   const std::string hid = std::string(interface_path) + "/0003:" + hex4(identity.vendor) + ":" +

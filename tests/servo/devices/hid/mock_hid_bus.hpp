@@ -37,7 +37,7 @@ class MockHidBus {
   void plug_in();
   void unplug();
 
-  /// Calls `reached` once the device has sent so many reports; from one of the testbed's threads.
+  /// Calls `reached` from one of the testbed's threads once the device has sent `reports` reports.
   void notify_at(int reports, std::function<void()> reached);
 
   /// What the device saw, and what became of its reports.
@@ -62,7 +62,7 @@ class MockHidBus {
   [[nodiscard]] long fetch(UMockdevIoctlClient* client);
   [[nodiscard]] bool is_present(UMockdevIoctlClient* client) const;
   [[nodiscard]] bool is_silent() const;
-  /// A report that is set or asked for by an ioctl: what that returns, or -1 and an error number.
+  /// Handles an ioctl that sets or gets a report. Returns its result, or -1 and an error number.
   [[nodiscard]] int exchange(UMockdevIoctlClient* client, unsigned number, HidBytes& bytes,
                              int& error_number);
 

@@ -12,7 +12,7 @@ class DescriptorWriter {
  public:
   DescriptorWriter& page(int page) { return item(0x04, page); }
   DescriptorWriter& usages(std::initializer_list<int> all);
-  /// With its page: four bytes.
+  /// A usage with its page, in four bytes.
   DescriptorWriter& wide_usage(int page, int usage);
   DescriptorWriter& range(int first, int last) { return item(0x18, first).item(0x28, last); }
   DescriptorWriter& logical(int least, int most) { return item(0x14, least).item(0x24, most); }

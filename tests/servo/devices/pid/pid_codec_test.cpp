@@ -76,7 +76,7 @@ TEST_CASE("What a descriptor lacks is named, with its usage") {
   REQUIRE(names(0x7B, "stop of an effect (usage 0x7B)"));
   REQUIRE(names(0xAB, "Create New Effect report (0xAB)"));
   REQUIRE(names(0x89, "Block Load report (usage 0x89)"));
-  // What is only good to have may be away.
+  // Optional usages may be missing.
   for (const int usage : {0x52, 0x53, 0x56, 0x7C, 0x7D, 0x90, 0x96, 0x97, 0x9A, 0x7F}) {
     REQUIRE(missing_in(without(good, static_cast<std::uint8_t>(usage))).empty());
   }
@@ -143,7 +143,7 @@ TEST_CASE("Other reports, short ones and axes without a value change nothing") {
   REQUIRE_FALSE(take_pid_report(layout, 2, Bytes{0x0A}, report));
   REQUIRE_FALSE(take_pid_report(layout, 1, Bytes{0xFF, 0x7F, 0x00, 0x00}, report));
   REQUIRE_FALSE(take_pid_report(layout, 1, Bytes{}, report));
-  // Below the least.
+  // A value below the minimum.
   REQUIRE_FALSE(take_pid_report(layout, 1, Bytes{0x00, 0x00, 0x00, 0x80, 0x00}, report));
   for (int id = 0; id < 256; ++id) {
     if (id == 1) continue;
@@ -163,7 +163,7 @@ TEST_CASE("Control, gain and the making of an effect are what the descriptor say
   REQUIRE(create.type == HidReportType::feature);
   REQUIRE(create.bytes == Bytes{0x11, 2, 0, 0});
   REQUIRE(bytes_of(pid_load_request(layout)) == Bytes{0x12, 0, 0, 0, 0});
-  // Where each is a bit.
+  // A stick whose controls are one bit each.
   const PidLayout axes = layout_of(PidStick::axes);
   REQUIRE(bytes_of(pid_control(axes, *axes.reset)) == Bytes{0x1C, 0x08});
   REQUIRE(bytes_of(pid_control(axes, *axes.enable)) == Bytes{0x1C, 0x01});

@@ -145,7 +145,7 @@ TEST_CASE("Jitter moves arrivals about the delay, keeps their order and never br
         late += tick + part / 20.0 - now;
       }
     }
-    // On the mean a ramp that is held is the delay and half a tick late, less half a part.
+    // On average a held ramp is late by the delay and half a tick, less half a part.
     const double mean = late / (1000 * parts);
     REQUIRE(mean > 1.475 - 0.05);
     REQUIRE(mean < 1.475 + 0.05);

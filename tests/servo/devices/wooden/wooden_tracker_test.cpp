@@ -34,7 +34,7 @@ struct Board {
     return tracker.health(now);
   }
 
-  /// What it is sent for a force; nothing where nothing is sent.
+  /// The command that the board is sent for a force; nothing if none is sent.
   std::optional<WoodenCommand> sent(const Vector3& force) {
     WoodenCommand command;
     if (!tracker.command({force, Vector3::Zero()}, now, command)) return std::nullopt;
@@ -138,7 +138,7 @@ TEST_CASE("A jump that no hand makes is a fault, a fast motion is none") {
   REQUIRE(board.next() == DeviceHealth::fault);
   REQUIRE(board.sent(push)->currents == no_current);
   REQUIRE(board.next() == DeviceHealth::ok);
-  // 1 m/s, seen once in 4 ms since the reports came together.
+  // 1 m/s, seen once in 4 ms because the reports came together.
   board.report.counters[0] = static_cast<std::int16_t>(board.report.counters[0] + 83);
   REQUIRE(board.next() == DeviceHealth::ok);
 }
