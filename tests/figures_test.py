@@ -7,6 +7,7 @@ Usage: figures_test.py SOURCE_DIR [unittest options]
 """
 
 import json
+import re
 import subprocess
 import sys
 import tempfile
@@ -17,7 +18,7 @@ SOURCE = Path()
 # Pages that are held as a whole; of all others, what stands under a heading with "measured".
 WHOLE_PAGES = {"README.md"}
 # Of a machine: what only reports of spm-bench tell, or only the others.
-UNEQUAL = ("embree", "openvdb", "spm", "kernel")
+UNEQUAL = ("embree", "openvdb", "spm")
 
 
 def check(folder: Path) -> subprocess.CompletedProcess:
@@ -47,6 +48,13 @@ class Pages(unittest.TestCase):
                 self.assertRegex(made["commit"], r"^[0-9a-f]{7,40}$")
                 self.assertTrue(made["machine"]["processor"] and made["command"])
                 self.assertNotIn("/home", json.dumps(made))
+                self.assertRegex(made["machine"]["kernel"], r"^Linux [0-9.]+$")
+
+    def test_no_report_names_a_path_of_the_machine(self) -> None:
+        for report in sorted((SOURCE / figures.CHARTS).glob("*.json")):
+            with self.subTest(report.name):
+                paths = re.findall(r'"/(?!dev/)[^"]*"', report.read_text(encoding="utf-8"))
+                self.assertEqual(sorted(set(paths)), [])
 
     def test_all_reports_come_from_one_machine(self) -> None:
         machines = {json.dumps({**json.loads(report.read_text(encoding="utf-8"))["made"]["machine"],

@@ -33,7 +33,10 @@ std::string value_of(const char* file, const std::string& key, char separator) {
 
 std::string kernel() {
   utsname names{};
-  return uname(&names) == 0 ? std::string(names.sysname) + " " + names.release : std::string();
+  if (uname(&names) != 0) return {};
+  // Without what the one who built it added to the version.
+  const std::string release = names.release;
+  return std::string(names.sysname) + " " + release.substr(0, release.find('-'));
 }
 
 /// The words of this process's command line. A word that is a path keeps its last part only.
