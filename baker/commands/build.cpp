@@ -72,9 +72,11 @@ Json spm_json(const BakeResult& baked) {
 }
 
 /// Refuses to write an asset that breaks its promise, unless that is allowed.
-void judge(const BuildRequest& request, const AssetMetadata& metadata, const VerifyReport& check,
+void judge(const BuildRequest& request, const BakeResult& baked, const VerifyReport& check,
            BuildReport& report) {
+  const AssetMetadata& metadata = baked.asset.metadata;
   if (!metadata.tolerance || metadata.tolerance_met) return;
+  const std::optional<ServedTrials>& served = baked.report.served;
   std::string finding;
   if (metadata.certified && *metadata.certified > *metadata.tolerance) {
     finding = fmt::format("no error below {} can be proven in the floats of a baked file",
@@ -84,6 +86,13 @@ void judge(const BuildRequest& request, const AssetMetadata& metadata, const Ver
     finding = fmt::format(
         "the error reaches {} at ({:.6g}, {:.6g}, {:.6g}) m, above the tolerance of {}",
         length(check.distance.max), at.x(), at.y(), at.z(), length(*metadata.tolerance));
+  } else if (served && !served->passed()) {
+    const Vector3& at = served->worst;
+    finding = fmt::format(
+        "of {} places that were queried {} have no answer and {} are off by more than the "
+        "tolerance of {}, for instance at ({:.6g}, {:.6g}, {:.6g}) m",
+        served->count, served->unanswered, served->beyond, length(*metadata.tolerance), at.x(),
+        at.y(), at.z());
   } else {
     finding = fmt::format("{:.2g} % of the band is left without an answer", 100 * check.unanswered);
   }
@@ -120,16 +129,20 @@ std::uint64_t peak_memory() {
   return static_cast<std::uint64_t>(usage.ru_maxrss) * 1024;
 }
 
-/// Queries the asset in memory with the servo's own code, and sets whether its tolerance is met.
-VerifyReport check_asset(const Mesh& mesh, const BakeOptions& options, Asset& asset) {
-  const AssetTables tables = tables_of(asset);
+/// Queries the asset in memory as whoever opens the file does, and sets whether its tolerance is
+/// met.
+VerifyReport check_asset(const Mesh& mesh, const BakeOptions& options, const BakeReport& report,
+                         Asset& asset) {
+  AssetTables tables = tables_of(asset);
+  if (asset.metadata.form == AssetForm::sparse) tables.build_index();
   VerifyOptions verify;
   verify.samples = check_samples;
   verify.seed = options.seed;
   verify.threads = options.threads;
   VerifyReport check = verify_against(mesh, tables.view(), asset.metadata, verify);
   asset.metadata.tolerance_met = asset.metadata.tolerance && check.unanswered == 0 &&
-                                 check.distance.max <= *asset.metadata.tolerance;
+                                 check.distance.max <= *asset.metadata.tolerance &&
+                                 (!report.served || report.served->passed());
   std::optional<double>& certified = asset.metadata.certified;
   if (certified && *certified > *asset.metadata.tolerance) {
     asset.metadata.tolerance_met = false;
@@ -248,9 +261,9 @@ BuildReport run_build(const BuildRequest& request, const Progress& progress) {
   const Clock::time_point verifying = Clock::now();
   tell("verify");
   const VerifyReport check =
-      check_asset(baked.smoothed ? *baked.smoothed : mesh, options, baked.asset);
+      check_asset(baked.smoothed ? *baked.smoothed : mesh, options, baked.report, baked.asset);
   seconds.verify = seconds_since(verifying);
-  judge(request, metadata, check, report);
+  judge(request, baked, check, report);
 
   time_limit.disarm();
   const Clock::time_point writing = Clock::now();
