@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 #include <sys/resource.h>
+#include <tbb/global_control.h>
 #include <tbb/info.h>
 
 #include <filesystem>
@@ -15,6 +16,7 @@
 #include "baker/commands/time_limit.hpp"
 #include "baker/mesh/load.hpp"
 #include "baker/reachability/reachability.hpp"
+#include "baker/trials/served_trials.hpp"
 #include "common/base/units.hpp"
 #include "formats/asset/asset_writer.hpp"
 #include "formats/files/sha256.hpp"
@@ -71,12 +73,18 @@ Json spm_json(const BakeResult& baked) {
           {"cells", baked.report.record_cells}};
 }
 
+/// What the answers of an asset are, as whoever opens its file is served.
+struct AssetCheck {
+  VerifyReport exact;                  ///< against the exact surface, by other code than the bake's
+  std::optional<ServedTrials> served;  ///< at more places; `sparse` only
+};
+
 /// Refuses to write an asset that breaks its promise, unless that is allowed.
-void judge(const BuildRequest& request, const BakeResult& baked, const VerifyReport& check,
+void judge(const BuildRequest& request, const AssetMetadata& metadata, const AssetCheck& checked,
            BuildReport& report) {
-  const AssetMetadata& metadata = baked.asset.metadata;
   if (!metadata.tolerance || metadata.tolerance_met) return;
-  const std::optional<ServedTrials>& served = baked.report.served;
+  const VerifyReport& check = checked.exact;
+  const std::optional<ServedTrials>& served = checked.served;
   std::string finding;
   if (metadata.certified && *metadata.certified > *metadata.tolerance) {
     finding = fmt::format("no error below {} can be proven in the floats of a baked file",
@@ -129,20 +137,30 @@ std::uint64_t peak_memory() {
   return static_cast<std::uint64_t>(usage.ru_maxrss) * 1024;
 }
 
+int threads_of(const BakeOptions& options) {
+  return options.threads > 0 ? static_cast<int>(options.threads) : tbb::info::default_concurrency();
+}
+
 /// Queries the asset in memory as whoever opens the file does, and sets whether its tolerance is
 /// met.
-VerifyReport check_asset(const Mesh& mesh, const BakeOptions& options, const BakeReport& report,
-                         Asset& asset) {
+AssetCheck check_asset(const Mesh& mesh, const BakeOptions& options, BakeResult& baked) {
+  const tbb::global_control limit(tbb::global_control::max_allowed_parallelism,
+                                  static_cast<std::size_t>(threads_of(options)));
+  Asset& asset = baked.asset;
   AssetTables tables = tables_of(asset);
-  if (asset.metadata.form == AssetForm::sparse) tables.build_index();
+  AssetCheck check;
+  if (asset.metadata.form == AssetForm::sparse) {
+    tables.build_index();
+    check.served = try_served(tables.view(), *baked.caster, options.seed);
+  }
   VerifyOptions verify;
   verify.samples = check_samples;
   verify.seed = options.seed;
   verify.threads = options.threads;
-  VerifyReport check = verify_against(mesh, tables.view(), asset.metadata, verify);
-  asset.metadata.tolerance_met = asset.metadata.tolerance && check.unanswered == 0 &&
-                                 check.distance.max <= *asset.metadata.tolerance &&
-                                 (!report.served || report.served->passed());
+  check.exact = verify_against(mesh, tables.view(), asset.metadata, verify);
+  asset.metadata.tolerance_met = asset.metadata.tolerance && check.exact.unanswered == 0 &&
+                                 check.exact.distance.max <= *asset.metadata.tolerance &&
+                                 (!check.served || check.served->passed());
   std::optional<double>& certified = asset.metadata.certified;
   if (certified && *certified > *asset.metadata.tolerance) {
     asset.metadata.tolerance_met = false;
@@ -226,8 +244,7 @@ Json to_json(const BuildRequest& request, const Mesh& mesh, const BakeResult& ba
                      {"write", seconds.write},
                      {"verify", seconds.verify},
                      {"total", seconds.total}};
-  json["threads"] = request.bake.threads > 0 ? static_cast<int>(request.bake.threads)
-                                             : tbb::info::default_concurrency();
+  json["threads"] = threads_of(request.bake);
   json["peak_rss_bytes"] = peak_memory();
   json["notes"] = baked.report.notes;
   return json;
@@ -260,10 +277,9 @@ BuildReport run_build(const BuildRequest& request, const Progress& progress) {
 
   const Clock::time_point verifying = Clock::now();
   tell("verify");
-  const VerifyReport check =
-      check_asset(baked.smoothed ? *baked.smoothed : mesh, options, baked.report, baked.asset);
+  const AssetCheck check = check_asset(baked.smoothed ? *baked.smoothed : mesh, options, baked);
   seconds.verify = seconds_since(verifying);
-  judge(request, baked, check, report);
+  judge(request, metadata, check, report);
 
   time_limit.disarm();
   const Clock::time_point writing = Clock::now();
@@ -273,7 +289,7 @@ BuildReport run_build(const BuildRequest& request, const Progress& progress) {
   seconds.total = seconds_since(start);
 
   report.notes = baked.report.notes;
-  report.json = to_json(request, mesh, baked, check, written, seconds);
+  report.json = to_json(request, mesh, baked, check.exact, written, seconds);
   report.json["derived"] = report.derived;
   return report;
 }

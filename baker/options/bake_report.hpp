@@ -24,19 +24,6 @@ struct Pruned {
   std::uint64_t bytes = 0;
 };
 
-/// What trials of the served answers found.
-struct ServedTrials {
-  std::uint64_t count = 0;       ///< places in the band, beside no cap
-  std::uint64_t unanswered = 0;  ///< left without an answer
-  std::uint64_t wrong_side = 0;  ///< farther from the surface than the tolerance, on the other side
-  std::uint64_t beyond = 0;      ///< off by more than the tolerance, wrong sides among them
-  double largest = 0;            ///< error, m, of the answered ones
-  Vector3 worst =
-      Vector3::Zero();  ///< a place without an answer, or else that of the largest error
-
-  [[nodiscard]] bool passed() const noexcept { return unanswered == 0 && beyond == 0; }
-};
-
 /// Results of a bake, besides the asset.
 struct BakeReport {
   std::uint64_t samples = 0;  ///< height samples stored
@@ -48,11 +35,10 @@ struct BakeReport {
       0;  ///< cells of tiles that could not be proven and were removed
   std::uint64_t resolved_places =
       0;  ///< where space was divided since the elements' votes gave the wrong side
-  std::uint64_t wrong_trials = 0;      ///< trials of the side that stayed wrong
-  double fallback_area = 0;            ///< share of the surface that triangles represent
-  std::optional<ServedTrials> served;  ///< trials of the finished asset; `sparse` only
-  double direction = 0;                ///< median error of directions, rad, in the baker's trials
-  double seconds_fit = 0;              ///< hull, planes, choice of maps and partition
+  std::uint64_t wrong_trials = 0;  ///< trials of the side that stayed wrong
+  double fallback_area = 0;        ///< share of the surface that triangles represent
+  double direction = 0;            ///< median error of directions, rad, in the baker's trials
+  double seconds_fit = 0;          ///< hull, planes, choice of maps and partition
   double seconds_cast = 0;
   std::vector<Pruned> pruned;
   std::vector<CappedHole> caps;  ///< holes closed for the side only, largest first

@@ -164,7 +164,8 @@ BakeResult bake(const Mesh& mesh, const BakeOptions& options, const Progress& pr
                         "the mesh, or give it a thickness");
   }
   const Hull hull = convex_hull(solid.vertices);
-  const Caster caster(surface);
+  result.caster = std::make_shared<const Caster>(surface);
+  const Caster& caster = *result.caster;
   result.report.seconds_fit = seconds_since(start);
 
   CastCounts counts;

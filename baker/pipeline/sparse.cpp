@@ -13,7 +13,6 @@
 #include "baker/reachability/reachability.hpp"
 #include "baker/tiles/tile_fit.hpp"
 #include "baker/trees/sign_octree_build.hpp"
-#include "baker/trials/served_trials.hpp"
 #include "baker/trials/side_trials.hpp"
 
 namespace spm::baker {
@@ -124,9 +123,6 @@ void bake_sparse(BakeResult& result, const Caster& caster, const Hull& hull,
   round_to_stored(asset);
   const SideTrials sides = try_sides(asset, caster, sign_octree, progress);
   asset.metadata.certified = tolerance;
-  AssetTables tables = tables_of(asset);
-  tables.build_index();
-  report.served = try_served(tables.view(), caster, options.seed);
   report.seconds_cast = model.seconds_cast;
   report.seconds_fit += seconds_since(started) - model.seconds_cast;
   report.samples = asset.tiles.size() * tile_sample_count;

@@ -19,7 +19,6 @@ constexpr std::uint64_t trials = 400'000;
 struct Outcome {
   bool counts = false;
   bool answered = false;
-  bool wrong_side = false;
   double error = 0;  ///< m
 };
 
@@ -38,7 +37,6 @@ Outcome outcome_at(const AssetView& view, const Caster& caster, const Vector3& p
   if (!outcome.answered) return outcome;
   const double distance = at_end ? view.band.margin : answer.distance;
   outcome.error = std::abs(distance - truth);
-  outcome.wrong_side = std::abs(truth) > view.tolerance && (distance < 0) != (truth < 0);
   return outcome;
 }
 
@@ -59,7 +57,6 @@ ServedTrials try_served(const AssetView& view, const Caster& caster, std::uint64
       if (found.unanswered++ == 0) found.worst = band.point(i);
       continue;
     }
-    found.wrong_side += outcome.wrong_side ? 1 : 0;
     found.beyond += outcome.error > view.tolerance ? 1 : 0;
     if (outcome.error <= found.largest) continue;
     found.largest = outcome.error;

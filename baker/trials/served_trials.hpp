@@ -4,10 +4,21 @@
 #include <cstdint>
 
 #include "baker/cast/cast.hpp"
-#include "baker/options/bake_report.hpp"
 #include "common/asset/asset_view.hpp"
 
 namespace spm::baker {
+
+/// What trials of the served answers found.
+struct ServedTrials {
+  std::uint64_t count = 0;       ///< places in the band, beside no cap
+  std::uint64_t unanswered = 0;  ///< left without an answer
+  std::uint64_t beyond = 0;      ///< off by more than the tolerance
+  double largest = 0;            ///< error, m, of the answered ones
+  Vector3 worst =
+      Vector3::Zero();  ///< a place without an answer, or else that of the largest error
+
+  [[nodiscard]] bool passed() const noexcept { return unanswered == 0 && beyond == 0; }
+};
 
 /// Queries places all over the band, as whoever opens the file does, and compares with the surface.
 /// `view` is the asset with all that opening derives. Places that were pruned are left out, and
