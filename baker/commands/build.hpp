@@ -11,6 +11,7 @@
 namespace spm::baker {
 
 /// The result of a build: the JSON object of the command-line contract, and sentences for a person.
+// NOLINTNEXTLINE(bugprone-exception-escape): a JSON value allocates while it is destroyed.
 struct BuildReport {
   nlohmann::ordered_json json;
   std::vector<std::string> warnings;  ///< defaults that were used, promises that are not kept
