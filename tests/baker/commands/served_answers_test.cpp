@@ -25,7 +25,7 @@ constexpr std::uint64_t places = 300'000;
 
 /// A capsule from one point to another, faceted: a ball whose half is moved along.
 test::Shape capsule(const Vector3& from, const Vector3& to, double radius) {
-  test::Shape shape = test::sphere(radius, 2);
+  test::Shape shape = test::sphere(radius, 1);
   const Vector3 along = to - from;
   for (Vector3& vertex : shape.vertices) vertex += vertex.dot(along) > 0 ? to : from;
   return shape;
