@@ -52,7 +52,6 @@ DOCUMENTED = re.compile(r"((?:^[ \t]*///.*\n)+)^[ \t]*([^/\n#][^;{}]*?\b(\w+)\s*
 CITATION = re.compile(r"\beq\.\s*(\d+(?:(?:,| and| to) \d+)*)")
 # Tests that include nothing of the room they are about.
 TESTED_FROM_OUTSIDE = {
-    Path("tests/common/index/element_index_test.cpp"),  # what a query finds by the index
     Path("tests/servo/commands/command_test.cpp"),  # the program as it is run
     Path("tests/servo/scene/scene_edit_tick_test.cpp"),  # edits as the loop takes them up
 }

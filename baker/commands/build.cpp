@@ -144,15 +144,10 @@ int threads_of(const BakeOptions& options) {
 /// Queries the asset in memory as whoever opens the file does, and sets whether its tolerance is
 /// met.
 AssetCheck check_asset(const Mesh& mesh, const BakeOptions& options, BakeResult& baked) {
-  const tbb::global_control limit(tbb::global_control::max_allowed_parallelism,
-                                  static_cast<std::size_t>(threads_of(options)));
   Asset& asset = baked.asset;
-  AssetTables tables = tables_of(asset);
+  const AssetTables tables = tables_of(asset);
   AssetCheck check;
-  if (asset.metadata.form == AssetForm::sparse) {
-    tables.build_index();
-    check.served = try_served(tables.view(), *baked.caster, options.seed);
-  }
+  check.served = baked.served;
   VerifyOptions verify;
   verify.samples = check_samples;
   verify.seed = options.seed;
@@ -215,8 +210,6 @@ Json to_json(const BuildRequest& request, const Mesh& mesh, const BakeResult& ba
   json["mesh"] = mesh_json(mesh);
   json["spm"] = spm_json(baked);
   json["proof"] = {{"refused_cells", baked.report.refused_tile_cells},
-                   {"resolved_places", baked.report.resolved_places},
-                   {"wrong_trials", baked.report.wrong_trials},
                    {"fallback_area", baked.report.fallback_area}};
   json["fallback"] = {{"cells", share(baked.report.fallback_cells, baked.report.record_cells)},
                       {"answers", check.fallback_answers},

@@ -28,7 +28,7 @@ int run(const ExportSettings& settings) {
   if (const auto writable = check_output_path(settings.output); !writable) {
     return cli::report(writable.error());
   }
-  const auto asset = MappedAsset::open(settings.asset, {.index = false});
+  const auto asset = MappedAsset::open(settings.asset, {.tiles = true});
   if (!asset) return cli::report(asset.error());
   const KnownSurface surface = known_surface((*asset)->view());
   if (const auto written = write_file(settings.output, to_ply(surface, settings.text)); !written) {

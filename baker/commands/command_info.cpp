@@ -12,6 +12,7 @@
 #include "baker/pictures/grid_walk.hpp"
 #include "baker/pictures/picture.hpp"
 #include "baker/pictures/picture_files.hpp"
+#include "common/field/octree_leaves.hpp"
 #include "formats/asset/asset_writer.hpp"
 #include "formats/asset/mapped_asset.hpp"
 #include "formats/cli/command_line.hpp"
@@ -88,14 +89,30 @@ std::uint64_t samples_of(const AssetView& view) {
 /// Cells of the partition that touch the band.
 std::uint64_t band_cells(const AssetView& view) {
   std::uint64_t cells = 0;
-  if (view.full) visit_all_lists(view.grid, [&cells](const GridList&) { ++cells; });
-  for (std::size_t i = 0; i < view.sign_octree.words.size(); i += sign_octree_node_words) {
-    for (std::uint32_t octant = 0; octant < 8; ++octant) {
-      const SignKind kind = octant_kind(view.sign_octree.words[i], octant);
-      cells += kind <= SignKind::outside ? 1 : 0;
-    }
+  if (view.full) {
+    visit_all_lists(view.grid, [&cells](const GridList&) { ++cells; });
+  } else {
+    visit_leaves(view.octree,
+                 [&cells](const Leaf& leaf) { cells += leaf.kind >= OctreeKind::list ? 1U : 0U; });
   }
   return cells;
+}
+
+/// The cubes of the octree and the clusters that answers come from.
+Json octree_json(const AssetView& view) {
+  std::uint64_t polynomials = 0, pairs = 0, lists = 0;
+  visit_leaves(view.octree, [&](const Leaf& leaf) {
+    polynomials += leaf.kind == OctreeKind::polynomial ? 1U : 0U;
+    pairs += leaf.kind == OctreeKind::least || leaf.kind == OctreeKind::most ? 1U : 0U;
+    lists += leaf.kind == OctreeKind::list ? 1U : 0U;
+  });
+  return {{"origin_m", vector_json(view.octree.origin)},
+          {"root_edge_m", view.octree.edge},
+          {"roots", view.octree.roots},
+          {"polynomials", polynomials},
+          {"pairs_of_polynomials", pairs},
+          {"lists", lists},
+          {"clusters", view.clusters.size()}};
 }
 
 Json to_json(const MappedAsset& asset, const std::vector<std::string>& pictures) {
@@ -133,12 +150,7 @@ Json to_json(const MappedAsset& asset, const std::vector<std::string>& pictures)
                     {"cell_m", view.grid.cell_size},
                     {"cells", view.grid.cells}};
   } else {
-    json["sign_octree"] = {{"origin_m", vector_json(view.sign_octree.origin)},
-                           {"edge_m", view.sign_octree.edge},
-                           {"nodes", view.sign_octree.words.size() / sign_octree_node_words}};
-    json["bvh"] = {{"origin_m", vector_json(view.bvh.origin)},
-                   {"size_m", view.bvh.size},
-                   {"nodes", view.bvh.words.size() / bvh_node_words}};
+    json["octree"] = octree_json(view);
   }
   json["fallback"] = {
       {"cells", metadata.fallback_cells},
@@ -199,7 +211,7 @@ std::string describe(const MappedAsset& asset, const std::vector<std::string>& p
 
 int run(const InfoSettings& settings) {
   cli::configure_messages(settings.global);
-  const auto asset = MappedAsset::open(settings.asset, {.index = false});
+  const auto asset = MappedAsset::open(settings.asset, {.tiles = true});
   if (!asset) return cli::report(asset.error());
   std::vector<std::string> pictures;
   if (!settings.pictures.empty()) pictures = write_pictures((*asset)->view(), settings);

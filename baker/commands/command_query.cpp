@@ -47,6 +47,8 @@ const char* name_of(Source source) {
       return "tile";
     case Source::triangles:
       return "triangles";
+    case Source::polynomial:
+      return "polynomial";
     case Source::none:
       return "none";
   }

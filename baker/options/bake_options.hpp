@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <numbers>
 #include <optional>
 
 #include "baker/base/oriented_box.hpp"
@@ -27,6 +28,8 @@ struct BakeOptions {
   Layers layers = Layers::automatic;
   std::uint32_t layer_limit = 0;  ///< with Layers::limited, 1 to 255
   SmoothOptions smooth;
+  /// sparse only, rad: how far directions may be off, see OctreeRules; 4 degrees.
+  double direction_tolerance = 4 * std::numbers::pi / 180;
   std::uint64_t seed = 1;
   unsigned threads = 0;  ///< 0: as many as there are cores; never changes the output
 };

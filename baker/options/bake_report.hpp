@@ -32,13 +32,9 @@ struct BakeReport {
   std::uint64_t fallback_cells = 0;  ///< of them, cells that triangles answer
   // Of the sparse form's proof.
   std::uint64_t refused_tile_cells =
-      0;  ///< cells of tiles that could not be proven and were removed
-  std::uint64_t resolved_places =
-      0;  ///< where space was divided since the elements' votes gave the wrong side
-  std::uint64_t wrong_trials = 0;  ///< trials of the side that stayed wrong
-  double fallback_area = 0;        ///< share of the surface that triangles represent
-  double direction = 0;            ///< median error of directions, rad, in the baker's trials
-  double seconds_fit = 0;          ///< hull, planes, choice of maps and partition
+      0;                     ///< cells of tiles that could not be proven and were removed
+  double fallback_area = 0;  ///< share of the surface that triangles represent
+  double seconds_fit = 0;    ///< hull, planes, choice of maps and partition
   double seconds_cast = 0;
   std::vector<Pruned> pruned;
   std::vector<CappedHole> caps;  ///< holes closed for the side only, largest first

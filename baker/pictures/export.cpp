@@ -13,7 +13,6 @@
 
 #include "baker/pictures/grid_walk.hpp"
 #include "baker/tiles/tile_cells.hpp"
-#include "common/query/closest_element.hpp"
 #include "common/surface/distance_map.hpp"
 
 namespace spm::baker {
@@ -121,15 +120,9 @@ class SurfaceBuilder {
     }
   }
 
-  /// Triangles that share their first corner.
-  void add_fan(const AssetView& asset, std::size_t first, std::size_t triangles) {
-    std::vector<std::uint32_t> ids;
-    Vector3 corner;
-    for (std::size_t k = 0; k < triangles + 2; ++k) {
-      if (!stored_corner(asset, first + k, corner)) return;
-      ids.push_back(add_vertex(corner));
-    }
-    for (std::size_t k = 2; k < ids.size(); ++k) add_triangle(ids[0], ids[k - 1], ids[k], false);
+  void add_triangle(const std::array<Vector3, 3>& corners) {
+    const std::uint32_t a = add_vertex(corners[0]), b = add_vertex(corners[1]);
+    add_triangle(a, b, add_vertex(corners[2]), false);
   }
 
   [[nodiscard]] KnownSurface take() { return std::move(surface_); }
@@ -149,17 +142,20 @@ void add_listed_triangles(const AssetView& asset, SurfaceBuilder& builder) {
     }
   });
   for (std::size_t i = 0; i < used.size(); ++i) {
-    if (used[i]) builder.add_fan(asset, 3 * i, 1);
+    if (!used[i]) continue;
+    const float* at = asset.triangles.data() + 9 * i;
+    builder.add_triangle(
+        {Vector3(at[0], at[1], at[2]), Vector3(at[3], at[4], at[5]), Vector3(at[6], at[7], at[8])});
   }
 }
 
-/// Adds the fans of a `sparse` asset in the same way.
-void add_fans(const AssetView& asset, SurfaceBuilder& builder) {
-  for (std::size_t word = 0; word < asset.bvh.words.size(); ++word) {
-    if (word % bvh_node_words >= bvh_children) continue;
-    const BvhChild child = unpack_child(asset.bvh.words[word]);
-    if (child.kind != ElementKind::fan || child.first >= asset.first_cap) continue;
-    builder.add_fan(asset, child.first, child.count);
+/// Adds the triangles of a `sparse` asset that no tile shows.
+void add_bare_triangles(const AssetView& asset, SurfaceBuilder& builder) {
+  for (std::size_t c = 0; c < asset.clusters.size(); ++c) {
+    const std::uint32_t* cluster = asset.clusters.at(c);
+    for (std::size_t k = 0; k < triangles_of(cluster); ++k) {
+      if (is_bare(cluster, k)) builder.add_triangle(corners_of(asset.clusters, cluster, k));
+    }
   }
 }
 
@@ -187,7 +183,7 @@ KnownSurface known_surface(const AssetView& asset) {
   if (asset.full) {
     add_listed_triangles(asset, builder);
   } else {
-    add_fans(asset, builder);
+    add_bare_triangles(asset, builder);
   }
   return builder.take();
 }

@@ -164,15 +164,14 @@ BakeResult bake(const Mesh& mesh, const BakeOptions& options, const Progress& pr
                         "the mesh, or give it a thickness");
   }
   const Hull hull = convex_hull(solid.vertices);
-  result.caster = std::make_shared<const Caster>(surface);
-  const Caster& caster = *result.caster;
+  const Caster caster(surface);
   result.report.seconds_fit = seconds_since(start);
 
   CastCounts counts;
   if (options.form == AssetForm::full) {
     bake_full(result, caster, hull, options, progress, counts);
   } else {
-    bake_sparse(result, caster, hull, options, progress, counts);
+    bake_sparse(result, surface, caster, hull, options, progress, counts);
   }
   result.report.rays = counts.rays;
   result.report.caps = surface.caps;

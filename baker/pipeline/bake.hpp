@@ -1,14 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <memory>
 #include <optional>
 
 #include "baker/base/progress.hpp"
-#include "baker/cast/cast.hpp"
 #include "baker/mesh/mesh.hpp"
 #include "baker/options/bake_options.hpp"
 #include "baker/options/bake_report.hpp"
+#include "baker/trials/served_trials.hpp"
 #include "formats/asset/asset.hpp"
 
 namespace spm::baker {
@@ -16,7 +15,7 @@ namespace spm::baker {
 struct BakeResult {
   Asset asset;  ///< metadata complete but for tolerance_met, which the caller sets after verifying
   BakeReport report;
-  std::shared_ptr<const Caster> caster;  ///< over the outer surface that the asset models
+  std::optional<ServedTrials> served;  ///< trials of the answers; `sparse` only
   std::optional<Mesh>
       smoothed;  ///< the smoothed mesh, which the asset then models in the mesh's place
 };

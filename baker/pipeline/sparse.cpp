@@ -9,39 +9,33 @@
 #include <numbers>
 
 #include "baker/base/stopwatch.hpp"
-#include "baker/pipeline/sparse_model.hpp"
+#include "baker/field/octree_build.hpp"
+#include "baker/pipeline/surface_tiles.hpp"
+#include "baker/planes/planes.hpp"
 #include "baker/reachability/reachability.hpp"
 #include "baker/tiles/tile_fit.hpp"
-#include "baker/trees/sign_octree_build.hpp"
-#include "baker/trials/side_trials.hpp"
+#include "baker/trials/served_trials.hpp"
+#include "common/surface/distance_map.hpp"
 
 namespace spm::baker {
 
 namespace {
 
 constexpr std::size_t directions = 8;
-constexpr double coarsest_spacing_share = 1.0 / 64;  ///< of the diagonal
-constexpr double surfel_spacing_share = 1.0 / 350;   ///< of the diagonal
-/// Share of the tolerance by which a tile's cells may be off the surface. The rest is for the gaps
-/// between them.
-constexpr double residual_share = 0.5;
-/// Tolerances below this share of the diagonal are not proven, since the rounding of queries, in
-/// floats, is no longer small.
+/// Tolerances below this share of the diagonal are not proven, since the rounding of queries is no
+/// longer small.
 constexpr double min_tolerance_share = 1e-5;
+/// Directions may be off by so many times what is asked for in the mean over a cube: in most cubes
+/// they are far better.
+constexpr double leaf_direction = 1.5;
+/// The smallest cubes of the octree, of the band's depth, and how often roots are halved to them:
+/// so often that there are about this many along diagonal and margins.
+constexpr double smallest_share = 0.25;
+constexpr double roots_along = 24;
 
 /// The tolerance with which the bake works: no finer than it can prove.
 double provable(const AssetMetadata& metadata, const Caster& caster) {
   return std::max(*metadata.tolerance, min_tolerance_share * caster.diagonal());
-}
-
-TileSettings settings_for(const Caster& caster, double tolerance) {
-  TileSettings settings;
-  settings.tile_spacing =
-      static_cast<double>(static_cast<float>(coarsest_spacing_share * caster.diagonal()));
-  settings.height_unit = std::exp2(std::floor(std::log2(caster.diagonal() / 100)));
-  settings.residual = residual_share * tolerance;
-  settings.surfel_spacing = surfel_spacing_share * caster.diagonal();
-  return settings;
 }
 
 /// Finds which crossing along the rays of its plane each tile is, by the ray through its first
@@ -76,26 +70,71 @@ CastCounts count_layers(Asset& asset, const Caster& caster) {
   return counts;
 }
 
-/// Drops the planes on which no tile lies: the plane table is most of the overhead of a small file.
-void drop_unused_planes(Asset& asset) {
-  constexpr std::uint32_t unused = 0xFFFFFFFF;
-  std::vector<std::uint32_t> row(asset.planes.size(), unused);
-  std::vector<SupportPlane> kept;
-  for (TileData& tile : asset.tiles) {
-    std::uint32_t& place = row[tile.plane];
-    if (place == unused) {
-      place = static_cast<std::uint32_t>(kept.size());
-      kept.push_back(asset.planes[tile.plane]);
-    }
-    tile.plane = place;
+/// Whether the middle of a valid cell of a tile has an answer.
+bool shows_answers(const AssetView& view, const Tile& tile) {
+  const SupportPlane& plane = view.planes[tile.plane];
+  TileHeights heights;
+  tile_heights(tile, view.height_unit, heights);
+  const auto spacing = static_cast<double>(tile.spacing);
+  for (std::uint32_t cell = 0; cell < tile_cell_count; ++cell) {
+    if (((tile.valid >> cell) & 1U) == 0) continue;
+    const std::uint32_t column = cell % tile_cells, row = cell / tile_cells;
+    const double depth = tile.base + static_cast<double>(heights[row * tile_samples + column]);
+    const Vector3 place = reconstructed_surface(plane, tile.eta0 + column * spacing,
+                                                tile.omega0 + row * spacing, depth);
+    if (leaf_at(view.octree, place).kind != OctreeKind::pruned) return true;
   }
-  asset.planes = std::move(kept);
+  return false;
+}
+
+/// Leaves out tiles that show no place with an answer.
+void drop_pruned_tiles(Asset& asset) {
+  const AssetTables tables = tables_of(asset);
+  const AssetView& view = tables.view();
+  std::vector<TileData> kept;
+  for (std::size_t i = 0; i < asset.tiles.size(); ++i) {
+    if (shows_answers(view, view.tiles[i])) kept.push_back(asset.tiles[i]);
+  }
+  asset.tiles = std::move(kept);
+}
+
+/// Bytes that rules saved: cubes that were left out would have taken as many as others on average.
+std::vector<Pruned> pruned_by(const OctreeCounts& counts, const Reachability& reachability) {
+  std::vector<Pruned> pruned;
+  const double answered = counts.polynomial_volume + counts.list_volume;
+  for (const PruneRule rule : {PruneRule::workspace, PruneRule::probe, PruneRule::unreachable}) {
+    const double volume = counts.pruned_volume[static_cast<std::size_t>(rule)];
+    if (!(volume > 0) && !reachability.checks(rule)) continue;
+    const double share = answered > 0 ? volume / answered : 0;
+    pruned.push_back({name_of(rule), static_cast<std::uint64_t>(
+                                         std::llround(share * static_cast<double>(counts.bytes)))});
+  }
+  return pruned;
+}
+
+OctreeRules rules_for(const BakeOptions& options, const AssetMetadata& metadata,
+                      const Caster& caster, double tolerance) {
+  OctreeRules rules;
+  rules.band = metadata.band;
+  rules.tolerance = tolerance;
+  rules.direction = leaf_direction * options.direction_tolerance;
+  const double depth = std::max(metadata.band.max_depth, metadata.band.margin);
+  rules.smallest_edge = std::clamp(smallest_share * depth, 4 * tolerance,
+                                   std::max(4 * tolerance, caster.diagonal() / 16));
+  rules.levels = 0;
+  const double extent = caster.diagonal() + 2 * metadata.band.margin;
+  while (rules.levels < max_octree_levels &&
+         roots_along * std::ldexp(rules.smallest_edge, rules.levels) < extent) {
+    ++rules.levels;
+  }
+  return rules;
 }
 
 }  // namespace
 
-void bake_sparse(BakeResult& result, const Caster& caster, const Hull& hull,
-                 const BakeOptions& options, const Progress& progress, CastCounts& counts) {
+void bake_sparse(BakeResult& result, const OuterSurface& surface, const Caster& caster,
+                 const Hull& hull, const BakeOptions& options, const Progress& progress,
+                 CastCounts& counts) {
   Asset& asset = result.asset;
   BakeReport& report = result.report;
   AssetMetadata& metadata = asset.metadata;
@@ -105,40 +144,36 @@ void bake_sparse(BakeResult& result, const Caster& caster, const Hull& hull,
   // The file stores these planes with fewer digits. The rays must start from the planes that the
   // servo will read.
   round_to_stored(asset);
-  const TileSettings settings = settings_for(caster, tolerance);
-  metadata.tile_spacing = settings.tile_spacing;
-  metadata.height_unit = settings.height_unit;
 
   const Clock::time_point started = Clock::now();
+  SurfaceTiles known = show_surface(caster, asset, tolerance, options.seed, progress);
+  asset.tiles = std::move(known.tiles);
+  counts = count_layers(asset, caster);
+  report.seconds_cast = seconds_since(started);
+
   const Reachability reachability(caster, metadata.band, options.probe_radius, options.workspace,
                                   progress);
-  SignOctreeBuilder sign_octree(caster, metadata.band, tolerance,
-                                reachability.cuts() ? &reachability : nullptr, progress);
-  SparseModel model = model_surface(
-      asset, settings, {caster, sign_octree, reachability, tolerance, options.seed, progress});
-  asset = std::move(model.asset);
-  report.pruned = std::move(model.pruned);
-  counts = count_layers(asset, caster);
-  drop_unused_planes(asset);
-  round_to_stored(asset);
-  const SideTrials sides = try_sides(asset, caster, sign_octree, progress);
-  asset.metadata.certified = tolerance;
-  report.seconds_cast = model.seconds_cast;
-  report.seconds_fit += seconds_since(started) - model.seconds_cast;
-  report.samples = asset.tiles.size() * tile_sample_count;
-  report.record_cells = sides.cells;
-  report.fallback_cells = sides.fallback_cells;
-  report.resolved_places = sides.resolved;
-  report.wrong_trials = sides.wrong;
-  report.refused_tile_cells = model.refused_cells;
-  report.fallback_area = model.triangle_area_share;
-  report.direction = model.direction;
-  if (model.direction > 1.1 * max_direction) {
-    report.notes.push_back(
-        fmt::format("directions are off by {:.1f} degrees in the median, for the surface has "
-                    "facets smaller than what a file of {:.2g} MB can follow",
-                    model.direction * 180 / std::numbers::pi, direction_bytes / 1e6));
+  const OctreeRules rules = rules_for(options, metadata, caster, tolerance);
+  const LatticeSurface lattice = round_to_lattice(surface, caster, known.bare, tolerance);
+  const Caster rounded(lattice.surface);
+  BuiltOctree built = build_octree(lattice, rounded, asset.planes,
+                                   reachability.cuts() ? &reachability : nullptr, rules, progress);
+  asset.octree = std::move(built.data);
+  if (reachability.cuts()) {
+    drop_pruned_tiles(asset);
+    report.pruned = pruned_by(built.counts, reachability);
   }
+  asset.metadata.certified = tolerance;
+  std::vector<bool> open;
+  for (const LatticeTriangle& triangle : lattice.triangles) open.push_back(triangle.open);
+  const AssetTables tables = tables_of(asset);
+  result.served = try_served(tables.view(), caster, rounded, open, options.seed);
+  report.seconds_fit += seconds_since(started) - report.seconds_cast;
+  report.samples = asset.tiles.size() * tile_sample_count;
+  report.record_cells = built.counts.polynomials + built.counts.pairs + built.counts.lists;
+  report.fallback_cells = built.counts.lists;
+  report.refused_tile_cells = known.refused_cells;
+  report.fallback_area = known.bare_share;
 }
 
 }  // namespace spm::baker

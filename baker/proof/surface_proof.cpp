@@ -21,9 +21,6 @@ namespace {
 constexpr double smallest_share = 0.3;
 /// A triangle that is not proven in this many pieces is not worth more; see worthwhile_tries.
 constexpr int max_tries = 20000;
-/// Pieces of the fallback are no smaller than this, in bounds: many small ones take more bytes.
-constexpr double emitted_bounds = 4;
-constexpr double emitted_share = 1.0 / 400;  ///< of the diagonal
 /// Pieces larger than this, in bounds, are cut before they are measured against single cells.
 constexpr double close_bounds = 8;
 /// Most samples along a side that the first test examines. A larger piece is cut first.
@@ -50,23 +47,21 @@ std::array<Piece, 4> quarters(const Piece& piece) {
 class SurfaceProof {
  public:
   SurfaceProof(const std::vector<SupportPlane>& planes, const std::vector<Tile>& tiles,
-               double height_unit, double bound, double farthest, double emitted, double bin_edge)
+               double height_unit, double bound, double bin_edge)
       : planes_(planes),
         tiles_(tiles),
         height_unit_(static_cast<float>(height_unit)),
         bound_(bound),
-        farthest_(farthest),
-        emitted_(std::max(emitted_bounds * bound, emitted)),
         bins_(planes, tiles, height_unit_, bin_edge, bound) {
     heights_.resize(tiles.size());
     tbb::parallel_for(std::size_t{0}, tiles.size(),
                       [&](std::size_t i) { tile_heights(tiles[i], height_unit_, heights_[i]); });
   }
 
-  /// Appends the parts of a piece that are not covered. True where the whole piece is not covered;
-  /// it is then appended as one.
-  bool open(const Piece& piece, const Vector3& normal, std::uint32_t triangle,
-            std::vector<SurfacePiece>& found, std::vector<TileUse>& uses, int& tries) const {
+  /// A place of the piece that could not be proven; none where all of it lies near tiles, which are
+  /// added to `uses`.
+  std::optional<Vector3> open(const Piece& piece, const Vector3& normal, std::vector<TileUse>& uses,
+                              int& tries) const {
     if (const std::optional<TileUse> use = stood_for(piece, normal)) {
       const auto same = std::find_if(uses.begin(), uses.end(),
                                      [&](const TileUse& one) { return one.tile == use->tile; });
@@ -75,24 +70,15 @@ class SurfaceProof {
       } else {
         same->cells |= use->cells;
       }
-      return false;
+      return std::nullopt;
     }
-    const double size = longest_edge(piece);
-    if (size < smallest_share * bound_ || --tries < 0) {
-      found.push_back({piece, triangle});
-      return true;
+    if (longest_edge(piece) < smallest_share * bound_ || --tries < 0) {
+      return (piece[0] + piece[1] + piece[2]) / 3;
     }
-    const std::size_t before = found.size();
-    int whole = 0;
     for (const Piece& quarter : quarters(piece)) {
-      whole += open(quarter, normal, triangle, found, uses, tries) ? 1 : 0;
-      if (found.size() > before && size < emitted_) whole = 4;
-      if (whole == 4) break;
+      if (const auto place = open(quarter, normal, uses, tries)) return place;
     }
-    if (whole < 4) return false;
-    found.resize(before);
-    found.push_back({piece, triangle});
-    return true;
+    return std::nullopt;
   }
 
  private:
@@ -100,8 +86,6 @@ class SurfaceProof {
   const std::vector<Tile>& tiles_;
   float height_unit_;
   double bound_;
-  double farthest_;
-  double emitted_;
   TileBins bins_;
   std::vector<TileHeights> heights_;
 
@@ -164,15 +148,10 @@ class SurfaceProof {
       return static_cast<double>(
           heights[static_cast<std::size_t>(y) * tile_samples + static_cast<std::size_t>(x)]);
     };
-    double slack = 0;
     std::uint64_t cells = 0;
     for (int y = y0; y < y1; ++y) {
-      for (int x = x0; x < x1; ++x) {
-        slack = std::max(slack, closest_point_slack(which, x, y));
-        cells |= std::uint64_t{1} << (y * 8 + x);
-      }
+      for (int x = x0; x < x1; ++x) cells |= std::uint64_t{1} << (y * 8 + x);
     }
-    const double allowed = bound_ - slack;
     if (x1 - x0 == 1 && y1 - y0 == 1) {
       // The plane minus the patch is bilinear, so it is largest at a corner of any rectangle.
       for (const double x : {low.x(), high.x()}) {
@@ -180,30 +159,17 @@ class SurfaceProof {
           const double fx = x - x0, fy = y - y0;
           const double patch = (1 - fy) * ((1 - fx) * height(x0, y0) + fx * height(x1, y0)) +
                                fy * ((1 - fx) * height(x0, y1) + fx * height(x1, y1));
-          if (!(std::abs(depth(x, y) - patch) <= allowed)) return 0;
+          if (!(std::abs(depth(x, y) - patch) <= bound_)) return 0;
         }
       }
       return cells;
     }
     for (int y = y0; y <= y1; ++y) {
       for (int x = x0; x <= x1; ++x) {
-        if (!(std::abs(depth(x, y) - height(x, y)) <= allowed)) return 0;
+        if (!(std::abs(depth(x, y) - height(x, y)) <= bound_)) return 0;
       }
     }
     return cells;
-  }
-
-  /// How much farther than the nearest point of a cell's patch the query's closest point may be, m.
-  /// The slopes of the patch differ from its mean plane by at most s. So its points are no nearer
-  /// than the distance of the query's closest point over sqrt(1 + s^2).
-  [[nodiscard]] double closest_point_slack(std::uint32_t which, int x, int y) const {
-    const TileHeights& h = heights_[which];
-    const std::size_t first =
-        static_cast<std::size_t>(y) * tile_samples + static_cast<std::size_t>(x);
-    const double twist = static_cast<double>(h[first] - h[first + 1] - h[first + tile_samples] +
-                                             h[first + tile_samples + 1]) /
-                         static_cast<double>(tiles_[which].spacing);
-    return farthest_ * twist * twist / 4;
   }
 
   /// The cell that is nearest to the piece's middle, if the whole piece is within the bound of it,
@@ -220,10 +186,8 @@ class SurfaceProof {
                                           static_cast<double>(closest_point.slope_omega));
     if (facing.normalized().dot(normal) < like_cosine) return 0;
     const std::uint32_t cell = closest_point.cell;
-    const int x = static_cast<int>(cell % tile_cells), y = static_cast<int>(cell / tile_cells);
-    const double slack = closest_point_slack(which, x, y);
     const std::uint64_t bit = std::uint64_t{1} << cell;
-    if (static_cast<double>(closest_point.distance) + radius + slack <= bound_) {
+    if (static_cast<double>(closest_point.distance) + radius <= bound_) {
       return bit;
     }
     const TileHeights& h = heights_[which];
@@ -232,7 +196,7 @@ class SurfaceProof {
         h[first] - h[first + 1] - h[first + tile_samples] + h[first + tile_samples + 1]));
     // A quarter of the twist in each direction for the patch against its mean plane, whose distance
     // is convex.
-    const double allowed = bound_ - slack - twist / 2;
+    const double allowed = bound_ - twist / 2;
     if (!(allowed > 0)) return 0;
     Tile one = tile;
     one.clips += std::popcount(tile.clipped & (bit - 1));
@@ -250,9 +214,8 @@ class SurfaceProof {
 
 SurfaceCover prove_surface(const Caster& caster, const std::vector<SupportPlane>& planes,
                            const std::vector<Tile>& tiles, double height_unit, double bound,
-                           double farthest, const Progress& progress) {
-  const SurfaceProof proof(planes, tiles, height_unit, bound, farthest,
-                           emitted_share * caster.diagonal(), caster.diagonal() / 80);
+                           const Progress& progress) {
+  const SurfaceProof proof(planes, tiles, height_unit, bound, caster.diagonal() / 80);
   constexpr std::size_t batch = 64;
   const std::size_t batches = (caster.surface_count() + batch - 1) / batch;
   const double share = worthwhile_tries(bound, caster.diagonal());
@@ -265,9 +228,9 @@ SurfaceCover prove_surface(const Caster& caster, const std::vector<SupportPlane>
     for (std::size_t k = i * batch; k < end; ++k) {
       const auto triangle = static_cast<std::uint32_t>(k);
       int tries = static_cast<int>(max_tries * share);
-      proof.open(
+      cover.open[k] = proof.open(
           {caster.corner(triangle, 0), caster.corner(triangle, 1), caster.corner(triangle, 2)},
-          caster.normal(triangle), triangle, cover.open[k], cover.uses[k], tries);
+          caster.normal(triangle), cover.uses[k], tries);
     }
     counter.done();
   });

@@ -12,6 +12,7 @@
 #include <utility>
 
 #include "baker/mesh/winding_number.hpp"
+#include "baker/surface/join_vertices.hpp"
 #include "baker/surface/self_intersection.hpp"
 #include "baker/surface/triangle_split.hpp"
 
@@ -198,6 +199,24 @@ void add_caps(const Mesh& mesh, const Judge& judge, const std::vector<Edge>& edg
                    [](const CappedHole& a, const CappedHole& b) { return a.area > b.area; });
 }
 
+/// Joins vertices that are closer than this share of the diagonal, and drops the triangles that
+/// this leaves without area: where surfaces cross at next to no angle, rounding leaves hairs.
+constexpr double kHair = 1e-7;
+
+void drop_hairs(const Mesh& mesh, OuterSurface& surface) {
+  const std::vector<std::uint32_t> joined = join_vertices(surface.vertices, kHair * mesh.diagonal);
+  const auto is_flat = [](const Triangle& t) {
+    return t[0] == t[1] || t[1] == t[2] || t[2] == t[0];
+  };
+  for (Triangle& triangle : surface.triangles) {
+    for (std::uint32_t& corner : triangle) corner = joined[corner];
+  }
+  const auto caps = surface.triangles.begin() + static_cast<std::ptrdiff_t>(surface.surface_count);
+  surface.surface_count -=
+      static_cast<std::size_t>(std::count_if(surface.triangles.begin(), caps, is_flat));
+  std::erase_if(surface.triangles, is_flat);
+}
+
 /// Keeps the vertices that triangles refer to.
 void compact(OuterSurface& surface) {
   std::vector<char> used(surface.vertices.size(), 0);
@@ -243,6 +262,7 @@ OuterSurface outer_surface(const Mesh& mesh) {
   }
   surface.surface_count = surface.triangles.size();
   add_caps(mesh, judge, edges_that_stay(mesh, split, kept), surface);
+  drop_hairs(mesh, surface);
   compact(surface);
   return surface;
 }

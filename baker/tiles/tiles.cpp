@@ -115,7 +115,7 @@ class TileChooser {
   /// Chooses tiles of a level that each cover `least` times what is worthwhile. They lie side by
   /// side. With `shifted` they may also be shifted by half a tile, for the gaps that others leave.
   void run_level(std::uint32_t level, bool shifted, const Progress& progress) {
-    const double least = min_at(level) * (shifted || settings_.min_surfels > 0 ? 1 : first_worth);
+    const double least = min_at(level) * (shifted ? 1 : first_worth);
     const double stride =
         std::ldexp(settings_.tile_spacing * tile_stride, -static_cast<int>(level));
     std::vector<std::pair<TileKey, std::uint32_t>> placed;
@@ -164,7 +164,6 @@ class TileChooser {
 
   /// How many surfels a tile of a level must newly cover.
   [[nodiscard]] double min_at(std::uint32_t level) const {
-    if (settings_.min_surfels > 0) return settings_.min_surfels;
     const double extent = std::ldexp(settings_.tile_spacing * tile_cells, -static_cast<int>(level));
     const double whole = std::max(1.0, std::pow(extent / settings_.surfel_spacing, 2));
     return whole * (is_last(level) ? settings_.last_worthwhile : settings_.worthwhile);
@@ -173,7 +172,7 @@ class TileChooser {
   /// One candidate for each layer of surface on which the members of a place lie.
   [[nodiscard]] std::vector<Candidate> candidates_at(
       std::uint32_t level, const TileKey& key, const std::vector<std::uint32_t>& members) const {
-    const bool any_angle = is_last(level) || settings_.min_surfels > 0;
+    const bool any_angle = is_last(level);
     const SupportPlane& plane = planes_[key.direction];
     const TileSite site{
         plane,

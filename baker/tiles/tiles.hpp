@@ -36,9 +36,6 @@ struct TileSettings {
   /// worth its bytes. `last_worthwhile` is the same for the last level.
   double worthwhile = 0.3;
   double last_worthwhile = 0.1;
-  /// If not 0, a tile of any level must newly cover so many points, and its normals may be off.
-  /// This closes the gaps between tiles that exist already.
-  double min_surfels = 0;
 };
 
 /// Casts the tiles of a `sparse` asset that cover points of the surface. Each point is covered by

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <vector>
 
 #include "baker/cast/cast.hpp"
 #include "common/asset/asset_view.hpp"
@@ -21,9 +22,11 @@ struct ServedTrials {
 };
 
 /// Queries places all over the band, as whoever opens the file does, and compares with the surface.
-/// `view` is the asset with all that opening derives. Places that were pruned are left out, and
-/// places nearer to a cap than to the surface, where nothing is promised.
+/// Places that were pruned are left out, and places nearer to a cap than to the surface, where
+/// nothing is promised. Of places nearest to an open triangle only the unsigned distance is
+/// promised; `open` says which of `rounded` are, the surface as the file stores it.
 [[nodiscard]] ServedTrials try_served(const AssetView& view, const Caster& caster,
+                                      const Caster& rounded, const std::vector<bool>& open,
                                       std::uint64_t seed);
 
 }  // namespace spm::baker

@@ -73,6 +73,17 @@ bool is_local_minimum(const std::vector<Candidate>& candidates, const Candidate&
   return true;
 }
 
+double angle_between(const Vector3& a, const Vector3& b) {
+  return std::atan2(a.cross(b).norm(), a.dot(b));
+}
+
+/// True where a candidate lies in another direction from the point than the closest point does.
+bool differs(const Candidate& candidate, const Vector3& point, const Vector3& toward) {
+  static const double aligned = std::cos(5 * std::numbers::pi / 180);
+  const double cosine = (candidate.closest - point).dot(toward);
+  return cosine < aligned * candidate.distance * toward.norm();
+}
+
 }  // namespace
 
 struct ExactSurface::Implementation {
@@ -101,6 +112,22 @@ struct ExactSurface::Implementation {
     border.insert(segments.cbegin(), segments.cend());
     border.build();
     border.accelerate_distance_queries();
+  }
+
+  /// The triangles that come within a distance of a point, nearest first.
+  [[nodiscard]] std::vector<Candidate> within(const Vector3& point, double radius) const {
+    std::vector<Triangles::const_iterator> near;
+    tree.all_intersected_primitives(Kernel::Sphere_3(to_cgal(point), radius * radius),
+                                    std::back_inserter(near));
+    std::vector<Candidate> candidates;
+    candidates.reserve(near.size());
+    for (const auto& triangle : near) {
+      const Vector3 position = closest_on(*triangle, point);
+      candidates.push_back({&*triangle, position, (position - point).norm()});
+    }
+    std::sort(candidates.begin(), candidates.end(),
+              [](const Candidate& a, const Candidate& b) { return a.distance < b.distance; });
+    return candidates;
   }
 
   ExactWinding winding;
@@ -153,24 +180,30 @@ bool ExactSurface::contested(const Vector3& point, const Vector3& closest, doubl
   const Vector3 toward = closest - point;
   const double distance = toward.norm();
   if (distance == 0) return false;
-  const double radius = distance + window;
-  std::vector<Triangles::const_iterator> near;
-  implementation_->tree.all_intersected_primitives(
-      Kernel::Sphere_3(to_cgal(point), radius * radius), std::back_inserter(near));
-  std::vector<Candidate> candidates;
-  candidates.reserve(near.size());
-  for (const auto& triangle : near) {
-    const Vector3 position = closest_on(*triangle, point);
-    candidates.push_back({&*triangle, position, (position - point).norm()});
-  }
-  std::sort(candidates.begin(), candidates.end(),
-            [](const Candidate& a, const Candidate& b) { return a.distance < b.distance; });
-  const double aligned = std::cos(5 * std::numbers::pi / 180);
+  const std::vector<Candidate> candidates = implementation_->within(point, distance + window);
   return std::any_of(candidates.begin(), candidates.end(), [&](const Candidate& candidate) {
-    const double cosine = (candidate.closest - point).dot(toward);
-    return cosine < aligned * candidate.distance * distance &&
+    return differs(candidate, point, toward) &&
            is_local_minimum(candidates, candidate, implementation_->touching);
   });
+}
+
+Rivals ExactSurface::rivals(const Vector3& point, const Vector3& closest, double window,
+                            const Vector3& direction) const {
+  const Vector3 toward = closest - point;
+  Rivals rivals{false, angle_between(direction, toward)};
+  const double distance = toward.norm();
+  if (distance == 0) return rivals;
+  const std::vector<Candidate> candidates = implementation_->within(point, distance + window);
+  for (const Candidate& candidate : candidates) {
+    const double angle = angle_between(direction, candidate.closest - point);
+    const bool contests = !rivals.contested && differs(candidate, point, toward);
+    // Whether it is a feature of its own takes longest to find out.
+    if (!contests && angle >= rivals.angle) continue;
+    if (!is_local_minimum(candidates, candidate, implementation_->touching)) continue;
+    rivals.contested = rivals.contested || contests;
+    rivals.angle = std::min(rivals.angle, angle);
+  }
+  return rivals;
 }
 
 double ExactSurface::border_distance(const Vector3& point) const {

@@ -14,6 +14,12 @@ struct SurfacePoint {
   Vector3 normal = Vector3::Zero();
 };
 
+/// The features of a surface that compete for being the closest.
+struct Rivals {
+  bool contested = false;  ///< one differs from the closest by more than 5 degrees
+  double angle = 0;        ///< rad, from the direction asked about to the nearest of theirs
+};
+
 /// The reference against which assets are measured: the signed distance to the boundary of the
 /// union of a mesh's parts, exact up to rounding. It shares no code with the fit. Immutable; any
 /// number of threads may use it.
@@ -41,6 +47,11 @@ class ExactSurface {
   /// direction that differs by more than 5 degrees from that of `closest`. That close to the medial
   /// axis, the closest feature and so the direction are arbitrary.
   [[nodiscard]] bool contested(const Vector3& point, const Vector3& closest, double window) const;
+
+  /// The same, and how far `direction`, from the point towards the surface, is from the nearest of
+  /// those features' directions.
+  [[nodiscard]] Rivals rivals(const Vector3& point, const Vector3& closest, double window,
+                              const Vector3& direction) const;
 
   /// Distance from a point to the nearest border edge of the mesh; infinite for a closed mesh.
   [[nodiscard]] double border_distance(const Vector3& point) const;

@@ -17,6 +17,7 @@
 #include "baker/smooth/smooth.hpp"
 #include "baker/verify/adversarial.hpp"
 #include "baker/verify/exact_surface.hpp"
+#include "baker/verify/outcome.hpp"
 #include "common/base/random.hpp"
 #include "common/base/units.hpp"
 #include "common/query/query.hpp"
@@ -43,30 +44,30 @@ struct Setting {
   bool adversarial = false;  ///< where the asset is likeliest wrong, not evenly all over
 };
 
-/// One sample and the asset's result there.
-struct Outcome {
-  bool drawn = false;  ///< a place in the band and away from holes was found
-  std::uint32_t near_holes = 0;
-  Vector3 point = Vector3::Zero();
-  double truth = 0;
-  bool answered = false;
-  bool far = false;     ///< the asset answers: outside, beyond the margin
-  bool pruned = false;  ///< the bake left this place out
-  double answer = 0;
-  double error = 0;
-  double smoothing_error = 0;
-  double total_error = 0;
-  Source source = Source::none;
-  double direction_error = -1;  ///< rad; negative where no direction is defined or answered
-  bool contested = false;
-};
-
 /// The change by smoothing at a sample's place, alone and together with the asset's own error.
 void judge_smoothing(const ExactSurface& unsmoothed, Outcome& outcome) {
   const double distance = (outcome.point - unsmoothed.closest(outcome.point).position).norm();
   const double truth = unsmoothed.inside(outcome.point) ? -distance : distance;
   outcome.smoothing_error = std::abs(outcome.truth - truth);
   outcome.total_error = outcome.answered ? std::abs(outcome.answer - truth) : 0;
+}
+
+/// The asset's result beside a hole, where either side may be the true one.
+PlaceNearHole judge_near_hole(const Setting& setting, const Vector3& point, double distance) {
+  const Answer answer = query_point(setting.view, point);
+  const Band& band = setting.view.band;
+  PlaceNearHole place;
+  place.point = point;
+  place.pruned = answer.status == Status::pruned;
+  if (answer.status == Status::far) {
+    place.answered = distance >= band.margin - setting.tolerance;
+    place.error = place.answered ? std::max(0.0, band.margin - distance) : 0;
+  } else if (std::isfinite(answer.distance)) {
+    place.answered = true;
+    place.error = answer.status == Status::deep ? std::max(0.0, band.max_depth - distance)
+                                                : std::abs(std::abs(answer.distance) - distance);
+  }
+  return place;
 }
 
 /// Draws places until one is in the band by its true distance and not beside a hole.
@@ -88,7 +89,7 @@ Vector3 draw(const Setting& setting, std::uint64_t index, Outcome& outcome) {
     // The side is computed last, since that takes by far the longest.
     if (distance > std::max(setting.band.max_depth, setting.band.margin)) continue;
     if (setting.surface.border_distance(closest) < setting.near_hole) {
-      ++outcome.near_holes;
+      outcome.near_holes.push_back(judge_near_hole(setting, outcome.point, distance));
       continue;
     }
     outcome.truth = setting.surface.inside(outcome.point) ? -distance : distance;
@@ -96,10 +97,6 @@ Vector3 draw(const Setting& setting, std::uint64_t index, Outcome& outcome) {
     outcome.drawn = true;
   }
   return closest;
-}
-
-double angle_between(const Vector3& a, const Vector3& b) {
-  return std::atan2(a.cross(b).norm(), a.dot(b));
 }
 
 void judge_distance(const Setting& setting, const Answer& answer, Outcome& outcome) {
@@ -117,12 +114,16 @@ void judge_distance(const Setting& setting, const Answer& answer, Outcome& outco
 
 void judge_direction(const Setting& setting, const Vector3& closest, const Answer& answer,
                      Outcome& outcome) {
-  outcome.contested = std::abs(outcome.truth) < min_distance ||
-                      setting.surface.contested(outcome.point, closest, 2 * setting.tolerance);
-  if (outcome.contested || answer.normal.squaredNorm() == 0) return;
-  const Vector3 away =
-      outcome.truth > 0 ? Vector3(outcome.point - closest) : Vector3(closest - outcome.point);
-  outcome.direction_error = angle_between(answer.normal, away);
+  outcome.contested = std::abs(outcome.truth) < min_distance;
+  if (outcome.contested) return;
+  const Vector3 toward = outcome.truth > 0 ? Vector3(-answer.normal) : answer.normal;
+  const Rivals rivals =
+      setting.surface.rivals(outcome.point, closest, 2 * setting.tolerance, toward);
+  outcome.contested = rivals.contested;
+  if (answer.normal.squaredNorm() == 0) return;
+  const Vector3 truth = closest - outcome.point;
+  outcome.direction_error =
+      rivals.contested ? rivals.angle : std::atan2(toward.cross(truth).norm(), toward.dot(truth));
 }
 
 Outcome measure(const Setting& setting, std::uint64_t index) {
@@ -134,91 +135,6 @@ Outcome measure(const Setting& setting, std::uint64_t index) {
   judge_direction(setting, closest, answer, outcome);
   if (setting.unsmoothed != nullptr) judge_smoothing(*setting.unsmoothed, outcome);
   return outcome;
-}
-
-/// Nearest-rank quantile of sorted values; 0 where there are none.
-double quantile(const std::vector<double>& sorted, double share) {
-  if (sorted.empty()) return 0;
-  const double rank = std::ceil(share * static_cast<double>(sorted.size()));
-  const auto index = static_cast<std::size_t>(std::max(rank, 1.0)) - 1;
-  return sorted[std::min(index, sorted.size() - 1)];
-}
-
-double share_of(std::uint64_t part, std::uint64_t whole) {
-  return whole > 0 ? static_cast<double>(part) / static_cast<double>(whole) : 0;
-}
-
-ErrorSummary summarise(std::vector<double> errors) {
-  ErrorSummary summary;
-  double squares = 0;
-  for (const double error : errors) squares += error * error;
-  if (!errors.empty()) summary.rms = std::sqrt(squares / static_cast<double>(errors.size()));
-  std::sort(errors.begin(), errors.end());
-  summary.p50 = quantile(errors, 0.5);
-  summary.p99 = quantile(errors, 0.99);
-  summary.p999 = quantile(errors, 0.999);
-  summary.max = errors.empty() ? 0 : errors.back();
-  return summary;
-}
-
-/// True where an inside sample was answered as outside, or the other way round.
-bool wrong_side(const Outcome& outcome) {
-  const bool outside = outcome.far || (outcome.answered && outcome.answer > 0);
-  if (outcome.truth < 0) return outside;
-  return outcome.answered && !outside;
-}
-
-/// Adds the changes by smoothing to a report.
-void add_smoothing(const std::vector<Outcome>& outcomes, VerifyReport& report) {
-  std::vector<double> smoothing, total;
-  for (const Outcome& outcome : outcomes) {
-    if (!outcome.drawn) continue;
-    smoothing.push_back(outcome.smoothing_error);
-    if (outcome.answered) total.push_back(outcome.total_error);
-  }
-  report.smoothing = summarise(std::move(smoothing));
-  report.total = summarise(std::move(total));
-}
-
-VerifyReport reduce(const std::vector<Outcome>& outcomes, double tolerance) {
-  VerifyReport report;
-  std::vector<double> errors;
-  std::vector<double> angles;
-  std::uint64_t near_holes = 0, contested = 0, from_triangles = 0, pruned = 0;
-  std::uint64_t clear = 0, inside_wrong = 0, outside_wrong = 0;
-  double worst = -1;
-  for (const Outcome& outcome : outcomes) {
-    near_holes += outcome.near_holes;
-    if (!outcome.drawn) continue;
-    ++report.samples;
-    contested += outcome.contested ? 1 : 0;
-    pruned += outcome.pruned ? 1 : 0;
-    if (outcome.direction_error >= 0) angles.push_back(outcome.direction_error);
-    if (std::abs(outcome.truth) > tolerance) {
-      ++clear;
-      if (wrong_side(outcome)) ++(outcome.truth < 0 ? inside_wrong : outside_wrong);
-    }
-    if (!outcome.answered) continue;
-    errors.push_back(outcome.error);
-    from_triangles += outcome.source == Source::triangles ? 1 : 0;
-    if (outcome.error > worst) {
-      worst = outcome.error;
-      report.worst_point = outcome.point;
-    }
-  }
-  report.unanswered = share_of(report.samples - errors.size() - pruned, report.samples);
-  report.pruned = share_of(pruned, report.samples);
-  report.fallback_answers = share_of(from_triangles, errors.size());
-  report.near_holes = share_of(near_holes, near_holes + report.samples);
-  report.direction_contested = share_of(contested, report.samples);
-  report.inside_as_outside = share_of(inside_wrong, clear);
-  report.outside_as_inside = share_of(outside_wrong, clear);
-  report.distance = summarise(std::move(errors));
-  std::sort(angles.begin(), angles.end());
-  report.direction_p50 = quantile(angles, 0.5);
-  report.direction_p99 = quantile(angles, 0.99);
-  report.direction_max = angles.empty() ? 0 : angles.back();
-  return report;
 }
 
 unsigned threads_of(const VerifyOptions& options) {
@@ -284,15 +200,22 @@ VerifyReport verify_against(const Mesh& mesh, const AssetView& view, const Asset
                         "border edge; close the mesh's holes");
   }
   const std::vector<Outcome> outcomes = measured(setting, options.samples);
-  VerifyReport report = reduce(outcomes, setting.tolerance);
   Setting hard = setting;
   hard.adversarial = true;
   hard.seed = random_bits(setting.seed, 1);
-  const VerifyReport hardest = reduce(measured(hard, options.samples / 2), setting.tolerance);
-  report.adversarial = {hardest.samples,           hardest.distance,   hardest.inside_as_outside,
-                        hardest.outside_as_inside, hardest.unanswered, hardest.worst_point};
+  const std::vector<Outcome> hard_outcomes = measured(hard, options.samples / 2);
+  VerifyReport report = report_of(outcomes, setting.tolerance);
+  const VerifyReport hardest = report_of(hard_outcomes, setting.tolerance);
+  report.adversarial = {
+      hardest.samples,           hardest.counts,     hardest.distance,   hardest.inside_as_outside,
+      hardest.outside_as_inside, hardest.unanswered, hardest.worst_point};
+  report.near_holes_judged = near_holes_of(outcomes, hard_outcomes, setting.tolerance);
+  report.worst = worst_places(outcomes, hard_outcomes, setting.tolerance, options.worst);
   if (before) add_smoothing(outcomes, report);
   report.band = band;
+  report.seed = options.seed;
+  report.tolerance = metadata.tolerance;
+  report.tolerance_met = metadata.tolerance_met;
   return report;
 }
 

@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "baker/mesh/mesh.hpp"
 #include "common/asset/asset_view.hpp"
@@ -16,9 +18,47 @@ struct ErrorSummary {
   double rms = 0, p50 = 0, p99 = 0, p999 = 0, max = 0;
 };
 
+/// What is wrong at a place, the gravest first.
+enum class Finding : std::uint8_t { unanswered, wrong_side, beyond_tolerance, within };
+
+/// The finding in the words of the JSON, such as "wrong_side".
+[[nodiscard]] const char* name_of(Finding finding) noexcept;
+
+/// How many places break the promise, by what is wrong there. Some count twice: an answer on the
+/// wrong side is beyond the tolerance too, and `far` inside has no answer and is on the wrong side.
+struct Counts {
+  std::uint64_t unanswered = 0;
+  std::uint64_t wrong_side = 0;        ///< only where the surface is farther than the tolerance
+  std::uint64_t beyond_tolerance = 0;  ///< answers whose distance is off by more
+  std::uint64_t pruned = 0;            ///< left out by the bake; not judged, breaks nothing
+
+  /// Places where anything is wrong, each once.
+  [[nodiscard]] std::uint64_t missed() const noexcept { return unanswered + beyond_tolerance; }
+};
+
+/// One of the places where an asset is worst.
+struct WorstPlace {
+  Vector3 point = Vector3::Zero();  ///< m, asset's frame
+  double truth = 0;                 ///< m, the exact signed distance
+  std::optional<double> error;      ///< m, unsigned; nothing where there is no answer
+  Finding kind = Finding::within;
+  bool hard = false;  ///< of the places of AdversarialReport
+};
+
+/// Results near border edges. No side is defined beside a hole, so distances are compared without
+/// their sign: with the distance to the exact surface, or where the answer is `deep` or `far`, only
+/// whether it may be that. Not part of the verdict.
+struct NearHolesReport {
+  std::uint64_t samples = 0;
+  Counts counts;          ///< none on the wrong side
+  ErrorSummary distance;  ///< m, of the unsigned distance
+  Vector3 worst_point = Vector3::Zero();
+};
+
 /// Results at the places where an asset is likeliest wrong; see adversarial_place.
 struct AdversarialReport {
   std::uint64_t samples = 0;
+  Counts counts;
   ErrorSummary distance;                                                ///< m
   double inside_as_outside = 0, outside_as_inside = 0, unanswered = 0;  ///< shares, as below
   Vector3 worst_point = Vector3::Zero();
@@ -27,20 +67,37 @@ struct AdversarialReport {
 struct VerifyReport {
   ErrorSummary distance;                                           ///< m
   double direction_p50 = 0, direction_p99 = 0, direction_max = 0;  ///< rad
-  double direction_contested = 0;  ///< share of the samples left out of the directions
-  double inside_as_outside = 0;    ///< share of the samples farther than the tolerance
-  double outside_as_inside = 0;    ///< likewise
-  double unanswered = 0;           ///< share of all samples; `pruned` is no part of it
-  double pruned = 0;               ///< share of all samples that lie where the bake left out
-  double near_holes = 0;        ///< share of the drawn places that were left out near border edges
-  double fallback_answers = 0;  ///< share of the answers that came from triangles
+  double direction_contested = 0;  ///< share of the samples left out of these directions
+  /// There, from the nearest of the directions that compete, rad.
+  double contested_p50 = 0, contested_p99 = 0, contested_max = 0;
+  double inside_as_outside = 0;  ///< share of the samples farther than the tolerance
+  double outside_as_inside = 0;  ///< likewise
+  double unanswered = 0;         ///< share of all samples; `pruned` is no part of it
+  double pruned = 0;             ///< share of all samples that lie where the bake left out
+  double near_holes = 0;         ///< share of the drawn places that lie near border edges
+  double fallback_answers = 0;   ///< share of the answers that came from triangles
   /// Only for an asset of a smoothed surface, against which all else is judged: how far the
   /// distance to the unsmoothed surface is from that to the smoothed one, and from the answer, m.
   std::optional<ErrorSummary> smoothing, total;
   std::uint64_t samples = 0;
-  AdversarialReport adversarial;          ///< of half as many places again
-  Band band;                              ///< the band that was sampled
+  std::uint64_t seed = 0;             ///< which the places were drawn with
+  Counts counts;                      ///< of the samples
+  AdversarialReport adversarial;      ///< of half as many places again
+  NearHolesReport near_holes_judged;  ///< of all places drawn there, hard ones too
+  std::vector<WorstPlace> worst;      ///< unanswered first, then by error, largest first
+  Band band;                          ///< the band that was sampled
+  std::optional<double> tolerance;    ///< m, the promise; nothing where the asset makes none
+  bool tolerance_met = false;         ///< as the asset records it
+  double threshold = 0;               ///< m, what counts as beyond: the promise, or in its place
   Vector3 worst_point = Vector3::Zero();  ///< where the distance error is largest, asset's frame
+
+  /// Samples and hard places that were judged: all but those that the bake left out.
+  [[nodiscard]] std::uint64_t judged() const noexcept;
+  /// Samples and hard places where the answer is missing or off by more than the threshold.
+  [[nodiscard]] std::uint64_t missed() const noexcept;
+  /// False where the promise is missed anywhere, and where there is one but no place to judge it
+  /// at. True for an asset that promises nothing.
+  [[nodiscard]] bool passed() const noexcept;
 };
 
 struct VerifyOptions {
@@ -48,6 +105,7 @@ struct VerifyOptions {
   std::uint64_t seed = 1;
   std::optional<double> band;  ///< m inside; default and at most the asset's max_depth
   unsigned threads = 0;        ///< 0: as many as there are cores; never changes the result
+  std::size_t worst = 20;      ///< how many of the worst places to list
 };
 
 /// The mesh that an asset was baked from, in the asset's frame. Throws BakeError invalid_input
@@ -70,9 +128,11 @@ struct VerifyOptions {
 /// bound: `deep` counts as -max_depth. `far` counts as the margin where that is within the
 /// tolerance of the truth, and as no answer elsewhere. A sample is drawn again where its closest
 /// point is within 3 % of the diagonal of a border edge, since the side is not defined beside a
-/// hole. Directions are judged where they are defined: 2 um or more from the surface, and farther
-/// than two tolerances from the medial axis. Without a tolerance, a thousandth of the diagonal
-/// takes its place.
+/// hole; such places are judged apart, see NearHolesReport. Directions are judged where they are
+/// defined: 2 um or more from the surface, and farther than two tolerances from the medial axis.
+/// Nearer to that axis they are judged apart, against the nearest of the directions that compete.
+/// Whether the bake was right to leave a place out is not judged. Without a tolerance, a thousandth
+/// of the diagonal takes its place.
 [[nodiscard]] VerifyReport verify_against(const Mesh& mesh, const AssetView& view,
                                           const AssetMetadata& metadata,
                                           const VerifyOptions& options,

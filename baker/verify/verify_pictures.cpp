@@ -27,7 +27,9 @@ std::vector<std::string> write_error_pictures(const AssetView& view, const Asset
   const Caster known = caster_of(known_surface(view));
 
   const bool hard = report.adversarial.distance.max > report.distance.max;
-  const Vector3 worst = hard ? report.adversarial.worst_point : report.worst_point;
+  const Vector3 largest = hard ? report.adversarial.worst_point : report.worst_point;
+  // A place without an answer is worse than any error.
+  const Vector3 worst = report.worst.empty() ? largest : report.worst.front().point;
   const SurfacePoint closest_point = exact.closest(worst);
   const Window whole = whole_of(mesh.box_min, mesh.box_max, closest_point.normal);
   const Window close{closest_point.position, closest_point.normal, close_share * mesh.diagonal};

@@ -5,9 +5,8 @@
 #include <cstdint>
 #include <span>
 
-#include "common/asset/bvh.hpp"
-#include "common/asset/element_index.hpp"
-#include "common/asset/sign_octree.hpp"
+#include "common/field/distance_octree.hpp"
+#include "common/field/triangle_cluster.hpp"
 #include "common/surface/distance_map.hpp"
 #include "common/surface/support_plane.hpp"
 #include "common/surface/tile.hpp"
@@ -90,23 +89,13 @@ enum class CellKind : std::uint32_t {
 struct AssetView {
   std::span<const SupportPlane> planes;
   std::span<const DistanceMap> maps;
-  std::span<const Tile> tiles;  ///< `sparse` only, as `maps` are `full` only
+  std::span<const Tile> tiles;  ///< `sparse` only, where they were asked for at opening: what the
+                                ///< asset shows of its surface; no answer depends on them
   float height_unit = 1;        ///< m per unit of the tiles' heights
-  /// Corners of the exact fallback triangles: in `full` three per triangle, in `sparse` in fans
-  /// (Bvh). Either three floats each, metres; or three 16-bit numbers each, where a
-  /// coordinate is triangle_origin plus the number times triangle_step, metres. One of the two is
-  /// empty.
-  std::span<const float> triangles;
-  std::span<const std::uint16_t> small_triangles;
-  Vector3 triangle_origin = Vector3::Zero();
-  double triangle_step = 0;
-  /// `sparse` only: corners from this number on belong to caps, which decide the side but carry no
-  /// distance.
-  std::uint32_t first_cap = 0;
-  Grid grid;               ///< `full` only
-  SignOctree sign_octree;  ///< `sparse` only
-  Bvh bvh;                 ///< `sparse` only
-  ElementIndex index;      ///< `sparse` only; empty before it was derived
+  std::span<const float> triangles;  ///< `full` only: of the fallback, three corners each, m
+  Grid grid;                         ///< `full` only
+  DistanceOctree octree;             ///< `sparse` only
+  TriangleClusters clusters;         ///< `sparse` only
   Band band;
   double tolerance = 0;  ///< m; how far beyond the band's end an answer may lie
   bool full = false;     ///< map k belongs to plane k and `paper` applies
@@ -132,10 +121,8 @@ struct Extent {
     const auto& cells = asset.grid.cells;
     return {asset.grid.origin, asset.grid.cell_size * Vector3(cells[0], cells[1], cells[2])};
   }
-  const double margin = asset.band.margin + asset.tolerance;
-  const Vector3 size(static_cast<double>(asset.bvh.size[0]), static_cast<double>(asset.bvh.size[1]),
-                     static_cast<double>(asset.bvh.size[2]));
-  return {asset.bvh.origin - Vector3::Constant(margin), size + Vector3::Constant(2 * margin)};
+  const auto& roots = asset.octree.roots;
+  return {asset.octree.origin, asset.octree.edge * Vector3(roots[0], roots[1], roots[2])};
 }
 
 }  // namespace spm

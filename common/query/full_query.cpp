@@ -8,7 +8,6 @@
 #include "common/asset/grid_list.hpp"
 #include "common/base/octahedral.hpp"
 #include "common/base/octant.hpp"
-#include "common/query/closest_element.hpp"
 #include "common/surface/closest_on_map.hpp"
 #include "common/surface/closest_on_triangle.hpp"
 
@@ -60,6 +59,18 @@ Answer closest_of_maps(const AssetView& asset, const GridList& list,
   answer.source = Source::map;
   answer.status = Status::exact;
   return answer;
+}
+
+/// The corners of a triangle, m; false where there is no such triangle.
+bool triangle_corners(const AssetView& asset, std::size_t triangle,
+                      std::array<Vector3, 3>& corners) noexcept {
+  if (9 * triangle + 9 > asset.triangles.size()) return false;
+  const float* number = asset.triangles.data() + 9 * triangle;
+  for (Vector3& corner : corners) {
+    corner = Vector3(number[0], number[1], number[2]);
+    number += 3;
+  }
+  return true;
 }
 
 /// The closest of a list's triangles. The side is decided by the closest one, caps included;

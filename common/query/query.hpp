@@ -16,7 +16,7 @@ enum class Status : std::uint8_t {
   pruned,  ///< in a region that the bake left out: distance NaN, normal zero
 };
 
-enum class Source : std::uint8_t { map, triangles, none };
+enum class Source : std::uint8_t { map, triangles, none, polynomial };
 
 /// Answer of a query at a point.
 struct Answer {
@@ -37,25 +37,18 @@ struct Answer {
 }
 
 /// Signed distance, normal, plane and layer at a point in the asset's frame (metres): the product's
-/// `spm` query. Bounded time: it visits the elements whose boxes may contain the nearest one, with
-/// a bounded number of steps for each. A NaN or infinite point answers `far`. Never throws,
+/// `spm` query. Bounded time: one look-up in the octree, then a polynomial or a list of bounded
+/// length. A NaN or infinite point answers `far`. Never throws,
 /// allocates or reads outside the views.
 [[nodiscard]] Answer query_point(const AssetView& asset, const Vector3& point) noexcept;
 
-/// An answer, and the distance of the surface.
-struct AnswerAndDistance {
-  Answer answer;
-  /// m, unsigned, within the tolerance, also beyond the margin; below 0 where the query did not
-  /// find it.
-  double distance = -1;
-};
+/// How far the surface is at least, m, 0 or more, where the answer is `far`; 0 where it is not.
+/// `sparse` only. In constant time, and so coarse: about the edge of a root of the octree too
+/// small.
+[[nodiscard]] double clearance(const AssetView& asset, const Vector3& point) noexcept;
 
-/// query_point of a `sparse` asset where the list of the point's cube is known (list_at).
-[[nodiscard]] AnswerAndDistance query_point(const AssetView& asset, const IndexList& list,
-                                            const Vector3& point) noexcept;
-
-/// The same answers for as many points as there are answers, but faster: while some wait for
-/// memory, others are computed.
+/// The same answers for as many points as there are answers, but faster where they are far apart:
+/// while some wait for memory, others are computed.
 void query_points(const AssetView& asset, std::span<const Vector3> points,
                   std::span<Answer> answers) noexcept;
 

@@ -8,7 +8,6 @@
 
 #include "common/base/rigid_pose.hpp"
 #include "common/query/query.hpp"
-#include "common/query/surface_clearance.hpp"
 
 namespace spm {
 
@@ -148,39 +147,13 @@ FieldReading ObjectContact::read(std::uint32_t object, std::uint32_t sample, con
   const AssetView& field = *pairs_[object].field;
   FieldReading reading;
   reading.place = place;
-  const auto radius = static_cast<double>(tool_.places[sample].radius);
-  const IndexList list = list_at(field.index, place);
-  SignKind sign = SignKind::boundary;
-  if (list.numbers == nullptr && list.kind != CubeKind::far)
-    sign = sign_at(field.sign_octree, place);
-  const bool is_far =
-      list.kind == CubeKind::far || (list.kind == CubeKind::beside && sign != SignKind::inside);
-  const bool outside = is_far || sign == SignKind::far || sign == SignKind::outside;
-  // Beyond the margin only the distance matters. The cube and the field's boxes give it for less
-  // time. Inside they say nothing about the side.
-  if (outside) {
-    const double clear = radius + doubtful_tolerances * field.tolerance;
-    reading.distance = double{list.beyond};
-    if (reading.distance < clear) {
-      reading.distance = std::max(reading.distance, box_clearance(field, place));
-    }
-    reading.validity_radius = 0;
-    if (reading.distance > clear) return reading;
-  }
-  if (is_far && radius > 0) {
-    // The tree would give a better value, but takes as long as several samples below this one.
-    memories_[object].learn(sample, reading);
-    return reading;
-  }
   ++report.asked;
-  const auto [answer, distance] = query_point(field, list, place);
+  const Answer answer = query_point(field, place);
   if (answer.status == Status::exact || answer.status == Status::deep) {
     reading.distance = answer.distance;
     reading.normal = answer.normal;
-  }
-  if (reading.normal.isZero()) {
-    reading.distance =
-        distance < 0 ? surface_clearance(field, place) : std::max(0.0, distance - field.tolerance);
+  } else {
+    reading.distance = clearance(field, place);
   }
   memories_[object].learn(sample, reading);
   return reading;

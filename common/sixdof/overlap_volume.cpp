@@ -7,7 +7,6 @@
 
 #include "common/base/rigid_pose.hpp"
 #include "common/query/query.hpp"
-#include "common/query/surface_clearance.hpp"
 
 namespace spm {
 
@@ -90,15 +89,10 @@ class Walk {
     // Patches of the finest samples extend beyond their middles.
     const double radius = static_cast<double>(samples_.places[sample].radius) +
                           samples_.levels.back().bound + field_.tolerance;
-    const SignKind kind = sign_at(field_.sign_octree, place);
-    if (kind == SignKind::inside) return false;
-    if (box_clearance(field_, place) < radius && surface_clearance(field_, place) < radius) {
-      return false;
-    }
-    if (kind != SignKind::boundary) return true;
     ++tested;
     const Answer answer = query_point(field_, place);
-    return !(answer.distance < 0);
+    if (answer.status == Status::far) return clearance(field_, place) >= radius;
+    return answer.status == Status::exact && answer.distance >= radius;
   }
 
   void weigh(std::uint32_t sample) noexcept {

@@ -4,9 +4,8 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <optional>
 
-#include "common/query/closest_element.hpp"
+#include "common/sixdof/surface_elements.hpp"
 #include "common/surface/distance_map.hpp"
 
 namespace spm {
@@ -71,51 +70,41 @@ bool cut_off(const Tile& tile, std::uint32_t cell, double x, double y) noexcept 
 /// Cuts an asset's elements into patches, and keeps those that each owns.
 class PatchMaker {
  public:
-  PatchMaker(const AssetView& asset, double step) noexcept
-      : asset_(asset), step_(step), slack_(same_place_tolerances * asset.tolerance) {}
+  PatchMaker(const AssetView& asset, double step)
+      : asset_(asset),
+        elements_(asset),
+        step_(step),
+        slack_(same_place_tolerances * asset.tolerance) {}
 
   std::vector<SurfacePatch> patches;
 
-  void add(const BvhChild& child) {
-    if (child.kind == ElementKind::tile) {
-      add_tile(child.first);
-    } else if (child.first < asset_.first_cap) {
-      for (std::uint32_t k = 0; k < child.count; ++k) {
-        if (const auto corners = fan_triangle(child, k)) add_triangle(*corners, child.first + k);
+  void add_all() {
+    for (std::uint32_t which = 0; which < elements_.size(); ++which) {
+      const SurfaceElement& element = elements_[which];
+      if (element.is_tile) {
+        add_tile(which, element.number);
+      } else {
+        add_triangle(element.corners, which);
       }
     }
   }
 
  private:
   using Corners = std::array<Vector3, 3>;
-  /// Numbers of tiles come after those of triangles.
-  static constexpr std::uint32_t first_tile = max_bvh_elements * 2;
-
   const AssetView& asset_;
+  SurfaceElements elements_;
   double step_;
   double slack_;
 
-  [[nodiscard]] std::optional<Corners> fan_triangle(const BvhChild& fan,
-                                                    std::uint32_t k) const noexcept {
-    Corners c;
-    if (!stored_corner(asset_, fan.first, c[0]) ||
-        !stored_corner(asset_, fan.first + k + 1, c[1]) ||
-        !stored_corner(asset_, fan.first + k + 2, c[2])) {
-      return std::nullopt;
-    }
-    return c;
-  }
-
-  void add_tile(std::uint32_t which) {
-    if (which >= asset_.tiles.size()) return;
+  void add_tile(std::uint32_t rank, std::uint32_t which) {
     const Tile& tile = asset_.tiles[which];
     if (tile.plane >= asset_.planes.size()) return;
     for (std::uint32_t cell = 0; cell < tile_cell_count; ++cell) {
-      if (((tile.valid >> cell) & 1U) != 0) add_cell(which, cell);
+      if (((tile.valid >> cell) & 1U) != 0) add_cell(rank, which, cell);
     }
   }
 
-  void add_cell(std::uint32_t which, std::uint32_t cell) {
+  void add_cell(std::uint32_t rank, std::uint32_t which, std::uint32_t cell) {
     const Tile& tile = asset_.tiles[which];
     const SupportPlane& plane = asset_.planes[tile.plane];
     const CellSurface surface(tile, asset_.height_unit, cell);
@@ -134,7 +123,7 @@ class PatchMaker {
         const Vector3 across = surface.normal(plane, x, y);
         const double side = spacing / parts;
         keep(reconstructed_surface(plane, eta, omega, surface.depth(x, y)), across.normalized(),
-             across.norm() * side * side, first_tile + which);
+             across.norm() * side * side, rank);
       }
     }
   }
@@ -169,34 +158,21 @@ class PatchMaker {
     return (c[(k + 1) % 3] - c[k]).squaredNorm();
   }
 
+  /// Keeps a patch unless an element with a lower number than `rank` shows the place already.
   void keep(const Vector3& position, const Vector3& normal, double area, std::uint32_t rank) {
-    bool owned = true;
-    visit_elements(
-        asset_.bvh, position,
-        [&](const BvhChild& child) { owned = owned && !covered(child, position, normal, rank); },
-        [&] { return owned ? slack_ : -1.0; });
+    const bool owned = elements_.none_near(position, slack_, [&](std::uint32_t which) {
+      if (which >= rank) return false;
+      const SurfaceElement& element = elements_[which];
+      return element.is_tile ? covered_by_tile(element.number, position, normal)
+                             : covered_by_triangle(element.corners, position, normal);
+    });
     if (owned) {
       patches.push_back({to_floats(position), to_floats(normal), static_cast<float>(area)});
     }
   }
 
-  /// Whether an element with a lower number than `rank` already represents a place.
-  [[nodiscard]] bool covered(const BvhChild& child, const Vector3& position, const Vector3& normal,
-                             std::uint32_t rank) const noexcept {
-    if (child.kind == ElementKind::tile) {
-      return first_tile + child.first < rank && covered_by_tile(child.first, position, normal);
-    }
-    if (child.first >= asset_.first_cap) return false;
-    for (std::uint32_t k = 0; k < child.count && child.first + k < rank; ++k) {
-      const auto corners = fan_triangle(child, k);
-      if (corners && covered_by_triangle(*corners, position, normal)) return true;
-    }
-    return false;
-  }
-
   [[nodiscard]] bool covered_by_tile(std::uint32_t which, const Vector3& position,
                                      const Vector3& normal) const noexcept {
-    if (which >= asset_.tiles.size()) return false;
     const Tile& tile = asset_.tiles[which];
     if (tile.plane >= asset_.planes.size()) return false;
     const SupportPlane& plane = asset_.planes[tile.plane];
@@ -245,13 +221,7 @@ Result<std::vector<SurfacePatch>> surface_patches(const AssetView& asset, double
     return fail(ExitCode::usage, "surface samples: the step must be above 0; give a length in m");
   }
   PatchMaker maker(asset, step);
-  const std::size_t nodes = asset.bvh.words.size() / bvh_node_words;
-  for (std::size_t node = 0; node < nodes; ++node) {
-    for (std::size_t k = 0; k < bvh_children; ++k) {
-      const BvhChild child = unpack_child(asset.bvh.words[node * bvh_node_words + k]);
-      if (child.kind == ElementKind::tile || child.kind == ElementKind::fan) maker.add(child);
-    }
-  }
+  maker.add_all();
   if (maker.patches.empty()) {
     return fail(ExitCode::invalid_input,
                 "surface samples: the asset has no surface; bake a mesh that bounds a solid");

@@ -11,4 +11,16 @@ namespace spm {
 [[nodiscard]] Vector3 closest_on_triangle(const Vector3& point, const Vector3& a, const Vector3& b,
                                           const Vector3& c) noexcept;
 
+/// A part of a triangle: its face, a side or a corner.
+enum class TriangleFeature : unsigned { face, ab, bc, ca, a, b, c };
+
+struct ClosestFeature {
+  Vector3 point = Vector3::Zero();
+  TriangleFeature feature = TriangleFeature::face;  ///< which the point lies on
+};
+
+/// closest_on_triangle, and the part that the point lies on.
+[[nodiscard]] ClosestFeature closest_feature(const Vector3& point, const Vector3& a,
+                                             const Vector3& b, const Vector3& c) noexcept;
+
 }  // namespace spm

@@ -5,7 +5,6 @@
 #include <cmath>
 #include <utility>
 
-#include "common/index/element_index_build.hpp"
 #include "formats/asset/tile_words.hpp"
 
 namespace spm {
@@ -34,7 +33,7 @@ AssetTables::AssetTables(std::vector<SupportPlane> planes, std::vector<DistanceM
                          std::vector<Tile> tiles, const AssetView& rest)
     : planes_(std::move(planes)),
       maps_(std::move(maps)),
-      tiles_(tiles.begin(), tiles.end()),
+      tiles_(std::move(tiles)),
       layer_offsets_(std::move(layer_offsets)),
       view_(rest) {
   if (rest.full) {
@@ -45,7 +44,6 @@ AssetTables::AssetTables(std::vector<SupportPlane> planes, std::vector<DistanceM
       offset_.push_back(plane.n.dot(plane.x0));
     }
   }
-  for (Tile& tile : tiles_) derive_bounds(tile, rest.height_unit);
   view_.planes = planes_;
   view_.maps = maps_;
   view_.tiles = tiles_;
@@ -55,16 +53,9 @@ AssetTables::AssetTables(std::vector<SupportPlane> planes, std::vector<DistanceM
   view_.plane_offset = offset_;
 }
 
-void AssetTables::build_index() {
-  const ElementIndexData index = build_element_index(view_);
-  words_.assign(index.words.begin(), index.words.end());
-  cell_packets_.assign(index.cell_packets.begin(), index.cell_packets.end());
-  clip_packets_.assign(index.clip_packets.begin(), index.clip_packets.end());
-  triangle_packets_.assign(index.triangle_packets.begin(), index.triangle_packets.end());
-  index_bytes_ = index.bytes();
-  view_.index = index.view();
-  view_.index.words = words_;
-  view_.index.packets = {cell_packets_, clip_packets_, triangle_packets_};
+void AssetTables::drop_tiles() noexcept {
+  tiles_ = {};
+  view_.tiles = {};
 }
 
 AssetTables tables_of(const Asset& asset) {
@@ -100,19 +91,12 @@ AssetTables tables_of(const Asset& asset) {
   AssetView rest;
   rest.height_unit = static_cast<float>(asset.metadata.height_unit);
   rest.triangles = asset.triangles;
-  rest.small_triangles = asset.small_triangles;
-  rest.triangle_origin = asset.triangle_origin;
-  rest.triangle_step = asset.triangle_step;
   rest.grid = {.origin = asset.grid.origin,
                .cell_size = asset.grid.cell_size,
                .cells = asset.grid.cells,
                .index = asset.grid.index,
                .records = asset.grid.records};
-  rest.sign_octree = {.origin = asset.sign_octree.origin,
-                      .edge = asset.sign_octree.edge,
-                      .words = asset.sign_octree.words};
-  rest.bvh = {.origin = asset.bvh.origin, .size = asset.bvh.size, .words = asset.bvh.words};
-  rest.first_cap = asset.first_cap;
+  asset.octree.add_to(rest);
   rest.band = asset.metadata.band;
   rest.tolerance = answer_tolerance(asset.metadata);
   rest.full = asset.metadata.form == AssetForm::full;

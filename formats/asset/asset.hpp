@@ -9,12 +9,11 @@
 
 #include "common/asset/asset_view.hpp"
 #include "common/base/error.hpp"
-#include "formats/files/large_pages.hpp"
 
 namespace spm {
 
 /// The version of the file format that this program writes and reads.
-inline constexpr int asset_format_version = 4;
+inline constexpr int asset_format_version = 5;
 
 enum class AssetForm { sparse, full };
 
@@ -86,37 +85,43 @@ struct GridData {
   std::vector<std::uint32_t> records;
 };
 
-/// Of a `sparse` asset; see SignOctree.
-struct SignOctreeData {
+/// Of a `sparse` asset; see DistanceOctree and TriangleClusters.
+struct OctreeData {
   Vector3 origin = Vector3::Zero();
   double edge = 0;
-  std::vector<std::uint32_t> words;
-};
+  std::array<std::uint32_t, 3> roots{0, 0, 0};
+  double value_unit = 1, clearance_unit = 1, reach = 1;
+  std::vector<std::uint32_t> root_words, units, lists;
+  Vector3 cluster_origin = Vector3::Zero();
+  double cluster_step = 1;
+  std::vector<std::uint32_t> clusters;
 
-/// Of a `sparse` asset; see Bvh.
-struct BvhData {
-  Vector3 origin = Vector3::Zero();
-  std::array<float, 3> size{};
-  std::vector<std::uint32_t> words;
+  /// Sets what a query reads; the vectors must outlive it.
+  void add_to(AssetView& view) const noexcept {
+    view.octree = {.origin = origin,
+                   .edge = edge,
+                   .roots = roots,
+                   .root_words = root_words,
+                   .units = units,
+                   .lists = lists,
+                   .value_unit = value_unit,
+                   .clearance_unit = clearance_unit,
+                   .reach = reach};
+    view.clusters = {.origin = cluster_origin, .step = cluster_step, .words = clusters};
+  }
 };
 
 /// A baked asset in memory, as the baker builds it and the writer writes it. `full`: map k belongs
 /// to plane k; all maps have the same columns and rows, but the number of layers may differ; no
-/// tiles. `sparse`: tiles, no maps, and two trees instead of the grid.
+/// tiles. `sparse`: tiles, no maps, and an octree instead of the grid.
 struct Asset {
   AssetMetadata metadata;
   std::vector<SupportPlane> planes;
   std::vector<MapData> maps;
   std::vector<TileData> tiles;
   GridData grid;
-  SignOctreeData sign_octree;
-  BvhData bvh;
-  // Corners of the fallback's triangles, in one of two forms; see AssetView.
-  std::vector<float> triangles;                ///< three each
-  std::vector<std::uint16_t> small_triangles;  ///< three each
-  Vector3 triangle_origin = Vector3::Zero();
-  double triangle_step = 0;
-  std::uint32_t first_cap = 0;  ///< `sparse` only
+  OctreeData octree;
+  std::vector<float> triangles;  ///< `full` only: corners of the fallback's triangles, three each
 };
 
 /// The views and small tables of an AssetView over memory that somebody else owns. Move-only. The
@@ -129,34 +134,24 @@ class AssetTables {
   AssetTables(const AssetTables&) = delete;
   AssetTables& operator=(const AssetTables&) = delete;
 
-  /// Builds the tables, and derives the tiles' bounds. `layer_offsets` is what the maps point to;
+  /// Builds the tables. `layer_offsets` is what the maps point to;
   /// it moves here so that the pointers stay valid. `rest` gives everything that is not a table:
-  /// grid, triangles, band, tolerance, form and unit of heights.
+  /// grid or octree, triangles, band, tolerance, form and unit of heights.
   AssetTables(std::vector<SupportPlane> planes, std::vector<DistanceMap> maps,
               std::vector<std::vector<std::uint32_t>> layer_offsets, std::vector<Tile> tiles,
               const AssetView& rest);
 
-  /// Derives the index, which makes queries several times faster.
-  void build_index();
-  [[nodiscard]] std::size_t index_bytes() const noexcept { return index_bytes_; }
+  /// Frees the table of tiles, which queries do not need.
+  void drop_tiles() noexcept;
 
   [[nodiscard]] const AssetView& view() const noexcept { return view_; }
 
  private:
-  template <class T>
-  using LargeTable = std::vector<T, LargePageAllocator<T>>;
-
   std::vector<SupportPlane> planes_;
   std::vector<DistanceMap> maps_;
-  LargeTable<Tile> tiles_;
+  std::vector<Tile> tiles_;
   std::vector<std::vector<std::uint32_t>> layer_offsets_;
   std::vector<double> nx_, ny_, nz_, offset_;
-  // The index's:
-  LargeTable<std::uint32_t> words_;
-  LargeTable<CellPacket> cell_packets_;
-  LargeTable<ClipPacket> clip_packets_;
-  LargeTable<TrianglePacket> triangle_packets_;
-  std::size_t index_bytes_ = 0;
   AssetView view_;
 };
 

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "common/asset/grid_list.hpp"
+#include "formats/asset/octree_check.hpp"
 #include "formats/asset/tile_words.hpp"
 
 namespace spm {
@@ -78,71 +79,6 @@ Result<void> check_grid(const AssetView& asset, const std::string& path) {
   return {};
 }
 
-/// The error in the sign octree; empty where there is none. A child's number is above its parent's,
-/// so a walk over all nodes in order knows the depth of each.
-std::string sign_octree_problem(const SignOctree& octree) {
-  const std::size_t nodes = octree.words.size() / sign_octree_node_words;
-  std::vector<int> depth(nodes, 0);
-  for (std::size_t node = 0; node < nodes; ++node) {
-    const std::uint32_t kinds = octree.words[node * sign_octree_node_words];
-    std::size_t child = octree.words[node * sign_octree_node_words + 1];
-    for (std::uint32_t octant = 0; octant < 8; ++octant) {
-      const SignKind kind = octant_kind(kinds, octant);
-      if (kind != SignKind::split) {
-        if (kind > SignKind::pruned) return "is of no kind";
-        continue;
-      }
-      if (child <= node || child >= nodes) return "leads to no cube below it";
-      depth[child] = depth[node] + 1;
-      if (depth[child] >= sign_octree_levels) return "is split too often";
-      ++child;
-    }
-  }
-  return {};
-}
-
-/// The same for the tree of elements.
-std::string bvh_problem(const AssetView& asset) {
-  const std::size_t nodes = asset.bvh.words.size() / bvh_node_words;
-  const std::size_t corners = (asset.triangles.size() + asset.small_triangles.size()) / 3;
-  std::vector<int> depth(nodes, 0);
-  for (std::size_t node = 0; node < nodes; ++node) {
-    for (std::size_t k = 0; k < bvh_children; ++k) {
-      const BvhChild child = unpack_child(asset.bvh.words[node * bvh_node_words + k]);
-      switch (child.kind) {
-        case ElementKind::none:
-          break;
-        case ElementKind::node:
-          if (child.first <= node || child.first >= nodes) return "leads to no box below it";
-          depth[child.first] = depth[node] + 1;
-          if (depth[child.first] >= bvh_levels) return "lies too deep";
-          break;
-        case ElementKind::tile:
-          if (child.first >= asset.tiles.size()) return "names a tile that does not exist";
-          break;
-        case ElementKind::fan:
-          if (std::size_t{child.first} + child.count + 2 > corners) {
-            return "names a triangle that does not exist";
-          }
-          break;
-      }
-    }
-  }
-  return {};
-}
-
-Result<void> check_trees(const AssetView& asset, const std::string& path) {
-  if (const std::string problem = sign_octree_problem(asset.sign_octree); !problem.empty()) {
-    return fail(ExitCode::invalid_input,
-                path + ": a cube of its sign octree " + problem + "; bake it again");
-  }
-  if (const std::string problem = bvh_problem(asset); !problem.empty()) {
-    return fail(ExitCode::invalid_input,
-                path + ": a box of its elements " + problem + "; bake it again");
-  }
-  return {};
-}
-
 /// Counts instead of stopping at the first, so that the loop is limited only by memory.
 std::size_t count_bad(std::span<const float> values, bool infinity_allowed) {
   std::size_t bad = 0;
@@ -181,7 +117,11 @@ Result<void> check_content(const AssetView& asset, const std::string& path) {
     return fail(ExitCode::invalid_input,
                 path + ": its triangles have corners that are not numbers; bake it again");
   }
-  return asset.full ? check_grid(asset, path) : check_trees(asset, path);
+  if (asset.full) return check_grid(asset, path);
+  if (const std::string problem = octree_problem(asset); !problem.empty()) {
+    return fail(ExitCode::invalid_input, path + ": " + problem + "; bake it again");
+  }
+  return {};
 }
 
 }  // namespace spm

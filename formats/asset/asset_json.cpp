@@ -17,7 +17,9 @@ constexpr std::uint32_t max_tiles = 1U << 24U;
 constexpr std::uint32_t max_samples_a_side = 1U << 14U;
 constexpr std::uint32_t max_cells_an_axis = 1U << 20U;
 constexpr std::uint64_t max_cells = std::uint64_t{1} << 30U;
-constexpr std::uint64_t max_words = std::uint64_t{1} << 28U;  // limit of a grid word
+constexpr std::uint64_t max_words = std::uint64_t{1} << 28U;     // limit of a grid word
+constexpr std::uint64_t max_clusters = std::uint64_t{1} << 24U;  // limit of a word of a list
+constexpr std::uint64_t max_triangles = std::uint64_t{1} << 30U;
 // Lengths that stay normal floats over all levels and heights.
 constexpr double min_length = 1e-20, greatest_length = 1e20;
 constexpr double basis_slack = 1e-6;
@@ -59,16 +61,22 @@ Json grid_json(const AssetDescription& description) {
           {"records", description.grid_records}};
 }
 
-Json sign_octree_json(const AssetDescription& description) {
-  return {{"origin", json_of(description.sign_octree_origin)},
-          {"edge", description.sign_octree_edge},
-          {"nodes", description.sign_octree_nodes}};
+Json octree_json(const AssetDescription& description) {
+  const OctreeData& octree = description.octree;
+  return {{"origin", json_of(octree.origin)},
+          {"edge", octree.edge},
+          {"roots", octree.roots},
+          {"words", description.octree_units},
+          {"lists", description.octree_lists},
+          {"value_unit", octree.value_unit},
+          {"clearance_unit", octree.clearance_unit},
+          {"reach", octree.reach}};
 }
 
-Json bvh_json(const AssetDescription& description) {
-  return {{"origin", json_of(description.bvh_origin)},
-          {"size", description.bvh_size},
-          {"nodes", description.bvh_nodes}};
+Json clusters_json(const AssetDescription& description) {
+  return {{"count", description.clusters},
+          {"origin", json_of(description.octree.cluster_origin)},
+          {"step", description.octree.cluster_step}};
 }
 
 /// Adds the number of maps or tiles of the asset's form, and the layout of their samples.
@@ -83,16 +91,7 @@ void add_surfaces(const AssetDescription& description, Json& json) {
                      {"spacing", metadata.tile_spacing},
                      {"height_unit", metadata.height_unit}};
   }
-  if (metadata.form == AssetForm::full) {
-    json["triangles"] = description.corners / 3;
-  } else {
-    json["corners"] = description.corners;
-    json["caps"] = description.caps;
-  }
-  if (description.small_triangles) {
-    json["small_triangles"] = {{"origin", json_of(description.triangle_origin)},
-                               {"step", description.triangle_step}};
-  }
+  if (metadata.form == AssetForm::full) json["triangles"] = description.triangles;
 }
 
 bool is_sha256(const std::string& text) {
@@ -169,35 +168,25 @@ void read_grid(JsonFields grid, AssetDescription& description) {
   description.grid_records = grid.integer("records", 0, max_words);
 }
 
-void read_trees(JsonFields& fields, AssetDescription& description) {
-  JsonFields sign_octree = fields.child("space");
-  description.sign_octree_origin = sign_octree.vector("origin");
-  description.sign_octree_edge = sign_octree.number("edge", min_length, greatest_length);
-  description.sign_octree_nodes = sign_octree.integer("nodes", 1, max_words);
-  JsonFields bvh = fields.child("tree");
-  description.bvh_origin = bvh.vector("origin");
-  const Vector3 size = bvh.vector("size");
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    const double extent = size[static_cast<int>(axis)];
-    if (!(extent >= 0 && extent <= greatest_length)) bvh.wrong("size", "three lengths");
-    description.bvh_size[axis] = static_cast<float>(extent);
+void read_octree(JsonFields& fields, AssetDescription& description) {
+  OctreeData& data = description.octree;
+  JsonFields octree = fields.child("octree");
+  data.origin = octree.vector("origin");
+  data.edge = octree.number("edge", min_length, greatest_length);
+  data.roots = octree.triple("roots", 1, max_cells_an_axis);
+  if (std::uint64_t{data.roots[0]} * data.roots[1] > max_cells ||
+      std::uint64_t{data.roots[0]} * data.roots[1] * data.roots[2] > max_cells) {
+    octree.wrong("roots", "a grid of at most 2^30 cubes");
   }
-  description.bvh_nodes = bvh.integer("nodes", 0, max_bvh_elements);
-}
-
-void read_triangles(JsonFields& fields, AssetDescription& description) {
-  constexpr std::uint32_t most = 1U << 30U;
-  if (description.metadata.form == AssetForm::full) {
-    description.corners = static_cast<std::uint32_t>(3 * fields.integer("triangles", 0, most));
-  } else {
-    description.corners = static_cast<std::uint32_t>(fields.integer("corners", 0, most));
-    description.caps = static_cast<std::uint32_t>(fields.integer("caps", 0, description.corners));
-  }
-  description.small_triangles = !fields.optional("small_triangles").is_null();
-  if (!description.small_triangles) return;
-  JsonFields small = fields.child("small_triangles");
-  description.triangle_origin = small.vector("origin");
-  description.triangle_step = small.number("step", min_length, greatest_length);
+  description.octree_units = octree.integer("words", 0, max_words);
+  description.octree_lists = octree.integer("lists", 0, max_words);
+  data.value_unit = octree.number("value_unit", min_length, greatest_length);
+  data.clearance_unit = octree.number("clearance_unit", min_length, greatest_length);
+  data.reach = octree.number("reach", min_length, greatest_length);
+  JsonFields clusters = fields.child("clusters");
+  description.clusters = clusters.integer("count", 0, max_clusters);
+  data.cluster_origin = clusters.vector("origin");
+  data.cluster_step = clusters.number("step", min_length, greatest_length);
 }
 
 void read_maps(JsonFields maps, AssetDescription& description) {
@@ -255,28 +244,29 @@ AssetDescription describe(const Asset& asset) {
   description.grid_cell_size = asset.grid.cell_size;
   description.grid_cells = asset.grid.cells;
   description.grid_records = asset.grid.records.size();
-  description.sign_octree_origin = asset.sign_octree.origin;
-  description.sign_octree_edge = asset.sign_octree.edge;
-  description.sign_octree_nodes = asset.sign_octree.words.size() / sign_octree_node_words;
-  description.bvh_origin = asset.bvh.origin;
-  description.bvh_size = asset.bvh.size;
-  description.bvh_nodes = asset.bvh.words.size() / bvh_node_words;
+  const OctreeData& octree = asset.octree;
+  description.octree = {.origin = octree.origin,
+                        .edge = octree.edge,
+                        .roots = octree.roots,
+                        .value_unit = octree.value_unit,
+                        .clearance_unit = octree.clearance_unit,
+                        .reach = octree.reach,
+                        .root_words = {},
+                        .units = {},
+                        .lists = {},
+                        .cluster_origin = octree.cluster_origin,
+                        .cluster_step = octree.cluster_step,
+                        .clusters = {}};
+  description.octree_units = octree.units.size();
+  description.octree_lists = octree.lists.size();
+  description.clusters = octree.clusters.size() / cluster_words;
   description.maps = static_cast<std::uint32_t>(asset.maps.size());
   if (!asset.maps.empty()) {
     description.map_columns = asset.maps.front().columns;
     description.map_rows = asset.maps.front().rows;
   }
   description.tiles = static_cast<std::uint32_t>(asset.tiles.size());
-  description.small_triangles = !asset.small_triangles.empty();
-  description.corners = static_cast<std::uint32_t>(
-      (description.small_triangles ? asset.small_triangles.size() : asset.triangles.size()) / 3);
-  if (asset.metadata.form == AssetForm::sparse) {
-    description.caps = description.corners - std::min(description.corners, asset.first_cap);
-  }
-  if (description.small_triangles) {
-    description.triangle_origin = asset.triangle_origin;
-    description.triangle_step = asset.triangle_step;
-  }
+  description.triangles = static_cast<std::uint32_t>(asset.triangles.size() / 9);
   return description;
 }
 
@@ -300,8 +290,8 @@ std::string to_json(const AssetDescription& description) {
   if (metadata.form == AssetForm::full) {
     json["grid"] = grid_json(description);
   } else {
-    json["space"] = sign_octree_json(description);
-    json["tree"] = bvh_json(description);
+    json["octree"] = octree_json(description);
+    json["clusters"] = clusters_json(description);
   }
   add_surfaces(description, json);
   json["planes"] = planes_json(description);
@@ -319,17 +309,21 @@ Result<AssetDescription> parse_description(std::string_view text, const std::str
   const std::uint64_t version = fields.integer("format_version", 0, UINT32_MAX);
   if (problem.empty() && version != asset_format_version) {
     return refuse("format version " + std::to_string(version) + ", this program reads " +
-                  std::to_string(asset_format_version));
+                  std::to_string(asset_format_version) +
+                  (version < asset_format_version
+                       ? "; an older spm-bake wrote it"
+                       : "; a newer spm-bake wrote it, update this one"));
   }
   AssetDescription description;
   description.metadata = read_metadata(fields);
   read_mesh(fields.child("mesh"), description.metadata);
-  read_triangles(fields, description);
   if (description.metadata.form == AssetForm::full) {
+    description.triangles =
+        static_cast<std::uint32_t>(fields.integer("triangles", 0, max_triangles));
     read_grid(fields.child("grid"), description);
     read_maps(fields.child("maps"), description);
   } else {
-    read_trees(fields, description);
+    read_octree(fields, description);
     read_tiles(fields.child("tiles"), description);
   }
   read_planes(fields, description, problem);

@@ -12,8 +12,8 @@
 
 namespace spm {
 
-/// Content of the string attribute `spm`: everything of an asset except height samples, the grid
-/// and triangles.
+/// Content of the string attribute `spm`: everything of an asset except height samples, the grid,
+/// the octree's words and triangles.
 struct AssetDescription {
   AssetMetadata metadata;
   std::vector<SupportPlane> planes;
@@ -23,23 +23,15 @@ struct AssetDescription {
   Vector3 grid_origin = Vector3::Zero();
   double grid_cell_size = 1;
   std::array<std::uint32_t, 3> grid_cells{0, 0, 0};
-  std::uint64_t grid_records = 0;  ///< words
-  // `sparse` only: see SignOctree and Bvh.
-  Vector3 sign_octree_origin = Vector3::Zero();
-  double sign_octree_edge = 0;
-  std::uint64_t sign_octree_nodes = 0;
-  Vector3 bvh_origin = Vector3::Zero();
-  std::array<float, 3> bvh_size{};
-  std::uint64_t bvh_nodes = 0;
-  std::uint32_t maps = 0;  ///< `full` only, with their columns and rows
+  std::uint64_t grid_records = 0;                    ///< words
+  OctreeData octree;                                 ///< `sparse` only, without its words
+  std::uint64_t octree_units = 0, octree_lists = 0;  ///< `sparse` only: words
+  std::uint64_t clusters = 0;                        ///< `sparse` only
+  std::uint32_t maps = 0;                            ///< `full` only, with their columns and rows
   std::uint32_t map_columns = 0;
   std::uint32_t map_rows = 0;
-  std::uint32_t tiles = 0;       ///< `sparse` only
-  std::uint32_t corners = 0;     ///< of the fallback's triangles; in `full` three per triangle
-  std::uint32_t caps = 0;        ///< number of the last corners that belong to caps; `sparse` only
-  bool small_triangles = false;  ///< corners are 16-bit numbers, with an origin and a step
-  Vector3 triangle_origin = Vector3::Zero();
-  double triangle_step = 0;
+  std::uint32_t tiles = 0;      ///< `sparse` only
+  std::uint32_t triangles = 0;  ///< `full` only: of the fallback
 };
 
 /// Description of an asset in memory, without the EXR tiles of its planes.

@@ -169,24 +169,10 @@ Result<std::vector<Tile>> sparse_tiles(const Parts& parts, const AssetDescriptio
   return std::move(read.tiles);
 }
 
-/// The triangles, in the form that the description names.
-bool find_triangles(const Parts& parts, const AssetDescription& description, AssetView& view) {
-  const std::uint64_t numbers = std::uint64_t{3} * description.corners;
-  if (!description.small_triangles) {
-    const auto corners = parts.words<float>(part_name::triangles, numbers);
-    if (corners) view.triangles = *corners;
-    return corners.has_value();
-  }
-  const auto words = parts.words<std::uint32_t>(part_name::triangles, (numbers + 1) / 2);
-  if (!words) return false;
-  view.small_triangles = {reinterpret_cast<const std::uint16_t*>(words->data()), numbers};
-  view.triangle_origin = description.triangle_origin;
-  view.triangle_step = description.triangle_step;
-  return true;
-}
-
-/// The grid of a `full` asset; returns the name of a part that is not as required, if any.
-std::string_view find_grid(const Parts& parts, const AssetDescription& description, Grid& grid) {
+/// The grid and triangles of a `full` asset; returns the name of a part that is not as required, if
+/// any.
+std::string_view find_grid(const Parts& parts, const AssetDescription& description,
+                           AssetView& view) {
   const auto& cells = description.grid_cells;
   const auto index = parts.words<std::uint32_t>(part_name::grid_index,
                                                 std::uint64_t{cells[0]} * cells[1] * cells[2]);
@@ -194,27 +180,37 @@ std::string_view find_grid(const Parts& parts, const AssetDescription& descripti
   const auto records =
       parts.words<std::uint32_t>(part_name::grid_records, description.grid_records);
   if (!records) return part_name::grid_records;
-  grid = {.origin = description.grid_origin,
-          .cell_size = description.grid_cell_size,
-          .cells = cells,
-          .index = *index,
-          .records = *records};
+  const auto corners =
+      parts.words<float>(part_name::triangles, std::uint64_t{9} * description.triangles);
+  if (!corners) return part_name::triangles;
+  view.grid = {.origin = description.grid_origin,
+               .cell_size = description.grid_cell_size,
+               .cells = cells,
+               .index = *index,
+               .records = *records};
+  view.triangles = *corners;
   return {};
 }
 
-/// The trees of a `sparse` asset, likewise.
-std::string_view find_trees(const Parts& parts, const AssetDescription& description,
-                            AssetView& view) {
-  const auto sign_octree = parts.words<std::uint32_t>(
-      part_name::grid_space, description.sign_octree_nodes * sign_octree_node_words);
-  if (!sign_octree) return part_name::grid_space;
-  const auto bvh =
-      parts.words<std::uint32_t>(part_name::grid_tree, description.bvh_nodes * bvh_node_words);
-  if (!bvh) return part_name::grid_tree;
-  view.sign_octree = {.origin = description.sign_octree_origin,
-                      .edge = description.sign_octree_edge,
-                      .words = *sign_octree};
-  view.bvh = {.origin = description.bvh_origin, .size = description.bvh_size, .words = *bvh};
+/// The octree and the clusters of a `sparse` asset, likewise.
+std::string_view find_octree(const Parts& parts, const AssetDescription& description,
+                             AssetView& view) {
+  const OctreeData& data = description.octree;
+  const auto roots = parts.words<std::uint32_t>(
+      part_name::grid_roots, std::uint64_t{data.roots[0]} * data.roots[1] * data.roots[2]);
+  if (!roots) return part_name::grid_roots;
+  const auto units = parts.words<std::uint32_t>(part_name::grid_cubes, description.octree_units);
+  if (!units) return part_name::grid_cubes;
+  const auto lists = parts.words<std::uint32_t>(part_name::grid_lists, description.octree_lists);
+  if (!lists) return part_name::grid_lists;
+  const auto clusters =
+      parts.words<std::uint32_t>(part_name::triangles, description.clusters * cluster_words);
+  if (!clusters) return part_name::triangles;
+  data.add_to(view);
+  view.octree.root_words = *roots;
+  view.octree.units = *units;
+  view.octree.lists = *lists;
+  view.clusters.words = *clusters;
   return {};
 }
 
@@ -226,7 +222,8 @@ const ExrPart* unexpected_part(const Parts& parts, bool full) {
     const bool own = full ? name.starts_with(part_name::heights) || name == part_name::grid_index ||
                                 name == part_name::grid_records
                           : name == part_name::heights || name == part_name::grid_tiles ||
-                                name == part_name::grid_space || name == part_name::grid_tree;
+                                name == part_name::grid_roots || name == part_name::grid_cubes ||
+                                name == part_name::grid_lists;
     if (!common && !own) return &part;
   }
   return nullptr;
@@ -245,11 +242,9 @@ Result<AssetTables> lay_out(std::span<const std::byte> bytes, const std::vector<
       full ? Result<std::vector<Tile>>() : sparse_tiles(parts, description, path);
   if (!tiles) return tl::make_unexpected(std::move(tiles.error()));
   AssetView rest;
-  if (!find_triangles(parts, description, rest)) return wrong_part(path, part_name::triangles);
   rest.height_unit = static_cast<float>(description.metadata.height_unit);
-  rest.first_cap = description.corners - description.caps;
   const std::string_view wrong =
-      full ? find_grid(parts, description, rest.grid) : find_trees(parts, description, rest);
+      full ? find_grid(parts, description, rest) : find_octree(parts, description, rest);
   if (!wrong.empty()) return wrong_part(path, wrong);
   rest.band = description.metadata.band;
   rest.tolerance = answer_tolerance(description.metadata);

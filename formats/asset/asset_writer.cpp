@@ -169,17 +169,20 @@ std::string inconsistency(const Asset& asset) {
     return "its grid has not one word a cell";
   }
   if (grid.records.size() > offset_mask) return "its grid has more words than can be named";
-  if (full ? !asset.sign_octree.words.empty() || !asset.bvh.words.empty()
-           : asset.sign_octree.words.empty() ||
-                 asset.sign_octree.words.size() % sign_octree_node_words != 0 ||
-                 asset.bvh.words.empty() || asset.bvh.words.size() % bvh_node_words != 0 ||
-                 !grid.index.empty() || !grid.records.empty()) {
-    return "its trees are not of whole nodes, or of the other form";
+  const OctreeData& octree = asset.octree;
+  const std::size_t roots = std::size_t{octree.roots[0]} * octree.roots[1] * octree.roots[2];
+  if (octree.root_words.size() != roots || (roots == 0) != full || octree.units.size() % 2 != 0 ||
+      octree.clusters.size() % cluster_words != 0) {
+    return "its octree is not of whole cubes and clusters, or of the other form";
   }
-  const std::size_t numbers = full ? 9 : 3;
-  if (asset.triangles.size() % numbers != 0 || asset.small_triangles.size() % numbers != 0 ||
-      !(asset.triangles.empty() || asset.small_triangles.empty())) {
-    return "the corners of its triangles are not of three numbers, or of two forms";
+  if (full && !(octree.units.empty() && octree.lists.empty() && octree.clusters.empty())) {
+    return "it holds parts of an octree, which belongs to the other form";
+  }
+  if (!full && !(grid.index.empty() && grid.records.empty())) {
+    return "it holds a grid, which belongs to the other form";
+  }
+  if (asset.triangles.size() % 9 != 0 || (!full && !asset.triangles.empty())) {
+    return "its triangles are not of nine numbers, or of the other form";
   }
   if (full ? !asset.tiles.empty() : !asset.maps.empty()) {
     return "it holds what belongs to the other form";
@@ -187,29 +190,14 @@ std::string inconsistency(const Asset& asset) {
   return full ? map_problem(asset) : tiles_problem(asset);
 }
 
-/// The 16-bit numbers of corners, two per word, the first in the low half.
-std::vector<std::uint32_t> pack_small(const std::vector<std::uint16_t>& numbers) {
-  std::vector<std::uint32_t> words((numbers.size() + 1) / 2, 0);
-  for (std::size_t i = 0; i < numbers.size(); ++i) {
-    words[i / 2] |= std::uint32_t{numbers[i]} << (16 * (i % 2));
+/// The words of the tiles; the masks also of a `full` asset. They must live until the file is
+/// written.
+TileWords gather(const Asset& asset) {
+  TileWords words = words_of(asset.tiles);
+  for (const MapData& map : asset.maps) {
+    words.masks.insert(words.masks.end(), map.mask.begin(), map.mask.end());
   }
   return words;
-}
-
-/// Arrays that are gathered from maps, tiles and triangles; they must live until the file is
-/// written.
-struct Gathered {
-  TileWords words;  ///< the masks also of a `full` asset
-  std::vector<std::uint32_t> small_triangles;
-};
-
-Gathered gather(const Asset& asset) {
-  Gathered gathered{words_of(asset.tiles), pack_small(asset.small_triangles)};
-  std::vector<std::uint32_t>& masks = gathered.words.masks;
-  for (const MapData& map : asset.maps) {
-    masks.insert(masks.end(), map.mask.begin(), map.mask.end());
-  }
-  return gathered;
 }
 
 std::vector<Attribute> attributes_of(const AssetDescription& description) {
@@ -246,18 +234,19 @@ Result<AssetBytes> write_asset(const Asset& asset, const std::string& path) {
   } else if (!asset.tiles.empty()) {
     parts.push_back(sparse_part(asset));
   }
-  const Gathered gathered = gather(asset);
+  const TileWords tiles = gather(asset);
   const auto add = [&parts](std::string_view name, SampleType type, const auto& values) {
     if (!values.empty()) parts.push_back(flat_part(name, type, std::span(values)));
   };
   add(part_name::grid_index, SampleType::uint32, asset.grid.index);
   add(part_name::grid_records, SampleType::uint32, asset.grid.records);
-  add(part_name::grid_space, SampleType::uint32, asset.sign_octree.words);
-  add(part_name::grid_tree, SampleType::uint32, asset.bvh.words);
-  add(part_name::grid_tiles, SampleType::uint32, gathered.words.tiles);
-  add(part_name::grid_masks, SampleType::uint32, gathered.words.masks);
+  add(part_name::grid_roots, SampleType::uint32, asset.octree.root_words);
+  add(part_name::grid_cubes, SampleType::uint32, asset.octree.units);
+  add(part_name::grid_lists, SampleType::uint32, asset.octree.lists);
+  add(part_name::grid_tiles, SampleType::uint32, tiles.tiles);
+  add(part_name::grid_masks, SampleType::uint32, tiles.masks);
   add(part_name::triangles, SampleType::float32, asset.triangles);
-  add(part_name::triangles, SampleType::uint32, gathered.small_triangles);
+  add(part_name::triangles, SampleType::uint32, asset.octree.clusters);
 
   Result<OutputFile> file = OutputFile::create(path);
   if (!file) return tl::make_unexpected(std::move(file.error()));

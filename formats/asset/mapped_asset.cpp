@@ -137,7 +137,7 @@ Result<std::unique_ptr<MappedAsset>> MappedAsset::open(const std::string& path,
   Result<AssetTables> tables = lay_out(bytes, *parts, *description, path);
   if (!tables) return failed(tables);
   if (auto good = check_content(tables->view(), path); !good) return failed(good);
-  if (options.index) tables->build_index();
+  if (!options.tiles) tables->drop_tiles();
   if (options.prefault) (*file)->touch();
   // The file that is mapped now must be the one that was checked above.
   if (options.mode == MapMode::file && (*file)->state() != AssetState::intact) {
@@ -182,8 +182,16 @@ const std::string& MappedAsset::content_sha256() const noexcept {
 
 AssetBytes MappedAsset::bytes() const noexcept { return implementation_->bytes; }
 
-std::size_t MappedAsset::index_bytes() const noexcept {
-  return implementation_->tables.index_bytes();
+std::uint64_t MappedAsset::resident_bytes() const noexcept {
+  const AssetView& view = this->view();
+  std::uint64_t bytes = view.planes.size_bytes();
+  for (const PartInfo& part : implementation_->parts) {
+    const bool shown =
+        !view.full && (part.name == part_name::heights || part.name == part_name::grid_tiles ||
+                       part.name == part_name::grid_masks);
+    bytes += shown ? 0 : part.payload_bytes;
+  }
+  return bytes;
 }
 
 bool MappedAsset::locked() const noexcept { return implementation_->file->locked(); }

@@ -22,7 +22,7 @@ enum class MapMode {
 struct MapOptions {
   MapMode mode = MapMode::file;
   bool prefault = false;  ///< read every page before open returns
-  bool index = true;      ///< derive the index, which makes queries several times faster
+  bool tiles = false;     ///< keep a table of the tiles: what the asset shows of its surface
   bool lock = false;      ///< mlock the mapping where permitted; `locked()` says whether it was
 };
 
@@ -60,8 +60,9 @@ class MappedAsset {
   /// SHA-256 of the whole file, computed at the first call: not for the servo loop.
   [[nodiscard]] const std::string& content_sha256() const noexcept;
   [[nodiscard]] AssetBytes bytes() const noexcept;
-  /// Size of the index, which is in memory beside the file.
-  [[nodiscard]] std::size_t index_bytes() const noexcept;
+  /// The part of the file that answers come from, and of what opening derived: what a loop that
+  /// queries all over the band keeps in memory.
+  [[nodiscard]] std::uint64_t resident_bytes() const noexcept;
   [[nodiscard]] bool locked() const noexcept;
 
   /// True once a page of the mapping was lost. Lock-free, callable from the servo loop.

@@ -19,8 +19,9 @@ namespace part_name {
 inline constexpr std::string_view heights = "heights";        ///< `full` adds the number of layers
 inline constexpr std::string_view grid_index = "grid_index";  ///< `full` only
 inline constexpr std::string_view grid_records = "grid_records";  ///< `full` only
-inline constexpr std::string_view grid_space = "grid_space";      ///< `sparse` only
-inline constexpr std::string_view grid_tree = "grid_tree";        ///< `sparse` only
+inline constexpr std::string_view grid_roots = "grid_roots";      ///< `sparse` only
+inline constexpr std::string_view grid_cubes = "grid_cubes";      ///< `sparse` only
+inline constexpr std::string_view grid_lists = "grid_lists";      ///< `sparse` only
 inline constexpr std::string_view grid_masks = "grid_masks";
 inline constexpr std::string_view grid_tiles = "grid_tiles";  ///< `sparse` only
 inline constexpr std::string_view triangles = "triangles";

@@ -56,6 +56,8 @@ int32_t source_code(spm::Source source) noexcept {
       return SPM_QUERY_TILE;
     case spm::Source::triangles:
       return SPM_QUERY_TRIANGLES;
+    case spm::Source::polynomial:
+      return SPM_QUERY_POLYNOMIAL;
     case spm::Source::none:
       return SPM_QUERY_NONE;
   }
@@ -121,9 +123,7 @@ void spm_query_band(const spm_query_asset* asset, double* max_depth, double* mar
   *margin = asset->asset->view().band.margin;
 }
 
-size_t spm_query_memory(const spm_query_asset* asset) {
-  return asset->asset->bytes().total + asset->asset->index_bytes();
-}
+size_t spm_query_memory(const spm_query_asset* asset) { return asset->asset->bytes().total; }
 
 void spm_query_box(const spm_query_asset* asset, double box_min[3], double box_max[3]) {
   copy_to(box_min, asset->asset->metadata().box_min);

@@ -30,7 +30,12 @@ enum spm_query_status {
   SPM_QUERY_PRUNED = 3 /**< left out by the bake: distance is NaN, normal zero */
 };
 
-enum spm_query_source { SPM_QUERY_TILE = 0, SPM_QUERY_TRIANGLES = 1, SPM_QUERY_NONE = 2 };
+enum spm_query_source {
+  SPM_QUERY_TILE = 0,
+  SPM_QUERY_TRIANGLES = 1,
+  SPM_QUERY_NONE = 2,
+  SPM_QUERY_POLYNOMIAL = 3
+};
 
 enum spm_query_method { SPM_QUERY_METHOD_SPM = 0, SPM_QUERY_METHOD_PAPER = 1 };
 

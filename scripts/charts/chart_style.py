@@ -24,6 +24,7 @@ COLOURS = {
     "spm": OURS,
     "dense-sdf": "#1f5f8b",
     "openvdb": "#2a7f78",
+    "nanovdb": "#5c9a3c",
     "adaptive-sdf": "#8a5a00",
     "embree": "#5b4a8a",
     "triangle-grid": "#444444",
@@ -41,6 +42,7 @@ COLOURS = {
 NAMES = {
     "dense-sdf": "dense SDF",
     "openvdb": "OpenVDB",
+    "nanovdb": "NanoVDB",
     "adaptive-sdf": "adaptive SDF",
     "embree": "Embree",
     "triangle-grid": "triangle grid",

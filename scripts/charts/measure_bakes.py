@@ -28,7 +28,8 @@ ROUGH_TRIANGLES, ROUGH_TOLERANCE = 1_000_000, 100
 def run(*command) -> dict:
     done = subprocess.run([BAKE, *map(str, command), "--json"], capture_output=True, text=True,
                           check=False)
-    if done.returncode != 0:
+    missed = command[0] == "verify" and done.returncode == 10  # its report says so
+    if done.returncode != 0 and not missed:
         sys.exit(f"spm-bake {command[0]} {Path(command[1]).name} ended with {done.returncode}: "
                  f"{done.stderr.strip()}")
     return json.loads(done.stdout)

@@ -71,6 +71,8 @@ OTHERS = [
     (["verify", "a.spm.exr", "a.obj", "--samples", "1e5"], ["--samples"]),
     (["verify", "a.spm.exr", "a.obj", "--band", "2"], ["--band", "unit"]),
     (["verify", "a.spm.exr", "a.obj", "--band", "0mm"], ["--band"]),
+    (["verify", "a.spm.exr", "a.obj", "--worst", "10001"], ["--worst", "10000"]),
+    (["verify", "a.spm.exr", "a.obj", "--worst", "-1"], ["--worst"]),
     (["query", "a.spm.exr", "-o", "a.csv"], ["--points"]),
     (["query", "a.spm.exr", "--points", "a.txt"], ["--output"]),
     (["export", "a.spm.exr"], ["--output"]),

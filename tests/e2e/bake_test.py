@@ -19,7 +19,9 @@ VERIFY_KEYS = {
                           "max": NUMBER},
     "direction_error_deg": {"p50": NUMBER, "p99": NUMBER, "max": NUMBER},
     "misclassified": {"inside_as_outside": NUMBER, "outside_as_inside": NUMBER},
-    "unanswered": NUMBER, "samples": int, "band_m": NUMBER,
+    "unanswered": NUMBER, "samples": int, "band_m": NUMBER, "tolerance_um": NUMBER, "passed": bool,
+    "counts": {"unanswered": int, "wrong_side": int, "beyond_tolerance": int}, "worst": list,
+    "seed": int, "verdict": str,
 }
 
 
@@ -42,6 +44,13 @@ def read_ply(path):
         assert len(body) == 12 * vertices + 13 * faces
     assert len(triangles) == faces
     return points, triangles
+
+
+def read_ply_points(path):
+    """Places of a PLY of points as verify writes it."""
+    with open(path, encoding="ascii") as file:
+        _, body = file.read().split("end_header\n", 1)
+    return [tuple(map(float, row.split()[:3])) for row in body.splitlines()]
 
 
 class Bake(Case):
@@ -164,6 +173,39 @@ class Bake(Case):
                                 "0.5mm", "--seed", "7")
         self.assertAlmostEqual(shallow["band_m"], 0.0005)
 
+    def test_verify_is_a_judge_and_says_what_it_found(self):
+        self.baked("sparse")
+        points = self.path("worst.ply")
+        report = self.run_json("verify", self.asset, self.mesh, "--samples", "3000", "--worst", "7",
+                               "--worst-ply", points)
+        self.assertIs(report["passed"], True)
+        self.assertAlmostEqual(report["tolerance_um"], 200)
+        self.assertEqual(report["counts"],
+                         {"unanswered": 0, "wrong_side": 0, "beyond_tolerance": 0, "pruned": 0})
+        self.assertEqual(len(report["worst"]), 7)
+        errors = [place["error_um"] for place in report["worst"]]
+        self.assertEqual(errors, sorted(errors, reverse=True))
+        self.assertEqual(errors[0], max(report["distance_error_um"]["max"],
+                                        report["adversarial"]["distance_error_um"]["max"]))
+        for place in report["worst"]:
+            self.assertEqual(place["kind"], "within")
+            self.assertAlmostEqual(math.hypot(*place["point"]) - RADIUS, place["exact_distance_m"],
+                                   delta=200e-6)
+        self.assertEqual(read_ply_points(points), [tuple(place["point"]) for place in report["worst"]])
+        text = run("verify", self.asset, self.mesh, "--samples", "3000", "--seed", "5")
+        self.assertEqual((text.returncode, text.stderr), (0, ""))
+        self.assertEqual(text.stdout.splitlines()[-1],
+                         "verdict        kept: 0 of 3,000 places and 0 of 1,500 hard ones beyond 200 "
+                         "um, none unanswered, none on the wrong side (seed 5)")
+        self.assertEqual(text.stdout.count("\nworst "), 20)
+
+    def test_verify_of_an_asset_without_a_promise_says_so(self):
+        self.baked("full")
+        report = self.run_json("verify", self.asset, self.mesh, "--samples", "1000")
+        self.assertIs(report["passed"], True)
+        self.assertIsNone(report["tolerance_um"])
+        self.assertTrue(report["verdict"].startswith("no promise"), report["verdict"])
+
     def test_verify_draws_the_surface_and_where_it_errs(self):
         self.baked("sparse")
         pictures = self.path("errors")
@@ -219,7 +261,7 @@ class Bake(Case):
                 self.assertAlmostEqual(float(row["distance"]), exact, delta=TOLERANCE + 200e-6)
                 normal = [float(row[key]) for key in ("nx", "ny", "nz")]
                 self.assertAlmostEqual(math.hypot(*normal), 1, places=9)
-                self.assertIn(row["source"], ("tile", "triangles"))
+                self.assertIn(row["source"], ("polynomial", "triangles"))
                 self.assertEqual(int(row["plane"]) == -1, row["source"] == "triangles")
         self.assertEqual([row["status"] for row in rows],
                          ["exact", "deep", "exact", "far", "exact", "exact"])

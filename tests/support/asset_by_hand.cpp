@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "common/surface/support_plane_mapping.hpp"
-#include "tree_by_hand.hpp"
+#include "tests/support/triangle_octree.hpp"
 
 namespace spm::test {
 
@@ -128,18 +128,19 @@ TiledCubeByHand::TiledCubeByHand(double size, const Band& band) {
       planes.push_back(plane_with_normal(size / 2 * normal, normal));
     }
   }
-  std::vector<BoxedChild> leaves;
-  for (std::uint32_t tile = 0; tile < by_hand.size(); ++tile) leaves.push_back(tile_child(tile));
-  bvh = bvh_over(leaves);
-  sign_octree = {octants(SignKind::boundary), 0};
+  octree.origin = Vector3::Constant(-size / 2 - band.margin);
+  octree.edge = size + 2 * band.margin;
+  // Such that corners are exact.
+  octree.cluster_step = size / (2 * half_steps);
+  replace_triangles(box(Vector3::Constant(size)));
   view.band = band;
   view.height_unit = 1e-6F;
   view.tolerance = 1e-5;
-  view.sign_octree.origin = Vector3::Constant(-size / 2 - band.margin);
-  view.sign_octree.edge = size + 2 * band.margin;
-  const auto edge = static_cast<float>(size);
-  view.bvh.origin = Vector3::Constant(-size / 2);
-  view.bvh.size = {edge, edge, edge};
+  refresh();
+}
+
+void TiledCubeByHand::replace_triangles(const Shape& shape) {
+  octree = triangle_octree(shape, {.low = octree.origin, .edge = octree.edge}, octree.cluster_step);
   refresh();
 }
 
@@ -148,10 +149,7 @@ void TiledCubeByHand::refresh() {
   for (const TileByHand& made : by_hand) tiles.push_back(made.view(view.height_unit));
   view.planes = planes;
   view.tiles = tiles;
-  view.triangles = triangles;
-  view.small_triangles = small_triangles;
-  view.sign_octree.words = sign_octree;
-  view.bvh.words = bvh;
+  octree.add_to(view);
 }
 
 }  // namespace spm::test

@@ -7,6 +7,8 @@
 #include <vector>
 
 #include "common/asset/asset_view.hpp"
+#include "formats/asset/asset.hpp"
+#include "tests/support/shapes.hpp"
 
 namespace spm::test {
 
@@ -60,8 +62,9 @@ class BoxByHand {
   void refresh();
 };
 
-/// A cube of edge length `size` about the origin as a `sparse` asset: six faces in the order of
-/// BoxByHand, one tile each, in a tree of whole boxes, and a space where the tiles always decide.
+/// A cube of edge length `size` about the origin as a `sparse` asset: an octree of one cube, whose
+/// list has the twelve triangles in two clusters. Six faces in the order of BoxByHand, one tile
+/// each, are what it shows of its surface.
 class TiledCubeByHand {
  public:
   explicit TiledCubeByHand(double size, const Band& band = {0.002, 0.0005});
@@ -71,11 +74,14 @@ class TiledCubeByHand {
   std::vector<SupportPlane> planes;
   std::vector<TileByHand> by_hand;
   std::vector<Tile> tiles;
-  std::vector<std::uint32_t> sign_octree, bvh;
-  std::vector<float> triangles;
-  std::vector<std::uint16_t> small_triangles;
+  OctreeData octree;
   AssetView view;
 
+  /// Steps from the middle to a face on the lattice of the clusters' corners.
+  static constexpr std::int32_t half_steps = 1 << 14;
+
+  /// Makes the octree's list that of another shape, which lies within the cube of the octree.
+  void replace_triangles(const Shape& shape);
   /// Points the view at the vectors again, after a test changed them.
   void refresh();
 };

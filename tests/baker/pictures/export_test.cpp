@@ -4,9 +4,9 @@
 #include <catch2/catch.hpp>
 
 #include "baker/pictures/picture.hpp"
-#include "common/asset/bvh.hpp"
 #include "common/surface/support_plane_mapping.hpp"
 #include "formats/asset/asset.hpp"
+#include "tests/support/octree_by_hand.hpp"
 
 namespace export_test {
 
@@ -17,7 +17,7 @@ using namespace spm::baker;
 
 /// A level tile of 8 mm, 2 mm below a plane at z = 10 mm, that lacks its last cell and half of its
 /// first; and two triangles, one of them a cap.
-Asset tile_asset(bool small) {
+Asset tile_asset() {
   Asset asset;
   asset.metadata.options = "{}";
   asset.metadata.tile_spacing = 1e-3;
@@ -30,50 +30,42 @@ Asset tile_asset(bool small) {
   tile.clipped = 1;
   tile.clips = {pack_clip({100, 0, 0})};
   asset.tiles = {tile};
-  if (small) {
-    asset.triangle_step = 1e-6;
-    asset.small_triangles = {0, 0, 0, 2000, 0, 0, 0, 2000, 0, 0, 0, 9, 9, 0, 9, 0, 9, 9};
-  } else {
-    asset.triangles = {0, 0, 0, 2e-3F, 0, 0, 0, 2e-3F, 0, 0, 0, 1, 1, 0, 1, 0, 1, 1};
-  }
-  asset.first_cap = 3;
-  for (const std::uint32_t first : {0U, 3U}) {
-    asset.bvh.words.push_back(pack_child({ElementKind::fan, first, 1}));
-  }
-  asset.bvh.words.resize(bvh_node_words, 0);
+  // One triangle that no tile shows, and a cap, which is no surface.
+  asset.octree.cluster_step = 1e-6;
+  test::add_cluster(asset.octree, {{{{{0, 0, 0}, {2000, 0, 0}, {0, 2000, 0}}}, 0, true}});
+  test::add_cluster(asset.octree, {{{{{0, 0, 9}, {9, 0, 9}, {0, 9, 9}}}, 0, false}},
+                    {.caps = true});
   return asset;
 }
 
 }  // namespace
 
 TEST_CASE("The surface of an asset is its tiles' valid cells up to their clips, and triangles") {
-  for (const bool small : {false, true}) {
-    const Asset asset = tile_asset(small);
-    const KnownSurface surface = known_surface(tables_of(asset).view());
-    double tile_area = 0, triangle_area = 0;
-    for (const auto& triangle : surface.triangles) {
-      std::array<Vector3, 3> corners;
-      for (std::size_t i = 0; i < 3; ++i) {
-        const auto& [x, y, z] = surface.vertices[triangle[i]];
-        corners[i] = Vector3(x, y, z);
-      }
-      const Vector3 normal = (corners[1] - corners[0]).cross(corners[2] - corners[0]) / 2;
-      CHECK(normal.z() > 0);
-      if (corners[0].z() > 1e-3) {
-        CHECK(corners[0].z() == Approx(0.008));
-        tile_area += normal.norm();
-      } else {
-        triangle_area += normal.norm();
-      }
+  const Asset asset = tile_asset();
+  const KnownSurface surface = known_surface(tables_of(asset).view());
+  double tile_area = 0, triangle_area = 0;
+  for (const auto& triangle : surface.triangles) {
+    std::array<Vector3, 3> corners;
+    for (std::size_t i = 0; i < 3; ++i) {
+      const auto& [x, y, z] = surface.vertices[triangle[i]];
+      corners[i] = Vector3(x, y, z);
     }
-    CHECK(tile_area == Approx(62.5e-6));
-    CHECK(triangle_area == Approx(2e-6));
-    CHECK(surface.vertices.size() == 79 + 4 + 3);  // clipped cells have corners of their own
+    const Vector3 normal = (corners[1] - corners[0]).cross(corners[2] - corners[0]) / 2;
+    CHECK(normal.z() > 0);
+    if (corners[0].z() > 1e-3) {
+      CHECK(corners[0].z() == Approx(0.008));
+      tile_area += normal.norm();
+    } else {
+      triangle_area += normal.norm();
+    }
   }
+  CHECK(tile_area == Approx(62.5e-6));
+  CHECK(triangle_area == Approx(2e-6));
+  CHECK(surface.vertices.size() == 79 + 4 + 3);  // clipped cells have corners of their own
 }
 
 TEST_CASE("The picture of a plane shows its tiles' valid cells up to their clips") {
-  const Asset asset = tile_asset(false);
+  const Asset asset = tile_asset();
   const Picture picture = plane_picture(tables_of(asset).view(), 0, 80);
   REQUIRE(picture.width == 80);
   REQUIRE(picture.height == 80);

@@ -24,7 +24,9 @@ BakeOptions full(std::size_t planes, std::uint32_t resolution = 17) {
 
 bool same(const Asset& a, const Asset& b) {
   if (a.maps.size() != b.maps.size() || a.triangles != b.triangles ||
-      a.small_triangles != b.small_triangles || a.tiles.size() != b.tiles.size()) {
+      a.octree.units != b.octree.units || a.octree.lists != b.octree.lists ||
+      a.octree.clusters != b.octree.clusters || a.octree.root_words != b.octree.root_words ||
+      a.tiles.size() != b.tiles.size()) {
     return false;
   }
   for (std::size_t i = 0; i < a.tiles.size(); ++i) {

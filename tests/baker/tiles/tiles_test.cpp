@@ -13,6 +13,7 @@
 #include "common/base/random.hpp"
 #include "common/query/query.hpp"
 #include "common/surface/closest_on_tile.hpp"
+#include "common/surface/closest_on_triangle.hpp"
 #include "common/surface/support_plane_mapping.hpp"
 #include "tests/baker/pipeline/bake_support.hpp"
 
@@ -49,18 +50,16 @@ std::vector<Tile> views_of(const std::vector<TileData>& tiles) {
   return views;
 }
 
-std::vector<SurfacePiece> open_pieces(const SurfaceCover& cover) {
-  std::vector<SurfacePiece> pieces;
-  for (const auto& open : cover.open) pieces.insert(pieces.end(), open.begin(), open.end());
-  return pieces;
+std::size_t open_triangles(const SurfaceCover& cover) {
+  return static_cast<std::size_t>(std::count_if(cover.open.begin(), cover.open.end(),
+                                                [](const auto& open) { return open.has_value(); }));
 }
 
-/// Proven tiles over a shape, and the pieces that are left over.
+/// Proven tiles over a shape, and what of it they cover.
 struct Covered {
   Caster caster;
   std::vector<SupportPlane> planes;
   std::vector<TileData> tiles;
-  std::vector<SurfacePiece> pieces;
   SurfaceCover cover;
   ProofCounts counts;
 
@@ -70,8 +69,7 @@ struct Covered {
     tiles = cast_tiles(caster, planes, settings,
                        surface_points(caster, settings.surfel_spacing, 0, 1), {});
     prove_tiles(caster, planes, tiles, spacing, unit, tolerance, {}, counts);
-    cover = prove_surface(caster, planes, views_of(tiles), unit, tolerance, 0.002, {});
-    pieces = open_pieces(cover);
+    cover = prove_surface(caster, planes, views_of(tiles), unit, tolerance, {});
   }
 };
 
@@ -138,9 +136,7 @@ TEST_CASE("Tiles and pieces together stand for every point of the surface, withi
     }
     if (least <= tolerance * 1.001) continue;
     ++open;
-    bool pieced = false;
-    for (const SurfacePiece& piece : covered.pieces) pieced |= piece.triangle == sample.triangle;
-    CHECK(pieced);
+    CHECK(covered.cover.open[sample.triangle].has_value());
   }
   CHECK(open < 200);
 }
@@ -179,16 +175,24 @@ TEST_CASE("A tile that was moved off the surface loses its cells") {
   CHECK(counts.refused_cells > 0);
 }
 
-TEST_CASE("Without its tiles a surface is open as a whole, and in large pieces") {
+TEST_CASE("Without tiles every triangle of a surface is open, at a place of its own") {
   const test::Shape box = test::box({0.03, 0.03, 0.03});
   const Caster caster(test::surface_of(box));
-  const SurfaceCover cover = prove_surface(caster, axis_planes(0.015), {}, unit, 1e-4, 0.002, {});
-  CHECK(open_pieces(cover).size() == box.triangles.size());
+  const SurfaceCover cover = prove_surface(caster, axis_planes(0.015), {}, unit, 1e-4, {});
+  CHECK(open_triangles(cover) == box.triangles.size());
+  for (std::uint32_t t = 0; t < cover.open.size(); ++t) {
+    REQUIRE(cover.open[t].has_value());
+    const Vector3& place = *cover.open[t];
+    CHECK(
+        (closest_on_triangle(place, caster.corner(t, 0), caster.corner(t, 1), caster.corner(t, 2)) -
+         place)
+            .norm() < 1e-12);
+  }
 }
 
 TEST_CASE("Trimming keeps what the proof rests on: the surface stays proven") {
   Covered covered(test::torus(0.02, 0.006, 60, 30), 1e-4);
-  const std::size_t open = covered.pieces.size();
+  const std::size_t open = open_triangles(covered.cover);
   std::size_t cells = 0, kept = 0;
   for (const TileData& tile : covered.tiles)
     cells += static_cast<std::size_t>(std::popcount(tile.valid));
@@ -200,9 +204,8 @@ TEST_CASE("Trimming keeps what the proof rests on: the surface stays proven") {
   for (const TileData& tile : covered.tiles)
     kept += static_cast<std::size_t>(std::popcount(tile.valid));
   CHECK(kept < cells);
-  CHECK(open_pieces(prove_surface(covered.caster, covered.planes, views_of(covered.tiles), unit,
-                                  1e-4, 0.002, {}))
-            .size() <= open);
+  CHECK(open_triangles(prove_surface(covered.caster, covered.planes, views_of(covered.tiles), unit,
+                                     1e-4, {})) <= open);
 }
 
 TEST_CASE("Every tile near a point is in its bin") {

@@ -43,6 +43,7 @@ TimesPlan plan_of(const MethodsSettings& settings) {
     plan.tolerances = {};
     plan.adaptive_tolerances = {400e-6};
     plan.voxels = {0.5e-3};
+    plan.nano_voxels = {NanoVoxel::fixed8};
     plan.grid_cells = {2e-3};
     plan.paper_planes = 200;
     plan.scalar = false;
@@ -51,8 +52,10 @@ TimesPlan plan_of(const MethodsSettings& settings) {
     plan.timing = {7, 0.004, 20};
   } else {
     plan.tolerances = {25e-6, 50e-6, 100e-6, 200e-6};
-    plan.adaptive_tolerances = {100e-6, 200e-6};
-    plan.voxels = {1e-3, 0.5e-3, 0.25e-3};
+    plan.adaptive_tolerances = {50e-6, 100e-6, 200e-6};
+    plan.voxels = {1e-3, 0.5e-3, 0.25e-3, 0.125e-3};
+    plan.nano_voxels = {NanoVoxel::float32, NanoVoxel::fixed16, NanoVoxel::fixed8,
+                        NanoVoxel::variable};
     plan.grid_cells = {2e-3, 1e-3, 0.6e-3};
   }
   if (settings.samples > 0) plan.samples = settings.samples;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <cmath>
 #include <limits>
 
 #include "common/query/query.hpp"
@@ -9,27 +10,31 @@
 namespace spm::bench {
 
 /// Signed distances at a cube's corners, metres; bit 0 of the index is x, bit 1 y, bit 2 z.
-using CubeCorners = std::array<double, 8>;
+using CubeCorners = std::array<float, 8>;
 
-/// Distance at a place in the cube, each coordinate from 0 to 1. The normal is the direction of the
+/// A place in a cube, each coordinate from 0 to 1.
+using CubePlace = std::array<float, 3>;
+
+/// Distance at a place in the cube, in floats as it is stored. The normal is the direction of the
 /// gradient of the trilinear function.
-[[nodiscard]] inline Answer trilinear(const CubeCorners& corners, const Vector3& place) noexcept {
-  const auto mix = [](double a, double b, double t) { return a + t * (b - a); };
-  std::array<double, 4> along_x{}, slope_x{};
-  for (std::size_t i = 0; i < 4; ++i) {
-    along_x[i] = mix(corners[2 * i], corners[2 * i + 1], place.x());
-    slope_x[i] = corners[2 * i + 1] - corners[2 * i];
-  }
-  const std::array<double, 2> along_y{mix(along_x[0], along_x[1], place.y()),
-                                      mix(along_x[2], along_x[3], place.y())};
+[[nodiscard]] inline Answer trilinear(const CubeCorners& corners, const CubePlace& place) noexcept {
+  // One by one: read as vectors, corners just stored one by one would have to be waited for.
+  const auto mix = [](float a, float b, float t) { return a + t * (b - a); };
+  const auto [x, y, z] = place;
+  const auto& [c0, c1, c2, c3, c4, c5, c6, c7] = corners;
+  const float x0 = c1 - c0, x1 = c3 - c2, x2 = c5 - c4, x3 = c7 - c6;
+  const float a0 = c0 + x * x0, a1 = c2 + x * x1, a2 = c4 + x * x2, a3 = c6 + x * x3;
+  const float y0 = a1 - a0, y1 = a3 - a2;
+  const float near = a0 + y * y0, far = a2 + y * y1;
+  const float gx = mix(mix(x0, x1, y), mix(x2, x3, y), z);
+  const float gy = mix(y0, y1, z), gz = far - near;
   Answer answer;
-  answer.distance = mix(along_y[0], along_y[1], place.z());
-  const Vector3 gradient(mix(mix(slope_x[0], slope_x[1], place.y()),
-                             mix(slope_x[2], slope_x[3], place.y()), place.z()),
-                         mix(along_x[1] - along_x[0], along_x[3] - along_x[2], place.z()),
-                         along_y[1] - along_y[0]);
-  const double length = gradient.norm();
-  if (length > 0) answer.normal = gradient / length;
+  answer.distance = near + z * gz;
+  const float squared = gx * gx + gy * gy + gz * gz;
+  if (squared > 0) {
+    const float scale = 1 / std::sqrt(squared);
+    answer.normal = Vector3(gx * scale, gy * scale, gz * scale);
+  }
   answer.status = Status::exact;
   return answer;
 }
@@ -43,11 +48,6 @@ using CubeCorners = std::array<double, 8>;
 }
 
 /// Answer for a point outside, beyond the margin.
-[[nodiscard]] inline Answer far_answer() noexcept {
-  Answer answer;
-  answer.distance = std::numeric_limits<double>::quiet_NaN();
-  answer.status = Status::far;
-  return answer;
-}
+[[nodiscard]] inline Answer far_answer() noexcept { return unanswered(Status::far); }
 
 }  // namespace spm::bench

@@ -50,6 +50,8 @@ class OfProxy final : public Contestant {
     proxy_.follow(block.front().point);
   }
 
+  void go_on(std::span<const TimedPlace>) override {}
+
   void ask(std::span<const TimedPlace> block) override {
     double sum = 0;
     for (const TimedPlace& place : block) {

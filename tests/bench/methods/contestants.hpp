@@ -12,7 +12,7 @@ namespace spm::bench {
 
 // The timed object for each kind of method. The method that it refers to must outlive it.
 
-/// A method without state: queried at all points of a block at once.
+/// A method, queried at all points of a block at once.
 [[nodiscard]] std::unique_ptr<Contestant> contestant_of(const Method& method);
 
 /// A ball at each point.

@@ -14,16 +14,19 @@ namespace spm::bench {
 
 /// Describes a method and the cost to build it. The method itself fills this in.
 struct MethodFacts {
-  std::string name;         ///< as the tables and the chart call it
-  std::string settings;     ///< for a person, such as "cell 1 mm"
-  double setting = 0;       ///< m: the tolerance or cell that was asked for; 0 where there is none
-  std::uint64_t bytes = 0;  ///< size of the memory that a query may read
-  double build_seconds = 0;
-  double open_seconds = 0;  ///< to open the file and derive its index; 0 where there is none
+  std::string name;      ///< as the tables and the chart call it
+  std::string settings;  ///< for a person, such as "cell 1 mm"
+  double setting = 0;    ///< m: the tolerance or cell that was asked for; 0 where there is none
+  double tolerance = 0;  ///< m: that was asked for; 0 where the method has none
+  std::uint64_t file_bytes = 0;      ///< what a file must hold, so that opening makes the rest
+  std::uint64_t resident_bytes = 0;  ///< what the loop holds: all that a query may read
+  double build_seconds = 0;          ///< from the mesh to the file
+  double open_seconds = 0;           ///< from the file in memory to the first query
 };
 
-/// A way to answer signed distance and outward normal near a surface, ready to be asked. Immutable;
-/// any number of threads may ask it.
+/// A way to answer signed distance and outward normal near a surface, ready to be asked. It may
+/// keep what the query before found, as a loop would: so it is asked by one thread at a time, but
+/// for a method whose comment allows more.
 class Method {
  public:
   Method() = default;

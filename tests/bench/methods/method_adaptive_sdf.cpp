@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <tbb/parallel_for.h>
 
-#include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <numbers>
 #include <vector>
 
+#include "baker/base/bake_error.hpp"
 #include "common/base/units.hpp"
 #include "tests/bench/geometry/grid_number.hpp"
 #include "tests/bench/geometry/trilinear.hpp"
@@ -26,6 +27,8 @@ constexpr double largest_leaf = 0.004;  // m
 constexpr double largest_step = 0.001;  // m
 /// Cubes much smaller than the allowed error bring no gain.
 constexpr double smallest_leaf = 0.5;  // tolerances
+/// More leaves would be a gigabyte.
+constexpr std::size_t max_leaves = 30'000'000;
 
 struct Cube {
   Vector3 low = Vector3::Zero();
@@ -37,11 +40,16 @@ enum class Verdict { far, deep, leaf, split };
 
 struct Look {
   Verdict verdict = Verdict::far;
-  std::array<float, 8> corners{};
+  CubeCorners corners{};
 };
 
 /// Corner `index` of a cube of edge 1.
 Vector3 unit_corner(std::uint32_t index) { return grid_vector(grid_place({2, 2, 2}, index)); }
+
+CubePlace floats_of(const Vector3& place) {
+  return {static_cast<float>(place.x()), static_cast<float>(place.y()),
+          static_cast<float>(place.z())};
+}
 
 /// True if the trilinear function of a cube's corners is within the tolerance at the places in the
 /// band of a lattice in the cube, with `steps` steps per side.
@@ -52,7 +60,7 @@ bool holds(const Model& model, double tolerance, const Cube& cube, const CubeCor
     const Vector3 place = grid_vector(grid_place(tried, i)) / steps;
     const double truth = model.caster.closest(cube.low + cube.edge * place).distance;
     if (truth < -model.band.max_depth || truth > model.band.margin) continue;
-    if (std::abs(trilinear(corners, place).distance - truth) > tolerance) return false;
+    if (std::abs(trilinear(corners, floats_of(place)).distance - truth) > tolerance) return false;
   }
   return true;
 }
@@ -68,17 +76,15 @@ Look look(const Model& model, double tolerance, const Cube& cube) {
   }
   result.verdict = Verdict::split;
   if (cube.edge > largest_leaf) return result;
-  CubeCorners corners{};
   for (std::uint32_t i = 0; i < 8; ++i) {
     const Vector3 corner = cube.low + cube.edge * unit_corner(i);
     result.corners[i] = static_cast<float>(model.caster.closest(corner).distance);
-    corners[i] = result.corners[i];
   }
   result.verdict = Verdict::leaf;
   if (cube.edge <= smallest_leaf * tolerance) return result;
   // Like Frisken et al., test the middles of edges, faces and cube; then finer in large cubes.
   for (int steps = 2; result.verdict == Verdict::leaf; steps *= 2) {
-    if (!holds(model, tolerance, cube, corners, steps)) result.verdict = Verdict::split;
+    if (!holds(model, tolerance, cube, result.corners, steps)) result.verdict = Verdict::split;
     if (cube.edge <= steps * largest_step) break;
   }
   return result;
@@ -89,37 +95,64 @@ class AdaptiveSdf : public Method {
   AdaptiveSdf(const Model& model, double tolerance) : band_(model.band) {
     const Clock::time_point start = Clock::now();
     build(model, tolerance);
+    fill_start();
     facts_.name = "adaptive-sdf";
     facts_.settings = "tolerance " + format_quantity(tolerance, Quantity::length);
-    facts_.setting = tolerance;
-    facts_.bytes = words_.size() * sizeof(words_[0]) + leaves_.size() * sizeof(leaves_[0]);
+    facts_.setting = facts_.tolerance = tolerance;
+    facts_.file_bytes = words_.size() * sizeof(words_[0]) + leaves_.size() * sizeof(leaves_[0]);
+    facts_.resident_bytes = facts_.file_bytes + start_.size() * sizeof(start_[0]);
     facts_.build_seconds = seconds_since(start);
   }
 
   [[nodiscard]] Answer query(const Vector3& point) const noexcept override {
-    Vector3 place = (point - root_.low) / root_.edge;
-    if (!(place.minCoeff() >= 0 && place.maxCoeff() < 1)) return far_answer();
-    std::uint32_t word = words_[0];
-    while (true) {
-      if (word == far_word) return far_answer();
-      if (word == deep_word) return deep_answer(band_.max_depth);
-      if ((word & leaf_bit) != 0) break;
-      std::uint32_t octant = 0;
-      for (int axis = 0; axis < 3; ++axis) {
-        place[axis] *= 2;
-        if (place[axis] < 1) continue;
-        place[axis] -= 1;
-        octant |= 1U << static_cast<unsigned>(axis);
-      }
-      word = words_[word + octant];
+    const Vector3 scaled = (point - root_.low) * per_root_;
+    if (!(scaled.minCoeff() >= 0 && scaled.maxCoeff() < 1)) return far_answer();
+    // Bit by bit, from the highest, the coordinates name the octants.
+    std::array<std::uint32_t, 3> at{};
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      at[axis] = static_cast<std::uint32_t>(scaled[static_cast<int>(axis)] * (1U << top));
     }
-    CubeCorners corners{};
-    const std::array<float, 8>& leaf = leaves_[word & ~leaf_bit];
-    std::copy(leaf.begin(), leaf.end(), corners.begin());
-    return trilinear(corners, place);
+    std::uint32_t shift = top - start_levels_;
+    std::uint32_t word = start_[start_number(at[0] >> shift, at[1] >> shift, at[2] >> shift)];
+    while (word < leaf_bit) {
+      --shift;
+      word = words_[word + (at[0] >> shift & 1U) + 2 * (at[1] >> shift & 1U) +
+                    4 * (at[2] >> shift & 1U)];
+    }
+    if (word == far_word) return far_answer();
+    if (word == deep_word) return deep_answer(band_.max_depth);
+    CubePlace place{};
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      const std::uint32_t within = at[axis] & ((1U << shift) - 1);
+      place[axis] = static_cast<float>(within) * per_cube[shift];
+    }
+    return trilinear(leaves_[word & ~leaf_bit], place);
   }
 
  private:
+  /// Cubes larger than any leaf are skipped by a table of all cubes of the next smaller size.
+  void fill_start() {
+    per_root_ = 1 / root_.edge;
+    while (std::ldexp(root_.edge, -static_cast<int>(start_levels_)) > largest_leaf) ++start_levels_;
+    const std::uint32_t side = 1U << start_levels_;
+    for (std::uint32_t z = 0; z < side; ++z) {
+      for (std::uint32_t y = 0; y < side; ++y) {
+        for (std::uint32_t x = 0; x < side; ++x) {
+          std::uint32_t word = words_[0];
+          for (std::uint32_t shift = start_levels_; word < leaf_bit && shift-- > 0;) {
+            word = words_[word + (x >> shift & 1U) + 2 * (y >> shift & 1U) + 4 * (z >> shift & 1U)];
+          }
+          start_.push_back(word);
+        }
+      }
+    }
+  }
+
+  [[nodiscard]] std::size_t start_number(std::uint32_t x, std::uint32_t y,
+                                         std::uint32_t z) const noexcept {
+    return x + ((y + (static_cast<std::size_t>(z) << start_levels_)) << start_levels_);
+  }
+
   /// One level at a time: cubes are judged in parallel and enter the tree in their order.
   void build(const Model& model, double tolerance) {
     root_.low = model.mesh.box_min - Vector3::Constant(model.band.margin);
@@ -132,6 +165,12 @@ class AdaptiveSdf : public Method {
                         [&](std::size_t i) { looks[i] = look(model, tolerance, level[i]); });
       std::vector<Cube> next;
       for (std::size_t i = 0; i < level.size(); ++i) enter(level[i], looks[i], next);
+      if (leaves_.size() + next.size() > max_leaves) {
+        throw baker::BakeError(ExitCode::invalid_input,
+                               "an adaptive field for " +
+                                   format_quantity(tolerance, Quantity::length) +
+                                   " would hold more than a gigabyte");
+      }
       level = std::move(next);
     }
   }
@@ -152,10 +191,21 @@ class AdaptiveSdf : public Method {
     words_[cube.word] = word;
   }
 
+  static constexpr std::uint32_t top = 30;  ///< bits of a coordinate
+  /// 1 over the size of a cube so many levels above the finest.
+  static constexpr std::array<float, top + 1> per_cube = [] {
+    std::array<float, top + 1> result{};
+    for (std::uint32_t i = 0; i <= top; ++i) result[i] = 1 / static_cast<float>(1U << i);
+    return result;
+  }();
+
   Cube root_;
+  double per_root_ = 0;  ///< 1/m
   Band band_;
+  std::uint32_t start_levels_ = 0;
+  std::vector<std::uint32_t> start_;  ///< words of all cubes at that level, x fastest
   std::vector<std::uint32_t> words_;
-  std::vector<std::array<float, 8>> leaves_;
+  std::vector<CubeCorners> leaves_;
 };
 
 }  // namespace

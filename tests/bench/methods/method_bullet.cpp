@@ -3,13 +3,13 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <limits>
+#include <utility>
 
-#include "common/surface/closest_on_triangle.hpp"
-#include "tests/bench/geometry/nearest_point.hpp"
+#include "tests/bench/geometry/sided_mesh.hpp"
 #include "tests/bench/geometry/trilinear.hpp"
 #include "tests/bench/methods/methods.hpp"
 #include "tests/bench/methods/probe_method.hpp"
-#include "tests/bench/model/float_mesh.hpp"
 
 namespace spm::bench {
 namespace {
@@ -35,7 +35,6 @@ class BulletMesh {
     shape_.setMargin(0);
   }
 
-  [[nodiscard]] const FloatMesh& mesh() const noexcept { return mesh_; }
   [[nodiscard]] btBvhTriangleMeshShape& shape() noexcept { return shape_; }
   [[nodiscard]] const btBvhTriangleMeshShape& shape() const noexcept { return shape_; }
 
@@ -45,58 +44,92 @@ class BulletMesh {
   btBvhTriangleMeshShape shape_;
 };
 
-Vector3 vector_of(const btVector3& vector) noexcept {
-  return {static_cast<double>(vector.x()), static_cast<double>(vector.y()),
-          static_cast<double>(vector.z())};
-}
-
-/// Shows each triangle that Bullet finds in a box.
+/// The nearest of the triangles that Bullet finds in a box, by Bullet's own arithmetic.
 class ShowTriangles final : public btTriangleCallback {
  public:
-  ShowTriangles(const Vector3& point, double tie) : point_(point), nearest(point, tie) {}
-  void processTriangle(btVector3* corners, int, int) override {
-    const Vector3 a = vector_of(corners[0]), b = vector_of(corners[1]), c = vector_of(corners[2]);
-    nearest.show(closest_on_triangle(point_, a, b, c), a, b, c);
+  explicit ShowTriangles(const btVector3& point) : point_(point) {}
+  void processTriangle(btVector3* corners, int, int index) override {
+    const float squared = squared_distance(corners[0], corners[1], corners[2]);
+    if (!(squared < nearest_squared)) return;
+    nearest_squared = squared;
+    nearest = static_cast<std::uint32_t>(index);
   }
 
  private:
-  Vector3 point_;
+  /// As btVoronoiSimplexSolver::closestPtPointTriangle, which is not open to callers.
+  [[nodiscard]] float squared_distance(const btVector3& a, const btVector3& b,
+                                       const btVector3& c) const {
+    const btVector3 ab = b - a, ac = c - a, ap = point_ - a;
+    const float d1 = ab.dot(ap), d2 = ac.dot(ap);
+    if (d1 <= 0 && d2 <= 0) return ap.length2();
+    const btVector3 bp = point_ - b;
+    const float d3 = ab.dot(bp), d4 = ac.dot(bp);
+    if (d3 >= 0 && d4 <= d3) return bp.length2();
+    const float vc = d1 * d4 - d3 * d2;
+    if (vc <= 0 && d1 >= 0 && d3 <= 0 && d1 > d3) return (ap - d1 / (d1 - d3) * ab).length2();
+    const btVector3 cp = point_ - c;
+    const float d5 = ab.dot(cp), d6 = ac.dot(cp);
+    if (d6 >= 0 && d5 <= d6) return cp.length2();
+    const float vb = d5 * d2 - d1 * d6;
+    if (vb <= 0 && d2 >= 0 && d6 <= 0 && d2 > d6) return (ap - d2 / (d2 - d6) * ac).length2();
+    const float va = d3 * d6 - d5 * d4, to_c = d4 - d3, to_b = d5 - d6;
+    if (va <= 0 && to_c >= 0 && to_b >= 0 && to_c + to_b > 0) {
+      return (bp - to_c / (to_c + to_b) * (c - b)).length2();
+    }
+    const float scale = 1 / (va + vb + vc);
+    return (ap - vb * scale * ab - vc * scale * ac).length2();
+  }
+
+  btVector3 point_;
 
  public:
-  NearestPoint nearest;
+  float nearest_squared = std::numeric_limits<float>::infinity();
+  std::uint32_t nearest = 0;
 };
 
+/// Bullet's boxes, asked in a box that holds the triangle that was nearest before, or where that is
+/// beyond the band in boxes that grow.
 class Bullet : public Method {
  public:
   explicit Bullet(const Model& model)
-      : start_(Clock::now()),
-        mesh_(FloatMesh(model.surface)),
-        reach_(std::max(model.band.max_depth, model.band.margin)),
-        tie_(1e-7 * model.mesh.diagonal) {
+      : sided_(model),
+        start_(Clock::now()),
+        mesh_(sided_.mesh()),
+        slack_(1e-6 * model.mesh.diagonal),
+        reach_(std::max(model.band.max_depth, model.band.margin) + slack_) {
     facts_.name = "bullet";
     facts_.settings = "btBvhTriangleMeshShape";
-    facts_.bytes =
-        mesh_.shape().getOptimizedBvh()->calculateSerializeBufferSize() + mesh_.mesh().bytes();
-    facts_.build_seconds = seconds_since(start_);
+    facts_.file_bytes = sided_.mesh().bytes();
+    facts_.resident_bytes =
+        mesh_.shape().getOptimizedBvh()->calculateSerializeBufferSize() + sided_.bytes();
+    facts_.open_seconds = sided_.seconds() + seconds_since(start_);
   }
 
   [[nodiscard]] Answer query(const Vector3& point) const noexcept override {
     if (!point.allFinite()) return far_answer();
+    const double before = sided_.distance(point, last_) + slack_;
     // Boxes hold more triangles than balls. So try small boxes first, as an expert user would.
-    for (double reach = first_reach;; reach = std::min(2 * reach, reach_)) {
-      ShowTriangles show(point, tie_);
-      const Vector3 corner = Vector3::Constant(reach + tie_);
+    for (double reach = before <= reach_ ? before : first_reach;;
+         reach = std::min(2 * reach, reach_)) {
+      ShowTriangles show(bullet_vector(point));
+      const Vector3 corner = Vector3::Constant(reach);
       mesh_.shape().processAllTriangles(&show, bullet_vector(point - corner),
                                         bullet_vector(point + corner));
-      if (show.nearest.distance() <= reach || reach >= reach_) return show.nearest.answer();
+      const bool found = show.nearest_squared <= reach * reach;
+      if (!found && reach < reach_) continue;
+      if (!found) return far_answer();
+      last_ = show.nearest;
+      return sided_.answer(point, last_);
     }
   }
 
  private:
+  SidedMesh sided_;
   Clock::time_point start_;
   BulletMesh mesh_;
-  double reach_;
-  double tie_;
+  double slack_;                    ///< m: so that rounding loses no triangle
+  double reach_;                    ///< m: of the band
+  mutable std::uint32_t last_ = 0;  ///< the nearest triangle before
 };
 
 /// The deepest contact of a pair.

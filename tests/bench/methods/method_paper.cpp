@@ -15,7 +15,7 @@ class Paper : public Method {
       : maps_(model.mesh, model.caster, planes, resolution) {
     facts_.name = "paper";
     facts_.settings = maps_.settings();
-    facts_.bytes = maps_.bytes();
+    facts_.file_bytes = facts_.resident_bytes = maps_.bytes();
     facts_.build_seconds = maps_.build_seconds();
   }
 

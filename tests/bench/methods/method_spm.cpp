@@ -29,11 +29,13 @@ Answer answer_of(const spm_query_answer& told) noexcept {
 /// One point per call.
 class Spm : public Method {
  public:
-  Spm(const BakedFile& file, QueryAsset asset, CountedBytes counted) : asset_(std::move(asset)) {
+  Spm(const BakedFile& file, QueryAsset asset) : asset_(std::move(asset)) {
     facts_.name = "spm";
     facts_.settings = file.settings;
     facts_.setting = file.tolerance;
-    facts_.bytes = counted == CountedBytes::file ? file.bytes : spm_query_memory(asset_.get());
+    facts_.tolerance = file.tolerance;
+    facts_.file_bytes = file.bytes;
+    facts_.resident_bytes = spm_query_memory(asset_.get());
     facts_.build_seconds = file.seconds;
     facts_.open_seconds = file.open_seconds;
   }
@@ -51,8 +53,7 @@ class Spm : public Method {
 /// As many points a call as there are.
 class SpmBatch final : public Spm {
  public:
-  SpmBatch(const BakedFile& file, QueryAsset asset)
-      : Spm(file, std::move(asset), CountedBytes::memory) {
+  SpmBatch(const BakedFile& file, QueryAsset asset) : Spm(file, std::move(asset)) {
     facts_.settings += ", batch";
   }
 
@@ -86,7 +87,7 @@ class ScalarTarget {
 class SpmScalar final : public Spm {
  public:
   SpmScalar(const BakedFile& file, QueryAsset asset)
-      : Spm(file, std::move(asset), CountedBytes::memory), usual_(hwy::SupportedTargets()) {
+      : Spm(file, std::move(asset)), usual_(hwy::SupportedTargets()) {
     facts_.name = "spm-scalar";
   }
 
@@ -103,8 +104,8 @@ class SpmScalar final : public Spm {
 
 }  // namespace
 
-std::unique_ptr<Method> make_spm(const BakedFile& file, QueryAsset asset, CountedBytes counted) {
-  return std::make_unique<Spm>(file, std::move(asset), counted);
+std::unique_ptr<Method> make_spm(const BakedFile& file, QueryAsset asset) {
+  return std::make_unique<Spm>(file, std::move(asset));
 }
 
 std::unique_ptr<Method> make_spm_batch(const BakedFile& file, QueryAsset asset) {

@@ -45,6 +45,10 @@ bool in_band(double distance) {
   return distance > -bench_band.max_depth && distance < bench_band.margin;
 }
 
+std::unique_ptr<Method> make_grid(const Model& model, double cell, GridLists lists) {
+  return make_triangle_grid(model, find_cell_triangles(model, cell), lists);
+}
+
 /// The largest error of a method against a closed form, over places in the band.
 template <class Truth>
 double largest_error(const Method& method, const Model& model, const Truth& truth) {
@@ -65,10 +69,14 @@ double largest_error(const Method& method, const Model& model, const Truth& trut
 TEST_CASE("Methods that keep the triangles answer exactly in the band") {
   const Model model = model_of(test::box(box_size));
   std::vector<std::unique_ptr<Method>> methods;
-  methods.push_back(make_triangle_grid(model, 1e-3));
-  methods.push_back(make_triangle_grid(model, 2e-3));
-  methods.push_back(make_embree(model, false));
-  methods.push_back(make_embree(model, true));
+  for (const GridLists lists : {GridLists::own, GridLists::shared}) {
+    methods.push_back(make_grid(model, 1e-3, lists));
+    methods.push_back(make_grid(model, 2e-3, lists));
+  }
+  for (const EmbreeTree kind :
+       {EmbreeTree::compact, EmbreeTree::standard, EmbreeTree::high_quality}) {
+    methods.push_back(make_embree(model, kind));
+  }
   methods.push_back(make_cgal_tree(model));
   methods.push_back(make_fcl(model));
   methods.push_back(make_bullet(model));
@@ -91,6 +99,8 @@ TEST_CASE("Methods that name one nearest triangle agree with the truth on a ball
   const Model model = model_of(test::sphere(ball_radius, 3));
   const Places places = draw_places(model, 3000, 1);
   std::vector<std::unique_ptr<Method>> methods;
+  methods.push_back(make_grid(model, 1e-3, GridLists::own));
+  methods.push_back(make_embree(model, EmbreeTree::standard));
   methods.push_back(make_cgal_tree(model));
   methods.push_back(make_fcl(model));
   methods.push_back(make_bullet(model));
@@ -109,7 +119,7 @@ TEST_CASE("The paper's rule is exact inside a box, whose facets are its planes")
   const Model model = model_of(test::box(box_size));
   const auto method = make_paper(model, 6, 33);
   CHECK(method->facts().settings == "6 planes, 33x33");
-  CHECK(method->facts().bytes > 6 * 33 * 33 * sizeof(float));
+  CHECK(method->facts().resident_bytes > 6 * 33 * 33 * sizeof(float));
   double asked = 0, answered = 0;
   for (std::uint64_t i = 0; i < 2000; ++i) {
     const Vector3 point = place_around(model, i);
@@ -132,7 +142,7 @@ TEST_CASE("The product answers a batch, and without lanes, as it answers point b
   const TemporaryFolder folder;
   const BakedFile file = bake_sparse(model.mesh, {model.band, 200e-6}, folder.path());
   const QueryAsset asset = open_query_asset(file.path);
-  const auto one = make_spm(file, asset, CountedBytes::file);
+  const auto one = make_spm(file, asset);
   const auto many = GENERATE(make_spm_batch, make_spm_scalar)(file, asset);
   std::vector<Vector3> points;
   for (std::uint64_t i = 0; i < 200; ++i) points.push_back(place_around(model, i));
@@ -169,6 +179,7 @@ TEST_CASE("Distance fields are exact where the distance is linear") {
   std::vector<std::unique_ptr<Method>> methods;
   methods.push_back(make_openvdb(sample_band(model, 1e-3)));
   methods.push_back(make_dense_sdf(sample_band(model, 1e-3)));
+  methods.push_back(make_nanovdb(sample_band(model, 1e-3), NanoVoxel::float32));
   methods.push_back(make_adaptive_sdf(model, tolerance));
   for (const auto& method : methods) {
     INFO(method->facts().name);
@@ -213,13 +224,13 @@ TEST_CASE("Beyond the band no method claims a distance") {
   const Vector3 outside(box_size.x() / 2 + 0.004, 0, 0);
   const double infinity = std::numeric_limits<double>::infinity();
   for (const auto& method :
-       {make_triangle_grid(model, 1e-3), make_adaptive_sdf(model, tolerance)}) {
+       {make_grid(model, 1e-3, GridLists::own), make_adaptive_sdf(model, tolerance)}) {
     CHECK(method->query(outside).status == Status::far);
     CHECK(method->query(Vector3::Zero()).status == Status::deep);
     CHECK(method->query(Vector3::Zero()).distance == -bench_band.max_depth);
   }
   for (const auto& method :
-       {make_triangle_grid(model, 1e-3), make_dense_sdf(sample_band(model, 1e-3)),
+       {make_grid(model, 1e-3, GridLists::own), make_dense_sdf(sample_band(model, 1e-3)),
         make_openvdb(sample_band(model, 1e-3)), make_adaptive_sdf(model, tolerance)}) {
     CHECK(method->query(Vector3::Constant(std::nan(""))).status == Status::far);
     CHECK(method->query(Vector3::Constant(infinity)).status == Status::far);
@@ -234,25 +245,31 @@ TEST_CASE("Bytes count all that a method keeps") {
 
   // 21 x 17 x 13 mm with the margin: one cell per mm; nodes are one more, and one to spare.
   const std::uint64_t nodes = 23 * 19 * 15;
-  CHECK(make_dense_sdf(sample_band(model, 1e-3))->facts().bytes == nodes * sizeof(float));
+  CHECK(make_dense_sdf(sample_band(model, 1e-3))->facts().resident_bytes == nodes * sizeof(float));
 
   const std::uint64_t cells = 22 * 18 * 14;
-  const std::uint64_t grid = make_triangle_grid(model, 1e-3)->facts().bytes;
+  const MethodFacts shared = make_grid(model, 1e-3, GridLists::shared)->facts();
   // The twelve triangles make few different lists, and each is stored once.
-  CHECK(grid > mesh + 4 * cells);
-  CHECK(grid < mesh + 4 * cells + 4 * 13 * 200);
+  CHECK(shared.file_bytes > mesh + 4 * cells);
+  CHECK(shared.file_bytes < mesh + 4 * cells + 4 * 13 * 200);
+  // In memory a cell has two words, and the triangles are in two packets.
+  CHECK(shared.resident_bytes > mesh + 8 * cells + 2 * 16 * 32);
+  const MethodFacts own = make_grid(model, 1e-3, GridLists::own)->facts();
+  CHECK(own.file_bytes == shared.file_bytes);
+  CHECK(own.resident_bytes > shared.resident_bytes);
 
-  const std::uint64_t compact = make_embree(model, true)->facts().bytes;
+  const std::uint64_t compact = make_embree(model, EmbreeTree::compact)->facts().resident_bytes;
   CHECK(compact > mesh);
-  CHECK(compact <= make_embree(model, false)->facts().bytes);
+  CHECK(compact <= make_embree(model, EmbreeTree::standard)->facts().resident_bytes);
 
   // At least the floats of one leaf, with 8 voxels per side, for every 8 mm.
-  CHECK(make_openvdb(sample_band(model, 1e-3))->facts().bytes > 3 * 2 * 2 * 512 * sizeof(float));
+  CHECK(make_openvdb(sample_band(model, 1e-3))->facts().resident_bytes >
+        3 * 2 * 2 * 512 * sizeof(float));
 
   const auto coarse = make_adaptive_sdf(model, 1e-3);
   const auto fine = make_adaptive_sdf(model, tolerance);
-  CHECK(coarse->facts().bytes < fine->facts().bytes);
-  CHECK(coarse->facts().bytes % 4 == 0);
+  CHECK(coarse->facts().resident_bytes < fine->facts().resident_bytes);
+  CHECK(coarse->facts().resident_bytes % 4 == 0);
 }
 
 }  // namespace methods_test

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "tests/bench/methods/score.hpp"
 
-#include <tbb/parallel_for.h>
-
 #include <cmath>
 #include <cstddef>
 #include <utility>
@@ -20,11 +18,11 @@ struct Outcome {
   double angle = -1;  ///< rad; negative if no direction is judged
 };
 
-Outcome judge(const Answer& answer, const Model& model, const Place& place) {
+Outcome judge(const Answer& answer, const Model& model, const Place& place, double tolerance) {
   Outcome outcome;
   double distance = answer.distance;
   outcome.answered = std::isfinite(distance);
-  if (answer.status == Status::far && place.distance >= model.band.margin - model.tolerance) {
+  if (answer.status == Status::far && place.distance >= model.band.margin - tolerance) {
     outcome.answered = true;
     distance = model.band.margin;
   }
@@ -44,17 +42,19 @@ double share_of(std::size_t part, std::size_t whole) {
 }  // namespace
 
 Score score(const Method& method, const Model& model, const Places& places) {
-  std::vector<Answer> answers(places.places.size());
-  tbb::parallel_for(std::size_t{0}, answers.size(),
-                    [&](std::size_t i) { answers[i] = method.query(places.places[i].point); });
-  return score(answers, model, places);
+  std::vector<Answer> answers;
+  answers.reserve(places.places.size());
+  for (const Place& place : places.places) answers.push_back(method.query(place.point));
+  const double own = method.facts().tolerance;
+  return score(answers, model, places, own > 0 ? own : model.tolerance);
 }
 
-Score score(std::span<const Answer> answers, const Model& model, const Places& places) {
+Score score(std::span<const Answer> answers, const Model& model, const Places& places,
+            double tolerance) {
   std::vector<Outcome> outcomes;
   outcomes.reserve(answers.size());
   for (std::size_t i = 0; i < answers.size(); ++i) {
-    outcomes.push_back(judge(answers[i], model, places.places[i]));
+    outcomes.push_back(judge(answers[i], model, places.places[i], tolerance));
   }
   std::vector<double> errors, angles;
   std::size_t clear = 0, wrong = 0;
@@ -63,7 +63,7 @@ Score score(std::span<const Answer> answers, const Model& model, const Places& p
     const Outcome& outcome = outcomes[i];
     const double truth = places.places[i].distance;
     if (outcome.angle >= 0) angles.push_back(outcome.angle);
-    if (std::abs(truth) > model.tolerance) {
+    if (std::abs(truth) > tolerance) {
       ++clear;
       const bool judged = truth < 0 || outcome.answered;
       if (judged && outcome.outside != (truth > 0)) ++wrong;

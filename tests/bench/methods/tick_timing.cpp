@@ -21,7 +21,7 @@ struct Record {
   double seconds = 0;
 };
 
-double seconds_since(TimingClock::time_point start) {
+double seconds_from(TimingClock::time_point start) {
   return std::chrono::duration<double>(TimingClock::now() - start).count();
 }
 
@@ -32,11 +32,11 @@ void time_pass(TickMethod& method, std::span<const Vector3> path, Record& record
   for (std::size_t i = 0; i < path.size(); ++i) {
     const TimingClock::time_point start = TimingClock::now();
     const bool contact = method.tick(i, path[i]);
-    const double seconds = seconds_since(start);
+    const double seconds = seconds_from(start);
     record.least[i] = std::min(record.least[i], seconds);
     record.contacts += contact && method.counts(i) ? 1 : 0;
   }
-  record.seconds += seconds_since(begin);
+  record.seconds += seconds_from(begin);
 }
 
 TickTimes summary(const TickMethod& method, const Record& record, double clock) {

@@ -8,6 +8,8 @@
 #include <string>
 
 #include "baker/base/bake_error.hpp"
+#include "tests/bench/model/baked_file.hpp"
+#include "tests/bench/model/model.hpp"
 
 namespace spm::bench {
 
@@ -21,6 +23,14 @@ using QueryAsset = std::shared_ptr<spm_query_asset>;
   const int code = spm_query_open(path.c_str(), &asset, message.data(), message.size());
   if (code != 0) throw baker::BakeError(static_cast<ExitCode>(code), message.data());
   return {asset, &spm_query_close};
+}
+
+/// The same, and notes how long it took.
+[[nodiscard]] inline QueryAsset open_query_asset(BakedFile& file) {
+  const Clock::time_point start = Clock::now();
+  QueryAsset asset = open_query_asset(file.path);
+  file.open_seconds = seconds_since(start);
+  return asset;
 }
 
 }  // namespace spm::bench

@@ -18,7 +18,7 @@ namespace spm::bench {
 struct BytesPlan {
   std::vector<ModelSource> models;
   std::vector<double> tolerances;    ///< m: `spm`, `adaptive-sdf`; besides each model's own
-  std::vector<double> voxels;        ///< m: cells of `dense-sdf` and `openvdb`
+  std::vector<double> voxels;        ///< m: of `dense-sdf`, `openvdb` and `nanovdb`
   std::vector<double> grid_cells;    ///< m: of `triangle-grid`
   std::vector<std::string> methods;  ///< only these; all where empty
   std::string bakes;                 ///< folder of assets, see BakeFolder; temporary where empty
@@ -44,7 +44,8 @@ struct MethodRow {
   Score score;
 };
 
-/// How many bytes a method needs for the 99 % error that `spm` has at the model's tolerance.
+/// How many bytes of memory a method needs for the 99 % error that `spm` has at the model's
+/// tolerance. Files are compared by the rows.
 struct ComparisonRow {
   std::string model;
   std::string method;

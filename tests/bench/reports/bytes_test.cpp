@@ -27,7 +27,10 @@ Model box_model() { return {{"box", "box", 100e-6}, test::as_mesh(test::box(box_
 /// Answers what a function says.
 class Told : public Method {
  public:
-  explicit Told(std::function<Answer(const Vector3&)> tell) : tell_(std::move(tell)) {}
+  explicit Told(std::function<Answer(const Vector3&)> tell, double tolerance = 0)
+      : tell_(std::move(tell)) {
+    facts_.tolerance = tolerance;
+  }
   [[nodiscard]] Answer query(const Vector3& point) const noexcept override { return tell_(point); }
 
  private:
@@ -47,7 +50,7 @@ MethodRow row(const char* method, double setting, std::uint64_t bytes, double p9
   result.model = "box";
   result.facts.name = method;
   result.facts.setting = setting;
-  result.facts.bytes = bytes;
+  result.facts.resident_bytes = bytes;
   result.score.p99 = p99;
   return result;
 }
@@ -115,6 +118,19 @@ TEST_CASE("A score tells how far answers are from the truth") {
             }),
             model, places);
   CHECK(silent.unanswered == 1);
+}
+
+TEST_CASE("A side is judged by the tolerance that a method was built for, where it has one") {
+  const Model model = box_model();
+  const Places places = draw_places(model, 500, 3);
+  // Wrong up to 0.3 mm off the surface; the model's own tolerance is 0.1 mm.
+  const auto careless = [&](const Vector3& point) {
+    const double distance = model.caster.closest(point).distance;
+    return told(std::abs(distance) < 0.3e-3 ? -distance : distance, Vector3::Zero());
+  };
+  CHECK(score(Told(careless), model, places).misclassified > 0);
+  CHECK(score(Told(careless, 0.2e-3), model, places).misclassified > 0);
+  CHECK(score(Told(careless, 0.4e-3), model, places).misclassified == 0);
 }
 
 TEST_CASE("The size for an error follows the settings straight on logarithmic scales") {

@@ -43,14 +43,14 @@ Json comparison_json(const ComparisonRow& row) {
 
 void append_row(const MethodRow& row, std::string& text) {
   const Score& score = row.score;
-  fmt::format_to(std::back_inserter(text),
-                 "  {:<13} {:<17} {:>9} {:>7.2f}  {:>7.3g} {:>7.3g} {:>7.3g}  {:>5.2f} {:>5.1f}  "
-                 "{:>8.4g} {:>8.4g}\n",
-                 row.facts.name, row.facts.settings,
-                 byte_text(static_cast<double>(row.facts.bytes)), row.facts.build_seconds,
-                 score.p50 * micro, score.p99 * micro, score.max * micro,
-                 score.direction_p50 * degrees, score.direction_p99 * degrees,
-                 100 * score.misclassified, 100 * score.unanswered);
+  fmt::format_to(
+      std::back_inserter(text),
+      "  {:<13} {:<24} {:>9} {:>9} {:>7.2f}  {:>7.3g} {:>7.3g} {:>7.3g}  {:>5.2f} {:>5.1f}  "
+      "{:>8.4g} {:>8.4g}\n",
+      row.facts.name, row.facts.settings, byte_text(static_cast<double>(row.facts.file_bytes)),
+      byte_text(static_cast<double>(row.facts.resident_bytes)), row.facts.build_seconds,
+      score.p50 * micro, score.p99 * micro, score.max * micro, score.direction_p50 * degrees,
+      score.direction_p99 * degrees, 100 * score.misclassified, 100 * score.unanswered);
 }
 
 void append_comparison(const ComparisonRow& row, std::string& text) {
@@ -98,9 +98,9 @@ std::string to_text(const BytesReport& report) {
                    "{:.1f} % of the draws beside holes\n",
                    model.name, model.triangles, format_quantity(model.tolerance, Quantity::length),
                    model.samples, 100 * model.contested, 100 * model.near_holes);
-    fmt::format_to(out, "  {:<13} {:<17} {:>9} {:>7}  {:>23}  {:>11}  {:>8} {:>8}\n", "method",
-                   "settings", "bytes", "build s", "um: p50     p99     max", "deg: 50   99",
-                   "wrong %", "none %");
+    fmt::format_to(out, "  {:<13} {:<24} {:>9} {:>9} {:>7}  {:>23}  {:>11}  {:>8} {:>8}\n",
+                   "method", "settings", "file", "resident", "build s", "um: p50     p99     max",
+                   "deg: 50   99", "wrong %", "none %");
     for (const MethodRow& row : report.rows) {
       if (row.model == model.name) append_row(row, text);
     }
@@ -108,8 +108,9 @@ std::string to_text(const BytesReport& report) {
     for (const ComparisonRow& row : report.comparisons) {
       if (row.model != model.name) continue;
       if (!titled) {
-        fmt::format_to(out, "  bytes for 99 % of the errors below {:.3g} um, where spm needs {}:\n",
-                       row.error * micro, byte_text(static_cast<double>(row.spm_bytes)));
+        fmt::format_to(
+            out, "  bytes of memory for 99 % of the errors below {:.3g} um, where spm needs {}:\n",
+            row.error * micro, byte_text(static_cast<double>(row.spm_bytes)));
         titled = true;
       }
       append_comparison(row, text);

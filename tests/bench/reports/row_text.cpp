@@ -32,9 +32,11 @@ Json facts_json(const std::string& model, const MethodFacts& facts) {
   json["method"] = facts.name;
   json["settings"] = facts.settings;
   json["setting_um"] = facts.setting > 0 ? Json(facts.setting * micro) : Json();
-  json["bytes"] = facts.bytes;
+  json["bytes"] = facts.resident_bytes;
+  json["file_bytes"] = facts.file_bytes;
+  json["resident_bytes"] = facts.resident_bytes;
   json["build_seconds"] = facts.build_seconds;
-  if (facts.open_seconds > 0) json["open_seconds"] = facts.open_seconds;
+  json["open_seconds"] = facts.open_seconds;
   return json;
 }
 

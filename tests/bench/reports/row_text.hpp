@@ -14,7 +14,8 @@ namespace spm::bench {
 /// `mesh`, its size and tolerance, and facts about its places.
 [[nodiscard]] nlohmann::ordered_json model_json(const ModelRow& model);
 
-/// `mesh`, `method`, `settings`, `setting_um`, `bytes`, `build_seconds`.
+/// `mesh`, `method`, `settings`, `setting_um`, `bytes` (those of memory), `file_bytes`,
+/// `resident_bytes`, `build_seconds`, `open_seconds`.
 [[nodiscard]] nlohmann::ordered_json facts_json(const std::string& model, const MethodFacts& facts);
 
 /// Adds the errors of distance and direction, and the shares.

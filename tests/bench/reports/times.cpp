@@ -30,7 +30,11 @@ NamedProxy make_named_proxy(const Model& model, const MeshProxyOptions& options)
   const Clock::time_point start = Clock::now();
   NamedProxy named;
   named.proxy = make_mesh_proxy(FloatMesh(model.surface), options);
-  named.facts = {"mesh-proxy", to_string(options), 0, named.proxy->bytes(), seconds_since(start)};
+  named.facts.name = "mesh-proxy";
+  named.facts.settings = to_string(options);
+  named.facts.file_bytes = FloatMesh(model.surface).bytes();
+  named.facts.resident_bytes = named.proxy->bytes();
+  named.facts.open_seconds = seconds_since(start);
   return named;
 }
 
@@ -88,8 +92,11 @@ class Race {
     }
     for (const NamedProxy& named : proxies_) {
       const std::vector<Answer> answers = follow_path(*named.proxy, path_.steps);
-      report_.rows.push_back(
-          {model_.name, named.facts, {}, score(answers, model_, path_.places), true});
+      report_.rows.push_back({model_.name,
+                              named.facts,
+                              {},
+                              score(answers, model_, path_.places, model_.tolerance),
+                              true});
     }
     time_all();
     time_probes();
@@ -126,10 +133,8 @@ class Race {
     for (const double tolerance : tolerances) {
       attempt("spm", [&] {
         BakedFile file = bakes_.asset(model_, tolerance);
-        const Clock::time_point start = Clock::now();
-        const QueryAsset asset = open_query_asset(file.path);
-        file.open_seconds = seconds_since(start);
-        methods_.push_back(make_spm(file, asset, CountedBytes::memory));
+        const QueryAsset asset = open_query_asset(file);
+        methods_.push_back(make_spm(file, asset));
         if (tolerance != model_.tolerance) return;
         methods_.push_back(make_spm_batch(file, asset));
         if (plan_.scalar) methods_.push_back(make_spm_scalar(file, asset));
@@ -140,10 +145,16 @@ class Race {
 
   void add_triangle_methods() {
     for (const double cell : plan_.grid_cells) {
-      add("triangle-grid", [&] { return make_triangle_grid(model_, cell); });
+      if (!wanted("triangle-grid")) break;
+      tell_("triangle-grid", 0);
+      const CellTriangles cells = find_cell_triangles(model_, cell);
+      for (const GridLists lists : {GridLists::own, GridLists::shared}) {
+        add("triangle-grid", [&] { return make_triangle_grid(model_, cells, lists); });
+      }
     }
-    for (const bool compact : {true, false}) {
-      add("embree", [&] { return make_embree(model_, compact); });
+    for (const EmbreeTree kind :
+         {EmbreeTree::compact, EmbreeTree::standard, EmbreeTree::high_quality}) {
+      add("embree", [&] { return make_embree(model_, kind); });
     }
     add("cgal-aabb", [&] { return make_cgal_tree(model_); });
     add("fcl", [&] { return make_fcl(model_); });
@@ -154,10 +165,13 @@ class Race {
 
   void add_fields() {
     for (const double voxel : plan_.voxels) {
-      if (!wanted("openvdb") && !wanted("dense-sdf")) break;
+      if (!wanted("openvdb") && !wanted("nanovdb") && !wanted("dense-sdf")) break;
       tell_("distances", 0);
       DistanceLattice lattice = sample_band(model_, voxel);
       add("openvdb", [&] { return make_openvdb(lattice); });
+      for (const NanoVoxel bits : plan_.nano_voxels) {
+        add("nanovdb", [&] { return make_nanovdb(lattice, bits); });
+      }
       add("dense-sdf", [&] { return make_dense_sdf(std::move(lattice)); });
     }
     for (const double tolerance : plan_.adaptive_tolerances) {
@@ -238,8 +252,8 @@ class Race {
 
 const std::vector<std::string>& timed_method_names() {
   static const std::vector<std::string> names{
-      "spm",    "paper",   "triangle-grid", "embree",       "cgal-aabb", "fcl",
-      "bullet", "openvdb", "dense-sdf",     "adaptive-sdf", "mesh-proxy"};
+      "spm",    "paper",   "triangle-grid", "embree",    "cgal-aabb",    "fcl",
+      "bullet", "openvdb", "nanovdb",       "dense-sdf", "adaptive-sdf", "mesh-proxy"};
   return names;
 }
 

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "tests/bench/base/timing.hpp"
+#include "tests/bench/methods/methods.hpp"
 #include "tests/bench/reports/bytes.hpp"
 
 namespace spm::bench {
@@ -15,7 +16,8 @@ struct TimesPlan {
   std::vector<ModelSource> models;
   std::vector<double> tolerances;           ///< m: for `spm`, besides each model's own
   std::vector<double> adaptive_tolerances;  ///< m: of `adaptive-sdf`
-  std::vector<double> voxels;               ///< m: cells of `dense-sdf` and `openvdb`
+  std::vector<double> voxels;               ///< m: of `dense-sdf`, `openvdb` and `nanovdb`
+  std::vector<NanoVoxel> nano_voxels;       ///< of `nanovdb`
   std::vector<double> grid_cells;           ///< m: of `triangle-grid`
   std::size_t paper_planes = 1000;
   std::uint32_t paper_resolution = 65;

@@ -101,6 +101,7 @@ TEST_CASE("Every contestant is asked the same questions") {
   CHECK(first >= 2 * 2 * (130 + 70) + 5);
   for (const QueryTimes& time : times) {
     CHECK(std::isfinite(time.hot));
+    CHECK(time.hot_p99 >= 0);
     CHECK(time.hot >= 0);
     CHECK(time.cold >= 0);
   }
@@ -143,8 +144,8 @@ TEST_CASE("Ratios compare each rival with the product at the mesh's own toleranc
     row.model = "ball";
     row.facts.name = method;
     row.facts.setting = setting;
-    row.facts.bytes = 1000;
-    row.ns = {hot, 2 * hot, 4 * hot};
+    row.facts.resident_bytes = 1000;
+    row.ns = {hot, 3 * hot, 2 * hot, 4 * hot};
     report.rows.push_back(row);
   };
   add("spm", 50e-6, 300);
@@ -157,10 +158,12 @@ TEST_CASE("Ratios compare each rival with the product at the mesh's own toleranc
   REQUIRE(json["ratios"].size() == 1);
   CHECK(json["ratios"][0]["method"] == "embree");
   CHECK(json["ratios"][0]["ns_times_spm"]["hot"] == Approx(2.5));
-  for (const char* key : {"method", "settings", "bytes", "build_seconds", "ns", "depth_error_um",
+  for (const char* key : {"method", "settings", "bytes", "file_bytes", "resident_bytes",
+                          "build_seconds", "open_seconds", "ns", "depth_error_um",
                           "direction_error_deg", "misclassified", "unanswered"}) {
     CHECK(json["rows"][0].contains(key));
   }
+  CHECK(json["rows"][2]["ns"]["hot_p99"] == 1500);
   CHECK(json["rows"][2]["ns"]["cold"] == 2000);
 }
 

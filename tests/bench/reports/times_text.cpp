@@ -19,7 +19,10 @@ constexpr double micro = 1e6;
 constexpr double degrees = 180 / std::numbers::pi;
 
 Json times_json(const QueryTimes& times) {
-  return {{"hot", times.hot}, {"random", times.random}, {"cold", times.cold}};
+  return {{"hot", times.hot},
+          {"hot_p99", times.hot_p99},
+          {"random", times.random},
+          {"cold", times.cold}};
 }
 
 Json row_json(const TimesRow& row) {
@@ -41,6 +44,10 @@ Json probe_json(const ProbeRow& row) {
   return json;
 }
 
+double ratio(std::uint64_t theirs, std::uint64_t ours) {
+  return static_cast<double>(theirs) / static_cast<double>(ours);
+}
+
 /// Times of each rival's row in those of `spm` at the model's own tolerance, of this very run.
 Json ratios_json(const TimesReport& report) {
   Json json = Json::array();
@@ -53,10 +60,11 @@ Json ratios_json(const TimesReport& report) {
           {{"mesh", row.model},
            {"method", row.facts.name},
            {"settings", row.facts.settings},
-           {"ns_times_spm", times_json({row.ns.hot / ours->ns.hot, row.ns.random / ours->ns.random,
-                                        row.ns.cold / ours->ns.cold})},
-           {"bytes_times_spm",
-            static_cast<double>(row.facts.bytes) / static_cast<double>(ours->facts.bytes)}});
+           {"ns_times_spm",
+            times_json({row.ns.hot / ours->ns.hot, row.ns.hot_p99 / ours->ns.hot_p99,
+                        row.ns.random / ours->ns.random, row.ns.cold / ours->ns.cold})},
+           {"bytes_times_spm", ratio(row.facts.resident_bytes, ours->facts.resident_bytes)},
+           {"file_bytes_times_spm", ratio(row.facts.file_bytes, ours->facts.file_bytes)}});
     }
   }
   return json;
@@ -65,9 +73,11 @@ Json ratios_json(const TimesReport& report) {
 void append_row(const TimesRow& row, const TimesRow* ours, std::string& text) {
   const auto out = std::back_inserter(text);
   const Score& score = row.score;
-  fmt::format_to(out, "  {:<13} {:<26} {:>9} {:>7.2f}  {:>8.0f} {:>8.0f} {:>8.0f}", row.facts.name,
-                 row.facts.settings, byte_text(static_cast<double>(row.facts.bytes)),
-                 row.facts.build_seconds, row.ns.hot, row.ns.random, row.ns.cold);
+  fmt::format_to(
+      out, "  {:<13} {:<26} {:>9} {:>9} {:>7.2f} {:>6.2f}  {:>8.0f} {:>7.0f} {:>8.0f} {:>8.0f}",
+      row.facts.name, row.facts.settings, byte_text(static_cast<double>(row.facts.file_bytes)),
+      byte_text(static_cast<double>(row.facts.resident_bytes)), row.facts.build_seconds,
+      row.facts.open_seconds, row.ns.hot, row.ns.hot_p99, row.ns.random, row.ns.cold);
   if (ours != nullptr) {
     fmt::format_to(out, " {:>6.2f}", row.ns.hot / ours->ns.hot);
   } else {
@@ -82,7 +92,7 @@ void append_row(const TimesRow& row, const TimesRow* ours, std::string& text) {
 void append_probe(const ProbeRow& row, std::string& text) {
   fmt::format_to(
       std::back_inserter(text),
-      "  {:<13} {:<26} {:>9} {:>7}  {:>8.0f} {:>24}  {:>7.3g} {:>7.3g}  missed {:.3g} %\n",
+      "  {:<13} {:<26} {:>9} {:>24}  {:>8.0f} {:>32}  {:>7.3g} {:>7.3g}  missed {:.3g} %\n",
       row.method, row.settings, "ball", "", row.hot, "", row.p50 * micro, row.p99 * micro,
       100 * row.missed);
 }
@@ -117,9 +127,11 @@ std::string to_text(const TimesReport& report) {
   for (const ModelRow& model : report.models) {
     fmt::format_to(out, "{}: {} triangles, tolerance {}, {} places\n", model.name, model.triangles,
                    format_quantity(model.tolerance, Quantity::length), model.samples);
-    fmt::format_to(out, "  {:<13} {:<26} {:>9} {:>7}  {:>26} {:>6}  {:>23}  {:>11}  {:>8} {:>8}\n",
-                   "method", "settings", "bytes", "build s", "ns: hot   random     cold", "x spm",
-                   "um: p50     p99     max", "deg: 50   99", "wrong %", "none %");
+    fmt::format_to(
+        out, "  {:<13} {:<26} {:>9} {:>9} {:>7} {:>6}  {:>34} {:>6}  {:>23}  {:>11}  {:>8} {:>8}\n",
+        "method", "settings", "file", "resident", "build s", "open s",
+        "ns: hot hot p99   random     cold", "x spm", "um: p50     p99     max", "deg: 50   99",
+        "wrong %", "none %");
     const TimesRow* ours = own_row(report, model);
     for (const TimesRow& row : report.rows) {
       if (row.model == model.name) append_row(row, ours, text);

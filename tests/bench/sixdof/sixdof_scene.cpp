@@ -31,9 +31,7 @@ BakedObject::BakedObject(const std::string& path, double diagonal, double tolera
       surface(baker::outer_surface(mesh)),
       truth(mesh),
       baked(bake_within(mesh, tolerance)),
-      tables(tables_of(baked.asset)) {
-  tables.build_index();
-}
+      tables(tables_of(baked.asset)) {}
 
 SurfaceSamples samples_of_count(const AssetView& asset, std::uint64_t count) {
   // A closed surface of a size has no more than that of its box.

@@ -1,55 +1,68 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
+#include <array>
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <limits>
-#include <random>
+#include <utility>
+#include <vector>
 
+#include "common/base/octahedral.hpp"
+#include "common/base/random.hpp"
+#include "common/field/local_map.hpp"
 #include "common/query/query.hpp"
 #include "tests/support/asset_by_hand.hpp"
-#include "tests/support/tree_by_hand.hpp"
+#include "tests/support/octree_by_hand.hpp"
+#include "tests/support/shapes.hpp"
 
 namespace spm::query_sparse_test {
 namespace {
 
-using test::bvh_over;
-using test::fan_child;
-using test::octants;
-using test::TileByHand;
 using test::TiledCubeByHand;
+using test::TriangleByHand;
 
 constexpr double size = 0.04;
 constexpr double half = size / 2;
-constexpr float half_f = static_cast<float>(half);
+constexpr std::int32_t face = TiledCubeByHand::half_steps;
 
-/// Sets all of a cube's space to one kind.
-void fill(TiledCubeByHand& cube, SignKind kind) {
-  cube.sign_octree = {octants(kind), 0};
+/// Makes all of a cube's space one cube of a kind, with its words.
+void fill(TiledCubeByHand& cube, OctreeKind kind, const std::vector<std::uint32_t>& words = {}) {
+  cube.octree.root_words = {test::root_word(kind, 0)};
+  cube.octree.units = words;
   cube.refresh();
 }
 
-/// Makes a cube an asset of lone triangles, the last of which are caps.
-void replace_tiles(TiledCubeByHand& cube, const std::vector<float>& corners, std::uint32_t caps) {
-  const auto count = static_cast<std::uint32_t>(corners.size() / 9);
-  cube.triangles = corners;
-  cube.view.first_cap = 3 * (count - caps);
-  std::vector<test::BoxedChild> fans;
-  for (std::uint32_t k = 0; k < count; ++k) fans.push_back(fan_child(3 * k, 1));
-  cube.bvh = bvh_over(fans);
-  cube.refresh();
+/// Makes a list the answer in all of a cube's space: triangles, then caps.
+void fill_with_list(TiledCubeByHand& cube, const std::vector<TriangleByHand>& triangles,
+                    const std::vector<TriangleByHand>& caps = {},
+                    ListSide side = ListSide::surface) {
+  cube.octree.clusters.clear();
+  cube.octree.lists.clear();
+  std::vector<std::uint32_t> listed, listed_caps;
+  if (!triangles.empty()) listed.push_back(test::add_cluster(cube.octree, triangles));
+  if (!caps.empty()) {
+    listed_caps.push_back(test::add_cluster(cube.octree, caps, {.caps = true}));
+  }
+  const auto unit = test::add_list(cube.octree, listed, listed_caps, side);
+  fill(cube, OctreeKind::list, {unit.begin(), unit.end()});
 }
 
-/// Random places in a cube about the origin.
-class Places {
- public:
-  explicit Places(double edge) : edge_(edge) {}
-  Vector3 next() { return {one(), one(), one()}; }
+/// The packed map of a plane's own distance in all of a cube, off by `off` m.
+PackedLocalMap flat_map(const TiledCubeByHand& cube, std::uint32_t plane, double off = 0) {
+  const double cube_half = cube.octree.edge / 2;
+  LocalMap map;
+  map.value = (off - half) / cube_half;
+  map.slope = -Vector3::UnitZ();
+  map.plane = plane;
+  PackedLocalMap packed;
+  REQUIRE(pack_local_map(map, cube.octree.value_unit / cube_half, packed));
+  return packed;
+}
 
- private:
-  double one() { return (static_cast<double>(bits_() >> 11U) * 0x1p-53 - 0.5) * edge_; }
-  double edge_;
-  std::mt19937_64 bits_{7};
-};
+Vector3 random_place(Random& random, double edge) {
+  return {random.between(-edge / 2, edge / 2), random.between(-edge / 2, edge / 2),
+          random.between(-edge / 2, edge / 2)};
+}
 
 /// Signed distance of a point to the cube.
 double cube_distance(const Vector3& point) {
@@ -57,26 +70,69 @@ double cube_distance(const Vector3& point) {
   return off.maxCoeff() < 0 ? off.maxCoeff() : off.cwiseMax(0).norm();
 }
 
-TEST_CASE("A tile answers with its plane and crossing") {
+TEST_CASE("A polynomial answers with its plane") {
   TiledCubeByHand cube(size);
-  cube.by_hand[2].tile.first_layer = 4;
-  cube.refresh();
+  cube.octree.value_unit = 1e-6;
+  const PackedLocalMap map = flat_map(cube, 2);
+  fill(cube, OctreeKind::polynomial, {map.words.begin(), map.words.end()});
   const Answer answer = query_point(cube.view, {0.003, 0.019, -0.002});
   CHECK(answer.status == Status::exact);
   CHECK(answer.distance == Approx(-0.001));
   CHECK((answer.normal - Vector3::UnitY()).norm() < 1e-6);
   CHECK(answer.plane == 2);
-  CHECK(answer.layer == 4);
-  CHECK(answer.source == Source::map);
-  CHECK(query_point(cube.view, {0.003, -0.002, 0.0203}).distance == Approx(0.0003));
+  CHECK(answer.layer == -1);
+  CHECK(answer.source == Source::polynomial);
+  CHECK(query_point(cube.view, {0.003, 0.0203, -0.002}).distance == Approx(0.0003));
 }
 
-TEST_CASE("Where the elements tell the side, a cube of tiles answers as the cube") {
+TEST_CASE("A bent polynomial answers with the distance and direction of its quadric") {
+  TiledCubeByHand cube(size);
+  cube.octree.value_unit = 1e-6;
+  const double cube_half = cube.octree.edge / 2;
+  LocalMap map;
+  map.slope = Vector3(0.01, -0.02, -1);
+  map.bend = {0.03, -0.01, 0.002, 0.004, 0.01, 0.02};
+  PackedLocalMap packed;
+  REQUIRE(pack_local_map(map, cube.octree.value_unit / cube_half, packed));
+  const LocalMap stored = unpack_local_map(packed.words.data(), cube.octree.value_unit / cube_half);
+  fill(cube, OctreeKind::polynomial, {packed.words.begin(), packed.words.end()});
+  const Vector3 point(0.0002, 0.004, -0.003);
+  const Vector3 z = local_coordinates(cube.planes[0], point / cube_half);
+  const Answer answer = query_point(cube.view, point);
+  CHECK(answer.distance == Approx(cube_half * stored.at(z)).epsilon(1e-12));
+  // The direction is that of the steepest ascent of the distance.
+  constexpr double step = 1e-7;
+  Vector3 ascent;
+  for (int axis = 0; axis < 3; ++axis) {
+    const Vector3 off = step * Vector3::Unit(axis);
+    ascent[axis] =
+        query_point(cube.view, point + off).distance - query_point(cube.view, point - off).distance;
+  }
+  CHECK((answer.normal - ascent.normalized()).norm() < 1e-6);
+}
+
+TEST_CASE("Of a pair the smaller or the larger distance counts, with its own plane") {
+  TiledCubeByHand cube(size);
+  cube.octree.value_unit = 1e-6;
+  const PackedLocalMap x = flat_map(cube, 0), y = flat_map(cube, 2);
+  std::vector<std::uint32_t> both(x.words.begin(), x.words.end());
+  both.insert(both.end(), y.words.begin(), y.words.end());
+  const Vector3 point(0.0195, 0.0192, 0.001);
+  fill(cube, OctreeKind::most, both);  // the edge of a solid below both
+  CHECK(query_point(cube.view, point).distance == Approx(-0.0005));
+  CHECK(query_point(cube.view, point).plane == 0);
+  CHECK((query_point(cube.view, point).normal - Vector3::UnitX()).norm() < 1e-6);
+  fill(cube, OctreeKind::least, both);
+  CHECK(query_point(cube.view, point).distance == Approx(-0.0008));
+  CHECK(query_point(cube.view, point).plane == 2);
+}
+
+TEST_CASE("Where triangles tell the side, a cube of them answers as the cube") {
   const TiledCubeByHand cube(size);
-  Places places(size + 0.001);
+  Random random(7);
   int exact = 0;
   for (int trial = 0; trial < 20000; ++trial) {
-    const Vector3 point = places.next();
+    const Vector3 point = random_place(random, size + 0.001);
     const double wanted = cube_distance(point);
     const Answer answer = query_point(cube.view, point);
     REQUIRE(answer.status != Status::pruned);
@@ -87,33 +143,34 @@ TEST_CASE("Where the elements tell the side, a cube of tiles answers as the cube
     } else {
       ++exact;
       REQUIRE(answer.distance == Approx(wanted).margin(1e-7));
+      REQUIRE(answer.source == Source::triangles);
     }
   }
   CHECK(exact > 1000);
 }
 
-TEST_CASE("Where the place tells the side, no element is asked for it") {
+TEST_CASE("Where the list tells the side, no triangle is asked for it") {
   TiledCubeByHand cube(size);
   const Vector3 below(0.003, 0.0197, -0.002), above(0.003, 0.0203, -0.002);
-  for (const auto& [kind, side] :
-       {std::pair(SignKind::inside, -1), std::pair(SignKind::outside, 1)}) {
-    fill(cube, kind);
+  for (const auto& [told, side] : {std::pair(ListSide::inside, -1), {ListSide::outside, 1}}) {
+    cube.octree.units[1] = test::list_counts(2, 0, told);
+    cube.refresh();
     CHECK(query_point(cube.view, below).distance == Approx(side * 0.0003));
     CHECK(query_point(cube.view, above).distance == Approx(side * 0.0003));
+    CHECK(
+        (query_point(cube.view, told == ListSide::inside ? below : above).normal - Vector3::UnitY())
+            .norm() < 1e-6);
   }
-  CHECK((query_point(cube.view, above).normal - Vector3::UnitY()).norm() < 1e-6);
-  fill(cube, SignKind::inside);
-  CHECK((query_point(cube.view, below).normal - Vector3::UnitY()).norm() < 1e-6);
 }
 
 TEST_CASE("Far and pruned places say so, and a place of no known kind is far") {
   TiledCubeByHand cube(size);
   const Vector3 point(0.003, 0.0199, -0.002);
-  fill(cube, SignKind::pruned);
+  fill(cube, OctreeKind::pruned);
   CHECK(query_point(cube.view, point).status == Status::pruned);
   CHECK(std::isnan(query_point(cube.view, point).distance));
-  for (const std::uint32_t kind : {3U, 5U, 6U, 8U, 15U}) {
-    fill(cube, static_cast<SignKind>(kind));
+  for (const std::uint32_t kind : {0U, 2U, 3U, 7U, 9U, 10U, 11U, 14U, 15U}) {
+    fill(cube, static_cast<OctreeKind>(kind), std::vector<std::uint32_t>(16, 0));
     const Answer answer = query_point(cube.view, point);
     CHECK(answer.status == Status::far);
     CHECK(std::isnan(answer.distance));
@@ -121,47 +178,61 @@ TEST_CASE("Far and pruned places say so, and a place of no known kind is far") {
   }
 }
 
-TEST_CASE("Octants of one space answer each by its own kind") {
+TEST_CASE("Octants answer each by its own kind") {
   TiledCubeByHand cube(size);
-  cube.sign_octree = {octants(SignKind::boundary, {{0, SignKind::pruned}, {7, SignKind::split}}), 1,
-                      octants(SignKind::far, {{7, SignKind::boundary}}), 0};
-  cube.refresh();
+  const std::vector<std::uint32_t> whole = cube.octree.units;
+  const auto list = OctreeKind::list, far_kind = OctreeKind::far;
+  std::vector<std::uint32_t> units{
+      1, test::octant_kinds(
+             far_kind,
+             {{0, OctreeKind::pruned}, {1, list}, {6, OctreeKind::deep}, {7, OctreeKind::split}})};
+  units.insert(units.end(), whole.begin(), whole.end());
+  units.insert(units.end(), {pack_octahedral(Vector3::UnitX()), 0});
+  units.insert(units.end(), {4, test::octant_kinds(far_kind, {{7, list}})});
+  units.insert(units.end(), whole.begin(), whole.end());
+  fill(cube, OctreeKind::split, units);
   CHECK(query_point(cube.view, {-0.01, -0.01, -0.0199}).status == Status::pruned);
   CHECK(query_point(cube.view, {0.01, -0.01, -0.0199}).distance == Approx(-0.0001));
+  CHECK(query_point(cube.view, {-0.01, 0.01, -0.0199}).status == Status::far);
+  const Answer deep = query_point(cube.view, {-0.01, 0.01, 0.0199});
+  CHECK(deep.status == Status::deep);
+  CHECK(deep.distance == -cube.view.band.max_depth);
+  CHECK((deep.normal - Vector3::UnitX()).norm() < 1e-3);
   CHECK(query_point(cube.view, {0.005, 0.005, 0.0199}).status == Status::far);
   CHECK(query_point(cube.view, {0.015, 0.015, 0.0199}).distance == Approx(-0.0001));
 }
 
-TEST_CASE("Beyond the margin the answer is far, told or outside") {
+TEST_CASE("Beyond the margin and outside all cubes the answer is far") {
   TiledCubeByHand cube(size);
-  cube.view.sign_octree.edge = 1;  // so that the point lies in it
-  for (const SignKind kind : {SignKind::boundary, SignKind::outside}) {
-    fill(cube, kind);
+  cube.octree.edge = 1;  // so that the point lies in it
+  for (const ListSide side : {ListSide::surface, ListSide::outside}) {
+    cube.octree.units[1] = test::list_counts(2, 0, side);
+    cube.refresh();
     CHECK(query_point(cube.view, {0, 0, half + 0.00049}).status == Status::exact);
     const Answer answer = query_point(cube.view, {0, 0, half + 0.00052});
     CHECK(answer.status == Status::far);
     CHECK(std::isnan(answer.distance));
     CHECK(query_point(cube.view, {0, 0.3, 0}).status == Status::far);
+    CHECK(query_point(cube.view, {0, 3, 0}).status == Status::far);
   }
 }
 
-TEST_CASE("Deeper than the band the answer is its bound and the normal of a near enough face") {
+TEST_CASE("Deeper than the band the answer is its bound and the normal of the nearest face") {
   TiledCubeByHand cube(size);
-  for (const SignKind kind : {SignKind::boundary, SignKind::inside}) {
-    fill(cube, kind);
+  for (const ListSide side : {ListSide::surface, ListSide::inside}) {
+    cube.octree.units[1] = test::list_counts(2, 0, side);
+    cube.refresh();
     const Answer answer = query_point(cube.view, {0, 0.015, 0});
     CHECK(answer.status == Status::deep);
     CHECK(answer.distance == -cube.view.band.max_depth);
     CHECK((answer.normal - Vector3::UnitY()).norm() < 1e-6);
-    Places places(0.035);
+    Random random(3);
     for (int trial = 0; trial < 500; ++trial) {
-      const Vector3 point = places.next();
+      const Vector3 point = random_place(random, 0.035);
       const Answer deep = query_point(cube.view, point);
       REQUIRE(deep.status == Status::deep);
       REQUIRE(deep.normal.norm() == Approx(1));
-      // The face that the normal names is at most a quarter farther than the nearest.
-      const double named = half - point.dot(deep.normal);
-      REQUIRE(named <= -1.25 * cube_distance(point) + 1e-6);
+      REQUIRE(half - point.dot(deep.normal) <= -cube_distance(point) + 1e-6);
     }
   }
 }
@@ -173,211 +244,170 @@ TEST_CASE("Points that are not finite are far in the sparse form too") {
   for (const Vector3& point : {Vector3(nan, 0, 0), Vector3(0, infinity, 0),
                                Vector3(0, 0, -infinity), Vector3(1e308, 1e308, 1e308)}) {
     CHECK(query_point(cube.view, point).status == Status::far);
+    CHECK(clearance(cube.view, point) >= 0);
   }
 }
 
-TEST_CASE("Where a border is nearest, a tile within a tie that faces the point tells the side") {
-  TiledCubeByHand cube(size);
-  cube.by_hand[0].tile.base = 1e-6;                // the face at +x lies a little too deep
-  const Vector3 point(0.0203, 0.01999995, 0.003);  // outside +x, and just below +y's own plane
-  cube.refresh();
-  const Answer outside = query_point(cube.view, point);
-  CHECK(outside.distance == Approx(0.0003).margin(2e-7));
-  CHECK((outside.normal - Vector3::UnitX()).norm() < 1e-6);
-  cube.by_hand[0].tile.base = 8.5e-6;  // nearly a tie deeper, and too far to give the normal
-  cube.refresh();
-  CHECK(query_point(cube.view, point).distance == Approx(0.0003).margin(1e-8));
-  cube.view.tolerance = 1e-7;  // now the farther one is no tie
-  CHECK(query_point(cube.view, point).distance < 0);
+TEST_CASE("On the surface the normal is the triangle's own") {
+  const TiledCubeByHand cube(size);
+  // Within a thousandth of the tolerance, beyond the edge of the face at +y.
+  const Answer edge = query_point(cube.view, {0.003, half, half + 5e-9});
+  CHECK(edge.status == Status::exact);
+  CHECK(edge.distance == Approx(5e-9).epsilon(1e-6));
+  CHECK(std::max(edge.normal.y(), edge.normal.z()) == Approx(1));
+  CHECK((query_point(cube.view, {0.001, 0.002, half}).normal - Vector3::UnitZ()).norm() < 1e-12);
 }
 
-TEST_CASE("A closest point that faces the point gives the normal where a border is little nearer") {
-  // The left half of the face at +z is in place, the right half lies too deep.
-  TiledCubeByHand tiled(size);
-  tiled.by_hand[4].tile.valid = 0x0F0F0F0F0F0F0F0FU;
-  tiled.by_hand[5] = tiled.by_hand[4];
-  tiled.by_hand[5].tile.valid = ~tiled.by_hand[4].tile.valid;
-  tiled.by_hand[5].tile.base = 3e-5;
-  tiled.refresh();
-  TiledCubeByHand meshed(size);
-  constexpr float high = 0.02F, low = 0.02F - 3e-5F;
-  replace_tiles(meshed,
-                {0, -high, high, 0, high, high, -high, 0, high,  // left
-                 0, -high, low, high, 0, low, 0, high, low},     // right
-                0);
-  // Above the right half, just beside the left one's border.
-  const SupportPlane& plane = tiled.planes[4];
-  const Vector3 off = 0.0001 * plane.u + 0.0003 * plane.n;
-  const Vector3 point = plane.x0 + off;
-  for (TiledCubeByHand* asset : {&tiled, &meshed}) {
-    asset->view.tolerance = 5e-5;
-    const Answer faced = query_point(asset->view, point);
-    CHECK(faced.status == Status::exact);
-    CHECK(faced.distance == Approx(off.norm()).margin(1e-8));
-    CHECK((faced.normal - plane.n).norm() < 1e-6);
-    // The right half's closest point is 1.4e-5 farther, which is now more than 0.7 tolerances.
-    asset->view.tolerance = 1.5e-5;
-    const Answer border = query_point(asset->view, point);
-    CHECK(border.distance == Approx(off.norm()).margin(1e-8));
-    CHECK((border.normal - off.normalized()).norm() < 1e-3);
+TEST_CASE("Corners of clusters are where origin, step, box and shift put them") {
+  TiledCubeByHand cube(size);
+  TriangleByHand triangle;
+  triangle.corners = {{{-20000, -20000, 500}, {20000, -20000, 500}, {-20000, 20000, 500}}};
+  cube.octree.clusters.clear();
+  cube.octree.cluster_origin = Vector3(0, 0, 0.019);
+  cube.octree.cluster_step = 1e-6;
+  for (const std::uint32_t shift : {0U, 2U, 5U}) {
+    cube.octree.clusters.clear();
+    test::add_cluster(cube.octree, {triangle}, {.shift = shift});
+    cube.octree.lists = {test::list_entry(0, 0)};
+    fill(cube, OctreeKind::list, {0, test::list_counts(1, 0)});
+    const Answer answer = query_point(cube.view, {-0.01, -0.01, 0.019});
+    CHECK(answer.distance == Approx(-0.0005));
+    CHECK(answer.source == Source::triangles);
+    CHECK(answer.plane == -1);
+    CHECK(answer.layer == -1);
+    CHECK((answer.normal - Vector3::UnitZ()).norm() < 1e-9);
   }
 }
 
-TEST_CASE("On the surface the normal is the element's own") {
-  TiledCubeByHand cube(size);
-  // Within a tenth of the tolerance, beyond the border of the face at +y.
-  const Answer tile = query_point(cube.view, {0.003, half, half + 5e-7});
-  CHECK(tile.status == Status::exact);
-  CHECK(tile.normal.norm() == Approx(1));
-  CHECK(std::max(tile.normal.y(), tile.normal.z()) == Approx(1));
-  replace_tiles(cube, {0, 0, 0.01F, 0.01F, 0, 0.01F, 0, 0.01F, 0.01F}, 0);
-  const Answer triangle = query_point(cube.view, {0.001, -5e-7, static_cast<double>(0.01F)});
-  CHECK(triangle.distance == Approx(5e-7).margin(1e-9));
-  CHECK((triangle.normal - Vector3::UnitZ()).norm() < 1e-9);
-}
-
-TEST_CASE("Triangles of 16-bit numbers are found where origin and step put them") {
-  TiledCubeByHand cube(size);
-  cube.view.triangle_origin = Vector3(-0.02, -0.02, 0.0195);
-  cube.view.triangle_step = 1e-6;
-  cube.view.first_cap = 3;
-  cube.small_triangles = {0, 0, 0, 40000, 0, 0, 0, 40000, 0};
-  cube.bvh = bvh_over({fan_child(0, 1)});
-  cube.refresh();
-  const Answer answer = query_point(cube.view, {-0.01, -0.01, 0.019});
-  CHECK(answer.distance == Approx(-0.0005));
-  CHECK(answer.source == Source::triangles);
-  CHECK(answer.plane == -1);
-  CHECK(answer.layer == -1);
-  CHECK((answer.normal - Vector3::UnitZ()).norm() < 1e-9);
-}
-
-TEST_CASE("Each triangle of a fan is found, the first corner being every one's") {
+TEST_CASE("Each triangle of a cluster is found, in single precision and exactly") {
   TiledCubeByHand cube(size);
   // Four triangles around the middle of a face, so that each covers a quarter of it.
-  cube.triangles = {0,      0,      half_f, -half_f, -half_f, half_f, half_f,  -half_f, half_f,
-                    half_f, half_f, half_f, -half_f, half_f,  half_f, -half_f, -half_f, half_f};
-  cube.view.first_cap = 6;
-  cube.bvh = bvh_over({fan_child(0, 4)});
-  cube.refresh();
-  for (const double x : {-0.013, 0.001, 0.012}) {
-    for (const double y : {-0.011, 0.002, 0.014}) {
-      CHECK(query_point(cube.view, {x, y, half - 0.0004}).distance == Approx(-0.0004).margin(1e-8));
-    }
+  std::vector<TriangleByHand> fan;
+  constexpr std::array<std::array<std::int32_t, 2>, 5> ring{
+      {{-face, -face}, {face, -face}, {face, face}, {-face, face}, {-face, -face}}};
+  for (std::size_t k = 0; k < 4; ++k) {
+    TriangleByHand quarter;
+    quarter.corners = {
+        {{0, 0, face}, {ring[k][0], ring[k][1], face}, {ring[k + 1][0], ring[k + 1][1], face}}};
+    fan.push_back(quarter);
   }
-  // One triangle fewer leaves its quarter open.
-  cube.bvh = bvh_over({fan_child(0, 3)});
-  cube.refresh();
-  CHECK(query_point(cube.view, {-0.013, 0.001, half - 0.0004}).distance < -0.0008);
-  CHECK(query_point(cube.view, {0.013, 0.001, half - 0.0004}).distance ==
-        Approx(-0.0004).margin(1e-8));
+  for (const bool exact : {false, true}) {
+    cube.octree.clusters.clear();
+    test::add_cluster(cube.octree, fan, {.exact = exact});
+    test::add_cluster(cube.octree, {fan[0], fan[1], fan[2]}, {.exact = exact});
+    cube.octree.lists = {0, 1};
+    for (const double x : {-0.013, 0.001, 0.012}) {
+      for (const double y : {-0.011, 0.002, 0.014}) {
+        fill(cube, OctreeKind::list, {0, test::list_counts(1, 0)});
+        CHECK(query_point(cube.view, {x, y, half - 0.0004}).distance ==
+              Approx(-0.0004).margin(1e-8));
+      }
+    }
+    // One triangle fewer leaves its quarter open.
+    fill(cube, OctreeKind::list, {1, test::list_counts(1, 0)});
+    CHECK(std::abs(query_point(cube.view, {-0.013, 0.001, half - 0.0004}).distance) > 0.0008);
+    CHECK(query_point(cube.view, {0.013, 0.001, half - 0.0004}).distance ==
+          Approx(-0.0004).margin(1e-8));
+  }
 }
 
-TEST_CASE("At the edge of two triangles the side is that of the one that faces the point more") {
+TEST_CASE("A cluster that is too far by its bound is not looked at") {
   TiledCubeByHand cube(size);
-  // Two faces that meet at the edge x = y = 0.02, solid below both.
-  replace_tiles(cube,
-                {0.02F, 0.02F, 1, 0.02F, 0.02F, -1, -1, 0.02F, 0, 0.02F, 0.02F, -1, 0.02F, 0.02F, 1,
-                 0.02F, -1, 0},
-                0);
-  const Answer outside = query_point(cube.view, {0.02018, 0.02024, 0});
-  CHECK(outside.distance == Approx(0.0003).margin(1e-8));
-  CHECK((outside.normal - Vector3(0.6, 0.8, 0)).norm() < 1e-3);
-  // Outside one face, and below the plane of the other.
-  CHECK(query_point(cube.view, {0.02024, 0.01999, 0}).distance == Approx(0.00024).margin(1e-8));
-  CHECK(query_point(cube.view, {0, 0.0195, 0}).distance == Approx(-0.0005).margin(1e-8));
+  TriangleByHand low, high;  // 0.1 mm apart
+  low.corners = {{{-face, -face, 0}, {face, -face, 0}, {-face, face, 0}}};
+  high.corners = {{{-face, -face, face}, {face, -face, face}, {-face, face, face}}};
+  cube.octree.clusters.clear();
+  cube.octree.cluster_origin = Vector3(0, 0, 0.0193);
+  cube.octree.cluster_step = 1e-4 / face;
+  cube.octree.reach = 0.00255;
+  test::add_cluster(cube.octree, {low});
+  test::add_cluster(cube.octree, {high});
+  const Vector3 point(-2e-5, -2e-5, 0.0198);  // 0.5 mm above the lower one, 0.4 mm above the other
+  for (const auto& [bound, found] : {std::pair(39U, 0.0004), {60U, 0.0005}}) {
+    cube.octree.lists = {test::list_entry(0, 0), test::list_entry(1, bound)};
+    fill(cube, OctreeKind::list, {0, test::list_counts(2, 0)});
+    CHECK(query_point(cube.view, point).distance == Approx(found).margin(1e-9));
+  }
 }
 
-TEST_CASE("Beyond a sharp edge the side is outside, though a face's own plane lies above") {
+TEST_CASE("Beyond a sharp edge the side is what the bake told, whichever triangle is found") {
   TiledCubeByHand cube(size);
   // A wedge along z that ends at x = y = 0, below y = 0.
-  const std::vector<float> upper{0, 0, -0.02F, -0.02F, 0, 0, 0, 0, 0.02F};
-  const std::vector<float> lower{0, 0, 0.02F, -0.02F, -0.006F, 0, 0, 0, -0.02F};
-  for (const bool upper_first : {false, true}) {
-    std::vector<float> both = upper_first ? upper : lower;
-    const std::vector<float>& other = upper_first ? lower : upper;
-    both.insert(both.end(), other.begin(), other.end());
-    replace_tiles(cube, both, 0);
+  test::Shape wedge;
+  wedge.vertices = {{0, 0, -half}, {0, 0, half}, {-half, 0, 0}, {-half, -0.006, 0}};
+  wedge.triangles = {{0, 2, 1}, {1, 3, 0}};
+  for (const bool swapped : {false, true}) {
+    if (swapped) std::swap(wedge.triangles[0], wedge.triangles[1]);
+    cube.replace_triangles(wedge);
     const Vector3 off(0.0003, -0.00002, 0);
     const Answer answer = query_point(cube.view, off);
     CHECK(answer.distance == Approx(off.norm()).margin(1e-9));
     CHECK((answer.normal - off.normalized()).norm() < 1e-6);
     CHECK(query_point(cube.view, {-0.005, -0.0003, 0}).distance == Approx(-0.0003).margin(1e-9));
+    // The other way round it is a notch, and the same place is inside.
+    cube.replace_triangles(test::turned_inside_out(wedge));
+    CHECK(query_point(cube.view, off).distance == Approx(-off.norm()).margin(1e-9));
+    CHECK(query_point(cube.view, {-0.005, -0.0003, 0}).distance == Approx(0.0003).margin(1e-9));
   }
 }
 
 TEST_CASE("A cap decides the side of a sparse query and carries no distance") {
   TiledCubeByHand cube(size, {0.02, 0.02});
-  replace_tiles(cube,
-                {-0.001F, 0, 0.01F, 0.001F, 0, 0.01F, 0, 0.001F, 0.01F,  // faces +z
-                 -0.02F, -0.02F, 0, 0.02F, -0.02F, 0, 0, 0.02F, 0},      // cap, faces +z
-                1);
+  TriangleByHand above_all, cap;  // both face +z
+  above_all.corners = {{{-819, 0, 8192}, {819, 0, 8192}, {0, 819, 8192}}};
+  cap.corners = {{{-face, -face, 0}, {face, -face, 0}, {0, face, 0}}};
+  fill_with_list(cube, {above_all}, {cap});
   const Answer above = query_point(cube.view, {0, 0, 0.001});
   CHECK(above.distance == Approx(0.009).margin(1e-7));
   CHECK(above.source == Source::triangles);
   CHECK(query_point(cube.view, {0, 0, -0.001}).distance == Approx(-0.011).margin(1e-7));
-  // Where the space gives the side, the cap has no effect.
-  fill(cube, SignKind::inside);
+  // Where the list tells the side, the cap has no effect.
+  fill_with_list(cube, {above_all}, {cap}, ListSide::inside);
   CHECK(query_point(cube.view, {0, 0, 0.001}).distance == Approx(-0.009).margin(1e-7));
 }
 
 TEST_CASE("Caps alone are no surface") {
   TiledCubeByHand cube(size);
-  replace_tiles(cube, {-0.02F, -0.02F, 0, 0.02F, -0.02F, 0, 0, 0.02F, 0}, 1);
-  for (const SignKind kind : {SignKind::boundary, SignKind::inside, SignKind::outside}) {
-    fill(cube, kind);
+  TriangleByHand cap;
+  cap.corners = {{{-face, -face, 0}, {face, -face, 0}, {0, face, 0}}};
+  for (const ListSide side : {ListSide::surface, ListSide::inside, ListSide::outside}) {
+    fill_with_list(cube, {}, {cap}, side);
     CHECK(query_point(cube.view, {0, 0, -0.0001}).status == Status::far);
   }
 }
 
-TEST_CASE("A triangle without area on a face changes neither side nor distance") {
+TEST_CASE("How far the surface is at least is told by far roots, and else by the margin") {
   TiledCubeByHand cube(size);
-  cube.triangles.assign(9, 0);
-  cube.triangles[2] = cube.triangles[5] = cube.triangles[8] = 0.02F;
-  cube.view.first_cap = 3;
-  cube.bvh = bvh_over({fan_child(0, 1), test::tile_child(4)});
+  cube.octree.edge = 0.1;
+  cube.octree.roots = {2, 1, 1};
+  cube.octree.clearance_unit = 1e-3;
+  cube.octree.root_words.push_back(test::root_word(OctreeKind::far, 70));
   cube.refresh();
-  for (const double height : {0.0003, -0.0003}) {
-    CHECK(query_point(cube.view, {0, 0, half + height}).distance == Approx(height).margin(1e-8));
-  }
+  const Vector3 middle = cube.octree.origin + Vector3(0.15, 0.05, 0.05);
+  CHECK(clearance(cube.view, middle) == Approx(0.07));
+  CHECK(clearance(cube.view, middle + Vector3(0.03, 0.04, 0)) == Approx(0.02));
+  CHECK(clearance(cube.view, middle + Vector3(0.049, 0.049, 0.049)) == cube.view.band.margin);
+  CHECK(clearance(cube.view, Vector3::Zero()) == 0);
+  CHECK(clearance(cube.view, {0, 0, half + 0.002}) == cube.view.band.margin);
+  CHECK(clearance(cube.view, {0, 0, -1}) ==
+        Approx(cube.view.band.margin + 1 + cube.octree.origin.z()));
 }
 
-TEST_CASE("An asset without elements is far wherever its space is not pruned") {
+TEST_CASE("Many points at once are answered as each by itself") {
   TiledCubeByHand cube(size);
-  cube.bvh.clear();
-  for (const SignKind kind : {SignKind::boundary, SignKind::inside, SignKind::outside}) {
-    fill(cube, kind);
-    CHECK(query_point(cube.view, {0, 0, 0.0199}).status == Status::far);
-  }
-}
-
-TEST_CASE("Trees and tiles that were damaged under the map never lead outside it") {
-  std::mt19937_64 bits(12);
-  const auto random = [&bits](std::uint32_t bound) {
-    return static_cast<std::uint32_t>(bits() % bound);
-  };
-  const Vector3 point(0.001, 0.019, 0.002);
-  int answers = 0;
-  for (int trial = 0; trial < 3000; ++trial) {
-    TiledCubeByHand cube(size);
-    cube.small_triangles.assign(18, 1000);
-    cube.view.triangle_step = 1e-6;
-    cube.view.first_cap = random(3);
-    for (std::uint32_t& word : cube.bvh) {
-      if (trial % 3 == 0) word = static_cast<std::uint32_t>(bits());
-      if (random(4) == 0) word = (word & 0xFF000000U) | random(9);
+  Random random(11);
+  for (const std::size_t count : {0U, 1U, 7U, 8U, 9U, 500U}) {
+    std::vector<Vector3> points(count);
+    for (Vector3& point : points) point = random_place(random, size + 0.002);
+    std::vector<Answer> answers(count);
+    query_points(cube.view, points, answers);
+    for (std::size_t k = 0; k < count; ++k) {
+      const Answer wanted = query_point(cube.view, points[k]);
+      REQUIRE(answers[k].status == wanted.status);
+      REQUIRE(answers[k].normal == wanted.normal);
+      REQUIRE((answers[k].distance == wanted.distance || std::isnan(wanted.distance)));
     }
-    if (trial % 2 == 0) cube.sign_octree = {octants(static_cast<SignKind>(random(16))), random(3)};
-    for (TileByHand& made : cube.by_hand) {
-      for (std::uint16_t& height : made.heights) height = static_cast<std::uint16_t>(bits());
-    }
-    cube.refresh();
-    const Answer answer = query_point(cube.view, point);
-    const bool answered = answer.status == Status::exact || answer.status == Status::deep;
-    CHECK(answered == std::isfinite(answer.distance));
-    answers += answered ? 1 : 0;
   }
-  CHECK(answers > 100);
 }
 
 }  // namespace

@@ -10,7 +10,6 @@
 #include "common/paper/paper_volume.hpp"
 #include "common/surface/support_plane_mapping.hpp"
 #include "tests/support/asset_by_hand.hpp"
-#include "tests/support/tree_by_hand.hpp"
 
 namespace spm::overlap_volume_test {
 namespace {
@@ -34,13 +33,10 @@ Isometry3d at(double x, double y, double z) { return Isometry3d(Eigen::Translati
 /// Adds every tile a second time, offset by the tolerance.
 void double_tiles(TiledCubeByHand& cube) {
   const std::vector<test::TileByHand> once = cube.by_hand;
-  std::vector<test::BoxedChild> leaves;
   for (test::TileByHand tile : once) {
     tile.tile.base += cube.view.tolerance;
     cube.by_hand.push_back(tile);
   }
-  for (std::uint32_t k = 0; k < cube.by_hand.size(); ++k) leaves.push_back(test::tile_child(k));
-  cube.bvh = test::bvh_over(leaves);
   cube.refresh();
 }
 

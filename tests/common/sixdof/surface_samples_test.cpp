@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "tests/support/asset_by_hand.hpp"
-#include "tests/support/tree_by_hand.hpp"
+#include "tests/support/octree_by_hand.hpp"
 
 namespace spm::surface_samples_test {
 namespace {
@@ -27,12 +27,9 @@ double area_of(const AssetView& asset, double step) {
   return area;
 }
 
-/// Lists more tiles in the tree of a cube than the six of its faces.
+/// Shows more tiles of a cube than the six of its faces.
 void add_tiles(TiledCubeByHand& cube, const std::vector<test::TileByHand>& more) {
-  std::vector<test::BoxedChild> leaves;
   cube.by_hand.insert(cube.by_hand.end(), more.begin(), more.end());
-  for (std::uint32_t k = 0; k < cube.by_hand.size(); ++k) leaves.push_back(test::tile_child(k));
-  cube.bvh = test::bvh_over(leaves);
   cube.refresh();
 }
 
@@ -72,18 +69,19 @@ TEST_CASE("Of two tiles that overlap in part each place is the first one's") {
   CHECK(area_of(cube.view, 0.0007) == Approx(size * size * (6 + 2.5 / 8)).epsilon(2e-3));
 }
 
-TEST_CASE("A triangle on a tile is the owner, and the areas stay") {
+TEST_CASE("A bare triangle on a tile is the owner, and the areas stay") {
   TiledCubeByHand cube(size);
-  constexpr float half = 0.02F;
-  cube.triangles = {half, -half, -half, half, half, -half, half, -half, half};
-  cube.view.first_cap = 3;
-  std::vector<test::BoxedChild> leaves{test::fan_child(0, 1)};
-  for (std::uint32_t k = 0; k < 6; ++k) leaves.push_back(test::tile_child(k));
-  cube.bvh = test::bvh_over(leaves);
+  constexpr std::int32_t half = TiledCubeByHand::half_steps;
+  test::TriangleByHand triangle;
+  triangle.corners = {{{half, -half, -half}, {half, half, -half}, {half, -half, half}}};
+  triangle.bare = true;
+  test::add_cluster(cube.octree, {triangle});
   cube.refresh();
   CHECK(area_of(cube.view, 0.0005) == Approx(6 * size * size).epsilon(2e-3));
-  cube.view.first_cap = 0;  // a cap is no surface
-  CHECK(area_of(cube.view, 0.0005) == Approx(6 * size * size).epsilon(1e-5));
+  // Alone it is half of a face; and triangles that tiles show are not counted again.
+  cube.by_hand.clear();
+  cube.refresh();
+  CHECK(area_of(cube.view, 0.0005) == Approx(size * size / 2).epsilon(1e-5));
 }
 
 TEST_CASE("A clipped cell counts as far as its line") {
@@ -177,7 +175,7 @@ TEST_CASE("A full asset, an empty one and a spacing of nothing are refused with 
   for (const double spacing : {0.0, -1.0, 1e-12, std::nan("")}) {
     CHECK(sample_surface(cube.view, spacing).error().code == ExitCode::usage);
   }
-  cube.bvh.clear();
+  cube.by_hand.clear();
   cube.refresh();
   CHECK(sample_surface(cube.view, 0.001).error().code == ExitCode::invalid_input);
 }

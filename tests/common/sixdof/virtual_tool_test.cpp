@@ -7,7 +7,6 @@
 #include <cmath>
 
 #include "tests/support/asset_by_hand.hpp"
-#include "tests/support/tree_by_hand.hpp"
 
 namespace spm::virtual_tool_test {
 namespace {
@@ -41,12 +40,12 @@ struct Scene {
 
 Isometry3d at(double x, double y, double z) { return Isometry3d(Eigen::Translation3d(x, y, z)); }
 
-/// The two faces across z of a plate of this thickness. Its narrow faces are left out, because
-/// their tiles would be as wide as before.
+/// A plate of this thickness across z. Of its surface it shows the two wide faces, because the
+/// tiles of the narrow ones would be as wide as before.
 void make_plate(TiledCubeByHand& cube, double thickness) {
   for (std::size_t k : {4U, 5U}) cube.planes[k].x0 *= thickness / size;
-  cube.bvh = test::bvh_over({test::tile_child(4), test::tile_child(5)});
-  cube.refresh();
+  cube.by_hand = {cube.by_hand[4], cube.by_hand[5]};
+  cube.replace_triangles(test::box({size, size, thickness}));
 }
 
 TEST_CASE("Where nothing is near the tool follows the device, and there is no force") {

@@ -5,7 +5,6 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
-#include "common/asset/cell_packet.hpp"
 #include "common/surface/closest_on_tile.hpp"
 #include "common/surface/distance_map.hpp"
 #include "common/surface/support_plane_mapping.hpp"
@@ -206,43 +205,6 @@ TEST_CASE("Points that are not finite have no closest point") {
         closest_on_tile(tile, unit_of_heights, plane, {0, wrong, 0}, 1.0F);
     CHECK(std::isinf(closest_point.distance));
   }
-}
-
-TEST_CASE("The nearest of a tile's cells is the closest point on the tile") {
-  RandomTwister random(9);
-  int found = 0;
-  for (int trial = 0; trial < 500; ++trial) {
-    const SupportPlane plane = random_plane(random);
-    const test::TileByHand made = random_tile(random);
-    const Tile tile = made.view(unit_of_heights);
-    TileHeights heights;
-    tile_heights(tile, unit_of_heights, heights);
-    const double twist = greatest_twist(heights);
-    const Vector3 point = point_near(random, tile, plane);
-    const TileClosestPoint whole = closest_on_tile(tile, unit_of_heights, plane, point, 1.0F);
-    const Vector3 origin = point + Vector3(0.02, -0.03, 0.01);
-    float least = std::numeric_limits<float>::infinity();
-    for (std::uint32_t part = 0; part < tile_packets; ++part) {
-      const CellPacket packet = cell_packet(tile, unit_of_heights, plane, part, origin);
-      for (std::uint32_t lane = 0; lane < packet_width; ++lane) {
-        const TileClosestPoint closest_point =
-            closest_on_cell(tile, packet, lane, point - origin, 1.0F);
-        if (!(closest_point.distance < least)) continue;
-        least = closest_point.distance;
-        CHECK(((tile.valid >> closest_point.cell) & 1U) == 1);
-        CHECK(closest_point.cell == cell_of(packet, lane));
-        const TileClosestPoint none =
-            closest_on_cell(tile, packet, lane, point - origin, closest_point.distance * 0.999F);
-        CHECK(std::isinf(none.distance));
-      }
-    }
-    REQUIRE(std::isfinite(least) == std::isfinite(whole.distance));
-    if (!std::isfinite(least)) continue;
-    ++found;
-    // Which closest point on a cell is found may depend on what was found before.
-    CHECK(double{least} == Approx(double{whole.distance}).margin(twist / 2 + rounding));
-  }
-  CHECK(found > 300);
 }
 
 }  // namespace spm::tile_test

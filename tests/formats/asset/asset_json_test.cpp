@@ -72,7 +72,7 @@ TEST_CASE("Every wrong field of a description is refused by its name") {
   };
   const std::vector<Case> cases = {
       {"format_version", [](Json& j) { j["format_version"] = "2"; }},
-      {"format version 7, this program reads 4", [](Json& j) { j["format_version"] = 7; }},
+      {"format version 7, this program reads 5", [](Json& j) { j["format_version"] = 7; }},
       {"`form`", [](Json& j) { j["form"] = "dense"; }},
       {"`units`", [](Json& j) { j["units"] = "mm"; }},
       {"`kind`", [](Json& j) { j.erase("kind"); }},
@@ -106,32 +106,10 @@ TEST_CASE("Every wrong field of a description is refused by its name") {
        }},
       {"`mesh.closed`", [](Json& j) { j["mesh"]["closed"] = "yes"; }},
       {"`mesh.triangles`", [](Json& j) { j["mesh"]["triangles"] = 1.5; }},
-      {"`space`", [](Json& j) { j.erase("space"); }},
-      {"`space.origin`", [](Json& j) { j["space"]["origin"][1] = "x"; }},
-      {"`space.edge`", [](Json& j) { j["space"]["edge"] = 0; }},
-      {"`space.edge`", [](Json& j) { j["space"]["edge"] = 1e30; }},
-      {"`space.nodes`", [](Json& j) { j["space"]["nodes"] = 0; }},
-      {"`space.nodes`", [](Json& j) { j["space"]["nodes"] = 1ULL << 40U; }},
-      {"`tree`", [](Json& j) { j["tree"] = 3; }},
-      {"`tree.origin`", [](Json& j) { j["tree"].erase("origin"); }},
-      {"`tree.size`", [](Json& j) { j["tree"]["size"].push_back(1); }},
-      {"`tree.size`", [](Json& j) { j["tree"]["size"][2] = -0.1; }},
-      {"`tree.size`", [](Json& j) { j["tree"]["size"][0] = 1e30; }},
-      {"`tree.nodes`", [](Json& j) { j["tree"]["nodes"] = -1; }},
-      {"`tree.nodes`", [](Json& j) { j["tree"]["nodes"] = 1 << 25; }},
-      {"`caps`", [](Json& j) { j.erase("caps"); }},
-      {"`caps`", [](Json& j) { j["caps"] = 61; }},
       {"`tiles.count`", [](Json& j) { j["tiles"]["count"] = 1 << 25; }},
       {"`tiles.spacing`", [](Json& j) { j["tiles"]["spacing"] = 0; }},
       {"`tiles.spacing`", [](Json& j) { j["tiles"]["spacing"] = 1e30; }},
       {"`tiles.height_unit`", [](Json& j) { j["tiles"]["height_unit"] = -1e-6; }},
-      {"`small_triangles`", [](Json& j) { j["small_triangles"] = 1; }},
-      {"`small_triangles.origin`", [](Json& j) { j["small_triangles"]["step"] = 1e-6; }},
-      {"`small_triangles.step`",
-       [](Json& j) {
-         j["small_triangles"] = {{"origin", {0, 0, 0}}, {"step", 0}};
-       }},
-      {"`corners`", [](Json& j) { j["corners"] = 1ULL << 31U; }},
       {"`planes`", [](Json& j) { j["planes"] = 1; }},
       {"`planes[0].x0`", [](Json& j) { j["planes"][0].erase("x0"); }},
       {"`planes[1].u`", [](Json& j) { j["planes"][1]["u"].push_back(0); }},
@@ -202,9 +180,68 @@ TEST_CASE("Every wrong field of the full form's grid is refused by its name") {
   }
 }
 
+TEST_CASE("Every wrong field of the octree and its clusters is refused by its name") {
+  struct Case {
+    const char *object, *key;
+    Json value;
+  };
+  const std::vector<Case> cases = {{"octree", "origin", Json::array({0, "x", 0})},
+                                   {"octree", "origin", nullptr},
+                                   {"octree", "edge", 0},
+                                   {"octree", "edge", 1e30},
+                                   {"octree", "roots", Json::array({0, 4, 4})},
+                                   {"octree", "roots", Json::array({4, 4})},
+                                   {"octree", "roots", Json::array({1 << 20, 1 << 20, 1 << 20})},
+                                   {"octree", "words", 1ULL << 40U},
+                                   {"octree", "words", -2},
+                                   {"octree", "lists", "many"},
+                                   {"octree", "lists", 1ULL << 40U},
+                                   {"octree", "value_unit", 0},
+                                   {"octree", "clearance_unit", -1e-4},
+                                   {"octree", "reach", 1e30},
+                                   {"clusters", "count", 1 << 25},
+                                   {"clusters", "count", 0.5},
+                                   {"clusters", "origin", Json::array({1, 2})},
+                                   {"clusters", "step", 0},
+                                   {"clusters", "step", "1 um"}};
+  for (const auto& [object, key, value] : cases) {
+    Json json = Json::parse(sparse_text());
+    json[object][key] = value;
+    const std::string named = "`" + std::string(object) + "." + key + "`";
+    INFO(named << ": " << value.dump());
+    const auto parsed = parse_description(json.dump(), "a.exr");
+    REQUIRE(!parsed);
+    CHECK(parsed.error().code == ExitCode::invalid_input);
+    CHECK(parsed.error().message.find(named) != std::string::npos);
+  }
+  for (const char* object : {"octree", "clusters"}) {
+    Json json = Json::parse(sparse_text());
+    json.erase(object);
+    const auto parsed = parse_description(json.dump(), "a.exr");
+    REQUIRE(!parsed);
+    CHECK(parsed.error().message.find("`" + std::string(object) + "`") != std::string::npos);
+  }
+}
+
+TEST_CASE("A file of another format version is refused with who wrote it and what to do") {
+  for (const auto& [version, cure] :
+       {std::pair{4, "; an older spm-bake wrote it; bake it again"},
+        {6, "; a newer spm-bake wrote it, update this one; bake it again"}}) {
+    Json json = Json::parse(sparse_text());
+    json["format_version"] = version;
+    // Other versions have other fields, which are not looked at.
+    json.erase("octree");
+    const auto parsed = parse_description(json.dump(), "a.exr");
+    REQUIRE(!parsed);
+    CHECK(parsed.error().code == ExitCode::invalid_input);
+    CHECK(parsed.error().message ==
+          "a.exr: format version " + std::to_string(version) + ", this program reads 5" + cure);
+  }
+}
+
 TEST_CASE("A description has the partition of its own form alone") {
   const Json sparse = Json::parse(sparse_text()), full = Json::parse(full_text());
-  for (const char* key : {"space", "tree", "tiles", "corners", "caps"}) {
+  for (const char* key : {"octree", "clusters", "tiles"}) {
     CHECK(sparse.contains(key));
     CHECK(!full.contains(key));
   }
@@ -214,17 +251,22 @@ TEST_CASE("A description has the partition of its own form alone") {
   }
 }
 
-TEST_CASE("The sizes of an BVH's box round-trip to the last bit") {
+TEST_CASE("The units of an octree and its clusters round-trip to the last bit") {
   AssetDescription description = describe(sparse_asset(3));
   Random random(10);
   for (int k = 0; k < 200; ++k) {
-    for (float& size : description.bvh_size) {
-      size = static_cast<float>(
-          std::ldexp(random.between(0.5, 1), static_cast<int>(below(random, 40)) - 30));
+    OctreeData& octree = description.octree;
+    for (double* unit : {&octree.edge, &octree.value_unit, &octree.clearance_unit, &octree.reach,
+                         &octree.cluster_step}) {
+      *unit = std::ldexp(random.between(0.5, 1), static_cast<int>(below(random, 40)) - 30);
     }
     const auto parsed = parse_description(to_json(description), "a.exr");
     REQUIRE(parsed.has_value());
-    REQUIRE(parsed->bvh_size == description.bvh_size);
+    REQUIRE(parsed->octree.edge == octree.edge);
+    REQUIRE(parsed->octree.value_unit == octree.value_unit);
+    REQUIRE(parsed->octree.clearance_unit == octree.clearance_unit);
+    REQUIRE(parsed->octree.reach == octree.reach);
+    REQUIRE(parsed->octree.cluster_step == octree.cluster_step);
   }
 }
 

@@ -16,7 +16,7 @@ struct Damage {
   std::string cause;  ///< words of the message
 };
 
-/// Bytes of an asset's file; the writer does not check where the words of grid and trees point.
+/// Bytes of an asset's file; the writer does not check where the words of grid and octree point.
 [[nodiscard]] std::string baked(const Asset& asset);
 
 /// Replaces text in the header by text of the same length and makes the checksum right again.

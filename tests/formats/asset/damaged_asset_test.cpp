@@ -168,12 +168,13 @@ std::vector<Damage> structural_damage() {
 std::vector<Damage> wrong_descriptions() {
   const std::string sparse = sparse_bytes();
   const std::string full = full_bytes();
+  const std::string lists = std::to_string(sparse_asset(1).octree.lists.size());
   return {
-      {"a later version", with_header_text(sparse, "\"format_version\":4", "\"format_version\":7"),
-       "format version 7, this program reads 4; bake it again"},
+      {"a later version", with_header_text(sparse, "\"format_version\":5", "\"format_version\":7"),
+       "format version 7, this program reads 5; a newer spm-bake wrote it, update this one"},
       {"the version before",
-       with_header_text(sparse, "\"format_version\":4", "\"format_version\":2"),
-       "format version 2, this program reads 4; bake it again"},
+       with_header_text(sparse, "\"format_version\":5", "\"format_version\":4"),
+       "format version 4, this program reads 5; an older spm-bake wrote it; bake it again"},
       {"tolerance NaN",
        with_header_text(sparse, "\"tolerance\":3.3333333333333335e-05",
                         "\"tolerance\":NaN                   "),
@@ -186,17 +187,17 @@ std::vector<Damage> wrong_descriptions() {
       {"a tile too few", with_header_text(sparse, "\"count\":100", "\"count\":099"),
        "not a JSON object"},
       {"other columns", with_header_text(full, "\"columns\":9", "\"columns\":8"), "part "},
-      {"triangles of another form",
-       with_header_text(baked(sparse_asset(1, {.small = true})), "\"small_triangles\"",
-                        "\"later_triangles\""),
-       "triangles"},
-      {"a corner too many",
-       with_header_text(sparse, "\"corners\":60,\"caps\"", "\"corners\":61,\"caps\""), "triangles"},
+      {"clusters of another number", with_other_number(sparse, "clusters", "count"), "triangles"},
       {"a grid of other size", with_header_text(full, "\"cells\":[7,7,5]", "\"cells\":[7,7,9]"),
        "grid_index"},
       {"lists of other size", with_other_number(full, "grid", "records"), "grid_records"},
-      {"a space of other size", with_other_number(sparse, "space", "nodes"), "grid_space"},
-      {"a tree of other size", with_other_number(sparse, "tree", "nodes"), "grid_tree"},
+      {"an octree of other size",
+       with_header_text(sparse, "\"roots\":[4,4,3]", "\"roots\":[4,4,4]"), "grid_roots"},
+      {"cubes of another number", with_other_number(sparse, "octree", "words"), "grid_cubes"},
+      {"lists of another length",
+       with_header_text(sparse, "\"lists\":" + lists,
+                        "\"lists\":" + std::string(lists.size(), '9')),
+       "grid_lists"},
       {"a tile of two planes", with_header_text(full, "\"tile\":1}", "\"tile\":2}"), "two planes"},
       {"a tile that does not exist", with_header_text(full, "\"tile\":1}", "\"tile\":9}"),
        "does not exist"},
@@ -254,8 +255,8 @@ std::vector<Damage> wrong_content() {
       {"an infinite height", with_word(sparse, heights, 0xFC00U << 16U), "tile 2 has heights"},
       {"a NaN sample in a full asset", with_word(full, flat_word(full, "heights02", 3), nan),
        "not numbers"},
-      {"a triangle at infinity", with_word(sparse, flat_word(sparse, "triangles", 8), infinity),
-       "triangles"},
+      {"a triangle at infinity in a full asset",
+       with_word(full, flat_word(full, "triangles", 8), infinity), "triangles"},
   };
 }
 

@@ -3,15 +3,16 @@
 #include <functional>
 
 #include "common/asset/grid_list.hpp"
+#include "common/field/local_map.hpp"
 #include "formats/asset/mapped_asset.hpp"
 #include "tests/formats/asset/damage.hpp"
 #include "tests/formats/support/synthetic_asset.hpp"
-#include "tests/support/tree_by_hand.hpp"
+#include "tests/support/octree_by_hand.hpp"
 
 namespace damaged_partition_test {
 
-// Assets whose grid, space or tree of elements points to something that does not exist, in files
-// that are otherwise right.
+// Assets whose grid or octree points to something that does not exist, or whose triangles are not
+// where it says, in files that are otherwise right.
 
 namespace {
 
@@ -62,88 +63,158 @@ std::string sparse_with(const std::function<void(Asset&)>& change) {
   return baked(asset);
 }
 
-std::string with_sign_octree(const std::vector<std::uint32_t>& words) {
-  return sparse_with([&words](Asset& asset) { asset.sign_octree.words = words; });
-}
-
-std::string with_first_child(const BvhChild& child) {
-  return sparse_with([&child](Asset& asset) { asset.bvh.words[0] = pack_child(child); });
-}
-
-std::string with_last_child(const BvhChild& child) {
-  return sparse_with([&child](Asset& asset) {
-    asset.bvh.words[asset.bvh.words.size() - bvh_node_words] = pack_child(child);
+/// A sparse asset whose first root is this word, and all others far.
+std::string with_cubes(std::uint32_t root, const std::vector<std::uint32_t>& units) {
+  return sparse_with([&](Asset& asset) {
+    for (std::uint32_t& word : asset.octree.root_words) word = root_word(OctreeKind::far, 9);
+    asset.octree.root_words.front() = root;
+    asset.octree.units = units;
   });
 }
 
-/// A chain of this many nodes, one below the other.
-std::vector<std::uint32_t> chain_of_nodes(int nodes) {
-  std::vector<std::uint32_t> words;
-  for (int node = 1; node < nodes; ++node) {
-    add_bvh_node(words, {node_child(static_cast<std::uint32_t>(node))});
-  }
-  add_bvh_node(words, {tile_child(0)});
-  return words;
+/// Of one cube, with its words.
+std::string with_cube(OctreeKind kind, const std::vector<std::uint32_t>& words) {
+  return with_cubes(root_word(kind, 0), words);
 }
 
-std::uint32_t kind_of(std::uint32_t kind) { return octants(static_cast<SignKind>(kind)); }
+std::string with_flags(std::uint32_t flags) {
+  return sparse_with([flags](Asset& asset) { asset.octree.clusters[3] = flags; });
+}
 
-std::vector<Damage> wrong_sign_octrees() {
-  const std::uint32_t split = octants(SignKind::outside, {{3, SignKind::split}});
-  const std::uint32_t two_splits =
-      octants(SignKind::outside, {{3, SignKind::split}, {4, SignKind::split}});
-  const std::uint32_t whole = octants(SignKind::boundary);
-  const std::string none_below = "a cube of its sign octree leads to no cube below it";
-  const std::string no_kind = "a cube of its sign octree is of no kind";
-  return {
-      {"a cube that leads to itself", with_sign_octree({split, 0}), none_below},
-      {"a cube that leads upwards", with_sign_octree({split, 1, split, 0}), none_below},
-      {"a cube below that leads to itself", with_sign_octree({split, 1, split, 1}), none_below},
-      {"a cube that leads outside", with_sign_octree({split, 2, whole, 0}), none_below},
-      {"a cube that leads far outside", with_sign_octree({split, 0xFFFFFFFFU, whole, 0}),
-       none_below},
-      {"a split cut short", with_sign_octree({two_splits, 1, whole, 0}), none_below},
-      {"a kind that is not", with_sign_octree({kind_of(5), 0}), no_kind},
-      {"another", with_sign_octree({kind_of(6), 0}), no_kind},
-      {"a kind of later bits", with_sign_octree({split, 1, kind_of(8), 0}), no_kind},
-      {"a kind of all bits", with_sign_octree({split, 1, kind_of(15), 0}), no_kind},
-      {"one octant of no kind",
-       with_sign_octree({octants(SignKind::boundary, {{7, static_cast<SignKind>(9)}}), 0}),
-       no_kind},
+constexpr auto split = OctreeKind::split, far_kind = OctreeKind::far, deep = OctreeKind::deep;
+constexpr auto list = OctreeKind::list, polynomial = OctreeKind::polynomial;
+
+std::vector<Damage> wrong_cubes() {
+  const std::string shared = "a cube of its octree shares its words with another";
+  const std::string cut = "a cube of its octree is cut short";
+  const std::string no_kind = "a cube of its octree is of no kind";
+  std::vector<Damage> cases = {
+      {"two roots with the same words", sparse_with([](Asset& asset) {
+         asset.octree.root_words[0] = asset.octree.root_words[1] = root_word(deep, 0);
+       }),
+       shared},
+      {"a cube that leads to itself",
+       with_cubes(root_word(split, 0), {0, octant_kinds(far_kind, {{0, split}})}), shared},
+      {"a cube that leads upwards",
+       with_cubes(root_word(split, 0), {1, octant_kinds(far_kind, {{3, split}}), 0,
+                                        octant_kinds(far_kind, {{5, split}})}),
+       shared},
+      {"a cube in the middle of another's words",
+       with_cubes(root_word(split, 0),
+                  {1, octant_kinds(far_kind, {{0, OctreeKind::most}, {1, split}}), 0, 0, 0, 0, 0, 0,
+                   0, 0, 3, octant_kinds(far_kind, {{0, deep}})}),
+       shared},
+      {"a root that leads outside", with_cubes(root_word(deep, 1), {0, 0}), cut},
+      {"a root that leads far outside", with_cubes(root_word(split, 0x0FFFFFFF), {0, 0}), cut},
+      {"a polynomial of which half is there", with_cube(polynomial, {0, 0}), cut},
+      {"a pair of which half is there", with_cube(OctreeKind::least, {0, 0, 0, 0}), cut},
+      {"octants that lead outside", with_cube(split, {1, octant_kinds(far_kind, {{2, deep}})}),
+       cut},
+      {"octants of which the last lies outside",
+       with_cube(split, {1, octant_kinds(far_kind, {{2, deep}, {7, polynomial}}), 0, 0, 0, 0}),
+       cut},
+      {"octants that lead beyond all numbers",
+       with_cube(split, {0xFFFFFFFFU, octant_kinds(far_kind, {{2, deep}, {7, deep}})}), cut},
       {"splits below each other beyond the last level",
-       with_sign_octree(
-           sign_octree_chain(sign_octree_levels + 1, SignKind::inside, SignKind::boundary)),
-       "a cube of its sign octree is split too often"},
+       with_cubes(root_word(split, 0), chain_of_splits(max_octree_levels + 1, far_kind, far_kind)),
+       "a cube of its octree is split too often"},
+  };
+  for (const std::uint32_t kind : {2U, 3U, 7U, 9U, 10U, 11U, 14U, 15U}) {
+    const auto unknown = static_cast<OctreeKind>(kind);
+    cases.push_back(
+        {"a root of kind " + std::to_string(kind), with_cube(unknown, {0, 0}), no_kind});
+    cases.push_back({"an octant of kind " + std::to_string(kind),
+                     with_cube(split, {0, octant_kinds(far_kind, {{6, unknown}})}), no_kind});
+  }
+  return cases;
+}
+
+std::vector<Damage> wrong_lists() {
+  const auto words = static_cast<std::uint32_t>(sparse_asset(1).octree.lists.size());
+  const std::string cut = "a cube of its octree has a list that is cut short";
+  const std::string empty = "a cube of its octree has a list without triangles of the surface";
+  const std::string no_side = "a cube of its octree has a list of no side";
+  const auto with_entry = [](std::uint32_t entry) {
+    return sparse_with([entry](Asset& asset) { asset.octree.lists.back() = entry; });
+  };
+  return {
+      {"a list cut short", with_cube(list, {words - 1, list_counts(2, 0)}), cut},
+      {"a list of all clusters there may be", with_cube(list, {0, list_counts(4095, 0)}), cut},
+      {"a list outside", with_cube(list, {words, list_counts(1, 0)}), cut},
+      {"a list far outside", with_cube(list, {0xFFFFFFFFU, list_counts(1, 0)}), cut},
+      {"a list of nothing", with_cube(list, {0, list_counts(0, 0)}), empty},
+      {"a list of caps alone", with_cube(list, {0, list_counts(1, 1)}), empty},
+      {"a list of more caps than it has", with_cube(list, {0, list_counts(1, 4095)}), empty},
+      {"a list of a side that is not",
+       with_cube(list, {0, list_counts(1, 0, static_cast<ListSide>(3))}), no_side},
+      {"a list with later bits", with_cube(list, {0, list_counts(1, 0) | 1U << 26U}), no_side},
+      {"a list of triangles that do not exist", with_entry(list_entry(3, 0)),
+       "a list of its octree names triangles that do not exist"},
+      {"a list of triangles far from any", with_entry(list_entry(0xFFFFFF, 255)),
+       "a list of its octree names triangles that do not exist"},
   };
 }
 
-std::vector<Damage> wrong_trees() {
-  const Asset asset = sparse_asset(1);
-  const auto nodes = static_cast<std::uint32_t>(asset.bvh.words.size() / bvh_node_words);
-  const std::string none_below = "a box of its elements leads to no box below it";
-  const std::string no_tile = "a box of its elements names a tile that does not exist";
-  const std::string no_triangle = "a box of its elements names a triangle that does not exist";
+std::vector<Damage> wrong_polynomials() {
+  const std::string no_plane =
+      "a cube of its octree has a polynomial in the frame of a plane that does not exist";
+  const std::string no_size =
+      "a cube of its octree has a polynomial that is not of the size of a distance";
+  constexpr std::uint32_t plane = 10U << 24U, exponent = (bend_exponent_bias + 17U) << 16U;
   return {
-      {"a box that leads to itself", with_first_child({ElementKind::node, 0, 1}), none_below},
-      {"the last box that leads to itself", with_last_child({ElementKind::node, nodes - 1, 1}),
-       none_below},
-      {"a box that leads upwards", with_last_child({ElementKind::node, 1, 1}), none_below},
-      {"a box that leads outside", with_first_child({ElementKind::node, nodes, 1}), none_below},
-      {"a tile that is not", with_first_child({ElementKind::tile, 100, 1}), no_tile},
-      {"a tile far from any", with_last_child({ElementKind::tile, 0xFFFFFF, 1}), no_tile},
-      {"a triangle that is not", with_first_child({ElementKind::fan, 60, 1}), no_triangle},
-      {"a fan of which the last triangle is not", with_last_child({ElementKind::fan, 56, 3}),
-       no_triangle},
-      {"a fan of small triangles of which the last is not",
+      {"a polynomial of no plane", with_cube(polynomial, {0, 0, 0, plane}), no_plane},
+      {"a polynomial of the last plane there may be", with_cube(polynomial, {0, 0, 0, 255U << 24U}),
+       no_plane},
+      {"a polynomial in an asset without planes",
        [] {
-         Asset small = sparse_asset(1, {.small = true});
-         small.bvh.words[0] = pack_child({ElementKind::fan, 20, 39});
-         return baked(small);
+         Asset asset = sparse_asset(1, {.planes = 0, .tiles = 0, .triangles = 0});
+         asset.octree.root_words[0] = root_word(polynomial, 0);
+         asset.octree.units.assign(4, 0);
+         for (std::size_t k = 1; k < asset.octree.root_words.size(); ++k) {
+           asset.octree.root_words[k] = root_word(far_kind, 0);
+         }
+         return baked(asset);
        }(),
-       no_triangle},
-      {"boxes below each other beyond the last level",
-       sparse_with([](Asset& a) { a.bvh.words = chain_of_nodes(bvh_levels + 1); }),
-       "a box of its elements lies too deep"},
+       no_plane},
+      {"a pair whose first is of no plane",
+       with_cube(OctreeKind::least, {0, 0, 0, plane, 0, 0, 0, 0}), no_plane},
+      {"a pair whose second is of no plane",
+       with_cube(OctreeKind::most, {0, 0, 0, 0, 0, 0, 0, plane}), no_plane},
+      {"a polynomial that bends beyond all measure", with_cube(polynomial, {0, 0, 0, exponent}),
+       no_size},
+      {"a pair whose second bends so",
+       with_cube(OctreeKind::least, {0, 0, 0, 0, 0, 0, 0, 255U << 16U}), no_size},
+  };
+}
+
+std::vector<Damage> wrong_clusters() {
+  const std::string none = "a cluster of its triangles has no number of triangles";
+  const std::string flags = "a cluster of its triangles has flags of no meaning";
+  const std::string hidden =
+      "a cube of its octree says that the surface is not in it, but a triangle is";
+  return {
+      {"a cluster of no triangles", with_flags(cluster_flags(0, 0, false, false)), none},
+      {"a cluster of nine", with_flags(cluster_flags(9, 0, false, false)), none},
+      {"a cluster of fifteen", with_flags(cluster_flags(15, 0, true, false)), none},
+      {"a cluster of coarse steps", with_flags(cluster_flags(8, 17, false, false)),
+       "a cluster of its triangles has corners that are too far apart"},
+      {"a cluster with a later flag", with_flags(cluster_flags(8, 0, false, false) | 1U << 11U),
+       flags},
+      {"a cluster with the last flag", with_flags(cluster_flags(8, 0, false, false) | 1U << 15U),
+       flags},
+      {"a cluster with later bits", with_flags(cluster_flags(8, 0, false, false) | 1U << 24U),
+       flags},
+      {"far cubes where triangles are", with_cubes(root_word(far_kind, 0), {0, 0}), hidden},
+      {"deep cubes where triangles are", sparse_with([](Asset& asset) {
+         const auto roots = static_cast<std::uint32_t>(asset.octree.root_words.size());
+         asset.octree.units.assign(2 * roots, 0);
+         for (std::uint32_t k = 0; k < roots; ++k) {
+           asset.octree.root_words[k] = root_word(deep, k);
+         }
+       }),
+       hidden},
+      {"a triangle outside all cubes",
+       sparse_with([](Asset& asset) { asset.octree.cluster_origin.x() += 1; }), hidden},
   };
 }
 
@@ -159,21 +230,46 @@ void check_opens(const std::string& bytes) {
 
 TEST_CASE("An asset whose grid leads astray is refused") { check_all_refused(wrong_grids()); }
 
-TEST_CASE("An asset whose space leads astray is refused") {
-  check_all_refused(wrong_sign_octrees());
+TEST_CASE("An asset whose octree leads astray is refused") { check_all_refused(wrong_cubes()); }
+
+TEST_CASE("An asset whose lists of triangles lead astray is refused") {
+  check_all_refused(wrong_lists());
 }
 
-TEST_CASE("An asset whose tree of elements leads astray is refused") {
-  check_all_refused(wrong_trees());
+TEST_CASE("An asset with a polynomial that gives no distance is refused") {
+  check_all_refused(wrong_polynomials());
 }
 
-TEST_CASE("Trees as deep as they may be, and the last tile and triangle, are accepted") {
-  check_opens(with_sign_octree(
-      sign_octree_chain(sign_octree_levels, SignKind::inside, SignKind::boundary)));
-  check_opens(sparse_with([](Asset& a) { a.bvh.words = chain_of_nodes(bvh_levels); }));
-  check_opens(with_first_child({ElementKind::tile, 99, 1}));
-  check_opens(with_first_child({ElementKind::fan, 20, 38}));
-  check_opens(with_first_child({ElementKind::none, 0, 1}));
+TEST_CASE("An asset whose triangles are none, or lie where its octree has no surface, is refused") {
+  check_all_refused(wrong_clusters());
+}
+
+TEST_CASE("Cubes as deep as they may be, and the last plane and triangles, are accepted") {
+  const auto alone = [](std::uint32_t root, const std::vector<std::uint32_t>& units) {
+    Asset asset = sparse_asset(1, {.triangles = 0});
+    for (std::uint32_t& word : asset.octree.root_words) word = root_word(far_kind, 0);
+    asset.octree.root_words.back() = root;
+    asset.octree.units = units;
+    return baked(asset);
+  };
+  check_opens(alone(root_word(split, 0), chain_of_splits(max_octree_levels, far_kind, far_kind)));
+  check_opens(alone(root_word(far_kind, 0x0FFFFFFF), {}));
+  check_opens(alone(root_word(polynomial, 0), {0, 0, 0, 9U << 24U}));
+  check_opens(alone(root_word(polynomial, 0), {0, 0, 0, (bend_exponent_bias + 16U) << 16U}));
+  check_opens(sparse_with([](Asset& asset) { asset.octree.lists.back() = list_entry(2, 255); }));
+}
+
+TEST_CASE("Where an asset thins its band, cubes may be far or deep though a triangle is there") {
+  const auto far_everywhere = [](const Band& band) {
+    Asset asset = sparse_asset(1);
+    asset.metadata.band = band;
+    for (std::uint32_t& word : asset.octree.root_words) word = root_word(far_kind, 0);
+    return baked(asset);
+  };
+  check_opens(far_everywhere({.max_depth = 0, .margin = 0.0005}));
+  check_opens(far_everywhere({.max_depth = 0.002, .margin = 0}));
+  check_all_refused({{"a wide band", far_everywhere({.max_depth = 0.001, .margin = 0.0005}),
+                      "says that the surface is not in it"}});
 }
 
 }  // namespace damaged_partition_test

@@ -22,7 +22,7 @@ namespace {
 using namespace spm;
 using namespace spm::test;
 
-/// A written asset of some hundred pages, opened; without the index, which is not in the file.
+/// A written asset of some hundred pages, opened with its tiles.
 struct Opened {
   TemporaryFolder folder;
   std::string path = folder.path("a.spm.exr");
@@ -31,7 +31,7 @@ struct Opened {
 
   explicit Opened(MapMode mode = MapMode::file) {
     REQUIRE(write_asset(asset, path).has_value());
-    auto opened = MappedAsset::open(path, {.mode = mode, .index = false});
+    auto opened = MappedAsset::open(path, {.mode = mode, .tiles = true});
     REQUIRE(opened.has_value());
     mapped = std::move(*opened);
     REQUIRE(mapped->check_file() == AssetState::intact);
@@ -178,14 +178,14 @@ TEST_CASE("A bus error that is not an asset's still ends the program") {
 TEST_CASE("Assets can be opened and closed more often than there are places to guard them") {
   const Opened opened;
   for (int k = 0; k < 1500; ++k) {
-    REQUIRE(MappedAsset::open(opened.path, {.index = false}).has_value());
+    REQUIRE(MappedAsset::open(opened.path).has_value());
   }
 }
 
 TEST_CASE("A symbolic link to an asset opens") {
   const Opened opened;
   std::filesystem::create_symlink(opened.path, opened.folder.path("link.exr"));
-  CHECK(MappedAsset::open(opened.folder.path("link.exr"), {.index = false}).has_value());
+  CHECK(MappedAsset::open(opened.folder.path("link.exr")).has_value());
 }
 
 }  // namespace file_watch_test

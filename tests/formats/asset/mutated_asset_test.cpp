@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <array>
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <fstream>
@@ -18,14 +19,14 @@ using namespace spm;
 using namespace spm::test;
 
 /// Where a mutation hits hardest: headers and tables, chunk headers, and the words of the grid or
-/// trees.
+/// octree and of the triangles.
 std::vector<std::pair<std::uint64_t, std::uint64_t>> sensitive_ranges(const std::string& bytes) {
   const HandFile file = read_by_hand(bytes);
   std::vector<std::pair<std::uint64_t, std::uint64_t>> ranges{{0, file.header_bytes}};
   std::uint64_t chunks = 0;
   for (const HandPart& part : file.parts) {
     chunks += part.table.size();
-    const bool words = part.name().starts_with("grid_");
+    const bool words = part.name().starts_with("grid_") || part.name() == "triangles";
     const std::uint64_t payload = std::uint64_t{part.sample_bytes} * part.tile_width *
                                   part.tile_height * part.channels.size();
     for (const std::uint64_t start : part.table) {
@@ -87,10 +88,8 @@ void use(const AssetView& view, Random& random) {
 TEST_CASE("A mutated asset with a right checksum is refused, or is safe to query") {
   const TemporaryFolder folder(TemporaryFolder::Place::memory);
   const std::string path = folder.path("a.spm.exr");
-  for (const Asset& asset :
-       {sparse_asset(1, {.planes = 3, .tiles = 40, .triangles = 6}),
-        sparse_asset(1, {.planes = 3, .tiles = 40, .triangles = 6, .small = true}),
-        full_asset(2, {2, 1, 2, 11}, 5, 4)}) {
+  for (const Asset& asset : {sparse_asset(1, {.planes = 3, .tiles = 40, .triangles = 6}),
+                             full_asset(2, {2, 1, 2, 11}, 5, 4)}) {
     REQUIRE(write_asset(asset, path).has_value());
     const std::string bytes = read_bytes(path);
     const auto ranges = sensitive_ranges(bytes);
@@ -98,8 +97,7 @@ TEST_CASE("A mutated asset with a right checksum is refused, or is safe to query
     int opened_mutants = 0, refused_mutants = 0;
     for (int k = 0; k < 2000; ++k) {
       write_bytes(path, mutant(bytes, ranges, random));
-      // Most are opened without the index, which takes most of the time to derive.
-      const auto opened = MappedAsset::open(path, {.index = k % 20 == 0});
+      const auto opened = MappedAsset::open(path, {.tiles = k % 2 == 0});
       if (opened) {
         ++opened_mutants;
         use((*opened)->view(), random);
@@ -133,6 +131,45 @@ TEST_CASE("Bytes that change under the map after the checks leave queries safe")
     }
     CHECK((*opened)->check_file() == AssetState::edited);
   }
+}
+
+TEST_CASE("An octree of any words at all, opened by force, leaves queries within it") {
+  const Asset whole = sparse_asset(5, {.planes = 3, .tiles = 0, .triangles = 40});
+  Random random(9);
+  int answers = 0;
+  for (int trial = 0; trial < 1000; ++trial) {
+    Asset asset = whole;
+    OctreeData& octree = asset.octree;
+    const bool all = trial % 4 == 0;
+    for (std::vector<std::uint32_t>* words :
+         {&octree.root_words, &octree.units, &octree.lists, &octree.clusters}) {
+      if (below(random, 3) == 0) words->resize(below(random, 60));
+      words->shrink_to_fit();
+      for (std::uint32_t& word : *words) {
+        if (all || below(random, 8) == 0) word = static_cast<std::uint32_t>(random.next());
+        if (below(random, 8) == 0) word &= 0xFF00000FU;  // nearer to what may be there
+      }
+    }
+    const AssetTables tables = tables_of(asset);
+    std::array<Vector3, 50> points;
+    for (Vector3& point : points) {
+      point = Vector3(random.between(-0.05, 0.05), random.between(-0.05, 0.05),
+                      random.between(-0.04, 0.04));
+    }
+    std::array<Answer, 50> together;
+    query_points(tables.view(), points, together);
+    for (std::size_t k = 0; k < points.size(); ++k) {
+      const Answer answer = query_point(tables.view(), points[k]);
+      const bool answered = answer.status == Status::exact || answer.status == Status::deep;
+      REQUIRE(answered == std::isfinite(answer.distance));
+      REQUIRE(answer.normal.allFinite());
+      REQUIRE(answer.status == together[k].status);
+      REQUIRE((!answered || answer.distance == together[k].distance));
+      REQUIRE(clearance(tables.view(), points[k]) >= 0);
+      answers += answered ? 1 : 0;
+    }
+  }
+  CHECK(answers > 1000);
 }
 
 }  // namespace mutated_asset_test

@@ -22,7 +22,7 @@ using namespace spm::test;
 const std::vector<std::uint32_t> many_layers{2, 2, 1, 12, 2, 3, 2, 1, 12, 2, 2, 1, 2};
 
 std::unique_ptr<MappedAsset> written_and_opened(const Asset& asset, const std::string& path,
-                                                const MapOptions& options = {}) {
+                                                const MapOptions& options = {.tiles = true}) {
   const auto written = write_asset(asset, path);
   INFO((written ? std::string() : written.error().message));
   REQUIRE(written.has_value());
@@ -51,7 +51,7 @@ void check_same_tile(const TileData& wanted, const Tile& tile, double tile_spaci
   REQUIRE(std::equal(wanted.clips.begin(), wanted.clips.end(), tile.clips));
 }
 
-/// Checks that the planes, the grid and the trees are those of an asset.
+/// Checks that the planes and the grid are those of an asset.
 void check_same_frame(const Asset& asset, const AssetView& view) {
   REQUIRE(view.planes.size() == asset.planes.size());
   for (std::size_t k = 0; k < asset.planes.size(); ++k) {
@@ -65,12 +65,21 @@ void check_same_frame(const Asset& asset, const AssetView& view) {
   CHECK(view.grid.origin == asset.grid.origin);
   CHECK(view.grid.cell_size == asset.grid.cell_size);
   CHECK(view.grid.cells == asset.grid.cells);
-  check_same_words(view.sign_octree.words, asset.sign_octree.words);
-  CHECK(view.sign_octree.origin == asset.sign_octree.origin);
-  CHECK(view.sign_octree.edge == asset.sign_octree.edge);
-  check_same_words(view.bvh.words, asset.bvh.words);
-  CHECK(view.bvh.origin == asset.bvh.origin);
-  CHECK(view.bvh.size == asset.bvh.size);
+}
+
+void check_same_octree(const OctreeData& wanted, const AssetView& view) {
+  CHECK(view.octree.origin == wanted.origin);
+  CHECK(view.octree.edge == wanted.edge);
+  CHECK(view.octree.roots == wanted.roots);
+  CHECK(view.octree.value_unit == wanted.value_unit);
+  CHECK(view.octree.clearance_unit == wanted.clearance_unit);
+  CHECK(view.octree.reach == wanted.reach);
+  check_same_words(view.octree.root_words, wanted.root_words);
+  check_same_words(view.octree.units, wanted.units);
+  check_same_words(view.octree.lists, wanted.lists);
+  CHECK(view.clusters.origin == wanted.cluster_origin);
+  CHECK(view.clusters.step == wanted.cluster_step);
+  check_same_words(view.clusters.words, wanted.clusters);
 }
 
 void check_same_content(const Asset& asset, const AssetView& view) {
@@ -101,16 +110,11 @@ void check_same_content(const Asset& asset, const AssetView& view) {
     check_same_words({map.mask, wanted.mask.size()}, wanted.mask);
   }
   check_same_frame(asset, view);
+  if (!view.full) check_same_octree(asset.octree, view);
   CHECK(std::vector(view.triangles.begin(), view.triangles.end()) == asset.triangles);
-  CHECK(std::vector(view.small_triangles.begin(), view.small_triangles.end()) ==
-        asset.small_triangles);
-  CHECK(view.triangle_origin == asset.triangle_origin);
-  CHECK(view.triangle_step == asset.triangle_step);
   CHECK(view.band.max_depth == asset.metadata.band.max_depth);
   CHECK(view.band.margin == asset.metadata.band.margin);
   CHECK(view.full == (asset.metadata.form == AssetForm::full));
-  // In the full form the lists say which triangles are caps.
-  if (!view.full) CHECK(view.first_cap == asset.first_cap);
 }
 
 /// Equal, or both not a number.
@@ -121,22 +125,19 @@ bool same(double a, double b) { return a == b || (std::isnan(a) && std::isnan(b)
 TEST_CASE("A sparse asset reads back as it was written") {
   const TemporaryFolder folder;
   for (const std::uint32_t tiles : {0U, 1U, 2U, 31U, 100U, 700U, 1999U}) {
-    const Asset asset =
-        sparse_asset(tiles, {.tiles = tiles, .triangles = tiles % 3 * 7, .small = tiles % 4 == 0});
-    // The index is derived and not read.
-    const auto opened = written_and_opened(asset, folder.path("sparse.spm.exr"), {.index = false});
+    const Asset asset = sparse_asset(tiles, {.tiles = tiles, .triangles = tiles % 3 * 7});
+    const auto opened = written_and_opened(asset, folder.path("sparse.spm.exr"));
     check_same_content(asset, opened->view());
   }
 }
 
 TEST_CASE("A sparse asset of triangles alone reads back as it was written") {
   const TemporaryFolder folder;
-  for (const bool small : {false, true}) {
-    const Asset asset = sparse_asset(3, {.planes = 0, .tiles = 0, .triangles = 7, .small = small});
-    const auto opened = written_and_opened(asset, folder.path("triangles.spm.exr"));
-    check_same_content(asset, opened->view());
-    CHECK(opened->bytes().triangles == (small ? 7 * 18 + 2 : 7 * 36));
-  }
+  const Asset asset = sparse_asset(3, {.planes = 0, .tiles = 0, .triangles = 25});
+  const auto opened = written_and_opened(asset, folder.path("triangles.spm.exr"));
+  check_same_content(asset, opened->view());
+  // Nineteen of the surface and six caps, eight in a cluster.
+  CHECK(opened->bytes().triangles == 4 * 4 * cluster_words);
 }
 
 TEST_CASE("Each form has the parts of its own partition of space") {
@@ -148,37 +149,30 @@ TEST_CASE("Each form has the parts of its own partition of space") {
     return found;
   };
   using Names = std::vector<std::string>;
-  CHECK(names(sparse_asset(6)) ==
-        Names{"heights", "grid_space", "grid_tree", "grid_tiles", "grid_masks", "triangles"});
+  CHECK(names(sparse_asset(6)) == Names{"heights", "grid_roots", "grid_cubes", "grid_lists",
+                                        "grid_tiles", "grid_masks", "triangles"});
   CHECK(names(full_asset(6, {2, 2})) ==
         Names{"heights02", "grid_index", "grid_records", "grid_masks", "triangles"});
-  // What would be empty is left out: here all but the trees.
-  CHECK(names(sparse_asset(6, {.tiles = 0, .triangles = 0})) == Names{"grid_space", "grid_tree"});
+  // What would be empty is left out: here all but the cubes.
+  CHECK(names(sparse_asset(6, {.tiles = 0, .triangles = 0})) == Names{"grid_roots", "grid_cubes"});
 }
 
-TEST_CASE("Which triangles are caps reads back, be it none or all") {
+TEST_CASE("Tiles are kept where they are asked for, and no answer needs them") {
   const TemporaryFolder folder;
-  for (const std::uint32_t first_cap : {0U, 1U, 20U}) {
-    Asset asset = sparse_asset(7);
-    asset.first_cap = first_cap;
-    const auto opened = written_and_opened(asset, folder.path("a.spm.exr"));
-    CHECK(opened->view().first_cap == first_cap);
-  }
-}
-
-TEST_CASE("Bounds of a tile are those of its heights, in memory and in the file") {
-  const TemporaryFolder folder;
-  const Asset asset = sparse_asset(21);
-  const auto opened = written_and_opened(asset, folder.path("a.spm.exr"));
-  const AssetTables tables = tables_of(asset);
-  for (std::size_t k = 0; k < asset.tiles.size(); ++k) {
-    const Tile& memory = tables.view().tiles[k];
-    const Tile& file = opened->view().tiles[k];
-    REQUIRE(memory.highest == file.highest);
-    REQUIRE(memory.lowest == file.lowest);
-    REQUIRE(memory.ripple == file.ripple);
-    REQUIRE(memory.highest > memory.lowest);
-  }
+  const Asset asset = sparse_asset(9);
+  const auto shown = written_and_opened(asset, folder.path("a.spm.exr"));
+  const auto lean = MappedAsset::open(folder.path("a.spm.exr"));
+  REQUIRE(lean.has_value());
+  CHECK(shown->view().tiles.size() == 100);
+  CHECK((*lean)->view().tiles.empty());
+  check_same_octree(asset.octree, (*lean)->view());
+  // What answers come from: planes, octree and clusters, each in a picture with few spare words.
+  const OctreeData& octree = asset.octree;
+  const std::uint64_t words =
+      octree.root_words.size() + octree.units.size() + octree.lists.size() + octree.clusters.size();
+  const std::uint64_t planes = 10 * sizeof(SupportPlane);
+  CHECK((*lean)->resident_bytes() >= 4 * words + planes);
+  CHECK((*lean)->resident_bytes() <= 4 * words + planes + 1024);
 }
 
 TEST_CASE("A full asset reads back as it was written, for any numbers of layers") {
@@ -223,11 +217,10 @@ TEST_CASE("The metadata of an asset reads back exactly") {
 
 TEST_CASE("An asset in memory and the same asset mapped answer alike") {
   const TemporaryFolder folder;
-  for (const Asset& asset :
-       {sparse_asset(11), sparse_asset(13, {.small = true}), full_asset(12, many_layers)}) {
+  for (const Asset& asset : {sparse_asset(11), sparse_asset(13, {.planes = 0, .tiles = 0}),
+                             full_asset(12, many_layers)}) {
     const auto opened = written_and_opened(asset, folder.path("a.spm.exr"));
-    AssetTables tables = tables_of(asset);
-    tables.build_index();
+    const AssetTables tables = tables_of(asset);
     Random random(3);
     int answered = 0;
     for (int k = 0; k < 20000; ++k) {
@@ -346,7 +339,7 @@ TEST_CASE("A mapped asset reports its parts, bytes and hash") {
   CHECK((*opened)->bytes().total == written->total);
   CHECK((*opened)->bytes().samples == written->samples);
   CHECK((*opened)->bytes().grid == written->grid);
-  CHECK((*opened)->bytes().triangles == 20 * 36);
+  CHECK((*opened)->bytes().triangles == 3 * 4 * cluster_words);
   CHECK((*opened)->content_sha256() == sha256_file(path).value());
   CHECK((*opened)->parts().at(0).name == "heights");
   CHECK((*opened)->parts().at(0).channels == std::vector<std::string>{"Y"});

@@ -8,6 +8,7 @@
 #include <ImfStringAttribute.h>
 #include <ImfTiledInputPart.h>
 
+#include <algorithm>
 #include <catch2/catch.hpp>
 #include <cstdlib>
 #include <nlohmann/json.hpp>
@@ -127,6 +128,33 @@ TEST_CASE("OpenEXR's reader gives the HALF heights that were baked") {
              static_cast<float>(value) == half_to_float(asset.tiles[k].heights[i]);
     }
     REQUIRE(same);
+  }
+}
+
+TEST_CASE("OpenEXR's reader gives the words of the octree and its clusters that were baked") {
+  const OctreeData octree = sparse_asset(1).octree;
+  Imf::MultiPartInputFile file(both_forms().path("sparse.exr").c_str());
+  for (const auto& [name, words] : {std::pair(part_name::grid_roots, octree.root_words),
+                                    {part_name::grid_cubes, octree.units},
+                                    {part_name::grid_lists, octree.lists},
+                                    {part_name::triangles, octree.clusters}}) {
+    INFO(name);
+    int part = 0;
+    while (part < file.parts() && file.header(part).name() != name) ++part;
+    REQUIRE(part < file.parts());
+    REQUIRE(file.header(part).channels().findChannel("Y")->type == Imf::UINT);
+    Imf::TiledInputPart tiles(file, part);
+    const std::size_t width = tiles.tileXSize();
+    std::vector<std::uint32_t> read(width * tiles.tileYSize(), 1);
+    Imf::FrameBuffer buffer;
+    buffer.insert("Y", Imf::Slice(Imf::UINT, reinterpret_cast<char*>(read.data()), 4, 4 * width));
+    tiles.setFrameBuffer(buffer);
+    tiles.readTile(0, 0);
+    REQUIRE(read.size() >= words.size());
+    CHECK(std::equal(words.begin(), words.end(), read.begin()));
+    // What fills the picture is nothing.
+    CHECK(std::count(read.begin() + static_cast<std::ptrdiff_t>(words.size()), read.end(), 0U) ==
+          static_cast<std::ptrdiff_t>(read.size() - words.size()));
   }
 }
 

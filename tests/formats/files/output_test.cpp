@@ -121,13 +121,13 @@ TEST_CASE("An asset that contradicts itself is not written") {
   wrong[1].tiles[3].clips.push_back(0);
   wrong[2].tiles[3].plane = 10;
   wrong[3].metadata.options = "[1]";
-  wrong[4].triangles.pop_back();
+  wrong[4].triangles.assign(9, 0);  // floats are of the other form
   wrong[5].tiles[3].level = 12;
   wrong[6].tiles[3].column = 1 << 15;
   wrong[7].tiles[3].slope_eta = 0.1F;  // no HALF number
   wrong[8].tiles[3].heights[80] = 0x7C00;
   wrong[9].metadata.tile_spacing = 0;
-  wrong[10].small_triangles.assign(9, 0);
+  wrong[10].octree.clusters.pop_back();
   wrong[11].maps.resize(1);
   wrong[12] = full_asset(1, {2, 1});
   wrong[12].maps[1].samples.pop_back();
@@ -135,19 +135,20 @@ TEST_CASE("An asset that contradicts itself is not written") {
   wrong[13].maps[1].mask.clear();
   wrong[14] = full_asset(1, {2, 1});
   wrong[14].tiles = sparse_asset(1).tiles;
-  // A tree without whole nodes, or of the other form.
-  wrong[15].sign_octree.words.clear();
-  wrong[16].sign_octree.words.pop_back();
-  wrong[17].bvh.words.pop_back();
+  // An octree without a word for each root or without whole units, or of the other form.
+  wrong[15].octree.root_words.clear();
+  wrong[16].octree.units.pop_back();
+  wrong[17].octree.roots[2] += 1;
   wrong[18].grid = full_asset(1, {2, 1}).grid;
   wrong[19].grid.records.push_back(0);
   wrong[20] = full_asset(1, {2, 1});
-  wrong[20].sign_octree = sparse_asset(1).sign_octree;
+  wrong[20].octree = sparse_asset(1).octree;
   wrong[21] = full_asset(1, {2, 1});
-  wrong[21].bvh = sparse_asset(1).bvh;
+  wrong[21].octree.clusters = sparse_asset(1).octree.clusters;
   wrong[22] = full_asset(1, {2, 1});
   wrong[22].grid = {};
-  wrong[23].bvh.words.clear();
+  wrong[23] = full_asset(1, {2, 1});
+  wrong[23].triangles.pop_back();
   for (std::size_t k = 0; k < wrong.size(); ++k) {
     INFO("wrong[" << k << "]");
     const auto written = write_asset(wrong[k], path);

@@ -14,7 +14,7 @@
 #include "formats/exr/exr_header.hpp"
 #include "formats/exr/exr_layout.hpp"
 #include "formats/files/checksum.hpp"
-#include "tests/support/tree_by_hand.hpp"
+#include "tests/formats/support/synthetic_octree.hpp"
 
 namespace spm::test {
 
@@ -182,65 +182,6 @@ class GridMaker {
   std::vector<std::uint32_t> lists_;
 };
 
-/// A space of four levels: half of the octants above the last are split.
-SignOctreeData random_sign_octree(Random& random) {
-  SignOctreeData sign_octree;
-  sign_octree.origin = Vector3(-0.0375, -0.0375, -0.0375);
-  sign_octree.edge = 0.075;
-  std::vector<int> levels{1};  // of each node so far, in the order of their numbers
-  for (std::size_t node = 0; node < levels.size(); ++node) {
-    const auto first_child = static_cast<std::uint32_t>(levels.size());
-    std::uint32_t kinds = 0;
-    for (std::uint32_t octant = 0; octant < 8; ++octant) {
-      SignKind kind =
-          below(random, 2) == 0 ? SignKind::boundary : static_cast<SignKind>(below(random, 5));
-      if (levels[node] < 4 && (octant == 0 || below(random, 2) == 0)) {
-        kind = SignKind::split;
-        levels.push_back(levels[node] + 1);
-      }
-      kinds |= static_cast<std::uint32_t>(kind) << (sign_kind_bits * octant);
-    }
-    sign_octree.words.push_back(kinds);
-    sign_octree.words.push_back(levels.size() > first_child ? first_child : 0);
-  }
-  return sign_octree;
-}
-
-/// A tree over all tiles and fans, with random boxes that leave little out.
-BvhData random_tree(Random& random, std::uint32_t tiles, std::uint32_t corners) {
-  std::vector<BvhChild> leaves;
-  for (std::uint32_t tile = 0; tile < tiles; ++tile) leaves.push_back({ElementKind::tile, tile, 1});
-  for (std::uint32_t first = 0; first + 2 < corners;) {
-    const std::uint32_t count = std::min(1 + below(random, 5), corners - first - 2);
-    leaves.push_back({ElementKind::fan, first, count});
-    first += count + 2;
-  }
-  BvhData bvh;
-  bvh.origin = Vector3(-0.035, -0.035, -0.025);
-  bvh.size = {0.07F, 0.07F, 0.05F};
-  // The leaves below each node so far; without leaves there is one node with no children.
-  std::vector<std::pair<std::size_t, std::size_t>> nodes{{0, leaves.size()}};
-  for (std::size_t node = 0; node < nodes.size(); ++node) {
-    const auto [begin, end] = nodes[node];
-    const std::size_t share = (end - begin + bvh_children - 1) / bvh_children;
-    std::vector<BoxedChild> children;
-    for (std::size_t first = begin; first < end; first += share) {
-      const std::size_t last = std::min(first + share, end);
-      BoxedChild child{leaves[first]};
-      if (last - first > 1) {
-        child = node_child(static_cast<std::uint32_t>(nodes.size()));
-        nodes.emplace_back(first, last);
-      }
-      for (std::uint8_t& low : child.low) low = static_cast<std::uint8_t>(below(random, 40));
-      for (std::uint8_t& high : child.high)
-        high = static_cast<std::uint8_t>(255 - below(random, 40));
-      children.push_back(child);
-    }
-    add_bvh_node(bvh.words, children);
-  }
-  return bvh;
-}
-
 std::vector<float> random_triangles(Random& random, std::uint32_t count) {
   std::vector<float> corners;
   for (std::uint32_t k = 0; k < 9 * count; ++k) {
@@ -261,18 +202,7 @@ Asset sparse_asset(std::uint64_t seed, const SparseShape& shape) {
   for (std::uint32_t k = 0; k < shape.tiles; ++k) {
     asset.tiles.push_back(random_tile(random, shape.planes));
   }
-  if (shape.small && shape.triangles > 0) {
-    asset.triangle_origin = Vector3(-0.03, -0.03, -0.03);
-    asset.triangle_step = 1e-6;
-    for (std::uint32_t k = 0; k < 9 * shape.triangles; ++k) {
-      asset.small_triangles.push_back(static_cast<std::uint16_t>(below(random, 60000)));
-    }
-  } else {
-    asset.triangles = random_triangles(random, shape.triangles);
-  }
-  asset.first_cap = 3 * (shape.triangles - shape.triangles / 4);
-  asset.sign_octree = random_sign_octree(random);
-  asset.bvh = random_tree(random, shape.tiles, 3 * shape.triangles);
+  asset.octree = random_octree(random, shape.planes, shape.triangles);
   round_to_stored(asset);
   return asset;
 }

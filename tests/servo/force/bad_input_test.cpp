@@ -7,7 +7,7 @@
 
 #include "servo/force/contact_model.hpp"
 #include "tests/support/asset_by_hand.hpp"
-#include "tests/support/tree_by_hand.hpp"
+#include "tests/support/octree_by_hand.hpp"
 
 namespace spm::bad_input_test {
 namespace {
@@ -105,7 +105,7 @@ TEST_CASE("Stiffness that is zero, below zero or no number gives no force") {
 
 TEST_CASE("In a place that the bake left out there is no force") {
   test::TiledCubeByHand cube(size);
-  cube.sign_octree = {test::octants(SignKind::pruned), 0};
+  cube.octree.root_words = {test::root_word(OctreeKind::pruned, 0)};
   cube.refresh();
   for (const Method method : {Method::spm, Method::proxy}) {
     ContactModel model(settings_of(method, 1000));
@@ -126,9 +126,9 @@ TEST_CASE("Two objects in one place push twice as one, each with a model of its 
   }
 }
 
-TEST_CASE("An asset without elements gives no force") {
+TEST_CASE("An asset without triangles gives no force") {
   test::TiledCubeByHand cube(size);
-  cube.bvh.clear();
+  cube.octree.clusters.clear();
   cube.refresh();
   for (const Method method : {Method::spm, Method::proxy}) {
     ContactModel model(settings_of(method, 1000));

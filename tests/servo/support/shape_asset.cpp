@@ -10,7 +10,7 @@
 #include "common/surface/closest_on_triangle.hpp"
 #include "common/surface/support_plane_mapping.hpp"
 #include "formats/asset/asset_writer.hpp"
-#include "tests/support/triangle_bvh.hpp"
+#include "tests/support/triangle_octree.hpp"
 
 namespace spm::test {
 
@@ -138,12 +138,14 @@ void fill_grid(Asset& asset) {
 
 Asset shape_asset(const Shape& shape) {
   Asset asset = describe(shape);
-  const TriangleBvh bvh(asset);
+  asset.triangles.clear();
   const double margin = band.margin + 2e-3;
   const AssetMetadata& metadata = asset.metadata;
-  fill_sign_octree(asset, metadata.box_min - Vector3::Constant(margin),
-                   (metadata.box_max - metadata.box_min).maxCoeff() + 2 * margin,
-                   SignKind::boundary);
+  asset.octree =
+      triangle_octree(shape,
+                      {.low = metadata.box_min - Vector3::Constant(margin),
+                       .edge = (metadata.box_max - metadata.box_min).maxCoeff() + 2 * margin},
+                      metadata.tolerance.value());
   return asset;
 }
 

@@ -78,7 +78,8 @@ TEST_CASE("The exact penalty gains nothing on closed loops, and the product litt
   // A jump of 0.1 N from facet to facet, half a step, some ten of them.
   CHECK(exact.largest_j < 1e-6);
   CHECK(exact.largest_j >= exact.median_j);
-  CHECK(loop_energy(rounded(), {"spm", {}}, plan).largest_j < 10e-6);
+  // Neighbouring leaves of the octree may differ by twice the tolerance.
+  CHECK(loop_energy(rounded(), {"spm", {}}, plan).largest_j < 30e-6);
 }
 
 }  // namespace

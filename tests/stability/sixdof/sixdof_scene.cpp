@@ -9,7 +9,7 @@
 
 #include "formats/asset/asset.hpp"
 #include "tests/bench/base/unwrap.hpp"
-#include "tests/support/triangle_bvh.hpp"
+#include "tests/support/triangle_octree.hpp"
 
 namespace spm::stability {
 
@@ -38,14 +38,7 @@ StabilityCase baked_object(const SixdofCase& tried) {
 SurfaceSamples samples_of(const test::Shape& tool, double spacing) {
   Asset asset;
   asset.metadata.tolerance = rounding;
-  for (const auto& triangle : tool.triangles) {
-    for (const std::uint32_t vertex : triangle) {
-      for (const double along : tool.vertices[vertex]) {
-        asset.triangles.push_back(static_cast<float>(along));
-      }
-    }
-  }
-  const test::TriangleBvh tree(asset);
+  asset.octree = test::triangle_octree(tool, {.edge = 1}, rounding, true);
   const AssetTables tables = tables_of(asset);
   return bench::unwrap(sample_surface(tables.view(), spacing));
 }

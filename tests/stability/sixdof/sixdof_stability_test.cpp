@@ -123,8 +123,9 @@ TEST_CASE("A wedged tool comes to rest with the virtual tool, where a direct pen
   CHECK(held.verdict.findings.penetration_m < 0.5e-3);
   for (const char* method : {"spm", "exact-penalty"}) {
     const Verdict lost = run_of(tried, {method, {}}).verdict;
+    INFO(method << ": " << lost.reason << ", " << lost.findings.penetration_m << " m");
     CHECK(lost.bad);
-    CHECK(lost.findings.popped);
+    CHECK((lost.findings.popped || lost.findings.penetration_m > 5e-3));
   }
 }
 

@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+
+#include "common/base/vector.hpp"
+
+namespace spm::baker {
+
+/// A value at each corner of a cube, in the order of the octants (octant.hpp).
+using CornerValues = Eigen::Array<double, 8, 1>;
+
+/// A function that is linear over a cube, at its corners: `value` at the middle, `rise` from there
+/// to each face, axis by axis.
+[[nodiscard]] CornerValues linear_at_corners(double value, const Vector3& rise);
+
+/// Distances of a triangle from the corners of the cube of that middle and half edge, m; never
+/// below the exact ones by more than the rounding of doubles. Within the cube the distance is at
+/// most what these give in between, since it is convex.
+[[nodiscard]] CornerValues corner_distances(const std::array<Vector3, 3>& triangle,
+                                            const Vector3& middle, double half);
+
+}  // namespace spm::baker

@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "baker/cast/cast.hpp"
+#include "baker/field/corner_distances.hpp"
+#include "baker/field/lattice_surface.hpp"
+
+namespace spm::baker {
+
+/// An axis-aligned cube, m.
+struct Cube {
+  Vector3 middle = Vector3::Zero();
+  double half = 0;  ///< of its edge
+
+  [[nodiscard]] double radius() const noexcept;  ///< of the ball around it
+  [[nodiscard]] Cube octant(std::size_t octant) const noexcept;
+};
+
+/// A triangle that may be the nearest to some place of a cube, seen from the cube's middle.
+struct Candidate {
+  std::uint32_t triangle = 0;
+  double distance = 0;  ///< unsigned, m
+  Vector3 closest = Vector3::Zero();
+};
+
+/// How the distance of a triangle rises at the middle from which it was seen, along each axis. The
+/// distance is convex, so it lies above this tangent.
+[[nodiscard]] Vector3 tangent_of(const Candidate& candidate, const Vector3& middle) noexcept;
+
+/// A triangle's distances from the corners of a cube, m. In between it is no farther than they say.
+struct Witness {
+  std::uint32_t triangle = 0;
+  CornerValues distances;
+};
+
+/// All triangles that may be the nearest of the surface to some place of a cube; and of the caps
+/// those that may be nearer than all of the surface.
+struct Candidates {
+  Vector3 middle = Vector3::Zero();  ///< of the cube
+  std::vector<Candidate> triangles;  ///< of the surface, the nearest to the middle first
+  std::vector<Candidate> caps;       ///< likewise
+  std::vector<Witness> witnesses;    ///< some of the nearest triangles, where there are many
+  /// Unsigned distances of the middle, m; infinite where there is none.
+  [[nodiscard]] double distance() const noexcept;
+  [[nodiscard]] double clearance() const noexcept;  ///< of surface and caps
+};
+
+/// The candidates of a cube among those of one around it, or among the given triangles. None that
+/// matters is left out: a triangle goes where another one is nearer in all of the cube.
+[[nodiscard]] Candidates candidates_within(const LatticeSurface& surface, const Candidates& around,
+                                           const Cube& cube);
+[[nodiscard]] Candidates candidates_of(const LatticeSurface& surface,
+                                       const std::vector<std::uint32_t>& triangles,
+                                       const Cube& cube);
+
+/// Whether a point is inside, by the candidates of a cube that contains it, which must have some;
+/// by the caster where the nearest one is open.
+[[nodiscard]] bool is_inside(const LatticeSurface& surface, const Caster& caster,
+                             const Candidates& candidates, const Vector3& point);
+
+}  // namespace spm::baker

@@ -1,0 +1,291 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "baker/field/feature_sides.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+#include <optional>
+#include <span>
+#include <utility>
+
+namespace spm::baker {
+
+namespace {
+
+/// Normals within this of their mean face nearly the same way. Below 45 degrees each normal alone
+/// tells the side; see proof/PROOF.md.
+constexpr double flat_cosine = 0.7660;  // 40 degrees
+/// More directions than this around a corner are not combined, pair by pair.
+constexpr std::size_t most_directions = 64;
+constexpr double rounding = 1e-9;
+/// How far beside a part of the surface the solid is asked, of the tolerance: the farthest where
+/// the part is still what is nearest, since nearer than the tolerance the side does not matter.
+constexpr std::array<double, 3> beside{1, 0.5, 0.25};
+/// The distance there is that way, but for this share of it.
+constexpr double nearest_share = 0.08;
+/// The ways from a side are turned about it by these, rad.
+constexpr std::array<double, 5> turns{0, 0.5, -0.5, 1, -1};
+
+/// A triangle around a side or a corner.
+struct Sector {
+  Vector3 normal = Vector3::Zero();
+  double angle = 0;  ///< that it takes up
+  std::uint32_t triangle = 0;
+};
+
+/// A direction in which a place lies whose nearest point of a cone is its tip, well within all of
+/// these; empty where there is none or where they are all but one line.
+std::optional<Vector3> away_from(std::span<const Vector3> directions) {
+  Vector3 sum = Vector3::Zero();
+  for (const Vector3& direction : directions) sum -= direction;
+  const auto fits = [&](const Vector3& way) {
+    return std::all_of(directions.begin(), directions.end(),
+                       [&](const Vector3& d) { return d.dot(way) <= rounding; });
+  };
+  if (sum.norm() > rounding && fits(sum.normalized())) return sum.normalized();
+  // The cone's own edges are perpendicular to two of the directions.
+  Vector3 edges = Vector3::Zero();
+  const std::size_t count = std::min(directions.size(), most_directions);
+  for (std::size_t i = 0; i < count; ++i) {
+    for (std::size_t k = i + 1; k < count; ++k) {
+      const Vector3 across = directions[i].cross(directions[k]);
+      if (!(across.norm() > rounding)) continue;
+      for (const Vector3& way : {Vector3(across.normalized()), Vector3(-across.normalized())}) {
+        if (fits(way)) edges += way;
+      }
+    }
+  }
+  if (!(edges.norm() > rounding)) return std::nullopt;
+  return edges.normalized();
+}
+
+/// Whether all normals around face nearly the same way.
+bool is_flat(std::span<const Sector> around) {
+  Vector3 axis = Vector3::Zero();
+  for (const Sector& sector : around) axis += sector.angle * sector.normal;
+  if (!(axis.norm() > 0)) return false;
+  axis.normalize();
+  return std::all_of(around.begin(), around.end(), [&](const Sector& sector) {
+    return sector.normal == Vector3::Zero() || sector.normal.dot(axis) > flat_cosine;
+  });
+}
+
+/// The triangles at each side and each corner.
+class Neighbours {
+ public:
+  Neighbours(const OuterSurface& surface, const Caster& solid, double tolerance)
+      : surface_(surface),
+        solid_(solid),
+        tolerance_(tolerance),
+        folded_(find_folded(surface.triangles)) {
+    corners_.resize(surface.vertices.size());
+    for (std::uint32_t t = 0; t < surface.triangles.size(); ++t) {
+      const Triangle& triangle = surface.triangles[t];
+      for (std::size_t k = 0; k < 3; ++k) {
+        corners_[triangle[k]].push_back(t);
+        sides_[std::minmax(triangle[k], triangle[(k + 1) % 3])].push_back(t);
+      }
+      const Vector3& a = surface.vertices[triangle[0]];
+      const Vector3 cross =
+          (surface.vertices[triangle[1]] - a).cross(surface.vertices[triangle[2]] - a);
+      const double length = cross.norm();
+      normals_.push_back(length > 0 ? Vector3(cross / length) : Vector3::Zero());
+      const Vector3 middle =
+          (a + surface.vertices[triangle[1]] + surface.vertices[triangle[2]]) / 3;
+      faces_.push_back(across(middle, normals_.back()));
+    }
+  }
+
+  [[nodiscard]] FeatureSide at_face(std::uint32_t t) const { return faces_[t]; }
+
+  [[nodiscard]] FeatureSide at_side(std::uint32_t a, std::uint32_t b) const {
+    const Vector3 along = (surface_.vertices[b] - surface_.vertices[a]).normalized();
+    std::vector<Sector> around;
+    std::vector<Vector3> directions;
+    for (const std::uint32_t t : sides_.at(std::minmax(a, b))) {
+      around.push_back({normals_[t], 1, t});
+      const Vector3 to = surface_.vertices[other(t, a, b)] - surface_.vertices[a];
+      const Vector3 across = to - along.dot(to) * along;
+      if (across.norm() > 0) directions.push_back(across.normalized());
+    }
+    directions.push_back(along);
+    directions.push_back(-along);
+    const Vector3 middle = (surface_.vertices[a] + surface_.vertices[b]) / 2;
+    return side_of(around, directions, is_paired(a, b), middle, along);
+  }
+
+  [[nodiscard]] FeatureSide at_corner(std::uint32_t vertex) const {
+    std::vector<Sector> around;
+    std::vector<Vector3> directions;
+    bool simple = true;
+    for (const std::uint32_t t : corners_[vertex]) {
+      const Triangle& triangle = surface_.triangles[t];
+      const auto k = static_cast<std::size_t>(std::find(triangle.begin(), triangle.end(), vertex) -
+                                              triangle.begin());
+      const std::uint32_t next = triangle[(k + 1) % 3], last = triangle[(k + 2) % 3];
+      const Vector3 to_next = surface_.vertices[next] - surface_.vertices[vertex];
+      const Vector3 to_last = surface_.vertices[last] - surface_.vertices[vertex];
+      around.push_back(
+          {normals_[t], std::atan2(to_next.cross(to_last).norm(), to_next.dot(to_last)), t});
+      if (to_next.norm() > 0) directions.push_back(to_next.normalized());
+      simple = simple && is_paired(vertex, next) && is_paired(vertex, last);
+    }
+    return side_of(around, directions, simple && is_one_fan(vertex), surface_.vertices[vertex]);
+  }
+
+ private:
+  const OuterSurface& surface_;
+  const Caster& solid_;
+  double tolerance_;
+  std::vector<bool> folded_;
+  std::map<std::pair<std::uint32_t, std::uint32_t>, std::vector<std::uint32_t>> sides_;
+  std::vector<std::vector<std::uint32_t>> corners_;
+  std::vector<Vector3> normals_;
+  std::vector<FeatureSide> faces_;
+
+  /// Whether places beside one on the surface are inside. Empty where something else is nearer.
+  [[nodiscard]] std::optional<bool> inside_at(const Vector3& place, const Vector3& away) const {
+    for (const double share : beside) {
+      const double way = share * tolerance_;
+      const double distance = solid_.closest(place + way * away).distance;
+      if (std::abs(std::abs(distance) - way) <= nearest_share * way) return distance < 0;
+    }
+    return std::nullopt;
+  }
+
+  /// A normal tells the side, but where its triangle is folded or was turned over by rounding.
+  [[nodiscard]] FeatureSide across(const Vector3& place, const Vector3& normal) const {
+    const std::optional<bool> above = inside_at(place, normal), below = inside_at(place, -normal);
+    if (!above && !below) return FeatureSide::by_normal;
+    const bool first = above.value_or(!below.value_or(true));
+    const bool second = below.value_or(!first);
+    if (first != second) return first ? FeatureSide::against_normal : FeatureSide::by_normal;
+    return first ? FeatureSide::inside : FeatureSide::outside;
+  }
+
+  /// The same for ways turned about a side, which must lead away from all `directions`.
+  [[nodiscard]] std::optional<bool> inside_about(const Vector3& place, const Vector3& away,
+                                                 const Vector3& along,
+                                                 std::span<const Vector3> directions) const {
+    for (const double turn : turns) {
+      const Vector3 way = std::cos(turn) * away + std::sin(turn) * along.cross(away);
+      const bool leads = std::all_of(directions.begin(), directions.end(),
+                                     [&](const Vector3& d) { return d.dot(way) <= rounding; });
+      if (!leads) continue;
+      if (const std::optional<bool> inside = inside_at(place, way)) return inside;
+      if (along == Vector3::Zero()) break;
+    }
+    return std::nullopt;
+  }
+
+  [[nodiscard]] FeatureSide side_of(std::span<const Sector> around,
+                                    std::span<const Vector3> directions, bool simple,
+                                    const Vector3& place,
+                                    const Vector3& along = Vector3::Zero()) const {
+    if (simple && is_flat(around)) {
+      Vector3 axis = Vector3::Zero();
+      bool plain = true;
+      for (const Sector& sector : around) {
+        axis += sector.angle * sector.normal;
+        plain = plain && faces_[sector.triangle] == FeatureSide::by_normal;
+      }
+      return plain ? FeatureSide::by_normal : across(place, axis.normalized());
+    }
+    const std::optional<Vector3> away = away_from(directions);
+    if (!away) {
+      // All but flat. Of sheets that lie on each other no normal tells.
+      const auto on = std::find_if(around.begin(), around.end(),
+                                   [&](const Sector& sector) { return folded_[sector.triangle]; });
+      return on == around.end() ? FeatureSide::by_normal : at_face(on->triangle);
+    }
+    if (const std::optional<bool> inside = inside_about(place, *away, along, directions)) {
+      return *inside ? FeatureSide::inside : FeatureSide::outside;
+    }
+    if (around.size() == 1) return FeatureSide::by_normal;
+    double sum = 0;
+    for (const Sector& sector : around) sum += sector.angle * sector.normal.dot(*away);
+    return sum < 0 ? FeatureSide::inside : FeatureSide::outside;
+  }
+
+  [[nodiscard]] std::uint32_t other(std::uint32_t t, std::uint32_t a, std::uint32_t b) const {
+    for (const std::uint32_t corner : surface_.triangles[t]) {
+      if (corner != a && corner != b) return corner;
+    }
+    return a;
+  }
+
+  /// Two triangles that pass the side in opposite ways.
+  [[nodiscard]] bool is_paired(std::uint32_t a, std::uint32_t b) const {
+    const std::vector<std::uint32_t>& both = sides_.at(std::minmax(a, b));
+    return both.size() == 2 && passes(both[0], a, b) != passes(both[1], a, b);
+  }
+  [[nodiscard]] bool passes(std::uint32_t t, std::uint32_t a, std::uint32_t b) const {
+    const Triangle& triangle = surface_.triangles[t];
+    for (std::size_t k = 0; k < 3; ++k) {
+      if (triangle[k] == a && triangle[(k + 1) % 3] == b) return true;
+    }
+    return false;
+  }
+
+  /// Whether going from triangle to triangle around a corner meets all of them.
+  [[nodiscard]] bool is_one_fan(std::uint32_t vertex) const {
+    const std::vector<std::uint32_t>& all = corners_[vertex];
+    std::uint32_t triangle = all.front();
+    for (std::size_t met = 1; met <= all.size(); ++met) {
+      const Triangle& corners = surface_.triangles[triangle];
+      const auto k = static_cast<std::size_t>(std::find(corners.begin(), corners.end(), vertex) -
+                                              corners.begin());
+      const std::vector<std::uint32_t>& both = sides_.at(std::minmax(vertex, corners[(k + 2) % 3]));
+      triangle = both[0] == triangle ? both[1] : both[0];
+      if (triangle == all.front()) return met == all.size();
+    }
+    return false;
+  }
+};
+
+}  // namespace
+
+std::vector<bool> find_folded(const std::vector<Triangle>& triangles) {
+  // By corners in ascending order: which triangles pass them one way, and which the other.
+  std::map<Triangle, std::array<std::vector<std::uint32_t>, 2>> same;
+  for (std::uint32_t t = 0; t < triangles.size(); ++t) {
+    Triangle corners = triangles[t];
+    std::rotate(corners.begin(), std::min_element(corners.begin(), corners.end()), corners.end());
+    const bool turned = corners[1] > corners[2];
+    if (turned) std::swap(corners[1], corners[2]);
+    same[corners][turned ? 1 : 0].push_back(t);
+  }
+  std::vector<bool> folded(triangles.size(), false);
+  for (const auto& [corners, ways] : same) {
+    if (ways[0].empty() || ways[1].empty()) continue;
+    for (const auto& way : ways) {
+      for (const std::uint32_t t : way) folded[t] = true;
+    }
+  }
+  return folded;
+}
+
+std::vector<FeatureSides> find_feature_sides(const OuterSurface& surface, const Caster& solid,
+                                             double tolerance) {
+  const Neighbours neighbours(surface, solid, tolerance);
+  std::vector<FeatureSide> corners(surface.vertices.size(), FeatureSide::by_normal);
+  std::vector<bool> known(surface.vertices.size(), false);
+  std::vector<FeatureSides> sides(surface.triangles.size(), 0);
+  for (std::uint32_t t = 0; t < surface.triangles.size(); ++t) {
+    sides[t] = pack_side(TriangleFeature::face, neighbours.at_face(t));
+    for (unsigned k = 0; k < 3; ++k) {
+      const std::uint32_t from = surface.triangles[t][k], to = surface.triangles[t][(k + 1) % 3];
+      if (!known[from]) corners[from] = neighbours.at_corner(from);
+      known[from] = true;
+      const auto side = static_cast<TriangleFeature>(1 + k);
+      const auto corner = static_cast<TriangleFeature>(4 + k);
+      sides[t] =
+          static_cast<FeatureSides>(sides[t] | pack_side(side, neighbours.at_side(from, to)) |
+                                    pack_side(corner, corners[from]));
+    }
+  }
+  return sides;
+}
+
+}  // namespace spm::baker

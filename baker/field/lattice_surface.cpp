@@ -1,0 +1,217 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "baker/field/lattice_surface.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+
+#include "baker/base/bake_error.hpp"
+#include "baker/field/feature_sides.hpp"
+#include "baker/field/sliver_removal.hpp"
+
+namespace spm::baker {
+
+namespace {
+
+/// Lattice steps within a tolerance.
+constexpr double steps_a_tolerance = 200;
+/// Triangles are no thinner than this, where that can be.
+constexpr double sliver_steps = 4;
+/// The most that single precision may err, in steps, and how far a place usually is from a triangle
+/// at most.
+constexpr double max_single_error = 1;
+constexpr double usual_reach = 16384;
+constexpr std::int64_t max_span = 65535;
+
+LatticePoint rounded(const Vector3& point, const Vector3& origin, double step) {
+  LatticePoint at{};
+  for (int axis = 0; axis < 3; ++axis) {
+    at[static_cast<std::size_t>(axis)] = std::llround((point[axis] - origin[axis]) / step);
+  }
+  return at;
+}
+
+std::uint8_t shift_for(const std::array<LatticePoint, 3>& corners) {
+  std::int64_t span = 0;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const auto [low, high] = std::minmax({corners[0][axis], corners[1][axis], corners[2][axis]});
+    span = std::max(span, high - low);
+  }
+  std::uint8_t shift = 0;
+  // Rounding to the coarser lattice may add two of its steps.
+  while ((span >> shift) + 2 > max_span) ++shift;
+  return shift;
+}
+
+/// A corner on the lattice of 2^shift steps.
+LatticePoint coarser(const LatticePoint& point, std::uint8_t shift) {
+  LatticePoint at = point;
+  for (std::int64_t& value : at) {
+    const std::int64_t half = shift > 0 ? std::int64_t{1} << (shift - 1U) : 0;
+    value = ((value + half) >> shift) << shift;
+  }
+  return at;
+}
+
+double longest_side(const std::array<Vector3, 3>& corners) {
+  return std::max({(corners[1] - corners[0]).norm(), (corners[2] - corners[1]).norm(),
+                   (corners[0] - corners[2]).norm()});
+}
+
+Vector3 cross_of(const std::array<Vector3, 3>& corners) {
+  return (corners[1] - corners[0]).cross(corners[2] - corners[0]);
+}
+
+/// Over the longest side.
+double height_of(const std::array<Vector3, 3>& corners) {
+  const double longest = longest_side(corners);
+  return longest > 0 ? cross_of(corners).norm() / longest : 0;
+}
+
+Vector3 place_of(const LatticePoint& steps, const Vector3& origin, double step) {
+  return origin + step * Vector3(static_cast<double>(steps[0]), static_cast<double>(steps[1]),
+                                 static_cast<double>(steps[2]));
+}
+
+/// Marks triangles of the surface with a side that is not paired or a corner on one.
+void mark_open(LatticeSurface& lattice) {
+  std::map<std::pair<std::uint32_t, std::uint32_t>, int> ways;
+  const OuterSurface& surface = lattice.surface;
+  for (std::size_t t = 0; t < surface.surface_count; ++t) {
+    const Triangle& corners = surface.triangles[t];
+    for (std::size_t k = 0; k < 3; ++k) {
+      const std::uint32_t a = corners[k], b = corners[(k + 1) % 3];
+      ways[std::minmax(a, b)] += a < b ? 1 : -1;
+    }
+  }
+  std::vector<bool> border(surface.vertices.size(), false);
+  for (const auto& [side, way] : ways) {
+    if (way != 0) border[side.first] = border[side.second] = true;
+  }
+  for (std::size_t t = 0; t < surface.surface_count; ++t) {
+    for (const std::uint32_t corner : surface.triangles[t]) {
+      lattice.triangles[t].open = lattice.triangles[t].open || border[corner];
+    }
+  }
+}
+
+/// Turns a triangle so that its first side is the shortest.
+void turn(LatticeTriangle& triangle, std::size_t by) {
+  const auto old = triangle;
+  triangle.sides = old.sides & 3U;
+  for (std::size_t k = 0; k < 3; ++k) {
+    const std::size_t from = (k + by) % 3;
+    triangle.corners[k] = old.corners[from];
+    triangle.steps[k] = old.steps[from];
+    for (const std::size_t part : {1U, 4U}) {
+      const unsigned side = (unsigned{old.sides} >> 2U * (part + from)) & 3U;
+      triangle.sides = static_cast<FeatureSides>(triangle.sides | side << 2U * (part + k));
+    }
+  }
+}
+
+std::size_t shortest_side(const std::array<Vector3, 3>& corners) {
+  std::size_t shortest = 0;
+  for (std::size_t k = 1; k < 3; ++k) {
+    if ((corners[(k + 1) % 3] - corners[k]).norm() <
+        (corners[(shortest + 1) % 3] - corners[shortest]).norm()) {
+      shortest = k;
+    }
+  }
+  return shortest;
+}
+
+/// Whether single precision is off by more than a step: the rounding of the normal, which is the
+/// product of the shortest side and another over the height, acts over the way to the point.
+bool needs_doubles(const std::array<Vector3, 3>& rounded, double unit) {
+  const double height = height_of(rounded);
+  if (!(height > 0)) return true;
+  const std::size_t shortest = shortest_side(rounded);
+  const double side = (rounded[(shortest + 1) % 3] - rounded[shortest]).norm();
+  const double reach = longest_side(rounded) / unit + usual_reach;
+  return 2 * std::numeric_limits<float>::epsilon() * side / height * reach > max_single_error;
+}
+
+/// The vertices rounded; each as coarse as the largest triangle around it asks for.
+std::vector<LatticePoint> round_vertices(const OuterSurface& surface, LatticeSurface& lattice) {
+  std::vector<LatticePoint> vertices;
+  vertices.reserve(surface.vertices.size());
+  for (const Vector3& vertex : surface.vertices) {
+    vertices.push_back(rounded(vertex, lattice.origin, lattice.step));
+  }
+  std::vector<std::uint8_t> shifts(vertices.size(), 0);
+  for (const Triangle& corners : surface.triangles) {
+    const std::uint8_t shift =
+        shift_for({vertices[corners[0]], vertices[corners[1]], vertices[corners[2]]});
+    for (const std::uint32_t corner : corners) shifts[corner] = std::max(shifts[corner], shift);
+  }
+  for (std::size_t i = 0; i < vertices.size(); ++i) {
+    vertices[i] = coarser(vertices[i], shifts[i]);
+    lattice.displacement = std::max(
+        lattice.displacement,
+        (place_of(vertices[i], lattice.origin, lattice.step) - surface.vertices[i]).norm());
+  }
+  return vertices;
+}
+
+void add_triangle(const LooseTriangle& loose, const std::vector<LatticePoint>& vertices,
+                  LatticeSurface& lattice) {
+  LatticeTriangle triangle;
+  triangle.cap = loose.cap;
+  triangle.bare = loose.bare;
+  for (std::size_t k = 0; k < 3; ++k) {
+    triangle.steps[k] = vertices[loose.corners[k]];
+    triangle.corners[k] = place_of(triangle.steps[k], lattice.origin, lattice.step);
+  }
+  triangle.shift = shift_for(triangle.steps);
+  const Vector3 cross = cross_of(triangle.corners);
+  if (cross.norm() > 0) triangle.normal = cross.normalized();
+  triangle.exact = needs_doubles(triangle.corners, std::ldexp(lattice.step, triangle.shift));
+  lattice.surface.triangles.push_back(loose.corners);
+  lattice.surface.surface_count += loose.cap ? 0 : 1;
+  lattice.triangles.push_back(triangle);
+}
+
+}  // namespace
+
+LatticeSurface round_to_lattice(const OuterSurface& surface, const Caster& caster,
+                                const std::vector<bool>& bare, double tolerance) {
+  LatticeSurface lattice;
+  lattice.step = std::exp2(std::floor(std::log2(tolerance / steps_a_tolerance)));
+  Vector3 low = Vector3::Constant(std::numeric_limits<double>::max()), high = -low;
+  for (const Vector3& vertex : surface.vertices) {
+    low = low.cwiseMin(vertex);
+    high = high.cwiseMax(vertex);
+  }
+  for (int axis = 0; axis < 3; ++axis) {
+    lattice.origin[axis] = lattice.step * std::floor(low[axis] / lattice.step);
+  }
+  if ((high - low).maxCoeff() / lattice.step > 1e9) {
+    throw BakeError(ExitCode::tolerance_not_met,
+                    "the tolerance is too fine for an object of this size");
+  }
+  const std::vector<LatticePoint> vertices = round_vertices(surface, lattice);
+  for (const LatticePoint& vertex : vertices) {
+    lattice.surface.vertices.push_back(place_of(vertex, lattice.origin, lattice.step));
+  }
+  std::vector<LooseTriangle> loose;
+  for (std::size_t t = 0; t < surface.triangles.size(); ++t) {
+    loose.push_back({surface.triangles[t], t >= surface.surface_count, t < bare.size() && bare[t]});
+  }
+  lattice.displacement +=
+      remove_slivers(lattice.surface.vertices, sliver_steps * lattice.step, loose) +
+      max_single_error * lattice.step;
+  for (const LooseTriangle& triangle : loose) add_triangle(triangle, vertices, lattice);
+  mark_open(lattice);
+  const std::vector<FeatureSides> sides = find_feature_sides(lattice.surface, caster, tolerance);
+  const std::vector<bool> folded = find_folded(lattice.surface.triangles);
+  for (std::size_t t = 0; t < sides.size(); ++t) {
+    lattice.triangles[t].sides = sides[t];
+    lattice.triangles[t].folded = folded[t];
+    turn(lattice.triangles[t], shortest_side(lattice.triangles[t].corners));
+  }
+  return lattice;
+}
+
+}  // namespace spm::baker

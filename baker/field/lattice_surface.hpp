@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "baker/cast/cast.hpp"
+#include "baker/surface/outer_surface.hpp"
+#include "common/field/feature_sides.hpp"
+
+namespace spm::baker {
+
+using LatticePoint = std::array<std::int64_t, 3>;
+
+/// A triangle as the file will store it.
+struct LatticeTriangle {
+  std::array<Vector3, 3> corners;       ///< m, on the lattice; the first side is the shortest
+  Vector3 normal = Vector3::Zero();     ///< unit; 0 where there is no area
+  FeatureSides sides = 0;               ///< of places that are nearest to its sides and corners
+  std::array<LatticePoint, 3> steps{};  ///< the corners, lattice steps from the origin
+  std::uint8_t shift = 0;               ///< its corners are multiples of 2^shift steps
+  bool cap = false;
+  bool bare = false;    ///< no tile shows it
+  bool exact = false;   ///< too thin for single precision
+  bool folded = false;  ///< another lies on it and faces the other way
+  bool open = false;    ///< has a side that is not paired, or a corner on one
+};
+
+/// The outer surface with its corners rounded to one lattice, so that what shares a corner shares
+/// it exactly. A triangle that spans more than 16 bits of steps has corners on a coarser lattice,
+/// which all that share them take over. Slivers are gone (remove_slivers).
+struct LatticeSurface {
+  Vector3 origin = Vector3::Zero();
+  double step = 1;                         ///< m, a power of two
+  std::vector<LatticeTriangle> triangles;  ///< surface, then caps
+  OuterSurface surface;                    ///< the same triangles
+  /// m: distances to this surface are those to the outer surface within this.
+  double displacement = 0;
+};
+
+/// `caster` is over the surface. `tolerance` in metres: the displacement is kept to a small share
+/// of it. `bare` says of each triangle whether no tile shows it. Throws BakeError where the object
+/// is too large for the tolerance.
+[[nodiscard]] LatticeSurface round_to_lattice(const OuterSurface& surface, const Caster& caster,
+                                              const std::vector<bool>& bare, double tolerance);
+
+}  // namespace spm::baker

@@ -1,0 +1,256 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "baker/field/map_fit.hpp"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include "common/surface/closest_on_triangle.hpp"
+
+namespace spm::baker {
+
+namespace {
+
+constexpr int nodes = 4;  ///< samples along each axis
+constexpr int unknowns = 10;
+/// Weight with which slope and bend are drawn to 0 where samples do not tell them.
+constexpr double ridge = 1e-6;
+/// Directions of two pieces are told apart in so many rounds.
+constexpr int rounds = 6;
+
+using Row = Eigen::Matrix<double, 1, unknowns>;
+using Square = Eigen::Matrix<double, unknowns, unknowns>;
+using Column = Eigen::Matrix<double, unknowns, 1>;
+
+Row terms(const Vector3& z) {
+  Row row;
+  row << 1, z[0], z[1], z[2], z[0] * z[0], z[1] * z[1], z[2] * z[2], z[0] * z[1], z[0] * z[2],
+      z[1] * z[2];
+  return row;
+}
+
+double node(int i) { return -std::cos(std::numbers::pi * (2 * i + 1) / (2.0 * nodes)); }
+
+bool in_band(const CubeSample& sample, const Band& band, double beyond) {
+  return sample.distance <= band.margin + beyond && sample.distance >= -band.max_depth - beyond;
+}
+
+/// The support plane that faces a direction most.
+std::uint32_t facing_plane(std::span<const SupportPlane> planes, const Vector3& direction) {
+  std::uint32_t best = 0;
+  for (std::uint32_t k = 1; k < planes.size() && k < 256; ++k) {
+    if (planes[k].n.dot(direction) > planes[best].n.dot(direction)) best = k;
+  }
+  return best;
+}
+
+/// A cubic function along the cube's axes in the frame of a plane.
+LocalMap in_plane_frame(const Column& solution, std::uint32_t number, const SupportPlane& plane) {
+  Eigen::Matrix3d turn;  // rows: the plane's axes
+  turn << plane.u.transpose(), plane.v.transpose(), -plane.n.transpose();
+  Eigen::Matrix3d bend;
+  bend << solution[4], solution[7] / 2, solution[8] / 2, solution[7] / 2, solution[5],
+      solution[9] / 2, solution[8] / 2, solution[9] / 2, solution[6];
+  const Eigen::Matrix3d turned = turn * bend * turn.transpose();
+  LocalMap map;
+  map.plane = number;
+  map.value = solution[0];
+  map.slope = turn * Vector3(solution[1], solution[2], solution[3]);
+  map.bend = {turned(0, 0),     turned(1, 1),     turned(2, 2),
+              2 * turned(0, 1), 2 * turned(0, 2), 2 * turned(1, 2)};
+  return map;
+}
+
+struct Packed {
+  PackedLocalMap words;
+  LocalMap map;
+};
+
+/// Fits the samples whose numbers are given; their residuals are balanced after rounding.
+std::optional<Packed> fit(const std::vector<CubeSample>& samples,
+                          const std::vector<std::size_t>& chosen, const Cube& cube,
+                          const FitRules& rules) {
+  Square normal = Square::Zero();
+  Column right = Column::Zero();
+  Vector3 direction = Vector3::Zero();
+  for (const std::size_t i : chosen) {
+    const Row row = terms(samples[i].place);
+    normal += row.transpose() * row;
+    right += row.transpose() * (samples[i].distance / cube.half);
+    direction += samples[i].gradient;
+  }
+  const double weight = ridge * static_cast<double>(chosen.size());
+  for (int k = 1; k < unknowns; ++k) normal(k, k) += weight;
+  const Column solution = normal.ldlt().solve(right);
+  if (!solution.allFinite()) return std::nullopt;
+  const std::uint32_t plane = facing_plane(rules.planes, direction);
+  Packed packed;
+  LocalMap map = in_plane_frame(solution, plane, rules.planes[plane]);
+  const double unit = rules.value_unit / cube.half;
+  if (!pack_local_map(map, unit, packed.words)) return std::nullopt;
+  packed.map = unpack_local_map(packed.words.words.data(), unit);
+  double low = 0, high = 0;
+  bool first = true;
+  for (const std::size_t i : chosen) {
+    const double off = samples[i].distance / cube.half -
+                       packed.map.at(local_coordinates(rules.planes[plane], samples[i].place));
+    low = first ? off : std::min(low, off);
+    high = first ? off : std::max(high, off);
+    first = false;
+  }
+  LocalMap balanced = packed.map;
+  balanced.value += (low + high) / 2;
+  if (!pack_local_map(balanced, unit, packed.words)) return std::nullopt;
+  packed.map = unpack_local_map(packed.words.words.data(), unit);
+  return packed;
+}
+
+/// Whether the maps meet the samples of the band.
+bool meets(const FittedMaps& fitted, const std::vector<CubeSample>& samples, const Cube& cube,
+           const FitRules& rules) {
+  double angles = 0;
+  std::size_t judged = 0;
+  for (const CubeSample& sample : samples) {
+    double value = 0;
+    Vector3 slope = Vector3::Zero();
+    for (std::size_t k = 0; k < fitted.maps.size(); ++k) {
+      const LocalMap& map = fitted.maps[k];
+      const SupportPlane& plane = rules.planes[map.plane];
+      const Vector3 z = local_coordinates(plane, sample.place);
+      const double here = map.at(z);
+      if (k > 0 && (here < value) != (fitted.kind == OctreeKind::least)) continue;
+      value = here;
+      const Vector3 gradient = map.gradient(z);
+      slope = from_plane_frame(plane, gradient[0], gradient[1], gradient[2]);
+    }
+    const double told = std::clamp(cube.half * value, -rules.band.max_depth, rules.band.margin);
+    const double truth = std::clamp(sample.distance, -rules.band.max_depth, rules.band.margin);
+    if (std::abs(told - truth) > rules.max_error) return false;
+    if (!in_band(sample, rules.band, 0)) continue;
+    const double length = slope.norm() * sample.gradient.norm();
+    const double cosine = length > 0 ? slope.dot(sample.gradient) / length : 0;
+    angles += std::acos(std::clamp(cosine, -1.0, 1.0));
+    ++judged;
+  }
+  return judged == 0 || angles <= rules.max_mean_angle * static_cast<double>(judged);
+}
+
+/// Tells the samples apart by their directions: for each, to which of two it belongs.
+std::vector<bool> by_direction(const std::vector<CubeSample>& samples,
+                               const std::vector<std::size_t>& chosen) {
+  Vector3 first = samples[chosen.front()].gradient;
+  Vector3 second = first;
+  const auto farthest = [&](const Vector3& from) {
+    return samples[*std::min_element(chosen.begin(), chosen.end(),
+                                     [&](auto a, auto b) {
+                                       return samples[a].gradient.dot(from) <
+                                              samples[b].gradient.dot(from);
+                                     })]
+        .gradient;
+  };
+  second = farthest(first);
+  first = farthest(second);
+  std::vector<bool> is_second(samples.size(), false);
+  for (int round = 0; round < rounds; ++round) {
+    Vector3 sums[2] = {Vector3::Zero(), Vector3::Zero()};
+    for (const std::size_t i : chosen) {
+      is_second[i] = samples[i].gradient.dot(second) > samples[i].gradient.dot(first);
+      sums[is_second[i] ? 1 : 0] += samples[i].gradient;
+    }
+    if (sums[0].norm() > 0) first = sums[0].normalized();
+    if (sums[1].norm() > 0) second = sums[1].normalized();
+  }
+  return is_second;
+}
+
+}  // namespace
+
+std::vector<CubeSample> sample_cube(const LatticeSurface& surface, const Caster& caster,
+                                    const Candidates& candidates, const Cube& cube,
+                                    std::optional<bool> inside) {
+  std::vector<CubeSample> samples;
+  samples.reserve(nodes * nodes * nodes);
+  // The distance of a triangle is convex, so it lies above its tangent at the middle.
+  std::vector<Vector3> tangents;
+  tangents.reserve(candidates.triangles.size());
+  for (const Candidate& candidate : candidates.triangles) {
+    tangents.push_back(cube.half * tangent_of(candidate, cube.middle));
+  }
+  for (int i = 0; i < nodes * nodes * nodes; ++i) {
+    CubeSample sample;
+    sample.place = Vector3(node(i % nodes), node(i / nodes % nodes), node(i / nodes / nodes));
+    const Vector3 point = cube.middle + cube.half * sample.place;
+    double least = std::numeric_limits<double>::infinity();
+    ClosestFeature closest;
+    const LatticeTriangle* nearest = nullptr;
+    for (std::size_t c = 0; c < candidates.triangles.size(); ++c) {
+      const Candidate& candidate = candidates.triangles[c];
+      if (candidate.distance + tangents[c].dot(sample.place) > least) continue;
+      const LatticeTriangle& triangle = surface.triangles[candidate.triangle];
+      const ClosestFeature here =
+          closest_feature(point, triangle.corners[0], triangle.corners[1], triangle.corners[2]);
+      const double distance = (point - here.point).norm();
+      if (distance >= least) continue;
+      least = distance;
+      closest = here;
+      nearest = &triangle;
+    }
+    const Vector3 away = point - closest.point;
+    const Vector3 normal = nearest != nullptr ? nearest->normal : Vector3::Zero();
+    const bool within = inside || nearest == nullptr ? inside.value_or(false)
+                        : nearest->open
+                            ? caster.closest(point).distance < 0
+                            : is_inside(nearest->sides, closest.feature, normal.dot(away));
+    sample.distance = within ? -least : least;
+    sample.gradient = least > 0 ? Vector3(away / sample.distance) : normal;
+    samples.push_back(sample);
+  }
+  return samples;
+}
+
+std::optional<FittedMaps> fit_one(const std::vector<CubeSample>& samples, const Cube& cube,
+                                  const FitRules& rules) {
+  std::vector<std::size_t> chosen;
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    if (in_band(samples[i], rules.band, cube.half)) chosen.push_back(i);
+  }
+  if (chosen.size() < unknowns) {
+    chosen.clear();
+    for (std::size_t i = 0; i < samples.size(); ++i) chosen.push_back(i);
+  }
+  const std::optional<Packed> packed = fit(samples, chosen, cube, rules);
+  if (!packed) return std::nullopt;
+  FittedMaps fitted{OctreeKind::polynomial, {packed->words}, {packed->map}};
+  if (!meets(fitted, samples, cube, rules)) return std::nullopt;
+  return fitted;
+}
+
+std::optional<FittedMaps> fit_two(const std::vector<CubeSample>& samples, const Cube& cube,
+                                  const FitRules& rules) {
+  std::vector<std::size_t> chosen;
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    if (in_band(samples[i], rules.band, cube.half)) chosen.push_back(i);
+  }
+  if (chosen.size() < 2) return std::nullopt;
+  const std::vector<bool> is_second = by_direction(samples, chosen);
+  std::array<std::vector<std::size_t>, 2> parts;
+  for (const std::size_t i : chosen) parts[is_second[i] ? 1 : 0].push_back(i);
+  FittedMaps fitted;
+  for (const auto& part : parts) {
+    if (part.size() < 4) return std::nullopt;
+    const std::optional<Packed> packed = fit(samples, part, cube, rules);
+    if (!packed) return std::nullopt;
+    fitted.packed.push_back(packed->words);
+    fitted.maps.push_back(packed->map);
+  }
+  for (const OctreeKind kind : {OctreeKind::least, OctreeKind::most}) {
+    fitted.kind = kind;
+    if (meets(fitted, samples, cube, rules)) return fitted;
+  }
+  return std::nullopt;
+}
+
+}  // namespace spm::baker

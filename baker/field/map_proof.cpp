@@ -1,0 +1,224 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "baker/field/map_proof.hpp"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+#include "baker/field/corner_distances.hpp"
+
+namespace spm::baker {
+
+namespace {
+
+constexpr int max_cubes = 4096;  ///< a proof
+constexpr int max_divisions = 6;
+/// Of the rounding of doubles in all that follows, m a m.
+constexpr double rounding = 1e-12;
+/// Facets whose normals are within this of their mean: only these bound a direction between them.
+constexpr double min_cone_cosine = 0.2;
+constexpr std::size_t upper_witnesses = 4;
+
+/// A local map along the cube's axes: value (m), gradient and second derivatives at a place.
+struct Quadratic {
+  Vector3 middle = Vector3::Zero();
+  double value = 0;
+  Vector3 gradient = Vector3::Zero();
+  Eigen::Matrix3d bend = Eigen::Matrix3d::Zero();  ///< value + gradient d + d' bend d
+
+  [[nodiscard]] double at(const Vector3& point) const {
+    const Vector3 d = point - middle;
+    return value + d.dot(gradient + bend * d);
+  }
+  [[nodiscard]] Quadratic about(const Vector3& point) const {
+    return {point, at(point), gradient + 2 * (bend * (point - middle)), bend};
+  }
+  [[nodiscard]] Quadratic times(double sign) const {
+    return {middle, sign * value, sign * gradient, sign * bend};
+  }
+};
+
+/// At the corners of the cube of that half edge around the quadratic's own middle.
+CornerValues at_corners(const Quadratic& map, double half) {
+  const Eigen::Matrix3d& bend = map.bend;
+  const auto mixed = [&](int i, int j, const CornerValues& sign) {
+    return CornerValues(half * half * (bend(i, j) + bend(j, i)) * sign);
+  };
+  const CornerValues x = linear_at_corners(0, Vector3::UnitX()),
+                     y = linear_at_corners(0, Vector3::UnitY()),
+                     z = linear_at_corners(0, Vector3::UnitZ());
+  return linear_at_corners(map.value + half * half * bend.trace(), half * map.gradient) +
+         mixed(0, 1, x * y) + mixed(0, 2, x * z) + mixed(1, 2, y * z);
+}
+
+Quadratic along_axes(const LocalMap& map, const SupportPlane& plane, const Cube& cube) {
+  Eigen::Matrix3d turn;
+  turn << plane.u.transpose(), plane.v.transpose(), -plane.n.transpose();
+  Eigen::Matrix3d bend;
+  bend << map.bend[0], map.bend[3] / 2, map.bend[4] / 2, map.bend[3] / 2, map.bend[1],
+      map.bend[5] / 2, map.bend[4] / 2, map.bend[5] / 2, map.bend[2];
+  return {cube.middle, cube.half * map.value, turn.transpose() * map.slope,
+          turn.transpose() * bend * turn / cube.half};
+}
+
+/// Bounds of local map less distance over a cube; m.
+struct Interval {
+  double low = -std::numeric_limits<double>::infinity();
+  double high = std::numeric_limits<double>::infinity();
+  void meet(const Interval& other) {
+    low = std::max(low, other.low);
+    high = std::min(high, other.high);
+  }
+};
+
+class Proof {
+ public:
+  Proof(const LatticeSurface& surface, const Caster& caster, const Band& band, double tolerance,
+        OctreeKind kind, std::vector<Quadratic> maps)
+      : surface_(surface),
+        caster_(caster),
+        band_(band),
+        tolerance_(tolerance),
+        kind_(kind),
+        maps_(std::move(maps)) {}
+
+  bool holds(const Candidates& candidates, const Cube& cube, std::optional<bool> inside,
+             int divisions) {
+    if (++cubes_ > max_cubes) return false;
+    if (!inside && candidates.clearance() > cube.radius() + rounding) {
+      inside = is_inside(surface_, caster_, candidates, cube.middle);
+    }
+    if (passes(candidates, cube, inside)) return true;
+    if (divisions == max_divisions) return false;
+    for (std::size_t octant = 0; octant < 8; ++octant) {
+      const Cube part = cube.octant(octant);
+      if (!holds(candidates_within(surface_, candidates, part), part, inside, divisions + 1)) {
+        return false;
+      }
+    }
+    return true;
+  }
+
+ private:
+  const LatticeSurface& surface_;
+  const Caster& caster_;
+  Band band_;
+  double tolerance_;
+  OctreeKind kind_;
+  std::vector<Quadratic> maps_;
+  int cubes_ = 0;
+
+  bool passes(const Candidates& candidates, const Cube& cube, std::optional<bool> inside) const {
+    const double distance = candidates.distance();
+    const bool side = inside ? *inside : is_inside(surface_, caster_, candidates, cube.middle);
+    const double truth = side ? -distance : distance;
+    std::array<Interval, 2> off;
+    for (std::size_t k = 0; k < maps_.size(); ++k) {
+      const Quadratic map = maps_[k].about(cube.middle);
+      off[k].meet(by_directions(candidates, cube, map, truth));
+      if (inside) off[k].meet(by_convexity(candidates, cube, map, *inside));
+    }
+    Interval whole = off[0];
+    if (kind_ == OctreeKind::least) {
+      whole = {std::min(off[0].low, off[1].low), std::min(off[0].high, off[1].high)};
+    } else if (kind_ == OctreeKind::most) {
+      whole = {std::max(off[0].low, off[1].low), std::max(off[0].high, off[1].high)};
+    }
+    if (whole.low >= -tolerance_ && whole.high <= tolerance_) return true;
+    // Wholly beyond the band it is enough to tell so.
+    const double radius = cube.radius();
+    if (inside && !*inside && distance - radius >= band_.margin) {
+      return distance - radius + whole.low >= band_.margin - tolerance_;
+    }
+    if (inside && *inside && distance - radius >= band_.max_depth) {
+      return -(distance - radius) + whole.high <= -band_.max_depth + tolerance_;
+    }
+    return false;
+  }
+
+  /// The gradient of the distance lies in the cone of the normals of the candidates: the normal of
+  /// a facet, and at an edge or corner one between those of the facets around it. So map less
+  /// distance changes from the middle on at most by the largest difference of gradients, axis by
+  /// axis, times half the edge. Holds across the surface, but not at caps and open edges.
+  Interval by_directions(const Candidates& candidates, const Cube& cube, const Quadratic& map,
+                         double truth) const {
+    Vector3 axis = Vector3::Zero();
+    if (!candidates.caps.empty()) return {};
+    for (const Candidate& candidate : candidates.triangles) {
+      const LatticeTriangle& triangle = surface_.triangles[candidate.triangle];
+      if (triangle.open || triangle.folded) return {};
+      axis += triangle.normal;
+    }
+    if (!(axis.norm() > 0)) return {};
+    axis.normalize();
+    double cosine = 1, most = 0;
+    for (const Candidate& candidate : candidates.triangles) {
+      const Vector3& normal = surface_.triangles[candidate.triangle].normal;
+      if (normal == Vector3::Zero()) continue;
+      cosine = std::min(cosine, axis.dot(normal));
+      most = std::max(most, (map.gradient - normal).lpNorm<1>());
+    }
+    if (cosine < min_cone_cosine) return {};
+    // A direction between normals is one of their mixtures made longer, by no more than this.
+    const double between = std::sqrt(3.0) * (1 - cosine);
+    // The map's own gradient changes; half of that counts, since it grows from the middle on.
+    const double bend = cube.half * map.bend.cwiseAbs().sum();
+    const double reach = cube.half * (most + between + bend) + rounding;
+    const double off = map.value - truth;
+    return {off - reach, off + reach};
+  }
+
+  /// On one side of the surface the unsigned distance is the least of the distances of the
+  /// candidates, and each of these is convex: it lies above its tangent at the middle, and below
+  /// what its values at the corners give in between.
+  Interval by_convexity(const Candidates& candidates, const Cube& cube, const Quadratic& signed_map,
+                        bool inside) const {
+    const Quadratic map = signed_map.times(inside ? -1 : 1);
+    const double square = cube.half * cube.half;
+    double up = 0, diagonal_up = 0;  // how far d' bend d may rise; of its squares alone
+    for (int i = 0; i < 3; ++i) {
+      diagonal_up += std::max(0.0, map.bend(i, i));
+      for (int j = 0; j < 3; ++j) {
+        if (i != j) up += std::abs(map.bend(i, j));
+      }
+    }
+    up = square * (up + diagonal_up);
+    double high = -std::numeric_limits<double>::infinity();
+    for (const Candidate& candidate : candidates.triangles) {
+      const Vector3 slope = tangent_of(candidate, cube.middle);
+      high = std::max(high, map.value - candidate.distance +
+                                cube.half * (map.gradient - slope).lpNorm<1>() + up);
+    }
+    const CornerValues told = at_corners(map, cube.half);
+    double low = -std::numeric_limits<double>::infinity();
+    const auto bound_by = [&](const CornerValues& distances) {
+      low = std::max(low, (told - distances).minCoeff() - square * diagonal_up);
+    };
+    for (const Witness& witness : candidates.witnesses) bound_by(witness.distances);
+    for (std::size_t w = 0;
+         candidates.witnesses.empty() && w < std::min(upper_witnesses, candidates.triangles.size());
+         ++w) {
+      const auto& corners = surface_.triangles[candidates.triangles[w].triangle].corners;
+      bound_by(corner_distances(corners, cube.middle, cube.half));
+    }
+    const Interval bounds{low - rounding, high + rounding};
+    return inside ? Interval{-bounds.high, -bounds.low} : bounds;
+  }
+};
+
+}  // namespace
+
+bool prove_maps(const LatticeSurface& surface, const Caster& caster, const Candidates& candidates,
+                const Cube& cube, std::optional<bool> inside, const FittedMaps& fitted,
+                std::span<const SupportPlane> planes, const Band& band, double tolerance) {
+  std::vector<Quadratic> maps;
+  for (const LocalMap& map : fitted.maps) {
+    maps.push_back(along_axes(map, planes[map.plane], cube));
+  }
+  return Proof(surface, caster, band, tolerance, fitted.kind, std::move(maps))
+      .holds(candidates, cube, inside, 0);
+}
+
+}  // namespace spm::baker

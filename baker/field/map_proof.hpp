@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <optional>
+#include <span>
+
+#include "baker/field/cube_candidates.hpp"
+#include "baker/field/map_fit.hpp"
+#include "common/asset/asset_view.hpp"
+
+namespace spm::baker {
+
+/// Proves that local maps are off by at most `tolerance` (m) at every place of a cube that is in
+/// the band, and that beyond the band they tell so, within the tolerance. By bounds over cubes that
+/// are divided further and further; by no sample. `inside` is the side of the whole cube, empty
+/// where the surface passes. False where it is not so, or where so many cubes do not suffice.
+[[nodiscard]] bool prove_maps(const LatticeSurface& surface, const Caster& caster,
+                              const Candidates& candidates, const Cube& cube,
+                              std::optional<bool> inside, const FittedMaps& fitted,
+                              std::span<const SupportPlane> planes, const Band& band,
+                              double tolerance);
+
+}  // namespace spm::baker

@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "baker/surface/outer_surface.hpp"
+
+namespace spm::baker {
+
+/// A triangle on its way to the lattice.
+struct LooseTriangle {
+  Triangle corners{};
+  bool cap = false;
+  bool bare = false;  ///< no tile shows it
+};
+
+/// Removes triangles that are thinner than `height` (m), so that no two parts of the surface that
+/// belong together are so close that rounding confuses them: vertices within `height` of each other
+/// become one, and where a corner lies that close to the opposite side, this side is turned (an
+/// edge flip). What is closed stays closed. Returns by how much distances change at most, m.
+[[nodiscard]] double remove_slivers(const std::vector<Vector3>& vertices, double height,
+                                    std::vector<LooseTriangle>& triangles);
+
+}  // namespace spm::baker

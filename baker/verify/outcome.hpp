@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "baker/verify/verify.hpp"
+#include "common/query/query.hpp"
+
+namespace spm::baker {
+
+/// A place beside a hole and the asset's result there, sides left aside.
+struct PlaceNearHole {
+  Vector3 point = Vector3::Zero();
+  bool answered = false;
+  bool pruned = false;
+  double error = 0;  ///< m, of the unsigned distance
+};
+
+/// One sample and the asset's result there.
+struct Outcome {
+  bool drawn = false;  ///< a place in the band and away from holes was found
+  std::vector<PlaceNearHole> near_holes;
+  Vector3 point = Vector3::Zero();
+  double truth = 0;
+  bool answered = false;
+  bool far = false;     ///< the asset answers: outside, beyond the margin
+  bool pruned = false;  ///< the bake left this place out
+  double answer = 0;
+  double error = 0;
+  double smoothing_error = 0;
+  double total_error = 0;
+  Source source = Source::none;
+  double direction_error = -1;  ///< rad; negative where no direction is defined or answered
+  bool contested = false;       ///< the error is from the nearest of the directions that compete
+};
+
+/// All but the worst places, the places near holes, and the settings; `threshold` in metres.
+[[nodiscard]] VerifyReport report_of(const std::vector<Outcome>& outcomes, double threshold);
+
+/// Adds the changes by smoothing to a report.
+void add_smoothing(const std::vector<Outcome>& outcomes, VerifyReport& report);
+
+/// What there is to say of places near holes, of both kinds of samples.
+[[nodiscard]] NearHolesReport near_holes_of(const std::vector<Outcome>& samples,
+                                            const std::vector<Outcome>& hard, double threshold);
+
+/// At most `count` of the worst places of both, unanswered ones first, then by error; among equals
+/// those drawn first, and samples before hard places. Pruned places are none of them.
+[[nodiscard]] std::vector<WorstPlace> worst_places(const std::vector<Outcome>& samples,
+                                                   const std::vector<Outcome>& hard,
+                                                   double threshold, std::size_t count);
+
+}  // namespace spm::baker

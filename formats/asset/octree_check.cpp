@@ -1,0 +1,179 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "formats/asset/octree_check.hpp"
+
+#include <algorithm>
+#include <string_view>
+#include <vector>
+
+#include "common/field/local_map.hpp"
+
+namespace spm {
+namespace {
+
+/// Beyond this exponent a polynomial of any use does not bend.
+constexpr std::uint32_t max_bend_exponent = bend_exponent_bias + 16;
+
+/// A cube whose words are still to be checked.
+struct Cube {
+  OctreeKind kind = OctreeKind::far;
+  std::uint32_t unit = 0;
+  int level = 0;
+};
+
+/// Walks over all cubes. Each unit belongs to one cube, so the walk ends after as many steps.
+class OctreeCheck {
+ public:
+  OctreeCheck(const AssetView& asset, std::size_t& steps)
+      : asset_(asset), steps_(steps), taken_(asset.octree.units.size() / 2, false) {}
+
+  [[nodiscard]] std::string problem() {
+    for (const std::uint32_t word : asset_.octree.root_words) {
+      const auto kind = static_cast<OctreeKind>(word & 15U);
+      if (std::string_view found = meet({kind, word >> 4U, 0}); !found.empty()) {
+        return "a cube of its octree " + std::string(found);
+      }
+    }
+    while (!open_.empty()) {
+      const Cube cube = open_.back();
+      open_.pop_back();
+      if (std::string_view found = look_into(cube); !found.empty()) {
+        return "a cube of its octree " + std::string(found);
+      }
+    }
+    return {};
+  }
+
+ private:
+  const AssetView& asset_;
+  std::size_t& steps_;
+  std::vector<bool> taken_;
+  std::vector<Cube> open_;
+
+  [[nodiscard]] std::string_view meet(const Cube& cube) {
+    ++steps_;
+    switch (cube.kind) {
+      case OctreeKind::far:
+      case OctreeKind::pruned:
+        return {};
+      case OctreeKind::deep:
+      case OctreeKind::split:
+      case OctreeKind::list:
+      case OctreeKind::polynomial:
+      case OctreeKind::least:
+      case OctreeKind::most:
+        break;
+      default:
+        return "is of no kind";
+    }
+    const std::size_t units = units_of(cube.kind);
+    if (cube.unit > taken_.size() || units > taken_.size() - cube.unit) return "is cut short";
+    for (std::size_t k = cube.unit; k < cube.unit + units; ++k) {
+      if (taken_[k]) return "shares its words with another";
+      taken_[k] = true;
+    }
+    open_.push_back(cube);
+    return {};
+  }
+
+  [[nodiscard]] std::string_view look_into(const Cube& cube) {
+    const std::uint32_t* words = asset_.octree.units.data() + 2 * std::size_t{cube.unit};
+    switch (cube.kind) {
+      case OctreeKind::split:
+        return look_into_split(words, cube.level);
+      case OctreeKind::list:
+        return list_problem(words);
+      case OctreeKind::least:
+      case OctreeKind::most:
+        if (std::string_view found = map_problem(words + local_map_words); !found.empty()) {
+          return found;
+        }
+        return map_problem(words);
+      case OctreeKind::polynomial:
+        return map_problem(words);
+      default:
+        return {};
+    }
+  }
+
+  [[nodiscard]] std::string_view look_into_split(const std::uint32_t* words, int level) {
+    if (level == max_octree_levels) return "is split too often";
+    for (std::uint32_t octant = 0; octant < 8; ++octant) {
+      const auto kind = static_cast<OctreeKind>((words[1] >> (4 * octant)) & 15U);
+      const std::uint64_t unit = std::uint64_t{words[0]} + units_before(words[1], octant);
+      if (unit > 0xFFFFFFFFU) return "is cut short";
+      const auto found = meet({kind, static_cast<std::uint32_t>(unit), level + 1});
+      if (!found.empty()) return found;
+    }
+    return {};
+  }
+
+  [[nodiscard]] std::string_view list_problem(const std::uint32_t* words) const {
+    const std::size_t first = words[0], count = words[1] & 0xFFFU;
+    const std::size_t caps = words[1] >> 12U & 0xFFFU, size = asset_.octree.lists.size();
+    if (first > size || count > size - first) return "has a list that is cut short";
+    if (caps >= count) return "has a list without triangles of the surface";
+    if (words[1] >> 24U > static_cast<std::uint32_t>(ListSide::inside)) {
+      return "has a list of no side";
+    }
+    return {};
+  }
+
+  [[nodiscard]] std::string_view map_problem(const std::uint32_t* words) const {
+    if (words[3] >> 24U >= asset_.planes.size()) {
+      return "has a polynomial in the frame of a plane that does not exist";
+    }
+    if ((words[3] >> 16U & 0xFFU) > max_bend_exponent) {
+      return "has a polynomial that is not of the size of a distance";
+    }
+    return {};
+  }
+};
+
+std::string_view cluster_problem(const std::uint32_t* cluster) {
+  const std::uint32_t count = cluster[3] & 15U;
+  if (count == 0 || count > cluster_size) return "has no number of triangles";
+  if (shift_of(cluster) > 16) return "has corners that are too far apart";
+  if (cluster[3] >> 24U != 0 || (cluster[3] >> 11U & 31U) != 0) return "has flags of no meaning";
+  return {};
+}
+
+/// True where corners of the surface lie in cubes that have no answer there, or one from beyond the
+/// band.
+bool is_lost(const AssetView& asset, const std::uint32_t* cluster) {
+  for (std::size_t k = 0; k < triangles_of(cluster); ++k) {
+    for (const Vector3& corner : corners_of(asset.clusters, cluster, k)) {
+      const Leaf leaf = leaf_at(asset.octree, corner);
+      if (leaf.kind == OctreeKind::far || leaf.kind == OctreeKind::deep) return true;
+    }
+  }
+  return false;
+}
+
+}  // namespace
+
+std::string octree_problem(const AssetView& asset, std::size_t* steps) {
+  std::size_t uncounted = 0;
+  std::size_t& count = steps == nullptr ? uncounted : *steps;
+  count = 0;
+  if (std::string found = OctreeCheck(asset, count).problem(); !found.empty()) return found;
+  for (const std::uint32_t word : asset.octree.lists) {
+    ++count;
+    if ((word & 0xFFFFFFU) >= asset.clusters.size()) {
+      return "a list of its octree names triangles that do not exist";
+    }
+  }
+  // Rounding moves corners by less than the tolerance, and cubes that thin a band may leave out.
+  const bool wide = asset.band.margin > asset.tolerance && asset.band.max_depth > asset.tolerance;
+  for (std::size_t c = 0; c < asset.clusters.size(); ++c) {
+    ++count;
+    const std::uint32_t* cluster = asset.clusters.at(c);
+    const std::string_view found = cluster_problem(cluster);
+    if (!found.empty()) return "a cluster of its triangles " + std::string(found);
+    if (wide && !is_cap(cluster) && is_lost(asset, cluster)) {
+      return "a cube of its octree says that the surface is not in it, but a triangle is";
+    }
+  }
+  return {};
+}
+
+}  // namespace spm

@@ -1,0 +1,227 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The verdict of `verify`: in words, in JSON, as points and as an exit code.
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <fstream>
+#include <iostream>
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+#include "baker/commands/commands.hpp"
+#include "baker/commands/verify_text.hpp"
+#include "baker/mesh/load.hpp"
+#include "baker/pipeline/bake.hpp"
+#include "common/field/octree_leaves.hpp"
+#include "common/query/query.hpp"
+#include "formats/asset/asset_writer.hpp"
+#include "tests/baker/mesh/mesh_support.hpp"
+#include "tests/support/shapes.hpp"
+
+namespace spm::baker::verify_command_test {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr double radius = 0.02;
+constexpr double spoilt_by = 300e-6;
+
+/// Captures one of the standard streams while it lives.
+class Captured {
+ public:
+  explicit Captured(std::ostream& stream) : stream_(stream), before_(stream.rdbuf(text_.rdbuf())) {}
+  Captured(const Captured&) = delete;
+  Captured& operator=(const Captured&) = delete;
+  ~Captured() { stream_.rdbuf(before_); }
+  [[nodiscard]] std::string text() const { return text_.str(); }
+
+ private:
+  std::ostream& stream_;
+  std::ostringstream text_;
+  std::streambuf* before_;
+};
+
+struct Said {
+  int code = 0;
+  std::string text;
+  [[nodiscard]] Json json() const { return Json::parse(text); }
+  [[nodiscard]] std::string last_line() const {
+    const std::size_t end = text.rfind('\n');
+    return text.substr(text.rfind('\n', end - 1) + 1, end - text.rfind('\n', end - 1) - 1);
+  }
+};
+
+/// A baked sphere in a folder, and `verify` of it.
+class Baked {
+ public:
+  Baked() {
+    test::write_obj(test::sphere(radius, 3), mesh_);
+    BakeOptions options;
+    options.tolerance = 100e-6;
+    options.max_depth = 0.5e-3;
+    asset = bake(load_mesh(mesh_, {}), options).asset;
+    asset.metadata.tolerance_met = true;
+  }
+
+  /// Makes the largest polynomial near the surface tell too little, and gives the middle of its
+  /// cube.
+  [[nodiscard]] Vector3 spoil() {
+    const AssetTables tables = tables_of(asset);
+    Leaf largest;
+    visit_leaves(tables.view().octree, [&](const Leaf& leaf) {
+      const double distance = query_point(tables.view(), leaf.middle).distance;
+      const bool near = std::abs(distance) < leaf.half;
+      if (leaf.kind == OctreeKind::polynomial && near && leaf.half > largest.half) largest = leaf;
+    });
+    REQUIRE(largest.half > 0);
+    // The value is the lower half of a polynomial's first word.
+    std::uint32_t& word = asset.octree.units[2 * std::size_t{largest.unit}];
+    const auto by = static_cast<std::uint32_t>(std::lround(-spoilt_by / asset.octree.value_unit));
+    word = (word & 0xFFFF0000U) | ((word + by) & 0xFFFFU);
+    return largest.middle;
+  }
+
+  [[nodiscard]] Said verify(std::vector<std::string> options) const {
+    REQUIRE(write_asset(asset, file_).has_value());
+    CLI::App app;
+    const Command command = add_verify_command(app);
+    options.insert(options.begin(), {"verify", file_, mesh_});
+    std::reverse(options.begin(), options.end());
+    app.parse(options);
+    const Captured out(std::cout);
+    Said said;
+    said.code = command.run();
+    said.text = out.text();
+    return said;
+  }
+
+  [[nodiscard]] std::string path(const std::string& name) const { return folder_.path(name); }
+
+  Asset asset;
+
+ private:
+  test::TemporaryFolder folder_;
+  std::string mesh_ = folder_.path("sphere.obj");
+  std::string file_ = folder_.path("sphere.spm.exr");
+};
+
+/// A report of 1,000,000 places and 500,000 hard ones with nothing wrong.
+VerifyReport faultless() {
+  VerifyReport report;
+  report.samples = 1'000'000;
+  report.adversarial.samples = 500'000;
+  report.tolerance = report.threshold = 50e-6;
+  report.seed = 7;
+  return report;
+}
+
+}  // namespace
+
+TEST_CASE(
+    "A good asset is judged as kept with exit code 0, a spoilt polynomial as missed with 10") {
+  Baked baked;
+  const Said good = baked.verify({"--samples", "20000"});
+  CHECK(good.code == 0);
+  CHECK(good.last_line() ==
+        "verdict        kept: 0 of 20,000 places and 0 of 10,000 hard ones beyond 100 um, none "
+        "unanswered, none on the wrong side (seed 1)");
+
+  const Vector3 middle = baked.spoil();
+  const Said spoilt = baked.verify({"--samples", "20000", "--seed", "3"});
+  CHECK(spoilt.code == 10);
+  CHECK_THAT(spoilt.last_line(), Catch::StartsWith("verdict        MISSED: "));
+  CHECK_THAT(spoilt.last_line(), Catch::Contains(" of 20,000 places ("));
+  CHECK_THAT(spoilt.last_line(), Catch::EndsWith("(seed 3)"));
+
+  const Said told = baked.verify({"--samples", "20000", "--json", "--worst", "7"});
+  CHECK(told.code == 10);
+  const Json json = told.json();
+  CHECK(json["passed"] == false);
+  CHECK(json["tolerance_um"].get<double>() == Approx(100));
+  CHECK(json["counts"]["beyond_tolerance"] > 0);
+  REQUIRE(json["worst"].size() == 7);
+  for (std::size_t i = 0; i < 7; ++i) {
+    const Json& place = json["worst"][i];
+    const std::vector<double> point = place["point"];
+    INFO("place " << i);
+    CHECK((Vector3(point[0], point[1], point[2]) - middle).norm() < 0.006);
+    CHECK(place["error_um"] > 150);
+    if (i > 0) CHECK(place["error_um"] <= json["worst"][i - 1]["error_um"]);
+  }
+}
+
+TEST_CASE("verify --json has the keys of a verdict, and another seed judges other places") {
+  const Baked baked;
+  const Said said = baked.verify({"--samples", "2000", "--json"});
+  CHECK(said.code == 0);
+  const Json json = said.json();
+  CHECK(json["passed"] == true);
+  CHECK(json["seed"] == 1);
+  CHECK(json["worst"].size() == 20);
+  for (const char* key : {"unanswered", "wrong_side", "beyond_tolerance"}) {
+    CHECK(json["counts"].at(key) == 0);
+    CHECK(json["adversarial"]["counts"].at(key) == 0);
+  }
+  CHECK(json["near_holes_judged"]["samples"] == 0);
+  const Json other = baked.verify({"--samples", "2000", "--seed", "2", "--json"}).json();
+  CHECK(other["seed"] == 2);
+  CHECK(other["worst"] != json["worst"]);
+  CHECK(other["distance_error_um"] != json["distance_error_um"]);
+}
+
+TEST_CASE("verify writes the worst places as a PLY of as many points, and refuses a bad path") {
+  const Baked baked;
+  const std::string path = baked.path("worst.ply");
+  CHECK(baked.verify({"--samples", "500", "--worst", "5", "--worst-ply", path}).code == 0);
+  std::ifstream file(path);
+  std::string line;
+  std::size_t points = 0;
+  bool body = false, declared = false;
+  while (std::getline(file, line)) {
+    points += body ? 1 : 0;
+    declared = declared || line == "element vertex 5";
+    body = body || line == "end_header";
+  }
+  CHECK(declared);
+  CHECK(points == 5);
+  CHECK(baked.verify({"--samples", "500", "--worst-ply", baked.path("none/worst.ply")}).code == 2);
+}
+
+TEST_CASE("The words of a verdict have counts, tolerance and seed") {
+  VerifyReport report = faultless();
+  CHECK(verdict_of(report) ==
+        "kept: 0 of 1,000,000 places and 0 of 500,000 hard ones beyond 50 um, none unanswered, "
+        "none on the wrong side (seed 7)");
+  report.counts = {.unanswered = 1, .wrong_side = 1, .beyond_tolerance = 2, .pruned = 0};
+  CHECK(verdict_of(report) ==
+        "MISSED: 3 of 1,000,000 places (1 unanswered, 2 beyond 50 um, 1 on the wrong side) and 0 "
+        "of 500,000 hard ones (seed 7)");
+  report.tolerance.reset();
+  CHECK(report.passed());
+  CHECK_THAT(verdict_of(report),
+             Catch::StartsWith("no promise: ") && Catch::Contains("3 of 1,000,000 places"));
+}
+
+TEST_CASE("What a verdict leaves out is told with its number of places") {
+  VerifyReport report = faultless();
+  report.counts.pruned = 250'000;
+  report.pruned = 0.25;
+  report.near_holes_judged.samples = 1234;
+  report.near_holes_judged.counts.unanswered = 2;
+  const std::string text = describe(report);
+  CHECK_THAT(text, Catch::Contains("cut away       250,000 places (25.0 % of the samples)"));
+  CHECK_THAT(text, Catch::Contains("near holes     1,234 places") &&
+                       Catch::Contains("2 unanswered, none beyond 50 um"));
+  CHECK_THAT(verdict_of(report), Catch::StartsWith("kept: 0 of 750,000 places"));
+}
+
+TEST_CASE("A PLY of the worst places gives position, colour, error and finding of each") {
+  const std::string text =
+      to_ply({{{0.5, -0.25, 1}, -0.001, {}, Finding::unanswered, false},
+              {{0.5, 0.25, 2}, 0.001, 75e-6, Finding::beyond_tolerance, true}});
+  CHECK_THAT(text, Catch::StartsWith("ply\nformat ascii 1.0\n"));
+  CHECK_THAT(text, Catch::Contains("element vertex 2\n"));
+  CHECK_THAT(text, Catch::EndsWith("end_header\n0.5 -0.25 1 160 32 240 -1 0\n"
+                                   "0.5 0.25 2 255 140 0 75 2\n"));
+}
+
+}  // namespace spm::baker::verify_command_test

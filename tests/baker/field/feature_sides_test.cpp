@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "baker/field/feature_sides.hpp"
+
+#include <catch2/catch.hpp>
+
+#include "baker/cast/cast.hpp"
+#include "common/base/random.hpp"
+#include "tests/baker/pipeline/bake_support.hpp"
+
+namespace spm::baker::feature_sides_test {
+namespace {
+
+std::vector<FeatureSides> sides_of(const OuterSurface& surface) {
+  return find_feature_sides(surface, Caster(surface), 1e-4);
+}
+
+/// The side of a place by the nearest triangle alone, as the file tells it.
+bool told_inside(const OuterSurface& surface, const std::vector<FeatureSides>& sides,
+                 const Vector3& point) {
+  double least = 1;
+  bool inside = false;
+  for (std::size_t t = 0; t < surface.triangles.size(); ++t) {
+    const Vector3 &a = surface.vertices[surface.triangles[t][0]],
+                  &b = surface.vertices[surface.triangles[t][1]],
+                  &c = surface.vertices[surface.triangles[t][2]];
+    const ClosestFeature closest = closest_feature(point, a, b, c);
+    const double distance = (point - closest.point).norm();
+    if (distance >= least) continue;
+    least = distance;
+    inside = is_inside(sides[t], closest.feature, (b - a).cross(c - a).dot(point - closest.point));
+  }
+  return inside;
+}
+
+}  // namespace
+
+TEST_CASE("Around a box all sides and corners are convex, and the faces' own diagonals are flat") {
+  const OuterSurface surface = test::surface_of(test::box({0.02, 0.02, 0.02}));
+  const std::vector<FeatureSides> sides = sides_of(surface);
+  for (std::size_t t = 0; t < sides.size(); ++t) {
+    CHECK_FALSE(is_inside(sides[t], TriangleFeature::a, -1));
+    CHECK_FALSE(is_inside(sides[t], TriangleFeature::b, -1));
+    CHECK_FALSE(is_inside(sides[t], TriangleFeature::c, -1));
+    CHECK(is_inside(sides[t], TriangleFeature::face, -1));
+    int flat = 0;
+    for (const TriangleFeature side :
+         {TriangleFeature::ab, TriangleFeature::bc, TriangleFeature::ca}) {
+      flat += is_inside(sides[t], side, -1) ? 1 : 0;
+    }
+    CHECK(flat == 1);
+  }
+}
+
+TEST_CASE(
+    "The nearest triangle tells the side of every place, at sharp and at concave features too") {
+  const test::Shape box = test::box({0.02, 0.02, 0.02});
+  const test::Shape hollow =
+      test::merged(box, test::turned_inside_out(test::box({0.01, 0.01, 0.01})));
+  for (const test::Shape& shape :
+       {hollow, test::wedge(0.1, 0.02), test::cylinder(0.01, 0.02, 5), test::sphere(0.01, 1)}) {
+    const OuterSurface surface = test::surface_of(shape);
+    const Caster caster(surface);
+    const std::vector<FeatureSides> sides = sides_of(surface);
+    for (std::uint64_t i = 0; i < 3000; ++i) {
+      const Vector3 point =
+          0.04 * Vector3(random_unit(1, 3 * i) - 0.5, random_unit(1, 3 * i + 1) - 0.5,
+                         random_unit(1, 3 * i + 2) - 0.5);
+      const double truth = caster.closest(point).distance;
+      if (std::abs(truth) < 1e-7) continue;
+      INFO(point.transpose() << ": " << truth);
+      CHECK(told_inside(surface, sides, point) == (truth < 0));
+    }
+  }
+}
+
+TEST_CASE("All around a sheet without thickness is outside") {
+  OuterSurface sheet;
+  sheet.vertices = {{0, 0, 0}, {0.01, 0, 0}, {0.01, 0.01, 0}, {0, 0.01, 0}};
+  sheet.triangles = {{0, 1, 2}, {0, 2, 3}, {0, 2, 1}, {0, 3, 2}};
+  sheet.surface_count = 4;
+  const std::vector<FeatureSides> sides = sides_of(sheet);
+  for (const FeatureSides side : sides) {
+    for (unsigned feature = 0; feature <= 6; ++feature) {
+      CHECK_FALSE(is_inside(side, static_cast<TriangleFeature>(feature), -1));
+    }
+  }
+}
+
+}  // namespace spm::baker::feature_sides_test

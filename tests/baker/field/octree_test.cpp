@@ -1,0 +1,191 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The octree of a surface answers within the tolerance everywhere in the band.
+#include <catch2/catch.hpp>
+#include <numbers>
+
+#include "baker/field/cube_candidates.hpp"
+#include "baker/field/map_fit.hpp"
+#include "baker/field/map_proof.hpp"
+#include "baker/field/octree_build.hpp"
+#include "baker/planes/hull.hpp"
+#include "baker/planes/planes.hpp"
+#include "common/base/random.hpp"
+#include "common/field/octree_leaves.hpp"
+#include "common/query/query.hpp"
+#include "formats/asset/octree_check.hpp"
+#include "tests/baker/pipeline/bake_support.hpp"
+
+namespace spm::baker::octree_test {
+namespace {
+
+constexpr double tolerance = 5e-5;
+
+/// A shape with all that its octree is made from.
+struct Built {
+  OuterSurface surface;
+  Caster caster;
+  LatticeSurface lattice;
+  Caster rounded;
+  std::vector<SupportPlane> planes;
+  OctreeRules rules;
+  BuiltOctree built;
+  AssetView view;
+
+  explicit Built(const test::Shape& shape, int levels = 3)
+      : surface(test::surface_of(shape)),
+        caster(surface),
+        lattice(round_to_lattice(surface, caster, {}, tolerance)),
+        rounded(lattice.surface),
+        planes(vertex_based_planes(convex_hull(shape.vertices), 8)) {
+    rules.band = {2e-3, 0.5e-3};
+    rules.tolerance = tolerance;
+    rules.smallest_edge = 5e-4;
+    rules.levels = levels;
+    rules.direction = 6 * std::numbers::pi / 180;
+    built = build_octree(lattice, rounded, planes, nullptr, rules, {});
+    built.data.add_to(view);
+    view.planes = planes;
+    view.band = rules.band;
+    view.tolerance = tolerance;
+  }
+
+  /// A place around the surface.
+  [[nodiscard]] Vector3 place(std::uint64_t i) const {
+    const auto t = static_cast<std::uint32_t>(random_unit(5, 5 * i) *
+                                              static_cast<double>(surface.triangles.size()));
+    const double a = random_unit(5, 5 * i + 1), b = random_unit(5, 5 * i + 2) * (1 - a);
+    const double depth = 3e-3 * random_unit(5, 5 * i + 3) - 2.2e-3;
+    const Vector3& from = caster.corner(t, 0);
+    return from + a * (caster.corner(t, 1) - from) + b * (caster.corner(t, 2) - from) +
+           depth * caster.normal(t);
+  }
+};
+
+/// The same with corners in disorder, so that facets are rough.
+test::Shape rough(test::Shape shape, double by) {
+  for (std::size_t i = 0; i < shape.vertices.size(); ++i) {
+    shape.vertices[i] *= 1 + by * (random_unit(8, i) - 0.5);
+  }
+  return shape;
+}
+
+/// A chain of two balls as thick as the band is deep.
+test::Shape thin_limbs() {
+  return test::merged(test::sphere(1.5e-3, 3), test::moved(test::sphere(1.9e-3, 3), {6e-3, 0, 0}));
+}
+
+}  // namespace
+
+TEST_CASE("Everywhere in the band the octree answers, on the right side, within the tolerance") {
+  for (const test::Shape& shape :
+       {test::sphere(0.01, 3), rough(test::sphere(0.01, 4), 2e-3), test::box({0.02, 0.01, 0.004}),
+        test::torus(0.01, 0.003, 40, 20), test::plate({0.02, 0.02, 2e-4}), test::wedge(0.2, 0.02),
+        thin_limbs()}) {
+    const Built made(shape);
+    CHECK(octree_problem(made.view).empty());
+    for (std::uint64_t i = 0; i < 20000; ++i) {
+      const Vector3 point = made.place(i);
+      const double truth = made.caster.closest(point).distance;
+      const Answer answer = query_point(made.view, point);
+      INFO(point.transpose() << " m, truth " << truth << " m, told " << answer.distance << " m");
+      if (truth > made.rules.band.margin) {
+        REQUIRE((answer.status == Status::far ||
+                 answer.distance >= made.rules.band.margin - tolerance));
+      } else if (truth < -made.rules.band.max_depth) {
+        REQUIRE(answer.distance <= -made.rules.band.max_depth + tolerance);
+      } else if (answer.status == Status::far) {
+        REQUIRE(truth >= made.rules.band.margin - tolerance);
+      } else {
+        REQUIRE(std::abs(answer.distance - truth) <= tolerance);
+      }
+    }
+  }
+}
+
+TEST_CASE("Where the answer is far, the surface is at least as far as the clearance says") {
+  const Built made(test::torus(0.01, 0.003, 40, 20));
+  for (std::uint64_t i = 0; i < 20000; ++i) {
+    const Vector3 point =
+        0.06 * Vector3(random_unit(2, 3 * i) - 0.5, random_unit(2, 3 * i + 1) - 0.5,
+                       random_unit(2, 3 * i + 2) - 0.5);
+    if (query_point(made.view, point).status != Status::far) continue;
+    const double truth = made.caster.closest(point).distance;
+    CHECK(clearance(made.view, point) <= truth + tolerance);
+  }
+  CHECK(clearance(made.view, {0.2, 0, 0}) > 0.15);
+}
+
+TEST_CASE("Many points at once get the answers that each gets alone") {
+  const Built made(test::box({0.02, 0.01, 0.004}));
+  std::vector<Vector3> points;
+  for (std::uint64_t i = 0; i < 1000; ++i) points.push_back(made.place(i));
+  std::vector<Answer> answers(points.size());
+  query_points(made.view, points, answers);
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const Answer alone = query_point(made.view, points[i]);
+    CHECK(answers[i].status == alone.status);
+    CHECK((answers[i].distance == alone.distance || alone.status == Status::far));
+    CHECK(answers[i].normal == alone.normal);
+  }
+}
+
+TEST_CASE("A polynomial that is off by more than the tolerance somewhere is never proven") {
+  const Built made(rough(test::sphere(0.01, 4), 1e-3));
+  const FitRules fit{made.planes, made.rules.band, made.built.data.value_unit, 0.9 * tolerance,
+                     made.rules.direction};
+  std::size_t proven = 0, spoilt = 0;
+  visit_leaves(made.view.octree, [&](const Leaf& leaf) {
+    if (leaf.kind != OctreeKind::polynomial || spoilt >= 300) return;
+    const Cube cube{leaf.middle, leaf.half};
+    const double distance = std::abs(made.rounded.closest(cube.middle).distance);
+    std::vector<std::uint32_t> near;
+    made.rounded.within(cube.middle, distance + 2 * cube.radius(), near);
+    const Candidates candidates = candidates_of(made.lattice, near, cube);
+    std::optional<bool> inside;
+    if (candidates.clearance() > cube.radius()) {
+      inside = is_inside(made.lattice, made.rounded, candidates, cube.middle);
+    }
+    const std::vector<CubeSample> samples =
+        sample_cube(made.lattice, made.rounded, candidates, cube, inside);
+    const std::optional<FittedMaps> fitted = fit_one(samples, cube, fit);
+    if (!fitted) return;
+    const auto is_proven = [&](const FittedMaps& maps) {
+      return prove_maps(made.lattice, made.rounded, candidates, cube, inside, maps, made.planes,
+                        made.rules.band, tolerance);
+    };
+    proven += is_proven(*fitted) ? 1U : 0U;
+    // Spoilt so that one of the samples in the band is off by a hundredth more than is allowed.
+    for (const double sign : {-1.0, 1.0}) {
+      double most = 0;
+      bool in_band = false;
+      for (const CubeSample& sample : samples) {
+        if (sample.distance > made.rules.band.margin ||
+            sample.distance < -made.rules.band.max_depth) {
+          continue;
+        }
+        const SupportPlane& plane = made.planes[fitted->maps[0].plane];
+        const double value = cube.half * fitted->maps[0].at(local_coordinates(plane, sample.place));
+        most = in_band ? std::max(most, sign * (value - sample.distance))
+                       : sign * (value - sample.distance);
+        in_band = true;
+      }
+      if (!in_band) continue;
+      FittedMaps wrong = *fitted;
+      wrong.maps[0].value += sign * (1.01 * tolerance - most) / cube.half;
+      ++spoilt;
+      CHECK_FALSE(is_proven(wrong));
+    }
+  });
+  CHECK(proven > 100);
+  CHECK(spoilt > 100);
+}
+
+TEST_CASE("The words do not depend on the number of threads, and a coarser tolerance takes fewer") {
+  const test::Shape shape = rough(test::sphere(0.01, 3), 2e-3);
+  const Built one(shape), again(shape);
+  CHECK(one.built.data.units == again.built.data.units);
+  CHECK(one.built.data.lists == again.built.data.lists);
+  CHECK(one.built.data.clusters == again.built.data.clusters);
+}
+
+}  // namespace spm::baker::octree_test

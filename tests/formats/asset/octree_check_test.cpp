@@ -1,0 +1,129 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "formats/asset/octree_check.hpp"
+
+#include <catch2/catch.hpp>
+
+#include "common/query/query.hpp"
+#include "tests/formats/support/synthetic_asset.hpp"
+#include "tests/support/octree_by_hand.hpp"
+
+namespace octree_check_test {
+
+namespace {
+
+using namespace spm;
+using namespace spm::test;
+
+/// The check of an asset in memory.
+struct Checked {
+  std::string problem;
+  std::size_t steps = 0;
+
+  explicit Checked(const Asset& asset) {
+    const AssetTables tables = tables_of(asset);
+    problem = octree_problem(tables.view(), &steps);
+  }
+};
+
+/// What may be looked at: each root, the octants of each unit, each word of a list, each cluster.
+std::size_t most_steps(const OctreeData& octree) {
+  return octree.root_words.size() + 8 * (octree.units.size() / 2) + octree.lists.size() +
+         octree.clusters.size() / cluster_words;
+}
+
+/// An asset of this many splits and nothing else; octants of all are splits from one unit on.
+Asset all_splits(std::uint32_t count, std::uint32_t first) {
+  Asset asset = sparse_asset(1, {.planes = 0, .tiles = 0, .triangles = 0});
+  asset.octree.root_words.assign(48, root_word(OctreeKind::split, 0));
+  asset.octree.units.clear();
+  for (std::uint32_t k = 0; k < count; ++k) {
+    asset.octree.units.push_back(first);
+    asset.octree.units.push_back(octant_kinds(OctreeKind::split));
+  }
+  return asset;
+}
+
+}  // namespace
+
+TEST_CASE("An octree of roots alone, all of them far or left out, answers so") {
+  Asset asset = sparse_asset(6, {.tiles = 0, .triangles = 0});
+  asset.octree.units.clear();
+  for (std::uint32_t& word : asset.octree.root_words) word = root_word(OctreeKind::far, 70);
+  asset.octree.root_words.front() = root_word(OctreeKind::pruned, 0);
+  CHECK(Checked(asset).problem.empty());
+  const AssetTables tables = tables_of(asset);
+  const Vector3 first = asset.octree.origin + Vector3::Constant(asset.octree.edge / 2);
+  CHECK(query_point(tables.view(), first).status == Status::pruned);
+  const Vector3 second = first + asset.octree.edge * Vector3::UnitX();
+  CHECK(query_point(tables.view(), second).status == Status::far);
+  CHECK(clearance(tables.view(), second) == Approx(0.007));
+}
+
+TEST_CASE("Each cube, word of a list and cluster is looked at once") {
+  for (const std::uint64_t seed : {1U, 2U, 3U}) {
+    const Asset asset = sparse_asset(seed);
+    const Checked checked(asset);
+    CHECK(checked.problem.empty());
+    CHECK(checked.steps > asset.octree.root_words.size() + asset.octree.lists.size());
+    CHECK(checked.steps <= most_steps(asset.octree));
+  }
+}
+
+TEST_CASE("Splits that all name the same octants are refused when the second one is met") {
+  for (const std::uint32_t first : {0U, 1U, 8U, 1000U}) {
+    Asset asset = all_splits(2000, first);
+    // Twelve levels of them would be 8^12 cubes.
+    CHECK(Checked(asset).problem == "a cube of its octree shares its words with another");
+    CHECK(Checked(asset).steps <= 3);
+    asset.octree.root_words.assign(48, root_word(OctreeKind::far, 0));
+    asset.octree.root_words[0] = root_word(OctreeKind::split, 1999);
+    const Checked one_root(asset);
+    CHECK(one_root.problem == "a cube of its octree shares its words with another");
+    CHECK(one_root.steps <= most_steps(asset.octree));
+  }
+}
+
+TEST_CASE("Many lists of the same words cost no more than one") {
+  Asset asset = sparse_asset(1, {.planes = 0, .tiles = 0, .triangles = 8000});
+  OctreeData& octree = asset.octree;
+  octree.lists.clear();
+  for (std::uint32_t k = 0; k < 0xFFF; ++k) octree.lists.push_back(list_entry(k % 750, 0));
+  octree.units.clear();
+  // Each root is split, and each of its octants has the whole list.
+  const std::uint32_t roots = 48;
+  for (std::uint32_t root = 0; root < roots; ++root) {
+    octree.root_words[root] = root_word(OctreeKind::split, root);
+    octree.units.insert(octree.units.end(), {roots + 8 * root, octant_kinds(OctreeKind::list)});
+  }
+  for (std::uint32_t k = 0; k < 8 * roots; ++k) {
+    octree.units.insert(octree.units.end(), {0, list_counts(0xFFF, 0)});
+  }
+  const Checked checked(asset);
+  CHECK(checked.problem.empty());
+  CHECK(checked.steps == roots + 8 * roots + 0xFFF + octree.clusters.size() / cluster_words);
+}
+
+TEST_CASE("The time of a check does not depend on what hostile words say") {
+  Random random(4);
+  for (int trial = 0; trial < 2000; ++trial) {
+    Asset asset = sparse_asset(1, {.planes = 3, .tiles = 0, .triangles = 40});
+    OctreeData& octree = asset.octree;
+    // Splits everywhere, of octants that may be anywhere.
+    for (std::size_t k = 0; k + 1 < octree.units.size(); k += 2) {
+      if (below(random, 4) != 0) continue;
+      octree.units[k] = below(random, static_cast<std::uint32_t>(octree.units.size() / 2));
+      octree.units[k + 1] = octant_kinds(OctreeKind::split);
+    }
+    for (std::uint32_t& word : octree.root_words) {
+      if (below(random, 8) == 0) {
+        word = root_word(OctreeKind::split,
+                         below(random, static_cast<std::uint32_t>(octree.units.size() / 2)));
+      }
+    }
+    const Checked checked(asset);
+    REQUIRE(!checked.problem.empty());
+    REQUIRE(checked.steps <= most_steps(octree));
+  }
+}
+
+}  // namespace octree_check_test

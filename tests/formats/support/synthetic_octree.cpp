@@ -1,0 +1,177 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "tests/formats/support/synthetic_octree.hpp"
+
+#include <algorithm>
+#include <array>
+#include <stdexcept>
+#include <vector>
+
+#include "common/base/octahedral.hpp"
+#include "common/field/local_map.hpp"
+#include "tests/formats/support/synthetic_asset.hpp"
+#include "tests/support/octree_by_hand.hpp"
+
+namespace spm::test {
+
+namespace {
+
+/// Makes an octree with cubes of every kind, up to four levels below the roots, and clusters of
+/// random triangles none of whose corners lies in a far or deep cube.
+class OctreeMaker {
+ public:
+  OctreeMaker(Random& random, std::uint32_t planes, std::uint32_t triangles)
+      : random_(random),
+        planes_(planes),
+        surface_(triangles - triangles / 4),
+        caps_(triangles / 4) {
+    octree.origin = Vector3(-0.04, -0.04, -0.03);
+    octree.edge = 0.02;
+    octree.roots = {4, 4, 3};
+    octree.value_unit = 1e-7;
+    octree.clearance_unit = 1e-4;
+    octree.reach = 0.004;
+    octree.cluster_origin = Vector3(-0.03, -0.03, -0.025);
+    octree.cluster_step = 1e-6;
+    for (std::uint32_t root = 0; root < 4 * 4 * 3; ++root) add_root(root % 3 != 0);
+    add_clusters(surface_, false);
+    add_clusters(caps_, true);
+  }
+
+  OctreeData octree;
+
+ private:
+  Random& random_;
+  std::uint32_t planes_;
+  std::uint32_t surface_, caps_;  ///< triangles
+
+  static std::uint32_t clusters_of(std::uint32_t triangles) {
+    return (triangles + 7) / std::uint32_t{cluster_size};
+  }
+
+  OctreeKind random_kind() {
+    constexpr std::array kinds{OctreeKind::far,        OctreeKind::pruned, OctreeKind::deep,
+                               OctreeKind::list,       OctreeKind::list,   OctreeKind::polynomial,
+                               OctreeKind::polynomial, OctreeKind::least,  OctreeKind::most};
+    const OctreeKind kind = kinds[below(random_, kinds.size())];
+    const bool map = units_of(kind) > 1;
+    const bool missing = kind == OctreeKind::list ? surface_ == 0 : map && planes_ == 0;
+    return missing ? OctreeKind::pruned : kind;
+  }
+
+  std::uint32_t reserve(std::uint32_t units) {
+    const auto first = static_cast<std::uint32_t>(octree.units.size() / 2);
+    octree.units.resize(octree.units.size() + 2 * std::size_t{units});
+    return first;
+  }
+
+  void add_root(bool split) {
+    const OctreeKind kind = split ? OctreeKind::split : random_kind();
+    std::uint32_t unit = below(random_, 1000);  // of a far one the distance
+    if (kind != OctreeKind::far) unit = reserve(units_of(kind));
+    octree.root_words.push_back(root_word(kind, unit));
+    fill(kind, unit, 0);
+  }
+
+  void fill(OctreeKind kind, std::uint32_t unit, int level) {
+    std::vector<std::uint32_t> words;
+    if (kind == OctreeKind::split) {
+      split(unit, level);
+    } else if (kind == OctreeKind::list) {
+      const auto list = random_list();
+      words.assign(list.begin(), list.end());
+    } else if (kind == OctreeKind::deep) {
+      words = {pack_octahedral(random_.direction()), 0};
+    } else {
+      while (words.size() < 2 * units_of(kind)) add_map(words, octree.edge / (2 << level));
+    }
+    std::copy(words.begin(), words.end(),
+              octree.units.begin() + 2 * static_cast<std::ptrdiff_t>(unit));
+  }
+
+  void split(std::uint32_t unit, int level) {
+    std::uint32_t kinds = 0, units = 0;
+    for (std::uint32_t octant = 0; octant < 8; ++octant) {
+      const bool again = level < 3 && below(random_, 6) == 0;
+      const OctreeKind kind = again ? OctreeKind::split : random_kind();
+      kinds |= static_cast<std::uint32_t>(kind) << (4 * octant);
+      units += units_of(kind);
+    }
+    const std::uint32_t first = reserve(units);
+    octree.units[2 * unit] = first;
+    octree.units[2 * unit + 1] = kinds;
+    for (std::uint32_t octant = 0; octant < 8; ++octant) {
+      fill(static_cast<OctreeKind>((kinds >> (4 * octant)) & 15U),
+           first + units_before(kinds, octant), level + 1);
+    }
+  }
+
+  std::array<std::uint32_t, 2> random_list() {
+    const auto some = [this](std::uint32_t first, std::uint32_t clusters, std::uint32_t count) {
+      std::vector<std::uint32_t> entries;
+      for (std::uint32_t k = 0; k < count; ++k) {
+        entries.push_back(list_entry(first + below(random_, clusters), below(random_, 40)));
+      }
+      std::sort(entries.begin(), entries.end());
+      return entries;
+    };
+    const std::uint32_t surface = clusters_of(surface_), caps = clusters_of(caps_);
+    return add_list(
+        octree, some(0, surface, 1 + below(random_, 3)),
+        caps == 0 ? std::vector<std::uint32_t>() : some(surface, caps, below(random_, 3)),
+        static_cast<ListSide>(below(random_, 3)));
+  }
+
+  void add_map(std::vector<std::uint32_t>& words, double half) {
+    LocalMap map;
+    map.value = random_.between(-0.002, 0.001) / half;
+    map.slope = Vector3(random_.between(-0.2, 0.2), random_.between(-0.2, 0.2), -1);
+    for (double& bend : map.bend) bend = random_.between(-0.05, 0.05);
+    map.plane = below(random_, planes_);
+    PackedLocalMap packed;
+    if (!pack_local_map(map, octree.value_unit / half, packed)) throw std::logic_error("a map");
+    words.insert(words.end(), packed.words.begin(), packed.words.end());
+  }
+
+  void add_clusters(std::uint32_t triangles, bool caps) {
+    for (std::uint32_t left = triangles; left > 0;) {
+      const auto count = std::min<std::uint32_t>(left, cluster_size);
+      const ClusterKind kind{
+          .caps = caps, .exact = below(random_, 4) == 0, .shift = below(random_, 3)};
+      std::vector<TriangleByHand> some(count);
+      for (TriangleByHand& triangle : some) {
+        for (auto& corner : triangle.corners) corner = random_corner(kind.shift);
+        for (unsigned feature = 1; feature < 7; ++feature) {
+          triangle.sides = static_cast<FeatureSides>(
+              triangle.sides | pack_side(static_cast<TriangleFeature>(feature),
+                                         static_cast<FeatureSide>(below(random_, 3))));
+        }
+        triangle.bare = below(random_, 2) == 0;
+      }
+      add_cluster(octree, some, kind);
+      left -= count;
+    }
+  }
+
+  std::array<std::int32_t, 3> random_corner(std::uint32_t shift) {
+    AssetView view;
+    octree.add_to(view);
+    for (;;) {
+      std::array<std::int32_t, 3> corner{};
+      Vector3 place = octree.cluster_origin;
+      for (std::size_t axis = 0; axis < 3; ++axis) {
+        corner[axis] = static_cast<std::int32_t>(below(random_, 50000U >> shift) << shift);
+        place[static_cast<int>(axis)] += octree.cluster_step * corner[axis];
+      }
+      const OctreeKind kind = leaf_at(view.octree, place).kind;
+      if (kind != OctreeKind::far && kind != OctreeKind::deep) return corner;
+    }
+  }
+};
+
+}  // namespace
+
+OctreeData random_octree(Random& random, std::uint32_t planes, std::uint32_t triangles) {
+  return OctreeMaker(random, planes, triangles).octree;
+}
+
+}  // namespace spm::test
