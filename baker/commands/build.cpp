@@ -51,6 +51,13 @@ Json error_json(const VerifyReport& check) {
           {"max", check.distance.max * micro}, {"samples", check.samples}};
 }
 
+Json direction_json(const BakeOptions& options, const VerifyReport& check) {
+  constexpr double degree = std::numbers::pi / 180;
+  Json json = {{"p50", check.direction_p50 / degree}, {"p99", check.direction_p99 / degree}};
+  if (options.form == AssetForm::sparse) json["tolerance"] = options.direction_tolerance / degree;
+  return json;
+}
+
 Json mesh_json(const Mesh& mesh) {
   return {{"path", mesh.path},
           {"triangles", mesh.file_triangles},
@@ -58,6 +65,7 @@ Json mesh_json(const Mesh& mesh) {
           {"closed", mesh.closed()},
           {"components", mesh.components},
           {"border_edges", mesh.border_edges},
+          {"diagonal_m", mesh.diagonal},
           {"bbox_m", {{"min", vector_json(mesh.box_min)}, {"max", vector_json(mesh.box_max)}}},
           {"sha256", mesh.sha256}};
 }
@@ -141,6 +149,38 @@ int threads_of(const BakeOptions& options) {
   return options.threads > 0 ? static_cast<int>(options.threads) : tbb::info::default_concurrency();
 }
 
+/// Objects that a hand feels are no smaller and no larger from corner to corner, m.
+constexpr double smallest_object = 2e-3, largest_object = 5;
+
+/// Asks about the unit of a file where its numbers give an object that no hand feels.
+void doubt_unit(const BuildRequest& request, const Mesh& mesh, const AssetMetadata& metadata,
+                BuildReport& report) {
+  if (request.load.fit_diagonal) return;
+  const std::string size = length(mesh.diagonal);
+  if (mesh.diagonal < smallest_object || mesh.diagonal > largest_object) {
+    report.warnings.push_back(fmt::format(
+        "the object is {} from corner to corner; is it in mm? --unit says what its numbers are",
+        size));
+  } else if (metadata.tolerance && *metadata.tolerance > metadata.band.max_depth) {
+    report.warnings.push_back(fmt::format(
+        "the tolerance of {} exceeds the depth of {} that the asset answers, for an object of {} "
+        "from corner to corner; is it in mm? --unit says what its numbers are",
+        length(*metadata.tolerance), length(metadata.band.max_depth), size));
+  }
+}
+
+/// Tells where directions are off by more than was asked for.
+void judge_directions(const BakeOptions& options, const VerifyReport& check, BuildReport& report) {
+  if (options.form != AssetForm::sparse || check.direction_p50 <= options.direction_tolerance) {
+    return;
+  }
+  constexpr double degree = std::numbers::pi / 180;
+  report.warnings.push_back(fmt::format(
+      "directions are off by {:.2g} deg in the median, above the {:.2g} deg asked for; a smaller "
+      "--tolerance brings them nearer",
+      check.direction_p50 / degree, options.direction_tolerance / degree));
+}
+
 /// Queries the asset in memory as whoever opens the file does, and sets whether its tolerance is
 /// met.
 AssetCheck check_asset(const Mesh& mesh, const BakeOptions& options, BakeResult& baked) {
@@ -219,6 +259,7 @@ Json to_json(const BuildRequest& request, const Mesh& mesh, const BakeResult& ba
   json["tolerance_um"] = metadata.tolerance ? Json(*metadata.tolerance * 1e6) : Json();
   json["tolerance_met"] = metadata.tolerance_met;
   json["error_um"] = error_json(check);
+  json["direction_error_deg"] = direction_json(request.bake, check);
   json["smooth"] = smooth_json(baked.report.smooth);
   json["unanswered"] = check.unanswered;
   json["pruned"] = Json::array();
@@ -273,6 +314,8 @@ BuildReport run_build(const BuildRequest& request, const Progress& progress) {
   const AssetCheck check = check_asset(baked.smoothed ? *baked.smoothed : mesh, options, baked);
   seconds.verify = seconds_since(verifying);
   judge(request, metadata, check, report);
+  judge_directions(options, check.exact, report);
+  doubt_unit(request, mesh, metadata, report);
 
   time_limit.disarm();
   const Clock::time_point writing = Clock::now();
@@ -302,6 +345,13 @@ std::string describe(const BuildReport& report) {
                       json["output"].get<std::string>(), json["bytes"].get<std::uint64_t>(),
                       spm["form"].get<std::string>(), spm["planes"].get<std::uint64_t>(),
                       spm["tiles"].get<std::uint64_t>());
+  const Json &low = mesh["bbox_m"]["min"], &high = mesh["bbox_m"]["max"];
+  text += "size    ";
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    text += fmt::format("{} {:.4g}", axis > 0 ? " x" : "",
+                        1e3 * (high[axis].get<double>() - low[axis].get<double>()));
+  }
+  text += " mm\n";
   const Json& error = json["error_um"];
   text +=
       fmt::format("error    rms {:.3g} um, 99 % below {:.3g} um, largest {:.3g} um of {} samples",
@@ -311,6 +361,9 @@ std::string describe(const BuildReport& report) {
     text += fmt::format("; tolerance {:.4g} um {}", json["tolerance_um"].get<double>(),
                         json["tolerance_met"].get<bool>() ? "met" : "NOT met");
   }
+  const Json& direction = json["direction_error_deg"];
+  text += fmt::format("\ndirection off by {:.2g} deg in the median, 99 % below {:.2g} deg",
+                      direction["p50"].get<double>(), direction["p99"].get<double>());
   if (const Json& smooth = json["smooth"]; smooth.contains("error_um")) {
     text += fmt::format(
         "\nsmooth   {} of sigma {:.4g} um moved the surface by rms {:.3g} um, 99 % below {:.3g} "

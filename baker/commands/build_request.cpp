@@ -4,6 +4,7 @@
 #include <charconv>
 #include <cstdint>
 #include <limits>
+#include <numbers>
 
 #include "common/base/device_profile.hpp"
 #include "common/base/units.hpp"
@@ -47,6 +48,8 @@ void note_given(const CLI::App& command, LimitSources& limits) {
   limits.probe_given = command.count("--probe") > 0;
 }
 
+constexpr double most_direction = std::numbers::pi / 4;
+
 /// Checks what no option can check by itself.
 void check(const CLI::App& command, const BuildRequest& request) {
   const BakeOptions& bake = request.bake;
@@ -57,6 +60,13 @@ void check(const CLI::App& command, const BuildRequest& request) {
     }
   } else if (bake.tolerance) {
     refuse("--tolerance", "belongs to --form sparse: a full asset promises none; leave it out");
+  } else if (command.count("--direction-tolerance") > 0) {
+    refuse("--direction-tolerance",
+           "belongs to --form sparse: the directions of a full asset are those of its maps; leave "
+           "it out");
+  }
+  if (!(bake.direction_tolerance > 0 && bake.direction_tolerance <= most_direction)) {
+    refuse("--direction-tolerance", "must be above 0 and at most 45 deg");
   }
   if (bake.form == AssetForm::full && !request.limits.device.empty() &&
       request.limits.scene.empty()) {
@@ -139,6 +149,8 @@ void add_build_options(CLI::App& command, BuildRequest& request) {
       "largest error of the signed distance in the band, above 0, such as 50um "
       "(default half of the named device's encoder step, or 1/1000 of the bounding box's "
       "diagonal)");
+  cli::add_quantity(command, "--direction-tolerance", bake.direction_tolerance, Quantity::angle,
+                    "how far directions may be off in the median, above 0 and at most 45deg");
   cli::add_quantity(command, "--max-depth", bake.max_depth, Quantity::length,
                     "how deep inside the asset answers, above 0");
   cli::add_quantity(command, "--margin", bake.margin, Quantity::length,

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "servo/loop/run.hpp"
 
+#include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
 #include <atomic>
@@ -52,6 +53,26 @@ Result<std::vector<std::unique_ptr<Device>>> make_devices(const RunOptions& opti
     devices.push_back(std::move(*device));
   }
   return devices;
+}
+
+/// What is served, at which rate, on which device, and how to end it.
+std::string start_message(const RunOptions& options, const std::vector<KeeperReport>& assets,
+                          const std::vector<std::string>& paths,
+                          const std::vector<Device*>& devices) {
+  std::string text = "serving ";
+  if (assets.size() == 1) {
+    const std::optional<double>& tolerance = assets.front().metadata.tolerance;
+    text += paths.front();
+    if (tolerance) text += " (tolerance " + format_quantity(*tolerance, Quantity::length) + ")";
+  } else {
+    text += fmt::format("a scene of {} assets", assets.size());
+  }
+  text += fmt::format(" at {:g} Hz on ", options.rate_hz);
+  for (std::size_t i = 0; i < devices.size(); ++i) {
+    text += (i > 0 ? ", " : "") + devices[i]->capabilities().name;
+  }
+  text += options.duration > 0 ? fmt::format(" for {:g} s", options.duration) : "";
+  return text + "; end it with Ctrl-C";
 }
 
 /// Whether the simulated device was taken because no other is plugged in.
@@ -268,6 +289,7 @@ Result<RunReport> run(const RunOptions& options) {
         "simulated one is taken");
   }
   warn_of_stiffness(*choice, open_devices);
+  log_message(start_message(options, (*assets)->reports(), (*assets)->paths(), open_devices));
   StopSignals signals;
   TickRing ring = make_tick_ring(options.rate_hz, open_devices.size());
   std::unique_ptr<SceneKeeper> scene_keeper =

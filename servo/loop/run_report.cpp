@@ -68,6 +68,8 @@ ordered_json assets_json(const RunReport& report) {
                     {"content_sha256", asset.content_sha256},
                     {"mesh_sha256", asset.metadata.mesh_sha256},
                     {"bytes", asset.bytes.total},
+                    {"resident_bytes", asset.resident_bytes},
+                    {"open_seconds", asset.open_seconds},
                     {"map", report.options.map == MapMode::sealed ? "sealed" : "file"},
                     {"locked", asset.locked},
                     {"serving", asset.serving},

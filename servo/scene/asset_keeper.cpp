@@ -41,7 +41,9 @@ Result<std::unique_ptr<AssetKeeper::Holding>> AssetKeeper::load() const {
   map.mode = options_.mode;
   map.prefault = true;
   map.lock = options_.lock;
+  const auto started = steady_clock::now();
   auto asset = MappedAsset::open(options_.path, map);
+  const std::chrono::duration<double> opened = steady_clock::now() - started;
   if (!asset) return tl::make_unexpected(std::move(asset.error()));
   if (options_.accept) {
     const Result<void> accepted = options_.accept((*asset)->metadata());
@@ -51,6 +53,7 @@ Result<std::unique_ptr<AssetKeeper::Holding>> AssetKeeper::load() const {
   static_cast<void>((*asset)->content_sha256());
   auto holding = std::make_unique<Holding>();
   holding->asset = std::move(*asset);
+  holding->open_seconds = opened.count();
   holding->served = {&holding->asset->view(), holding->asset.get()};
   return holding;
 }
@@ -123,6 +126,8 @@ void AssetKeeper::install(std::unique_ptr<Holding> holding) {
   report_.content_sha256 = current_->asset->content_sha256();
   report_.metadata = current_->asset->metadata();
   report_.bytes = current_->asset->bytes();
+  report_.resident_bytes = current_->asset->resident_bytes();
+  report_.open_seconds = current_->open_seconds;
   report_.locked = current_->asset->locked();
   report_.serving = true;
 }

@@ -36,6 +36,8 @@ struct KeeperReport {
   std::string content_sha256;
   AssetMetadata metadata;
   AssetBytes bytes;
+  std::uint64_t resident_bytes = 0;  ///< that answers come from
+  double open_seconds = 0;           ///< to map and check the file
   bool locked = false;
   bool serving = false;
   std::uint64_t losses = 0;
@@ -72,6 +74,7 @@ class AssetKeeper {
   struct Holding {
     std::unique_ptr<MappedAsset> asset;
     ServedAsset served;
+    double open_seconds = 0;
   };
 
   AssetKeeper(KeeperOptions options, AssetSlot& slot);

@@ -137,6 +137,38 @@ class Bake(Case):
                 self.assertNotIn("\r", result.stdout)
                 self.assertEqual(digest(other), content)
 
+    def test_a_coarser_direction_tolerance_takes_no_more_bytes(self):
+        sizes = []
+        for angle in ("1deg", "4deg", "12deg"):
+            report = self.run_json("build", self.mesh, "-o", self.asset, "--direction-tolerance",
+                                   angle, *self.OPTIONS["sparse"])
+            self.assertLessEqual(report["direction_error_deg"]["p50"],
+                                 report["direction_error_deg"]["tolerance"])
+            sizes.append(report["bytes"])
+        self.assertGreater(sizes[0], sizes[1])
+        self.assertGreaterEqual(sizes[1], sizes[2])
+        for angle, word in (("0deg", "above 0"), ("90deg", "at most 45"), ("4", "unit")):
+            with self.subTest(angle):
+                self.expect_refusal(run("build", self.mesh, "-o", self.asset,
+                                        "--direction-tolerance", angle), 1,
+                                    "--direction-tolerance", word)
+        self.expect_refusal(run("build", self.mesh, "-o", self.asset, "--form", "full",
+                                "--direction-tolerance", "4deg"), 1, "--form sparse")
+
+    def test_the_size_is_told_and_a_doubtful_unit_asked_about(self):
+        box = [(x, y, z) for x in (0, 48) for y in (0, 60) for z in (0, 64)]
+        sides = [(1, 2, 4, 3), (5, 7, 8, 6), (1, 5, 6, 2), (3, 4, 8, 7), (1, 3, 7, 5), (2, 6, 8, 4)]
+        halves = [(a - 1, i - 1, k - 1) for a, b, c, d in sides for i, k in ((b, c), (c, d))]
+        mesh = self.write("box.obj", obj((box, halves)))
+        doubtful = run("build", mesh, "-o", self.asset)
+        self.assertEqual(doubtful.returncode, 0, doubtful.stderr)
+        self.assertIn("100 m from corner to corner; is it in mm?", doubtful.stderr)
+        sure = run("build", mesh, "-o", self.asset, "--unit", "mm")
+        self.assertIn("size     48 x 60 x 64 mm", sure.stdout)
+        self.assertNotIn("is it in mm?", sure.stderr)
+        # Few triangles bake at once into a small file.
+        self.assertLess(os.path.getsize(self.asset), 20000)
+
     def test_a_tolerance_that_is_not_met_writes_nothing(self):
         # No error so small can be proven in floats. Few triangles, since each is split to the last.
         self.mesh = self.write("tetrahedron.obj", obj(TETRAHEDRON))

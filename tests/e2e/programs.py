@@ -25,13 +25,14 @@ THIN_BAND = ("--max-depth", "0.1mm", "--margin", "0.05mm")  # bakes soon
 NUMBER = (int, float)
 BUILD_KEYS = {
     "mesh": {"path": str, "triangles": int, "vertices": int, "closed": bool, "components": int,
-             "border_edges": int, "bbox_m": dict, "sha256": str},
+             "border_edges": int, "diagonal_m": NUMBER, "bbox_m": dict, "sha256": str},
     "spm": {"form": str, "kind": str, "planes": int, "tiles": int, "samples": int,
             "layers_max": int, "cells": int},
     "fallback": {"cells": NUMBER, "answers": NUMBER, "bytes": NUMBER},
     "bytes": int, "content_sha256": str, "tolerance_um": NUMBER, "tolerance_met": bool,
     "error_um": {"rms": NUMBER, "p50": NUMBER, "p99": NUMBER, "p999": NUMBER, "max": NUMBER,
                  "samples": int},
+    "direction_error_deg": {"p50": NUMBER, "p99": NUMBER},
     "pruned": list,
     "seconds": {"load": NUMBER, "fit": NUMBER, "cast": NUMBER, "write": NUMBER, "verify": NUMBER,
                 "total": NUMBER},

@@ -133,6 +133,10 @@ TEST_CASE("A run reports everything that the contract names, and nothing else on
   REQUIRE(report["energy_j"]["generated_max"].is_number());
   REQUIRE(report["devices"][0]["name"] == "sim");
   REQUIRE(report["assets"][0]["form"] == "sparse");
+  CHECK(report["assets"][0]["open_seconds"] > 0);
+  const std::uint64_t bytes = report["assets"][0]["bytes"];
+  CHECK(report["assets"][0]["resident_bytes"] > 0);
+  CHECK(report["assets"][0]["resident_bytes"] <= bytes);
 }
 
 TEST_CASE("A recording of a run replays to forces equal bit by bit, friction and all") {
