@@ -27,6 +27,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr std::uint64_t check_samples = 20000;
+constexpr double degree = std::numbers::pi / 180;
 
 std::string length(double metres) { return format_quantity(metres, Quantity::length); }
 
@@ -52,7 +53,6 @@ Json error_json(const VerifyReport& check) {
 }
 
 Json direction_json(const BakeOptions& options, const VerifyReport& check) {
-  constexpr double degree = std::numbers::pi / 180;
   Json json = {{"p50", check.direction_p50 / degree}, {"p99", check.direction_p99 / degree}};
   if (options.form == AssetForm::sparse) json["tolerance"] = options.direction_tolerance / degree;
   return json;
@@ -81,18 +81,12 @@ Json spm_json(const BakeResult& baked) {
           {"cells", baked.report.record_cells}};
 }
 
-/// What the answers of an asset are, as whoever opens its file is served.
-struct AssetCheck {
-  VerifyReport exact;                  ///< against the exact surface, by other code than the bake's
-  std::optional<ServedTrials> served;  ///< at more places; `sparse` only
-};
-
 /// Refuses to write an asset that breaks its promise, unless that is allowed.
-void judge(const BuildRequest& request, const AssetMetadata& metadata, const AssetCheck& checked,
+void judge(const BuildRequest& request, const BakeResult& baked, const VerifyReport& check,
            BuildReport& report) {
+  const AssetMetadata& metadata = baked.asset.metadata;
   if (!metadata.tolerance || metadata.tolerance_met) return;
-  const VerifyReport& check = checked.exact;
-  const std::optional<ServedTrials>& served = checked.served;
+  const std::optional<ServedTrials>& served = baked.served;
   std::string finding;
   if (metadata.certified && *metadata.certified > *metadata.tolerance) {
     finding = fmt::format("no error below {} can be proven in the floats of a baked file",
@@ -128,7 +122,7 @@ Json smooth_json(const std::optional<SmoothReport>& smooth) {
   const SmoothOptions& options = smooth->options;
   const bool crease = options.kind == Smoothing::crease;
   Json json = {{"kind", crease ? "crease" : "gaussian"}};
-  if (crease) json["angle_deg"] = options.angle * 180 / std::numbers::pi;
+  if (crease) json["angle_deg"] = options.angle / degree;
   json["sigma_um"] = options.sigma * micro;
   json["error_um"] = {
       {"rms", smooth->rms * micro}, {"p99", smooth->p99 * micro}, {"max", smooth->max * micro}};
@@ -174,7 +168,6 @@ void judge_directions(const BakeOptions& options, const VerifyReport& check, Bui
   if (options.form != AssetForm::sparse || check.direction_p50 <= options.direction_tolerance) {
     return;
   }
-  constexpr double degree = std::numbers::pi / 180;
   report.warnings.push_back(fmt::format(
       "directions are off by {:.2g} deg in the median, above the {:.2g} deg asked for; a smaller "
       "--tolerance brings them nearer",
@@ -183,19 +176,17 @@ void judge_directions(const BakeOptions& options, const VerifyReport& check, Bui
 
 /// Queries the asset in memory as whoever opens the file does, and sets whether its tolerance is
 /// met.
-AssetCheck check_asset(const Mesh& mesh, const BakeOptions& options, BakeResult& baked) {
+VerifyReport check_asset(const Mesh& mesh, const BakeOptions& options, BakeResult& baked) {
   Asset& asset = baked.asset;
   const AssetTables tables = tables_of(asset);
-  AssetCheck check;
-  check.served = baked.served;
   VerifyOptions verify;
   verify.samples = check_samples;
   verify.seed = options.seed;
   verify.threads = options.threads;
-  check.exact = verify_against(mesh, tables.view(), asset.metadata, verify);
-  asset.metadata.tolerance_met = asset.metadata.tolerance && check.exact.unanswered == 0 &&
-                                 check.exact.distance.max <= *asset.metadata.tolerance &&
-                                 (!check.served || check.served->passed());
+  VerifyReport check = verify_against(mesh, tables.view(), asset.metadata, verify);
+  asset.metadata.tolerance_met = asset.metadata.tolerance && check.unanswered == 0 &&
+                                 check.distance.max <= *asset.metadata.tolerance &&
+                                 (!baked.served || baked.served->passed());
   std::optional<double>& certified = asset.metadata.certified;
   if (certified && *certified > *asset.metadata.tolerance) {
     asset.metadata.tolerance_met = false;
@@ -311,10 +302,10 @@ BuildReport run_build(const BuildRequest& request, const Progress& progress) {
 
   const Clock::time_point verifying = Clock::now();
   tell("verify");
-  const AssetCheck check = check_asset(baked.smoothed ? *baked.smoothed : mesh, options, baked);
+  const VerifyReport check = check_asset(baked.smoothed ? *baked.smoothed : mesh, options, baked);
   seconds.verify = seconds_since(verifying);
-  judge(request, metadata, check, report);
-  judge_directions(options, check.exact, report);
+  judge(request, baked, check, report);
+  judge_directions(options, check, report);
   doubt_unit(request, mesh, metadata, report);
 
   time_limit.disarm();
@@ -325,7 +316,7 @@ BuildReport run_build(const BuildRequest& request, const Progress& progress) {
   seconds.total = seconds_since(start);
 
   report.notes = baked.report.notes;
-  report.json = to_json(request, mesh, baked, check.exact, written, seconds);
+  report.json = to_json(request, mesh, baked, check, written, seconds);
   report.json["derived"] = report.derived;
   return report;
 }

@@ -121,24 +121,32 @@ Candidates candidates_of(const LatticeSurface& surface, const std::vector<std::u
   return found;
 }
 
+void NearestPart::meet(const LatticeTriangle& other, const Vector3& point) {
+  const ClosestFeature here =
+      closest_feature(point, other.corners[0], other.corners[1], other.corners[2]);
+  const double away = (point - here.point).norm();
+  if (away >= distance) return;
+  distance = away;
+  closest = here;
+  triangle = &other;
+}
+
+bool NearestPart::is_inside(const Caster& caster, const Vector3& point) const {
+  if (triangle == nullptr) return false;
+  if (triangle->open) return caster.closest(point).distance < 0;
+  return spm::is_inside(triangle->sides, closest.feature,
+                        triangle->normal.dot(point - closest.point));
+}
+
 bool is_inside(const LatticeSurface& surface, const Caster& caster, const Candidates& candidates,
                const Vector3& point) {
-  double least = std::numeric_limits<double>::infinity();
-  bool inside = false, open = false;
+  NearestPart nearest;
   for (const auto* kind : {&candidates.triangles, &candidates.caps}) {
     for (const Candidate& candidate : *kind) {
-      const LatticeTriangle& triangle = surface.triangles[candidate.triangle];
-      const ClosestFeature closest =
-          closest_feature(point, triangle.corners[0], triangle.corners[1], triangle.corners[2]);
-      const double distance = (point - closest.point).norm();
-      if (distance >= least) continue;
-      least = distance;
-      open = triangle.open;
-      inside = spm::is_inside(triangle.sides, closest.feature,
-                              triangle.normal.dot(point - closest.point));
+      nearest.meet(surface.triangles[candidate.triangle], point);
     }
   }
-  return open ? caster.closest(point).distance < 0 : inside;
+  return nearest.is_inside(caster, point);
 }
 
 }  // namespace spm::baker

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <vector>
 
 #include "baker/cast/cast.hpp"
@@ -55,6 +56,17 @@ struct Candidates {
 [[nodiscard]] Candidates candidates_of(const LatticeSurface& surface,
                                        const std::vector<std::uint32_t>& triangles,
                                        const Cube& cube);
+
+/// The part of the surface or of a cap that is nearest to a point, of the triangles met.
+struct NearestPart {
+  const LatticeTriangle* triangle = nullptr;
+  ClosestFeature closest;
+  double distance = std::numeric_limits<double>::infinity();  ///< m
+
+  void meet(const LatticeTriangle& other, const Vector3& point);
+  /// Whether the point is inside; by the caster where the triangle is open.
+  [[nodiscard]] bool is_inside(const Caster& caster, const Vector3& point) const;
+};
 
 /// Whether a point is inside, by the candidates of a cube that contains it, which must have some;
 /// by the caster where the nearest one is open.

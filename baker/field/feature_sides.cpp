@@ -60,25 +60,24 @@ std::optional<Vector3> away_from(std::span<const Vector3> directions) {
   return edges.normalized();
 }
 
-/// Whether all normals around face nearly the same way.
-bool is_flat(std::span<const Sector> around) {
+/// The mean of all normals around, where they face nearly the same way.
+std::optional<Vector3> flat_normal(std::span<const Sector> around) {
   Vector3 axis = Vector3::Zero();
   for (const Sector& sector : around) axis += sector.angle * sector.normal;
-  if (!(axis.norm() > 0)) return false;
+  if (!(axis.norm() > 0)) return std::nullopt;
   axis.normalize();
-  return std::all_of(around.begin(), around.end(), [&](const Sector& sector) {
+  const bool flat = std::all_of(around.begin(), around.end(), [&](const Sector& sector) {
     return sector.normal == Vector3::Zero() || sector.normal.dot(axis) > flat_cosine;
   });
+  return flat ? std::optional(axis) : std::nullopt;
 }
 
 /// The triangles at each side and each corner.
 class Neighbours {
  public:
-  Neighbours(const OuterSurface& surface, const Caster& solid, double tolerance)
-      : surface_(surface),
-        solid_(solid),
-        tolerance_(tolerance),
-        folded_(find_folded(surface.triangles)) {
+  Neighbours(const OuterSurface& surface, const std::vector<bool>& folded, const Caster& solid,
+             double tolerance)
+      : surface_(surface), folded_(folded), solid_(solid), tolerance_(tolerance) {
     corners_.resize(surface.vertices.size());
     for (std::uint32_t t = 0; t < surface.triangles.size(); ++t) {
       const Triangle& triangle = surface.triangles[t];
@@ -136,9 +135,9 @@ class Neighbours {
 
  private:
   const OuterSurface& surface_;
+  const std::vector<bool>& folded_;
   const Caster& solid_;
   double tolerance_;
-  std::vector<bool> folded_;
   std::map<std::pair<std::uint32_t, std::uint32_t>, std::vector<std::uint32_t>> sides_;
   std::vector<std::vector<std::uint32_t>> corners_;
   std::vector<Vector3> normals_;
@@ -183,14 +182,11 @@ class Neighbours {
                                     std::span<const Vector3> directions, bool simple,
                                     const Vector3& place,
                                     const Vector3& along = Vector3::Zero()) const {
-    if (simple && is_flat(around)) {
-      Vector3 axis = Vector3::Zero();
-      bool plain = true;
-      for (const Sector& sector : around) {
-        axis += sector.angle * sector.normal;
-        plain = plain && faces_[sector.triangle] == FeatureSide::by_normal;
-      }
-      return plain ? FeatureSide::by_normal : across(place, axis.normalized());
+    if (const auto normal = simple ? flat_normal(around) : std::nullopt) {
+      const bool plain = std::all_of(around.begin(), around.end(), [&](const Sector& sector) {
+        return faces_[sector.triangle] == FeatureSide::by_normal;
+      });
+      return plain ? FeatureSide::by_normal : across(place, *normal);
     }
     const std::optional<Vector3> away = away_from(directions);
     if (!away) {
@@ -266,9 +262,10 @@ std::vector<bool> find_folded(const std::vector<Triangle>& triangles) {
   return folded;
 }
 
-std::vector<FeatureSides> find_feature_sides(const OuterSurface& surface, const Caster& solid,
+std::vector<FeatureSides> find_feature_sides(const OuterSurface& surface,
+                                             const std::vector<bool>& folded, const Caster& solid,
                                              double tolerance) {
-  const Neighbours neighbours(surface, solid, tolerance);
+  const Neighbours neighbours(surface, folded, solid, tolerance);
   std::vector<FeatureSide> corners(surface.vertices.size(), FeatureSide::by_normal);
   std::vector<bool> known(surface.vertices.size(), false);
   std::vector<FeatureSides> sides(surface.triangles.size(), 0);

@@ -11,9 +11,11 @@ namespace spm::baker {
 
 /// For each triangle of a surface, caps included, on which side places lie that are nearest to one
 /// of its parts. Exact where the surface is closed; sheets that only touch may do so in any way.
-/// `solid` decides where triangles lie on each other or do not close, and so tell nothing, for
-/// places `tolerance` metres away, or less where something else is nearer there.
+/// `folded` is what find_folded says of the triangles. `solid` decides where triangles lie on each
+/// other or do not close, and so tell nothing, for places `tolerance` metres away, or less where
+/// something else is nearer there.
 [[nodiscard]] std::vector<FeatureSides> find_feature_sides(const OuterSurface& surface,
+                                                           const std::vector<bool>& folded,
                                                            const Caster& solid, double tolerance);
 
 /// For each triangle of a surface whether another one lies on it and faces the other way.

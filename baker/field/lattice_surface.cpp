@@ -204,8 +204,9 @@ LatticeSurface round_to_lattice(const OuterSurface& surface, const Caster& caste
       max_single_error * lattice.step;
   for (const LooseTriangle& triangle : loose) add_triangle(triangle, vertices, lattice);
   mark_open(lattice);
-  const std::vector<FeatureSides> sides = find_feature_sides(lattice.surface, caster, tolerance);
   const std::vector<bool> folded = find_folded(lattice.surface.triangles);
+  const std::vector<FeatureSides> sides =
+      find_feature_sides(lattice.surface, folded, caster, tolerance);
   for (std::size_t t = 0; t < sides.size(); ++t) {
     lattice.triangles[t].sides = sides[t];
     lattice.triangles[t].folded = folded[t];

@@ -8,8 +8,6 @@
 #include <limits>
 #include <numbers>
 
-#include "common/surface/closest_on_triangle.hpp"
-
 namespace spm::baker {
 
 namespace {
@@ -36,6 +34,16 @@ double node(int i) { return -std::cos(std::numbers::pi * (2 * i + 1) / (2.0 * no
 
 bool in_band(const CubeSample& sample, const Band& band, double beyond) {
   return sample.distance <= band.margin + beyond && sample.distance >= -band.max_depth - beyond;
+}
+
+/// The numbers of the samples that lie in the band or no more than `beyond` metres outside it.
+std::vector<std::size_t> about_band(const std::vector<CubeSample>& samples, const Band& band,
+                                    double beyond) {
+  std::vector<std::size_t> numbers;
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    if (in_band(samples[i], band, beyond)) numbers.push_back(i);
+  }
+  return numbers;
 }
 
 /// The support plane that faces a direction most.
@@ -172,7 +180,7 @@ std::vector<CubeSample> sample_cube(const LatticeSurface& surface, const Caster&
                                     const Candidates& candidates, const Cube& cube,
                                     std::optional<bool> inside) {
   std::vector<CubeSample> samples;
-  samples.reserve(nodes * nodes * nodes);
+  samples.reserve(std::size_t{nodes} * nodes * nodes);
   // The distance of a triangle is convex, so it lies above its tangent at the middle.
   std::vector<Vector3> tangents;
   tangents.reserve(candidates.triangles.size());
@@ -183,29 +191,20 @@ std::vector<CubeSample> sample_cube(const LatticeSurface& surface, const Caster&
     CubeSample sample;
     sample.place = Vector3(node(i % nodes), node(i / nodes % nodes), node(i / nodes / nodes));
     const Vector3 point = cube.middle + cube.half * sample.place;
-    double least = std::numeric_limits<double>::infinity();
-    ClosestFeature closest;
-    const LatticeTriangle* nearest = nullptr;
+    NearestPart nearest;
     for (std::size_t c = 0; c < candidates.triangles.size(); ++c) {
       const Candidate& candidate = candidates.triangles[c];
-      if (candidate.distance + tangents[c].dot(sample.place) > least) continue;
-      const LatticeTriangle& triangle = surface.triangles[candidate.triangle];
-      const ClosestFeature here =
-          closest_feature(point, triangle.corners[0], triangle.corners[1], triangle.corners[2]);
-      const double distance = (point - here.point).norm();
-      if (distance >= least) continue;
-      least = distance;
-      closest = here;
-      nearest = &triangle;
+      if (candidate.distance + tangents[c].dot(sample.place) > nearest.distance) continue;
+      nearest.meet(surface.triangles[candidate.triangle], point);
     }
-    const Vector3 away = point - closest.point;
-    const Vector3 normal = nearest != nullptr ? nearest->normal : Vector3::Zero();
-    const bool within = inside || nearest == nullptr ? inside.value_or(false)
-                        : nearest->open
-                            ? caster.closest(point).distance < 0
-                            : is_inside(nearest->sides, closest.feature, normal.dot(away));
-    sample.distance = within ? -least : least;
-    sample.gradient = least > 0 ? Vector3(away / sample.distance) : normal;
+    const bool within = inside ? *inside : nearest.is_inside(caster, point);
+    sample.distance = within ? -nearest.distance : nearest.distance;
+    const Vector3 away = point - nearest.closest.point;
+    if (nearest.distance > 0) {
+      sample.gradient = away / sample.distance;
+    } else if (nearest.triangle != nullptr) {
+      sample.gradient = nearest.triangle->normal;
+    }
     samples.push_back(sample);
   }
   return samples;
@@ -213,10 +212,7 @@ std::vector<CubeSample> sample_cube(const LatticeSurface& surface, const Caster&
 
 std::optional<FittedMaps> fit_one(const std::vector<CubeSample>& samples, const Cube& cube,
                                   const FitRules& rules) {
-  std::vector<std::size_t> chosen;
-  for (std::size_t i = 0; i < samples.size(); ++i) {
-    if (in_band(samples[i], rules.band, cube.half)) chosen.push_back(i);
-  }
+  std::vector<std::size_t> chosen = about_band(samples, rules.band, cube.half);
   if (chosen.size() < unknowns) {
     chosen.clear();
     for (std::size_t i = 0; i < samples.size(); ++i) chosen.push_back(i);
@@ -230,10 +226,7 @@ std::optional<FittedMaps> fit_one(const std::vector<CubeSample>& samples, const 
 
 std::optional<FittedMaps> fit_two(const std::vector<CubeSample>& samples, const Cube& cube,
                                   const FitRules& rules) {
-  std::vector<std::size_t> chosen;
-  for (std::size_t i = 0; i < samples.size(); ++i) {
-    if (in_band(samples[i], rules.band, cube.half)) chosen.push_back(i);
-  }
+  const std::vector<std::size_t> chosen = about_band(samples, rules.band, cube.half);
   if (chosen.size() < 2) return std::nullopt;
   const std::vector<bool> is_second = by_direction(samples, chosen);
   std::array<std::vector<std::size_t>, 2> parts;

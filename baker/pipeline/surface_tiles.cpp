@@ -45,23 +45,6 @@ double area_of(const Caster& caster, std::uint32_t t) {
          2;
 }
 
-/// Tiles all over the surface, and what of it they show.
-SurfaceCover cover_surface(const Caster& caster, Asset& asset, const TileSettings& settings,
-                           double tolerance, std::uint64_t seed, const Progress& progress,
-                           std::uint64_t& refused) {
-  ProofCounts counts;
-  asset.tiles = cast_tiles(caster, asset.planes, settings,
-                           surface_points(caster, settings.surfel_spacing, 0, seed), progress);
-  prove_tiles(caster, asset.planes, asset.tiles, settings.tile_spacing, settings.height_unit,
-              tolerance, progress, counts);
-  refused = counts.refused_cells;
-  std::vector<Tile> views;
-  for (const TileData& tile : asset.tiles) {
-    views.push_back(view_of(tile, settings.tile_spacing, settings.height_unit));
-  }
-  return prove_surface(caster, asset.planes, views, settings.height_unit, tolerance, progress);
-}
-
 }  // namespace
 
 SurfaceTiles show_surface(const Caster& caster, Asset& asset, double tolerance, std::uint64_t seed,
@@ -70,9 +53,20 @@ SurfaceTiles show_surface(const Caster& caster, Asset& asset, double tolerance, 
   const TileSettings settings = settings_for(caster, tolerance);
   asset.metadata.tile_spacing = settings.tile_spacing;
   asset.metadata.height_unit = settings.height_unit;
+  std::vector<TileData> tiles =
+      cast_tiles(caster, asset.planes, settings,
+                 surface_points(caster, settings.surfel_spacing, 0, seed), progress);
+  ProofCounts counts;
+  prove_tiles(caster, asset.planes, tiles, settings.tile_spacing, settings.height_unit, tolerance,
+              progress, counts);
+  known.refused_cells = counts.refused_cells;
+  std::vector<Tile> views;
+  views.reserve(tiles.size());
+  for (const TileData& tile : tiles) {
+    views.push_back(view_of(tile, settings.tile_spacing, settings.height_unit));
+  }
   const SurfaceCover cover =
-      cover_surface(caster, asset, settings, tolerance, seed, progress, known.refused_cells);
-  std::vector<TileData> tiles = std::exchange(asset.tiles, {});
+      prove_surface(caster, asset.planes, views, settings.height_unit, tolerance, progress);
   const std::size_t triangles = cover.uses.size();
   known.bare.assign(triangles, false);
   std::vector<std::uint64_t> shown(tiles.size(), 0);

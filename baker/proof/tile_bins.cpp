@@ -33,15 +33,6 @@ void visit_boxes(const SupportPlane& plane, const Tile& tile, float height_unit,
 
 }  // namespace
 
-Box tile_box(const SupportPlane& plane, const Tile& tile, float height_unit) {
-  Box all;
-  visit_boxes(plane, tile, height_unit, [&](const Box& box) {
-    all.include(box.low);
-    all.include(box.high);
-  });
-  return all;
-}
-
 TileBins::TileBins(std::span<const SupportPlane> planes, std::span<const Tile> tiles,
                    float height_unit, double edge, double radius) {
   Vector3 low = Vector3::Constant(std::numeric_limits<double>::infinity()), high = -low;

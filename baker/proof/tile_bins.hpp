@@ -21,9 +21,6 @@ struct Box {
   }
 };
 
-/// The box around a tile's valid cells.
-[[nodiscard]] Box tile_box(const SupportPlane& plane, const Tile& tile, float height_unit);
-
 /// Tiles, listed by the cubes of space through which their valid surface passes.
 class TileBins {
  public:

@@ -11,7 +11,7 @@ namespace spm::baker::feature_sides_test {
 namespace {
 
 std::vector<FeatureSides> sides_of(const OuterSurface& surface) {
-  return find_feature_sides(surface, Caster(surface), 1e-4);
+  return find_feature_sides(surface, find_folded(surface.triangles), Caster(surface), 1e-4);
 }
 
 /// The side of a place by the nearest triangle alone, as the file tells it.
