@@ -65,6 +65,11 @@ void check(const CLI::App& command, const BuildRequest& request) {
            "belongs to --form sparse: the directions of a full asset are those of its maps; leave "
            "it out");
   }
+  if (bake.max_bytes && bake.form == AssetForm::full) {
+    refuse("--max-bytes",
+           "belongs to --form sparse: --planes and --resolution decide how large a full asset is; "
+           "leave it out");
+  }
   if (!(bake.direction_tolerance > 0 && bake.direction_tolerance <= most_direction)) {
     refuse("--direction-tolerance", "must be above 0 and at most 45 deg");
   }
@@ -151,6 +156,9 @@ void add_build_options(CLI::App& command, BuildRequest& request) {
       "diagonal)");
   cli::add_quantity(command, "--direction-tolerance", bake.direction_tolerance, Quantity::angle,
                     "how far directions may be off in the median, above 0 and at most 45deg");
+  command.add_option("--max-bytes", bake.max_bytes,
+                     "the most bytes that the file may take; queries are as fast as they can be with "
+                     "so many (default: twice what the octree needs at least)");
   cli::add_quantity(command, "--max-depth", bake.max_depth, Quantity::length,
                     "how deep inside the asset answers, above 0");
   cli::add_quantity(command, "--margin", bake.margin, Quantity::length,

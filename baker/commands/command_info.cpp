@@ -98,7 +98,7 @@ std::uint64_t band_cells(const AssetView& view) {
   return cells;
 }
 
-/// The cubes of the octree and the clusters that answers come from.
+/// The cubes of the octree and the triangles that answers come from.
 Json octree_json(const AssetView& view) {
   std::uint64_t polynomials = 0, pairs = 0, lists = 0;
   visit_leaves(view.octree, [&](const Leaf& leaf) {
@@ -112,7 +112,7 @@ Json octree_json(const AssetView& view) {
           {"polynomials", polynomials},
           {"pairs_of_polynomials", pairs},
           {"lists", lists},
-          {"clusters", view.clusters.size()}};
+          {"triangles", view.exact.size()}};
 }
 
 Json to_json(const MappedAsset& asset, const std::vector<std::string>& pictures) {

@@ -1,37 +1,124 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "baker/field/corner_distances.hpp"
 
-namespace spm::baker {
+#include <cstddef>
 
-namespace {
+// Highway compiles what follows once for each kind of processor, by including this file again.
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "baker/field/corner_distances.cpp"
+#include <hwy/foreach_target.h>
+// After foreach_target.h, as it must be.
+#include <hwy/highway.h>
 
-/// The vectors from one point to each corner.
+HWY_BEFORE_NAMESPACE();
+namespace spm::baker::HWY_NAMESPACE {
+
+namespace hn = hwy::HWY_NAMESPACE;
+
+constexpr std::size_t corners = 8;
+// Products and sums are not fused, so that every processor gives the same bits.
+using Lanes = hn::CappedTag<double, corners>;
+using Doubles = hn::Vec<Lanes>;
+
+/// Where the corners of a cube lie from its middle, along each axis.
+alignas(64) constexpr std::array<std::array<double, corners>, 3> corner_signs{
+    {{-1, 1, -1, 1, -1, 1, -1, 1}, {-1, -1, 1, 1, -1, -1, 1, 1}, {-1, -1, -1, -1, 1, 1, 1, 1}}};
+
+/// Vectors to the corners of a cube from the k-th on.
 struct CornerVectors {
-  CornerValues x, y, z;
+  Doubles x, y, z;
 
-  [[nodiscard]] CornerValues dot(const Vector3& v) const { return x * v[0] + y * v[1] + z * v[2]; }
-  [[nodiscard]] CornerValues squared_less(const CornerValues& share, const Vector3& along) const {
-    return (x - share * along[0]).square() + (y - share * along[1]).square() +
-           (z - share * along[2]).square();
+  [[nodiscard]] HWY_INLINE Doubles dot(const Vector3& v) const {
+    const Lanes lanes;
+    return hn::Add(hn::Add(hn::Mul(x, hn::Set(lanes, v[0])), hn::Mul(y, hn::Set(lanes, v[1]))),
+                   hn::Mul(z, hn::Set(lanes, v[2])));
+  }
+  [[nodiscard]] HWY_INLINE Doubles square() const {
+    return hn::Add(hn::Add(hn::Mul(x, x), hn::Mul(y, y)), hn::Mul(z, z));
+  }
+  [[nodiscard]] HWY_INLINE CornerVectors less(Doubles share, const Vector3& along) const {
+    const Lanes lanes;
+    return {hn::Sub(x, hn::Mul(share, hn::Set(lanes, along[0]))),
+            hn::Sub(y, hn::Mul(share, hn::Set(lanes, along[1]))),
+            hn::Sub(z, hn::Mul(share, hn::Set(lanes, along[2])))};
   }
 };
 
-CornerVectors from(const Vector3& point, const Vector3& middle, double half) {
-  const Vector3 to_middle = middle - point;
-  return {linear_at_corners(to_middle[0], {half, 0, 0}),
-          linear_at_corners(to_middle[1], {0, half, 0}),
-          linear_at_corners(to_middle[2], {0, 0, half})};
+HWY_INLINE Doubles linear_from(std::size_t k, double value, const Vector3& rise) {
+  const Lanes lanes;
+  const auto axis = [&](std::size_t which) {
+    return hn::Mul(hn::Load(lanes, corner_signs[which].data() + k),
+                   hn::Set(lanes, rise[static_cast<int>(which)]));
+  };
+  return hn::Add(hn::Add(hn::Set(lanes, value), axis(0)), hn::Add(axis(1), axis(2)));
 }
 
-CornerValues squared_to_segment(const CornerVectors& from_start, const Vector3& along) {
-  const double squared = along.squaredNorm();
-  const CornerValues share = squared > 0
-                                 ? CornerValues((from_start.dot(along) / squared).max(0.0).min(1.0))
-                                 : CornerValues::Zero();
-  return from_start.squared_less(share, along);
+HWY_INLINE CornerVectors vectors_from(std::size_t k, const Vector3& to_middle, double half) {
+  const Lanes lanes;
+  const auto axis = [&](std::size_t which) {
+    return hn::Add(hn::Set(lanes, to_middle[static_cast<int>(which)]),
+                   hn::Mul(hn::Load(lanes, corner_signs[which].data() + k), hn::Set(lanes, half)));
+  };
+  return {axis(0), axis(1), axis(2)};
 }
 
-}  // namespace
+HWY_INLINE Doubles square_to_segment(const CornerVectors& from_start, const Vector3& along,
+                                     double per_square) {
+  const Lanes lanes;
+  const Doubles share =
+      hn::Min(hn::Max(hn::Mul(from_start.dot(along), hn::Set(lanes, per_square)), hn::Zero(lanes)),
+              hn::Set(lanes, 1.0));
+  return from_start.less(share, along).square();
+}
+
+/// 1 / number, or 0.
+double per(double number) { return number > 0 ? 1 / number : 0; }
+
+void find_corner_distances(const std::array<Vector3, 3>& triangle, const Vector3& middle,
+                           double half, double* distances) {
+  const Lanes lanes;
+  const Vector3 ab = triangle[1] - triangle[0], ac = triangle[2] - triangle[0], bc = ac - ab;
+  const Vector3 normal = ab.cross(ac);
+  const double per_area = per(normal.squaredNorm());
+  const Vector3 to_b = per_area * ac.cross(normal), to_c = per_area * normal.cross(ab);
+  const double per_ab = per(ab.squaredNorm()), per_ac = per(ac.squaredNorm()),
+               per_bc = per(bc.squaredNorm());
+  for (std::size_t k = 0; k < corners; k += hn::Lanes(lanes)) {
+    const CornerVectors from_a = vectors_from(k, middle - triangle[0], half);
+    const CornerVectors from_b = vectors_from(k, middle - triangle[1], half);
+    Doubles squares = hn::Min(
+        hn::Min(square_to_segment(from_a, ab, per_ab), square_to_segment(from_a, ac, per_ac)),
+        square_to_segment(from_b, bc, per_bc));
+    if (per_area > 0) {
+      // Barycentric coordinates of the projections.
+      const Doubles weight_b = from_a.dot(to_b), weight_c = from_a.dot(to_c);
+      const Doubles on_face = from_a.less(weight_b, ab).less(weight_c, ac).square();
+      const Doubles weight_a = hn::Sub(hn::Sub(hn::Set(lanes, 1.0), weight_b), weight_c);
+      const auto over = hn::Ge(hn::Min(hn::Min(weight_b, weight_c), weight_a), hn::Zero(lanes));
+      squares = hn::IfThenElse(over, on_face, squares);
+    }
+    hn::StoreU(hn::Sqrt(squares), lanes, distances + k);
+  }
+}
+
+bool find_everywhere_above(double value, const Vector3& rise, const double* distances) {
+  const Lanes lanes;
+  for (std::size_t k = 0; k < corners; k += hn::Lanes(lanes)) {
+    if (!hn::AllTrue(lanes, hn::Gt(linear_from(k, value, rise), hn::LoadU(lanes, distances + k)))) {
+      return false;
+    }
+  }
+  return true;
+}
+
+}  // namespace spm::baker::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace spm::baker {
+
+HWY_EXPORT(find_corner_distances);
+HWY_EXPORT(find_everywhere_above);
 
 CornerValues linear_at_corners(double value, const Vector3& rise) {
   CornerValues values;
@@ -44,25 +131,14 @@ CornerValues linear_at_corners(double value, const Vector3& rise) {
 
 CornerValues corner_distances(const std::array<Vector3, 3>& triangle, const Vector3& middle,
                               double half) {
-  const Vector3& a = triangle[0];
-  const Vector3 ab = triangle[1] - a, ac = triangle[2] - a;
-  const CornerVectors from_a = from(a, middle, half);
-  const CornerVectors from_b = from(triangle[1], middle, half);
-  CornerValues squares = squared_to_segment(from_a, ab)
-                             .min(squared_to_segment(from_a, ac))
-                             .min(squared_to_segment(from_b, triangle[2] - triangle[1]));
-  const Vector3 normal = ab.cross(ac);
-  const double area = normal.squaredNorm();
-  if (!(area > 0)) return squares.sqrt();
-  // Barycentric coordinates of the projections.
-  const CornerValues weight_b = from_a.dot(Vector3(ac.cross(normal) / area));
-  const CornerValues weight_c = from_a.dot(Vector3(normal.cross(ab) / area));
-  const CornerValues on_face = (from_a.x - weight_b * ab[0] - weight_c * ac[0]).square() +
-                               (from_a.y - weight_b * ab[1] - weight_c * ac[1]).square() +
-                               (from_a.z - weight_b * ab[2] - weight_c * ac[2]).square();
-  const CornerValues least = weight_b.min(weight_c).min(1 - weight_b - weight_c);
-  squares = (least >= 0).select(on_face, squares);
-  return squares.sqrt();
+  CornerValues distances;
+  HWY_DYNAMIC_DISPATCH(find_corner_distances)(triangle, middle, half, distances.data());
+  return distances;
+}
+
+bool is_everywhere_above(double value, const Vector3& rise, const CornerValues& values) {
+  return HWY_DYNAMIC_DISPATCH(find_everywhere_above)(value, rise, values.data());
 }
 
 }  // namespace spm::baker
+#endif

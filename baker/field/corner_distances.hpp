@@ -21,4 +21,8 @@ using CornerValues = Eigen::Array<double, 8, 1>;
 [[nodiscard]] CornerValues corner_distances(const std::array<Vector3, 3>& triangle,
                                             const Vector3& middle, double half);
 
+/// Whether such a function is above these values at all corners.
+[[nodiscard]] bool is_everywhere_above(double value, const Vector3& rise,
+                                       const CornerValues& values);
+
 }  // namespace spm::baker

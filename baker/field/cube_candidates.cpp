@@ -36,10 +36,10 @@ bool nearer(const Candidate& a, const Candidate& b) {
 void remove_covered(const Cube& cube, const std::vector<Witness>& nearest,
                     std::vector<Candidate>& open) {
   std::erase_if(open, [&](const Candidate& candidate) {
-    const CornerValues least = linear_at_corners(candidate.distance - slack,
-                                                 cube.half * tangent_of(candidate, cube.middle));
+    const Vector3 rise = cube.half * tangent_of(candidate, cube.middle);
     return std::any_of(nearest.begin(), nearest.end(), [&](const Witness& witness) {
-      return candidate.triangle != witness.triangle && (least - witness.distances).minCoeff() > 0;
+      return candidate.triangle != witness.triangle &&
+             is_everywhere_above(candidate.distance - slack, rise, witness.distances);
     });
   });
 }
@@ -118,6 +118,27 @@ Candidates candidates_of(const LatticeSurface& surface, const std::vector<std::u
     kind.push_back(seen_from(surface, triangle, cube.middle));
   }
   narrow(surface, cube, found);
+  return found;
+}
+
+Candidates nearest_in_parts(const LatticeSurface& surface, const Candidates& candidates,
+                            const Cube& cube, int levels) {
+  std::vector<std::uint32_t> kept;
+  for (std::size_t octant = 0; octant < 8; ++octant) {
+    const Cube part = cube.octant(octant);
+    Candidates within = candidates_within(surface, candidates, part);
+    if (levels > 1) within = nearest_in_parts(surface, within, part, levels - 1);
+    for (const auto* kind : {&within.triangles, &within.caps}) {
+      for (const Candidate& candidate : *kind) kept.push_back(candidate.triangle);
+    }
+  }
+  std::sort(kept.begin(), kept.end());
+  Candidates found = candidates;
+  const auto gone = [&kept](const Candidate& candidate) {
+    return !std::binary_search(kept.begin(), kept.end(), candidate.triangle);
+  };
+  std::erase_if(found.triangles, gone);
+  std::erase_if(found.caps, gone);
   return found;
 }
 

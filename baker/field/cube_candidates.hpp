@@ -57,6 +57,11 @@ struct Candidates {
                                        const std::vector<std::uint32_t>& triangles,
                                        const Cube& cube);
 
+/// The same candidates, but for those that are none in any part, where the cube is halved so often.
+[[nodiscard]] Candidates nearest_in_parts(const LatticeSurface& surface,
+                                          const Candidates& candidates, const Cube& cube,
+                                          int levels);
+
 /// The part of the surface or of a cap that is nearest to a point, of the triangles met.
 struct NearestPart {
   const LatticeTriangle* triangle = nullptr;

@@ -6,9 +6,9 @@
 #include <limits>
 #include <map>
 
-#include "baker/base/bake_error.hpp"
 #include "baker/field/feature_sides.hpp"
 #include "baker/field/sliver_removal.hpp"
+#include "common/field/indexed_triangles.hpp"
 
 namespace spm::baker {
 
@@ -22,36 +22,22 @@ constexpr double sliver_steps = 4;
 /// at most.
 constexpr double max_single_error = 1;
 constexpr double usual_reach = 16384;
-constexpr std::int64_t max_span = 65535;
 
 LatticePoint rounded(const Vector3& point, const Vector3& origin, double step) {
   LatticePoint at{};
   for (int axis = 0; axis < 3; ++axis) {
-    at[static_cast<std::size_t>(axis)] = std::llround((point[axis] - origin[axis]) / step);
+    at[static_cast<std::size_t>(axis)] =
+        static_cast<std::uint32_t>(std::llround((point[axis] - origin[axis]) / step));
   }
   return at;
 }
 
-std::uint8_t shift_for(const std::array<LatticePoint, 3>& corners) {
-  std::int64_t span = 0;
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    const auto [low, high] = std::minmax({corners[0][axis], corners[1][axis], corners[2][axis]});
-    span = std::max(span, high - low);
-  }
-  std::uint8_t shift = 0;
-  // Rounding to the coarser lattice may add two of its steps.
-  while ((span >> shift) + 2 > max_span) ++shift;
-  return shift;
-}
-
-/// A corner on the lattice of 2^shift steps.
-LatticePoint coarser(const LatticePoint& point, std::uint8_t shift) {
-  LatticePoint at = point;
-  for (std::int64_t& value : at) {
-    const std::int64_t half = shift > 0 ? std::int64_t{1} << (shift - 1U) : 0;
-    value = ((value + half) >> shift) << shift;
-  }
-  return at;
+/// The least power of two, m, that keeps rounding small beside the tolerance, or the least that
+/// corner_bits can count.
+double lattice_step(double tolerance, double extent) {
+  const double fine = std::exp2(std::floor(std::log2(tolerance / steps_a_tolerance)));
+  const double coarse = std::exp2(std::ceil(std::log2(extent / (corner_mask - 2))));
+  return std::max(fine, coarse);
 }
 
 double longest_side(const std::array<Vector3, 3>& corners) {
@@ -70,8 +56,7 @@ double height_of(const std::array<Vector3, 3>& corners) {
 }
 
 Vector3 place_of(const LatticePoint& steps, const Vector3& origin, double step) {
-  return origin + step * Vector3(static_cast<double>(steps[0]), static_cast<double>(steps[1]),
-                                 static_cast<double>(steps[2]));
+  return origin + step * Vector3(steps[0], steps[1], steps[2]);
 }
 
 /// Marks triangles of the surface with a side that is not paired or a corner on one.
@@ -133,24 +118,14 @@ bool needs_doubles(const std::array<Vector3, 3>& rounded, double unit) {
   return 2 * std::numeric_limits<float>::epsilon() * side / height * reach > max_single_error;
 }
 
-/// The vertices rounded; each as coarse as the largest triangle around it asks for.
 std::vector<LatticePoint> round_vertices(const OuterSurface& surface, LatticeSurface& lattice) {
   std::vector<LatticePoint> vertices;
   vertices.reserve(surface.vertices.size());
   for (const Vector3& vertex : surface.vertices) {
     vertices.push_back(rounded(vertex, lattice.origin, lattice.step));
-  }
-  std::vector<std::uint8_t> shifts(vertices.size(), 0);
-  for (const Triangle& corners : surface.triangles) {
-    const std::uint8_t shift =
-        shift_for({vertices[corners[0]], vertices[corners[1]], vertices[corners[2]]});
-    for (const std::uint32_t corner : corners) shifts[corner] = std::max(shifts[corner], shift);
-  }
-  for (std::size_t i = 0; i < vertices.size(); ++i) {
-    vertices[i] = coarser(vertices[i], shifts[i]);
-    lattice.displacement = std::max(
-        lattice.displacement,
-        (place_of(vertices[i], lattice.origin, lattice.step) - surface.vertices[i]).norm());
+    lattice.displacement =
+        std::max(lattice.displacement,
+                 (place_of(vertices.back(), lattice.origin, lattice.step) - vertex).norm());
   }
   return vertices;
 }
@@ -164,10 +139,9 @@ void add_triangle(const LooseTriangle& loose, const std::vector<LatticePoint>& v
     triangle.steps[k] = vertices[loose.corners[k]];
     triangle.corners[k] = place_of(triangle.steps[k], lattice.origin, lattice.step);
   }
-  triangle.shift = shift_for(triangle.steps);
   const Vector3 cross = cross_of(triangle.corners);
   if (cross.norm() > 0) triangle.normal = cross.normalized();
-  triangle.exact = needs_doubles(triangle.corners, std::ldexp(lattice.step, triangle.shift));
+  triangle.thin = needs_doubles(triangle.corners, lattice.step);
   lattice.surface.triangles.push_back(loose.corners);
   lattice.surface.surface_count += loose.cap ? 0 : 1;
   lattice.triangles.push_back(triangle);
@@ -178,18 +152,14 @@ void add_triangle(const LooseTriangle& loose, const std::vector<LatticePoint>& v
 LatticeSurface round_to_lattice(const OuterSurface& surface, const Caster& caster,
                                 const std::vector<bool>& bare, double tolerance) {
   LatticeSurface lattice;
-  lattice.step = std::exp2(std::floor(std::log2(tolerance / steps_a_tolerance)));
   Vector3 low = Vector3::Constant(std::numeric_limits<double>::max()), high = -low;
   for (const Vector3& vertex : surface.vertices) {
     low = low.cwiseMin(vertex);
     high = high.cwiseMax(vertex);
   }
+  lattice.step = lattice_step(tolerance, (high - low).maxCoeff());
   for (int axis = 0; axis < 3; ++axis) {
     lattice.origin[axis] = lattice.step * std::floor(low[axis] / lattice.step);
-  }
-  if ((high - low).maxCoeff() / lattice.step > 1e9) {
-    throw BakeError(ExitCode::tolerance_not_met,
-                    "the tolerance is too fine for an object of this size");
   }
   const std::vector<LatticePoint> vertices = round_vertices(surface, lattice);
   for (const LatticePoint& vertex : vertices) {

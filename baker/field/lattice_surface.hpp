@@ -11,7 +11,7 @@
 
 namespace spm::baker {
 
-using LatticePoint = std::array<std::int64_t, 3>;
+using LatticePoint = std::array<std::uint32_t, 3>;
 
 /// A triangle as the file will store it.
 struct LatticeTriangle {
@@ -19,17 +19,15 @@ struct LatticeTriangle {
   Vector3 normal = Vector3::Zero();     ///< unit; 0 where there is no area
   FeatureSides sides = 0;               ///< of places that are nearest to its sides and corners
   std::array<LatticePoint, 3> steps{};  ///< the corners, lattice steps from the origin
-  std::uint8_t shift = 0;               ///< its corners are multiples of 2^shift steps
   bool cap = false;
   bool bare = false;    ///< no tile shows it
-  bool exact = false;   ///< too thin for single precision
+  bool thin = false;    ///< too thin for single precision
   bool folded = false;  ///< another lies on it and faces the other way
   bool open = false;    ///< has a side that is not paired, or a corner on one
 };
 
 /// The outer surface with its corners rounded to one lattice, so that what shares a corner shares
-/// it exactly. A triangle that spans more than 16 bits of steps has corners on a coarser lattice,
-/// which all that share them take over. Slivers are gone (remove_slivers).
+/// it exactly. Slivers are gone (remove_slivers).
 struct LatticeSurface {
   Vector3 origin = Vector3::Zero();
   double step = 1;                         ///< m, a power of two
@@ -40,8 +38,7 @@ struct LatticeSurface {
 };
 
 /// `caster` is over the surface. `tolerance` in metres: the displacement is kept to a small share
-/// of it. `bare` says of each triangle whether no tile shows it. Throws BakeError where the object
-/// is too large for the tolerance.
+/// of it, as far as corner_bits allow. `bare` says of each triangle whether no tile shows it.
 [[nodiscard]] LatticeSurface round_to_lattice(const OuterSurface& surface, const Caster& caster,
                                               const std::vector<bool>& bare, double tolerance);
 

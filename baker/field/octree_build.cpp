@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "baker/field/octree_build.hpp"
 
+#include <fmt/format.h>
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
@@ -13,9 +14,10 @@
 #include "baker/field/map_fit.hpp"
 #include "baker/field/map_proof.hpp"
 #include "baker/field/octree_node.hpp"
+#include "baker/field/octree_pruning.hpp"
 #include "baker/field/octree_words.hpp"
 #include "common/base/octahedral.hpp"
-#include "common/field/triangle_cluster.hpp"
+#include "common/field/triangle_list.hpp"
 
 namespace spm::baker {
 
@@ -23,9 +25,13 @@ namespace {
 
 /// Share of the tolerance by which samples may be off; the rest is for places between them.
 constexpr double fit_share = 0.9;
-/// A list of so many triangles is not divided to get shorter ones: two clusters take about as long
-/// as one, since most of the time goes into what follows.
-constexpr std::size_t short_list = 2 * cluster_size;
+/// The octree may take so many times the fewest bytes that it could, where that makes it faster;
+/// and so many bytes in any case.
+constexpr double spent_bytes = 2, least_bytes = 8192;
+/// Cubes are divided until the octree has so many times the bytes that it may keep.
+constexpr double tried_bytes = 4;
+/// Around cubes beyond the band only so many triangles are looked at whether they are few.
+constexpr std::size_t worth_a_look = 64;
 
 class Builder {
  public:
@@ -41,14 +47,32 @@ class Builder {
     node.cube = cube;
     const ClosestPoint closest = caster_.closest(cube.middle);
     const double distance = std::abs(closest.distance);
-    if (decided(node, closest.distance, closest.clearance, closest.direction)) return node;
     std::vector<std::uint32_t> triangles;
-    caster_.within(cube.middle, distance + 2 * cube.radius(), triangles);
-    const Candidates candidates = candidates_of(surface_, triangles, cube);
     std::optional<bool> inside;
     if (closest.clearance > cube.radius()) inside = closest.distance < 0;
+    const bool beyond = decided(node, closest.distance, closest.clearance, closest.direction);
+    if (beyond && surface_.triangles.size() > worth_a_look) return node;
+    caster_.within(cube.middle, distance + 2 * cube.radius(), triangles);
+    const Candidates candidates = candidates_of(surface_, triangles, cube);
+    if (beyond) {
+      keep_few(node, candidates, inside);
+      return node;
+    }
     divide(node, candidates, inside, 0);
     return node;
+  }
+
+  /// Whether a cube is a short list that can be divided.
+  [[nodiscard]] bool can_be_divided(const OctreeNode& node) const {
+    return node.kind == OctreeKind::list && node.few && level_of(node.cube) < rules_.levels;
+  }
+
+  /// Divides a short list once.
+  void divide_list(OctreeNode& node) const {
+    const Candidates candidates = candidates_of(surface_, *node.few, node.cube);
+    node.triangles.clear();
+    node.caps.clear();
+    divide_in_octants(node, candidates, node.inside, level_of(node.cube));
   }
 
  private:
@@ -57,6 +81,12 @@ class Builder {
   const Reachability* reachability_;
   OctreeRules rules_;
   FitRules fit_;
+
+  /// Below the roots that were not joined; negative of joined ones.
+  [[nodiscard]] int level_of(const Cube& cube) const {
+    return rules_.levels -
+           static_cast<int>(std::lround(std::log2(2 * cube.half / rules_.smallest_edge)));
+  }
 
   /// Far, deep and pruned cubes. `distance` is signed.
   bool decided(OctreeNode& node, double distance, double clearance,
@@ -86,6 +116,7 @@ class Builder {
       if (!inside && candidates.clearance() > node.cube.radius()) {
         inside = is_inside(surface_, caster_, candidates, node.cube.middle);
       }
+      keep_few(node, candidates, inside);
       if (inside) {
         const Vector3 away = node.cube.middle - candidates.triangles.front().closest;
         const double sign = *inside ? -1 : 1;
@@ -94,11 +125,23 @@ class Builder {
         return;
       }
     }
+    keep_few(node, candidates, inside);
     if (fits(node, candidates, inside)) return;
     if (level == rules_.levels || is_short(candidates, inside)) {
-      become_list(node, candidates, inside);
+      Candidates least = nearest_in_parts(surface_, candidates, node.cube, 1);
+      // Another packet takes as long as a first one.
+      if (level == rules_.levels && least.triangles.size() > packet_size) {
+        least = nearest_in_parts(surface_, least, node.cube, 2);
+      }
+      keep_few(node, least, inside);
+      become_list(node, least, inside);
       return;
     }
+    divide_in_octants(node, candidates, inside, level);
+  }
+
+  void divide_in_octants(OctreeNode& node, const Candidates& candidates, std::optional<bool> inside,
+                         int level) const {
     node.kind = OctreeKind::split;
     node.octants = std::make_unique<std::array<OctreeNode, 8>>();
     for (std::size_t octant = 0; octant < 8; ++octant) {
@@ -106,7 +149,29 @@ class Builder {
       part.cube = node.cube.octant(octant);
       divide(part, candidates_within(surface_, candidates, part.cube), inside, level + 1);
     }
-    join(node);
+    join_octants(node);
+    if (inside) node.inside = inside;
+  }
+
+  /// Whether a list is so short that it need not be divided. Beside an open side a triangle does
+  /// not know its side, so there cubes are divided to know theirs.
+  [[nodiscard]] bool is_short(const Candidates& candidates, std::optional<bool> inside) const {
+    return candidates.triangles.size() + candidates.caps.size() <= few_triangles &&
+           (inside || std::none_of(candidates.triangles.begin(), candidates.triangles.end(),
+                                   [&](const Candidate& candidate) {
+                                     return surface_.triangles[candidate.triangle].open;
+                                   }));
+  }
+
+  /// Remembers the candidates where they are few.
+  static void keep_few(OctreeNode& node, const Candidates& candidates, std::optional<bool> inside) {
+    node.inside = inside;
+    node.few.reset();
+    if (candidates.triangles.size() + candidates.caps.size() > few_triangles) return;
+    node.few.emplace();
+    for (const auto* part : {&candidates.triangles, &candidates.caps}) {
+      for (const Candidate& candidate : *part) node.few->push_back(candidate.triangle);
+    }
   }
 
   /// Whether one polynomial, or two, answer within the tolerance everywhere in the cube.
@@ -129,43 +194,55 @@ class Builder {
     return false;
   }
 
-  /// Whether a list is so short that dividing the cube is not worth the bytes. Beside an open side
-  /// a triangle does not know its side, so there cubes are divided to know theirs.
-  [[nodiscard]] bool is_short(const Candidates& candidates, std::optional<bool> inside) const {
-    return candidates.triangles.size() + candidates.caps.size() <= short_list &&
-           (inside || std::none_of(candidates.triangles.begin(), candidates.triangles.end(),
-                                   [&](const Candidate& candidate) {
-                                     return surface_.triangles[candidate.triangle].open;
-                                   }));
-  }
-
   void become_list(OctreeNode& node, const Candidates& candidates,
                    std::optional<bool> inside) const {
     node.kind = OctreeKind::list;
-    node.side = !inside ? ListSide::surface : *inside ? ListSide::inside : ListSide::outside;
+    node.side = side_of(inside);
     const auto listed = [&](const std::vector<Candidate>& from, auto& to) {
       for (const Candidate& candidate : from) {
-        to.push_back({candidate.triangle, std::max(0.0, candidate.distance - node.cube.radius())});
+        // Distances are convex, so nowhere below the tangent.
+        const double falls = node.cube.half * tangent_of(candidate, candidates.middle).lpNorm<1>();
+        to.push_back({candidate.triangle, std::max(0.0, candidate.distance - falls)});
       }
     };
     listed(candidates.triangles, node.triangles);
     if (!inside) listed(candidates.caps, node.caps);
   }
-
-  /// Eight octants that have nothing to say are one cube.
-  static void join(OctreeNode& node) {
-    const OctreeKind kind = node.octants->front().kind;
-    if (kind != OctreeKind::far && kind != OctreeKind::pruned) return;
-    double clearance = std::numeric_limits<double>::infinity();
-    for (const OctreeNode& octant : *node.octants) {
-      if (octant.kind != kind) return;
-      clearance = std::min(clearance, octant.clearance - octant.cube.radius());
-    }
-    node.kind = kind;
-    node.clearance = std::max(0.0, clearance);
-    node.octants.reset();
-  }
 };
+
+void add_short_lists(const Builder& builder, OctreeNode& node, std::vector<OctreeNode*>& found) {
+  if (node.octants) {
+    for (OctreeNode& octant : *node.octants) add_short_lists(builder, octant, found);
+  } else if (builder.can_be_divided(node)) {
+    found.push_back(&node);
+  }
+}
+
+/// What the octree's words may take. Throws BakeError where that is less than they take at least.
+double bytes_to_spend(const LatticeSurface& surface, const OctreeRules& rules, OctreeRoots& roots) {
+  const double least = find_least_bytes(surface, roots);
+  if (!rules.bytes) return std::max(least_bytes, spent_bytes * least);
+  const double triangles = most_triangle_bytes(surface, roots);
+  if (*rules.bytes < least + triangles) {
+    throw BakeError(ExitCode::tolerance_not_met,
+                    fmt::format("the octree takes at least {:.0f} bytes more than --max-bytes "
+                                "leaves; take a coarser --tolerance or more bytes",
+                                std::ceil(least + triangles - *rules.bytes)));
+  }
+  return *rules.bytes - triangles;
+}
+
+/// Divides short lists, all of them once, and again, until the octree has so many bytes or none are
+/// left.
+void divide_lists(const Builder& builder, double bytes, OctreeRoots& roots) {
+  while (bytes_as_divided(roots) <= bytes) {
+    std::vector<OctreeNode*> lists;
+    for (OctreeNode& root : roots.nodes) add_short_lists(builder, root, lists);
+    if (lists.empty()) return;
+    tbb::parallel_for(std::size_t{0}, lists.size(),
+                      [&](std::size_t i) { builder.divide_list(*lists[i]); });
+  }
+}
 
 }  // namespace
 
@@ -193,18 +270,29 @@ BuiltOctree build_octree(const LatticeSurface& surface, const Caster& caster,
   data.value_unit = data.reach / 32000;
   data.clearance_unit = caster.diagonal() / 1e6;
   const std::size_t count = std::size_t{data.roots[0]} * data.roots[1] * data.roots[2];
-  std::vector<OctreeNode> roots(count);
+  OctreeRoots roots;
+  roots.count = data.roots;
+  roots.nodes.resize(count);
   const Builder builder(caster, surface, planes, reachability, rules, data);
   ProgressCounter counter(progress, "octree", count);
   tbb::parallel_for(std::size_t{0}, count, [&](std::size_t i) {
     const Vector3 at(static_cast<double>(i % data.roots[0]),
                      static_cast<double>(i / data.roots[0] % data.roots[1]),
                      static_cast<double>(i / data.roots[0] / data.roots[1]));
-    roots[i] =
+    roots.nodes[i] =
         builder.root({data.origin + data.edge * (at + Vector3::Constant(0.5)), data.edge / 2});
     counter.done();
   });
-  write_words(roots, surface, built);
+  const int joins = join_roots(
+      surface, max_octree_levels - rules.levels,
+      [&builder](const Cube& cube) { return builder.root(cube); }, roots);
+  const double bytes = bytes_to_spend(surface, rules, roots);
+  divide_lists(builder, tried_bytes * bytes, roots);
+  find_fastest(surface, bytes, roots);
+  data.roots = roots.count;
+  data.edge = std::ldexp(data.edge, joins);
+  make_lists(surface, roots);
+  write_words(roots.nodes, surface, built);
   if (built.counts.polynomials + built.counts.pairs + built.counts.lists == 0) {
     throw BakeError(ExitCode::invalid_input,
                     "nothing of the object is left to model: the probe's centre comes to no place "

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "baker/base/progress.hpp"
@@ -22,10 +23,11 @@ struct OctreeRules {
   double smallest_edge = 0;  ///< m: cubes are divided down to this
   int levels = 3;            ///< from the roots to the smallest cubes
   double direction = 0;      ///< rad: directions in a cube are off by at most this in the mean
+  std::optional<double> bytes;  ///< that octree and triangles may take at most
 };
 
 struct OctreeCounts {
-  std::uint64_t polynomials = 0, pairs = 0, lists = 0, listed_clusters = 0, triangles = 0;
+  std::uint64_t polynomials = 0, pairs = 0, lists = 0, listed_triangles = 0;
   double polynomial_volume = 0, list_volume = 0;  ///< m^3
   std::array<double, 4> pruned_volume{};          ///< m^3, by PruneRule
   std::uint64_t bytes = 0;                        ///< of all words

@@ -4,15 +4,17 @@
 #include <array>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "baker/field/cube_candidates.hpp"
 #include "baker/reachability/reachability.hpp"
 #include "common/field/distance_octree.hpp"
+#include "common/field/triangle_list.hpp"
 
 namespace spm::baker {
 
-/// A cluster of a list is the nearest triangle of it away from the cube by at least this.
+/// A triangle of a list.
 struct ListedCandidate {
   std::uint32_t triangle = 0;
   double bound = 0;  ///< m: it is at least this far from every point of the cube
@@ -29,6 +31,24 @@ struct OctreeNode {
   ListSide side = ListSide::surface;       ///< of a list
   PruneRule rule = PruneRule::none;        ///< of a pruned cube
   std::unique_ptr<std::array<OctreeNode, 8>> octants;
+  /// All that may be the nearest to some place of the cube, surface and caps, by number; nothing
+  /// where these are more than `few_triangles`, or not known.
+  std::optional<std::vector<std::uint32_t>> few;
+  std::optional<bool> inside;  ///< where the surface and caps do not cut the cube
+  bool as_list = false;        ///< a split cube that is better a list (make_lists)
 };
+
+/// Gives a split cube what its octants have in common: their few triangles and their side.
+void gather_octants(OctreeNode& node);
+/// The same, and makes it one cube where all of them are far or pruned.
+void join_octants(OctreeNode& node);
+
+/// The side that a list tells.
+[[nodiscard]] inline ListSide side_of(std::optional<bool> inside) noexcept {
+  return !inside ? ListSide::surface : *inside ? ListSide::inside : ListSide::outside;
+}
+
+/// Cubes with more triangles are not made lists to save bytes.
+inline constexpr std::size_t few_triangles = unbounded_packets * packet_size;
 
 }  // namespace spm::baker

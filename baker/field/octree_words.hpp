@@ -8,8 +8,7 @@
 
 namespace spm::baker {
 
-/// Groups the triangles that the lists use into clusters, and writes octree, lists and clusters in
-/// the words that the file stores.
+/// Writes octree, lists and the triangles that these use in the words that the file stores.
 void write_words(const std::vector<OctreeNode>& roots, const LatticeSurface& surface,
                  BuiltOctree& built);
 

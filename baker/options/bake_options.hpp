@@ -30,6 +30,8 @@ struct BakeOptions {
   SmoothOptions smooth;
   /// sparse only, rad: how far directions may be off, see OctreeRules; 4 degrees.
   double direction_tolerance = 4 * std::numbers::pi / 180;
+  /// The most bytes of a `sparse` file; empty where the bake decides what is worth it.
+  std::optional<std::uint64_t> max_bytes;
   std::uint64_t seed = 1;
   unsigned threads = 0;  ///< 0: as many as there are cores; never changes the output
 };

@@ -151,11 +151,8 @@ void add_listed_triangles(const AssetView& asset, SurfaceBuilder& builder) {
 
 /// Adds the triangles of a `sparse` asset that no tile shows.
 void add_bare_triangles(const AssetView& asset, SurfaceBuilder& builder) {
-  for (std::size_t c = 0; c < asset.clusters.size(); ++c) {
-    const std::uint32_t* cluster = asset.clusters.at(c);
-    for (std::size_t k = 0; k < triangles_of(cluster); ++k) {
-      if (is_bare(cluster, k)) builder.add_triangle(corners_of(asset.clusters, cluster, k));
-    }
+  for (std::size_t i = 0; i < asset.exact.size(); ++i) {
+    if (traits_of(asset.exact, i).bare) builder.add_triangle(corners_of(asset.exact, i));
   }
 }
 

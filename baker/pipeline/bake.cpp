@@ -69,6 +69,8 @@ std::string options_json(const BakeOptions& options, const AssetMetadata& metada
             : nlohmann::ordered_json(options.layers == Layers::scalar ? 1 : options.layer_limit);
   } else {
     json["tolerance"] = *metadata.tolerance;
+    json["direction_tolerance"] = options.direction_tolerance;
+    if (options.max_bytes) json["max_bytes"] = *options.max_bytes;
   }
   return json.dump();
 }

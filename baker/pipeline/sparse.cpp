@@ -16,6 +16,7 @@
 #include "baker/tiles/tile_fit.hpp"
 #include "baker/trials/served_trials.hpp"
 #include "common/surface/distance_map.hpp"
+#include "formats/asset/asset_writer.hpp"
 
 namespace spm::baker {
 
@@ -31,7 +32,7 @@ constexpr double leaf_direction = 1.5;
 /// The smallest cubes of the octree, of the band's depth, and how often roots are halved to them:
 /// so often that there are about this many along diagonal and margins.
 constexpr double smallest_share = 0.25;
-constexpr double roots_along = 24;
+constexpr double roots_along = 32;
 
 /// The tolerance with which the bake works: no finer than it can prove.
 double provable(const AssetMetadata& metadata, const Caster& caster) {
@@ -112,9 +113,14 @@ std::vector<Pruned> pruned_by(const OctreeCounts& counts, const Reachability& re
   return pruned;
 }
 
-OctreeRules rules_for(const BakeOptions& options, const AssetMetadata& metadata,
-                      const Caster& caster, double tolerance) {
+OctreeRules rules_for(const BakeOptions& options, const Asset& asset, const Caster& caster,
+                      double tolerance) {
+  const AssetMetadata& metadata = asset.metadata;
   OctreeRules rules;
+  if (options.max_bytes) {
+    rules.bytes = static_cast<double>(*options.max_bytes) -
+                  static_cast<double>(bytes_without_octree(asset));
+  }
   rules.band = metadata.band;
   rules.tolerance = tolerance;
   rules.direction = leaf_direction * options.direction_tolerance;
@@ -153,7 +159,7 @@ void bake_sparse(BakeResult& result, const OuterSurface& surface, const Caster& 
 
   const Reachability reachability(caster, metadata.band, options.probe_radius, options.workspace,
                                   progress);
-  const OctreeRules rules = rules_for(options, metadata, caster, tolerance);
+  const OctreeRules rules = rules_for(options, asset, caster, tolerance);
   const LatticeSurface lattice = round_to_lattice(surface, caster, known.bare, tolerance);
   const Caster rounded(lattice.surface);
   BuiltOctree built = build_octree(lattice, rounded, asset.planes,

@@ -20,8 +20,8 @@ constexpr double surfel_spacing_share = 1.0 / 350;   ///< of the diagonal
 /// Share of the tolerance by which a tile's cells may be off the surface. The rest is for the gaps
 /// between them.
 constexpr double residual_share = 0.5;
-/// Bytes that a triangle takes in a cluster.
-constexpr std::uint64_t triangle_bytes = 22;
+/// Bytes that a triangle takes which no tile shows: about half of them stand in lists anyway.
+constexpr std::uint64_t triangle_bytes = 7;
 
 TileSettings settings_for(const Caster& caster, double tolerance) {
   TileSettings settings;

@@ -33,19 +33,61 @@ std::vector<std::array<std::uint32_t, 2>> cancelled(
   return left;
 }
 
+/// A triangle seen from a point: half its solid angle is that of the vector (x, y).
+struct HalfAngle {
+  double y = 0, x = 0;
+};
+
+/// Van Oosterom and Strackee (1983). The corners are seen from the point.
+HalfAngle half_angle(const Vector3& a, double length_a, const Vector3& b, const Vector3& c) {
+  const double length_b = b.norm(), length_c = c.norm();
+  return {a.dot(b.cross(c)), length_a * length_b * length_c + a.dot(b) * length_c +
+                                 b.dot(c) * length_a + c.dot(a) * length_b};
+}
+
+/// A sum of angles. Small ones are added by multiplying complex numbers, which takes a tenth of the
+/// time of an arc tangent each.
+class AngleSum {
+ public:
+  void add(const HalfAngle& angle) {
+    if (!(angle.x > 0 && std::abs(angle.y) <= angle.x)) {
+      sum_ += std::atan2(angle.y, angle.x);
+      return;
+    }
+    const double slope = angle.y / angle.x;
+    // The angle is no larger than its slope, so the product's own angle is the sum below pi.
+    constexpr double most = 3;
+    bound_ += std::abs(slope);
+    if (bound_ > most) {
+      flush();
+      bound_ = std::abs(slope);
+    }
+    const double real = real_;
+    real_ = real - imaginary_ * slope;
+    imaginary_ += real * slope;
+  }
+  [[nodiscard]] double total() {
+    flush();
+    return sum_;
+  }
+
+ private:
+  double sum_ = 0, real_ = 1, imaginary_ = 0, bound_ = 0;
+
+  void flush() {
+    sum_ += std::atan2(imaginary_, real_);
+    real_ = 1;
+    imaginary_ = bound_ = 0;
+  }
+};
+
 }  // namespace
 
 double triangle_winding(const Vector3& point, const Vector3& a, const Vector3& b,
                         const Vector3& c) noexcept {
-  const Vector3 pa = a - point;
-  const Vector3 pb = b - point;
-  const Vector3 pc = c - point;
-  const double la = pa.norm();
-  const double lb = pb.norm();
-  const double lc = pc.norm();
-  const double volume = pa.dot(pb.cross(pc));
-  const double denominator = la * lb * lc + pa.dot(pb) * lc + pb.dot(pc) * la + pc.dot(pa) * lb;
-  return std::atan2(volume, denominator) / (2 * std::numbers::pi);
+  const Vector3 from = a - point;
+  const HalfAngle angle = half_angle(from, from.norm(), b - point, c - point);
+  return std::atan2(angle.y, angle.x) / (2 * std::numbers::pi);
 }
 
 ExactWinding::ExactWinding(const Mesh& mesh)
@@ -102,11 +144,14 @@ std::int32_t ExactWinding::build(std::uint32_t first, std::uint32_t last,
 }
 
 double ExactWinding::cluster(const Node& node, const Vector3& point) const noexcept {
-  double sum = 0;
+  AngleSum sum;
+  const Vector3 apex = node.apex - point;
+  const double length = apex.norm();
   for (std::uint32_t e = node.first_edge; e < node.last_edge; ++e) {
-    sum += triangle_winding(point, node.apex, vertices_[edges_[e][0]], vertices_[edges_[e][1]]);
+    sum.add(
+        half_angle(apex, length, vertices_[edges_[e][0]] - point, vertices_[edges_[e][1]] - point));
   }
-  return sum;
+  return sum.total() / (2 * std::numbers::pi);
 }
 
 double ExactWinding::at(const Vector3& point) const noexcept {

@@ -6,7 +6,7 @@
 #include <span>
 
 #include "common/field/distance_octree.hpp"
-#include "common/field/triangle_cluster.hpp"
+#include "common/field/indexed_triangles.hpp"
 #include "common/surface/distance_map.hpp"
 #include "common/surface/support_plane.hpp"
 #include "common/surface/tile.hpp"
@@ -95,7 +95,7 @@ struct AssetView {
   std::span<const float> triangles;  ///< `full` only: of the fallback, three corners each, m
   Grid grid;                         ///< `full` only
   DistanceOctree octree;             ///< `sparse` only
-  TriangleClusters clusters;         ///< `sparse` only
+  IndexedTriangles exact;            ///< `sparse` only
   Band band;
   double tolerance = 0;  ///< m; how far beyond the band's end an answer may lie
   bool full = false;     ///< map k belongs to plane k and `paper` applies

@@ -18,13 +18,13 @@ enum class OctreeKind : std::uint32_t {
   pruned = 1,      ///< left out by the bake
   deep = 4,        ///< inside, deeper than the band; one unit: the direction outwards
   split = 5,       ///< one unit: its octants
-  list = 6,        ///< one unit: a list of triangle clusters
+  list = 6,        ///< one unit: a list of triangles
   polynomial = 8,  ///< two units: a local map
   least = 12,      ///< four units: two local maps, the smaller distance counts
   most = 13,       ///< four units: two local maps, the larger distance counts
 };
 
-/// The distance octree of a `sparse` asset: all that its answers come from, with the clusters of
+/// The distance octree of a `sparse` asset: all that its answers come from, with the indexed
 /// triangles. Space is divided into cubes of one size (roots), x fastest; each of these into
 /// octants, and so on. Views; nothing is owned.
 ///
@@ -32,11 +32,8 @@ enum class OctreeKind : std::uint32_t {
 /// surface and the caps from its middle instead, in clearance_unit, rounded down.
 /// Units of a split cube: word 0 is the first unit of its octants, which lie one behind the other;
 ///   word 1 has the octants' kinds, four bits each, octant 0 (octant.hpp) lowest.
-/// Units of a list: word 0 is the list's place in `lists`; word 1: bits 0-11 its clusters, bits
-///   12-23 how many of these, the last ones, are caps, bits 24-25 the side (ListSide).
-/// A list is one word for each cluster: bits 0-23 the cluster; bits 24-31 how far it is at least
-/// from
-///   every point of the cube, in 1/255 of `reach`, ascending within triangles and within caps.
+/// Unit of a list: word 0 is the list's place in `lists`; word 1 how many and of which kind
+///   (TriangleList).
 /// Unit of a deep cube: word 0 is the direction outwards, octahedral (octahedral.hpp).
 ///
 /// Words may be anything, in a file that was damaged after it was checked, so each place is checked
@@ -44,6 +41,7 @@ enum class OctreeKind : std::uint32_t {
 struct DistanceOctree {
   Vector3 origin = Vector3::Zero();  ///< lowest corner
   double edge = 1;                   ///< of a root, m
+  double per_edge = 1;               ///< 1 / edge; kept, since a division takes long
   std::array<std::uint32_t, 3> roots{0, 0, 0};
   std::span<const std::uint32_t> root_words;
   std::span<const std::uint32_t> units;
@@ -67,7 +65,7 @@ enum class ListSide : std::uint32_t { surface, outside, inside };
                                                    std::uint32_t octant) noexcept {
   std::uint32_t sizes = (kinds >> 2U) & 0x33333333U;
   sizes += sizes & (sizes >> 1U) & 0x11111111U;
-  sizes &= (octant == 0 ? 0U : 0xFFFFFFFFU >> (32U - 4U * octant));
+  sizes &= (1U << 4U * octant) - 1U;
   const std::uint32_t pairs = (sizes & 0x0F0F0F0FU) + ((sizes >> 4U) & 0x0F0F0F0FU);
   return (pairs * 0x01010101U) >> 24U;
 }
@@ -82,55 +80,58 @@ struct Leaf {
   double per_half = 0;  ///< 1 / half; kept, since a division takes longer than all of a polynomial
 };
 
+/// 2^exponent, by its bits; of small exponents.
+[[nodiscard]] constexpr double power_of_two(int exponent) noexcept {
+  return std::bit_cast<double>(static_cast<std::uint64_t>(1023 + exponent) << 52U);
+}
+
 /// The leaf around a point; `far` where there is none, or where the point is not a number.
+// In single numbers throughout: vectors that are put together from them and read as a whole would
+// wait for memory, for longer than all the rest takes.
 [[nodiscard]] inline Leaf leaf_at(const DistanceOctree& octree, const Vector3& point) noexcept {
-  Leaf leaf;
-  const double per_edge = 1 / octree.edge;
-  const Vector3 at = (point - octree.origin) * per_edge;
-  for (int axis = 0; axis < 3; ++axis) {
-    if (!(at[axis] >= 0 && at[axis] < octree.roots[static_cast<std::size_t>(axis)])) return leaf;
+  const double x = (point[0] - octree.origin[0]) * octree.per_edge;
+  const double y = (point[1] - octree.origin[1]) * octree.per_edge;
+  const double z = (point[2] - octree.origin[2]) * octree.per_edge;
+  if (!(x >= 0 && y >= 0 && z >= 0 && x < octree.roots[0] && y < octree.roots[1] &&
+        z < octree.roots[2])) {
+    return {};
   }
-  const std::array<std::uint32_t, 3> root{static_cast<std::uint32_t>(at[0]),
-                                          static_cast<std::uint32_t>(at[1]),
-                                          static_cast<std::uint32_t>(at[2])};
-  const std::size_t place =
-      root[0] + octree.roots[0] * (root[1] + std::size_t{octree.roots[1]} * root[2]);
-  if (place >= octree.root_words.size()) return leaf;
-  const std::uint32_t word = octree.root_words[place];
-  leaf.kind = static_cast<OctreeKind>(word & 15U);
-  leaf.unit = word >> 4U;
-  leaf.level = 0;
+  // In steps of the smallest cubes that there may be.
   constexpr double steps = 1U << static_cast<unsigned>(max_octree_levels);
-  const std::array<std::uint32_t, 3> within{static_cast<std::uint32_t>((at[0] - root[0]) * steps),
-                                            static_cast<std::uint32_t>((at[1] - root[1]) * steps),
-                                            static_cast<std::uint32_t>((at[2] - root[2]) * steps)};
-  while (leaf.kind == OctreeKind::split) {
-    if (leaf.level == max_octree_levels || 2 * std::size_t{leaf.unit} + 1 >= octree.units.size()) {
-      return {};
-    }
-    ++leaf.level;
-    const auto bit = static_cast<unsigned>(max_octree_levels - leaf.level);
-    const std::uint32_t octant = ((within[0] >> bit) & 1U) | ((within[1] >> bit) & 1U) << 1U |
-                                 ((within[2] >> bit) & 1U) << 2U;
-    const std::uint32_t first = octree.units[2 * std::size_t{leaf.unit}];
-    const std::uint32_t kinds = octree.units[2 * std::size_t{leaf.unit} + 1];
-    leaf.kind = static_cast<OctreeKind>((kinds >> (4U * octant)) & 15U);
-    leaf.unit = first + units_before(kinds, octant);
+  const auto step_x = static_cast<std::uint64_t>(static_cast<std::int64_t>(x * steps));
+  const auto step_y = static_cast<std::uint64_t>(static_cast<std::int64_t>(y * steps));
+  const auto step_z = static_cast<std::uint64_t>(static_cast<std::int64_t>(z * steps));
+  const std::uint64_t place =
+      (step_x >> max_octree_levels) +
+      octree.roots[0] * ((step_y >> max_octree_levels) +
+                         std::uint64_t{octree.roots[1]} * (step_z >> max_octree_levels));
+  if (place >= octree.root_words.size()) return {};
+  const std::uint32_t word = octree.root_words[place];
+  auto kind = static_cast<OctreeKind>(word & 15U);
+  std::uint32_t unit = word >> 4U;
+  int level = 0;
+  while (kind == OctreeKind::split) {
+    if (level == max_octree_levels || 2 * std::size_t{unit} + 1 >= octree.units.size()) return {};
+    ++level;
+    const auto bit = static_cast<unsigned>(max_octree_levels - level);
+    const auto octant = static_cast<std::uint32_t>(
+        (step_x >> bit & 1U) | (step_y >> bit & 1U) << 1U | (step_z >> bit & 1U) << 2U);
+    const std::uint32_t first = octree.units[2 * std::size_t{unit}];
+    const std::uint32_t kinds = octree.units[2 * std::size_t{unit} + 1];
+    kind = static_cast<OctreeKind>((kinds >> 4U * octant) & 15U);
+    unit = first + units_before(kinds, octant);
   }
-  const auto coarse = static_cast<unsigned>(max_octree_levels - leaf.level);
-  // By its bits, 2^level.
-  const auto divided =
-      std::bit_cast<double>(std::uint64_t{1023U + static_cast<unsigned>(leaf.level)} << 52U);
-  leaf.per_half = 2 * per_edge * divided;
-  const double edge =
-      octree.edge *
-      std::bit_cast<double>(std::uint64_t{1023U - static_cast<unsigned>(leaf.level)} << 52U);
+  const auto coarse = static_cast<unsigned>(max_octree_levels - level);
+  const double edge = octree.edge * power_of_two(-level);
+  Leaf leaf;
+  leaf.kind = kind;
+  leaf.unit = unit;
+  leaf.level = level;
   leaf.half = edge / 2;
-  for (int axis = 0; axis < 3; ++axis) {
-    const auto k = static_cast<std::size_t>(axis);
-    leaf.middle[axis] =
-        octree.origin[axis] + octree.edge * root[k] + edge * ((within[k] >> coarse) + 0.5);
-  }
+  leaf.per_half = 2 * octree.per_edge * power_of_two(level);
+  leaf.middle[0] = octree.origin[0] + edge * (static_cast<double>(step_x >> coarse) + 0.5);
+  leaf.middle[1] = octree.origin[1] + edge * (static_cast<double>(step_y >> coarse) + 0.5);
+  leaf.middle[2] = octree.origin[2] + edge * (static_cast<double>(step_z >> coarse) + 0.5);
   return leaf;
 }
 

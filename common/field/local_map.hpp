@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <bit>
 #include <cmath>
 #include <cstdint>
 #include <cstring>
@@ -62,11 +63,11 @@ inline constexpr int bend_exponent_bias = 40;
   std::memcpy(last.data(), reinterpret_cast<const char*>(words + 2) + 6, 2);
   LocalMap map;
   map.value = value_unit * wide[0];
-  map.slope = slope_unit * Vector3(wide[1], wide[2], wide[3]);
+  map.slope[0] = slope_unit * wide[1];
+  map.slope[1] = slope_unit * wide[2];
+  map.slope[2] = slope_unit * wide[3];
   // 2^(exponent - bias), by its bits: exponents of a byte cannot leave the range of doubles.
-  const std::uint64_t bits = (1023ULL + last[0] - bend_exponent_bias) << 52U;
-  double unit = 0;
-  std::memcpy(&unit, &bits, 8);
+  const auto unit = std::bit_cast<double>((1023ULL + last[0] - bend_exponent_bias) << 52U);
   for (std::size_t i = 0; i < 6; ++i) map.bend[i] = unit * narrow[i];
   map.plane = last[1];
   return map;
@@ -79,7 +80,10 @@ inline constexpr int bend_exponent_bias = 40;
 /// A place from a cube's middle, over half the cube's edge, in the coordinates of a local map.
 [[nodiscard]] inline Vector3 local_coordinates(const SupportPlane& plane,
                                                const Vector3& offset) noexcept {
-  return {plane.u.dot(offset), plane.v.dot(offset), -plane.n.dot(offset)};
+  const double x = offset[0], y = offset[1], z = offset[2];
+  return {plane.u[0] * x + plane.u[1] * y + plane.u[2] * z,
+          plane.v[0] * x + plane.v[1] * y + plane.v[2] * z,
+          -(plane.n[0] * x + plane.n[1] * y + plane.n[2] * z)};
 }
 
 }  // namespace spm

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "common/field/nearest_triangle.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstring>
 #include <limits>
 
 #include "common/surface/closest_on_triangle.hpp"
@@ -20,7 +22,7 @@ namespace spm::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
 // Products and sums are not fused, so that every processor gives the same bits.
-using Lanes = hn::CappedTag<float, cluster_size>;
+using Lanes = hn::CappedTag<float, packet_size>;
 using Floats = hn::Vec<Lanes>;
 
 /// A vector in each lane.
@@ -28,9 +30,6 @@ struct Vectors {
   Floats x, y, z;
 };
 
-HWY_INLINE Vectors minus(const Vectors& a, const Vectors& b) {
-  return {hn::Sub(a.x, b.x), hn::Sub(a.y, b.y), hn::Sub(a.z, b.z)};
-}
 HWY_INLINE Floats dot(const Vectors& a, const Vectors& b) {
   return hn::Add(hn::Add(hn::Mul(a.x, b.x), hn::Mul(a.y, b.y)), hn::Mul(a.z, b.z));
 }
@@ -40,149 +39,279 @@ HWY_INLINE Vectors cross(const Vectors& a, const Vectors& b) {
           hn::Sub(hn::Mul(a.x, b.y), hn::Mul(a.y, b.x))};
 }
 
-/// Square of the distance of a point from a segment from 0 along `along`; of a corner where that
-/// has no length.
-HWY_INLINE Floats segment_square(const Vectors& point, const Vectors& along) {
+/// Whole lattice steps in each lane.
+using WholeLanes = hn::RebindToSigned<Lanes>;
+struct WholeVectors {
+  hn::Vec<WholeLanes> x, y, z;
+};
+
+/// Exact: corners lie within 2^corner_bits steps of each other.
+HWY_INLINE Vectors between(const WholeVectors& from, const WholeVectors& to) {
   const Lanes lanes;
-  const Floats length = hn::Max(dot(along, along), hn::Set(lanes, 1e-30F));
+  return {hn::ConvertTo(lanes, hn::Sub(to.x, from.x)), hn::ConvertTo(lanes, hn::Sub(to.y, from.y)),
+          hn::ConvertTo(lanes, hn::Sub(to.z, from.z))};
+}
+
+/// A point in lattice steps: whole ones and the rest.
+struct LatticePlace {
+  std::array<std::int32_t, 3> whole{};
+  std::array<float, 3> rest{};
+};
+
+HWY_INLINE LatticePlace lattice_place(const IndexedTriangles& mesh, const Vector3& point) {
+  LatticePlace place;
+  const double per_step = 1 / mesh.step;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const auto k = static_cast<int>(axis);
+    // Far outside all corners nothing depends on where; no number is too large to be whole.
+    const double step = std::min(std::max((point[k] - mesh.origin[k]) * per_step, -1e8), 1e8);
+    place.whole[axis] = static_cast<std::int32_t>(step);
+    place.rest[axis] = static_cast<float>(step - place.whole[axis]);
+  }
+  return place;
+}
+
+/// The triangles of a packet.
+struct Packet {
+  alignas(64) std::array<std::array<std::uint64_t, packet_size>, 3> corners;
+  std::array<std::uint32_t, packet_size> numbers;
+  std::uint32_t thin = 0;  ///< a bit each
+};
+
+/// The numbers of a packet's triangles from the `first` of the list on; the last of them again and
+/// again where there are fewer before `end`.
+HWY_INLINE void load_numbers(const TriangleList& list, std::size_t first, std::size_t end,
+                             Packet& packet) {
+  const auto* numbers = reinterpret_cast<const char*>(list.words + 1);
+  for (std::size_t k = 0; k < packet_size; ++k) {
+    const std::size_t place = std::min(first + k, end - 1);
+    std::uint32_t number = 0;
+    if (list.wide) {
+      std::memcpy(&number, numbers + 4 * place, 4);
+    } else {
+      std::memcpy(&number, numbers + 2 * place, 2);
+    }
+    packet.numbers[k] = list.words[0] + number;
+  }
+}
+
+HWY_INLINE void load_packet(const IndexedTriangles& mesh, Packet& packet) {
+  // By themselves, since the compiler cannot know that storing the packet leaves them as they are.
+  const std::span<const std::uint32_t> triangles = mesh.triangles, corners = mesh.corners;
+  const auto triangle_count = static_cast<std::uint32_t>(mesh.size());
+  const auto corner_count = static_cast<std::uint32_t>(mesh.corner_count());
+  std::array<std::uint64_t, packet_size> threes;
+  std::uint32_t thin = 0;
+  for (std::size_t k = 0; k < packet_size; ++k) {
+    const std::uint32_t number = packet.numbers[k] < triangle_count ? packet.numbers[k] : 0;
+    packet.numbers[k] = number;
+    threes[k] = long_word(triangles, number);
+    thin |= static_cast<std::uint32_t>(threes[k] >> 63U) << k;
+  }
+  packet.thin = thin;
+  for (unsigned corner = 0; corner < 3; ++corner) {
+    for (std::size_t k = 0; k < packet_size; ++k) {
+      const std::uint32_t at = unpack_third(threes[k], corner);
+      packet.corners[corner][k] = long_word(corners, std::min(at, corner_count - 1));
+    }
+  }
+}
+
+/// The corners of a packet from its k-th triangle on.
+HWY_INLINE WholeVectors corners_from(const Packet& packet, std::size_t corner, std::size_t k) {
+  const hn::RebindToUnsigned<Lanes> words;
+  const WholeLanes whole;
+  hn::Vec<decltype(words)> low, high;
+  hn::LoadInterleaved2(
+      words, reinterpret_cast<const std::uint32_t*>(packet.corners[corner].data() + k), low, high);
+  const auto mask = hn::Set(words, corner_mask);
+  constexpr int rest = 32 - static_cast<int>(corner_bits);
+  const auto y =
+      hn::Or(hn::ShiftRight<static_cast<int>(corner_bits)>(low), hn::ShiftLeft<rest>(high));
+  return {hn::BitCast(whole, hn::And(low, mask)), hn::BitCast(whole, hn::And(y, mask)),
+          hn::BitCast(whole,
+                      hn::And(hn::ShiftRight<2 * static_cast<int>(corner_bits) - 32>(high), mask))};
+}
+
+/// Triangles in lanes, seen from their first corners, in lattice steps.
+struct Sides {
+  Vectors ab, ac, bc, ap, normal;
+  Floats area;  ///< square of twice the area
+};
+
+HWY_INLINE Sides sides_from(const Packet& packet, const LatticePlace& place, std::size_t k) {
+  const WholeLanes whole;
+  const Lanes lanes;
+  const WholeVectors a = corners_from(packet, 0, k), b = corners_from(packet, 1, k),
+                     c = corners_from(packet, 2, k);
+  const Vectors toward = between({hn::Set(whole, place.whole[0]), hn::Set(whole, place.whole[1]),
+                                  hn::Set(whole, place.whole[2])},
+                                 a);
+  Sides sides;
+  sides.ab = between(a, b);
+  sides.ac = between(a, c);
+  sides.bc = between(b, c);
+  sides.ap = {hn::Sub(hn::Set(lanes, place.rest[0]), toward.x),
+              hn::Sub(hn::Set(lanes, place.rest[1]), toward.y),
+              hn::Sub(hn::Set(lanes, place.rest[2]), toward.z)};
+  sides.normal = cross(sides.ab, sides.ac);
+  sides.area = dot(sides.normal, sides.normal);
+  return sides;
+}
+
+/// Products that both sides and faces are measured by.
+struct Products {
+  Floats ab_ab, ac_ac, bc_bc, ab_ac, ab_ap, ac_ap;
+};
+
+/// Square of the distance from a segment, of whose length and way `share` is the nearest place.
+HWY_INLINE Floats square_beside(const Vectors& point, const Vectors& along, Floats product,
+                                Floats length) {
+  const Lanes lanes;
   const Floats share =
-      hn::Min(hn::Max(hn::Div(dot(point, along), length), hn::Zero(lanes)), hn::Set(lanes, 1.0F));
+      hn::Min(hn::Max(hn::Div(product, hn::Max(length, hn::Set(lanes, 1.0F))), hn::Zero(lanes)),
+              hn::Set(lanes, 1.0F));
   const Vectors off{hn::Sub(point.x, hn::Mul(share, along.x)),
                     hn::Sub(point.y, hn::Mul(share, along.y)),
                     hn::Sub(point.z, hn::Mul(share, along.z))};
   return dot(off, off);
 }
 
-/// A corner's coordinates from the box, in shifted lattice steps, from the k-th triangle on.
-HWY_INLINE Vectors load_corner(const std::uint32_t* cluster, std::size_t corner, std::size_t k) {
-  const hn::Rebind<std::uint16_t, Lanes> narrow;
-  const hn::RebindToSigned<Lanes> whole;
-  const auto* numbers = reinterpret_cast<const std::uint16_t*>(cluster + cluster_head) +
-                        3 * corner * cluster_size + k;
-  const auto axis = [&](std::size_t which) {
-    return hn::ConvertTo(Lanes(),
-                         hn::PromoteTo(whole, hn::LoadU(narrow, numbers + which * cluster_size)));
-  };
-  return {axis(0), axis(1), axis(2)};
+HWY_INLINE Products products_of(const Sides& s) {
+  return {dot(s.ab, s.ab), dot(s.ac, s.ac), dot(s.bc, s.bc),
+          dot(s.ab, s.ac), dot(s.ab, s.ap), dot(s.ac, s.ap)};
 }
 
-/// A point from the cluster's box, in shifted lattice steps; the same in all lanes.
-HWY_INLINE Vectors local_point(const TriangleClusters& clusters, const std::uint32_t* cluster,
-                               const Vector3& point) {
-  const double per_step =
-      1 / (clusters.step * static_cast<double>(std::uint64_t{1} << shift_of(cluster)));
-  const Vector3 local = (point - base_of(clusters, cluster)) * per_step;
-  const Lanes lanes;
-  return {hn::Set(lanes, static_cast<float>(local[0])),
-          hn::Set(lanes, static_cast<float>(local[1])),
-          hn::Set(lanes, static_cast<float>(local[2]))};
+/// Squares of the distances to the sides alone.
+HWY_INLINE Floats to_sides(const Sides& s, const Products& p) {
+  const Vectors bp{hn::Sub(s.ap.x, s.ab.x), hn::Sub(s.ap.y, s.ab.y), hn::Sub(s.ap.z, s.ab.z)};
+  return hn::Min(hn::Min(square_beside(s.ap, s.ab, p.ab_ap, p.ab_ab),
+                         square_beside(s.ap, s.ac, p.ac_ap, p.ac_ac)),
+                 square_beside(bp, s.bc, dot(s.bc, bp), p.bc_bc));
 }
 
-/// Triangles of a cluster in lanes, seen from their first corners.
-struct Sides {
-  Vectors ab, ac, bc, ap, bp, normal;
-  Floats area;  ///< square of twice the area
-};
-
-HWY_INLINE Sides sides_from(const std::uint32_t* cluster, const Vectors& point, std::size_t k) {
-  Sides sides;
-  const Vectors a = load_corner(cluster, 0, k);
-  sides.ab = minus(load_corner(cluster, 1, k), a);
-  sides.ac = minus(load_corner(cluster, 2, k), a);
-  sides.bc = minus(sides.ac, sides.ab);
-  sides.ap = minus(point, a);
-  sides.bp = minus(sides.ap, sides.ab);
-  sides.normal = cross(sides.ab, sides.ac);
-  sides.area = dot(sides.normal, sides.normal);
-  return sides;
-}
-
-/// Squares of the distances to the sides alone, in shifted lattice steps.
-HWY_INLINE Floats to_sides(const Sides& s) {
-  return hn::Min(hn::Min(segment_square(s.ap, s.ab), segment_square(s.ap, s.ac)),
-                 segment_square(s.bp, s.bc));
-}
-
-/// Squares of the distances to the triangles, in shifted lattice steps.
-HWY_INLINE Floats to_triangles(const Sides& s) {
+/// Squares of the distances to the triangles.
+HWY_INLINE Floats to_triangles(const Sides& s, const Products& p, Floats beside) {
   const Lanes lanes;
   const Floats zero = hn::Zero(lanes);
-  // Over the face where the point is inwards of all three sides.
-  const auto over = hn::And(hn::And(hn::Ge(dot(cross(s.normal, s.ab), s.ap), zero),
-                                    hn::Ge(dot(cross(s.ac, s.normal), s.ap), zero)),
-                            hn::Ge(dot(cross(s.normal, s.bc), s.bp), zero));
+  // Barycentric coordinates times `area`: over the face none is negative.
+  const Floats c = hn::Sub(hn::Mul(p.ab_ab, p.ac_ap), hn::Mul(p.ab_ac, p.ab_ap));
+  const Floats b = hn::Sub(hn::Mul(p.ac_ac, p.ab_ap), hn::Mul(p.ab_ac, p.ac_ap));
+  const auto over = hn::And(hn::Ge(hn::Min(b, c), zero), hn::Le(hn::Add(b, c), s.area));
   const Floats height = dot(s.normal, s.ap);
-  const Floats face = hn::Div(hn::Mul(height, height), hn::Max(s.area, hn::Set(lanes, 1e-30F)));
-  return hn::IfThenElse(hn::And(over, hn::Gt(s.area, zero)), face, to_sides(s));
+  const Floats face = hn::Div(hn::Mul(height, height), hn::Max(s.area, hn::Set(lanes, 1.0F)));
+  return hn::IfThenElse(hn::And(over, hn::Gt(s.area, zero)), face, beside);
 }
 
 /// What the squares are at least, of triangles too thin for the above: over a face the nearest side
 /// is at most half the triangle's height away. With room for the rounding of all of this.
-HWY_INLINE Floats least_squares(const Sides& s) {
+HWY_INLINE Floats least_squares(const Sides& s, const Products& p, Floats beside) {
   const Lanes lanes;
-  const Floats longest = hn::Max(hn::Max(dot(s.ab, s.ab), dot(s.ac, s.ac)),
-                                 hn::Max(dot(s.bc, s.bc), hn::Set(lanes, 1.0F)));
-  const Floats square = hn::Mul(to_sides(s), hn::Set(lanes, 0.999F));
+  const Floats longest = hn::Max(hn::Max(p.ab_ab, p.ac_ac), hn::Max(p.bc_bc, hn::Set(lanes, 1.0F)));
   const Floats slack = hn::Add(hn::Div(s.area, longest), hn::Set(lanes, 1.0F));
-  return hn::Sub(square, slack);
+  return hn::Sub(hn::Mul(beside, hn::Set(lanes, 0.999F)), slack);
 }
 
 /// Of thin triangles only those that may be nearer than `best` are looked at, in doubles.
-HWY_INLINE void squares_of_thin(const TriangleClusters& clusters, const std::uint32_t* cluster,
+HWY_INLINE void squares_of_thin(const IndexedTriangles& mesh, const Packet& packet,
                                 const Vector3& point, float best, float* squares) {
-  for (std::size_t i = 0; i < cluster_size; ++i) {
-    const float least = squares[i];
-    squares[i] = std::numeric_limits<float>::infinity();
+  for (std::size_t k = 0; k < packet_size; ++k) {
+    if ((packet.thin >> k & 1U) == 0) continue;
+    const float least = squares[k];
+    squares[k] = std::numeric_limits<float>::infinity();
     if (!(least < best)) continue;
-    const auto corners = corners_of(clusters, cluster, i);
-    squares[i] = static_cast<float>(
+    const auto corners = corners_of(mesh, packet.numbers[k]);
+    squares[k] = static_cast<float>(
         (closest_on_triangle(point, corners[0], corners[1], corners[2]) - point).squaredNorm());
-    best = squares[i] < best ? squares[i] : best;
+    best = std::min(squares[k], best);
   }
 }
 
-/// Squares of the distances to the triangles of a cluster, m^2; those above `best` may be more.
-HWY_INLINE void squares_of_cluster(const TriangleClusters& clusters, const std::uint32_t* cluster,
-                                   const Vector3& point, float best, float* squares) {
-  const double scale = clusters.step * static_cast<double>(std::uint64_t{1} << shift_of(cluster));
-  const bool thin = is_exact(cluster);
-  const Lanes lanes;
-  const Vectors local = local_point(clusters, cluster, point);
-  const Floats square = hn::Set(lanes, static_cast<float>(scale * scale));
-  for (std::size_t k = 0; k < cluster_size; k += hn::Lanes(lanes)) {
-    const Sides sides = sides_from(cluster, local, k);
-    const Floats found = thin ? least_squares(sides) : to_triangles(sides);
-    hn::StoreU(hn::Mul(found, square), lanes, squares + k);
-  }
-  if (thin) squares_of_thin(clusters, cluster, point, best, squares);
-}
+/// The nearest triangles so far, one in each lane; of two that are as near the lower number, so
+/// that the number of lanes changes nothing.
+struct NearestInLanes {
+  Floats square;  ///< m^2
+  hn::Vec<WholeLanes> number;
 
-ListedTriangle find_nearest_triangle(const TriangleClusters& clusters,
-                                     std::span<const std::uint32_t> list, double reach,
-                                     const Vector3& point) {
-  ListedTriangle nearest;
-  nearest.square = std::numeric_limits<float>::infinity();
+  HWY_INLINE void meet(Floats squares, hn::Vec<WholeLanes> numbers) {
+    const Lanes lanes;
+    const auto lower =
+        hn::And(hn::Eq(squares, square), hn::RebindMask(lanes, hn::Lt(numbers, number)));
+    const auto nearer = hn::Or(hn::Lt(squares, square), lower);
+    number = hn::IfThenElse(hn::RebindMask(WholeLanes(), nearer), numbers, number);
+    square = hn::Min(squares, square);
+  }
+  [[nodiscard]] HWY_INLINE float least() const {
+    return hn::GetLane(hn::MinOfLanes(Lanes(), square));
+  }
+  [[nodiscard]] HWY_INLINE NearestTriangle nearest() const {
+    const Lanes lanes;
+    const WholeLanes whole;
+    const Floats least = hn::MinOfLanes(lanes, square);
+    const auto found = hn::RebindMask(whole, hn::Eq(square, least));
+    const auto numbers =
+        hn::IfThenElse(found, number, hn::Set(whole, std::numeric_limits<std::int32_t>::max()));
+    return {.triangle = static_cast<std::uint32_t>(hn::GetLane(hn::MinOfLanes(whole, numbers))),
+            .square = hn::GetLane(least)};
+  }
+};
+
+/// Looks at the triangles of a packet.
+HWY_INLINE void meet_packet(const IndexedTriangles& mesh, const Packet& packet,
+                            const LatticePlace& place, const Vector3& point,
+                            NearestInLanes& nearest) {
   const Lanes lanes;
-  const double bound_unit = reach / 255;
-  for (std::size_t entry = 0; entry < list.size(); ++entry) {
-    const double bound = bound_unit * static_cast<double>(list[entry] >> 24U);
-    if (bound * bound > static_cast<double>(nearest.square)) break;
-    const std::uint32_t* cluster = clusters.at(list[entry] & 0xFFFFFFU);
-    if (cluster == nullptr) continue;
-    alignas(32) std::array<float, cluster_size> squares;
-    squares_of_cluster(clusters, cluster, point, nearest.square, squares.data());
-    for (std::size_t k = 0; k < cluster_size; k += hn::Lanes(lanes)) {
-      const Floats found = hn::Load(lanes, squares.data() + k);
-      const Floats best = hn::Set(lanes, nearest.square);
-      if (hn::AllFalse(lanes, hn::Lt(found, best))) continue;
-      const Floats least = hn::MinOfLanes(lanes, found);
-      nearest.square = hn::GetLane(least);
-      nearest.entry = entry;
-      nearest.triangle =
-          k + static_cast<std::size_t>(hn::FindFirstTrue(lanes, hn::Eq(found, least)));
+  const WholeLanes whole;
+  const Floats unit = hn::Set(lanes, static_cast<float>(mesh.step * mesh.step));
+  alignas(64) std::array<float, packet_size> squares;
+  for (std::size_t k = 0; k < packet_size; k += hn::Lanes(lanes)) {
+    const Sides sides = sides_from(packet, place, k);
+    const Products products = products_of(sides);
+    const Floats beside = to_sides(sides, products);
+    Floats found = to_triangles(sides, products, beside);
+    if (HWY_UNLIKELY(packet.thin != 0)) {
+      const auto bit = hn::And(hn::Set(whole, static_cast<std::int32_t>(packet.thin >> k)),
+                               hn::Shl(hn::Set(whole, 1), hn::Iota(whole, 0)));
+      const auto thin = hn::RebindMask(lanes, hn::Ne(bit, hn::Zero(whole)));
+      found = hn::IfThenElse(thin, least_squares(sides, products, beside), found);
+      hn::Store(hn::Mul(found, unit), lanes, squares.data() + k);
+    } else {
+      nearest.meet(
+          hn::Mul(found, unit),
+          hn::LoadU(whole, reinterpret_cast<const std::int32_t*>(packet.numbers.data()) + k));
     }
   }
-  return nearest;
+  if (HWY_LIKELY(packet.thin == 0)) return;
+  squares_of_thin(mesh, packet, point, nearest.least(), squares.data());
+  for (std::size_t k = 0; k < packet_size; k += hn::Lanes(lanes)) {
+    nearest.meet(
+        hn::Load(lanes, squares.data() + k),
+        hn::LoadU(whole, reinterpret_cast<const std::int32_t*>(packet.numbers.data()) + k));
+  }
+}
+
+NearestTriangle find_nearest_triangle(const IndexedTriangles& mesh, const TriangleList& list,
+                                      ListPart part, double reach, const Vector3& point) {
+  const bool caps = part == ListPart::caps;
+  const std::size_t first = caps ? list.surface : 0;
+  const std::size_t end = first + (caps ? list.caps : list.surface);
+  if (mesh.corner_count() == 0 || mesh.size() == 0 || end == first) return {};
+  const LatticePlace place = lattice_place(mesh, point);
+  NearestInLanes nearest{hn::Set(Lanes(), std::numeric_limits<float>::infinity()),
+                         hn::Zero(WholeLanes())};
+  Packet packet;
+  const double bound_unit = reach / 255;
+  for (std::size_t k = first; k < end; k += packet_size) {
+    if (list.has_bounds()) {
+      const std::size_t before = caps ? packets_of(list.surface) : 0;
+      const double bound = bound_unit * list.bound(before + (k - first) / packet_size);
+      if (bound * bound > static_cast<double>(nearest.least())) break;
+    }
+    load_numbers(list, k, end, packet);
+    load_packet(mesh, packet);
+    meet_packet(mesh, packet, place, point, nearest);
+  }
+  return nearest.nearest();
 }
 
 }  // namespace spm::HWY_NAMESPACE
@@ -193,10 +322,9 @@ namespace spm {
 
 HWY_EXPORT(find_nearest_triangle);
 
-ListedTriangle nearest_triangle(const TriangleClusters& clusters,
-                                std::span<const std::uint32_t> list, double reach,
-                                const Vector3& point) noexcept {
-  return HWY_DYNAMIC_DISPATCH(find_nearest_triangle)(clusters, list, reach, point);
+NearestTriangle nearest_triangle(const IndexedTriangles& mesh, const TriangleList& list,
+                                 ListPart part, double reach, const Vector3& point) noexcept {
+  return HWY_DYNAMIC_DISPATCH(find_nearest_triangle)(mesh, list, part, reach, point);
 }
 
 }  // namespace spm

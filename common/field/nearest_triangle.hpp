@@ -1,26 +1,26 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <cstddef>
 #include <cstdint>
-#include <span>
+#include <limits>
 
-#include "common/field/triangle_cluster.hpp"
+#include "common/field/indexed_triangles.hpp"
+#include "common/field/triangle_list.hpp"
 
 namespace spm {
 
-/// A triangle of a list: the place of its cluster there, and its own place in the cluster.
-struct ListedTriangle {
-  std::size_t entry = 0;
-  std::size_t triangle = 0;
-  float square = 0;  ///< of its distance, m^2, in single precision; infinite where there is none
+enum class ListPart { surface, caps };
+
+struct NearestTriangle {
+  std::uint32_t triangle = 0;
+  /// Of its distance, m^2, in single precision; infinite where there is none.
+  float square = std::numeric_limits<float>::infinity();
 };
 
-/// The nearest triangle of a list (DistanceOctree), by several at once in single precision.
-/// Clusters that are too far to matter are passed over: `reach` is what 255 of a list's bounds
-/// stand for, m.
-[[nodiscard]] ListedTriangle nearest_triangle(const TriangleClusters& clusters,
-                                              std::span<const std::uint32_t> list, double reach,
-                                              const Vector3& point) noexcept;
+/// The nearest triangle of one part of a list, by several at once in single precision. Packets that
+/// are too far to matter are passed over: `reach` is what 255 of a list's bounds stand for, m.
+[[nodiscard]] NearestTriangle nearest_triangle(const IndexedTriangles& mesh,
+                                               const TriangleList& list, ListPart part,
+                                               double reach, const Vector3& point) noexcept;
 
 }  // namespace spm

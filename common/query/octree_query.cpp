@@ -2,7 +2,6 @@
 #include "common/query/octree_query.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 
 #include "common/base/octahedral.hpp"
@@ -17,89 +16,74 @@ namespace {
 /// Nearer to the surface than this share of the tolerance, the direction to it is noise, and the
 /// triangle's own normal is the answer.
 constexpr double surface_share = 1e-3;
-/// The clusters of a list, bounded by what is there.
-struct ClusterList {
-  std::span<const std::uint32_t> triangles, caps;
-  ListSide side = ListSide::surface;
-};
-
-ClusterList list_of(const DistanceOctree& octree, const std::uint32_t* unit) noexcept {
-  ClusterList list;
-  const std::size_t first = unit[0], count = unit[1] & 0xFFFU;
-  if (first > octree.lists.size() || count > octree.lists.size() - first) return list;
-  const std::size_t caps = std::min<std::size_t>(unit[1] >> 12U & 0xFFFU, count);
-  const auto all = octree.lists.subspan(first, count);
-  list.triangles = all.first(count - caps);
-  list.caps = all.last(caps);
-  list.side = static_cast<ListSide>(unit[1] >> 24U & 3U);
-  return list;
-}
-
 struct ClosestOnList {
-  Vector3 point = Vector3::Zero();
-  Vector3 normal = Vector3::Zero();  ///< of its triangle; 0 of one without an area
+  Vector3 away = Vector3::Zero();    ///< from there to the place
+  Vector3 normal = Vector3::Zero();  ///< of its triangle, of no certain length
   double distance = -1;              ///< below 0: none
   bool inside = false;               ///< the side that it tells
 };
 
-ClosestOnList closest_on_list(const AssetView& asset, std::span<const std::uint32_t> list,
+ClosestOnList closest_on_list(const AssetView& asset, const TriangleList& list, ListPart part,
                               const Vector3& point) noexcept {
   ClosestOnList closest;
-  const ListedTriangle nearest = nearest_triangle(asset.clusters, list, asset.octree.reach, point);
+  const NearestTriangle nearest =
+      nearest_triangle(asset.exact, list, part, asset.octree.reach, point);
   if (!std::isfinite(nearest.square)) return closest;
-  const std::uint32_t* cluster = asset.clusters.at(list[nearest.entry] & 0xFFFFFFU);
-  const auto corners = corners_of(asset.clusters, cluster, nearest.triangle);
+  const auto corners = corners_of(asset.exact, nearest.triangle);
   const ClosestFeature on = closest_feature(point, corners[0], corners[1], corners[2]);
-  closest.point = on.point;
-  closest.distance = (point - closest.point).norm();
-  const Vector3 normal = (corners[1] - corners[0]).cross(corners[2] - corners[0]);
-  const double length = normal.norm();
-  if (length > 0) closest.normal = normal / length;
-  closest.inside =
-      is_inside(sides_of(cluster, nearest.triangle), on.feature, normal.dot(point - closest.point));
+  const double x = point[0] - on.point[0], y = point[1] - on.point[1], z = point[2] - on.point[2];
+  closest.away = {x, y, z};
+  closest.normal = {on.normal[0], on.normal[1], on.normal[2]};
+  closest.distance = std::sqrt(x * x + y * y + z * z);
+  closest.inside = is_inside(traits_of(asset.exact, nearest.triangle).sides, on.feature,
+                             on.normal[0] * x + on.normal[1] * y + on.normal[2] * z);
   return closest;
 }
 
 Answer answer_by_list(const AssetView& asset, const std::uint32_t* unit,
                       const Vector3& point) noexcept {
-  const ClusterList list = list_of(asset.octree, unit);
-  const ClosestOnList closest = closest_on_list(asset, list.triangles, point);
+  const TriangleList list = list_of(asset.octree, unit);
+  const ClosestOnList closest = closest_on_list(asset, list, ListPart::surface, point);
   if (closest.distance < 0) return unanswered(Status::far);
-  const Vector3 away = point - closest.point;
   bool inside = list.side == ListSide::inside;
   if (list.side == ListSide::surface) {
     inside = closest.inside;
-    if (!list.caps.empty()) {
-      const ClosestOnList cap = closest_on_list(asset, list.caps, point);
+    if (list.caps != 0) {
+      const ClosestOnList cap = closest_on_list(asset, list, ListPart::caps, point);
       if (cap.distance >= 0 && cap.distance < closest.distance) inside = cap.inside;
     }
   }
   Answer answer;
   answer.distance = inside ? -closest.distance : closest.distance;
-  const bool close = closest.distance <= surface_share * asset.tolerance;
-  answer.normal = close && closest.normal != Vector3::Zero()
-                      ? closest.normal
-                      : Vector3(away / (inside ? -closest.distance : closest.distance));
-  if (!answer.normal.allFinite()) answer.normal = Vector3::UnitZ();
   answer.source = Source::triangles;
   answer.status = Status::exact;
+  if (closest.distance > surface_share * asset.tolerance) {
+    for (int axis = 0; axis < 3; ++axis) answer.normal[axis] = closest.away[axis] / answer.distance;
+  } else if (closest.normal != Vector3::Zero()) {
+    answer.normal = closest.normal.normalized();
+  } else {
+    answer.normal = Vector3::UnitZ();
+  }
   return answer;
 }
 
-/// A vector of length 1. The slope of a distance is nearly so long, where Newton's steps are right
-/// to 1e-11 and faster than a root and a division.
-Vector3 unit_of(const Vector3& slope) noexcept {
-  const double square = slope.squaredNorm();
-  if (!(std::abs(square - 1) < 0.25)) return slope.normalized();
-  double length = 1.5 - 0.5 * square;
-  for (int step = 0; step < 3; ++step) length *= 1.5 - 0.5 * square * length * length;
-  return slope * length;
+/// What makes a vector one of length 1, by its square. The slope of a distance is nearly so long,
+/// where a short series and one of Newton's steps are right to 1e-13, and faster than a root and a
+/// division.
+double per_length(double square) noexcept {
+  const double less = 1 - square;
+  if (!(std::abs(less) < 1.0 / 16)) return square > 0 ? 1 / std::sqrt(square) : 0;
+  const double near = (1 + less * (1.0 / 2)) +
+                      less * less * ((3.0 / 8 + 5.0 / 16 * less) + less * less * (35.0 / 128));
+  return near * (1.5 - 0.5 * square * near * near);
 }
 
 Answer answer_by_maps(const AssetView& asset, const Leaf& leaf, const std::uint32_t* words,
                       const Vector3& point) noexcept {
   const double unit = asset.octree.value_unit * leaf.per_half;
-  const Vector3 offset = (point - leaf.middle) * leaf.per_half;
+  const Vector3 offset((point[0] - leaf.middle[0]) * leaf.per_half,
+                       (point[1] - leaf.middle[1]) * leaf.per_half,
+                       (point[2] - leaf.middle[2]) * leaf.per_half);
   LocalMap map = unpack_local_map(words, unit);
   if (map.plane >= asset.planes.size()) return unanswered(Status::far);
   Vector3 z = local_coordinates(asset.planes[map.plane], offset);
@@ -118,7 +102,13 @@ Answer answer_by_maps(const AssetView& asset, const Leaf& leaf, const std::uint3
   const Vector3 slope = map.gradient(z);
   Answer answer;
   answer.distance = leaf.half * value;
-  answer.normal = unit_of(from_plane_frame(asset.planes[map.plane], slope[0], slope[1], slope[2]));
+  const SupportPlane& plane = asset.planes[map.plane];
+  const auto world = [&](int axis) {
+    return slope[0] * plane.u[axis] + slope[1] * plane.v[axis] - slope[2] * plane.n[axis];
+  };
+  const double x = world(0), y = world(1), z = world(2);
+  const double per = per_length(x * x + y * y + z * z);
+  answer.normal = {per * x, per * y, per * z};
   answer.plane = static_cast<std::int32_t>(map.plane);
   answer.source = Source::polynomial;
   answer.status = Status::exact;

@@ -39,19 +39,16 @@ SurfaceElements::SurfaceElements(const AssetView& asset) {
     leaves.push_back({low, high, true, static_cast<std::uint32_t>(elements_.size()), 0});
     elements_.push_back(element);
   };
-  for (std::size_t c = 0; c < asset.clusters.size(); ++c) {
-    const std::uint32_t* cluster = asset.clusters.at(c);
-    for (std::size_t k = 0; k < triangles_of(cluster); ++k) {
-      if (!is_bare(cluster, k)) continue;
-      SurfaceElement element;
-      element.corners = corners_of(asset.clusters, cluster, k);
-      Vector3 low = far, high = -far;
-      for (const Vector3& corner : element.corners) {
-        low = low.cwiseMin(corner);
-        high = high.cwiseMax(corner);
-      }
-      add(element, low, high);
+  for (std::size_t i = 0; i < asset.exact.size(); ++i) {
+    if (!traits_of(asset.exact, i).bare) continue;
+    SurfaceElement element;
+    element.corners = corners_of(asset.exact, i);
+    Vector3 low = far, high = -far;
+    for (const Vector3& corner : element.corners) {
+      low = low.cwiseMin(corner);
+      high = high.cwiseMax(corner);
     }
+    add(element, low, high);
   }
   for (std::uint32_t i = 0; i < asset.tiles.size(); ++i) {
     if (asset.tiles[i].plane >= asset.planes.size()) continue;

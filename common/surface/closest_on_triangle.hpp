@@ -16,6 +16,7 @@ enum class TriangleFeature : unsigned { face, ab, bc, ca, a, b, c };
 
 struct ClosestFeature {
   Vector3 point = Vector3::Zero();
+  Vector3 normal = Vector3::Zero();                 ///< of the triangle, of no certain length
   TriangleFeature feature = TriangleFeature::face;  ///< which the point lies on
 };
 

@@ -85,21 +85,22 @@ struct GridData {
   std::vector<std::uint32_t> records;
 };
 
-/// Of a `sparse` asset; see DistanceOctree and TriangleClusters.
+/// Of a `sparse` asset; see DistanceOctree and IndexedTriangles.
 struct OctreeData {
   Vector3 origin = Vector3::Zero();
   double edge = 0;
   std::array<std::uint32_t, 3> roots{0, 0, 0};
   double value_unit = 1, clearance_unit = 1, reach = 1;
   std::vector<std::uint32_t> root_words, units, lists;
-  Vector3 cluster_origin = Vector3::Zero();
-  double cluster_step = 1;
-  std::vector<std::uint32_t> clusters;
+  Vector3 lattice_origin = Vector3::Zero();  ///< of the exact triangles' corners
+  double lattice_step = 1;
+  std::vector<std::uint32_t> corners, triangles, sides;  ///< words of IndexedTriangles
 
   /// Sets what a query reads; the vectors must outlive it.
   void add_to(AssetView& view) const noexcept {
     view.octree = {.origin = origin,
                    .edge = edge,
+                   .per_edge = 1 / edge,
                    .roots = roots,
                    .root_words = root_words,
                    .units = units,
@@ -107,7 +108,11 @@ struct OctreeData {
                    .value_unit = value_unit,
                    .clearance_unit = clearance_unit,
                    .reach = reach};
-    view.clusters = {.origin = cluster_origin, .step = cluster_step, .words = clusters};
+    view.exact = {.origin = lattice_origin,
+                  .step = lattice_step,
+                  .corners = corners,
+                  .triangles = triangles,
+                  .sides = sides};
   }
 };
 

@@ -17,8 +17,8 @@ constexpr std::uint32_t max_tiles = 1U << 24U;
 constexpr std::uint32_t max_samples_a_side = 1U << 14U;
 constexpr std::uint32_t max_cells_an_axis = 1U << 20U;
 constexpr std::uint64_t max_cells = std::uint64_t{1} << 30U;
-constexpr std::uint64_t max_words = std::uint64_t{1} << 28U;     // limit of a grid word
-constexpr std::uint64_t max_clusters = std::uint64_t{1} << 24U;  // limit of a word of a list
+constexpr std::uint64_t max_words = std::uint64_t{1} << 28U;  // limit of a grid word
+constexpr std::uint64_t max_corners = std::uint64_t{1} << corner_bits;
 constexpr std::uint64_t max_triangles = std::uint64_t{1} << 30U;
 // Lengths that stay normal floats over all levels and heights.
 constexpr double min_length = 1e-20, greatest_length = 1e20;
@@ -73,10 +73,11 @@ Json octree_json(const AssetDescription& description) {
           {"reach", octree.reach}};
 }
 
-Json clusters_json(const AssetDescription& description) {
-  return {{"count", description.clusters},
-          {"origin", json_of(description.octree.cluster_origin)},
-          {"step", description.octree.cluster_step}};
+Json exact_json(const AssetDescription& description) {
+  return {{"triangles", description.exact_triangles},
+          {"corners", description.exact_corners},
+          {"origin", json_of(description.octree.lattice_origin)},
+          {"step", description.octree.lattice_step}};
 }
 
 /// Adds the number of maps or tiles of the asset's form, and the layout of their samples.
@@ -183,10 +184,11 @@ void read_octree(JsonFields& fields, AssetDescription& description) {
   data.value_unit = octree.number("value_unit", min_length, greatest_length);
   data.clearance_unit = octree.number("clearance_unit", min_length, greatest_length);
   data.reach = octree.number("reach", min_length, greatest_length);
-  JsonFields clusters = fields.child("clusters");
-  description.clusters = clusters.integer("count", 0, max_clusters);
-  data.cluster_origin = clusters.vector("origin");
-  data.cluster_step = clusters.number("step", min_length, greatest_length);
+  JsonFields exact = fields.child("exact");
+  description.exact_triangles = exact.integer("triangles", 0, max_triangles);
+  description.exact_corners = exact.integer("corners", 0, max_corners);
+  data.lattice_origin = exact.vector("origin");
+  data.lattice_step = exact.number("step", min_length, greatest_length);
 }
 
 void read_maps(JsonFields maps, AssetDescription& description) {
@@ -254,12 +256,15 @@ AssetDescription describe(const Asset& asset) {
                         .root_words = {},
                         .units = {},
                         .lists = {},
-                        .cluster_origin = octree.cluster_origin,
-                        .cluster_step = octree.cluster_step,
-                        .clusters = {}};
+                        .lattice_origin = octree.lattice_origin,
+                        .lattice_step = octree.lattice_step,
+                        .corners = {},
+                        .triangles = {},
+                        .sides = {}};
   description.octree_units = octree.units.size();
   description.octree_lists = octree.lists.size();
-  description.clusters = octree.clusters.size() / cluster_words;
+  description.exact_triangles = octree.triangles.size() / 2;
+  description.exact_corners = octree.corners.size() / 2;
   description.maps = static_cast<std::uint32_t>(asset.maps.size());
   if (!asset.maps.empty()) {
     description.map_columns = asset.maps.front().columns;
@@ -291,7 +296,7 @@ std::string to_json(const AssetDescription& description) {
     json["grid"] = grid_json(description);
   } else {
     json["octree"] = octree_json(description);
-    json["clusters"] = clusters_json(description);
+    json["exact"] = exact_json(description);
   }
   add_surfaces(description, json);
   json["planes"] = planes_json(description);

@@ -23,11 +23,11 @@ struct AssetDescription {
   Vector3 grid_origin = Vector3::Zero();
   double grid_cell_size = 1;
   std::array<std::uint32_t, 3> grid_cells{0, 0, 0};
-  std::uint64_t grid_records = 0;                    ///< words
-  OctreeData octree;                                 ///< `sparse` only, without its words
-  std::uint64_t octree_units = 0, octree_lists = 0;  ///< `sparse` only: words
-  std::uint64_t clusters = 0;                        ///< `sparse` only
-  std::uint32_t maps = 0;                            ///< `full` only, with their columns and rows
+  std::uint64_t grid_records = 0;                        ///< words
+  OctreeData octree;                                     ///< `sparse` only, without its words
+  std::uint64_t octree_units = 0, octree_lists = 0;      ///< `sparse` only: words
+  std::uint64_t exact_triangles = 0, exact_corners = 0;  ///< `sparse` only
+  std::uint32_t maps = 0;  ///< `full` only, with their columns and rows
   std::uint32_t map_columns = 0;
   std::uint32_t map_rows = 0;
   std::uint32_t tiles = 0;      ///< `sparse` only

@@ -192,7 +192,7 @@ std::string_view find_grid(const Parts& parts, const AssetDescription& descripti
   return {};
 }
 
-/// The octree and the clusters of a `sparse` asset, likewise.
+/// The octree and the exact triangles of a `sparse` asset, likewise.
 std::string_view find_octree(const Parts& parts, const AssetDescription& description,
                              AssetView& view) {
   const OctreeData& data = description.octree;
@@ -203,14 +203,22 @@ std::string_view find_octree(const Parts& parts, const AssetDescription& descrip
   if (!units) return part_name::grid_cubes;
   const auto lists = parts.words<std::uint32_t>(part_name::grid_lists, description.octree_lists);
   if (!lists) return part_name::grid_lists;
-  const auto clusters =
-      parts.words<std::uint32_t>(part_name::triangles, description.clusters * cluster_words);
-  if (!clusters) return part_name::triangles;
+  const auto triangles =
+      parts.words<std::uint32_t>(part_name::triangles, 2 * description.exact_triangles);
+  if (!triangles) return part_name::triangles;
+  const auto corners =
+      parts.words<std::uint32_t>(part_name::triangles_corners, 2 * description.exact_corners);
+  if (!corners) return part_name::triangles_corners;
+  const auto sides =
+      parts.words<std::uint32_t>(part_name::triangles_sides, (description.exact_triangles + 1) / 2);
+  if (!sides) return part_name::triangles_sides;
   data.add_to(view);
   view.octree.root_words = *roots;
   view.octree.units = *units;
   view.octree.lists = *lists;
-  view.clusters.words = *clusters;
+  view.exact.triangles = *triangles;
+  view.exact.corners = *corners;
+  view.exact.sides = *sides;
   return {};
 }
 
@@ -223,7 +231,9 @@ const ExrPart* unexpected_part(const Parts& parts, bool full) {
                                 name == part_name::grid_records
                           : name == part_name::heights || name == part_name::grid_tiles ||
                                 name == part_name::grid_roots || name == part_name::grid_cubes ||
-                                name == part_name::grid_lists;
+                                name == part_name::grid_lists ||
+                                name == part_name::triangles_corners ||
+                                name == part_name::triangles_sides;
     if (!common && !own) return &part;
   }
   return nullptr;

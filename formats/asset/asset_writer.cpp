@@ -172,10 +172,12 @@ std::string inconsistency(const Asset& asset) {
   const OctreeData& octree = asset.octree;
   const std::size_t roots = std::size_t{octree.roots[0]} * octree.roots[1] * octree.roots[2];
   if (octree.root_words.size() != roots || (roots == 0) != full || octree.units.size() % 2 != 0 ||
-      octree.clusters.size() % cluster_words != 0) {
-    return "its octree is not of whole cubes and clusters, or of the other form";
+      octree.corners.size() % 2 != 0 || octree.triangles.size() % 2 != 0 ||
+      octree.sides.size() != (octree.triangles.size() / 2 + 1) / 2) {
+    return "its octree is not of whole cubes and triangles, or of the other form";
   }
-  if (full && !(octree.units.empty() && octree.lists.empty() && octree.clusters.empty())) {
+  if (full && !(octree.units.empty() && octree.lists.empty() && octree.corners.empty() &&
+                octree.triangles.empty())) {
     return "it holds parts of an octree, which belongs to the other form";
   }
   if (!full && !(grid.index.empty() && grid.records.empty())) {
@@ -246,7 +248,9 @@ Result<AssetBytes> write_asset(const Asset& asset, const std::string& path) {
   add(part_name::grid_tiles, SampleType::uint32, tiles.tiles);
   add(part_name::grid_masks, SampleType::uint32, tiles.masks);
   add(part_name::triangles, SampleType::float32, asset.triangles);
-  add(part_name::triangles, SampleType::uint32, asset.octree.clusters);
+  add(part_name::triangles, SampleType::uint32, asset.octree.triangles);
+  add(part_name::triangles_corners, SampleType::uint32, asset.octree.corners);
+  add(part_name::triangles_sides, SampleType::uint32, asset.octree.sides);
 
   Result<OutputFile> file = OutputFile::create(path);
   if (!file) return tl::make_unexpected(std::move(file.error()));
@@ -257,6 +261,24 @@ Result<AssetBytes> write_asset(const Asset& asset, const std::string& path) {
                     .samples = payload_of(parts, part_name::heights),
                     .grid = payload_of(parts, "grid"),
                     .triangles = payload_of(parts, part_name::triangles)};
+}
+
+std::uint64_t bytes_without_octree(const Asset& asset) {
+  // Of parts that are not there yet: header, table and chunk of each, words that fill its picture
+  // up, and longer numbers in the description.
+  constexpr std::uint64_t octree_parts = 6, part_bytes = 2048;
+  std::uint64_t bytes = octree_parts * part_bytes;
+  std::vector<PartPlan> parts;
+  if (!asset.tiles.empty()) parts.push_back(sparse_part(asset));
+  const TileWords tiles = gather(asset);
+  if (!tiles.tiles.empty()) {
+    parts.push_back(flat_part(part_name::grid_tiles, SampleType::uint32, std::span(tiles.tiles)));
+  }
+  if (!tiles.masks.empty()) {
+    parts.push_back(flat_part(part_name::grid_masks, SampleType::uint32, std::span(tiles.masks)));
+  }
+  for (const PartPlan& part : parts) bytes += part.payload_bytes() + part_bytes;
+  return bytes + to_json(describe(asset)).size() + part_bytes;
 }
 
 Result<void> check_output_path(const std::string& path) {

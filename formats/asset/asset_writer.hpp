@@ -26,4 +26,8 @@ struct AssetBytes {
 /// or the path is a directory. Called before a bake begins.
 [[nodiscard]] Result<void> check_output_path(const std::string& path);
 
+/// The most that the file of a `sparse` asset takes besides the words of its octree and its exact
+/// triangles, bytes.
+[[nodiscard]] std::uint64_t bytes_without_octree(const Asset& asset);
+
 }  // namespace spm

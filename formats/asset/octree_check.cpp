@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "common/field/local_map.hpp"
+#include "common/field/triangle_list.hpp"
 
 namespace spm {
 namespace {
@@ -24,7 +25,11 @@ struct Cube {
 class OctreeCheck {
  public:
   OctreeCheck(const AssetView& asset, std::size_t& steps)
-      : asset_(asset), steps_(steps), taken_(asset.octree.units.size() / 2, false) {}
+      : asset_(asset),
+        steps_(steps),
+        taken_(asset.octree.units.size() / 2, false),
+        listed_(asset.octree.lists.size(), false),
+        lists_(asset.octree.lists.size(), 0) {}
 
   [[nodiscard]] std::string problem() {
     for (const std::uint32_t word : asset_.octree.root_words) {
@@ -46,7 +51,8 @@ class OctreeCheck {
  private:
   const AssetView& asset_;
   std::size_t& steps_;
-  std::vector<bool> taken_;
+  std::vector<bool> taken_, listed_;  ///< units, and words of lists, that belong to a cube
+  std::vector<std::uint32_t> lists_;  ///< by the first word, the word of a unit that names the list
   std::vector<Cube> open_;
 
   [[nodiscard]] std::string_view meet(const Cube& cube) {
@@ -107,13 +113,26 @@ class OctreeCheck {
     return {};
   }
 
-  [[nodiscard]] std::string_view list_problem(const std::uint32_t* words) const {
-    const std::size_t first = words[0], count = words[1] & 0xFFFU;
-    const std::size_t caps = words[1] >> 12U & 0xFFFU, size = asset_.octree.lists.size();
-    if (first > size || count > size - first) return "has a list that is cut short";
-    if (caps >= count) return "has a list without triangles of the surface";
-    if (words[1] >> 24U > static_cast<std::uint32_t>(ListSide::inside)) {
+  [[nodiscard]] std::string_view list_problem(const std::uint32_t* words) {
+    if ((words[1] & max_listed_surface) == 0) return "has a list without triangles of the surface";
+    if (words[1] >> 31U != 0 ||
+        (words[1] >> 28U & 3U) > static_cast<std::uint32_t>(ListSide::inside)) {
       return "has a list of no side";
+    }
+    const TriangleList list = list_of(asset_.octree, words);
+    if (list.size() == 0) return "has a list that is cut short";
+    // Cubes may share a whole list, but no part of one; else looking at all of them could take
+    // long.
+    constexpr std::uint32_t but_side = ~(3U << 28U);
+    if (lists_[words[0]] == (words[1] & but_side)) return {};
+    for (std::size_t k = words[0]; k < words[0] + list.word_count(); ++k) {
+      if (listed_[k]) return "shares a part of its list with another";
+      listed_[k] = true;
+    }
+    lists_[words[0]] = words[1] & but_side;
+    steps_ += list.size();
+    for (std::size_t k = 0; k < list.size(); ++k) {
+      if (list.triangle(k) >= asset_.exact.size()) return "names triangles that do not exist";
     }
     return {};
   }
@@ -129,22 +148,12 @@ class OctreeCheck {
   }
 };
 
-std::string_view cluster_problem(const std::uint32_t* cluster) {
-  const std::uint32_t count = cluster[3] & 15U;
-  if (count == 0 || count > cluster_size) return "has no number of triangles";
-  if (shift_of(cluster) > 16) return "has corners that are too far apart";
-  if (cluster[3] >> 24U != 0 || (cluster[3] >> 11U & 31U) != 0) return "has flags of no meaning";
-  return {};
-}
-
 /// True where corners of the surface lie in cubes that have no answer there, or one from beyond the
 /// band.
-bool is_lost(const AssetView& asset, const std::uint32_t* cluster) {
-  for (std::size_t k = 0; k < triangles_of(cluster); ++k) {
-    for (const Vector3& corner : corners_of(asset.clusters, cluster, k)) {
-      const Leaf leaf = leaf_at(asset.octree, corner);
-      if (leaf.kind == OctreeKind::far || leaf.kind == OctreeKind::deep) return true;
-    }
+bool is_lost(const AssetView& asset, std::size_t triangle) {
+  for (const Vector3& corner : corners_of(asset.exact, triangle)) {
+    const Leaf leaf = leaf_at(asset.octree, corner);
+    if (leaf.kind == OctreeKind::far || leaf.kind == OctreeKind::deep) return true;
   }
   return false;
 }
@@ -156,20 +165,17 @@ std::string octree_problem(const AssetView& asset, std::size_t* steps) {
   std::size_t& count = steps == nullptr ? uncounted : *steps;
   count = 0;
   if (std::string found = OctreeCheck(asset, count).problem(); !found.empty()) return found;
-  for (const std::uint32_t word : asset.octree.lists) {
-    ++count;
-    if ((word & 0xFFFFFFU) >= asset.clusters.size()) {
-      return "a list of its octree names triangles that do not exist";
-    }
-  }
   // Rounding moves corners by less than the tolerance, and cubes that thin a band may leave out.
   const bool wide = asset.band.margin > asset.tolerance && asset.band.max_depth > asset.tolerance;
-  for (std::size_t c = 0; c < asset.clusters.size(); ++c) {
+  for (std::size_t i = 0; i < asset.exact.size(); ++i) {
     ++count;
-    const std::uint32_t* cluster = asset.clusters.at(c);
-    const std::string_view found = cluster_problem(cluster);
-    if (!found.empty()) return "a cluster of its triangles " + std::string(found);
-    if (wide && !is_cap(cluster) && is_lost(asset, cluster)) {
+    const std::uint64_t numbers = long_word(asset.exact.triangles, i);
+    for (unsigned k = 0; k < 3; ++k) {
+      if (unpack_third(numbers, k) >= asset.exact.corner_count()) {
+        return "a triangle has a corner that does not exist";
+      }
+    }
+    if (wide && !traits_of(asset.exact, i).cap && is_lost(asset, i)) {
       return "a cube of its octree says that the surface is not in it, but a triangle is";
     }
   }

@@ -25,6 +25,8 @@ inline constexpr std::string_view grid_lists = "grid_lists";      ///< `sparse` 
 inline constexpr std::string_view grid_masks = "grid_masks";
 inline constexpr std::string_view grid_tiles = "grid_tiles";  ///< `sparse` only
 inline constexpr std::string_view triangles = "triangles";
+inline constexpr std::string_view triangles_corners = "triangles_corners";  ///< `sparse` only
+inline constexpr std::string_view triangles_sides = "triangles_sides";      ///< `sparse` only
 }  // namespace part_name
 namespace attribute_name {
 inline constexpr std::string_view description = "spm";

@@ -155,6 +155,25 @@ class Bake(Case):
         self.expect_refusal(run("build", self.mesh, "-o", self.asset, "--form", "full",
                                 "--direction-tolerance", "4deg"), 1, "--form sparse")
 
+    def test_a_file_takes_no_more_bytes_than_it_may(self):
+        sizes = []
+        for most in (10**9, None, 60000):
+            options = () if most is None else ("--max-bytes", str(most))
+            report = self.run_json("build", self.mesh, "-o", self.asset, *options,
+                                   *self.OPTIONS["sparse"])
+            sizes.append(report["bytes"])
+            self.assertTrue(report["tolerance_met"])
+            if most is not None:
+                self.assertLessEqual(os.path.getsize(self.asset), most)
+        self.assertGreaterEqual(sizes[0], sizes[1])
+        self.assertGreater(sizes[1], sizes[2])
+        os.remove(self.asset)
+        self.expect_refusal(run("build", self.mesh, "-o", self.asset, "--max-bytes", "5000",
+                                *self.OPTIONS["sparse"]), 10, "--max-bytes", "--tolerance")
+        self.assertFalse(os.path.exists(self.asset))
+        self.expect_refusal(run("build", self.mesh, "-o", self.asset, "--form", "full",
+                                "--max-bytes", "5000"), 1, "--form sparse")
+
     def test_the_size_is_told_and_a_doubtful_unit_asked_about(self):
         box = [(x, y, z) for x in (0, 48) for y in (0, 60) for z in (0, 64)]
         sides = [(1, 2, 4, 3), (5, 7, 8, 6), (1, 5, 6, 2), (3, 4, 8, 7), (1, 3, 7, 5), (2, 6, 8, 4)]

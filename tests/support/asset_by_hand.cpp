@@ -131,7 +131,7 @@ TiledCubeByHand::TiledCubeByHand(double size, const Band& band) {
   octree.origin = Vector3::Constant(-size / 2 - band.margin);
   octree.edge = size + 2 * band.margin;
   // Such that corners are exact.
-  octree.cluster_step = size / (2 * half_steps);
+  octree.lattice_step = size / (2 * half_steps);
   replace_triangles(box(Vector3::Constant(size)));
   view.band = band;
   view.height_unit = 1e-6F;
@@ -140,7 +140,7 @@ TiledCubeByHand::TiledCubeByHand(double size, const Band& band) {
 }
 
 void TiledCubeByHand::replace_triangles(const Shape& shape) {
-  octree = triangle_octree(shape, {.low = octree.origin, .edge = octree.edge}, octree.cluster_step);
+  octree = triangle_octree(shape, {.low = octree.origin, .edge = octree.edge}, octree.lattice_step);
   refresh();
 }
 

@@ -63,7 +63,7 @@ class BoxByHand {
 };
 
 /// A cube of edge length `size` about the origin as a `sparse` asset: an octree of one cube, whose
-/// list has the twelve triangles in two clusters. Six faces in the order of BoxByHand, one tile
+/// list has the twelve triangles. Six faces in the order of BoxByHand, one tile
 /// each, are what it shows of its surface.
 class TiledCubeByHand {
  public:
@@ -77,7 +77,7 @@ class TiledCubeByHand {
   OctreeData octree;
   AssetView view;
 
-  /// Steps from the middle to a face on the lattice of the clusters' corners.
+  /// Steps from the middle to a face on the lattice of the corners.
   static constexpr std::int32_t half_steps = 1 << 14;
 
   /// Makes the octree's list that of another shape, which lies within the cube of the octree.

@@ -4,61 +4,69 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
-#include <cstring>
 #include <initializer_list>
-#include <limits>
 #include <stdexcept>
 #include <utility>
 #include <vector>
 
 #include "common/field/distance_octree.hpp"
-#include "common/field/triangle_cluster.hpp"
+#include "common/field/indexed_triangles.hpp"
+#include "common/field/triangle_list.hpp"
 #include "formats/asset/asset.hpp"
 
 namespace spm::test {
 
-/// A triangle of a cluster.
+/// An exact triangle.
 struct TriangleByHand {
-  std::array<std::array<std::int32_t, 3>, 3> corners{};  ///< steps of the lattice
+  std::array<std::array<std::int32_t, 3>, 3> corners{};  ///< steps of the lattice from its middle
   FeatureSides sides = 0;
   bool bare = false;  ///< no tile shows it
+  bool cap = false;
+  bool thin = false;
 };
 
-struct ClusterKind {
-  bool caps = false;
-  bool exact = false;
-  std::uint32_t shift = 0;
-};
+/// Steps from the lattice's origin to its middle, about which corners are counted here.
+inline constexpr std::int32_t lattice_middle = 1 << (corner_bits - 1U);
 
-/// Adds a cluster of one to eight triangles, whose corners differ by whole shifted steps. Its
-/// number.
-inline std::uint32_t add_cluster(OctreeData& octree, const std::vector<TriangleByHand>& triangles,
-                                 const ClusterKind& kind = {}) {
-  std::array<std::int32_t, 3> base;
-  base.fill(std::numeric_limits<std::int32_t>::max());
-  for (const TriangleByHand& triangle : triangles) {
-    for (const auto& corner : triangle.corners) {
-      for (std::size_t axis = 0; axis < 3; ++axis) base[axis] = std::min(base[axis], corner[axis]);
-    }
+/// Sets where corners lie.
+inline void set_lattice(OctreeData& octree, const Vector3& middle, double step) {
+  octree.lattice_step = step;
+  octree.lattice_origin = middle - step * Vector3::Constant(lattice_middle);
+}
+
+/// Takes all triangles and lists away.
+inline void clear_triangles(OctreeData& octree) {
+  for (auto* words : {&octree.corners, &octree.triangles, &octree.sides, &octree.lists}) {
+    words->clear();
   }
-  std::array<std::uint32_t, cluster_words> cluster{};
-  std::memcpy(cluster.data(), base.data(), sizeof base);
-  cluster[3] = cluster_flags(static_cast<std::uint32_t>(triangles.size()), kind.shift, kind.caps,
-                             kind.exact);
-  std::array<std::uint16_t, 10 * cluster_size> numbers{};
-  for (std::size_t i = 0; i < cluster_size; ++i) {
-    const TriangleByHand& triangle = triangles.at(i < triangles.size() ? i : 0);
-    if (i < triangles.size() && triangle.bare) cluster[3] |= 1U << (16U + i);
-    for (std::size_t k = 0; k < 9; ++k) {
-      const std::int32_t number = (triangle.corners[k / 3][k % 3] - base[k % 3]) >> kind.shift;
-      if (number > 0xFFFF) throw std::invalid_argument("a cluster of triangles too far apart");
-      numbers[k * cluster_size + i] = static_cast<std::uint16_t>(number);
+}
+
+/// Adds a triangle with corners of its own. Its number.
+inline std::uint32_t add_triangle(OctreeData& octree, const TriangleByHand& triangle) {
+  const auto number = static_cast<std::uint32_t>(octree.triangles.size() / 2);
+  const auto append = [](std::vector<std::uint32_t>& words, std::uint64_t word) {
+    words.push_back(static_cast<std::uint32_t>(word));
+    words.push_back(static_cast<std::uint32_t>(word >> 32U));
+  };
+  std::array<std::uint32_t, 3> corners{};
+  for (std::size_t k = 0; k < 3; ++k) {
+    corners[k] = static_cast<std::uint32_t>(octree.corners.size() / 2);
+    std::array<std::uint32_t, 3> steps{};
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      const std::int32_t step = triangle.corners[k][axis] + lattice_middle;
+      if (step < 0 || step > static_cast<std::int32_t>(corner_mask)) {
+        throw std::invalid_argument("a corner outside the lattice");
+      }
+      steps[axis] = static_cast<std::uint32_t>(step);
     }
-    numbers[9 * cluster_size + i] = triangle.sides;
+    append(octree.corners, pack_three(steps));
   }
-  std::memcpy(cluster.data() + cluster_head, numbers.data(), sizeof numbers);
-  octree.clusters.insert(octree.clusters.end(), cluster.begin(), cluster.end());
-  return static_cast<std::uint32_t>(octree.clusters.size() / cluster_words - 1);
+  append(octree.triangles, pack_three(corners, triangle.thin));
+  if (number % 2 == 0) octree.sides.push_back(0);
+  octree.sides.back() |=
+      pack_traits({.sides = triangle.sides, .bare = triangle.bare, .cap = triangle.cap})
+      << 16U * (number % 2);
+  return number;
 }
 
 /// The word of a root; `unit` is its first, or of a `far` one its distance.
@@ -77,26 +85,27 @@ inline std::uint32_t add_cluster(OctreeData& octree, const std::vector<TriangleB
   return kinds;
 }
 
-[[nodiscard]] constexpr std::uint32_t list_entry(std::uint32_t cluster, std::uint32_t bound) {
-  return cluster | bound << 24U;
-}
-
-/// The second word of a list.
-[[nodiscard]] constexpr std::uint32_t list_counts(std::uint32_t clusters, std::uint32_t caps,
-                                                  ListSide side = ListSide::surface) {
-  return clusters | caps << 12U | static_cast<std::uint32_t>(side) << 24U;
-}
-
-/// Adds a list of clusters, and gives the two words of its unit.
+/// Adds a list of triangles in this order, and gives the two words of its unit. `bounds` are those
+/// of its packets, where it has any; 0 where they are left out.
 inline std::array<std::uint32_t, 2> add_list(OctreeData& octree,
-                                             const std::vector<std::uint32_t>& clusters,
+                                             const std::vector<std::uint32_t>& surface,
                                              const std::vector<std::uint32_t>& caps = {},
-                                             ListSide side = ListSide::surface) {
+                                             ListSide side = ListSide::surface,
+                                             const std::vector<std::uint32_t>& bounds = {}) {
   const auto first = static_cast<std::uint32_t>(octree.lists.size());
-  octree.lists.insert(octree.lists.end(), clusters.begin(), clusters.end());
-  octree.lists.insert(octree.lists.end(), caps.begin(), caps.end());
-  return {first, list_counts(static_cast<std::uint32_t>(clusters.size() + caps.size()),
-                             static_cast<std::uint32_t>(caps.size()), side)};
+  const TriangleList list{.surface = static_cast<std::uint32_t>(surface.size()),
+                          .caps = static_cast<std::uint32_t>(caps.size())};
+  std::vector<std::uint32_t> numbers = surface, words(list.word_count(), 0);
+  numbers.insert(numbers.end(), caps.begin(), caps.end());
+  if (!numbers.empty()) words[0] = *std::min_element(numbers.begin(), numbers.end());
+  for (std::size_t k = 0; k < numbers.size(); ++k) {
+    words[1 + k / 2] |= (numbers[k] - words[0]) << 16U * (k % 2);
+  }
+  for (std::size_t k = 0; list.has_bounds() && k < std::min(bounds.size(), list.packets()); ++k) {
+    words[list.number_words() + k / 4] |= bounds[k] << 8U * (k % 4);
+  }
+  octree.lists.insert(octree.lists.end(), words.begin(), words.end());
+  return {first, list_word(list.surface, list.caps, side, false)};
 }
 
 /// The words of a chain of this many splits, each the last octant of the one before; the last

@@ -88,7 +88,7 @@ struct CubeOfSpace {
   double edge = 0;
 };
 
-/// A shape whose triangles each begin with their shortest side, as those of clusters do.
+/// A shape whose triangles each begin with their shortest side, as exact ones do.
 [[nodiscard]] inline Shape shortest_first(Shape shape) {
   const auto length = [&shape](const auto& corners, std::size_t k) {
     return (shape.vertices[corners[(k + 1) % 3]] - shape.vertices[corners[k]]).norm();
@@ -105,9 +105,8 @@ struct CubeOfSpace {
 }
 
 /// The octree of a shape that is one cube, with all of the shape's triangles in its list: right
-/// everywhere, and slow. Corners are rounded to a lattice about the origin, `step` metres apart;
-/// eight triangles that follow each other span at most 65535 steps. The baker's own builder is not
-/// linked here.
+/// everywhere, and slow. Corners are rounded to a lattice about the origin, `step` metres apart.
+/// The baker's own builder is not linked here.
 [[nodiscard]] inline OctreeData triangle_octree(const Shape& any, const CubeOfSpace& space,
                                                 double step, bool bare = false,
                                                 ListSide side = ListSide::surface) {
@@ -116,10 +115,9 @@ struct CubeOfSpace {
   octree.edge = space.edge;
   octree.roots = {1, 1, 1};
   octree.reach = space.edge;
-  octree.cluster_step = step;
+  set_lattice(octree, Vector3::Zero(), step);
   const Shape shape = shortest_first(any);
   const ShapeSides sides(shape);
-  std::vector<TriangleByHand> some;
   std::vector<std::uint32_t> list;
   for (std::uint32_t t = 0; t < shape.triangles.size(); ++t) {
     TriangleByHand triangle;
@@ -129,10 +127,7 @@ struct CubeOfSpace {
       const double place = shape.vertices[shape.triangles[t][k / 3]][static_cast<int>(k % 3)];
       triangle.corners[k / 3][k % 3] = static_cast<std::int32_t>(std::lround(place / step));
     }
-    some.push_back(triangle);
-    if (some.size() < cluster_size && t + 1 < shape.triangles.size()) continue;
-    list.push_back(list_entry(add_cluster(octree, some), 0));
-    some.clear();
+    list.push_back(add_triangle(octree, triangle));
   }
   const auto unit = add_list(octree, list, {}, side);
   octree.units.assign(unit.begin(), unit.end());

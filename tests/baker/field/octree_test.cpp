@@ -185,7 +185,9 @@ TEST_CASE("The words do not depend on the number of threads, and a coarser toler
   const Built one(shape), again(shape);
   CHECK(one.built.data.units == again.built.data.units);
   CHECK(one.built.data.lists == again.built.data.lists);
-  CHECK(one.built.data.clusters == again.built.data.clusters);
+  CHECK(one.built.data.corners == again.built.data.corners);
+  CHECK(one.built.data.triangles == again.built.data.triangles);
+  CHECK(one.built.data.sides == again.built.data.sides);
 }
 
 }  // namespace spm::baker::octree_test

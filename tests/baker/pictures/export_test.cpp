@@ -31,10 +31,10 @@ Asset tile_asset() {
   tile.clips = {pack_clip({100, 0, 0})};
   asset.tiles = {tile};
   // One triangle that no tile shows, and a cap, which is no surface.
-  asset.octree.cluster_step = 1e-6;
-  test::add_cluster(asset.octree, {{{{{0, 0, 0}, {2000, 0, 0}, {0, 2000, 0}}}, 0, true}});
-  test::add_cluster(asset.octree, {{{{{0, 0, 9}, {9, 0, 9}, {0, 9, 9}}}, 0, false}},
-                    {.caps = true});
+  test::set_lattice(asset.octree, Vector3::Zero(), 1e-6);
+  test::add_triangle(asset.octree,
+                     {.corners = {{{0, 0, 0}, {2000, 0, 0}, {0, 2000, 0}}}, .bare = true});
+  test::add_triangle(asset.octree, {.corners = {{{0, 0, 9}, {9, 0, 9}, {0, 9, 9}}}, .cap = true});
   return asset;
 }
 

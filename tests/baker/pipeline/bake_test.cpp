@@ -25,7 +25,8 @@ BakeOptions full(std::size_t planes, std::uint32_t resolution = 17) {
 bool same(const Asset& a, const Asset& b) {
   if (a.maps.size() != b.maps.size() || a.triangles != b.triangles ||
       a.octree.units != b.octree.units || a.octree.lists != b.octree.lists ||
-      a.octree.clusters != b.octree.clusters || a.octree.root_words != b.octree.root_words ||
+      a.octree.triangles != b.octree.triangles || a.octree.corners != b.octree.corners ||
+      a.octree.sides != b.octree.sides || a.octree.root_words != b.octree.root_words ||
       a.tiles.size() != b.tiles.size()) {
     return false;
   }

@@ -36,12 +36,14 @@ void fill(TiledCubeByHand& cube, OctreeKind kind, const std::vector<std::uint32_
 void fill_with_list(TiledCubeByHand& cube, const std::vector<TriangleByHand>& triangles,
                     const std::vector<TriangleByHand>& caps = {},
                     ListSide side = ListSide::surface) {
-  cube.octree.clusters.clear();
-  cube.octree.lists.clear();
+  test::clear_triangles(cube.octree);
   std::vector<std::uint32_t> listed, listed_caps;
-  if (!triangles.empty()) listed.push_back(test::add_cluster(cube.octree, triangles));
-  if (!caps.empty()) {
-    listed_caps.push_back(test::add_cluster(cube.octree, caps, {.caps = true}));
+  for (const TriangleByHand& triangle : triangles) {
+    listed.push_back(test::add_triangle(cube.octree, triangle));
+  }
+  for (TriangleByHand cap : caps) {
+    cap.cap = true;
+    listed_caps.push_back(test::add_triangle(cube.octree, cap));
   }
   const auto unit = test::add_list(cube.octree, listed, listed_caps, side);
   fill(cube, OctreeKind::list, {unit.begin(), unit.end()});
@@ -153,7 +155,7 @@ TEST_CASE("Where the list tells the side, no triangle is asked for it") {
   TiledCubeByHand cube(size);
   const Vector3 below(0.003, 0.0197, -0.002), above(0.003, 0.0203, -0.002);
   for (const auto& [told, side] : {std::pair(ListSide::inside, -1), {ListSide::outside, 1}}) {
-    cube.octree.units[1] = test::list_counts(2, 0, told);
+    cube.octree.units[1] = list_word(12, 0, told, false);
     cube.refresh();
     CHECK(query_point(cube.view, below).distance == Approx(side * 0.0003));
     CHECK(query_point(cube.view, above).distance == Approx(side * 0.0003));
@@ -206,7 +208,7 @@ TEST_CASE("Beyond the margin and outside all cubes the answer is far") {
   TiledCubeByHand cube(size);
   cube.octree.edge = 1;  // so that the point lies in it
   for (const ListSide side : {ListSide::surface, ListSide::outside}) {
-    cube.octree.units[1] = test::list_counts(2, 0, side);
+    cube.octree.units[1] = list_word(12, 0, side, false);
     cube.refresh();
     CHECK(query_point(cube.view, {0, 0, half + 0.00049}).status == Status::exact);
     const Answer answer = query_point(cube.view, {0, 0, half + 0.00052});
@@ -220,7 +222,7 @@ TEST_CASE("Beyond the margin and outside all cubes the answer is far") {
 TEST_CASE("Deeper than the band the answer is its bound and the normal of the nearest face") {
   TiledCubeByHand cube(size);
   for (const ListSide side : {ListSide::surface, ListSide::inside}) {
-    cube.octree.units[1] = test::list_counts(2, 0, side);
+    cube.octree.units[1] = list_word(12, 0, side, false);
     cube.refresh();
     const Answer answer = query_point(cube.view, {0, 0.015, 0});
     CHECK(answer.status == Status::deep);
@@ -258,18 +260,13 @@ TEST_CASE("On the surface the normal is the triangle's own") {
   CHECK((query_point(cube.view, {0.001, 0.002, half}).normal - Vector3::UnitZ()).norm() < 1e-12);
 }
 
-TEST_CASE("Corners of clusters are where origin, step, box and shift put them") {
+TEST_CASE("Corners of triangles are where the lattice's origin and step put them") {
   TiledCubeByHand cube(size);
   TriangleByHand triangle;
   triangle.corners = {{{-20000, -20000, 500}, {20000, -20000, 500}, {-20000, 20000, 500}}};
-  cube.octree.clusters.clear();
-  cube.octree.cluster_origin = Vector3(0, 0, 0.019);
-  cube.octree.cluster_step = 1e-6;
-  for (const std::uint32_t shift : {0U, 2U, 5U}) {
-    cube.octree.clusters.clear();
-    test::add_cluster(cube.octree, {triangle}, {.shift = shift});
-    cube.octree.lists = {test::list_entry(0, 0)};
-    fill(cube, OctreeKind::list, {0, test::list_counts(1, 0)});
+  for (const double step : {1e-6, 2e-6, 5e-6}) {
+    test::set_lattice(cube.octree, Vector3(0, 0, 0.0195 - 500 * step), step);
+    fill_with_list(cube, {triangle});
     const Answer answer = query_point(cube.view, {-0.01, -0.01, 0.019});
     CHECK(answer.distance == Approx(-0.0005));
     CHECK(answer.source == Source::triangles);
@@ -279,7 +276,7 @@ TEST_CASE("Corners of clusters are where origin, step, box and shift put them") 
   }
 }
 
-TEST_CASE("Each triangle of a cluster is found, in single precision and exactly") {
+TEST_CASE("Each triangle of a list is found, in single precision and exactly") {
   TiledCubeByHand cube(size);
   // Four triangles around the middle of a face, so that each covers a quarter of it.
   std::vector<TriangleByHand> fan;
@@ -291,43 +288,59 @@ TEST_CASE("Each triangle of a cluster is found, in single precision and exactly"
         {{0, 0, face}, {ring[k][0], ring[k][1], face}, {ring[k + 1][0], ring[k + 1][1], face}}};
     fan.push_back(quarter);
   }
-  for (const bool exact : {false, true}) {
-    cube.octree.clusters.clear();
-    test::add_cluster(cube.octree, fan, {.exact = exact});
-    test::add_cluster(cube.octree, {fan[0], fan[1], fan[2]}, {.exact = exact});
-    cube.octree.lists = {0, 1};
-    for (const double x : {-0.013, 0.001, 0.012}) {
-      for (const double y : {-0.011, 0.002, 0.014}) {
-        fill(cube, OctreeKind::list, {0, test::list_counts(1, 0)});
-        CHECK(query_point(cube.view, {x, y, half - 0.0004}).distance ==
-              Approx(-0.0004).margin(1e-8));
+  // Repeated, so that there are fewer than a packet's, several packets, and some that are not full.
+  for (const std::size_t times : {1U, 2U, 3U, 11U}) {
+    for (const unsigned thin : {0U, 0xFFFFFFFFU, 0x5A5A5A5AU}) {
+      std::vector<TriangleByHand> many;
+      for (std::size_t k = 0; k < 4 * times; ++k) {
+        many.push_back(fan[k % 4]);
+        many.back().thin = (thin >> k % 32 & 1U) != 0;
+      }
+      fill_with_list(cube, many);
+      for (const double x : {-0.013, 0.001, 0.012}) {
+        for (const double y : {-0.011, 0.002, 0.014}) {
+          CHECK(query_point(cube.view, {x, y, half - 0.0004}).distance ==
+                Approx(-0.0004).margin(1e-8));
+        }
       }
     }
-    // One triangle fewer leaves its quarter open.
-    fill(cube, OctreeKind::list, {1, test::list_counts(1, 0)});
-    CHECK(std::abs(query_point(cube.view, {-0.013, 0.001, half - 0.0004}).distance) > 0.0008);
-    CHECK(query_point(cube.view, {0.013, 0.001, half - 0.0004}).distance ==
-          Approx(-0.0004).margin(1e-8));
   }
+  // One triangle fewer leaves its quarter open.
+  fill_with_list(cube, {fan[0], fan[1], fan[2]});
+  CHECK(std::abs(query_point(cube.view, {-0.013, 0.001, half - 0.0004}).distance) > 0.0008);
+  CHECK(query_point(cube.view, {0.013, 0.001, half - 0.0004}).distance ==
+        Approx(-0.0004).margin(1e-8));
 }
 
-TEST_CASE("A cluster that is too far by its bound is not looked at") {
+TEST_CASE("Packets that are too far by their bounds are not looked at") {
   TiledCubeByHand cube(size);
   TriangleByHand low, high;  // 0.1 mm apart
   low.corners = {{{-face, -face, 0}, {face, -face, 0}, {-face, face, 0}}};
   high.corners = {{{-face, -face, face}, {face, -face, face}, {-face, face, face}}};
-  cube.octree.clusters.clear();
-  cube.octree.cluster_origin = Vector3(0, 0, 0.0193);
-  cube.octree.cluster_step = 1e-4 / face;
+  test::clear_triangles(cube.octree);
+  test::set_lattice(cube.octree, Vector3(0, 0, 0.0193), 1e-4 / face);
   cube.octree.reach = 0.00255;
-  test::add_cluster(cube.octree, {low});
-  test::add_cluster(cube.octree, {high});
+  const std::uint32_t lower = test::add_triangle(cube.octree, low);
+  const std::uint32_t upper = test::add_triangle(cube.octree, high);
+  std::vector<std::uint32_t> listed(2 * packet_size, lower);
+  listed.push_back(upper);
   const Vector3 point(-2e-5, -2e-5, 0.0198);  // 0.5 mm above the lower one, 0.4 mm above the other
   for (const auto& [bound, found] : {std::pair(39U, 0.0004), {60U, 0.0005}}) {
-    cube.octree.lists = {test::list_entry(0, 0), test::list_entry(1, bound)};
-    fill(cube, OctreeKind::list, {0, test::list_counts(2, 0)});
+    const auto unit = test::add_list(cube.octree, listed, {}, ListSide::surface, {0, 0, bound});
+    fill(cube, OctreeKind::list, {unit.begin(), unit.end()});
     CHECK(query_point(cube.view, point).distance == Approx(found).margin(1e-9));
   }
+}
+
+TEST_CASE("A wide list answers as a narrow one") {
+  TiledCubeByHand cube(size);
+  const TriangleByHand top{
+      .corners = {{{-face, -face, face}, {face, -face, face}, {0, face, face}}}};
+  const std::uint32_t first = test::add_triangle(cube.octree, top);
+  const auto place = static_cast<std::uint32_t>(cube.octree.lists.size());
+  cube.octree.lists.insert(cube.octree.lists.end(), {first - 1, 1});
+  fill(cube, OctreeKind::list, {place, list_word(1, 0, ListSide::surface, true)});
+  CHECK(query_point(cube.view, {0, 0, half - 0.0004}).distance == Approx(-0.0004).margin(1e-8));
 }
 
 TEST_CASE("Beyond a sharp edge the side is what the bake told, whichever triangle is found") {

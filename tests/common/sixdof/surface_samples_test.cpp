@@ -75,7 +75,7 @@ TEST_CASE("A bare triangle on a tile is the owner, and the areas stay") {
   test::TriangleByHand triangle;
   triangle.corners = {{{half, -half, -half}, {half, half, -half}, {half, -half, half}}};
   triangle.bare = true;
-  test::add_cluster(cube.octree, {triangle});
+  test::add_triangle(cube.octree, triangle);
   cube.refresh();
   CHECK(area_of(cube.view, 0.0005) == Approx(6 * size * size).epsilon(2e-3));
   // Alone it is half of a face; and triangles that tiles show are not counted again.

@@ -180,7 +180,7 @@ TEST_CASE("Every wrong field of the full form's grid is refused by its name") {
   }
 }
 
-TEST_CASE("Every wrong field of the octree and its clusters is refused by its name") {
+TEST_CASE("Every wrong field of the octree and its triangles is refused by its name") {
   struct Case {
     const char *object, *key;
     Json value;
@@ -199,11 +199,12 @@ TEST_CASE("Every wrong field of the octree and its clusters is refused by its na
                                    {"octree", "value_unit", 0},
                                    {"octree", "clearance_unit", -1e-4},
                                    {"octree", "reach", 1e30},
-                                   {"clusters", "count", 1 << 25},
-                                   {"clusters", "count", 0.5},
-                                   {"clusters", "origin", Json::array({1, 2})},
-                                   {"clusters", "step", 0},
-                                   {"clusters", "step", "1 um"}};
+                                   {"exact", "triangles", 1ULL << 40U},
+                                   {"exact", "triangles", 0.5},
+                                   {"exact", "corners", 1 << 22},
+                                   {"exact", "origin", Json::array({1, 2})},
+                                   {"exact", "step", 0},
+                                   {"exact", "step", "1 um"}};
   for (const auto& [object, key, value] : cases) {
     Json json = Json::parse(sparse_text());
     json[object][key] = value;
@@ -214,7 +215,7 @@ TEST_CASE("Every wrong field of the octree and its clusters is refused by its na
     CHECK(parsed.error().code == ExitCode::invalid_input);
     CHECK(parsed.error().message.find(named) != std::string::npos);
   }
-  for (const char* object : {"octree", "clusters"}) {
+  for (const char* object : {"octree", "exact"}) {
     Json json = Json::parse(sparse_text());
     json.erase(object);
     const auto parsed = parse_description(json.dump(), "a.exr");
@@ -241,7 +242,7 @@ TEST_CASE("A file of another format version is refused with who wrote it and wha
 
 TEST_CASE("A description has the partition of its own form alone") {
   const Json sparse = Json::parse(sparse_text()), full = Json::parse(full_text());
-  for (const char* key : {"octree", "clusters", "tiles"}) {
+  for (const char* key : {"octree", "exact", "tiles"}) {
     CHECK(sparse.contains(key));
     CHECK(!full.contains(key));
   }
@@ -251,13 +252,13 @@ TEST_CASE("A description has the partition of its own form alone") {
   }
 }
 
-TEST_CASE("The units of an octree and its clusters round-trip to the last bit") {
+TEST_CASE("The units of an octree and its triangles round-trip to the last bit") {
   AssetDescription description = describe(sparse_asset(3));
   Random random(10);
   for (int k = 0; k < 200; ++k) {
     OctreeData& octree = description.octree;
     for (double* unit : {&octree.edge, &octree.value_unit, &octree.clearance_unit, &octree.reach,
-                         &octree.cluster_step}) {
+                         &octree.lattice_step}) {
       *unit = std::ldexp(random.between(0.5, 1), static_cast<int>(below(random, 40)) - 30);
     }
     const auto parsed = parse_description(to_json(description), "a.exr");
@@ -266,7 +267,7 @@ TEST_CASE("The units of an octree and its clusters round-trip to the last bit") 
     REQUIRE(parsed->octree.value_unit == octree.value_unit);
     REQUIRE(parsed->octree.clearance_unit == octree.clearance_unit);
     REQUIRE(parsed->octree.reach == octree.reach);
-    REQUIRE(parsed->octree.cluster_step == octree.cluster_step);
+    REQUIRE(parsed->octree.lattice_step == octree.lattice_step);
   }
 }
 

@@ -77,10 +77,6 @@ std::string with_cube(OctreeKind kind, const std::vector<std::uint32_t>& words) 
   return with_cubes(root_word(kind, 0), words);
 }
 
-std::string with_flags(std::uint32_t flags) {
-  return sparse_with([flags](Asset& asset) { asset.octree.clusters[3] = flags; });
-}
-
 constexpr auto split = OctreeKind::split, far_kind = OctreeKind::far, deep = OctreeKind::deep;
 constexpr auto list = OctreeKind::list, polynomial = OctreeKind::polynomial;
 
@@ -134,24 +130,48 @@ std::vector<Damage> wrong_lists() {
   const std::string cut = "a cube of its octree has a list that is cut short";
   const std::string empty = "a cube of its octree has a list without triangles of the surface";
   const std::string no_side = "a cube of its octree has a list of no side";
-  const auto with_entry = [](std::uint32_t entry) {
-    return sparse_with([entry](Asset& asset) { asset.octree.lists.back() = entry; });
+  const std::string none = "a cube of its octree names triangles that do not exist";
+  constexpr auto surface = ListSide::surface;
+  const auto with_list = [&](std::uint32_t first, std::uint32_t word) {
+    return with_cube(list, {first, word});
+  };
+  const auto with_numbers = [&](const std::vector<std::uint32_t>& list_words, bool wide) {
+    return sparse_with([&](Asset& asset) {
+      const auto first = static_cast<std::uint32_t>(asset.octree.lists.size());
+      asset.octree.lists.insert(asset.octree.lists.end(), list_words.begin(), list_words.end());
+      for (std::uint32_t& word : asset.octree.root_words) word = root_word(OctreeKind::far, 9);
+      asset.octree.root_words.front() = root_word(list, 0);
+      asset.octree.units = {first, list_word(2, 0, surface, wide)};
+    });
   };
   return {
-      {"a list cut short", with_cube(list, {words - 1, list_counts(2, 0)}), cut},
-      {"a list of all clusters there may be", with_cube(list, {0, list_counts(4095, 0)}), cut},
-      {"a list outside", with_cube(list, {words, list_counts(1, 0)}), cut},
-      {"a list far outside", with_cube(list, {0xFFFFFFFFU, list_counts(1, 0)}), cut},
-      {"a list of nothing", with_cube(list, {0, list_counts(0, 0)}), empty},
-      {"a list of caps alone", with_cube(list, {0, list_counts(1, 1)}), empty},
-      {"a list of more caps than it has", with_cube(list, {0, list_counts(1, 4095)}), empty},
+      {"a list cut short", with_list(words - 1, list_word(2, 0, surface, false)), cut},
+      {"a list of all triangles there may be", with_list(0, list_word(0x3FFF, 0, surface, false)),
+       cut},
+      {"a list of all caps there may be", with_list(0, list_word(1, 0x3FFF, surface, true)), cut},
+      {"a list outside", with_list(words, list_word(1, 0, surface, false)), cut},
+      {"a list far outside", with_list(0xFFFFFFFFU, list_word(1, 0, surface, false)), cut},
+      {"a list of nothing", with_list(0, list_word(0, 0, surface, false)), empty},
+      {"a list of caps alone", with_list(0, list_word(0, 1, surface, false)), empty},
       {"a list of a side that is not",
-       with_cube(list, {0, list_counts(1, 0, static_cast<ListSide>(3))}), no_side},
-      {"a list with later bits", with_cube(list, {0, list_counts(1, 0) | 1U << 26U}), no_side},
-      {"a list of triangles that do not exist", with_entry(list_entry(3, 0)),
-       "a list of its octree names triangles that do not exist"},
-      {"a list of triangles far from any", with_entry(list_entry(0xFFFFFF, 255)),
-       "a list of its octree names triangles that do not exist"},
+       with_list(0, list_word(1, 0, static_cast<ListSide>(3), false)), no_side},
+      {"a list with a later bit", with_list(0, list_word(1, 0, surface, false) | 1U << 31U),
+       no_side},
+      {"a list of a triangle that does not exist", with_numbers({0, 0xFFFF0000U}, false), none},
+      {"a wide list of one", with_numbers({0, 0, 0x7FFFFFFFU}, true), none},
+      {"a list from beyond all triangles", with_numbers({0xFFFFFFF0U, 0}, false), none},
+      {"lists that share a part", sparse_with([&](Asset& asset) {
+         const auto first = static_cast<std::uint32_t>(asset.octree.lists.size());
+         asset.octree.lists.insert(asset.octree.lists.end(), {0, 0, 0});
+         asset.octree.root_words[0] = root_word(list, 0);
+         asset.octree.root_words[1] = root_word(list, 1);
+         for (std::size_t k = 2; k < asset.octree.root_words.size(); ++k) {
+           asset.octree.root_words[k] = root_word(OctreeKind::far, 9);
+         }
+         asset.octree.units = {first, list_word(2, 0, surface, false), first + 1,
+                               list_word(2, 0, surface, false)};
+       }),
+       "a cube of its octree shares a part of its list with another"},
   };
 }
 
@@ -187,23 +207,24 @@ std::vector<Damage> wrong_polynomials() {
   };
 }
 
-std::vector<Damage> wrong_clusters() {
-  const std::string none = "a cluster of its triangles has no number of triangles";
-  const std::string flags = "a cluster of its triangles has flags of no meaning";
+std::vector<Damage> wrong_triangles() {
   const std::string hidden =
       "a cube of its octree says that the surface is not in it, but a triangle is";
+  const auto with_corner = [](unsigned which, std::uint32_t corner) {
+    return sparse_with([=](Asset& asset) {
+      const std::uint64_t three = long_word(asset.octree.triangles, 0);
+      std::array<std::uint32_t, 3> numbers{unpack_third(three, 0), unpack_third(three, 1),
+                                           unpack_third(three, 2)};
+      numbers.at(which) = corner;
+      const std::uint64_t changed = pack_three(numbers);
+      std::memcpy(asset.octree.triangles.data(), &changed, sizeof changed);
+    });
+  };
+  const auto corners = static_cast<std::uint32_t>(sparse_asset(1).octree.corners.size() / 2);
+  const std::string no_corner = "a triangle has a corner that does not exist";
   return {
-      {"a cluster of no triangles", with_flags(cluster_flags(0, 0, false, false)), none},
-      {"a cluster of nine", with_flags(cluster_flags(9, 0, false, false)), none},
-      {"a cluster of fifteen", with_flags(cluster_flags(15, 0, true, false)), none},
-      {"a cluster of coarse steps", with_flags(cluster_flags(8, 17, false, false)),
-       "a cluster of its triangles has corners that are too far apart"},
-      {"a cluster with a later flag", with_flags(cluster_flags(8, 0, false, false) | 1U << 11U),
-       flags},
-      {"a cluster with the last flag", with_flags(cluster_flags(8, 0, false, false) | 1U << 15U),
-       flags},
-      {"a cluster with later bits", with_flags(cluster_flags(8, 0, false, false) | 1U << 24U),
-       flags},
+      {"a first corner that is not there", with_corner(0, corners), no_corner},
+      {"a last corner far from any", with_corner(2, corner_mask), no_corner},
       {"far cubes where triangles are", with_cubes(root_word(far_kind, 0), {0, 0}), hidden},
       {"deep cubes where triangles are", sparse_with([](Asset& asset) {
          const auto roots = static_cast<std::uint32_t>(asset.octree.root_words.size());
@@ -214,7 +235,7 @@ std::vector<Damage> wrong_clusters() {
        }),
        hidden},
       {"a triangle outside all cubes",
-       sparse_with([](Asset& asset) { asset.octree.cluster_origin.x() += 1; }), hidden},
+       sparse_with([](Asset& asset) { asset.octree.lattice_origin.x() += 1; }), hidden},
   };
 }
 
@@ -240,8 +261,10 @@ TEST_CASE("An asset with a polynomial that gives no distance is refused") {
   check_all_refused(wrong_polynomials());
 }
 
-TEST_CASE("An asset whose triangles are none, or lie where its octree has no surface, is refused") {
-  check_all_refused(wrong_clusters());
+TEST_CASE(
+    "An asset whose triangles have no corners, or lie where its octree has no surface, is "
+    "refused") {
+  check_all_refused(wrong_triangles());
 }
 
 TEST_CASE("Cubes as deep as they may be, and the last plane and triangles, are accepted") {
@@ -256,7 +279,15 @@ TEST_CASE("Cubes as deep as they may be, and the last plane and triangles, are a
   check_opens(alone(root_word(far_kind, 0x0FFFFFFF), {}));
   check_opens(alone(root_word(polynomial, 0), {0, 0, 0, 9U << 24U}));
   check_opens(alone(root_word(polynomial, 0), {0, 0, 0, (bend_exponent_bias + 16U) << 16U}));
-  check_opens(sparse_with([](Asset& asset) { asset.octree.lists.back() = list_entry(2, 255); }));
+  check_opens(sparse_with([](Asset& asset) {
+    const auto last = static_cast<std::uint32_t>(asset.octree.triangles.size() / 2 - 1);
+    const auto unit = add_list(asset.octree, {last, 0, last});
+    for (std::uint32_t& word : asset.octree.root_words) word = root_word(list, 0);
+    for (std::size_t k = 1; k < asset.octree.root_words.size(); ++k) {
+      asset.octree.root_words[k] = root_word(OctreeKind::pruned, 0);
+    }
+    asset.octree.units = {unit[0], unit[1]};
+  }));
 }
 
 TEST_CASE("Where an asset thins its band, cubes may be far or deep though a triangle is there") {

@@ -141,8 +141,8 @@ TEST_CASE("An octree of any words at all, opened by force, leaves queries within
     Asset asset = whole;
     OctreeData& octree = asset.octree;
     const bool all = trial % 4 == 0;
-    for (std::vector<std::uint32_t>* words :
-         {&octree.root_words, &octree.units, &octree.lists, &octree.clusters}) {
+    for (std::vector<std::uint32_t>* words : {&octree.root_words, &octree.units, &octree.lists,
+                                              &octree.corners, &octree.triangles, &octree.sides}) {
       if (below(random, 3) == 0) words->resize(below(random, 60));
       words->shrink_to_fit();
       for (std::uint32_t& word : *words) {

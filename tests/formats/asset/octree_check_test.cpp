@@ -25,10 +25,11 @@ struct Checked {
   }
 };
 
-/// What may be looked at: each root, the octants of each unit, each word of a list, each cluster.
+/// What may be looked at: each root, the octants of each unit, what each word of a list names, each
+/// triangle.
 std::size_t most_steps(const OctreeData& octree) {
-  return octree.root_words.size() + 8 * (octree.units.size() / 2) + octree.lists.size() +
-         octree.clusters.size() / cluster_words;
+  return octree.root_words.size() + 8 * (octree.units.size() / 2) + 2 * octree.lists.size() +
+         octree.triangles.size() / 2;
 }
 
 /// An asset of this many splits and nothing else; octants of all are splits from one unit on.
@@ -59,7 +60,7 @@ TEST_CASE("An octree of roots alone, all of them far or left out, answers so") {
   CHECK(clearance(tables.view(), second) == Approx(0.007));
 }
 
-TEST_CASE("Each cube, word of a list and cluster is looked at once") {
+TEST_CASE("Each cube, listed triangle and triangle is looked at once") {
   for (const std::uint64_t seed : {1U, 2U, 3U}) {
     const Asset asset = sparse_asset(seed);
     const Checked checked(asset);
@@ -83,24 +84,35 @@ TEST_CASE("Splits that all name the same octants are refused when the second one
   }
 }
 
-TEST_CASE("Many lists of the same words cost no more than one") {
+TEST_CASE("Many cubes with the same list cost no more than one") {
   Asset asset = sparse_asset(1, {.planes = 0, .tiles = 0, .triangles = 8000});
   OctreeData& octree = asset.octree;
   octree.lists.clear();
-  for (std::uint32_t k = 0; k < 0xFFF; ++k) octree.lists.push_back(list_entry(k % 750, 0));
+  std::vector<std::uint32_t> all;
+  for (std::uint32_t k = 0; k < max_listed_surface; ++k) all.push_back(0);
+  const auto unit = add_list(octree, all);
   octree.units.clear();
-  // Each root is split, and each of its octants has the whole list.
+  // Each root is split, and each of its octants has the whole list, of any side.
   const std::uint32_t roots = 48;
   for (std::uint32_t root = 0; root < roots; ++root) {
     octree.root_words[root] = root_word(OctreeKind::split, root);
     octree.units.insert(octree.units.end(), {roots + 8 * root, octant_kinds(OctreeKind::list)});
   }
   for (std::uint32_t k = 0; k < 8 * roots; ++k) {
-    octree.units.insert(octree.units.end(), {0, list_counts(0xFFF, 0)});
+    const std::uint32_t side = list_word(0, 0, static_cast<ListSide>(k % 3), false);
+    octree.units.insert(octree.units.end(), {unit[0], unit[1] | side});
   }
   const Checked checked(asset);
   CHECK(checked.problem.empty());
-  CHECK(checked.steps == roots + 8 * roots + 0xFFF + octree.clusters.size() / cluster_words);
+  CHECK(checked.steps == roots + 8 * roots + max_listed_surface + octree.triangles.size() / 2);
+  // Lists that begin one word after the other, in each other, could cost as much as their product.
+  for (std::uint32_t k = 0; k < 8 * roots; ++k) {
+    octree.units[2 * (roots + k)] = unit[0] + k;
+    octree.units[2 * (roots + k) + 1] = list_word(1000, 0, ListSide::surface, false);
+  }
+  const Checked nested(asset);
+  CHECK(nested.problem == "a cube of its octree shares a part of its list with another");
+  CHECK(nested.steps <= most_steps(octree));
 }
 
 TEST_CASE("The time of a check does not depend on what hostile words say") {

@@ -77,9 +77,11 @@ void check_same_octree(const OctreeData& wanted, const AssetView& view) {
   check_same_words(view.octree.root_words, wanted.root_words);
   check_same_words(view.octree.units, wanted.units);
   check_same_words(view.octree.lists, wanted.lists);
-  CHECK(view.clusters.origin == wanted.cluster_origin);
-  CHECK(view.clusters.step == wanted.cluster_step);
-  check_same_words(view.clusters.words, wanted.clusters);
+  CHECK(view.exact.origin == wanted.lattice_origin);
+  CHECK(view.exact.step == wanted.lattice_step);
+  check_same_words(view.exact.corners, wanted.corners);
+  check_same_words(view.exact.triangles, wanted.triangles);
+  check_same_words(view.exact.sides, wanted.sides);
 }
 
 void check_same_content(const Asset& asset, const AssetView& view) {
@@ -136,8 +138,8 @@ TEST_CASE("A sparse asset of triangles alone reads back as it was written") {
   const Asset asset = sparse_asset(3, {.planes = 0, .tiles = 0, .triangles = 25});
   const auto opened = written_and_opened(asset, folder.path("triangles.spm.exr"));
   check_same_content(asset, opened->view());
-  // Nineteen of the surface and six caps, eight in a cluster.
-  CHECK(opened->bytes().triangles == 4 * 4 * cluster_words);
+  // Of each triangle three corners, here its own, their numbers and the sides.
+  CHECK(opened->bytes().triangles == 25 * 3 * 8 + 25 * 8 + 26 * 2);
 }
 
 TEST_CASE("Each form has the parts of its own partition of space") {
@@ -150,7 +152,8 @@ TEST_CASE("Each form has the parts of its own partition of space") {
   };
   using Names = std::vector<std::string>;
   CHECK(names(sparse_asset(6)) == Names{"heights", "grid_roots", "grid_cubes", "grid_lists",
-                                        "grid_tiles", "grid_masks", "triangles"});
+                                        "grid_tiles", "grid_masks", "triangles",
+                                        "triangles_corners", "triangles_sides"});
   CHECK(names(full_asset(6, {2, 2})) ==
         Names{"heights02", "grid_index", "grid_records", "grid_masks", "triangles"});
   // What would be empty is left out: here all but the cubes.
@@ -166,10 +169,10 @@ TEST_CASE("Tiles are kept where they are asked for, and no answer needs them") {
   CHECK(shown->view().tiles.size() == 100);
   CHECK((*lean)->view().tiles.empty());
   check_same_octree(asset.octree, (*lean)->view());
-  // What answers come from: planes, octree and clusters, each in a picture with few spare words.
+  // What answers come from: planes, octree and triangles, each in a picture with few spare words.
   const OctreeData& octree = asset.octree;
-  const std::uint64_t words =
-      octree.root_words.size() + octree.units.size() + octree.lists.size() + octree.clusters.size();
+  const std::uint64_t words = octree.root_words.size() + octree.units.size() + octree.lists.size() +
+                              octree.corners.size() + octree.triangles.size() + octree.sides.size();
   const std::uint64_t planes = 10 * sizeof(SupportPlane);
   CHECK((*lean)->resident_bytes() >= 4 * words + planes);
   CHECK((*lean)->resident_bytes() <= 4 * words + planes + 1024);
@@ -339,7 +342,9 @@ TEST_CASE("A mapped asset reports its parts, bytes and hash") {
   CHECK((*opened)->bytes().total == written->total);
   CHECK((*opened)->bytes().samples == written->samples);
   CHECK((*opened)->bytes().grid == written->grid);
-  CHECK((*opened)->bytes().triangles == 3 * 4 * cluster_words);
+  CHECK((*opened)->bytes().triangles ==
+        4 * (asset.octree.corners.size() + asset.octree.triangles.size() +
+             asset.octree.sides.size()));
   CHECK((*opened)->content_sha256() == sha256_file(path).value());
   CHECK((*opened)->parts().at(0).name == "heights");
   CHECK((*opened)->parts().at(0).channels == std::vector<std::string>{"Y"});

@@ -131,13 +131,15 @@ TEST_CASE("OpenEXR's reader gives the HALF heights that were baked") {
   }
 }
 
-TEST_CASE("OpenEXR's reader gives the words of the octree and its clusters that were baked") {
+TEST_CASE("OpenEXR's reader gives the words of the octree and its triangles that were baked") {
   const OctreeData octree = sparse_asset(1).octree;
   Imf::MultiPartInputFile file(both_forms().path("sparse.exr").c_str());
   for (const auto& [name, words] : {std::pair(part_name::grid_roots, octree.root_words),
                                     {part_name::grid_cubes, octree.units},
                                     {part_name::grid_lists, octree.lists},
-                                    {part_name::triangles, octree.clusters}}) {
+                                    {part_name::triangles, octree.triangles},
+                                    {part_name::triangles_corners, octree.corners},
+                                    {part_name::triangles_sides, octree.sides}}) {
     INFO(name);
     int part = 0;
     while (part < file.parts() && file.header(part).name() != name) ++part;

@@ -127,7 +127,7 @@ TEST_CASE("An asset that contradicts itself is not written") {
   wrong[7].tiles[3].slope_eta = 0.1F;  // no HALF number
   wrong[8].tiles[3].heights[80] = 0x7C00;
   wrong[9].metadata.tile_spacing = 0;
-  wrong[10].octree.clusters.pop_back();
+  wrong[10].octree.sides.pop_back();
   wrong[11].maps.resize(1);
   wrong[12] = full_asset(1, {2, 1});
   wrong[12].maps[1].samples.pop_back();
@@ -144,7 +144,7 @@ TEST_CASE("An asset that contradicts itself is not written") {
   wrong[20] = full_asset(1, {2, 1});
   wrong[20].octree = sparse_asset(1).octree;
   wrong[21] = full_asset(1, {2, 1});
-  wrong[21].octree.clusters = sparse_asset(1).octree.clusters;
+  wrong[21].octree.triangles = sparse_asset(1).octree.triangles;
   wrong[22] = full_asset(1, {2, 1});
   wrong[22].grid = {};
   wrong[23] = full_asset(1, {2, 1});

@@ -15,8 +15,8 @@ namespace spm::test {
 
 namespace {
 
-/// Makes an octree with cubes of every kind, up to four levels below the roots, and clusters of
-/// random triangles none of whose corners lies in a far or deep cube.
+/// Makes an octree with cubes of every kind, up to four levels below the roots, and random
+/// triangles none of whose corners lies in a far or deep cube.
 class OctreeMaker {
  public:
   OctreeMaker(Random& random, std::uint32_t planes, std::uint32_t triangles)
@@ -30,11 +30,10 @@ class OctreeMaker {
     octree.value_unit = 1e-7;
     octree.clearance_unit = 1e-4;
     octree.reach = 0.004;
-    octree.cluster_origin = Vector3(-0.03, -0.03, -0.025);
-    octree.cluster_step = 1e-6;
+    set_lattice(octree, Vector3(-0.005, -0.005, 0), 1e-6);
     for (std::uint32_t root = 0; root < 4 * 4 * 3; ++root) add_root(root % 3 != 0);
-    add_clusters(surface_, false);
-    add_clusters(caps_, true);
+    add_triangles(surface_, false);
+    add_triangles(caps_, true);
   }
 
   OctreeData octree;
@@ -43,10 +42,6 @@ class OctreeMaker {
   Random& random_;
   std::uint32_t planes_;
   std::uint32_t surface_, caps_;  ///< triangles
-
-  static std::uint32_t clusters_of(std::uint32_t triangles) {
-    return (triangles + 7) / std::uint32_t{cluster_size};
-  }
 
   OctreeKind random_kind() {
     constexpr std::array kinds{OctreeKind::far,        OctreeKind::pruned, OctreeKind::deep,
@@ -106,19 +101,19 @@ class OctreeMaker {
   }
 
   std::array<std::uint32_t, 2> random_list() {
-    const auto some = [this](std::uint32_t first, std::uint32_t clusters, std::uint32_t count) {
-      std::vector<std::uint32_t> entries;
+    const auto some = [this](std::uint32_t first, std::uint32_t triangles, std::uint32_t count) {
+      std::vector<std::uint32_t> numbers;
       for (std::uint32_t k = 0; k < count; ++k) {
-        entries.push_back(list_entry(first + below(random_, clusters), below(random_, 40)));
+        numbers.push_back(first + below(random_, triangles));
       }
-      std::sort(entries.begin(), entries.end());
-      return entries;
+      return numbers;
     };
-    const std::uint32_t surface = clusters_of(surface_), caps = clusters_of(caps_);
+    std::vector<std::uint32_t> bounds;
+    for (std::uint32_t k = 0; k < 5; ++k) bounds.push_back(k * (1 + below(random_, 8)));
     return add_list(
-        octree, some(0, surface, 1 + below(random_, 3)),
-        caps == 0 ? std::vector<std::uint32_t>() : some(surface, caps, below(random_, 3)),
-        static_cast<ListSide>(below(random_, 3)));
+        octree, some(0, surface_, 1 + below(random_, 24)),
+        caps_ == 0 ? std::vector<std::uint32_t>() : some(surface_, caps_, below(random_, 3)),
+        static_cast<ListSide>(below(random_, 3)), bounds);
   }
 
   void add_map(std::vector<std::uint32_t>& words, double half) {
@@ -132,35 +127,31 @@ class OctreeMaker {
     words.insert(words.end(), packed.words.begin(), packed.words.end());
   }
 
-  void add_clusters(std::uint32_t triangles, bool caps) {
-    for (std::uint32_t left = triangles; left > 0;) {
-      const auto count = std::min<std::uint32_t>(left, cluster_size);
-      const ClusterKind kind{
-          .caps = caps, .exact = below(random_, 4) == 0, .shift = below(random_, 3)};
-      std::vector<TriangleByHand> some(count);
-      for (TriangleByHand& triangle : some) {
-        for (auto& corner : triangle.corners) corner = random_corner(kind.shift);
-        for (unsigned feature = 1; feature < 7; ++feature) {
-          triangle.sides = static_cast<FeatureSides>(
-              triangle.sides | pack_side(static_cast<TriangleFeature>(feature),
-                                         static_cast<FeatureSide>(below(random_, 3))));
-        }
-        triangle.bare = below(random_, 2) == 0;
+  void add_triangles(std::uint32_t triangles, bool caps) {
+    for (std::uint32_t k = 0; k < triangles; ++k) {
+      TriangleByHand triangle;
+      triangle.cap = caps;
+      triangle.thin = below(random_, 4) == 0;
+      triangle.bare = below(random_, 2) == 0;
+      for (auto& corner : triangle.corners) corner = random_corner();
+      for (unsigned feature = 1; feature < 7; ++feature) {
+        triangle.sides = static_cast<FeatureSides>(
+            triangle.sides | pack_side(static_cast<TriangleFeature>(feature),
+                                       static_cast<FeatureSide>(below(random_, 3))));
       }
-      add_cluster(octree, some, kind);
-      left -= count;
+      add_triangle(octree, triangle);
     }
   }
 
-  std::array<std::int32_t, 3> random_corner(std::uint32_t shift) {
+  std::array<std::int32_t, 3> random_corner() {
     AssetView view;
     octree.add_to(view);
     for (;;) {
       std::array<std::int32_t, 3> corner{};
-      Vector3 place = octree.cluster_origin;
+      Vector3 place = octree.lattice_origin;
       for (std::size_t axis = 0; axis < 3; ++axis) {
-        corner[axis] = static_cast<std::int32_t>(below(random_, 50000U >> shift) << shift);
-        place[static_cast<int>(axis)] += octree.cluster_step * corner[axis];
+        corner[axis] = static_cast<std::int32_t>(below(random_, 50000U)) - 25000;
+        place[static_cast<int>(axis)] += octree.lattice_step * (corner[axis] + lattice_middle);
       }
       const OctreeKind kind = leaf_at(view.octree, place).kind;
       if (kind != OctreeKind::far && kind != OctreeKind::deep) return corner;

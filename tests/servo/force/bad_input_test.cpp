@@ -128,7 +128,7 @@ TEST_CASE("Two objects in one place push twice as one, each with a model of its 
 
 TEST_CASE("An asset without triangles gives no force") {
   test::TiledCubeByHand cube(size);
-  cube.octree.clusters.clear();
+  test::clear_triangles(cube.octree);
   cube.refresh();
   for (const Method method : {Method::spm, Method::proxy}) {
     ContactModel model(settings_of(method, 1000));

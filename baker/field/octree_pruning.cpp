@@ -1,0 +1,253 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "baker/field/octree_pruning.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+#include <utility>
+
+#include "common/base/octant.hpp"
+
+namespace spm::baker {
+
+namespace {
+
+/// How long answers take, one of a polynomial in a root the unit. Measured on several processors;
+/// only their relation matters, and not much.
+constexpr double pair_time = 1.25, list_time = 2.3, packet_time = 1.3, level_time = 0.12;
+
+/// Of the octree's words; times by the volume in which they are taken.
+struct Cost {
+  double bytes = 0, time = 0;
+
+  Cost& operator+=(const Cost& other) {
+    bytes += other.bytes;
+    time += other.time;
+    return *this;
+  }
+};
+
+constexpr double unit_bytes = 8;
+
+double volume_of(const Cube& cube) { return 8 * cube.half * cube.half * cube.half; }
+
+Cost cost_of_list(std::size_t triangles, const Cube& cube, int level) {
+  const TriangleList list{.surface = static_cast<std::uint32_t>(triangles)};
+  const double time = list_time + packet_time * static_cast<double>(list.packets());
+  return {.bytes = unit_bytes + 4 * static_cast<double>(list.word_count()),
+          .time = volume_of(cube) * (time + level_time * level)};
+}
+
+Cost cost_of_leaf(const OctreeNode& node, int level) {
+  if (node.kind == OctreeKind::list) {
+    return cost_of_list(node.triangles.size() + node.caps.size(), node.cube, level);
+  }
+  Cost cost;
+  cost.bytes = unit_bytes * units_of(node.kind);
+  if (node.kind == OctreeKind::polynomial || node.kind == OctreeKind::least ||
+      node.kind == OctreeKind::most) {
+    const double time = node.kind == OctreeKind::polynomial ? 1 : pair_time;
+    cost.time = volume_of(node.cube) * (time + level_time * level);
+  }
+  return cost;
+}
+
+bool all_far(const OctreeNode& node) {
+  return std::all_of(node.octants->begin(), node.octants->end(),
+                     [](const OctreeNode& octant) { return octant.kind == OctreeKind::far; });
+}
+
+double bytes_in(const OctreeNode& node) {
+  if (!node.octants) return cost_of_leaf(node, 0).bytes;
+  double bytes = unit_bytes;
+  for (const OctreeNode& octant : *node.octants) bytes += bytes_in(octant);
+  return bytes;
+}
+
+class Pruning {
+ public:
+  Pruning(const LatticeSurface& surface, double bytes_per_time)
+      : surface_(surface), bytes_per_time_(bytes_per_time) {}
+
+  /// The least cost of a cube and all in it.
+  Cost prune(OctreeNode& node, int level) const {
+    if (!node.octants) return cost_of_leaf(node, level);
+    if (all_far(node)) return {};  // these will be one cube
+    Cost split{.bytes = unit_bytes, .time = 0};
+    for (OctreeNode& octant : *node.octants) split += prune(octant, level + 1);
+    node.as_list = false;
+    if (!can_be_list(node)) return split;
+    const Cost list = cost_of_list(node.few->size(), node.cube, level);
+    node.as_list = weighed(list) < weighed(split);
+    return node.as_list ? list : split;
+  }
+
+ private:
+  const LatticeSurface& surface_;
+  double bytes_per_time_;
+
+  [[nodiscard]] double weighed(const Cost& cost) const {
+    return cost.bytes + bytes_per_time_ * cost.time;
+  }
+
+  /// Beside an open side a triangle does not know its side, so there cubes are divided to know
+  /// theirs.
+  [[nodiscard]] bool can_be_list(const OctreeNode& node) const {
+    if (!node.few) return false;
+    bool any = false, open = false;
+    for (const std::uint32_t triangle : *node.few) {
+      any = any || !surface_.triangles[triangle].cap;
+      open = open || surface_.triangles[triangle].open;
+    }
+    return any && (node.inside || !open);
+  }
+};
+
+Cost cost_of_roots(const LatticeSurface& surface, double bytes_per_time, OctreeRoots& roots) {
+  const Pruning pruning(surface, bytes_per_time);
+  Cost cost;
+  for (OctreeNode& root : roots.nodes) cost += pruning.prune(root, 0);
+  cost.bytes += 4 * static_cast<double>(roots.nodes.size());
+  return cost;
+}
+
+/// Eight roots that lie together in one.
+OctreeRoots joined(OctreeRoots&& roots, const RootMaker& make_root) {
+  OctreeRoots half;
+  for (std::size_t axis = 0; axis < 3; ++axis) half.count[axis] = (roots.count[axis] + 1) / 2;
+  const double edge = 2 * roots.nodes.front().cube.half;
+  const Vector3 first = roots.nodes.front().cube.middle;
+  for (std::uint32_t z = 0; z < half.count[2]; ++z) {
+    for (std::uint32_t y = 0; y < half.count[1]; ++y) {
+      for (std::uint32_t x = 0; x < half.count[0]; ++x) {
+        OctreeNode& node = half.nodes.emplace_back();
+        node.kind = OctreeKind::split;
+        node.octants = std::make_unique<std::array<OctreeNode, 8>>();
+        for (std::uint32_t octant = 0; octant < 8; ++octant) {
+          const std::uint32_t at_x = 2 * x + (octant & 1U), at_y = 2 * y + (octant >> 1U & 1U),
+                              at_z = 2 * z + (octant >> 2U);
+          const bool there =
+              at_x < roots.count[0] && at_y < roots.count[1] && at_z < roots.count[2];
+          (*node.octants)[octant] =
+              there ? std::move(roots.nodes[at_x + roots.count[0] *
+                                                       (at_y + std::size_t{at_z} * roots.count[1])])
+                    : make_root({first + edge * Vector3(at_x, at_y, at_z), edge / 2});
+        }
+        node.cube = {node.octants->front().cube.middle + Vector3::Constant(edge / 2), edge};
+      }
+    }
+  }
+  return half;
+}
+
+/// What `joined` made, as it was.
+OctreeRoots parted(OctreeRoots&& half, const std::array<std::uint32_t, 3>& count) {
+  OctreeRoots roots;
+  roots.count = count;
+  for (std::uint32_t z = 0; z < count[2]; ++z) {
+    for (std::uint32_t y = 0; y < count[1]; ++y) {
+      for (std::uint32_t x = 0; x < count[0]; ++x) {
+        OctreeNode& node =
+            half.nodes[x / 2 + half.count[0] * (y / 2 + std::size_t{z / 2} * half.count[1])];
+        roots.nodes.push_back(
+            std::move((*node.octants)[(x & 1U) | (y & 1U) << 1U | (z & 1U) << 2U]));
+      }
+    }
+  }
+  return roots;
+}
+
+void make_lists_in(const LatticeSurface& surface, OctreeNode& node) {
+  if (!node.octants) return;
+  if (!node.as_list) {
+    for (OctreeNode& octant : *node.octants) make_lists_in(surface, octant);
+    return;
+  }
+  node.kind = OctreeKind::list;
+  node.side = side_of(node.inside);
+  for (const std::uint32_t triangle : *node.few) {
+    const bool cap = surface.triangles[triangle].cap;
+    // Lists of few triangles have no bounds.
+    if (!cap || !node.inside) (cap ? node.caps : node.triangles).push_back({triangle, 0});
+  }
+  node.octants.reset();
+}
+
+}  // namespace
+
+double bytes_as_divided(OctreeRoots& roots) {
+  double bytes = 4 * static_cast<double>(roots.nodes.size());
+  for (const OctreeNode& root : roots.nodes) bytes += bytes_in(root);
+  return bytes;
+}
+
+double most_triangle_bytes(const LatticeSurface& surface, const OctreeRoots& roots) {
+  std::vector<bool> used(surface.triangles.size(), false);
+  for (std::size_t i = 0; i < used.size(); ++i) used[i] = surface.triangles[i].bare;
+  const auto mark = [&](const auto& self, const OctreeNode& node) -> void {
+    if (node.few) {
+      for (const std::uint32_t triangle : *node.few) used[triangle] = true;
+    }
+    for (const auto* listed : {&node.triangles, &node.caps}) {
+      for (const ListedCandidate& candidate : *listed) used[candidate.triangle] = true;
+    }
+    if (!node.octants) return;
+    for (const OctreeNode& octant : *node.octants) self(self, octant);
+  };
+  for (const OctreeNode& root : roots.nodes) mark(mark, root);
+  double triangles = 0;
+  std::set<LatticePoint> corners;
+  for (std::size_t i = 0; i < used.size(); ++i) {
+    if (!used[i]) continue;
+    triangles += 1;
+    corners.insert(surface.triangles[i].steps.begin(), surface.triangles[i].steps.end());
+  }
+  return 10 * triangles + 8 * static_cast<double>(corners.size()) + 4;
+}
+
+double find_least_bytes(const LatticeSurface& surface, OctreeRoots& roots) {
+  return cost_of_roots(surface, 0, roots).bytes;
+}
+
+void find_fastest(const LatticeSurface& surface, double bytes, OctreeRoots& roots) {
+  // What time is worth, in bytes for that of a polynomial in a cubic metre, from next to nothing to
+  // all; halved as a logarithm, since it may be of any size.
+  double low = 0, high = 60;
+  constexpr int steps = 24;
+  const auto cost_at = [&](double worth) {
+    return cost_of_roots(surface, std::exp(worth), roots).bytes;
+  };
+  if (cost_at(high) <= bytes) return;
+  for (int step = 0; step < steps; ++step) {
+    const double middle = (low + high) / 2;
+    (cost_at(middle) <= bytes ? low : high) = middle;
+  }
+  static_cast<void>(cost_at(low));
+}
+
+int join_roots(const LatticeSurface& surface, int most, const RootMaker& make_root,
+               OctreeRoots& roots) {
+  // Larger roots take longer to look into.
+  constexpr double worth_joining = 0.99;
+  double bytes = find_least_bytes(surface, roots);
+  for (int times = 0; times < most; ++times) {
+    const std::array<std::uint32_t, 3> count = roots.count;
+    OctreeRoots half = joined(std::move(roots), make_root);
+    for (OctreeNode& node : half.nodes) gather_octants(node);
+    const double joined_bytes = find_least_bytes(surface, half);
+    if (joined_bytes > worth_joining * bytes) {
+      roots = parted(std::move(half), count);
+      return times;
+    }
+    bytes = joined_bytes;
+    roots = std::move(half);
+    for (OctreeNode& node : roots.nodes) join_octants(node);
+  }
+  return most;
+}
+
+void make_lists(const LatticeSurface& surface, OctreeRoots& roots) {
+  for (OctreeNode& root : roots.nodes) make_lists_in(surface, root);
+}
+
+}  // namespace spm::baker

@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <functional>
+#include <vector>
+
+#include "baker/field/lattice_surface.hpp"
+#include "baker/field/octree_node.hpp"
+
+namespace spm::baker {
+
+/// A grid of roots, x fastest.
+struct OctreeRoots {
+  std::array<std::uint32_t, 3> count{0, 0, 0};
+  std::vector<OctreeNode> nodes;
+};
+
+/// Makes the root of a cube.
+using RootMaker = std::function<OctreeNode(const Cube&)>;
+
+/// Bytes of the octree's words as it is, without what make_lists would make of it.
+[[nodiscard]] double bytes_as_divided(OctreeRoots& roots);
+
+/// Of the exact triangles, whatever cubes become lists.
+[[nodiscard]] double most_triangle_bytes(const LatticeSurface& surface, const OctreeRoots& roots);
+
+/// Finds the split cubes that are better lists so that the fewest bytes are left, and returns
+/// these.
+[[nodiscard]] double find_least_bytes(const LatticeSurface& surface, OctreeRoots& roots);
+
+/// Finds the split cubes that are better lists so that answers take the least time, in the mean
+/// over the band, of all octrees of so many bytes, or nearly so.
+void find_fastest(const LatticeSurface& surface, double bytes, OctreeRoots& roots);
+
+/// Joins eight roots in one, again and again, at most so often, while that saves bytes; returns how
+/// often. `make_root` makes those that the grid lacks.
+[[nodiscard]] int join_roots(const LatticeSurface& surface, int most, const RootMaker& make_root,
+                             OctreeRoots& roots);
+
+/// Makes the cubes that were found lists.
+void make_lists(const LatticeSurface& surface, OctreeRoots& roots);
+
+}  // namespace spm::baker
