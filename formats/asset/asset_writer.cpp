@@ -12,6 +12,7 @@
 #include "formats/asset/asset_json.hpp"
 #include "formats/asset/tile_words.hpp"
 #include "formats/exr/exr_writer.hpp"
+#include "formats/files/host.hpp"
 
 namespace spm {
 namespace {
@@ -223,6 +224,7 @@ std::uint64_t payload_of(const std::vector<PartPlan>& parts, std::string_view pr
 }  // namespace
 
 Result<AssetBytes> write_asset(const Asset& asset, const std::string& path) {
+  if (auto good = check_host(path); !good) return tl::make_unexpected(std::move(good.error()));
   if (const std::string cause = inconsistency(asset); !cause.empty()) {
     return fail(ExitCode::internal,
                 path + ": the baked asset cannot be written: " + cause + "; report this");

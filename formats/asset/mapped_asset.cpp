@@ -13,6 +13,7 @@
 #include "formats/exr/exr_header.hpp"
 #include "formats/exr/exr_index.hpp"
 #include "formats/files/checksum.hpp"
+#include "formats/files/host.hpp"
 #include "formats/files/sha256.hpp"
 
 namespace spm {
@@ -123,6 +124,7 @@ const char* to_string(AssetState state) noexcept {
 Result<std::unique_ptr<MappedAsset>> MappedAsset::open(const std::string& path,
                                                        const MapOptions& options) {
   const auto failed = [](auto& result) { return tl::make_unexpected(std::move(result.error())); };
+  if (auto good = check_host(path); !good) return failed(good);
   Result<std::unique_ptr<FileMapping>> file = FileMapping::open(path, options);
   if (!file) return failed(file);
   const std::span<const std::byte> bytes = (*file)->bytes();

@@ -46,7 +46,8 @@ struct PartInfo {
 class MappedAsset {
  public:
   /// Errors: file_or_device (cannot be opened or read, a directory), invalid_input (anything that
-  /// is not an intact asset of this version); the message names file, place, cause and remedy.
+  /// is not an intact asset of this version), unsupported (a big-endian or 32-bit machine); the
+  /// message names file, place, cause and remedy.
   [[nodiscard]] static Result<std::unique_ptr<MappedAsset>> open(const std::string& path,
                                                                  const MapOptions& options = {});
   ~MappedAsset();

@@ -66,8 +66,9 @@ typedef struct spm_query_contact {
 } spm_query_contact;
 
 /** Opens, validates and maps a baked file. Returns 0 and sets *asset, or the exit code of the
- *  command-line contract (1 for a NULL path or asset, 2 file, 3 not an intact asset) and writes one
- *  sentence to `message`, cut to `message_size` with its closing zero; `message` may be NULL.
+ *  command-line contract (1 for a NULL path or asset, 2 file, 3 not an intact asset, 5 a big-endian
+ *  or 32-bit machine) and writes one sentence to `message`, cut to `message_size` with its closing
+ *  zero; `message` may be NULL.
  *  The file is mapped, not copied: opening installs a handler for SIGBUS, which passes on whatever
  *  does not come from a truncated asset. */
 SPM_QUERY_API int spm_query_open(const char* path, spm_query_asset** asset, char* message,
