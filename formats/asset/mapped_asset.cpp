@@ -185,15 +185,7 @@ const std::string& MappedAsset::content_sha256() const noexcept {
 AssetBytes MappedAsset::bytes() const noexcept { return implementation_->bytes; }
 
 std::uint64_t MappedAsset::resident_bytes() const noexcept {
-  const AssetView& view = this->view();
-  std::uint64_t bytes = view.planes.size_bytes();
-  for (const PartInfo& part : implementation_->parts) {
-    const bool shown =
-        !view.full && (part.name == part_name::heights || part.name == part_name::grid_tiles ||
-                       part.name == part_name::grid_masks);
-    bytes += shown ? 0 : part.payload_bytes;
-  }
-  return bytes;
+  return implementation_->bytes.total + implementation_->tables.bytes();
 }
 
 bool MappedAsset::locked() const noexcept { return implementation_->file->locked(); }

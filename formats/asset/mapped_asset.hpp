@@ -61,8 +61,7 @@ class MappedAsset {
   /// SHA-256 of the whole file, computed at the first call: not for the servo loop.
   [[nodiscard]] const std::string& content_sha256() const noexcept;
   [[nodiscard]] AssetBytes bytes() const noexcept;
-  /// The part of the file that answers come from, and of what opening derived: what a loop that
-  /// queries all over the band keeps in memory.
+  /// Bytes that answers may come from: the file, and the tables that opening adds to it.
   [[nodiscard]] std::uint64_t resident_bytes() const noexcept;
   [[nodiscard]] bool locked() const noexcept;
 

@@ -84,7 +84,8 @@ SPM_QUERY_API int spm_query_lost(const spm_query_asset* asset);
 /** Band of an asset, metres: depth inside and margin outside that are answered exactly. */
 SPM_QUERY_API void spm_query_band(const spm_query_asset* asset, double* max_depth, double* margin);
 
-/** Bytes that answers may come from: the file, and what was derived from it when it was opened. */
+/** Bytes that answers may come from: the file, and the small tables that opening adds to it, such
+ * as that of the planes. */
 SPM_QUERY_API size_t spm_query_memory(const spm_query_asset* asset);
 
 /** Bounding box of the object, metres. */

@@ -36,7 +36,7 @@ struct KeeperReport {
   std::string content_sha256;
   AssetMetadata metadata;
   AssetBytes bytes;
-  std::uint64_t resident_bytes = 0;  ///< that answers come from
+  std::uint64_t resident_bytes = 0;  ///< that answers may come from
   double open_seconds = 0;           ///< to map and check the file
   bool locked = false;
   bool serving = false;
