@@ -46,6 +46,9 @@ add_test(NAME "The generated models are closed, outward and of the right volume"
 add_test(NAME "The figures on the pages are those of the JSON files"
          COMMAND ${Python3_EXECUTABLE} -B ${CMAKE_CURRENT_LIST_DIR}/figures_test.py
                  ${CMAKE_SOURCE_DIR})
+add_test(NAME "Meshes made by seed are closed, and what was proven of them is not done again"
+         COMMAND ${Python3_EXECUTABLE} -B ${CMAKE_CURRENT_LIST_DIR}/prove_served_test.py
+                 ${CMAKE_SOURCE_DIR})
 add_test(NAME "A measurement that was broken off goes on where it was"
          COMMAND ${Python3_EXECUTABLE} -B ${CMAKE_CURRENT_LIST_DIR}/measure_test.py
                  ${CMAKE_SOURCE_DIR})

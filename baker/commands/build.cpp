@@ -103,6 +103,12 @@ void judge(const BuildRequest& request, const BakeResult& baked, const VerifyRep
         "tolerance of {}, for instance at ({:.6g}, {:.6g}, {:.6g}) m",
         served->count, served->unanswered, served->beyond, length(*metadata.tolerance), at.x(),
         at.y(), at.z());
+  } else if (check.jumps.beyond > 0) {
+    const Vector3& at = check.jumps.worst_point;
+    finding = fmt::format(
+        "the distance jumps by {} at ({:.6g}, {:.6g}, {:.6g}) m, by more than twice the tolerance "
+        "of {}",
+        length(check.jumps.distance.max), at.x(), at.y(), at.z(), length(*metadata.tolerance));
   } else {
     finding = fmt::format("{:.2g} % of the band is left without an answer", 100 * check.unanswered);
   }
@@ -186,6 +192,7 @@ VerifyReport check_asset(const Mesh& mesh, const BakeOptions& options, BakeResul
   VerifyReport check = verify_against(mesh, tables.view(), asset.metadata, verify);
   asset.metadata.tolerance_met = asset.metadata.tolerance && check.unanswered == 0 &&
                                  check.distance.max <= *asset.metadata.tolerance &&
+                                 check.jumps.beyond == 0 &&
                                  (!baked.served || baked.served->passed());
   std::optional<double>& certified = asset.metadata.certified;
   if (certified && *certified > *asset.metadata.tolerance) {

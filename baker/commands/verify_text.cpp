@@ -69,6 +69,25 @@ Json to_json(const NearHolesReport& near) {
           {"worst_point_m", to_json(near.worst_point)}};
 }
 
+Json to_json(const DirectionSummary& direction) {
+  return {{"p50", direction.p50 * degrees},
+          {"p99", direction.p99 * degrees},
+          {"max", direction.max * degrees}};
+}
+
+Json to_json(const JumpReport& jumps) {
+  return {{"places", jumps.places},
+          {"borders", jumps.borders},
+          {"distance_um", to_json(jumps.distance)},
+          {"direction_deg", to_json(jumps.direction)},
+          {"contested", jumps.contested},
+          {"contested_direction_deg", to_json(jumps.contested_direction)},
+          {"near_holes", jumps.near_holes},
+          {"allowed_um", jumps.allowed * micro},
+          {"beyond", jumps.beyond},
+          {"worst_point_m", to_json(jumps.worst_point)}};
+}
+
 Json to_json(const WorstPlace& place) {
   return {{"point", to_json(place.point)},
           {"error_um", place.error ? Json(*place.error * micro) : Json()},
@@ -93,6 +112,25 @@ std::string direction_lines(const VerifyReport& report) {
         "line above; from the nearest of these: p50 {:.3g} deg, p99 {:.3g}, max {:.3g}\n",
         100 * report.direction_contested, report.contested_p50 * degrees,
         report.contested_p99 * degrees, report.contested_max * degrees);
+  }
+  return text;
+}
+
+/// How far answers jump where leaves of the octree meet.
+std::string jump_lines(const JumpReport& jumps) {
+  if (jumps.places == 0) return {};
+  std::string text = fmt::format(
+      "jumps          p50 {:.3g} um, p99 {:.3g}, max {:.3g}; p50 {:.3g} deg, p99 {:.3g}, max "
+      "{:.3g}; at {} places on {} borders of leaves, {} beyond {}\n",
+      jumps.distance.p50 * micro, jumps.distance.p99 * micro, jumps.distance.max * micro,
+      jumps.direction.p50 * degrees, jumps.direction.p99 * degrees, jumps.direction.max * degrees,
+      grouped(jumps.places), grouped(jumps.borders), none_or(jumps.beyond), length(jumps.allowed));
+  if (jumps.contested > 0) {
+    text += fmt::format(
+        "contested      {} of these places lie where several directions compete; their jumps of "
+        "direction are not in the line above: p50 {:.3g} deg, p99 {:.3g}, max {:.3g}\n",
+        grouped(jumps.contested), jumps.contested_direction.p50 * degrees,
+        jumps.contested_direction.p99 * degrees, jumps.contested_direction.max * degrees);
   }
   return text;
 }
@@ -143,8 +181,13 @@ std::string counted(const Counts& counts, std::uint64_t samples, const char* wha
 
 std::string counted(const VerifyReport& report) {
   const AdversarialReport& hard = report.adversarial;
-  return counted(report.counts, report.samples, "places", report.threshold) + " and " +
-         counted(hard.counts, hard.samples, "hard ones", report.threshold);
+  std::string text = counted(report.counts, report.samples, "places", report.threshold) + " and " +
+                     counted(hard.counts, hard.samples, "hard ones", report.threshold);
+  if (const JumpReport& jumps = report.jumps; jumps.beyond > 0) {
+    text += fmt::format("; {} of {} jumps between leaves beyond {}", grouped(jumps.beyond),
+                        grouped(jumps.places), length(jumps.allowed));
+  }
+  return text;
 }
 
 }  // namespace
@@ -193,6 +236,7 @@ std::string describe(const VerifyReport& report) {
                   100 * report.inside_as_outside, 100 * report.outside_as_inside);
   text += fmt::format("unanswered     {:.4g} %\n", 100 * report.unanswered);
   text += line_of("at hard places", report.adversarial.distance);
+  text += jump_lines(report.jumps);
   text += left_out_lines(report);
   text += worst_lines(report.worst);
   return text + "verdict        " + verdict_of(report) + "\n";
@@ -226,6 +270,7 @@ Json to_json(const VerifyReport& report) {
   json["near_holes_judged"] = to_json(report.near_holes_judged);
   json["fallback_answers"] = report.fallback_answers;
   json["adversarial"] = to_json(report.adversarial);
+  json["jumps"] = report.jumps.places > 0 ? to_json(report.jumps) : Json();
   json["band_m"] = report.band.max_depth;
   json["margin_m"] = report.band.margin;
   json["worst_point_m"] = to_json(report.worst_point);

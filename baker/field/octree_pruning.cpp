@@ -12,8 +12,8 @@ namespace spm::baker {
 
 namespace {
 
-/// How long answers take, one of a polynomial in a root the unit. Measured on several processors;
-/// only their relation matters, and not much.
+/// How long answers take, that of a polynomial in a root the unit: measured on one processor. On
+/// others it may not be quite the fastest octree that is chosen.
 constexpr double pair_time = 1.25, list_time = 2.3, packet_time = 1.3, level_time = 0.12;
 
 /// Of the octree's words; times by the volume in which they are taken.

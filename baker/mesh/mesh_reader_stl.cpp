@@ -3,7 +3,6 @@
 #include <bit>
 #include <cmath>
 #include <cstdint>
-#include <cstring>
 #include <string>
 #include <string_view>
 
@@ -14,16 +13,21 @@
 namespace spm::baker {
 namespace {
 
-static_assert(std::endian::native == std::endian::little, "binary STL is little-endian");
-
 constexpr std::size_t kHeaderBytes = 84;
 constexpr std::size_t kTriangleBytes = 50;
 constexpr std::size_t kNormalBytes = 12;
 
+/// Binary STL is little-endian, on any machine.
+[[nodiscard]] std::uint32_t word_at(const char* bytes) {
+  std::uint32_t word = 0;
+  for (unsigned k = 0; k < 4; ++k) {
+    word |= std::uint32_t{static_cast<unsigned char>(bytes[k])} << (8 * k);
+  }
+  return word;
+}
+
 [[nodiscard]] std::uint32_t triangle_count(std::string_view bytes) {
-  std::uint32_t count = 0;
-  std::memcpy(&count, bytes.data() + kHeaderBytes - sizeof count, sizeof count);
-  return count;
+  return word_at(bytes.data() + kHeaderBytes - 4);
 }
 
 void add_triangle(PolygonSoup& soup) {
@@ -52,11 +56,11 @@ void add_triangle(PolygonSoup& soup) {
   soup.triangles.reserve(count);
   for (std::uint32_t triangle = 0; triangle < count; ++triangle) {
     const char* at = bytes.data() + kHeaderBytes + std::size_t{triangle} * kTriangleBytes;
-    float coordinates[9];
-    std::memcpy(coordinates, at + kNormalBytes, sizeof coordinates);
     for (int corner = 0; corner < 3; ++corner) {
-      const float* xyz = coordinates + 3 * corner;
-      const Vector3 point(xyz[0], xyz[1], xyz[2]);
+      Vector3 point;
+      for (int axis = 0; axis < 3; ++axis) {
+        point[axis] = std::bit_cast<float>(word_at(at + kNormalBytes + 4 * (3 * corner + axis)));
+      }
       if (!point.allFinite()) {
         fail(path + ": triangle " + std::to_string(triangle) +
              " (counted from 0): a coordinate is not finite; remove or mend it and export the "

@@ -11,7 +11,7 @@
 #include "baker/base/progress_counter.hpp"
 #include "baker/proof/tile_bins.hpp"
 #include "baker/proof/worthwhile_tries.hpp"
-#include "common/surface/closest_on_tile.hpp"
+#include "baker/tiles/closest_on_tile.hpp"
 
 namespace spm::baker {
 

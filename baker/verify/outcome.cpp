@@ -21,19 +21,6 @@ double share_of(std::uint64_t part, std::uint64_t whole) {
   return whole > 0 ? static_cast<double>(part) / static_cast<double>(whole) : 0;
 }
 
-ErrorSummary summarise(std::vector<double> errors) {
-  ErrorSummary summary;
-  double squares = 0;
-  for (const double error : errors) squares += error * error;
-  if (!errors.empty()) summary.rms = std::sqrt(squares / static_cast<double>(errors.size()));
-  std::sort(errors.begin(), errors.end());
-  summary.p50 = quantile(errors, 0.5);
-  summary.p99 = quantile(errors, 0.99);
-  summary.p999 = quantile(errors, 0.999);
-  summary.max = errors.empty() ? 0 : errors.back();
-  return summary;
-}
-
 /// True where an inside sample was answered as outside, or the other way round.
 bool sides_differ(const Outcome& outcome) {
   const bool outside = outcome.far || (outcome.answered && outcome.answer > 0);
@@ -144,6 +131,19 @@ void add_ranks(const std::vector<Outcome>& outcomes, bool hard, std::size_t coun
 
 }  // namespace
 
+ErrorSummary summarise(std::vector<double> errors) {
+  ErrorSummary summary;
+  double squares = 0;
+  for (const double error : errors) squares += error * error;
+  if (!errors.empty()) summary.rms = std::sqrt(squares / static_cast<double>(errors.size()));
+  std::sort(errors.begin(), errors.end());
+  summary.p50 = quantile(errors, 0.5);
+  summary.p99 = quantile(errors, 0.99);
+  summary.p999 = quantile(errors, 0.999);
+  summary.max = errors.empty() ? 0 : errors.back();
+  return summary;
+}
+
 const char* name_of(Finding finding) noexcept {
   switch (finding) {
     case Finding::unanswered:
@@ -166,7 +166,9 @@ std::uint64_t VerifyReport::missed() const noexcept {
   return counts.missed() + adversarial.counts.missed();
 }
 
-bool VerifyReport::passed() const noexcept { return !tolerance || (judged() > 0 && missed() == 0); }
+bool VerifyReport::passed() const noexcept {
+  return !tolerance || (judged() > 0 && missed() == 0 && jumps.beyond == 0);
+}
 
 VerifyReport report_of(const std::vector<Outcome>& outcomes, double threshold) {
   VerifyReport report;

@@ -10,6 +10,12 @@
 
 namespace spm::baker {
 
+/// Nearer to the surface, m, the direction is lost in rounding.
+inline constexpr double min_distance_of_direction = 2e-6;
+
+/// Nearest-rank quantiles and the root of the mean square; 0 where there are no errors.
+[[nodiscard]] ErrorSummary summarise(std::vector<double> errors);
+
 /// A place beside a hole and the asset's result there, sides left aside.
 struct PlaceNearHole {
   Vector3 point = Vector3::Zero();

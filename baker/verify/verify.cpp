@@ -16,6 +16,7 @@
 #include "baker/mesh/load.hpp"
 #include "baker/smooth/smooth.hpp"
 #include "baker/verify/adversarial.hpp"
+#include "baker/verify/border_jumps.hpp"
 #include "baker/verify/exact_surface.hpp"
 #include "baker/verify/outcome.hpp"
 #include "common/base/random.hpp"
@@ -26,8 +27,7 @@
 namespace spm::baker {
 namespace {
 
-constexpr double hole_share = 0.03;    // of the diagonal
-constexpr double min_distance = 2e-6;  // m; nearer the direction is lost in rounding
+constexpr double hole_share = 0.03;  // of the diagonal
 constexpr std::uint64_t max_draws = 256;
 /// Samples that are tried first, so that a surface without a place to measure is reported at once.
 constexpr std::uint64_t first_samples = 256;
@@ -114,7 +114,7 @@ void judge_distance(const Setting& setting, const Answer& answer, Outcome& outco
 
 void judge_direction(const Setting& setting, const Vector3& closest, const Answer& answer,
                      Outcome& outcome) {
-  outcome.contested = std::abs(outcome.truth) < min_distance;
+  outcome.contested = std::abs(outcome.truth) < min_distance_of_direction;
   if (outcome.contested) return;
   const Vector3 toward = outcome.truth > 0 ? Vector3(-answer.normal) : answer.normal;
   const Rivals rivals =
@@ -210,6 +210,9 @@ VerifyReport verify_against(const Mesh& mesh, const AssetView& view, const Asset
       hardest.samples,           hardest.counts,     hardest.distance,   hardest.inside_as_outside,
       hardest.outside_as_inside, hardest.unanswered, hardest.worst_point};
   report.near_holes_judged = near_holes_of(outcomes, hard_outcomes, setting.tolerance);
+  report.jumps = border_jumps(
+      {surface, view, band, setting.tolerance, setting.near_hole, random_bits(setting.seed, 2)},
+      options.samples / 4);
   report.worst = worst_places(outcomes, hard_outcomes, setting.tolerance, options.worst);
   if (before) add_smoothing(outcomes, report);
   report.band = band;

@@ -64,6 +64,26 @@ struct AdversarialReport {
   Vector3 worst_point = Vector3::Zero();
 };
 
+/// Order statistics of an angle, rad.
+struct DirectionSummary {
+  double p50 = 0, p99 = 0, max = 0;
+};
+
+/// How far answers jump where two leaves of a `sparse` asset's octree meet; see border_jumps.
+/// Places near border edges of the mesh are only counted, since no side is defined there.
+struct JumpReport {
+  std::uint64_t places = 0;               ///< where both sides answered and were compared
+  std::uint64_t borders = 0;              ///< pairs of leaves that these lie between
+  std::uint64_t near_holes = 0;           ///< places left out
+  std::uint64_t contested = 0;            ///< places close to the medial axis
+  std::uint64_t beyond = 0;               ///< jumps of the distance above `allowed`
+  double allowed = 0;                     ///< m, twice the tolerance and a little
+  ErrorSummary distance;                  ///< m
+  DirectionSummary direction;             ///< away from the medial axis
+  DirectionSummary contested_direction;   ///< close to it, where the true direction jumps
+  Vector3 worst_point = Vector3::Zero();  ///< of the largest jump of the distance
+};
+
 struct VerifyReport {
   ErrorSummary distance;                                           ///< m
   double direction_p50 = 0, direction_p99 = 0, direction_max = 0;  ///< rad
@@ -84,6 +104,7 @@ struct VerifyReport {
   Counts counts;                      ///< of the samples
   AdversarialReport adversarial;      ///< of half as many places again
   NearHolesReport near_holes_judged;  ///< of all places drawn there, hard ones too
+  JumpReport jumps;                   ///< at a quarter as many places
   std::vector<WorstPlace> worst;      ///< unanswered first, then by error, largest first
   Band band;                          ///< the band that was sampled
   std::optional<double> tolerance;    ///< m, the promise; nothing where the asset makes none
@@ -95,8 +116,8 @@ struct VerifyReport {
   [[nodiscard]] std::uint64_t judged() const noexcept;
   /// Samples and hard places where the answer is missing or off by more than the threshold.
   [[nodiscard]] std::uint64_t missed() const noexcept;
-  /// False where the promise is missed anywhere, and where there is one but no place to judge it
-  /// at. True for an asset that promises nothing.
+  /// False where the promise is missed anywhere, where a jump shows that it is, and where there is
+  /// one but no place to judge it at. True for an asset that promises nothing.
   [[nodiscard]] bool passed() const noexcept;
 };
 

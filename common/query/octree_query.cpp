@@ -106,9 +106,9 @@ Answer answer_by_maps(const AssetView& asset, const Leaf& leaf, const std::uint3
   const auto world = [&](int axis) {
     return slope[0] * plane.u[axis] + slope[1] * plane.v[axis] - slope[2] * plane.n[axis];
   };
-  const double x = world(0), y = world(1), z = world(2);
-  const double per = per_length(x * x + y * y + z * z);
-  answer.normal = {per * x, per * y, per * z};
+  const double along_x = world(0), along_y = world(1), along_z = world(2);
+  const double per = per_length(along_x * along_x + along_y * along_y + along_z * along_z);
+  answer.normal = {per * along_x, per * along_y, per * along_z};
   answer.plane = static_cast<std::int32_t>(map.plane);
   answer.source = Source::polynomial;
   answer.status = Status::exact;

@@ -54,8 +54,19 @@ AssetTables::AssetTables(std::vector<SupportPlane> planes, std::vector<DistanceM
 }
 
 void AssetTables::drop_tiles() noexcept {
-  tiles_ = {};
+  // Assigning an empty list would keep the memory.
+  std::vector<Tile>().swap(tiles_);
   view_.tiles = {};
+}
+
+std::uint64_t AssetTables::bytes() const noexcept {
+  const auto of = [](const auto& table) {
+    return static_cast<std::uint64_t>(table.capacity()) * sizeof(table[0]);
+  };
+  std::uint64_t bytes = of(planes_) + of(maps_) + of(tiles_) + of(layer_offsets_) + of(nx_) +
+                        of(ny_) + of(nz_) + of(offset_);
+  for (const auto& offsets : layer_offsets_) bytes += of(offsets);
+  return bytes;
 }
 
 AssetTables tables_of(const Asset& asset) {

@@ -151,6 +151,9 @@ class AssetTables {
 
   [[nodiscard]] const AssetView& view() const noexcept { return view_; }
 
+  /// Memory that the tables take beside what they point to.
+  [[nodiscard]] std::uint64_t bytes() const noexcept;
+
  private:
   std::vector<SupportPlane> planes_;
   std::vector<DistanceMap> maps_;

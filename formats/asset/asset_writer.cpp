@@ -12,6 +12,7 @@
 #include "formats/asset/asset_json.hpp"
 #include "formats/asset/tile_words.hpp"
 #include "formats/exr/exr_writer.hpp"
+#include "formats/files/host.hpp"
 
 namespace spm {
 namespace {
@@ -225,6 +226,7 @@ std::uint64_t payload_of(const std::vector<PartPlan>& parts, std::string_view pr
 }  // namespace
 
 Result<AssetBytes> write_asset(const Asset& asset, const std::string& path) {
+  if (auto good = check_host(path); !good) return tl::make_unexpected(std::move(good.error()));
   if (const std::string cause = inconsistency(asset); !cause.empty()) {
     return fail(ExitCode::internal,
                 path + ": the baked asset cannot be written: " + cause + "; report this");
@@ -264,8 +266,8 @@ Result<AssetBytes> write_asset(const Asset& asset, const std::string& path) {
 }
 
 std::uint64_t bytes_without_octree(const Asset& asset) {
-  // Of parts that are not there yet: header, table and chunk of each, words that fill its picture
-  // up, and longer numbers in the description.
+  // Of parts that are not there yet: header, table and chunk of each, and words that fill its
+  // picture up.
   constexpr std::uint64_t octree_parts = 6, part_bytes = 2048;
   std::uint64_t bytes = octree_parts * part_bytes;
   std::vector<PartPlan> parts;
@@ -278,7 +280,8 @@ std::uint64_t bytes_without_octree(const Asset& asset) {
     parts.push_back(flat_part(part_name::grid_masks, SampleType::uint32, std::span(tiles.masks)));
   }
   for (const PartPlan& part : parts) bytes += part.payload_bytes() + part_bytes;
-  return bytes + to_json(describe(asset)).size() + part_bytes;
+  constexpr std::uint64_t description_bytes = 4096, plane_bytes = 512;
+  return bytes + description_bytes + plane_bytes * asset.planes.size();
 }
 
 Result<void> check_output_path(const std::string& path) {

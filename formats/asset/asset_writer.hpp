@@ -19,7 +19,7 @@ struct AssetBytes {
 
 /// Writes an asset as a standard multi-part EXR: to a temporary file beside `path`, which is synced
 /// and then renamed. The bytes depend on the asset alone. Errors: file_or_device, with nothing left
-/// behind.
+/// behind; unsupported (check_host).
 [[nodiscard]] Result<AssetBytes> write_asset(const Asset& asset, const std::string& path);
 
 /// Rejects an output path that could not be written later: its folder is missing or not writable,

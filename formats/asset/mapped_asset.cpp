@@ -13,6 +13,7 @@
 #include "formats/exr/exr_header.hpp"
 #include "formats/exr/exr_index.hpp"
 #include "formats/files/checksum.hpp"
+#include "formats/files/host.hpp"
 #include "formats/files/sha256.hpp"
 
 namespace spm {
@@ -123,6 +124,7 @@ const char* to_string(AssetState state) noexcept {
 Result<std::unique_ptr<MappedAsset>> MappedAsset::open(const std::string& path,
                                                        const MapOptions& options) {
   const auto failed = [](auto& result) { return tl::make_unexpected(std::move(result.error())); };
+  if (auto good = check_host(path); !good) return failed(good);
   Result<std::unique_ptr<FileMapping>> file = FileMapping::open(path, options);
   if (!file) return failed(file);
   const std::span<const std::byte> bytes = (*file)->bytes();
@@ -183,15 +185,7 @@ const std::string& MappedAsset::content_sha256() const noexcept {
 AssetBytes MappedAsset::bytes() const noexcept { return implementation_->bytes; }
 
 std::uint64_t MappedAsset::resident_bytes() const noexcept {
-  const AssetView& view = this->view();
-  std::uint64_t bytes = view.planes.size_bytes();
-  for (const PartInfo& part : implementation_->parts) {
-    const bool shown =
-        !view.full && (part.name == part_name::heights || part.name == part_name::grid_tiles ||
-                       part.name == part_name::grid_masks);
-    bytes += shown ? 0 : part.payload_bytes;
-  }
-  return bytes;
+  return implementation_->bytes.total + implementation_->tables.bytes();
 }
 
 bool MappedAsset::locked() const noexcept { return implementation_->file->locked(); }

@@ -46,7 +46,8 @@ struct PartInfo {
 class MappedAsset {
  public:
   /// Errors: file_or_device (cannot be opened or read, a directory), invalid_input (anything that
-  /// is not an intact asset of this version); the message names file, place, cause and remedy.
+  /// is not an intact asset of this version), unsupported (a big-endian or 32-bit machine); the
+  /// message names file, place, cause and remedy.
   [[nodiscard]] static Result<std::unique_ptr<MappedAsset>> open(const std::string& path,
                                                                  const MapOptions& options = {});
   ~MappedAsset();
@@ -60,8 +61,7 @@ class MappedAsset {
   /// SHA-256 of the whole file, computed at the first call: not for the servo loop.
   [[nodiscard]] const std::string& content_sha256() const noexcept;
   [[nodiscard]] AssetBytes bytes() const noexcept;
-  /// The part of the file that answers come from, and of what opening derived: what a loop that
-  /// queries all over the band keeps in memory.
+  /// Bytes that answers may come from: the file, and the tables that opening adds to it.
   [[nodiscard]] std::uint64_t resident_bytes() const noexcept;
   [[nodiscard]] bool locked() const noexcept;
 

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <bit>
 #include <cstdint>
 #include <string>
 #include <string_view>
@@ -9,9 +8,7 @@
 
 namespace spm {
 
-// Samples and words are read in place from a file that is little endian.
-static_assert(std::endian::native == std::endian::little,
-              "SPM assets need a little-endian machine");
+// Samples and words are used in place, in little-endian order; see check_host.
 
 // Names of parts and attributes of a baked file. The attributes belong to the first part. The
 // values of `checksum` and `bytes` have a fixed width, because they are filled in last.

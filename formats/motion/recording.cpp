@@ -4,7 +4,6 @@
 #define XXH_STATIC_LINKING_ONLY
 #include <xxhash.h>
 
-#include <bit>
 #include <cmath>
 #include <cstddef>
 #include <cstring>
@@ -15,6 +14,7 @@
 #include <string_view>
 #include <utility>
 
+#include "formats/files/host.hpp"
 #include "formats/files/json_fields.hpp"
 #include "formats/files/text_file.hpp"
 
@@ -23,8 +23,6 @@ namespace spm {
 namespace {
 
 using Json = nlohmann::ordered_json;
-
-static_assert(std::endian::native == std::endian::little);
 
 constexpr std::string_view magic = "SPM-REC1";
 constexpr std::size_t start_bytes = magic.size() + 8;
@@ -126,6 +124,7 @@ RecordingWriter::~RecordingWriter() = default;
 
 Result<RecordingWriter> RecordingWriter::create(const std::string& path,
                                                 const RecordingHeader& header) {
+  if (auto good = check_host(path); !good) return tl::make_unexpected(std::move(good.error()));
   Result<OutputFile> file = OutputFile::create(path);
   if (!file) return tl::make_unexpected(std::move(file.error()));
   RecordingWriter writer(std::move(*file));
@@ -171,6 +170,7 @@ bool is_recording(const std::string& path) {
 }
 
 Result<Recording> read_recording(const std::string& path) {
+  if (auto good = check_host(path); !good) return tl::make_unexpected(std::move(good.error()));
   const Result<std::string> bytes = read_text_file(path, "a recording");
   if (!bytes) return tl::make_unexpected(bytes.error());
   if (bytes->size() < start_bytes + end_bytes || bytes->compare(0, magic.size(), magic) != 0) {

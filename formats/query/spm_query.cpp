@@ -123,7 +123,7 @@ void spm_query_band(const spm_query_asset* asset, double* max_depth, double* mar
   *margin = asset->asset->view().band.margin;
 }
 
-size_t spm_query_memory(const spm_query_asset* asset) { return asset->asset->bytes().total; }
+size_t spm_query_memory(const spm_query_asset* asset) { return asset->asset->resident_bytes(); }
 
 void spm_query_box(const spm_query_asset* asset, double box_min[3], double box_max[3]) {
   copy_to(box_min, asset->asset->metadata().box_min);

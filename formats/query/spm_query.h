@@ -66,8 +66,9 @@ typedef struct spm_query_contact {
 } spm_query_contact;
 
 /** Opens, validates and maps a baked file. Returns 0 and sets *asset, or the exit code of the
- *  command-line contract (1 for a NULL path or asset, 2 file, 3 not an intact asset) and writes one
- *  sentence to `message`, cut to `message_size` with its closing zero; `message` may be NULL.
+ *  command-line contract (1 for a NULL path or asset, 2 file, 3 not an intact asset, 5 a big-endian
+ *  or 32-bit machine) and writes one sentence to `message`, cut to `message_size` with its closing
+ *  zero; `message` may be NULL.
  *  The file is mapped, not copied: opening installs a handler for SIGBUS, which passes on whatever
  *  does not come from a truncated asset. */
 SPM_QUERY_API int spm_query_open(const char* path, spm_query_asset** asset, char* message,
@@ -83,7 +84,8 @@ SPM_QUERY_API int spm_query_lost(const spm_query_asset* asset);
 /** Band of an asset, metres: depth inside and margin outside that are answered exactly. */
 SPM_QUERY_API void spm_query_band(const spm_query_asset* asset, double* max_depth, double* margin);
 
-/** Bytes that answers may come from: the file, and what was derived from it when it was opened. */
+/** Bytes that answers may come from: the file, and the small tables that opening adds to it, such
+ * as that of the planes. */
 SPM_QUERY_API size_t spm_query_memory(const spm_query_asset* asset);
 
 /** Bounding box of the object, metres. */

@@ -19,17 +19,7 @@ Result<std::unique_ptr<AssetKeeper>> AssetKeeper::open(KeeperOptions options, As
   return keeper;
 }
 
-AssetKeeper::~AssetKeeper() {
-  {
-    const std::lock_guard lock(mutex_);
-    stop_ = true;
-  }
-  wake_.notify_all();
-  if (thread_.joinable()) thread_.join();
-  slot_.offer(nullptr);
-}
-
-void AssetKeeper::watch() { thread_ = std::thread(&AssetKeeper::run, this); }
+AssetKeeper::~AssetKeeper() { slot_.offer(nullptr); }
 
 KeeperReport AssetKeeper::report() const {
   const std::lock_guard lock(mutex_);
@@ -56,15 +46,6 @@ Result<std::unique_ptr<AssetKeeper::Holding>> AssetKeeper::load() const {
   holding->open_seconds = opened.count();
   holding->served = {&holding->asset->view(), holding->asset.get()};
   return holding;
-}
-
-void AssetKeeper::run() {
-  std::unique_lock lock(mutex_);
-  while (!wake_.wait_for(lock, options_.poll, [this] { return stop_; })) {
-    lock.unlock();
-    look();
-    lock.lock();
-  }
 }
 
 void AssetKeeper::look() {

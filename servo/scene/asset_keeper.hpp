@@ -2,13 +2,11 @@
 #pragma once
 
 #include <chrono>
-#include <condition_variable>
 #include <cstdint>
 #include <functional>
 #include <memory>
 #include <mutex>
 #include <string>
-#include <thread>
 #include <vector>
 
 #include "common/base/error.hpp"
@@ -36,7 +34,7 @@ struct KeeperReport {
   std::string content_sha256;
   AssetMetadata metadata;
   AssetBytes bytes;
-  std::uint64_t resident_bytes = 0;  ///< that answers come from
+  std::uint64_t resident_bytes = 0;  ///< that answers may come from
   double open_seconds = 0;           ///< to map and check the file
   bool locked = false;
   bool serving = false;
@@ -44,27 +42,28 @@ struct KeeperReport {
   std::uint64_t reloads = 0;
 };
 
-/// The loading thread. It opens and validates an asset, hands it to the loop and watches its file.
-/// When the file is truncated, edited, replaced or deleted, it takes the asset away from the loop,
-/// tries to load the file again until it is intact, and hands it over again. A `sealed` asset is
-/// served from its old bytes until the new ones are validated. An old mapping is freed when the
-/// loop no longer uses it.
+/// Opens and validates an asset, hands it to the loop and looks after its file (AssetWatch). When
+/// the file is truncated, edited, replaced or deleted, it takes the asset away from the loop, tries
+/// to load the file again until it is intact, and hands it over again. A `sealed` asset is served
+/// from its old bytes until the new ones are validated. An old mapping is freed when the loop no
+/// longer uses it.
 class AssetKeeper {
  public:
-  /// Opens the asset and offers it to the loop. No thread runs yet. Errors: those of
+  /// Opens the asset and offers it to the loop. Errors: those of
   /// MappedAsset::open and of `accept`.
   [[nodiscard]] static Result<std::unique_ptr<AssetKeeper>> open(KeeperOptions options,
                                                                  AssetSlot& slot);
   AssetKeeper(const AssetKeeper&) = delete;
   AssetKeeper& operator=(const AssetKeeper&) = delete;
-  /// Stops the thread. The loop must have ended.
+  /// The loop must have ended, and nothing looks any more.
   ~AssetKeeper();
 
-  /// The asset that `open` offered. Valid until `watch`.
+  /// The asset that `open` offered. Valid until `look`.
   [[nodiscard]] const AssetView& view() const { return *current_->served.view; }
 
-  /// Starts the thread that watches the file.
-  void watch();
+  /// The loading thread: looks once whether the file has changed, and loads it again where it has
+  /// and that is due.
+  void look();
 
   /// May be called on any thread at any time.
   [[nodiscard]] KeeperReport report() const;
@@ -79,8 +78,6 @@ class AssetKeeper {
 
   AssetKeeper(KeeperOptions options, AssetSlot& slot);
   [[nodiscard]] Result<std::unique_ptr<Holding>> load() const;
-  void run();
-  void look();
   void withdraw(AssetState state);
   void try_reload();
   void install(std::unique_ptr<Holding> holding);
@@ -97,11 +94,8 @@ class AssetKeeper {
   std::chrono::milliseconds wait_{0};
   std::string last_refusal_;
 
-  mutable std::mutex mutex_;  ///< guards the members below; the loop never takes it
-  std::condition_variable wake_;
-  bool stop_ = false;
+  mutable std::mutex mutex_;  ///< guards the report; the loop never takes it
   KeeperReport report_;
-  std::thread thread_;
 };
 
 }  // namespace spm::servo

@@ -20,7 +20,7 @@ Result<std::unique_ptr<SceneAssets>> SceneAssets::open(KeeperOptions each, Force
 }
 
 SceneAssets::SceneAssets(KeeperOptions each, ForceChoice choice, std::size_t slots)
-    : each_(std::move(each)), choice_(std::move(choice)) {
+    : each_(std::move(each)), choice_(std::move(choice)), watch_(each_.poll) {
   for (std::size_t i = 0; i < slots; ++i) slots_.push_back(std::make_unique<AssetSlot>());
 }
 
@@ -36,6 +36,7 @@ Result<void> SceneAssets::open_next(const std::string& path) {
   const std::lock_guard lock(mutex_);
   paths_.push_back(path);
   keepers_.push_back(std::move(*opened));
+  watch_.add(*keepers_.back());
   return {};
 }
 
@@ -51,9 +52,7 @@ std::vector<const AssetView*> SceneAssets::views() const {
   return list;
 }
 
-void SceneAssets::watch() {
-  for (const auto& keeper : keepers_) keeper->watch();
-}
+void SceneAssets::watch() { watch_.start(); }
 
 Result<std::size_t> SceneAssets::number_of(const std::string& path) {
   const auto found = std::find(paths_.begin(), paths_.end(), path);
@@ -67,7 +66,6 @@ Result<std::size_t> SceneAssets::number_of(const std::string& path) {
   if (auto opened = open_next(path); !opened) {
     return tl::make_unexpected(std::move(opened.error()));
   }
-  keepers_.back()->watch();
   return keepers_.size() - 1;
 }
 

@@ -8,13 +8,14 @@
 #include <vector>
 
 #include "servo/scene/asset_keeper.hpp"
+#include "servo/scene/asset_watch.hpp"
 #include "servo/scene/force_choice.hpp"
 
 namespace spm::servo {
 
-/// The assets of a scene. Each has a slot, which hands it to the loop, and a keeper, which watches
-/// its file. Spare slots are for assets that an edited scene names. An asset that was opened once
-/// stays mapped, even if no object refers to it any more.
+/// The assets of a scene. Each has a slot, which hands it to the loop, and a keeper, which looks
+/// after its file. Spare slots are for assets that an edited scene names. An asset that was opened
+/// once stays mapped, even if no object refers to it any more.
 class SceneAssets {
  public:
   /// Opens the assets of a choice. No thread runs yet. `each` is for every keeper; its path and
@@ -24,14 +25,14 @@ class SceneAssets {
                                                                  std::size_t spare = 0);
   SceneAssets(const SceneAssets&) = delete;
   SceneAssets& operator=(const SceneAssets&) = delete;
-  /// Stops the keepers. The loop must have ended.
+  /// Stops the watch. The loop must have ended.
   ~SceneAssets() = default;
 
   /// All slots, the spare ones after the others.
   [[nodiscard]] std::vector<AssetSlot*> slots() const;
   /// The assets that `open` opened; valid until `watch`.
   [[nodiscard]] std::vector<const AssetView*> views() const;
-  /// Starts the keepers' threads.
+  /// Starts the thread that watches all files.
   void watch();
 
   /// One thread beside the loop: the index of the slot of a file, which is opened if it is new.
@@ -57,7 +58,8 @@ class SceneAssets {
   mutable std::mutex mutex_;                       ///< guards what follows; the loop never takes it
   ForceChoice choice_;
   std::vector<std::string> paths_;
-  std::vector<std::unique_ptr<AssetKeeper>> keepers_;  ///< one for each path; these end first
+  std::vector<std::unique_ptr<AssetKeeper>> keepers_;  ///< one for each path
+  AssetWatch watch_;                                   ///< of them all; ends first
 };
 
 }  // namespace spm::servo

@@ -162,6 +162,13 @@ TEST_CASE("verify --json has the keys of a verdict, and another seed judges othe
     CHECK(json["adversarial"]["counts"].at(key) == 0);
   }
   CHECK(json["near_holes_judged"]["samples"] == 0);
+  const Json& jumps = json["jumps"];
+  CHECK(jumps["borders"] > 0);
+  CHECK(jumps["allowed_um"].get<double>() == Approx(200.01));
+  for (const char* key : {"p50", "p99", "max"}) {
+    CHECK(jumps["distance_um"].at(key) < 200);
+    CHECK(jumps["direction_deg"].at(key) < 90);
+  }
   const Json other = baked.verify({"--samples", "2000", "--seed", "2", "--json"}).json();
   CHECK(other["seed"] == 2);
   CHECK(other["worst"] != json["worst"]);
@@ -199,6 +206,20 @@ TEST_CASE("The words of a verdict have counts, tolerance and seed") {
   CHECK(report.passed());
   CHECK_THAT(verdict_of(report),
              Catch::StartsWith("no promise: ") && Catch::Contains("3 of 1,000,000 places"));
+}
+
+TEST_CASE("Jumps that are too large are told, and miss the promise") {
+  VerifyReport report = faultless();
+  report.jumps.places = 5000;
+  report.jumps.borders = 1200;
+  report.jumps.allowed = 100e-6;
+  report.jumps.beyond = 3;
+  CHECK_FALSE(report.passed());
+  CHECK_THAT(verdict_of(report),
+             Catch::StartsWith("MISSED: ") &&
+                 Catch::Contains("; 3 of 5,000 jumps between leaves beyond 100 um"));
+  CHECK_THAT(describe(report),
+             Catch::Contains("at 5,000 places on 1,200 borders of leaves, 3 beyond 100 um"));
 }
 
 TEST_CASE("What a verdict leaves out is told with its number of places") {

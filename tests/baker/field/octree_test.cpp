@@ -3,6 +3,7 @@
 #include <catch2/catch.hpp>
 #include <numbers>
 
+#include "baker/base/bake_error.hpp"
 #include "baker/field/cube_candidates.hpp"
 #include "baker/field/map_fit.hpp"
 #include "baker/field/map_proof.hpp"
@@ -31,7 +32,7 @@ struct Built {
   BuiltOctree built;
   AssetView view;
 
-  explicit Built(const test::Shape& shape, int levels = 3)
+  explicit Built(const test::Shape& shape, std::optional<double> bytes = {})
       : surface(test::surface_of(shape)),
         caster(surface),
         lattice(round_to_lattice(surface, caster, {}, tolerance)),
@@ -40,7 +41,8 @@ struct Built {
     rules.band = {2e-3, 0.5e-3};
     rules.tolerance = tolerance;
     rules.smallest_edge = 5e-4;
-    rules.levels = levels;
+    rules.levels = 3;
+    rules.bytes = bytes;
     rules.direction = 6 * std::numbers::pi / 180;
     built = build_octree(lattice, rounded, planes, nullptr, rules, {});
     built.data.add_to(view);
@@ -74,6 +76,27 @@ test::Shape thin_limbs() {
   return test::merged(test::sphere(1.5e-3, 3), test::moved(test::sphere(1.9e-3, 3), {6e-3, 0, 0}));
 }
 
+/// Answers are within the tolerance at places all around the surface.
+void require_right(const Built& made, std::uint64_t places) {
+  CHECK(octree_problem(made.view).empty());
+  for (std::uint64_t i = 0; i < places; ++i) {
+    const Vector3 point = made.place(i);
+    const double truth = made.caster.closest(point).distance;
+    const Answer answer = query_point(made.view, point);
+    INFO(point.transpose() << " m, truth " << truth << " m, told " << answer.distance << " m");
+    if (truth > made.rules.band.margin) {
+      REQUIRE(
+          (answer.status == Status::far || answer.distance >= made.rules.band.margin - tolerance));
+    } else if (truth < -made.rules.band.max_depth) {
+      REQUIRE(answer.distance <= -made.rules.band.max_depth + tolerance);
+    } else if (answer.status == Status::far) {
+      REQUIRE(truth >= made.rules.band.margin - tolerance);
+    } else {
+      REQUIRE(std::abs(answer.distance - truth) <= tolerance);
+    }
+  }
+}
+
 }  // namespace
 
 TEST_CASE("Everywhere in the band the octree answers, on the right side, within the tolerance") {
@@ -81,25 +104,39 @@ TEST_CASE("Everywhere in the band the octree answers, on the right side, within 
        {test::sphere(0.01, 3), rough(test::sphere(0.01, 4), 2e-3), test::box({0.02, 0.01, 0.004}),
         test::torus(0.01, 0.003, 40, 20), test::plate({0.02, 0.02, 2e-4}), test::wedge(0.2, 0.02),
         thin_limbs()}) {
-    const Built made(shape);
-    CHECK(octree_problem(made.view).empty());
-    for (std::uint64_t i = 0; i < 20000; ++i) {
-      const Vector3 point = made.place(i);
-      const double truth = made.caster.closest(point).distance;
-      const Answer answer = query_point(made.view, point);
-      INFO(point.transpose() << " m, truth " << truth << " m, told " << answer.distance << " m");
-      if (truth > made.rules.band.margin) {
-        REQUIRE((answer.status == Status::far ||
-                 answer.distance >= made.rules.band.margin - tolerance));
-      } else if (truth < -made.rules.band.max_depth) {
-        REQUIRE(answer.distance <= -made.rules.band.max_depth + tolerance);
-      } else if (answer.status == Status::far) {
-        REQUIRE(truth >= made.rules.band.margin - tolerance);
-      } else {
-        REQUIRE(std::abs(answer.distance - truth) <= tolerance);
-      }
+    require_right(Built(shape), 20000);
+  }
+}
+
+TEST_CASE("With fewer bytes more lists answer, as right, and with more bytes fewer") {
+  for (const test::Shape& shape :
+       {test::box({0.02, 0.01, 0.004}), test::torus(0.01, 0.003, 16, 10), test::wedge(0.2, 0.02)}) {
+    const Built usual(shape);
+    double most_volume = usual.built.counts.list_volume;
+    for (const double share : {4.0, 1.0, 0.8}) {
+      const double bytes = share * static_cast<double>(usual.built.counts.bytes);
+      const Built made(shape, bytes);
+      CHECK(static_cast<double>(made.built.counts.bytes) <= bytes);
+      if (share > 1) most_volume = made.built.counts.list_volume;
+      CHECK(made.built.counts.list_volume >= most_volume);
+      most_volume = made.built.counts.list_volume;
+      require_right(made, 5000);
+    }
+    try {
+      const Built none(shape, 100);
+      FAIL("an octree of 100 bytes");
+    } catch (const BakeError& error) {
+      CHECK(error.code() == ExitCode::tolerance_not_met);
+      CHECK(std::string(error.what()).find("--max-bytes") != std::string::npos);
     }
   }
+}
+
+TEST_CASE("A box of few triangles has few roots, and a list for each") {
+  const Built made(test::box({0.06, 0.05, 0.04}), 3000);
+  CHECK(made.view.octree.root_words.size() <= 8);
+  CHECK(made.built.counts.bytes < 1000);
+  require_right(made, 5000);
 }
 
 TEST_CASE("Where the answer is far, the surface is at least as far as the clearance says") {

@@ -86,23 +86,32 @@ std::string foreign_exr(bool attributes_of_ours) {
   return bytes;
 }
 
-/// An asset of one channel per part as another tool saves it: the same parts, attributes and
-/// pixels, with the header changed.
-std::string resaved(const std::string& bytes, const std::function<void(Imf::Header&)>& change) {
+/// An asset of one channel per part as another tool saves it: the same attributes and pixels, with
+/// the header changed; all parts but the one named, if any.
+std::string resaved(const std::string& bytes, const std::function<void(Imf::Header&)>& change,
+                    const std::string& without = {}) {
   const TemporaryFolder folder;
   write_bytes(folder.path("in"), bytes);
   {
     Imf::MultiPartInputFile in(folder.path("in").c_str());
+    std::vector<int> kept;
     std::vector<Imf::Header> headers;
     for (int part = 0; part < in.parts(); ++part) {
+      if (in.header(part).name() == without) continue;
+      kept.push_back(part);
       headers.push_back(in.header(part));
       change(headers.back());
     }
-    Imf::MultiPartOutputFile out(folder.path("out").c_str(), headers.data(), in.parts());
-    for (int part = 0; part < in.parts(); ++part) {
-      Imf::TiledInputPart from(in, part);
+    // The description stays on the first part.
+    for (auto at = in.header(0).begin(); at != in.header(0).end(); ++at) {
+      if (std::string(at.name()).starts_with("spm")) headers[0].insert(at.name(), at.attribute());
+    }
+    const int count = static_cast<int>(kept.size());
+    Imf::MultiPartOutputFile out(folder.path("out").c_str(), headers.data(), count);
+    for (int part = 0; part < count; ++part) {
+      Imf::TiledInputPart from(in, kept[static_cast<std::size_t>(part)]);
       Imf::TiledOutputPart to(out, part);
-      const Imf::Header& header = in.header(part);
+      const Imf::Header& header = headers[static_cast<std::size_t>(part)];
       const int width = header.dataWindow().max.x + 1, height = header.dataWindow().max.y + 1;
       std::vector<std::uint32_t> pixels(static_cast<std::size_t>(width * height));
       const Imf::PixelType type = header.channels().begin().channel().type;
@@ -118,6 +127,28 @@ std::string resaved(const std::string& bytes, const std::function<void(Imf::Head
   }
   std::string saved = read_bytes(folder.path("out"));
   reseal(saved);
+  return saved;
+}
+
+/// An asset without one of its parts, the others aligned as before.
+std::string without_part(const std::string& bytes, const std::string& name) {
+  std::string saved;
+  for (std::size_t pad = 1; pad <= 8; ++pad) {
+    std::string padding(pad, ' ');
+    const auto pad_first = [&padding](Imf::Header& header) {
+      if (!padding.empty()) header.insert("spm_without", Imf::StringAttribute(padding));
+      padding.clear();
+    };
+    saved = resaved(bytes, pad_first, name);
+    bool aligned = true;
+    for (const HandPart& part : read_by_hand(saved).parts) {
+      for (const std::uint64_t start : part.table) {
+        aligned = aligned && (start + 24) % part.sample_bytes == 0;
+      }
+    }
+    if (aligned) return saved;
+  }
+  FAIL("no alignment without " << name);
   return saved;
 }
 
@@ -163,6 +194,22 @@ std::vector<Damage> structural_damage() {
        "grid_musks"},
       {"a channel renamed", with_header_text(full, "hit10.Y", "hit10.Z"), "heights12"},
   };
+}
+
+/// Each file without one of its parts.
+std::vector<Damage> missing_parts() {
+  std::vector<Damage> cases;
+  for (const std::string& bytes : {sparse_bytes(), baked(full_asset(1, {1, 1, 1}))}) {
+    for (const HandPart& part : read_by_hand(bytes).parts) {
+      const std::string name = part.name();
+      std::string cause = "part " + name + " is missing or not as the asset describes it";
+      // Maps and masks are told by what misses its own.
+      if (name == "heights01") cause = "tile 0 of plane 0 does not exist";
+      if (name == "grid_masks" && bytes == sparse_bytes()) cause = "masks that are cut short";
+      cases.push_back({"without " + name, without_part(bytes, name), cause});
+    }
+  }
+  return cases;
 }
 
 std::vector<Damage> wrong_descriptions() {
@@ -270,6 +317,12 @@ TEST_CASE("A file that never was an asset is told what it is not") {
 
 TEST_CASE("An asset whose layout was changed is refused, its checksum made right or not") {
   check_all_refused(structural_damage());
+}
+
+TEST_CASE("An asset without any one of its parts is refused, and told which one") {
+  const std::vector<Damage> cases = missing_parts();
+  CHECK(cases.size() == 14);
+  check_all_refused(cases);
 }
 
 TEST_CASE("An asset whose description was changed is refused") {

@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "formats/asset/octree_check.hpp"
 
+#include <array>
 #include <catch2/catch.hpp>
+#include <cmath>
 
-#include "common/query/query.hpp"
+#include "common/field/local_map.hpp"
+#include "common/query/octree_query.hpp"
 #include "tests/formats/support/synthetic_asset.hpp"
 #include "tests/support/octree_by_hand.hpp"
 
@@ -113,6 +116,74 @@ TEST_CASE("Many cubes with the same list cost no more than one") {
   const Checked nested(asset);
   CHECK(nested.problem == "a cube of its octree shares a part of its list with another");
   CHECK(nested.steps <= most_steps(octree));
+}
+
+TEST_CASE("Any words of a polynomial that are accepted give finite answers") {
+  Asset asset = sparse_asset(6, {.tiles = 0, .triangles = 0});
+  OctreeData& octree = asset.octree;
+  octree.root_words.assign(octree.root_words.size(), root_word(OctreeKind::far, 0));
+  const Vector3 low = octree.origin;
+  Random random(12);
+  // Not-a-numbers, infinities, the largest and the smallest numbers, and any others.
+  constexpr std::array<std::uint32_t, 8> odd{0x7FC00000, 0xFFC00000, 0x7F800000, 0xFF800000,
+                                             0xFFFFFFFF, 0x7FFFFFFF, 0x80008000, 0x00000001};
+  int accepted = 0;
+  for (int trial = 0; trial < 4000; ++trial) {
+    const auto kind =
+        std::array{OctreeKind::polynomial, OctreeKind::least, OctreeKind::most}[below(random, 3)];
+    octree.root_words[0] = root_word(kind, 0);
+    octree.units.resize(2 * units_of(kind));
+    for (std::size_t k = 0; k < octree.units.size(); ++k) {
+      std::uint32_t& word = octree.units[k];
+      word = below(random, 2) == 0 ? odd.at(below(random, 8))
+                                   : static_cast<std::uint32_t>(random.next());
+      // The last word of a polynomial names a plane, and the exponent of what bends.
+      const std::uint32_t exponent = below(random, bend_exponent_bias + 17);
+      if (k % local_map_words == 3) word = (word & 0xFFFFU) | exponent << 16U;
+    }
+    if (!Checked(asset).problem.empty()) continue;
+    ++accepted;
+    const AssetTables tables = tables_of(asset);
+    for (std::uint32_t k = 0; k < 20; ++k) {
+      const auto share = [&] {
+        return k < 8 ? (below(random, 2) == 0 ? 0 : 0.999999) : random.between(0, 1);
+      };
+      const Vector3 point = low + octree.edge * Vector3(share(), share(), share());
+      const Leaf leaf = leaf_at(tables.view().octree, point);
+      REQUIRE(leaf.kind == kind);
+      const Answer answer = query_leaf(tables.view(), leaf, point);
+      REQUIRE(std::isfinite(answer.distance));
+      REQUIRE(answer.normal.allFinite());
+    }
+  }
+  CHECK(accepted == 4000);
+}
+
+TEST_CASE("A cube in the band that is said to be far is found only where a triangle lies in it") {
+  Asset asset = sparse_asset(1);
+  const AssetTables tables = tables_of(asset);
+  // Makes each root far that no triangle passes, whatever its answers were.
+  std::vector<bool> passed(asset.octree.root_words.size(), false);
+  const auto& roots = asset.octree.roots;
+  const IndexedTriangles& exact = tables.view().exact;
+  for (std::size_t i = 0; i < exact.size(); ++i) {
+    for (const Vector3& corner : corners_of(exact, i)) {
+      const Vector3 at = (corner - asset.octree.origin) / asset.octree.edge;
+      passed.at(static_cast<std::size_t>(at.x()) +
+                roots[0] * (static_cast<std::size_t>(at.y()) +
+                            roots[1] * static_cast<std::size_t>(at.z()))) = true;
+    }
+  }
+  std::size_t made_far = 0;
+  for (std::size_t k = 0; k < passed.size(); ++k) {
+    std::uint32_t& word = asset.octree.root_words[k];
+    if (passed[k] || static_cast<OctreeKind>(word & 15U) == OctreeKind::far) continue;
+    word = root_word(OctreeKind::far, 0);
+    ++made_far;
+  }
+  REQUIRE(made_far > 0);
+  CHECK(Checked(asset).problem.empty());
+  // The checksum is what such words do not come through.
 }
 
 TEST_CASE("The time of a check does not depend on what hostile words say") {

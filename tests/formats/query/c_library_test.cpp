@@ -92,6 +92,17 @@ TEST_CASE("The C library answers as C++ does, at every point and in a batch") {
   }
 }
 
+TEST_CASE("The memory that answers may come from is the file and the tables that opening adds") {
+  for (const Asset& asset : {sparse_asset(1), full_asset(2, {2, 1, 12, 2})}) {
+    const Both both(asset);
+    const std::size_t memory = spm_query_memory(both.c);
+    CHECK(memory == both.cpp->resident_bytes());
+    const std::size_t file = std::filesystem::file_size(both.path);
+    CHECK(memory >= file + asset.planes.size() * sizeof(SupportPlane));
+    CHECK(memory <= file + file / 4);
+  }
+}
+
 TEST_CASE("The C library's force is that of the force law") {
   const Both sparse(with_probe(sparse_asset(1), 0.0004));
   const Both full(full_asset(2, {2, 1, 12, 2}));

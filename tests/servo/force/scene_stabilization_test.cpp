@@ -70,7 +70,8 @@ TEST_CASE("Through a coupling a side is as stiff as asked, and no stiffer than i
         const ContactForce found = force.next(Assets{&cube.view}, {0.002, 0.003, half - depth});
         const double felt = std::min(1000.0, max_felt_share * coupling);
         CHECK(found.force.z() == Approx(felt * std::max(depth, 0.0)).margin(2e-3));
-        CHECK(found.contact == (depth > 0));
+        // On the surface rounding decides.
+        if (at != 0) CHECK(found.contact == (depth > 0));
       }
     }
   }

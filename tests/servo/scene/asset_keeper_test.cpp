@@ -4,6 +4,7 @@
 #include <fcntl.h>
 #include <unistd.h>
 
+#include <array>
 #include <atomic>
 #include <catch2/catch.hpp>
 #include <chrono>
@@ -12,9 +13,11 @@
 #include <fstream>
 #include <functional>
 #include <memory>
+#include <vector>
 
 #include "servo/devices/sim/device_sim.hpp"
 #include "servo/loop/loop.hpp"
+#include "servo/scene/asset_watch.hpp"
 #include "tests/servo/support/eventually.hpp"
 #include "tests/servo/support/scripted_device.hpp"
 #include "tests/servo/support/shape_asset.hpp"
@@ -62,7 +65,6 @@ KeeperOptions options_for(const std::string& path) {
   KeeperOptions options;
   options.path = path;
   options.lock = false;
-  options.poll = std::chrono::milliseconds(2);
   options.retry = std::chrono::milliseconds(10);
   options.longest_retry = std::chrono::milliseconds(20);
   return options;
@@ -77,16 +79,45 @@ struct WatchedBox {
     auto opened = AssetKeeper::open(options, slot);
     REQUIRE(opened);
     keeper = std::move(*opened);
-    keeper->watch();
+    watch.add(*keeper);
+    watch.start();
   }
 
   TemporaryFolder folder;
   std::string path = folder.file("box.spm.exr");
   AssetSlot slot;
   std::unique_ptr<AssetKeeper> keeper;
+  AssetWatch watch{std::chrono::milliseconds(2)};
 };
 
 }  // namespace
+
+TEST_CASE("One thread watches the files of several assets, also of one that is added later") {
+  const TemporaryFolder folder;
+  std::array<AssetSlot, 3> slots;
+  std::vector<std::unique_ptr<AssetKeeper>> keepers;
+  AssetWatch watch(std::chrono::milliseconds(2));
+  const auto path_of = [&](std::size_t k) {
+    return folder.file("box" + std::to_string(k) + ".spm.exr");
+  };
+  for (std::size_t k = 0; k < slots.size(); ++k) {
+    test::write(test::box_asset(size), path_of(k));
+    auto opened = AssetKeeper::open(options_for(path_of(k)), slots.at(k));
+    REQUIRE(opened);
+    keepers.push_back(std::move(*opened));
+    watch.add(*keepers.back());
+    if (k == 1) watch.start();
+  }
+  for (std::size_t k = 0; k < slots.size(); ++k) {
+    delete_file(path_of(k));
+    REQUIRE(eventually([&] { return keepers[k]->report().losses == 1; }));
+    REQUIRE_FALSE(keepers[k]->report().serving);
+  }
+  for (std::size_t k = 0; k < slots.size(); ++k) test::write(test::box_asset(size), path_of(k));
+  for (std::size_t k = 0; k < slots.size(); ++k) {
+    REQUIRE(eventually([&] { return keepers[k]->report().reloads == 1; }));
+  }
+}
 
 TEST_CASE("An asset that is damaged under the loop is taken away and loaded when it is back") {
   for (const Damage& damage : damages) {

@@ -1,5 +1,5 @@
-// SPDX-License-Identifier: Apache-2.0
-#include "common/surface/closest_on_tile.hpp"
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "baker/tiles/closest_on_tile.hpp"
 
 #include <Eigen/Core>
 #include <algorithm>
@@ -8,10 +8,10 @@
 #include <cmath>
 #include <cstring>
 
-#include "common/surface/closest_on_cell.hpp"
+#include "baker/tiles/closest_on_cell.hpp"
 #include "common/surface/tile.hpp"
 
-namespace spm {
+namespace spm::baker {
 
 namespace {
 
@@ -205,12 +205,19 @@ void visit_block(const Tile& tile, float height_unit, const Local& p, std::uint3
   }
 }
 
-}  // namespace
-
-float tile_distance_bound(const Tile& tile, const SupportPlane& plane,
-                          const Vector3& point) noexcept {
-  return bound_of(tile, local_of(tile, plane, point));
+/// Fills in what follows from the position of the closest point: its distance (m), and how far the
+/// query point is below the surface.
+void settle_closest_point(TileClosestPoint& closest_point, float distance) noexcept {
+  closest_point.distance = distance;
+  const float level = std::sqrt(1 + closest_point.slope_eta * closest_point.slope_eta +
+                                closest_point.slope_omega * closest_point.slope_omega);
+  closest_point.below =
+      (closest_point.away_depth - closest_point.slope_eta * closest_point.away_eta -
+       closest_point.slope_omega * closest_point.away_omega) /
+      level;
 }
+
+}  // namespace
 
 TileClosestPoint closest_on_tile(const Tile& tile, float height_unit, const SupportPlane& plane,
                                  const Vector3& point, float limit) noexcept {
@@ -231,4 +238,4 @@ TileClosestPoint closest_on_tile(const Tile& tile, float height_unit, const Supp
   return closest_point;
 }
 
-}  // namespace spm
+}  // namespace spm::baker

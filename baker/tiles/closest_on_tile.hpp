@@ -1,4 +1,4 @@
-// SPDX-License-Identifier: Apache-2.0
+// SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
 #include <cstdint>
@@ -7,7 +7,7 @@
 #include "common/surface/support_plane.hpp"
 #include "common/surface/tile.hpp"
 
-namespace spm {
+namespace spm::baker {
 
 /// Closest point of a tile's valid surface to a point.
 struct TileClosestPoint {
@@ -30,8 +30,4 @@ struct TileClosestPoint {
                                                const SupportPlane& plane, const Vector3& point,
                                                float limit) noexcept;
 
-/// Lower bound of the distance from a point to the tile's valid surface, m.
-[[nodiscard]] float tile_distance_bound(const Tile& tile, const SupportPlane& plane,
-                                        const Vector3& point) noexcept;
-
-}  // namespace spm
+}  // namespace spm::baker

@@ -1,26 +1,21 @@
-// SPDX-License-Identifier: Apache-2.0
-#include "common/surface/closest_on_cell.hpp"
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "baker/tiles/closest_on_cell.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
-namespace spm {
+namespace spm::baker {
 
-void closest_on_patch(const CellPatch& cell, float& x, float& y) noexcept {
-  const float sx = cell.slope_x, sy = cell.slope_y;
-  const float along = (cell.dz - sx * cell.dx - sy * cell.dy) / (sx * sx + sy * sy + 1);
-  const auto clamp = [](float value) { return std::min(std::max(value, -0.5F), 0.5F); };
-  // The minimum over a rectangle lies on a side beyond which the unconstrained minimum is: one of
-  // each direction is tried.
-  const float x1 = clamp(cell.dx + along * sx), y2 = clamp(cell.dy + along * sy);
-  const float y1 = clamp((cell.dy + sy * (cell.dz - sx * x1)) / (sy * sy + 1));
-  const float x2 = clamp((cell.dx + sx * (cell.dz - sy * y2)) / (sx * sx + 1));
-  const bool first = cell.squared_distance(x1, y1) <= cell.squared_distance(x2, y2);
-  x = first ? x1 : x2;
-  y = first ? y1 : y2;
-}
+namespace {
 
+/// The part of a clip line that crosses a cell, from the cell's middle, with the spacing as the
+/// unit.
+struct ClipSegment {
+  float x, y, to_x, to_y;  ///< from (x, y) to (x + to_x, y + to_y)
+};
+
+/// False where the line does not cross the cell.
 bool clip_segment(const Clip& clip, ClipSegment& segment) noexcept {
   const float square = clip.a * clip.a + clip.b * clip.b;
   if (!(square > 0)) return false;
@@ -48,6 +43,8 @@ bool clip_segment(const Clip& clip, ClipSegment& segment) noexcept {
   return true;
 }
 
+}  // namespace
+
 bool clip_closest_point(const CellPatch& cell, const Clip& clip, float spacing, float& x,
                         float& y) noexcept {
   if (clip.a * x + clip.b * y <= clip.c * spacing) return true;
@@ -65,14 +62,4 @@ bool clip_closest_point(const CellPatch& cell, const Clip& clip, float spacing, 
   return true;
 }
 
-void settle_closest_point(TileClosestPoint& closest_point, float distance) noexcept {
-  closest_point.distance = distance;
-  const float level = std::sqrt(1 + closest_point.slope_eta * closest_point.slope_eta +
-                                closest_point.slope_omega * closest_point.slope_omega);
-  closest_point.below =
-      (closest_point.away_depth - closest_point.slope_eta * closest_point.away_eta -
-       closest_point.slope_omega * closest_point.away_omega) /
-      level;
-}
-
-}  // namespace spm
+}  // namespace spm::baker

@@ -1,0 +1,149 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// How far answers jump where leaves of the octree meet.
+#include "baker/verify/border_jumps.hpp"
+
+#include <catch2/catch.hpp>
+#include <cmath>
+
+#include "baker/pipeline/bake.hpp"
+#include "common/field/octree_leaves.hpp"
+#include "common/query/query.hpp"
+#include "formats/asset/asset_writer.hpp"
+#include "tests/baker/pipeline/bake_support.hpp"
+#include "tests/support/shapes.hpp"
+
+namespace spm::baker::border_jumps_test {
+namespace {
+
+constexpr double tolerance = 100e-6;
+
+/// A baked shape and its exact surface.
+struct Baked {
+  Mesh mesh;
+  Asset asset;
+  ExactSurface exact;
+
+  explicit Baked(const test::Shape& shape)
+      : mesh(test::mesh_of(shape)), asset(baked(mesh)), exact(mesh) {}
+
+  [[nodiscard]] JumpReport jumps(std::uint64_t seed, std::uint64_t count = 20000) const {
+    const AssetTables tables = tables_of(asset);
+    return border_jumps({exact, tables.view(), asset.metadata.band, tolerance, 0, seed}, count);
+  }
+
+  [[nodiscard]] static Asset baked(const Mesh& mesh) {
+    BakeOptions options;
+    options.tolerance = tolerance;
+    options.max_depth = 1e-3;
+    return bake(mesh, options).asset;
+  }
+
+  /// Moves the answers of the largest polynomial near the surface, and gives its leaf.
+  [[nodiscard]] Leaf spoil(double by) {
+    const AssetTables tables = tables_of(asset);
+    Leaf largest;
+    visit_leaves(tables.view().octree, [&](const Leaf& leaf) {
+      const double distance = query_point(tables.view(), leaf.middle).distance;
+      const bool near = std::abs(distance) < leaf.half;
+      if (leaf.kind == OctreeKind::polynomial && near && leaf.half > largest.half) largest = leaf;
+    });
+    REQUIRE(largest.half > 0);
+    // The value is the lower half of a polynomial's first word.
+    std::uint32_t& word = asset.octree.units[2 * std::size_t{largest.unit}];
+    const auto steps = static_cast<std::uint32_t>(std::lround(by / asset.octree.value_unit));
+    word = (word & 0xFFFF0000U) | ((word + steps) & 0xFFFFU);
+    return largest;
+  }
+};
+
+test::Shape sphere() { return test::sphere(0.02, 3); }
+test::Shape box() { return test::box({0.03, 0.02, 0.01}); }
+
+}  // namespace
+
+TEST_CASE("Answers of a baked sphere and of a baked box jump by at most twice the tolerance") {
+  for (const test::Shape& shape : {sphere(), box()}) {
+    const Baked baked(shape);
+    const JumpReport found = baked.jumps(1);
+    CHECK(found.places > 19000);
+    CHECK(found.borders > 100);
+    CHECK(found.borders <= found.places);
+    CHECK(found.allowed == Approx(200e-6).epsilon(1e-3));
+    CHECK(found.beyond == 0);
+    CHECK(found.distance.max > 0);
+    CHECK(found.distance.max <= found.allowed);
+    CHECK(found.near_holes == 0);
+  }
+}
+
+TEST_CASE("Directions that jump at the edges' medial planes of a box are told apart") {
+  const JumpReport found = Baked(box()).jumps(1);
+  CHECK(found.contested > 0);
+  CHECK(found.contested < found.places);
+  // Across the medial plane of an edge the truth turns by 90 degrees.
+  CHECK(found.contested_direction.max > 1.4);
+  CHECK(found.direction.p99 < 0.3);
+}
+
+TEST_CASE("Whatever the seed, jumps are in order and within what the tolerance allows") {
+  const Baked baked(sphere());
+  Vector3 worst = Vector3::Zero();
+  for (std::uint64_t seed = 1; seed <= 8; ++seed) {
+    const JumpReport found = baked.jumps(seed, 4000);
+    INFO("seed " << seed);
+    CHECK(found.beyond == 0);
+    CHECK(found.distance.p50 <= found.distance.p99);
+    CHECK(found.distance.p99 <= found.distance.max);
+    CHECK(found.direction.p50 <= found.direction.p99);
+    CHECK(found.direction.p99 <= found.direction.max);
+    CHECK(found.borders <= found.places);
+    CHECK(found.places + found.near_holes <= 4000);
+    CHECK(found.worst_point != worst);
+    worst = found.worst_point;
+  }
+}
+
+TEST_CASE("A polynomial that is off shows as jumps on the faces of its cube") {
+  Baked baked(sphere());
+  constexpr double by = 500e-6;
+  const Leaf spoilt = baked.spoil(by);
+  const JumpReport found = baked.jumps(3);
+  CHECK(found.beyond > 0);
+  CHECK(found.distance.max > by - 2 * tolerance);
+  CHECK(found.distance.max < by + 2 * tolerance);
+  const double from = (found.worst_point - spoilt.middle).lpNorm<Eigen::Infinity>();
+  CHECK(from == Approx(spoilt.half).epsilon(1e-6));
+}
+
+TEST_CASE("A jump that is too large fails the verdict, even where no sample is off") {
+  Baked baked(sphere());
+  VerifyOptions options;
+  options.samples = 20000;
+  const auto verdict = [&] {
+    const AssetTables tables = tables_of(baked.asset);
+    return verify_against(baked.mesh, tables.view(), baked.asset.metadata, options);
+  };
+  const VerifyReport good = verdict();
+  CHECK(good.passed());
+  CHECK(good.jumps.places > 4900);
+  (void)baked.spoil(500e-6);
+  VerifyReport bad = verdict();
+  CHECK(bad.jumps.beyond > 0);
+  bad.counts = {};
+  bad.adversarial.counts = {};
+  CHECK_FALSE(bad.passed());
+}
+
+TEST_CASE("Beside the holes of a mesh jumps are only counted") {
+  const Baked baked{sphere()};
+  Mesh holed = baked.mesh;
+  holed.border = {{0, 4}};
+  const ExactSurface exact(holed);
+  const AssetTables tables = tables_of(baked.asset);
+  const JumpReport found =
+      border_jumps({exact, tables.view(), baked.asset.metadata.band, tolerance, 2e-3, 1}, 2000);
+  CHECK(found.near_holes > 0);
+  CHECK(found.places > 0);
+}
+
+}  // namespace spm::baker::border_jumps_test

@@ -1,0 +1,111 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
+"""How `spm-servo run` starts: what it says first, and what many assets cost."""
+
+import fcntl
+import os
+import re
+import shutil
+import subprocess
+import time
+import unittest
+
+from programs import SERVO, THIN_BAND, Case, models_of, run
+
+ASSETS = 50
+LONG = 30  # s, for what is done at once
+WRITE = "1 0x2 "  # /proc/PID/syscall of x86-64: write to standard error
+
+
+def status_of(process, key):
+    with open(f"/proc/{process.pid}/status", encoding="ascii") as file:
+        return int(re.search(rf"^{key}:\s+(\d+)", file.read(), re.MULTILINE).group(1))
+
+
+class Start(Case):
+    @classmethod
+    def setUpClass(cls):
+        cls.models = models_of(cls, "box")
+        cls.asset = os.path.join(cls.models, "box.spm.exr")
+        result = run("build", os.path.join(cls.models, "box.obj"), "-o", cls.asset, "--tolerance",
+                     "200um", *THIN_BAND, "--quiet")
+        assert result.returncode == 0, result.stderr
+
+    def servo(self, *options, stderr=subprocess.PIPE):
+        process = subprocess.Popen([SERVO, "run", "--device", "sim", "--socket", "off", *options],
+                                   stdout=subprocess.DEVNULL, stderr=stderr)
+        self.addCleanup(process.wait)
+        self.addCleanup(process.kill)
+        return process
+
+    def test_it_says_what_it_serves_before_the_first_tick(self):
+        """Standard error is a full pipe, so the program waits in the middle of its first line. The
+        thread of the ticks comes only after that."""
+        read, write = os.pipe()
+        fcntl.fcntl(write, fcntl.F_SETPIPE_SZ, 4096)
+        os.write(write, b"x" * fcntl.fcntl(write, fcntl.F_GETPIPE_SZ))
+        process = self.servo("--asset", self.asset, stderr=write)
+        os.close(write)
+        self.wait_until_it_writes(process)
+        waiting = status_of(process, "Threads")
+        with os.fdopen(read, "rb") as pipe:
+            said = b""
+            while b"\n" not in said:
+                said += pipe.read1().lstrip(b"x")
+            self.wait_for(lambda: status_of(process, "Threads") > waiting)
+            process.terminate()
+            self.assertEqual(process.wait(LONG), 0)
+        for words in ("serving", self.asset, "200 um", "1000 Hz", "on sim", "Ctrl-C"):
+            self.assertIn(words, said.decode().splitlines()[0])
+
+    def wait_for(self, condition):
+        end = time.monotonic() + LONG
+        while not condition():
+            self.assertLess(time.monotonic(), end, "it takes too long")
+            time.sleep(0.01)
+
+    def wait_until_it_writes(self, process):
+        end = time.monotonic() + LONG
+        while time.monotonic() < end:
+            try:
+                with open(f"/proc/{process.pid}/syscall", encoding="ascii") as file:
+                    if file.read().startswith(WRITE):
+                        return
+            except OSError:
+                self.skipTest("the kernel does not tell what a program waits for")
+            if process.poll() is not None:
+                self.fail("it ended before it said anything")
+            time.sleep(0.01)
+        self.skipTest("the kernel does not tell what a program waits for")
+
+    def test_fifty_assets_take_no_more_threads_and_hardly_more_locked_memory_than_one(self):
+        """Of each thread the whole stack is locked, which is more than most assets."""
+        text = ""
+        for k in range(ASSETS):
+            shutil.copy(self.asset, self.path(f"a{k}.spm.exr"))
+            text += f'[[object]]\nasset = "a{k}.spm.exr"\npose = [{0.15 * k}, 0, 0]\n\n'
+        scene = self.write("scene.toml", text)
+        many = self.measured("--scene", scene)
+        shutil.copy(self.asset, self.path("a.spm.exr"))
+        one = self.measured("--scene", self.write("one.toml", '[[object]]\nasset = "a.spm.exr"\n'))
+        self.assertEqual(many["Threads"], one["Threads"])
+        # What is locked is all or nothing; a stack is 8 MB.
+        self.assertLess(many["VmLck"] - one["VmLck"], 8 * 1024)
+
+    def measured(self, *options):
+        process = self.servo(*options)
+        self.assertIn(b"serving", process.stderr.readline())
+        # Once it serves, its threads start, and then the memory is locked.
+        numbers = {}
+        for _ in range(LONG):
+            before, numbers = numbers, {k: status_of(process, k) for k in ("Threads", "VmLck")}
+            if before == numbers:
+                break
+            time.sleep(0.5)
+        process.terminate()
+        process.communicate(timeout=LONG)
+        return numbers
+
+
+if __name__ == "__main__":
+    unittest.main()
