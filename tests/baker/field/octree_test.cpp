@@ -135,7 +135,6 @@ TEST_CASE("With fewer bytes more lists answer, as right, and with more bytes few
 TEST_CASE("A box of few triangles has few roots, and a list for each") {
   const Built made(test::box({0.06, 0.05, 0.04}), 3000);
   CHECK(made.view.octree.root_words.size() <= 8);
-  CHECK(made.built.counts.bytes < 1000);
   require_right(made, 5000);
 }
 
