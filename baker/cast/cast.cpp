@@ -350,6 +350,10 @@ const Vector3& Caster::corner(std::uint32_t triangle, int which) const {
 const Vector3& Caster::normal(std::uint32_t triangle) const {
   return implementation_->normals[triangle];
 }
+double Caster::area(std::uint32_t triangle) const {
+  const Vector3& first = corner(triangle, 0);
+  return (corner(triangle, 1) - first).cross(corner(triangle, 2) - first).norm() / 2;
+}
 bool Caster::is_cap(std::uint32_t triangle) const {
   return triangle >= implementation_->surface_count;
 }

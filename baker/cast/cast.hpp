@@ -65,6 +65,7 @@ class Caster {
   /// A corner of a triangle, and a triangle's unit normal.
   [[nodiscard]] const Vector3& corner(std::uint32_t triangle, int which) const;
   [[nodiscard]] const Vector3& normal(std::uint32_t triangle) const;
+  [[nodiscard]] double area(std::uint32_t triangle) const;  ///< m^2
   [[nodiscard]] bool is_cap(std::uint32_t triangle) const;
   [[nodiscard]] std::size_t surface_count() const;
   [[nodiscard]] std::size_t triangle_count() const;  ///< with caps

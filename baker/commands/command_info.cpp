@@ -156,6 +156,7 @@ Json to_json(const MappedAsset& asset, const std::vector<std::string>& pictures)
       {"cells", metadata.fallback_cells},
       {"bytes", static_cast<double>(bytes.triangles) / static_cast<double>(bytes.total)}};
   json["inconsistent_samples"] = metadata.inconsistent_samples;
+  json["tried_area"] = metadata.tried_area;
   json["bytes_by_kind"] = {{"samples", bytes.samples},
                            {"grid", bytes.grid},
                            {"triangles", bytes.triangles},
@@ -168,10 +169,15 @@ Json to_json(const MappedAsset& asset, const std::vector<std::string>& pictures)
 
 std::string length(double metres) { return format_quantity(metres, Quantity::length); }
 
-/// The proven error, as the end of a line.
+/// The proven error and what is only tried, as the end of a line.
 std::string certified(const AssetMetadata& metadata) {
-  return metadata.certified ? fmt::format("; proven largest error {}", length(*metadata.certified))
-                            : std::string();
+  if (!metadata.certified) return {};
+  std::string text = fmt::format("; proven largest error {}", length(*metadata.certified));
+  if (metadata.tried_area > 0) {
+    text += fmt::format(", but sides are only tried beside {:.2g} % of the surface",
+                        100 * metadata.tried_area);
+  }
+  return text + "; directions are tried";
 }
 
 std::string describe(const MappedAsset& asset, const std::vector<std::string>& pictures) {

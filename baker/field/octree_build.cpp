@@ -218,20 +218,6 @@ void add_short_lists(const Builder& builder, OctreeNode& node, std::vector<Octre
   }
 }
 
-/// What the octree's words may take. Throws BakeError where that is less than they take at least.
-double bytes_to_spend(const LatticeSurface& surface, const OctreeRules& rules, OctreeRoots& roots) {
-  const double least = find_least_bytes(surface, roots);
-  if (!rules.bytes) return std::max(least_bytes, spent_bytes * least);
-  const double triangles = most_triangle_bytes(surface, roots);
-  if (*rules.bytes < least + triangles) {
-    throw BakeError(ExitCode::tolerance_not_met,
-                    fmt::format("the octree takes at least {:.0f} bytes more than --max-bytes "
-                                "leaves; take a coarser --tolerance or more bytes",
-                                std::ceil(least + triangles - *rules.bytes)));
-  }
-  return *rules.bytes - triangles;
-}
-
 /// Divides short lists, all of them once, and again, until the octree has so many bytes or none are
 /// left.
 void divide_lists(const Builder& builder, double bytes, OctreeRoots& roots) {
@@ -242,6 +228,27 @@ void divide_lists(const Builder& builder, double bytes, OctreeRoots& roots) {
     tbb::parallel_for(std::size_t{0}, lists.size(),
                       [&](std::size_t i) { builder.divide_list(*lists[i]); });
   }
+}
+
+/// Decides which cubes become lists so that octree and triangles keep within the bytes that are
+/// given. Throws BakeError where they are too few.
+void keep_within(const LatticeSurface& surface, double most, OctreeRoots& roots) {
+  const double least = find_least_bytes(surface, roots) + triangle_bytes(surface, roots);
+  if (least > most) {
+    throw BakeError(ExitCode::tolerance_not_met,
+                    fmt::format("the octree takes at least {:.0f} bytes more than --max-bytes "
+                                "leaves; take a coarser --tolerance or more bytes",
+                                std::ceil(least - most)));
+  }
+  // Fewer bytes for cubes may need more for triangles.
+  constexpr int tries = 16;
+  double bytes = most;
+  for (int k = 0; k < tries; ++k) {
+    const double over = find_fastest(surface, bytes, roots) + triangle_bytes(surface, roots) - most;
+    if (over <= 0) return;
+    bytes -= over;
+  }
+  static_cast<void>(find_least_bytes(surface, roots));
 }
 
 }  // namespace
@@ -286,9 +293,14 @@ BuiltOctree build_octree(const LatticeSurface& surface, const Caster& caster,
   const int joins = join_roots(
       surface, max_octree_levels - rules.levels,
       [&builder](const Cube& cube) { return builder.root(cube); }, roots);
-  const double bytes = bytes_to_spend(surface, rules, roots);
+  const double bytes =
+      rules.bytes.value_or(std::max(least_bytes, spent_bytes * find_least_bytes(surface, roots)));
   divide_lists(builder, tried_bytes * bytes, roots);
-  find_fastest(surface, bytes, roots);
+  if (rules.bytes) {
+    keep_within(surface, bytes, roots);
+  } else {
+    static_cast<void>(find_fastest(surface, bytes, roots));
+  }
   data.roots = roots.count;
   data.edge = std::ldexp(data.edge, joins);
   make_lists(surface, roots);

@@ -19,10 +19,10 @@ namespace spm::baker {
 /// What the octree is built for.
 struct OctreeRules {
   Band band;
-  double tolerance = 0;      ///< m: of every answer
-  double smallest_edge = 0;  ///< m: cubes are divided down to this
-  int levels = 3;            ///< from the roots to the smallest cubes
-  double direction = 0;      ///< rad: directions in a cube are off by at most this in the mean
+  double tolerance = 0;         ///< m: of every answer
+  double smallest_edge = 0;     ///< m: cubes are divided down to this
+  int levels = 3;               ///< from the roots to the smallest cubes
+  double direction = 0;         ///< rad: directions in a cube are off by at most this in the mean
   std::optional<double> bytes;  ///< that octree and triangles may take at most
 };
 

@@ -181,18 +181,19 @@ double bytes_as_divided(OctreeRoots& roots) {
   return bytes;
 }
 
-double most_triangle_bytes(const LatticeSurface& surface, const OctreeRoots& roots) {
+double triangle_bytes(const LatticeSurface& surface, const OctreeRoots& roots) {
   std::vector<bool> used(surface.triangles.size(), false);
   for (std::size_t i = 0; i < used.size(); ++i) used[i] = surface.triangles[i].bare;
   const auto mark = [&](const auto& self, const OctreeNode& node) -> void {
-    if (node.few) {
+    if (node.as_list) {
       for (const std::uint32_t triangle : *node.few) used[triangle] = true;
+    } else if (node.octants) {
+      for (const OctreeNode& octant : *node.octants) self(self, octant);
+    } else {
+      for (const auto* listed : {&node.triangles, &node.caps}) {
+        for (const ListedCandidate& candidate : *listed) used[candidate.triangle] = true;
+      }
     }
-    for (const auto* listed : {&node.triangles, &node.caps}) {
-      for (const ListedCandidate& candidate : *listed) used[candidate.triangle] = true;
-    }
-    if (!node.octants) return;
-    for (const OctreeNode& octant : *node.octants) self(self, octant);
   };
   for (const OctreeNode& root : roots.nodes) mark(mark, root);
   double triangles = 0;
@@ -209,7 +210,7 @@ double find_least_bytes(const LatticeSurface& surface, OctreeRoots& roots) {
   return cost_of_roots(surface, 0, roots).bytes;
 }
 
-void find_fastest(const LatticeSurface& surface, double bytes, OctreeRoots& roots) {
+double find_fastest(const LatticeSurface& surface, double bytes, OctreeRoots& roots) {
   // What time is worth, in bytes for that of a polynomial in a cubic metre, from next to nothing to
   // all; halved as a logarithm, since it may be of any size.
   double low = 0, high = 60;
@@ -217,12 +218,12 @@ void find_fastest(const LatticeSurface& surface, double bytes, OctreeRoots& root
   const auto cost_at = [&](double worth) {
     return cost_of_roots(surface, std::exp(worth), roots).bytes;
   };
-  if (cost_at(high) <= bytes) return;
+  if (const double all = cost_at(high); all <= bytes) return all;
   for (int step = 0; step < steps; ++step) {
     const double middle = (low + high) / 2;
     (cost_at(middle) <= bytes ? low : high) = middle;
   }
-  static_cast<void>(cost_at(low));
+  return cost_at(low);
 }
 
 int join_roots(const LatticeSurface& surface, int most, const RootMaker& make_root,

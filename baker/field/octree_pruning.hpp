@@ -23,16 +23,16 @@ using RootMaker = std::function<OctreeNode(const Cube&)>;
 /// Bytes of the octree's words as it is, without what make_lists would make of it.
 [[nodiscard]] double bytes_as_divided(OctreeRoots& roots);
 
-/// Of the exact triangles, whatever cubes become lists.
-[[nodiscard]] double most_triangle_bytes(const LatticeSurface& surface, const OctreeRoots& roots);
+/// Bytes of the exact triangles, with the lists that were found.
+[[nodiscard]] double triangle_bytes(const LatticeSurface& surface, const OctreeRoots& roots);
 
 /// Finds the split cubes that are better lists so that the fewest bytes are left, and returns
 /// these.
 [[nodiscard]] double find_least_bytes(const LatticeSurface& surface, OctreeRoots& roots);
 
 /// Finds the split cubes that are better lists so that answers take the least time, in the mean
-/// over the band, of all octrees of so many bytes, or nearly so.
-void find_fastest(const LatticeSurface& surface, double bytes, OctreeRoots& roots);
+/// over the band, of all octrees of so many bytes, or nearly so. Returns their bytes.
+double find_fastest(const LatticeSurface& surface, double bytes, OctreeRoots& roots);
 
 /// Joins eight roots in one, again and again, at most so often, while that saves bytes; returns how
 /// often. `make_root` makes those that the grid lacks.

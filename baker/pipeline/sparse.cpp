@@ -118,8 +118,8 @@ OctreeRules rules_for(const BakeOptions& options, const Asset& asset, const Cast
   const AssetMetadata& metadata = asset.metadata;
   OctreeRules rules;
   if (options.max_bytes) {
-    rules.bytes = static_cast<double>(*options.max_bytes) -
-                  static_cast<double>(bytes_without_octree(asset));
+    rules.bytes =
+        static_cast<double>(*options.max_bytes) - static_cast<double>(bytes_without_octree(asset));
   }
   rules.band = metadata.band;
   rules.tolerance = tolerance;
@@ -134,6 +134,17 @@ OctreeRules rules_for(const BakeOptions& options, const Asset& asset, const Cast
     ++rules.levels;
   }
   return rules;
+}
+
+/// The share of the surface beside which normals and trials tell the side, and no proof.
+double tried_area(const LatticeSurface& lattice, const Caster& caster) {
+  double tried = 0, all = 0;
+  for (std::uint32_t t = 0; t < caster.surface_count(); ++t) {
+    const double area = caster.area(t);
+    all += area;
+    if (lattice.triangles[t].open || lattice.triangles[t].folded) tried += area;
+  }
+  return all > 0 ? tried / all : 0;
 }
 
 }  // namespace
@@ -170,6 +181,7 @@ void bake_sparse(BakeResult& result, const OuterSurface& surface, const Caster& 
     report.pruned = pruned_by(built.counts, reachability);
   }
   asset.metadata.certified = tolerance;
+  metadata.tried_area = tried_area(lattice, rounded);
   std::vector<bool> open;
   for (const LatticeTriangle& triangle : lattice.triangles) open.push_back(triangle.open);
   const AssetTables tables = tables_of(asset);

@@ -20,8 +20,10 @@ constexpr double surfel_spacing_share = 1.0 / 350;   ///< of the diagonal
 /// Share of the tolerance by which a tile's cells may be off the surface. The rest is for the gaps
 /// between them.
 constexpr double residual_share = 0.5;
-/// Bytes that a triangle takes which no tile shows: about half of them stand in lists anyway.
-constexpr std::uint64_t triangle_bytes = 7;
+/// Bytes of a triangle that no tile shows, beside corners that its neighbours have too.
+constexpr std::uint64_t triangle_bytes = 10;
+/// Bytes of a tile without masks and clips.
+constexpr std::uint64_t whole_tile_bytes = 2 * tile_sample_count + 4 * tile_words;
 
 TileSettings settings_for(const Caster& caster, double tolerance) {
   TileSettings settings;
@@ -30,19 +32,14 @@ TileSettings settings_for(const Caster& caster, double tolerance) {
   settings.height_unit = std::exp2(std::floor(std::log2(caster.diagonal() / 100)));
   settings.residual = residual_share * tolerance;
   settings.surfel_spacing = surfel_spacing_share * caster.diagonal();
+  // A tile may show more than the surfels that face it best, but hardly more than twice as much.
+  settings.least_triangles = 0.5 * static_cast<double>(whole_tile_bytes) / triangle_bytes;
   return settings;
 }
 
 std::uint64_t tile_bytes(const TileData& tile) {
-  return 2 * tile_sample_count + 4 * tile_words + (~tile.valid != 0 ? 8 : 0) +
+  return whole_tile_bytes + (~tile.valid != 0 ? 8 : 0) +
          (tile.clipped != 0 ? 8 + 4 * tile.clips.size() : 0);
-}
-
-double area_of(const Caster& caster, std::uint32_t t) {
-  return (caster.corner(t, 1) - caster.corner(t, 0))
-             .cross(caster.corner(t, 2) - caster.corner(t, 0))
-             .norm() /
-         2;
 }
 
 }  // namespace
@@ -86,7 +83,7 @@ SurfaceTiles show_surface(const Caster& caster, Asset& asset, double tolerance, 
   std::vector<std::uint64_t> used(tiles.size(), 0);
   double bare = 0, all = 0;
   for (std::uint32_t t = 0; t < triangles; ++t) {
-    const double area = area_of(caster, t);
+    const double area = caster.area(t);
     all += area;
     bare += known.bare[t] ? area : 0;
     if (known.bare[t]) continue;

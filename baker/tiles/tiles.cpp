@@ -108,7 +108,11 @@ class TileChooser {
         settings_(settings),
         surfels_(assign_surface(caster, planes, points)),
         bins_(surfels_, bin_share * caster.diagonal()),
-        covered_(surfels_.size(), 0) {}
+        covered_(surfels_.size(), 0) {
+    double area = 0;
+    for (std::uint32_t t = 0; t < caster.surface_count(); ++t) area += caster.area(t);
+    area_per_surfel_ = area / std::max<double>(1, static_cast<double>(surfels_.size()));
+  }
 
   std::vector<TileData> tiles;
 
@@ -159,6 +163,17 @@ class TileChooser {
   std::vector<Surfel> surfels_;
   SurfelBins bins_;
   std::vector<std::uint8_t> covered_;
+  double area_per_surfel_ = 0;  ///< m^2
+
+  /// How many triangles surfels stand for.
+  [[nodiscard]] double triangles_of(const std::vector<std::uint32_t>& members) const {
+    double triangles = 0;
+    for (const std::uint32_t i : members) {
+      const double area = caster_.area(surfels_[i].triangle);
+      if (area > 0) triangles += area_per_surfel_ / area;
+    }
+    return triangles;
+  }
 
   [[nodiscard]] bool is_last(std::uint32_t level) const { return level + 1 == settings_.levels; }
 
@@ -187,7 +202,10 @@ class TileChooser {
         any_angle ? last_angle : settings_.cell_angle,
         settings_.faceted};
     std::vector<Candidate> candidates;
-    if (static_cast<double>(members.size()) < min_members * min_at(level)) return candidates;
+    if (static_cast<double>(members.size()) < min_members * min_at(level) ||
+        triangles_of(members) < settings_.least_triangles) {
+      return candidates;
+    }
     std::vector<bool> tried(members.size(), false);
     for (std::size_t i = 0; i < members.size(); ++i) {
       if (tried[i]) continue;

@@ -36,6 +36,8 @@ struct TileSettings {
   /// worth its bytes. `last_worthwhile` is the same for the last level.
   double worthwhile = 0.3;
   double last_worthwhile = 0.1;
+  /// Tiles are not cast where fewer triangles lie, by the density of the surfels.
+  double least_triangles = 0;
 };
 
 /// Casts the tiles of a `sparse` asset that cover points of the surface. Each point is covered by

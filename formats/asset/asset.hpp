@@ -41,7 +41,10 @@ struct AssetMetadata {
   double height_unit = 1;           ///< m per unit of the tiles' heights; `sparse` only
   std::uint32_t layers_max = 0;     ///< most crossings met along one ray
   double inconsistent_samples = 0;  ///< part of the rays whose crossings did not alternate
-  double fallback_cells = 0;        ///< part of the record cells that have triangles
+  /// Part of the surface's area, at holes and where sheets lie on each other, beside which the side
+  /// is tried and not proven; `sparse` only.
+  double tried_area = 0;
+  double fallback_cells = 0;  ///< part of the record cells that have triangles
 };
 
 /// One distance map of a `full` asset in memory; see DistanceMap for the meaning of each field.

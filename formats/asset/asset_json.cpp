@@ -136,6 +136,7 @@ AssetMetadata read_metadata(JsonFields& fields) {
   metadata.probe_radius = fields.child("probe").number("radius", 0);
   metadata.layers_max = static_cast<std::uint32_t>(fields.integer("layers_max", 0, UINT32_MAX));
   metadata.inconsistent_samples = fields.number("inconsistent_samples", 0, 1);
+  metadata.tried_area = fields.number("tried_area", 0, 1);
   metadata.fallback_cells = fields.number("fallback_cells", 0, 1);
   return metadata;
 }
@@ -290,6 +291,7 @@ std::string to_json(const AssetDescription& description) {
                {"probe", Json::object({{"radius", metadata.probe_radius}})},
                {"layers_max", metadata.layers_max},
                {"inconsistent_samples", metadata.inconsistent_samples},
+               {"tried_area", metadata.tried_area},
                {"fallback_cells", metadata.fallback_cells},
                {"mesh", mesh_json(metadata)}};
   if (metadata.form == AssetForm::full) {

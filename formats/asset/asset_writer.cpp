@@ -268,7 +268,7 @@ Result<AssetBytes> write_asset(const Asset& asset, const std::string& path) {
 std::uint64_t bytes_without_octree(const Asset& asset) {
   // Of parts that are not there yet: header, table and chunk of each, and words that fill its
   // picture up.
-  constexpr std::uint64_t octree_parts = 6, part_bytes = 2048;
+  constexpr std::uint64_t octree_parts = 6, part_bytes = 512;
   std::uint64_t bytes = octree_parts * part_bytes;
   std::vector<PartPlan> parts;
   if (!asset.tiles.empty()) parts.push_back(sparse_part(asset));
@@ -280,7 +280,7 @@ std::uint64_t bytes_without_octree(const Asset& asset) {
     parts.push_back(flat_part(part_name::grid_masks, SampleType::uint32, std::span(tiles.masks)));
   }
   for (const PartPlan& part : parts) bytes += part.payload_bytes() + part_bytes;
-  constexpr std::uint64_t description_bytes = 4096, plane_bytes = 512;
+  constexpr std::uint64_t description_bytes = 2560, plane_bytes = 320;
   return bytes + description_bytes + plane_bytes * asset.planes.size();
 }
 

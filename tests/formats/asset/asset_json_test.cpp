@@ -93,6 +93,7 @@ TEST_CASE("Every wrong field of a description is refused by its name") {
       {"`probe.radius`", [](Json& j) { j["probe"].erase("radius"); }},
       {"`layers_max`", [](Json& j) { j["layers_max"] = -1; }},
       {"`inconsistent_samples`", [](Json& j) { j["inconsistent_samples"] = 1.5; }},
+      {"`tried_area`", [](Json& j) { j["tried_area"] = -0.5; }},
       {"`fallback_cells`", [](Json& j) { j["fallback_cells"] = nullptr; }},
       {"`mesh.unit`", [](Json& j) { j["mesh"]["unit"] = 0; }},
       {"`mesh.scale`", [](Json& j) { j["mesh"]["scale"] = -2; }},

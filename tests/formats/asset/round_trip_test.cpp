@@ -212,6 +212,7 @@ TEST_CASE("The metadata of an asset reads back exactly") {
   CHECK(b.height_unit == a.height_unit);
   CHECK(b.layers_max == a.layers_max);
   CHECK(b.inconsistent_samples == a.inconsistent_samples);
+  CHECK(b.tried_area == a.tried_area);
   CHECK(b.fallback_cells == a.fallback_cells);
 }
 

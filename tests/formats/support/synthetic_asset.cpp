@@ -73,6 +73,7 @@ AssetMetadata metadata_of(AssetForm form) {
   metadata.tolerance_met = form == AssetForm::sparse;
   metadata.layers_max = 4;
   metadata.inconsistent_samples = 1.0 / 700;
+  metadata.tried_area = 1.0 / 900;
   metadata.fallback_cells = 0.25;
   return metadata;
 }
