@@ -58,7 +58,7 @@ class Builder {
       keep_few(node, candidates, inside);
       return node;
     }
-    divide(node, candidates, inside, 0);
+    answer(node, candidates, inside, 0);
     return node;
   }
 
@@ -109,22 +109,26 @@ class Builder {
     return node.rule != PruneRule::none;
   }
 
-  void divide(OctreeNode& node, const Candidates& candidates, std::optional<bool> inside,
+  /// Decides what a cube below another one is.
+  void decide(OctreeNode& node, const Candidates& candidates, std::optional<bool> inside,
               int level) const {
-    if (level > 0) {
-      const double distance = candidates.distance();
-      if (!inside && candidates.clearance() > node.cube.radius()) {
-        inside = is_inside(surface_, caster_, candidates, node.cube.middle);
-      }
-      keep_few(node, candidates, inside);
-      if (inside) {
-        const Vector3 away = node.cube.middle - candidates.triangles.front().closest;
-        const double sign = *inside ? -1 : 1;
-        if (decided(node, sign * distance, candidates.clearance(), sign * away)) return;
-      } else if (decided(node, 0, 0, Vector3::UnitZ())) {
-        return;
-      }
+    if (!inside && candidates.clearance() > node.cube.radius()) {
+      inside = is_inside(surface_, caster_, candidates, node.cube.middle);
     }
+    keep_few(node, candidates, inside);
+    if (inside) {
+      const Vector3 away = node.cube.middle - candidates.triangles.front().closest;
+      const double sign = *inside ? -1 : 1;
+      if (decided(node, sign * candidates.distance(), candidates.clearance(), sign * away)) return;
+    } else if (decided(node, 0, 0, Vector3::UnitZ())) {
+      return;
+    }
+    answer(node, candidates, inside, level);
+  }
+
+  /// Finds what answers in a cube of the band.
+  void answer(OctreeNode& node, const Candidates& candidates, std::optional<bool> inside,
+              int level) const {
     keep_few(node, candidates, inside);
     if (fits(node, candidates, inside)) return;
     if (level == rules_.levels || is_short(candidates, inside)) {
@@ -147,7 +151,7 @@ class Builder {
     for (std::size_t octant = 0; octant < 8; ++octant) {
       OctreeNode& part = (*node.octants)[octant];
       part.cube = node.cube.octant(octant);
-      divide(part, candidates_within(surface_, candidates, part.cube), inside, level + 1);
+      decide(part, candidates_within(surface_, candidates, part.cube), inside, level + 1);
     }
     join_octants(node);
     if (inside) node.inside = inside;

@@ -155,31 +155,31 @@ class Bake(Case):
         self.expect_refusal(run("build", self.mesh, "-o", self.asset, "--form", "full",
                                 "--direction-tolerance", "4deg"), 1, "--form sparse")
 
-    def test_a_file_takes_no_more_bytes_than_it_may(self):
-        sizes = []
-        for share in (1000, None, 1, 0.95):
-            most = None if share is None else int(share * (sizes[1] if len(sizes) > 1 else 10**6))
-            options = () if most is None else ("--max-bytes", str(most))
-            report = self.run_json("build", self.mesh, "-o", self.asset, *options,
-                                   *self.OPTIONS["sparse"])
-            sizes.append(report["bytes"])
-            self.assertTrue(report["tolerance_met"])
-            if most is not None:
-                self.assertLessEqual(os.path.getsize(self.asset), most)
-        self.assertGreaterEqual(sizes[0], sizes[1])
-        self.assertGreater(sizes[1], sizes[3])
-        os.remove(self.asset)
-        self.expect_refusal(run("build", self.mesh, "-o", self.asset, "--max-bytes", "5000",
-                                *self.OPTIONS["sparse"]), 10, "--max-bytes", "--tolerance")
-        self.assertFalse(os.path.exists(self.asset))
-        self.expect_refusal(run("build", self.mesh, "-o", self.asset, "--form", "full",
-                                "--max-bytes", "5000"), 1, "--form sparse")
-
-    def test_the_size_is_told_and_a_doubtful_unit_asked_about(self):
+    def box_mesh(self):
         box = [(x, y, z) for x in (0, 48) for y in (0, 60) for z in (0, 64)]
         sides = [(1, 2, 4, 3), (5, 7, 8, 6), (1, 5, 6, 2), (3, 4, 8, 7), (1, 3, 7, 5), (2, 6, 8, 4)]
         halves = [(a - 1, i - 1, k - 1) for a, b, c, d in sides for i, k in ((b, c), (c, d))]
-        mesh = self.write("box.obj", obj((box, halves)))
+        return self.write("box.obj", obj((box, halves)))
+
+    def test_a_file_takes_no_more_bytes_than_it_may(self):
+        mesh, sizes = self.box_mesh(), []
+        for most in (100000, None, 10500):
+            options = () if most is None else ("--max-bytes", str(most))
+            report = self.run_json("build", mesh, "-o", self.asset, "--unit", "mm", *options)
+            sizes.append(report["bytes"])
+            self.assertTrue(report["tolerance_met"])
+            self.assertLessEqual(os.path.getsize(self.asset), most or 20000)
+        self.assertGreater(sizes[0], sizes[1])
+        self.assertGreater(sizes[1], sizes[2])
+        os.remove(self.asset)
+        self.expect_refusal(run("build", mesh, "-o", self.asset, "--unit", "mm", "--max-bytes",
+                                "2000"), 10, "--max-bytes", "--tolerance")
+        self.assertFalse(os.path.exists(self.asset))
+        self.expect_refusal(run("build", mesh, "-o", self.asset, "--form", "full", "--max-bytes",
+                                "5000"), 1, "--form sparse")
+
+    def test_the_size_is_told_and_a_doubtful_unit_asked_about(self):
+        mesh = self.box_mesh()
         doubtful = run("build", mesh, "-o", self.asset)
         self.assertEqual(doubtful.returncode, 0, doubtful.stderr)
         self.assertIn("100 m from corner to corner; is it in mm?", doubtful.stderr)
