@@ -287,9 +287,9 @@ BuiltOctree build_octree(const LatticeSurface& surface, const Caster& caster,
   const Builder builder(caster, surface, planes, reachability, rules, data);
   ProgressCounter counter(progress, "octree", count);
   tbb::parallel_for(std::size_t{0}, count, [&](std::size_t i) {
+    const std::size_t row = i / data.roots[0], layer = row / data.roots[1];
     const Vector3 at(static_cast<double>(i % data.roots[0]),
-                     static_cast<double>(i / data.roots[0] % data.roots[1]),
-                     static_cast<double>(i / data.roots[0] / data.roots[1]));
+                     static_cast<double>(row % data.roots[1]), static_cast<double>(layer));
     roots.nodes[i] =
         builder.root({data.origin + data.edge * (at + Vector3::Constant(0.5)), data.edge / 2});
     counter.done();

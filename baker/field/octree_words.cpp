@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <compare>
 #include <map>
 #include <utility>
 
@@ -42,7 +41,10 @@ std::vector<bool> used_triangles(const std::vector<OctreeNode>& roots,
 struct Listed {
   std::uint32_t bound = 0;  ///< as the list stores it
   std::uint32_t number = 0;
-  auto operator<=>(const Listed&) const = default;
+
+  bool operator<(const Listed& other) const {
+    return bound != other.bound ? bound < other.bound : number < other.number;
+  }
 };
 
 class Writer {

@@ -48,7 +48,8 @@ CastCounts count_layers(Asset& asset, const Caster& caster) {
     const Tile tile = view_of(data, asset.metadata.tile_spacing, asset.metadata.height_unit);
     const auto cell = static_cast<std::uint32_t>(std::countr_zero(tile.valid));
     const auto spacing = static_cast<double>(tile.spacing);
-    const double x = cell % tile_cells + 0.5, y = cell / tile_cells + 0.5;
+    const std::uint32_t row = cell / tile_cells;
+    const double x = cell % tile_cells + 0.5, y = row + 0.5;
     Column column;
     caster.cast(asset.planes[tile.plane], tile.eta0 + x * spacing, tile.omega0 + y * spacing,
                 column);
