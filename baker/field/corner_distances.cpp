@@ -44,22 +44,23 @@ struct CornerVectors {
   }
 };
 
-HWY_INLINE Doubles linear_from(std::size_t k, double value, const Vector3& rise) {
+/// How far the corners lie from the middle along an axis, where a face does so by `rise`.
+HWY_INLINE Doubles rise_along(std::size_t k, int axis, double rise) {
   const Lanes lanes;
-  const auto axis = [&](std::size_t which) {
-    return hn::Mul(hn::Load(lanes, corner_signs[which].data() + k),
-                   hn::Set(lanes, rise[static_cast<int>(which)]));
-  };
-  return hn::Add(hn::Add(hn::Set(lanes, value), axis(0)), hn::Add(axis(1), axis(2)));
+  return hn::Mul(hn::Load(lanes, corner_signs[static_cast<std::size_t>(axis)].data() + k),
+                 hn::Set(lanes, rise));
+}
+
+HWY_INLINE Doubles linear_from(std::size_t k, double value, const Vector3& rise) {
+  return hn::Add(hn::Add(hn::Set(Lanes(), value), rise_along(k, 0, rise[0])),
+                 hn::Add(rise_along(k, 1, rise[1]), rise_along(k, 2, rise[2])));
 }
 
 HWY_INLINE CornerVectors vectors_from(std::size_t k, const Vector3& to_middle, double half) {
-  const Lanes lanes;
-  const auto axis = [&](std::size_t which) {
-    return hn::Add(hn::Set(lanes, to_middle[static_cast<int>(which)]),
-                   hn::Mul(hn::Load(lanes, corner_signs[which].data() + k), hn::Set(lanes, half)));
+  const auto along = [&](int axis) {
+    return hn::Add(hn::Set(Lanes(), to_middle[axis]), rise_along(k, axis, half));
   };
-  return {axis(0), axis(1), axis(2)};
+  return {along(0), along(1), along(2)};
 }
 
 HWY_INLINE Doubles square_to_segment(const CornerVectors& from_start, const Vector3& along,

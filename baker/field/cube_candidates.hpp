@@ -17,6 +17,7 @@ struct Cube {
   double half = 0;  ///< of its edge
 
   [[nodiscard]] double radius() const noexcept;  ///< of the ball around it
+  [[nodiscard]] double volume() const noexcept { return 8 * half * half * half; }
   [[nodiscard]] Cube octant(std::size_t octant) const noexcept;
 };
 

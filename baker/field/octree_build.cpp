@@ -54,11 +54,8 @@ class Builder {
     if (beyond && surface_.triangles.size() > worth_a_look) return node;
     caster_.within(cube.middle, distance + 2 * cube.radius(), triangles);
     const Candidates candidates = candidates_of(surface_, triangles, cube);
-    if (beyond) {
-      keep_few(node, candidates, inside);
-      return node;
-    }
-    answer(node, candidates, inside, 0);
+    keep_few(node, candidates, inside);
+    if (!beyond) answer(node, candidates, inside, 0);
     return node;
   }
 
@@ -126,12 +123,11 @@ class Builder {
     answer(node, candidates, inside, level);
   }
 
-  /// Finds what answers in a cube of the band.
+  /// Finds what answers in a cube of the band, whose few triangles are kept.
   void answer(OctreeNode& node, const Candidates& candidates, std::optional<bool> inside,
               int level) const {
-    keep_few(node, candidates, inside);
     if (fits(node, candidates, inside)) return;
-    if (level == rules_.levels || is_short(candidates, inside)) {
+    if (level == rules_.levels || can_be_list(surface_, node)) {
       Candidates least = nearest_in_parts(surface_, candidates, node.cube, 1);
       // Another packet takes as long as a first one.
       if (level == rules_.levels && least.triangles.size() > packet_size) {
@@ -155,16 +151,6 @@ class Builder {
     }
     join_octants(node);
     if (inside) node.inside = inside;
-  }
-
-  /// Whether a list is so short that it need not be divided. Beside an open side a triangle does
-  /// not know its side, so there cubes are divided to know theirs.
-  [[nodiscard]] bool is_short(const Candidates& candidates, std::optional<bool> inside) const {
-    return candidates.triangles.size() + candidates.caps.size() <= few_triangles &&
-           (inside || std::none_of(candidates.triangles.begin(), candidates.triangles.end(),
-                                   [&](const Candidate& candidate) {
-                                     return surface_.triangles[candidate.triangle].open;
-                                   }));
   }
 
   /// Remembers the candidates where they are few.
@@ -308,7 +294,7 @@ BuiltOctree build_octree(const LatticeSurface& surface, const Caster& caster,
   data.roots = roots.count;
   data.edge = std::ldexp(data.edge, joins);
   make_lists(surface, roots);
-  write_words(roots.nodes, surface, built);
+  write_words(roots, surface, built);
   if (built.counts.polynomials + built.counts.pairs + built.counts.lists == 0) {
     throw BakeError(ExitCode::invalid_input,
                     "nothing of the object is left to model: the probe's centre comes to no place "

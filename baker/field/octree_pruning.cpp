@@ -6,6 +6,7 @@
 #include <set>
 #include <utility>
 
+#include "baker/field/octree_triangles.hpp"
 #include "common/base/octant.hpp"
 
 namespace spm::baker {
@@ -29,13 +30,11 @@ struct Cost {
 
 constexpr double unit_bytes = 8;
 
-double volume_of(const Cube& cube) { return 8 * cube.half * cube.half * cube.half; }
-
 Cost cost_of_list(std::size_t triangles, const Cube& cube, int level) {
   const TriangleList list{.surface = static_cast<std::uint32_t>(triangles)};
   const double time = list_time + packet_time * static_cast<double>(list.packets());
   return {.bytes = unit_bytes + 4 * static_cast<double>(list.word_count()),
-          .time = volume_of(cube) * (time + level_time * level)};
+          .time = cube.volume() * (time + level_time * level)};
 }
 
 Cost cost_of_leaf(const OctreeNode& node, int level) {
@@ -47,7 +46,7 @@ Cost cost_of_leaf(const OctreeNode& node, int level) {
   if (node.kind == OctreeKind::polynomial || node.kind == OctreeKind::least ||
       node.kind == OctreeKind::most) {
     const double time = node.kind == OctreeKind::polynomial ? 1 : pair_time;
-    cost.time = volume_of(node.cube) * (time + level_time * level);
+    cost.time = node.cube.volume() * (time + level_time * level);
   }
   return cost;
 }
@@ -76,7 +75,7 @@ class Pruning {
     Cost split{.bytes = unit_bytes, .time = 0};
     for (OctreeNode& octant : *node.octants) split += prune(octant, level + 1);
     node.as_list = false;
-    if (!can_be_list(node)) return split;
+    if (!can_be_list(surface_, node)) return split;
     const Cost list = cost_of_list(node.few->size(), node.cube, level);
     node.as_list = weighed(list) < weighed(split);
     return node.as_list ? list : split;
@@ -88,18 +87,6 @@ class Pruning {
 
   [[nodiscard]] double weighed(const Cost& cost) const {
     return cost.bytes + bytes_per_time_ * cost.time;
-  }
-
-  /// Beside an open side a triangle does not know its side, so there cubes are divided to know
-  /// theirs.
-  [[nodiscard]] bool can_be_list(const OctreeNode& node) const {
-    if (!node.few) return false;
-    bool any = false, open = false;
-    for (const std::uint32_t triangle : *node.few) {
-      any = any || !surface_.triangles[triangle].cap;
-      open = open || surface_.triangles[triangle].open;
-    }
-    return any && (node.inside || !open);
   }
 };
 
@@ -124,8 +111,9 @@ OctreeRoots joined(OctreeRoots&& roots, const RootMaker& make_root) {
         node.kind = OctreeKind::split;
         node.octants = std::make_unique<std::array<OctreeNode, 8>>();
         for (std::uint32_t octant = 0; octant < 8; ++octant) {
-          const std::uint32_t at_x = 2 * x + (octant & 1U), at_y = 2 * y + (octant >> 1U & 1U),
-                              at_z = 2 * z + (octant >> 2U);
+          const std::uint32_t at_x = 2 * x + (is_upper(octant, 0) ? 1U : 0U),
+                              at_y = 2 * y + (is_upper(octant, 1) ? 1U : 0U),
+                              at_z = 2 * z + (is_upper(octant, 2) ? 1U : 0U);
           const bool there =
               at_x < roots.count[0] && at_y < roots.count[1] && at_z < roots.count[2];
           (*node.octants)[octant] =
@@ -157,12 +145,25 @@ OctreeRoots parted(OctreeRoots&& half, const std::array<std::uint32_t, 3>& count
   return roots;
 }
 
+void mark_used(const OctreeNode& node, std::vector<bool>& used) {
+  if (node.as_list) {
+    for (const std::uint32_t triangle : *node.few) used[triangle] = true;
+  } else if (node.octants) {
+    for (const OctreeNode& octant : *node.octants) mark_used(octant, used);
+  } else {
+    for (const auto* listed : {&node.triangles, &node.caps}) {
+      for (const ListedCandidate& candidate : *listed) used[candidate.triangle] = true;
+    }
+  }
+}
+
 void make_lists_in(const LatticeSurface& surface, OctreeNode& node) {
   if (!node.octants) return;
   if (!node.as_list) {
     for (OctreeNode& octant : *node.octants) make_lists_in(surface, octant);
     return;
   }
+  node.as_list = false;
   node.kind = OctreeKind::list;
   node.side = side_of(node.inside);
   for (const std::uint32_t triangle : *node.few) {
@@ -175,35 +176,39 @@ void make_lists_in(const LatticeSurface& surface, OctreeNode& node) {
 
 }  // namespace
 
-double bytes_as_divided(OctreeRoots& roots) {
+bool can_be_list(const LatticeSurface& surface, const OctreeNode& node) {
+  if (!node.few) return false;
+  bool any = false, open = false;
+  for (const std::uint32_t triangle : *node.few) {
+    any = any || !surface.triangles[triangle].cap;
+    open = open || surface.triangles[triangle].open;
+  }
+  return any && (node.inside || !open);
+}
+
+double bytes_as_divided(const OctreeRoots& roots) {
   double bytes = 4 * static_cast<double>(roots.nodes.size());
   for (const OctreeNode& root : roots.nodes) bytes += bytes_in(root);
   return bytes;
 }
 
-double triangle_bytes(const LatticeSurface& surface, const OctreeRoots& roots) {
+std::vector<bool> used_triangles(const LatticeSurface& surface, const OctreeRoots& roots) {
   std::vector<bool> used(surface.triangles.size(), false);
   for (std::size_t i = 0; i < used.size(); ++i) used[i] = surface.triangles[i].bare;
-  const auto mark = [&](const auto& self, const OctreeNode& node) -> void {
-    if (node.as_list) {
-      for (const std::uint32_t triangle : *node.few) used[triangle] = true;
-    } else if (node.octants) {
-      for (const OctreeNode& octant : *node.octants) self(self, octant);
-    } else {
-      for (const auto* listed : {&node.triangles, &node.caps}) {
-        for (const ListedCandidate& candidate : *listed) used[candidate.triangle] = true;
-      }
-    }
-  };
-  for (const OctreeNode& root : roots.nodes) mark(mark, root);
-  double triangles = 0;
+  for (const OctreeNode& root : roots.nodes) mark_used(root, used);
+  return used;
+}
+
+double triangle_bytes(const LatticeSurface& surface, const OctreeRoots& roots) {
+  const std::vector<bool> used = used_triangles(surface, roots);
+  std::uint64_t bytes = 4;  // a triangle's half of a word may be alone
   std::set<LatticePoint> corners;
   for (std::size_t i = 0; i < used.size(); ++i) {
     if (!used[i]) continue;
-    triangles += 1;
+    bytes += stored_triangle_bytes;
     corners.insert(surface.triangles[i].steps.begin(), surface.triangles[i].steps.end());
   }
-  return 10 * triangles + 8 * static_cast<double>(corners.size()) + 4;
+  return static_cast<double>(bytes + stored_corner_bytes * corners.size());
 }
 
 double find_least_bytes(const LatticeSurface& surface, OctreeRoots& roots) {

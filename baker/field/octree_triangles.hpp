@@ -10,6 +10,8 @@
 namespace spm::baker {
 
 inline constexpr std::uint32_t not_stored = 0xFFFFFFFF;
+/// Bytes of a triangle and of a corner in the file.
+inline constexpr std::uint64_t stored_triangle_bytes = 10, stored_corner_bytes = 8;
 
 /// Writes the triangles that are used as the file stores them, such that those that are close in
 /// space are close in memory. Returns the number of each in the file, or not_stored. Throws

@@ -7,35 +7,13 @@
 #include <utility>
 
 #include "baker/base/bake_error.hpp"
+#include "baker/field/octree_pruning.hpp"
 #include "baker/field/octree_triangles.hpp"
 #include "common/field/triangle_list.hpp"
 
 namespace spm::baker {
 
 namespace {
-
-template <class Visit>
-void each_leaf(const OctreeNode& node, const Visit& visit) {
-  if (node.octants) {
-    for (const OctreeNode& octant : *node.octants) each_leaf(octant, visit);
-  } else {
-    visit(node);
-  }
-}
-
-/// Which triangles lists have, or no tile shows.
-std::vector<bool> used_triangles(const std::vector<OctreeNode>& roots,
-                                 const LatticeSurface& surface) {
-  std::vector<bool> used(surface.triangles.size(), false);
-  for (std::size_t i = 0; i < surface.triangles.size(); ++i) used[i] = surface.triangles[i].bare;
-  for (const OctreeNode& root : roots) {
-    each_leaf(root, [&](const OctreeNode& leaf) {
-      for (const ListedCandidate& listed : leaf.triangles) used[listed.triangle] = true;
-      for (const ListedCandidate& listed : leaf.caps) used[listed.triangle] = true;
-    });
-  }
-  return used;
-}
 
 /// A triangle of a list, by its number in the file.
 struct Listed {
@@ -81,7 +59,7 @@ class Writer {
 
   void write(const OctreeNode& node, std::uint32_t unit) {
     const std::size_t at = 2 * std::size_t{unit};
-    const double volume = 8 * node.cube.half * node.cube.half * node.cube.half;
+    const double volume = node.cube.volume();
     switch (node.kind) {
       case OctreeKind::split: {
         std::uint32_t units = 0, kinds = 0;
@@ -183,13 +161,12 @@ class Writer {
 
 }  // namespace
 
-void write_words(const std::vector<OctreeNode>& roots, const LatticeSurface& surface,
-                 BuiltOctree& built) {
+void write_words(const OctreeRoots& roots, const LatticeSurface& surface, BuiltOctree& built) {
   OctreeData& data = built.data;
   const std::vector<std::uint32_t> numbers =
-      write_triangles(surface, used_triangles(roots, surface), data);
+      write_triangles(surface, used_triangles(surface, roots), data);
   Writer writer(numbers, built);
-  for (const OctreeNode& root : roots) data.root_words.push_back(writer.root_word(root));
+  for (const OctreeNode& root : roots.nodes) data.root_words.push_back(writer.root_word(root));
   built.counts.bytes = 4 * (data.root_words.size() + data.units.size() + data.lists.size() +
                             data.corners.size() + data.triangles.size() + data.sides.size());
 }

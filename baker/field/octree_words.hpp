@@ -1,15 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <vector>
-
 #include "baker/field/octree_build.hpp"
-#include "baker/field/octree_node.hpp"
+#include "baker/field/octree_pruning.hpp"
 
 namespace spm::baker {
 
 /// Writes octree, lists and the triangles that these use in the words that the file stores.
-void write_words(const std::vector<OctreeNode>& roots, const LatticeSurface& surface,
-                 BuiltOctree& built);
+void write_words(const OctreeRoots& roots, const LatticeSurface& surface, BuiltOctree& built);
 
 }  // namespace spm::baker

@@ -56,8 +56,7 @@ CastCounts count_layers(Asset& asset, const Caster& caster) {
     TileHeights heights;
     tile_heights(tile, static_cast<float>(asset.metadata.height_unit), heights);
     const double depth =
-        tile.base +
-        static_cast<double>(heights[cell / tile_cells * tile_samples + cell % tile_cells]);
+        tile.base + static_cast<double>(heights[row * tile_samples + cell % tile_cells]);
     double least = std::numeric_limits<double>::infinity();
     for (std::size_t i = 0; i < column.crossings.size() && i < 256; ++i) {
       const double off = std::abs(column.crossings[i].depth - depth);

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <utility>
 
+#include "baker/field/octree_triangles.hpp"
 #include "baker/proof/surface_proof.hpp"
 #include "baker/proof/tile_proof.hpp"
 #include "baker/tiles/tile_fit.hpp"
@@ -20,8 +21,6 @@ constexpr double surfel_spacing_share = 1.0 / 350;   ///< of the diagonal
 /// Share of the tolerance by which a tile's cells may be off the surface. The rest is for the gaps
 /// between them.
 constexpr double residual_share = 0.5;
-/// Bytes of a triangle that no tile shows, beside corners that its neighbours have too.
-constexpr std::uint64_t triangle_bytes = 10;
 /// Bytes of a tile without masks and clips.
 constexpr std::uint64_t whole_tile_bytes = 2 * tile_sample_count + 4 * tile_words;
 
@@ -33,7 +32,7 @@ TileSettings settings_for(const Caster& caster, double tolerance) {
   settings.residual = residual_share * tolerance;
   settings.surfel_spacing = surfel_spacing_share * caster.diagonal();
   // A tile may show more than the surfels that face it best, but hardly more than twice as much.
-  settings.least_triangles = 0.5 * static_cast<double>(whole_tile_bytes) / triangle_bytes;
+  settings.least_triangles = 0.5 * static_cast<double>(whole_tile_bytes) / stored_triangle_bytes;
   return settings;
 }
 
@@ -72,12 +71,13 @@ SurfaceTiles show_surface(const Caster& caster, Asset& asset, double tolerance, 
     if (known.bare[t]) continue;
     for (const TileUse& use : cover.uses[t]) ++shown[use.tile];
   }
-  // A tile that shows few triangles takes more bytes than they do.
+  // A tile that shows few triangles takes more bytes than they do, beside corners that their
+  // neighbours have too.
   for (std::uint32_t t = 0; t < triangles; ++t) {
     known.bare[t] =
         known.bare[t] ||
         std::any_of(cover.uses[t].begin(), cover.uses[t].end(), [&](const TileUse& use) {
-          return shown[use.tile] * triangle_bytes < tile_bytes(tiles[use.tile]);
+          return shown[use.tile] * stored_triangle_bytes < tile_bytes(tiles[use.tile]);
         });
   }
   std::vector<std::uint64_t> used(tiles.size(), 0);

@@ -23,20 +23,14 @@ bool clip_segment(const Clip& clip, ClipSegment& segment) noexcept {
   const float along_x = -clip.b, along_y = clip.a;
   constexpr float half = 0.5F;
   float from = -std::numeric_limits<float>::infinity(), to = -from;
-  if (along_x != 0) {
-    const float one = (-half - x0) / along_x, other = (half - x0) / along_x;
+  const auto keep_within = [&](float start, float along) {
+    if (along == 0) return std::abs(start) <= half;
+    const float one = (-half - start) / along, other = (half - start) / along;
     from = std::max(from, std::min(one, other));
     to = std::min(to, std::max(one, other));
-  } else if (std::abs(x0) > half) {
-    return false;
-  }
-  if (along_y != 0) {
-    const float one = (-half - y0) / along_y, other = (half - y0) / along_y;
-    from = std::max(from, std::min(one, other));
-    to = std::min(to, std::max(one, other));
-  } else if (std::abs(y0) > half) {
-    return false;
-  }
+    return true;
+  };
+  if (!keep_within(x0, along_x) || !keep_within(y0, along_y)) return false;
   if (!(from <= to)) return false;
   segment = {x0 + from * along_x, y0 + from * along_y, (to - from) * along_x,
              (to - from) * along_y};

@@ -35,10 +35,7 @@ struct Jump {
 std::vector<Leaf> answering_leaves(const DistanceOctree& octree) {
   std::vector<Leaf> leaves;
   visit_leaves(octree, [&leaves](const Leaf& leaf) {
-    if (leaf.kind != OctreeKind::far && leaf.kind != OctreeKind::pruned &&
-        leaf.kind != OctreeKind::deep && leaf.kind != OctreeKind::split) {
-      leaves.push_back(leaf);
-    }
+    if (leaf.kind >= OctreeKind::list) leaves.push_back(leaf);
   });
   return leaves;
 }

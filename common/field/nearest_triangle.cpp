@@ -164,7 +164,8 @@ struct Products {
   Floats ab_ab, ac_ac, bc_bc, ab_ac, ab_ap, ac_ap;
 };
 
-/// Square of the distance from a segment, of whose length and way `share` is the nearest place.
+/// Square of the distance from a side. `point` and `along` lead from its first end; `product` is
+/// their product, `length` the square of the side's length.
 HWY_INLINE Floats square_beside(const Vectors& point, const Vectors& along, Floats product,
                                 Floats length) {
   const Lanes lanes;
@@ -263,6 +264,9 @@ HWY_INLINE void meet_packet(const IndexedTriangles& mesh, const Packet& packet,
   const Lanes lanes;
   const WholeLanes whole;
   const Floats unit = hn::Set(lanes, static_cast<float>(mesh.step * mesh.step));
+  const auto numbers_from = [&](std::size_t k) {
+    return hn::LoadU(whole, reinterpret_cast<const std::int32_t*>(packet.numbers.data()) + k);
+  };
   alignas(64) std::array<float, packet_size> squares;
   for (std::size_t k = 0; k < packet_size; k += hn::Lanes(lanes)) {
     const Sides sides = sides_from(packet, place, k);
@@ -276,17 +280,13 @@ HWY_INLINE void meet_packet(const IndexedTriangles& mesh, const Packet& packet,
       found = hn::IfThenElse(thin, least_squares(sides, products, beside), found);
       hn::Store(hn::Mul(found, unit), lanes, squares.data() + k);
     } else {
-      nearest.meet(
-          hn::Mul(found, unit),
-          hn::LoadU(whole, reinterpret_cast<const std::int32_t*>(packet.numbers.data()) + k));
+      nearest.meet(hn::Mul(found, unit), numbers_from(k));
     }
   }
   if (HWY_LIKELY(packet.thin == 0)) return;
   squares_of_thin(mesh, packet, point, nearest.least(), squares.data());
   for (std::size_t k = 0; k < packet_size; k += hn::Lanes(lanes)) {
-    nearest.meet(
-        hn::Load(lanes, squares.data() + k),
-        hn::LoadU(whole, reinterpret_cast<const std::int32_t*>(packet.numbers.data()) + k));
+    nearest.meet(hn::Load(lanes, squares.data() + k), numbers_from(k));
   }
 }
 

@@ -59,6 +59,15 @@ def models_of(case, *models):
     return folder
 
 
+def bake_box(case, *options):
+    """Bakes the box for a class of tests: its `models` and its `asset`."""
+    case.models = models_of(case, "box")
+    case.asset = os.path.join(case.models, "box.spm.exr")
+    result = run("build", os.path.join(case.models, "box.obj"), "-o", case.asset, *options,
+                 "--quiet")
+    assert result.returncode == 0, result.stderr
+
+
 @functools.cache
 def public_copy(program):
     """A copy that any user may run: the checkout may lie in a folder that only its owner enters."""

@@ -10,7 +10,7 @@ import subprocess
 import time
 import unittest
 
-from programs import SERVO, THIN_BAND, Case, models_of, run
+from programs import SERVO, THIN_BAND, Case, bake_box
 
 ASSETS = 50
 LONG = 30  # s, for what is done at once
@@ -25,11 +25,7 @@ def status_of(process, key):
 class Start(Case):
     @classmethod
     def setUpClass(cls):
-        cls.models = models_of(cls, "box")
-        cls.asset = os.path.join(cls.models, "box.spm.exr")
-        result = run("build", os.path.join(cls.models, "box.obj"), "-o", cls.asset, "--tolerance",
-                     "200um", *THIN_BAND, "--quiet")
-        assert result.returncode == 0, result.stderr
+        bake_box(cls, "--tolerance", "200um", *THIN_BAND)
 
     def servo(self, *options, stderr=subprocess.PIPE):
         process = subprocess.Popen([SERVO, "run", "--device", "sim", "--socket", "off", *options],

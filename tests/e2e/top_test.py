@@ -14,7 +14,7 @@ import termios
 import time
 import unittest
 
-from programs import SERVO, Case, models_of, run
+from programs import SERVO, Case, bake_box, run
 
 PATIENCE = 120.0  # s, beyond any machine's worst moment
 BEGIN_SCREEN, END_SCREEN = b"\x1b[?1049h\x1b[?25l", b"\x1b[?25h\x1b[?1049l"
@@ -30,11 +30,7 @@ def can_draw():
 class WithAsset(Case):
     @classmethod
     def setUpClass(cls):
-        cls.models = models_of(cls, "box")
-        cls.asset = os.path.join(cls.models, "box.spm.exr")
-        result = run("build", os.path.join(cls.models, "box.obj"), "-o", cls.asset, "--tolerance",
-                     "50um", "--quiet")
-        assert result.returncode == 0, result.stderr
+        bake_box(cls, "--tolerance", "50um")
 
     def command(self, *options):
         return [SERVO, "run", "--device", "sim", "--realtime", "off", "--black-box", "off",

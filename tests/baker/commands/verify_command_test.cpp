@@ -11,10 +11,10 @@
 #include "baker/commands/verify_text.hpp"
 #include "baker/mesh/load.hpp"
 #include "baker/pipeline/bake.hpp"
-#include "common/field/octree_leaves.hpp"
 #include "common/query/query.hpp"
 #include "formats/asset/asset_writer.hpp"
 #include "tests/baker/mesh/mesh_support.hpp"
+#include "tests/baker/verify/spoilt_asset.hpp"
 #include "tests/support/shapes.hpp"
 
 namespace spm::baker::verify_command_test {
@@ -64,21 +64,7 @@ class Baked {
 
   /// Makes the largest polynomial near the surface tell too little, and gives the middle of its
   /// cube.
-  [[nodiscard]] Vector3 spoil() {
-    const AssetTables tables = tables_of(asset);
-    Leaf largest;
-    visit_leaves(tables.view().octree, [&](const Leaf& leaf) {
-      const double distance = query_point(tables.view(), leaf.middle).distance;
-      const bool near = std::abs(distance) < leaf.half;
-      if (leaf.kind == OctreeKind::polynomial && near && leaf.half > largest.half) largest = leaf;
-    });
-    REQUIRE(largest.half > 0);
-    // The value is the lower half of a polynomial's first word.
-    std::uint32_t& word = asset.octree.units[2 * std::size_t{largest.unit}];
-    const auto by = static_cast<std::uint32_t>(std::lround(-spoilt_by / asset.octree.value_unit));
-    word = (word & 0xFFFF0000U) | ((word + by) & 0xFFFFU);
-    return largest.middle;
-  }
+  [[nodiscard]] Vector3 spoil() { return test::spoil_largest_polynomial(asset, -spoilt_by).middle; }
 
   [[nodiscard]] Said verify(std::vector<std::string> options) const {
     REQUIRE(write_asset(asset, file_).has_value());

@@ -10,6 +10,7 @@
 #include "common/query/query.hpp"
 #include "formats/asset/asset_writer.hpp"
 #include "tests/baker/pipeline/bake_support.hpp"
+#include "tests/baker/verify/spoilt_asset.hpp"
 #include "tests/support/shapes.hpp"
 
 namespace spm::baker::border_jumps_test {
@@ -36,23 +37,6 @@ struct Baked {
     options.tolerance = tolerance;
     options.max_depth = 1e-3;
     return bake(mesh, options).asset;
-  }
-
-  /// Moves the answers of the largest polynomial near the surface, and gives its leaf.
-  [[nodiscard]] Leaf spoil(double by) {
-    const AssetTables tables = tables_of(asset);
-    Leaf largest;
-    visit_leaves(tables.view().octree, [&](const Leaf& leaf) {
-      const double distance = query_point(tables.view(), leaf.middle).distance;
-      const bool near = std::abs(distance) < leaf.half;
-      if (leaf.kind == OctreeKind::polynomial && near && leaf.half > largest.half) largest = leaf;
-    });
-    REQUIRE(largest.half > 0);
-    // The value is the lower half of a polynomial's first word.
-    std::uint32_t& word = asset.octree.units[2 * std::size_t{largest.unit}];
-    const auto steps = static_cast<std::uint32_t>(std::lround(by / asset.octree.value_unit));
-    word = (word & 0xFFFF0000U) | ((word + steps) & 0xFFFFU);
-    return largest;
   }
 };
 
@@ -106,7 +90,7 @@ TEST_CASE("Whatever the seed, jumps are in order and within what the tolerance a
 TEST_CASE("A polynomial that is off shows as jumps on the faces of its cube") {
   Baked baked(sphere());
   constexpr double by = 500e-6;
-  const Leaf spoilt = baked.spoil(by);
+  const Leaf spoilt = test::spoil_largest_polynomial(baked.asset, by);
   const JumpReport found = baked.jumps(3);
   CHECK(found.beyond > 0);
   CHECK(found.distance.max > by - 2 * tolerance);
@@ -126,7 +110,7 @@ TEST_CASE("A jump that is too large fails the verdict, even where no sample is o
   const VerifyReport good = verdict();
   CHECK(good.passed());
   CHECK(good.jumps.places > 4900);
-  (void)baked.spoil(500e-6);
+  (void)test::spoil_largest_polynomial(baked.asset, 500e-6);
   VerifyReport bad = verdict();
   CHECK(bad.jumps.beyond > 0);
   bad.counts = {};
