@@ -25,7 +25,7 @@ alignas(64) constexpr std::array<std::array<double, corners>, 3> corner_signs{
     {{-1, 1, -1, 1, -1, 1, -1, 1}, {-1, -1, 1, 1, -1, -1, 1, 1}, {-1, -1, -1, -1, 1, 1, 1, 1}}};
 
 /// Vectors to the corners of a cube from the k-th on.
-struct CornerVectors {
+struct Vectors {
   Doubles x, y, z;
 
   [[nodiscard]] HWY_INLINE Doubles dot(const Vector3& v) const {
@@ -36,7 +36,7 @@ struct CornerVectors {
   [[nodiscard]] HWY_INLINE Doubles square() const {
     return hn::Add(hn::Add(hn::Mul(x, x), hn::Mul(y, y)), hn::Mul(z, z));
   }
-  [[nodiscard]] HWY_INLINE CornerVectors less(Doubles share, const Vector3& along) const {
+  [[nodiscard]] HWY_INLINE Vectors less(Doubles share, const Vector3& along) const {
     const Lanes lanes;
     return {hn::Sub(x, hn::Mul(share, hn::Set(lanes, along[0]))),
             hn::Sub(y, hn::Mul(share, hn::Set(lanes, along[1]))),
@@ -56,49 +56,98 @@ HWY_INLINE Doubles linear_from(std::size_t k, double value, const Vector3& rise)
                  hn::Add(rise_along(k, 1, rise[1]), rise_along(k, 2, rise[2])));
 }
 
-HWY_INLINE CornerVectors vectors_from(std::size_t k, const Vector3& to_middle, double half) {
+HWY_INLINE Vectors vectors_from(std::size_t k, const Vector3& to_middle, double half) {
   const auto along = [&](int axis) {
     return hn::Add(hn::Set(Lanes(), to_middle[axis]), rise_along(k, axis, half));
   };
   return {along(0), along(1), along(2)};
 }
 
-HWY_INLINE Doubles square_to_segment(const CornerVectors& from_start, const Vector3& along,
-                                     double per_square) {
+/// Vectors to the corners from the closest places of a part of the triangle.
+struct Away {
+  Vectors vectors;
+  Doubles squares;
+
+  HWY_INLINE explicit Away(const Vectors& from) : vectors(from), squares(from.square()) {}
+  template <class Mask>
+  HWY_INLINE void take(const Mask& mask, const Away& other) {
+    vectors = {hn::IfThenElse(mask, other.vectors.x, vectors.x),
+               hn::IfThenElse(mask, other.vectors.y, vectors.y),
+               hn::IfThenElse(mask, other.vectors.z, vectors.z)};
+    squares = hn::IfThenElse(mask, other.squares, squares);
+  }
+  HWY_INLINE void take_nearer(const Away& other) { take(hn::Lt(other.squares, squares), other); }
+};
+
+HWY_INLINE Away away_from_segment(const Vectors& from_start, const Vector3& along,
+                                  double per_square) {
   const Lanes lanes;
   const Doubles share =
       hn::Min(hn::Max(hn::Mul(from_start.dot(along), hn::Set(lanes, per_square)), hn::Zero(lanes)),
               hn::Set(lanes, 1.0));
-  return from_start.less(share, along).square();
+  return Away(from_start.less(share, along));
 }
 
 /// 1 / number, or 0.
 double per(double number) { return number > 0 ? 1 / number : 0; }
 
-void find_corner_distances(const std::array<Vector3, 3>& triangle, const Vector3& middle,
-                           double half, double* distances) {
+/// A triangle as its distances are computed from.
+struct Plan {
+  Vector3 ab, ac, bc, to_b, to_c;
+  double per_area, per_ab, per_ac, per_bc;
+
+  explicit Plan(const std::array<Vector3, 3>& triangle)
+      : ab(triangle[1] - triangle[0]), ac(triangle[2] - triangle[0]), bc(ac - ab) {
+    const Vector3 normal = ab.cross(ac);
+    per_area = per(normal.squaredNorm());
+    to_b = per_area * ac.cross(normal);
+    to_c = per_area * normal.cross(ab);
+    per_ab = per(ab.squaredNorm());
+    per_ac = per(ac.squaredNorm());
+    per_bc = per(bc.squaredNorm());
+  }
+};
+
+/// From the k-th corner of the cube on. `triangle` is what the plan was made of.
+HWY_INLINE Away away_from(const Plan& plan, const std::array<Vector3, 3>& triangle,
+                          const Vector3& middle, double half, std::size_t k) {
   const Lanes lanes;
-  const Vector3 ab = triangle[1] - triangle[0], ac = triangle[2] - triangle[0], bc = ac - ab;
-  const Vector3 normal = ab.cross(ac);
-  const double per_area = per(normal.squaredNorm());
-  const Vector3 to_b = per_area * ac.cross(normal), to_c = per_area * normal.cross(ab);
-  const double per_ab = per(ab.squaredNorm()), per_ac = per(ac.squaredNorm()),
-               per_bc = per(bc.squaredNorm());
+  const Vectors from_a = vectors_from(k, middle - triangle[0], half);
+  const Vectors from_b = vectors_from(k, middle - triangle[1], half);
+  Away nearest = away_from_segment(from_a, plan.ab, plan.per_ab);
+  nearest.take_nearer(away_from_segment(from_a, plan.ac, plan.per_ac));
+  nearest.take_nearer(away_from_segment(from_b, plan.bc, plan.per_bc));
+  if (plan.per_area > 0) {
+    // Barycentric coordinates of the projections.
+    const Doubles weight_b = from_a.dot(plan.to_b), weight_c = from_a.dot(plan.to_c);
+    const Doubles weight_a = hn::Sub(hn::Sub(hn::Set(lanes, 1.0), weight_b), weight_c);
+    const auto over = hn::Ge(hn::Min(hn::Min(weight_b, weight_c), weight_a), hn::Zero(lanes));
+    const Away face(from_a.less(weight_b, plan.ab).less(weight_c, plan.ac));
+    nearest.take(hn::And(over, hn::Lt(face.squares, nearest.squares)), face);
+  }
+  return nearest;
+}
+
+void find_distances(const std::array<Vector3, 3>& triangle, const Vector3& middle, double half,
+                    double* distances) {
+  const Lanes lanes;
+  const Plan plan(triangle);
   for (std::size_t k = 0; k < corners; k += hn::Lanes(lanes)) {
-    const CornerVectors from_a = vectors_from(k, middle - triangle[0], half);
-    const CornerVectors from_b = vectors_from(k, middle - triangle[1], half);
-    Doubles squares = hn::Min(
-        hn::Min(square_to_segment(from_a, ab, per_ab), square_to_segment(from_a, ac, per_ac)),
-        square_to_segment(from_b, bc, per_bc));
-    if (per_area > 0) {
-      // Barycentric coordinates of the projections.
-      const Doubles weight_b = from_a.dot(to_b), weight_c = from_a.dot(to_c);
-      const Doubles on_face = from_a.less(weight_b, ab).less(weight_c, ac).square();
-      const Doubles weight_a = hn::Sub(hn::Sub(hn::Set(lanes, 1.0), weight_b), weight_c);
-      const auto over = hn::Ge(hn::Min(hn::Min(weight_b, weight_c), weight_a), hn::Zero(lanes));
-      squares = hn::IfThenElse(over, on_face, squares);
-    }
-    hn::StoreU(hn::Sqrt(squares), lanes, distances + k);
+    const Away nearest = away_from(plan, triangle, middle, half, k);
+    hn::StoreU(hn::Sqrt(nearest.squares), lanes, distances + k);
+  }
+}
+
+void find_vectors(const std::array<Vector3, 3>& triangle, const Vector3& middle, double half,
+                  CornerVectors& found) {
+  const Lanes lanes;
+  const Plan plan(triangle);
+  for (std::size_t k = 0; k < corners; k += hn::Lanes(lanes)) {
+    const Away nearest = away_from(plan, triangle, middle, half, k);
+    hn::StoreU(hn::Sqrt(nearest.squares), lanes, found.distances.data() + k);
+    hn::StoreU(nearest.vectors.x, lanes, found.away[0].data() + k);
+    hn::StoreU(nearest.vectors.y, lanes, found.away[1].data() + k);
+    hn::StoreU(nearest.vectors.z, lanes, found.away[2].data() + k);
   }
 }
 
@@ -118,7 +167,8 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace spm::baker {
 
-HWY_EXPORT(find_corner_distances);
+HWY_EXPORT(find_distances);
+HWY_EXPORT(find_vectors);
 HWY_EXPORT(find_everywhere_above);
 
 CornerValues linear_at_corners(double value, const Vector3& rise) {
@@ -133,8 +183,13 @@ CornerValues linear_at_corners(double value, const Vector3& rise) {
 CornerValues corner_distances(const std::array<Vector3, 3>& triangle, const Vector3& middle,
                               double half) {
   CornerValues distances;
-  HWY_DYNAMIC_DISPATCH(find_corner_distances)(triangle, middle, half, distances.data());
+  HWY_DYNAMIC_DISPATCH(find_distances)(triangle, middle, half, distances.data());
   return distances;
+}
+
+void find_corner_vectors(const std::array<Vector3, 3>& triangle, const Vector3& middle, double half,
+                         CornerVectors& found) {
+  HWY_DYNAMIC_DISPATCH(find_vectors)(triangle, middle, half, found);
 }
 
 bool is_everywhere_above(double value, const Vector3& rise, const CornerValues& values) {

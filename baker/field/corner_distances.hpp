@@ -21,6 +21,14 @@ using CornerValues = Eigen::Array<double, 8, 1>;
 [[nodiscard]] CornerValues corner_distances(const std::array<Vector3, 3>& triangle,
                                             const Vector3& middle, double half);
 
+/// The same, and the vectors to the corners from the closest points of the triangle, axis by axis.
+struct CornerVectors {
+  CornerValues distances;
+  std::array<CornerValues, 3> away;
+};
+void find_corner_vectors(const std::array<Vector3, 3>& triangle, const Vector3& middle, double half,
+                         CornerVectors& found);
+
 /// Whether such a function is above these values at all corners.
 [[nodiscard]] bool is_everywhere_above(double value, const Vector3& rise,
                                        const CornerValues& values);

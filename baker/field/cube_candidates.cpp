@@ -23,8 +23,9 @@ Candidate seen_from(const LatticeSurface& surface, std::uint32_t triangle, const
   const auto& corners = surface.triangles[triangle].corners;
   Candidate candidate;
   candidate.triangle = triangle;
-  candidate.closest = closest_on_triangle(point, corners[0], corners[1], corners[2]);
-  candidate.distance = (point - candidate.closest).norm();
+  const Vector3 away = point - closest_on_triangle(point, corners[0], corners[1], corners[2]);
+  candidate.distance = away.norm();
+  if (candidate.distance > 0) candidate.tangent = away / candidate.distance;
   return candidate;
 }
 
@@ -36,7 +37,7 @@ bool nearer(const Candidate& a, const Candidate& b) {
 void remove_covered(const Cube& cube, const std::vector<Witness>& nearest,
                     std::vector<Candidate>& open) {
   std::erase_if(open, [&](const Candidate& candidate) {
-    const Vector3 rise = cube.half * tangent_of(candidate, cube.middle);
+    const Vector3 rise = cube.half * candidate.tangent;
     return std::any_of(nearest.begin(), nearest.end(), [&](const Witness& witness) {
       return candidate.triangle != witness.triangle &&
              is_everywhere_above(candidate.distance - slack, rise, witness.distances);
@@ -61,28 +62,31 @@ void narrow(const LatticeSurface& surface, const Cube& cube, Candidates& found) 
   remove_covered(cube, found.witnesses, found.caps);
 }
 
-/// Adds those of `around` that may be near enough to a place of the cube. `nearest` is the least
-/// distance so far.
-void add_near(const LatticeSurface& surface, const std::vector<Candidate>& around,
-              const Vector3& middle_around, const Cube& cube, double& nearest,
-              std::vector<Candidate>& found) {
-  const double span = 2 * cube.radius() + 2 * slack;
-  const Vector3 way = cube.middle - middle_around;
-  found.reserve(around.size());
+/// Adds those of `around` that may be near enough to a place of an octant, to each of the eight.
+void add_near(const LatticeSurface& surface, const std::vector<Candidate>& around, const Cube& cube,
+              std::vector<Candidate> Candidates::*kind, std::array<double, 8>& nearest,
+              std::array<Candidates, 8>& found) {
+  const double span = cube.radius() + 2 * slack;
+  for (Candidates& octant : found) (octant.*kind).reserve(around.size());
+  CornerVectors seen;
   for (const Candidate& candidate : around) {
-    const double least = candidate.distance + tangent_of(candidate, middle_around).dot(way);
-    if (least > nearest + span) continue;
-    found.push_back(seen_from(surface, candidate.triangle, cube.middle));
-    nearest = std::min(nearest, found.back().distance);
+    // The middles of the octants are the corners of a cube of half the edge.
+    find_corner_vectors(surface.triangles[candidate.triangle].corners, cube.middle, cube.half / 2,
+                        seen);
+    for (std::size_t octant = 0; octant < 8; ++octant) {
+      const auto k = static_cast<Eigen::Index>(octant);
+      const double distance = seen.distances[k];
+      if (distance > nearest[octant] + span) continue;
+      nearest[octant] = std::min(nearest[octant], distance);
+      const double per = distance > 0 ? 1 / distance : 0;
+      (found[octant].*kind)
+          .push_back({candidate.triangle, distance,
+                      per * Vector3(seen.away[0][k], seen.away[1][k], seen.away[2][k])});
+    }
   }
 }
 
 }  // namespace
-
-Vector3 tangent_of(const Candidate& candidate, const Vector3& middle) noexcept {
-  if (!(candidate.distance > 0)) return Vector3::Zero();
-  return (middle - candidate.closest) / candidate.distance;
-}
 
 double Cube::radius() const noexcept { return std::sqrt(3.0) * half; }
 
@@ -98,21 +102,24 @@ double Candidates::clearance() const noexcept {
   return caps.empty() ? distance() : std::min(distance(), caps.front().distance);
 }
 
-Candidates candidates_within(const LatticeSurface& surface, const Candidates& around,
-                             const Cube& cube) {
-  Candidates found;
-  found.middle = cube.middle;
-  double nearest = std::numeric_limits<double>::infinity();
-  add_near(surface, around.triangles, around.middle, cube, nearest, found.triangles);
-  add_near(surface, around.caps, around.middle, cube, nearest, found.caps);
-  narrow(surface, cube, found);
+std::array<Candidates, 8> candidates_in_octants(const LatticeSurface& surface,
+                                                const Candidates& around, const Cube& cube) {
+  std::array<Candidates, 8> found;
+  std::array<double, 8> nearest;
+  nearest.fill(std::numeric_limits<double>::infinity());
+  add_near(surface, around.triangles, cube, &Candidates::triangles, nearest, found);
+  if (!around.caps.empty()) {
+    add_near(surface, around.caps, cube, &Candidates::caps, nearest, found);
+  }
+  for (std::size_t octant = 0; octant < 8; ++octant) {
+    narrow(surface, cube.octant(octant), found[octant]);
+  }
   return found;
 }
 
 Candidates candidates_of(const LatticeSurface& surface, const std::vector<std::uint32_t>& triangles,
                          const Cube& cube) {
   Candidates found;
-  found.middle = cube.middle;
   for (const std::uint32_t triangle : triangles) {
     auto& kind = surface.triangles[triangle].cap ? found.caps : found.triangles;
     kind.push_back(seen_from(surface, triangle, cube.middle));
@@ -124,10 +131,12 @@ Candidates candidates_of(const LatticeSurface& surface, const std::vector<std::u
 Candidates nearest_in_parts(const LatticeSurface& surface, const Candidates& candidates,
                             const Cube& cube, int levels) {
   std::vector<std::uint32_t> kept;
+  std::array<Candidates, 8> octants = candidates_in_octants(surface, candidates, cube);
   for (std::size_t octant = 0; octant < 8; ++octant) {
-    const Cube part = cube.octant(octant);
-    Candidates within = candidates_within(surface, candidates, part);
-    if (levels > 1) within = nearest_in_parts(surface, within, part, levels - 1);
+    Candidates& within = octants[octant];
+    if (levels > 1) {
+      within = nearest_in_parts(surface, within, cube.octant(octant), levels - 1);
+    }
     for (const auto* kind : {&within.triangles, &within.caps}) {
       for (const Candidate& candidate : *kind) kept.push_back(candidate.triangle);
     }

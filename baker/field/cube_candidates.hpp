@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <limits>
 #include <vector>
@@ -25,12 +26,10 @@ struct Cube {
 struct Candidate {
   std::uint32_t triangle = 0;
   double distance = 0;  ///< unsigned, m
-  Vector3 closest = Vector3::Zero();
+  /// How the distance rises there along each axis: a unit vector away from the closest point, or 0
+  /// where the triangle passes. The distance is convex, so it lies above this tangent.
+  Vector3 tangent = Vector3::Zero();
 };
-
-/// How the distance of a triangle rises at the middle from which it was seen, along each axis. The
-/// distance is convex, so it lies above this tangent.
-[[nodiscard]] Vector3 tangent_of(const Candidate& candidate, const Vector3& middle) noexcept;
 
 /// A triangle's distances from the corners of a cube, m. In between it is no farther than they say.
 struct Witness {
@@ -41,7 +40,6 @@ struct Witness {
 /// All triangles that may be the nearest of the surface to some place of a cube; and of the caps
 /// those that may be nearer than all of the surface.
 struct Candidates {
-  Vector3 middle = Vector3::Zero();  ///< of the cube
   std::vector<Candidate> triangles;  ///< of the surface, the nearest to the middle first
   std::vector<Candidate> caps;       ///< likewise
   std::vector<Witness> witnesses;    ///< some of the nearest triangles, where there are many
@@ -50,10 +48,12 @@ struct Candidates {
   [[nodiscard]] double clearance() const noexcept;  ///< of surface and caps
 };
 
-/// The candidates of a cube among those of one around it, or among the given triangles. None that
-/// matters is left out: a triangle goes where another one is nearer in all of the cube.
-[[nodiscard]] Candidates candidates_within(const LatticeSurface& surface, const Candidates& around,
-                                           const Cube& cube);
+/// The candidates of a cube's octants among those of the cube, or of a cube among the given
+/// triangles. None that matters is left out: a triangle goes where another one is nearer in all of
+/// the cube.
+[[nodiscard]] std::array<Candidates, 8> candidates_in_octants(const LatticeSurface& surface,
+                                                              const Candidates& around,
+                                                              const Cube& cube);
 [[nodiscard]] Candidates candidates_of(const LatticeSurface& surface,
                                        const std::vector<std::uint32_t>& triangles,
                                        const Cube& cube);

@@ -185,7 +185,7 @@ std::vector<CubeSample> sample_cube(const LatticeSurface& surface, const Caster&
   std::vector<Vector3> tangents;
   tangents.reserve(candidates.triangles.size());
   for (const Candidate& candidate : candidates.triangles) {
-    tangents.push_back(cube.half * tangent_of(candidate, cube.middle));
+    tangents.push_back(cube.half * candidate.tangent);
   }
   for (int i = 0; i < nodes * nodes * nodes; ++i) {
     CubeSample sample;

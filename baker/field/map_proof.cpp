@@ -92,11 +92,9 @@ class Proof {
     }
     if (passes(candidates, cube, inside)) return true;
     if (divisions == max_divisions) return false;
+    const std::array<Candidates, 8> octants = candidates_in_octants(surface_, candidates, cube);
     for (std::size_t octant = 0; octant < 8; ++octant) {
-      const Cube part = cube.octant(octant);
-      if (!holds(candidates_within(surface_, candidates, part), part, inside, divisions + 1)) {
-        return false;
-      }
+      if (!holds(octants[octant], cube.octant(octant), inside, divisions + 1)) return false;
     }
     return true;
   }
@@ -114,18 +112,14 @@ class Proof {
     const double distance = candidates.distance();
     const bool side = inside ? *inside : is_inside(surface_, caster_, candidates, cube.middle);
     const double truth = side ? -distance : distance;
+    std::array<Quadratic, 2> maps;
     std::array<Interval, 2> off;
     for (std::size_t k = 0; k < maps_.size(); ++k) {
-      const Quadratic map = maps_[k].about(cube.middle);
-      off[k].meet(by_directions(candidates, cube, map, truth));
-      if (inside) off[k].meet(by_convexity(candidates, cube, map, *inside));
+      maps[k] = maps_[k].about(cube.middle);
+      off[k].meet(by_directions(candidates, cube, maps[k], truth));
     }
-    Interval whole = off[0];
-    if (kind_ == OctreeKind::least) {
-      whole = {std::min(off[0].low, off[1].low), std::min(off[0].high, off[1].high)};
-    } else if (kind_ == OctreeKind::most) {
-      whole = {std::max(off[0].low, off[1].low), std::max(off[0].high, off[1].high)};
-    }
+    Interval whole{of_both(off[0].low, off[1].low), of_both(off[0].high, off[1].high)};
+    if (inside) whole.meet(by_convexity(candidates, cube, maps, *inside));
     if (whole.low >= -tolerance_ && whole.high <= tolerance_) return true;
     // Wholly beyond the band it is enough to tell so.
     const double radius = cube.radius();
@@ -136,6 +130,14 @@ class Proof {
       return -(distance - radius) + whole.high <= -band_.max_depth + tolerance_;
     }
     return false;
+  }
+
+  /// What the maps make of their two values, or where they are `turned` of the negative values; of
+  /// the first alone where there is one map.
+  [[nodiscard]] double of_both(double first, double second, bool turned = false) const {
+    if (maps_.size() == 1) return first;
+    return (kind_ == OctreeKind::least) == turned ? std::max(first, second)
+                                                  : std::min(first, second);
   }
 
   /// The gradient of the distance lies in the cone of the normals of the candidates: the normal of
@@ -172,29 +174,48 @@ class Proof {
 
   /// On one side of the surface the unsigned distance is the least of the distances of the
   /// candidates, and each of these is convex: it lies above its tangent at the middle, and below
-  /// what its values at the corners give in between.
-  Interval by_convexity(const Candidates& candidates, const Cube& cube, const Quadratic& signed_map,
-                        bool inside) const {
-    const Quadratic map = signed_map.times(inside ? -1 : 1);
-    const double square = cube.half * cube.half;
-    double up = 0, diagonal_up = 0;  // how far d' bend d may rise; of its squares alone
-    for (int i = 0; i < 3; ++i) {
-      diagonal_up += std::max(0.0, map.bend(i, i));
-      for (int j = 0; j < 3; ++j) {
-        if (i != j) up += std::abs(map.bend(i, j));
-      }
+  /// what its values at the corners give in between. Where the lesser of two maps answers, either
+  /// of them may keep below a candidate, another one below the next.
+  Interval by_convexity(const Candidates& candidates, const Cube& cube,
+                        const std::array<Quadratic, 2>& signed_maps, bool inside) const {
+    std::array<Quadratic, 2> maps;
+    std::array<double, 2> low{}, rise{}, over{};
+    for (std::size_t k = 0; k < maps_.size(); ++k) {
+      maps[k] = signed_maps[k].times(inside ? -1 : 1);
+      low[k] = least_over(candidates, cube, maps[k]);
+      rise[k] = most_rise(maps[k], cube.half);
     }
-    up = square * (up + diagonal_up);
     double high = -std::numeric_limits<double>::infinity();
     for (const Candidate& candidate : candidates.triangles) {
-      const Vector3 slope = tangent_of(candidate, cube.middle);
-      high = std::max(high, map.value - candidate.distance +
-                                cube.half * (map.gradient - slope).lpNorm<1>() + up);
+      for (std::size_t k = 0; k < maps_.size(); ++k) {
+        over[k] = maps[k].value - candidate.distance + rise[k] +
+                  cube.half * (maps[k].gradient - candidate.tangent).lpNorm<1>();
+      }
+      high = std::max(high, of_both(over[0], over[1], inside));
     }
+    const Interval bounds{of_both(low[0], low[1], inside) - rounding, high + rounding};
+    return inside ? Interval{-bounds.high, -bounds.low} : bounds;
+  }
+
+  /// How far d' bend d may rise within a cube.
+  static double most_rise(const Quadratic& map, double half) {
+    double rise = 0;
+    for (int i = 0; i < 3; ++i) {
+      for (int j = 0; j < 3; ++j) {
+        rise += i == j ? std::max(0.0, map.bend(i, j)) : std::abs(map.bend(i, j));
+      }
+    }
+    return half * half * rise;
+  }
+
+  /// A bound from below of map less unsigned distance, by the values of candidates at the corners.
+  double least_over(const Candidates& candidates, const Cube& cube, const Quadratic& map) const {
+    double bulge = 0;
+    for (int i = 0; i < 3; ++i) bulge += cube.half * cube.half * std::max(0.0, map.bend(i, i));
     const CornerValues told = at_corners(map, cube.half);
     double low = -std::numeric_limits<double>::infinity();
     const auto bound_by = [&](const CornerValues& distances) {
-      low = std::max(low, (told - distances).minCoeff() - square * diagonal_up);
+      low = std::max(low, (told - distances).minCoeff() - bulge);
     };
     for (const Witness& witness : candidates.witnesses) bound_by(witness.distances);
     for (std::size_t w = 0;
@@ -203,8 +224,7 @@ class Proof {
       const auto& corners = surface_.triangles[candidates.triangles[w].triangle].corners;
       bound_by(corner_distances(corners, cube.middle, cube.half));
     }
-    const Interval bounds{low - rounding, high + rounding};
-    return inside ? Interval{-bounds.high, -bounds.low} : bounds;
+    return low;
   }
 };
 

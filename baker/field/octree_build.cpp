@@ -114,9 +114,9 @@ class Builder {
     }
     keep_few(node, candidates, inside);
     if (inside) {
-      const Vector3 away = node.cube.middle - candidates.triangles.front().closest;
       const double sign = *inside ? -1 : 1;
-      if (decided(node, sign * candidates.distance(), candidates.clearance(), sign * away)) return;
+      const Vector3 direction = sign * candidates.triangles.front().tangent;
+      if (decided(node, sign * candidates.distance(), candidates.clearance(), direction)) return;
     } else if (decided(node, 0, 0, Vector3::UnitZ())) {
       return;
     }
@@ -144,10 +144,11 @@ class Builder {
                          int level) const {
     node.kind = OctreeKind::split;
     node.octants = std::make_unique<std::array<OctreeNode, 8>>();
+    const std::array<Candidates, 8> within = candidates_in_octants(surface_, candidates, node.cube);
     for (std::size_t octant = 0; octant < 8; ++octant) {
       OctreeNode& part = (*node.octants)[octant];
       part.cube = node.cube.octant(octant);
-      decide(part, candidates_within(surface_, candidates, part.cube), inside, level + 1);
+      decide(part, within[octant], inside, level + 1);
     }
     join_octants(node);
     if (inside) node.inside = inside;
@@ -191,7 +192,7 @@ class Builder {
     const auto listed = [&](const std::vector<Candidate>& from, auto& to) {
       for (const Candidate& candidate : from) {
         // Distances are convex, so nowhere below the tangent.
-        const double falls = node.cube.half * tangent_of(candidate, candidates.middle).lpNorm<1>();
+        const double falls = node.cube.half * candidate.tangent.lpNorm<1>();
         to.push_back({candidate.triangle, std::max(0.0, candidate.distance - falls)});
       }
     };

@@ -31,8 +31,7 @@ TileSettings settings_for(const Caster& caster, double tolerance) {
   settings.height_unit = std::exp2(std::floor(std::log2(caster.diagonal() / 100)));
   settings.residual = residual_share * tolerance;
   settings.surfel_spacing = surfel_spacing_share * caster.diagonal();
-  // A tile may show more than the surfels that face it best, but hardly more than twice as much.
-  settings.least_triangles = 0.5 * static_cast<double>(whole_tile_bytes) / stored_triangle_bytes;
+  settings.least_triangles = static_cast<double>(whole_tile_bytes) / stored_triangle_bytes;
   return settings;
 }
 

@@ -111,7 +111,12 @@ class TileChooser {
         covered_(surfels_.size(), 0) {
     double area = 0;
     for (std::uint32_t t = 0; t < caster.surface_count(); ++t) area += caster.area(t);
-    area_per_surfel_ = area / std::max<double>(1, static_cast<double>(surfels_.size()));
+    const double each = area / std::max<double>(1, static_cast<double>(surfels_.size()));
+    triangles_.reserve(surfels_.size());
+    for (const Surfel& surfel : surfels_) {
+      const double own = caster.area(surfel.triangle);
+      triangles_.push_back(own > 0 ? each / own : 0);
+    }
   }
 
   std::vector<TileData> tiles;
@@ -163,15 +168,12 @@ class TileChooser {
   std::vector<Surfel> surfels_;
   SurfelBins bins_;
   std::vector<std::uint8_t> covered_;
-  double area_per_surfel_ = 0;  ///< m^2
+  std::vector<double> triangles_;  ///< how many each surfel stands for
 
   /// How many triangles surfels stand for.
   [[nodiscard]] double triangles_of(const std::vector<std::uint32_t>& members) const {
     double triangles = 0;
-    for (const std::uint32_t i : members) {
-      const double area = caster_.area(surfels_[i].triangle);
-      if (area > 0) triangles += area_per_surfel_ / area;
-    }
+    for (const std::uint32_t i : members) triangles += triangles_[i];
     return triangles;
   }
 

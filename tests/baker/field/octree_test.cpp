@@ -165,13 +165,47 @@ TEST_CASE("Many points at once get the answers that each gets alone") {
   }
 }
 
-TEST_CASE("A polynomial that is off by more than the tolerance somewhere is never proven") {
-  const Built made(rough(test::sphere(0.01, 4), 1e-3));
-  const FitRules fit{made.planes, made.rules.band, made.built.data.value_unit, 0.9 * tolerance,
-                     made.rules.direction};
-  std::size_t proven = 0, spoilt = 0;
+/// What fitted maps say at a place of a cube, m.
+double told_by(const FittedMaps& fitted, std::span<const SupportPlane> planes, const Cube& cube,
+               const Vector3& place) {
+  const auto value = [&](std::size_t k) {
+    const LocalMap& map = fitted.maps[k];
+    return cube.half * map.at(local_coordinates(planes[map.plane], place));
+  };
+  if (fitted.kind == OctreeKind::least) return std::min(value(0), value(1));
+  if (fitted.kind == OctreeKind::most) return std::max(value(0), value(1));
+  return value(0);
+}
+
+/// How far fitted maps are above the samples of the band, or below them where `sign` is -1.
+std::optional<double> most_off(const FittedMaps& fitted, const Built& made, const Cube& cube,
+                               const std::vector<CubeSample>& samples, double sign) {
+  std::optional<double> most;
+  for (const CubeSample& sample : samples) {
+    if (sample.distance > made.rules.band.margin || sample.distance < -made.rules.band.max_depth) {
+      continue;
+    }
+    const double off = sign * (told_by(fitted, made.planes, cube, sample.place) - sample.distance);
+    most = std::max(most.value_or(off), off);
+  }
+  return most;
+}
+
+struct ProofCounts {
+  std::size_t proven = 0, spoilt = 0, spoilt_and_proven = 0;
+};
+
+/// Proves the fits of leaves, and again spoilt so that one of the samples in the band is off by a
+/// hundredth more than is allowed.
+template <class Fit>
+ProofCounts prove_and_spoil(const Built& made, bool pairs, const Fit& fit) {
+  const FitRules rules{made.planes, made.rules.band, made.built.data.value_unit, 0.9 * tolerance,
+                       made.rules.direction};
+  ProofCounts counts;
   visit_leaves(made.view.octree, [&](const Leaf& leaf) {
-    if (leaf.kind != OctreeKind::polynomial || spoilt >= 300) return;
+    const bool pair = leaf.kind == OctreeKind::least || leaf.kind == OctreeKind::most;
+    if (pair != pairs || (!pair && leaf.kind != OctreeKind::polynomial)) return;
+    if (counts.spoilt >= 300) return;
     const Cube cube{leaf.middle, leaf.half};
     const double distance = std::abs(made.rounded.closest(cube.middle).distance);
     std::vector<std::uint32_t> near;
@@ -183,37 +217,41 @@ TEST_CASE("A polynomial that is off by more than the tolerance somewhere is neve
     }
     const std::vector<CubeSample> samples =
         sample_cube(made.lattice, made.rounded, candidates, cube, inside);
-    const std::optional<FittedMaps> fitted = fit_one(samples, cube, fit);
+    const std::optional<FittedMaps> fitted = fit(samples, cube, rules);
     if (!fitted) return;
     const auto is_proven = [&](const FittedMaps& maps) {
       return prove_maps(made.lattice, made.rounded, candidates, cube, inside, maps, made.planes,
                         made.rules.band, tolerance);
     };
-    proven += is_proven(*fitted) ? 1U : 0U;
-    // Spoilt so that one of the samples in the band is off by a hundredth more than is allowed.
+    counts.proven += is_proven(*fitted) ? 1U : 0U;
     for (const double sign : {-1.0, 1.0}) {
-      double most = 0;
-      bool in_band = false;
-      for (const CubeSample& sample : samples) {
-        if (sample.distance > made.rules.band.margin ||
-            sample.distance < -made.rules.band.max_depth) {
-          continue;
-        }
-        const SupportPlane& plane = made.planes[fitted->maps[0].plane];
-        const double value = cube.half * fitted->maps[0].at(local_coordinates(plane, sample.place));
-        most = in_band ? std::max(most, sign * (value - sample.distance))
-                       : sign * (value - sample.distance);
-        in_band = true;
-      }
-      if (!in_band) continue;
+      const std::optional<double> most = most_off(*fitted, made, cube, samples, sign);
+      if (!most) continue;
       FittedMaps wrong = *fitted;
-      wrong.maps[0].value += sign * (1.01 * tolerance - most) / cube.half;
-      ++spoilt;
-      CHECK_FALSE(is_proven(wrong));
+      for (LocalMap& map : wrong.maps) map.value += sign * (1.01 * tolerance - *most) / cube.half;
+      ++counts.spoilt;
+      counts.spoilt_and_proven += is_proven(wrong) ? 1U : 0U;
     }
   });
-  CHECK(proven > 100);
-  CHECK(spoilt > 100);
+  return counts;
+}
+
+TEST_CASE("A polynomial that is off by more than the tolerance somewhere is never proven") {
+  const Built made(rough(test::sphere(0.01, 4), 1e-3));
+  const ProofCounts counts = prove_and_spoil(made, false, fit_one);
+  CHECK(counts.proven > 100);
+  CHECK(counts.spoilt > 100);
+  CHECK(counts.spoilt_and_proven == 0);
+}
+
+TEST_CASE("Two polynomials that together are off somewhere are never proven") {
+  // A lens whose medial axis lies in the band.
+  test::Shape lens = test::sphere(0.02, 5);
+  for (Vector3& vertex : lens.vertices) vertex[2] *= 0.08;
+  const ProofCounts counts = prove_and_spoil(Built(lens), true, fit_two);
+  CHECK(counts.proven > 50);
+  CHECK(counts.spoilt > 50);
+  CHECK(counts.spoilt_and_proven == 0);
 }
 
 TEST_CASE("The words do not depend on the number of threads, and a coarser tolerance takes fewer") {
