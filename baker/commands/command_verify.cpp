@@ -107,7 +107,8 @@ Command add_verify_command(CLI::App& app) {
       "threads, 1 to 1024; the result is the same for any (default: all cores)");
   command
       ->add_option("--png", settings->pictures,
-                   "write the surface and where it errs as pictures into this folder")
+                   "write the surface, what answers where, and the errors as pictures into this "
+                   "folder")
       ->type_name("DIR");
   cli::add_integer(
       *command, "--worst", 0, max_worst, [&options](std::uint64_t n) { options.worst = n; },
