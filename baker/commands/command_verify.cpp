@@ -49,7 +49,8 @@ int run(const VerifySettings& settings) {
       return cli::report(writable.error());
     }
   }
-  const auto asset = MappedAsset::open(settings.asset);
+  // Only a picture shows the asset's own surface; no answer depends on its tiles.
+  const auto asset = MappedAsset::open(settings.asset, {.tiles = !settings.pictures.empty()});
   if (!asset) return cli::report(asset.error());
   const VerifyReport report =
       verify_asset((*asset)->view(), (*asset)->metadata(), settings.mesh, settings.options);
