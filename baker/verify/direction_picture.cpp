@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "baker/verify/direction_picture.hpp"
 
+#include <optional>
+
 #include "baker/verify/direction_error.hpp"
+#include "common/query/query.hpp"
 
 namespace spm::baker {
 

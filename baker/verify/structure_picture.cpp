@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "baker/verify/structure_picture.hpp"
 
+#include <optional>
+
 #include "common/field/triangle_list.hpp"
 #include "common/query/query.hpp"
 #include "common/surface/support_plane_mapping.hpp"

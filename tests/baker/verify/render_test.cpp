@@ -3,9 +3,12 @@
 
 #include <algorithm>
 #include <catch2/catch.hpp>
+#include <cmath>
+#include <vector>
 
 #include "baker/verify/direction_picture.hpp"
 #include "baker/verify/structure_picture.hpp"
+#include "common/query/query.hpp"
 #include "formats/asset/asset.hpp"
 #include "tests/baker/pipeline/bake_support.hpp"
 
@@ -157,10 +160,10 @@ TEST_CASE("The colours of a structure picture are those of the leaves that answe
   const Picture picture = structure_in_section(exact, view, window, 160);
   int borders = 0, kinds = 0, wrong = 0;
   for (std::uint32_t i = 0; i < 160 * 160; ++i) {
-    const Vector3 place =
-        window.middle +
-        Vector3((i % 160 + 0.5) / 160 - 0.5, 0.5 - (i / 160 + 0.5) / 160, 0) * window.edge;
-    const Colour here = pixel(picture, i % 160, i / 160);
+    const std::uint32_t column = i % 160, row = i / 160;
+    const Vector3 place = window.middle + window.edge * Vector3((column + 0.5) / 160 - 0.5,
+                                                                0.5 - (row + 0.5) / 160, 0);
+    const Colour here = pixel(picture, column, row);
     const Source source = query_point(view, place).source;
     if (source == Source::none || same(here, {1, 1, 1})) continue;
     const bool maps = lit(here, colours::one_map) || lit(here, colours::two_maps);
