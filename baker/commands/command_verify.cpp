@@ -49,7 +49,8 @@ int run(const VerifySettings& settings) {
       return cli::report(writable.error());
     }
   }
-  const auto asset = MappedAsset::open(settings.asset);
+  // Only a picture shows the asset's own surface; no answer depends on its tiles.
+  const auto asset = MappedAsset::open(settings.asset, {.tiles = !settings.pictures.empty()});
   if (!asset) return cli::report(asset.error());
   const VerifyReport report =
       verify_asset((*asset)->view(), (*asset)->metadata(), settings.mesh, settings.options);
@@ -107,7 +108,8 @@ Command add_verify_command(CLI::App& app) {
       "threads, 1 to 1024; the result is the same for any (default: all cores)");
   command
       ->add_option("--png", settings->pictures,
-                   "write the surface and where it errs as pictures into this folder")
+                   "write the surface, what answers where, and the errors as pictures into this "
+                   "folder")
       ->type_name("DIR");
   cli::add_integer(
       *command, "--worst", 0, max_worst, [&options](std::uint64_t n) { options.worst = n; },

@@ -12,6 +12,8 @@ namespace spm::baker {
 
 /// Nearer to the surface, m, the direction is lost in rounding.
 inline constexpr double min_distance_of_direction = 2e-6;
+/// Nearer to a border edge of the mesh, as a share of the diagonal, no side is defined.
+inline constexpr double hole_share = 0.03;
 
 /// Nearest-rank quantiles and the root of the mean square; 0 where there are no errors.
 [[nodiscard]] ErrorSummary summarise(std::vector<double> errors);

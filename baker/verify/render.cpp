@@ -16,6 +16,7 @@ namespace spm::baker {
 namespace {
 
 constexpr double background = 0.16;
+constexpr Colour nothing{background, background, background};
 /// The colour of an error beyond the tolerance.
 constexpr Colour beyond{0.85, 0.1, 0.1};
 /// Windows on a whole object leave this much room around it.
@@ -79,14 +80,14 @@ std::optional<double> error_at(const ErrorScale& scale, const Vector3& place) {
   return std::abs(answer.distance - truth);
 }
 
-Colour colour_of(double error, double tolerance) {
-  return error > tolerance ? beyond : ramp_at(error / tolerance);
-}
-
 }  // namespace
 
 Window whole_of(const Vector3& low, const Vector3& high, const Vector3& toward) {
-  return {(low + high) / 2, toward, room * (high - low).norm()};
+  const SupportPlane plane = plane_with_normal(Vector3::Zero(), toward);
+  const Vector3 size = high - low;
+  const double width = size.dot(plane.u.cwiseAbs());
+  const double height = size.dot(plane.v.cwiseAbs());
+  return {(low + high) / 2, toward, room * std::max(width, height)};
 }
 
 Caster caster_of(const KnownSurface& surface) {
@@ -106,36 +107,56 @@ Picture render(const Caster& surface, const Window& window, std::uint32_t side) 
   });
 }
 
-Picture error_on_surface(const Caster& surface, const ErrorScale& scale, const Window& window,
-                         std::uint32_t side) {
+Colour colour_of_error(double error, double allowed) {
+  return error > allowed ? beyond : ramp_at(error / allowed);
+}
+
+Picture coloured_surface(const Caster& surface, const Window& window, std::uint32_t side,
+                         const SurfaceColourAt& colour_at) {
   const Eye eye(surface, window);
   return paint(window, side, [&](double eta, double omega) -> Colour {
     const std::optional<Crossing> crossing = eye.at(eta, omega);
-    if (!crossing) return {background, background, background};
-    const Vector3 place = eye.place(eta, omega, *crossing);
-    const Vector3 step = scale.tolerance * surface.normal(crossing->triangle);
-    std::optional<double> largest;
-    for (const int k : {-1, 0, 1}) {
-      const std::optional<double> error = error_at(scale, place + k * step);
-      if (error) largest = std::max(largest.value_or(0), *error);
-    }
-    if (!largest) return {background, background, background};
-    Colour colour = colour_of(*largest, scale.tolerance);
-    for (double& part : colour) part *= 0.4 + 0.6 * eye.light(*crossing);
-    return colour;
+    if (!crossing) return nothing;
+    std::optional<Colour> colour =
+        colour_at(eye.place(eta, omega, *crossing), surface.normal(crossing->triangle));
+    if (!colour) return nothing;
+    for (double& part : *colour) part *= 0.4 + 0.6 * eye.light(*crossing);
+    return *colour;
   });
 }
 
-Picture error_in_section(const ErrorScale& scale, const Window& window, std::uint32_t side) {
+Picture coloured_section(const ExactSurface& exact, const Window& window, std::uint32_t side,
+                         const ColourAt& colour_at) {
   const SupportPlane plane = plane_with_normal(window.middle, window.toward);
   const double line = window.edge / side;  // a pixel
   return paint(window, side, [&](double eta, double omega) -> Colour {
     const Vector3 place = support_plane_point(plane, eta, omega);
-    if ((scale.exact.closest(place).position - place).norm() < line / 2) return {1, 1, 1};
-    const std::optional<double> error = error_at(scale, place);
-    if (!error) return {background, background, background};
-    return colour_of(*error, scale.tolerance);
+    if ((exact.closest(place).position - place).norm() < line / 2) return {1, 1, 1};
+    return colour_at(place).value_or(nothing);
   });
+}
+
+Picture error_on_surface(const Caster& surface, const ErrorScale& scale, const Window& window,
+                         std::uint32_t side) {
+  const auto colour_at = [&](const Vector3& place, const Vector3& normal) -> std::optional<Colour> {
+    std::optional<double> largest;
+    for (const int k : {-1, 0, 1}) {
+      const std::optional<double> error = error_at(scale, place + k * scale.tolerance * normal);
+      if (error) largest = std::max(largest.value_or(0), *error);
+    }
+    if (!largest) return std::nullopt;
+    return colour_of_error(*largest, scale.tolerance);
+  };
+  return coloured_surface(surface, window, side, colour_at);
+}
+
+Picture error_in_section(const ErrorScale& scale, const Window& window, std::uint32_t side) {
+  const auto colour_at = [&](const Vector3& place) -> std::optional<Colour> {
+    const std::optional<double> error = error_at(scale, place);
+    if (!error) return std::nullopt;
+    return colour_of_error(*error, scale.tolerance);
+  };
+  return coloured_section(scale.exact, window, side, colour_at);
 }
 
 }  // namespace spm::baker

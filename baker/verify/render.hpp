@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <functional>
+#include <optional>
+
 #include "baker/cast/cast.hpp"
 #include "baker/pictures/export.hpp"
 #include "baker/pictures/picture.hpp"
@@ -24,12 +27,30 @@ struct Window {
 /// A caster over the surface as an asset holds it.
 [[nodiscard]] Caster caster_of(const KnownSurface& surface);
 
+/// The colour of a place, m; empty where there is nothing to tell.
+using ColourAt = std::function<std::optional<Colour>(const Vector3& place)>;
+/// The same of a place of a surface, with the outward unit normal there.
+using SurfaceColourAt =
+    std::function<std::optional<Colour>(const Vector3& place, const Vector3& normal)>;
+
+/// A surface in colours, lit as by render. Dark grey where there is no surface or nothing to tell.
+[[nodiscard]] Picture coloured_surface(const Caster& surface, const Window& window,
+                                       std::uint32_t side, const SurfaceColourAt& colour_at);
+
+/// A cut across the window's middle, in colours. The exact surface is white. Dark grey where there
+/// is nothing to tell.
+[[nodiscard]] Picture coloured_section(const ExactSurface& exact, const Window& window,
+                                       std::uint32_t side, const ColourAt& colour_at);
+
+/// Dark blue for no error, pale yellow for the largest that is allowed, red for more.
+[[nodiscard]] Colour colour_of_error(double error, double allowed);
+
 /// What error pictures are coloured by.
 struct ErrorScale {
   const ExactSurface& exact;
   const AssetView& asset;
   Band band;             ///< the band that is judged
-  double tolerance = 0;  ///< m: dark blue is no error, pale yellow this much, red more
+  double tolerance = 0;  ///< m, the end of colour_of_error
 };
 
 /// The surface, coloured by the largest error of the asset's distance at three places: on the

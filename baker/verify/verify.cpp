@@ -17,6 +17,7 @@
 #include "baker/smooth/smooth.hpp"
 #include "baker/verify/adversarial.hpp"
 #include "baker/verify/border_jumps.hpp"
+#include "baker/verify/direction_error.hpp"
 #include "baker/verify/exact_surface.hpp"
 #include "baker/verify/outcome.hpp"
 #include "common/base/random.hpp"
@@ -27,7 +28,6 @@
 namespace spm::baker {
 namespace {
 
-constexpr double hole_share = 0.03;  // of the diagonal
 constexpr std::uint64_t max_draws = 256;
 /// Samples that are tried first, so that a surface without a place to measure is reported at once.
 constexpr std::uint64_t first_samples = 256;
@@ -112,27 +112,16 @@ void judge_distance(const Setting& setting, const Answer& answer, Outcome& outco
   outcome.error = outcome.answered ? std::abs(outcome.answer - outcome.truth) : 0;
 }
 
-void judge_direction(const Setting& setting, const Vector3& closest, const Answer& answer,
-                     Outcome& outcome) {
-  outcome.contested = std::abs(outcome.truth) < min_distance_of_direction;
-  if (outcome.contested) return;
-  const Vector3 toward = outcome.truth > 0 ? Vector3(-answer.normal) : answer.normal;
-  const Rivals rivals =
-      setting.surface.rivals(outcome.point, closest, 2 * setting.tolerance, toward);
-  outcome.contested = rivals.contested;
-  if (answer.normal.squaredNorm() == 0) return;
-  const Vector3 truth = closest - outcome.point;
-  outcome.direction_error =
-      rivals.contested ? rivals.angle : std::atan2(toward.cross(truth).norm(), toward.dot(truth));
-}
-
 Outcome measure(const Setting& setting, std::uint64_t index) {
   Outcome outcome;
   const Vector3 closest = draw(setting, index, outcome);
   if (!outcome.drawn) return outcome;
   const Answer answer = query_point(setting.view, outcome.point);
   judge_distance(setting, answer, outcome);
-  judge_direction(setting, closest, answer, outcome);
+  const DirectionError direction = direction_error(
+      setting.surface, {outcome.point, closest, outcome.truth}, setting.tolerance, answer);
+  outcome.contested = direction.contested;
+  outcome.direction_error = direction.angle;
   if (setting.unsmoothed != nullptr) judge_smoothing(*setting.unsmoothed, outcome);
   return outcome;
 }

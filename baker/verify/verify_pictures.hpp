@@ -8,12 +8,18 @@
 
 namespace spm::baker {
 
-/// Writes the results of a verification as pictures into a folder, and returns their paths.
-/// `surface.png`: the mesh, and beside it the surface as the asset holds it. `error.png`: the mesh
-/// coloured by the error. `error-worst.png`: the same, close to the worst place.
-/// `error-section.png`: a cut through the band there. All are seen from the side where the worst
-/// place lies; see error_on_surface for the colours. Throws BakeError as verify_asset does, and
-/// where the folder cannot be written.
+/// Writes the results of a verification as pictures into a folder, and returns their paths. "Close"
+/// means about the worst place; all are seen from the side where that lies.
+/// - `surface.png`: the mesh, and beside it the surface as the asset holds it
+/// - `structure.png`: the mesh coloured by what answers there, and beside it a cut through the band
+///   close by, see structure_colours
+/// - `direction.png`: the mesh coloured by how far directions are off at an eighth of the band's
+///   depth inside, 15 degrees at the end of the colours, and beside it the same close by; grey
+///   where nothing is judged, see not_judged
+/// - `error.png`: the mesh coloured by the error; `error-worst.png`: the same close by, see
+///   error_on_surface
+/// - `error-section.png`: a cut through the band there
+/// Throws BakeError as verify_asset does, and where the folder cannot be written.
 std::vector<std::string> write_error_pictures(const AssetView& view, const AssetMetadata& metadata,
                                               const std::string& mesh_path,
                                               const VerifyReport& report,

@@ -21,7 +21,9 @@ DIAGONAL, MAX_DEPTH, MARGIN = "100mm", "2mm", "0.5mm"
 TOLERANCES = {"duck": 100, "spot": 100, "fandisk": 20, "rocker-arm": 100, "teeth": 50,
               "stanford-bunny": 100, "galleon": 100}  # um
 QUICK = {"duck": 400}
-PICTURED = ("teeth", "galleon")
+# Which of the pictures of `verify --png` are kept.
+PICTURED = {"teeth": ("surface",), "galleon": ("structure",),
+            "stanford-bunny": ("structure", "direction", "error-worst")}
 ROUGH_TRIANGLES, ROUGH_TOLERANCE = 1_000_000, 100
 
 
@@ -60,7 +62,7 @@ def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--quick", action="store_true", help="one mesh, coarse, few samples")
     parser.add_argument("--pictures", type=Path, metavar="DIR",
-                        help="keeps MESH-surface.png and MESH-error-worst.png of two meshes there")
+                        help="keeps some pictures of three meshes there, as MESH-PICTURE.png")
     arguments = parser.parse_args()
     samples = 20_000 if arguments.quick else 1_000_000
     with tempfile.TemporaryDirectory(prefix="spm-bakes-") as folder:
@@ -72,10 +74,10 @@ def main() -> int:
             subprocess.run([sys.executable, SOURCE / "models/rough.py", rough, "--triangles",
                             str(ROUGH_TRIANGLES)], check=True, stdout=sys.stderr)
             rows.append(measure("rough", rough, ROUGH_TOLERANCE, 0, folder))
-        for name in PICTURED if arguments.pictures else ():
-            for picture in ("surface.png", "error-worst.png"):
-                if (drawn := Path(folder) / name / picture).exists():
-                    shutil.copy(drawn, arguments.pictures / f"{name}-{picture}")
+        for name, pictures in PICTURED.items() if arguments.pictures else ():
+            for picture in pictures:
+                if (drawn := Path(folder) / name / f"{picture}.png").exists():
+                    shutil.copy(drawn, arguments.pictures / f"{name}-{picture}.png")
     print(json.dumps({"rows": rows}))
     return 0
 

@@ -262,7 +262,8 @@ class Bake(Case):
         self.baked("sparse")
         pictures = self.path("errors")
         report = self.run_json("verify", self.asset, self.mesh, "--samples", "300", "--png", pictures)
-        names = ["error-section.png", "error-worst.png", "error.png", "surface.png"]
+        names = ["direction.png", "error-section.png", "error-worst.png", "error.png",
+                 "structure.png", "surface.png"]
         self.assertEqual(sorted(os.listdir(pictures)), names)
         self.assertEqual(sorted(map(os.path.basename, report["pictures"])), names)
         for name in names:

@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The verdict of `verify`: in words, in JSON, as points and as an exit code.
+#include <array>
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <fstream>
 #include <iostream>
+#include <iterator>
 #include <nlohmann/json.hpp>
 #include <sstream>
 
@@ -11,6 +13,8 @@
 #include "baker/commands/verify_text.hpp"
 #include "baker/mesh/load.hpp"
 #include "baker/pipeline/bake.hpp"
+#include "baker/surface/outer_surface.hpp"
+#include "baker/verify/render.hpp"
 #include "common/query/query.hpp"
 #include "formats/asset/asset_writer.hpp"
 #include "tests/baker/mesh/mesh_support.hpp"
@@ -53,8 +57,8 @@ struct Said {
 /// A baked sphere in a folder, and `verify` of it.
 class Baked {
  public:
-  Baked() {
-    test::write_obj(test::sphere(radius, 3), mesh_);
+  explicit Baked(int subdivisions = 3) {
+    test::write_obj(test::sphere(radius, subdivisions), mesh_);
     BakeOptions options;
     options.tolerance = 100e-6;
     options.max_depth = 0.5e-3;
@@ -81,6 +85,7 @@ class Baked {
   }
 
   [[nodiscard]] std::string path(const std::string& name) const { return folder_.path(name); }
+  [[nodiscard]] const std::string& mesh() const { return mesh_; }
 
   Asset asset;
 
@@ -229,6 +234,23 @@ TEST_CASE("A PLY of the worst places gives position, colour, error and finding o
   CHECK_THAT(text, Catch::Contains("element vertex 2\n"));
   CHECK_THAT(text, Catch::EndsWith("end_header\n0.5 -0.25 1 160 32 240 -1 0\n"
                                    "0.5 0.25 2 255 140 0 75 2\n"));
+}
+
+TEST_CASE("The pictures of verify show the asset's surface with its tiles") {
+  const Baked baked(4);
+  REQUIRE_FALSE(baked.asset.tiles.empty());
+  const Json json =
+      baked.verify({"--samples", "100", "--json", "--png", baked.path("drawn")}).json();
+  const std::vector<double> worst = json["worst"][0]["point"];
+  const Mesh mesh = load_mesh(baked.mesh(), {});
+  const Vector3 normal = ExactSurface(mesh).closest({worst[0], worst[1], worst[2]}).normal;
+  const Window whole = whole_of(mesh.box_min, mesh.box_max, normal);
+  const AssetTables tables = tables_of(baked.asset);
+  const std::array<Picture, 2> both{render(Caster(outer_surface(mesh)), whole, 480),
+                                    render(caster_of(known_surface(tables.view())), whole, 480)};
+  std::ifstream file(baked.path("drawn/surface.png"), std::ios::binary);
+  const std::string drawn(std::istreambuf_iterator<char>(file), {});
+  CHECK((drawn == to_png(contact_sheet(both, 480)).value()));
 }
 
 }  // namespace spm::baker::verify_command_test
