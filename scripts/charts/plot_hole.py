@@ -53,6 +53,9 @@ def main() -> int:
     for axes, key, colour, title in ((panels[0], "before", BEFORE, "Before"),
                                      (panels[1], "after", OURS, "Now")):
         draw(axes, way, np.array(report[key]["force_n"]), exact, colour, title)
+        commit = report[key].get("commit") or report.get("made", {}).get("commit", "")
+        axes.set_title(f"commit {commit}" if commit else "", loc="right", fontsize=8.5,
+                       color="#666666")
     panels[0].set_ylabel("force, N")
     panels[0].set_xlim(0, length)
     panels[0].set_ylim(0, 1.25 * max(exact.max(), *report["before"]["force_n"]))
