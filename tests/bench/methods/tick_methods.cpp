@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "common/paper/paper_force.hpp"
+#include "servo/force/contact_model.hpp"
 #include "tests/bench/base/timing.hpp"
 
 namespace spm::bench {
@@ -105,6 +106,30 @@ class SpmTicks final : public TickMethod {
   spm_query_force_settings settings_{};
 };
 
+class OwnProxyTicks final : public TickMethod {
+ public:
+  OwnProxyTicks(const AssetView& asset, double radius)
+      : asset_(asset), model_(settings_of(radius)) {}
+  void start(const Vector3&) override { model_.reset(); }
+  bool tick(std::size_t, const Vector3& tool) override {
+    const ContactForce contact = model_.next(asset_, tool);
+    keep(contact.force);
+    return contact.contact;
+  }
+
+ private:
+  static ContactSettings settings_of(double radius) {
+    ContactSettings settings;
+    settings.force.method = ::spm::Method::proxy;  // the bench has a `Method` of its own
+    settings.force.stiffness = stiffness;
+    settings.force.probe_radius = radius;
+    return settings;
+  }
+
+  const AssetView& asset_;
+  ContactModel model_;
+};
+
 }  // namespace
 
 std::unique_ptr<TickMethod> proxy_ticks(MeshProxy& proxy) {
@@ -126,6 +151,10 @@ std::unique_ptr<TickMethod> paper_ticks_given(const AssetView& asset,
 
 std::unique_ptr<TickMethod> spm_ticks(const spm_query_asset& asset, double radius) {
   return std::make_unique<SpmTicks>(asset, radius);
+}
+
+std::unique_ptr<TickMethod> own_proxy_ticks(const AssetView& asset, double radius) {
+  return std::make_unique<OwnProxyTicks>(asset, radius);
 }
 
 }  // namespace spm::bench

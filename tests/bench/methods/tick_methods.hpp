@@ -27,4 +27,8 @@ namespace spm::bench {
 /// spm_query_force; `radius` in metres, 0 is a point.
 [[nodiscard]] std::unique_ptr<TickMethod> spm_ticks(const spm_query_asset& asset, double radius);
 
+/// The product's own proxy, as the servo's loop asks it, without effects; `radius` as above. It is
+/// not known where it begins: each pass starts it anew.
+[[nodiscard]] std::unique_ptr<TickMethod> own_proxy_ticks(const AssetView& asset, double radius);
+
 }  // namespace spm::bench

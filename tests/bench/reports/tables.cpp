@@ -12,6 +12,7 @@
 #include "baker/base/bake_error.hpp"
 #include "baker/mesh/load.hpp"
 #include "common/base/units.hpp"
+#include "formats/asset/mapped_asset.hpp"
 #include "formats/motion/trajectory.hpp"
 #include "tests/bench/base/temporary_folder.hpp"
 #include "tests/bench/base/thread_limit.hpp"
@@ -78,6 +79,7 @@ class Course {
     add(row, paper_ticks_given(maps.view(), path_));
   }
 
+  /// `spm` for each radius, and for balls our proxy on the same file.
   void add_spm(double tolerance, const std::vector<double>& radii) {
     try {
       const SparseOptions options{bench_band, tolerance, plan_.probe_radius};
@@ -86,8 +88,12 @@ class Course {
       for (const double radius : radii) {
         std::string settings = file.settings;
         if (radius > 0) settings += ", " + format_quantity(radius, Quantity::length) + " ball";
-        add(row_of("ours", "spm", std::move(settings), spm_query_memory(assets_.back().get())),
-            spm_ticks(*assets_.back(), radius));
+        const std::uint64_t bytes = spm_query_memory(assets_.back().get());
+        add(row_of("ours", "spm", settings, bytes), spm_ticks(*assets_.back(), radius));
+        if (!(radius > 0)) continue;
+        mapped_.push_back(unwrap(MappedAsset::open(file.path)));
+        add(row_of("ours", "proxy", std::move(settings), bytes),
+            own_proxy_ticks(mapped_.back()->view(), radius));
       }
     } catch (const baker::BakeError& error) {
       report_.failures.push_back({common_.model, "spm", error.what()});
@@ -130,6 +136,7 @@ class Course {
   std::vector<std::unique_ptr<MeshProxy>> proxies_;
   std::vector<std::unique_ptr<PaperMaps>> maps_;
   std::vector<QueryAsset> assets_;
+  std::vector<std::unique_ptr<MappedAsset>> mapped_;
   std::vector<TableRow> rows_;
   std::vector<std::unique_ptr<TickMethod>> methods_;
 };

@@ -3,9 +3,15 @@
 
 #include <catch2/catch.hpp>
 #include <cmath>
+#include <fstream>
 
+#include "formats/asset/mapped_asset.hpp"
 #include "tests/baker/verify/verify_shapes.hpp"
+#include "tests/bench/base/temporary_folder.hpp"
+#include "tests/bench/base/unwrap.hpp"
+#include "tests/bench/methods/tick_methods.hpp"
 #include "tests/bench/methods/tick_timing.hpp"
+#include "tests/bench/model/baked_file.hpp"
 #include "tests/bench/model/query_sets.hpp"
 #include "tests/bench/reports/tables_text.hpp"
 #include "tests/bench/reports/times_text.hpp"
@@ -41,6 +47,18 @@ class EvenTicks final : public TickMethod {
   bool tick(std::size_t index, const Vector3&) override { return index % 2 == 0 || index == 3; }
   [[nodiscard]] bool counts(std::size_t index) const override { return index % 2 == 1; }
 };
+
+/// A ball, and a short straight slide into it from the side, as `tables` reads them.
+SlidSource ball_slide(const std::string& folder) {
+  SlidSource source;
+  source.model = {"ball", folder + "/ball.obj", 400e-6};
+  source.trajectory = folder + "/slide.txt";
+  source.planes = 20;
+  test::write_obj(test::sphere(0.012, 3), source.model.path);
+  std::ofstream slide(source.trajectory);
+  for (int i = 0; i < 100; ++i) slide << -0.0135 + 2e-5 * i << " 0 0\n";
+  return source;
+}
 
 TableRow scaling_row(std::uint64_t triangles, std::uint64_t planes, const char* settings,
                      double mean) {
@@ -117,6 +135,46 @@ TEST_CASE("Only ticks that count are in a table's figures") {
   CHECK(times[0].contacts == 1);
   CHECK(times[0].mean >= 0);
   CHECK(times[0].p99 >= times[0].p50);
+}
+
+TEST_CASE("Our proxy is carried from tick to tick, and begins anew in each pass") {
+  baker::Mesh mesh = test::as_mesh(test::sphere(0.012, 3));
+  mesh.sha256 = std::string(64, '0');
+  const TemporaryFolder folder;
+  const BakedFile file = bake_sparse(mesh, {bench_band, 200e-6, 500e-6}, folder.path());
+  const std::unique_ptr<MappedAsset> asset = unwrap(MappedAsset::open(file.path));
+  const std::unique_ptr<TickMethod> proxy = own_proxy_ticks(asset->view(), 500e-6);
+  const Vector3 left(-0.013, 0, 0), right(0.013, 0, 0);
+  proxy->start(left);
+  CHECK(!proxy->tick(0, left));
+  CHECK(proxy->tick(1, Vector3(-0.011, 0, 0)));
+  // The ball keeps it on the side that it came from.
+  CHECK(proxy->tick(2, right));
+  proxy->start(right);
+  CHECK(!proxy->tick(0, right));
+}
+
+TEST_CASE("A recorded slide has our proxy's ball beside the ball of `spm`") {
+  const TemporaryFolder folder;
+  TablesPlan plan;
+  plan.slides = {ball_slide(folder.path())};
+  plan.paper_resolution = 9;
+  plan.timing = {1, 0.1, 1};
+  const TablesReport report = measure_tables(plan, {});
+  REQUIRE(report.failures.empty());
+  std::vector<TableRow> own;
+  for (const TableRow& row : report.rows) {
+    if (row.process == "ours") own.push_back(row);
+  }
+  REQUIRE(own.size() == 3);
+  CHECK(own[0].method == "spm");
+  CHECK(own[1].method == "spm");
+  CHECK(own[2].method == "proxy");
+  CHECK(own[2].settings == own[1].settings);
+  CHECK(own[2].bytes == own[1].bytes);
+  CHECK(own[2].us.ticks == 100);
+  CHECK(own[2].us.contacts > 30);
+  CHECK(own[2].with_collision_detection);
 }
 
 TEST_CASE("Growth is the slope over triangles, and over planes at the fewest triangles") {
