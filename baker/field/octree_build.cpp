@@ -281,12 +281,12 @@ BuiltOctree build_octree(const LatticeSurface& surface, const Caster& caster,
         builder.root({data.origin + data.edge * (at + Vector3::Constant(0.5)), data.edge / 2});
     counter.done();
   });
-  const int joins = join_roots(
-      surface, max_octree_levels - rules.levels,
-      [&builder](const Cube& cube) { return builder.root(cube); }, roots);
+  const auto make_root = [&builder](const Cube& cube) { return builder.root(cube); };
+  int joins = join_roots(surface, max_octree_levels - rules.levels, make_root, roots);
   const double bytes =
       rules.bytes.value_or(std::max(least_bytes, spent_bytes * find_least_bytes(surface, roots)));
   divide_lists(builder, tried_bytes * bytes, roots);
+  if (!rules.bytes && part_roots(make_root, roots)) --joins;
   if (rules.bytes) {
     keep_within(surface, bytes, roots);
   } else {

@@ -15,7 +15,7 @@ namespace {
 
 /// How long answers take, that of a polynomial in a root the unit: measured on one processor. On
 /// others it may not be quite the fastest octree that is chosen.
-constexpr double pair_time = 1.25, list_time = 2.3, packet_time = 1.3, level_time = 0.12;
+constexpr double pair_time = 1.3, list_time = 1.4, packet_time = 1.9, level_time = 0.14;
 
 /// Of the octree's words; times by the volume in which they are taken.
 struct Cost {
@@ -128,8 +128,9 @@ OctreeRoots joined(OctreeRoots&& roots, const RootMaker& make_root) {
   return half;
 }
 
-/// What `joined` made, as it was.
-OctreeRoots parted(OctreeRoots&& half, const std::array<std::uint32_t, 3>& count) {
+/// Eight roots of each, up to so many along the axes.
+OctreeRoots parted(OctreeRoots&& half, const std::array<std::uint32_t, 3>& count,
+                   const RootMaker& make_root) {
   OctreeRoots roots;
   roots.count = count;
   for (std::uint32_t z = 0; z < count[2]; ++z) {
@@ -137,8 +138,9 @@ OctreeRoots parted(OctreeRoots&& half, const std::array<std::uint32_t, 3>& count
       for (std::uint32_t x = 0; x < count[0]; ++x) {
         OctreeNode& node =
             half.nodes[x / 2 + half.count[0] * (y / 2 + std::size_t{z / 2} * half.count[1])];
-        roots.nodes.push_back(
-            std::move((*node.octants)[(x & 1U) | (y & 1U) << 1U | (z & 1U) << 2U]));
+        const std::uint32_t octant = (x & 1U) | (y & 1U) << 1U | (z & 1U) << 2U;
+        roots.nodes.push_back(node.octants ? std::move((*node.octants)[octant])
+                                           : make_root(node.cube.octant(octant)));
       }
     }
   }
@@ -242,7 +244,7 @@ int join_roots(const LatticeSurface& surface, int most, const RootMaker& make_ro
     for (OctreeNode& node : half.nodes) gather_octants(node);
     const double joined_bytes = find_least_bytes(surface, half);
     if (joined_bytes > worth_joining * bytes) {
-      roots = parted(std::move(half), count);
+      roots = parted(std::move(half), count, make_root);
       return times;
     }
     bytes = joined_bytes;
@@ -250,6 +252,19 @@ int join_roots(const LatticeSurface& surface, int most, const RootMaker& make_ro
     for (OctreeNode& node : roots.nodes) join_octants(node);
   }
   return most;
+}
+
+bool part_roots(const RootMaker& make_root, OctreeRoots& roots) {
+  constexpr double worth_parting = 0.1;  // as many bytes more, for looking into one cube less
+  constexpr double root_bytes = 4;
+  double more = 7 * root_bytes * static_cast<double>(roots.nodes.size());
+  for (const OctreeNode& root : roots.nodes) {
+    more += root.octants ? -unit_bytes : 7 * unit_bytes * units_of(root.kind);
+  }
+  if (more > worth_parting * bytes_as_divided(roots)) return false;
+  const auto& [x, y, z] = roots.count;
+  roots = parted(std::move(roots), {2 * x, 2 * y, 2 * z}, make_root);
+  return true;
 }
 
 void make_lists(const LatticeSurface& surface, OctreeRoots& roots) {

@@ -47,6 +47,10 @@ double find_fastest(const LatticeSurface& surface, double bytes, OctreeRoots& ro
 [[nodiscard]] int join_roots(const LatticeSurface& surface, int most, const RootMaker& make_root,
                              OctreeRoots& roots);
 
+/// Parts each root into eight, where the octree takes hardly more bytes by that; returns whether.
+/// `make_root` makes those of a root that is not divided.
+[[nodiscard]] bool part_roots(const RootMaker& make_root, OctreeRoots& roots);
+
 /// Makes the cubes that were found lists.
 void make_lists(const LatticeSurface& surface, OctreeRoots& roots);
 

@@ -71,60 +71,86 @@ HWY_INLINE LatticePlace lattice_place(const IndexedTriangles& mesh, const Vector
   return place;
 }
 
-/// The triangles of a packet.
+/// The triangles of a packet: where the words of their corners are.
 struct Packet {
-  alignas(64) std::array<std::array<std::uint64_t, packet_size>, 3> corners;
-  std::array<std::uint32_t, packet_size> numbers;
+  std::array<std::array<const std::uint32_t*, packet_size>, 3> corners;
   std::uint32_t thin = 0;  ///< a bit each
 };
 
-/// The numbers of a packet's triangles from the `first` of the list on; the last of them again and
-/// again where there are fewer before `end`.
-HWY_INLINE void load_numbers(const TriangleList& list, std::size_t first, std::size_t end,
-                             Packet& packet) {
+/// The triangle at a place of a list; any where there is none of that number.
+HWY_INLINE std::uint32_t listed_triangle(const TriangleList& list, std::size_t place,
+                                         std::uint32_t triangle_count) {
   const auto* numbers = reinterpret_cast<const char*>(list.words + 1);
-  for (std::size_t k = 0; k < packet_size; ++k) {
-    const std::size_t place = std::min(first + k, end - 1);
-    std::uint32_t number = 0;
-    if (list.wide) {
-      std::memcpy(&number, numbers + 4 * place, 4);
-    } else {
-      std::memcpy(&number, numbers + 2 * place, 2);
-    }
-    packet.numbers[k] = list.words[0] + number;
+  std::uint32_t number = 0;
+  if (list.wide) {
+    std::memcpy(&number, numbers + 4 * place, 4);
+  } else {
+    std::memcpy(&number, numbers + 2 * place, 2);
   }
+  number += list.words[0];
+  return number < triangle_count ? number : 0;
 }
 
-HWY_INLINE void load_packet(const IndexedTriangles& mesh, Packet& packet) {
+/// The triangles from the `first` of the list on; the last before `end` again and again where there
+/// are fewer.
+HWY_INLINE void load_packet(const IndexedTriangles& mesh, const TriangleList& list,
+                            std::size_t first, std::size_t end, Packet& packet) {
   // By themselves, since the compiler cannot know that storing the packet leaves them as they are.
   const std::span<const std::uint32_t> triangles = mesh.triangles, corners = mesh.corners;
   const auto triangle_count = static_cast<std::uint32_t>(mesh.size());
   const auto corner_count = static_cast<std::uint32_t>(mesh.corner_count());
-  std::array<std::uint64_t, packet_size> threes;
   std::uint32_t thin = 0;
   for (std::size_t k = 0; k < packet_size; ++k) {
-    const std::uint32_t number = packet.numbers[k] < triangle_count ? packet.numbers[k] : 0;
-    packet.numbers[k] = number;
-    threes[k] = long_word(triangles, number);
-    thin |= static_cast<std::uint32_t>(threes[k] >> 63U) << k;
+    const std::size_t place = std::min(first + k, end - 1);
+    const std::uint64_t three = long_word(triangles, listed_triangle(list, place, triangle_count));
+    thin |= static_cast<std::uint32_t>(three >> 63U) << k;
+    for (unsigned corner = 0; corner < 3; ++corner) {
+      const std::uint32_t at = unpack_third(three, corner);
+      packet.corners[corner][k] = corners.data() + 2 * std::size_t{std::min(at, corner_count - 1)};
+    }
   }
   packet.thin = thin;
-  for (unsigned corner = 0; corner < 3; ++corner) {
-    for (std::size_t k = 0; k < packet_size; ++k) {
-      const std::uint32_t at = unpack_third(threes[k], corner);
-      packet.corners[corner][k] = long_word(corners, std::min(at, corner_count - 1));
-    }
+}
+
+using Words = hn::RebindToUnsigned<Lanes>;
+/// Low and high halves of long words.
+struct Halves {
+  hn::Vec<Words> low, high;
+};
+
+#if HWY_TARGET == HWY_SCALAR
+HWY_INLINE Halves halves_of(const std::uint32_t* const* at) {
+  return {hn::Set(Words(), (*at)[0]), hn::Set(Words(), (*at)[1])};
+}
+#else
+/// The long words at some places, in as many lanes. By halves, since a vector that is loaded right
+/// after its parts were stored waits for them.
+template <std::size_t count>
+HWY_INLINE auto long_words(const std::uint32_t* const* at) {
+  const hn::Simd<std::uint64_t, count, 0> lanes;
+  if constexpr (count == 1) {
+    std::uint64_t word = 0;
+    std::memcpy(&word, *at, sizeof word);
+    return hn::Set(lanes, word);
+  } else {
+    return hn::Combine(lanes, long_words<count / 2>(at + count / 2), long_words<count / 2>(at));
   }
 }
 
+HWY_INLINE Halves halves_of(const std::uint32_t* const* at) {
+  const Words words;
+  constexpr std::size_t half = hn::MaxLanes(Words()) / 2;
+  const auto first = hn::BitCast(words, long_words<half>(at)),
+             second = hn::BitCast(words, long_words<half>(at + half));
+  return {hn::ConcatEven(words, second, first), hn::ConcatOdd(words, second, first)};
+}
+#endif
+
 /// The corners of a packet from its k-th triangle on.
 HWY_INLINE WholeVectors corners_from(const Packet& packet, std::size_t corner, std::size_t k) {
-  const hn::RebindToUnsigned<Lanes> words;
   const WholeLanes whole;
-  hn::Vec<decltype(words)> low, high;
-  hn::LoadInterleaved2(
-      words, reinterpret_cast<const std::uint32_t*>(packet.corners[corner].data() + k), low, high);
-  const auto mask = hn::Set(words, corner_mask);
+  const auto [low, high] = halves_of(packet.corners[corner].data() + k);
+  const auto mask = hn::Set(Words(), corner_mask);
   constexpr int rest = 32 - static_cast<int>(corner_bits);
   const auto y =
       hn::Or(hn::ShiftRight<static_cast<int>(corner_bits)>(low), hn::ShiftLeft<rest>(high));
@@ -150,7 +176,9 @@ HWY_INLINE Sides sides_from(const Packet& packet, const LatticePlace& place, std
   Sides sides;
   sides.ab = between(a, b);
   sides.ac = between(a, c);
-  sides.bc = between(b, c);
+  // Exact too: whole steps.
+  sides.bc = {hn::Sub(sides.ac.x, sides.ab.x), hn::Sub(sides.ac.y, sides.ab.y),
+              hn::Sub(sides.ac.z, sides.ab.z)};
   sides.ap = {hn::Sub(hn::Set(lanes, place.rest[0]), toward.x),
               hn::Sub(hn::Set(lanes, place.rest[1]), toward.y),
               hn::Sub(hn::Set(lanes, place.rest[2]), toward.z)};
@@ -164,10 +192,31 @@ struct Products {
   Floats ab_ab, ac_ac, bc_bc, ab_ac, ab_ap, ac_ap;
 };
 
-/// Square of the distance from a side. `point` and `along` lead from its first end; `product` is
-/// their product, `length` the square of the side's length.
-HWY_INLINE Floats square_beside(const Vectors& point, const Vectors& along, Floats product,
-                                Floats length) {
+/// The parts of a triangle on which its closest point may lie; `none` where that is not told.
+enum Part : std::int32_t { on_ab, on_ac, on_bc, on_face, none };
+
+/// Closest points in lanes.
+struct Closest {
+  Floats square;  ///< of the distance, steps^2
+  Vectors away;   ///< from there to the place
+  Floats share;   ///< of the side's way, where it lies on a side
+  hn::Vec<WholeLanes> part;
+
+  template <class Mask>
+  HWY_INLINE void take(const Mask& mask, const Closest& other) {
+    square = hn::IfThenElse(mask, other.square, square);
+    away = {hn::IfThenElse(mask, other.away.x, away.x), hn::IfThenElse(mask, other.away.y, away.y),
+            hn::IfThenElse(mask, other.away.z, away.z)};
+    share = hn::IfThenElse(mask, other.share, share);
+    part = hn::IfThenElse(hn::RebindMask(WholeLanes(), mask), other.part, part);
+  }
+  HWY_INLINE void take_nearer(const Closest& other) { take(hn::Lt(other.square, square), other); }
+};
+
+/// On a side. `point` and `along` lead from its first end; `product` is their product, `length` the
+/// square of the side's length.
+HWY_INLINE Closest closest_beside(const Vectors& point, const Vectors& along, Floats product,
+                                  Floats length, Part part) {
   const Lanes lanes;
   const Floats share =
       hn::Min(hn::Max(hn::Div(product, hn::Max(length, hn::Set(lanes, 1.0F))), hn::Zero(lanes)),
@@ -175,7 +224,7 @@ HWY_INLINE Floats square_beside(const Vectors& point, const Vectors& along, Floa
   const Vectors off{hn::Sub(point.x, hn::Mul(share, along.x)),
                     hn::Sub(point.y, hn::Mul(share, along.y)),
                     hn::Sub(point.z, hn::Mul(share, along.z))};
-  return dot(off, off);
+  return {dot(off, off), off, share, hn::Set(WholeLanes(), part)};
 }
 
 HWY_INLINE Products products_of(const Sides& s) {
@@ -183,16 +232,17 @@ HWY_INLINE Products products_of(const Sides& s) {
           dot(s.ab, s.ac), dot(s.ab, s.ap), dot(s.ac, s.ap)};
 }
 
-/// Squares of the distances to the sides alone.
-HWY_INLINE Floats to_sides(const Sides& s, const Products& p) {
+/// On the sides alone.
+HWY_INLINE Closest closest_on_sides(const Sides& s, const Products& p) {
   const Vectors bp{hn::Sub(s.ap.x, s.ab.x), hn::Sub(s.ap.y, s.ab.y), hn::Sub(s.ap.z, s.ab.z)};
-  return hn::Min(hn::Min(square_beside(s.ap, s.ab, p.ab_ap, p.ab_ab),
-                         square_beside(s.ap, s.ac, p.ac_ap, p.ac_ac)),
-                 square_beside(bp, s.bc, dot(s.bc, bp), p.bc_bc));
+  Closest closest = closest_beside(s.ap, s.ab, p.ab_ap, p.ab_ab, on_ab);
+  closest.take_nearer(closest_beside(s.ap, s.ac, p.ac_ap, p.ac_ac, on_ac));
+  closest.take_nearer(closest_beside(bp, s.bc, dot(s.bc, bp), p.bc_bc, on_bc));
+  return closest;
 }
 
-/// Squares of the distances to the triangles.
-HWY_INLINE Floats to_triangles(const Sides& s, const Products& p, Floats beside) {
+/// Takes the face where the place is over it.
+HWY_INLINE void take_face(const Sides& s, const Products& p, Closest& closest) {
   const Lanes lanes;
   const Floats zero = hn::Zero(lanes);
   // Barycentric coordinates times `area`: over the face none is negative.
@@ -200,8 +250,11 @@ HWY_INLINE Floats to_triangles(const Sides& s, const Products& p, Floats beside)
   const Floats b = hn::Sub(hn::Mul(p.ac_ac, p.ab_ap), hn::Mul(p.ab_ac, p.ac_ap));
   const auto over = hn::And(hn::Ge(hn::Min(b, c), zero), hn::Le(hn::Add(b, c), s.area));
   const Floats height = dot(s.normal, s.ap);
-  const Floats face = hn::Div(hn::Mul(height, height), hn::Max(s.area, hn::Set(lanes, 1.0F)));
-  return hn::IfThenElse(hn::And(over, hn::Gt(s.area, zero)), face, beside);
+  const Floats rise = hn::Div(height, hn::Max(s.area, hn::Set(lanes, 1.0F)));
+  const Vectors away{hn::Mul(rise, s.normal.x), hn::Mul(rise, s.normal.y),
+                     hn::Mul(rise, s.normal.z)};
+  closest.take(hn::And(over, hn::Gt(s.area, zero)),
+               {hn::Mul(rise, height), away, zero, hn::Set(WholeLanes(), on_face)});
 }
 
 /// What the squares are at least, of triangles too thin for the above: over a face the nearest side
@@ -214,104 +267,137 @@ HWY_INLINE Floats least_squares(const Sides& s, const Products& p, Floats beside
 }
 
 /// Of thin triangles only those that may be nearer than `best` are looked at, in doubles.
-HWY_INLINE void squares_of_thin(const IndexedTriangles& mesh, const Packet& packet,
+HWY_INLINE void squares_of_thin(const IndexedTriangles& mesh, const TriangleList& list,
+                                std::size_t first, std::size_t end, std::uint32_t thin,
                                 const Vector3& point, float best, float* squares) {
+  const double per_square = 1 / (mesh.step * mesh.step);
+  const auto triangle_count = static_cast<std::uint32_t>(mesh.size());
   for (std::size_t k = 0; k < packet_size; ++k) {
-    if ((packet.thin >> k & 1U) == 0) continue;
+    if ((thin >> k & 1U) == 0) continue;
     const float least = squares[k];
     squares[k] = std::numeric_limits<float>::infinity();
     if (!(least < best)) continue;
-    const auto corners = corners_of(mesh, packet.numbers[k]);
+    const auto corners =
+        corners_of(mesh, listed_triangle(list, std::min(first + k, end - 1), triangle_count));
     squares[k] = static_cast<float>(
+        per_square *
         (closest_on_triangle(point, corners[0], corners[1], corners[2]) - point).squaredNorm());
     best = std::min(squares[k], best);
   }
 }
 
-/// The nearest triangles so far, one in each lane; of two that are as near the lower number, so
-/// that the number of lanes changes nothing.
+/// The nearest triangles so far, one in each lane; of two that are as near the first in the list,
+/// so that the number of lanes changes nothing.
 struct NearestInLanes {
-  Floats square;  ///< m^2
-  hn::Vec<WholeLanes> number;
+  Closest closest;
+  Floats along;               ///< of the way from the closest point, along the triangle's normal
+  hn::Vec<WholeLanes> place;  ///< in the list
 
-  HWY_INLINE void meet(Floats squares, hn::Vec<WholeLanes> numbers) {
-    const Lanes lanes;
-    const auto lower =
-        hn::And(hn::Eq(squares, square), hn::RebindMask(lanes, hn::Lt(numbers, number)));
-    const auto nearer = hn::Or(hn::Lt(squares, square), lower);
-    number = hn::IfThenElse(hn::RebindMask(WholeLanes(), nearer), numbers, number);
-    square = hn::Min(squares, square);
+  HWY_INLINE void meet(const Closest& other, Floats other_along, hn::Vec<WholeLanes> other_place) {
+    const auto nearer = hn::Lt(other.square, closest.square);
+    closest.take(nearer, other);
+    along = hn::IfThenElse(nearer, other_along, along);
+    place = hn::IfThenElse(hn::RebindMask(WholeLanes(), nearer), other_place, place);
   }
   [[nodiscard]] HWY_INLINE float least() const {
-    return hn::GetLane(hn::MinOfLanes(Lanes(), square));
-  }
-  [[nodiscard]] HWY_INLINE NearestTriangle nearest() const {
-    const Lanes lanes;
-    const WholeLanes whole;
-    const Floats least = hn::MinOfLanes(lanes, square);
-    const auto found = hn::RebindMask(whole, hn::Eq(square, least));
-    const auto numbers =
-        hn::IfThenElse(found, number, hn::Set(whole, std::numeric_limits<std::int32_t>::max()));
-    return {.triangle = static_cast<std::uint32_t>(hn::GetLane(hn::MinOfLanes(whole, numbers))),
-            .square = hn::GetLane(least)};
+    return hn::GetLane(hn::MinOfLanes(Lanes(), closest.square));
   }
 };
 
-/// Looks at the triangles of a packet.
-HWY_INLINE void meet_packet(const IndexedTriangles& mesh, const Packet& packet,
-                            const LatticePlace& place, const Vector3& point,
-                            NearestInLanes& nearest) {
+/// The feature of a triangle on which a closest point lies.
+HWY_INLINE TriangleFeature feature_of(std::int32_t part, float share) {
+  constexpr std::array<std::array<TriangleFeature, 3>, 3> on_sides{
+      {{TriangleFeature::a, TriangleFeature::ab, TriangleFeature::b},
+       {TriangleFeature::a, TriangleFeature::ca, TriangleFeature::c},
+       {TriangleFeature::b, TriangleFeature::bc, TriangleFeature::c}}};
+  if (part >= on_face) return TriangleFeature::face;
+  const std::size_t where = (share > 0 ? 1U : 0U) + (share < 1 ? 0U : 1U);
+  return on_sides[static_cast<std::size_t>(part)][where];
+}
+
+/// The nearest of all lanes; `first` is the place of the list at which they began.
+HWY_INLINE NearestTriangle nearest_of(const NearestInLanes& lane, const TriangleList& list,
+                                      std::size_t first, std::size_t end,
+                                      std::uint32_t triangle_count) {
   const Lanes lanes;
   const WholeLanes whole;
-  const Floats unit = hn::Set(lanes, static_cast<float>(mesh.step * mesh.step));
-  const auto numbers_from = [&](std::size_t k) {
-    return hn::LoadU(whole, reinterpret_cast<const std::int32_t*>(packet.numbers.data()) + k);
+  const Floats least = hn::MinOfLanes(lanes, lane.closest.square);
+  const auto found = hn::RebindMask(whole, hn::Eq(lane.closest.square, least));
+  const auto places =
+      hn::IfThenElse(found, lane.place, hn::Set(whole, std::numeric_limits<std::int32_t>::max()));
+  const auto place = static_cast<std::size_t>(hn::GetLane(hn::MinOfLanes(whole, places)));
+  const std::size_t which = (place - first) % hn::Lanes(lanes);
+  NearestTriangle nearest;
+  nearest.square = hn::GetLane(least);
+  nearest.triangle = listed_triangle(list, std::min(place, end - 1), triangle_count);
+  const auto lane_of = [&](Floats values) {
+    alignas(64) std::array<float, packet_size> stored;
+    hn::Store(values, lanes, stored.data());
+    return stored[which];
   };
-  alignas(64) std::array<float, packet_size> squares;
-  for (std::size_t k = 0; k < packet_size; k += hn::Lanes(lanes)) {
-    const Sides sides = sides_from(packet, place, k);
-    const Products products = products_of(sides);
-    const Floats beside = to_sides(sides, products);
-    Floats found = to_triangles(sides, products, beside);
-    if (HWY_UNLIKELY(packet.thin != 0)) {
-      const auto bit = hn::And(hn::Set(whole, static_cast<std::int32_t>(packet.thin >> k)),
-                               hn::Shl(hn::Set(whole, 1), hn::Iota(whole, 0)));
-      const auto thin = hn::RebindMask(lanes, hn::Ne(bit, hn::Zero(whole)));
-      found = hn::IfThenElse(thin, least_squares(sides, products, beside), found);
-      hn::Store(hn::Mul(found, unit), lanes, squares.data() + k);
-    } else {
-      nearest.meet(hn::Mul(found, unit), numbers_from(k));
-    }
-  }
-  if (HWY_LIKELY(packet.thin == 0)) return;
-  squares_of_thin(mesh, packet, point, nearest.least(), squares.data());
-  for (std::size_t k = 0; k < packet_size; k += hn::Lanes(lanes)) {
-    nearest.meet(hn::Load(lanes, squares.data() + k), numbers_from(k));
-  }
+  alignas(64) std::array<std::int32_t, packet_size> parts;
+  hn::Store(lane.closest.part, whole, parts.data());
+  nearest.has_closest = parts[which] != none;
+  nearest.away = {lane_of(lane.closest.away.x), lane_of(lane.closest.away.y),
+                  lane_of(lane.closest.away.z)};
+  nearest.along = lane_of(lane.along);
+  nearest.feature = feature_of(parts[which], lane_of(lane.closest.share));
+  return nearest;
 }
 
 NearestTriangle find_nearest_triangle(const IndexedTriangles& mesh, const TriangleList& list,
                                       ListPart part, double reach, const Vector3& point) {
+  const Lanes lanes;
+  const WholeLanes whole;
+  const Floats zero = hn::Zero(lanes);
   const bool caps = part == ListPart::caps;
   const std::size_t first = caps ? list.surface : 0;
   const std::size_t end = first + (caps ? list.caps : list.surface);
   if (mesh.corner_count() == 0 || mesh.size() == 0 || end == first) return {};
   const LatticePlace place = lattice_place(mesh, point);
-  NearestInLanes nearest{hn::Set(Lanes(), std::numeric_limits<float>::infinity()),
-                         hn::Zero(WholeLanes())};
+  NearestInLanes nearest{{hn::Set(lanes, std::numeric_limits<float>::infinity()),
+                          {zero, zero, zero},
+                          zero,
+                          hn::Set(whole, none)},
+                         zero,
+                         hn::Zero(whole)};
   Packet packet;
-  const double bound_unit = reach / 255;
+  const double bound_unit = reach / 255 / mesh.step;
   for (std::size_t k = first; k < end; k += packet_size) {
     if (list.has_bounds()) {
       const std::size_t before = caps ? packets_of(list.surface) : 0;
       const double bound = bound_unit * list.bound(before + (k - first) / packet_size);
       if (bound * bound > static_cast<double>(nearest.least())) break;
     }
-    load_numbers(list, k, end, packet);
-    load_packet(mesh, packet);
-    meet_packet(mesh, packet, place, point, nearest);
+    load_packet(mesh, list, k, end, packet);
+    alignas(64) std::array<float, packet_size> squares;
+    const auto places_from = [&](std::size_t lane) {
+      return hn::Iota(whole, static_cast<std::int32_t>(k + lane));
+    };
+    for (std::size_t lane = 0; lane < packet_size; lane += hn::Lanes(lanes)) {
+      const Sides sides = sides_from(packet, place, lane);
+      const Products products = products_of(sides);
+      Closest closest = closest_on_sides(sides, products);
+      const Floats least = least_squares(sides, products, closest.square);
+      take_face(sides, products, closest);
+      if (HWY_LIKELY(packet.thin == 0)) {
+        nearest.meet(closest, dot(sides.normal, closest.away), places_from(lane));
+        continue;
+      }
+      const auto bit = hn::And(hn::Set(whole, static_cast<std::int32_t>(packet.thin >> lane)),
+                               hn::Shl(hn::Set(whole, 1), hn::Iota(whole, 0)));
+      const auto thin = hn::RebindMask(lanes, hn::Ne(bit, hn::Zero(whole)));
+      hn::Store(hn::IfThenElse(thin, least, closest.square), lanes, squares.data() + lane);
+    }
+    if (HWY_LIKELY(packet.thin == 0)) continue;
+    squares_of_thin(mesh, list, k, end, packet.thin, point, nearest.least(), squares.data());
+    for (std::size_t lane = 0; lane < packet_size; lane += hn::Lanes(lanes)) {
+      nearest.meet(
+          {hn::Load(lanes, squares.data() + lane), {zero, zero, zero}, zero, hn::Set(whole, none)},
+          zero, places_from(lane));
+    }
   }
-  return nearest.nearest();
+  return nearest_of(nearest, list, first, end, static_cast<std::uint32_t>(mesh.size()));
 }
 
 }  // namespace spm::HWY_NAMESPACE

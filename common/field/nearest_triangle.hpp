@@ -1,20 +1,28 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <limits>
 
 #include "common/field/indexed_triangles.hpp"
 #include "common/field/triangle_list.hpp"
+#include "common/surface/closest_on_triangle.hpp"
 
 namespace spm {
 
 enum class ListPart { surface, caps };
 
+/// The nearest triangle of a list, in single precision.
 struct NearestTriangle {
   std::uint32_t triangle = 0;
-  /// Of its distance, m^2, in single precision; infinite where there is none.
+  /// Of its distance, in lattice steps squared; infinite where there is none.
   float square = std::numeric_limits<float>::infinity();
+  /// Whether what follows is there: not of thin triangles.
+  bool has_closest = false;
+  std::array<float, 3> away{};  ///< from the closest point to the place, lattice steps
+  float along = 0;              ///< of that, along the triangle's normal, of no certain length
+  TriangleFeature feature = TriangleFeature::face;  ///< on which the closest point lies
 };
 
 /// The nearest triangle of one part of a list, by several at once in single precision. Packets that

@@ -16,6 +16,9 @@ namespace {
 /// Nearer to the surface than this share of the tolerance, the direction to it is noise, and the
 /// triangle's own normal is the answer.
 constexpr double surface_share = 1e-3;
+/// Nearer than so many lattice steps, directions need more than single precision.
+constexpr float min_steps = 16;
+
 struct ClosestOnList {
   Vector3 away = Vector3::Zero();    ///< from there to the place
   Vector3 normal = Vector3::Zero();  ///< of its triangle, of no certain length
@@ -29,14 +32,26 @@ ClosestOnList closest_on_list(const AssetView& asset, const TriangleList& list, 
   const NearestTriangle nearest =
       nearest_triangle(asset.exact, list, part, asset.octree.reach, point);
   if (!std::isfinite(nearest.square)) return closest;
+  const FeatureSides sides = traits_of(asset.exact, nearest.triangle).sides;
+  const double step = asset.exact.step,
+               distance = step * std::sqrt(static_cast<double>(nearest.square));
+  if (nearest.has_closest && nearest.square > min_steps * min_steps &&
+      distance > surface_share * asset.tolerance) {
+    closest.away = {step * static_cast<double>(nearest.away[0]),
+                    step * static_cast<double>(nearest.away[1]),
+                    step * static_cast<double>(nearest.away[2])};
+    closest.distance = distance;
+    closest.inside = is_inside(sides, nearest.feature, static_cast<double>(nearest.along));
+    return closest;
+  }
   const auto corners = corners_of(asset.exact, nearest.triangle);
   const ClosestFeature on = closest_feature(point, corners[0], corners[1], corners[2]);
   const double x = point[0] - on.point[0], y = point[1] - on.point[1], z = point[2] - on.point[2];
   closest.away = {x, y, z};
   closest.normal = {on.normal[0], on.normal[1], on.normal[2]};
   closest.distance = std::sqrt(x * x + y * y + z * z);
-  closest.inside = is_inside(traits_of(asset.exact, nearest.triangle).sides, on.feature,
-                             on.normal[0] * x + on.normal[1] * y + on.normal[2] * z);
+  closest.inside =
+      is_inside(sides, on.feature, on.normal[0] * x + on.normal[1] * y + on.normal[2] * z);
   return closest;
 }
 
@@ -58,7 +73,8 @@ Answer answer_by_list(const AssetView& asset, const std::uint32_t* unit,
   answer.source = Source::triangles;
   answer.status = Status::exact;
   if (closest.distance > surface_share * asset.tolerance) {
-    for (int axis = 0; axis < 3; ++axis) answer.normal[axis] = closest.away[axis] / answer.distance;
+    const double per = 1 / answer.distance;
+    answer.normal = {per * closest.away[0], per * closest.away[1], per * closest.away[2]};
   } else if (closest.normal != Vector3::Zero()) {
     answer.normal = closest.normal.normalized();
   } else {

@@ -119,6 +119,38 @@ def methods_table(reports: dict) -> list[str]:
                    *(cell(mesh, *rival) for rival in rivals)] for mesh in methods["meshes"]])
 
 
+def fastest(rows: list[dict], state: str) -> dict:
+    return min(rows, key=lambda row: row["ns"][state])
+
+
+def served_table(reports: dict) -> list[str]:
+    """What a loop gets at each mesh's own tolerance, beside the fastest that keeps all triangles."""
+    methods = reports["methods"]
+
+    def cells(mesh: dict) -> list[str]:
+        own = own_row(methods, mesh["mesh"])
+        bake = find(reports["bakes"]["rows"], mesh=mesh["mesh"])
+        embree, grids = ([row for row in methods["rows"]
+                          if row["mesh"] == mesh["mesh"] and row["method"] == method]
+                         for method in ("embree", "triangle-grid"))
+        small = [row for row in grids if row["bytes"] <= 10 * own["bytes"]]
+
+        def shares(rows: list[dict]) -> str:
+            return " / ".join(number(own["ns"][state] / fastest(rows, state)["ns"][state])
+                              for state in ("hot", "random"))
+
+        return [f"{mesh['mesh']}, {mesh['tolerance_um']:g} um", megabytes(own["bytes"]),
+                f"{1e3 * own['open_seconds']:.0f} ms", hot_and_random(own),
+                f"{own['ns']['hot_p99']:,.0f}", shares(embree), shares(small) if small else "",
+                f"{100 * bake['verify']['fallback_answers']:.0f} %", f"{bake['bake_seconds']:.1f} s"]
+
+    return table(["mesh, tolerance", "file, of which all answers come", "opened in",
+                  "a query along a path / at random places, ns", "p99 along the path, ns",
+                  "of Embree's time", "of the time of exact triangles in lanes",
+                  "answered by triangles", "baked in"],
+                 [cells(mesh) for mesh in methods["meshes"]])
+
+
 def batch_table(reports: dict) -> list[str]:
     methods = reports["methods"]
 
@@ -142,20 +174,19 @@ def probes_table(reports: dict) -> list[str]:
 
 
 def accuracy_table(reports: dict) -> list[str]:
-    """What `spm` answers with the index, as served, at each tolerance that was measured."""
+    """What `spm` answers at each tolerance that was measured."""
     rows = [row for row in reports["methods"]["rows"]
             if row["method"] == "spm" and not row["settings"].endswith("batch")]
-    opened = "open_seconds" in rows[0]  # older reports have no such key
 
     def cells(row: dict) -> list[str]:
         return [row["mesh"], f"{row['setting_um']:g} um",
                 f"{row['depth_error_um']['p99']:.0f} / {row['depth_error_um']['max']:.0f}",
                 f"{number(100 * row['unanswered'])} %", f"{number(100 * row['misclassified'])} %",
-                megabytes(row["bytes"]), *([f"{row['open_seconds']:.1f} s"] if opened else [])]
+                megabytes(row["bytes"]), f"{1e3 * row['open_seconds']:.0f} ms"]
 
     return table(["mesh", "baked to", "distance error p99 / max, um", "unanswered",
-                  "wrong side, of places farther than the mesh's tolerance", "file and index",
-                  *(["opened in"] if opened else [])], [cells(row) for row in rows])
+                  "wrong side, of places farther than the mesh's tolerance", "file", "opened in"],
+                 [cells(row) for row in rows])
 
 
 def forces_table(reports: dict) -> list[str]:
@@ -247,7 +278,7 @@ TABLES = {
     "laboratory_table": laboratory_table, "made": made, "methods_table": methods_table,
     "probes_table": probes_table,
     "paper_tables": lambda reports: paper_tables(reports["tables"]),
-    "sixdof_table": sixdof_table, "soak_tables": soak_tables,
+    "served_table": served_table, "sixdof_table": sixdof_table, "soak_tables": soak_tables,
     "stability_tables": lambda reports: stability_tables(reports["stability"]),
     "targets_table": lambda reports: target_lines(reports["stability"])[2:-1],
     "theory_table": lambda reports: theory_lines(reports["stability"])[4:-1],

@@ -138,6 +138,14 @@ TEST_CASE("A box of few triangles has few roots, and a list for each") {
   require_right(made, 5000);
 }
 
+TEST_CASE("Roots are parted where that takes hardly more bytes, but not where bytes are counted") {
+  const test::Shape ring = rough(test::torus(0.02, 0.002, 200, 40), 1e-2);
+  const Built free(ring), counted(ring, 1e8);
+  const double first = std::ldexp(free.rules.smallest_edge, free.rules.levels);
+  CHECK(free.built.data.edge == first / 2);
+  CHECK(counted.built.data.edge >= first);
+}
+
 TEST_CASE("Where the answer is far, the surface is at least as far as the clearance says") {
   const Built made(test::torus(0.01, 0.003, 40, 20));
   for (std::uint64_t i = 0; i < 20000; ++i) {
