@@ -187,9 +187,11 @@ CornerValues corner_distances(const std::array<Vector3, 3>& triangle, const Vect
   return distances;
 }
 
-void find_corner_vectors(const std::array<Vector3, 3>& triangle, const Vector3& middle, double half,
-                         CornerVectors& found) {
+CornerVectors corner_vectors(const std::array<Vector3, 3>& triangle, const Vector3& middle,
+                             double half) {
+  CornerVectors found;
   HWY_DYNAMIC_DISPATCH(find_vectors)(triangle, middle, half, found);
+  return found;
 }
 
 bool is_everywhere_above(double value, const Vector3& rise, const CornerValues& values) {

@@ -26,8 +26,8 @@ struct CornerVectors {
   CornerValues distances;
   std::array<CornerValues, 3> away;
 };
-void find_corner_vectors(const std::array<Vector3, 3>& triangle, const Vector3& middle, double half,
-                         CornerVectors& found);
+[[nodiscard]] CornerVectors corner_vectors(const std::array<Vector3, 3>& triangle,
+                                           const Vector3& middle, double half);
 
 /// Whether such a function is above these values at all corners.
 [[nodiscard]] bool is_everywhere_above(double value, const Vector3& rise,

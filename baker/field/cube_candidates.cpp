@@ -68,11 +68,10 @@ void add_near(const LatticeSurface& surface, const std::vector<Candidate>& aroun
               std::array<Candidates, 8>& found) {
   const double span = cube.radius() + 2 * slack;
   for (Candidates& octant : found) (octant.*kind).reserve(around.size());
-  CornerVectors seen;
   for (const Candidate& candidate : around) {
     // The middles of the octants are the corners of a cube of half the edge.
-    find_corner_vectors(surface.triangles[candidate.triangle].corners, cube.middle, cube.half / 2,
-                        seen);
+    const CornerVectors seen =
+        corner_vectors(surface.triangles[candidate.triangle].corners, cube.middle, cube.half / 2);
     for (std::size_t octant = 0; octant < 8; ++octant) {
       const auto k = static_cast<Eigen::Index>(octant);
       const double distance = seen.distances[k];

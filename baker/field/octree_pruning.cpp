@@ -28,7 +28,7 @@ struct Cost {
   }
 };
 
-constexpr double unit_bytes = 8;
+constexpr double unit_bytes = 8, root_bytes = 4;
 
 Cost cost_of_list(std::size_t triangles, const Cube& cube, int level) {
   const TriangleList list{.surface = static_cast<std::uint32_t>(triangles)};
@@ -94,7 +94,7 @@ Cost cost_of_roots(const LatticeSurface& surface, double bytes_per_time, OctreeR
   const Pruning pruning(surface, bytes_per_time);
   Cost cost;
   for (OctreeNode& root : roots.nodes) cost += pruning.prune(root, 0);
-  cost.bytes += 4 * static_cast<double>(roots.nodes.size());
+  cost.bytes += root_bytes * static_cast<double>(roots.nodes.size());
   return cost;
 }
 
@@ -189,7 +189,7 @@ bool can_be_list(const LatticeSurface& surface, const OctreeNode& node) {
 }
 
 double bytes_as_divided(const OctreeRoots& roots) {
-  double bytes = 4 * static_cast<double>(roots.nodes.size());
+  double bytes = root_bytes * static_cast<double>(roots.nodes.size());
   for (const OctreeNode& root : roots.nodes) bytes += bytes_in(root);
   return bytes;
 }
@@ -256,7 +256,6 @@ int join_roots(const LatticeSurface& surface, int most, const RootMaker& make_ro
 
 bool part_roots(const RootMaker& make_root, OctreeRoots& roots) {
   constexpr double worth_parting = 0.1;  // as many bytes more, for looking into one cube less
-  constexpr double root_bytes = 4;
   double more = 7 * root_bytes * static_cast<double>(roots.nodes.size());
   for (const OctreeNode& root : roots.nodes) {
     more += root.octants ? -unit_bytes : 7 * unit_bytes * units_of(root.kind);

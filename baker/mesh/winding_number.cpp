@@ -3,48 +3,25 @@
 
 #include <algorithm>
 #include <cmath>
-#include <complex>
 #include <numbers>
 
 namespace spm::baker {
 namespace {
 
-constexpr std::uint32_t kLeafTriangles = 4;  // SolidAngle takes no more
+constexpr std::uint32_t kLeafTriangles = 4;
 /// A cluster is far at this many of its radii and more. With that the sum is off by less than 1e-3.
 constexpr double kFarRadii = 4;
 
-/// Half the solid angle of a triangle seen from the origin, as the argument of a complex number;
-/// positive where its normal points away from it (Van Oosterom and Strackee 1983).
-[[nodiscard]] std::complex<double> half_angle(const Vector3& a, const Vector3& b,
-                                              const Vector3& c) noexcept {
+/// Solid angle of a triangle seen from the origin, positive where its normal points away from it
+/// (Van Oosterom and Strackee 1983).
+[[nodiscard]] double solid_angle(const Vector3& a, const Vector3& b, const Vector3& c) noexcept {
   const double la = a.norm();
   const double lb = b.norm();
   const double lc = c.norm();
-  return {la * lb * lc + a.dot(b) * lc + b.dot(c) * la + c.dot(a) * lb, a.dot(b.cross(c))};
+  const double numerator = a.dot(b.cross(c));
+  const double denominator = la * lb * lc + a.dot(b) * lc + b.dot(c) * la + c.dot(a) * lb;
+  return numerator == 0 && denominator == 0 ? 0 : 2 * std::atan2(numerator, denominator);
 }
-
-/// The solid angle of a few triangles. Those seen under small angles are summed as a product, since
-/// an arc tangent takes long.
-class SolidAngle {
- public:
-  void add(const std::complex<double>& half) noexcept {
-    const double x = half.real(), y = half.imag();
-    if (x > 0 && std::abs(y) < x) {  // less than an eighth of a turn
-      const double slope = y / x;
-      product_ = {product_.real() - slope * product_.imag(),
-                  product_.imag() + slope * product_.real()};
-    } else if (x != 0 || y != 0) {
-      sum_ += std::atan2(y, x);
-    }
-  }
-  [[nodiscard]] double total() const noexcept {
-    return 2 * (sum_ + std::atan2(product_.imag(), product_.real()));
-  }
-
- private:
-  double sum_ = 0;
-  std::complex<double> product_ = 1;  ///< of at most four factors: no more than half a turn
-};
 
 }  // namespace
 
@@ -162,12 +139,10 @@ double WindingNumber::at(const Vector3& point) const noexcept {
       continue;
     }
     if (cluster.leaf) {
-      SolidAngle angle;
       for (std::uint32_t i = cluster.begin; i < cluster.end; ++i) {
         const Corners& t = triangles_[i];
-        angle.add(half_angle(t[0] - point, t[1] - point, t[2] - point));
+        sum += solid_angle(t[0] - point, t[1] - point, t[2] - point);
       }
-      sum += angle.total();
     }
     ++next;
   }

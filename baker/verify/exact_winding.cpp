@@ -33,45 +33,16 @@ std::vector<std::array<std::uint32_t, 2>> cancelled(
   return left;
 }
 
-/// The same edges, so that each begins where the one before ends, as far as they do.
-std::vector<std::array<std::uint32_t, 2>> chained(std::vector<std::array<std::uint32_t, 2>> edges) {
-  std::sort(edges.begin(), edges.end());
-  std::vector<bool> taken(edges.size(), false);
-  std::vector<std::array<std::uint32_t, 2>> chain;
-  chain.reserve(edges.size());
-  for (std::size_t first = 0; first < edges.size(); ++first) {
-    std::size_t next = first;
-    while (next < edges.size() && !taken[next]) {
-      taken[next] = true;
-      chain.push_back(edges[next]);
-      const std::uint32_t end = edges[next][1];
-      next = static_cast<std::size_t>(
-          std::lower_bound(edges.begin(), edges.end(), std::array<std::uint32_t, 2>{end, 0}) -
-          edges.begin());
-      while (next < edges.size() && edges[next][0] == end && taken[next]) ++next;
-      if (next < edges.size() && edges[next][0] != end) break;
-    }
-  }
-  return chain;
-}
-
 /// A triangle seen from a point: half its solid angle is that of the vector (x, y).
 struct HalfAngle {
   double y = 0, x = 0;
 };
 
-/// A corner as a point sees it.
-struct Corner {
-  Vector3 way;
-  double length;
-  Corner(const Vector3& corner, const Vector3& point) : way(corner - point), length(way.norm()) {}
-};
-
-/// Van Oosterom and Strackee (1983).
-HalfAngle half_angle(const Corner& a, const Corner& b, const Corner& c) {
-  return {a.way.dot(b.way.cross(c.way)),
-          a.length * b.length * c.length + a.way.dot(b.way) * c.length +
-              b.way.dot(c.way) * a.length + c.way.dot(a.way) * b.length};
+/// Van Oosterom and Strackee (1983). The corners are seen from the point.
+HalfAngle half_angle(const Vector3& a, double length_a, const Vector3& b, const Vector3& c) {
+  const double length_b = b.norm(), length_c = c.norm();
+  return {a.dot(b.cross(c)), length_a * length_b * length_c + a.dot(b) * length_c +
+                                 b.dot(c) * length_a + c.dot(a) * length_b};
 }
 
 /// A sum of angles. Small ones are added by multiplying complex numbers, which takes a tenth of the
@@ -114,7 +85,8 @@ class AngleSum {
 
 double triangle_winding(const Vector3& point, const Vector3& a, const Vector3& b,
                         const Vector3& c) noexcept {
-  const HalfAngle angle = half_angle({a, point}, {b, point}, {c, point});
+  const Vector3 from = a - point;
+  const HalfAngle angle = half_angle(from, from.norm(), b - point, c - point);
   return std::atan2(angle.y, angle.x) / (2 * std::numbers::pi);
 }
 
@@ -163,7 +135,7 @@ std::int32_t ExactWinding::build(std::uint32_t first, std::uint32_t last,
     node.right = build(middle, last, other);
     edges.insert(edges.end(), other.begin(), other.end());
   }
-  boundary = chained(cancelled(edges));
+  boundary = cancelled(edges);
   node.first_edge = static_cast<std::uint32_t>(edges_.size());
   edges_.insert(edges_.end(), boundary.begin(), boundary.end());
   node.last_edge = static_cast<std::uint32_t>(edges_.size());
@@ -173,14 +145,11 @@ std::int32_t ExactWinding::build(std::uint32_t first, std::uint32_t last,
 
 double ExactWinding::cluster(const Node& node, const Vector3& point) const noexcept {
   AngleSum sum;
-  const Corner apex(node.apex, point);
-  Corner last = apex;
+  const Vector3 apex = node.apex - point;
+  const double length = apex.norm();
   for (std::uint32_t e = node.first_edge; e < node.last_edge; ++e) {
-    const auto& [from, to] = edges_[e];
-    const bool goes_on = e > node.first_edge && edges_[e - 1][1] == from;
-    const Corner start = goes_on ? last : Corner(vertices_[from], point);
-    last = Corner(vertices_[to], point);
-    sum.add(half_angle(apex, start, last));
+    sum.add(
+        half_angle(apex, length, vertices_[edges_[e][0]] - point, vertices_[edges_[e][1]] - point));
   }
   return sum.total() / (2 * std::numbers::pi);
 }

@@ -74,7 +74,10 @@ Answer answer_by_list(const AssetView& asset, const std::uint32_t* unit,
   answer.status = Status::exact;
   if (closest.distance > surface_share * asset.tolerance) {
     const double per = 1 / answer.distance;
-    answer.normal = {per * closest.away[0], per * closest.away[1], per * closest.away[2]};
+    const double x = per * closest.away[0], y = per * closest.away[1], z = per * closest.away[2];
+    // The distance may be of single precision, so that one of Newton's steps makes the length 1.
+    const double right = 1.5 - 0.5 * (x * x + y * y + z * z);
+    answer.normal = {right * x, right * y, right * z};
   } else if (closest.normal != Vector3::Zero()) {
     answer.normal = closest.normal.normalized();
   } else {

@@ -119,10 +119,6 @@ def methods_table(reports: dict) -> list[str]:
                    *(cell(mesh, *rival) for rival in rivals)] for mesh in methods["meshes"]])
 
 
-def fastest(rows: list[dict], state: str) -> dict:
-    return min(rows, key=lambda row: row["ns"][state])
-
-
 def served_table(reports: dict) -> list[str]:
     """What a loop gets at each mesh's own tolerance, beside the fastest that keeps all triangles."""
     methods = reports["methods"]
@@ -136,7 +132,7 @@ def served_table(reports: dict) -> list[str]:
         small = [row for row in grids if row["bytes"] <= 10 * own["bytes"]]
 
         def shares(rows: list[dict]) -> str:
-            return " / ".join(number(own["ns"][state] / fastest(rows, state)["ns"][state])
+            return " / ".join(number(own["ns"][state] / min(row["ns"][state] for row in rows))
                               for state in ("hot", "random"))
 
         return [f"{mesh['mesh']}, {mesh['tolerance_um']:g} um", megabytes(own["bytes"]),

@@ -32,8 +32,7 @@ TEST_CASE("The corners of a cube get the distances and directions that each gets
     const std::array<Vector3, 3> corners = random_triangle(i);
     const Vector3 middle = random_place(4 * i + 3);
     const double half = 0.3 * random_unit(5, i);
-    CornerVectors found;
-    find_corner_vectors(corners, middle, half, found);
+    const CornerVectors found = corner_vectors(corners, middle, half);
     const CornerValues distances = corner_distances(corners, middle, half);
     for (std::size_t k = 0; k < 8; ++k) {
       const auto at = static_cast<Eigen::Index>(k);

@@ -272,7 +272,7 @@ TEST_CASE("Corners of triangles are where the lattice's origin and step put them
     CHECK(answer.source == Source::triangles);
     CHECK(answer.plane == -1);
     CHECK(answer.layer == -1);
-    CHECK((answer.normal - Vector3::UnitZ()).norm() < 1e-6);  // in single precision
+    CHECK((answer.normal - Vector3::UnitZ()).norm() < 1e-9);
   }
 }
 
