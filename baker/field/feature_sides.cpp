@@ -147,8 +147,8 @@ class Neighbours {
   [[nodiscard]] std::optional<bool> inside_at(const Vector3& place, const Vector3& away) const {
     for (const double share : beside) {
       const double way = share * tolerance_;
-      const double distance = solid_.closest(place + way * away).distance;
-      if (std::abs(std::abs(distance) - way) <= nearest_share * way) return distance < 0;
+      const ClosestPoint closest = solid_.closest(place + way * away);
+      if (std::abs(closest.clearance - way) <= nearest_share * way) return closest.distance < 0;
     }
     return std::nullopt;
   }

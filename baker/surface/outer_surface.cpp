@@ -238,6 +238,20 @@ void compact(OuterSurface& surface) {
 
 }  // namespace
 
+void split_caps(OuterSurface& surface) {
+  if (surface.triangles.size() == surface.surface_count) return;
+  std::vector<TrianglePair> pairs = intersecting_pairs(surface.vertices, surface.triangles);
+  std::erase_if(pairs,
+                [&](const TrianglePair& pair) { return pair.second < surface.surface_count; });
+  if (pairs.empty()) return;
+  SplitMesh split = split_triangles(surface.vertices, surface.triangles, pairs);
+  surface.surface_count = static_cast<std::size_t>(
+      std::lower_bound(split.parents.begin(), split.parents.end(), surface.surface_count) -
+      split.parents.begin());
+  surface.vertices = std::move(split.points);
+  surface.triangles = std::move(split.pieces);
+}
+
 OuterSurface outer_surface(const Mesh& mesh) {
   OuterSurface surface;
   const std::vector<TrianglePair> pairs = intersecting_pairs(mesh.vertices, mesh.triangles);
@@ -262,6 +276,7 @@ OuterSurface outer_surface(const Mesh& mesh) {
   }
   surface.surface_count = surface.triangles.size();
   add_caps(mesh, judge, edges_that_stay(mesh, split, kept), surface);
+  split_caps(surface);
   drop_hairs(mesh, surface);
   compact(surface);
   return surface;

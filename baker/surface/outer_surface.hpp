@@ -30,7 +30,12 @@ struct OuterSurface {
 };
 
 /// Splits self-intersecting triangles along their intersections. Keeps the pieces across which the
-/// generalised winding number passes one half. Caps holes; caps decide the side only.
+/// generalised winding number passes one half. Caps holes; caps decide the side only, and are cut
+/// where they cross each other or the surface.
 [[nodiscard]] OuterSurface outer_surface(const Mesh& mesh);
+
+/// Cuts caps, and what they cross, along each other, so that each piece has one winding number on
+/// each side.
+void split_caps(OuterSurface& surface);
 
 }  // namespace spm::baker

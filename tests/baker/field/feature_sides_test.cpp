@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "baker/field/feature_sides.hpp"
 
+#include <array>
 #include <catch2/catch.hpp>
+#include <vector>
 
 #include "baker/cast/cast.hpp"
 #include "common/base/random.hpp"
@@ -10,8 +12,8 @@
 namespace spm::baker::feature_sides_test {
 namespace {
 
-std::vector<FeatureSides> sides_of(const OuterSurface& surface) {
-  return find_feature_sides(surface, find_folded(surface.triangles), Caster(surface), 1e-4);
+std::vector<FeatureSides> sides_of(const OuterSurface& surface, double tolerance = 1e-4) {
+  return find_feature_sides(surface, find_folded(surface.triangles), Caster(surface), tolerance);
 }
 
 /// The side of a place by the nearest triangle alone, as the file tells it.
@@ -32,7 +34,52 @@ bool told_inside(const OuterSurface& surface, const std::vector<FeatureSides>& s
   return inside;
 }
 
+/// A box with a slot and without its top. The hole is a C, and its caps are a fan around `middle`:
+/// some lie over others and face the other way, or cross the walls.
+OuterSurface slotted_box(const Vector3& middle) {
+  OuterSurface surface;
+  const std::vector<std::array<double, 2>> border{{0, 0}, {3, 0}, {3, 1}, {1, 1},
+                                                  {1, 2}, {3, 2}, {3, 3}, {0, 3}};
+  for (const double height : {0.0, 4.0}) {
+    for (const auto& [x, y] : border) surface.vertices.emplace_back(x, y, height);
+  }
+  surface.vertices.push_back(middle);
+  for (Vector3& vertex : surface.vertices) vertex *= 0.005;
+  surface.triangles = {{0, 2, 1}, {0, 3, 2}, {0, 4, 3}, {0, 7, 4}, {7, 5, 4}, {7, 6, 5}};
+  const std::uint32_t count = 8, top = 16;
+  for (std::uint32_t i = 0; i < count; ++i) {
+    const std::uint32_t next = (i + 1) % count;
+    surface.triangles.push_back({i, next, count + next});
+    surface.triangles.push_back({i, count + next, count + i});
+  }
+  surface.surface_count = surface.triangles.size();
+  for (std::uint32_t i = 0; i < count; ++i) {
+    surface.triangles.push_back({count + i, count + (i + 1) % count, top});
+  }
+  split_caps(surface);
+  return surface;
+}
+
 }  // namespace
+
+TEST_CASE("Caps that lie over each other or cross tell the side as the winding number does") {
+  for (std::uint64_t seed = 0; seed < 20; ++seed) {
+    const auto random = [&](std::uint64_t i) { return random_unit(seed, i); };
+    const OuterSurface surface =
+        slotted_box({4 * random(0) - 0.5, 4 * random(1) - 0.5, 3 + 0.8 * random(2)});
+    const Caster caster(surface);
+    const std::vector<FeatureSides> sides = sides_of(surface, 1e-5);
+    for (std::uint64_t i = 1; i < 1000; ++i) {
+      const Vector3 point(0.02 * random(3 * i) - 0.002, 0.02 * random(3 * i + 1) - 0.002,
+                          0.012 + 0.015 * random(3 * i + 2));
+      const ClosestPoint truth = caster.closest(point);
+      const bool cap_is_nearest = truth.clearance < 0.99 * std::abs(truth.distance);
+      if (!cap_is_nearest || truth.clearance < 1e-7) continue;
+      INFO(seed << ", " << point.transpose() << ": " << truth.distance << " m");
+      CHECK(told_inside(surface, sides, point) == (truth.distance < 0));
+    }
+  }
+}
 
 TEST_CASE("Around a box all sides and corners are convex, and the faces' own diagonals are flat") {
   const OuterSurface surface = test::surface_of(test::box({0.02, 0.02, 0.02}));
