@@ -21,9 +21,9 @@ constexpr std::size_t most_directions = 64;
 constexpr double rounding = 1e-9;
 /// How far beside a part of the surface the solid is asked, of the tolerance: the farthest where
 /// the part is still what is nearest, since nearer than the tolerance the side does not matter.
-constexpr std::array<double, 3> beside{1, 0.5, 0.25};
-/// The distance there is that way, but for this share of it.
-constexpr double nearest_share = 0.08;
+constexpr std::array<double, 5> beside{1, 0.5, 0.25, 0.125, 0.0625};
+/// Nearer than so many displacements the solid is not asked.
+constexpr double least_displacements = 4;
 /// The ways from a side are turned about it by these, rad.
 constexpr std::array<double, 5> turns{0, 0.5, -0.5, 1, -1};
 
@@ -75,9 +75,8 @@ std::optional<Vector3> flat_normal(std::span<const Sector> around) {
 /// The triangles at each side and each corner.
 class Neighbours {
  public:
-  Neighbours(const OuterSurface& surface, const std::vector<bool>& folded, const Caster& solid,
-             double tolerance)
-      : surface_(surface), folded_(folded), solid_(solid), tolerance_(tolerance) {
+  Neighbours(const OuterSurface& surface, const std::vector<bool>& folded, const AskedSolid& asked)
+      : surface_(surface), folded_(folded), asked_(asked) {
     corners_.resize(surface.vertices.size());
     for (std::uint32_t t = 0; t < surface.triangles.size(); ++t) {
       const Triangle& triangle = surface.triangles[t];
@@ -136,8 +135,7 @@ class Neighbours {
  private:
   const OuterSurface& surface_;
   const std::vector<bool>& folded_;
-  const Caster& solid_;
-  double tolerance_;
+  AskedSolid asked_;
   std::map<std::pair<std::uint32_t, std::uint32_t>, std::vector<std::uint32_t>> sides_;
   std::vector<std::vector<std::uint32_t>> corners_;
   std::vector<Vector3> normals_;
@@ -146,9 +144,11 @@ class Neighbours {
   /// Whether places beside one on the surface are inside. Empty where something else is nearer.
   [[nodiscard]] std::optional<bool> inside_at(const Vector3& place, const Vector3& away) const {
     for (const double share : beside) {
-      const double way = share * tolerance_;
-      const ClosestPoint closest = solid_.closest(place + way * away);
-      if (std::abs(closest.clearance - way) <= nearest_share * way) return closest.distance < 0;
+      const double way = share * asked_.tolerance;
+      if (way < least_displacements * asked_.displacement) break;
+      const ClosestPoint closest = asked_.solid.closest(place + way * away);
+      const double slack = asked_.displacement + rounding * way;
+      if (std::abs(closest.clearance - way) <= slack) return closest.distance < 0;
     }
     return std::nullopt;
   }
@@ -263,9 +263,9 @@ std::vector<bool> find_folded(const std::vector<Triangle>& triangles) {
 }
 
 std::vector<FeatureSides> find_feature_sides(const OuterSurface& surface,
-                                             const std::vector<bool>& folded, const Caster& solid,
-                                             double tolerance) {
-  const Neighbours neighbours(surface, folded, solid, tolerance);
+                                             const std::vector<bool>& folded,
+                                             const AskedSolid& asked) {
+  const Neighbours neighbours(surface, folded, asked);
   std::vector<FeatureSide> corners(surface.vertices.size(), FeatureSide::by_normal);
   std::vector<bool> known(surface.vertices.size(), false);
   std::vector<FeatureSides> sides(surface.triangles.size(), 0);

@@ -9,14 +9,19 @@
 
 namespace spm::baker {
 
+/// What tells the side where triangles lie on each other or do not close.
+struct AskedSolid {
+  const Caster& solid;
+  double tolerance = 0;     ///< m: asked so far from the surface, or less where something is nearer
+  double displacement = 0;  ///< m: between the surface and that of the solid
+};
+
 /// For each triangle of a surface, caps included, on which side places lie that are nearest to one
 /// of its parts. Exact where the surface is closed; sheets that only touch may do so in any way.
-/// `folded` is what find_folded says of the triangles. `solid` decides where triangles lie on each
-/// other or do not close, and so tell nothing, for places `tolerance` metres away, or less where
-/// something else is nearer there.
+/// `folded` is what find_folded says of the triangles.
 [[nodiscard]] std::vector<FeatureSides> find_feature_sides(const OuterSurface& surface,
                                                            const std::vector<bool>& folded,
-                                                           const Caster& solid, double tolerance);
+                                                           const AskedSolid& asked);
 
 /// For each triangle of a surface whether another one lies on it and faces the other way.
 [[nodiscard]] std::vector<bool> find_folded(const std::vector<Triangle>& triangles);

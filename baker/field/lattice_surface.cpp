@@ -176,7 +176,7 @@ LatticeSurface round_to_lattice(const OuterSurface& surface, const Caster& caste
   mark_open(lattice);
   const std::vector<bool> folded = find_folded(lattice.surface.triangles);
   const std::vector<FeatureSides> sides =
-      find_feature_sides(lattice.surface, folded, caster, tolerance);
+      find_feature_sides(lattice.surface, folded, {caster, tolerance, lattice.displacement});
   for (std::size_t t = 0; t < sides.size(); ++t) {
     lattice.triangles[t].sides = sides[t];
     lattice.triangles[t].folded = folded[t];

@@ -13,7 +13,8 @@ namespace spm::baker::feature_sides_test {
 namespace {
 
 std::vector<FeatureSides> sides_of(const OuterSurface& surface, double tolerance = 1e-4) {
-  return find_feature_sides(surface, find_folded(surface.triangles), Caster(surface), tolerance);
+  const Caster caster(surface);
+  return find_feature_sides(surface, find_folded(surface.triangles), {caster, tolerance, 0});
 }
 
 /// The side of a place by the nearest triangle alone, as the file tells it.

@@ -262,7 +262,7 @@ TEST_CASE("Two polynomials that together are off somewhere are never proven") {
   CHECK(counts.spoilt_and_proven == 0);
 }
 
-TEST_CASE("The words do not depend on the number of threads, and a coarser tolerance takes fewer") {
+TEST_CASE("The words are the same every time") {
   const test::Shape shape = rough(test::sphere(0.01, 3), 2e-3);
   const Built one(shape), again(shape);
   CHECK(one.built.data.units == again.built.data.units);

@@ -3,6 +3,7 @@
 
 #include <catch2/catch.hpp>
 #include <cmath>
+#include <vector>
 
 #include "bake_support.hpp"
 #include "baker/base/bake_error.hpp"
@@ -44,6 +45,15 @@ bool same(const Asset& a, const Asset& b) {
          a.metadata.options == b.metadata.options;
 }
 
+/// What the file holds, but for its header.
+double bytes_of(const Asset& asset) {
+  const OctreeData& octree = asset.octree;
+  const auto size = [](const auto& words) { return words.size() * sizeof(words[0]); };
+  return static_cast<double>(
+      size(octree.root_words) + size(octree.units) + size(octree.lists) + size(octree.corners) +
+      size(octree.triangles) + size(octree.sides) + asset.tiles.size() * tile_sample_count * 4);
+}
+
 TEST_CASE("The result does not depend on the number of threads") {
   for (const AssetForm form : {AssetForm::sparse, AssetForm::full}) {
     BakeOptions options = form == AssetForm::full ? full(40) : BakeOptions{};
@@ -52,6 +62,33 @@ TEST_CASE("The result does not depend on the number of threads") {
     const Asset one = bake(mesh, options).asset;
     options.threads = 2;
     CHECK(same(one, bake(mesh, options).asset));
+  }
+}
+
+TEST_CASE("A coarser tolerance costs no more bytes") {
+  // Thin sheets, a fine mesh that is not smooth, and a crease.
+  test::Shape lens = test::sphere(0.015, 4);
+  for (Vector3& vertex : lens.vertices) vertex[2] *= 0.08;
+  test::Shape uneven = test::sphere(0.015, 4);
+  for (std::uint64_t i = 0; i < uneven.vertices.size(); ++i) {
+    uneven.vertices[i] *= 1 + 5e-3 * random_unit(3, i);
+  }
+  // An octree may spend bytes on speed: so it may be a little larger than a slower one, and small
+  // ones are as fast as can be.
+  constexpr double spent = 1.03, least = 10'000;
+  for (const test::Shape& shape : {lens, uneven, test::wedge(0.1, 0.02)}) {
+    std::vector<double> bytes;
+    for (const double tolerance : {50e-6, 100e-6, 130e-6, 200e-6, 400e-6, 1e-3}) {
+      BakeOptions options;
+      options.tolerance = tolerance;
+      bytes.push_back(bytes_of(bake(test::mesh_of(shape), options).asset));
+      INFO(tolerance * 1e6 << " um: " << bytes.back());
+      if (bytes.size() == 1) continue;
+      CHECK(bytes.back() <= std::max(least, spent * bytes[bytes.size() - 2]));
+    }
+    // Beyond a tenth of the band nothing changes.
+    CHECK(bytes[4] == bytes[3]);
+    CHECK(bytes[5] == bytes[3]);
   }
 }
 
@@ -81,8 +118,9 @@ TEST_CASE("Every sample of a full map is the first crossing of its own ray, ever
   std::uint32_t most = 0;
   for (const MapData& map : asset.maps) {
     for (std::uint32_t i = 0; i < map.columns * map.rows; i += 7) {
-      caster.cast(asset.planes[map.plane], i % map.columns * map.spacing,
-                  i / map.columns * map.spacing, column);
+      const std::uint32_t row = i / map.columns;
+      caster.cast(asset.planes[map.plane], i % map.columns * map.spacing, row * map.spacing,
+                  column);
       for (std::uint32_t layer = 0; layer < map.layers; ++layer) {
         const float stored = map.samples[layer * map.columns * map.rows + i];
         const float cast = layer < column.crossings.size()
