@@ -151,8 +151,9 @@ void add_build_options(CLI::App& command, BuildRequest& request) {
                              "the paper's method (default sparse)");
   cli::add_quantity(
       command, "--tolerance", bake.tolerance, Quantity::length,
-      "largest error of the signed distance in the band, above 0, such as 50um "
-      "(default half of the named device's encoder step, or 1/1000 of the bounding box's "
+      "largest error of the signed distance in the band, above 0, such as 50um; more than a tenth "
+      "of the band's depth saves nothing, and that is what is proven then (default half of the "
+      "named device's encoder step, or 1/1000 of the bounding box's "
       "diagonal)");
   cli::add_quantity(command, "--direction-tolerance", bake.direction_tolerance, Quantity::angle,
                     "how far directions may be off in the median, above 0 and at most 45deg");
