@@ -179,7 +179,7 @@ void judge_directions(const BakeOptions& options, const VerifyReport& check, Bui
     return;
   }
   report.warnings.push_back(fmt::format(
-      "directions are off by {:.2g} deg in the median and {:.2g} at p99, of {:.2g} and {:.2g} deg "
+      "directions are off by {:.2g} deg in the median and {:.3g} at p99, of {:.2g} and {:.3g} deg "
       "asked for; a smaller --direction-tolerance or --tolerance brings them nearer",
       check.direction_p50 / degree, check.direction_p99 / degree, asked / degree,
       tail * asked / degree));

@@ -30,7 +30,7 @@ constexpr std::size_t directions = 8;
 constexpr double min_tolerance_share = 1e-5;
 /// Directions may be off by so many times what is asked for in the mean over a cube: over all cubes
 /// their median stays below that, and their 99th percentile below 3.75 times.
-constexpr double leaf_direction = 2;
+constexpr double leaf_direction = 1.8;
 /// The smallest cubes of the octree, of the band's depth, and how often roots are halved to them:
 /// so often that there are about this many along diagonal and margins.
 constexpr double smallest_share = 0.25;
