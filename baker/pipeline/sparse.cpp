@@ -34,10 +34,10 @@ constexpr double leaf_direction = 1.8;
 /// The smallest cubes of the octree, of the band's depth, and how often roots are halved to them:
 /// so often that there are about this many along diagonal and margins.
 constexpr double smallest_share = 0.25;
+constexpr double roots_along = 32;
 /// Where the tolerance is above this share of an edge, cubes of twice that edge may take fewer
 /// bytes.
 constexpr double coarse_share = 0.25;
-constexpr double roots_along = 32;
 
 /// Coarser tolerances than this share of the band's depth leave polynomials as they are, or fit
 /// larger ones in place of lists that take fewer bytes.
@@ -49,8 +49,7 @@ double depth_of(const Band& band) { return std::max(band.max_depth, band.margin)
 /// bytes, so that a coarser one never costs more of them.
 double working_tolerance(const AssetMetadata& metadata, const Caster& caster) {
   const double coarsest = max_tolerance_share * depth_of(metadata.band);
-  return std::max(std::min(*metadata.tolerance, coarsest),
-                  min_tolerance_share * caster.diagonal());
+  return std::max(std::min(*metadata.tolerance, coarsest), min_tolerance_share * caster.diagonal());
 }
 
 /// Finds which crossing along the rays of its plane each tile is, by the ray through its first
@@ -196,9 +195,9 @@ void bake_sparse(BakeResult& result, const OuterSurface& surface, const Caster& 
   const Caster rounded(lattice.surface);
   std::optional<BuiltOctree> built;
   for (const double edge : smallest_edges(options, metadata.band, caster, tolerance)) {
-    BuiltOctree next = build_octree(lattice, rounded, asset.planes,
-                                    reachability.cuts() ? &reachability : nullptr,
-                                    rules_for(options, asset, caster, tolerance, edge), progress);
+    BuiltOctree next =
+        build_octree(lattice, rounded, asset.planes, reachability.cuts() ? &reachability : nullptr,
+                     rules_for(options, asset, caster, tolerance, edge), progress);
     if (!built || next.counts.bytes < built->counts.bytes) built = std::move(next);
   }
   asset.octree = std::move(built->data);

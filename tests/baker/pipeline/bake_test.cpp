@@ -49,9 +49,9 @@ bool same(const Asset& a, const Asset& b) {
 double bytes_of(const Asset& asset) {
   const OctreeData& octree = asset.octree;
   const auto size = [](const auto& words) { return words.size() * sizeof(words[0]); };
-  return static_cast<double>(
-      size(octree.root_words) + size(octree.units) + size(octree.lists) + size(octree.corners) +
-      size(octree.triangles) + size(octree.sides) + asset.tiles.size() * tile_sample_count * 4);
+  return static_cast<double>(size(octree.root_words) + size(octree.units) + size(octree.lists) +
+                             size(octree.corners) + size(octree.triangles) + size(octree.sides) +
+                             asset.tiles.size() * tile_sample_count * 4);
 }
 
 TEST_CASE("The result does not depend on the number of threads") {
