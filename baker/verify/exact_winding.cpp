@@ -33,61 +33,15 @@ std::vector<std::array<std::uint32_t, 2>> cancelled(
   return left;
 }
 
-/// A triangle seen from a point: half its solid angle is that of the vector (x, y).
-struct HalfAngle {
-  double y = 0, x = 0;
-};
-
-/// Van Oosterom and Strackee (1983). The corners are seen from the point.
-HalfAngle half_angle(const Vector3& a, double length_a, const Vector3& b, const Vector3& c) {
-  const double length_b = b.norm(), length_c = c.norm();
-  return {a.dot(b.cross(c)), length_a * length_b * length_c + a.dot(b) * length_c +
-                                 b.dot(c) * length_a + c.dot(a) * length_b};
-}
-
-/// A sum of angles. Small ones are added by multiplying complex numbers, which takes a tenth of the
-/// time of an arc tangent each.
-class AngleSum {
- public:
-  void add(const HalfAngle& angle) {
-    if (!(angle.x > 0 && std::abs(angle.y) <= angle.x)) {
-      sum_ += std::atan2(angle.y, angle.x);
-      return;
-    }
-    const double slope = angle.y / angle.x;
-    // The angle is no larger than its slope, so the product's own angle is the sum below pi.
-    constexpr double most = 3;
-    bound_ += std::abs(slope);
-    if (bound_ > most) {
-      flush();
-      bound_ = std::abs(slope);
-    }
-    const double real = real_;
-    real_ = real - imaginary_ * slope;
-    imaginary_ += real * slope;
-  }
-  [[nodiscard]] double total() {
-    flush();
-    return sum_;
-  }
-
- private:
-  double sum_ = 0, real_ = 1, imaginary_ = 0, bound_ = 0;
-
-  void flush() {
-    sum_ += std::atan2(imaginary_, real_);
-    real_ = 1;
-    imaginary_ = bound_ = 0;
-  }
-};
-
 }  // namespace
 
 double triangle_winding(const Vector3& point, const Vector3& a, const Vector3& b,
                         const Vector3& c) noexcept {
-  const Vector3 from = a - point;
-  const HalfAngle angle = half_angle(from, from.norm(), b - point, c - point);
-  return std::atan2(angle.y, angle.x) / (2 * std::numbers::pi);
+  const Vector3 to_a = a - point, to_b = b - point, to_c = c - point;
+  const double length_a = to_a.norm(), length_b = to_b.norm(), length_c = to_c.norm();
+  const double x = length_a * length_b * length_c + to_a.dot(to_b) * length_c +
+                   to_b.dot(to_c) * length_a + to_c.dot(to_a) * length_b;
+  return std::atan2(to_a.dot(to_b.cross(to_c)), x) / (2 * std::numbers::pi);
 }
 
 ExactWinding::ExactWinding(const Mesh& mesh)
@@ -136,22 +90,17 @@ std::int32_t ExactWinding::build(std::uint32_t first, std::uint32_t last,
     edges.insert(edges.end(), other.begin(), other.end());
   }
   boundary = cancelled(edges);
-  node.first_edge = static_cast<std::uint32_t>(edges_.size());
-  edges_.insert(edges_.end(), boundary.begin(), boundary.end());
-  node.last_edge = static_cast<std::uint32_t>(edges_.size());
+  std::vector<DirectedEdge> ends;
+  ends.reserve(boundary.size());
+  for (const auto& [from, to] : boundary) ends.push_back({vertices_[from], vertices_[to]});
+  if (index == 0) boundary_ = ends;
+  const std::vector<EdgeBlock> blocks = edge_blocks(ends);
+  node.first_block = static_cast<std::uint32_t>(blocks_.size());
+  blocks_.insert(blocks_.end(), blocks.begin(), blocks.end());
+  node.last_block = static_cast<std::uint32_t>(blocks_.size());
+  node.edges = static_cast<std::uint32_t>(ends.size());
   nodes_[static_cast<std::size_t>(index)] = node;
   return index;
-}
-
-double ExactWinding::cluster(const Node& node, const Vector3& point) const noexcept {
-  AngleSum sum;
-  const Vector3 apex = node.apex - point;
-  const double length = apex.norm();
-  for (std::uint32_t e = node.first_edge; e < node.last_edge; ++e) {
-    sum.add(
-        half_angle(apex, length, vertices_[edges_[e][0]] - point, vertices_[edges_[e][1]] - point));
-  }
-  return sum.total() / (2 * std::numbers::pi);
 }
 
 double ExactWinding::at(const Vector3& point) const noexcept {
@@ -159,34 +108,34 @@ double ExactWinding::at(const Vector3& point) const noexcept {
   std::array<std::int32_t, 64> stack{};  // the tree halves, so it is at most 32 deep
   std::size_t depth = 0;
   stack[depth++] = 0;
-  double sum = 0;
+  AngleSum fans;
+  double triangles = 0;
   while (depth > 0) {
     const Node& node = nodes_[static_cast<std::size_t>(stack[--depth])];
     const bool outside =
         (point.array() < node.low.array()).any() || (point.array() > node.high.array()).any();
-    if (outside && node.last_edge - node.first_edge <= node.last - node.first) {
-      sum += cluster(node, point);
+    if (outside && node.edges <= node.last - node.first) {
+      fans.add_fan({blocks_.data() + node.first_block, blocks_.data() + node.last_block}, node.apex,
+                   point);
     } else if (node.left < 0) {
       for (std::uint32_t t = node.first; t < node.last; ++t) {
         const Triangle& corners = triangles_[t];
-        sum += triangle_winding(point, vertices_[corners[0]], vertices_[corners[1]],
-                                vertices_[corners[2]]);
+        triangles += triangle_winding(point, vertices_[corners[0]], vertices_[corners[1]],
+                                      vertices_[corners[2]]);
       }
     } else {
       stack[depth++] = node.left;
       stack[depth++] = node.right;
     }
   }
-  return sum;
+  return triangles + fans.total() / (2 * std::numbers::pi);
 }
 
 double ExactWinding::variation(const Vector3& point, double distance) const noexcept {
   if (nodes_.empty()) return 0;
-  const Node& root = nodes_.front();
   double gradient = 0;
-  for (std::uint32_t e = root.first_edge; e < root.last_edge; ++e) {
-    const Vector3& from = vertices_[edges_[e][0]];
-    const Vector3 along = vertices_[edges_[e][1]] - from;
+  for (const auto& [from, to] : boundary_) {
+    const Vector3 along = to - from;
     const double length = along.norm();
     // No point of the edge is nearer than this.
     const double gap = (from + along / 2 - point).norm() - length / 2 - distance;

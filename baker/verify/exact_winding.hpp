@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "baker/mesh/mesh.hpp"
+#include "baker/verify/fan_angles.hpp"
 #include "common/base/vector.hpp"
 
 namespace spm::baker {
@@ -35,17 +36,18 @@ class ExactWinding {
 
   struct Node {
     Vector3 low, high, apex;
-    std::uint32_t first = 0, last = 0;            ///< triangles
-    std::uint32_t first_edge = 0, last_edge = 0;  ///< boundary edges, directed
+    std::uint32_t first = 0, last = 0;              ///< triangles
+    std::uint32_t edges = 0;                        ///< of the boundary
+    std::uint32_t first_block = 0, last_block = 0;  ///< they, directed
     std::int32_t left = -1, right = -1;
   };
 
   std::int32_t build(std::uint32_t first, std::uint32_t last, std::vector<Edge>& boundary);
-  [[nodiscard]] double cluster(const Node& node, const Vector3& point) const noexcept;
 
   std::vector<Vector3> vertices_;
   std::vector<Triangle> triangles_;
-  std::vector<Edge> edges_;
+  std::vector<EdgeBlock> blocks_;       ///< of all nodes
+  std::vector<DirectedEdge> boundary_;  ///< of the mesh
   std::vector<Node> nodes_;
 };
 
