@@ -258,6 +258,7 @@ Json to_json(const VerifyReport& report) {
   json["direction_error_deg"] = {{"p50", report.direction_p50 * degrees},
                                  {"p99", report.direction_p99 * degrees},
                                  {"max", report.direction_max * degrees}};
+  json["directions"] = report.directions;
   json["direction_contested"] = report.direction_contested;
   json["direction_contested_error_deg"] = {{"p50", report.contested_p50 * degrees},
                                            {"p99", report.contested_p99 * degrees},

@@ -72,10 +72,15 @@ Jump measure(const JumpSetting& setting, const std::vector<Leaf>& leaves, std::u
     jump = draw(setting, leaves, index * max_draws + attempt);
   }
   if (!jump.drawn) return jump;
+  const bool directed = index < most_directions;
+  if (!directed && setting.surface.closed()) {
+    jump.direction = -1;
+    return jump;
+  }
   const Vector3 closest = setting.surface.closest(jump.place).position;
   jump.near_hole = setting.surface.border_distance(closest) < setting.near_hole;
   if (jump.near_hole) return jump;
-  if ((jump.place - closest).norm() < min_distance_of_direction) {
+  if (!directed || (jump.place - closest).norm() < min_distance_of_direction) {
     jump.direction = -1;
   } else {
     jump.contested = setting.surface.contested(jump.place, closest, 2 * setting.tolerance);

@@ -114,6 +114,11 @@ struct ExactSurface::Implementation {
     border.accelerate_distance_queries();
   }
 
+  [[nodiscard]] SurfacePoint surface_point(const TriangleBvh::Point_and_primitive_id& found) const {
+    return {from_cgal(found.first), area_vector(*found.second).normalized(),
+            static_cast<std::size_t>(found.second - triangles.begin())};
+  }
+
   /// The triangles that come within a distance of a point, nearest first.
   [[nodiscard]] std::vector<Candidate> within(const Vector3& point, double radius) const {
     std::vector<Triangles::const_iterator> near;
@@ -157,9 +162,15 @@ bool ExactSurface::inside(const Vector3& point) const noexcept {
 }
 
 SurfacePoint ExactSurface::closest(const Vector3& point) const {
-  const auto [position, triangle] =
-      implementation_->tree.closest_point_and_primitive(to_cgal(point));
-  return {from_cgal(position), area_vector(*triangle).normalized()};
+  return implementation_->surface_point(
+      implementation_->tree.closest_point_and_primitive(to_cgal(point)));
+}
+
+SurfacePoint ExactSurface::closest(const Vector3& point, const SurfacePoint& from) const {
+  const auto triangle =
+      implementation_->triangles.begin() + static_cast<std::ptrdiff_t>(from.triangle);
+  return implementation_->surface_point(implementation_->tree.closest_point_and_primitive(
+      to_cgal(point), {to_cgal(from.position), triangle}));
 }
 
 SurfacePoint ExactSurface::at(double choice, double a, double b) const {
@@ -173,7 +184,7 @@ SurfacePoint ExactSurface::at(double choice, double a, double b) const {
   const double root = std::sqrt(a);
   const Vector3 position = (1 - root) * corner(triangle, 0) + root * (1 - b) * corner(triangle, 1) +
                            root * b * corner(triangle, 2);
-  return {position, area_vector(triangle).normalized()};
+  return {position, area_vector(triangle).normalized(), static_cast<std::size_t>(index)};
 }
 
 bool ExactSurface::contested(const Vector3& point, const Vector3& closest, double window) const {
@@ -205,6 +216,8 @@ Rivals ExactSurface::rivals(const Vector3& point, const Vector3& closest, double
   }
   return rivals;
 }
+
+bool ExactSurface::closed() const noexcept { return implementation_->segments.empty(); }
 
 double ExactSurface::border_distance(const Vector3& point) const {
   if (implementation_->segments.empty()) return std::numeric_limits<double>::infinity();

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <cstddef>
 #include <memory>
 
 #include "baker/mesh/mesh.hpp"
@@ -12,6 +13,7 @@ namespace spm::baker {
 struct SurfacePoint {
   Vector3 position = Vector3::Zero();
   Vector3 normal = Vector3::Zero();
+  std::size_t triangle = 0;  ///< of the outer surface
 };
 
 /// The features of a surface that compete for being the closest.
@@ -39,6 +41,8 @@ class ExactSurface {
 
   /// The closest point of the outer surface.
   [[nodiscard]] SurfacePoint closest(const Vector3& point) const;
+  /// The same; sooner found from a point of the surface that is not far off.
+  [[nodiscard]] SurfacePoint closest(const Vector3& point, const SurfacePoint& from) const;
 
   /// A point of the surface, uniform by area for `choice`, `a` and `b` uniform in [0, 1).
   [[nodiscard]] SurfacePoint at(double choice, double a, double b) const;
@@ -52,6 +56,8 @@ class ExactSurface {
   /// those features' directions.
   [[nodiscard]] Rivals rivals(const Vector3& point, const Vector3& closest, double window,
                               const Vector3& direction) const;
+
+  [[nodiscard]] bool closed() const noexcept;  ///< the mesh has no border edge
 
   /// Distance from a point to the nearest border edge of the mesh; infinite for a closed mesh.
   [[nodiscard]] double border_distance(const Vector3& point) const;

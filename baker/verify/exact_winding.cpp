@@ -11,7 +11,7 @@
 namespace spm::baker {
 namespace {
 
-constexpr std::uint32_t leaf_triangles = 6;
+constexpr std::uint32_t leaf_triangles = 2 * edge_lanes;
 
 /// The directed edges that remain after those that run in both directions cancelled; sorted.
 std::vector<std::array<std::uint32_t, 2>> cancelled(
@@ -69,10 +69,7 @@ std::int32_t ExactWinding::build(std::uint32_t first, std::uint32_t last,
 
   std::vector<Edge> edges;
   if (last - first <= leaf_triangles) {
-    for (std::uint32_t t = first; t < last; ++t) {
-      const Triangle& corners = triangles_[t];
-      for (std::size_t i = 0; i < 3; ++i) edges.push_back({corners[i], corners[(i + 1) % 3]});
-    }
+    add_leaf(node, edges);
   } else {
     Eigen::Index axis = 0;
     (node.high - node.low).maxCoeff(&axis);
@@ -103,32 +100,44 @@ std::int32_t ExactWinding::build(std::uint32_t first, std::uint32_t last,
   return index;
 }
 
+/// Lays the triangles of a leaf in blocks, and adds their edges.
+void ExactWinding::add_leaf(Node& node, std::vector<Edge>& edges) {
+  std::vector<std::array<Vector3, 3>> corners;
+  corners.reserve(node.last - node.first);
+  for (std::uint32_t t = node.first; t < node.last; ++t) {
+    const auto& [a, b, c] = triangles_[t];
+    corners.push_back({vertices_[a], vertices_[b], vertices_[c]});
+    for (const Edge& edge : {Edge{a, b}, Edge{b, c}, Edge{c, a}}) edges.push_back(edge);
+  }
+  const std::vector<TriangleBlock> blocks = triangle_blocks(corners);
+  node.first_triangles = static_cast<std::uint32_t>(leaves_.size());
+  leaves_.insert(leaves_.end(), blocks.begin(), blocks.end());
+  node.last_triangles = static_cast<std::uint32_t>(leaves_.size());
+}
+
 double ExactWinding::at(const Vector3& point) const noexcept {
   if (nodes_.empty()) return 0;
   std::array<std::int32_t, 64> stack{};  // the tree halves, so it is at most 32 deep
   std::size_t depth = 0;
   stack[depth++] = 0;
-  AngleSum fans;
-  double triangles = 0;
+  AngleSum sum;
   while (depth > 0) {
     const Node& node = nodes_[static_cast<std::size_t>(stack[--depth])];
     const bool outside =
         (point.array() < node.low.array()).any() || (point.array() > node.high.array()).any();
-    if (outside && node.edges <= node.last - node.first) {
-      fans.add_fan({blocks_.data() + node.first_block, blocks_.data() + node.last_block}, node.apex,
-                   point);
+    const std::uint32_t triangles = node.last - node.first;
+    if (outside && node.edges <= triangles) {
+      sum.add_fan({blocks_.data() + node.first_block, blocks_.data() + node.last_block}, node.apex,
+                  point);
     } else if (node.left < 0) {
-      for (std::uint32_t t = node.first; t < node.last; ++t) {
-        const Triangle& corners = triangles_[t];
-        triangles += triangle_winding(point, vertices_[corners[0]], vertices_[corners[1]],
-                                      vertices_[corners[2]]);
-      }
+      sum.add_triangles(
+          {leaves_.data() + node.first_triangles, leaves_.data() + node.last_triangles}, point);
     } else {
       stack[depth++] = node.left;
       stack[depth++] = node.right;
     }
   }
-  return triangles + fans.total() / (2 * std::numbers::pi);
+  return sum.total() / (2 * std::numbers::pi);
 }
 
 double ExactWinding::variation(const Vector3& point, double distance) const noexcept {

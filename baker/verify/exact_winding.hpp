@@ -36,17 +36,20 @@ class ExactWinding {
 
   struct Node {
     Vector3 low, high, apex;
-    std::uint32_t first = 0, last = 0;              ///< triangles
-    std::uint32_t edges = 0;                        ///< of the boundary
-    std::uint32_t first_block = 0, last_block = 0;  ///< they, directed
+    std::uint32_t first = 0, last = 0;                      ///< triangles
+    std::uint32_t edges = 0;                                ///< of the boundary
+    std::uint32_t first_block = 0, last_block = 0;          ///< they, directed
+    std::uint32_t first_triangles = 0, last_triangles = 0;  ///< of a leaf, in blocks
     std::int32_t left = -1, right = -1;
   };
 
+  void add_leaf(Node& node, std::vector<Edge>& edges);
   std::int32_t build(std::uint32_t first, std::uint32_t last, std::vector<Edge>& boundary);
 
   std::vector<Vector3> vertices_;
   std::vector<Triangle> triangles_;
-  std::vector<EdgeBlock> blocks_;       ///< of all nodes
+  std::vector<EdgeBlock> blocks_;  ///< of all nodes
+  std::vector<TriangleBlock> leaves_;
   std::vector<DirectedEdge> boundary_;  ///< of the mesh
   std::vector<Node> nodes_;
 };

@@ -57,57 +57,79 @@ HWY_INLINE bool small(const Complex& number) {
   return hn::AllTrue(tag, hn::And(turned, sized));
 }
 
-/// Triangles from an apex to edges; all are seen from the point.
-struct Fan {
-  Vectors point, apex;
+/// Corners of triangles, seen from the point. Where a triangle is seen small, x is about four
+/// lengths cubed, and `scale` times that about 1; in a corner it is 0.
+struct Apexes {
+  Vectors at;
   Doubles length, scale;
 
-  HWY_INLINE Fan(const Vector3& seen_apex, const Vector3& from)
-      : point(set(from)), apex(set(seen_apex)), length(hn::Set(Tag(), seen_apex.norm())) {
-    // Of a triangle that is seen small, x is about four lengths cubed.
-    scale = hn::Div(hn::Set(Tag(), 0.25), hn::Mul(length, hn::Mul(length, length)));
-  }
-  /// Half the solid angle is that of x + i y.
-  HWY_INLINE Complex half_angles(const EdgeBlock& edges, std::size_t k) const {
-    const Vectors b = seen(edges.from, k, point), c = seen(edges.to, k, point);
-    const Doubles length_b = hn::Sqrt(dot(b, b)), length_c = hn::Sqrt(dot(c, c));
-    const Doubles x = hn::Add(
-        hn::Add(hn::Mul(hn::Mul(length, length_b), length_c), hn::Mul(dot(apex, b), length_c)),
-        hn::Add(hn::Mul(dot(b, c), length), hn::Mul(dot(c, apex), length_b)));
-    return {hn::Mul(x, scale), hn::Mul(dot(apex, cross(b, c)), scale)};
+  HWY_INLINE explicit Apexes(const Vectors& seen_apex)
+      : at(seen_apex), length(hn::Sqrt(dot(at, at))) {
+    const Doubles cube = hn::Mul(length, hn::Mul(length, length));
+    scale = hn::Div(hn::Set(Tag(), 0.25), hn::Max(cube, hn::Set(Tag(), 1e-300)));
   }
 };
 
+/// Half the solid angles of the triangles from the apexes to the edges are those of x + i y.
+HWY_INLINE Complex half_angles(const Apexes& apex, const EdgeBlock& edges, std::size_t k,
+                               const Vectors& point) {
+  const Vectors b = seen(edges.from, k, point), c = seen(edges.to, k, point);
+  const Doubles length_b = hn::Sqrt(dot(b, b)), length_c = hn::Sqrt(dot(c, c));
+  const Doubles x =
+      hn::Add(hn::Add(hn::Mul(hn::Mul(apex.length, length_b), length_c),
+                      hn::Mul(dot(apex.at, b), length_c)),
+              hn::Add(hn::Mul(dot(b, c), apex.length), hn::Mul(dot(c, apex.at), length_b)));
+  return {hn::Mul(x, apex.scale), hn::Mul(dot(apex.at, cross(b, c)), apex.scale)};
+}
+
+/// Multiplies angles into a product, all lanes before any decision, so that the number of lanes of
+/// the processor changes nothing. Returns what was added to the sum instead.
+template <class AnglesFrom>
+HWY_INLINE double multiply(AngleSum::Lanes& product, const AnglesFrom& angles_from) {
+  const Tag tag;
+  AngleSum::Lanes angles, both;
+  bool small_angles = true, small_both = true;
+  for (std::size_t k = 0; k < edge_lanes; k += hn::Lanes(tag)) {
+    const Complex angle = angles_from(k);
+    const Doubles x = hn::Load(tag, product.x.data() + k), y = hn::Load(tag, product.y.data() + k);
+    const Complex turned{hn::Sub(hn::Mul(x, angle.x), hn::Mul(y, angle.y)),
+                         hn::Add(hn::Mul(x, angle.y), hn::Mul(y, angle.x))};
+    hn::Store(angle.x, tag, angles.x.data() + k);
+    hn::Store(angle.y, tag, angles.y.data() + k);
+    hn::Store(turned.x, tag, both.x.data() + k);
+    hn::Store(turned.y, tag, both.y.data() + k);
+    small_angles = small_angles && small(angle);
+    small_both = small_both && small(turned);
+  }
+  if (!small_angles) return angles.angle();
+  if (!small_both) {
+    product = {};
+    return both.angle();
+  }
+  product = both;
+  return 0;
+}
+
 double add_fan(std::span<const EdgeBlock> edges, const Vector3& apex, const Vector3& point,
                AngleSum::Lanes& product) {
-  const Tag tag;
-  const Fan fan(apex - point, point);
+  const Vectors from = set(point);
+  const Apexes apexes(set(apex - point));
   double sum = 0;
   for (const EdgeBlock& block : edges) {
-    // All lanes before any decision, so that the number of lanes of the processor changes nothing.
-    AngleSum::Lanes angles, both;
-    bool small_angles = true, small_both = true;
-    for (std::size_t k = 0; k < edge_lanes; k += hn::Lanes(tag)) {
-      const Complex angle = fan.half_angles(block, k);
-      const Doubles x = hn::Load(tag, product.x.data() + k),
-                    y = hn::Load(tag, product.y.data() + k);
-      const Complex turned{hn::Sub(hn::Mul(x, angle.x), hn::Mul(y, angle.y)),
-                           hn::Add(hn::Mul(x, angle.y), hn::Mul(y, angle.x))};
-      hn::Store(angle.x, tag, angles.x.data() + k);
-      hn::Store(angle.y, tag, angles.y.data() + k);
-      hn::Store(turned.x, tag, both.x.data() + k);
-      hn::Store(turned.y, tag, both.y.data() + k);
-      small_angles = small_angles && small(angle);
-      small_both = small_both && small(turned);
-    }
-    if (!small_angles) {
-      sum += angles.angle();
-    } else if (!small_both) {
-      sum += both.angle();
-      product = {};
-    } else {
-      product = both;
-    }
+    sum += multiply(product,
+                    [&](std::size_t k) HWY_ATTR { return half_angles(apexes, block, k, from); });
+  }
+  return sum;
+}
+
+double add_triangles(std::span<const TriangleBlock> triangles, const Vector3& point,
+                     AngleSum::Lanes& product) {
+  const Vectors from = set(point);
+  double sum = 0;
+  for (const TriangleBlock& block : triangles) {
+    sum += multiply(product, [&](std::size_t k) HWY_ATTR {
+      return half_angles(Apexes(seen(block.apex, k, from)), block.base, k, from);
+    });
   }
   return sum;
 }
@@ -119,6 +141,18 @@ HWY_AFTER_NAMESPACE();
 namespace spm::baker {
 
 HWY_EXPORT(add_fan);
+HWY_EXPORT(add_triangles);
+
+namespace {
+
+/// Writes a place into a lane.
+void put(const Vector3& place, std::size_t lane, EdgeBlock::Coordinates& coordinates) {
+  for (int axis = 0; axis < 3; ++axis) {
+    coordinates[static_cast<std::size_t>(axis)][lane] = place[axis];
+  }
+}
+
+}  // namespace
 
 double AngleSum::Lanes::angle() const {
   double sum = 0;
@@ -135,17 +169,31 @@ void AngleSum::add_fan(std::span<const EdgeBlock> edges, const Vector3& apex,
   sum_ += HWY_DYNAMIC_DISPATCH(add_fan)(edges, apex, point, product_);
 }
 
+void AngleSum::add_triangles(std::span<const TriangleBlock> triangles, const Vector3& point) {
+  sum_ += HWY_DYNAMIC_DISPATCH(add_triangles)(triangles, point, product_);
+}
+
 std::vector<EdgeBlock> edge_blocks(std::span<const DirectedEdge> edges) {
   std::vector<EdgeBlock> blocks((edges.size() + edge_lanes - 1) / edge_lanes);
-  for (std::size_t lane = 0; lane < edge_lanes * blocks.size(); ++lane) {
-    const bool is_edge = lane < edges.size();
-    const DirectedEdge& edge = is_edge ? edges[lane] : edges.back();
-    for (int axis = 0; axis < 3; ++axis) {
-      const auto a = static_cast<std::size_t>(axis);
-      EdgeBlock& block = blocks[lane / edge_lanes];
-      block.from[a][lane % edge_lanes] = edge[0][axis];
-      block.to[a][lane % edge_lanes] = edge[is_edge ? 1 : 0][axis];
-    }
+  for (std::size_t i = 0; i < edge_lanes * blocks.size(); ++i) {
+    const bool is_edge = i < edges.size();
+    const DirectedEdge& edge = is_edge ? edges[i] : edges.back();
+    EdgeBlock& block = blocks[i / edge_lanes];
+    put(edge[0], i % edge_lanes, block.from);
+    put(edge[is_edge ? 1 : 0], i % edge_lanes, block.to);
+  }
+  return blocks;
+}
+
+std::vector<TriangleBlock> triangle_blocks(std::span<const std::array<Vector3, 3>> triangles) {
+  std::vector<TriangleBlock> blocks((triangles.size() + edge_lanes - 1) / edge_lanes);
+  for (std::size_t i = 0; i < edge_lanes * blocks.size(); ++i) {
+    const bool is_triangle = i < triangles.size();
+    const std::array<Vector3, 3>& corners = is_triangle ? triangles[i] : triangles.back();
+    TriangleBlock& block = blocks[i / edge_lanes];
+    put(corners[0], i % edge_lanes, block.apex);
+    put(corners[1], i % edge_lanes, block.base.from);
+    put(corners[is_triangle ? 2 : 1], i % edge_lanes, block.base.to);
   }
   return blocks;
 }

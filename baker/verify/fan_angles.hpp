@@ -23,6 +23,14 @@ struct EdgeBlock {
 using DirectedEdge = std::array<Vector3, 2>;
 [[nodiscard]] std::vector<EdgeBlock> edge_blocks(std::span<const DirectedEdge> edges);
 
+/// Triangles in the same form: `apex` is the corner that their edges, `base`, do not touch.
+struct TriangleBlock {
+  alignas(32) EdgeBlock::Coordinates apex{};
+  EdgeBlock base;
+};
+[[nodiscard]] std::vector<TriangleBlock> triangle_blocks(
+    std::span<const std::array<Vector3, 3>> triangles);
+
 /// A sum of angles, radians. Small ones are added by multiplying complex numbers, four at a time,
 /// which takes a tenth of the time of an arc tangent each.
 class AngleSum {
@@ -30,8 +38,11 @@ class AngleSum {
   [[nodiscard]] double total() const;
 
   /// Adds half the solid angles under which `point` sees the triangles from an apex to each edge
-  /// (Van Oosterom and Strackee 1983). `point` must not be the apex.
+  /// (Van Oosterom and Strackee 1983). A triangle with the point as a corner counts nothing.
   void add_fan(std::span<const EdgeBlock> edges, const Vector3& apex, const Vector3& point);
+
+  /// The same for triangles that have no corner in common.
+  void add_triangles(std::span<const TriangleBlock> triangles, const Vector3& point);
 
   /// Complex numbers x + i y.
   struct Lanes {

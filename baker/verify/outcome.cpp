@@ -83,14 +83,15 @@ void add_directions(const std::vector<Outcome>& outcomes, VerifyReport& report) 
   std::vector<double> clear, contested;
   std::uint64_t left_out = 0;
   for (const Outcome& outcome : outcomes) {
-    if (!outcome.drawn) continue;
+    if (!outcome.drawn || !outcome.directed) continue;
+    ++report.directions;
     left_out += outcome.contested ? 1 : 0;
     if (outcome.direction_error < 0) continue;
     (outcome.contested ? contested : clear).push_back(outcome.direction_error);
   }
   std::sort(clear.begin(), clear.end());
   std::sort(contested.begin(), contested.end());
-  report.direction_contested = share_of(left_out, report.samples);
+  report.direction_contested = share_of(left_out, report.directions);
   report.direction_p50 = quantile(clear, 0.5);
   report.direction_p99 = quantile(clear, 0.99);
   report.direction_max = quantile(clear, 1);

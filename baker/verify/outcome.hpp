@@ -10,6 +10,10 @@
 
 namespace spm::baker {
 
+/// Directions are looked at in the first places alone, of samples, of hard places and of jumps:
+/// which others compete takes longer to find out than all else, and quantiles of these are sharp.
+inline constexpr std::uint64_t most_directions = 100'000;
+
 /// Nearer to the surface, m, the direction is lost in rounding.
 inline constexpr double min_distance_of_direction = 2e-6;
 /// Nearer to a border edge of the mesh, as a share of the diagonal, no side is defined.
@@ -40,6 +44,7 @@ struct Outcome {
   double smoothing_error = 0;
   double total_error = 0;
   Source source = Source::none;
+  bool directed = false;        ///< its direction was looked at
   double direction_error = -1;  ///< rad; negative where no direction is defined or answered
   bool contested = false;       ///< the error is from the nearest of the directions that compete
 };

@@ -84,7 +84,8 @@ Vector3 draw(const Setting& setting, std::uint64_t index, Outcome& outcome) {
                         ? adversarial_place(setting.surface, setting.view, setting.tolerance,
                                             setting.seed, index * max_draws + attempt)
                         : Vector3(start.position + offset * start.normal);
-    closest = setting.surface.closest(outcome.point).position;
+    closest = setting.adversarial ? setting.surface.closest(outcome.point).position
+                                  : setting.surface.closest(outcome.point, start).position;
     const double distance = (outcome.point - closest).norm();
     // The side is computed last, since that takes by far the longest.
     if (distance > std::max(setting.band.max_depth, setting.band.margin)) continue;
@@ -118,10 +119,13 @@ Outcome measure(const Setting& setting, std::uint64_t index) {
   if (!outcome.drawn) return outcome;
   const Answer answer = query_point(setting.view, outcome.point);
   judge_distance(setting, answer, outcome);
-  const DirectionError direction = direction_error(
-      setting.surface, {outcome.point, closest, outcome.truth}, setting.tolerance, answer);
-  outcome.contested = direction.contested;
-  outcome.direction_error = direction.angle;
+  outcome.directed = index < most_directions;
+  if (outcome.directed) {
+    const DirectionError direction = direction_error(
+        setting.surface, {outcome.point, closest, outcome.truth}, setting.tolerance, answer);
+    outcome.contested = direction.contested;
+    outcome.direction_error = direction.angle;
+  }
   if (setting.unsmoothed != nullptr) judge_smoothing(*setting.unsmoothed, outcome);
   return outcome;
 }

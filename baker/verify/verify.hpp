@@ -87,7 +87,8 @@ struct JumpReport {
 struct VerifyReport {
   ErrorSummary distance;                                           ///< m
   double direction_p50 = 0, direction_p99 = 0, direction_max = 0;  ///< rad
-  double direction_contested = 0;  ///< share of the samples left out of these directions
+  std::uint64_t directions = 0;    ///< how many of the samples these are of
+  double direction_contested = 0;  ///< share of these that is left out of them
   /// There, from the nearest of the directions that compete, rad.
   double contested_p50 = 0, contested_p99 = 0, contested_max = 0;
   double inside_as_outside = 0;  ///< share of the samples farther than the tolerance

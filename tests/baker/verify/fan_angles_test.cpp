@@ -49,6 +49,25 @@ TEST_CASE("The angles of a fan are those of its triangles, near and far, for any
   }
 }
 
+TEST_CASE("The angles of triangles are theirs, near and far, and in a corner none") {
+  for (std::uint64_t seed = 0; seed < 200; ++seed) {
+    const std::vector<DirectedEdge> edges = random_edges(seed, 1 + seed % 11, 0.1);
+    const std::vector<DirectedEdge> apexes = random_edges(seed + 1000, 1 + seed % 11, 0.1);
+    std::vector<std::array<Vector3, 3>> triangles;
+    for (std::size_t i = 0; i < edges.size(); ++i) {
+      triangles.push_back({apexes[i][0], edges[i][0], edges[i][1]});
+    }
+    for (const Vector3& point :
+         {Vector3(0.01, 0.02, -0.03), Vector3(3, 2, 1), triangles[0][seed % 3]}) {
+      double turns = 0;
+      for (const auto& [a, b, c] : triangles) turns += triangle_winding(point, a, b, c);
+      AngleSum sum;
+      sum.add_triangles(triangle_blocks(triangles), point);
+      CHECK(sum.total() == Approx(2 * std::numbers::pi * turns).margin(1e-9));
+    }
+  }
+}
+
 TEST_CASE("Several fans add up in one sum, also where their angles make many turns") {
   const Vector3 point(0.004, 0.001, -0.002);
   AngleSum sum;
