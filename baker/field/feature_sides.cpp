@@ -22,6 +22,11 @@ constexpr double rounding = 1e-9;
 /// How far beside a part of the surface the solid is asked, of the tolerance: the farthest where
 /// the part is still what is nearest, since nearer than the tolerance the side does not matter.
 constexpr std::array<double, 5> beside{1, 0.5, 0.25, 0.125, 0.0625};
+/// A query in single precision takes a part of the surface for the nearest one up to about this
+/// angle (rad) outside the cone in which it is; and there it is farther off by no more than this
+/// share.
+constexpr double blurred = 0.01;
+constexpr double blurred_away = 1e-4;
 /// Nearer than so many displacements the solid is not asked.
 constexpr double least_displacements = 4;
 /// The ways from a side are turned about it by these, rad.
@@ -34,28 +39,39 @@ struct Sector {
   std::uint32_t triangle = 0;
 };
 
-/// A direction in which a place lies whose nearest point of a cone is its tip, well within all of
-/// these; empty where there is none or where they are all but one line.
-std::optional<Vector3> away_from(std::span<const Vector3> directions) {
-  Vector3 sum = Vector3::Zero();
-  for (const Vector3& direction : directions) sum -= direction;
-  const auto fits = [&](const Vector3& way) {
-    return std::all_of(directions.begin(), directions.end(),
-                       [&](const Vector3& d) { return d.dot(way) <= rounding; });
-  };
-  if (sum.norm() > rounding && fits(sum.normalized())) return sum.normalized();
-  // The cone's own edges are perpendicular to two of the directions.
-  Vector3 edges = Vector3::Zero();
+/// Whether a way leads away from all directions, or towards them by no more than the slack.
+bool leads_away(const Vector3& way, std::span<const Vector3> directions, double slack) {
+  return std::all_of(directions.begin(), directions.end(),
+                     [&](const Vector3& d) { return d.dot(way) <= slack; });
+}
+
+/// The edges of the cone of ways that lead away from all directions, or nearly: each is
+/// perpendicular to two of them.
+std::vector<Vector3> cone_edges(std::span<const Vector3> directions, double slack) {
+  std::vector<Vector3> edges;
   const std::size_t count = std::min(directions.size(), most_directions);
   for (std::size_t i = 0; i < count; ++i) {
     for (std::size_t k = i + 1; k < count; ++k) {
       const Vector3 across = directions[i].cross(directions[k]);
       if (!(across.norm() > rounding)) continue;
       for (const Vector3& way : {Vector3(across.normalized()), Vector3(-across.normalized())}) {
-        if (fits(way)) edges += way;
+        if (leads_away(way, directions, slack)) edges.push_back(way);
       }
     }
   }
+  return edges;
+}
+
+/// A direction in which a place lies whose nearest point of a cone is its tip, well within all of
+/// these; empty where there is none or where they are all but one line.
+std::optional<Vector3> away_from(std::span<const Vector3> directions) {
+  Vector3 sum = Vector3::Zero();
+  for (const Vector3& direction : directions) sum -= direction;
+  if (sum.norm() > rounding && leads_away(sum.normalized(), directions, rounding)) {
+    return sum.normalized();
+  }
+  Vector3 edges = Vector3::Zero();
+  for (const Vector3& edge : cone_edges(directions, rounding)) edges += edge;
   if (!(edges.norm() > rounding)) return std::nullopt;
   return edges.normalized();
 }
@@ -71,6 +87,14 @@ std::optional<Vector3> flat_normal(std::span<const Sector> around) {
   });
   return flat ? std::optional(axis) : std::nullopt;
 }
+
+/// What tells the side at a part of a triangle.
+struct PartSide {
+  FeatureSide side = FeatureSide::by_normal;
+  /// false where the solid says nothing of a face, or places at a side or a corner are on both
+  /// sides, as where a sliver was folded by rounding
+  bool sure = true;
+};
 
 /// The triangles at each side and each corner.
 class Neighbours {
@@ -95,9 +119,9 @@ class Neighbours {
     }
   }
 
-  [[nodiscard]] FeatureSide at_face(std::uint32_t t) const { return faces_[t]; }
+  [[nodiscard]] PartSide at_face(std::uint32_t t) const { return faces_[t]; }
 
-  [[nodiscard]] FeatureSide at_side(std::uint32_t a, std::uint32_t b) const {
+  [[nodiscard]] PartSide at_side(std::uint32_t a, std::uint32_t b) const {
     const Vector3 along = (surface_.vertices[b] - surface_.vertices[a]).normalized();
     std::vector<Sector> around;
     std::vector<Vector3> directions;
@@ -113,7 +137,7 @@ class Neighbours {
     return side_of(around, directions, is_paired(a, b), middle, along);
   }
 
-  [[nodiscard]] FeatureSide at_corner(std::uint32_t vertex) const {
+  [[nodiscard]] PartSide at_corner(std::uint32_t vertex) const {
     std::vector<Sector> around;
     std::vector<Vector3> directions;
     bool simple = true;
@@ -139,7 +163,7 @@ class Neighbours {
   std::map<std::pair<std::uint32_t, std::uint32_t>, std::vector<std::uint32_t>> sides_;
   std::vector<std::vector<std::uint32_t>> corners_;
   std::vector<Vector3> normals_;
-  std::vector<FeatureSide> faces_;
+  std::vector<PartSide> faces_;
 
   /// Whether places beside one on the surface are inside. Empty where something else is nearer.
   [[nodiscard]] std::optional<bool> inside_at(const Vector3& place, const Vector3& away) const {
@@ -147,61 +171,72 @@ class Neighbours {
       const double way = share * asked_.tolerance;
       if (way < least_displacements * asked_.displacement) break;
       const ClosestPoint closest = asked_.solid.closest(place + way * away);
-      const double slack = asked_.displacement + rounding * way;
+      const double slack = asked_.displacement + blurred_away * way;
       if (std::abs(closest.clearance - way) <= slack) return closest.distance < 0;
     }
     return std::nullopt;
   }
 
   /// A normal tells the side, but where its triangle is folded or was turned over by rounding.
-  [[nodiscard]] FeatureSide across(const Vector3& place, const Vector3& normal) const {
+  [[nodiscard]] PartSide across(const Vector3& place, const Vector3& normal) const {
     const std::optional<bool> above = inside_at(place, normal), below = inside_at(place, -normal);
-    if (!above && !below) return FeatureSide::by_normal;
+    if (!above && !below) return {FeatureSide::by_normal, false};
     const bool first = above.value_or(!below.value_or(true));
     const bool second = below.value_or(!first);
-    if (first != second) return first ? FeatureSide::against_normal : FeatureSide::by_normal;
-    return first ? FeatureSide::inside : FeatureSide::outside;
+    if (first != second) return {first ? FeatureSide::against_normal : FeatureSide::by_normal};
+    return {first ? FeatureSide::inside : FeatureSide::outside};
   }
 
-  /// The same for ways turned about a side, which must lead away from all `directions`.
-  [[nodiscard]] std::optional<bool> inside_about(const Vector3& place, const Vector3& away,
-                                                 const Vector3& along,
-                                                 std::span<const Vector3> directions) const {
+  /// Ways from a part to places that are nearest to it, also to those that are so by rounding.
+  /// `away` leads well away from all directions, where there is such a way; `along` is that of a
+  /// side.
+  [[nodiscard]] static std::vector<Vector3> ways_from(const std::optional<Vector3>& away,
+                                                      const Vector3& along,
+                                                      std::span<const Vector3> directions) {
+    std::vector<Vector3> ways = cone_edges(directions, blurred);
     for (const double turn : turns) {
-      const Vector3 way = std::cos(turn) * away + std::sin(turn) * along.cross(away);
-      const bool leads = std::all_of(directions.begin(), directions.end(),
-                                     [&](const Vector3& d) { return d.dot(way) <= rounding; });
-      if (!leads) continue;
-      if (const std::optional<bool> inside = inside_at(place, way)) return inside;
-      if (along == Vector3::Zero()) break;
+      if (!away || (turn != 0 && along == Vector3::Zero())) break;
+      const Vector3 way = std::cos(turn) * *away + std::sin(turn) * along.cross(*away);
+      if (leads_away(way, directions, rounding)) ways.push_back(way);
     }
-    return std::nullopt;
+    return ways;
   }
 
-  [[nodiscard]] FeatureSide side_of(std::span<const Sector> around,
-                                    std::span<const Vector3> directions, bool simple,
-                                    const Vector3& place,
-                                    const Vector3& along = Vector3::Zero()) const {
+  /// The side of places along most of these ways; nothing where something else is nearer in all.
+  [[nodiscard]] std::optional<PartSide> side_along(const Vector3& place,
+                                                   std::span<const Vector3> ways) const {
+    int inside = 0, outside = 0;
+    for (const Vector3& way : ways) {
+      const std::optional<bool> is_there = inside_at(place, way);
+      if (is_there) ++(*is_there ? inside : outside);
+    }
+    if (inside + outside == 0) return std::nullopt;
+    return PartSide{inside > outside ? FeatureSide::inside : FeatureSide::outside,
+                    std::min(inside, outside) == 0};
+  }
+
+  [[nodiscard]] PartSide side_of(std::span<const Sector> around,
+                                 std::span<const Vector3> directions, bool simple,
+                                 const Vector3& place,
+                                 const Vector3& along = Vector3::Zero()) const {
     if (const auto normal = simple ? flat_normal(around) : std::nullopt) {
       const bool plain = std::all_of(around.begin(), around.end(), [&](const Sector& sector) {
-        return faces_[sector.triangle] == FeatureSide::by_normal;
+        return faces_[sector.triangle].side == FeatureSide::by_normal;
       });
-      return plain ? FeatureSide::by_normal : across(place, *normal);
+      return {plain ? FeatureSide::by_normal : across(place, *normal).side};
     }
     const std::optional<Vector3> away = away_from(directions);
     if (!away) {
-      // All but flat. Of sheets that lie on each other no normal tells.
+      // Nothing is nearest to it but by rounding. Of sheets that lie on each other no normal tells.
       const auto on = std::find_if(around.begin(), around.end(),
                                    [&](const Sector& sector) { return folded_[sector.triangle]; });
-      return on == around.end() ? FeatureSide::by_normal : at_face(on->triangle);
+      if (on != around.end()) return {at_face(on->triangle).side};
     }
-    if (const std::optional<bool> inside = inside_about(place, *away, along, directions)) {
-      return *inside ? FeatureSide::inside : FeatureSide::outside;
-    }
-    if (around.size() == 1) return FeatureSide::by_normal;
+    if (const auto side = side_along(place, ways_from(away, along, directions))) return *side;
+    if (!away || around.size() == 1) return {FeatureSide::by_normal};
     double sum = 0;
     for (const Sector& sector : around) sum += sector.angle * sector.normal.dot(*away);
-    return sum < 0 ? FeatureSide::inside : FeatureSide::outside;
+    return {sum < 0 ? FeatureSide::inside : FeatureSide::outside};
   }
 
   [[nodiscard]] std::uint32_t other(std::uint32_t t, std::uint32_t a, std::uint32_t b) const {
@@ -266,11 +301,16 @@ std::vector<FeatureSides> find_feature_sides(const OuterSurface& surface,
                                              const std::vector<bool>& folded,
                                              const AskedSolid& asked) {
   const Neighbours neighbours(surface, folded, asked);
-  std::vector<FeatureSide> corners(surface.vertices.size(), FeatureSide::by_normal);
+  std::vector<PartSide> corners(surface.vertices.size());
   std::vector<bool> known(surface.vertices.size(), false);
   std::vector<FeatureSides> sides(surface.triangles.size(), 0);
   for (std::uint32_t t = 0; t < surface.triangles.size(); ++t) {
-    sides[t] = pack_side(TriangleFeature::face, neighbours.at_face(t));
+    const PartSide face = neighbours.at_face(t);
+    // A part of which places are on both sides goes with its face.
+    const auto told = [&face](const PartSide& part) {
+      return part.sure || !face.sure ? part.side : face.side;
+    };
+    sides[t] = pack_side(TriangleFeature::face, face.side);
     for (unsigned k = 0; k < 3; ++k) {
       const std::uint32_t from = surface.triangles[t][k], to = surface.triangles[t][(k + 1) % 3];
       if (!known[from]) corners[from] = neighbours.at_corner(from);
@@ -278,8 +318,8 @@ std::vector<FeatureSides> find_feature_sides(const OuterSurface& surface,
       const auto side = static_cast<TriangleFeature>(1 + k);
       const auto corner = static_cast<TriangleFeature>(4 + k);
       sides[t] =
-          static_cast<FeatureSides>(sides[t] | pack_side(side, neighbours.at_side(from, to)) |
-                                    pack_side(corner, corners[from]));
+          static_cast<FeatureSides>(sides[t] | pack_side(side, told(neighbours.at_side(from, to))) |
+                                    pack_side(corner, told(corners[from])));
     }
   }
   return sides;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "baker/field/feature_sides.hpp"
 
+#include <algorithm>
 #include <array>
 #include <catch2/catch.hpp>
 #include <vector>
@@ -61,7 +62,43 @@ OuterSurface slotted_box(const Vector3& middle) {
   return surface;
 }
 
+/// A deck, seen from above its edge along x, that dips a little at the corner 0. Below it the side
+/// of the solid steps back there by a wall that overhangs. No place is nearest to that corner
+/// alone, but above it the deck's edge is nearer by no more than single precision tells.
+OuterSurface dipped_deck() {
+  OuterSurface surface;
+  surface.vertices = {{0, 0, 0},  {-5, 0, 0.0075}, {5, 0, 0.0075},  {5, 5, 0},
+                      {-5, 5, 0}, {-5, -1, -1},    {-0.04, -1, -1}, {-0.04, 0, -1},
+                      {5, 0, -1}, {5, 5, -1},      {-5, 5, -1}};
+  for (Vector3& vertex : surface.vertices) vertex *= 0.001;
+  surface.triangles = {{0, 2, 3},  {0, 3, 4},  {0, 4, 1},  {1, 5, 0}, {5, 6, 0},  {0, 6, 7},
+                       {0, 7, 8},  {0, 8, 2},  {2, 8, 3},  {8, 9, 3}, {3, 9, 4},  {9, 10, 4},
+                       {4, 10, 1}, {10, 5, 1}, {5, 10, 7}, {5, 7, 6}, {10, 9, 7}, {9, 8, 7}};
+  surface.surface_count = surface.triangles.size();
+  return surface;
+}
+
 }  // namespace
+
+TEST_CASE("A corner that nothing is nearest to tells the side of places that rounding gives it") {
+  const OuterSurface surface = dipped_deck();
+  const Caster caster(surface);
+  const std::vector<FeatureSides> sides = sides_of(surface);
+  for (const double x : {-1e-8, 0.0, 1e-8}) {
+    const Vector3 place(x, 0, 5e-5);
+    REQUIRE(caster.closest(place).distance > 4.9e-5);
+    for (std::size_t t = 0; t < surface.triangles.size(); ++t) {
+      const Triangle& triangle = surface.triangles[t];
+      const auto at = std::find(triangle.begin(), triangle.end(), 0U);
+      if (at == triangle.end()) continue;
+      const Vector3 &a = surface.vertices[triangle[0]], &b = surface.vertices[triangle[1]],
+                    &c = surface.vertices[triangle[2]];
+      const auto corner = static_cast<TriangleFeature>(4 + (at - triangle.begin()));
+      INFO("triangle " << t);
+      CHECK_FALSE(is_inside(sides[t], corner, (b - a).cross(c - a).dot(place)));
+    }
+  }
+}
 
 TEST_CASE("Caps that lie over each other or cross tell the side as the winding number does") {
   for (std::uint64_t seed = 0; seed < 20; ++seed) {
