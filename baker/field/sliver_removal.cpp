@@ -2,9 +2,9 @@
 #include "baker/field/sliver_removal.hpp"
 
 #include <algorithm>
-#include <cmath>
+#include <array>
 #include <map>
-#include <optional>
+#include <set>
 #include <utility>
 
 #include "baker/surface/join_vertices.hpp"
@@ -13,48 +13,35 @@ namespace spm::baker {
 
 namespace {
 
-/// Flips may make new slivers, which are turned in the next round.
-constexpr int rounds = 8;
+/// Of the height, one after the other: a sliver that could be split only along a side that was
+/// split before may be split again where less counts as one.
+constexpr std::array<double, 4> shares{1, 0.5, 0.25, 0.125};
 
 using Side = std::pair<std::uint32_t, std::uint32_t>;
 
 bool is_flat(const Triangle& t) { return t[0] == t[1] || t[1] == t[2] || t[2] == t[0]; }
 
-class Flipper {
+class SliverRemoval {
  public:
-  Flipper(const std::vector<Vector3>& vertices, double height,
-          std::vector<LooseTriangle>& triangles)
+  SliverRemoval(const std::vector<Vector3>& vertices, double height,
+                std::vector<LooseTriangle>& triangles)
       : vertices_(vertices),
         height_(height),
         triangles_(triangles),
-        displaced_(triangles.size(), 0) {}
-
-  /// m: of any place of the surface at most.
-  [[nodiscard]] double displacement() const {
-    return displaced_.empty() ? 0 : *std::max_element(displaced_.begin(), displaced_.end());
+        displaced_(triangles.size(), 0) {
+    for (std::uint32_t t = 0; t < triangles_.size(); ++t) meet(t);
   }
 
-  /// One round; false where nothing changed.
-  bool turn_all() {
-    sides_.clear();
-    for (std::uint32_t t = 0; t < triangles_.size(); ++t) {
-      const Triangle& corners = triangles_[t].corners;
-      for (std::size_t k = 0; k < 3; ++k) {
-        sides_[std::minmax(corners[k], corners[(k + 1) % 3])].push_back(t);
-      }
+  /// m: of any place of the surface at most.
+  [[nodiscard]] double displacement() const { return displacement_; }
+
+  /// Those with the longest sides first, so that parts of a side are never joined to it again.
+  void remove_all() {
+    while (!slivers_.empty()) {
+      const std::uint32_t t = slivers_.begin()->second;
+      slivers_.erase(slivers_.begin());
+      if (!cancel(t)) split_longest_side(t);
     }
-    std::vector<bool> touched(triangles_.size(), false);
-    bool changed = false;
-    for (std::uint32_t t = 0; t < triangles_.size(); ++t) {
-      if (touched[t] || height_of(triangles_[t].corners) >= height_) continue;
-      const std::size_t apex = apex_of(triangles_[t].corners);
-      const double height = height_of(triangles_[t].corners);
-      const std::optional<std::uint32_t> other = neighbour(t, apex);
-      if (!other || touched[*other] || !turn(t, *other, apex)) continue;
-      touched[t] = touched[*other] = changed = true;
-      displaced_[t] = displaced_[*other] = std::max(displaced_[t], displaced_[*other]) + height;
-    }
-    return changed;
   }
 
  private:
@@ -62,7 +49,10 @@ class Flipper {
   double height_;
   std::vector<LooseTriangle>& triangles_;
   std::vector<double> displaced_;  ///< m, by triangle
+  double displacement_ = 0;
   std::map<Side, std::vector<std::uint32_t>> sides_;
+  std::set<Side> split_;  ///< sides that were, which must not come back
+  std::set<std::pair<double, std::uint32_t>> slivers_;  ///< by the length of the longest side
 
   [[nodiscard]] double length(std::uint32_t a, std::uint32_t b) const {
     return (vertices_[a] - vertices_[b]).norm();
@@ -87,40 +77,99 @@ class Flipper {
     return longest > 0 ? area / longest : 0;
   }
 
-  /// The one triangle beyond the longest side, which passes it the other way.
-  [[nodiscard]] std::optional<std::uint32_t> neighbour(std::uint32_t t, std::size_t apex) const {
+  [[nodiscard]] bool has(std::uint32_t t, std::uint32_t corner) const {
     const Triangle& corners = triangles_[t].corners;
-    const std::uint32_t from = corners[(apex + 1) % 3], to = corners[(apex + 2) % 3];
-    const std::vector<std::uint32_t>& both = sides_.at(std::minmax(from, to));
-    if (both.size() != 2) return std::nullopt;
-    const std::uint32_t other = both[0] == t ? both[1] : both[0];
-    if (triangles_[other].cap != triangles_[t].cap) return std::nullopt;
-    const Triangle& there = triangles_[other].corners;
-    for (std::size_t k = 0; k < 3; ++k) {
-      if (there[k] == to && there[(k + 1) % 3] == from) return other;
-    }
-    return std::nullopt;
+    return std::count(corners.begin(), corners.end(), corner) > 0;
   }
 
-  /// Turns the side between a sliver and its neighbour; false where that makes it no better.
-  bool turn(std::uint32_t t, std::uint32_t other, std::size_t apex) {
+  void meet(std::uint32_t t) {
     const Triangle& corners = triangles_[t].corners;
-    const std::uint32_t c = corners[apex], a = corners[(apex + 1) % 3], b = corners[(apex + 2) % 3];
-    const Triangle& there = triangles_[other].corners;
-    const std::uint32_t o =
-        *std::find_if(there.begin(), there.end(), [&](auto v) { return v != a && v != b; });
-    if (o == c || sides_.contains(std::minmax(c, o))) return false;
-    const Triangle first{c, a, o}, second{c, o, b};
-    if (std::min(height_of(first), height_of(second)) <=
-        std::min(height_of(corners), height_of(there))) {
-      return false;
+    for (std::size_t k = 0; k < 3; ++k) {
+      sides_[std::minmax(corners[k], corners[(k + 1) % 3])].push_back(t);
     }
-    const bool bare = triangles_[t].bare || triangles_[other].bare;
-    triangles_[t].corners = first;
-    triangles_[other].corners = second;
-    triangles_[t].bare = triangles_[other].bare = bare;
-    sides_[std::minmax(c, o)] = {t, other};
-    return true;
+    if (height_of(corners) >= height_) return;
+    const std::size_t apex = apex_of(corners);
+    slivers_.emplace(-length(corners[(apex + 1) % 3], corners[(apex + 2) % 3]), t);
+  }
+
+  /// Takes a triangle away; its number stays, without a triangle.
+  void forget(std::uint32_t t) {
+    Triangle& corners = triangles_[t].corners;
+    for (std::size_t k = 0; k < 3; ++k) {
+      std::erase(sides_[std::minmax(corners[k], corners[(k + 1) % 3])], t);
+    }
+    const std::size_t apex = apex_of(corners);
+    slivers_.erase({-length(corners[(apex + 1) % 3], corners[(apex + 2) % 3]), t});
+    corners = {};
+  }
+
+  void add(const LooseTriangle& triangle, double displaced) {
+    triangles_.push_back(triangle);
+    displaced_.push_back(displaced);
+    displacement_ = std::max(displacement_, displaced);
+    meet(static_cast<std::uint32_t>(triangles_.size()) - 1);
+  }
+
+  /// Whether a side would still be there without so many of its triangles.
+  [[nodiscard]] bool stays(std::uint32_t a, std::uint32_t b, std::size_t without) const {
+    const auto found = sides_.find(std::minmax(a, b));
+    return found != sides_.end() && found->second.size() > without;
+  }
+
+  /// Takes away two slivers that lie on each other and face opposite ways.
+  bool cancel(std::uint32_t t) {
+    const auto [a, b, c] = triangles_[t].corners;
+    if (!stays(a, b, 2) || !stays(b, c, 2) || !stays(c, a, 2)) return false;
+    for (const std::uint32_t other : sides_.at(std::minmax(a, b))) {
+      Triangle turned = triangles_[other].corners;
+      while (turned[0] != b) std::rotate(turned.begin(), turned.begin() + 1, turned.end());
+      if (turned != Triangle{b, a, c}) continue;
+      displacement_ = std::max({displacement_, displaced_[t] + height_of(turned),
+                                displaced_[other] + height_of(turned)});
+      forget(other);
+      forget(t);
+      return true;
+    }
+    return false;
+  }
+
+  /// Leads the longest side of a sliver through its third corner, in all triangles that have it;
+  /// the sliver itself is gone then.
+  void split_longest_side(std::uint32_t t) {
+    const Triangle corners = triangles_[t].corners;
+    const std::size_t apex = apex_of(corners);
+    const std::uint32_t c = corners[apex];
+    const Side side = std::minmax(corners[(apex + 1) % 3], corners[(apex + 2) % 3]);
+    const std::vector<std::uint32_t> around = sides_.at(side);
+    const auto slivers = static_cast<std::size_t>(
+        std::count_if(around.begin(), around.end(), [&](auto other) { return has(other, c); }));
+    if (slivers == around.size() &&
+        (!stays(side.first, c, slivers) || !stays(c, side.second, slivers))) {
+      return;
+    }
+    for (const std::uint32_t other : around) {
+      for (const std::uint32_t o : triangles_[other].corners) {
+        if (split_.contains(std::minmax(c, o))) return;
+      }
+    }
+    split_.insert(side);
+    double displaced = 0;
+    bool bare = false;
+    for (const std::uint32_t other : around) {
+      displaced = std::max(displaced, displaced_[other] + height_of(corners));
+      bare = bare || triangles_[other].bare;
+    }
+    for (const std::uint32_t other : around) {
+      const LooseTriangle whole = triangles_[other];
+      forget(other);
+      if (std::count(whole.corners.begin(), whole.corners.end(), c) > 0) continue;
+      for (const std::uint32_t end : {side.first, side.second}) {
+        LooseTriangle part = whole;
+        part.bare = bare;
+        std::replace(part.corners.begin(), part.corners.end(), end, c);
+        add(part, displaced);
+      }
+    }
   }
 };
 
@@ -137,11 +186,15 @@ double remove_slivers(const std::vector<Vector3>& vertices, double height,
     }
   }
   std::erase_if(triangles, [](const LooseTriangle& t) { return is_flat(t.corners); });
-  Flipper flipper(vertices, height, triangles);
-  for (int round = 0; round < rounds; ++round) {
-    if (!flipper.turn_all()) break;
+  for (const double share : shares) {
+    SliverRemoval removal(vertices, share * height, triangles);
+    removal.remove_all();
+    displacement += removal.displacement();
+    std::erase_if(triangles, [](const LooseTriangle& t) { return is_flat(t.corners); });
   }
-  return displacement + flipper.displacement();
+  std::stable_partition(triangles.begin(), triangles.end(),
+                        [](const LooseTriangle& t) { return !t.cap; });
+  return displacement;
 }
 
 }  // namespace spm::baker

@@ -35,19 +35,12 @@ std::vector<std::array<std::uint32_t, 2>> cancelled(
 
 }  // namespace
 
-double triangle_winding(const Vector3& point, const Vector3& a, const Vector3& b,
-                        const Vector3& c) noexcept {
-  const Vector3 to_a = a - point, to_b = b - point, to_c = c - point;
-  const double length_a = to_a.norm(), length_b = to_b.norm(), length_c = to_c.norm();
-  const double x = length_a * length_b * length_c + to_a.dot(to_b) * length_c +
-                   to_b.dot(to_c) * length_a + to_c.dot(to_a) * length_b;
-  return std::atan2(to_a.dot(to_b.cross(to_c)), x) / (2 * std::numbers::pi);
-}
-
 ExactWinding::ExactWinding(const Mesh& mesh)
     : vertices_(mesh.vertices), triangles_(mesh.triangles) {
   std::vector<Edge> boundary;
   if (!triangles_.empty()) build(0, static_cast<std::uint32_t>(triangles_.size()), boundary);
+  vertices_ = {};
+  triangles_ = {};
 }
 
 std::int32_t ExactWinding::build(std::uint32_t first, std::uint32_t last,

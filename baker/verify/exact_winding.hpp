@@ -11,12 +11,6 @@
 
 namespace spm::baker {
 
-/// Signed solid angle of a triangle seen from a point, divided by 4 pi: the triangle's part of the
-/// winding number. Positive where the point is behind the triangle (Van Oosterom and Strackee
-/// 1983).
-[[nodiscard]] double triangle_winding(const Vector3& point, const Vector3& a, const Vector3& b,
-                                      const Vector3& c) noexcept;
-
 /// Generalised winding number of a mesh, exact up to rounding: 1 inside one part, 2 where two parts
 /// overlap, 0 outside, in between near holes. Seen from outside its box, a cluster of triangles has
 /// the solid angle of any surface with the same boundary. So a fan over its boundary edges replaces
@@ -46,9 +40,9 @@ class ExactWinding {
   void add_leaf(Node& node, std::vector<Edge>& edges);
   std::int32_t build(std::uint32_t first, std::uint32_t last, std::vector<Edge>& boundary);
 
-  std::vector<Vector3> vertices_;
-  std::vector<Triangle> triangles_;
-  std::vector<EdgeBlock> blocks_;  ///< of all nodes
+  std::vector<Vector3> vertices_;    ///< only while it is built
+  std::vector<Triangle> triangles_;  ///< the same
+  std::vector<EdgeBlock> blocks_;    ///< of all nodes
   std::vector<TriangleBlock> leaves_;
   std::vector<DirectedEdge> boundary_;  ///< of the mesh
   std::vector<Node> nodes_;

@@ -41,7 +41,7 @@ struct Setting {
   double tolerance;  ///< m
   double near_hole;  ///< m
   std::uint64_t seed;
-  bool adversarial = false;  ///< where the asset is likeliest wrong, not evenly all over
+  const AdversarialPlaces* adversarial = nullptr;  ///< else evenly all over
 };
 
 /// The change by smoothing at a sample's place, alone and together with the asset's own error.
@@ -80,12 +80,12 @@ Vector3 draw(const Setting& setting, std::uint64_t index, Outcome& outcome) {
                                                   random_unit(setting.seed, counter + 2));
     const double offset = -setting.band.max_depth + (setting.band.max_depth + setting.band.margin) *
                                                         random_unit(setting.seed, counter + 3);
-    outcome.point = setting.adversarial
-                        ? adversarial_place(setting.surface, setting.view, setting.tolerance,
-                                            setting.seed, index * max_draws + attempt)
+    outcome.point = setting.adversarial != nullptr
+                        ? setting.adversarial->at(setting.seed, index * max_draws + attempt)
                         : Vector3(start.position + offset * start.normal);
-    closest = setting.adversarial ? setting.surface.closest(outcome.point).position
-                                  : setting.surface.closest(outcome.point, start).position;
+    closest = setting.adversarial != nullptr
+                  ? setting.surface.closest(outcome.point).position
+                  : setting.surface.closest(outcome.point, start).position;
     const double distance = (outcome.point - closest).norm();
     // The side is computed last, since that takes by far the longest.
     if (distance > std::max(setting.band.max_depth, setting.band.margin)) continue;
@@ -194,7 +194,8 @@ VerifyReport verify_against(const Mesh& mesh, const AssetView& view, const Asset
   }
   const std::vector<Outcome> outcomes = measured(setting, options.samples);
   Setting hard = setting;
-  hard.adversarial = true;
+  const AdversarialPlaces places(surface, view, setting.tolerance);
+  hard.adversarial = &places;
   hard.seed = random_bits(setting.seed, 1);
   const std::vector<Outcome> hard_outcomes = measured(hard, options.samples / 2);
   VerifyReport report = report_of(outcomes, setting.tolerance);

@@ -55,7 +55,7 @@ struct NearHolesReport {
   Vector3 worst_point = Vector3::Zero();
 };
 
-/// Results at the places where an asset is likeliest wrong; see adversarial_place.
+/// Results at the places where an asset is likeliest wrong; see AdversarialPlaces.
 struct AdversarialReport {
   std::uint64_t samples = 0;
   Counts counts;

@@ -2,6 +2,7 @@
 #include "baker/field/sliver_removal.hpp"
 
 #include <catch2/catch.hpp>
+#include <cstddef>
 #include <map>
 
 #include "common/base/random.hpp"
@@ -39,7 +40,66 @@ double least_height(const std::vector<Vector3>& vertices,
   return least;
 }
 
+/// A box with corners along one of its sides, nearly in line, that one of the two faces has and the
+/// other has not; slivers fill what is between.
+test::Shape fringed_box(std::uint64_t seed, double off) {
+  test::Shape box = test::box({0.01, 0.01, 0.01});
+  const auto [a, b, c] = box.triangles[0];
+  box.triangles.erase(box.triangles.begin());
+  std::vector<std::uint32_t> line{a};
+  const Vector3 from = box.vertices[a], to = box.vertices[b];
+  for (std::uint64_t n = 0; n < 8; ++n) {
+    line.push_back(static_cast<std::uint32_t>(box.vertices.size()));
+    const double share = (static_cast<double>(n) + 0.2 + 0.6 * random_unit(seed, 3 * n)) / 8;
+    box.vertices.emplace_back(
+        from + share * (to - from) +
+        off * direction_of(random_unit(seed, 3 * n + 1), random_unit(seed, 3 * n + 2)));
+  }
+  line.push_back(b);
+  for (std::size_t n = 0; n + 1 < line.size(); ++n) {
+    box.triangles.push_back({line[n], line[n + 1], c});
+  }
+  // Ears are cut off in any order.
+  for (std::uint64_t n = 100; line.size() > 2; ++n) {
+    const auto ear =
+        1 + static_cast<std::size_t>(random_unit(seed, n) * static_cast<double>(line.size() - 2));
+    box.triangles.push_back({line[ear - 1], line[ear + 1], line[ear]});
+    line.erase(line.begin() + static_cast<std::ptrdiff_t>(ear));
+  }
+  return box;
+}
+
 }  // namespace
+
+TEST_CASE("Slivers among slivers go, in whatever order corners in line were joined") {
+  for (std::uint64_t seed = 0; seed < 200; ++seed) {
+    const test::Shape box = fringed_box(seed, 2e-7);
+    std::vector<LooseTriangle> triangles = loose(box);
+    REQUIRE(is_closed(triangles));
+    INFO("seed " << seed);
+    CHECK(remove_slivers(box.vertices, 1e-6, triangles) < 4e-6);
+    CHECK(is_closed(triangles));
+    CHECK(least_height(box.vertices, triangles) >= 1e-6);
+    CHECK(triangles.size() == 12 + 2 * 8);
+  }
+}
+
+TEST_CASE("Slivers that lie on each other go, but one that nothing else joins stays") {
+  test::Shape box = test::box({0.01, 0.01, 0.01});
+  const auto [a, b, c] = box.triangles[0];
+  const auto middle = static_cast<std::uint32_t>(box.vertices.size());
+  box.vertices.emplace_back((box.vertices[a] + box.vertices[b]) / 2);
+  box.triangles.push_back({a, b, middle});
+  box.triangles.push_back({b, a, middle});
+  std::vector<LooseTriangle> triangles = loose(box);
+  CHECK(remove_slivers(box.vertices, 1e-6, triangles) < 1e-6);
+  CHECK(is_closed(triangles));
+  CHECK(triangles.size() == 14);
+
+  std::vector<LooseTriangle> alone{{{a, b, middle}, false, false}, {{b, a, middle}, false, false}};
+  (void)remove_slivers(box.vertices, 1e-6, alone);
+  CHECK(alone.size() == 2);
+}
 
 TEST_CASE("A shape without slivers stays as it is") {
   const test::Shape sphere = test::sphere(0.01, 2);

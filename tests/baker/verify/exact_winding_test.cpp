@@ -4,6 +4,7 @@
 #include <catch2/catch.hpp>
 
 #include "common/base/random.hpp"
+#include "tests/baker/verify/triangle_winding.hpp"
 #include "tests/baker/verify/verify_shapes.hpp"
 
 namespace exact_winding_test {
@@ -16,7 +17,8 @@ namespace {
 double summed(const Mesh& mesh, const Vector3& point) {
   double sum = 0;
   for (const Triangle& t : mesh.triangles) {
-    sum += triangle_winding(point, mesh.vertices[t[0]], mesh.vertices[t[1]], mesh.vertices[t[2]]);
+    sum += test::triangle_winding(point, mesh.vertices[t[0]], mesh.vertices[t[1]],
+                                  mesh.vertices[t[2]]);
   }
   return sum;
 }

@@ -4,8 +4,8 @@
 #include <catch2/catch.hpp>
 #include <numbers>
 
-#include "baker/verify/exact_winding.hpp"
 #include "common/base/random.hpp"
+#include "tests/baker/verify/triangle_winding.hpp"
 
 namespace fan_angles_test {
 
@@ -29,7 +29,7 @@ std::vector<DirectedEdge> random_edges(std::uint64_t seed, std::size_t count, do
 double by_triangles(const std::vector<DirectedEdge>& edges, const Vector3& apex,
                     const Vector3& point) {
   double turns = 0;
-  for (const auto& [from, to] : edges) turns += triangle_winding(point, apex, from, to);
+  for (const auto& [from, to] : edges) turns += test::triangle_winding(point, apex, from, to);
   return 2 * std::numbers::pi * turns;
 }
 
@@ -60,7 +60,7 @@ TEST_CASE("The angles of triangles are theirs, near and far, and in a corner non
     for (const Vector3& point :
          {Vector3(0.01, 0.02, -0.03), Vector3(3, 2, 1), triangles[0][seed % 3]}) {
       double turns = 0;
-      for (const auto& [a, b, c] : triangles) turns += triangle_winding(point, a, b, c);
+      for (const auto& [a, b, c] : triangles) turns += test::triangle_winding(point, a, b, c);
       AngleSum sum;
       sum.add_triangles(triangle_blocks(triangles), point);
       CHECK(sum.total() == Approx(2 * std::numbers::pi * turns).margin(1e-9));
@@ -77,7 +77,7 @@ TEST_CASE("Several fans add up in one sum, also where their angles make many tur
     std::vector<DirectedEdge> edges = random_edges(seed, 4, 0.1);
     const Vector3 apex(0, 0.002, 0.001);
     for (auto& [from, to] : edges) {
-      if (triangle_winding(point, apex, from, to) < 0) std::swap(from, to);
+      if (test::triangle_winding(point, apex, from, to) < 0) std::swap(from, to);
     }
     sum.add_fan(edge_blocks(edges), apex, point);
     triangles += by_triangles(edges, apex, point);
