@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <cstdint>
 
 #include "servo/force/reading_noise.hpp"
 #include "servo/force/velocity_estimate.hpp"
@@ -22,11 +23,11 @@ class BrakingVelocity {
                   VelocityMethod by = VelocityMethod::estimate) noexcept
       : encoder_step_(encoder_step), estimate_(encoder_step, tick, by) {}
 
-  /// Takes the next tick's position, m.
-  void take(const Vector3& position) noexcept {
+  /// Takes a position, m, `ticks` after the last one.
+  void take(const Vector3& position, std::uint64_t ticks = 1) noexcept {
     noise_.take(position);
     estimate_.allow(std::max(encoder_step_, noise_.as_step()));
-    estimate_.take(position);
+    estimate_.take(position, ticks);
   }
 
   /// m/s

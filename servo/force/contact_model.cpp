@@ -43,7 +43,19 @@ void ContactModel::reset() noexcept {
   last_known_ = false;
 }
 
-ContactForce ContactModel::next(const AssetView& asset, const Vector3& point) noexcept {
+void ContactModel::continue_from(const ContactModel& other) noexcept {
+  proxy_ = other.proxy_;
+  friction_ = other.friction_;
+  last_point_ = other.last_point_;
+  last_normal_ = other.last_normal_;
+  last_turned_at_ = other.last_turned_at_;
+  ticks_ = other.ticks_;
+  last_known_ = other.last_known_;
+  if (settings_.velocity == other.settings_.velocity) velocity_ = other.velocity_;
+}
+
+ContactForce ContactModel::next(const AssetView& asset, const Vector3& point,
+                                std::uint64_t ticks) noexcept {
   const bool usable = settings_.force.stiffness >= 0 && std::isfinite(settings_.force.stiffness);
   if (!point.allFinite() || !usable) {
     reset();
@@ -52,7 +64,7 @@ ContactForce ContactModel::next(const AssetView& asset, const Vector3& point) no
   const ForceSettings& force = settings_.force;
   ContactForce contact = reaction(asset, point);
   if (force.method == Method::spm && settings_.effects.turn.rate > 0) limit_turn(point, contact);
-  if (settings_.effects.any() && force.stiffness > 0) add_effects(asset, point, contact);
+  if (settings_.effects.any() && force.stiffness > 0) add_effects(asset, point, ticks, contact);
   if (coupling_.on()) contact.force += coupling_.damped(contact.depth * contact.normal);
   if (!contact.force.allFinite()) {
     reset();
@@ -99,10 +111,10 @@ ContactForce ContactModel::proxy_force(const AssetView& asset, const Vector3& po
   return contact;
 }
 
-void ContactModel::add_effects(const AssetView& asset, const Vector3& point,
+void ContactModel::add_effects(const AssetView& asset, const Vector3& point, std::uint64_t ticks,
                                ContactForce& contact) noexcept {
   const EffectSettings& effects = settings_.effects;
-  const Vector3 velocity = velocity_.next(point);
+  const Vector3 velocity = velocity_.next(point, ticks);
   const Vector3 motion = last_known_ ? Vector3(point - last_point_) : Vector3::Zero();
   last_point_ = point;
   last_known_ = true;

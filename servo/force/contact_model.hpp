@@ -33,13 +33,20 @@ class ContactModel {
  public:
   explicit ContactModel(const ContactSettings& settings) noexcept;
 
-  /// Force for a probe centred at `point` (object's frame, m) in the next tick. Without effects,
-  /// for `spm` and `paper`, it is that of contact_force. Never NaN. There is no force if the
-  /// stiffness is below 0 or not a number; if the stiffness is 0 there is contact without force.
-  [[nodiscard]] ContactForce next(const AssetView& asset, const Vector3& point) noexcept;
+  /// Force for a probe centred at `point` (object's frame, m), `ticks` after the last one. Without
+  /// effects, for `spm` and `paper`, it is that of contact_force. Never NaN. There is no force if
+  /// the stiffness is below 0 or not a number; if the stiffness is 0 there is contact without
+  /// force.
+  [[nodiscard]] ContactForce next(const AssetView& asset, const Vector3& point,
+                                  std::uint64_t ticks = 1) noexcept;
 
-  /// Forgets all state: at the start, and when the object was exchanged.
+  /// Forgets all state: at the start, and where the hand was away.
   void reset() noexcept;
+  /// Keeps what holds the hand, and forgets what was remembered of the asset: it was exchanged.
+  void exchange() noexcept { lattice_.forget(); }
+  /// Goes on with a contact of the same asset at the same scale that has other settings, so that
+  /// the hand stays on the side on which it is.
+  void continue_from(const ContactModel& other) noexcept;
 
   /// As they were given, except for the stiffness, which is the one that is felt.
   [[nodiscard]] const ContactSettings& settings() const noexcept { return settings_; }
@@ -60,7 +67,8 @@ class ContactModel {
   [[nodiscard]] ContactForce reaction(const AssetView& asset, const Vector3& point) noexcept;
   void limit_turn(const Vector3& point, ContactForce& contact) noexcept;
   [[nodiscard]] ContactForce proxy_force(const AssetView& asset, const Vector3& point) noexcept;
-  void add_effects(const AssetView& asset, const Vector3& point, ContactForce& contact) noexcept;
+  void add_effects(const AssetView& asset, const Vector3& point, std::uint64_t ticks,
+                   ContactForce& contact) noexcept;
   void add_paper_effects(const AssetView& asset, const Vector3& point, const Vector3& motion,
                          ContactForce& contact) noexcept;
 };

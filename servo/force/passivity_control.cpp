@@ -56,6 +56,15 @@ void PassivityControlOf<components>::send(const Sent& sent) noexcept {
 }
 
 template <int components>
+void PassivityControlOf<components>::sent(const Vector& force) noexcept {
+  if (!touching_ || !force.allFinite()) return;
+  Sent& newest = sent_[newest_];
+  const double planned = newest.force.norm(), size = force.norm();
+  if (size < planned) newest.taken *= size / planned;
+  newest.force = force;
+}
+
+template <int components>
 void PassivityControlOf<components>::rest() noexcept {
   send({});
   stored_ = generated_ = 0;

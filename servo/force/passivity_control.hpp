@@ -58,6 +58,10 @@ class PassivityControlOf {
   [[nodiscard]] Vector next(const Vector& wanted, const Vector& hand, const Vector& velocity,
                             double stiffness, double stored, double carried) noexcept;
 
+  /// Tells what was sent instead of the force that `next` returned, N: a soft start, a cap or a
+  /// limit on growth may have taken from it.
+  void sent(const Vector& force) noexcept;
+
   /// One tick without contact.
   void rest() noexcept;
 

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "servo/force/placed_contact.hpp"
 
+#include <algorithm>
+
 namespace spm {
 
 namespace {
@@ -51,6 +53,23 @@ void PlacedContact::reset() noexcept {
   last_known_ = touching_ = away_ = false;
 }
 
+void PlacedContact::continue_from(const PlacedContact& other) noexcept {
+  if (asset_ != other.asset_ || scale_ != other.scale_ ||
+      model_.settings().force.method != other.model_.settings().force.method) {
+    return;
+  }
+  model_.continue_from(other.model_);
+  last_ = other.last_;
+  last_known_ = other.last_known_;
+  touching_ = other.touching_;
+  away_ = other.away_;
+}
+
+double PlacedContact::friction_stiffness() const noexcept {
+  const FrictionSettings& friction = model_.settings().effects.friction;
+  return std::max(friction.stick, friction.slide) > 0 ? friction.stiffness / scale_ : 0;
+}
+
 Vector3 PlacedContact::carried(const Vector3& point) noexcept {
   const Vector3 before = seat_ + seat_rotation_ * (rotation_.transpose() * (point - position_));
   seat_ = position_;
@@ -69,7 +88,8 @@ bool PlacedContact::passes(const AssetView& asset, const Vector3& point) const n
            (from.cwiseMin(point).array() > high.array()).any());
 }
 
-ContactForce PlacedContact::next(const AssetView& asset, const Vector3& point) noexcept {
+ContactForce PlacedContact::next(const AssetView& asset, const Vector3& point,
+                                 std::uint64_t ticks) noexcept {
   const Vector3 local = rotation_.transpose() * (point - position_) / scale_;
   // A proxy may still hold a hand that has left the box on the other side.
   if (may_skip_ && !touching_ && !passes(asset, local)) {
@@ -83,7 +103,7 @@ ContactForce PlacedContact::next(const AssetView& asset, const Vector3& point) n
   away_ = false;
   last_known_ = true;
   last_ = local;
-  ContactForce contact = model_.next(asset, local);
+  ContactForce contact = model_.next(asset, local, ticks);
   touching_ = contact.contact;
   if (!touching_) return contact;
   contact.force = rotation_ * contact.force;

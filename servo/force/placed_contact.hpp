@@ -35,9 +35,10 @@ class PlacedContact {
                 const CouplingSettings& coupling = {},
                 VelocityMethod velocity = VelocityMethod::estimate, double potential = 0) noexcept;
 
-  /// Force for a probe centred at `point` in the next tick. Force, normal and depth are in the
-  /// world, as ContactModel defines them. `asset` must be the object's.
-  [[nodiscard]] ContactForce next(const AssetView& asset, const Vector3& point) noexcept;
+  /// Force for a probe centred at `point`, `ticks` after the last one. Force, normal and depth are
+  /// in the world, as ContactModel defines them. `asset` must be the object's.
+  [[nodiscard]] ContactForce next(const AssetView& asset, const Vector3& point,
+                                  std::uint64_t ticks = 1) noexcept;
 
   /// Sets the object's position, m, and its rotation, unit, from now on; the scale stays. What
   /// touches the object moves with it, because a contact is kept in the object's frame.
@@ -53,8 +54,13 @@ class PlacedContact {
   /// m, world.
   [[nodiscard]] const Vector3& position() const noexcept { return position_; }
 
-  /// Forgets all state: at the start, and when the asset was exchanged.
+  /// Forgets all state: at the start, and where the hand was away.
   void reset() noexcept;
+  /// Takes up that the asset was exchanged.
+  void exchange() noexcept { model_.exchange(); }
+  /// Goes on with the contact of an object that has other settings now. It begins anew if the
+  /// asset, its scale or the method is another.
+  void continue_from(const PlacedContact& other) noexcept;
 
   /// The stiffness that is felt, N/m, world.
   [[nodiscard]] double stiffness() const noexcept {
@@ -63,6 +69,12 @@ class PlacedContact {
   /// How far the object's motion carried the place that is now at `point`, since the last call, m,
   /// world.
   [[nodiscard]] Vector3 carried(const Vector3& point) noexcept;
+
+  /// N/m and N s/m, world: of the friction's spring, 0 without friction, and of eq. 18's damping.
+  [[nodiscard]] double friction_stiffness() const noexcept;
+  [[nodiscard]] double damping() const noexcept {
+    return model_.settings().effects.damping / scale_;
+  }
 
   /// Which of the scene's assets it is.
   [[nodiscard]] std::size_t asset() const noexcept { return asset_; }

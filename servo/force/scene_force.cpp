@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "servo/force/scene_force.hpp"
 
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <utility>
 
@@ -11,13 +12,13 @@ ForceScene scene_of(const ForceSettings& force, const EffectSettings& effects) {
 }
 
 SceneForce::SceneForce(const ForceScene& scene, double tick, double encoder_step, std::size_t room,
-                       double stiffness_cap)
+                       const FeltLimits& limits)
     : rotation_(scene.workspace.rotation.toRotationMatrix()),
       position_(scene.workspace.position),
       scale_(scene.workspace.scale),
       tick_(tick),
       encoder_step_(encoder_step * scale_),
-      stiffness_cap_(stiffness_cap / scale_),
+      limits_{limits.stiffness / scale_, limits.damping / scale_},
       stabilization_(scene.stabilization),
       stabilizer_(scene.stabilization, tick, encoder_step) {
   objects_.reserve(scene.objects.size() + room);
@@ -26,9 +27,10 @@ SceneForce::SceneForce(const ForceScene& scene, double tick, double encoder_step
 
 PlacedContact SceneForce::contact_of(const PlacedObject& object) const noexcept {
   PlacedObject capped = object;
-  capped.force.stiffness = std::min(object.force.stiffness, stiffness_cap_);
+  capped.force.stiffness = std::min(object.force.stiffness, limits_.stiffness);
   FrictionSettings& friction = capped.effects.friction;
-  friction.stiffness = std::min(friction.stiffness, stiffness_cap_);
+  friction.stiffness = std::min(friction.stiffness, limits_.stiffness);
+  capped.effects.damping = std::min(capped.effects.damping, limits_.damping);
   // A force that was turned is no gradient of a potential.
   if (stabilization_.potential > 0) capped.effects.turn.rate = 0;
   const CouplingSettings coupling{stabilization_.coupling / scale_,
@@ -52,9 +54,10 @@ std::optional<std::size_t> SceneForce::add(const PlacedObject& object) noexcept 
 
 void SceneForce::change(std::size_t object, const PlacedObject& settings) noexcept {
   if (object >= objects_.size()) return;
+  PlacedContact contact = contact_of(settings);
+  contact.continue_from(objects_[object].contact);
   objects_[object].settings = settings;
-  objects_[object].contact = contact_of(settings);
-  stabilizer_.reset();
+  objects_[object].contact = contact;
 }
 
 void SceneForce::stabilize(const StabilizationSettings& stabilization) noexcept {
@@ -63,6 +66,7 @@ void SceneForce::stabilize(const StabilizationSettings& stabilization) noexcept 
   for (Object& object : objects_) {
     PlacedContact contact = contact_of(object.settings);
     contact.place_as(object.contact);
+    contact.continue_from(object.contact);
     object.contact = contact;
     object.reaction = {};
   }
@@ -88,6 +92,36 @@ void SceneForce::reset() noexcept {
   }
 }
 
+void SceneForce::exchange() noexcept {
+  for (Object& object : objects_) object.contact.exchange();
+}
+
+/// The share, up to 1, of all forces that keeps what is felt of them together within the limits.
+/// An object counts by how deep it is pressed beside the deepest, so that one that is met or left
+/// makes no step.
+double SceneForce::share_within_limits(double deepest) const noexcept {
+  Eigen::Matrix3d stiffness = Eigen::Matrix3d::Zero();
+  double damping = 0, most = 0;
+  for (const Object& object : objects_) {
+    if (!object.is_there || !(object.pressed > 0)) continue;
+    const double weight = object.pressed / deepest;
+    const double across = weight * object.contact.friction_stiffness();
+    const double along = weight * object.contact.stiffness() - across;
+    stiffness += along * object.normal * object.normal.transpose();
+    stiffness.diagonal().array() += across;
+    most += std::max(along + across, across);
+    damping += weight * object.contact.damping();
+  }
+  double share = damping > limits_.damping ? limits_.damping / damping : 1;
+  if (most > limits_.stiffness) {
+    Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver;
+    const double stiffest =
+        solver.computeDirect(stiffness, Eigen::EigenvaluesOnly).eigenvalues().maxCoeff();
+    if (stiffest > limits_.stiffness) share = std::min(share, limits_.stiffness / stiffest);
+  }
+  return share;
+}
+
 /// What the objects that touch a point of the world can give back, in the hand's units of length.
 ContactEnergy SceneForce::energy(const Vector3& point) noexcept {
   ContactEnergy energy;
@@ -95,7 +129,7 @@ ContactEnergy SceneForce::energy(const Vector3& point) noexcept {
     if (!object.is_there) continue;
     const Vector3 carried = object.contact.carried(point);
     if (!(object.pressed > 0)) continue;
-    const double stiffness = object.contact.stiffness();
+    const double stiffness = share_ * object.contact.stiffness();
     energy.stiffness += stiffness * scale_;
     energy.stored += 0.5 * stiffness * object.pressed * object.pressed / scale_;
     energy.carried -= object.reaction.force.dot(carried) / scale_;
@@ -103,21 +137,24 @@ ContactEnergy SceneForce::energy(const Vector3& point) noexcept {
   return energy;
 }
 
-ContactForce SceneForce::next(std::span<const AssetView* const> assets,
-                              const Vector3& hand) noexcept {
+ContactForce SceneForce::next(std::span<const AssetView* const> assets, const Vector3& hand,
+                              std::uint64_t ticks) noexcept {
   if (!hand.allFinite()) {
     reset();
     return {};
   }
   const Vector3 point = position_ + scale_ * (rotation_ * hand);
   ContactForce sum;
+  std::size_t touching = 0;
   for (Object& object : objects_) {
     if (!object.is_there) continue;
     object.reaction = {};
     object.pressed = 0;
-    const ContactForce contact = object.contact.next(*assets[object.contact.asset()], point);
+    const ContactForce contact = object.contact.next(*assets[object.contact.asset()], point, ticks);
     if (!contact.contact) continue;
     object.pressed = contact.depth;
+    object.normal = contact.normal;
+    ++touching;
     sum.force += contact.force;
     object.reaction.force = -contact.force;
     object.reaction.torque = (point - object.contact.position()).cross(-contact.force);
@@ -128,13 +165,21 @@ ContactForce SceneForce::next(std::span<const AssetView* const> assets,
     }
     sum.contact = true;
   }
+  share_ = touching > 1 && sum.depth > 0 ? share_within_limits(sum.depth) : 1;
+  if (share_ < 1) {
+    sum.force *= share_;
+    for (Object& object : objects_) {
+      object.reaction.force *= share_;
+      object.reaction.torque *= share_;
+    }
+  }
   if (sum.contact) {
     sum.force = rotation_.transpose() * sum.force;
     sum.normal = rotation_.transpose() * sum.normal;
     // Each force is finite; their sum may not be.
     if (!sum.force.allFinite()) return {};
   }
-  return stabilization_.acts_on_sum() ? stabilizer_.apply(sum, hand, energy(point)) : sum;
+  return stabilization_.acts_on_sum() ? stabilizer_.apply(sum, hand, energy(point), ticks) : sum;
 }
 
 }  // namespace spm

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <limits>
 #include <optional>
 #include <span>
@@ -24,24 +25,32 @@ struct ForceScene {
 /// The scene of one object whose frame is the hand's.
 [[nodiscard]] ForceScene scene_of(const ForceSettings& force, const EffectSettings& effects = {});
 
+/// The most that may be felt with a device, all objects together.
+struct FeltLimits {
+  double stiffness = std::numeric_limits<double>::infinity();  ///< N per metre of the hand, above 0
+  double damping = std::numeric_limits<double>::infinity();    ///< N s/m, of eq. 18; 0 or more
+};
+
 /// The force of all objects of a scene on one hand, tick by tick: the sum of the forces that the
 /// objects give by their own settings, then stabilized. Construction allocates; no other call
 /// allocates or throws.
 class SceneForce {
  public:
   /// `tick` in s, above 0; `encoder_step` in m of the hand, 0 or more. `room`: number of objects
-  /// that can be added to those of the scene. `stiffness_cap`: the largest stiffness that is felt,
-  /// whatever the settings of an object say; N per metre of the hand, above 0.
+  /// that can be added to those of the scene. `limits` hold whatever the settings of objects say.
   SceneForce(const ForceScene& scene, double tick, double encoder_step, std::size_t room = 0,
-             double stiffness_cap = std::numeric_limits<double>::infinity());
+             const FeltLimits& limits = {});
 
-  /// Force on a probe centred at `hand` in the next tick. Position, force and normal are in the
-  /// hand's frame. The workspace's scale turns metres of the hand into metres of the world; newtons
-  /// stay newtons. Depth (m of the world), normal and `deep` are those of the object that is
-  /// pressed deepest. `assets`: those that the objects refer to, none null. Never NaN: a position
-  /// that is not finite gives zero, and all state is forgotten.
-  [[nodiscard]] ContactForce next(std::span<const AssetView* const> assets,
-                                  const Vector3& hand) noexcept;
+  /// Force on a probe centred at `hand`, `ticks` after the last one. Position, force and normal are
+  /// in the hand's frame. The workspace's scale turns metres of the hand into metres of the world;
+  /// newtons stay newtons. Depth (m of the world), normal and `deep` are those of the object that
+  /// is pressed deepest. `assets`: those that the objects refer to, none null. Never NaN: a
+  /// position that is not finite gives zero, and all state is forgotten.
+  [[nodiscard]] ContactForce next(std::span<const AssetView* const> assets, const Vector3& hand,
+                                  std::uint64_t ticks = 1) noexcept;
+  /// Tells what was sent of that force, N, the hand's frame: a soft start or a cap may have taken
+  /// from it. Without it all of it counts as sent.
+  void sent(const Vector3& force) noexcept { stabilizer_.sent(force); }
 
   /// The number of objects, including those that were removed: each object's number is below it.
   [[nodiscard]] std::size_t size() const noexcept { return objects_.size(); }
@@ -51,10 +60,10 @@ class SceneForce {
              const Eigen::Quaterniond& rotation) noexcept;
   /// Adds an object and returns its number; nothing if there is no room for it.
   [[nodiscard]] std::optional<std::size_t> add(const PlacedObject& object) noexcept;
-  /// Gives an object other settings, its place included. The state of contacts with it is
-  /// forgotten.
+  /// Gives an object other settings, its place included. A hand that touches it stays on its side;
+  /// where asset, scale or method change, the contact begins anew.
   void change(std::size_t object, const PlacedObject& settings) noexcept;
-  /// Gives the scene other stabilization settings. The state of all contacts is forgotten.
+  /// Gives the scene other stabilization settings. Hands stay on their sides of what they touch.
   void stabilize(const StabilizationSettings& stabilization) noexcept;
   /// Removes an object together with its force. Its number may be given to another object.
   void remove(std::size_t object) noexcept;
@@ -64,8 +73,11 @@ class SceneForce {
     return objects_[object].reaction;
   }
 
-  /// Forgets all state: at the start, and when an asset was exchanged.
+  /// Forgets all state: at the start, and when the hand was away.
   void reset() noexcept;
+  /// Takes up that an asset was exchanged: what was remembered of its samples is forgotten, and
+  /// hands stay on their sides.
+  void exchange() noexcept;
 
  private:
   struct Object {
@@ -73,19 +85,22 @@ class SceneForce {
     PlacedContact contact;
     bool is_there = true;
     Wrench reaction;
-    double pressed = 0;  ///< m of the world, in the last tick
+    double pressed = 0;                ///< m of the world, in the last tick
+    Vector3 normal = Vector3::Zero();  ///< unit, world, where it was pressed
   };
 
   [[nodiscard]] PlacedContact contact_of(const PlacedObject& object) const noexcept;
   [[nodiscard]] ContactEnergy energy(const Vector3& point) noexcept;
+  [[nodiscard]] double share_within_limits(double deepest) const noexcept;
 
   Eigen::Matrix3d rotation_;
   Vector3 position_;
   double scale_;
   double tick_, encoder_step_;
-  double stiffness_cap_;  ///< N per metre of the world
+  FeltLimits limits_;  ///< of the world
   StabilizationSettings stabilization_;
   Stabilizer stabilizer_;        ///< stabilization of the sum
+  double share_ = 1;             ///< of all forces that is felt, in the last tick
   std::vector<Object> objects_;  ///< never grows beyond its capacity
 };
 

@@ -31,13 +31,13 @@ Vector3 Stabilizer::damped(const Vector3& velocity, const Vector3& reaction,
 }
 
 ContactForce Stabilizer::apply(const ContactForce& wanted, const Vector3& hand,
-                               const ContactEnergy& energy) noexcept {
+                               const ContactEnergy& energy, std::uint64_t ticks) noexcept {
   if (!hand.allFinite() || !wanted.force.allFinite()) {
     reset();
     return {};
   }
   if (!settings_.acts_on_sum()) return wanted;
-  velocity_.take(hand);
+  velocity_.take(hand, ticks);
   if (!wanted.contact || !(energy.stiffness > 0)) {
     passivity_.rest();
     return wanted;

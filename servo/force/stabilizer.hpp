@@ -27,8 +27,13 @@ class Stabilizer {
   /// The force to send, when the force law wants `wanted` with the hand at `hand` (m, the same
   /// frame). It is `wanted` itself if there is no contact, or no stabilization is on. Never NaN: a
   /// position or a force that is not finite gives zero, and all state is forgotten.
+  /// `ticks`: since the last one.
   [[nodiscard]] ContactForce apply(const ContactForce& wanted, const Vector3& hand,
-                                   const ContactEnergy& energy) noexcept;
+                                   const ContactEnergy& energy, std::uint64_t ticks = 1) noexcept;
+
+  /// Tells what was sent of the force that `apply` returned, N, the hand's frame. Without it all of
+  /// it counts as sent.
+  void sent(const Vector3& force) noexcept { passivity_.sent(force); }
 
   /// Forgets all state: at the start, and when what is felt was exchanged.
   void reset() noexcept;

@@ -57,8 +57,17 @@ double VelocityEstimate::slope(int axis, double but) const noexcept {
   return std::copysign(counted, way) / static_cast<double>(longest);
 }
 
-void VelocityEstimate::take(const Vector3& position) noexcept {
-  if (!position.allFinite()) return reset();
+void VelocityEstimate::take(const Vector3& position, std::uint64_t ticks) noexcept {
+  if (!position.allFinite() || ticks >= max_ticks) reset();
+  if (!position.allFinite()) return;
+  const Vector3 last = last_[newest_];
+  for (std::uint64_t k = 1; count_ > 0 && k < ticks; ++k) {
+    push(last + static_cast<double>(k) / static_cast<double>(ticks) * (position - last));
+  }
+  push(position);
+}
+
+void VelocityEstimate::push(const Vector3& position) noexcept {
   newest_ = (newest_ + 1) % max_ticks;
   last_[newest_] = position;
   count_ = std::min(count_ + 1, longest_);
@@ -69,8 +78,8 @@ Vector3 VelocityEstimate::beyond(double steps) const noexcept {
   return Vector3(slope(0, but), slope(1, but), slope(2, but)) / tick_;
 }
 
-Vector3 VelocityEstimate::next(const Vector3& position) noexcept {
-  take(position);
+Vector3 VelocityEstimate::next(const Vector3& position, std::uint64_t ticks) noexcept {
+  take(position, ticks);
   return velocity();
 }
 

@@ -24,12 +24,13 @@ class VelocityEstimate {
   VelocityEstimate(double step, double tick, VelocityMethod by = VelocityMethod::estimate) noexcept
       : step_(step), tick_(tick), longest_(by == VelocityMethod::difference ? 2 : max_ticks) {}
 
-  /// Takes the next tick's position, m, and returns the velocity, m/s, axis by axis. A position
-  /// that is not finite starts again and gives zero.
-  [[nodiscard]] Vector3 next(const Vector3& position) noexcept;
+  /// Takes a position, m, `ticks` after the last one, and returns the velocity, m/s, axis by axis.
+  /// A position that is not finite starts again and gives zero.
+  [[nodiscard]] Vector3 next(const Vector3& position, std::uint64_t ticks = 1) noexcept;
 
-  /// The two halves of `next`, for ticks in which nobody needs the velocity.
-  void take(const Vector3& position) noexcept;
+  /// The two halves of `next`, for ticks in which nobody needs the velocity. Where ticks were
+  /// skipped, the way between is taken for even.
+  void take(const Vector3& position, std::uint64_t ticks = 1) noexcept;
   [[nodiscard]] Vector3 velocity() const noexcept { return beyond(0); }
   /// The same, but a displacement over the window of up to `steps` steps (0 or more) counts as
   /// none, and from twice that on it counts fully. For callers that prefer too little damping to an
@@ -52,6 +53,7 @@ class VelocityEstimate {
   [[nodiscard]] double ago(std::size_t ticks, int axis) const noexcept {
     return last_[(newest_ + max_ticks - ticks) % max_ticks][axis];
   }
+  void push(const Vector3& position) noexcept;
   [[nodiscard]] bool meets_all(double slope, std::size_t ticks, int axis) const noexcept;
   [[nodiscard]] double slope(int axis, double but) const noexcept;
 };

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "servo/base/clock.hpp"
+#include "servo/force/matched_damping.hpp"
 #include "servo/realtime/page_faults.hpp"
 
 namespace spm::servo {
@@ -48,13 +49,20 @@ double stiffness_at_hand(const ForceScene& scene) {
   return stiffest * scene.workspace.scale;
 }
 
+/// What may be felt with a device. The damping is what its moving mass bears.
+FeltLimits felt_limits(const DeviceCapabilities& device, double tick) {
+  const StabilizationSettings loop =
+      device.profile != nullptr ? in_loop_of(*device.profile, {}) : StabilizationSettings{};
+  return {device.stiffness_cap, max_damping(loop.device_mass, tick, loop.total_delay(tick))};
+}
+
 Loop::Channel::Channel(Device* driven, const SafetySettings& limits, const LoopSettings& settings,
                        std::size_t room)
     : device(driven),
       safety(limits),
       gate(settings.rate_hz),
       force(settings.scene, 1 / settings.rate_hz, driven->capabilities().encoder_step, room,
-            driven->capabilities().stiffness_cap),
+            felt_limits(driven->capabilities(), 1 / settings.rate_hz)),
       velocity(driven->capabilities().encoder_step, 1 / settings.rate_hz) {}
 
 Loop::Loop(const LoopSettings& settings, std::vector<Device*> devices,
@@ -199,6 +207,14 @@ bool Loop::is_clutched(const Channel& channel, const DeviceState& state) noexcep
 void Loop::serve(Channel& channel, std::uint64_t tick, bool stopping) noexcept {
   DeviceState state;
   const DeviceHealth health = channel.device->read(state);
+  if (health == DeviceHealth::ok) {
+    channel.believed = state.position;
+  } else {
+    // A device that tells nothing is still where it was.
+    state.position = channel.believed;
+  }
+  channel.ticks = tick > channel.last_tick ? tick - channel.last_tick : 1;
+  channel.last_tick = tick;
   const ForceOff device = device_off(channel, health, state.position, tick);
 
   // Whatever the cause, the device is still read, and zero is sent to it.
@@ -212,7 +228,7 @@ void Loop::serve(Channel& channel, std::uint64_t tick, bool stopping) noexcept {
   channel.record.forgot = channel.forgot;
   if (cause == ForceOff::none) {
     channel.forgot = false;
-    contact = channel.force.next(views_, tool);
+    contact = channel.force.next(views_, tool, channel.ticks);
     // A page of the asset may have been lost while the force was computed from it.
     cause = assets_off();
   }
@@ -224,6 +240,7 @@ void Loop::serve(Channel& channel, std::uint64_t tick, bool stopping) noexcept {
 
   const SafeForce sent = channel.safety.apply(contact.force, cause, app_silent_);
   channel.written = channel.device->write(Wrench{sent.force, Vector3::Zero()});
+  if (sent.cause == ForceOff::none) channel.force.sent(sent.force);
 
   channel.record.position = tool;
   channel.record.wanted = contact.force;
@@ -300,7 +317,8 @@ void Loop::tell(Channel& channel, const DeviceState& state, DeviceHealth health,
   published.state.position = workspace.to_world(channel.record.position);
   published.state.orientation = workspace.rotation * state.orientation;
   published.velocity =
-      workspace.scale * (workspace.rotation * channel.velocity.next(channel.record.position));
+      workspace.scale *
+      (workspace.rotation * channel.velocity.next(channel.record.position, channel.ticks));
 }
 
 void Loop::account(Channel& channel, const SafeForce& sent) noexcept {
@@ -336,7 +354,7 @@ void Loop::take_up() noexcept {
   if (!changed) return;
   for (Channel& channel : channels_) {
     channel.safety.restart();
-    forget(channel);
+    channel.force.exchange();
   }
 }
 

@@ -33,6 +33,9 @@ struct LoopSettings {
 /// The largest stiffness that an object of a scene can have, N per metre of the hand.
 [[nodiscard]] double stiffness_at_hand(const ForceScene& scene);
 
+/// What may be felt with a device in ticks of that length, s.
+[[nodiscard]] FeltLimits felt_limits(const DeviceCapabilities& device, double tick);
+
 /// What the loop counted.
 struct LoopCounters {
   std::uint64_t ticks = 0;    ///< that were run
@@ -77,6 +80,9 @@ class Loop {
     JumpGate gate;
     SceneForce force;
     TickRecord record;
+    std::uint64_t ticks = 1;  ///< since the force law was last called
+    std::uint64_t last_tick = 0;
+    Vector3 believed = Vector3::Zero();  ///< m: the last place that the device told and that can be
     Vector3 last_position = Vector3::Zero();
     Vector3 last_force = Vector3::Zero();
     bool position_known = false;

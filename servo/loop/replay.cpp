@@ -2,6 +2,7 @@
 #include "servo/loop/replay.hpp"
 
 #include <algorithm>
+#include <optional>
 
 #include "servo/base/clock.hpp"
 #include "servo/base/schedule.hpp"
@@ -27,7 +28,7 @@ ReplayResult replay(std::span<const AssetView* const> assets,
   result.busy_ns.resize(trajectory.size());
   TickSchedule schedule(now_ns() + lead_ns, options.rate_hz);
   SceneForce force(options.scene, 1 / options.rate_hz, options.encoder_step, 0,
-                   options.stiffness_cap);
+                   {.stiffness = options.stiffness_cap});
   for (std::size_t row = 0; row < trajectory.size(); ++row) {
     if (options.pace == Pace::realtime) {
       sleep_until(schedule.due());
@@ -36,19 +37,24 @@ ReplayResult replay(std::span<const AssetView* const> assets,
     const ReplayMark mark = options.marks.empty() ? ReplayMark{} : options.marks[row];
     if (mark.forgot || mark.off) force.reset();
     const std::int64_t begin = now_ns();
-    if (!mark.off) result.contacts[row] = force.next(assets, trajectory[row].position);
+    if (!mark.off) result.contacts[row] = force.next(assets, trajectory[row].position, mark.ticks);
     result.busy_ns[row] = now_ns() - begin;
+    if (mark.sent) force.sent(*mark.sent);
   }
   return result;
 }
 
 RecordedTicks ticks_of(const Recording& recording, std::size_t device) {
   RecordedTicks ticks;
+  std::optional<std::uint64_t> last;
   for (const RecordingRow& row : recording.rows) {
     if (row.device != device) continue;
     const auto vector = [](const std::array<double, 3>& v) { return Vector3(v[0], v[1], v[2]); };
     ticks.trajectory.push_back({vector(row.position)});
-    ticks.marks.push_back({(row.flags & recorded_forgot) != 0, row.cause != 0});
+    const std::uint64_t since = last && row.tick > *last ? row.tick - *last : 1;
+    last = row.tick;
+    ticks.marks.push_back(
+        {(row.flags & recorded_forgot) != 0, row.cause != 0, since, vector(row.sent)});
     ticks.wanted.push_back(vector(row.wanted));
     ticks.lost += (row.flags & recorded_lost) != 0 ? 1 : 0;
     if (ticks.change != SceneChange::none) continue;

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <limits>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -21,8 +22,10 @@ enum class Pace {
 
 /// What happened to the force law in a tick of a recording, beside the position.
 struct ReplayMark {
-  bool forgot = false;  ///< it had forgotten its state before this tick
-  bool off = false;     ///< it was not evaluated: the force was off
+  bool forgot = false;            ///< it had forgotten its state before this tick
+  bool off = false;               ///< it was not evaluated: the force was off
+  std::uint64_t ticks = 1;        ///< since the last one
+  std::optional<Vector3> sent{};  ///< N, of the force that the law gave; empty: all of it
 };
 
 struct ReplayOptions {

@@ -153,6 +153,9 @@ SafeForce SafetyStage::apply(const Vector3& wanted, ForceOff cause, bool fading)
     return safe;
   }
 
+  // A force that ends must end: of the old one never more is left than is wanted now.
+  const double size_wanted = wanted.norm();
+  if (from_.norm() > size_wanted) from_ *= size_wanted / from_.norm();
   ramp_tick_ = std::min(ramp_tick_ + 1, settings_.ramp_ticks);
   const double share = static_cast<double>(ramp_tick_) / settings_.ramp_ticks;
   safe.force = left * ((1 - share) * from_ + share * wanted);

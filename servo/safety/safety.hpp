@@ -107,8 +107,8 @@ class SafetyStage {
   [[nodiscard]] SafeForce apply(const Vector3& wanted, ForceOff cause,
                                 bool fading = false) noexcept;
 
-  /// Begins the soft start again, from the force that is sent now. For a device that was just
-  /// engaged, and when what is felt has changed under the hand.
+  /// Begins the soft start again, from the force that is sent now, or from as much of it as is
+  /// wanted. For a device that was just engaged, and when what is felt has changed under the hand.
   void restart() noexcept;
 
   /// Sets the slew limit, N a tick, from the next tick on. For a change of the stiffness that is

@@ -51,14 +51,20 @@ struct DeviceCapabilities {
   Vector3 workspace = Vector3::Zero();
   /// while this button is held the hand moves freely, counted from 1; 0: none
   std::uint32_t clutch_button = 0;
+  const DeviceProfile* profile = nullptr;  ///< of its kind; null: not known
 };
 
 /// The capabilities that a profile gives.
 [[nodiscard]] inline DeviceCapabilities capabilities_of(std::string name,
                                                         const DeviceProfile& profile) {
   const std::array<double, 3>& edges = profile.workspace;
-  return {std::move(name), profile.force_cap, profile.encoder_step, profile.stiffness_cap,
-          Vector3(edges[0], edges[1], edges[2]) / 2};
+  return {std::move(name),
+          profile.force_cap,
+          profile.encoder_step,
+          profile.stiffness_cap,
+          Vector3(edges[0], edges[1], edges[2]) / 2,
+          0,
+          find_device_profile(profile.name)};
 }
 
 /// What a device may need to know before the loop starts.

@@ -93,6 +93,18 @@ TEST_CASE("A wall that pushes harder out than in is braked, by no more than the 
   CHECK(PassivityControl({1, tick, 0, 0.1}).max_damping() == Approx(25));
 }
 
+TEST_CASE("A force that was not sent did no work") {
+  PassivityControl all({0, tick, 0, 0.1}), none({0, tick, 0, 0.1});
+  for (int i = 0; i < 10; ++i) {
+    const Vector3 hand(0, 0, 1e-4 * i);
+    (void)all.next({0, 0, 1}, hand, {0, 0, 0.1}, 1000, 0, 0);
+    (void)none.next({0, 0, 1}, hand, {0, 0, 0.1}, 1000, 0, 0);
+    none.sent(Vector3::Zero());
+  }
+  CHECK(all.generated() > 1e-4);
+  CHECK(none.generated() == 0);
+}
+
 TEST_CASE("A hand at rest by one encoder step is not braked, for it is given nothing") {
   constexpr double step = 64e-6;
   PassivityControl control({1, tick, step, 0.25});

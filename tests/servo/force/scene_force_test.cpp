@@ -152,7 +152,7 @@ TEST_CASE("No object is felt stiffer than the cap, an added or a changed one nei
   ForceScene scene;
   scene.objects = {object_of(Method::spm, 3000)};
   scene.workspace.scale = 2;  // so that 1000 N/m of the hand are 500 of the world
-  SceneForce force(scene, tick, 0, 1, 1000);
+  SceneForce force(scene, tick, 0, 1, {.stiffness = 1000});
   const Vector3 hand = scene.workspace.from_world({0.002, 0.003, half - 0.001});
   CHECK(force.next(Assets{&cube.view}, hand).force.z() == Approx(0.5).epsilon(1e-4));
   force.change(0, object_of(Method::spm, 2000));
@@ -160,7 +160,94 @@ TEST_CASE("No object is felt stiffer than the cap, an added or a changed one nei
   force.change(0, object_of(Method::spm, 200));
   CHECK(force.next(Assets{&cube.view}, hand).force.z() == Approx(0.2).epsilon(1e-4));
   REQUIRE(force.add(object_of(Method::spm, 9000)));
-  CHECK(force.next(Assets{&cube.view}, hand).force.z() == Approx(0.7).epsilon(1e-4));
+  CHECK(force.next(Assets{&cube.view}, hand).force.z() == Approx(0.5).epsilon(1e-4));
+}
+
+TEST_CASE("However many objects lie in one place, all together are no stiffer than the cap") {
+  const test::TiledCubeByHand cube(size);
+  PlacedObject object = object_of(Method::spm, 3000);
+  object.effects.friction = {0.5, 0.4, 3000};
+  ForceScene scene;
+  scene.objects.assign(60, object);
+  SceneForce many(scene, tick, 0, 0, {.stiffness = 3000});
+  SceneForce one({{}, {object}}, tick, 0, 0, {.stiffness = 3000});
+  for (int at = 0; at < 100; ++at) {
+    const Vector3 hand = sliding(at, 1e-5 * at, 1e-5);
+    const Vector3 wanted = one.next(Assets{&cube.view}, hand).force;
+    CHECK((many.next(Assets{&cube.view}, hand).force - wanted).norm() < 1e-6);
+  }
+  CHECK(std::abs(many.reaction(7).force.z()) == Approx(3000 * 99e-5 / 60).epsilon(1e-3));
+}
+
+TEST_CASE("An object that is met while another is pressed makes no step of the force") {
+  const test::TiledCubeByHand cube(size);
+  ForceScene scene;
+  scene.objects = {object_of(Method::spm, 3000), object_of(Method::spm, 3000)};
+  scene.objects[1].placement.position = {0, 0, -0.0005};
+  SceneForce force(scene, tick, 0, 0, {.stiffness = 3000});
+  double last = 0;
+  for (int at = 0; at < 150; ++at) {
+    const double found = force.next(Assets{&cube.view}, sliding(0, 1e-5 * at, 0)).force.z();
+    CHECK(found - last < 3000 * 1e-5 * 1.01);
+    last = found;
+  }
+  CHECK(last == Approx(3000 * 149e-5).epsilon(1e-3));
+}
+
+TEST_CASE("Two walls of a groove at right angles are each as stiff as the cap allows") {
+  const test::TiledCubeByHand cube(size);
+  ForceScene scene;
+  scene.objects = {object_of(Method::spm, 3000), object_of(Method::spm, 3000)};
+  scene.objects[1].placement.position = {size - 0.002, 0, -0.001 + size};
+  // Above the first and beside the second: each pushes out of its own face.
+  SceneForce force(scene, tick, 0, 0, {.stiffness = 3000});
+  const ContactForce corner = force.next(Assets{&cube.view}, {half - 0.0017, 0.003, half - 0.0005});
+  CHECK(corner.force.x() == Approx(-3000 * 0.0003).epsilon(1e-3));
+  CHECK(corner.force.z() == Approx(3000 * 0.0005).epsilon(1e-3));
+}
+
+TEST_CASE("No damping is felt above the cap, of one object or of many") {
+  const test::TiledCubeByHand cube(size);
+  PlacedObject object = object_of(Method::spm, 1000);
+  object.effects.damping = 1000;
+  for (const std::size_t count : {std::size_t{1}, std::size_t{60}}) {
+    ForceScene scene;
+    scene.objects.assign(count, object);
+    SceneForce force(scene, tick, 0, 0, {.stiffness = 3000, .damping = 20});
+    Vector3 found;
+    for (int at = 0; at < 50; ++at) {
+      found = force.next(Assets{&cube.view}, sliding(at, 0.001, 1e-4)).force;
+    }
+    CHECK(std::abs(found.x()) <= 20 * 0.1 * 1.001);
+  }
+}
+
+TEST_CASE("A hand pressed past the middle of a plate stays on its side when what is felt changes") {
+  const test::TiledCubeByHand plate(0.001, {0.0005, 0.0005});
+  const Vector3 above(0.0001, 0.0001, 0.0006), pressed(0.0001, 0.0001, -0.0003);
+  for (const int change : {0, 1, 2}) {
+    SceneForce force({{}, {object_of(Method::proxy)}}, tick, 0);
+    const Assets assets{&plate.view};
+    (void)force.next(assets, above);
+    for (int at = 0; at < 100; ++at) {
+      (void)force.next(assets, above + at / 99.0 * (pressed - above));
+    }
+    REQUIRE(force.next(assets, pressed).force.z() == Approx(0.8).epsilon(0.01));
+    if (change == 0) force.change(0, object_of(Method::proxy, 1500));
+    if (change == 1) force.stabilize(recommended_stabilization);
+    if (change == 2) force.exchange();
+    CHECK(force.next(assets, pressed).force.z() > 0.75);
+  }
+}
+
+TEST_CASE("After ticks that were skipped a hand is as fast as it is") {
+  const test::TiledCubeByHand cube(size);
+  PlacedObject object = object_of(Method::spm);
+  object.effects.damping = 5;
+  SceneForce force({{}, {object}}, tick, 0);
+  for (int at = 0; at < 20; ++at) (void)force.next(Assets{&cube.view}, sliding(at, 0.001, 2e-4));
+  const Vector3 after = force.next(Assets{&cube.view}, sliding(25, 0.001, 2e-4), 6).force;
+  CHECK(after.x() == Approx(-5 * 0.2).epsilon(1e-3));
 }
 
 TEST_CASE("Friction, damping and texture each belong to their own object") {

@@ -122,6 +122,16 @@ TEST_CASE("A wider step that is allowed makes longer windows") {
   CHECK(std::abs(estimate.velocity().x()) < 0.1 * step / tick);
 }
 
+TEST_CASE("Ticks that were skipped count: a hand is no faster for them") {
+  for (const double slack : {0.0, 20e-6}) {
+    VelocityEstimate estimate(slack, 1e-3);
+    for (int i = 0; i <= 10; ++i) (void)estimate.next({2e-4 * i, 0, 0});
+    CHECK(estimate.next({2e-4 * 15, 0, 0}, 5).x() == Approx(0.2));
+    CHECK(estimate.next({2e-4 * 115, 0, 0}, 100).x() == Approx(0).margin(1e-12));
+    CHECK(estimate.next({2e-4 * 116, 0, 0}).x() == Approx(0.2));
+  }
+}
+
 TEST_CASE("A position that is no number starts anew") {
   VelocityEstimate estimate(step, tick);
   for (int i = 0; i < 10; ++i) (void)estimate.next({1e-3 * i, 0, 0});

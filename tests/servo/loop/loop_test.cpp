@@ -154,6 +154,23 @@ TEST_CASE("A device fault gives zero force with its cause") {
   for (std::size_t i = 120; i < 125; ++i) REQUIRE(device.forces()[i] == Vector3::Zero());
 }
 
+TEST_CASE("A device that tells nothing any more is still where it was") {
+  LoopOnBox loop;
+  ScriptedDevice device([](std::size_t read, DeviceState& state, DeviceHealth& health) {
+    if (read < 200) {
+      press(read, state, health);
+    } else {
+      health = DeviceHealth::gone;
+    }
+  });
+  loop.run(device, 250);
+  REQUIRE(loop.off(ForceOff::device_gone) >= 49);
+  for (const TickRecord& record : loop.records) {
+    REQUIRE(record.position == Vector3(0, 0, half - 1e-3));
+  }
+  REQUIRE(loop.device_counters.energy == 0);
+}
+
 TEST_CASE("Samples that are not numbers never reach the device") {
   Asset asset = test::box_asset(2 * half);
   for (MapData& map : asset.maps) {

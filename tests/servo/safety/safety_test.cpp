@@ -10,7 +10,9 @@
 namespace safety_test {
 
 using namespace spm::servo;
+using spm::direction_of;
 using spm::Random;
+using spm::random_unit;
 using spm::Vector3;
 
 namespace {
@@ -172,14 +174,41 @@ TEST_CASE(
   REQUIRE(last == 1);
 }
 
-TEST_CASE(
-    "Where what is felt changes, the force goes evenly from what was sent to what is wanted") {
+TEST_CASE("Where more is felt after a change, the force goes evenly from what was sent to that") {
   SafetyStage stage = engaged();
-  for (int i = 0; i < 200; ++i) static_cast<void>(stage.apply({3, 0, 0}, ForceOff::none));
+  for (int i = 0; i < 200; ++i) static_cast<void>(stage.apply({1, 0, 0}, ForceOff::none));
   stage.restart();
   for (int i = 1; i <= 100; ++i) {
-    const SafeForce sent = stage.apply({1, 1, 0}, ForceOff::none);
-    REQUIRE((sent.force - Vector3(3 - 0.02 * i, 0.01 * i, 0)).norm() < 1e-9);
+    const SafeForce sent = stage.apply({3, 1, 0}, ForceOff::none);
+    REQUIRE((sent.force - Vector3(1 + 0.02 * i, 0.01 * i, 0)).norm() < 1e-9);
+  }
+}
+
+TEST_CASE(
+    "A force that ends after a change ends at once, and comes back no larger than a new one") {
+  SafetyStage stage = engaged();
+  for (int i = 0; i < 200; ++i) static_cast<void>(stage.apply({5, 0, 0}, ForceOff::none));
+  stage.restart();
+  for (int i = 0; i < 10; ++i) static_cast<void>(stage.apply({5, 0, 0}, ForceOff::none));
+  // N s: what is sent although nothing is wanted any more.
+  double left_over = 0;
+  for (int i = 0; i < 20; ++i) {
+    left_over += stage.apply({0, 0, 0}, ForceOff::none).force.norm() / 1000;
+  }
+  CHECK(left_over == 0);
+  CHECK(stage.apply({5, 0, 0}, ForceOff::none).force.norm() <= 5 * 0.31 + 1e-9);
+}
+
+TEST_CASE("Never is more sent than is wanted, however often what is felt changes") {
+  for (std::uint64_t seed = 0; seed < 20; ++seed) {
+    SafetyStage stage = engaged();
+    for (std::uint64_t i = 0; i < 1000; ++i) {
+      if (random_unit(seed, 4 * i) < 1.0 / 16) stage.restart();
+      const Vector3 wanted =
+          5 * random_unit(seed, 4 * i + 1) *
+          direction_of(random_unit(seed, 4 * i + 2), random_unit(seed, 4 * i + 3));
+      CHECK(stage.apply(wanted, ForceOff::none).force.norm() <= wanted.norm() + 1e-9);
+    }
   }
 }
 
@@ -189,6 +218,25 @@ TEST_CASE("A cause of zero force wins over fading, and the force then begins at 
   REQUIRE(stage.apply({1, 0, 0}, ForceOff::device_gone, true).cause == ForceOff::device_gone);
   REQUIRE(stage.apply({1, 0, 0}, ForceOff::none, true).force.x() < 0.01);
   REQUIRE(stage.apply({1, 0, 0}, ForceOff::none).force.x() < 0.02);
+}
+
+TEST_CASE(
+    "A position that no hand reaches in a tick has jumped, and the next is compared with it") {
+  JumpGate gate(1000);
+  REQUIRE_FALSE(gate.jumped({0, 0, 0}, 0));
+  REQUIRE_FALSE(gate.jumped({0.0099, 0, 0}, 1));
+  REQUIRE(gate.jumped({0.03, 0, 0}, 2));
+  REQUIRE_FALSE(gate.jumped({0.031, 0, 0}, 3));
+}
+
+TEST_CASE(
+    "Ticks that were skipped leave a hand the more room, and a device that was away all of it") {
+  JumpGate gate(1000);
+  REQUIRE_FALSE(gate.jumped({0, 0, 0}, 7));
+  REQUIRE_FALSE(gate.jumped({0.029, 0, 0}, 10));
+  REQUIRE(gate.jumped({0.06, 0, 0}, 13));
+  gate.forget();
+  REQUIRE_FALSE(gate.jumped({1, 1, 1}, 14));
 }
 
 TEST_CASE("A workspace has a margin, and one that is not known bounds nothing") {
