@@ -112,6 +112,7 @@ class Neighbours {
       const Vector3 cross =
           (surface.vertices[triangle[1]] - a).cross(surface.vertices[triangle[2]] - a);
       const double length = cross.norm();
+      thin_.push_back(is_thin(triangle, length));
       normals_.push_back(length > 0 ? Vector3(cross / length) : Vector3::Zero());
       const Vector3 middle =
           (a + surface.vertices[triangle[1]] + surface.vertices[triangle[2]]) / 3;
@@ -121,12 +122,18 @@ class Neighbours {
 
   [[nodiscard]] PartSide at_face(std::uint32_t t) const { return faces_[t]; }
 
-  [[nodiscard]] PartSide at_side(std::uint32_t a, std::uint32_t b) const {
+  /// Of a triangle's side. Thin triangles that hang on one that is not are in nobody's way there.
+  [[nodiscard]] PartSide at_side(std::uint32_t triangle, std::uint32_t a, std::uint32_t b) const {
     const Vector3 along = (surface_.vertices[b] - surface_.vertices[a]).normalized();
     std::vector<Sector> around;
     std::vector<Vector3> directions;
+    bool simple = is_paired(a, b);
     for (const std::uint32_t t : sides_.at(std::minmax(a, b))) {
       around.push_back({normals_[t], 1, t});
+      if (thin_[t] && !thin_[triangle]) {
+        simple = false;
+        continue;
+      }
       const Vector3 to = surface_.vertices[other(t, a, b)] - surface_.vertices[a];
       const Vector3 across = to - along.dot(to) * along;
       if (across.norm() > 0) directions.push_back(across.normalized());
@@ -134,7 +141,7 @@ class Neighbours {
     directions.push_back(along);
     directions.push_back(-along);
     const Vector3 middle = (surface_.vertices[a] + surface_.vertices[b]) / 2;
-    return side_of(around, directions, is_paired(a, b), middle, along);
+    return side_of(around, directions, simple, middle, along);
   }
 
   [[nodiscard]] PartSide at_corner(std::uint32_t vertex) const {
@@ -164,6 +171,18 @@ class Neighbours {
   std::vector<std::vector<std::uint32_t>> corners_;
   std::vector<Vector3> normals_;
   std::vector<PartSide> faces_;
+  std::vector<bool> thin_;  ///< so that their normals mean nothing
+
+  /// Whether a triangle is less high than the surface is off by; `area`: twice its own.
+  [[nodiscard]] bool is_thin(const Triangle& corners, double area) const {
+    double longest = 0;
+    for (std::size_t k = 0; k < 3; ++k) {
+      longest = std::max(
+          longest,
+          (surface_.vertices[corners[(k + 1) % 3]] - surface_.vertices[corners[k]]).norm());
+    }
+    return area <= longest * asked_.displacement;
+  }
 
   /// Whether places beside one on the surface are inside. Empty where something else is nearer.
   [[nodiscard]] std::optional<bool> inside_at(const Vector3& place, const Vector3& away) const {
@@ -317,9 +336,9 @@ std::vector<FeatureSides> find_feature_sides(const OuterSurface& surface,
       known[from] = true;
       const auto side = static_cast<TriangleFeature>(1 + k);
       const auto corner = static_cast<TriangleFeature>(4 + k);
-      sides[t] =
-          static_cast<FeatureSides>(sides[t] | pack_side(side, told(neighbours.at_side(from, to))) |
-                                    pack_side(corner, told(corners[from])));
+      sides[t] = static_cast<FeatureSides>(sides[t] |
+                                           pack_side(side, told(neighbours.at_side(t, from, to))) |
+                                           pack_side(corner, told(corners[from])));
     }
   }
   return sides;

@@ -13,9 +13,11 @@
 namespace spm::baker::feature_sides_test {
 namespace {
 
-std::vector<FeatureSides> sides_of(const OuterSurface& surface, double tolerance = 1e-4) {
+std::vector<FeatureSides> sides_of(const OuterSurface& surface, double tolerance = 1e-4,
+                                   double displacement = 0) {
   const Caster caster(surface);
-  return find_feature_sides(surface, find_folded(surface.triangles), {caster, tolerance, 0});
+  return find_feature_sides(surface, find_folded(surface.triangles),
+                            {caster, tolerance, displacement});
 }
 
 /// The side of a place by the nearest triangle alone, as the file tells it.
@@ -97,6 +99,59 @@ TEST_CASE("A corner that nothing is nearest to tells the side of places that rou
       INFO("triangle " << t);
       CHECK_FALSE(is_inside(sides[t], corner, (b - a).cross(c - a).dot(place)));
     }
+  }
+}
+
+TEST_CASE("A sliver that hangs on a side is in the way of nothing") {
+  OuterSurface surface = test::surface_of(test::box({0.02, 0.02, 0.02}));
+  // The diagonal of a face: its second triangle gets corners of its own, and a sliver hangs down
+  // from the first.
+  const auto [a, b, c] = surface.triangles[0];
+  Vector3 normal = (surface.vertices[b] - surface.vertices[a])
+                       .cross(surface.vertices[c] - surface.vertices[a])
+                       .normalized();
+  std::size_t first = 0, second = 0;
+  std::uint32_t from = 0, to = 0;
+  for (std::size_t k = 0; k < 3; ++k) {
+    const std::uint32_t one = surface.triangles[0][k], two = surface.triangles[0][(k + 1) % 3];
+    for (std::size_t t = 1; t < surface.triangles.size(); ++t) {
+      const Triangle& there = surface.triangles[t];
+      const bool shared = std::count(there.begin(), there.end(), one) > 0 &&
+                          std::count(there.begin(), there.end(), two) > 0;
+      const double across = (surface.vertices[one] - surface.vertices[two]).norm();
+      if (!shared || across < 0.025) continue;
+      second = t;
+      from = one;
+      to = two;
+    }
+  }
+  REQUIRE(second > 0);
+  const auto copies = static_cast<std::uint32_t>(surface.vertices.size());
+  surface.vertices.push_back(surface.vertices[from]);
+  surface.vertices.push_back(surface.vertices[to]);
+  const Vector3 middle = (surface.vertices[from] + surface.vertices[to]) / 2;
+  surface.vertices.push_back(middle - 2.5e-7 * normal);
+  for (std::uint32_t& corner : surface.triangles[second]) {
+    if (corner == from) corner = copies;
+    if (corner == to) corner = copies + 1;
+  }
+  surface.triangles.push_back({to, from, copies + 2});
+  surface.surface_count = surface.triangles.size();
+  const std::vector<FeatureSides> sides = sides_of(surface, 1e-4, 1e-6);
+  const Vector3 beside = middle + 0.1 * (surface.vertices[from] - middle);
+  const Triangle& triangle = surface.triangles[first];
+  for (const double height : {-1e-4, 1e-4}) {
+    const ClosestFeature closest =
+        closest_feature(beside + height * normal, surface.vertices[triangle[0]],
+                        surface.vertices[triangle[1]], surface.vertices[triangle[2]]);
+    for (const TriangleFeature side :
+         {TriangleFeature::ab, TriangleFeature::bc, TriangleFeature::ca}) {
+      const std::size_t k = static_cast<std::size_t>(side) - 1;
+      if (triangle[k] != from && triangle[(k + 1) % 3] != from) continue;
+      if (triangle[k] != to && triangle[(k + 1) % 3] != to) continue;
+      CHECK(is_inside(sides[first], side, height) == (height < 0));
+    }
+    CHECK(std::abs((closest.point - beside).norm()) < 1e-6);
   }
 }
 
