@@ -37,6 +37,7 @@ constexpr std::array damping_units{Unit{"Ns/m", 1, 1, true}, Unit{"N s/m", 1, 1,
 constexpr std::array angular_speed_units{Unit{"deg/s", std::numbers::pi, 180, true},
                                          Unit{"rad/s", 1, 1, false}};
 constexpr std::array mass_units{Unit{"g", 1, 1e3, true}, Unit{"kg", 1, 1, true}};
+constexpr std::array rate_units{Unit{"Hz", 1, 1, true}, Unit{"kHz", 1e3, 1, true}};
 constexpr std::array per_length_units{Unit{"/m", 1, 1, true}, Unit{"/mm", 1e3, 1, true}};
 
 QuantityFacts facts_of(Quantity quantity) {
@@ -59,6 +60,8 @@ QuantityFacts facts_of(Quantity quantity) {
       return {"a number a length", "100/m or 0.1/mm", per_length_units};
     case Quantity::angular_speed:
       return {"an angular speed", "7000deg/s or 120rad/s", angular_speed_units};
+    case Quantity::rate:
+      return {"a rate", "500Hz or 1kHz", rate_units};
   }
   return {"a quantity", "", {}};
 }
@@ -74,6 +77,17 @@ std::string_view trimmed(std::string_view text) {
   const std::size_t first = text.find_first_not_of(blanks);
   if (first == std::string_view::npos) return {};
   return text.substr(first, text.find_last_not_of(blanks) - first + 1);
+}
+
+/// A unit's name with `u` for each micro sign (U+00B5) and Greek mu (U+03BC), in UTF-8.
+std::string with_plain_micro(std::string_view name) {
+  std::string plain;
+  while (!name.empty()) {
+    const bool micro = name.starts_with("\xC2\xB5") || name.starts_with("\xCE\xBC");
+    plain += micro ? 'u' : name.front();
+    name.remove_prefix(micro ? 2 : 1);
+  }
+  return plain;
 }
 
 std::string names_of(std::span<const Unit> units) {
@@ -109,8 +123,9 @@ Result<double> parse_quantity(std::string_view text, Quantity quantity) {
   }
   const std::string_view name = trimmed(whole.substr(static_cast<std::size_t>(end - whole.data())));
   if (name.empty()) return fail(ExitCode::usage, quoted(text) + " has no unit: " + cure);
+  const std::string plain = with_plain_micro(name);
   for (const Unit& unit : facts.units) {
-    if (unit.name != name) continue;
+    if (unit.name != plain) continue;
     const double value = number * unit.multiplier / unit.divisor;
     if (std::isfinite(value)) return value;
     return fail(ExitCode::usage, quoted(text) + " is not a finite number: " + cure);
@@ -128,7 +143,8 @@ std::string format_quantity(double in_si, Quantity quantity) {
     if (best == nullptr || std::abs(in_si) * unit.divisor / unit.multiplier >= 0.99995)
       best = &unit;
   }
-  return shortest(in_si * best->divisor / best->multiplier) + " " + std::string(best->name);
+  const Unit& unit = best != nullptr ? *best : facts_of(quantity).units.front();
+  return shortest(in_si * unit.divisor / unit.multiplier) + " " + std::string(unit.name);
 }
 
 Result<double> parse_probe(std::string_view text) {

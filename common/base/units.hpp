@@ -18,12 +18,14 @@ enum class Quantity {
   damping,
   mass,
   per_length,
-  angular_speed
+  angular_speed,
+  rate
 };
 
-/// Parses a number with its unit ("50um", "1.5N/mm", "10deg") into SI. Independent of the locale. A
-/// bare number, an unknown unit, a non-finite value or trailing text is an error of code `usage`,
-/// whose message lists the units that are allowed.
+/// Parses a number with its unit ("50um", "1.5N/mm", "10deg") into SI. Independent of the locale.
+/// The micro sign and the Greek mu are read as `u`. A bare number, an unknown unit, a non-finite
+/// value or trailing text is an error of code `usage`, whose message lists the units that are
+/// allowed.
 [[nodiscard]] Result<double> parse_quantity(std::string_view text, Quantity quantity);
 
 /// Prints an SI value with the unit that is easiest to read ("50 um", "2 mm", "1 N/mm").

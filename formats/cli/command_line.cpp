@@ -72,7 +72,7 @@ std::string describe_unexpected(const CLI::App& app) {
 
 std::string describe(const CLI::App& app, const CLI::ParseError& problem) {
   if (dynamic_cast<const CLI::ExtrasError*>(&problem) != nullptr) return describe_unexpected(app);
-  const std::string text = problem.what();
+  std::string text = problem.what();
   if (dynamic_cast<const CLI::RequiredError*>(&problem) != nullptr) {
     // A missing argument may be one that was misspelt.
     if (!app.remaining(true).empty()) return describe_unexpected(app);
@@ -115,6 +115,8 @@ const char* type_name(Quantity quantity) {
       return "PER-LENGTH";
     case Quantity::angular_speed:
       return "ANGULAR-SPEED";
+    case Quantity::rate:
+      return "RATE";
   }
   return "QUANTITY";
 }

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "formats/cli/program.hpp"
 
+#include <fcntl.h>
+#include <unistd.h>
+
 #include <iostream>
 #include <utility>
 
@@ -8,8 +11,21 @@
 
 namespace spm::cli {
 
+namespace {
+
+/// Opens /dev/null where the program was started without a standard file. Otherwise the next file
+/// or device that is opened takes its number, and is written the program's messages.
+void hold_standard_files() noexcept {
+  for (int number = STDIN_FILENO; number <= STDERR_FILENO; ++number) {
+    if (fcntl(number, F_GETFD) < 0) static_cast<void>(open("/dev/null", O_RDWR | O_NOCTTY));
+  }
+}
+
+}  // namespace
+
 int run_program(CLI::App& app, int argc, const char* const* argv, std::span<const Command> commands,
                 const Describe& describe) {
+  hold_standard_files();
   try {
     app.require_subcommand(1);
     if (const auto code = parse(app, argc, argv)) return *code;

@@ -5,7 +5,9 @@
 #include <cstdint>
 #include <limits>
 #include <memory>
+#include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "common/base/error.hpp"
@@ -36,17 +38,28 @@ enum RecordingFlag : std::uint8_t {
   recorded_lost = 4,     ///< ticks are missing before this one, because the recorder was too slow
   recorded_touched = 8,  ///< applications have moved, added or changed objects since the loop began
   recorded_edited = 16,  ///< an edited scene was applied before this tick's forces
+  recorded_exchanged = 32,  ///< assets were opened, or opened again, before this tick
 };
 
-/// Format version of the files that are written. Version 1, which its header does not name, has no
-/// flags for changed scenes (`recorded_touched`, `recorded_edited`); it can still be read.
-inline constexpr std::uint32_t recording_form = 2;
+/// Format version of the files that are written; no other one is read. Versions 1 and 2 had rows
+/// alone, without what their forces came from.
+inline constexpr std::uint32_t recording_form = 3;
 
 struct RecordedDevice {
   std::string name;
   double encoder_step = 0;  ///< m
   /// N/m at the hand, upper limit of the stiffness of objects; infinity for none.
   double stiffness_cap = std::numeric_limits<double>::infinity();
+  /// N, as it was for the run: the device's own or a smaller one; infinity for none.
+  double force_cap = std::numeric_limits<double>::infinity();
+  std::string profile;  ///< by which its settings were chosen; may be empty
+};
+
+struct RecordedAsset {
+  std::string path;  ///< as it was opened; absolute
+  std::string content_sha256;
+
+  [[nodiscard]] bool operator==(const RecordedAsset&) const = default;
 };
 
 /// Header of a recording.
@@ -56,24 +69,65 @@ struct RecordingHeader {
   std::string instruction_set;  ///< with which the forces were computed
   double rate_hz = 1000;
   std::vector<RecordedDevice> devices;
-  std::vector<std::string> causes;  ///< names of the causes of zero force, by number
-  std::vector<std::string> assets;  ///< content_sha256 of the assets that were loaded
+  std::vector<std::string> causes;    ///< names of the causes of zero force, by number
+  std::vector<RecordedAsset> assets;  ///< in the order in which the scene's objects number them
+  std::string scene_path;             ///< empty if an asset was given
+  std::string scene;  ///< what forces come from before the first row, JSON; may be empty
+};
+
+/// What changed in a scene, before the forces of a tick.
+enum class RecordedKind : std::uint32_t {
+  placed = 2,      ///< an object lies elsewhere
+  added = 3,       ///< an object is new
+  changed = 4,     ///< an object has other settings
+  removed = 5,     ///< an object is gone
+  stabilized = 6,  ///< the scene has other stabilization settings
+  assets = 7,      ///< the list of assets is another one
+  lost = 8,        ///< changes are missing, because the recorder was too slow
+};
+
+/// One change.
+struct RecordedChange {
+  std::uint64_t tick = 0;  ///< it came before the forces of this tick
+  RecordedKind kind = RecordedKind::placed;
+  std::uint32_t object = 0;
+  std::array<double, 7> pose{};       ///< of `placed`: position in m, unit quaternion w first
+  std::string settings;               ///< JSON: of `added`, `changed` and `stabilized`
+  std::vector<RecordedAsset> assets;  ///< of `assets`
 };
 
 struct Recording {
   RecordingHeader header;
-  std::vector<RecordingRow> rows;  ///< ordered by tick, then by device
+  std::vector<RecordingRow> rows;       ///< ordered by tick, then by device
+  std::vector<RecordedChange> changes;  ///< ordered by tick, then as they came
 };
 
-/// Writes a recording while it is made: the magic number `SPM-REC1`; a word with the number of
-/// bytes of the header, and a word 0; the header, JSON, padded with blanks to eight bytes; the
-/// rows; and at the end the number of rows and the XXH3-64 of everything before it, eight bytes
-/// each. Little endian. The file appears completely at `commit` or not at all.
+/// The parts of a recording's file as bytes: one start, then any number of rows and changes in the
+/// order in which they came, then the end. The start is the magic number `SPM-REC1`; a word with
+/// the number of bytes of the header, and a word 0; the header, JSON, padded with blanks to eight
+/// bytes. Each part after it begins with two words, its kind (1: a row) and the number of its
+/// bytes, a multiple of eight. The end is the number of these parts and the XXH3-64 of everything
+/// before it, eight bytes each. Little endian.
+[[nodiscard]] std::string recording_start(const RecordingHeader& header);
+void append_part(std::string& bytes, const RecordingRow& row);
+void append_part(std::string& bytes, const RecordedChange& change);
+
+/// Writes a recording whose start and parts were made already. The file appears completely or not
+/// at all. Errors: file_or_device.
+[[nodiscard]] Result<void> write_recording(const std::string& path, std::string_view start,
+                                           std::span<const std::string_view> parts);
+
+/// Writes a recording while it is made. The file appears completely at `commit` or not at all.
 class RecordingWriter {
  public:
   /// Errors: file_or_device, where the file cannot be created.
   [[nodiscard]] static Result<RecordingWriter> create(const std::string& path,
-                                                      const RecordingHeader& header);
+                                                      const RecordingHeader& header) {
+    return create_with(path, recording_start(header));
+  }
+  /// The same with a start that was made already.
+  [[nodiscard]] static Result<RecordingWriter> create_with(const std::string& path,
+                                                           std::string_view start);
 
   RecordingWriter(RecordingWriter&&) noexcept;
   RecordingWriter& operator=(RecordingWriter&&) noexcept;
@@ -81,8 +135,12 @@ class RecordingWriter {
 
   /// Buffers a row; `commit` reports an error while writing (a full disk).
   void append(const RecordingRow& row);
+  void append(const RecordedChange& change);
+  /// Any number of parts in the form of append_part. What follows a part that is cut short is left
+  /// out.
+  void append(std::string_view parts);
 
-  /// Whether all rows so far could be written.
+  /// Whether all parts so far could be written.
   [[nodiscard]] bool ok() const noexcept { return state_.has_value(); }
 
   /// Writes the rest, syncs and renames. Errors: file_or_device, for any failure since `create`.
@@ -98,7 +156,7 @@ class RecordingWriter {
   std::unique_ptr<Hash> hash_;
   std::string buffer_;
   std::uint64_t written_ = 0;
-  std::uint64_t rows_ = 0;
+  std::uint64_t parts_ = 0;
   Result<void> state_;
 };
 
@@ -106,7 +164,7 @@ class RecordingWriter {
 [[nodiscard]] bool is_recording(const std::string& path);
 
 /// Reads a whole recording. Errors: file_or_device; invalid_input where it is not a recording, was
-/// cut short or changed, or has a newer version.
+/// cut short or changed, or has an older or newer version.
 [[nodiscard]] Result<Recording> read_recording(const std::string& path);
 
 }  // namespace spm

@@ -107,12 +107,15 @@ std::optional<double> read_tool(TableReader&& reader) {
   return std::nullopt;
 }
 
-/// `chosen`: the value of "auto", N/m in the scene's world; nothing where no device is named.
+/// `chosen`: the value of "auto", N/m in the scene's world; nothing where no device is named. It is
+/// also taken where nothing is given.
 void read_stiffness(TableReader& reader, std::optional<double> chosen, SceneObject& object) {
   object.stiffness_given = reader.has("stiffness");
   const toml::node* value = reader.node("stiffness");
   object.stiffness_chosen = value != nullptr && value->value<std::string_view>() == "auto";
-  if (!object.stiffness_chosen) {
+  if (!object.stiffness_given) {
+    object.stiffness = chosen.value_or(object.stiffness);
+  } else if (!object.stiffness_chosen) {
     object.stiffness =
         reader.quantity("stiffness", Quantity::stiffness, "1.5N/mm", object.stiffness);
   } else if (chosen) {
@@ -178,6 +181,7 @@ Scene read_document(const std::string& path, const toml::table& document,
       scene.probe_radius = read_tool(TableReader(path, table, in, {"probe"}, error));
     } else if (name == std::string_view("stabilization")) {
       TableReader reader(path, table, in, stabilization_keys, error);
+      scene.stabilization_given = true;
       scene.stabilization = read_stabilization(reader, scene.device.profile);
     } else {
       TableReader reader(path, table, in, {"pose", "scale"}, error);

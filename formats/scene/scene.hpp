@@ -27,10 +27,11 @@ struct SceneObject {
   std::string asset;    ///< baked file, made relative to the scene's folder; may be empty
   std::string mesh;     ///< the mesh it is baked from, likewise; one of the two is given
   Placement placement;  ///< of the asset's frame
-  double stiffness = default_stiffness;  ///< N/m, of the contact
+  /// N/m, of the contact; where it is not given, what suits the scene's device, or the default
+  double stiffness = default_stiffness;
   bool stiffness_given = false;
   bool stiffness_chosen = false;  ///< chosen for the device: the scene says "auto"
-  Method method = Method::spm;
+  std::optional<Method> method;   ///< empty: the default
   PaperRule rule = PaperRule::closest_plane;
   EffectSettings effects;  ///< lengths, forces and damping in the world's units
   bool movable = false;    ///< an application may move it
@@ -46,6 +47,7 @@ struct Scene {
   std::optional<double> probe_radius;  ///< m, 0 for a point
   Placement workspace;                 ///< of the device's frame, whose origin is its tool's centre
   StabilizationSettings stabilization;
+  bool stabilization_given = false;
   std::vector<SceneObject> objects;  ///< at least one
 };
 

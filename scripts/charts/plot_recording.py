@@ -8,6 +8,7 @@ Needs matplotlib, Debian package python3-matplotlib: run it with /usr/bin/python
 """
 
 import json
+import struct
 import sys
 
 from chart_io import chart_parser
@@ -20,7 +21,7 @@ matplotlib.rcParams["font.size"] = 10
 import matplotlib.pyplot as plt  # noqa: E402
 import numpy as np  # noqa: E402
 
-MAGIC = b"SPM-REC1"
+MAGIC, FORM, ROW_KIND = b"SPM-REC1", 3, 1
 # formats/motion/recording.hpp
 ROW = np.dtype([("tick", "<u8"), ("position", "<f8", 3), ("wanted", "<f8", 3), ("sent", "<f8", 3),
                 ("depth", "<f8"), ("wake_ns", "<i4"), ("busy_ns", "<i4"), ("buttons", "<u4"),
@@ -38,10 +39,18 @@ def read_recording(path: str) -> tuple[dict, np.ndarray]:
         sys.exit(f"{path}: is no recording; give one of spm-servo run --record")
     size = int.from_bytes(content[8:12], "little")
     header = json.loads(content[16:16 + size])
-    count = int.from_bytes(content[-16:-8], "little")
-    if header["row_bytes"] != ROW.itemsize or len(content) != 16 + size + count * ROW.itemsize + 16:
-        sys.exit(f"{path}: was cut short or is of another version; record it again")
-    return header, np.frombuffer(content, ROW, count, 16 + size)
+    if header.get("form") != FORM or header["row_bytes"] != ROW.itemsize:
+        sys.exit(f"{path}: is of another form; draw it with the spm-servo that recorded it")
+    rows, at, end = [], 16 + size, len(content) - 16
+    while at + 8 <= end:
+        kind, part = struct.unpack_from("<2I", content, at)
+        at += 8
+        if kind == ROW_KIND:
+            rows.append(content[at:at + part])
+        at += part
+    if at != end:
+        sys.exit(f"{path}: was cut short; record it again")
+    return header, np.frombuffer(b"".join(rows), ROW)
 
 
 def shade_causes(axes, time: np.ndarray, rows: np.ndarray, causes: list[str], named: bool) -> None:

@@ -67,7 +67,7 @@ spm_socket_answer refusing_answer(std::uint32_t status, const std::string& sente
 }
 
 Result<std::unique_ptr<AppClient>> AppClient::make(int descriptor, std::uint32_t connection,
-                                                   pid_t process) {
+                                                   pid_t process, bool trusted) {
   auto memory = SharedMemory::create("spm-servo-commands", sizeof(spm_shared_ring));
   if (!memory) {
     close(descriptor);
@@ -78,17 +78,22 @@ Result<std::unique_ptr<AppClient>> AppClient::make(int descriptor, std::uint32_t
   ring->layout_version = SPM_LAYOUT_VERSION;
   ring->bytes = sizeof(spm_shared_ring);
   return std::unique_ptr<AppClient>(
-      new AppClient(descriptor, connection, process, std::move(*memory)));
+      new AppClient(descriptor, connection, process, trusted, std::move(*memory)));
 }
 
-AppClient::AppClient(int descriptor, std::uint32_t connection, pid_t process,
+AppClient::AppClient(int descriptor, std::uint32_t connection, pid_t process, bool trusted,
                      SharedMemory memory) noexcept
     : descriptor_(descriptor),
       process_(process),
+      trusted_(trusted),
       memory_(std::move(memory)),
       attached_{static_cast<spm_shared_ring*>(memory_.data()), connection} {}
 
 AppClient::~AppClient() { hang_up(); }
+
+void AppClient::refuse(std::uint32_t status, const std::string& sentence) const {
+  static_cast<void>(send_answer(descriptor_, refusing_answer(status, sentence), nullptr, 0));
+}
 
 void AppClient::hang_up() noexcept {
   if (descriptor_ >= 0) close(std::exchange(descriptor_, -1));
@@ -119,26 +124,26 @@ Heard AppClient::hear() {
   if (ready_ || got < 16 || message.magic != SPM_SOCKET_MAGIC) return Heard::nonsense;
   if (got != sizeof message || message.socket_version != SPM_SOCKET_VERSION ||
       message.layout_version != SPM_LAYOUT_VERSION) {
-    static_cast<void>(send_answer(
-        descriptor_,
-        refusing_answer(
-            SPM_SOCKET_OTHER_VERSION,
-            "the application's library has layout " + std::to_string(message.layout_version) +
-                ", the daemon " + std::to_string(SPM_LAYOUT_VERSION) +
-                " (version " SPM_VERSION "): install library and daemon of the same version"),
-        nullptr, 0));
+    refuse(SPM_SOCKET_OTHER_VERSION,
+           "the application's library has layout " + std::to_string(message.layout_version) +
+               ", the daemon " + std::to_string(SPM_LAYOUT_VERSION) +
+               " (version " SPM_VERSION "): install library and daemon of the same version");
     return Heard::nonsense;
   }
   application_ = printable(message.application);
-  if (!memory_.close_to_others()) {
-    static_cast<void>(send_answer(
-        descriptor_,
-        refusing_answer(SPM_SOCKET_REFUSED,
-                        "the memory for commands was sealed by the application: leave its "
-                        "descriptor to the library"),
-        nullptr, 0));
+  if (message.role > SPM_ROLE_SUPERVISOR || (message.role == SPM_ROLE_SUPERVISOR && !trusted_)) {
+    refuse(SPM_SOCKET_REFUSED,
+           "the role of a supervisor is for the daemon's own user and root: connect as that user, "
+           "or without the role");
     return Heard::nonsense;
   }
+  if (!memory_.close_to_others()) {
+    refuse(SPM_SOCKET_REFUSED,
+           "the memory for commands was sealed by the application: leave its descriptor to the "
+           "library");
+    return Heard::nonsense;
+  }
+  attached_.supervisor = message.role == SPM_ROLE_SUPERVISOR;
   ready_ = true;
   return Heard::ready;
 }

@@ -37,9 +37,10 @@ enum class Heard : std::uint8_t {
 class AppClient {
  public:
   /// Takes ownership of the socket, and closes it. Errors: file_or_device.
+  /// `trusted`: it may be a supervisor.
   [[nodiscard]] static Result<std::unique_ptr<AppClient>> make(int descriptor,
                                                                std::uint32_t connection,
-                                                               pid_t process);
+                                                               pid_t process, bool trusted);
   AppClient(const AppClient&) = delete;
   AppClient& operator=(const AppClient&) = delete;
   ~AppClient();
@@ -60,10 +61,13 @@ class AppClient {
   [[nodiscard]] AppClientReport report() const;
 
  private:
-  AppClient(int descriptor, std::uint32_t connection, pid_t process, SharedMemory memory) noexcept;
+  AppClient(int descriptor, std::uint32_t connection, pid_t process, bool trusted,
+            SharedMemory memory) noexcept;
+  void refuse(std::uint32_t status, const std::string& sentence) const;
 
   int descriptor_;
   pid_t process_;
+  bool trusted_;
   SharedMemory memory_;
   AttachedRing attached_;
   std::string application_;

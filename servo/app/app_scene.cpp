@@ -4,8 +4,6 @@
 #include <algorithm>
 #include <limits>
 
-#include "common/contact/turn_limit.hpp"
-
 namespace spm::servo {
 
 namespace {
@@ -34,11 +32,13 @@ void set_material(const AppMaterial& material, PlacedObject& object) noexcept {
 }  // namespace
 
 AppScene::AppScene(AppState& state, const ForceScene& scene)
-    : state_(state), probe_radius_(scene.objects.front().force.probe_radius) {
+    : state_(state), probe_radius_(scene.objects.front().force.probe_radius), added_(scene.added) {
+  added_.force.probe_radius = probe_radius_;
   objects_.reserve(scene.objects.size() + room(scene));
   published_.reserve(SPM_MAX_OBJECTS);
   min_scales_.resize(assets_of(scene.objects) + spare_assets,
                      std::numeric_limits<double>::infinity());
+  reaches_.resize(min_scales_.size(), 0);
   for (const PlacedObject& object : scene.objects) {
     note_scale(object);
     objects_.push_back({objects_.size(), object, PoseInterpolator({}, object.placement)});
@@ -57,6 +57,10 @@ void AppScene::note_scale(const PlacedObject& object) noexcept {
   least = probe_radius_ > 0 ? std::min(least, object.placement.scale) : 0;
 }
 
+void AppScene::set_reach(std::size_t asset, double reach) noexcept {
+  if (asset < reaches_.size()) reaches_[asset] = reach;
+}
+
 /// Call it when objects were added or removed, or feel different.
 void AppScene::note_stiffness() noexcept {
   stiffest_ = 0;
@@ -73,7 +77,6 @@ AppScene::Object* AppScene::find(std::uint64_t id) noexcept {
 }
 
 AppChanges AppScene::begin(std::int64_t now_ns, std::span<SceneForce* const> forces) noexcept {
-  clutch_count_ = 0;
   felt_anew_ = false;
   for (const AppCommand& command : state_.take(now_ns)) {
     const Refusal refusal = follow(command, now_ns, forces);
@@ -83,6 +86,7 @@ AppChanges AppScene::begin(std::int64_t now_ns, std::span<SceneForce* const> for
   for (std::size_t i = 0; i < objects_.size(); ++i) {
     Object& object = objects_[i];
     if (!object.is_there) continue;
+    object.motion.set_reach(reach_of(object), now_ns);
     const InterpolatedPose& now = object.now = object.motion.at(now_ns);
     if (!now.driven) continue;
     silent = silent || is_left_alone(object);
@@ -90,7 +94,13 @@ AppChanges AppScene::begin(std::int64_t now_ns, std::span<SceneForce* const> for
     for (SceneForce* force : forces) force->place(i, now.pose.position, now.pose.rotation);
   }
   touched_ = touched_ || felt_anew_;
-  return {felt_anew_, silent, touched_, stiffest_, std::span(clutches_).first(clutch_count_)};
+  return {felt_anew_, silent, touched_, stiffest_, &clutches_, &force_caps_};
+}
+
+/// How far an object's farthest place is from its origin, m, world; 0 if not known yet.
+double AppScene::reach_of(const Object& object) const noexcept {
+  const std::size_t asset = object.settings.asset;
+  return asset < reaches_.size() ? reaches_[asset] * object.settings.placement.scale : 0;
 }
 
 /// Whether an application that moves an object hangs. One that has left is no danger: what it moved
@@ -112,11 +122,12 @@ Refusal AppScene::follow(const AppCommand& command, std::int64_t now_ns,
     case AppAction::material:
       return change(command, now_ns, forces);
     case AppAction::clutch:
-      if (clutch_count_ < clutches_.size())
-        clutches_[clutch_count_++] = {command.index, command.on};
+      return clutches_.set(command.index, command.on, command.connection, command.supervisor);
+    case AppAction::force_cap:
+      force_caps_.set(command.index, command.client, command.force_cap);
       return Refusal::none;
     case AppAction::departure:
-      depart(command.connection, forces);
+      depart(command, forces);
       return Refusal::none;
   }
   return Refusal::unknown_kind;
@@ -128,10 +139,10 @@ Refusal AppScene::add(const AppCommand& command, std::span<SceneForce* const> fo
   const bool is_own = owner_of(command.object) == command.connection;
   if (!is_own || find(command.object) != nullptr) return Refusal::not_yours;
   Object added{command.object, {}, PoseInterpolator({}, command.pose)};
+  added.owner = command.connection;
+  added.settings = added_;
   added.settings.asset = command.index;
   added.settings.placement = command.pose;
-  added.settings.force.probe_radius = probe_radius_;
-  added.settings.effects.turn.rate = default_turn_rate;
   added.settings.movable = true;
   set_material(command.material, added.settings);
   if (!put(added, forces)) return Refusal::too_many_objects;
@@ -158,10 +169,20 @@ bool AppScene::put(const Object& added, std::span<SceneForce* const> forces) noe
   return true;
 }
 
+/// An object belongs to who is the first to move or change it, until that application leaves. A
+/// supervisor changes what is another's without taking it.
+Refusal AppScene::take(Object& object, const AppCommand& command) noexcept {
+  if (object.owner == 0 && !command.supervisor) object.owner = command.connection;
+  const bool may = object.owner == command.connection || command.supervisor;
+  return may ? Refusal::none : Refusal::not_yours;
+}
+
 Refusal AppScene::move(const AppCommand& command, std::int64_t now_ns) noexcept {
   Object* object = find(command.object);
   if (object == nullptr) return Refusal::unknown_object;
   if (!object->settings.movable) return Refusal::not_movable;
+  if (const Refusal refusal = take(*object, command); refusal != Refusal::none) return refusal;
+  object->motion.set_reach(reach_of(*object), now_ns);
   object->motion.give(command.pose, command.period, now_ns);
   object->driver = command.connection;
   return Refusal::none;
@@ -170,7 +191,10 @@ Refusal AppScene::move(const AppCommand& command, std::int64_t now_ns) noexcept 
 Refusal AppScene::remove(const AppCommand& command, std::span<SceneForce* const> forces) noexcept {
   Object* object = find(command.object);
   if (object == nullptr) return Refusal::unknown_object;
-  if (owner_of(command.object) != command.connection) return Refusal::not_yours;
+  const std::uint32_t owner = owner_of(command.object);
+  // What is the scene's goes by an edit of the scene.
+  const bool may = owner == command.connection || (command.supervisor && owner != 0);
+  if (!may) return Refusal::not_yours;
   drop(place_of(*object), forces);
   return Refusal::none;
 }
@@ -190,6 +214,7 @@ Refusal AppScene::change(const AppCommand& command, std::int64_t now_ns,
       (command.material.given & ~std::uint32_t{SPM_MATERIAL_STIFFNESS}) != 0) {
     return Refusal::out_of_range;
   }
+  if (const Refusal refusal = take(*object, command); refusal != Refusal::none) return refusal;
   set_material(command.material, object->settings);
   hand_on(*object, now_ns, forces);
   note_stiffness();
@@ -207,10 +232,14 @@ void AppScene::hand_on(const Object& object, std::int64_t now_ns,
   for (SceneForce* force : forces) force->change(place_of(object), settings);
 }
 
-void AppScene::depart(std::uint32_t connection, std::span<SceneForce* const> forces) noexcept {
+void AppScene::depart(const AppCommand& departure, std::span<SceneForce* const> forces) noexcept {
+  const std::uint32_t connection = departure.connection;
+  clutches_.leave(connection);
+  force_caps_.leave(departure.client);
   for (std::size_t i = 0; i < objects_.size(); ++i) {
     if (objects_[i].is_there && owner_of(objects_[i].id) == connection) drop(i, forces);
     if (objects_[i].driver == connection) objects_[i].driver = 0;
+    if (objects_[i].owner == connection) objects_[i].owner = 0;
   }
 }
 

@@ -1,23 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <span>
 #include <vector>
 
+#include "servo/app/app_clutches.hpp"
+#include "servo/app/app_force_caps.hpp"
 #include "servo/app/app_state.hpp"
 #include "servo/app/pose_interpolator.hpp"
 #include "servo/force/scene_force.hpp"
 #include "servo/scene/scene_edit.hpp"
 
 namespace spm::servo {
-
-/// A request of an application for a device's clutch in this tick.
-struct AppClutch {
-  std::uint32_t device = 0;
-  bool on = false;
-};
 
 /// What applications requested in a tick, beside moving objects.
 struct AppChanges {
@@ -26,7 +21,9 @@ struct AppChanges {
   /// since the loop began, an application has moved, added or changed objects
   bool touched = false;
   double stiffest = 0;  ///< N/m, of the objects that are in the scene now
-  std::span<const AppClutch> clutches;
+  // Set by `begin`:
+  const AppClutches* clutches = nullptr;     ///< which are held by applications
+  const AppForceCaps* force_caps = nullptr;  ///< how far applications lowered them
 };
 
 /// The objects of a running scene, as applications see and change them. It follows their commands,
@@ -52,6 +49,10 @@ class AppScene {
   [[nodiscard]] bool edit(const SceneEdit& edit, std::int64_t now_ns,
                           std::span<SceneForce* const> forces) noexcept;
 
+  /// Tells how far an asset's surface is at most from its origin, m, asset's frame: no place of an
+  /// object moves faster than people push. Call it when an asset comes.
+  void set_reach(std::size_t asset, double reach) noexcept;
+
   /// Whether an object of this asset is in the scene.
   [[nodiscard]] bool uses(std::size_t asset) const noexcept;
 
@@ -69,10 +70,13 @@ class AppScene {
     PoseInterpolator motion;
     InterpolatedPose now = {};  ///< in this tick
     bool is_there = true;
+    /// connection that added it, or was the first to move or change it; 0: none, or one that left
+    std::uint32_t owner = 0;
     std::uint32_t driver = 0;  ///< connection that gave the last pose; 0: none, or one that left
   };
 
   [[nodiscard]] Object* find(std::uint64_t id) noexcept;
+  [[nodiscard]] static Refusal take(Object& object, const AppCommand& command) noexcept;
   [[nodiscard]] Refusal follow(const AppCommand& command, std::int64_t now_ns,
                                std::span<SceneForce* const> forces) noexcept;
   [[nodiscard]] Refusal add(const AppCommand& command,
@@ -82,7 +86,7 @@ class AppScene {
                                std::span<SceneForce* const> forces) noexcept;
   [[nodiscard]] Refusal change(const AppCommand& command, std::int64_t now_ns,
                                std::span<SceneForce* const> forces) noexcept;
-  void depart(std::uint32_t connection, std::span<SceneForce* const> forces) noexcept;
+  void depart(const AppCommand& departure, std::span<SceneForce* const> forces) noexcept;
   [[nodiscard]] bool put(const Object& added, std::span<SceneForce* const> forces) noexcept;
   [[nodiscard]] std::size_t place_of(const Object& object) const noexcept {
     return static_cast<std::size_t>(&object - objects_.data());
@@ -93,15 +97,18 @@ class AppScene {
   [[nodiscard]] std::size_t free_places() const noexcept;
   void note_stiffness() noexcept;
   void note_scale(const PlacedObject& object) noexcept;
+  [[nodiscard]] double reach_of(const Object& object) const noexcept;
   [[nodiscard]] bool is_left_alone(const Object& object) const noexcept;
 
   AppState& state_;
   double probe_radius_;  ///< m
+  PlacedObject added_;   ///< what an object of an application is, beside what it names
   /// for each asset, the smallest scale that its baked probe allows
   std::vector<double> min_scales_;
+  std::vector<double> reaches_;  ///< for each asset, m, asset's frame; 0 if not known yet
   std::vector<Object> objects_;  ///< by the numbers that SceneForce gives
-  std::array<AppClutch, SPM_MAX_DEVICES> clutches_;
-  std::size_t clutch_count_ = 0;
+  AppClutches clutches_;
+  AppForceCaps force_caps_;
   bool felt_anew_ = false;
   bool touched_ = false;
   double stiffest_ = 0;  ///< N/m

@@ -20,6 +20,8 @@ namespace {
 constexpr int look_ms = 20;
 /// How long it accepts no clients when the process has no descriptors left, ms.
 constexpr int rest_ms = 200;
+/// As many as a process can be in, on Linux.
+constexpr std::size_t max_groups = 65536;
 /// So that an application that tries again and again does not fill the log.
 constexpr std::uint32_t max_warnings = 100;
 
@@ -37,7 +39,7 @@ std::thread start_without_signals(Run run) {
 }  // namespace
 
 Result<std::unique_ptr<AppServer>> AppServer::start(AppServerOptions options, AppState& state) {
-  auto socket = ListeningSocket::open(options.path, options.name);
+  auto socket = ListeningSocket::open(options.path, options.name, options.group);
   if (!socket) return tl::make_unexpected(std::move(socket.error()));
   const int wake = eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK);
   if (wake < 0) {
@@ -129,6 +131,17 @@ void AppServer::accept_one() {
   }
 }
 
+bool AppServer::may_connect(int connection, const ucred& peer) const {
+  if (peer.uid == options_.user || peer.uid == 0) return true;
+  if (!options_.group) return false;
+  if (peer.gid == *options_.group) return true;
+  std::vector<gid_t> groups(max_groups);
+  auto bytes = static_cast<socklen_t>(groups.size() * sizeof(gid_t));
+  if (getsockopt(connection, SOL_SOCKET, SO_PEERGROUPS, groups.data(), &bytes) != 0) return false;
+  groups.resize(bytes / sizeof(gid_t));
+  return std::find(groups.begin(), groups.end(), *options_.group) != groups.end();
+}
+
 /// Takes ownership of the connection.
 void AppServer::welcome(int connection) {
   const auto refuse = [connection](const std::string& sentence) {
@@ -141,17 +154,18 @@ void AppServer::welcome(int connection) {
   if (getsockopt(connection, SOL_SOCKET, SO_PEERCRED, &peer, &size) != 0) {
     return refuse("the daemon cannot tell who the application belongs to");
   }
-  if (peer.uid != options_.user && peer.uid != 0) {
+  if (!may_connect(connection, peer)) {
     return refuse("the daemon belongs to user " + std::to_string(options_.user) +
                   " and the application to user " + std::to_string(peer.uid) +
-                  ": run both as the same user");
+                  ": run both as the same user, or start the daemon with --app-group");
   }
   const auto empty = std::find(clients_.begin(), clients_.end(), nullptr);
   if (empty == clients_.end()) {
     return refuse("the daemon has " + std::to_string(SPM_MAX_CLIENTS) +
                   " applications already, as many as it can serve: close one");
   }
-  auto client = AppClient::make(connection, connections_ + 1, peer.pid);
+  auto client = AppClient::make(connection, connections_ + 1, peer.pid,
+                                peer.uid == options_.user || peer.uid == 0);
   if (!client) return warn("an application could not connect: " + client.error().message);
   if (!(*client)->greet(state_.memory())) return;
   ++connections_;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <sys/socket.h>
 #include <sys/types.h>
 #include <unistd.h>
 
@@ -11,6 +12,7 @@
 #include <functional>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <thread>
 #include <vector>
@@ -24,8 +26,9 @@ namespace spm::servo {
 
 struct AppServerOptions {
   std::string path;              ///< of the socket; empty: the usual one for the name
-  std::string name = "default";  ///< of the daemon
+  std::string name = "default";  ///< of the daemon, which no other one may have
   uid_t user = geteuid();        ///< who may connect, beside root
+  std::optional<gid_t> group;    ///< whose members may connect too; needs a path
   /// How long a client may take to map what it was sent.
   std::chrono::milliseconds patience{5000};
   /// Called with a sentence for a person, on the server's thread. May be empty.
@@ -58,6 +61,7 @@ class AppServer {
   void run();
   void accept_one();
   void welcome(int connection);
+  [[nodiscard]] bool may_connect(int connection, const ucred& peer) const;
   void hear(std::uint32_t place);
   void part(std::uint32_t place, const std::string& why);
   void drop_the_slow();

@@ -32,7 +32,8 @@ static_assert(static_cast<int>(ForceOff::jumped) == SPM_CLIENT_OFF_JUMPED);
 static_assert(static_cast<int>(ForceOff::clutched) == SPM_CLIENT_OFF_CLUTCHED);
 static_assert(static_cast<int>(ForceOff::outside_workspace) == SPM_CLIENT_OFF_OUTSIDE_WORKSPACE);
 static_assert(static_cast<int>(ForceOff::application_silent) == SPM_CLIENT_OFF_APPLICATION_SILENT);
-static_assert(force_off_count == 13, "name a new cause in spm_client.h and spm_client.py too");
+static_assert(static_cast<int>(ForceOff::stalled) == SPM_CLIENT_OFF_STALLED);
+static_assert(force_off_count == 14, "name a new cause in spm_client.h and spm_client.py too");
 static_assert(static_cast<int>(DeviceHealth::ok) == SPM_CLIENT_HEALTH_OK);
 static_assert(static_cast<int>(DeviceHealth::fault) == SPM_CLIENT_HEALTH_FAULT);
 static_assert(static_cast<int>(DeviceHealth::silent) == SPM_CLIENT_HEALTH_SILENT);
@@ -224,6 +225,8 @@ spm_shared_device AppState::packed(std::size_t index, const AppDevice& device) n
              bit(device.contact, SPM_DEVICE_CONTACT);
   to.contacts = seen.contacts;
   to.cuts = seen.cuts;
+  pack(to.proxy, device.proxy);
+  to.force_cap = device.force_cap;
   return to;
 }
 
@@ -287,8 +290,10 @@ void AppState::keep_or_refuse(ClientRing& ring, const spm_shared_command& comman
                               std::uint32_t client, const AppCommandLimits& limits) noexcept {
   AppCommand& to = taken_[taken_count_];
   Refusal refusal = check_command(command, limits, to);
-  // An id contains the connection that made it: nobody adds or removes objects in another's name.
-  const bool of_owner = to.action == AppAction::add || to.action == AppAction::remove;
+  // An id contains the connection that made it: nobody adds objects in another's name, and only a
+  // supervisor removes another's.
+  const bool of_owner =
+      to.action == AppAction::add || (to.action == AppAction::remove && !ring.supervisor());
   if (refusal == Refusal::none && of_owner && to.object >> 32U != ring.adopted()) {
     refusal = Refusal::not_yours;
   }
@@ -299,6 +304,7 @@ void AppState::keep_or_refuse(ClientRing& ring, const spm_shared_command& comman
   }
   to.client = client;
   to.connection = ring.adopted();
+  to.supervisor = ring.supervisor();
   ++taken_count_;
   taken_total_.fetch_add(1, std::memory_order_relaxed);
 }

@@ -26,6 +26,8 @@ struct AppDevice {
   DeviceHealth health = DeviceHealth::ok;
   Vector3 velocity = Vector3::Zero();  ///< m/s
   Wrench wrench;                       ///< as sent
+  Vector3 proxy = Vector3::Zero();     ///< m, where the surface holds the tool
+  double force_cap = 0;                ///< N, that holds now; infinity: none
   double depth = 0;                    ///< m
   bool contact = false;
   ForceOff cause = ForceOff::none;

@@ -16,6 +16,7 @@
 #include <utility>
 
 #include "servo/shared/socket_path.hpp"
+#include "servo/shared/trusted_folder.hpp"
 
 namespace spm::servo {
 
@@ -60,15 +61,7 @@ Result<void> make_private_folder(const std::string& folder) {
   }
   struct stat status {};
   if (lstat(folder.c_str(), &status) != 0) return refused(folder, "cannot be looked at", errno);
-  if (!S_ISDIR(status.st_mode)) {
-    return failed(folder, "is no folder: remove it, or name a socket elsewhere with --socket");
-  }
-  if (status.st_uid != geteuid()) {
-    return failed(folder,
-                  "belongs to another user: remove it, or name a socket elsewhere with "
-                  "--socket");
-  }
-  if ((status.st_mode & 077) != 0) {
+  if (S_ISDIR(status.st_mode) && status.st_uid == geteuid() && (status.st_mode & 077) != 0) {
     return failed(folder, "is open to other users: close it with 'chmod 700 " + folder + "'");
   }
   return {};
@@ -88,7 +81,8 @@ Result<int> new_socket(const std::string& path) {
 }
 
 /// Fails if somebody listens at a path already, or something that is no socket lies there.
-Result<void> check_free(const std::string& path) {
+Result<void> nobody_answers(const std::string& path, const std::string& taken,
+                            const std::string& cure) {
   struct stat status {};
   if (lstat(path.c_str(), &status) != 0) {
     if (errno == ENOENT) return {};
@@ -114,14 +108,13 @@ Result<void> check_free(const std::string& path) {
   if (getsockopt(probe.get(), SOL_SOCKET, SO_PEERCRED, &peer, &size) == 0 && peer.pid > 0) {
     who = " (process " + std::to_string(peer.pid) + ")";
   }
-  return failed(path, "a daemon" + who +
-                          " answers there already: end that one, or give this one a socket of its "
-                          "own with --socket");
+  return fail(ExitCode::invalid_input, taken + " belongs to a daemon" + who +
+                                           " that runs already: end that one, or " + cure);
 }
 
 /// Keeps other daemons out of the folder while this one checks and binds.
 Result<int> lock_folder(const std::string& folder) {
-  Descriptor locked(::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
+  Descriptor locked(::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC | O_NOFOLLOW));
   if (locked.get() < 0) return refused(folder, "the folder cannot be opened", errno);
   for (auto waited = std::chrono::milliseconds(0); waited < longest_wait; waited += wait_step) {
     if (flock(locked.get(), LOCK_EX | LOCK_NB) == 0) return locked.release();
@@ -131,6 +124,15 @@ Result<int> lock_folder(const std::string& folder) {
   return refused(folder, "the folder is locked by another program", errno);
 }
 
+/// Lets a group connect too. The folder is closed to writing by others, so that the path still
+/// leads to this socket.
+bool give_to(const std::string& path, std::optional<gid_t> group) noexcept {
+  constexpr auto nobody = static_cast<uid_t>(-1);
+  if (!group) return true;
+  return lchown(path.c_str(), nobody, *group) == 0 &&
+         chmod(path.c_str(), S_IRUSR | S_IWUSR | S_IRGRP | S_IWGRP) == 0;
+}
+
 Result<std::string> chosen_path(const std::string& path, const std::string& name) {
   if (path.empty() && !valid_daemon_name(name)) {
     return fail(ExitCode::usage, "'" + name +
@@ -138,6 +140,10 @@ Result<std::string> chosen_path(const std::string& path, const std::string& name
                                      "'-', '_' and '.', the first a letter or digit");
   }
   std::string chosen = path.empty() ? socket_path(name) : path;
+  if (chosen.empty()) {
+    return fail(ExitCode::file_or_device,
+                std::string(no_socket_folder) + ", or name a socket with --socket");
+  }
   if (chosen.size() > longest_socket_path || chosen.find('\0') != std::string::npos) {
     return fail(ExitCode::usage, chosen + ": is too long for a socket, which has at most " +
                                      std::to_string(longest_socket_path) +
@@ -146,26 +152,50 @@ Result<std::string> chosen_path(const std::string& path, const std::string& name
   return chosen;
 }
 
-std::string folder_of(const std::string& path) {
-  const std::string folder = std::filesystem::path(path).parent_path().string();
-  return folder.empty() ? "." : folder;
+/// The same, for a daemon that was given a path, or else for one of that name.
+Result<void> nobody_answers_for(const std::string& chosen, bool is_path, const std::string& name) {
+  if (is_path) {
+    return nobody_answers(chosen, chosen, "name another socket for this one with --socket");
+  }
+  return nobody_answers(chosen, "the name '" + name + "' (" + chosen + ")",
+                        "give this one a name of its own with --name, by which applications then "
+                        "find it");
 }
 
 }  // namespace
 
-Result<ListeningSocket> ListeningSocket::open(const std::string& path, const std::string& name) {
+Result<void> ListeningSocket::check_free(const std::string& path, const std::string& name) {
+  const auto chosen = chosen_path(path, name);
+  if (!chosen && chosen.error().code == ExitCode::file_or_device) return {};
+  if (!chosen) return tl::make_unexpected(chosen.error());
+  auto is_free = nobody_answers_for(*chosen, !path.empty(), name);
+  if (!is_free && is_free.error().code == ExitCode::file_or_device) return {};
+  return is_free;
+}
+
+Result<ListeningSocket> ListeningSocket::open(const std::string& path, const std::string& name,
+                                              std::optional<gid_t> group) {
   auto chosen = chosen_path(path, name);
   if (!chosen) return tl::make_unexpected(std::move(chosen.error()));
   const std::string folder = folder_of(*chosen);
+  if (path.empty() && group) {
+    return fail(ExitCode::usage, folder +
+                                     ": is closed to --app-group: name a socket with --socket, "
+                                     "in a folder of yours that the group may enter (mode 750)");
+  }
   if (path.empty()) {
     if (auto made = make_private_folder(folder); !made) {
       return tl::make_unexpected(std::move(made.error()));
     }
   }
+  if (const std::string fault = distrust_of(folder); !fault.empty()) {
+    return fail(ExitCode::file_or_device,
+                "no socket is made where others could replace it: " + fault + ", with --socket");
+  }
   auto locked = lock_folder(folder);
   if (!locked) return tl::make_unexpected(std::move(locked.error()));
   const Descriptor lock(*locked);
-  if (auto is_free = check_free(*chosen); !is_free) {
+  if (auto is_free = nobody_answers_for(*chosen, !path.empty(), name); !is_free) {
     return tl::make_unexpected(std::move(is_free.error()));
   }
   auto made = new_socket(*chosen);
@@ -175,8 +205,10 @@ Result<ListeningSocket> ListeningSocket::open(const std::string& path, const std
     return refused(*chosen, "what an ended daemon left there cannot be removed", errno);
   }
   const sockaddr_un address = address_of(*chosen);
+  // From the first moment on it is for those alone whom it is meant for.
+  static_cast<void>(fchmod(descriptor.get(), S_IRUSR | S_IWUSR));
   if (bind(descriptor.get(), reinterpret_cast<const sockaddr*>(&address), sizeof address) != 0 ||
-      listen(descriptor.get(), backlog) != 0) {
+      !give_to(*chosen, group) || listen(descriptor.get(), backlog) != 0) {
     return refused(*chosen, "no socket can be made there", errno);
   }
   return ListeningSocket(descriptor.release(), std::move(*chosen));

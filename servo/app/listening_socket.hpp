@@ -3,6 +3,7 @@
 
 #include <sys/types.h>
 
+#include <optional>
 #include <string>
 
 #include "common/base/error.hpp"
@@ -13,12 +14,18 @@ namespace spm::servo {
 class ListeningSocket {
  public:
   /// Listens at `path`. If that is empty, it listens at the socket of the daemon of that name in
-  /// this user's own folder, which is made for this user alone if it does not exist. A file that a
-  /// daemon left behind is replaced. Errors: usage, for an invalid name or path; file_or_device, if
-  /// a daemon answers there, if the folder belongs to somebody else or is open to others, and if
-  /// the system refuses.
+  /// this user's own folder, which is made for this user alone if it does not exist. `group` may
+  /// connect too, beside this user and root, and needs a path. A file that a daemon left behind is
+  /// replaced. Errors: usage, for an invalid name or path; invalid_input, if a daemon answers
+  /// there; file_or_device, if others could replace the socket (trusted_folder.hpp), and if the
+  /// system refuses.
   [[nodiscard]] static Result<ListeningSocket> open(const std::string& path,
-                                                    const std::string& name);
+                                                    const std::string& name,
+                                                    std::optional<gid_t> group = {});
+
+  /// Whether another daemon answers at that place already. Errors: usage and invalid_input, as
+  /// `open`. What else is wrong there is left to `open`.
+  [[nodiscard]] static Result<void> check_free(const std::string& path, const std::string& name);
 
   ListeningSocket(ListeningSocket&& other) noexcept;
   ListeningSocket& operator=(ListeningSocket&&) = delete;

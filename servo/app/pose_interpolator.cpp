@@ -42,14 +42,34 @@ PoseInterpolator::PoseInterpolator(const PoseInterpolatorSettings& settings,
 
 void PoseInterpolator::give(const Placement& pose, double period, std::int64_t now_ns) noexcept {
   from_ = at(now_ns).pose;
-  begun_ns_ = now_ns;
   to_.position = pose.position;
   to_.rotation = pose.rotation;
-  turn_ = turn_between(from_.rotation, to_.rotation);
+  begin_from_here(now_ns);
   measure(period, now_ns);
-  const double way = (to_.position - from_.position).norm();
-  duration_ =
-      std::max({stretch * period_, way / settings_.max_speed, turn_.norm() / settings_.max_turn});
+  duration_ = std::max(stretch * period_, least_duration());
+}
+
+void PoseInterpolator::set_reach(double reach, std::int64_t now_ns) noexcept {
+  if (reach == reach_) return;
+  reach_ = reach;
+  const double left = duration_ - seconds_between(begun_ns_, now_ns);
+  if (!driven_ || left <= 0) return;
+  from_ = at(now_ns).pose;
+  begin_from_here(now_ns);
+  duration_ = std::max(left, least_duration());
+}
+
+void PoseInterpolator::begin_from_here(std::int64_t now_ns) noexcept {
+  begun_ns_ = now_ns;
+  turn_ = turn_between(from_.rotation, to_.rotation);
+}
+
+/// The time in which the motion to the newest pose keeps to the caps, s. While the object turns, a
+/// place at its reach moves by that much farther than the origin does.
+double PoseInterpolator::least_duration() const noexcept {
+  const double turn = turn_.norm();
+  const double way = (to_.position - from_.position).norm() + reach_ * turn;
+  return std::max(way / settings_.max_speed, turn / settings_.max_turn);
 }
 
 /// Updates the time between poses from the newest one.

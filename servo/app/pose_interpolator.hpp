@@ -10,8 +10,10 @@ namespace spm::servo {
 
 /// How the poses of an application become motion.
 struct PoseInterpolatorSettings {
-  double max_speed = 1.0;  ///< m/s, above 0: faster than people push; limits the kick of any pose
-  double max_turn = 10.0;  ///< rad/s, above 0
+  /// m/s, above 0, of every place of the object: faster than people push; limits the kick of any
+  /// pose
+  double max_speed = 1.0;
+  double max_turn = 10.0;         ///< rad/s, above 0
   double first_period = 1. / 60;  ///< s, until a period was measured, if the application gives none
 };
 
@@ -27,9 +29,9 @@ struct InterpolatedPose {
 /// Moves one object between the poses that an application sends at its own 60 to 120 Hz. The object
 /// moves evenly from where it is to the newest pose, over the measured time between poses and a
 /// quarter more. It therefore lags by that quarter; in return it does not stand still, and no step
-/// is felt, when a pose comes some ms late. It never moves faster than the caps allow, and then
-/// arrives later. If no new pose comes it stays at the last one. A pure function of its calls; no
-/// call allocates or throws.
+/// is felt, when a pose comes some ms late. No place of it moves faster than the caps allow; it
+/// then arrives later. If no new pose comes it stays at the last one. A pure function of its calls;
+/// no call allocates or throws.
 class PoseInterpolator {
  public:
   /// Times between poses are measured within these bounds, s. A shorter time is the same frame sent
@@ -46,6 +48,10 @@ class PoseInterpolator {
   /// does not say; it is used until one was measured. The scale stays as it was at the start.
   void give(const Placement& pose, double period, std::int64_t now_ns) noexcept;
 
+  /// Tells how far the object's farthest place is from its origin, m, 0 or more (0 until the first
+  /// call). What is under way goes on from where it is, as fast as is allowed now.
+  void set_reach(double reach, std::int64_t now_ns) noexcept;
+
   /// The pose at a time that is not before the time of the last call.
   [[nodiscard]] InterpolatedPose at(std::int64_t now_ns) const noexcept;
 
@@ -57,6 +63,8 @@ class PoseInterpolator {
 
  private:
   void measure(double period, std::int64_t now_ns) noexcept;
+  void begin_from_here(std::int64_t now_ns) noexcept;
+  [[nodiscard]] double least_duration() const noexcept;
 
   PoseInterpolatorSettings settings_;
   Placement from_, to_;
@@ -64,6 +72,7 @@ class PoseInterpolator {
   std::int64_t begun_ns_ = 0;       ///< when the motion from `from_` began
   std::int64_t given_ns_ = 0;       ///< when the last pose was given
   double duration_ = 0;             ///< s, of the motion from `from_` to `to_`
+  double reach_ = 0;                ///< m, of the object's farthest place from its origin
   double period_;
   bool driven_ = false, measured_ = false;
 };

@@ -39,13 +39,19 @@ namespace spm::servo {
   return client.connection.state();
 }
 
+/// The size of a struct's first version, which its callers may still have.
+template <class Record>
+inline constexpr std::size_t first_size = sizeof(Record);
+template <>
+inline constexpr std::size_t first_size<spm_client_device> = offsetof(spm_client_device, proxy);
+
 /// Copies a result into a caller's struct, as far as the caller's version of the struct goes.
 /// `Record` begins with its size; all versions have had at least that.
 template <class Record>
 [[nodiscard]] int give(Record* to, const Record& from) noexcept {
   const std::uint32_t size = to->size;
-  if (size < sizeof(Record)) return SPM_CLIENT_BAD_ARGUMENT;
-  std::memcpy(to, &from, sizeof(Record));
+  if (size < first_size<Record>) return SPM_CLIENT_BAD_ARGUMENT;
+  std::memcpy(to, &from, std::min<std::size_t>(size, sizeof(Record)));
   to->size = size;
   return SPM_CLIENT_OK;
 }

@@ -146,6 +146,15 @@ int spm_client_set_clutch(spm_client* client, uint32_t device, int on) {
   return send(client, command);
 }
 
+int spm_client_set_force_cap(spm_client* client, uint32_t device, double newtons) {
+  if (client == nullptr) return SPM_CLIENT_BAD_ARGUMENT;
+  spm_shared_command command{};
+  command.kind = SPM_COMMAND_FORCE_CAP;
+  command.index = device;
+  command.force_cap = newtons;
+  return send(client, command);
+}
+
 int spm_client_refusals(const spm_client* client, spm_client_command_counts* counts) {
   if (client == nullptr || counts == nullptr) return SPM_CLIENT_BAD_ARGUMENT;
   const spm_shared_ring& ring = client->connection.ring();

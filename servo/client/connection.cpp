@@ -19,6 +19,7 @@
 #include "servo/shared/shared_words.hpp"
 #include "servo/shared/socket_messages.h"
 #include "servo/shared/socket_path.hpp"
+#include "servo/shared/trusted_folder.hpp"
 
 namespace spm::servo {
 
@@ -82,16 +83,17 @@ void* map_region(int descriptor, std::size_t bytes, int protection) noexcept {
 /// The steps from a path to a connection.
 class Handshake {
  public:
-  Handshake(const std::string& path, std::chrono::milliseconds timeout)
-      : path_(path), timeout_(timeout), deadline_(Clock::now() + timeout) {}
+  explicit Handshake(const ConnectionRequest& request)
+      : request_(request), deadline_(Clock::now() + request.timeout) {}
 
-  [[nodiscard]] tl::expected<Connection, NoConnection> run(const std::string& application) {
+  [[nodiscard]] tl::expected<Connection, NoConnection> run() {
     if (auto done = connect_socket(); !done) return tl::make_unexpected(done.error());
+    if (auto done = check_server(); !done) return tl::make_unexpected(done.error());
     spm_socket_answer answer{};
     Received received;
     if (auto done = hear(answer, received); !done) return tl::make_unexpected(done.error());
     if (auto done = map(answer, received); !done) return tl::make_unexpected(done.error());
-    if (auto done = say_ready(application); !done) return tl::make_unexpected(done.error());
+    if (auto done = say_ready(); !done) return tl::make_unexpected(done.error());
     Received none;
     if (auto done = hear(answer, none); !done) return tl::make_unexpected(done.error());
     connection_.number_ = answer.connection;
@@ -106,6 +108,13 @@ class Handshake {
       return without(SPM_CLIENT_BAD_ARGUMENT, "'" + path_ +
                                                   "' cannot be a socket: its path must have 1 to " +
                                                   std::to_string(longest_socket_path) + " bytes");
+    }
+    const std::string fault = distrust_of(folder_of(path_), request_.server_user);
+    if (!fault.empty()) {
+      return without(SPM_CLIENT_REFUSED, "the socket " + path_ + " cannot be trusted: " + fault +
+                                             ", or name the daemon's user as server_user "
+                                             "(spm-servo top: --server-user) if the folder is "
+                                             "theirs");
     }
     sockaddr_un address{};
     address.sun_family = AF_UNIX;
@@ -123,6 +132,21 @@ class Handshake {
       std::this_thread::sleep_for(retry_interval);
     }
     return {};
+  }
+
+  /// Whether what listens belongs to this user, to root, or to who the caller trusts.
+  [[nodiscard]] Step check_server() const {
+    ucred peer{};
+    socklen_t size = sizeof peer;
+    const bool told = getsockopt(connection_.socket_, SOL_SOCKET, SO_PEERCRED, &peer, &size) == 0;
+    if (told && (peer.uid == 0 || peer.uid == geteuid() || peer.uid == request_.server_user)) {
+      return {};
+    }
+    return without(SPM_CLIENT_REFUSED,
+                   "what answers at " + path_ + " belongs to another user (" +
+                       (told ? std::to_string(peer.uid) : "unknown") +
+                       "): name that user as server_user (spm-servo top: --server-user) if the "
+                       "daemon is theirs and you trust it, or name another socket");
   }
 
   [[nodiscard]] Step no_daemon(int code) const {
@@ -163,7 +187,7 @@ class Handshake {
       if (found < 0 && errno == EINTR) continue;
       return without(SPM_CLIENT_NO_DAEMON,
                      "the daemon at " + path_ + " did not answer within " +
-                         std::to_string(timeout_.count()) +
+                         std::to_string(request_.timeout.count()) +
                          " ms: it is stopped or the machine is overloaded; continue it, or start "
                          "it again");
     }
@@ -233,7 +257,8 @@ class Handshake {
     return {};
   }
 
-  [[nodiscard]] Step say_ready(const std::string& application) {
+  [[nodiscard]] Step say_ready() {
+    const std::string& application = request_.application;
     spm_socket_ready ready{};
     ready.magic = SPM_SOCKET_MAGIC;
     ready.socket_version = SPM_SOCKET_VERSION;
@@ -242,6 +267,7 @@ class Handshake {
     static_assert(sizeof SPM_VERSION <= sizeof ready.library_version);
     std::memcpy(ready.application, application.data(),
                 std::min(application.size(), sizeof ready.application - 1));
+    ready.role = request_.supervisor ? SPM_ROLE_SUPERVISOR : SPM_ROLE_APPLICATION;
     if (send(connection_.socket_, &ready, sizeof ready, MSG_DONTWAIT | MSG_NOSIGNAL) ==
         sizeof ready) {
       return {};
@@ -251,16 +277,14 @@ class Handshake {
                                              "its messages and try again");
   }
 
-  const std::string& path_;
-  std::chrono::milliseconds timeout_;
+  const ConnectionRequest& request_;
+  const std::string& path_ = request_.path;
   Clock::time_point deadline_;
   Connection connection_;
 };
 
-tl::expected<Connection, NoConnection> Connection::open(const std::string& path,
-                                                        const std::string& application,
-                                                        std::chrono::milliseconds timeout) {
-  return Handshake(path, timeout).run(application);
+tl::expected<Connection, NoConnection> Connection::open(const ConnectionRequest& request) {
+  return Handshake(request).run();
 }
 
 Connection::Connection(Connection&& other) noexcept

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <sys/types.h>
+
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
@@ -17,12 +19,22 @@ struct NoConnection {
   std::string sentence;
 };
 
+/// Where a daemon is, and who asks.
+struct ConnectionRequest {
+  std::string path;         ///< of the socket
+  std::string application;  ///< its name for itself
+  bool supervisor = false;
+  uid_t server_user = 0;  ///< trusted beside this user and root; 0: nobody else
+  std::chrono::milliseconds timeout{1000};
+};
+
 /// The client's end of a connection: the socket, and both mapped regions.
 class Connection {
  public:
-  /// Connects to the socket at `path`, and waits for the daemon for at most `timeout`.
+  /// Connects, and waits for the daemon for at most the request's timeout. A daemon of a user who
+  /// is not trusted is not spoken to, nor is a socket that others could have put there.
   [[nodiscard]] static tl::expected<Connection, NoConnection> open(
-      const std::string& path, const std::string& application, std::chrono::milliseconds timeout);
+      const ConnectionRequest& request);
 
   Connection(Connection&& other) noexcept;
   Connection& operator=(Connection&&) = delete;

@@ -62,6 +62,8 @@ spm_client_device public_device(const spm_shared_device& from, std::uint64_t tic
   to.health = from.health;
   to.contacts = from.contacts;
   to.cuts = from.cuts;
+  copy_to(to.proxy, from.proxy);
+  to.force_cap = from.force_cap;
   return to;
 }
 
@@ -97,7 +99,8 @@ void give_at(Record* first, std::size_t index, const Record& from) noexcept {
   const std::uint32_t size = first->size;
   Record record = from;
   record.size = size;
-  std::memcpy(reinterpret_cast<unsigned char*>(first) + index * size, &record, sizeof record);
+  std::memcpy(reinterpret_cast<unsigned char*>(first) + index * size, &record,
+              std::min<std::size_t>(size, sizeof record));
 }
 
 /// Copies a name of the daemon's. `find(info)` returns it, or null.
@@ -135,9 +138,17 @@ void keep_causes(spm_client& client) {
   }
 }
 
+/// What a caller of this version or of the first one asks for. False if the size is that of none.
+bool read_options(const spm_client_options* options, spm_client_options& known) noexcept {
+  if (options == nullptr) return true;
+  if (options->size < offsetof(spm_client_options, role)) return false;
+  std::memcpy(&known, options, std::min<std::size_t>(options->size, sizeof known));
+  return true;
+}
+
 int connect(const spm_client_options& options, spm_client** client, char* message,
             size_t message_size) {
-  const std::string name(options.name != nullptr ? options.name : default_daemon_name);
+  const std::string name(options.name != nullptr ? options.name : usual_daemon_name());
   if (options.path == nullptr && !valid_daemon_name(name)) {
     give_message(message, message_size,
                  "'" + name +
@@ -145,10 +156,19 @@ int connect(const spm_client_options& options, spm_client** client, char* messag
                      "and '.', the first a letter or digit");
     return SPM_CLIENT_BAD_ARGUMENT;
   }
-  const std::string path = options.path != nullptr ? options.path : socket_path(name);
-  const int timeout = options.timeout_ms > 0 ? options.timeout_ms : default_timeout_ms;
-  auto opened = Connection::open(path, options.application != nullptr ? options.application : "",
-                                 std::chrono::milliseconds(timeout));
+  ConnectionRequest request;
+  request.path = options.path != nullptr ? options.path : socket_path(name);
+  request.application = options.application != nullptr ? options.application : "";
+  request.supervisor = options.role == SPM_CLIENT_SUPERVISOR;
+  request.server_user = options.server_user;
+  request.timeout =
+      std::chrono::milliseconds(options.timeout_ms > 0 ? options.timeout_ms : default_timeout_ms);
+  if (options.path == nullptr && request.path.empty()) {
+    give_message(message, message_size,
+                 std::string(no_socket_folder) + ", or name the daemon's socket by its path");
+    return SPM_CLIENT_NO_DAEMON;
+  }
+  auto opened = Connection::open(request);
   if (!opened) {
     give_message(message, message_size, opened.error().sentence);
     return opened.error().code;
@@ -164,16 +184,17 @@ int connect(const spm_client_options& options, spm_client** client, char* messag
 int spm_client_connect(const spm_client_options* options, spm_client** client, char* message,
                        size_t message_size) {
   give_message(message, message_size, "");
-  if (client == nullptr || (options != nullptr && options->size < sizeof *options)) {
+  spm_client_options known{};
+  const bool asked = client != nullptr && read_options(options, known);
+  if (!asked || known.role > SPM_CLIENT_SUPERVISOR) {
     give_message(message, message_size,
                  "spm_client_connect was called wrongly: give it a place for the client, and "
-                 "options with their size");
+                 "options with their size and a role that there is");
     return SPM_CLIENT_BAD_ARGUMENT;
   }
   *client = nullptr;
   try {
-    return connect(options != nullptr ? *options : spm_client_options{}, client, message,
-                   message_size);
+    return connect(known, client, message, message_size);
   } catch (const std::exception&) {
     give_message(message, message_size, "no memory is left to connect: close other programs");
   } catch (...) {
@@ -284,7 +305,7 @@ int spm_client_read_object(const spm_client* client, uint64_t object, spm_client
 int spm_client_read_all(const spm_client* client, spm_client_tick* tick, spm_client_device* devices,
                         size_t max_devices, spm_client_object* objects, size_t max_objects) {
   if (client == nullptr || tick == nullptr || tick->size < sizeof *tick ||
-      (max_devices > 0 && (devices == nullptr || devices->size < sizeof *devices)) ||
+      (max_devices > 0 && (devices == nullptr || devices->size < first_size<spm_client_device>)) ||
       (max_objects > 0 && (objects == nullptr || objects->size < sizeof *objects))) {
     return SPM_CLIENT_BAD_ARGUMENT;
   }

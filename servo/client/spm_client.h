@@ -76,7 +76,8 @@ enum spm_client_force_off {
   SPM_CLIENT_OFF_JUMPED = 9,
   SPM_CLIENT_OFF_CLUTCHED = 10,
   SPM_CLIENT_OFF_OUTSIDE_WORKSPACE = 11,
-  SPM_CLIENT_OFF_APPLICATION_SILENT = 12
+  SPM_CLIENT_OFF_APPLICATION_SILENT = 12,
+  SPM_CLIENT_OFF_STALLED = 13
 };
 
 enum spm_client_health {
@@ -89,17 +90,28 @@ enum spm_client_health {
 
 /* --- Connecting ------------------------------------------------------------------------------ */
 
+/** An object belongs to the application that added it; one of the scene to the first that moves or
+ *  changes it; a clutch to who took it: until that application leaves, what another asks for there
+ *  is refused. A supervisor may move and change any object, remove any that an application added,
+ *  and take any clutch. The daemon allows the role to its own user and to root alone. */
+enum spm_client_role { SPM_CLIENT_APPLICATION = 0, SPM_CLIENT_SUPERVISOR = 1 };
+
 typedef struct spm_client_options {
   uint32_t size;
   int32_t timeout_ms;      /**< how long to wait for the daemon's answer; 0: 1000 */
   const char* path;        /**< of the socket; NULL: that of `name` */
-  const char* name;        /**< of the daemon; NULL: "default" */
+  const char* name;        /**< of the daemon; NULL: $SPM_SERVO_NAME, or "default" */
   const char* application; /**< what the daemon's `top` calls this application; may be NULL */
+  uint32_t role;           /**< enum spm_client_role */
+  uint32_t server_user;    /**< id of a user whose daemon is trusted, beside those of this user and
+                                of root; 0: nobody else */
 } spm_client_options;
 
-/** Connects; `options` may be NULL. Returns SPM_CLIENT_OK and sets *client. On an error it writes
- *  one sentence to `message` (which may be NULL), cut to `message_size` bytes with its closing
- *  zero: what is wrong with the daemon, and the cure. */
+/** Connects; `options` may be NULL. A daemon of another user is not spoken to, unless it is root's
+ *  or that of `server_user`; nor is a socket in a folder that others could write to. Returns
+ * SPM_CLIENT_OK and sets *client. On an error it writes one sentence to `message` (which may be
+ * NULL), cut to `message_size` bytes with its closing zero: what is wrong with the daemon, and the
+ * cure. */
 SPM_CLIENT_API int spm_client_connect(const spm_client_options* options, spm_client** client,
                                       char* message, size_t message_size);
 
@@ -166,6 +178,10 @@ typedef struct spm_client_device {
   uint32_t health;       /**< enum spm_client_health */
   uint32_t contacts;     /**< how often contact has begun: none is missed between two reads */
   uint32_t cuts;         /**< how often the force was cut to zero */
+  double proxy[3];       /**< m, where the surface holds the tool, in the object that it presses
+                              deepest: the proxy of the method `proxy`, otherwise the place on the
+                              surface that the force points to; the position without contact */
+  double force_cap;      /**< N, that holds now; infinity: none */
 } spm_client_device;
 
 /** One object of the scene. */
@@ -187,6 +203,13 @@ typedef struct spm_client_object {
 } spm_client_object;
 
 SPM_CLIENT_API int spm_client_read_tick(const spm_client* client, spm_client_tick* tick);
+
+/** Waits until a tick after `after` is published, at most `timeout` s (0 to 1e6), and tells which
+ *  (`tick` may be NULL). For a program that does something in each tick: give it the tick that was
+ *  read last. It sleeps until the tick is due, and looks every 0.1 ms if it is late.
+ *  SPM_CLIENT_NOT_THERE if none came in time, SPM_CLIENT_NO_DAEMON if the daemon is gone. */
+SPM_CLIENT_API int spm_client_wait_tick(const spm_client* client, uint64_t after, double timeout,
+                                        spm_client_tick* tick);
 
 /** Reads one device: about 100 ns. */
 SPM_CLIENT_API int spm_client_read_device(const spm_client* client, uint32_t device,
@@ -245,13 +268,19 @@ SPM_CLIENT_API int spm_client_add_object(spm_client* client, uint32_t asset,
                                          const spm_client_material* material, uint64_t* object);
 SPM_CLIENT_API int spm_client_move_object(spm_client* client, uint64_t object,
                                           const spm_client_pose* pose);
-/** Removes an object that this application added. */
+/** Removes an object that this application added, or a supervisor one that any application did. */
 SPM_CLIENT_API int spm_client_remove_object(spm_client* client, uint64_t object);
 SPM_CLIENT_API int spm_client_set_material(spm_client* client, uint64_t object,
                                            const spm_client_material* material);
 /** With `on` 1 the device's hand moves freely while its tool stays in the scene; with 0 the tool
- *  follows again from there. */
+ *  follows again from there. The clutch belongs to the application that took it until it lets go or
+ *  leaves; the loop refuses it to others meanwhile. */
 SPM_CLIENT_API int spm_client_set_clutch(spm_client* client, uint32_t device, int on);
+
+/** Holds a device's force below `newtons` (0 to 1000) while this application is connected. It never
+ *  raises the cap of the daemon, and the lowest of all applications holds: a large number lifts
+ * this application's own. Where a cap rises, the force fades in again. */
+SPM_CLIENT_API int spm_client_set_force_cap(spm_client* client, uint32_t device, double newtons);
 
 typedef struct spm_client_command_counts {
   uint32_t size;

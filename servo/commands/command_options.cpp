@@ -5,6 +5,7 @@
 #include <charconv>
 #include <cmath>
 
+#include "common/base/units.hpp"
 #include "servo/commands/commands.hpp"
 
 namespace spm::servo {
@@ -27,9 +28,9 @@ void add_force_options(CLI::App& command, ForceOptions& options) {
   cli::add_word(
       command, "--method", {"spm", "paper", "proxy"},
       [&options, methods](std::size_t i) { options.method = methods[i]; },
-      "How forces are made: spm (default), by the depth in the surface; proxy, "
-      "by a point that the surface holds back; or paper, the paper's "
-      "equations to the letter, for assets baked with --form full");
+      "How forces are made: proxy (default), by a point that the surface holds back; spm, by the "
+      "depth in the surface; or paper, the paper's equations to the letter, for assets baked with "
+      "--form full. spm and paper without a scene are not stabilized");
   constexpr std::array rules{PaperRule::closest_plane, PaperRule::closest_surface,
                              PaperRule::all_planes};
   cli::add_word(
@@ -46,7 +47,9 @@ void add_force_options(CLI::App& command, ForceOptions& options) {
         options.stiffness = *value;
         return {};
       },
-      "Stiffness of the contact (default 1N/mm); auto: what the scene's device renders stably",
+      "Stiffness of the contact; auto: what the device renders stably (default: what the scene "
+      "says, "
+      "or auto; in a replay without a device 1N/mm)",
       "STIFFNESS|auto");
   cli::add_probe(command, options.probe_radius);
   cli::add_parsed(
@@ -62,9 +65,8 @@ void add_force_options(CLI::App& command, ForceOptions& options) {
         options.stabilization = stabilization;
         return {};
       },
-      "What keeps stiff contacts from shaking (default: what the scene says, or none); "
-      "recommended: "
-      "damping+passivity",
+      "What keeps stiff contacts from shaking (default: what the scene says, or recommended): "
+      "recommended is damping+passivity",
       "none|recommended|WORDS");
 }
 
@@ -87,9 +89,26 @@ CLI::Option* add_number(CLI::App& command, const std::string& name, double min, 
 }
 
 void add_rate_option(CLI::App& command, double& rate_hz) {
-  add_number(command, "--rate", slowest, fastest, rate_hz,
-             "Ticks a second, 500 to 4000 (default 1000)")
-      ->type_name("HZ");
+  cli::add_parsed(
+      command, "--rate",
+      [&rate_hz](const std::string& text) -> Result<void> {
+        const char* end = text.data() + text.size();
+        double value = 0;
+        const auto bare = std::from_chars(text.data(), end, value);
+        if (bare.ec != std::errc{} || bare.ptr != end) {
+          value = parse_quantity(text, Quantity::rate).value_or(0);
+        }
+        // Written so that NaN is out of range.
+        if (!(value >= slowest && value <= fastest)) {
+          return fail(ExitCode::usage,
+                      fmt::format("'{}' will not do: write a number from {} to {}, such as 1000, "
+                                  "1000Hz or 1kHz",
+                                  text, slowest, fastest));
+        }
+        rate_hz = value;
+        return {};
+      },
+      "Ticks a second, 500 to 4000 (default 1000); 1000Hz and 1kHz are the same", "HZ");
 }
 
 void add_device_number(CLI::App& command, double& number, const std::string& description) {

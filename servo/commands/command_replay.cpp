@@ -2,8 +2,8 @@
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
+#include <algorithm>
 #include <memory>
-#include <optional>
 #include <span>
 
 #include "common/base/instruction_set.hpp"
@@ -11,9 +11,11 @@
 #include "formats/asset/mapped_asset.hpp"
 #include "formats/motion/recording.hpp"
 #include "servo/commands/commands.hpp"
+#include "servo/commands/replay_source.hpp"
 #include "servo/loop/replay.hpp"
 #include "servo/loop/run_report.hpp"
 #include "servo/scene/force_choice.hpp"
+#include "servo/scene/scene_assets.hpp"
 
 namespace spm::servo {
 
@@ -24,15 +26,18 @@ using nlohmann::ordered_json;
 struct ReplayCommand {
   cli::GlobalOptions global;
   std::string trajectory, out;
-  double device = 0;  ///< index of the recording's device
+  double device = -1;  ///< index of the recording's device; below 0: all
   ForceOptions force;
   ReplayOptions options;
 };
 
-/// What is replayed: positions, or a device's ticks of a recording.
-struct Source {
+/// One device's ticks, of a trajectory or of a recording.
+struct Played {
+  std::size_t device = 0;
   RecordedTicks ticks;
-  std::optional<RecordingHeader> recording;
+  std::size_t comparable = 0;  ///< number of the first rows whose forces can be compared
+  ReplayResult result;
+  ForceDifference found;
 };
 
 using Assets = std::vector<std::unique_ptr<MappedAsset>>;
@@ -45,46 +50,25 @@ ordered_json asset_json(const std::string& path, const MappedAsset& asset) {
           {"content_sha256", asset.content_sha256()}};
 }
 
-Result<Source> read_source(const ReplayCommand& command) {
-  Source source;
-  if (!is_recording(command.trajectory)) {
-    auto trajectory = read_trajectory(command.trajectory);
-    if (!trajectory) return tl::make_unexpected(std::move(trajectory.error()));
-    source.ticks.trajectory = std::move(*trajectory);
-    return source;
+/// The device numbers that are replayed. Errors: usage.
+Result<std::vector<std::size_t>> devices_of(const ReplayCommand& command,
+                                            const ReplaySource& source) {
+  if (!source.recording) return std::vector<std::size_t>{0};
+  const std::size_t count = source.recording->header.devices.size();
+  std::vector<std::size_t> list;
+  if (command.device < 0) {
+    for (std::size_t i = 0; i < count; ++i) list.push_back(i);
+    return list;
   }
-  auto recording = read_recording(command.trajectory);
-  if (!recording) return tl::make_unexpected(std::move(recording.error()));
-  const std::size_t devices = recording->header.devices.size();
-  if (const auto known = check_device_number(command.device, command.trajectory, devices); !known) {
+  if (const auto known = check_device_number(command.device, command.trajectory, count); !known) {
     return tl::make_unexpected(known.error());
   }
-  source.ticks = ticks_of(*recording, static_cast<std::size_t>(command.device));
-  source.recording = std::move(recording->header);
-  return source;
-}
-
-/// The forces equal those of the recording only if asset and program are the ones that made it.
-void warn_of_changes(const RecordingHeader& header, const Assets& assets) {
-  bool same = header.assets.size() == assets.size();
-  for (std::size_t i = 0; same && i < assets.size(); ++i) {
-    same = header.assets[i] == assets[i]->content_sha256();
-  }
-  if (!same) spdlog::warn("the recording was made with other assets; its forces were others");
-  if (header.instruction_set != instruction_set() || header.spm_version != SPM_VERSION) {
-    spdlog::warn("the recording was made by version {} with {}, this is {} with {}",
-                 header.spm_version, header.instruction_set, SPM_VERSION, instruction_set());
-  }
+  list.push_back(static_cast<std::size_t>(command.device));
+  return list;
 }
 
 /// Forces that came from another scene than the replayed one cannot be compared.
-void warn_of_scene(const Source& source) {
-  const RecordedTicks& ticks = source.ticks;
-  if (source.recording->form < 2) {
-    spdlog::warn(
-        "the recording is of a form that does not mark changes of the scene: if an application "
-        "moved objects, or the scene was edited, its forces were others");
-  }
+void warn_of_scene(const RecordedTicks& ticks) {
   if (ticks.change == SceneChange::none) return;
   spdlog::warn(
       "from tick {} of the recording on {}: forces there are of another scene than the "
@@ -96,23 +80,53 @@ void warn_of_scene(const Source& source) {
                             : fmt::format("only the {} ticks before it are", ticks.comparable));
 }
 
-ordered_json recording_json(const Source& source, const ReplayResult& result) {
-  const RecordedTicks& ticks = source.ticks;
-  const ForceDifference found = difference(result, std::span(ticks.wanted).first(ticks.comparable));
-  ordered_json json = {{"spm_version", source.recording->spm_version},
-                       {"instruction_set", source.recording->instruction_set},
-                       {"lost", ticks.lost},
-                       {"compared_ticks", ticks.comparable},
-                       {"scene_changed", nullptr},
-                       {"forces_equal", found.ticks == 0},
-                       {"differing_ticks", found.ticks},
-                       {"largest_difference_n", found.largest}};
-  if (found.ticks > 0) json["first_difference_row"] = found.first_row;
-  if (ticks.change != SceneChange::none) {
+void warn_of_unknown(const Played& played) {
+  const RecordedTicks& ticks = played.ticks;
+  if (played.comparable < ticks.ticks.size()) {
+    spdlog::warn(
+        "from tick {} of the recording on its forces came from assets that are not there any more, "
+        "or changes were lost: only the {} ticks before it are compared",
+        ticks.ticks[played.comparable], played.comparable);
+  }
+  if (ticks.settled > 0) {
+    spdlog::warn(
+        "the recording begins in the middle of a run: its first {} ticks are not compared, because "
+        "what was felt before them is not known",
+        std::min(ticks.settled, ticks.ticks.size()));
+  }
+}
+
+ordered_json recording_json(const ReplaySource& source, const std::vector<Played>& all,
+                            const std::vector<std::string>& differs) {
+  ordered_json json = {{"spm_version", source.recording->header.spm_version},
+                       {"instruction_set", source.recording->header.instruction_set}};
+  std::uint64_t lost = 0, compared = 0, differing = 0;
+  double largest = 0;
+  const Played* first = nullptr;
+  for (const Played& one : all) {
+    lost += one.ticks.lost;
+    compared += one.comparable - std::min(one.ticks.settled, one.comparable);
+    differing += one.found.ticks;
+    largest = std::max(largest, one.found.largest);
+    if (first == nullptr && one.found.ticks > 0) first = &one;
+  }
+  json["lost"] = lost;
+  json["compared_ticks"] = compared;
+  json["scene_changed"] = nullptr;
+  json["forces_equal"] = compared == 0 ? ordered_json(nullptr) : ordered_json(differing == 0);
+  json["differing_ticks"] = differing;
+  json["largest_difference_n"] = largest;
+  json["differs"] = differs;
+  if (first != nullptr) {
+    json["first_difference_row"] = first->found.first_row;
+    json["first_difference_tick"] = first->ticks.ticks[first->found.first_row];
+    json["first_difference_device"] = first->device;
+  }
+  const RecordedTicks& ticks = all.front().ticks;
+  if (!source.own_scene && ticks.change != SceneChange::none) {
     json["scene_changed"] = {{"tick", ticks.changed_tick},
                              {"row", ticks.comparable},
                              {"by", ticks.change == SceneChange::edit ? "edit" : "application"}};
-    if (ticks.comparable == 0) json["forces_equal"] = nullptr;
   }
   return json;
 }
@@ -122,21 +136,19 @@ std::string comparison_text(const ordered_json& recording) {
   const auto differing = recording["differing_ticks"].get<std::uint64_t>();
   const auto compared = recording["compared_ticks"].get<std::uint64_t>();
   if (recording["forces_equal"].is_null()) {
-    return "none of the recording's forces is of the scene that was replayed\n";
+    return "none of the recording's forces can be compared\n";
   }
   if (differing > 0) {
     return fmt::format("{} forces differ from the recording's, by {:.3g} N at most\n", differing,
                        recording["largest_difference_n"].get<double>());
   }
-  if (recording["scene_changed"].is_null()) {
-    return "all forces equal those of the recording, bit by bit\n";
-  }
-  return fmt::format("the first {} forces equal those of the recording, bit by bit\n", compared);
+  return fmt::format("{} forces equal those of the recording, bit by bit\n", compared);
 }
 
-ordered_json report_of(const ReplayCommand& command, const ForceChoice& choice,
-                       const Assets& assets, const ReplayOptions& options, const Source& source,
+ordered_json report_of(const ReplayCommand& command, const ReplaySource& source,
+                       const Assets& assets, const ReplayOptions& options,
                        const ReplayResult& result) {
+  const ForceChoice& choice = source.choice;
   const Summary us = us_per_tick(result);
   ordered_json times = {{"mean", us.mean}, {"sd", us.sd}};
   times.update(percentiles_json(us));
@@ -145,7 +157,6 @@ ordered_json report_of(const ReplayCommand& command, const ForceChoice& choice,
   add_forces(report, choice);
   report["us_per_tick"] = std::move(times);
   report["force_step_n"] = percentiles_json(force_steps(result));
-  if (source.recording) report["recording"] = recording_json(source, result);
   report["rate_hz"] = options.rate_hz;
   report["pace"] = options.pace == Pace::realtime ? "realtime" : "none";
   if (choice.scene_path.empty()) {
@@ -156,7 +167,7 @@ ordered_json report_of(const ReplayCommand& command, const ForceChoice& choice,
       report["assets"].push_back(asset_json(choice.assets[i], *assets[i]));
     }
   }
-  report["out"] = command.out;
+  if (!command.out.empty()) report["out"] = command.out;
   return report;
 }
 
@@ -167,7 +178,7 @@ Result<Assets> open_assets(const ForceChoice& choice) {
   Assets assets;
   for (std::size_t i = 0; i < choice.assets.size(); ++i) {
     auto asset = MappedAsset::open(choice.assets[i], map);
-    if (!asset) return tl::make_unexpected(std::move(asset.error()));
+    if (!asset) return at_place(place_of_asset(choice, i), asset.error());
     if (auto checked = check_asset((*asset)->metadata(), choice, i); !checked) {
       return tl::make_unexpected(std::move(checked.error()));
     }
@@ -176,43 +187,118 @@ Result<Assets> open_assets(const ForceChoice& choice) {
   return assets;
 }
 
-Result<ordered_json> replay_file(const ReplayCommand& command) {
-  const auto choice = choose_forces(command.force);
-  if (!choice) return tl::make_unexpected(choice.error());
-  if (auto checked = check_output_path(command.out); !checked) {
-    return tl::make_unexpected(std::move(checked.error()));
+std::vector<std::string> hashes_of(const Assets& assets) {
+  std::vector<std::string> list;
+  for (const auto& asset : assets) list.push_back(asset->content_sha256());
+  return list;
+}
+
+/// The ticks of one device, and how they are replayed.
+Played ticks_to_play(const ReplaySource& source, std::size_t device,
+                     const std::vector<std::string>& hashes, ReplayOptions& options) {
+  Played played;
+  played.device = device;
+  if (!source.recording) {
+    played.ticks.trajectory = source.trajectory;
+    return played;
   }
-  const auto source = read_source(command);
-  if (!source) return tl::make_unexpected(source.error());
-  const std::vector<TrajectorySample>& trajectory = source->ticks.trajectory;
-  const auto assets = open_assets(*choice);
-  if (!assets) return tl::make_unexpected(assets.error());
+  played.ticks = ticks_of(*source.recording, device);
+  const RecordedTicks& ticks = played.ticks;
+  const RecordingHeader& header = source.recording->header;
+  options.rate_hz = header.rate_hz;
+  options.encoder_step = header.devices[device].encoder_step;
+  options.limits = felt_limits(recorded_device(header.devices[device]), 1 / header.rate_hz);
+  options.marks = ticks.marks;
+  played.comparable = source.own_scene ? ticks.ticks.size() : ticks.comparable;
+  if (!source.own_scene) return played;
+  options.gone = source.recorded.gone;
+  options.steps = steps_before(source.steps, ticks.ticks);
+  if (const auto unknown = unknown_from(source, hashes)) {
+    const auto at = std::lower_bound(ticks.ticks.begin(), ticks.ticks.end(), *unknown);
+    played.comparable = static_cast<std::size_t>(at - ticks.ticks.begin());
+  }
+  return played;
+}
+
+/// `differs`: settings or assets are not the recording's.
+Result<void> play(const ReplaySource& source, const Assets& assets, const ReplayOptions& options,
+                  bool differs, Played& played) {
   std::vector<const AssetView*> views;
-  for (const auto& asset : *assets) views.push_back(&asset->view());
-  ReplayOptions options = command.options;
-  options.scene = choice->scene;
-  if (choice->device.profile != nullptr)
-    options.encoder_step = choice->device.profile->encoder_step;
-  options.marks = source->ticks.marks;
-  if (source->recording) {
-    options.rate_hz = source->recording->rate_hz;
-    const RecordedDevice& device =
-        source->recording->devices[static_cast<std::size_t>(command.device)];
-    options.encoder_step = device.encoder_step;
-    options.stiffness_cap = device.stiffness_cap;
-    warn_of_changes(*source->recording, *assets);
-    warn_of_scene(*source);
-  }
-  const ReplayResult result = replay(views, trajectory, options);
-  for (const auto& asset : *assets) {
+  for (const auto& asset : assets) views.push_back(&asset->view());
+  played.result = replay(views, played.ticks.trajectory, options);
+  for (const auto& asset : assets) {
     if (asset->lost()) {
       return fail(ExitCode::file_or_device,
                   asset->path() + ": was cut short while it was read; bake it again");
     }
   }
-  const Result<void> written = write_replay(command.out, trajectory, result, options.rate_hz);
-  if (!written) return tl::make_unexpected(written.error());
-  return report_of(command, *choice, *assets, options, *source, result);
+  if (!source.recording) return {};
+  const auto wanted = std::span(played.ticks.wanted).first(played.comparable);
+  std::size_t& settled = played.ticks.settled;
+  if (settled > 0) settled = std::min(settled, caught_up(played.result, wanted));
+  // Then the reason is no unknown state.
+  if (differs && settled >= wanted.size()) settled = 0;
+  played.found = difference(played.result, wanted, std::min(settled, played.comparable));
+  if (source.own_scene) {
+    warn_of_unknown(played);
+  } else {
+    warn_of_scene(played.ticks);
+  }
+  return {};
+}
+
+/// Forces that differ without a setting or an asset that differs are told as what they are.
+std::vector<std::string> causes_of(const ReplaySource& source,
+                                   const std::vector<std::string>& hashes,
+                                   const std::vector<Played>& all) {
+  std::vector<std::string> list = replay_differences(source, hashes);
+  const bool differ =
+      std::any_of(all.begin(), all.end(), [](const Played& one) { return one.found.ticks > 0; });
+  if (list.empty() && differ) {
+    list.emplace_back("no setting and no asset: this program computes other forces");
+  }
+  return list;
+}
+
+Result<ordered_json> replay_file(const ReplayCommand& command) {
+  if (!command.out.empty()) {
+    if (auto checked = check_output_path(command.out); !checked) {
+      return tl::make_unexpected(std::move(checked.error()));
+    }
+  }
+  const auto source = read_replay_source(command.trajectory, command.force);
+  if (!source) return tl::make_unexpected(source.error());
+  if (command.out.empty() && !source->recording) {
+    return fail(ExitCode::usage, "--out is missing; give the table to write, --out OUT.csv");
+  }
+  const auto devices = devices_of(command, *source);
+  if (!devices) return tl::make_unexpected(devices.error());
+  const auto assets = open_assets(source->choice);
+  if (!assets) return tl::make_unexpected(assets.error());
+  const std::vector<std::string> hashes = hashes_of(*assets);
+  ReplayOptions options = command.options;
+  options.scene = source->choice.scene;
+  if (source->choice.device.profile != nullptr) {
+    options.encoder_step = source->choice.device.profile->encoder_step;
+  }
+  const bool differs = source->recording && !replay_differences(*source, hashes).empty();
+  std::vector<Played> all;
+  for (const std::size_t device : *devices) {
+    all.push_back(ticks_to_play(*source, device, hashes, options));
+    if (auto played = play(*source, *assets, options, differs, all.back()); !played) {
+      return tl::make_unexpected(std::move(played.error()));
+    }
+  }
+  const Played& first = all.front();
+  if (!command.out.empty()) {
+    auto written = write_replay(command.out, first.ticks.trajectory, first.result, options.rate_hz);
+    if (!written) return tl::make_unexpected(std::move(written.error()));
+  }
+  ordered_json report = report_of(command, *source, *assets, options, first.result);
+  if (source->recording) {
+    report["recording"] = recording_json(*source, all, causes_of(*source, hashes, all));
+  }
+  return report;
 }
 
 std::string to_text(const ordered_json& report) {
@@ -225,15 +311,34 @@ std::string to_text(const ordered_json& report) {
   std::string text = fmt::format(
       "{} ticks {}, {} in contact\n"
       "a tick takes {:.3f} us on average (p50 {:.3f}, p99 {:.3f}, p99.9 {:.3f}, max {:.3f})\n"
-      "force steps from tick to tick: p50 {:.4f}, p99 {:.4f}, p99.9 {:.4f}, max {:.4f} N\n"
-      "forces in {}\n",
+      "force steps from tick to tick: p50 {:.4f}, p99 {:.4f}, p99.9 {:.4f}, max {:.4f} N\n",
       report["ticks"].get<std::uint64_t>(), how, report["contact_ticks"].get<std::uint64_t>(),
       us["mean"].get<double>(), us["p50"].get<double>(), us["p99"].get<double>(),
       us["p999"].get<double>(), us["max"].get<double>(), step["p50"].get<double>(),
-      step["p99"].get<double>(), step["p999"].get<double>(), step["max"].get<double>(),
-      report["out"].get<std::string>());
+      step["p99"].get<double>(), step["p999"].get<double>(), step["max"].get<double>());
+  if (report.contains("out")) text += "forces in " + report["out"].get<std::string>() + "\n";
   if (report.contains("recording")) text += comparison_text(report["recording"]);
   return text;
+}
+
+/// Says in what the replay differs from the recording, and whether that was felt.
+int verdict_of(const ReplayCommand& command, const ordered_json& recording) {
+  std::string causes;
+  for (const ordered_json& cause : recording["differs"]) {
+    causes += (causes.empty() ? "" : "; ") + cause.get<std::string>();
+  }
+  const auto differing = recording["differing_ticks"].get<std::uint64_t>();
+  if (differing == 0) {
+    if (!causes.empty()) spdlog::warn("what differs from the recording: {}", causes);
+    return static_cast<int>(ExitCode::done);
+  }
+  return cli::report(Error{
+      ExitCode::tolerance_not_met,
+      fmt::format("{}: {} of {} forces differ from the recording's, by up to {:.3g} N, first "
+                  "at tick {}; what differs: {}",
+                  command.trajectory, differing, recording["compared_ticks"].get<std::uint64_t>(),
+                  recording["largest_difference_n"].get<double>(),
+                  recording["first_difference_tick"].get<std::uint64_t>(), causes)});
 }
 
 int execute_replay(const ReplayCommand& command) {
@@ -245,7 +350,8 @@ int execute_replay(const ReplayCommand& command) {
   } else if (!command.global.quiet) {
     fmt::print("{}", to_text(*report));
   }
-  return static_cast<int>(ExitCode::done);
+  return report->contains("recording") ? verdict_of(command, (*report)["recording"])
+                                       : static_cast<int>(ExitCode::done);
 }
 
 }  // namespace
@@ -257,12 +363,13 @@ Command add_replay_command(CLI::App& program) {
   cli::add_global_options(*app, command->global);
   app->add_option("trajectory", command->trajectory,
                   "Positions, 'x y z' or 'x y z qw qx qy qz' in metres a line, a line a tick; or a "
-                  "recording of run --record, whose rate it then takes")
+                  "recording of run --record, which needs no other option")
       ->type_name("TRAJECTORY")
       ->required();
-  app->add_option("--out", command->out, "Table to write, CSV")->type_name("FILE")->required();
+  app->add_option("--out", command->out, "Table to write, CSV; of the first device")
+      ->type_name("FILE");
   add_device_number(*app, command->device,
-                    "Which device of a recording, counted from 0 (default 0)");
+                    "Which device of a recording, counted from 0 (default all)");
   add_rate_option(*app, command->options.rate_hz);
   cli::add_choice<Pace>(*app, "--pace", command->options.pace,
                         {{"none", Pace::none}, {"realtime", Pace::realtime}},

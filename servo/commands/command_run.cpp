@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <fmt/format.h>
-
-#include <cstdio>
+#include <csignal>
+#include <iostream>
 #include <memory>
 
+#include "servo/commands/account_names.hpp"
 #include "servo/commands/commands.hpp"
 #include "servo/loop/run.hpp"
 #include "servo/loop/run_report.hpp"
@@ -22,12 +22,14 @@ struct RunCommand {
 
 int execute_run(const RunCommand& command) {
   cli::configure_messages(command.global);
+  // A message that nobody reads must not end this process in mid-force.
+  std::signal(SIGPIPE, SIG_IGN);
   const Result<RunReport> report = run(command.options);
   if (!report) return cli::report(report.error());
   if (command.global.json) {
     cli::print_json(to_json(*report));
   } else if (!command.global.quiet) {
-    fmt::print("{}", to_text(*report));
+    std::cout << to_text(*report);
   }
   return static_cast<int>(ExitCode::done);
 }
@@ -43,14 +45,15 @@ Command add_run_command(CLI::App& program) {
   app->add_option(
          "--device", options.devices,
          "Device: auto (the first that is plugged in, or sim; the default unless the scene "
-         "says another), falcon, woodenhaptics, spacemouse, pid:full_force=FORCE, "
-         "external:name=NAME, or sim with "
+         "says another), or a kind of device; sim with "
          "profile=low|falcon|touch|omega3|wooden, hand=slide|push|path, path=FILE, "
          "depth=LENGTH, speed=SPEED, seed=N, hand_model=spring|arm, mass=constant|device, "
          "delay=TICKS, jitter=TICKS, lost=SHARE, noise=LENGTH; options follow a colon, with commas "
          "between; "
          "may be repeated")
-      ->type_name("NAME")
+      // In the form from which completion takes its words.
+      ->type_name(
+          "auto|sim|falcon|woodenhaptics|spacemouse|pid:full_force=FORCE|external:name=NAME")
       ->allow_extra_args(false);
   add_rate_option(*app, options.rate_hz);
   cli::add_word(
@@ -82,22 +85,37 @@ Command add_run_command(CLI::App& program) {
   app->add_option_function<std::string>(
          "--black-box",
          [&options](const std::string& path) { options.black_box = path == "off" ? "" : path; },
-         "Where the last 10 s of ticks are kept after a fault, or off (default "
+         "Where the last 10 s of ticks are kept after a fault, a crash or a kill, or off (default "
          "$XDG_STATE_HOME/spm-servo/black-box.spmrec, or the same in ~/.local/state)")
       ->type_name("FILE|off");
+  app->add_option("--name", options.name,
+                  "Name of this daemon, by which applications find it where several run (default "
+                  "$SPM_SERVO_NAME, or default)")
+      ->type_name("NAME");
   app->add_option_function<std::string>(
          "--socket",
          [&options](const std::string& path) {
            options.serve = path != "off";
            options.socket = options.serve ? path : "";
          },
-         "Where applications connect, or off (default $XDG_RUNTIME_DIR/spm-servo/default.sock)")
+         "Where applications connect, or off (default $XDG_RUNTIME_DIR/spm-servo/NAME.sock)")
       ->type_name("FILE|off");
+  cli::add_parsed(
+      *app, "--app-group",
+      [&options](const std::string& text) -> Result<void> {
+        const Result<std::uint32_t> group = group_id(text);
+        if (!group) return tl::make_unexpected(group.error());
+        options.app_group = *group;
+        return {};
+      },
+      "Group whose members may connect applications too, beside this user and root: a name or an "
+      "id; needs --socket, in a folder that the group may enter",
+      "GROUP");
   cli::add_word(
       *app, "--supervisor", {"on", "off"},
       [&options](std::size_t i) { options.supervisor = i == 0; },
       "Whether another process sends the devices zero force where this one is killed (default on)");
-  return {app, [command] { return execute_run(*command); }};
+  return cli::with_checked_output({app, [command] { return execute_run(*command); }});
 }
 
 }  // namespace spm::servo

@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "servo/client/spm_client.h"
+#include "servo/commands/account_names.hpp"
 #include "servo/commands/commands.hpp"
 #include "servo/realtime/stop_signals.hpp"
 #include "servo/top/top_screen.hpp"
@@ -30,7 +31,8 @@ constexpr std::chrono::milliseconds retry_interval{1};
 
 struct TopCommand {
   cli::GlobalOptions global;
-  std::string socket;
+  std::string socket, name;
+  std::uint32_t server_user = 0;
   bool once = false;
 };
 
@@ -56,7 +58,9 @@ Result<ClientHandle> connect(const TopCommand& command) {
   spm_client_options options{};
   options.size = sizeof options;
   options.path = command.socket.empty() ? nullptr : command.socket.c_str();
+  options.name = command.name.empty() ? nullptr : command.name.c_str();
   options.application = "spm-servo top";
+  options.server_user = command.server_user;
   std::array<char, 512> message{};
   spm_client* client = nullptr;
   const int code = spm_client_connect(&options, &client, message.data(), message.size());
@@ -170,9 +174,22 @@ Command add_top_command(CLI::App& program) {
       "Watch the running daemon: how its loop keeps time, what each device feels, and why where it "
       "feels nothing; q ends");
   cli::add_global_options(*app, command->global);
+  app->add_option("--name", command->name,
+                  "Name of the daemon, as its --name says (default $SPM_SERVO_NAME, or default)")
+      ->type_name("NAME");
   app->add_option("--socket", command->socket,
-                  "Socket of the daemon (default $XDG_RUNTIME_DIR/spm-servo/default.sock)")
+                  "Socket of the daemon (default $XDG_RUNTIME_DIR/spm-servo/NAME.sock)")
       ->type_name("FILE");
+  cli::add_parsed(
+      *app, "--server-user",
+      [&trusted = command->server_user](const std::string& text) -> Result<void> {
+        const Result<std::uint32_t> user = user_id(text);
+        if (!user) return tl::make_unexpected(user.error());
+        trusted = *user;
+        return {};
+      },
+      "User whose daemon is trusted, beside those of this user and of root: a name or an id",
+      "USER");
   app->add_flag("--once", command->once,
                 "Watch for a second, print what was seen and end; so also where the output is no "
                 "terminal, and with --json");

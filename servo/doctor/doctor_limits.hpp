@@ -11,9 +11,11 @@ namespace spm::servo {
 
 /// What this process is allowed. An empty value means without limit.
 struct ProcessLimits {
-  bool root = false;
+  bool root = false;                              ///< with all of root's capabilities, or nearly
   std::optional<std::uint64_t> priority = 0;      ///< RLIMIT_RTPRIO
   std::optional<std::uint64_t> memory_bytes = 0;  ///< RLIMIT_MEMLOCK
+  bool sys_nice = false;                          ///< CAP_SYS_NICE: the first limit does not hold
+  bool ipc_lock = false;                          ///< CAP_IPC_LOCK: nor the second
 };
 
 /// Reads the limits from the kernel. A limit that cannot be read counts as 0.

@@ -40,6 +40,8 @@ void ContactModel::reset() noexcept {
   coupling_.reset();
   lattice_.forget();
   last_normal_.setZero();
+  // So that a replay from here on draws the same noise.
+  ticks_ = 0;
   last_known_ = false;
 }
 

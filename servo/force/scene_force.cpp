@@ -40,6 +40,12 @@ PlacedContact SceneForce::contact_of(const PlacedObject& object) const noexcept 
 }
 
 std::optional<std::size_t> SceneForce::add(const PlacedObject& object) noexcept {
+  const std::optional<std::size_t> number = put(object);
+  if (number && listener_ != nullptr) listener_->added(*number, object);
+  return number;
+}
+
+std::optional<std::size_t> SceneForce::put(const PlacedObject& object) noexcept {
   Object added{object, contact_of(object), true, {}};
   for (std::size_t i = 0; i < objects_.size(); ++i) {
     if (objects_[i].is_there) continue;
@@ -58,6 +64,7 @@ void SceneForce::change(std::size_t object, const PlacedObject& settings) noexce
   contact.continue_from(objects_[object].contact);
   objects_[object].settings = settings;
   objects_[object].contact = contact;
+  if (listener_ != nullptr) listener_->changed(object, settings);
 }
 
 void SceneForce::stabilize(const StabilizationSettings& stabilization) noexcept {
@@ -70,6 +77,7 @@ void SceneForce::stabilize(const StabilizationSettings& stabilization) noexcept 
     object.contact = contact;
     object.reaction = {};
   }
+  if (listener_ != nullptr) listener_->stabilized(stabilization);
 }
 
 void SceneForce::remove(std::size_t object) noexcept {
@@ -77,11 +85,14 @@ void SceneForce::remove(std::size_t object) noexcept {
   objects_[object].is_there = false;
   objects_[object].reaction = {};
   stabilizer_.reset();
+  if (listener_ != nullptr) listener_->removed(object);
 }
 
 void SceneForce::place(std::size_t object, const Vector3& position,
                        const Eigen::Quaterniond& rotation) noexcept {
-  if (object < objects_.size()) objects_[object].contact.place(position, rotation);
+  if (object >= objects_.size()) return;
+  objects_[object].contact.place(position, rotation);
+  if (listener_ != nullptr) listener_->placed(object, position, rotation);
 }
 
 void SceneForce::reset() noexcept {

@@ -9,7 +9,9 @@
 #include <vector>
 
 #include "common/base/wrench.hpp"
+#include "servo/force/default_settings.hpp"
 #include "servo/force/placed_contact.hpp"
+#include "servo/force/scene_listener.hpp"
 #include "servo/force/stabilizer.hpp"
 
 namespace spm {
@@ -20,16 +22,12 @@ struct ForceScene {
   Placement workspace;                ///< of the hand's frame; its scale applies to lengths only
   std::vector<PlacedObject> objects;  ///< one or more
   StabilizationSettings stabilization{};  ///< of the sum, and of how the objects are touched
+  /// What objects of applications are, beside what they name.
+  PlacedObject added = default_object(ForceSettings{}.stiffness, 0);
 };
 
 /// The scene of one object whose frame is the hand's.
 [[nodiscard]] ForceScene scene_of(const ForceSettings& force, const EffectSettings& effects = {});
-
-/// The most that may be felt with a device, all objects together.
-struct FeltLimits {
-  double stiffness = std::numeric_limits<double>::infinity();  ///< N per metre of the hand, above 0
-  double damping = std::numeric_limits<double>::infinity();    ///< N s/m, of eq. 18; 0 or more
-};
 
 /// The force of all objects of a scene on one hand, tick by tick: the sum of the forces that the
 /// objects give by their own settings, then stabilized. Construction allocates; no other call
@@ -73,6 +71,9 @@ class SceneForce {
     return objects_[object].reaction;
   }
 
+  /// Tells every later change of the objects; null for nobody. The listener must outlive this.
+  void tell(SceneListener* listener) noexcept { listener_ = listener; }
+
   /// Forgets all state: at the start, and when the hand was away.
   void reset() noexcept;
   /// Takes up that an asset was exchanged: what was remembered of its samples is forgotten, and
@@ -89,6 +90,7 @@ class SceneForce {
     Vector3 normal = Vector3::Zero();  ///< unit, world, where it was pressed
   };
 
+  [[nodiscard]] std::optional<std::size_t> put(const PlacedObject& object) noexcept;
   [[nodiscard]] PlacedContact contact_of(const PlacedObject& object) const noexcept;
   [[nodiscard]] ContactEnergy energy(const Vector3& point) noexcept;
   [[nodiscard]] double share_within_limits(double deepest) const noexcept;
@@ -102,6 +104,7 @@ class SceneForce {
   Stabilizer stabilizer_;        ///< stabilization of the sum
   double share_ = 1;             ///< of all forces that is felt, in the last tick
   std::vector<Object> objects_;  ///< never grows beyond its capacity
+  SceneListener* listener_ = nullptr;
 };
 
 }  // namespace spm

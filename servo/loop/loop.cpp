@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "servo/base/clock.hpp"
-#include "servo/force/matched_damping.hpp"
+#include "servo/devices/base/port.hpp"
 #include "servo/realtime/page_faults.hpp"
 
 namespace spm::servo {
@@ -49,20 +49,15 @@ double stiffness_at_hand(const ForceScene& scene) {
   return stiffest * scene.workspace.scale;
 }
 
-/// What may be felt with a device. The damping is what its moving mass bears.
-FeltLimits felt_limits(const DeviceCapabilities& device, double tick) {
-  const StabilizationSettings loop =
-      device.profile != nullptr ? in_loop_of(*device.profile, {}) : StabilizationSettings{};
-  return {device.stiffness_cap, max_damping(loop.device_mass, tick, loop.total_delay(tick))};
-}
-
 Loop::Channel::Channel(Device* driven, const SafetySettings& limits, const LoopSettings& settings,
                        std::size_t room)
     : device(driven),
       safety(limits),
       gate(settings.rate_hz),
       force(settings.scene, 1 / settings.rate_hz, driven->capabilities().encoder_step, room,
-            felt_limits(driven->capabilities(), 1 / settings.rate_hz)),
+            felt_limits({driven->capabilities().profile, driven->capabilities().stiffness_cap},
+                        1 / settings.rate_hz)),
+      force_cap(limits.force_cap),
       velocity(driven->capabilities().encoder_step, 1 / settings.rate_hz) {}
 
 Loop::Loop(const LoopSettings& settings, std::vector<Device*> devices,
@@ -93,12 +88,19 @@ Loop::Loop(const LoopSettings& settings, std::vector<Device*> devices,
   device_counters_.resize(channels_.size());
 }
 
+void Loop::tell_changes(ChangeTeller& changes) noexcept {
+  changes_ = &changes;
+  // All channels get the same calls.
+  if (!channels_.empty()) channels_.front().force.tell(changes_);
+}
+
 void Loop::run() noexcept {
   warm_up();
   const std::uint64_t faults_before = page_faults_of_this_thread();
   run_ticks(TickSchedule(now_ns() + lead_ns, settings_.rate_hz));
   counters_.page_faults = page_faults_of_this_thread() - faults_before;
   send_zero();
+  if (settings_.beat != nullptr) settings_.beat->store(0, std::memory_order_relaxed);
   for (AssetSlot* slot : slots_) slot->release();
 }
 
@@ -127,6 +129,8 @@ void Loop::run_ticks(TickSchedule schedule) noexcept {
     stopping = stop_.load(std::memory_order_relaxed) ||
                (settings_.ticks > 0 && schedule.index() + 1 >= settings_.ticks);
 
+    tell_beat(woke);
+    if (changes_ != nullptr) changes_->begin(schedule.index());
     take_edit(woke);
     begin_app(woke);
     // After these two, because they may bring an object of an asset that was not needed before.
@@ -145,6 +149,7 @@ void Loop::run_ticks(TickSchedule schedule) noexcept {
       channel.record.lost = !kept;
       // A mark that belongs to one tick alone waits for a record that the ring accepts.
       channel.record.edited = channel.record.edited && !kept;
+      channel.record.exchanged = channel.record.exchanged && !kept;
       counters_.unrecorded += kept ? 0 : 1;
     }
     ++counters_.ticks;
@@ -154,6 +159,20 @@ void Loop::run_ticks(TickSchedule schedule) noexcept {
     counters_.missed += skipped > 0 ? skipped + 1 : 0;
     tell_counts(woke, wake_lateness, finished - woke);
   }
+}
+
+/// Shows the guards that the loop ticks, and learns whether they had to act.
+void Loop::tell_beat(std::int64_t woke) noexcept {
+  if (settings_.beat != nullptr) settings_.beat->store(woke, std::memory_order_relaxed);
+  const std::int64_t before = std::exchange(last_woke_, woke);
+  stood_still_ = before != 0 && woke - before >= loop_stall_ns;
+}
+
+/// Whether the loop stood still before this tick or in it, so that guards sent the device zero. It
+/// then gets its force back by the soft start.
+bool Loop::was_stopped(const Channel& channel) const noexcept {
+  return channel.device->capabilities().guarded &&
+         (stood_still_ || now_ns() - last_woke_ >= loop_stall_ns);
 }
 
 /// If the asset of one object is missing, a scene gives no force at all.
@@ -232,6 +251,7 @@ void Loop::serve(Channel& channel, std::uint64_t tick, bool stopping) noexcept {
     // A page of the asset may have been lost while the force was computed from it.
     cause = assets_off();
   }
+  if (cause == ForceOff::none && was_stopped(channel)) cause = ForceOff::stalled;
   if (stopping) cause = ForceOff::stopping;
   if (cause != ForceOff::none) {
     contact = ContactForce{};
@@ -250,7 +270,7 @@ void Loop::serve(Channel& channel, std::uint64_t tick, bool stopping) noexcept {
   channel.record.contact = contact.contact;
   channel.record.cause = sent.cause;
   account(channel, sent);
-  if (app_) tell(channel, state, health, sent);
+  if (app_) tell(channel, state, health, contact, sent);
 }
 
 /// The tool's position for a position of the hand. It is displaced by as much as the hand moved
@@ -269,9 +289,9 @@ void Loop::begin_app(std::int64_t now_ns) noexcept {
   for (Channel& channel : channels_) {
     if (changes.felt_anew) channel.safety.restart();
     channel.record.touched = changes.touched;
-  }
-  for (const AppClutch& clutch : changes.clutches) {
-    if (clutch.device < channels_.size()) channels_[clutch.device].app_clutched = clutch.on;
+    const std::uint32_t device = channel.record.device;
+    channel.app_clutched = changes.clutches->held(device);
+    channel.safety.set_force_cap(std::min(channel.force_cap, changes.force_caps->of(device)));
   }
 }
 
@@ -299,7 +319,7 @@ void Loop::tell_counts(std::int64_t woke, std::int64_t wake_ns, std::int64_t bus
 
 /// Prepares what applications learn of a device, in the world's frame.
 void Loop::tell(Channel& channel, const DeviceState& state, DeviceHealth health,
-                const SafeForce& sent) noexcept {
+                const ContactForce& contact, const SafeForce& sent) noexcept {
   const Placement& workspace = settings_.scene.workspace;
   AppDevice& published = published_[channel.record.device];
   published.health = health;
@@ -308,6 +328,7 @@ void Loop::tell(Channel& channel, const DeviceState& state, DeviceHealth health,
   published.depth = channel.record.depth;
   published.wrench = {workspace.rotation * sent.force, Vector3::Zero()};
   published.state.buttons = state.buttons;
+  published.force_cap = channel.safety.force_cap();
   if (health != DeviceHealth::ok || !channel.record.position.allFinite()) {
     // The last known position is kept.
     channel.velocity.reset();
@@ -316,6 +337,8 @@ void Loop::tell(Channel& channel, const DeviceState& state, DeviceHealth health,
   }
   published.state.position = workspace.to_world(channel.record.position);
   published.state.orientation = workspace.rotation * state.orientation;
+  published.proxy =
+      published.state.position + contact.depth * (workspace.rotation * contact.normal);
   published.velocity =
       workspace.scale *
       (workspace.rotation * channel.velocity.next(channel.record.position, channel.ticks));
@@ -345,7 +368,10 @@ void Loop::take_up() noexcept {
   complete_ = true;
   for (std::size_t i = 0; i < slots_in_use_; ++i) {
     const ServedAsset* asset = slots_[i]->acquire();
-    changed = changed || (asset != served_[i] && asset != nullptr);
+    if (asset != served_[i] && asset != nullptr) {
+      changed = true;
+      if (app_) app_->set_reach(i, asset->reach());
+    }
     served_[i] = asset;
     views_[i] = asset != nullptr ? asset->view : nullptr;
     complete_ = complete_ && (asset != nullptr || !is_needed(i));
@@ -355,6 +381,7 @@ void Loop::take_up() noexcept {
   for (Channel& channel : channels_) {
     channel.safety.restart();
     channel.force.exchange();
+    channel.record.exchanged = true;
   }
 }
 
@@ -385,6 +412,7 @@ void Loop::warm_up() noexcept {
   had_assets_ = false;
   for (Channel& channel : channels_) {
     static_cast<void>(channel.safety.apply(Vector3::Zero(), ForceOff::starting));
+    channel.record.exchanged = false;
     forget(channel);
   }
 }

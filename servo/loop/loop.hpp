@@ -12,6 +12,7 @@
 #include "servo/devices/base/device.hpp"
 #include "servo/force/scene_force.hpp"
 #include "servo/force/velocity_estimate.hpp"
+#include "servo/record/scene_step.hpp"
 #include "servo/record/tick_record.hpp"
 #include "servo/safety/device_counters.hpp"
 #include "servo/scene/asset_slot.hpp"
@@ -28,13 +29,13 @@ struct LoopSettings {
   double force_cap = std::numeric_limits<double>::infinity();
   /// a tick follows each report of the first device instead of the clock
   bool paced_by_device = false;
+  /// where each tick leaves the time that it began, now_ns(), and the loop's end 0; null for
+  /// nowhere. It must outlive the loop.
+  std::atomic<std::int64_t>* beat = nullptr;
 };
 
 /// The largest stiffness that an object of a scene can have, N per metre of the hand.
 [[nodiscard]] double stiffness_at_hand(const ForceScene& scene);
-
-/// What may be felt with a device in ticks of that length, s.
-[[nodiscard]] FeltLimits felt_limits(const DeviceCapabilities& device, double tick);
 
 /// What the loop counted.
 struct LoopCounters {
@@ -57,6 +58,10 @@ class Loop {
   Loop(const LoopSettings& settings, std::vector<Device*> devices, std::vector<AssetSlot*> assets,
        TickRing& ring, const std::atomic<bool>& stop, AppState* app = nullptr,
        SceneEditSlot* edits = nullptr);
+
+  /// Before `run`: tells every change of the scene's objects, with its tick. `changes` must outlive
+  /// the loop.
+  void tell_changes(ChangeTeller& changes) noexcept;
 
   /// Runs until `stop` is set, or until the settings' ticks are over. The last wrench that is sent
   /// is zero.
@@ -87,6 +92,7 @@ class Loop {
     Vector3 last_force = Vector3::Zero();
     bool position_known = false;
     bool forgot = true;                ///< the force law was reset since it was last called
+    double force_cap;                  ///< N, of device and scene; applications may lower it
     bool app_clutched = false;         ///< an application lets the hand move freely
     bool clutched = false;             ///< the hand moves freely, the tool stays
     Vector3 clutch = Vector3::Zero();  ///< m, from the hand to the tool
@@ -103,6 +109,8 @@ class Loop {
                                            const Vector3& position, std::uint64_t tick) noexcept;
   [[nodiscard]] static bool is_clutched(const Channel& channel, const DeviceState& state) noexcept;
   [[nodiscard]] ForceOff assets_off() const noexcept;
+  [[nodiscard]] bool was_stopped(const Channel& channel) const noexcept;
+  void tell_beat(std::int64_t woke) noexcept;
   void account(Channel& channel, const SafeForce& sent) noexcept;
   [[nodiscard]] static Vector3 tool_of(Channel& channel, const Vector3& hand) noexcept;
   [[nodiscard]] bool is_needed(std::size_t asset) const noexcept;
@@ -112,7 +120,7 @@ class Loop {
   void end_app(std::uint64_t tick, std::int64_t now_ns) noexcept;
   void tell_counts(std::int64_t woke, std::int64_t wake_ns, std::int64_t busy_ns) noexcept;
   void tell(Channel& channel, const DeviceState& state, DeviceHealth health,
-            const SafeForce& sent) noexcept;
+            const ContactForce& contact, const SafeForce& sent) noexcept;
   void take_up() noexcept;
   static void forget(Channel& channel) noexcept;
   void send_zero() noexcept;
@@ -127,15 +135,18 @@ class Loop {
   std::vector<AssetSlot*> slots_;
   std::size_t slots_in_use_;  ///< the others are spare
   TickRing& ring_;
+  ChangeTeller* changes_ = nullptr;
   const std::atomic<bool>& stop_;
   LoopCounters counters_;
   // One for each asset, null if there is none now:
   std::vector<const ServedAsset*> served_;
   std::vector<const AssetView*> views_;
-  double stiffness_;         ///< N per metre of the hand, of the stiffest object in the scene
-  bool app_silent_ = false;  ///< an application that moved objects no longer answers
-  bool complete_ = false;    ///< all assets are there
-  bool had_assets_ = false;  ///< they were all there once
+  double stiffness_;            ///< N per metre of the hand, of the stiffest object in the scene
+  std::int64_t last_woke_ = 0;  ///< when the last tick began; 0: none did
+  bool stood_still_ = false;    ///< before this tick, for so long that guards sent zero force
+  bool app_silent_ = false;     ///< an application that moved objects no longer answers
+  bool complete_ = false;       ///< all assets are there
+  bool had_assets_ = false;     ///< they were all there once
 };
 
 }  // namespace spm::servo

@@ -12,6 +12,7 @@
 #include "formats/motion/trajectory.hpp"
 #include "servo/base/statistics.hpp"
 #include "servo/force/scene_force.hpp"
+#include "servo/record/scene_step.hpp"
 
 namespace spm::servo {
 
@@ -28,14 +29,22 @@ struct ReplayMark {
   std::optional<Vector3> sent{};  ///< N, of the force that the law gave; empty: all of it
 };
 
+/// A change of the scene, and the row before whose force it comes.
+struct ReplayStep {
+  std::size_t row = 0;
+  SceneStep step;
+};
+
 struct ReplayOptions {
   ForceScene scene = scene_of({});
   double rate_hz = 1000;
   double encoder_step = 0;  ///< m, of the hand: largest error of a recorded position
-  /// N per metre of the hand, as it was for the device.
-  double stiffness_cap = std::numeric_limits<double>::infinity();
+  FeltLimits limits;        ///< as they were for the device
   Pace pace = Pace::none;
   std::vector<ReplayMark> marks;  ///< one for each row; empty: the law was evaluated in every tick
+  std::vector<bool> gone;         ///< objects of the scene that are not there at the start
+  /// changes of the scene, each before its row; ordered
+  std::vector<ReplayStep> steps;
 };
 
 /// The results of the loop's force law, one for each row of the trajectory.
@@ -67,20 +76,34 @@ struct RecordedTicks {
   std::uint64_t lost = 0;                  ///< places where ticks are missing
   SceneChange change = SceneChange::none;  ///< the first one
   std::uint64_t changed_tick = 0;  ///< on the loop's grid, of the first row in which it was felt
-  /// The number of rows before it, whose forces a replay reproduces; all rows if there is no
-  /// change.
+  /// The number of rows before it, whose forces a replay of the scene at the start reproduces; all
+  /// rows if there is no change.
   std::size_t comparable = 0;
+  /// The first row whose state of the force law a replay knows: the law had forgotten its state, or
+  /// nothing was touched for so long that no memory is left. The number of rows if there is none.
+  std::size_t settled = 0;
+  std::vector<std::uint64_t> ticks;  ///< on the loop's grid, of each row
 };
 [[nodiscard]] RecordedTicks ticks_of(const Recording& recording, std::size_t device);
 
-/// How a replay's forces differ from the recorded ones, in the first rows.
+/// The changes of a recording's scene before rows of these ticks.
+[[nodiscard]] std::vector<ReplayStep> steps_before(const std::vector<SceneStep>& steps,
+                                                   const std::vector<std::uint64_t>& ticks);
+
+/// How a replay's forces differ from the recorded ones, in the rows from `from` on for which there
+/// are forces in `wanted`.
 struct ForceDifference {
   std::uint64_t ticks = 0;      ///< in how many ticks any bit differs
   std::uint64_t first_row = 0;  ///< the first row that differs
   double largest = 0;           ///< N
 };
 [[nodiscard]] ForceDifference difference(const ReplayResult& result,
-                                         std::span<const Vector3> wanted);
+                                         std::span<const Vector3> wanted, std::size_t from = 0);
+
+/// The first row of a recording that begins in the middle of a run from which on the replay feels
+/// the same: all forces are equal bit by bit for longer than the law's longest memory, and many of
+/// them in contact. The number of forces in `wanted` if there is none.
+[[nodiscard]] std::size_t caught_up(const ReplayResult& result, std::span<const Vector3> wanted);
 
 /// Durations of a replay's ticks, microseconds.
 [[nodiscard]] Summary us_per_tick(const ReplayResult& result);

@@ -4,10 +4,12 @@
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
+#include <algorithm>
 #include <atomic>
 #include <chrono>
 #include <cmath>
 #include <filesystem>
+#include <functional>
 #include <future>
 #include <memory>
 #include <optional>
@@ -18,8 +20,10 @@
 #include "common/base/units.hpp"
 #include "servo/app/app_server.hpp"
 #include "servo/devices/finder/device_list.hpp"
+#include "servo/loop/run_messages.hpp"
 #include "servo/loop/supervisor.hpp"
 #include "servo/realtime/core_pinning.hpp"
+#include "servo/realtime/service_notice.hpp"
 #include "servo/realtime/stop_signals.hpp"
 #include "servo/record/collector.hpp"
 #include "servo/scene/scene_keeper.hpp"
@@ -55,31 +59,13 @@ Result<std::vector<std::unique_ptr<Device>>> make_devices(const RunOptions& opti
   return devices;
 }
 
-/// What is served, at which rate, on which device, and how to end it.
-std::string start_message(const RunOptions& options, const std::vector<KeeperReport>& assets,
-                          const std::vector<std::string>& paths,
-                          const std::vector<Device*>& devices) {
-  std::string text = "serving ";
-  if (assets.size() == 1) {
-    const std::optional<double>& tolerance = assets.front().metadata.tolerance;
-    text += paths.front();
-    if (tolerance) text += " (tolerance " + format_quantity(*tolerance, Quantity::length) + ")";
-  } else {
-    text += fmt::format("a scene of {} assets", assets.size());
+/// The devices as far as settings depend on them.
+std::vector<ForceDevice> force_devices(const std::vector<std::unique_ptr<Device>>& devices) {
+  std::vector<ForceDevice> list;
+  for (const auto& device : devices) {
+    list.push_back({device->capabilities().profile, device->capabilities().stiffness_cap});
   }
-  text += fmt::format(" at {:g} Hz on ", options.rate_hz);
-  for (std::size_t i = 0; i < devices.size(); ++i) {
-    text += (i > 0 ? ", " : "") + devices[i]->capabilities().name;
-  }
-  text += options.duration > 0 ? fmt::format(" for {:g} s", options.duration) : "";
-  return text + "; end it with Ctrl-C";
-}
-
-/// Whether the simulated device was taken because no other is plugged in.
-bool nothing_plugged_in(const RunOptions& options, const ForceChoice& choice,
-                        const std::vector<Device*>& devices) {
-  const std::string asked = options.devices.empty() ? device_of(choice.device) : options.devices[0];
-  return asked == "auto" && devices.front()->capabilities().name == "sim";
+  return list;
 }
 
 Result<std::unique_ptr<SceneAssets>> open_assets(const RunOptions& options,
@@ -91,62 +77,115 @@ Result<std::unique_ptr<SceneAssets>> open_assets(const RunOptions& options,
   return SceneAssets::open(std::move(each), choice, options.force.scene.empty() ? 0 : spare_assets);
 }
 
-RecordingHeader header_of(const RunOptions& options, const SceneAssets& assets,
-                          const std::vector<Device*>& devices) {
+std::vector<RecordedAsset> recorded_assets(const SceneAssets& assets) {
+  std::vector<RecordedAsset> list;
+  const std::vector<std::string> paths = assets.paths();
+  std::error_code ignored;
+  for (const KeeperReport& asset : assets.reports()) {
+    if (list.size() == paths.size()) break;
+    const std::string& path = paths[list.size()];
+    const std::filesystem::path whole = std::filesystem::absolute(path, ignored);
+    list.push_back({whole.empty() ? path : whole.string(), asset.content_sha256});
+  }
+  return list;
+}
+
+RecordingHeader header_of(const RunOptions& options, const ForceChoice& choice,
+                          const SceneAssets& assets, const std::vector<Device*>& devices) {
   RecordingHeader header;
   header.spm_version = SPM_VERSION;
   header.instruction_set = instruction_set();
   header.rate_hz = options.rate_hz;
   for (const Device* device : devices) {
     const DeviceCapabilities& can = device->capabilities();
-    header.devices.push_back({can.name, can.encoder_step, can.stiffness_cap});
+    const double cap = std::min(can.force_cap, choice.device.force_cap.value_or(can.force_cap));
+    header.devices.push_back({can.name, can.encoder_step, can.stiffness_cap, cap, {}});
+    if (can.profile != nullptr) header.devices.back().profile = can.profile->name;
   }
   for (std::size_t i = 0; i < force_off_count; ++i) {
     header.causes.emplace_back(to_string(static_cast<ForceOff>(i)));
   }
-  for (const KeeperReport& asset : assets.reports()) {
-    header.assets.push_back(asset.content_sha256);
-  }
+  header.assets = recorded_assets(assets);
+  header.scene_path = choice.scene_path;
   return header;
 }
 
 /// Opens the files that are to be kept, so that a file that cannot be written is reported before
 /// the first tick.
-Result<Collector::Keeps> open_keeps(const RunOptions& options, const RecordingHeader& header) {
+Result<Collector::Keeps> open_keeps(const RunOptions& options, RunRecorder::Settings settings,
+                                    StepRing& steps) {
   Collector::Keeps keeps;
   if (!options.trace.empty()) {
     Result<TraceCsv> trace = TraceCsv::create(options.trace);
     if (!trace) return tl::make_unexpected(std::move(trace.error()));
     keeps.trace.emplace(std::move(*trace));
   }
-  if (!options.record.empty()) {
-    Result<RecordingWriter> recording = RecordingWriter::create(options.record, header);
-    if (!recording) return tl::make_unexpected(std::move(recording.error()));
-    keeps.recording.emplace(std::move(*recording));
-  }
-  if (!options.black_box.empty()) {
-    keeps.black_box.emplace(options.black_box, header, log_warning);
-  }
+  settings.record = options.record;
+  settings.black_box = options.black_box;
+  settings.warn = log_warning;
+  if (options.record.empty() && settings.memory == nullptr) return keeps;
+  auto recorder = RunRecorder::create(std::move(settings), steps);
+  if (!recorder) return tl::make_unexpected(std::move(recorder.error()));
+  keeps.recorder.emplace(std::move(*recorder));
   return keeps;
 }
 
-/// Warns if a device cannot be as stiff as the scene asks.
-void warn_of_stiffness(const ForceChoice& choice, const std::vector<Device*>& devices) {
-  const double wanted = stiffness_at_hand(choice.scene);
-  for (const Device* device : devices) {
-    const DeviceCapabilities& can = device->capabilities();
-    if (wanted <= can.stiffness_cap) continue;
-    log_warning(can.name + ": the scene asks for " + format_quantity(wanted, Quantity::stiffness) +
-                " at the hand, more than the " +
-                format_quantity(can.stiffness_cap, Quantity::stiffness) +
-                " that this device renders stably: what is stiffer is held to that "
-                "(stiffness_cap= of the device changes it)");
-  }
+/// Null if no black box is asked for.
+Result<std::unique_ptr<BlackBoxMemory>> make_black_box(const RunOptions& options) {
+  if (options.black_box.empty()) return std::unique_ptr<BlackBoxMemory>();
+  const std::size_t devices = std::max<std::size_t>(1, options.devices.size());
+  return BlackBoxMemory::make(
+      BlackBoxMemory::bytes_for(devices, options.rate_hz, BlackBox::kept_seconds));
 }
 
-/// Runs the loop in a thread of its own, while this thread takes its records.
+/// What the supervisor does after this process was killed: the ticks before that become a file.
+/// Returns a sentence for a person; empty if there were no ticks.
+Supervisor::Afterwards keep_black_box(const RunOptions& options, const BlackBoxMemory* memory) {
+  if (memory == nullptr) return {};
+  return [memory, path = options.black_box]() -> std::string {
+    if (memory->empty()) return {};
+    if (auto kept = memory->write(path); !kept) {
+      return "warning: the last ticks could not be kept: " + kept.error().message;
+    }
+    return "warning: the last ticks are kept in " + path + "; look at them with spm-servo replay";
+  };
+}
+
+/// Names all devices, where they are plugged in now, to a supervisor.
+Result<void> name_devices(Supervisor& supervisor, const std::vector<Device*>& devices) {
+  std::vector<std::string> targets;
+  targets.reserve(devices.size());
+  for (const Device* device : devices) targets.push_back(zero_force_target(*device));
+  return supervisor.watch(targets);
+}
+
+/// Names them again when one was found again, perhaps at another place.
+class PlaceWatch {
+ public:
+  /// `supervisor` may be null.
+  PlaceWatch(Supervisor* supervisor, const std::vector<Device*>& devices)
+      : supervisor_(supervisor), devices_(devices) {}
+
+  void look() {
+    if (supervisor_ == nullptr) return;
+    std::uint64_t reopened = 0;
+    for (const Device* device : devices_) reopened += device->reopened();
+    if (std::exchange(reopened_, reopened) == reopened) return;
+    if (const auto named = name_devices(*supervisor_, devices_); !named) {
+      log_warning(named.error().message);
+      supervisor_ = nullptr;
+    }
+  }
+
+ private:
+  Supervisor* supervisor_;
+  const std::vector<Device*>& devices_;
+  std::uint64_t reopened_ = 0;
+};
+
+/// Runs the loop in a thread of its own, while this thread takes its records and does `meanwhile`.
 Result<RealtimeState> drive(Loop& loop, Collector& collector, const RunOptions& options,
-                            StopSignals& signals) {
+                            StopSignals& signals, const std::function<void()>& meanwhile) {
   std::promise<Result<RealtimeState>> entered;
   std::atomic<bool> done{false};
   std::thread thread([&] {
@@ -165,6 +204,7 @@ Result<RealtimeState> drive(Loop& loop, Collector& collector, const RunOptions& 
   while (!done.load()) {
     std::this_thread::sleep_for(drain_interval);
     collector.drain();
+    meanwhile();
   }
   thread.join();
   collector.drain();
@@ -208,7 +248,7 @@ std::unique_ptr<SceneKeeper> make_scene_keeper(const RunOptions& options, SceneA
   keeper.warn = log_warning;
   keeper.taken_up = [&devices, &state](const ServedScene& scene) {
     state.rename(names_of(scene, devices));
-    warn_of_stiffness(scene.choice, devices);
+    for (const std::string& text : stiffness_warnings(scene.choice, devices)) log_warning(text);
   };
   return std::make_unique<SceneKeeper>(std::move(keeper), assets);
 }
@@ -222,17 +262,15 @@ Result<std::vector<Device*>> open_devices(const RunOptions& options, const Force
   const auto pinned = CorePinning::hold(options.core);
   if (!pinned) return tl::make_unexpected(pinned.error());
   std::vector<Device*> open;
-  std::vector<std::string> targets;
   for (const auto& device : devices) {
     const DeviceSetup setup{options.rate_hz, options.realtime, choice.scene, views};
     if (auto opened = device->open(setup); !opened) {
       return tl::make_unexpected(std::move(opened.error()));
     }
     open.push_back(device.get());
-    targets.push_back(zero_force_target(*device));
   }
   if (supervisor != nullptr) {
-    if (auto watched = supervisor->watch(targets); !watched) {
+    if (auto watched = name_devices(*supervisor, open); !watched) {
       return tl::make_unexpected(std::move(watched.error()));
     }
   }
@@ -240,33 +278,53 @@ Result<std::vector<Device*>> open_devices(const RunOptions& options, const Force
 }
 
 /// Null if no server is asked for. Also null if there is no place for its socket and no place was
-/// named, because such a machine can serve forces all the same.
+/// named, because such a machine can serve forces all the same. Errors: also that another daemon
+/// has the name.
 Result<std::unique_ptr<AppServer>> start_server(const RunOptions& options, AppState& state) {
   if (!options.serve) return std::unique_ptr<AppServer>();
   AppServerOptions served;
   served.path = options.socket;
+  served.name = options.name;
+  served.group = options.app_group;
   served.warn = log_warning;
   auto started = AppServer::start(std::move(served), state);
-  if (started || !options.socket.empty()) return started;
+  const bool may_do_without = !started && options.socket.empty() && !options.app_group &&
+                              started.error().code == ExitCode::file_or_device;
+  if (!may_do_without) return started;
   log_warning("applications cannot connect: " + started.error().message);
   return std::unique_ptr<AppServer>();
 }
 
 }  // namespace
 
-Result<RunReport> run(const RunOptions& options) {
+Result<RunReport> run(const RunOptions& asked) {
   // Made first, because it forks, and there are no threads yet. Ends last, when the devices are
   // closed.
+  RunOptions options = asked;
+  const auto black_box = make_black_box(options);
+  if (!black_box) return tl::make_unexpected(black_box.error());
   std::unique_ptr<Supervisor> supervisor;
   if (options.supervisor) {
-    auto started = Supervisor::start();
+    auto started = Supervisor::start(open_zero_force, options.realtime,
+                                     keep_black_box(options, black_box->get()));
     if (!started) return tl::make_unexpected(std::move(started.error()));
     supervisor = std::move(*started);
   }
-  const auto choice = choose_forces(options.force);
+  // Before a device is touched, which the other daemon may drive.
+  if (options.serve) {
+    if (auto is_free = ListeningSocket::check_free(options.socket, options.name); !is_free) {
+      return tl::make_unexpected(std::move(is_free.error()));
+    }
+  }
+  // Twice: a scene names devices, and settings that it leaves out suit the device.
+  options.force.device = ForceDevice{};
+  auto choice = choose_forces(options.force);
   if (!choice) return tl::make_unexpected(choice.error());
   auto devices = make_devices(options, *choice);
   if (!devices) return tl::make_unexpected(std::move(devices.error()));
+  options.force.device = least_stiff(force_devices(*devices));
+  choice = choose_forces(options.force);
+  if (!choice) return tl::make_unexpected(choice.error());
   auto assets = open_assets(options, *choice);
   if (!assets) return tl::make_unexpected(std::move(assets.error()));
 
@@ -274,7 +332,13 @@ Result<RunReport> run(const RunOptions& options) {
   if (!opened) return tl::make_unexpected(std::move(opened.error()));
   const std::vector<Device*> open_devices = std::move(*opened);
 
-  auto keeps = open_keeps(options, header_of(options, **assets, open_devices));
+  StepRing steps = make_step_ring();
+  RunRecorder::Settings kept;
+  kept.header = header_of(options, *choice, **assets, open_devices);
+  kept.scene = choice->scene;
+  kept.memory = black_box->get();
+  kept.assets = [&assets = **assets] { return recorded_assets(assets); };
+  auto keeps = open_keeps(options, std::move(kept), steps);
   if (!keeps) return tl::make_unexpected(std::move(keeps.error()));
 
   auto state = AppState::create(
@@ -288,18 +352,32 @@ Result<RunReport> run(const RunOptions& options) {
         "no haptic device is plugged in that may be opened (spm-servo devices tells more): the "
         "simulated one is taken");
   }
-  warn_of_stiffness(*choice, open_devices);
-  log_message(start_message(options, (*assets)->reports(), (*assets)->paths(), open_devices));
+  for (const std::string& text : stiffness_warnings(*choice, open_devices)) log_warning(text);
+  log_message(start_message(options, choice->scene, (*assets)->reports(), (*assets)->paths(),
+                            open_devices));
   StopSignals signals;
   TickRing ring = make_tick_ring(options.rate_hz, open_devices.size());
   std::unique_ptr<SceneKeeper> scene_keeper =
       make_scene_keeper(options, **assets, open_devices, **state);
-  Loop loop(loop_settings(options, *choice), open_devices, (*assets)->slots(), ring, signals.flag(),
-            state->get(), scene_keeper ? &scene_keeper->edits() : nullptr);
+  std::atomic<std::int64_t> own_beat{0};
+  std::atomic<std::int64_t>& beat = supervisor ? supervisor->beat() : own_beat;
+  LoopSettings settings = loop_settings(options, *choice);
+  settings.beat = &beat;
+  Loop loop(settings, open_devices, (*assets)->slots(), ring, signals.flag(), state->get(),
+            scene_keeper ? &scene_keeper->edits() : nullptr);
+  ChangeTeller changes(steps, choice->scene.objects.size() + AppScene::room(choice->scene));
+  if (keeps->recorder) loop.tell_changes(changes);
   Collector collector(ring, open_devices.size(), options.rate_hz, std::move(*keeps), log_warning);
   (*assets)->watch();
   if (scene_keeper) scene_keeper->watch();
-  Result<RealtimeState> realtime = drive(loop, collector, options, signals);
+  PlaceWatch places(supervisor.get(), open_devices);
+  ServiceNotice notice;
+  notice.ready();
+  Result<RealtimeState> realtime = drive(loop, collector, options, signals, [&] {
+    places.look();
+    notice.alive(beat.load(std::memory_order_relaxed));
+  });
+  notice.stopping();
   if (!realtime) return tl::make_unexpected(std::move(realtime.error()));
   scene_keeper.reset();
   if (auto written = collector.finish(); !written) {

@@ -12,6 +12,7 @@
 #include "servo/record/black_box.hpp"
 #include "servo/scene/asset_keeper.hpp"
 #include "servo/scene/force_choice.hpp"
+#include "servo/shared/socket_path.hpp"
 
 namespace spm::servo {
 
@@ -29,7 +30,9 @@ struct RunOptions {
   std::string record;      ///< file for a recording of all devices; empty: none
   bool supervisor = true;  ///< another process sends zero force if this one is killed
   bool serve = true;       ///< applications may connect
-  std::string socket;      ///< path of their socket; empty: the usual one
+  std::string name = usual_daemon_name();  ///< of the daemon, by which they find it
+  std::string socket;                      ///< path of their socket; empty: the one of that name
+  std::optional<std::uint32_t> app_group;  ///< whose members may connect too; needs a path
   std::string black_box = default_black_box();  ///< file for the ticks about a fault; empty: none
 };
 

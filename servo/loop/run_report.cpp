@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "servo/scene/force_choice.hpp"
 
@@ -101,6 +102,16 @@ std::string percentiles_text(const Summary& us) {
                      us.max);
 }
 
+/// One device of several, in one line.
+std::string device_text(std::size_t number, const DeviceReport& device) {
+  const DeviceCounters& counters = device.counters;
+  std::string text =
+      fmt::format("device {} {}: in contact for {} ticks, largest force {:.3f} N, force off for {}",
+                  number, device.capabilities.name, counters.contact_ticks, counters.force_max,
+                  std::accumulate(counters.force_off.begin(), counters.force_off.end(), 0ULL));
+  return text + " ticks\n";
+}
+
 }  // namespace
 
 ordered_json percentiles_json(const Summary& summary) {
@@ -113,11 +124,14 @@ void add_forces(ordered_json& report, const ForceChoice& choice) {
     report["method"] = to_string(first.method);
     if (first.method == Method::paper) report["paper_rule"] = to_string(first.rule);
     report["stiffness_n_m"] = first.stiffness;
+    report["objects"].push_back(
+        {{"method", to_string(first.method)}, {"stiffness", first.stiffness}});
   } else {
     report["scene"] = choice.scene_path;
     for (const PlacedObject& object : choice.scene.objects) {
       ordered_json entry = {{"asset", choice.assets[object.asset]},
                             {"method", to_string(object.force.method)},
+                            {"stiffness", object.force.stiffness},
                             {"stiffness_n_m", object.force.stiffness},
                             {"scale", object.placement.scale}};
       if (object.force.method == Method::paper) entry["paper_rule"] = to_string(object.force.rule);
@@ -125,6 +139,7 @@ void add_forces(ordered_json& report, const ForceChoice& choice) {
     }
   }
   const StabilizationSettings& stabilization = choice.scene.stabilization;
+  report["stabilization"] = stabilization.any();
   if (stabilization.any()) {
     report["stabilization_settings"] = {{"damping_share", stabilization.damping_share},
                                         {"delay_ticks", stabilization.delay_ticks},
@@ -179,6 +194,11 @@ std::string to_text(const RunReport& report) {
       percentiles_text(report.wake_us), percentiles_text(report.busy_us), counters.page_faults,
       report.realtime.policy, report.realtime.priority, report.realtime.memory_locked ? "" : "not ",
       totals.force_max, totals.cap_hits, totals.generated_max);
+  if (report.devices.size() > 1) {
+    for (std::size_t i = 0; i < report.devices.size(); ++i) {
+      text += device_text(i, report.devices[i]);
+    }
+  }
   const ForceOffTicks off = sum_force_off(report);
   for (std::size_t i = 0; i < force_off_count; ++i) {
     if (off[i] == 0) continue;

@@ -3,52 +3,71 @@
 
 #include <sys/types.h>
 
-#include <functional>
+#include <atomic>
+#include <cstdint>
 #include <memory>
 #include <string>
 #include <vector>
 
 #include "common/base/error.hpp"
-#include "servo/devices/finder/zero_force.hpp"
+#include "servo/loop/left_devices.hpp"
+#include "servo/loop/supervisor_process.hpp"
+#include "servo/realtime/realtime.hpp"
 
 namespace spm::servo {
 
-/// A process beside the daemon that sends the daemon's devices zero force if the daemon ends
-/// without saying good-bye, killed or crashed. It then opens the devices itself, for 2 s at most,
-/// sends zero several times over 0.1 s, reports in one sentence on the standard error what it did,
-/// and ends.
+/// A process beside the daemon that sends the daemon's devices zero force in two cases. Where the
+/// daemon ends without saying good-bye, killed or crashed, it opens the devices itself, for 2 s at
+/// most, sends zero several times over 0.1 s, reports in one sentence on the standard error what it
+/// did, and ends. Where no tick of the daemon's loop began for loop_stall_ns, stopped by a signal,
+/// a debugger or a freezer, or kept from its processor, it does the same, but stays, and leaves the
+/// devices to the loop when that ticks again.
 ///
 /// It holds none of the daemon's files except the standard error and its end of a connection
 /// between the two. It is in no group that a signal to the daemon's group would reach, ignores the
-/// signals that end other processes, and has no real-time priority. If the machine writes a core
+/// signals that end other processes, and has a real-time priority above the loop's, if that is
+/// allowed: it sleeps nearly always. If the machine writes a core
 /// file of the daemon, the devices are free only after that.
 class Supervisor {
  public:
-  using Open = std::function<Result<ZeroForce>(const std::string& target)>;
+  using Open = OpenZeroForce;
+
+  /// What else to do after the daemon's death; returns a line for the standard error, or nothing.
+  /// It may read memory that is shared with the daemon.
+  using Afterwards = AfterTheEnd;
 
   /// Starts it. The calling process must have no threads yet, and no device open, because the
-  /// forked process would inherit them. `open` runs in the other process. Errors: file_or_device,
+  /// forked process would inherit them. `open` and `afterwards` run in the other process, the
+  /// latter when the devices are free; `realtime` is for that process too. Errors: file_or_device,
   /// if no process or connection can be made.
-  [[nodiscard]] static Result<std::unique_ptr<Supervisor>> start(Open open = open_zero_force);
+  [[nodiscard]] static Result<std::unique_ptr<Supervisor>> start(
+      Open open = open_zero_force, RealtimeMode realtime = RealtimeMode::off,
+      Afterwards afterwards = {});
 
   Supervisor(const Supervisor&) = delete;
   Supervisor& operator=(const Supervisor&) = delete;
   ~Supervisor() { dismiss(); }
 
-  /// Names devices to look after, in the form of zero_force_target. Empty names are left out. Call
-  /// it before the first force is sent to them. Errors: file_or_device, if the supervisor has
+  /// Names the devices to look after from now on, in the form of zero_force_target. Empty names are
+  /// left out. Call it before the first force is sent to them, and when one is found at another
+  /// place. Errors: file_or_device, if the supervisor has
   /// ended.
   [[nodiscard]] Result<void> watch(const std::vector<std::string>& targets);
+
+  /// Where the loop leaves the time that each tick began, and 0 when it ends (LoopSettings::beat).
+  [[nodiscard]] std::atomic<std::int64_t>& beat() noexcept { return *beat_; }
 
   /// Says good-bye, after the devices were closed. The supervisor ends and sends nothing. Waits for
   /// its end.
   void dismiss() noexcept;
 
  private:
-  Supervisor(int line, pid_t process) noexcept : line_(line), process_(process) {}
+  Supervisor(int line, pid_t process, std::atomic<std::int64_t>* beat) noexcept
+      : line_(line), process_(process), beat_(beat) {}
 
   int line_;  ///< a socket, because writing to a pipe that nobody reads would end the daemon
   pid_t process_;
+  std::atomic<std::int64_t>* beat_;
 };
 
 }  // namespace spm::servo

@@ -12,6 +12,7 @@
 #include <cstddef>
 #include <cstring>
 
+#include "servo/realtime/capabilities.hpp"
 #include "servo/realtime/realtime_kit.hpp"
 
 namespace spm::servo {
@@ -24,9 +25,13 @@ constexpr int loop_priority = 80;
 /// the loop in the middle of a tick. The loop sleeps most of the time, and these threads do little.
 constexpr int device_priority = 75;
 
+/// Above the loop, so that a loop that no longer sleeps cannot keep it from its core.
+constexpr int guard_priority = 85;
+
 /// How far below the highest priority that RealtimeKit grants: in the same order as above.
-constexpr int loop_below_most = 0;
-constexpr int device_below_most = 1;
+constexpr int guard_below_most = 0;
+constexpr int loop_below_most = 1;
+constexpr int device_below_most = 2;
 
 constexpr std::size_t stack_bytes = std::size_t{256} * 1024;
 
@@ -40,8 +45,8 @@ constexpr std::size_t stack_bytes = std::size_t{256} * 1024;
 /// because of it.
 bool lock_memory() noexcept {
   rlimit limit{};
-  const bool unlimited =
-      geteuid() == 0 || (getrlimit(RLIMIT_MEMLOCK, &limit) == 0 && limit.rlim_cur == RLIM_INFINITY);
+  const bool unlimited = has_capability(CAP_IPC_LOCK) || (getrlimit(RLIMIT_MEMLOCK, &limit) == 0 &&
+                                                          limit.rlim_cur == RLIM_INFINITY);
   return mlockall(unlimited ? MCL_CURRENT | MCL_FUTURE : MCL_CURRENT) == 0;
 }
 
@@ -82,8 +87,8 @@ Result<RealtimeState> enter_realtime(RealtimeMode mode) {
     state.priority = given->priority;
   } else {
     state.warnings.push_back("the loop has no real-time priority (" + given.error().message +
-                             "): run as root, or allow it with 'rtprio 90' in "
-                             "/etc/security/limits.d and log in again");
+                             "): allow it with 'rtprio 90' in /etc/security/limits.d and log in "
+                             "again, or give a service CAP_SYS_NICE; root is not needed");
   }
 
   state.memory_locked = lock_memory();
@@ -92,8 +97,9 @@ Result<RealtimeState> enter_realtime(RealtimeMode mode) {
   prctl(PR_SET_THP_DISABLE, 1UL, 0UL, 0UL, 0UL);
   if (!state.memory_locked) {
     state.warnings.push_back(
-        "the memory could not be locked (its limit is too low): run as root, or allow it with "
-        "'memlock unlimited' in /etc/security/limits.d and log in again");
+        "the memory could not be locked (its limit is too low): allow it with 'memlock unlimited' "
+        "in /etc/security/limits.d and log in again, or give a service CAP_IPC_LOCK; root is not "
+        "needed");
   }
 
   if (mode == RealtimeMode::require && !state.warnings.empty()) {
@@ -107,6 +113,28 @@ void enter_device_thread(RealtimeMode mode) noexcept {
   if (mode == RealtimeMode::off) return;
   prctl(PR_SET_TIMERSLACK, 1UL);
   static_cast<void>(take_priority(device_priority, device_below_most));
+}
+
+void enter_guard_thread(RealtimeMode mode) noexcept {
+  if (mode == RealtimeMode::off) return;
+  prctl(PR_SET_TIMERSLACK, 1UL);
+  static_cast<void>(take_priority(guard_priority, guard_below_most));
+}
+
+bool raise_above_loop(pthread_t thread) noexcept {
+  int policy = SCHED_OTHER;
+  sched_param parameters{};
+  if (pthread_getschedparam(thread, &policy, &parameters) != 0 || policy != SCHED_FIFO) {
+    return false;
+  }
+  parameters.sched_priority = guard_priority;
+  return pthread_setschedparam(thread, SCHED_FIFO, &parameters) == 0;
+}
+
+void lower_below_loop(pthread_t thread) noexcept {
+  sched_param parameters{};
+  parameters.sched_priority = device_priority;
+  static_cast<void>(pthread_setschedparam(thread, SCHED_FIFO, &parameters));
 }
 
 void leave_realtime() noexcept {

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <pthread.h>
+
 #include <string>
 #include <vector>
 
@@ -28,6 +30,17 @@ struct RealtimeState {
 /// Gives the calling thread, which talks to a device, a real-time priority below the loop's, if
 /// that is allowed. If not, the loop's warnings say so.
 void enter_device_thread(RealtimeMode mode) noexcept;
+
+/// Gives the calling thread a real-time priority above the loop's, if that is allowed. For what
+/// ends a force where the loop no longer sleeps: it must do little.
+void enter_guard_thread(RealtimeMode mode) noexcept;
+
+/// Raises a thread above the loop, if it has a real-time priority by the process's own limits.
+/// False if it has none, or that is refused.
+bool raise_above_loop(pthread_t thread) noexcept;
+
+/// Puts a thread that was raised back below the loop.
+void lower_below_loop(pthread_t thread) noexcept;
 
 /// Makes the calling thread an ordinary one. For new threads, which inherit the priority of the
 /// thread that made them.

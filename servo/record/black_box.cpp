@@ -21,6 +21,7 @@ bool is_fault(std::uint8_t cause) noexcept {
     case ForceOff::device_silent:
     case ForceOff::device_gone:
     case ForceOff::jumped:
+    case ForceOff::stalled:
       return true;
     case ForceOff::none:
     case ForceOff::starting:
@@ -47,27 +48,51 @@ std::string default_black_box() {
   return folder / "spm-servo" / "black-box.spmrec";
 }
 
-BlackBox::BlackBox(std::string path, RecordingHeader header, Log warn)
-    : path_(std::move(path)),
-      header_(std::move(header)),
-      warn_(std::move(warn)),
-      rows_(path_.empty() ? 0
-                          : header_.devices.size() *
-                                static_cast<std::size_t>(kept_seconds * header_.rate_hz)),
-      last_cause_(header_.devices.size(), static_cast<std::uint8_t>(ForceOff::starting)) {}
+BlackBox::BlackBox(std::string path, BlackBoxMemory& memory, Log warn)
+    : path_(std::move(path)), memory_(memory), warn_(std::move(warn)) {}
 
-void BlackBox::take(const RecordingRow& row) {
-  if (rows_.empty()) return;
+void BlackBox::begin(const RecordingHeader& header) {
+  rate_hz_ = header.rate_hz;
+  last_cause_.resize(header.devices.size(), static_cast<std::uint8_t>(ForceOff::starting));
+  begun_ = first_row_ = true;
+  if (memory_.begin(recording_start(header)) || given_up_) return;
+  given_up_ = true;
+  warn_("the scene is too large for the black box, which keeps no more ticks; use --record");
+}
+
+void BlackBox::take(std::string_view part, const HeaderNow& header) {
+  if (given_up_) return;
+  if (!begun_) begin(header());
+  if (memory_.append(part)) return;
+  begin(header());
+  static_cast<void>(memory_.append(part));
+}
+
+void BlackBox::take(const RecordingRow& row, std::string_view part, const HeaderNow& header) {
+  if (given_up_) return;
   if (pending_ && row.tick >= due_tick_) write();
-  rows_[next_] = row;
-  next_ = (next_ + 1) % rows_.size();
-  is_full_ = is_full_ || next_ == 0;
+  // A half begins with a whole tick.
+  const bool due = !begun_ || (!first_row_ && row.device == 0 && row.tick >= turn_tick_);
+  if (due) begin(header());
+  if (!memory_.append(part)) {
+    begin(header());
+    if (!memory_.append(part)) return;
+  }
+  if (std::exchange(first_row_, false)) {
+    turn_tick_ = row.tick + static_cast<std::uint64_t>(std::llround(kept_seconds * rate_hz_));
+  }
+  note(row);
+}
+
+/// Whether a fault ended the force.
+void BlackBox::note(const RecordingRow& row) {
+  if (row.device >= last_cause_.size()) return;
   std::uint8_t& last = last_cause_[row.device];
   // A cause that did not end a force is nothing new, such as a device that is not there yet.
   const bool was_on = last == static_cast<std::uint8_t>(ForceOff::none);
   if (was_on && is_fault(row.cause) && !pending_) {
     pending_ = true;
-    due_tick_ = row.tick + static_cast<std::uint64_t>(std::lround(after_seconds * header_.rate_hz));
+    due_tick_ = row.tick + static_cast<std::uint64_t>(std::lround(after_seconds * rate_hz_));
   }
   last = row.cause;
 }
@@ -78,18 +103,7 @@ void BlackBox::finish() {
 
 void BlackBox::write() {
   pending_ = false;
-  std::error_code ignored;
-  std::filesystem::create_directories(std::filesystem::path(path_).parent_path(), ignored);
-  auto file = RecordingWriter::create(path_, header_);
-  if (!file) {
-    warn_("the last ticks before a fault could not be kept: " + file.error().message);
-    return;
-  }
-  if (is_full_) {
-    for (std::size_t i = next_; i < rows_.size(); ++i) file->append(rows_[i]);
-  }
-  for (std::size_t i = 0; i < next_; ++i) file->append(rows_[i]);
-  if (auto kept = file->commit(); !kept) {
+  if (auto kept = memory_.write(path_); !kept) {
     warn_("the last ticks before a fault could not be kept: " + kept.error().message);
     return;
   }

@@ -5,9 +5,11 @@
 #include <cstdint>
 #include <functional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "formats/motion/recording.hpp"
+#include "servo/record/black_box_memory.hpp"
 #include "servo/record/tick_record.hpp"
 
 namespace spm::servo {
@@ -16,37 +18,46 @@ namespace spm::servo {
 /// is none.
 [[nodiscard]] std::string default_black_box();
 
-/// Keeps the last ticks. A moment after the force went off because of a fault, it writes them out
-/// as a recording: what led to the fault and what came next. Several faults in a row share one
-/// file; a later fault replaces the file. Belongs to the collecting thread.
+/// Keeps the last ten to twenty seconds of ticks in a memory that another process may share. A
+/// moment after the force went off because of a fault, it writes them out as a recording: what led
+/// to the fault and what came next. Several faults in a row share one file; a later fault replaces
+/// the file. Belongs to the collecting thread.
 class BlackBox {
  public:
   using Log = std::function<void(const std::string&)>;
+  /// The header of a recording that begins now: with the scene as it is.
+  using HeaderNow = std::function<RecordingHeader()>;
 
-  static constexpr double kept_seconds = 10;
+  static constexpr double kept_seconds = 10;  ///< at least, unless a great many objects move
   static constexpr double after_seconds = 0.5;
 
-  /// `path`: where the file is written; empty: nowhere.
-  BlackBox(std::string path, RecordingHeader header, Log warn);
+  /// `path`: where the file is written. `memory` must outlive this.
+  BlackBox(std::string path, BlackBoxMemory& memory, Log warn);
 
-  void take(const RecordingRow& row);
+  /// A part of a recording (append_part), which is no row.
+  void take(std::string_view part, const HeaderNow& header);
+  /// A row, and the same row as a part.
+  void take(const RecordingRow& row, std::string_view part, const HeaderNow& header);
 
   /// At the end: writes the file if a fault still waits for it.
   void finish();
 
   /// How often the file was written.
   [[nodiscard]] std::uint64_t written() const noexcept { return written_; }
-  [[nodiscard]] const std::string& path() const noexcept { return path_; }
 
  private:
+  void begin(const RecordingHeader& header);
+  void note(const RecordingRow& row);
   void write();
 
   std::string path_;
-  RecordingHeader header_;
+  BlackBoxMemory& memory_;
   Log warn_;
-  std::vector<RecordingRow> rows_;  ///< a ring buffer
-  std::size_t next_ = 0;
-  bool is_full_ = false;
+  double rate_hz_ = 1000;
+  bool begun_ = false;
+  bool given_up_ = false;
+  bool first_row_ = true;                 ///< of the half
+  std::uint64_t turn_tick_ = 0;           ///< in which the next half begins
   std::vector<std::uint8_t> last_cause_;  ///< of each device
   bool pending_ = false;
   std::uint64_t due_tick_ = 0;

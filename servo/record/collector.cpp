@@ -33,7 +33,7 @@ void Collector::take(const TickRecord& record) {
       keeps_.trace->append(row);
     }
   }
-  if (keeps_.recording || keeps_.black_box) keep(to_row(record));
+  if (keeps_.recorder) keeps_.recorder->take(to_row(record));
   ForceOff& last = last_cause_[record.device];
   const bool fault = record.cause != ForceOff::none && record.cause != ForceOff::stopping;
   if (record.cause != last && fault) {
@@ -45,24 +45,11 @@ void Collector::take(const TickRecord& record) {
   last = record.cause;
 }
 
-void Collector::keep(const RecordingRow& row) {
-  if (keeps_.black_box) keeps_.black_box->take(row);
-  if (!keeps_.recording || full_reported_) return;
-  keeps_.recording->append(row);
-  if (keeps_.recording->ok()) return;
-  full_reported_ = true;
-  warn_(fmt::format(
-      "tick {}: the recording could not be written any further and is given up; free the disk, or "
-      "record elsewhere. The loop goes on",
-      row.tick));
-}
-
 Result<void> Collector::finish() {
-  if (keeps_.black_box) keeps_.black_box->finish();
   Result<void> done;
   if (keeps_.trace) done = keeps_.trace->commit();
-  if (keeps_.recording) {
-    auto recorded = keeps_.recording->commit();
+  if (keeps_.recorder) {
+    auto recorded = keeps_.recorder->finish();
     if (done) done = std::move(recorded);
   }
   return done;

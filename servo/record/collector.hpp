@@ -7,9 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "formats/motion/recording.hpp"
 #include "servo/base/statistics.hpp"
-#include "servo/record/black_box.hpp"
+#include "servo/record/run_recorder.hpp"
 #include "servo/record/tick_record.hpp"
 #include "servo/record/trace_csv.hpp"
 
@@ -24,9 +23,8 @@ class Collector {
 
   /// What is kept of a run beside its statistics.
   struct Keeps {
-    std::optional<TraceCsv> trace;             ///< of the first device
-    std::optional<RecordingWriter> recording;  ///< of all devices
-    std::optional<BlackBox> black_box;
+    std::optional<TraceCsv> trace;        ///< of the first device
+    std::optional<RunRecorder> recorder;  ///< of all devices
   };
 
   Collector(TickRing& ring, std::size_t devices, double rate_hz, Keeps keeps, Log warn);
@@ -39,19 +37,17 @@ class Collector {
 
   /// How often the black box was written.
   [[nodiscard]] std::uint64_t black_boxes() const {
-    return keeps_.black_box ? keeps_.black_box->written() : 0;
+    return keeps_.recorder ? keeps_.recorder->black_boxes() : 0;
   }
   [[nodiscard]] Summary wake_us() const { return wake_.summary_us(); }
   [[nodiscard]] Summary busy_us() const { return busy_.summary_us(); }
 
  private:
   void take(const TickRecord& record);
-  void keep(const RecordingRow& row);
 
   TickRing& ring_;
   double rate_hz_;
   Keeps keeps_;
-  bool full_reported_ = false;
   Log warn_;
   DurationHistogram wake_, busy_;
   std::vector<ForceOff> last_cause_;

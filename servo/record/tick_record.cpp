@@ -34,7 +34,7 @@ RecordingRow to_row(const TickRecord& record) noexcept {
   row.flags = static_cast<std::uint8_t>(
       (record.contact ? recorded_contact : 0) | (record.forgot ? recorded_forgot : 0) |
       (record.lost ? recorded_lost : 0) | (record.touched ? recorded_touched : 0) |
-      (record.edited ? recorded_edited : 0));
+      (record.edited ? recorded_edited : 0) | (record.exchanged ? recorded_exchanged : 0));
   return row;
 }
 

@@ -28,7 +28,8 @@ struct TickRecord {
   bool lost = false;    ///< records before this one were lost because the ring was full
   /// since the loop began, applications have moved, added or changed objects
   bool touched = false;
-  bool edited = false;  ///< an edited scene was taken up before the forces of this tick
+  bool edited = false;     ///< an edited scene was taken up before the forces of this tick
+  bool exchanged = false;  ///< assets were opened, or opened again, before this tick
   ForceOff cause = ForceOff::none;
 };
 

@@ -56,6 +56,8 @@ const char* to_string(ForceOff cause) noexcept {
       return "outside_workspace";
     case ForceOff::application_silent:
       return "application_silent";
+    case ForceOff::stalled:
+      return "stalled";
   }
   return "unknown";
 }
@@ -88,6 +90,9 @@ const char* cure_of(ForceOff cause) noexcept {
     case ForceOff::application_silent:
       return "look after the application that moved objects, or end it; the force fades in again "
              "by "
+             "itself";
+    case ForceOff::stalled:
+      return "give the loop real-time priority, which 'spm-servo doctor' explains; it goes on by "
              "itself";
   }
   return "";

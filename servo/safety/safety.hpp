@@ -24,9 +24,10 @@ enum class ForceOff : std::uint8_t {
   clutched,            ///< an application, or a button of the device, let the hand move freely
   outside_workspace,   ///< the tool is where the device's maker says it cannot be
   application_silent,  ///< an application that moved objects no longer answers
+  stalled,             ///< no tick ran for so long that the device was sent zero by others
 };
 
-inline constexpr std::size_t force_off_count = 13;
+inline constexpr std::size_t force_off_count = 14;
 
 /// The number of ticks without force, for each cause.
 using ForceOffTicks = std::array<std::uint64_t, force_off_count>;
@@ -110,6 +111,13 @@ class SafetyStage {
   /// Begins the soft start again, from the force that is sent now, or from as much of it as is
   /// wanted. For a device that was just engaged, and when what is felt has changed under the hand.
   void restart() noexcept;
+
+  /// Sets the force cap, N, from the next tick on. Where it rises the soft start begins again.
+  void set_force_cap(double cap) noexcept {
+    if (cap > settings_.force_cap) restart();
+    settings_.force_cap = cap;
+  }
+  [[nodiscard]] double force_cap() const noexcept { return settings_.force_cap; }
 
   /// Sets the slew limit, N a tick, from the next tick on. For a change of the stiffness that is
   /// felt.

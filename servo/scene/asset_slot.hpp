@@ -14,6 +14,20 @@ struct ServedAsset {
   const MappedAsset* mapping = nullptr;
 
   [[nodiscard]] bool lost() const noexcept { return mapping != nullptr && mapping->lost(); }
+
+  /// How far the farthest corner of its bounding box is from its origin, m, asset's frame.
+  [[nodiscard]] double reach() const noexcept {
+    if (mapping == nullptr) {
+      const Extent extent = extent_of(*view);
+      return farthest(extent.low, extent.low + extent.size);
+    }
+    return farthest(mapping->metadata().box_min, mapping->metadata().box_max);
+  }
+
+ private:
+  static double farthest(const Vector3& low, const Vector3& high) noexcept {
+    return low.cwiseAbs().cwiseMax(high.cwiseAbs()).norm();
+  }
 };
 
 /// Hands assets from the loading thread to the loop without a lock, with one thread on each side.

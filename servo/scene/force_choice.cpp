@@ -6,7 +6,6 @@
 #include <utility>
 
 #include "common/base/units.hpp"
-#include "common/contact/stable_stiffness.hpp"
 
 namespace spm::servo {
 
@@ -67,51 +66,76 @@ std::size_t asset_number(ForceChoice& choice, const std::string& path) {
   return choice.assets.size() - 1;
 }
 
-/// The options with the stiffness that suits the scene's device. Errors: usage.
-Result<ForceOptions> with_stiffness(const ForceOptions& options, const Scene& scene) {
-  ForceOptions settled = options;
-  if (!options.stiffness_chosen) return settled;
-  if (scene.device.profile == nullptr) {
-    return fail(ExitCode::usage,
-                "--stiffness auto is chosen by the device; add 'profile' to "
-                "[device] of " +
-                    options.scene + ", one of" + device_profile_names());
+/// The device that forces are for: the one that is served, or else the one that the scene names.
+std::optional<ForceDevice> force_device_of(const ForceOptions& options, const SceneDevice& scene) {
+  if (options.device || scene.profile == nullptr) return options.device;
+  return ForceDevice{scene.profile, scene.profile->stiffness_cap};
+}
+
+/// What suits the device, N/m of a world whose metres are `scale` to one of the hand.
+double suitable_stiffness(const std::optional<ForceDevice>& device, double scale = 1) {
+  return device ? auto_stiffness(*device) / scale : SceneObject::default_stiffness;
+}
+
+/// Whether the command line names a method that has no stabilization of its own accord.
+bool is_bare(const ForceOptions& options) {
+  return options.scene.empty() && options.method && *options.method != default_method;
+}
+
+/// What is named, in the loop of the device, or else the default.
+StabilizationSettings stabilization_of(const ForceOptions& options, const Scene& scene,
+                                       const std::optional<ForceDevice>& device) {
+  StabilizationSettings settings = scene.stabilization;
+  if (options.stabilization) {
+    settings = in_loop_of(scene.stabilization, *options.stabilization);
+  } else if (is_bare(options)) {
+    return {};
+  } else if (!scene.stabilization_given) {
+    settings = default_stabilization(device.value_or(ForceDevice{}));
   }
-  settled.stiffness = stable_stiffness(*scene.device.profile) / scene.workspace.scale;
-  return settled;
+  if (!device || device->profile == nullptr) return settings;
+  return in_loop_of(*device->profile, settings);
 }
 
-/// The stabilization settings of the scene, or those of the command line for the scene's device.
-StabilizationSettings stabilization_of(const ForceOptions& options, const Scene& scene) {
-  return options.stabilization ? in_loop_of(scene.stabilization, *options.stabilization)
-                               : scene.stabilization;
+/// The method where none is named: effects that one method alone has name it too.
+Method method_of(const SceneObject& object, const StabilizationSettings& stabilization) {
+  if (object.method) return *object.method;
+  return object.effects.smoothing.sigma > 0 || stabilization.potential > 0 ? Method::spm
+                                                                           : default_method;
 }
 
-/// The settings that a command line, an object of a scene and the defaults give together.
-ForceSettings settings_of(const ForceOptions& options, const SceneObject& object,
-                          double probe_radius) {
-  ForceSettings settings;
-  settings.method = options.method.value_or(object.method);
-  settings.rule = options.rule.value_or(object.rule);
-  settings.stiffness = options.stiffness.value_or(object.stiffness);
-  settings.probe_radius = probe_radius;
-  return settings;
+/// One object as the command line, the scene and the defaults give it together.
+PlacedObject placed(const ForceOptions& options, const SceneObject& object, double probe_radius,
+                    double suitable, const StabilizationSettings& stabilization) {
+  PlacedObject placed = default_object(object.stiffness, probe_radius);
+  placed.placement = object.placement;
+  placed.movable = object.movable;
+  placed.effects = object.effects;
+  ForceSettings& force = placed.force;
+  force.method = options.method.value_or(method_of(object, stabilization));
+  force.rule = options.rule.value_or(object.rule);
+  if (!object.stiffness_given || object.stiffness_chosen || options.stiffness_chosen) {
+    force.stiffness = suitable;
+  }
+  force.stiffness = options.stiffness.value_or(force.stiffness);
+  // A point that sticks is held by the object's own stiffness, if nothing else is said.
+  double& sticking = placed.effects.friction.stiffness;
+  if (sticking == object.stiffness) sticking = force.stiffness;
+  return placed;
 }
 
 Result<ForceChoice> choose_asset(const ForceOptions& options) {
-  if (options.stiffness_chosen) {
-    return fail(ExitCode::usage,
-                "--stiffness auto is chosen by the device that a scene names; give --scene, or a "
-                "stiffness such as 1N/mm");
-  }
   ForceChoice choice;
   choice.probe_radius = options.probe_radius.value_or(0);
-  EffectSettings effects;
-  effects.turn.rate = default_turn_rate;
-  choice.scene = scene_of(settings_of(options, {}, choice.probe_radius), effects);
+  choice.scene.stabilization = stabilization_of(options, {}, options.device);
+  const double suitable = suitable_stiffness(options.device);
+  SceneObject object;
+  object.effects = default_object(suitable, 0).effects;
+  choice.scene.objects = {
+      placed(options, object, choice.probe_radius, suitable, choice.scene.stabilization)};
+  choice.scene.added = default_object(suitable, choice.probe_radius);
   choice.assets = {options.asset};
   choice.places = {{}};
-  if (options.stabilization) choice.scene.stabilization = *options.stabilization;
   if (auto checked = check_settings(choice.scene.objects.front().force); !checked) {
     return tl::make_unexpected(std::move(checked.error()));
   }
@@ -121,14 +145,21 @@ Result<ForceChoice> choose_asset(const ForceOptions& options) {
 Result<ForceChoice> choose_scene(const ForceOptions& options) {
   const Result<Scene> scene = read_scene(options.scene);
   if (!scene) return tl::make_unexpected(scene.error());
-  const Result<ForceOptions> settled = with_stiffness(options, *scene);
-  if (!settled) return tl::make_unexpected(settled.error());
+  const std::optional<ForceDevice> device = force_device_of(options, scene->device);
+  if (options.stiffness_chosen && !device) {
+    return fail(ExitCode::usage,
+                "--stiffness auto is chosen by the device; add 'profile' to "
+                "[device] of " +
+                    options.scene + ", one of" + device_profile_names());
+  }
+  const double suitable = suitable_stiffness(device, scene->workspace.scale);
   ForceChoice choice;
   choice.scene_path = scene->path;
   choice.device = scene->device;
   choice.scene.workspace = scene->workspace;
-  choice.scene.stabilization = stabilization_of(options, *scene);
+  choice.scene.stabilization = stabilization_of(options, *scene, device);
   choice.probe_radius = options.probe_radius.value_or(scene->probe_radius.value_or(0));
+  choice.scene.added = default_object(suitable, choice.probe_radius);
   for (const SceneObject& object : scene->objects) {
     const std::string place = scene->path + ": line " + std::to_string(object.line) + ": ";
     if (object.asset.empty()) {
@@ -136,12 +167,13 @@ Result<ForceChoice> choose_scene(const ForceOptions& options) {
                   place + "the object has no 'asset'; bake its mesh with spm-bake build " +
                       object.mesh + " --scene " + scene->path + ", and name the baked file");
     }
-    const ForceSettings settings = settings_of(*settled, object, choice.probe_radius);
-    if (auto checked = check_settings(settings, object.effects, place); !checked) {
+    PlacedObject made =
+        placed(options, object, choice.probe_radius, suitable, choice.scene.stabilization);
+    if (auto checked = check_settings(made.force, made.effects, place); !checked) {
       return tl::make_unexpected(std::move(checked.error()));
     }
-    choice.scene.objects.push_back({asset_number(choice, object.asset), object.placement, settings,
-                                    object.effects, object.movable});
+    made.asset = asset_number(choice, object.asset);
+    choice.scene.objects.push_back(made);
     choice.places.push_back(place);
   }
   return choice;
@@ -186,6 +218,13 @@ Result<ForceChoice> choose_forces(const ForceOptions& options) {
                 "nothing is there to touch; give --asset FILE.spm.exr or --scene SCENE.toml");
   }
   return options.scene.empty() ? choose_asset(options) : choose_scene(options);
+}
+
+std::string place_of_asset(const ForceChoice& choice, std::size_t which) {
+  for (std::size_t i = 0; i < choice.scene.objects.size(); ++i) {
+    if (choice.scene.objects[i].asset == which) return choice.places[i];
+  }
+  return {};
 }
 
 Result<void> check_settings(const ForceSettings& settings, const EffectSettings& effects,

@@ -8,6 +8,7 @@
 #include "common/base/error.hpp"
 #include "formats/asset/asset.hpp"
 #include "formats/scene/scene.hpp"
+#include "servo/force/default_settings.hpp"
 #include "servo/force/scene_force.hpp"
 
 namespace spm::servo {
@@ -24,10 +25,13 @@ struct ForceOptions {
   std::optional<Method> method;
   std::optional<PaperRule> rule;
   std::optional<double> stiffness;     ///< N/m
-  bool stiffness_chosen = false;       ///< by the device that the scene names
+  bool stiffness_chosen = false;       ///< what suits the device, whatever the scene says
   std::optional<double> probe_radius;  ///< m
   /// Replace those of the scene, but delay and device stay the scene's.
   std::optional<StabilizationSettings> stabilization;
+  /// The device that is served. Empty: there is none, as in a replay of positions; then the scene's
+  /// profile counts.
+  std::optional<ForceDevice> device;
 };
 
 /// What forces come from.
@@ -45,6 +49,10 @@ struct ForceChoice {
 /// for the command line; those of read_scene; invalid_input, for an object without a baked file or
 /// with settings that no asset could serve.
 [[nodiscard]] Result<ForceChoice> choose_forces(const ForceOptions& options);
+
+/// File and line of the first object of an asset, as a prefix for a message about it; empty if no
+/// scene was given.
+[[nodiscard]] std::string place_of_asset(const ForceChoice& choice, std::size_t which);
 
 /// Refuses settings that no asset could serve, such as effects that their method does not have.
 /// `place`: file and line of a scene; empty for a command line. Errors: usage, or invalid_input if

@@ -6,14 +6,18 @@
 
 namespace spm::servo {
 
+tl::unexpected<Error> at_place(const std::string& place, const Error& error) {
+  return fail(error.code, error.message.starts_with(place) ? error.message : place + error.message);
+}
+
 Result<std::unique_ptr<SceneAssets>> SceneAssets::open(KeeperOptions each, ForceChoice choice,
                                                        std::size_t spare) {
   const std::vector<std::string> paths = choice.assets;
   std::unique_ptr<SceneAssets> assets(
       new SceneAssets(std::move(each), std::move(choice), paths.size() + spare));
-  for (const std::string& path : paths) {
-    if (auto opened = assets->open_next(path); !opened) {
-      return tl::make_unexpected(std::move(opened.error()));
+  for (std::size_t i = 0; i < paths.size(); ++i) {
+    if (auto opened = assets->open_next(paths[i]); !opened) {
+      return at_place(place_of_asset(assets->choice_, i), opened.error());
     }
   }
   return assets;

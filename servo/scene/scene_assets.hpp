@@ -13,6 +13,10 @@
 
 namespace spm::servo {
 
+/// The error of an asset with the place, file and line, of a scene's object that names it; as it is
+/// where the message begins with the place already.
+[[nodiscard]] tl::unexpected<Error> at_place(const std::string& place, const Error& error);
+
 /// The assets of a scene. Each has a slot, which hands it to the loop, and a keeper, which looks
 /// after its file. Spare slots are for assets that an edited scene names. An asset that was opened
 /// once stays mapped, even if no object refers to it any more.

@@ -147,9 +147,9 @@ Result<ForceChoice> SceneKeeper::read_edited() {
                     "put back what it was");
   }
   std::vector<std::size_t> numbers;
-  for (const std::string& path : edited->assets) {
-    const Result<std::size_t> number = assets_.number_of(path);
-    if (!number) return tl::make_unexpected(number.error());
+  for (std::size_t i = 0; i < edited->assets.size(); ++i) {
+    const Result<std::size_t> number = assets_.number_of(edited->assets[i]);
+    if (!number) return at_place(place_of_asset(*edited, i), number.error());
     numbers.push_back(*number);
   }
   for (PlacedObject& object : edited->scene.objects) object.asset = numbers[object.asset];

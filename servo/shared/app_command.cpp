@@ -94,6 +94,15 @@ void read_clutch(const spm_shared_command& from, const AppCommandLimits& limits,
   check.holds(from.on <= 1, Refusal::out_of_range);
 }
 
+void read_force_cap(const spm_shared_command& from, const AppCommandLimits& limits, Check& check,
+                    AppCommand& to) noexcept {
+  to.action = AppAction::force_cap;
+  to.index = from.index;
+  check.holds(from.index < limits.devices, Refusal::unknown_device);
+  check.number(from.force_cap, 0, app_max_force_cap);
+  to.force_cap = from.force_cap;
+}
+
 }  // namespace
 
 Refusal check_command(const spm_shared_command& from, const AppCommandLimits& limits,
@@ -118,6 +127,9 @@ Refusal check_command(const spm_shared_command& from, const AppCommandLimits& li
       break;
     case SPM_COMMAND_CLUTCH:
       read_clutch(from, limits, check, to);
+      break;
+    case SPM_COMMAND_FORCE_CAP:
+      read_force_cap(from, limits, check, to);
       break;
     default:
       return Refusal::unknown_kind;

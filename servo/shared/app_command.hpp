@@ -17,6 +17,7 @@ enum class AppAction : std::uint8_t {
   remove,     ///< an object that an application added
   material,   ///< how an object feels
   clutch,     ///< the device's hand moves freely, while the tool stays
+  force_cap,  ///< a device's force is held below a cap of the application
   departure,  ///< no request: the application is gone, and its objects belong to nobody now
 };
 
@@ -33,15 +34,17 @@ struct AppMaterial {
 /// A command whose every number was found finite and in range.
 struct AppCommand {
   AppAction action = AppAction::move;
+  bool supervisor = false;       ///< the client may change what is another's
+  bool on = false;               ///< clutch
   std::uint32_t client = 0;      ///< below SPM_MAX_CLIENTS
   std::uint32_t connection = 0;  ///< of the client, from 1, never used again
+  std::uint32_t index = 0;       ///< add: asset; clutch, force_cap: device
   std::uint64_t sequence = 0;
   std::uint64_t object = 0;  ///< id; its upper half is the connection that added the object
-  std::uint32_t index = 0;   ///< add: asset; clutch: device
   Placement pose;            ///< the scale has a meaning with `add` alone
   double period = 0;         ///< s, move: until the next pose; 0 if the application does not say
+  double force_cap = 0;      ///< N
   AppMaterial material;
-  bool on = false;  ///< clutch
 };
 
 /// Limits of what an application may request. Positions: a room, far beyond any device's workspace.
@@ -57,6 +60,7 @@ inline constexpr double app_max_damping = 1e3;        // N s/m
 inline constexpr double app_max_amplitude = 0.1;      // m
 inline constexpr double app_min_wavelength = 1e-6;    // m, if there is an amplitude
 inline constexpr double app_max_wavelength = 1;       // m
+inline constexpr double app_max_force_cap = 1e3;      // N; no device has as much
 inline constexpr double app_quaternion_slack = 1e-3;  // of its length; single precision needs it
 
 /// What commands are checked against.

@@ -21,13 +21,15 @@ const char* to_sentence(Refusal refusal) noexcept {
       return "there is no such object: it was removed, or never added";
     case Refusal::not_yours:
       return "the object belongs to another application or to the scene: only who added it may "
-             "remove it";
+             "remove it, and only who added it or was the first to move or change it may do that";
     case Refusal::not_movable:
       return "the object stays where it is: set 'movable = true' for it in the scene";
     case Refusal::too_many_objects:
       return "there is no room for another object: remove one first";
     case Refusal::too_late:
       return "its deadline was over: send sooner, or with a later deadline";
+    case Refusal::clutch_held:
+      return "another application holds the clutch of this device: wait until it lets go or leaves";
   }
   return "refused for a reason that this version does not know";
 }

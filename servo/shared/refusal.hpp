@@ -15,13 +15,14 @@ enum class Refusal : std::uint8_t {
   unknown_asset,     ///< no such asset is served
   unknown_device,    ///< no such device
   unknown_object,    ///< no such object
-  not_yours,         ///< an object of another application, or of the scene
+  not_yours,         ///< an object of another application, or to be removed by the scene
   not_movable,       ///< the scene says that the object stays where it is
   too_many_objects,  ///< there is no room for another object
   too_late,          ///< the loop came to it after its deadline
+  clutch_held,       ///< another application holds the device's clutch
 };
 
-inline constexpr std::size_t refusal_count = 11;
+inline constexpr std::size_t refusal_count = 12;
 
 /// What was wrong and what to do about it: a sentence without its full stop.
 [[nodiscard]] const char* to_sentence(Refusal refusal) noexcept;

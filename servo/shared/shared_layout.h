@@ -25,7 +25,7 @@
 #define SPM_LAYOUT_ASSERT _Static_assert
 #endif
 
-#define SPM_LAYOUT_VERSION 2u
+#define SPM_LAYOUT_VERSION 4u
 
 #define SPM_STATE_MAGIC UINT64_C(0x65746174534d5053) /* the bytes SPMState */
 #define SPM_RING_MAGIC UINT64_C(0x676e6952204d5053)  /* the bytes SPM Ring */
@@ -60,6 +60,8 @@ typedef struct spm_shared_device {
   uint32_t flags;
   uint32_t contacts; /* how often contact began */
   uint32_t cuts;     /* how often the force was cut to zero */
+  double proxy[3];   /* where the surface holds the tool; the position without contact */
+  double force_cap;  /* N, that holds now; infinity: none */
 } spm_shared_device;
 
 /* Bits of spm_shared_object.flags. */
@@ -184,7 +186,8 @@ enum {
   SPM_COMMAND_MOVE = 2,
   SPM_COMMAND_REMOVE = 3,
   SPM_COMMAND_MATERIAL = 4,
-  SPM_COMMAND_CLUTCH = 5
+  SPM_COMMAND_CLUTCH = 5,
+  SPM_COMMAND_FORCE_CAP = 6
 };
 
 /* Bits of spm_shared_command.fields: which parts of the material are set. */
@@ -200,7 +203,7 @@ enum {
 typedef struct spm_shared_command {
   uint64_t sequence; /* 1 for a ring's first command, and so on */
   uint32_t kind;
-  uint32_t index; /* ADD: asset; CLUTCH: device */
+  uint32_t index; /* ADD: asset; CLUTCH and FORCE_CAP: device */
   uint64_t object;
   int64_t deadline_ns; /* later than this it is refused; 0: never */
   double position[3];
@@ -214,9 +217,10 @@ typedef struct spm_shared_command {
   double texture_amplitude;
   double texture_wavelength;
   uint64_t texture_seed;
-  uint32_t fields; /* ADD and MATERIAL */
-  uint32_t on;     /* CLUTCH: 1 holds the scene while the hand moves freely */
-  uint64_t reserved[3];
+  uint32_t fields;  /* ADD and MATERIAL */
+  uint32_t on;      /* CLUTCH: 1 holds the scene while the hand moves freely */
+  double force_cap; /* FORCE_CAP: N */
+  uint64_t reserved[2];
 } spm_shared_command;
 
 /** A client's region: commands from the one thread that writes them to the loop. */
@@ -238,29 +242,29 @@ typedef struct spm_shared_ring {
 } spm_shared_ring;
 
 SPM_LAYOUT_ASSERT(sizeof(double) == 8, "doubles of 64 bits");
-SPM_LAYOUT_ASSERT(sizeof(spm_shared_device) == 160, "layout");
+SPM_LAYOUT_ASSERT(sizeof(spm_shared_device) == 192, "layout");
 SPM_LAYOUT_ASSERT(offsetof(spm_shared_device, buttons) == 136, "layout");
-SPM_LAYOUT_ASSERT(offsetof(spm_shared_device, cuts) == 156, "layout");
+SPM_LAYOUT_ASSERT(offsetof(spm_shared_device, force_cap) == 184, "layout");
 SPM_LAYOUT_ASSERT(sizeof(spm_shared_object) == 136, "layout");
 SPM_LAYOUT_ASSERT(offsetof(spm_shared_object, silent) == 120, "layout");
-SPM_LAYOUT_ASSERT(sizeof(spm_shared_snapshot) == 64 + 8 * 160 + 64 * 136, "layout");
+SPM_LAYOUT_ASSERT(sizeof(spm_shared_snapshot) == 64 + 8 * 192 + 64 * 136, "layout");
 SPM_LAYOUT_ASSERT(offsetof(spm_shared_snapshot, devices) == 64, "layout");
-SPM_LAYOUT_ASSERT(offsetof(spm_shared_snapshot, objects) == 1344, "layout");
+SPM_LAYOUT_ASSERT(offsetof(spm_shared_snapshot, objects) == 1600, "layout");
 SPM_LAYOUT_ASSERT(sizeof(spm_shared_cause) == 256, "layout");
 SPM_LAYOUT_ASSERT(sizeof(spm_shared_info) == 16 + (8 + 32 + 64) * 64 + 32 * 256, "layout");
 SPM_LAYOUT_ASSERT(offsetof(spm_shared_state, rate_hz) == 56, "layout");
 SPM_LAYOUT_ASSERT(offsetof(spm_shared_state, heartbeat_ns) == 64, "layout");
 SPM_LAYOUT_ASSERT(offsetof(spm_shared_state, snapshots) == 128, "layout");
-SPM_LAYOUT_ASSERT(offsetof(spm_shared_state, info) == 128 + 2 * 10048, "layout");
+SPM_LAYOUT_ASSERT(offsetof(spm_shared_state, info) == 128 + 2 * 10304, "layout");
 SPM_LAYOUT_ASSERT(sizeof(spm_shared_device_counts) == 56, "layout");
 SPM_LAYOUT_ASSERT(offsetof(spm_shared_loop, wake) == 128, "layout");
 SPM_LAYOUT_ASSERT(offsetof(spm_shared_loop, devices) == 128 + 2 * 64 * 8, "layout");
 SPM_LAYOUT_ASSERT(sizeof(spm_shared_loop) == 128 + 2 * 64 * 8 + 8 * 56, "layout");
 SPM_LAYOUT_ASSERT(sizeof(spm_shared_application) == 72, "layout");
 SPM_LAYOUT_ASSERT(sizeof(spm_shared_applications) == 16 + 16 * 72, "layout");
-SPM_LAYOUT_ASSERT(offsetof(spm_shared_state, loop) == 128 + 2 * 10048 + 14864, "layout");
-SPM_LAYOUT_ASSERT(offsetof(spm_shared_state, applications) == 35088 + 1600, "layout");
-SPM_LAYOUT_ASSERT(sizeof(spm_shared_state) == 35088 + 1600 + 1168, "layout");
+SPM_LAYOUT_ASSERT(offsetof(spm_shared_state, loop) == 128 + 2 * 10304 + 14864, "layout");
+SPM_LAYOUT_ASSERT(offsetof(spm_shared_state, applications) == 35600 + 1600, "layout");
+SPM_LAYOUT_ASSERT(sizeof(spm_shared_state) == 35600 + 1600 + 1168, "layout");
 SPM_LAYOUT_ASSERT(sizeof(spm_shared_command) == 192, "layout");
 SPM_LAYOUT_ASSERT(offsetof(spm_shared_command, texture_seed) == 152, "layout");
 SPM_LAYOUT_ASSERT(offsetof(spm_shared_ring, head) == 64, "layout");

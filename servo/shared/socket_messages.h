@@ -7,7 +7,7 @@
 
 #include "shared_layout.h"
 
-#define SPM_SOCKET_VERSION 1u
+#define SPM_SOCKET_VERSION 2u
 #define SPM_SOCKET_MAGIC UINT64_C(0x6b636f53204d5053) /* the bytes SPM Sock */
 
 enum { SPM_SENTENCE_BYTES = 256 };
@@ -29,6 +29,9 @@ typedef struct spm_socket_answer {
   char sentence[SPM_SENTENCE_BYTES]; /* why not; closed by a zero */
 } spm_socket_answer;
 
+/* spm_socket_ready.role. */
+enum { SPM_ROLE_APPLICATION = 0, SPM_ROLE_SUPERVISOR = 1 };
+
 /** From the client, when it has mapped both regions: from now on the daemon lets nobody map or
  *  shrink its ring. */
 typedef struct spm_socket_ready {
@@ -37,9 +40,11 @@ typedef struct spm_socket_ready {
   uint32_t layout_version;
   char library_version[SPM_VERSION_BYTES];
   char application[SPM_NAME_BYTES];
+  uint32_t role; /* a supervisor may change what is another application's */
+  uint32_t reserved;
 } spm_socket_ready;
 
 SPM_LAYOUT_ASSERT(sizeof(spm_socket_answer) == 32 + 32 + 256, "layout");
-SPM_LAYOUT_ASSERT(sizeof(spm_socket_ready) == 16 + 32 + 64, "layout");
+SPM_LAYOUT_ASSERT(sizeof(spm_socket_ready) == 16 + 32 + 64 + 8, "layout");
 
 #endif

@@ -26,6 +26,11 @@ bool is_own_folder(const std::string& path) noexcept {
 
 }  // namespace
 
+std::string usual_daemon_name() {
+  const char* const given = std::getenv(daemon_name_variable);
+  return std::string(given != nullptr && *given != '\0' ? given : default_daemon_name.data());
+}
+
 std::string socket_folder() {
   // By the XDG base directory specification a relative path must be ignored.
   const char* const given = std::getenv("XDG_RUNTIME_DIR");
@@ -33,7 +38,7 @@ std::string socket_folder() {
   const std::string user = std::to_string(geteuid());
   const std::string usual = "/run/user/" + user;
   if (is_own_folder(usual)) return usual + "/spm-servo";
-  return "/tmp/spm-servo-" + user;
+  return "";
 }
 
 bool valid_daemon_name(std::string_view name) noexcept {
@@ -42,7 +47,8 @@ bool valid_daemon_name(std::string_view name) noexcept {
 }
 
 std::string socket_path(std::string_view name) {
-  return socket_folder() + "/" + std::string(name) + ".sock";
+  const std::string folder = socket_folder();
+  return folder.empty() ? "" : folder + "/" + std::string(name) + ".sock";
 }
 
 }  // namespace spm::servo

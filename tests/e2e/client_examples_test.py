@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """The examples in C, Python and C#, all at once beside one real daemon."""
 
+import glob
 import json
 import os
 import re
@@ -16,6 +17,7 @@ from programs import BIN, SERVO, Case, generate, run
 
 ROOT = os.path.join(os.path.dirname(os.path.abspath(__file__)), os.pardir, os.pardir)
 EXAMPLES = os.path.join(ROOT, "servo", "client", "examples")
+C_SHARP = os.path.join(ROOT, "servo", "client", "csharp")
 LIBRARY = os.environ.get("SPM_CLIENT_LIBRARY",
                          os.path.join(os.path.dirname(BIN), "lib", "libspm_client.so"))
 PATIENCE = 120.0  # s, beyond any machine's worst moment
@@ -58,9 +60,8 @@ class ClientExamples(Case):
         yield "Python", [sys.executable, os.path.join(EXAMPLES, "move_object.py"), self.socket, "2"]
         if not (shutil.which("mcs") and shutil.which("mono")):
             return
-        sources = ("SpmClient.cs", "SpmClientData.cs", "SpmClientLibrary.cs", "ReadState.cs")
-        subprocess.run(["mcs", f"-out:{c_sharp}", *(os.path.join(EXAMPLES, one) for one in sources)],
-                       check=True, capture_output=True)
+        subprocess.run(["mcs", f"-out:{c_sharp}", *glob.glob(os.path.join(C_SHARP, "*.cs")),
+                        os.path.join(EXAMPLES, "ReadState.cs")], check=True, capture_output=True)
         yield "C#", ["mono", c_sharp, self.socket, "20", "1"]
 
     def run_at_once(self):
@@ -76,13 +77,18 @@ class ClientExamples(Case):
         return shown
 
     def expect_replay_up_to_the_first_move(self):
-        """What an application moved is not in the recording, which says where that began."""
+        """What an application moved is in the recording, but not in the scene's file."""
+        result = run("replay", self.path("run.spmrec"), "--json", program=SERVO)
+        self.assertEqual((result.returncode, result.stderr), (0, ""))
+        whole = json.loads(result.stdout)["recording"]
+        self.assertIs(whole["forces_equal"], True)
         result = run("replay", self.path("run.spmrec"), "--scene", self.scene, "--out",
                      self.path("out.csv"), "--json", program=SERVO)
         self.assertEqual(result.returncode, 0, result.stderr)
         recording = json.loads(result.stdout)["recording"]
         self.assertEqual(recording["scene_changed"]["by"], "application")
         self.assertGreater(recording["compared_ticks"], 0)
+        self.assertLess(recording["compared_ticks"], whole["compared_ticks"])
         self.assertIs(recording["forces_equal"], True)
         self.assertIn(f"from tick {recording['scene_changed']['tick']} of the recording on objects "
                       "were moved, added or changed by an application", result.stderr)

@@ -214,17 +214,20 @@ class Packaging(Case):
                                 for rule in rules), ids)
 
     @unittest.skipUnless(shutil.which("systemd-analyze"), "there is no systemd-analyze")
-    def test_systemd_takes_the_service(self):
-        with open(packaged("spm-servo.service"), encoding="utf-8") as file:
-            unit = file.read()
-        self.assertIn("/usr/local/bin/spm-servo ", unit)
-        # The program is not installed here, and neither are its man pages.
-        unit = unit.replace("/usr/local/bin/spm-servo", SERVO)
-        path = self.write("spm-servo.service", re.sub("(?m)^Documentation=.*\n", "", unit))
-        result = called("systemd-analyze", "--user", "verify", path,
-                        environment={"XDG_RUNTIME_DIR": self.folder})
-        self.assertEqual(result.returncode, 0, result.stderr)
-        self.assertNotIn("spm-servo.service", result.stderr)
+    def test_systemd_takes_the_services(self):
+        for name, manager in (("spm-servo.service", "--user"),
+                              ("spm-servo-system.service", "--system")):
+            with self.subTest(name):
+                with open(packaged(name), encoding="utf-8") as file:
+                    unit = file.read()
+                self.assertIn("/usr/local/bin/spm-servo ", unit)
+                # The program is not installed here, and neither are its man pages.
+                unit = unit.replace("/usr/local/bin/spm-servo", SERVO)
+                path = self.write(name, re.sub("(?m)^Documentation=.*\n", "", unit))
+                result = called("systemd-analyze", manager, "verify", path,
+                                environment={"XDG_RUNTIME_DIR": self.folder})
+                self.assertEqual(result.returncode, 0, result.stderr)
+                self.assertNotIn(name, result.stderr)
 
     def test_the_limits_are_for_the_group_alone(self):
         with open(packaged("95-spm-haptics.conf"), encoding="utf-8") as file:
@@ -262,6 +265,11 @@ class Packaging(Case):
                                 (("spm-bake", "build", "--form", ""), ["full", "sparse"]),
                                 (("spm-bake", "build", "--form", "=", "f"), ["full"]),
                                 (("spm-bake", "build", "--probe", "s"), ["sphere:"]),
+                                (("spm-servo", "run", "--device", ""),
+                                 ["auto", "external:", "falcon", "pid:", "sim", "spacemouse",
+                                  "woodenhaptics"]),
+                                (("spm-servo", "run", "--method", "p"), ["paper", "proxy"]),
+                                (("spm-servo", "replay", "--method", "s"), ["spm"]),
                                 (("spm-bake", "build", "mesh"), [])):
             with self.subTest(" ".join(words)):
                 result = called("bash", "--norc", "-c", script, "bash",

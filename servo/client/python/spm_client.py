@@ -64,6 +64,7 @@ class Cause(enum.IntEnum):
     CLUTCHED = 10
     OUTSIDE_WORKSPACE = 11
     APPLICATION_SILENT = 12
+    STALLED = 13
 
 
 class EventKind(enum.IntEnum):
@@ -106,6 +107,8 @@ class Device:
     health: int
     contacts: int
     cuts: int
+    proxy: Vector     # where the surface holds the tool; the position without contact
+    force_cap: float  # N, that holds now
 
 
 @dataclass(frozen=True)
@@ -187,10 +190,14 @@ class Application:
 
 
 class Client:
-    """A connection to the daemon, closed by `close` or at the end of `with`. Raises ClientError."""
+    """A connection to the daemon, closed by `close` or at the end of `with`. Raises ClientError.
+
+    A `supervisor` may change what belongs to other applications. `server_user`: id of a user whose
+    daemon is trusted, beside those of this user and of root."""
 
     def __init__(self, *, path: Optional[str] = None, name: Optional[str] = None,
-                 application: str = "python", timeout: float = 1.0) -> None:
+                 application: str = "python", timeout: float = 1.0, supervisor: bool = False,
+                 server_user: int = 0) -> None:
         self._handle = ctypes.c_void_p()
         self._library = load()
         options = sized(OptionsData)
@@ -198,6 +205,8 @@ class Client:
         options.path = os.fsencode(path) if path is not None else None
         options.name = os.fsencode(name) if name is not None else None
         options.application = application.encode("ascii", "replace")
+        options.role = int(supervisor)
+        options.server_user = server_user
         message = ctypes.create_string_buffer(512)
         code = self._library.spm_client_connect(ctypes.byref(options), ctypes.byref(self._handle),
                                                 message, len(message))
@@ -297,6 +306,23 @@ class Client:
         """While it is on, the hand moves freely and the tool stays."""
         self._check(self._library.spm_client_set_clutch(self._open(), device, int(on)))
 
+    def set_force_cap(self, device: int, newtons: float) -> None:
+        """Holds the device's force below this while connected; never raises the daemon's cap."""
+        self._check(self._library.spm_client_set_force_cap(self._open(), device, newtons))
+
+    def wait_tick(self, after: Optional[int] = None, timeout: float = 1.0) -> Optional[int]:
+        """Waits for a tick after `after` (None: after the newest) and returns it; None if none
+        came within `timeout`, s."""
+        tick = sized(TickData)
+        if after is None:
+            code = self._library.spm_client_read_tick(self._open(), ctypes.byref(tick))
+            after = tick.tick if code == Code.OK else 0
+        code = self._library.spm_client_wait_tick(self._open(), after, timeout, ctypes.byref(tick))
+        if code == Code.NOT_THERE:
+            return None
+        self._check(code)
+        return tick.tick
+
     def refusals(self) -> Refusals:
         """How many commands were sent, taken and refused, and why the last one was."""
         counts = sized(CountsData)
@@ -362,7 +388,8 @@ class Client:
         return Device(found.tick, bool(found.connected), tuple(found.position),
                       tuple(found.orientation), tuple(found.velocity), tuple(found.force),
                       tuple(found.torque), found.depth, bool(found.contact), found.buttons,
-                      found.cause, text, found.health, found.contacts, found.cuts)
+                      found.cause, text, found.health, found.contacts, found.cuts,
+                      tuple(found.proxy), found.force_cap)
 
     @staticmethod
     def _object(found: ObjectData) -> Object:

@@ -48,7 +48,8 @@ class ClientError(Exception):
 class OptionsData(ctypes.Structure):
     _fields_ = [("size", ctypes.c_uint32), ("timeout_ms", ctypes.c_int32),
                 ("path", ctypes.c_char_p), ("name", ctypes.c_char_p),
-                ("application", ctypes.c_char_p)]
+                ("application", ctypes.c_char_p), ("role", ctypes.c_uint32),
+                ("server_user", ctypes.c_uint32)]
 
 
 class InfoData(ctypes.Structure):
@@ -73,7 +74,8 @@ class DeviceData(ctypes.Structure):
                 ("depth", ctypes.c_double), ("contact", ctypes.c_uint32),
                 ("buttons", ctypes.c_uint32), ("cause", ctypes.c_uint32),
                 ("health", ctypes.c_uint32), ("contacts", ctypes.c_uint32),
-                ("cuts", ctypes.c_uint32)]
+                ("cuts", ctypes.c_uint32), ("proxy", ctypes.c_double * 3),
+                ("force_cap", ctypes.c_double)]
 
 
 class ObjectData(ctypes.Structure):
@@ -166,6 +168,7 @@ def _declare(library: ctypes.CDLL) -> None:
         ("asset_name", code, [handle, u32, text, size]),
         ("object_name", code, [handle, u64, text, size]),
         ("cause", code, [handle, u32, pointer(text), pointer(text)]),
+        ("read_tick", code, [handle, pointer(TickData)]),
         ("read_device", code, [handle, u32, pointer(DeviceData)]),
         ("read_object", code, [handle, u64, pointer(ObjectData)]),
         ("read_all", code, [handle, pointer(TickData), pointer(DeviceData), size, pointer(ObjectData), size]),
@@ -175,6 +178,8 @@ def _declare(library: ctypes.CDLL) -> None:
         ("remove_object", code, [handle, u64]),
         ("set_material", code, [handle, u64, pointer(MaterialData)]),
         ("set_clutch", code, [handle, u32, ctypes.c_int]),
+        ("set_force_cap", code, [handle, u32, ctypes.c_double]),
+        ("wait_tick", code, [handle, u64, ctypes.c_double, pointer(TickData)]),
         ("refusals", code, [handle, pointer(CountsData)]),
         ("refusal", text, [u32]),
         ("next_event", code, [handle, pointer(EventData)]),

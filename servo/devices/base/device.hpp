@@ -49,6 +49,8 @@ struct DeviceCapabilities {
   /// m, half edges of the box about its origin that contains every position of its tool; 0: not
   /// known.
   Vector3 workspace = Vector3::Zero();
+  /// Whether others send it zero force where the loop stands still for loop_stall_ns.
+  bool guarded = false;
   /// while this button is held the hand moves freely, counted from 1; 0: none
   std::uint32_t clutch_button = 0;
   const DeviceProfile* profile = nullptr;  ///< of its kind; null: not known
@@ -58,13 +60,14 @@ struct DeviceCapabilities {
 [[nodiscard]] inline DeviceCapabilities capabilities_of(std::string name,
                                                         const DeviceProfile& profile) {
   const std::array<double, 3>& edges = profile.workspace;
-  return {std::move(name),
-          profile.force_cap,
-          profile.encoder_step,
-          profile.stiffness_cap,
-          Vector3(edges[0], edges[1], edges[2]) / 2,
-          0,
-          find_device_profile(profile.name)};
+  DeviceCapabilities capabilities;
+  capabilities.name = std::move(name);
+  capabilities.force_cap = profile.force_cap;
+  capabilities.encoder_step = profile.encoder_step;
+  capabilities.stiffness_cap = profile.stiffness_cap;
+  capabilities.workspace = Vector3(edges[0], edges[1], edges[2]) / 2;
+  capabilities.profile = find_device_profile(profile.name);
+  return capabilities;
 }
 
 /// What a device may need to know before the loop starts.
@@ -99,6 +102,8 @@ class Device {
     static_cast<void>(until_ns);
     return false;
   }
+  /// How often it was found again after a loss. Any thread may call it.
+  [[nodiscard]] virtual std::uint32_t reopened() const noexcept { return 0; }
   /// What a report says of this device beside its capabilities.
   [[nodiscard]] virtual nlohmann::ordered_json describe() const = 0;
 };

@@ -16,6 +16,10 @@ enum class Received : std::uint8_t {
 /// The longest time that a port waits for a report, so that its threads can be told to end.
 inline constexpr std::chrono::milliseconds port_wait{20};
 
+/// If no tick of the loop ran for this long, ns, a device is sent no force. It is twenty ticks at
+/// the usual rate, more than a loop that still runs misses.
+inline constexpr std::int64_t loop_stall_ns = 20'000'000;
+
 /// One connection to a device, from its opening to its loss. A PortThreads calls `receive` from one
 /// thread and `send` from another, at the same time. Both may block, allocate and lock.
 template <class Report, class Command>

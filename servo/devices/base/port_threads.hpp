@@ -26,8 +26,9 @@ namespace spm::servo {
 /// Stands between the blocking calls of a device's connection and the loop, which must not wait.
 /// One thread receives reports, and opens the device again when it was lost; another sends
 /// commands. The loop takes the newest report and leaves the newest command; each costs a few
-/// copies, and at most one wake-up of a thread. If the loop stalls and leaves no command for too
-/// long, the device is sent `Command{}`, which must be no force.
+/// copies, and at most one wake-up of a thread. A third thread, above the loop in priority, watches
+/// the loop: if it leaves no command for too long, the device is sent `Command{}`, which must be no
+/// force, even where the loop spins on the only core that all these threads may use.
 template <class Report, class Command>
 // NOLINTNEXTLINE(clang-analyzer-optin.performance.Padding): that of LatestValue, which wants it.
 class PortThreads {
@@ -40,10 +41,6 @@ class PortThreads {
 
   /// The time from a loss, or a failed attempt, to the next search for the device.
   static constexpr std::chrono::milliseconds retry_interval{200};
-
-  /// After this time without a command from the loop, the device is sent no force. It is twenty
-  /// ticks at the usual rate, more than a loop that still runs misses.
-  static constexpr std::int64_t stall_ns = 20'000'000;
 
   PortThreads() = default;
   PortThreads(const PortThreads&) = delete;
@@ -65,14 +62,20 @@ class PortThreads {
       enter_device_thread(realtime);
       send_all();
     });
+    guard_ = std::thread([this, realtime] {
+      enter_guard_thread(realtime);
+      watch_loop();
+    });
     return {};
   }
 
-  /// Ends the threads. A command that was left before is still sent.
+  /// Ends the threads. The last that a device hears is `Command{}`, unless it never had a command:
+  /// what the loop asked for last may hold more than force, such as an arm's weight.
   void end() noexcept {
     if (!receiver_.joinable()) return;
     stop_.store(true);
     wake_sender();
+    guard_.join();  // first, because it knows the other two
     sender_.join();
     receiver_.join();
     port_.reset();
@@ -159,7 +162,6 @@ class PortThreads {
         open_again();
         continue;
       }
-      look_after_loop();
       Stamped<Report> stamped;
       switch (port_->receive(stamped.value)) {
         case Received::report:
@@ -176,13 +178,33 @@ class PortThreads {
     }
   }
 
-  void look_after_loop() {
-    const std::int64_t given = given_ns_.load(std::memory_order_relaxed);
-    if (given == 0 || now_ns() - given <= stall_ns) return;
-    // Not for each report: zero stays zero.
-    given_ns_.store(now_ns(), std::memory_order_relaxed);
-    stalled_.store(true, std::memory_order_relaxed);
-    wake_sender();
+  /// Sleeps until the loop would be too late with its next command.
+  void watch_loop() {
+    while (!stop_.load()) {
+      const std::int64_t given = given_ns_.load(std::memory_order_relaxed);
+      const std::int64_t now = now_ns();
+      const bool stalls = given != 0 && now - given >= loop_stall_ns;
+      raise(stalls);
+      if (stalls) {
+        stalled_.store(true, std::memory_order_relaxed);
+        wake_sender();
+      }
+      sleep_until((stalls || given == 0 ? now : given) + loop_stall_ns);
+    }
+    raise(false);
+  }
+
+  /// Both, because sending may wait for what the receiving thread holds.
+  void raise(bool above) noexcept {
+    if (above == raised_) return;
+    raised_ = above;
+    for (std::thread* thread : {&sender_, &receiver_}) {
+      if (!above) {
+        lower_below_loop(thread->native_handle());
+      } else if (!raise_above_loop(thread->native_handle())) {
+        raised_ = false;  // it has no real-time priority, and the loop then has none either
+      }
+    }
   }
 
   void lose() {
@@ -233,9 +255,12 @@ class PortThreads {
     while (true) {
       const bool last = stop_.load();
       Stamped<Command> command;
-      const bool is_given = commands_.take(command);
       const bool is_stalled = stalled_.exchange(false, std::memory_order_relaxed);
-      if (is_given || is_stalled) {
+      // A command from before the stall is not sent after it.
+      const bool is_given = commands_.take(command) && !last && !is_stalled;
+      if (!is_given) command = {};
+      const bool ends = last && given_ns_.load(std::memory_order_relaxed) != 0;
+      if (is_given || is_stalled || ends) {
         // This lock is only against the exchange of the port by the other thread; the loop never
         // takes it.
         const std::lock_guard lock(mutex_);
@@ -263,7 +288,8 @@ class PortThreads {
   std::mutex mutex_;
   mutable std::mutex error_mutex_;
   std::string last_error_;
-  std::thread receiver_, sender_;
+  std::thread receiver_, sender_, guard_;
+  bool raised_ = false;  ///< used by the guard
   LatestValue<Stamped<Report>> reports_;
   LatestValue<Stamped<Command>> commands_;
   ReportSignal came_;

@@ -15,6 +15,7 @@
 
 #include "servo/base/clock.hpp"
 #include "servo/devices/external/spm_external.h"
+#include "servo/shared/trusted_folder.hpp"
 
 namespace spm::servo {
 
@@ -36,7 +37,9 @@ bool leads_somewhere(const std::string& link) noexcept {
 }  // namespace
 
 DeviceExternal::DeviceExternal(const ExternalOptions& options)
-    : options_(options), capabilities_(capabilities_of("external", *options.profile)) {}
+    : options_(options), capabilities_(capabilities_of("external", *options.profile)) {
+  capabilities_.guarded = true;
+}
 
 DeviceExternal::~DeviceExternal() {
   if (!link_.empty()) ::unlink(link_.c_str());
@@ -67,19 +70,24 @@ Result<void> DeviceExternal::open(const DeviceSetup&) {
 Result<void> DeviceExternal::make_link() {
   std::array<char, 512> path{};
   if (spm_external_path(options_.name.c_str(), path.data(), path.size()) == 0) {
-    return io_error("the name '" + options_.name + "' is too long; take a shorter one");
+    return io_error("the name '" + options_.name +
+                    "' is too long, or there is no folder for it; take a shorter one, or set "
+                    "XDG_RUNTIME_DIR to a folder of yours with mode 700");
   }
   const std::filesystem::path link = path.data();
   std::error_code problem;
-  std::filesystem::create_directories(link.parent_path(), problem);
+  std::filesystem::create_directories(link.parent_path().parent_path(), problem);
+  // So that only the user's own processes find it.
+  const bool made = ::mkdir(link.parent_path().c_str(), S_IRWXU) == 0 || errno == EEXIST;
   struct stat folder {};
-  if (::lstat(link.parent_path().c_str(), &folder) != 0 || !S_ISDIR(folder.st_mode) ||
+  if (!made || ::lstat(link.parent_path().c_str(), &folder) != 0 || !S_ISDIR(folder.st_mode) ||
       folder.st_uid != ::geteuid()) {
     return io_error(link.parent_path().string() +
                     ": is no folder of this user; set XDG_RUNTIME_DIR to one");
   }
-  // So that only the user's own processes find it.
-  static_cast<void>(::chmod(link.parent_path().c_str(), S_IRWXU));
+  if (const std::string fault = distrust_of(link.parent_path()); !fault.empty()) {
+    return io_error(fault + ", by XDG_RUNTIME_DIR");
+  }
   if (leads_somewhere(link)) {
     return io_error("the name '" + options_.name +
                     "' is in use by another spm-servo; end that one, or take another name");

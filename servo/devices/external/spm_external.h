@@ -27,6 +27,9 @@ extern "C" {
 
 #define SPM_EXTERNAL_MAGIC 0x4C58454D5053ULL /* "SPMEXL" */
 #define SPM_EXTERNAL_VERSION 1U
+/* Of fcntl; its header names them only where _GNU_SOURCE is defined. */
+#define SPM_EXTERNAL_GET_SEALS 1034
+#define SPM_EXTERNAL_SEAL_SHRINK 2
 /** After this time without a new wrench the daemon counts as gone, and after this time without a
  * new pose the device does. In both cases there is no force. */
 #define SPM_EXTERNAL_SILENCE_NS 20000000LL
@@ -101,7 +104,7 @@ static inline int spm_external_get(struct spm_external_values* values, uint32_t*
 }
 
 /** The path of the memory of a name: beside the daemon's socket, in $XDG_RUNTIME_DIR, or else in
- * /run/user/UID, or else in /tmp. 1; or 0 if it does not fit into `size` bytes. */
+ * /run/user/UID. 1; or 0 if there is neither, or it does not fit into `size` bytes. */
 static inline int spm_external_path(const char* name, char* path, size_t size) {
   const char* given = getenv("XDG_RUNTIME_DIR");
   const unsigned user = (unsigned)geteuid();
@@ -113,10 +116,43 @@ static inline int spm_external_path(const char* name, char* path, size_t size) {
     length = snprintf(path, size, "%s/spm-servo/external-%s", given, name);
   } else if (stat(usual, &status) == 0 && S_ISDIR(status.st_mode) && status.st_uid == user) {
     length = snprintf(path, size, "%s/spm-servo/external-%s", usual, name);
-  } else {
-    length = snprintf(path, size, "/tmp/spm-servo-%u/external-%s", user, name);
   }
   return length > 0 && (size_t)length < size;
+}
+
+/** Opens the daemon's memory, at a path by spm_external_path. Its folder must be no link, and this
+ * user's alone; what lies there must lead to the memory of one of this user's processes, which
+ * cannot be shrunk. The descriptor; or -1 with errno, which is EPERM where something is not so. */
+static inline int spm_external_open_file(const char* path) {
+  char folder[512], target[64];
+  unsigned process, descriptor;
+  int end = 0;
+  struct stat status;
+  const char* slash = strrchr(path, '/');
+  if (slash == NULL || (size_t)(slash - path) >= sizeof folder) return errno = ENOENT, -1;
+  memcpy(folder, path, (size_t)(slash - path));
+  folder[slash - path] = 0;
+  const int within = open(folder, O_RDONLY | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC);
+  if (within < 0) return -1;
+  const int is_ours = fstat(within, &status) == 0 && status.st_uid == geteuid() &&
+                      (status.st_mode & (S_IWGRP | S_IWOTH)) == 0;
+  const ssize_t length = readlinkat(within, slash + 1, target, sizeof target - 1);
+  const int problem = length < 0 && errno == ENOENT ? ENOENT : EPERM;
+  close(within);
+  if (!is_ours || length < 0) return errno = is_ours ? problem : EPERM, -1;
+  target[length] = 0;
+  if (sscanf(target, "/proc/%u/fd/%u%n", &process, &descriptor, &end) != 2 || target[end] != 0) {
+    return errno = EPERM, -1;
+  }
+  const int file = open(target, O_RDWR | O_CLOEXEC);
+  if (file < 0) return -1;
+  const int seals = fcntl(file, SPM_EXTERNAL_GET_SEALS);
+  if (fstat(file, &status) != 0 || status.st_uid != geteuid() || seals < 0 ||
+      (seals & SPM_EXTERNAL_SEAL_SHRINK) == 0) {
+    close(file);
+    return errno = EPERM, -1;
+  }
+  return file;
 }
 
 /** Maps the daemon's memory. 0; or -1 with a sentence in `message`. 1024 bytes are enough for it.
@@ -126,10 +162,21 @@ static inline int spm_external_open(struct spm_external* device, const char* nam
   char path[512];
   memset(device, 0, sizeof *device);
   if (!spm_external_path(name, path, sizeof path)) {
-    snprintf(message, message_size, "the name '%s' is too long; take a shorter one", name);
+    snprintf(message, message_size,
+             "the name '%s' is too long, or there is no folder for it; take a shorter one, or set "
+             "XDG_RUNTIME_DIR to a folder of yours with mode 700",
+             name);
     return -1;
   }
-  const int file = open(path, O_RDWR | O_CLOEXEC);
+  const int file = spm_external_open_file(path);
+  if (file < 0 && errno == EPERM) {
+    snprintf(
+        message, message_size,
+        "%s: is not to be trusted, since its folder is not this user's alone or what lies there "
+        "was not made by spm-servo; set XDG_RUNTIME_DIR to a folder of yours with mode 700",
+        path);
+    return -1;
+  }
   if (file < 0) {
     snprintf(message, message_size,
              "%s: %s; start spm-servo run --device external:name=%s, as the same user", path,

@@ -38,6 +38,7 @@ DeviceFalcon::DeviceFalcon(FalconOptions options)
       capabilities_(capabilities_of("falcon", profile)),
       tracker_(options_.home_angle) {
   capabilities_.force_cap = std::min(options_.force_cap, profile.force_cap);
+  capabilities_.guarded = true;
 }
 
 Result<void> DeviceFalcon::open(const DeviceSetup& setup) {

@@ -1,8 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "servo/devices/falcon/falcon_usb.hpp"
 
+#include <fcntl.h>
 #include <fmt/format.h>
 #include <libusb-1.0/libusb.h>
+#include <linux/usbdevice_fs.h>
+#include <sys/ioctl.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <span>
@@ -110,8 +114,22 @@ tl::unexpected<Error> not_opened(const std::string& path, int code) {
   }
 }
 
+/// Makes the kernel end another program's claim, which libusb does not offer. If that fails, the
+/// claim that follows fails too, with the reason.
+void take_from_others(libusb_device* device) noexcept {
+  const std::string node = fmt::format("/dev/bus/usb/{:03}/{:03}", libusb_get_bus_number(device),
+                                       libusb_get_device_address(device));
+  const int file = ::open(node.c_str(), O_RDWR | O_CLOEXEC);
+  if (file < 0) return;
+  usbdevfs_ioctl request{};
+  request.ifno = data_interface;
+  request.ioctl_code = USBDEVFS_DISCONNECT;
+  static_cast<void>(ioctl(file, USBDEVFS_IOCTL, &request));
+  close(file);
+}
+
 /// Opens a device and claims its interface. Returns libusb's error code if that fails.
-int open_and_claim(libusb_device* device, UsbHandle& handle) {
+int open_and_claim(libusb_device* device, UsbClaim claim, UsbHandle& handle) {
   libusb_device_handle* opened = nullptr;
   int code = libusb_open(device, &opened);
   if (code != LIBUSB_SUCCESS) return code;
@@ -120,6 +138,10 @@ int open_and_claim(libusb_device* device, UsbHandle& handle) {
   // detaching is not supported, there is nothing to detach.
   static_cast<void>(libusb_set_auto_detach_kernel_driver(opened, 1));
   code = libusb_claim_interface(opened, data_interface);
+  if (code == LIBUSB_ERROR_BUSY && claim == UsbClaim::take_over) {
+    take_from_others(device);
+    code = libusb_claim_interface(opened, data_interface);
+  }
   if (code == LIBUSB_SUCCESS) handle = std::move(owned);
   return code;
 }
@@ -158,7 +180,8 @@ Result<std::vector<std::string>> list_falcons() {
 FalconUsb::FalconUsb(UsbContext context, UsbHandle handle, std::string path)
     : context_(std::move(context)), handle_(std::move(handle)), path_(std::move(path)) {}
 
-Result<std::unique_ptr<FalconUsb>> FalconUsb::open(const std::string& path, std::uint16_t product) {
+Result<std::unique_ptr<FalconUsb>> FalconUsb::open(const std::string& path, std::uint16_t product,
+                                                   UsbClaim claim) {
   Result<UsbContext> context = make_context();
   if (!context) return tl::make_unexpected(std::move(context.error()));
   const Result<Found> found = find_falcons(context->get(), product);
@@ -169,7 +192,7 @@ Result<std::unique_ptr<FalconUsb>> FalconUsb::open(const std::string& path, std:
   for (const FoundFalcon& falcon : found->falcons) {
     if (!path.empty() && falcon.path != path) continue;
     UsbHandle handle;
-    const int code = open_and_claim(falcon.device, handle);
+    const int code = open_and_claim(falcon.device, claim, handle);
     if (code == LIBUSB_SUCCESS) {
       return std::unique_ptr<FalconUsb>(
           new FalconUsb(std::move(*context), std::move(handle), falcon.path));

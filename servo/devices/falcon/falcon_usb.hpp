@@ -38,6 +38,12 @@ inline constexpr std::uint8_t falcon_in_endpoint = 0x81;
 /// The USB paths, BUS-PORT.PORT, of all Falcons that are plugged in. Errors: file_or_device.
 [[nodiscard]] Result<std::vector<std::string>> list_falcons();
 
+/// What to do about a program that has claimed the device.
+enum class UsbClaim : std::uint8_t {
+  respect,    ///< leave the device to it
+  take_over,  ///< take the device from it; it then finds the device lost
+};
+
 /// A Falcon's FTDI chip over libusb, with its interface claimed until the end.
 class FalconUsb final : public ByteLink {
  public:
@@ -45,7 +51,8 @@ class FalconUsb final : public ByteLink {
   /// opened. `product`: its USB product id. Errors: file_or_device, with the missing permission or
   /// the program that uses it.
   [[nodiscard]] static Result<std::unique_ptr<FalconUsb>> open(
-      const std::string& path, std::uint16_t product = falcon_product);
+      const std::string& path, std::uint16_t product = falcon_product,
+      UsbClaim claim = UsbClaim::respect);
   ~FalconUsb() override;
 
   [[nodiscard]] LinkStatus control(std::uint8_t request, std::uint16_t value) override;

@@ -9,8 +9,8 @@
 
 namespace spm::servo {
 
-/// Sends a device zero force once, and takes its answer, which may last port_wait. False if the
-/// device is lost.
+/// Sends a device zero force once. Soon after another one it takes the device's answer first, which
+/// may last port_wait. False if the device is lost.
 using ZeroForce = std::function<bool()>;
 
 /// The target for open_zero_force that means an open device: its driver, and where it is plugged
@@ -28,10 +28,15 @@ using ZeroForce = std::function<bool()>;
 /// - spacemouse, sim: give no force.
 [[nodiscard]] std::string zero_force_target(const Device& device);
 
+/// Whether a device may be opened by open_zero_force while the daemon drives it: nothing is sent to
+/// it then, and nothing taken from the daemon.
+[[nodiscard]] bool may_open_early(const std::string& target);
+
 /// Opens a device by its port alone, without the loop and its threads, for a process that outlives
-/// the daemon. A Falcon's chip is only claimed, neither reset nor set up: since a daemon drove it,
-/// firmware runs and its line is set. Errors: file_or_device, for not found, no permission, in use;
-/// usage, for an invalid target.
+/// the daemon, or finds it standing still. A Falcon's chip is only claimed, neither reset nor set
+/// up: since a daemon drove it, firmware runs and its line is set. It is taken from a daemon that
+/// still holds it, which loses the device by that. Errors: file_or_device, for not found, no
+/// permission, in use; usage, for an invalid target.
 [[nodiscard]] Result<ZeroForce> open_zero_force(const std::string& target);
 
 }  // namespace spm::servo

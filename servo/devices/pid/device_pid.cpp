@@ -11,6 +11,7 @@ namespace spm::servo {
 DevicePid::DevicePid(const PidOptions& options) : options_(options) {
   capabilities_.name = "pid";
   capabilities_.force_cap = options.force_cap;
+  capabilities_.guarded = true;
   capabilities_.stiffness_cap = pid_stiffness_cap;
   capabilities_.workspace = Vector3(options.travel / 2, options.travel / 2, 0);
 }

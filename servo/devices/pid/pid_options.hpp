@@ -21,6 +21,7 @@ struct PidOptions {
   std::optional<PidDirection> direction;    ///< empty: as the descriptor has it
   bool watchdog = true;  ///< whether effects end by themselves unless they are renewed
   std::string serial;    ///< empty: any
+  std::string path;      ///< its node, for who knows it already; empty: any
 };
 
 /// Parses the text after `pid:`. Errors: usage, for an unknown key or word, with the valid ones, a

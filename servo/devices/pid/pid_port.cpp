@@ -71,8 +71,11 @@ std::vector<std::uint8_t> hid_descriptor_of(const HidDevice& device) {
 }
 
 Result<std::unique_ptr<PidPort>> PidPort::open(const PidOptions& options,
-                                               const std::atomic<bool>& stop) {
-  auto opened = open_hid({name, is_pid, options.serial}, HidUse::alone);
+                                               const std::atomic<bool>& stop, HidUse use) {
+  const auto fits = [&options](const HidDevice& device) {
+    return is_pid(device) && (options.path.empty() || device.path == options.path);
+  };
+  auto opened = open_hid({name, fits, options.serial}, use);
   if (!opened) return tl::make_unexpected(std::move(opened.error()));
   auto layout = layout_of(opened->device, options.direction);
   if (!layout) return tl::make_unexpected(std::move(layout.error()));
@@ -80,7 +83,7 @@ Result<std::unique_ptr<PidPort>> PidPort::open(const PidOptions& options,
   if (!writer) return tl::make_unexpected(std::move(writer.error()));
   std::unique_ptr<PidPort> port(new PidPort(std::move(opened->device), std::move(*layout),
                                             std::move(opened->handle), std::move(*writer),
-                                            options.watchdog));
+                                            options.watchdog, use));
   const Result<void> ready = port->set_up(stop);
   if (!ready) return tl::make_unexpected(ready.error());
   return port;
@@ -201,6 +204,13 @@ Received PidPort::ask(PidReport& report) {
 
 bool PidPort::send(const PidCommand& command) {
   const std::int64_t now = now_ns();
+  const std::int64_t before = std::exchange(last_send_ns_, now);
+  if (use_ == HidUse::alone && before != 0 && now - before > loop_stall_ns) {
+    // Where the loop stood still the supervisor may have reset the device, which then has no
+    // effects any longer: it must be opened again.
+    for (const PidBlock block : effects_) static_cast<void>(send_message(pid_stop(layout_, block)));
+    return false;
+  }
   const bool restart =
       watchdog_ && now - started_ns_ >= std::chrono::nanoseconds(pid_restart_after).count();
   for (std::size_t axis = 0; axis < effects_.size(); ++axis) {

@@ -34,12 +34,14 @@ inline constexpr std::chrono::milliseconds pid_restart_after{50};
 /// nothing unless a program asks it to.
 class PidPort final : public Port<PidReport, PidCommand> {
  public:
-  /// Opens the first device that the options allow and that nobody uses, resets it, and starts an
+  /// Opens the first device that the options allow and that nobody uses (with `use` shared: nobody
+  /// but the program whose force it ends), resets it, and starts an
   /// effect of constant force, 0, for each axis. Errors: file_or_device, for not found, no
   /// permission, in use, or an effect that the device refuses; unsupported, for a descriptor that
   /// lacks something, which is named.
   [[nodiscard]] static Result<std::unique_ptr<PidPort>> open(const PidOptions& options,
-                                                             const std::atomic<bool>& stop);
+                                                             const std::atomic<bool>& stop,
+                                                             HidUse use = HidUse::alone);
 
   /// Stops its effects and frees their memory.
   ~PidPort() override;
@@ -53,12 +55,13 @@ class PidPort final : public Port<PidReport, PidCommand> {
 
  private:
   PidPort(HidDevice device, PidLayout layout, std::unique_ptr<HidHandle> reader,
-          std::unique_ptr<HidHandle> writer, bool watchdog)
+          std::unique_ptr<HidHandle> writer, bool watchdog, HidUse use)
       : device_(std::move(device)),
         layout_(std::move(layout)),
         reader_(std::move(reader)),
         writer_(std::move(writer)),
-        watchdog_(watchdog) {}
+        watchdog_(watchdog),
+        use_(use) {}
 
   [[nodiscard]] Result<void> set_up(const std::atomic<bool>& stop);
   [[nodiscard]] Result<void> check_memory();
@@ -72,11 +75,13 @@ class PidPort final : public Port<PidReport, PidCommand> {
   PidLayout layout_;
   std::unique_ptr<HidHandle> reader_, writer_;
   bool watchdog_;
+  HidUse use_;
   PidReport latest_;
   int unanswered_ = 0;  ///< requests for a report without an answer
   std::vector<PidBlock> effects_;
   std::array<double, 2> sent_{};
   std::int64_t started_ns_ = 0;
+  std::int64_t last_send_ns_ = 0;  ///< 0: nothing was sent yet
 };
 
 /// The report descriptor of a hidraw node, from /sys, where anybody may read it. Empty if it is not

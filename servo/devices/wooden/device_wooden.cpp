@@ -18,6 +18,7 @@ DeviceWooden::DeviceWooden(const WoodenOptions& options)
   // about the origin, because the home pose, 0.2 m above the origin, is outside such a box. The
   // mechanics of the arm limit its workspace.
   capabilities_.workspace.setZero();
+  capabilities_.guarded = true;
   // The options may be made without parsing, without a cap of their own.
   if (!(options_.force_cap > 0)) options_.force_cap = capabilities_.force_cap;
   capabilities_.force_cap = std::min(capabilities_.force_cap, options_.force_cap);

@@ -28,8 +28,9 @@ enum class WoodenHome : std::uint8_t {
 /// current_limit=CURRENT,gravity=on|off,force_cap=FORCE`.
 struct WoodenOptions {
   const WoodenModel* model = find_wooden_model("woodenhaptics2016");
-  std::optional<WoodenProtocol> protocol;            ///< empty: detected from the device
-  std::string serial;                                ///< empty: any
+  std::optional<WoodenProtocol> protocol;  ///< empty: detected from the device
+  std::string serial;                      ///< empty: any
+  std::string path;                        ///< its node, for who knows it already; empty: any
   std::optional<std::array<double, 6>> count_signs;  ///< +1 or -1, encoders A to F
   std::optional<std::array<double, 3>> motor_signs;  ///< +1 or -1, motors A to C
   std::optional<std::array<double, 3>> home;         ///< counts; empty: the model's

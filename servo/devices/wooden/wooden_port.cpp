@@ -81,12 +81,14 @@ bool is_wooden_board(const HidDevice& device, std::optional<WoodenProtocol> prot
 
 Result<std::unique_ptr<WoodenPort>> WoodenPort::open(const WoodenOptions& options,
                                                      std::uint32_t connection,
-                                                     const std::atomic<bool>& stop) {
-  const HidFilter filter{
-      name,
-      [&options](const HidDevice& device) { return is_wooden_board(device, options.protocol); },
-      options.serial};
-  auto opened = open_hid(filter, HidUse::alone);
+                                                     const std::atomic<bool>& stop, HidUse use) {
+  const HidFilter filter{name,
+                         [&options](const HidDevice& device) {
+                           return is_wooden_board(device, options.protocol) &&
+                                  (options.path.empty() || device.path == options.path);
+                         },
+                         options.serial};
+  auto opened = open_hid(filter, use);
   if (!opened) return tl::make_unexpected(std::move(opened.error()));
   auto writer = HidHandle::open(opened->device, name, HidUse::shared);
   if (!writer) return tl::make_unexpected(std::move(writer.error()));

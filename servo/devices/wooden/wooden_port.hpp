@@ -26,11 +26,13 @@ class WoodenPort final : public Port<WoodenReport, WoodenCommand> {
  public:
   /// Opens the first board that the options allow and that nobody uses. If no protocol is given, it
   /// is detected from the ids and the length of the first report, which may take 0.2 s.
-  /// `connection` is put into each report. Errors: file_or_device, for not found, no permission, in
-  /// use, or a board whose report is not known.
+  /// `connection` is put into each report. `use`: shared with the program that drives the board,
+  /// for one that sends zero force in its place. Errors: file_or_device, for not found, no
+  /// permission, in use, or a board whose report is not known.
   [[nodiscard]] static Result<std::unique_ptr<WoodenPort>> open(const WoodenOptions& options,
                                                                 std::uint32_t connection,
-                                                                const std::atomic<bool>& stop);
+                                                                const std::atomic<bool>& stop,
+                                                                HidUse use = HidUse::alone);
 
   [[nodiscard]] Received receive(WoodenReport& report) override;
   [[nodiscard]] bool send(const WoodenCommand& command) override;

@@ -183,7 +183,7 @@ TEST_CASE("The object is the one with the mesh, or the only one") {
   }
   const SceneFolder folder(device + "[[object]]\nasset = \"c.spm.exr\"\n");
   (void)derive_limits(folder.sources(), folder.path("a.obj"), options);
-  CHECK(options.max_depth == Approx(3.3 / 1000));
+  CHECK(options.max_depth == Approx(3.3 / 400));
 }
 
 TEST_CASE("A band wider than the object is refused, whoever asked for it") {

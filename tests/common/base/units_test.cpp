@@ -26,6 +26,20 @@ TEST_CASE("Blanks around the number and its unit do not matter") {
   CHECK(parse_quantity(" 50 um ", Quantity::length).value() == 50e-6);
 }
 
+TEST_CASE("The micro sign and the Greek mu stand for u wherever um is read") {
+  CHECK(parse_quantity("50\u00B5m", Quantity::length).value() == 50e-6);
+  CHECK(parse_quantity("50 \u03BCm", Quantity::length).value() == 50e-6);
+  CHECK(parse_probe("sphere:500\u00B5m").value() == 500e-6);
+  CHECK_FALSE(parse_quantity("50\u00B5", Quantity::length));
+  CHECK_FALSE(parse_quantity("50\xB5m", Quantity::length));
+}
+
+TEST_CASE("A rate is read in hertz") {
+  CHECK(parse_quantity("1000Hz", Quantity::rate).value() == 1000);
+  CHECK(parse_quantity("1kHz", Quantity::rate).value() == 1000);
+  CHECK_FALSE(parse_quantity("1khz", Quantity::rate));
+}
+
 TEST_CASE("Every quantity has its own units") {
   CHECK(parse_quantity("1.5N/mm", Quantity::stiffness).value() == 1500.0);
   CHECK(parse_quantity("800N/m", Quantity::stiffness).value() == 800.0);

@@ -204,7 +204,13 @@ def read_recording(path: str) -> tuple[float, list[Row]]:
     assert header["row_bytes"] == layout.size
     causes = header["causes"]
     rows = []
-    for row in layout.iter_unpack(content[16 + size:-16]):
+    at = 16 + size
+    while at < len(content) - 16:
+        kind, part = struct.unpack_from("<2I", content, at)
+        at += 8 + part
+        if kind != 1:
+            continue
+        row = layout.unpack_from(content, at - part)
         tick, fx, fy, fz, wake, busy, _, device, cause, flags = row[0], *row[7:10], *row[11:]
         if device == 0:
             rows.append(Row(tick, math.sqrt(fx * fx + fy * fy + fz * fz), wake, busy,

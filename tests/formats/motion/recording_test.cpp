@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "formats/motion/recording.hpp"
 
+#include <array>
 #include <catch2/catch.hpp>
+#include <cmath>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
@@ -22,9 +24,14 @@ RecordingHeader header_of_two() {
   header.spm_version = "1.2.3";
   header.instruction_set = "AVX2";
   header.rate_hz = 2000;
-  header.devices = {{"falcon", 6.4e-5, 3000}, {"sim", 2e-5}};
+  header.devices.resize(2);
+  header.devices[0] = {"falcon", 6.4e-5, 3000, 8, "falcon"};
+  header.devices[1].name = "sim";
+  header.devices[1].encoder_step = 2e-5;
   header.causes = {"none", "starting"};
-  header.assets = {"abc", "def"};
+  header.assets = {{"/a/teeth.spm.exr", "abc"}, {"/a/b \xFF.spm.exr", "def"}};
+  header.scene = R"({"objects":[]})";
+  header.scene_path = "scene.toml";
   return header;
 }
 
@@ -42,11 +49,28 @@ RecordingRow row_of(std::uint64_t tick, std::mt19937_64& random) {
   return row;
 }
 
+/// Changes of every kind, one after the other.
+RecordedChange change_of(std::uint64_t tick) {
+  RecordedChange change;
+  change.tick = tick;
+  change.kind = static_cast<RecordedKind>(2 + tick % 7);
+  change.object = change.kind <= RecordedKind::removed ? static_cast<std::uint32_t>(tick) : 0;
+  if (change.kind == RecordedKind::placed) change.pose = {0.1, -0.2, 1e-9, 0.6, 0, -0.8, 0};
+  const bool set = change.kind == RecordedKind::added || change.kind == RecordedKind::changed ||
+                   change.kind == RecordedKind::stabilized;
+  if (set) change.settings = R"({"stiffness":1})";
+  if (change.kind == RecordedKind::assets) change.assets = {{"/a", "1"}, {"/b", "2"}};
+  return change;
+}
+
 std::string recording_of(const TemporaryFolder& folder, std::size_t rows) {
   std::mt19937_64 random(5);
   auto writer = RecordingWriter::create(folder.path("a.spmrec"), header_of_two());
   REQUIRE(writer);
-  for (std::size_t i = 0; i < rows; ++i) writer->append(row_of(i, random));
+  for (std::size_t i = 0; i < rows; ++i) {
+    if (i % 3 == 1) writer->append(change_of(i));
+    writer->append(row_of(i, random));
+  }
   REQUIRE(writer->commit());
   return folder.path("a.spmrec");
 }
@@ -73,12 +97,25 @@ TEST_CASE("A recording is read back bit by bit, however many rows it has") {
     CHECK(recording->header.devices[1].encoder_step == 2e-5);
     CHECK(recording->header.devices[0].stiffness_cap == 3000);
     CHECK(recording->header.devices[1].stiffness_cap == std::numeric_limits<double>::infinity());
-    CHECK(recording->header.assets == header_of_two().assets);
+    CHECK(recording->header.devices[0].force_cap == 8);
+    CHECK(recording->header.devices[0].profile == "falcon");
+    CHECK(recording->header.assets[0] == header_of_two().assets[0]);
+    CHECK(recording->header.scene == header_of_two().scene);
+    CHECK(recording->header.scene_path == "scene.toml");
     REQUIRE(recording->rows.size() == rows);
     std::mt19937_64 random(5);
     for (std::size_t i = 0; i < rows; ++i) {
       const RecordingRow wanted = row_of(i, random);
       REQUIRE(std::memcmp(&recording->rows[i], &wanted, sizeof wanted) == 0);
+    }
+    REQUIRE(recording->changes.size() == (rows + 1) / 3);
+    for (const RecordedChange& change : recording->changes) {
+      const RecordedChange wanted = change_of(change.tick);
+      REQUIRE(change.kind == wanted.kind);
+      REQUIRE(change.object == wanted.object);
+      REQUIRE(change.pose == wanted.pose);
+      REQUIRE(change.settings == wanted.settings);
+      REQUIRE(change.assets == wanted.assets);
     }
   }
 }
@@ -122,7 +159,7 @@ TEST_CASE("A recording that is not committed leaves no file") {
   CHECK(std::filesystem::is_empty(folder.path("")));
 }
 
-TEST_CASE("A recording of the first form is read as such, and one of a newer form refused") {
+TEST_CASE("A recording of an older or newer form is refused with what to do") {
   const TemporaryFolder folder;
   const auto written = [&](std::uint32_t form) {
     RecordingHeader header = header_of_two();
@@ -132,18 +169,63 @@ TEST_CASE("A recording of the first form is read as such, and one of a newer for
     REQUIRE(writer->commit());
     return read_recording(folder.path("a.spmrec"));
   };
-  const auto first = written(1);
-  REQUIRE(first);
-  CHECK(first->header.form == 1);
-  // As written by programs that knew no other form.
-  CHECK(content(folder.path("a.spmrec")).find("\"form\"") == std::string::npos);
-  const auto now = written(recording_form);
-  REQUIRE(now);
-  CHECK(now->header.form == 2);
-  const auto newer = written(recording_form + 1);
-  REQUIRE_FALSE(newer);
-  CHECK(newer.error().code == ExitCode::invalid_input);
-  CHECK(newer.error().message.find("newer") != std::string::npos);
+  REQUIRE(written(recording_form));
+  for (const std::uint32_t form : {1U, 2U, recording_form + 1}) {
+    const auto refused = written(form);
+    REQUIRE_FALSE(refused);
+    CHECK(refused.error().code == ExitCode::invalid_input);
+    const std::string& message = refused.error().message;
+    CHECK(message.find(form > recording_form ? "newer" : "older") != std::string::npos);
+    CHECK(message.find("replay it with that version") != std::string::npos);
+    if (form < recording_form) CHECK(message.find("spm-servo 1.2.3") != std::string::npos);
+  }
+}
+
+TEST_CASE("Parts that are wrong within a file whose checksum is right are refused with a cause") {
+  const TemporaryFolder folder;
+  const std::string path = folder.path("a.spmrec");
+  const auto refused = [&](std::string part) {
+    REQUIRE(write_recording(path, recording_start(header_of_two()),
+                            std::array{std::string_view(part)}));
+    const auto recording = read_recording(path);
+    // A part that is cut short is not written at all.
+    if (recording) return recording->rows.empty() && recording->changes.empty();
+    return recording.error().code == ExitCode::invalid_input &&
+           recording.error().message.starts_with(path + ": ");
+  };
+  std::mt19937_64 random(3);
+  for (std::uint64_t tick = 0; tick < 8; ++tick) {
+    std::string good;
+    if (tick == 7) {
+      append_part(good, row_of(tick, random));
+    } else {
+      append_part(good, change_of(tick));
+    }
+    for (std::size_t size = 0; size < good.size(); ++size) CHECK(refused(good.substr(0, size)));
+    // Any bits of any byte: refused, or read without harm.
+    for (std::size_t at = 0; at < good.size(); ++at) {
+      std::string changed = good;
+      changed[at] = static_cast<char>(random());
+      static_cast<void>(refused(changed));
+    }
+  }
+  RecordedChange wrong = change_of(0);
+  for (const double bad : {0.0, 2.0, std::numeric_limits<double>::quiet_NaN(),
+                           std::numeric_limits<double>::infinity()}) {
+    for (const std::size_t at : {0U, 3U}) {
+      wrong = change_of(0);
+      if (at == 0 && std::isfinite(bad)) continue;
+      wrong.pose[at] = bad;
+      std::string part;
+      append_part(part, wrong);
+      CHECK(refused(part));
+    }
+  }
+  wrong = change_of(0);
+  wrong.object = 1U << 20U;
+  std::string part;
+  append_part(part, wrong);
+  CHECK(refused(part));
 }
 
 }  // namespace recording_test

@@ -125,7 +125,7 @@ texture = { noise = "10um", seed = 3 }
   CHECK(first.texture.seed == 7);
   CHECK(first.smoothing.sigma == 0);
   const EffectSettings& second = scene->objects[1].effects;
-  CHECK(scene->objects[1].method == Method::spm);
+  CHECK(scene->objects[1].method == std::nullopt);
   CHECK(second.friction.stick == 0.3);
   CHECK(second.friction.slide == 0.3);
   CHECK(second.friction.stiffness == Approx(800));

@@ -3,19 +3,12 @@
 #include "servo/app/app_scene.hpp"
 
 #include <algorithm>
-#include <atomic>
 #include <catch2/catch.hpp>
 #include <cmath>
-#include <memory>
 #include <string>
-#include <thread>
 #include <vector>
 
-#include "servo/loop/loop.hpp"
-#include "tests/servo/support/connected_client.hpp"
-#include "tests/servo/support/loop_stand_in.hpp"
-#include "tests/servo/support/scripted_device.hpp"
-#include "tests/servo/support/shape_asset.hpp"
+#include "tests/servo/support/loop_beside.hpp"
 
 namespace app_scene_test {
 
@@ -23,109 +16,8 @@ using namespace spm;
 using namespace spm::servo;
 using namespace spm::test;
 
-namespace {
-
-constexpr double half = 0.02;
-/// How far the hand rests above the box, m.
-constexpr double above = 1e-3;
-
-/// A loop on a box of 40 mm that an application may move, a hand that rests above it, and an
-/// application.
-class Beside {
- public:
-  explicit Beside(bool movable = true)
-      : asset_(box_asset(2 * half)),
-        tables_(tables_of(asset_)),
-        served_{&tables_.view()},
-        state_(*AppState::create(1000, {{"hand"}, {"box"}, {"box"}})),
-        server_(started(*state_, folder_.path("a.sock"))),
-        device_([this](std::size_t, DeviceState& state, DeviceHealth&) {
-          state.position = {hand_x.load(), 0, half + above};
-        }) {
-    slot_.offer(&served_);
-    LoopSettings settings;
-    settings.scene.objects.front().movable = movable;
-    loop_ = std::make_unique<Loop>(settings, std::vector<Device*>{&device_},
-                                   std::vector<AssetSlot*>{&slot_}, ring_, stop_, state_.get());
-    thread_ = std::thread([this] { loop_->run(); });
-    here = std::make_unique<Connected>(server_->path());
-    REQUIRE(here->message.empty());
-  }
-  ~Beside() {
-    stop_.store(true);
-    thread_.join();
-  }
-  Beside(const Beside&) = delete;
-  Beside& operator=(const Beside&) = delete;
-
-  [[nodiscard]] spm_client_device device() const {
-    auto read = sized<spm_client_device>();
-    static_cast<void>(spm_client_read_device(here->client, 0, &read));
-    return read;
-  }
-  [[nodiscard]] spm_client_object object(std::uint64_t id) const {
-    auto read = sized<spm_client_object>();
-    static_cast<void>(spm_client_read_object(here->client, id, &read));
-    return read;
-  }
-  /// Waits until the force along z is near a value, N. Returns false if it never is.
-  [[nodiscard]] bool comes_to(double force) const {
-    return eventually([&] { return std::abs(device().force[2] - force) < 0.02; });
-  }
-  /// Waits until a command is refused, and returns the reason.
-  [[nodiscard]] std::string refusal() const {
-    auto counts = sized<spm_client_command_counts>();
-    const bool refused = eventually([&] {
-      static_cast<void>(spm_client_refusals(here->client, &counts));
-      return counts.refused > 0;
-    });
-    return refused ? spm_client_refusal(counts.last_refusal) : "";
-  }
-
-  [[nodiscard]] const std::string& path() const { return server_->path(); }
-
-  /// Records of the ticks since the last call.
-  [[nodiscard]] std::vector<TickRecord> records() {
-    std::vector<TickRecord> taken;
-    TickRecord record;
-    while (ring_.try_dequeue(record)) taken.push_back(record);
-    return taken;
-  }
-
-  /// Disconnects the application. Returns the path at which another may connect.
-  std::string leave() {
-    here.reset();
-    return server_->path();
-  }
-
-  std::atomic<double> hand_x{0};
-  std::unique_ptr<Connected> here;
-
- private:
-  SocketFolder folder_;
-  Asset asset_;
-  AssetTables tables_;
-  ServedAsset served_;
-  AssetSlot slot_;
-  std::unique_ptr<AppState> state_;
-  std::unique_ptr<AppServer> server_;
-  ScriptedDevice device_;
-  TickRing ring_ = make_tick_ring(1000, 1);
-  std::atomic<bool> stop_{false};
-  std::unique_ptr<Loop> loop_;
-  std::thread thread_;
-};
-
-spm_client_pose raised(double z) {
-  spm_client_pose pose = pose_at(0);
-  pose.position[2] = z;
-  return pose;
-}
-
-}  // namespace
-
 TEST_CASE("An object that an application moves into the hand is felt, and told what it got") {
-  const Beside beside;
+  const LoopBeside beside;
   REQUIRE(eventually([&] { return beside.device().connected == 1; }));
   CHECK(beside.device().contact == 0);
   const spm_client_pose up = raised(2 * above);
@@ -139,7 +31,7 @@ TEST_CASE("An object that an application moves into the hand is felt, and told w
 }
 
 TEST_CASE("An object that the scene holds still stays, and the application is told why") {
-  const Beside beside(false);
+  const LoopBeside beside(false);
   const spm_client_pose up = raised(2 * above);
   REQUIRE(spm_client_move_object(beside.here->client, 0, &up) == SPM_CLIENT_OK);
   CHECK(contains(beside.refusal(), "movable = true"));
@@ -147,7 +39,7 @@ TEST_CASE("An object that the scene holds still stays, and the application is to
 }
 
 TEST_CASE("Records say from which tick on an application has touched the scene") {
-  Beside beside;
+  LoopBeside beside;
   REQUIRE(eventually([&] { return beside.device().tick > 20; }));
   // Neither watching nor a refused command touches the scene.
   const spm_client_pose up = raised(2 * above);
@@ -172,7 +64,7 @@ TEST_CASE("Records say from which tick on an application has touched the scene")
 
 TEST_CASE("Records say that an application made an object feel different, or added one") {
   const bool adds = GENERATE(false, true);
-  Beside beside;
+  LoopBeside beside;
   auto material = sized<spm_client_material>();
   material.fields = SPM_CLIENT_STIFFNESS;
   material.stiffness = 500;
@@ -188,7 +80,7 @@ TEST_CASE("Records say that an application made an object feel different, or add
 }
 
 TEST_CASE("Objects that an application adds push, feel as it says, and leave with it") {
-  Beside beside;
+  LoopBeside beside;
   auto material = sized<spm_client_material>();
   material.fields = SPM_CLIENT_STIFFNESS;
   material.stiffness = 500;
@@ -215,7 +107,7 @@ TEST_CASE("Objects that an application adds push, feel as it says, and leave wit
 }
 
 TEST_CASE("The slew limit is that of the stiffest object there is, and holds no motion back") {
-  Beside beside;
+  LoopBeside beside;
   const auto counts = [&] {
     auto read = sized<spm_client_device_counts>();
     static_cast<void>(spm_client_read_device_counts(beside.here->client, 0, &read));
@@ -247,13 +139,13 @@ TEST_CASE("The slew limit is that of the stiffest object there is, and holds no 
 }
 
 TEST_CASE("What belongs to the scene is not an application's to remove") {
-  const Beside beside;
+  const LoopBeside beside;
   REQUIRE(spm_client_remove_object(beside.here->client, 0) == SPM_CLIENT_OK);
   CHECK(contains(beside.refusal(), "only who added it"));
 }
 
 TEST_CASE("A clutched hand moves freely, without force, and its tool stays") {
-  Beside beside;
+  LoopBeside beside;
   const spm_client_pose up = raised(2 * above);
   REQUIRE(spm_client_move_object(beside.here->client, 0, &up) == SPM_CLIENT_OK);
   REQUIRE(beside.comes_to(1));
@@ -273,7 +165,7 @@ TEST_CASE("A clutched hand moves freely, without force, and its tool stays") {
 }
 
 TEST_CASE("While an application that moves objects hangs its scene is held, then let go") {
-  const Beside beside;
+  const LoopBeside beside;
   const Connected other(beside.path());
   const auto seen = [&other] {
     auto read = sized<spm_client_device>();
@@ -300,7 +192,7 @@ TEST_CASE("While an application that moves objects hangs its scene is held, then
 }
 
 TEST_CASE("What an application moved stays where it is, and is felt, when the application leaves") {
-  Beside beside;
+  LoopBeside beside;
   const spm_client_pose up = raised(2 * above);
   REQUIRE(eventually([&] {
     static_cast<void>(spm_client_move_object(beside.here->client, 0, &up));

@@ -64,6 +64,12 @@ public static class ClientTest
         Tell("turned", client.Object(added).Orientation[1]);
         client.SetMaterial(added, new MaterialData { Fields = MaterialFields.Damping, Damping = 2 });
         client.SetClutch(0, true);
+        client.SetForceCap(0, 1.5);
+        TickData first, next;
+        Tell("waited", client.WaitTick(0, 20, out first) &&
+                       client.WaitTick(first.Tick, 20, out next) && next.Tick > first.Tick);
+        Tell("waited_in_vain", client.WaitTick(ulong.MaxValue, 0.01, out next));
+        Tell("proxy", client.Device(0).Proxy.Length);
         client.Remove(added);
         Tell("removed", Eventually(() => !Has(client, added)));
         Tell("refused", client.Commands().Refused);

@@ -4,7 +4,9 @@
 #include <array>
 #include <atomic>
 #include <catch2/catch.hpp>
+#include <chrono>
 #include <cmath>
+#include <cstddef>
 #include <string>
 #include <thread>
 #include <vector>
@@ -261,8 +263,68 @@ TEST_CASE("A caller of a later version keeps what this one does not know") {
   REQUIRE(later[0].news == 42);
   REQUIRE(later[1].news == 42);
   auto device = sized<spm_client_device>();
-  device.size -= 8;
+  device.size = offsetof(spm_client_device, proxy) - 8;
   REQUIRE(spm_client_read_device(here.client, 0, &device) == SPM_CLIENT_BAD_ARGUMENT);
+}
+
+TEST_CASE("A caller of the first version gets what it knows, and nothing is written behind it") {
+  const Daemon daemon;
+  const Connected here(daemon.server->path());
+  const std::vector<AppDevice> devices{device_of(1), device_of(1)};
+  daemon.state->publish({1, 1, devices, {}});
+  constexpr std::size_t first = offsetof(spm_client_device, proxy);
+  alignas(8) std::array<unsigned char, 2 * first + 8> bytes{};
+  bytes.back() = 42;
+  auto* const devices_then = reinterpret_cast<spm_client_device*>(bytes.data());
+  devices_then->size = first;
+  auto tick = sized<spm_client_tick>();
+  REQUIRE(spm_client_read_all(here.client, &tick, devices_then, 2, nullptr, 0) == SPM_CLIENT_OK);
+  CHECK(reinterpret_cast<const spm_client_device*>(bytes.data() + first)->position[0] == 1);
+  REQUIRE(spm_client_read_device(here.client, 0, devices_then) == SPM_CLIENT_OK);
+  CHECK(devices_then->cuts == 0);
+  CHECK(bytes.back() == 42);
+  auto now = sized<spm_client_device>();
+  REQUIRE(spm_client_read_device(here.client, 0, &now) == SPM_CLIENT_OK);
+  CHECK(now.proxy[0] == 81);
+  CHECK(now.force_cap == 91);
+  spm_client_options options{};
+  options.size = offsetof(spm_client_options, role);
+  options.role = 77;  // behind what that version has
+  options.path = daemon.server->path().c_str();
+  spm_client* client = nullptr;
+  CHECK(spm_client_connect(&options, &client, nullptr, 0) == SPM_CLIENT_OK);
+  spm_client_disconnect(client);
+  options.size = sizeof options;
+  CHECK(spm_client_connect(&options, &client, nullptr, 0) == SPM_CLIENT_BAD_ARGUMENT);
+}
+
+TEST_CASE("A tick is waited for until it comes, the time is over, or the daemon ends") {
+  Daemon daemon;
+  const Connected here(daemon.server->path());
+  auto tick = sized<spm_client_tick>();
+  CHECK(spm_client_wait_tick(here.client, 0, 0.01, &tick) == SPM_CLIENT_NOT_THERE);
+  const double nan = std::nan("");
+  CHECK(spm_client_wait_tick(here.client, 0, nan, &tick) == SPM_CLIENT_BAD_ARGUMENT);
+  CHECK(spm_client_wait_tick(here.client, 0, -1, &tick) == SPM_CLIENT_BAD_ARGUMENT);
+  {
+    const LoopStandIn loop(*daemon.state);
+    std::uint64_t last = 0;
+    for (int i = 0; i < 100; ++i) {
+      REQUIRE(spm_client_wait_tick(here.client, last, 20, &tick) == SPM_CLIENT_OK);
+      REQUIRE(tick.tick > last);
+      last = tick.tick;
+    }
+    CHECK(spm_client_wait_tick(here.client, 0, 0, nullptr) == SPM_CLIENT_OK);
+  }
+  CHECK(spm_client_wait_tick(here.client, std::uint64_t{1} << 60U, 0.01, &tick) ==
+        SPM_CLIENT_NOT_THERE);
+  std::thread ends([&daemon] {
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+    daemon.state->end();
+  });
+  CHECK(spm_client_wait_tick(here.client, std::uint64_t{1} << 60U, 20, &tick) ==
+        SPM_CLIENT_NO_DAEMON);
+  ends.join();
 }
 
 TEST_CASE("Events tell each change once, also of contacts that were over before anybody looked") {

@@ -7,6 +7,7 @@ SPM_BIN: folder of client_test_daemon and spm_client_example; SPM_CLIENT_LIBRARY
 """
 
 import ctypes
+import json
 import math
 import os
 import re
@@ -23,7 +24,8 @@ BIN = Path(os.environ.get("SPM_BIN", Path.cwd() / "bin"))
 LIBRARY = Path(os.environ.setdefault("SPM_CLIENT_LIBRARY",
                                      str(Path.cwd() / "lib" / "libspm_client.so")))
 EXAMPLES = SOURCE / "servo" / "client" / "examples"
-C_SHARP = sorted(EXAMPLES.glob("SpmClient*.cs"))
+C_SHARP_FOLDER = SOURCE / "servo" / "client" / "csharp"
+C_SHARP = sorted(C_SHARP_FOLDER.glob("*.cs"))
 CAN_C_SHARP = shutil.which("mcs") and shutil.which("mono")
 PATIENCE = 20.0  # s, beyond any machine's worst moment
 
@@ -209,12 +211,79 @@ class Package(WithDaemon):
         self.assertEqual(caught.exception.code, Code.NO_DAEMON)
         self.assertIn("spm-servo run", str(caught.exception))
 
+    def test_ticks_are_waited_for_one_by_one(self) -> None:
+        with self.client() as client:
+            ticks = [client.wait_tick(timeout=PATIENCE)]
+            for _ in range(5):
+                ticks.append(client.wait_tick(ticks[-1], timeout=PATIENCE))
+            self.assertEqual(ticks, sorted(set(ticks)))
+            self.assertIsNone(client.wait_tick(2**63, timeout=0.01))
+            client.set_force_cap(0, 1.5)
+            with self.assertRaises(ClientError):
+                client.set_force_cap(0, -1.0)
+            device = client.device(0)
+            self.assertEqual((len(device.proxy), device.force_cap), (3, 0.0))
+
+    def test_the_daemons_own_user_may_supervise_and_may_name_whom_it_trusts(self) -> None:
+        with self.client(supervisor=True, server_user=os.getuid()) as client:
+            self.assertTrue(eventually(lambda: client.daemon_state()[1] >= 0))
+
+    def test_a_socket_in_a_folder_that_others_may_write_to_is_not_trusted(self) -> None:
+        os.chmod(self.folder.name, 0o777)
+        with self.assertRaises(ClientError) as caught:
+            Client(path=self.socket)
+        os.chmod(self.folder.name, 0o700)
+        self.assertEqual(caught.exception.code, Code.REFUSED)
+        self.assertIn("open to writing by others", str(caught.exception))
+
     def test_a_client_that_is_closed_says_so(self) -> None:
         with self.client() as client:
             client.device(0) if eventually(lambda: client.daemon_state()[1] >= 0) else None
         client.close()
         with self.assertRaises(ClientError):
             client.device(0)
+
+
+class Installed(unittest.TestCase):
+    """What a user copies or installs is whole without the rest of the project."""
+
+    def test_pip_installs_the_python_package_by_its_folder(self) -> None:
+        with tempfile.TemporaryDirectory(prefix="spm-client-") as folder:
+            source = os.path.join(folder, "source")
+            shutil.copytree(SOURCE / "servo" / "client" / "python", source,
+                            ignore=shutil.ignore_patterns("__pycache__"))
+            done = subprocess.run(
+                [sys.executable, "-m", "pip", "install", "--quiet", "--no-index", "--no-deps",
+                 "--target", os.path.join(folder, "there"), source],
+                capture_output=True, text=True)
+            if "No module named pip" in done.stderr:
+                self.skipTest("pip is not installed")
+            self.assertEqual(done.returncode, 0, done.stderr)
+            used = subprocess.run(
+                [sys.executable, "-c", "import spm_client; print(spm_client.__file__)"], cwd=folder,
+                env={**os.environ, "PYTHONPATH": os.path.join(folder, "there")},
+                capture_output=True, text=True)
+            self.assertEqual((used.returncode, used.stderr), (0, ""))
+            self.assertIn(os.path.join(folder, "there"), used.stdout)
+
+    def test_the_c_sharp_folder_is_an_assembly_of_its_own(self) -> None:
+        names = {path.name for path in C_SHARP_FOLDER.iterdir()}
+        self.assertEqual(names, {"SpmClient.cs", "SpmClientData.cs", "SpmClientLibrary.cs",
+                                 "SpmHaptics.asmdef", "README.md"})
+        assembly = json.loads((C_SHARP_FOLDER / "SpmHaptics.asmdef").read_text(encoding="utf-8"))
+        self.assertEqual(assembly["name"], "SpmHaptics")
+        page = (C_SHARP_FOLDER / "README.md").read_text(encoding="utf-8")
+        self.assertLessEqual(len(page.strip().splitlines()), 10)
+
+    @unittest.skipUnless(CAN_C_SHARP, "mcs or mono is not installed (mono-mcs and mono-runtime)")
+    def test_the_c_sharp_folder_compiles_alone(self) -> None:
+        with tempfile.TemporaryDirectory(prefix="spm-client-") as folder:
+            copy = shutil.copytree(C_SHARP_FOLDER, os.path.join(folder, "SpmHaptics"))
+            done = subprocess.run(
+                ["mcs", "-warn:4", "-warnaserror", "-target:library",
+                 "-out:" + os.path.join(folder, "SpmHaptics.dll"), *sorted(Path(copy).glob("*.cs"))],
+                capture_output=True, text=True)
+            self.assertEqual((done.returncode, done.stdout + done.stderr), (0, ""))
 
 
 class Structs(unittest.TestCase):
@@ -247,8 +316,7 @@ class CSharp(WithDaemon):
 
     def test_the_structs_are_as_long_as_the_headers(self) -> None:
         sizes = header_sizes()
-        # C# reads one device or object at a time.
-        expected = {kind: sizes[name] for name, kind in STRUCTS if name != "tick"}
+        expected = {kind: sizes[name] for name, kind in STRUCTS}
         expected["CommandCountsData"] = expected.pop("CountsData")
         self.assertEqual({name: int(size) for name, size in self.facts("sizes")}, expected)
 
@@ -263,11 +331,12 @@ class CSharp(WithDaemon):
             else:
                 found[name] = value
         for name in ("running", "versions", "added", "moved", "removed", "refused_then", "contact",
-                     "button", "cut", "all_woke", "contact_ticks"):
+                     "button", "cut", "all_woke", "contact_ticks", "waited"):
             self.assertEqual(found[name], "True", name)
         self.assertEqual((found["process"], found["rate"]), (str(self.daemon.pid), "1000"))
         self.assertEqual(found["names"], "hand bunny first")
         self.assertEqual((found["turned"], found["refused"]), ("1", "0"))
+        self.assertEqual((found["waited_in_vain"], found["proxy"]), ("False", "3"))
         self.assertIn("no such object", found["reason"])
         self.assertEqual(found["not_a_number"], "BadArgument")
         self.assertTrue(found["cause"].startswith("device_gone: plug"), found["cause"])

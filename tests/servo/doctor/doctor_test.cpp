@@ -126,6 +126,19 @@ TEST_CASE("Memory that is locked under a limit is fair only, since later memory 
   REQUIRE(judge_memory_lock({}, {false, 0, 8192}).verdict == Verdict::poor);
 }
 
+TEST_CASE("A process with the capabilities needs no limits and no root, and is told so") {
+  const ProcessLimits capable{false, 0, 8192, true, true};
+  const Check scheduling = judge_scheduling(granted(), capable);
+  CHECK(scheduling.verdict == Verdict::good);
+  CHECK(scheduling.measured.find("CAP_SYS_NICE, so without limit") != std::string::npos);
+  CHECK(judge_memory_lock(granted(), capable).verdict == Verdict::good);
+  for (const Check& check :
+       {judge_scheduling({}, {false, 0, 0}), judge_memory_lock({}, {false, 0, 0})}) {
+    CHECK(check.cure.find("CAP_SYS_NICE CAP_IPC_LOCK") != std::string::npos);
+    CHECK(check.cure.find("Root is not needed") != std::string::npos);
+  }
+}
+
 TEST_CASE("A machine of which nothing can be read is unknown in everything, and no failure") {
   const MachineFacts facts = Machine().facts();
   for (const Check& check :

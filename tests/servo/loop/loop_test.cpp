@@ -8,6 +8,7 @@
 #include <thread>
 
 #include "servo/base/clock.hpp"
+#include "servo/devices/base/port.hpp"
 #include "tests/servo/support/scripted_device.hpp"
 #include "tests/servo/support/shape_asset.hpp"
 
@@ -123,6 +124,28 @@ TEST_CASE("After a stall no tick is made up for: the loop goes on with the next 
   REQUIRE(loop.records[6].tick >= loop.records[5].tick + 11);
   const std::uint64_t last = loop.records.back().tick;
   REQUIRE(loop.counters.ticks + loop.counters.skipped >= last + 1);
+}
+
+TEST_CASE("After guards sent zero for a loop that stood still the force fades in again") {
+  LoopOnBox loop;
+  ScriptedDevice device([](std::size_t read, DeviceState& state, DeviceHealth& health) {
+    press(read, state, health);
+    if (read == 150) std::this_thread::sleep_for(std::chrono::nanoseconds(loop_stall_ns));
+  });
+  loop.run(device, 300);
+  REQUIRE(loop.off(ForceOff::stalled) == 0);
+  REQUIRE(device.forces()[150].z() > 0.5);
+
+  ScriptedDevice guarded([](std::size_t read, DeviceState& state, DeviceHealth& health) {
+    press(read, state, health);
+    if (read == 150) std::this_thread::sleep_for(std::chrono::nanoseconds(loop_stall_ns));
+  });
+  guarded.can().guarded = true;
+  loop.run(guarded, 300);
+  REQUIRE(loop.off(ForceOff::stalled) >= 2);
+  REQUIRE(guarded.forces()[150] == Vector3::Zero());
+  REQUIRE(guarded.forces()[151] == Vector3::Zero());
+  REQUIRE(guarded.forces()[152].z() < 0.05);
 }
 
 TEST_CASE(

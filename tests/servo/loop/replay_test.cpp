@@ -185,6 +185,42 @@ TEST_CASE("Rows of a recording are compared up to the first that is of another s
   CHECK(same.comparable == 10);
 }
 
+TEST_CASE("A replay has caught up where its forces stay equal for longer than any memory") {
+  ReplayResult result;
+  result.contacts.resize(9000);
+  std::vector<Vector3> wanted(9000, Vector3(0, 1, 0));
+  for (std::size_t row = 0; row < wanted.size(); ++row) {
+    ContactForce& contact = result.contacts[row];
+    contact.contact = row % 2 == 0;
+    contact.force = wanted[row] = contact.contact ? Vector3(0, 1, 0) : Vector3::Zero();
+  }
+  CHECK(caught_up(result, wanted) == 0);
+  wanted[10].x() = 1e-17;
+  wanted[1500].x() = 1e-17;
+  CHECK(caught_up(result, wanted) == 1501);
+  for (std::size_t row = 0; row < wanted.size(); row += 2000) wanted[row].x() = 1e-17;
+  CHECK(caught_up(result, wanted) == wanted.size());
+  // Where nothing was touched, equal forces say nothing.
+  for (ContactForce& contact : result.contacts) contact = {};
+  CHECK(caught_up(result, std::vector<Vector3>(9000, Vector3::Zero())) == 9000);
+}
+
+TEST_CASE("Rows of a recording are compared from the first whose state before it is known") {
+  Recording recording;
+  recording.header.devices.resize(1);
+  RecordingRow row;
+  row.flags = recorded_contact;
+  for (; row.tick < 50; ++row.tick) recording.rows.push_back(row);
+  CHECK(ticks_of(recording, 0).settled == 50);
+  recording.rows[20].cause = 1;
+  CHECK(ticks_of(recording, 0).settled == 20);
+  recording.rows[5].flags |= recorded_forgot;
+  CHECK(ticks_of(recording, 0).settled == 5);
+  for (RecordingRow& free : recording.rows) free.flags = free.cause = 0;
+  for (; row.tick < 4000; ++row.tick) recording.rows.push_back(recording.rows.front());
+  CHECK(ticks_of(recording, 0).settled == 3000);
+}
+
 TEST_CASE("Forces are compared in the rows that are asked for, and in no other") {
   ReplayResult result;
   result.contacts.resize(4);

@@ -17,12 +17,15 @@
 #include <string>
 #include <vector>
 
+#include "servo/base/clock.hpp"
 #include "servo/devices/finder/device_list.hpp"
+#include "tests/servo/support/eventually.hpp"
 #include "tests/servo/support/shape_asset.hpp"
 
 namespace supervisor_test {
 
 using namespace spm::servo;
+using spm::test::eventually;
 using spm::test::TemporaryFolder;
 
 namespace {
@@ -303,6 +306,46 @@ TEST_CASE("Signals that end the daemon do not end the supervisor before it") {
   kill(daemon.process(), SIGKILL);
   REQUIRE(WIFSIGNALED(daemon.status()));
   REQUIRE(daemon.said().ends_with("zero force was sent to one\n"));
+}
+
+TEST_CASE("Where the loop stands still its devices are sent zero, and left to it when it goes on") {
+  const TemporaryFolder folder;
+  const std::string log = folder.file("log");
+  auto supervisor = Supervisor::start(logged_devices(log));
+  REQUIRE(supervisor);
+  REQUIRE((*supervisor)->watch({"one", "two"}));
+  std::atomic<std::int64_t>& beat = (*supervisor)->beat();
+  const auto stand_still = [&](std::size_t times) {
+    beat.store(now_ns());
+    REQUIRE(eventually([&] { return count_of(content(log), "zero to two") == 6 * times; }));
+    REQUIRE(count_of(content(log), "open one\n") == times);
+    REQUIRE(count_of(content(log), "zero to one\n") == 6 * times);
+  };
+  // Before the first tick, and while the loop ticks, nothing is sent.
+  usleep(100'000);
+  REQUIRE(content(log).empty());
+  stand_still(1);
+  stand_still(2);
+  // A loop that has ended does not stand still.
+  beat.store(0);
+  usleep(100'000);
+  REQUIRE(count_of(content(log), "zero to one\n") == 12);
+}
+
+TEST_CASE("A device that was found at another place is looked for there") {
+  const TemporaryFolder folder;
+  const std::string log = folder.file("log");
+  auto supervisor = Supervisor::start(logged_devices(log));
+  REQUIRE(supervisor);
+  REQUIRE((*supervisor)->watch({"old place"}));
+  REQUIRE((*supervisor)->watch({"new place"}));
+  (*supervisor)->beat().store(now_ns());
+  REQUIRE(eventually([&] { return count_of(content(log), "zero to new place") == 6; }));
+  REQUIRE(count_of(content(log), "old") == 0);
+  SECTION("also while the loop stands still") {
+    REQUIRE((*supervisor)->watch({"newest"}));
+    REQUIRE(eventually([&] { return count_of(content(log), "zero to newest") == 6; }));
+  }
 }
 
 TEST_CASE("A daemon outlives its supervisor, and is told of that when it names a device") {

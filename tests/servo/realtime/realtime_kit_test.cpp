@@ -23,49 +23,17 @@
 #include <vector>
 
 #include "servo/realtime/realtime.hpp"
+#include "tests/servo/support/private_bus.hpp"
 
 namespace realtime_kit_test {
 
 using namespace spm::servo;
+using spm::test::PrivateBus;
 
 namespace {
 
 constexpr const char* name = "org.freedesktop.RealtimeKit1";
 constexpr const char* object = "/org/freedesktop/RealtimeKit1";
-
-/// A bus of the test's own, which programs take for the system's.
-class PrivateBus {
- public:
-  PrivateBus() {
-    std::array<int, 2> told{};
-    REQUIRE(pipe(told.data()) == 0);
-    process_ = fork();
-    if (process_ == 0) {
-      prctl(PR_SET_PDEATHSIG, SIGTERM);
-      dup2(told[1], STDOUT_FILENO);
-      execlp("dbus-daemon", "dbus-daemon", "--session", "--nofork", "--nopidfile",
-             "--print-address=1", nullptr);
-      _exit(127);
-    }
-    close(told[1]);
-    std::string address;
-    for (char byte = 0; read(told[0], &byte, 1) == 1 && byte != '\n';) address += byte;
-    close(told[0]);
-    INFO("the test needs dbus-daemon");
-    REQUIRE(!address.empty());
-    setenv("DBUS_SYSTEM_BUS_ADDRESS", address.c_str(), 1);
-  }
-  PrivateBus(const PrivateBus&) = delete;
-  PrivateBus& operator=(const PrivateBus&) = delete;
-  ~PrivateBus() {
-    unsetenv("DBUS_SYSTEM_BUS_ADDRESS");
-    kill(process_, SIGTERM);
-    waitpid(process_, nullptr, 0);
-  }
-
- private:
-  pid_t process_ = -1;
-};
 
 struct Asked {
   std::uint64_t process = 0, thread = 0;
@@ -252,14 +220,16 @@ TEST_CASE("Where the kernel refuses a loop its priority RealtimeKit is asked, an
   const std::string told = kit.beside([] {
     give_up_priority();
     enter_device_thread(RealtimeMode::attempt);
+    enter_guard_thread(RealtimeMode::attempt);
     return text_of(enter_realtime(RealtimeMode::attempt));
   });
-  REQUIRE(told.starts_with("rtkit " + std::to_string(FakeKit::max_priority)));
+  REQUIRE(told.starts_with("rtkit " + std::to_string(FakeKit::max_priority - 1)));
   REQUIRE(told.find("no real-time priority") == std::string::npos);
-  // The threads of devices stay below the loop.
-  REQUIRE(kit.asked().size() == 2);
-  REQUIRE(kit.asked()[0].priority == FakeKit::max_priority - 1);
+  // The threads of devices stay below the loop, and those above it that end a force.
+  REQUIRE(kit.asked().size() == 3);
+  REQUIRE(kit.asked()[0].priority == FakeKit::max_priority - 2);
   REQUIRE(kit.asked()[1].priority == FakeKit::max_priority);
+  REQUIRE(kit.asked()[2].priority == FakeKit::max_priority - 1);
 }
 
 TEST_CASE("Where RealtimeKit refuses too, both reasons are in the warning") {

@@ -32,7 +32,7 @@ TEST_CASE("An asset alone is a scene of one object in the hand's frame") {
   REQUIRE(choice->assets == std::vector<std::string>{"duck.spm.exr"});
   REQUIRE(choice->scene.objects.size() == 1);
   REQUIRE(choice->scene.objects[0].force.stiffness == 500);
-  REQUIRE(choice->scene.objects[0].force.method == Method::spm);
+  REQUIRE(choice->scene.objects[0].force.method == Method::proxy);
   REQUIRE(choice->scene.objects[0].placement.scale == 1);
   REQUIRE_FALSE(choice->scene.objects[0].effects.any());
 }
@@ -52,13 +52,70 @@ TEST_CASE("A stiffness may be left to the device that the scene names, for every
   REQUIRE_FALSE(nobody);
   CHECK(nobody.error().code == ExitCode::usage);
   CHECK(nobody.error().message.find("'profile'") != std::string::npos);
-  options.asset = "duck.spm.exr";
-  const auto alone = choose_forces(options);
-  REQUIRE_FALSE(alone);
-  CHECK(alone.error().code == ExitCode::usage);
 }
 
-TEST_CASE("A scene's stabilizers come to the loop, and an asset alone has none") {
+TEST_CASE("What is not named is the default, for the device that is served") {
+  const DeviceProfile& falcon = *find_device_profile("falcon");
+  ForceOptions options;
+  options.asset = "duck.spm.exr";
+  options.device = ForceDevice{&falcon, falcon.stiffness_cap};
+  const auto choice = choose_forces(options);
+  REQUIRE(choice);
+  const ForceSettings& force = choice->scene.objects[0].force;
+  CHECK(force.method == Method::proxy);
+  CHECK(force.stiffness == stable_stiffness(falcon));
+  CHECK(choice->scene.stabilization == in_loop_of(falcon, recommended_stabilization));
+  CHECK(choice->scene.added.force.method == Method::proxy);
+  CHECK(choice->scene.added.force.stiffness == stable_stiffness(falcon));
+  // The device that is there counts, and not the one that the scene was made for.
+  const auto scene = choose("[device]\nprofile = \"touch\"\n[[object]]\nasset = \"a\"\n", [&] {
+    ForceOptions of_device;
+    of_device.device = options.device;
+    return of_device;
+  }());
+  REQUIRE(scene);
+  CHECK(scene->scene.objects[0].force.stiffness == stable_stiffness(falcon));
+  CHECK(scene->scene.stabilization == in_loop_of(falcon, recommended_stabilization));
+}
+
+TEST_CASE("A device of no known kind gets what the worst one holds, and never beyond its cap") {
+  CHECK(auto_stiffness({}) == stable_stiffness(*find_device_profile("low")));
+  CHECK(auto_stiffness({nullptr, 400}) == 400);
+  ForceOptions options;
+  options.asset = "duck.spm.exr";
+  const auto none = choose_forces(options);
+  REQUIRE(none);
+  CHECK(none->scene.objects[0].force.stiffness == 1000);
+}
+
+TEST_CASE("A method other than the default, named without a scene, is bare") {
+  for (const Method method : {Method::spm, Method::paper, Method::proxy}) {
+    ForceOptions options;
+    options.asset = "duck.spm.exr";
+    options.method = method;
+    options.device = ForceDevice{};
+    const auto choice = choose_forces(options);
+    REQUIRE(choice);
+    CHECK(choice->scene.objects[0].force.method == method);
+    CHECK(choice->scene.stabilization.any() == (method == Method::proxy));
+    options.stabilization = recommended_stabilization;
+    CHECK(choose_forces(options)->scene.stabilization.any());
+  }
+}
+
+TEST_CASE("Settings that one method alone has name it too") {
+  const auto choice = choose(
+      "[[object]]\nasset = \"a\"\nsmoothing = { sigma = \"0.1mm\" }\n[[object]]\nasset = \"b\"\n");
+  REQUIRE(choice);
+  CHECK(choice->scene.objects[0].force.method == Method::spm);
+  CHECK(choice->scene.objects[1].force.method == Method::proxy);
+  const auto lattice =
+      choose("[stabilization]\npotential = \"0.1mm\"\n[[object]]\nasset = \"a\"\n");
+  REQUIRE(lattice);
+  CHECK(lattice->scene.objects[0].force.method == Method::spm);
+}
+
+TEST_CASE("A scene's stabilizers come to the loop, and an asset alone has the default's") {
   const auto choice = choose("[stabilization]\ndamping = 0.8\n[[object]]\nasset = \"a\"\n");
   REQUIRE(choice);
   CHECK(choice->scene.stabilization.damping_share == 0.8);
@@ -66,7 +123,7 @@ TEST_CASE("A scene's stabilizers come to the loop, and an asset alone has none")
   options.asset = "duck.spm.exr";
   const auto alone = choose_forces(options);
   REQUIRE(alone);
-  CHECK_FALSE(alone->scene.stabilization.any());
+  CHECK(alone->scene.stabilization == recommended_stabilization);
 }
 
 TEST_CASE("Neither or both of asset and scene is a usage error") {

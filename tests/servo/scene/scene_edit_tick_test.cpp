@@ -38,6 +38,10 @@ TEST_CASE("A tick that takes up an edited scene neither allocates, locks nor wri
   SceneEditSlot edits;
   LoopSettings settings;
   Loop loop(settings, {&device}, all, ring, stop, state->get(), &edits);
+  // All changes are recorded meanwhile.
+  StepRing steps = make_step_ring();
+  ChangeTeller changes_told(steps, SPM_MAX_OBJECTS);
+  loop.tell_changes(changes_told);
   test::InterceptedCalls calls;
   std::thread thread([&] {
     const auto before = test::intercepted_calls();
@@ -77,6 +81,8 @@ TEST_CASE("A tick that takes up an edited scene neither allocates, locks nor wri
   stop.store(true);
   thread.join();
   REQUIRE(done == 30);
+  // 63 objects that are added, changed and removed in each round.
+  REQUIRE(steps.size_approx() >= 10 * 3 * most);
   REQUIRE(refused);
   REQUIRE(calls.allocations == 0);
   REQUIRE(calls.locks == 0);

@@ -160,7 +160,7 @@ TEST_CASE("Other stabilizers of a scene are handed to the loop, and the same one
   CHECK(contains(edited.said(1), "nothing is different"));
   edited.save("[stabilization]\npassivity = true\ndamping = 0.8\n" + box + "movable = true\n");
   CHECK_FALSE(edited.take().stabilization);
-  edited.save(box);
+  edited.save("[stabilization]\n" + box);
   const SceneEdit off = edited.take();
   REQUIRE(off.stabilization);
   CHECK_FALSE(off.stabilization->any());

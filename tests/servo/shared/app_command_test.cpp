@@ -111,6 +111,10 @@ TEST_CASE("A command with a number that is wrong is refused with its reason") {
       {SPM_COMMAND_MATERIAL, Refusal::out_of_range, [](auto& c) { c.fields = 16; }},
       {SPM_COMMAND_CLUTCH, Refusal::unknown_device, [](auto& c) { c.index = 1; }},
       {SPM_COMMAND_CLUTCH, Refusal::out_of_range, [](auto& c) { c.on = 2; }},
+      {SPM_COMMAND_FORCE_CAP, Refusal::unknown_device, [](auto& c) { c.index = 1; }},
+      {SPM_COMMAND_FORCE_CAP, Refusal::out_of_range, [](auto& c) { c.force_cap = -1; }},
+      {SPM_COMMAND_FORCE_CAP, Refusal::out_of_range, [](auto& c) { c.force_cap = 1e9; }},
+      {SPM_COMMAND_FORCE_CAP, Refusal::not_finite, [&](auto& c) { c.force_cap = nan; }},
       {0, Refusal::unknown_kind, [](auto&) {}},
       {77, Refusal::unknown_kind, [](auto&) {}},
   };

@@ -42,11 +42,12 @@ sockaddr_un address_of(const std::string& path) {
 
 int new_socket() { return socket(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0); }
 
-Connected::Connected(const std::string& path, int timeout_ms) {
+Connected::Connected(const std::string& path, int timeout_ms, spm_client_role role) {
   auto options = sized<spm_client_options>();
   options.path = path.c_str();
   options.timeout_ms = timeout_ms;
   options.application = "test";
+  options.role = role;
   std::array<char, 400> text{};
   code = spm_client_connect(&options, &client, text.data(), text.size());
   message = text.data();

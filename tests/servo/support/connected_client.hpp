@@ -36,7 +36,8 @@ template <class Record>
 /// A connection made by the library, or the reason why there is none.
 class Connected {
  public:
-  explicit Connected(const std::string& path, int timeout_ms = 20000);
+  explicit Connected(const std::string& path, int timeout_ms = 20000,
+                     spm_client_role role = SPM_CLIENT_APPLICATION);
   Connected(const Connected&) = delete;
   Connected& operator=(const Connected&) = delete;
   ~Connected();

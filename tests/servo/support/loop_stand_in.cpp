@@ -42,6 +42,8 @@ AppDevice device_of(std::uint64_t tick) {
   device.velocity = vector_of(start + 10);
   device.wrench = {vector_of(start + 20), vector_of(start + 30)};
   device.depth = start + 40;
+  device.proxy = vector_of(start + 80);
+  device.force_cap = start + 90;
   device.contact = tick % 2 == 1;
   device.cause = tick % 3 == 0 ? ForceOff::device_silent : ForceOff::none;
   device.health = tick % 3 == 0 ? DeviceHealth::silent : DeviceHealth::ok;
@@ -55,7 +57,8 @@ bool is_of_tick(const spm_shared_device& device, std::uint64_t tick) {
   return is_vector_of(device.position, start) && device.orientation[0] == start &&
          device.orientation[3] == start + 3 && is_vector_of(device.velocity, start + 10) &&
          is_vector_of(device.force, start + 20) && is_vector_of(device.torque, start + 30) &&
-         device.depth == start + 40 && device.buttons == static_cast<std::uint32_t>(tick) &&
+         device.depth == start + 40 && is_vector_of(device.proxy, start + 80) &&
+         device.force_cap == start + 90 && device.buttons == static_cast<std::uint32_t>(tick) &&
          device.cause == cause && ((device.flags & SPM_DEVICE_CONTACT) != 0) == (tick % 2 == 1);
 }
 
@@ -169,7 +172,9 @@ Refusal LoopStandIn::apply(const AppCommand& command) {
     departures_.fetch_add(1);
     return Refusal::none;
   }
-  if (command.action == AppAction::clutch) return Refusal::none;
+  if (command.action == AppAction::clutch || command.action == AppAction::force_cap) {
+    return Refusal::none;
+  }
   const auto found = std::find_if(objects_.begin(), objects_.end(), [&](const AppObject& object) {
     return object.id == command.object;
   });

@@ -4,6 +4,8 @@
 #include <algorithm>
 
 #include "baker/base/bake_error.hpp"
+#include "servo/force/default_settings.hpp"
+#include "servo/scene/force_choice.hpp"
 
 namespace spm::stability {
 namespace {
@@ -22,7 +24,9 @@ Contender resolved(const Contender& contender) {
 
 }  // namespace
 
-Contender default_contender() { return {"proxy", "recommended"}; }
+Contender default_contender() {
+  return {servo::to_string(default_method), std::string(default_stabilization_words)};
+}
 
 const std::vector<std::string>& contender_methods() {
   static const std::vector<std::string> methods{

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <cstring>
 
+#include "common/contact/stable_stiffness.hpp"
+#include "servo/scene/force_choice.hpp"
 #include "tests/stability/laboratory/contestants.hpp"
 #include "tests/stability/objects/hand_script.hpp"
 
@@ -262,6 +264,22 @@ TEST_CASE("An object that is moved takes its proxy along, one that is exchanged 
   CHECK_FALSE(run_and_judge(tried, settings, proxy).verdict.findings.popped);
   tried.is_exchanged = true;
   CHECK(run_and_judge(tried, settings, proxy).verdict.findings.popped);
+}
+
+TEST_CASE("The default of the laboratory is what the servo serves where nothing is named") {
+  const Contender contender = default_contender();
+  StabilizationSettings words;
+  REQUIRE(parse_stabilization(contender.stabilization, words));
+  for (const DeviceProfile& profile : device_profiles) {
+    servo::ForceOptions options;
+    options.asset = "any.spm.exr";
+    options.device = ForceDevice{&profile, profile.stiffness_cap};
+    const auto choice = servo::choose_forces(options);
+    REQUIRE(choice);
+    CHECK(choice->scene.stabilization == in_loop_of(profile, words));
+    CHECK(servo::to_string(choice->scene.objects[0].force.method) == contender.method);
+    CHECK(choice->scene.objects[0].force.stiffness == stable_stiffness(profile));
+  }
 }
 
 TEST_CASE("A contender says why it is not asked about a case") {

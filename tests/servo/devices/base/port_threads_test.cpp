@@ -3,6 +3,7 @@
 
 #include <pthread.h>
 #include <sched.h>
+#include <sys/mman.h>
 
 #include <algorithm>
 #include <catch2/catch.hpp>
@@ -10,7 +11,9 @@
 #include <deque>
 #include <vector>
 
+#include "servo/realtime/core_pinning.hpp"
 #include "tests/servo/support/eventually.hpp"
+#include "tests/support/skip.hpp"
 
 namespace port_threads_test {
 
@@ -26,6 +29,7 @@ struct Script {
   std::condition_variable changed;
   std::deque<int> reports;  ///< still to be received
   std::vector<int> sent;
+  std::vector<std::int64_t> sent_ns;  ///< when
   bool plugged_in = true;
   bool can_send = true;
   int ports_open = 0;
@@ -72,7 +76,9 @@ class ScriptedPort final : public Port<int, int> {
     bool done = false;
     script_.change([this, command, &done] {
       done = script_.can_send && script_.plugged_in;
-      if (done) script_.sent.push_back(command);
+      if (!done) return;
+      script_.sent.push_back(command);
+      script_.sent_ns.push_back(now_ns());
     });
     return done;
   }
@@ -246,6 +252,43 @@ TEST_CASE("A loop that stalls is followed by a command of none") {
   REQUIRE(script.sent.front() == 5);
 }
 
+TEST_CASE(
+    "A loop that spins on the core of its device's threads is followed by a command of none") {
+  // Longer than a guard needs, and shorter than the time that the kernel lets real time compute.
+  constexpr std::int64_t spin_ns = 600'000'000;
+  Script script;
+  Threads threads;
+  cpu_set_t cores;
+  REQUIRE(sched_getaffinity(0, sizeof cores, &cores) == 0);
+  unsigned core = 0;
+  while (!CPU_ISSET(core, &cores)) ++core;
+  std::int64_t given_ns = 0;
+  bool real_time = false;
+  std::thread loop([&] {
+    const auto pinned = CorePinning::hold(core);
+    REQUIRE(threads.start(opens(script), RealtimeMode::attempt));
+    const auto entered = enter_realtime(RealtimeMode::attempt);
+    real_time = entered && entered->policy == "fifo";
+    given_ns = now_ns();
+    threads.give(5);
+    sleep_until(given_ns + 2'000'000);
+    if (real_time) {
+      while (now_ns() < given_ns + spin_ns) {
+      }
+    }
+  });
+  loop.join();
+  munlockall();
+  if (!real_time) SPM_SKIP("no real-time priority may be had");
+  threads.end();
+  REQUIRE(script.sent.size() >= 2);
+  REQUIRE(script.sent[0] == 5);
+  REQUIRE(script.sent[1] == 0);
+  const std::int64_t off_after_ns = script.sent_ns[1] - given_ns;
+  CAPTURE(off_after_ns);
+  CHECK(off_after_ns < spin_ns / 2);
+}
+
 TEST_CASE("Before the first command nothing is sent") {
   Script script;
   Threads threads;
@@ -293,7 +336,7 @@ TEST_CASE("A command that cannot be sent closes the device and has it opened aga
   REQUIRE(std::find(script.sent.begin(), script.sent.end(), 1) == script.sent.end());
 }
 
-TEST_CASE("The last command before the end is sent, and the device closed") {
+TEST_CASE("The last that a device hears is no force, and then it is closed") {
   for (int i = 1; i <= 50; ++i) {
     Script script;
     {
@@ -302,9 +345,18 @@ TEST_CASE("The last command before the end is sent, and the device closed") {
       threads.give(i);
       threads.give(-i);
     }
-    REQUIRE(std::find(script.sent.begin(), script.sent.end(), -i) != script.sent.end());
+    REQUIRE_FALSE(script.sent.empty());
+    REQUIRE(script.sent.back() == 0);
     REQUIRE(script.ports_open == 0);
   }
+}
+
+TEST_CASE("A device that never had a command hears none at the end") {
+  Script script;
+  Threads threads;
+  REQUIRE(threads.start(opens(script), RealtimeMode::off));
+  threads.end();
+  REQUIRE(script.sent.empty());
 }
 
 TEST_CASE("The threads end while the device is lost, and may be told to end twice") {

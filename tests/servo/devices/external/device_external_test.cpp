@@ -3,12 +3,14 @@
 
 #include <fcntl.h>
 #include <sys/mman.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <catch2/catch.hpp>
 #include <chrono>
 #include <cstdlib>
 #include <filesystem>
+#include <fstream>
 #include <limits>
 #include <thread>
 
@@ -116,10 +118,86 @@ TEST_CASE("The memory cannot be shrunk under the loop") {
   const Lent lent;
   char path[512];
   REQUIRE(spm_external_path("arm", path, sizeof path) == 1);
-  const int file = ::open(path, O_RDWR | O_CLOEXEC);
+  const int file = spm_external_open_file(path);
   REQUIRE(file >= 0);
   CHECK(::ftruncate(file, 0) != 0);
   ::close(file);
+}
+
+TEST_CASE("A hole that a process makes in the memory gives no force, and ends nothing") {
+  Lent lent;
+  DeviceState state;
+  spm_external_put_pose(&lent.other, place, level, 0);
+  REQUIRE(lent.device.read(state) == DeviceHealth::ok);
+  char path[512];
+  REQUIRE(spm_external_path("arm", path, sizeof path) == 1);
+  const int file = spm_external_open_file(path);
+  REQUIRE(file >= 0);
+  const int punched = ::fallocate(file, FALLOC_FL_PUNCH_HOLE | FALLOC_FL_KEEP_SIZE, 0, 4096);
+  ::close(file);
+  REQUIRE(punched == 0);
+  // All is zero now, also the length of the orientation: that is no pose.
+  CHECK(lent.device.read(state) == DeviceHealth::fault);
+  CHECK(lent.device.write({Vector3(1, 2, 3), Vector3::Zero()}) == DeviceHealth::ok);
+  // A new process does not take it for the daemon's memory, and the old one goes on.
+  spm_external next{};
+  char message[1024] = "";
+  CHECK(spm_external_open(&next, "arm", message, sizeof message) == -1);
+  spm_external_put_pose(&lent.other, place, level, 0);
+  CHECK(lent.device.read(state) == DeviceHealth::ok);
+}
+
+TEST_CASE("A process opens nothing through a hostile folder, nor what spm-servo did not make") {
+  const Lent lent;
+  const std::string folder = lent.runtime.folder.file("spm-servo");
+  spm_external other{};
+  char message[1024] = "";
+  const auto opens = [&](const char* name) {
+    message[0] = '\0';
+    const bool opened = spm_external_open(&other, name, message, sizeof message) == 0;
+    if (opened) spm_external_close(&other);
+    return opened;
+  };
+  REQUIRE(opens("arm"));
+  for (const mode_t mode : {0770, 0707, 01777}) {
+    REQUIRE(::chmod(folder.c_str(), mode) == 0);
+    CHECK_FALSE(opens("arm"));
+    CHECK(std::string(message).find("not to be trusted") != std::string::npos);
+    CHECK(std::string(message).find("set XDG_RUNTIME_DIR") != std::string::npos);
+  }
+  REQUIRE(::chmod(folder.c_str(), 0700) == 0);
+  REQUIRE(opens("arm"));
+  // A file of the right size in the place of the memory could be cut short.
+  std::ofstream(folder + "/external-file") << std::string(sizeof(spm_external_memory), ' ');
+  CHECK_FALSE(opens("file"));
+  std::filesystem::create_symlink(folder + "/external-file", folder + "/external-link");
+  CHECK_FALSE(opens("link"));
+  if (::geteuid() == 0) {
+    REQUIRE(::chown(folder.c_str(), 65534, 65534) == 0);
+    CHECK_FALSE(opens("arm"));
+    REQUIRE(::chown(folder.c_str(), 0, 0) == 0);
+  }
+  std::filesystem::rename(folder, folder + "-real");
+  std::filesystem::create_directory_symlink(folder + "-real", folder);
+  CHECK_FALSE(opens("arm"));
+}
+
+TEST_CASE("A daemon makes no memory in a hostile folder") {
+  const Runtime runtime;
+  const std::string folder = runtime.folder.file("spm-servo");
+  DeviceExternal device(*parse_external_options("name=arm"));
+  REQUIRE(::chmod(runtime.folder.path().c_str(), 0777) == 0);
+  CHECK_FALSE(device.open({}));
+  REQUIRE(::chmod(runtime.folder.path().c_str(), 0700) == 0);
+  std::filesystem::rename(folder, folder + "-real");
+  std::filesystem::create_directory_symlink(folder + "-real", folder);
+  CHECK_FALSE(device.open({}));
+  std::filesystem::remove(folder);
+  std::filesystem::create_directory(folder);
+  std::filesystem::permissions(folder, std::filesystem::perms::all);
+  const auto open = device.open({});
+  REQUIRE_FALSE(open);
+  CHECK(open.error().message.find("open to writing by others") != std::string::npos);
 }
 
 TEST_CASE("The memory is found beside the daemon's socket, whatever the environment says") {
@@ -129,8 +207,9 @@ TEST_CASE("The memory is found beside the daemon's socket, whatever the environm
        {"/some/where", "not/absolute", "", static_cast<const char*>(nullptr)}) {
     folder != nullptr ? ::setenv("XDG_RUNTIME_DIR", folder, 1) : ::unsetenv("XDG_RUNTIME_DIR");
     char path[512] = "";
-    CHECK(spm_external_path("arm", path, sizeof path) == 1);
-    CHECK(path == socket_folder() + "/external-arm");
+    const std::string beside = socket_folder();
+    CHECK(spm_external_path("arm", path, sizeof path) == (beside.empty() ? 0 : 1));
+    CHECK(path == (beside.empty() ? "" : beside + "/external-arm"));
   }
   before != nullptr ? ::setenv("XDG_RUNTIME_DIR", kept.c_str(), 1) : ::unsetenv("XDG_RUNTIME_DIR");
 }

@@ -97,7 +97,8 @@ class FalconOverUsb(unittest.TestCase):
         seen, mock = self.run_well("silent", 1500, None, "--act-after", "500")
         self.assertEqual(self.health(seen)[-1], "silent")
         self.assertEqual(seen["read"]["gone"], 0)
-        self.assertEqual(mock["last_lights"], 4)
+        self.assertEqual(mock["last_lit"], 4)
+        self.assertEqual(mock["last_lights"], 0)  # the end's last command
 
     def test_unplugged_and_plugged_in_again_it_is_taken_up(self) -> None:
         seen, mock = self.run_well("replug", 4000)

@@ -17,7 +17,8 @@
 //   silent   stays plugged in, but answers no more after --act-after packets
 //   replug   is unplugged after --act-after packets, and plugged in --replug-ms later, still
 //            powered; --times times, with so many packets between
-//   power    the same without power: the firmware is lost, and so is homing
+//   move     the same, but plugged in at another place, 1-3
+//   power    the same as replug without power: the firmware is lost, and so is homing
 //
 // Ends with the program's exit code; with 3 where that is 0 but the host broke the device's rules.
 // Prints one line of JSON to the standard error at the end.
@@ -123,11 +124,12 @@ std::string root_hub() {
                  480);
 }
 
-std::string falcon_path() { return std::string(root_path) + "/1-2"; }
+std::string falcon_path(unsigned port) { return fmt::format("{}/1-{}", root_path, port); }
 
 /// As an FT232R without a serial number gives them.
-std::string falcon_records(unsigned number) {
-  return records(falcon_path(), number, "2", "A: idVendor=0403\\n\nA: idProduct=cb48\\n\n",
+std::string falcon_records(unsigned number, unsigned port) {
+  return records(falcon_path(port), number, std::to_string(port),
+                 "A: idVendor=0403\\n\nA: idProduct=cb48\\n\n",
                  "1201000200000008030448CB000601020001"
                  "0902200001010"
                  "0802D0904000002FFFFFF0207058102400000"
@@ -153,7 +155,7 @@ class Bus {
   void plug(MockUsbChip& chip) {
     chip_ = &chip;
     ++number_;
-    add(falcon_records(number_));
+    add(falcon_records(number_, port_));
     const std::string node = fmt::format("/dev/bus/usb/001/{:03}", number_);
     gchar* root = umockdev_testbed_get_root_dir(bed_);
     const std::string file = root + node;
@@ -169,8 +171,11 @@ class Bus {
 
   void unplug() {
     chip_->unplug();
-    umockdev_testbed_remove_device(bed_, ("/sys" + falcon_path()).c_str());
+    umockdev_testbed_remove_device(bed_, ("/sys" + falcon_path(port_)).c_str());
   }
+
+  /// Where it is plugged in from the next time on.
+  void move() { port_ = 3; }
 
  private:
   void add(const std::string& text) {
@@ -187,7 +192,7 @@ class Bus {
   UMockdevTestbed* bed_;
   UMockdevIoctlBase* handler_;
   MockUsbChip* chip_ = nullptr;
-  unsigned number_ = 4;
+  unsigned number_ = 4, port_ = 2;
 };
 
 void set_priority(int policy, int priority) {
@@ -210,7 +215,8 @@ int exit_code(int status) { return WIFEXITED(status) ? WEXITSTATUS(status) : 128
 
 int run(const Options& options) {
   set_priority(SCHED_FIFO, mock_priority);
-  ScriptedFalcon falcon(options.firmware_size, faults_of(options), options.mode == "running");
+  ScriptedFalcon falcon(options.firmware_size, faults_of(options),
+                        options.mode == "running" || options.mode == "move");
   falcon.home_after(options.home_after);
   MockUsbChip chip(falcon, options.mode == "late" ? 20 : 0, milliseconds(5));
   if (options.mode == "silent") chip.mute_after(options.act_after);
@@ -218,7 +224,8 @@ int run(const Options& options) {
   Bus bus;
   bus.plug(chip);
 
-  const bool unplugs = options.mode == "replug" || options.mode == "power";
+  const bool moves = options.mode == "move";
+  const bool unplugs = moves || options.mode == "replug" || options.mode == "power";
   const int times = unplugs ? options.times : 0;
   int unplugged = 0;
   std::vector<std::int64_t> unplugged_ns, plugged_in_ns;  // of CLOCK_MONOTONIC
@@ -235,6 +242,7 @@ int run(const Options& options) {
     bus.unplug();
     ++unplugged;
     if (options.mode == "power") chip.lose_power();
+    if (moves) bus.move();
     std::this_thread::sleep_for(options.replug);
     bus.plug(chip);
     note(plugged_in_ns);
@@ -244,17 +252,18 @@ int run(const Options& options) {
   const int code = exit_code(status);
   const bool rules_kept = falcon.homing_packets() == falcon.packets() &&
                           falcon.wrong_packets() == 0 && falcon.early_pushes() == 0;
-  fmt::print(
-      stderr,
-      "{{\"mode\": \"{}\", \"program_exit\": {}, \"boots\": {}, \"calls\": {}, "
-      "\"loaded_bytes\": {}, \"packets\": {}, \"packets_with_homing\": {}, "
-      "\"wrong_packets\": {}, \"pushing_packets\": {}, \"pushes_before_homing\": {}, "
-      "\"largest_motor\": {}, \"last_lights\": {}, \"unplugged\": {}, \"unplugged_ns\": [{}], "
-      "\"plugged_in_ns\": [{}], \"rules_kept\": {}}}\n",
-      options.mode, code, falcon.boots(), falcon.calls(), falcon.loaded().size(), falcon.packets(),
-      falcon.homing_packets(), falcon.wrong_packets(), falcon.pushing_packets(),
-      falcon.early_pushes(), falcon.largest_motor(), falcon.lights(), unplugged,
-      fmt::join(unplugged_ns, ", "), fmt::join(plugged_in_ns, ", "), rules_kept);
+  fmt::print(stderr,
+             "{{\"mode\": \"{}\", \"program_exit\": {}, \"boots\": {}, \"calls\": {}, "
+             "\"loaded_bytes\": {}, \"packets\": {}, \"packets_with_homing\": {}, "
+             "\"wrong_packets\": {}, \"pushing_packets\": {}, \"pushes_before_homing\": {}, "
+             "\"largest_motor\": {}, \"last_lights\": {}, \"last_lit\": {}, \"unplugged\": {}, "
+             "\"unplugged_ns\": [{}], "
+             "\"plugged_in_ns\": [{}], \"rules_kept\": {}}}\n",
+             options.mode, code, falcon.boots(), falcon.calls(), falcon.loaded().size(),
+             falcon.packets(), falcon.homing_packets(), falcon.wrong_packets(),
+             falcon.pushing_packets(), falcon.early_pushes(), falcon.largest_motor(),
+             falcon.lights(), falcon.lit(), unplugged, fmt::join(unplugged_ns, ", "),
+             fmt::join(plugged_in_ns, ", "), rules_kept);
   return code == 0 && !rules_kept ? 3 : code;
 }
 

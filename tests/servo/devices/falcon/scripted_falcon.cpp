@@ -131,6 +131,7 @@ void ScriptedFalcon::receive_packet(std::uint8_t byte) {
   const unsigned flags = packet[13] - unsigned{'A'};
   homing_packets_ += flags & 1U;
   lights_ = flags & 14U;
+  if (lights_ != 0) lit_ = lights_;
   bool pushes = false;
   for (std::size_t i = 0; i < 3; ++i) {
     motors_[i] = signed_number(packet.subspan(1 + 4 * i, 4));

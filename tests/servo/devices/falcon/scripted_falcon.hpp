@@ -57,6 +57,7 @@ class ScriptedFalcon {
   [[nodiscard]] int largest_motor() const { return largest_motor_; }
   [[nodiscard]] const std::array<int, 3>& motors() const { return motors_; }
   [[nodiscard]] unsigned lights() const { return lights_; }  ///< 2 green, 4 blue, 8 red
+  [[nodiscard]] unsigned lit() const { return lit_; }        ///< the last that were not all dark
 
  private:
   enum class State : std::uint8_t { off, booting, loading, running };
@@ -81,7 +82,7 @@ class ScriptedFalcon {
   std::uint64_t pushing_packets_ = 0, early_pushes_ = 0, answers_ = 0;
   int largest_motor_ = 0;
   std::array<int, 3> motors_{};
-  unsigned lights_ = 0;
+  unsigned lights_ = 0, lit_ = 0;
 };
 
 }  // namespace spm::servo::test

@@ -36,14 +36,14 @@ def drives(trace: Path) -> bool:
 
 def end(how: str, trace: str, *command: str) -> int:
     """Beside the device: starts a daemon, ends it once it drives the device, and waits until nobody
-    holds its standard error any longer, its supervisor neither."""
+    holds its standard error any longer, its supervisor neither. `how`: kill or end."""
     with subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE,
                           text=True) as daemon:
         while daemon.poll() is None and not drives(Path(trace)):
             time.sleep(0.005)
-        daemon.send_signal(signal.SIGKILL if how == "kill" else signal.SIGTERM)
+        daemon.send_signal(signal.SIGTERM if how == "end" else signal.SIGKILL)
         sys.stderr.write(daemon.stderr.read())
-    expected = -signal.SIGKILL if how == "kill" else 0
+    expected = 0 if how == "end" else -signal.SIGKILL
     return 0 if daemon.returncode == expected else 1
 
 
@@ -103,9 +103,13 @@ class KilledDaemon(unittest.TestCase):
                 self.assertTrue(self.leaves(lambda seen: any(seen["last_mA"]),
                                             partial(self.run_wooden, device, "kill", "off")))
 
-    def test_after_a_clean_end_the_supervisor_says_nothing(self) -> None:
-        said, _ = self.run_wooden("wooden-v2", "end", "on")
-        self.assertNotIn("good-bye", said)
+    def test_after_a_clean_end_no_motor_holds_a_current_and_the_supervisor_is_silent(self) -> None:
+        for device in ("wooden-v1", "wooden-v2", "wooden-v3"):
+            for supervisor in ("on", "off"):
+                with self.subTest(device, supervisor=supervisor):
+                    said, seen = self.run_wooden(device, "end", supervisor)
+                    self.assertNotIn("good-bye", said)
+                    self.assertEqual(seen["last_mA"], [0, 0, 0])
 
     def test_a_stick_s_effects_are_ended_after_the_daemon_was_killed(self) -> None:
         # Without its watchdog they are endless.

@@ -108,6 +108,8 @@ class EmulatedWooden final : public EmulatedHid {
             {"commands_with_current", with_current_},
             {"largest_mA", largest_},
             {"last_mA", last_},
+            {"current_began_ns", began_ns_},
+            {"current_ended_ns", ended_ns_},
             {"steps", steps_}};
   }
   [[nodiscard]] int wrong() const override { return wrong_; }
@@ -168,6 +170,8 @@ class EmulatedWooden final : public EmulatedHid {
       largest_ = std::max(largest_, std::abs(last_[i]));
       any = any || last_[i] != 0;
     }
+    if (any != has_current_) (any ? began_ns_ : ended_ns_).push_back(servo::now_ns());
+    has_current_ = any;
     answer_step(any);
     with_current_ += any ? 1 : 0;
     before_set_ += any && sets_ == 0 ? 1 : 0;
@@ -190,6 +194,8 @@ class EmulatedWooden final : public EmulatedHid {
   bool pressed_ = false, waiting_ = false, answered_ = false, quiet_once_ = false;
   int reports_ = 0, commands_ = 0, wrong_ = 0, sets_ = 0, with_current_ = 0, before_set_ = 0;
   int largest_ = 0;
+  bool has_current_ = false;
+  std::vector<std::int64_t> began_ns_, ended_ns_;  ///< when motors got current, and had none again
   bool inwards_ = false;
   int until_step_ = options_.step_every;
   std::int64_t stepped_ns_ = 0;  ///< when a step was reported that is not answered yet; or 0

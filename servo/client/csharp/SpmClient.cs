@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// libspm_client from C#, as Unity uses native libraries: put libspm_client.so into
-// Assets/Plugins/x86_64 and the three files SpmClient*.cs anywhere under Assets. World frame:
+// libspm_client from C#, as Unity uses native libraries; README.md says what to copy where. World frame:
 // right-handed, x to the right, y up, z towards the user, metres; Unity's z points away from the
 // user, so negate z of positions and forces, and x and y of quaternions, on the way in and out.
 using System;
@@ -17,14 +16,21 @@ namespace SpmHaptics
         private const int NameBytes = 64;
         private IntPtr handle;
 
-        public SpmClient(string path = null, string application = "unity", int timeoutMs = 1000)
+        /// <summary>name: of the daemon. serverUser: id of a user whose daemon is trusted, beside
+        /// those of this user and of root.</summary>
+        public SpmClient(string path = null, string application = "unity", int timeoutMs = 1000,
+                         ClientRole role = ClientRole.Application, uint serverUser = 0,
+                         string name = null)
         {
             var options = new OptionsData
             {
                 Size = SizeOf<OptionsData>(),
                 TimeoutMs = timeoutMs,
                 Path = path,
-                Application = application
+                Name = name,
+                Application = application,
+                Role = role,
+                ServerUser = serverUser
             };
             var message = new byte[512];
             var code = Library.spm_client_connect(ref options, out handle, message,
@@ -128,6 +134,24 @@ namespace SpmHaptics
         public void SetClutch(uint device, bool on)
         {
             Check(Library.spm_client_set_clutch(Open(), device, on ? 1 : 0));
+        }
+
+        /// <summary>Holds the device's force below this, N, while connected; never raises the
+        /// daemon's cap.</summary>
+        public void SetForceCap(uint device, double newtons)
+        {
+            Check(Library.spm_client_set_force_cap(Open(), device, newtons));
+        }
+
+        /// <summary>Waits for a tick after this one, at most timeout s; false if none came. Not for
+        /// Unity's main thread.</summary>
+        public bool WaitTick(ulong after, double timeout, out TickData tick)
+        {
+            tick = new TickData { Size = SizeOf<TickData>() };
+            var code = Library.spm_client_wait_tick(Open(), after, timeout, ref tick);
+            if (code == ClientCode.NotThere) return false;
+            Check(code);
+            return true;
         }
 
         /// <summary>How many commands were sent, taken and refused.</summary>

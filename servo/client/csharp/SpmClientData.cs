@@ -12,6 +12,9 @@ namespace SpmHaptics
         RingFull = 6, Busy = 7, NotThere = 8
     }
 
+    /// <summary>A supervisor may change what belongs to other applications.</summary>
+    public enum ClientRole : uint { Application = 0, Supervisor = 1 }
+
     public enum DaemonState { Running = 0, Stalled = 1, Ended = 2, Gone = 3 }
 
     public enum EventKind
@@ -38,6 +41,8 @@ namespace SpmHaptics
         [MarshalAs(UnmanagedType.LPStr)] public string Path;
         [MarshalAs(UnmanagedType.LPStr)] public string Name;
         [MarshalAs(UnmanagedType.LPStr)] public string Application;
+        public ClientRole Role;
+        public uint ServerUser;
     }
 
     [StructLayout(LayoutKind.Sequential, CharSet = CharSet.Ansi)]
@@ -52,6 +57,17 @@ namespace SpmHaptics
         public uint CauseCount;
         [MarshalAs(UnmanagedType.ByValTStr, SizeConst = 32)] public string DaemonVersion;
         [MarshalAs(UnmanagedType.ByValTStr, SizeConst = 32)] public string LibraryVersion;
+    }
+
+    [StructLayout(LayoutKind.Sequential)]
+    public struct TickData
+    {
+        public uint Size;
+        public uint DeviceCount;
+        public uint ObjectCount;
+        public uint Reserved;
+        public ulong Tick;
+        public long TimeNs;
     }
 
     [StructLayout(LayoutKind.Sequential)]
@@ -72,6 +88,9 @@ namespace SpmHaptics
         public uint Health;
         public uint Contacts;
         public uint Cuts;
+        /// <summary>Where the surface holds the tool; the position without contact.</summary>
+        [MarshalAs(UnmanagedType.ByValArray, SizeConst = 3)] public double[] Proxy;
+        public double ForceCap;
     }
 
     [StructLayout(LayoutKind.Sequential)]

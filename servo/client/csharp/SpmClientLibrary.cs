@@ -54,6 +54,12 @@ namespace SpmHaptics
         internal static extern ClientCode spm_client_set_clutch(
             IntPtr client, uint device, int on);
         [DllImport(Name)]
+        internal static extern ClientCode spm_client_set_force_cap(
+            IntPtr client, uint device, double newtons);
+        [DllImport(Name)]
+        internal static extern ClientCode spm_client_wait_tick(
+            IntPtr client, ulong after, double timeout, ref TickData tick);
+        [DllImport(Name)]
         internal static extern ClientCode spm_client_refusals(
             IntPtr client, ref CommandCountsData counts);
         [DllImport(Name)]

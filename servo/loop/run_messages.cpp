@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "servo/loop/run_messages.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <optional>
+
+#include "common/base/units.hpp"
+#include "servo/devices/finder/device_list.hpp"
+
+namespace spm::servo {
+
+namespace {
+
+/// How forces are made, as one clause.
+std::string forces_text(const ForceScene& scene) {
+  const ForceSettings& first = scene.objects.front().force;
+  const bool alike = std::all_of(scene.objects.begin(), scene.objects.end(), [&](const auto& o) {
+    return o.force.method == first.method && o.force.stiffness == first.stiffness;
+  });
+  std::string text = alike ? fmt::format("by {} at {}", to_string(first.method),
+                                         format_quantity(first.stiffness, Quantity::stiffness))
+                           : std::string("each object by its own method");
+  return text + (scene.stabilization.any() ? ", stabilized" : ", not stabilized");
+}
+
+}  // namespace
+
+std::string start_message(const RunOptions& options, const ForceScene& scene,
+                          const std::vector<KeeperReport>& assets,
+                          const std::vector<std::string>& paths,
+                          const std::vector<Device*>& devices) {
+  std::string text = "serving ";
+  if (assets.size() == 1) {
+    const std::optional<double>& tolerance = assets.front().metadata.tolerance;
+    text += paths.front();
+    if (tolerance) text += " (tolerance " + format_quantity(*tolerance, Quantity::length) + ")";
+  } else {
+    text += fmt::format("a scene of {} assets", assets.size());
+  }
+  text += " " + forces_text(scene) + fmt::format(", at {:g} Hz on ", options.rate_hz);
+  for (std::size_t i = 0; i < devices.size(); ++i) {
+    text += (i > 0 ? ", " : "") + devices[i]->capabilities().name;
+  }
+  text += options.duration > 0 ? fmt::format(" for {:g} s", options.duration) : "";
+  return text + "; end it with Ctrl-C";
+}
+
+bool nothing_plugged_in(const RunOptions& options, const ForceChoice& choice,
+                        const std::vector<Device*>& devices) {
+  const std::string asked = options.devices.empty() ? device_of(choice.device) : options.devices[0];
+  return asked == "auto" && devices.front()->capabilities().name == "sim";
+}
+
+std::vector<std::string> stiffness_warnings(const ForceChoice& choice,
+                                            const std::vector<Device*>& devices) {
+  std::vector<std::string> list;
+  const double wanted = stiffness_at_hand(choice.scene);
+  for (const Device* device : devices) {
+    const DeviceCapabilities& can = device->capabilities();
+    if (wanted <= can.stiffness_cap) continue;
+    list.push_back(can.name + ": the scene asks for " +
+                   format_quantity(wanted, Quantity::stiffness) + " at the hand, more than the " +
+                   format_quantity(can.stiffness_cap, Quantity::stiffness) +
+                   " that this device renders stably: what is stiffer is held to that "
+                   "(stiffness_cap= of the device changes it)");
+  }
+  return list;
+}
+
+}  // namespace spm::servo

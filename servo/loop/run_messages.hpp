@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "servo/loop/run.hpp"
+
+namespace spm::servo {
+
+/// What is served, how, at which rate, on which device, and how to end it: one sentence.
+[[nodiscard]] std::string start_message(const RunOptions& options, const ForceScene& scene,
+                                        const std::vector<KeeperReport>& assets,
+                                        const std::vector<std::string>& paths,
+                                        const std::vector<Device*>& devices);
+
+/// Whether the simulated device was taken because no other is plugged in.
+[[nodiscard]] bool nothing_plugged_in(const RunOptions& options, const ForceChoice& choice,
+                                      const std::vector<Device*>& devices);
+
+/// A sentence for each device that cannot be as stiff as the scene asks.
+[[nodiscard]] std::vector<std::string> stiffness_warnings(const ForceChoice& choice,
+                                                          const std::vector<Device*>& devices);
+
+}  // namespace spm::servo
