@@ -31,9 +31,8 @@ void set_material(const AppMaterial& material, PlacedObject& object) noexcept {
 
 }  // namespace
 
-AppScene::AppScene(AppState& state, const ForceScene& scene)
-    : state_(state), probe_radius_(scene.objects.front().force.probe_radius), added_(scene.added) {
-  added_.force.probe_radius = probe_radius_;
+AppScene::AppScene(AppState& state, const ForceScene& scene) : state_(state), added_(scene.added) {
+  added_.force.probe_radius = scene.objects.front().force.probe_radius;
   objects_.reserve(scene.objects.size() + room(scene));
   published_.reserve(SPM_MAX_OBJECTS);
   min_scales_.resize(assets_of(scene.objects) + spare_assets,
@@ -54,7 +53,7 @@ std::size_t AppScene::room(const ForceScene& scene) noexcept {
 void AppScene::note_scale(const PlacedObject& object) noexcept {
   if (object.asset >= min_scales_.size()) return;
   double& least = min_scales_[object.asset];
-  least = probe_radius_ > 0 ? std::min(least, object.placement.scale) : 0;
+  least = added_.force.probe_radius > 0 ? std::min(least, object.placement.scale) : 0;
 }
 
 void AppScene::set_reach(std::size_t asset, double reach) noexcept {

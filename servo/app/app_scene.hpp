@@ -101,8 +101,7 @@ class AppScene {
   [[nodiscard]] bool is_left_alone(const Object& object) const noexcept;
 
   AppState& state_;
-  double probe_radius_;  ///< m
-  PlacedObject added_;   ///< what an object of an application is, beside what it names
+  PlacedObject added_;  ///< what an object of an application is, beside what it names
   /// for each asset, the smallest scale that its baked probe allows
   std::vector<double> min_scales_;
   std::vector<double> reaches_;  ///< for each asset, m, asset's frame; 0 if not known yet

@@ -17,6 +17,7 @@ namespace spm {
 /// laboratory, whose `default` is made of the same two.
 inline constexpr Method default_method = Method::proxy;
 inline constexpr std::string_view default_stabilization_words = "recommended";
+inline constexpr const StabilizationSettings& default_stabilization = recommended_stabilization;
 
 /// The device that forces are for, as far as they depend on it.
 struct ForceDevice {
@@ -32,13 +33,6 @@ struct FeltLimits {
 
 /// The limits of a device in ticks of that length, s. The damping is what its moving mass bears.
 [[nodiscard]] FeltLimits felt_limits(const ForceDevice& device, double tick) noexcept;
-
-/// The default stabilization, with the lag and mass of a device.
-[[nodiscard]] constexpr StabilizationSettings default_stabilization(
-    const ForceDevice& device) noexcept {
-  return device.profile != nullptr ? in_loop_of(*device.profile, recommended_stabilization)
-                                   : recommended_stabilization;
-}
 
 /// The stiffness that suits a device, N/m at the hand: what it holds stably. One of no known kind
 /// gets what the worst one holds.

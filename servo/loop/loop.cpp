@@ -55,8 +55,7 @@ Loop::Channel::Channel(Device* driven, const SafetySettings& limits, const LoopS
       safety(limits),
       gate(settings.rate_hz),
       force(settings.scene, 1 / settings.rate_hz, driven->capabilities().encoder_step, room,
-            felt_limits({driven->capabilities().profile, driven->capabilities().stiffness_cap},
-                        1 / settings.rate_hz)),
+            felt_limits(force_device(driven->capabilities()), 1 / settings.rate_hz)),
       force_cap(limits.force_cap),
       velocity(driven->capabilities().encoder_step, 1 / settings.rate_hz) {}
 

@@ -63,7 +63,7 @@ Result<std::vector<std::unique_ptr<Device>>> make_devices(const RunOptions& opti
 std::vector<ForceDevice> force_devices(const std::vector<std::unique_ptr<Device>>& devices) {
   std::vector<ForceDevice> list;
   for (const auto& device : devices) {
-    list.push_back({device->capabilities().profile, device->capabilities().stiffness_cap});
+    list.push_back(force_device(device->capabilities()));
   }
   return list;
 }

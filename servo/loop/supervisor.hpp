@@ -32,8 +32,6 @@ class Supervisor {
  public:
   using Open = OpenZeroForce;
 
-  /// What else to do after the daemon's death; returns a line for the standard error, or nothing.
-  /// It may read memory that is shared with the daemon.
   using Afterwards = AfterTheEnd;
 
   /// Starts it. The calling process must have no threads yet, and no device open, because the

@@ -16,6 +16,7 @@ namespace spm::servo {
 inline constexpr std::string_view good_bye = "good-bye\n";
 
 /// What else to do after the daemon's death; returns a line for the standard error, or nothing.
+/// It may read memory that is shared with the daemon.
 using AfterTheEnd = std::function<std::string()>;
 
 /// What the other process of a Supervisor does. `line`: its end of the connection, a socket that

@@ -91,7 +91,7 @@ StabilizationSettings stabilization_of(const ForceOptions& options, const Scene&
   } else if (is_bare(options)) {
     return {};
   } else if (!scene.stabilization_given) {
-    settings = default_stabilization(device.value_or(ForceDevice{}));
+    settings = default_stabilization;
   }
   if (!device || device->profile == nullptr) return settings;
   return in_loop_of(*device->profile, settings);

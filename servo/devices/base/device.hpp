@@ -70,6 +70,11 @@ struct DeviceCapabilities {
   return capabilities;
 }
 
+/// A device as far as the settings of forces depend on it.
+[[nodiscard]] inline ForceDevice force_device(const DeviceCapabilities& device) noexcept {
+  return {device.profile, device.stiffness_cap};
+}
+
 /// What a device may need to know before the loop starts.
 struct DeviceSetup {
   double rate_hz = 1000;

@@ -15,10 +15,12 @@ import time
 import unittest
 from pathlib import Path
 
+sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "support"))
+
+from baked_tetrahedron import bake_tetrahedron  # noqa: E402
+
 SERVO = BAKE = ""
 LONGEST_RUN = 120  # s
-TETRAHEDRON = ("v 0 0 0\nv 0.05 0 0\nv 0 0.05 0\nv 0 0 0.05\n"
-               "f 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n")
 
 
 def unread_pipe() -> int:
@@ -39,11 +41,7 @@ class ClosedOutput(unittest.TestCase):
         folder = tempfile.TemporaryDirectory()
         cls.addClassCleanup(folder.cleanup)
         cls.folder = Path(folder.name)
-        mesh = cls.folder / "mesh.obj"
-        mesh.write_text(TETRAHEDRON, encoding="utf-8")
-        cls.asset = cls.folder / "asset.spm.exr"
-        subprocess.run([BAKE, "build", mesh, "-o", cls.asset, "--max-depth", "0.1mm", "--margin",
-                        "0.05mm", "--quiet"], check=True, timeout=LONGEST_RUN)
+        cls.asset = bake_tetrahedron(BAKE, cls.folder)
 
     def run_servo(self, *options: str, **files) -> tuple[int, str, list[str]]:
         """Exit code, standard output, and the lines of the trace."""

@@ -14,10 +14,12 @@ import time
 import unittest
 from pathlib import Path
 
+sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "support"))
+
+from baked_tetrahedron import bake_tetrahedron  # noqa: E402
+
 SERVO = BAKE = ""
 LONGEST_RUN = 120  # s
-TETRAHEDRON = ("v 0 0 0\nv 0.05 0 0\nv 0 0.05 0\nv 0 0 0.05\n"
-               "f 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n")
 
 
 class DaemonName(unittest.TestCase):
@@ -25,11 +27,7 @@ class DaemonName(unittest.TestCase):
         folder = tempfile.TemporaryDirectory()
         self.addCleanup(folder.cleanup)
         self.folder = Path(folder.name)
-        mesh = self.folder / "mesh.obj"
-        mesh.write_text(TETRAHEDRON, encoding="utf-8")
-        self.asset = self.folder / "asset.spm.exr"
-        subprocess.run([BAKE, "build", mesh, "-o", self.asset, "--max-depth", "0.1mm", "--margin",
-                        "0.05mm", "--quiet"], check=True, timeout=LONGEST_RUN)
+        self.asset = bake_tetrahedron(BAKE, self.folder)
         self.environment = {**os.environ, "XDG_RUNTIME_DIR": folder.name}
         self.environment.pop("SPM_SERVO_NAME", None)
 

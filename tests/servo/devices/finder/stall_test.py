@@ -19,13 +19,15 @@ import time
 import unittest
 from pathlib import Path
 
+sys.path.insert(0, str(Path(__file__).resolve().parents[3] / "support"))
+
+from baked_tetrahedron import bake_tetrahedron  # noqa: E402
+
 MOCK_HID = SERVO = BAKE = SPINNING = ""
 TIMES = int(os.environ.get("TIMES", "5"))
 LONGEST_RUN = 600  # s
 AWAY = 0.3  # s, which the daemon is stopped, or spins
 MOST_WAIT = 20  # s
-TETRAHEDRON = ("v 0 0 0\nv 0.05 0 0\nv 0 0.05 0\nv 0 0 0.05\n"
-               "f 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n")
 # The motors hold the arm's weight, wherever it is: there is a current in every tick.
 WOODEN = "woodenhaptics:home_confirmed=always,gravity=on"
 
@@ -79,11 +81,7 @@ class AwayDaemon(unittest.TestCase):
         folder = tempfile.TemporaryDirectory()
         cls.addClassCleanup(folder.cleanup)
         cls.folder = Path(folder.name)
-        mesh = cls.folder / "mesh.obj"
-        mesh.write_text(TETRAHEDRON, encoding="utf-8")
-        cls.asset = cls.folder / "asset.spm.exr"
-        subprocess.run([BAKE, "build", mesh, "-o", cls.asset, "--max-depth", "0.1mm", "--margin",
-                        "0.05mm", "--quiet"], check=True, timeout=LONGEST_RUN)
+        cls.asset = bake_tetrahedron(BAKE, cls.folder)
 
     def run_beside(self, how: str, times: int, *options: str) -> tuple[list[float], dict, dict]:
         """After which times the current ended, ms (infinity for never, 0 where there was none just

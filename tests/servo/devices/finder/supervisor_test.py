@@ -18,11 +18,13 @@ from collections.abc import Callable
 from functools import partial
 from pathlib import Path
 
+sys.path.insert(0, str(Path(__file__).resolve().parents[3] / "support"))
+
+from baked_tetrahedron import bake_tetrahedron  # noqa: E402
+
 MOCK_HID = MOCK_FALCON = SERVO = BAKE = ""
 LONGEST_RUN = 120  # s
 MOST_KILLS = 5
-TETRAHEDRON = ("v 0 0 0\nv 0.05 0 0\nv 0 0.05 0\nv 0 0 0.05\n"
-               "f 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n")
 # The motors hold the arm's weight, wherever it is: there is a current in every tick.
 WOODEN = "woodenhaptics:home_confirmed=always,gravity=on"
 SENTENCE = "error: spm-servo ended without a good-bye, killed or crashed: zero force was sent to "
@@ -53,11 +55,7 @@ class KilledDaemon(unittest.TestCase):
         folder = tempfile.TemporaryDirectory()
         cls.addClassCleanup(folder.cleanup)
         cls.folder = Path(folder.name)
-        mesh = cls.folder / "mesh.obj"
-        mesh.write_text(TETRAHEDRON, encoding="utf-8")
-        cls.asset = cls.folder / "asset.spm.exr"
-        subprocess.run([BAKE, "build", mesh, "-o", cls.asset, "--max-depth", "0.1mm", "--margin",
-                        "0.05mm", "--quiet"], check=True, timeout=LONGEST_RUN)
+        cls.asset = bake_tetrahedron(BAKE, cls.folder)
 
     def run_beside(self, mock: list[str], device: str, how: str,
                    supervisor: str) -> tuple[str, dict]:
