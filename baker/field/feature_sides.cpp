@@ -9,6 +9,8 @@
 #include <span>
 #include <utility>
 
+#include "baker/field/triangle_height.hpp"
+
 namespace spm::baker {
 
 namespace {
@@ -109,13 +111,13 @@ class Neighbours {
         sides_[std::minmax(triangle[k], triangle[(k + 1) % 3])].push_back(t);
       }
       const Vector3& a = surface.vertices[triangle[0]];
-      const Vector3 cross =
-          (surface.vertices[triangle[1]] - a).cross(surface.vertices[triangle[2]] - a);
+      const Vector3& b = surface.vertices[triangle[1]];
+      const Vector3& c = surface.vertices[triangle[2]];
+      const Vector3 cross = (b - a).cross(c - a);
       const double length = cross.norm();
-      thin_.push_back(is_thin(triangle, length));
+      thin_.push_back(triangle_height(a, b, c) <= asked_.displacement);
       normals_.push_back(length > 0 ? Vector3(cross / length) : Vector3::Zero());
-      const Vector3 middle =
-          (a + surface.vertices[triangle[1]] + surface.vertices[triangle[2]]) / 3;
+      const Vector3 middle = (a + b + c) / 3;
       faces_.push_back(across(middle, normals_.back()));
     }
   }
@@ -172,17 +174,6 @@ class Neighbours {
   std::vector<Vector3> normals_;
   std::vector<PartSide> faces_;
   std::vector<bool> thin_;  ///< so that their normals mean nothing
-
-  /// Whether a triangle is less high than the surface is off by; `area`: twice its own.
-  [[nodiscard]] bool is_thin(const Triangle& corners, double area) const {
-    double longest = 0;
-    for (std::size_t k = 0; k < 3; ++k) {
-      longest = std::max(
-          longest,
-          (surface_.vertices[corners[(k + 1) % 3]] - surface_.vertices[corners[k]]).norm());
-    }
-    return area <= longest * asked_.displacement;
-  }
 
   /// Whether places beside one on the surface are inside. Empty where something else is nearer.
   [[nodiscard]] std::optional<bool> inside_at(const Vector3& place, const Vector3& away) const {

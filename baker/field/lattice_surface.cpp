@@ -8,6 +8,7 @@
 
 #include "baker/field/feature_sides.hpp"
 #include "baker/field/sliver_removal.hpp"
+#include "baker/field/triangle_height.hpp"
 #include "common/field/indexed_triangles.hpp"
 
 namespace spm::baker {
@@ -38,21 +39,6 @@ double lattice_step(double tolerance, double extent) {
   const double fine = std::exp2(std::floor(std::log2(tolerance / steps_a_tolerance)));
   const double coarse = std::exp2(std::ceil(std::log2(extent / (corner_mask - 2))));
   return std::max(fine, coarse);
-}
-
-double longest_side(const std::array<Vector3, 3>& corners) {
-  return std::max({(corners[1] - corners[0]).norm(), (corners[2] - corners[1]).norm(),
-                   (corners[0] - corners[2]).norm()});
-}
-
-Vector3 cross_of(const std::array<Vector3, 3>& corners) {
-  return (corners[1] - corners[0]).cross(corners[2] - corners[0]);
-}
-
-/// Over the longest side.
-double height_of(const std::array<Vector3, 3>& corners) {
-  const double longest = longest_side(corners);
-  return longest > 0 ? cross_of(corners).norm() / longest : 0;
 }
 
 Vector3 place_of(const LatticePoint& steps, const Vector3& origin, double step) {
@@ -110,11 +96,12 @@ std::size_t shortest_side(const std::array<Vector3, 3>& corners) {
 /// Whether single precision is off by more than a step: the rounding of the normal, which is the
 /// product of the shortest side and another over the height, acts over the way to the point.
 bool needs_doubles(const std::array<Vector3, 3>& rounded, double unit) {
-  const double height = height_of(rounded);
+  const auto& [a, b, c] = rounded;
+  const double height = triangle_height(a, b, c);
   if (!(height > 0)) return true;
   const std::size_t shortest = shortest_side(rounded);
   const double side = (rounded[(shortest + 1) % 3] - rounded[shortest]).norm();
-  const double reach = longest_side(rounded) / unit + usual_reach;
+  const double reach = longest_side(a, b, c) / unit + usual_reach;
   return 2 * std::numeric_limits<float>::epsilon() * side / height * reach > max_single_error;
 }
 
@@ -139,7 +126,8 @@ void add_triangle(const LooseTriangle& loose, const std::vector<LatticePoint>& v
     triangle.steps[k] = vertices[loose.corners[k]];
     triangle.corners[k] = place_of(triangle.steps[k], lattice.origin, lattice.step);
   }
-  const Vector3 cross = cross_of(triangle.corners);
+  const auto& [a, b, c] = triangle.corners;
+  const Vector3 cross = (b - a).cross(c - a);
   if (cross.norm() > 0) triangle.normal = cross.normalized();
   triangle.thin = needs_doubles(triangle.corners, lattice.step);
   lattice.surface.triangles.push_back(loose.corners);

@@ -7,6 +7,7 @@
 #include <set>
 #include <utility>
 
+#include "baker/field/triangle_height.hpp"
 #include "baker/surface/join_vertices.hpp"
 
 namespace spm::baker {
@@ -70,11 +71,7 @@ class SliverRemoval {
     return apex;
   }
   [[nodiscard]] double height_of(const Triangle& t) const {
-    const std::size_t apex = apex_of(t);
-    const double longest = length(t[(apex + 1) % 3], t[(apex + 2) % 3]);
-    const double area =
-        (vertices_[t[1]] - vertices_[t[0]]).cross(vertices_[t[2]] - vertices_[t[0]]).norm();
-    return longest > 0 ? area / longest : 0;
+    return triangle_height(vertices_[t[0]], vertices_[t[1]], vertices_[t[2]]);
   }
 
   [[nodiscard]] bool has(std::uint32_t t, std::uint32_t corner) const {

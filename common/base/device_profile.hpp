@@ -39,6 +39,10 @@ inline constexpr std::array<DeviceProfile, 5> device_profiles{{
     {"wooden", 55e-6, 10, 1000, {0.3, 0.3, 0.3}, 0.30, 200},
 }};
 
+/// What is assumed of a device of no known kind: no other profile shakes on softer surfaces.
+inline constexpr const DeviceProfile& worst_device_profile = device_profiles.front();
+static_assert(worst_device_profile.name == "low");
+
 /// The profile with this name, or null.
 [[nodiscard]] constexpr const DeviceProfile* find_device_profile(std::string_view name) noexcept {
   for (const DeviceProfile& profile : device_profiles) {

@@ -28,6 +28,8 @@ struct RecordingRow {
   std::uint16_t device = 0;
   std::uint8_t cause = 0;  ///< why the force was zero: an index into the header's causes
   std::uint8_t flags = 0;  ///< bits of RecordingFlag
+
+  [[nodiscard]] bool operator==(const RecordingRow&) const = default;
 };
 static_assert(sizeof(RecordingRow) == 8 + 9 * 8 + 8 + 2 * 4 + 4 + 2 + 2);
 

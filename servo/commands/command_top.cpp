@@ -128,7 +128,7 @@ TopView watch(const spm_client* client) {
   TopTerminal terminal;
   std::deque<std::pair<Clock::time_point, TopSample>> samples{{Clock::now(), look(client, {})}};
   for (int rounds = 0;; ++rounds) {
-    const TopView view = view_between(samples.front().second, samples.back().second);
+    TopView view = view_between(samples.front().second, samples.back().second);
     if (rounds % rounds_per_drawing == 0) {
       terminal.draw(top_screen(view, TopTerminal::width()) + "q ends\n");
     }

@@ -37,8 +37,7 @@ struct FeltLimits {
 /// The stiffness that suits a device, N/m at the hand: what it holds stably. One of no known kind
 /// gets what the worst one holds.
 [[nodiscard]] constexpr double auto_stiffness(const ForceDevice& device) noexcept {
-  const DeviceProfile& profile =
-      device.profile != nullptr ? *device.profile : *find_device_profile("low");
+  const DeviceProfile& profile = device.profile != nullptr ? *device.profile : worst_device_profile;
   return std::min(stable_stiffness(profile), device.stiffness_cap);
 }
 

@@ -62,6 +62,7 @@ Result<std::vector<std::unique_ptr<Device>>> make_devices(const RunOptions& opti
 /// The devices as far as settings depend on them.
 std::vector<ForceDevice> force_devices(const std::vector<std::unique_ptr<Device>>& devices) {
   std::vector<ForceDevice> list;
+  list.reserve(devices.size());
   for (const auto& device : devices) {
     list.push_back(force_device(device->capabilities()));
   }

@@ -68,8 +68,8 @@ tl::unexpected<Error> not_started(int error_number) {
 
 }  // namespace
 
-Result<std::unique_ptr<Supervisor>> Supervisor::start(Open open, RealtimeMode realtime,
-                                                      Afterwards afterwards) {
+Result<std::unique_ptr<Supervisor>> Supervisor::start(const Open& open, RealtimeMode realtime,
+                                                      const Afterwards& afterwards) {
   Beat* const beat = shared_beat();
   if (beat == nullptr) return not_started(errno);
   std::array<int, 2> ends{};

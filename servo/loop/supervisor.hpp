@@ -39,8 +39,8 @@ class Supervisor {
   /// latter when the devices are free; `realtime` is for that process too. Errors: file_or_device,
   /// if no process or connection can be made.
   [[nodiscard]] static Result<std::unique_ptr<Supervisor>> start(
-      Open open = open_zero_force, RealtimeMode realtime = RealtimeMode::off,
-      Afterwards afterwards = {});
+      const Open& open = open_zero_force, RealtimeMode realtime = RealtimeMode::off,
+      const Afterwards& afterwards = {});
 
   Supervisor(const Supervisor&) = delete;
   Supervisor& operator=(const Supervisor&) = delete;

@@ -75,9 +75,9 @@ class SceneKeeper {
   void finish(EditAnswer answer);
   void refuse(const std::string& message);
 
+  SceneEditSlot slot_;
   SceneKeeperOptions options_;
   SceneAssets& assets_;
-  SceneEditSlot slot_;
   ServedScene served_;
   // What was offered to the loop and is not answered yet:
   SceneEdit edit_;

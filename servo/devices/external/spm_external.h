@@ -112,7 +112,7 @@ static inline int spm_external_path(const char* name, char* path, size_t size) {
   struct stat status;
   int length = 0;
   snprintf(usual, sizeof usual, "/run/user/%u", user);
-  if (given != NULL && given[0] == '/') {
+  if (given && given[0] == '/') {
     length = snprintf(path, size, "%s/spm-servo/external-%s", given, name);
   } else if (stat(usual, &status) == 0 && S_ISDIR(status.st_mode) && status.st_uid == user) {
     length = snprintf(path, size, "%s/spm-servo/external-%s", usual, name);
@@ -129,7 +129,7 @@ static inline int spm_external_open_file(const char* path) {
   int end = 0;
   struct stat status;
   const char* slash = strrchr(path, '/');
-  if (slash == NULL || (size_t)(slash - path) >= sizeof folder) return errno = ENOENT, -1;
+  if (!slash || (size_t)(slash - path) >= sizeof folder) return errno = ENOENT, -1;
   memcpy(folder, path, (size_t)(slash - path));
   folder[slash - path] = 0;
   const int within = open(folder, O_RDONLY | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC);
@@ -187,6 +187,7 @@ static inline int spm_external_open(struct spm_external* device, const char* nam
   void* memory = MAP_FAILED;
   if (fstat(file, &status) == 0 && (size_t)status.st_size == sizeof(struct spm_external_memory)) {
     memory =
+        // NOLINTNEXTLINE(modernize-use-nullptr): this is C
         mmap(NULL, sizeof(struct spm_external_memory), PROT_READ | PROT_WRITE, MAP_SHARED, file, 0);
   }
   close(file);
@@ -240,8 +241,8 @@ static inline int spm_external_get_wrench(struct spm_external* device, double fo
 
 /** Unmaps the memory. */
 static inline void spm_external_close(struct spm_external* device) {
-  if (device->memory != NULL) munmap(device->memory, sizeof(struct spm_external_memory));
-  device->memory = NULL;
+  if (device->memory) munmap(device->memory, sizeof(struct spm_external_memory));
+  device->memory = NULL;  // NOLINT(modernize-use-nullptr): this is C
 }
 
 #ifdef __cplusplus

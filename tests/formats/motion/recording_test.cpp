@@ -106,7 +106,7 @@ TEST_CASE("A recording is read back bit by bit, however many rows it has") {
     std::mt19937_64 random(5);
     for (std::size_t i = 0; i < rows; ++i) {
       const RecordingRow wanted = row_of(i, random);
-      REQUIRE(std::memcmp(&recording->rows[i], &wanted, sizeof wanted) == 0);
+      REQUIRE(recording->rows[i] == wanted);
     }
     REQUIRE(recording->changes.size() == (rows + 1) / 3);
     for (const RecordedChange& change : recording->changes) {
@@ -184,7 +184,7 @@ TEST_CASE("A recording of an older or newer form is refused with what to do") {
 TEST_CASE("Parts that are wrong within a file whose checksum is right are refused with a cause") {
   const TemporaryFolder folder;
   const std::string path = folder.path("a.spmrec");
-  const auto refused = [&](std::string part) {
+  const auto refused = [&](const std::string& part) {
     REQUIRE(write_recording(path, recording_start(header_of_two()),
                             std::array{std::string_view(part)}));
     const auto recording = read_recording(path);

@@ -376,6 +376,7 @@ TEST_CASE("Many threads read and send at once, and nothing is torn or lost") {
   const Connected here(daemon.server->path());
   std::atomic<int> torn{0}, sent{0};
   std::vector<std::thread> threads;
+  threads.reserve(3);
   for (int number = 0; number < 3; ++number) {
     threads.emplace_back([&, number] {
       auto device = sized<spm_client_device>();

@@ -54,11 +54,11 @@ class LoopOnBox {
   std::vector<TickRecord> records;
 
  private:
+  TickRing ring_ = make_tick_ring(1000, 1);
   Asset asset_;
   AssetTables tables_;
   ServedAsset served_;
   AssetSlot slot_;
-  TickRing ring_ = make_tick_ring(1000, 1);
   std::atomic<bool> stop_{false};
 };
 

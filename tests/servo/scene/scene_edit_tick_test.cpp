@@ -23,6 +23,7 @@ TEST_CASE("A tick that takes up an edited scene neither allocates, locks nor wri
   const ServedAsset served{&tables.view()};
   std::array<AssetSlot, 1 + spare_assets> slots;
   std::vector<AssetSlot*> all;
+  all.reserve(slots.size());
   for (AssetSlot& slot : slots) all.push_back(&slot);
   slots[0].offer(&served);
 
@@ -82,7 +83,7 @@ TEST_CASE("A tick that takes up an edited scene neither allocates, locks nor wri
   thread.join();
   REQUIRE(done == 30);
   // 63 objects that are added, changed and removed in each round.
-  REQUIRE(steps.size_approx() >= 10 * 3 * most);
+  REQUIRE(steps.size_approx() >= std::size_t{10} * 3 * most);
   REQUIRE(refused);
   REQUIRE(calls.allocations == 0);
   REQUIRE(calls.locks == 0);

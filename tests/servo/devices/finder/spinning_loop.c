@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // A library to preload: makes the loop of spm-servo (the thread of SCHED_FIFO priority 80) compute
 // without sleep for 0.3 s whenever the file that SPIN_AT names exists, which it removes. Writes
-// when that began, ns of CLOCK_MONOTONIC, to the file of that name with ".began" behind it.
-#define _GNU_SOURCE
+// when that began, ns of CLOCK_MONOTONIC, to the file that SPIN_BEGAN names.
+#define _GNU_SOURCE  // NOLINT(bugprone-reserved-identifier): glibc asks for it
 #include <dlfcn.h>
 #include <pthread.h>
 #include <stdint.h>
@@ -28,10 +28,8 @@ int clock_nanosleep(clockid_t clock, int flags, const struct timespec* due, stru
   const char* file = getenv("SPIN_AT");
   if (file != NULL && pthread_getschedparam(pthread_self(), &policy, &parameters) == 0 &&
       parameters.sched_priority == loop_priority && unlink(file) == 0) {
-    char name[4096];
-    snprintf(name, sizeof name, "%s.began", file);
     const int64_t began = now_ns();
-    FILE* told = fopen(name, "w");
+    FILE* told = fopen(getenv("SPIN_BEGAN"), "w");
     if (told != NULL) {
       fprintf(told, "%lld\n", (long long)began);
       fclose(told);

@@ -55,6 +55,7 @@ def inside(how: str, times: str, folder: str, *command: str) -> int:
     environment = dict(os.environ)
     if how == "spin":
         environment["SPIN_AT"] = str(Path(folder) / "spin")
+        environment["SPIN_BEGAN"] = str(Path(folder) / "spin.began")
         environment["LD_PRELOAD"] += f":{os.environ['SPINNING']}"
     trace = Path(folder) / "trace.csv"
     with subprocess.Popen([*command, "--trace", trace], stdout=subprocess.PIPE, text=True,
