@@ -75,7 +75,7 @@ std::string in_words(const SceneEdit& edit, const SceneDifference& difference,
 }  // namespace
 
 SceneKeeper::SceneKeeper(SceneKeeperOptions options, SceneAssets& assets)
-    : options_(std::move(options)), assets_(assets) {
+    : assets_(assets), options_(std::move(options)) {
   served_.choice = assets_.choice();
   served_.ids = first_ids(served_.choice.scene.objects.size());
 }

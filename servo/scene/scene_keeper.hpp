@@ -75,21 +75,21 @@ class SceneKeeper {
   void finish(EditAnswer answer);
   void refuse(const std::string& message);
 
+  SceneAssets& assets_;
   SceneEditSlot slot_;
   SceneKeeperOptions options_;
-  SceneAssets& assets_;
   ServedScene served_;
   // What was offered to the loop and is not answered yet:
   SceneEdit edit_;
   ServedScene next_;
   std::string change_;  ///< the edit, in words
-  bool offered_ = false;
 
   FileStamp seen_;                  ///< at the last look
   std::optional<FileStamp> tried_;  ///< what was read last
-  bool retry_wanted_ = false;
   std::chrono::steady_clock::time_point next_try_{};
   std::string last_refusal_;
+  bool retry_wanted_ = false;
+  bool offered_ = false;  ///< an edit, to the loop
 
   std::mutex mutex_;  ///< guards the members below; the loop never takes it
   std::condition_variable wake_;

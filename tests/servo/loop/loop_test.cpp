@@ -54,9 +54,9 @@ class LoopOnBox {
   std::vector<TickRecord> records;
 
  private:
-  TickRing ring_ = make_tick_ring(1000, 1);
   Asset asset_;
   AssetTables tables_;
+  TickRing ring_ = make_tick_ring(1000, 1);
   ServedAsset served_;
   AssetSlot slot_;
   std::atomic<bool> stop_{false};
