@@ -115,7 +115,7 @@ class Neighbours {
       const Vector3& c = surface.vertices[triangle[2]];
       const Vector3 cross = (b - a).cross(c - a);
       const double length = cross.norm();
-      thin_.push_back(triangle_height(a, b, c) <= asked_.displacement);
+      thin_.push_back(triangle_height(a, b, c) <= asked_.thin);
       normals_.push_back(length > 0 ? Vector3(cross / length) : Vector3::Zero());
       const Vector3 middle = (a + b + c) / 3;
       faces_.push_back(across(middle, normals_.back()));

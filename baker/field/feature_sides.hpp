@@ -14,6 +14,7 @@ struct AskedSolid {
   const Caster& solid;
   double tolerance = 0;     ///< m: asked so far from the surface, or less where something is nearer
   double displacement = 0;  ///< m: between the surface and that of the solid
+  double thin = 0;  ///< m: the normal of a triangle that is no higher than this means nothing
 };
 
 /// For each triangle of a surface, caps included, on which side places lie that are nearest to one

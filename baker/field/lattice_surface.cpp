@@ -157,14 +157,14 @@ LatticeSurface round_to_lattice(const OuterSurface& surface, const Caster& caste
   for (std::size_t t = 0; t < surface.triangles.size(); ++t) {
     loose.push_back({surface.triangles[t], t >= surface.surface_count, t < bare.size() && bare[t]});
   }
+  const double thin = sliver_steps * lattice.step;
   lattice.displacement +=
-      remove_slivers(lattice.surface.vertices, sliver_steps * lattice.step, loose) +
-      max_single_error * lattice.step;
+      remove_slivers(lattice.surface.vertices, thin, loose) + max_single_error * lattice.step;
   for (const LooseTriangle& triangle : loose) add_triangle(triangle, vertices, lattice);
   mark_open(lattice);
   const std::vector<bool> folded = find_folded(lattice.surface.triangles);
   const std::vector<FeatureSides> sides =
-      find_feature_sides(lattice.surface, folded, {caster, tolerance, lattice.displacement});
+      find_feature_sides(lattice.surface, folded, {caster, tolerance, lattice.displacement, thin});
   for (std::size_t t = 0; t < sides.size(); ++t) {
     lattice.triangles[t].sides = sides[t];
     lattice.triangles[t].folded = folded[t];

@@ -14,10 +14,10 @@ namespace spm::baker::feature_sides_test {
 namespace {
 
 std::vector<FeatureSides> sides_of(const OuterSurface& surface, double tolerance = 1e-4,
-                                   double displacement = 0) {
+                                   double displacement = 0, double thin = 0) {
   const Caster caster(surface);
   return find_feature_sides(surface, find_folded(surface.triangles),
-                            {caster, tolerance, displacement});
+                            {caster, tolerance, displacement, thin});
 }
 
 /// The side of a place by the nearest triangle alone, as the file tells it.
@@ -137,7 +137,7 @@ TEST_CASE("A sliver that hangs on a side is in the way of nothing") {
   }
   surface.triangles.push_back({to, from, copies + 2});
   surface.surface_count = surface.triangles.size();
-  const std::vector<FeatureSides> sides = sides_of(surface, 1e-4, 1e-6);
+  const std::vector<FeatureSides> sides = sides_of(surface, 1e-4, 1e-6, 1e-6);
   const Vector3 beside = middle + 0.1 * (surface.vertices[from] - middle);
   const Triangle& triangle = surface.triangles[first];
   for (const double height : {-1e-4, 1e-4}) {
@@ -152,6 +152,34 @@ TEST_CASE("A sliver that hangs on a side is in the way of nothing") {
       CHECK(is_inside(sides[first], side, height) == (height < 0));
     }
     CHECK(std::abs((closest.point - beside).norm()) < 1e-6);
+  }
+}
+
+TEST_CASE(
+    "A low triangle that is no sliver keeps its side, also where the surface was displaced by "
+    "more") {
+  OuterSurface surface = test::surface_of(test::box({0.02, 0.02, 0.02}));
+  const auto [a, b, c] = surface.triangles[0];
+  const Vector3 first = surface.vertices[a], across = surface.vertices[b] - surface.vertices[c];
+  const Vector3 normal = across.cross(surface.vertices[c] - first).normalized();
+  // A strip, 10 um high, is cut off. Above it, nearer than the tolerance, is another box.
+  const auto cut = static_cast<std::uint32_t>(surface.vertices.size());
+  surface.vertices.push_back(surface.vertices[c] + 1e-5 * across.normalized());
+  surface.triangles[0] = {a, b, cut};
+  surface.triangles.push_back({a, cut, c});
+  const OuterSurface other = test::surface_of(test::box({0.02, 0.02, 0.02}));
+  const auto corners = static_cast<std::uint32_t>(surface.vertices.size());
+  for (const Vector3& vertex : other.vertices) {
+    surface.vertices.push_back(vertex - (0.02 + 1.5e-4) * normal);
+  }
+  for (const Triangle& triangle : other.triangles) {
+    surface.triangles.push_back(
+        {triangle[0] + corners, triangle[1] + corners, triangle[2] + corners});
+  }
+  surface.surface_count = surface.triangles.size();
+  const std::vector<FeatureSides> sides = sides_of(surface, 1e-4, 1.4e-5, 2e-6);
+  for (const double height : {-1e-4, 1e-4}) {
+    CHECK(is_inside(sides[0], TriangleFeature::ca, height) == (height < 0));
   }
 }
 
