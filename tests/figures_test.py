@@ -31,6 +31,11 @@ class Pages(unittest.TestCase):
         found = check(SOURCE)
         self.assertEqual(found.returncode, 0, "\n" + found.stderr)
 
+    def test_borders_in_the_code_are_what_the_laboratory_measured(self) -> None:
+        found = subprocess.run([sys.executable, SOURCE / "scripts/write_borders", "--check"],
+                               capture_output=True, text=True, check=False)
+        self.assertEqual(found.returncode, 0, "\n" + found.stderr)
+
     def test_no_figure_stands_on_a_page_by_hand(self) -> None:
         bare = [f"{page}:{line}: {text}" for page in figures.pages_of(SOURCE)
                 for line, text in figures.bare_figures(

@@ -72,10 +72,11 @@ class Mover {
     return place.outside();
   }
 
-  /// Moves from a place outside as far as possible. `held` says whether the surface holds it there.
-  Place go(Place place) noexcept {
+  /// Moves from a place outside as far as possible with `most` queries. `held` says whether the
+  /// surface holds it there.
+  Place go(Place place, std::uint32_t most) noexcept {
     std::uint32_t touching = 0;
-    while (queries_ < proxy_queries && touching < proxy_touching_queries) {
+    while (queries_ < most && touching < proxy_touching_queries) {
       const std::uint32_t before = queries_;
       const Vector3 from = place.at;
       if (!step(place)) break;
@@ -138,7 +139,7 @@ class Mover {
 }  // namespace
 
 ProxyContact move_proxy(const AssetView& asset, double radius, const Vector3& point,
-                        ProxyState& state) noexcept {
+                        ProxyState& state, std::uint32_t most) noexcept {
   ProxyContact contact;
   contact.proxy = point;
   if (!point.allFinite()) {
@@ -158,7 +159,7 @@ ProxyContact move_proxy(const AssetView& asset, double radius, const Vector3& po
       return contact;
     }
   }
-  place = mover.go(place);
+  place = mover.go(place, most);
   const double depth = (place.at - point).norm();
   const bool touching = (mover.held || state.touching) && depth > settled;
   state = {true, place.at, point, touching};

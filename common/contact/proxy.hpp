@@ -38,6 +38,8 @@ inline constexpr double proxy_catch_up_share = 1.5;
 /// Largest number of surface queries in a tick where the proxy touches, and in any tick.
 inline constexpr std::uint32_t proxy_touching_queries = 32;
 inline constexpr std::uint32_t proxy_queries = 128;
+/// The same for a tick that is short of time.
+inline constexpr std::uint32_t proxy_few_queries = 12;
 
 /// Moves the proxy of a point (radius 0) or a ball towards the haptic interaction point (object's
 /// frame, m) as far as the surface allows: to the nearest place outside, as seen from the proxy's
@@ -50,8 +52,9 @@ inline constexpr std::uint32_t proxy_queries = 128;
 /// contact where the surface holds the proxy, and until the proxy has caught up. A proxy that is
 /// not known starts at the point, or at the surface nearest to it; where neither is outside, it
 /// stays unknown after the tick. Places that the bake left out count as empty. Points that are not
-/// finite give no contact and reset the proxy.
+/// finite give no contact and reset the proxy. No step is begun after `most` queries.
 [[nodiscard]] ProxyContact move_proxy(const AssetView& asset, double radius, const Vector3& point,
-                                      ProxyState& state) noexcept;
+                                      ProxyState& state,
+                                      std::uint32_t most = proxy_queries) noexcept;
 
 }  // namespace spm

@@ -2,31 +2,12 @@
 #pragma once
 
 #include <algorithm>
-#include <array>
-#include <string_view>
 
 #include "common/base/device_profile.hpp"
+#include "common/contact/stiffness_borders.hpp"
 
 namespace spm {
 
-/// Largest stiffness of a flat wall before a device begins to shake on it, N/m at its tool.
-struct StiffnessBorder {
-  std::string_view device;  ///< a profile's name
-  double hold;              ///< while pressed and held
-  double tap;               ///< when hit at 0.5 m/s
-};
-
-/// Borders at 1 kHz with one tick of delay and without stabilization, from simulation: with the
-/// masses, damping and friction that sim_profile.hpp assumes, in a hand of two masses. No device
-/// was measured. Measured on the stability laboratory's flat wall with the exact penalty, and on
-/// its tap with the bare proxy. In the order of `device_profiles`.
-inline constexpr std::array<StiffnessBorder, device_profiles.size()> stiffness_borders{{
-    {"low", 1985, 1701},
-    {"falcon", 6464, 4669},
-    {"touch", 3622, 3812},
-    {"omega3", 4948, 3453},
-    {"wooden", 8446, 6312},
-}};
 static_assert([] {
   for (std::size_t i = 0; i < device_profiles.size(); ++i) {
     if (stiffness_borders[i].device != device_profiles[i].name) return false;
@@ -34,8 +15,8 @@ static_assert([] {
   return true;
 }());
 
-/// Part of the lower border that is used; the rest allows for shapes that are worse than a flat
-/// wall.
+/// Part of the lower border of a flat wall that is used; the rest allows for other shapes and for
+/// devices that are worse than their profile.
 inline constexpr double stiffness_margin = 0.6;
 
 /// The stiffness that `"auto"` stands for, N/m at the device's tool: stiffness_margin of the
@@ -47,5 +28,11 @@ inline constexpr double stiffness_margin = 0.6;
   }
   return 0;
 }
+static_assert([] {
+  for (std::size_t i = 0; i < device_profiles.size(); ++i) {
+    if (stable_stiffness(device_profiles[i]) > stiffness_borders[i].served) return false;
+  }
+  return true;
+}());
 
 }  // namespace spm

@@ -63,20 +63,22 @@ Json to_json(const RecordingHeader& header) {
     if (std::isfinite(device.force_cap)) entry["force_cap_n"] = device.force_cap;
     if (!device.profile.empty()) entry["profile"] = device.profile;
   }
-  Json json = {{"form", header.form},
-               {"spm_version", header.spm_version},
-               {"instruction_set", header.instruction_set},
-               {"rate_hz", header.rate_hz},
-               {"devices", std::move(devices)},
-               {"causes", header.causes},
-               {"assets", to_json(header.assets)},
-               {"scene_path", header.scene_path},
-               {"scene", header.scene},
-               {"row_bytes", sizeof(RecordingRow)},
-               {"row",
-                {"tick u64", "position f64 x3 m", "wanted f64 x3 N", "sent f64 x3 N", "depth f64 m",
-                 "wake_ns i32", "busy_ns i32", "buttons u32", "device u16", "cause u8",
-                 "flags u8: 1 contact, 2 forgot, 4 lost, 8 touched, 16 edited, 32 exchanged"}}};
+  Json json = {
+      {"form", header.form},
+      {"spm_version", header.spm_version},
+      {"instruction_set", header.instruction_set},
+      {"rate_hz", header.rate_hz},
+      {"devices", std::move(devices)},
+      {"causes", header.causes},
+      {"assets", to_json(header.assets)},
+      {"scene_path", header.scene_path},
+      {"scene", header.scene},
+      {"row_bytes", sizeof(RecordingRow)},
+      {"row",
+       {"tick u64", "position f64 x3 m", "wanted f64 x3 N", "added f64 x3 N", "sent f64 x3 N",
+        "depth f64 m", "wake_ns i32", "busy_ns i32", "buttons u32", "device u16", "cause u8",
+        "flags u8: 1 contact, 2 forgot, 4 lost, 8 touched, 16 edited, 32 exchanged", "first u16",
+        "exact u16", "held u16", "shortened u16"}}};
   return json;
 }
 
@@ -286,7 +288,8 @@ std::string objection_to_form(const Json& json) {
   const Json version = json.value("spm_version", Json());
   return "is of an older form, of spm-servo " +
          (version.is_string() ? version.get<std::string>() : "of unknown version") +
-         ", which does not say what its forces came from; replay it with that version, or record "
+         ", which does not say all that its forces came from; replay it with that version, or "
+         "record "
          "it again";
 }
 

@@ -20,7 +20,8 @@ struct RecordingRow {
   std::uint64_t tick = 0;            ///< index on the time grid
   std::array<double, 3> position{};  ///< m
   std::array<double, 3> wanted{};    ///< N, the result of the force law
-  std::array<double, 3> sent{};      ///< N, the force after the safety limits
+  std::array<double, 3> added{};     ///< N, what applications added to it
+  std::array<double, 3> sent{};      ///< N, the force of both after the safety limits
   double depth = 0;                  ///< m
   std::int32_t wake_ns = 0;          ///< delay of the loop's wake-up
   std::int32_t busy_ns = 0;          ///< from waking up to the last device's write
@@ -28,10 +29,16 @@ struct RecordingRow {
   std::uint16_t device = 0;
   std::uint8_t cause = 0;  ///< why the force was zero: an index into the header's causes
   std::uint8_t flags = 0;  ///< bits of RecordingFlag
+  /// Where time did not suffice for all objects, and `held` or `shortened` is not 0: so many
+  /// objects were computed exactly, from the number `first` on and round to the start. All 0
+  /// otherwise.
+  std::uint16_t first = 0, exact = 0;
+  std::uint16_t held = 0;       ///< objects that were felt by their last plane
+  std::uint16_t shortened = 0;  ///< objects whose proxy made fewer queries
 
   [[nodiscard]] bool operator==(const RecordingRow&) const = default;
 };
-static_assert(sizeof(RecordingRow) == 8 + 9 * 8 + 8 + 2 * 4 + 4 + 2 + 2);
+static_assert(sizeof(RecordingRow) == 8 + 12 * 8 + 8 + 2 * 4 + 4 + 2 + 2 + 4 * 2);
 
 /// Bits of RecordingRow::flags.
 enum RecordingFlag : std::uint8_t {
@@ -44,8 +51,9 @@ enum RecordingFlag : std::uint8_t {
 };
 
 /// Format version of the files that are written; no other one is read. Versions 1 and 2 had rows
-/// alone, without what their forces came from.
-inline constexpr std::uint32_t recording_form = 3;
+/// alone, without what their forces came from; version 3 had neither what applications added nor
+/// which objects a tick had time for.
+inline constexpr std::uint32_t recording_form = 4;
 
 struct RecordedDevice {
   std::string name;

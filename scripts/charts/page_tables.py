@@ -5,6 +5,7 @@ tests/bench/charts, by their names, to lines of Markdown."""
 import math
 from typing import Iterable
 
+import stiffness_borders
 from markdown_table import table
 from paper_tables import paper_tables
 from stability_tables import failing_lines, stability_tables, target_lines, theory_lines
@@ -247,6 +248,22 @@ def laboratory_table(reports: dict) -> list[str]:
                   for which, shared in (("it had", False), ("that all had", True))])
 
 
+def default_table(reports: dict) -> list[str]:
+    """What somebody gets who names no setting: at the stiffness that is chosen for the device."""
+    report = reports["stability"]
+    cases = stiffness_borders.cases(report)
+
+    def cells(device: str) -> list[str]:
+        stiffness = stiffness_borders.chosen(report, device)
+        lost = [case for case in cases
+                if stiffness_borders.border(report, case, "default", device) < stiffness]
+        return [f"`{device}`", f"{stiffness / 1000:.2f}", f"{len(cases) - len(lost)} of {len(cases)}",
+                ", ".join(f"`{case}`" for case in lost)]
+
+    return table(["profile", "stiffness, N/mm", "cases that are held", "lost"],
+                 [cells(device) for device in stiffness_borders.caps()])
+
+
 def costs_table(reports: dict) -> list[str]:
     costs = {row["method"]: row for row in reports["stability"]["costs"]}
     return table(["method", "a tick, mean / p99, us", "force off, median / RMS"],
@@ -271,7 +288,8 @@ TABLES = {
     "costs_table": costs_table,
     "culling_table": culling_table, "forces_table": forces_table,
     "failing_table": lambda reports: failing_lines(reports["stability"])[2:-1],
-    "laboratory_table": laboratory_table, "made": made, "methods_table": methods_table,
+    "default_table": default_table, "laboratory_table": laboratory_table, "made": made,
+    "methods_table": methods_table,
     "probes_table": probes_table,
     "paper_tables": lambda reports: paper_tables(reports["tables"]),
     "served_table": served_table, "sixdof_table": sixdof_table, "soak_tables": soak_tables,

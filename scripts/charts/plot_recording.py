@@ -21,12 +21,14 @@ matplotlib.rcParams["font.size"] = 10
 import matplotlib.pyplot as plt  # noqa: E402
 import numpy as np  # noqa: E402
 
-MAGIC, FORM, ROW_KIND = b"SPM-REC1", 3, 1
+MAGIC, FORM, ROW_KIND = b"SPM-REC1", 4, 1
 # formats/motion/recording.hpp
-ROW = np.dtype([("tick", "<u8"), ("position", "<f8", 3), ("wanted", "<f8", 3), ("sent", "<f8", 3),
-                ("depth", "<f8"), ("wake_ns", "<i4"), ("busy_ns", "<i4"), ("buttons", "<u4"),
-                ("device", "<u2"), ("cause", "u1"), ("flags", "u1")])
+ROW = np.dtype([("tick", "<u8"), ("position", "<f8", 3), ("wanted", "<f8", 3), ("added", "<f8", 3),
+                ("sent", "<f8", 3), ("depth", "<f8"), ("wake_ns", "<i4"), ("busy_ns", "<i4"), ("buttons", "<u4"),
+                ("device", "<u2"), ("cause", "u1"), ("flags", "u1"),
+                ("first", "<u2"), ("exact", "<u2"), ("held", "<u2"), ("shortened", "<u2")])
 WANTED_COLOUR, SENT_COLOUR, DEPTH_COLOUR = "#8a8a8a", "#b5302a", "#1f5f8b"
+ADDED_COLOUR = "#2f7d4f"
 
 
 def read_recording(path: str) -> tuple[dict, np.ndarray]:
@@ -74,6 +76,9 @@ def draw(header: dict, rows: np.ndarray, device: int, prefix: str) -> None:
     for name, colour, width in (("wanted", WANTED_COLOUR, 2.2), ("sent", SENT_COLOUR, 1.0)):
         force.plot(time, np.linalg.norm(rows[name], axis=1), color=colour, linewidth=width,
                    label=name)
+    if rows["added"].any():
+        force.plot(time, np.linalg.norm(rows["added"], axis=1), color=ADDED_COLOUR, linewidth=1.0,
+                   label="added by applications")
     force.legend(loc="lower left", frameon=False)
     force.set_title(f"Force on the hand: {header['devices'][device]['name']} "
                     "(grey ground: off, and why)")

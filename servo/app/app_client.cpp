@@ -155,8 +155,12 @@ bool AppClient::confirm() noexcept {
 }
 
 AppClientReport AppClient::report() const {
-  return {attached_.connection, process_, application_, load_relaxed(attached_.ring->tail),
-          load_relaxed(attached_.ring->refused)};
+  return {attached_.connection,
+          process_,
+          application_,
+          load_relaxed(attached_.ring->tail),
+          load_relaxed(attached_.ring->refused),
+          attached_.supervisor};
 }
 
 }  // namespace spm::servo

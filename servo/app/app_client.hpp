@@ -22,6 +22,7 @@ struct AppClientReport {
   std::string application;  ///< the name it gives itself, printable characters only
   std::uint64_t commands = 0;
   std::uint64_t refused = 0;
+  bool supervisor = false;  ///< its role
 };
 
 /// The result of `hear`.

@@ -17,10 +17,15 @@ class AppClutches {
   /// SPM_MAX_DEVICES. Refused while another one holds it, unless `supervisor` asks.
   [[nodiscard]] Refusal set(std::uint32_t device, bool on, std::uint32_t connection,
                             bool supervisor) noexcept {
-    std::uint32_t& holder = holders_[device];
-    if (holder != 0 && holder != connection && !supervisor) return Refusal::clutch_held;
-    holder = on ? connection : 0;
+    if (!allows(device, connection, supervisor)) return Refusal::clutch_held;
+    holders_[device] = on ? connection : 0;
     return Refusal::none;
+  }
+  /// Whether an application may decide about a device's force: nobody else holds its clutch.
+  [[nodiscard]] bool allows(std::uint32_t device, std::uint32_t connection,
+                            bool supervisor) const noexcept {
+    const std::uint32_t holder = holders_[device];
+    return holder == 0 || holder == connection || supervisor;
   }
   /// An application is gone.
   void leave(std::uint32_t connection) noexcept {

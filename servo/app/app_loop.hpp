@@ -18,6 +18,7 @@ struct AppLoop {
   std::uint64_t missed = 0;   ///< not finished before the next one was due, including skipped ones
   std::uint64_t skipped = 0;  ///< missed ticks that were not run at all
   std::span<const DeviceCounters> devices;  ///< at most SPM_MAX_DEVICES are published
+  std::uint64_t degraded = 0;               ///< ticks that had too little time for all objects
 };
 
 }  // namespace spm::servo

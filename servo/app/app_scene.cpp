@@ -77,6 +77,7 @@ AppScene::Object* AppScene::find(std::uint64_t id) noexcept {
 
 AppChanges AppScene::begin(std::int64_t now_ns, std::span<SceneForce* const> forces) noexcept {
   felt_anew_ = false;
+  acknowledged_ = 0;
   for (const AppCommand& command : state_.take(now_ns)) {
     const Refusal refusal = follow(command, now_ns, forces);
     if (refusal != Refusal::none) state_.refuse(command, refusal);
@@ -93,7 +94,7 @@ AppChanges AppScene::begin(std::int64_t now_ns, std::span<SceneForce* const> for
     for (SceneForce* force : forces) force->place(i, now.pose.position, now.pose.rotation);
   }
   touched_ = touched_ || felt_anew_;
-  return {felt_anew_, silent, touched_, stiffest_, &clutches_, &force_caps_};
+  return {felt_anew_, silent, touched_, stiffest_, &clutches_, &force_caps_, acknowledged_};
 }
 
 /// How far an object's farthest place is from its origin, m, world; 0 if not known yet.
@@ -124,6 +125,18 @@ Refusal AppScene::follow(const AppCommand& command, std::int64_t now_ns,
       return clutches_.set(command.index, command.on, command.connection, command.supervisor);
     case AppAction::force_cap:
       force_caps_.set(command.index, command.client, command.force_cap);
+      return Refusal::none;
+    case AppAction::push:
+      return push(command, now_ns);
+    case AppAction::effect:
+      return set_effect(command);
+    case AppAction::remove_effect:
+      return effects_.remove(command);
+    case AppAction::acknowledge:
+      if (!clutches_.allows(command.index, command.connection, command.supervisor)) {
+        return Refusal::clutch_held;
+      }
+      acknowledged_ |= 1U << command.index;
       return Refusal::none;
     case AppAction::departure:
       depart(command, forces);
@@ -201,6 +214,7 @@ Refusal AppScene::remove(const AppCommand& command, std::span<SceneForce* const>
 void AppScene::drop(std::size_t place, std::span<SceneForce* const> forces) noexcept {
   objects_[place].is_there = false;
   for (SceneForce* force : forces) force->remove(place);
+  effects_.drop(place);
   note_stiffness();
 }
 
@@ -231,10 +245,26 @@ void AppScene::hand_on(const Object& object, std::int64_t now_ns,
   for (SceneForce* force : forces) force->change(place_of(object), settings);
 }
 
+/// A push ends by the sender's clock as well, so that one that was taken late acts no longer.
+Refusal AppScene::push(const AppCommand& command, std::int64_t now_ns) noexcept {
+  if (command.torque != Vector3::Zero()) return Refusal::no_torque;
+  std::int64_t until = now_ns + static_cast<std::int64_t>(command.hold * 1e9);
+  if (command.deadline_ns > 0) until = std::min(until, command.deadline_ns);
+  effects_.push(command.index, command.client, command.force, until);
+  return Refusal::none;
+}
+
+Refusal AppScene::set_effect(const AppCommand& command) noexcept {
+  if (command.effect.kind != HandEffectKind::magnet) return effects_.set(command, 0);
+  const Object* const object = find(command.object);
+  return object != nullptr ? effects_.set(command, place_of(*object)) : Refusal::unknown_object;
+}
+
 void AppScene::depart(const AppCommand& departure, std::span<SceneForce* const> forces) noexcept {
   const std::uint32_t connection = departure.connection;
   clutches_.leave(connection);
   force_caps_.leave(departure.client);
+  effects_.leave(departure.client, connection);
   for (std::size_t i = 0; i < objects_.size(); ++i) {
     if (objects_[i].is_there && owner_of(objects_[i].id) == connection) drop(i, forces);
     if (objects_[i].driver == connection) objects_[i].driver = 0;

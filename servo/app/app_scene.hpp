@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "servo/app/app_clutches.hpp"
+#include "servo/app/app_effects.hpp"
 #include "servo/app/app_force_caps.hpp"
 #include "servo/app/app_state.hpp"
 #include "servo/app/pose_interpolator.hpp"
@@ -24,6 +25,7 @@ struct AppChanges {
   // Set by `begin`:
   const AppClutches* clutches = nullptr;     ///< which are held by applications
   const AppForceCaps* force_caps = nullptr;  ///< how far applications lowered them
+  std::uint32_t acknowledged = 0;            ///< devices whose fault somebody acknowledged, bits
 };
 
 /// The objects of a running scene, as applications see and change them. It follows their commands,
@@ -60,6 +62,9 @@ class AppScene {
   void end(std::uint64_t tick, std::int64_t now_ns, std::span<const AppDevice> devices,
            std::span<SceneForce* const> forces) noexcept;
 
+  /// The forces and effects that applications give to the hands.
+  [[nodiscard]] AppEffects& effects() noexcept { return effects_; }
+
   /// Call it when the tick is over and its length known. Publishes the counts.
   void count(const AppLoop& loop) noexcept { state_.count(loop); }
 
@@ -86,6 +91,8 @@ class AppScene {
                                std::span<SceneForce* const> forces) noexcept;
   [[nodiscard]] Refusal change(const AppCommand& command, std::int64_t now_ns,
                                std::span<SceneForce* const> forces) noexcept;
+  [[nodiscard]] Refusal push(const AppCommand& command, std::int64_t now_ns) noexcept;
+  [[nodiscard]] Refusal set_effect(const AppCommand& command) noexcept;
   void depart(const AppCommand& departure, std::span<SceneForce* const> forces) noexcept;
   [[nodiscard]] bool put(const Object& added, std::span<SceneForce* const> forces) noexcept;
   [[nodiscard]] std::size_t place_of(const Object& object) const noexcept {
@@ -108,6 +115,8 @@ class AppScene {
   std::vector<Object> objects_;  ///< by the numbers that SceneForce gives
   AppClutches clutches_;
   AppForceCaps force_caps_;
+  AppEffects effects_;
+  std::uint32_t acknowledged_ = 0;  ///< devices, in this tick
   bool felt_anew_ = false;
   bool touched_ = false;
   double stiffest_ = 0;  ///< N/m

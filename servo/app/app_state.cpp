@@ -33,7 +33,9 @@ static_assert(static_cast<int>(ForceOff::clutched) == SPM_CLIENT_OFF_CLUTCHED);
 static_assert(static_cast<int>(ForceOff::outside_workspace) == SPM_CLIENT_OFF_OUTSIDE_WORKSPACE);
 static_assert(static_cast<int>(ForceOff::application_silent) == SPM_CLIENT_OFF_APPLICATION_SILENT);
 static_assert(static_cast<int>(ForceOff::stalled) == SPM_CLIENT_OFF_STALLED);
-static_assert(force_off_count == 14, "name a new cause in spm_client.h and spm_client.py too");
+static_assert(static_cast<int>(ForceOff::unacknowledged) == SPM_CLIENT_OFF_UNACKNOWLEDGED);
+static_assert(static_cast<int>(ForceOff::not_enabled) == SPM_CLIENT_OFF_NOT_ENABLED);
+static_assert(force_off_count == 16, "name a new cause in spm_client.h and spm_client.py too");
 static_assert(static_cast<int>(DeviceHealth::ok) == SPM_CLIENT_HEALTH_OK);
 static_assert(static_cast<int>(DeviceHealth::fault) == SPM_CLIENT_HEALTH_FAULT);
 static_assert(static_cast<int>(DeviceHealth::silent) == SPM_CLIENT_HEALTH_SILENT);
@@ -180,6 +182,14 @@ void AppState::count(const AppLoop& loop) noexcept {
     store_relaxed(to.taken, commands.taken);
     store_relaxed(to.refused, commands.refused);
     store_relaxed(to.garbage, commands.garbage);
+    store_relaxed(to.degraded, loop.degraded);
+    std::uint64_t held = 0, shortened = 0;
+    for (const DeviceCounters& device : loop.devices) {
+      held += device.held;
+      shortened += device.shortened;
+    }
+    store_relaxed(to.held, held);
+    store_relaxed(to.shortened, shortened);
     store_relaxed(to.device_count, static_cast<std::uint32_t>(devices));
     for (std::size_t i = 0; i < devices; ++i) {
       store_record(to.devices[i], servo::packed(loop.devices[i], seen_[i].last_cause));
@@ -192,13 +202,16 @@ void AppState::tell_clients(std::span<const AppClientReport> clients) noexcept {
   const std::size_t count = std::min<std::size_t>(clients.size(), SPM_MAX_CLIENTS);
   write_sequenced(to.sequence, [&] {
     store_relaxed(to.count, static_cast<std::uint32_t>(count));
+    std::uint32_t supervisors = 0;
     for (std::size_t i = 0; i < count; ++i) {
+      supervisors |= bit(clients[i].supervisor, 1U << i);
       spm_shared_application application{};
       application.connection = clients[i].connection;
       application.process = static_cast<std::uint32_t>(clients[i].process);
       copy_text(application.name, clients[i].application);
       store_words(&to.list[i], &application, sizeof application);
     }
+    store_relaxed(to.supervisors, supervisors);
   });
 }
 

@@ -17,6 +17,12 @@ static_assert(int{SPM_CLIENT_FRICTION} == int{SPM_MATERIAL_FRICTION});
 static_assert(int{SPM_CLIENT_DAMPING} == int{SPM_MATERIAL_DAMPING});
 static_assert(int{SPM_CLIENT_TEXTURE} == int{SPM_MATERIAL_TEXTURE});
 
+static_assert(int{SPM_CLIENT_SPRING} == int{SPM_EFFECT_SPRING});
+static_assert(int{SPM_CLIENT_VISCOUS} == int{SPM_EFFECT_VISCOUS});
+static_assert(int{SPM_CLIENT_MAGNET} == int{SPM_EFFECT_MAGNET});
+static_assert(int{SPM_CLIENT_DETENTS} == int{SPM_EFFECT_DETENTS});
+static_assert(SPM_CLIENT_ALL_EFFECTS == SPM_ALL_EFFECTS);
+
 constexpr double longest_deadline = 1e6;  // s
 
 std::int64_t monotonic_ns() noexcept {
@@ -152,6 +158,60 @@ int spm_client_set_force_cap(spm_client* client, uint32_t device, double newtons
   command.kind = SPM_COMMAND_FORCE_CAP;
   command.index = device;
   command.force_cap = newtons;
+  return send(client, command);
+}
+
+int spm_client_push_hand(spm_client* client, uint32_t device, const spm_client_push* push) {
+  if (client == nullptr || push == nullptr || push->size < sizeof *push) {
+    return SPM_CLIENT_BAD_ARGUMENT;
+  }
+  spm_shared_command command{};
+  command.kind = SPM_COMMAND_PUSH;
+  command.index = device;
+  std::memcpy(command.force, push->force, sizeof command.force);
+  std::memcpy(command.torque, push->torque, sizeof command.torque);
+  command.hold = push->hold;
+  // Checked before it becomes an integer.
+  if (!(push->hold > 0 && push->hold <= app_max_hold)) return SPM_CLIENT_BAD_ARGUMENT;
+  command.deadline_ns = monotonic_ns() + static_cast<std::int64_t>(push->hold * 1e9);
+  return send(client, command);
+}
+
+int spm_client_set_effect(spm_client* client, uint32_t device, uint32_t number,
+                          const spm_client_effect* effect) {
+  if (client == nullptr || effect == nullptr || effect->size < sizeof *effect) {
+    return SPM_CLIENT_BAD_ARGUMENT;
+  }
+  spm_shared_command command{};
+  command.kind = SPM_COMMAND_EFFECT;
+  command.index = device;
+  command.object = effect->object;
+  command.effect = number;
+  command.effect_kind = effect->kind;
+  command.stiffness = effect->stiffness;
+  command.damping = effect->damping;
+  command.most_force = effect->most_force;
+  command.range = effect->range;
+  command.spacing = effect->spacing;
+  std::memcpy(command.position, effect->point, sizeof command.position);
+  std::memcpy(command.axis, effect->axis, sizeof command.axis);
+  return send(client, command);
+}
+
+int spm_client_remove_effect(spm_client* client, uint32_t device, uint32_t number) {
+  if (client == nullptr) return SPM_CLIENT_BAD_ARGUMENT;
+  spm_shared_command command{};
+  command.kind = SPM_COMMAND_REMOVE_EFFECT;
+  command.index = device;
+  command.effect = number;
+  return send(client, command);
+}
+
+int spm_client_acknowledge(spm_client* client, uint32_t device) {
+  if (client == nullptr) return SPM_CLIENT_BAD_ARGUMENT;
+  spm_shared_command command{};
+  command.kind = SPM_COMMAND_ACKNOWLEDGE;
+  command.index = device;
   return send(client, command);
 }
 

@@ -30,6 +30,9 @@ spm_client_loop public_loop(const spm_shared_loop& from) noexcept {
   to.taken = load_relaxed(from.taken);
   to.refused = load_relaxed(from.refused);
   to.garbage = load_relaxed(from.garbage);
+  to.degraded = load_relaxed(from.degraded);
+  to.held = load_relaxed(from.held);
+  to.shortened = load_relaxed(from.shortened);
   static_assert(sizeof to.wake == sizeof from.wake && sizeof to.busy == sizeof from.busy);
   load_words(to.wake, from.wake, sizeof to.wake);
   load_words(to.busy, from.busy, sizeof to.busy);
@@ -91,10 +94,15 @@ int spm_client_read_application(const spm_client* client, uint32_t index,
   if (client == nullptr || application == nullptr) return SPM_CLIENT_BAD_ARGUMENT;
   const spm_shared_applications& shared = look(*client).applications;
   spm_shared_application found{};
+  std::uint32_t supervisors = 0;
   const int code = look_up(shared.sequence, [&] {
     const bool there = index < SPM_MAX_CLIENTS && index < load_relaxed(shared.count);
     if (there) load_words(&found, &shared.list[index], sizeof found);
+    supervisors = load_relaxed(shared.supervisors);
     return there;
   });
-  return code == SPM_CLIENT_OK ? give(application, public_application(found)) : code;
+  if (code != SPM_CLIENT_OK) return code;
+  spm_client_application seen = public_application(found);
+  seen.role = (supervisors >> index) & 1U;
+  return give(application, seen);
 }

@@ -77,7 +77,9 @@ enum spm_client_force_off {
   SPM_CLIENT_OFF_CLUTCHED = 10,
   SPM_CLIENT_OFF_OUTSIDE_WORKSPACE = 11,
   SPM_CLIENT_OFF_APPLICATION_SILENT = 12,
-  SPM_CLIENT_OFF_STALLED = 13
+  SPM_CLIENT_OFF_STALLED = 13,
+  SPM_CLIENT_OFF_UNACKNOWLEDGED = 14, /**< a fault is over: spm_client_acknowledge */
+  SPM_CLIENT_OFF_NOT_ENABLED = 15     /**< the enable switch of the device is not held */
 };
 
 enum spm_client_health {
@@ -90,10 +92,11 @@ enum spm_client_health {
 
 /* --- Connecting ------------------------------------------------------------------------------ */
 
-/** An object belongs to the application that added it; one of the scene to the first that moves or
- *  changes it; a clutch to who took it: until that application leaves, what another asks for there
- *  is refused. A supervisor may move and change any object, remove any that an application added,
- *  and take any clutch. The daemon allows the role to its own user and to root alone. */
+/** An object or an effect belongs to the application that added it; one of the scene to the first
+ * that moves or changes it; a clutch to who took it: until that application leaves, what another
+ * asks for there is refused. A supervisor may move and change any object, remove any that an
+ * application added, and take any clutch. The daemon allows the role to its own user and to root
+ * alone. */
 enum spm_client_role { SPM_CLIENT_APPLICATION = 0, SPM_CLIENT_SUPERVISOR = 1 };
 
 typedef struct spm_client_options {
@@ -115,7 +118,8 @@ typedef struct spm_client_options {
 SPM_CLIENT_API int spm_client_connect(const spm_client_options* options, spm_client** client,
                                       char* message, size_t message_size);
 
-/** Disconnects; NULL is allowed. The objects that the application added are removed. */
+/** Disconnects; NULL is allowed. The objects and effects that the application added are
+ *  removed, and its pushes end. */
 SPM_CLIENT_API void spm_client_disconnect(spm_client* client);
 
 /** Whether the daemon lives: enum spm_client_daemon. `age` (s, may be NULL) is how long ago the
@@ -246,8 +250,7 @@ enum spm_client_material_field {
   SPM_CLIENT_TEXTURE = 8
 };
 
-/** How an object feels. What is not among `fields` stays as it is. The daemon's caps apply as
- *  well. */
+/** How an object feels, within the daemon's caps. What is not among `fields` stays as it is. */
 typedef struct spm_client_material {
   uint32_t size;
   uint32_t fields;           /**< enum spm_client_material_field, added up */
@@ -281,6 +284,65 @@ SPM_CLIENT_API int spm_client_set_clutch(spm_client* client, uint32_t device, in
  *  raises the cap of the daemon, and the lowest of all applications holds: a large number lifts
  * this application's own. Where a cap rises, the force fades in again. */
 SPM_CLIENT_API int spm_client_set_force_cap(spm_client* client, uint32_t device, double newtons);
+
+/** A push: a force on a device's hand beside what the scene gives, for a while. */
+typedef struct spm_client_push {
+  uint32_t size;
+  uint32_t reserved;
+  double force[3];  /**< N, each within 1000, world frame */
+  double torque[3]; /**< N m; must be zero, since no torque is sent to any device yet */
+  double hold;      /**< s, above 0 and at most 1: how long it acts from this call on */
+} spm_client_push;
+
+/** Pushes a device's hand, under all that limits the scene's force; all pushes and effects together
+ *  are held below the force cap before they are added. It replaces this application's last push on
+ *  the device; those of several applications are added. An application that sends no next one
+ *  before `hold` is over stops pushing. */
+SPM_CLIENT_API int spm_client_push_hand(spm_client* client, uint32_t device,
+                                        const spm_client_push* push);
+
+enum spm_client_effect_kind {
+  SPM_CLIENT_SPRING = 1,  /**< pulls towards `point` */
+  SPM_CLIENT_VISCOUS = 2, /**< brakes by `damping` */
+  SPM_CLIENT_MAGNET = 3,  /**< pulls to the surface of `object` from outside, within its margin */
+  SPM_CLIENT_DETENTS = 4  /**< pulls along `axis` to the nearest of planes `spacing` apart, one of
+                               them at `point`; two or three that cross make lines or points */
+};
+
+/** A simple effect on a hand. What its kind does not use is left at 0. A pull rises with
+ *  `stiffness`, stays at `most_force`, and falls as steeply to zero at `range`, or half way between
+ *  two detents. */
+typedef struct spm_client_effect {
+  uint32_t size;
+  uint32_t kind;     /**< enum spm_client_effect_kind */
+  double stiffness;  /**< N/m, 0 to 1e5 */
+  double damping;    /**< N s/m, 0 to 1000 */
+  double most_force; /**< N, to 1000; 0: no limit of its own */
+  double range;      /**< m, to 100; 0: none. Of detents: how far from `point` the last one is */
+  double spacing;    /**< m, 1e-5 to 100 */
+  double point[3];   /**< world frame, within 100 m */
+  double axis[3];    /**< unit within a thousandth */
+  uint64_t object;   /**< id; the object may be anybody's. Where it is removed, so is the magnet. */
+} spm_client_effect;
+
+#define SPM_CLIENT_ALL_EFFECTS UINT32_MAX
+
+/** Sets an effect on a device's hand, or changes the one that has this `number` (which the
+ *  application chooses, below SPM_CLIENT_ALL_EFFECTS). It fades in over 0.1 s, stays until it is
+ *  removed, and ends with its application. A device has room for 16, of all applications. All on a
+ *  device together are held to a third of the stiffness "auto" for it and to half of the damping
+ *  that it bears, each in proportion. A pull brakes as much as its sampling would give back. */
+SPM_CLIENT_API int spm_client_set_effect(spm_client* client, uint32_t device, uint32_t number,
+                                         const spm_client_effect* effect);
+/** Removes an effect that this application set, at once; with SPM_CLIENT_ALL_EFFECTS all that it
+ *  set on the device, and for a supervisor all that anybody set. */
+SPM_CLIENT_API int spm_client_remove_effect(spm_client* client, uint32_t device, uint32_t number);
+
+/** Says that all is well again after a fault, where the daemon waits for it (`--recovery
+ *  acknowledge`, SPM_CLIENT_OFF_UNACKNOWLEDGED): the force fades in. It counts in the one tick that
+ *  takes it, and only when the fault is over; where nothing waits it does nothing. While another
+ *  application holds the device's clutch the loop refuses it, but not to a supervisor. */
+SPM_CLIENT_API int spm_client_acknowledge(spm_client* client, uint32_t device);
 
 typedef struct spm_client_command_counts {
   uint32_t size;
@@ -341,6 +403,9 @@ typedef struct spm_client_loop {
   uint64_t garbage;     /**< data from applications that was no command */
   uint64_t wake[64];    /**< ticks by how late they began; spm_client_bucket_end */
   uint64_t busy[64];    /**< ticks by how long they worked */
+  uint64_t degraded;    /**< ticks that had too little time for all objects */
+  uint64_t held;        /**< answers of objects that were coarser by that: the last plane */
+  uint64_t shortened;   /**< the same: a proxy that made fewer queries */
 } spm_client_loop;
 
 SPM_CLIENT_API int spm_client_read_loop(const spm_client* client, spm_client_loop* loop);
@@ -358,7 +423,7 @@ typedef struct spm_client_device_counts {
   uint64_t cap_hits;      /**< ticks in which the force cap limited the force */
   uint64_t slew_hits;     /**< ticks in which the slew limit limited the force */
   double force_max;       /**< N, as sent */
-  double energy;          /**< J, net work of the sent forces on the hand */
+  double energy;          /**< J, net work of the sent forces on the hand, pushes among them */
   double generated_max;   /**< J, largest positive value of `energy` */
 } spm_client_device_counts;
 
@@ -370,7 +435,7 @@ typedef struct spm_client_application {
   uint32_t size;
   uint32_t connection; /**< numbered from 1, never used again */
   uint32_t process;
-  uint32_t reserved;
+  uint32_t role; /**< enum spm_client_role */
   char name[64]; /**< its own name for itself: spm_client_options.application */
 } spm_client_application;
 

@@ -100,17 +100,19 @@ ordered_json recording_json(const ReplaySource& source, const std::vector<Played
                             const std::vector<std::string>& differs) {
   ordered_json json = {{"spm_version", source.recording->header.spm_version},
                        {"instruction_set", source.recording->header.instruction_set}};
-  std::uint64_t lost = 0, compared = 0, differing = 0;
+  std::uint64_t lost = 0, added = 0, compared = 0, differing = 0;
   double largest = 0;
   const Played* first = nullptr;
   for (const Played& one : all) {
     lost += one.ticks.lost;
+    added += one.ticks.added;
     compared += one.comparable - std::min(one.ticks.settled, one.comparable);
     differing += one.found.ticks;
     largest = std::max(largest, one.found.largest);
     if (first == nullptr && one.found.ticks > 0) first = &one;
   }
   json["lost"] = lost;
+  json["ticks_with_added_force"] = added;
   json["compared_ticks"] = compared;
   json["scene_changed"] = nullptr;
   json["forces_equal"] = compared == 0 ? ordered_json(nullptr) : ordered_json(differing == 0);

@@ -1,7 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <charconv>
 #include <csignal>
 #include <iostream>
 #include <memory>
+#include <string>
+#include <string_view>
+#include <system_error>
 
 #include "servo/commands/account_names.hpp"
 #include "servo/commands/commands.hpp"
@@ -19,6 +23,54 @@ struct RunCommand {
   cli::GlobalOptions global;
   RunOptions options;
 };
+
+/// What a person has to do before there is force.
+void add_permission_options(CLI::App& app, RunOptions& options) {
+  cli::add_word(
+      app, "--recovery", {"automatic", "acknowledge"},
+      [&options](std::size_t i) { options.acknowledge = i == 1; },
+      "How the force comes back when a fault is over: by itself (default), or once somebody "
+      "acknowledges it, by a button of the device or an application");
+  cli::add_parsed(
+      app, "--enable-switch",
+      [&options](const std::string& text) -> Result<void> {
+        constexpr std::string_view form = "button:";
+        constexpr std::uint32_t most = 32;  // bits of a DeviceState
+        const char* const end = text.data() + text.size();
+        std::uint32_t button = 0;
+        const bool named = text.starts_with(form);
+        const auto parsed = std::from_chars(text.data() + (named ? form.size() : 0), end, button);
+        if (text == "off") {
+          options.enable_button = 0;
+        } else if (named && parsed.ec == std::errc{} && parsed.ptr == end && button >= 1 &&
+                   button <= most) {
+          options.enable_button = button;
+        } else {
+          return fail(ExitCode::usage, "'" + text +
+                                           "' will not do: write button:N, with a button of the "
+                                           "device from 1 to 32, or off");
+        }
+        return {};
+      },
+      "Without this button of the device held there is no force; it fades in when it is pressed "
+      "(default off)",
+      "button:N|off");
+}
+
+constexpr double least_budget = 1, whole_budget = 100;  // %
+
+/// A share of a period, from a number with or without its sign, such as `60%`. Errors: usage.
+Result<double> percent(const std::string& text) {
+  const char* end = text.data() + text.size();
+  double value = 0;
+  const auto [read, problem] = std::from_chars(text.data(), end, value);
+  const std::string_view rest(read, static_cast<std::size_t>(end - read));
+  if (problem == std::errc() && (rest.empty() || rest == "%" || rest == " %") &&
+      value >= least_budget && value <= whole_budget) {
+    return value / 100;
+  }
+  return fail(ExitCode::usage, "'" + text + "' is no share of a period; give 1% to 100%, like 60%");
+}
 
 int execute_run(const RunCommand& command) {
   cli::configure_messages(command.global);
@@ -61,6 +113,17 @@ Command add_run_command(CLI::App& program) {
       [&options](std::size_t i) { options.paced_by_device = i == 1; },
       "What a tick follows: the clock (default), or each report of the first device, which then "
       "should report about --rate times a second");
+  cli::add_parsed(
+      *app, "--tick-budget",
+      [&options](const std::string& text) -> Result<void> {
+        const auto share = percent(text);
+        if (!share) return tl::make_unexpected(share.error());
+        options.tick_budget = *share;
+        return {};
+      },
+      "Part of a tick's period for the exact forces of all objects; those that are left then are "
+      "computed more coarsely, see degraded_ticks (default 60%)",
+      "PERCENT");
   cli::add_choice<RealtimeMode>(*app, "--realtime", options.realtime,
                                 {{"require", RealtimeMode::require},
                                  {"try", RealtimeMode::attempt},
@@ -111,6 +174,7 @@ Command add_run_command(CLI::App& program) {
       "Group whose members may connect applications too, beside this user and root: a name or an "
       "id; needs --socket, in a folder that the group may enter",
       "GROUP");
+  add_permission_options(*app, options);
   cli::add_word(
       *app, "--supervisor", {"on", "off"},
       [&options](std::size_t i) { options.supervisor = i == 0; },

@@ -72,6 +72,8 @@ Diagnosis diagnose(double seconds, const std::function<void(double)>& progress) 
                       judge_cgroup(facts),
                       judge_governor(facts),
                       judge_idle(facts),
+                      judge_latency(facts),
+                      judge_interrupts(facts),
                       judge_kernel(facts),
                       judge_virtual(facts),
                       judge_processors(facts),

@@ -59,11 +59,56 @@ Check judge_idle(const MachineFacts& facts) {
   const std::string measured = fmt::format("the slowest in use, {}, is left within {:.0f} us",
                                            facts.idle_state, *facts.idle_exit_us);
   if (*facts.idle_exit_us <= good_idle_exit_us) return {"idle_states", Verdict::good, measured, ""};
+  if (facts.may_hold_latency) {
+    return {"idle_states", Verdict::good, measured + "; 'spm-servo run' holds it off", ""};
+  }
   return {"idle_states", Verdict::fair, measured,
-          fmt::format(
-              "Run: sudo cpupower idle-set -D {:.0f} (until the next boot){}.", good_idle_exit_us,
-              facts.may_hold_latency ? "; or hold /dev/cpu_dma_latency open, which this user may"
-                                     : "")};
+          fmt::format("Run: sudo cpupower idle-set -D {:.0f} (until the next boot); or allow "
+                      "/dev/cpu_dma_latency, see cpu_latency.",
+                      good_idle_exit_us)};
+}
+
+Check judge_latency(const MachineFacts& facts) {
+  if (!facts.has_latency) return unknown("cpu_latency", "there is no /dev/cpu_dma_latency");
+  if (facts.may_hold_latency) {
+    return {"cpu_latency", Verdict::good,
+            "'spm-servo run' holds /dev/cpu_dma_latency, so that no core sleeps deeply", ""};
+  }
+  return {"cpu_latency", Verdict::fair,
+          "this user may not write /dev/cpu_dma_latency, so that cores may sleep deeply",
+          "Write the line KERNEL==\"cpu_dma_latency\", GROUP=\"spm-haptics\", MODE=\"0660\" to a "
+          "file in /etc/udev/rules.d, join that group, and boot again."};
+}
+
+Check judge_interrupts(const MachineFacts& facts) {
+  if (facts.usb_interrupts.empty()) {
+    return unknown("usb_interrupts", "no interrupt of a USB controller is to be seen");
+  }
+  std::vector<std::size_t> free = cores_of_list(facts.online_list);
+  std::string measured;
+  for (const UsbInterrupt& interrupt : facts.usb_interrupts) {
+    measured += fmt::format("{}interrupt {} ({}) comes on {}", measured.empty() ? "" : ", ",
+                            interrupt.number, interrupt.name,
+                            interrupt.cores.empty() ? "cores not readable" : interrupt.cores);
+    const std::vector<std::size_t> taken = cores_of_list(interrupt.cores);
+    if (taken.empty()) return unknown("usb_interrupts", measured.c_str());
+    std::erase_if(free, [&taken](std::size_t core) {
+      return std::find(taken.begin(), taken.end(), core) != taken.end();
+    });
+  }
+  if (!free.empty()) {
+    return {"usb_interrupts", Verdict::good,
+            measured + fmt::format("; 'spm-servo run --core {}' keeps the loop off", free.back()),
+            ""};
+  }
+  if (facts.online < 2) return {"usb_interrupts", Verdict::fair, measured, ""};
+  return {
+      "usb_interrupts", Verdict::fair, measured + ", on any core that the loop may run on",
+      fmt::format("Run: echo {} | sudo tee /proc/irq/{}/smp_affinity_list (until the next boot; "
+                  "irqbalance must leave it alone), and give the loop another core: 'spm-servo "
+                  "run --core {}'.",
+                  cores_of_list(facts.online_list).front(), facts.usb_interrupts.front().number,
+                  cores_of_list(facts.online_list).back())};
 }
 
 Check judge_processors(const MachineFacts& facts) {

@@ -15,8 +15,13 @@ inline constexpr double good_idle_exit_us = 100;
 [[nodiscard]] Check judge_virtual(const MachineFacts& facts);
 /// Good if every processor's governor is `performance`; unknown if none can be read.
 [[nodiscard]] Check judge_governor(const MachineFacts& facts);
-/// Good if the slowest idle state in use is left within good_idle_exit_us.
+/// Good if the slowest idle state in use is left within good_idle_exit_us, or `run` may hold it
+/// off.
 [[nodiscard]] Check judge_idle(const MachineFacts& facts);
+/// Good if this user may hold /dev/cpu_dma_latency, as `run` does while its loop runs.
+[[nodiscard]] Check judge_latency(const MachineFacts& facts);
+/// Good if a core is left for the loop on which no USB controller interrupts.
+[[nodiscard]] Check judge_interrupts(const MachineFacts& facts);
 /// Good with two processors or more.
 [[nodiscard]] Check judge_processors(const MachineFacts& facts);
 /// Poor if real-time threads get no time at all (sched_rt_runtime_us is 0).

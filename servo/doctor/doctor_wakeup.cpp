@@ -10,6 +10,7 @@
 
 #include "servo/base/clock.hpp"
 #include "servo/base/schedule.hpp"
+#include "servo/realtime/wakeup_latency.hpp"
 
 namespace spm::servo {
 
@@ -22,6 +23,7 @@ constexpr std::int64_t between_tellings_ns = 100'000'000;
 void measure(double seconds, Wakeups& wakeups, std::atomic<std::uint64_t>& tick) {
   DurationHistogram lateness;
   if (auto state = enter_realtime(RealtimeMode::attempt)) wakeups.realtime = std::move(*state);
+  const WakeupLatency latency = WakeupLatency::hold(RealtimeMode::attempt);
   const auto ticks = static_cast<std::uint64_t>(std::llround(seconds * doctor_rate_hz));
   TickSchedule schedule(now_ns() + lead_ns, doctor_rate_hz);
   while (schedule.index() < ticks) {

@@ -64,7 +64,8 @@ void read_kernel(const std::string& root, MachineFacts& facts) {
 
 void read_processors(const std::string& root, MachineFacts& facts) {
   const std::string folder = root + "/sys/devices/system/cpu";
-  facts.online = count_of_list(line_of(folder + "/online"));
+  facts.online_list = line_of(folder + "/online");
+  facts.online = count_of_list(facts.online_list);
   facts.isolated = line_of(folder + "/isolated");
   std::error_code failed;
   for (fs::directory_iterator entry(folder, failed), end; !failed && entry != end;
@@ -90,7 +91,26 @@ void read_idle_states(const std::string& root, MachineFacts& facts) {
     facts.idle_exit_us = exit_us;
     facts.idle_state = line_of(state + "/name");
   }
-  facts.may_hold_latency = access((root + "/dev/cpu_dma_latency").c_str(), W_OK) == 0;
+  const std::string latency = root + "/dev/cpu_dma_latency";
+  facts.has_latency = access(latency.c_str(), F_OK) == 0;
+  facts.may_hold_latency = access(latency.c_str(), W_OK) == 0;
+}
+
+/// Lines such as " 24:  7  0  PCI-MSI 327680-edge  xhci_hcd". Controllers of USB 1 to 3 are named
+/// after their drivers, with a bus behind a colon.
+void read_usb_interrupts(const std::string& root, MachineFacts& facts) {
+  std::ifstream file(root + "/proc/interrupts");
+  for (std::string line; std::getline(file, line);) {
+    const std::size_t found = line.find("hci_hcd");
+    const std::size_t begin = line.find_first_not_of(' ');
+    if (found == std::string::npos) continue;
+    const auto number = number_of<unsigned>(std::string_view(line).substr(begin));
+    if (!number) continue;
+    const std::size_t name = line.rfind(' ', found) + 1;
+    facts.usb_interrupts.push_back(
+        {*number, line.substr(name, line.find_first_of(" ,", found) - name),
+         line_of(fmt::format("{}/proc/irq/{}/smp_affinity_list", root, *number))});
+  }
 }
 
 /// The group of this process in the unified hierarchy; a process is in exactly one group.
@@ -131,8 +151,9 @@ void read_cgroup(const std::string& root, MachineFacts& facts) {
 
 }  // namespace
 
-std::size_t count_of_list(const std::string& list) {
-  std::size_t count = 0;
+std::vector<std::size_t> cores_of_list(const std::string& list) {
+  constexpr std::size_t most = 65536;  // far more than any kernel can have
+  std::vector<std::size_t> cores;
   std::string_view rest = list;
   while (!rest.empty()) {
     const std::size_t comma = rest.find(',');
@@ -142,17 +163,20 @@ std::size_t count_of_list(const std::string& list) {
     const auto first = number_of<std::size_t>(range);
     const auto last =
         dash == std::string_view::npos ? first : number_of<std::size_t>(range.substr(dash + 1));
-    if (!first || !last || *last < *first) return 0;
-    count += *last - *first + 1;
+    if (!first || !last || *last < *first || *last >= most) return {};
+    for (std::size_t core = *first; core <= *last; ++core) cores.push_back(core);
   }
-  return count;
+  return cores;
 }
+
+std::size_t count_of_list(const std::string& list) { return cores_of_list(list).size(); }
 
 MachineFacts read_machine(const std::string& root) {
   MachineFacts facts;
   read_kernel(root, facts);
   read_processors(root, facts);
   read_idle_states(root, facts);
+  read_usb_interrupts(root, facts);
   read_cgroup(root, facts);
   return facts;
 }

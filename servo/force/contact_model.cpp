@@ -42,6 +42,8 @@ void ContactModel::reset() noexcept {
   last_normal_.setZero();
   // So that a replay from here on draws the same noise.
   ticks_ = 0;
+  held_.contact = false;
+  care_ = Care::exact;
   last_known_ = false;
 }
 
@@ -53,19 +55,20 @@ void ContactModel::continue_from(const ContactModel& other) noexcept {
   last_turned_at_ = other.last_turned_at_;
   ticks_ = other.ticks_;
   last_known_ = other.last_known_;
+  held_ = other.held_;
+  held_at_ = other.held_at_;
   if (settings_.velocity == other.settings_.velocity) velocity_ = other.velocity_;
 }
 
-ContactForce ContactModel::next(const AssetView& asset, const Vector3& point,
-                                std::uint64_t ticks) noexcept {
+ContactForce ContactModel::next(const AssetView& asset, const Vector3& point, std::uint64_t ticks,
+                                bool exact) noexcept {
   const bool usable = settings_.force.stiffness >= 0 && std::isfinite(settings_.force.stiffness);
   if (!point.allFinite() || !usable) {
     reset();
     return {};
   }
   const ForceSettings& force = settings_.force;
-  ContactForce contact = reaction(asset, point);
-  if (force.method == Method::spm && settings_.effects.turn.rate > 0) limit_turn(point, contact);
+  ContactForce contact = surface(asset, point, exact);
   if (settings_.effects.any() && force.stiffness > 0) add_effects(asset, point, ticks, contact);
   if (coupling_.on()) contact.force += coupling_.damped(contact.depth * contact.normal);
   if (!contact.force.allFinite()) {
@@ -75,10 +78,41 @@ ContactForce ContactModel::next(const AssetView& asset, const Vector3& point,
   return contact;
 }
 
-/// The force at a point by the chosen method.
-ContactForce ContactModel::reaction(const AssetView& asset, const Vector3& point) noexcept {
+/// The force of the surface alone, exact or not.
+ContactForce ContactModel::surface(const AssetView& asset, const Vector3& point,
+                                   bool exact) noexcept {
   const ForceSettings& force = settings_.force;
-  if (force.method == Method::proxy) return proxy_force(asset, point);
+  care_ = Care::exact;
+  const bool is_held =
+      !exact && held_.contact && (force.method != Method::paper || !settings_.effects.any());
+  if (is_held) return held_force(point);
+  ContactForce contact = reaction(asset, point, exact);
+  if (force.method == Method::spm && settings_.effects.turn.rate > 0) limit_turn(point, contact);
+  held_ = contact;
+  held_at_ = point;
+  return contact;
+}
+
+/// The force of the plane that was touched last. It goes on from the last force, since only the
+/// depth under the plane changes. Once left, the plane is forgotten.
+ContactForce ContactModel::held_force(const Vector3& point) noexcept {
+  care_ = Care::held;
+  ContactForce contact = held_;
+  contact.depth -= (point - held_at_).dot(held_.normal);
+  if (!(contact.depth > 0)) {
+    held_.contact = false;
+    last_normal_.setZero();
+    return {};
+  }
+  contact.force = settings_.force.stiffness * contact.depth * contact.normal;
+  return contact;
+}
+
+/// The force at a point by the chosen method.
+ContactForce ContactModel::reaction(const AssetView& asset, const Vector3& point,
+                                    bool exact) noexcept {
+  const ForceSettings& force = settings_.force;
+  if (force.method == Method::proxy) return proxy_force(asset, point, exact);
   if (force.method != Method::spm) return contact_force(asset, force, point);
   const RuntimeSmoothing& smoothing = settings_.effects.smoothing;
   if (lattice_.on()) {
@@ -101,9 +135,12 @@ void ContactModel::limit_turn(const Vector3& point, ContactForce& contact) noexc
   last_normal_ = contact.contact ? contact.normal : Vector3::Zero();
 }
 
-ContactForce ContactModel::proxy_force(const AssetView& asset, const Vector3& point) noexcept {
+ContactForce ContactModel::proxy_force(const AssetView& asset, const Vector3& point,
+                                       bool exact) noexcept {
   const ForceSettings& force = settings_.force;
-  const ProxyContact found = move_proxy(asset, force.probe_radius, point, proxy_);
+  const std::uint32_t most = exact ? proxy_queries : proxy_few_queries;
+  const ProxyContact found = move_proxy(asset, force.probe_radius, point, proxy_, most);
+  if (!exact && found.queries >= most) care_ = Care::shortened;
   ContactForce contact;
   if (!found.contact) return contact;
   contact.contact = true;

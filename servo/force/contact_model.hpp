@@ -6,6 +6,7 @@
 #include "common/contact/effect_settings.hpp"
 #include "common/contact/force_law.hpp"
 #include "common/contact/proxy.hpp"
+#include "servo/force/force_budget.hpp"
 #include "servo/force/potential_lattice.hpp"
 #include "servo/force/velocity_estimate.hpp"
 #include "servo/force/virtual_coupling.hpp"
@@ -36,14 +37,21 @@ class ContactModel {
   /// Force for a probe centred at `point` (object's frame, m), `ticks` after the last one. Without
   /// effects, for `spm` and `paper`, it is that of contact_force. Never NaN. There is no force if
   /// the stiffness is below 0 or not a number; if the stiffness is 0 there is contact without
-  /// force.
+  /// force. Not `exact`: as cheaply as the object allows (care); friction, damping and texture act
+  /// all the same. The force makes no step thereby: a held plane is that of the last exact tick. A
+  /// `paper` with effects is always exact, since those need its own query.
   [[nodiscard]] ContactForce next(const AssetView& asset, const Vector3& point,
-                                  std::uint64_t ticks = 1) noexcept;
+                                  std::uint64_t ticks = 1, bool exact = true) noexcept;
+  /// How the last force was computed.
+  [[nodiscard]] Care care() const noexcept { return care_; }
 
   /// Forgets all state: at the start, and where the hand was away.
   void reset() noexcept;
   /// Keeps what holds the hand, and forgets what was remembered of the asset: it was exchanged.
-  void exchange() noexcept { lattice_.forget(); }
+  void exchange() noexcept {
+    lattice_.forget();
+    held_.contact = false;
+  }
   /// Goes on with a contact of the same asset at the same scale that has other settings, so that
   /// the hand stays on the side on which it is.
   void continue_from(const ContactModel& other) noexcept;
@@ -63,10 +71,18 @@ class ContactModel {
   Vector3 last_turned_at_ = Vector3::Zero();
   std::uint64_t ticks_ = 0;
   bool last_known_ = false;
+  Care care_ = Care::exact;
+  ContactForce held_;                  ///< that of the last exact tick, if it had contact
+  Vector3 held_at_ = Vector3::Zero();  ///< m, where the probe was then
 
-  [[nodiscard]] ContactForce reaction(const AssetView& asset, const Vector3& point) noexcept;
+  [[nodiscard]] ContactForce surface(const AssetView& asset, const Vector3& point,
+                                     bool exact) noexcept;
+  [[nodiscard]] ContactForce held_force(const Vector3& point) noexcept;
+  [[nodiscard]] ContactForce reaction(const AssetView& asset, const Vector3& point,
+                                      bool exact) noexcept;
   void limit_turn(const Vector3& point, ContactForce& contact) noexcept;
-  [[nodiscard]] ContactForce proxy_force(const AssetView& asset, const Vector3& point) noexcept;
+  [[nodiscard]] ContactForce proxy_force(const AssetView& asset, const Vector3& point,
+                                         bool exact) noexcept;
   void add_effects(const AssetView& asset, const Vector3& point, std::uint64_t ticks,
                    ContactForce& contact) noexcept;
   void add_paper_effects(const AssetView& asset, const Vector3& point, const Vector3& motion,

@@ -3,6 +3,8 @@
 
 #include <algorithm>
 
+#include "common/query/query.hpp"
+
 namespace spm {
 
 namespace {
@@ -77,6 +79,15 @@ Vector3 PlacedContact::carried(const Vector3& point) noexcept {
   return point - before;
 }
 
+NearSurface PlacedContact::near_surface(const AssetView& asset,
+                                        const Vector3& point) const noexcept {
+  const Answer answer = query_point(asset, rotation_.transpose() * (point - position_) / scale_);
+  if (answer.status != Status::exact) return {};
+  const double radius = model_.settings().force.probe_radius;
+  return {scale_ * (answer.distance - radius), rotation_ * answer.normal,
+          scale_ * (asset.band.margin - radius)};
+}
+
 /// Whether the hand may have met the box of the asset's band on its way since the last tick.
 bool PlacedContact::passes(const AssetView& asset, const Vector3& point) const noexcept {
   const Extent extent = extent_of(asset);
@@ -88,8 +99,8 @@ bool PlacedContact::passes(const AssetView& asset, const Vector3& point) const n
            (from.cwiseMin(point).array() > high.array()).any());
 }
 
-ContactForce PlacedContact::next(const AssetView& asset, const Vector3& point,
-                                 std::uint64_t ticks) noexcept {
+ContactForce PlacedContact::next(const AssetView& asset, const Vector3& point, std::uint64_t ticks,
+                                 bool exact) noexcept {
   const Vector3 local = rotation_.transpose() * (point - position_) / scale_;
   // A proxy may still hold a hand that has left the box on the other side.
   if (may_skip_ && !touching_ && !passes(asset, local)) {
@@ -103,7 +114,7 @@ ContactForce PlacedContact::next(const AssetView& asset, const Vector3& point,
   away_ = false;
   last_known_ = true;
   last_ = local;
-  ContactForce contact = model_.next(asset, local, ticks);
+  ContactForce contact = model_.next(asset, local, ticks, exact);
   touching_ = contact.contact;
   if (!touching_) return contact;
   contact.force = rotation_ * contact.force;

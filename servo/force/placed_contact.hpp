@@ -2,6 +2,7 @@
 #pragma once
 
 #include "common/base/placement.hpp"
+#include "common/contact/hand_effect.hpp"
 #include "servo/force/contact_model.hpp"
 
 namespace spm {
@@ -36,9 +37,11 @@ class PlacedContact {
                 VelocityMethod velocity = VelocityMethod::estimate, double potential = 0) noexcept;
 
   /// Force for a probe centred at `point`, `ticks` after the last one. Force, normal and depth are
-  /// in the world, as ContactModel defines them. `asset` must be the object's.
+  /// in the world, as ContactModel defines them, exact or not. `asset` must be the object's.
   [[nodiscard]] ContactForce next(const AssetView& asset, const Vector3& point,
-                                  std::uint64_t ticks = 1) noexcept;
+                                  std::uint64_t ticks = 1, bool exact = true) noexcept;
+  /// How the last force was computed.
+  [[nodiscard]] Care care() const noexcept { return away_ ? Care::exact : model_.care(); }
 
   /// Sets the object's position, m, and its rotation, unit, from now on; the scale stays. What
   /// touches the object moves with it, because a contact is kept in the object's frame.
@@ -75,6 +78,10 @@ class PlacedContact {
   [[nodiscard]] double damping() const noexcept {
     return model_.settings().effects.damping / scale_;
   }
+
+  /// The object's surface as the probe at `point` sees it, m, world.
+  [[nodiscard]] NearSurface near_surface(const AssetView& asset,
+                                         const Vector3& point) const noexcept;
 
   /// Which of the scene's assets it is.
   [[nodiscard]] std::size_t asset() const noexcept { return asset_; }

@@ -46,7 +46,7 @@ std::optional<std::size_t> SceneForce::add(const PlacedObject& object) noexcept 
 }
 
 std::optional<std::size_t> SceneForce::put(const PlacedObject& object) noexcept {
-  Object added{object, contact_of(object), true, {}};
+  Object added{object, contact_of(object), true, {}, {}};
   for (std::size_t i = 0; i < objects_.size(); ++i) {
     if (objects_[i].is_there) continue;
     objects_[i] = std::move(added);
@@ -103,6 +103,13 @@ void SceneForce::reset() noexcept {
   }
 }
 
+NearSurface SceneForce::near_surface(std::size_t object, std::span<const AssetView* const> assets,
+                                     const Vector3& point) const noexcept {
+  if (object >= objects_.size() || !objects_[object].is_there) return {};
+  const PlacedContact& contact = objects_[object].contact;
+  return contact.near_surface(*assets[contact.asset()], point);
+}
+
 void SceneForce::exchange() noexcept {
   for (Object& object : objects_) object.contact.exchange();
 }
@@ -148,20 +155,46 @@ ContactEnergy SceneForce::energy(const Vector3& point) noexcept {
   return energy;
 }
 
+/// Asks each object for its force at a point of the world, in turn.
+void SceneForce::ask(std::span<const AssetView* const> assets, const Vector3& point,
+                     std::uint64_t ticks, const ForceBudget& budget) noexcept {
+  const std::size_t count = objects_.size();
+  if (count == 0) return;
+  effort_.first = (budget.first == ForceBudget::any ? turn_ : budget.first) % count;
+  bool exact = true;
+  for (std::size_t k = 0; k < count; ++k) {
+    const std::size_t number = (effort_.first + k) % count;
+    Object& object = objects_[number];
+    if (!object.is_there) continue;
+    if (exact && !budget.allows(effort_.exact)) {
+      exact = false;
+      turn_ = number;
+    }
+    object.found = object.contact.next(*assets[object.contact.asset()], point, ticks, exact);
+    const Care care = object.contact.care();
+    effort_.exact += exact ? 1 : 0;
+    effort_.held += care == Care::held ? 1 : 0;
+    effort_.shortened += care == Care::shortened ? 1 : 0;
+  }
+}
+
 ContactForce SceneForce::next(std::span<const AssetView* const> assets, const Vector3& hand,
-                              std::uint64_t ticks) noexcept {
+                              std::uint64_t ticks, const ForceBudget& budget) noexcept {
+  effort_ = {};
   if (!hand.allFinite()) {
     reset();
     return {};
   }
   const Vector3 point = position_ + scale_ * (rotation_ * hand);
+  ask(assets, point, ticks, budget);
   ContactForce sum;
   std::size_t touching = 0;
+  // By number, so that the sum does not depend on which object was asked first.
   for (Object& object : objects_) {
     if (!object.is_there) continue;
     object.reaction = {};
     object.pressed = 0;
-    const ContactForce contact = object.contact.next(*assets[object.contact.asset()], point, ticks);
+    const ContactForce& contact = object.found;
     if (!contact.contact) continue;
     object.pressed = contact.depth;
     object.normal = contact.normal;

@@ -44,8 +44,14 @@ class SceneForce {
   /// newtons stay newtons. Depth (m of the world), normal and `deep` are those of the object that
   /// is pressed deepest. `assets`: those that the objects refer to, none null. Never NaN: a
   /// position that is not finite gives zero, and all state is forgotten.
+  ///
+  /// Objects for which `budget` does not suffice are not left out. One that was touched is felt by
+  /// the plane at which it was touched last; the proxy of one that was not makes fewer queries. The
+  /// next call with a clock begins with the first of them.
   [[nodiscard]] ContactForce next(std::span<const AssetView* const> assets, const Vector3& hand,
-                                  std::uint64_t ticks = 1) noexcept;
+                                  std::uint64_t ticks = 1, const ForceBudget& budget = {}) noexcept;
+  /// How the last force was computed.
+  [[nodiscard]] const ForceEffort& effort() const noexcept { return effort_; }
   /// Tells what was sent of that force, N, the hand's frame: a soft start or a cap may have taken
   /// from it. Without it all of it counts as sent.
   void sent(const Vector3& force) noexcept { stabilizer_.sent(force); }
@@ -71,6 +77,12 @@ class SceneForce {
     return objects_[object].reaction;
   }
 
+  /// An object's surface as a probe at `point` sees it, world frame; unknown if there is no such
+  /// object. `assets` as of `next`.
+  [[nodiscard]] NearSurface near_surface(std::size_t object,
+                                         std::span<const AssetView* const> assets,
+                                         const Vector3& point) const noexcept;
+
   /// Tells every later change of the objects; null for nobody. The listener must outlive this.
   void tell(SceneListener* listener) noexcept { listener_ = listener; }
 
@@ -86,12 +98,15 @@ class SceneForce {
     PlacedContact contact;
     bool is_there = true;
     Wrench reaction;
+    ContactForce found;                ///< in the last tick
     double pressed = 0;                ///< m of the world, in the last tick
     Vector3 normal = Vector3::Zero();  ///< unit, world, where it was pressed
   };
 
   [[nodiscard]] std::optional<std::size_t> put(const PlacedObject& object) noexcept;
   [[nodiscard]] PlacedContact contact_of(const PlacedObject& object) const noexcept;
+  void ask(std::span<const AssetView* const> assets, const Vector3& point, std::uint64_t ticks,
+           const ForceBudget& budget) noexcept;
   [[nodiscard]] ContactEnergy energy(const Vector3& point) noexcept;
   [[nodiscard]] double share_within_limits(double deepest) const noexcept;
 
@@ -105,6 +120,8 @@ class SceneForce {
   double share_ = 1;             ///< of all forces that is felt, in the last tick
   std::vector<Object> objects_;  ///< never grows beyond its capacity
   SceneListener* listener_ = nullptr;
+  ForceEffort effort_;
+  std::size_t turn_ = 0;  ///< the object with which the next tick begins
 };
 
 }  // namespace spm

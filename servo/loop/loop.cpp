@@ -6,6 +6,7 @@
 
 #include "servo/base/clock.hpp"
 #include "servo/devices/base/port.hpp"
+#include "servo/force/contact_part.hpp"
 #include "servo/realtime/page_faults.hpp"
 
 namespace spm::servo {
@@ -54,6 +55,8 @@ Loop::Channel::Channel(Device* driven, const SafetySettings& limits, const LoopS
     : device(driven),
       safety(limits),
       gate(settings.rate_hz),
+      permission(
+          {settings.acknowledge, settings.enable_button, driven->capabilities().clutch_button}),
       force(settings.scene, 1 / settings.rate_hz, driven->capabilities().encoder_step, room,
             felt_limits(force_device(driven->capabilities()), 1 / settings.rate_hz)),
       force_cap(limits.force_cap),
@@ -83,6 +86,16 @@ Loop::Loop(const LoopSettings& settings, std::vector<Device*> devices,
   }
   for (Channel& channel : channels_) forces_.push_back(&channel.force);
   if (app != nullptr) app_.emplace(*app, settings_.scene);
+  const double scale = settings_.scene.workspace.scale;
+  for (std::size_t i = 0; app_ && i < devices.size(); ++i) {
+    const DeviceCapabilities& device = devices[i]->capabilities();
+    const ForceDevice kind = force_device(device);
+    const double tick = 1 / settings_.rate_hz;
+    app_->effects().know_device(
+        static_cast<std::uint32_t>(i),
+        {auto_stiffness(kind) / scale, felt_limits(kind, tick).damping / scale},
+        scale * device.encoder_step, tick, settings_.scene.stabilization.total_delay(tick));
+  }
   published_.resize(channels_.size());
   device_counters_.resize(channels_.size());
 }
@@ -124,7 +137,8 @@ void Loop::run_ticks(TickSchedule schedule) noexcept {
   for (bool stopping = false; !stopping;) {
     wait_for(schedule);
     const std::int64_t woke = now_ns();
-    const std::int64_t wake_lateness = woke - schedule.due();
+    due_ = schedule.due();
+    const std::int64_t wake_lateness = woke - due_;
     stopping = stop_.load(std::memory_order_relaxed) ||
                (settings_.ticks > 0 && schedule.index() + 1 >= settings_.ticks);
 
@@ -138,9 +152,10 @@ void Loop::run_ticks(TickSchedule schedule) noexcept {
     end_app(schedule.index(), woke);
 
     const std::int64_t finished = now_ns();
-    bool touching = false;
+    bool touching = false, degraded = false;
     for (Channel& channel : channels_) {
       touching = touching || channel.record.contact;
+      degraded = degraded || channel.record.effort.degraded();
       channel.record.tick = schedule.index();
       channel.record.wake_ns = wake_lateness;
       channel.record.busy_ns = finished - woke;
@@ -153,6 +168,7 @@ void Loop::run_ticks(TickSchedule schedule) noexcept {
     }
     ++counters_.ticks;
     counters_.contact_ticks += touching ? 1 : 0;
+    counters_.degraded_ticks += degraded ? 1 : 0;
     const std::uint64_t skipped = schedule.advance(finished);
     counters_.skipped += skipped;
     counters_.missed += skipped > 0 ? skipped + 1 : 0;
@@ -238,15 +254,27 @@ void Loop::serve(Channel& channel, std::uint64_t tick, bool stopping) noexcept {
   // Whatever the cause, the device is still read, and zero is sent to it.
   ForceOff cause = assets_off();
   if (cause == ForceOff::none) cause = device;
+  const bool at_fault = cause != ForceOff::none || app_silent_;
+  const ForceOff permitted = channel.permission.next(
+      {device == ForceOff::none, state.buttons, channel.acknowledged, at_fault});
+  // An application that hangs stays the cause as long as it does.
+  if (cause == ForceOff::none && permitted == ForceOff::unacknowledged && app_silent_) {
+    cause = ForceOff::application_silent;
+  }
+  if (cause == ForceOff::none) cause = permitted;
   channel.clutched = device == ForceOff::none && is_clutched(channel, state);
   const Vector3 tool = device == ForceOff::none ? tool_of(channel, state.position) : state.position;
   if (cause == ForceOff::none && channel.clutched) cause = ForceOff::clutched;
 
   ContactForce contact;
+  Vector3 added = Vector3::Zero();
   channel.record.forgot = channel.forgot;
+  channel.record.effort = {};
   if (cause == ForceOff::none) {
     channel.forgot = false;
-    contact = channel.force.next(views_, tool, channel.ticks);
+    contact = channel.force.next(views_, tool, channel.ticks, budget_of(channel));
+    channel.record.effort = channel.force.effort();
+    added = added_to(channel, tool);
     // A page of the asset may have been lost while the force was computed from it.
     cause = assets_off();
   }
@@ -254,15 +282,21 @@ void Loop::serve(Channel& channel, std::uint64_t tick, bool stopping) noexcept {
   if (stopping) cause = ForceOff::stopping;
   if (cause != ForceOff::none) {
     contact = ContactForce{};
+    added.setZero();
+    if (app_) app_->effects().rest(channel.record.device);
     forget(channel);
   }
 
-  const SafeForce sent = channel.safety.apply(contact.force, cause, app_silent_);
+  const SafeForce sent = channel.safety.apply(contact.force + added, cause, app_silent_);
   channel.written = channel.device->write(Wrench{sent.force, Vector3::Zero()});
-  if (sent.cause == ForceOff::none) channel.force.sent(sent.force);
+  if (sent.cause == ForceOff::none) {
+    channel.force.sent(contact_part(sent.force, contact.force, added));
+  }
+  channel.permission.sent(sent.cause);
 
   channel.record.position = tool;
   channel.record.wanted = contact.force;
+  channel.record.added = added;
   channel.record.force = sent.force;
   channel.record.buttons = state.buttons;
   channel.record.depth = contact.depth;
@@ -272,75 +306,22 @@ void Loop::serve(Channel& channel, std::uint64_t tick, bool stopping) noexcept {
   if (app_) tell(channel, state, health, contact, sent);
 }
 
+/// The devices share the budget evenly, and what one leaves is for the next.
+ForceBudget Loop::budget_of(const Channel& channel) const noexcept {
+  const double share = (channel.record.device + 1.0) / static_cast<double>(channels_.size());
+  ForceBudget budget;
+  budget.clock = settings_.clock;
+  budget.until_ns =
+      due_ + static_cast<std::int64_t>(share * settings_.tick_budget * 1e9 / settings_.rate_hz);
+  return budget;
+}
+
 /// The tool's position for a position of the hand. It is displaced by as much as the hand moved
 /// while it was clutched.
 Vector3 Loop::tool_of(Channel& channel, const Vector3& hand) noexcept {
   if (channel.clutched) channel.clutch = channel.tool - hand;
   channel.tool = hand + channel.clutch;
   return channel.tool;
-}
-
-void Loop::begin_app(std::int64_t now_ns) noexcept {
-  if (!app_) return;
-  const AppChanges changes = app_->begin(now_ns, forces_);
-  app_silent_ = changes.silent;
-  follow_stiffness(changes.stiffest * settings_.scene.workspace.scale);
-  for (Channel& channel : channels_) {
-    if (changes.felt_anew) channel.safety.restart();
-    channel.record.touched = changes.touched;
-    const std::uint32_t device = channel.record.device;
-    channel.app_clutched = changes.clutches->held(device);
-    channel.safety.set_force_cap(std::min(channel.force_cap, changes.force_caps->of(device)));
-  }
-}
-
-/// Sets the slew limit for the stiffness that is felt now, after an edit or a command of an
-/// application.
-void Loop::follow_stiffness(double stiffness) noexcept {
-  if (stiffness == stiffness_) return;
-  stiffness_ = stiffness;
-  for (Channel& channel : channels_) {
-    const double felt = std::min(stiffness, channel.device->capabilities().stiffness_cap);
-    channel.safety.set_slew_limit(slew_limit(felt, settings_.rate_hz));
-  }
-}
-
-void Loop::end_app(std::uint64_t tick, std::int64_t now_ns) noexcept {
-  if (app_) app_->end(tick, now_ns, published_, forces_);
-}
-
-/// Publishes the counts to applications, now that the tick's length is known.
-void Loop::tell_counts(std::int64_t woke, std::int64_t wake_ns, std::int64_t busy_ns) noexcept {
-  if (!app_) return;
-  app_->count({woke, wake_ns, busy_ns, counters_.ticks, counters_.missed, counters_.skipped,
-               device_counters_});
-}
-
-/// Prepares what applications learn of a device, in the world's frame.
-void Loop::tell(Channel& channel, const DeviceState& state, DeviceHealth health,
-                const ContactForce& contact, const SafeForce& sent) noexcept {
-  const Placement& workspace = settings_.scene.workspace;
-  AppDevice& published = published_[channel.record.device];
-  published.health = health;
-  published.cause = sent.cause;
-  published.contact = channel.record.contact;
-  published.depth = channel.record.depth;
-  published.wrench = {workspace.rotation * sent.force, Vector3::Zero()};
-  published.state.buttons = state.buttons;
-  published.force_cap = channel.safety.force_cap();
-  if (health != DeviceHealth::ok || !channel.record.position.allFinite()) {
-    // The last known position is kept.
-    channel.velocity.reset();
-    published.velocity.setZero();
-    return;
-  }
-  published.state.position = workspace.to_world(channel.record.position);
-  published.state.orientation = workspace.rotation * state.orientation;
-  published.proxy =
-      published.state.position + contact.depth * (workspace.rotation * contact.normal);
-  published.velocity =
-      workspace.scale *
-      (workspace.rotation * channel.velocity.next(channel.record.position, channel.ticks));
 }
 
 void Loop::account(Channel& channel, const SafeForce& sent) noexcept {
@@ -356,6 +337,10 @@ void Loop::account(Channel& channel, const SafeForce& sent) noexcept {
   }
   channel.last_force = sent.force;
   counters.contact_ticks += channel.record.contact ? 1 : 0;
+  const ForceEffort& effort = channel.record.effort;
+  counters.degraded_ticks += effort.degraded() ? 1 : 0;
+  counters.held += effort.held;
+  counters.shortened += effort.shortened;
   counters.cap_hits += sent.capped ? 1 : 0;
   counters.slew_hits += sent.slewed ? 1 : 0;
   counters.force_max = std::max(counters.force_max, sent.force.norm());
@@ -402,8 +387,11 @@ void Loop::warm_up() noexcept {
       const Extent extent = extent_of(*views_[object.asset]);
       const Vector3 point = extent.low + (round + 0.5) / warm_up_rounds * extent.size;
       const Vector3 hand = settings_.scene.workspace.from_world(object.placement.to_world(point));
-      const ContactForce contact = channel.force.next(views_, hand);
-      static_cast<void>(channel.safety.apply(contact.force, ForceOff::none));
+      ForceBudget budget;
+      if (round % 2 != 0) budget.most = 0;
+      const ContactForce contact = channel.force.next(views_, hand, 1, budget);
+      const Vector3 force = contact.force + added_to(channel, hand);
+      static_cast<void>(channel.safety.apply(force, ForceOff::none));
     }
     static_cast<void>(page_faults_of_this_thread());
   }

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "servo/app/app_scene.hpp"
+#include "servo/base/clock.hpp"
 #include "servo/base/schedule.hpp"
 #include "servo/devices/base/device.hpp"
 #include "servo/force/scene_force.hpp"
@@ -15,10 +16,15 @@
 #include "servo/record/scene_step.hpp"
 #include "servo/record/tick_record.hpp"
 #include "servo/safety/device_counters.hpp"
+#include "servo/safety/force_permission.hpp"
 #include "servo/scene/asset_slot.hpp"
 #include "servo/scene/scene_edit.hpp"
 
 namespace spm::servo {
+
+/// The share of a period that is for the exact forces of all devices. The rest is for coarser ones,
+/// for sending and for being woken late.
+inline constexpr double usual_tick_budget = 0.6;
 
 /// Fixed while the loop runs.
 struct LoopSettings {
@@ -29,6 +35,11 @@ struct LoopSettings {
   double force_cap = std::numeric_limits<double>::infinity();
   /// a tick follows each report of the first device instead of the clock
   bool paced_by_device = false;
+  bool acknowledge = false;         ///< after a fault the force waits for an acknowledgement
+  std::uint32_t enable_button = 0;  ///< without it held there is no force; from 1, 0: none
+  /// of the period, above 0: when so much is over, objects that are left are computed more coarsely
+  double tick_budget = usual_tick_budget;
+  ForceBudget::Clock clock = now_ns;  ///< by which that is told
   /// where each tick leaves the time that it began, now_ns(), and the loop's end 0; null for
   /// nowhere. It must outlive the loop.
   std::atomic<std::int64_t>* beat = nullptr;
@@ -42,9 +53,10 @@ struct LoopCounters {
   std::uint64_t ticks = 0;    ///< that were run
   std::uint64_t missed = 0;   ///< not finished before the next one was due, including skipped ones
   std::uint64_t skipped = 0;  ///< missed ticks that were not run at all
-  std::uint64_t contact_ticks = 0;  ///< with any device in contact
-  std::uint64_t unrecorded = 0;     ///< records that did not fit into the full ring
-  std::uint64_t page_faults = 0;    ///< in the loop's thread, from the first tick to the last
+  std::uint64_t contact_ticks = 0;   ///< with any device in contact
+  std::uint64_t unrecorded = 0;      ///< records that did not fit into the full ring
+  std::uint64_t degraded_ticks = 0;  ///< in which any object was computed more coarsely
+  std::uint64_t page_faults = 0;     ///< in the loop's thread, from the first tick to the last
 };
 
 /// The servo loop. Construction allocates. `run` belongs to one thread; a tick in it neither
@@ -83,6 +95,7 @@ class Loop {
     Device* device;
     SafetyStage safety;
     JumpGate gate;
+    ForcePermission permission;
     SceneForce force;
     TickRecord record;
     std::uint64_t ticks = 1;  ///< since the force law was last called
@@ -93,6 +106,7 @@ class Loop {
     bool position_known = false;
     bool forgot = true;                ///< the force law was reset since it was last called
     double force_cap;                  ///< N, of device and scene; applications may lower it
+    bool acknowledged = false;         ///< a fault, by an application in this tick
     bool app_clutched = false;         ///< an application lets the hand move freely
     bool clutched = false;             ///< the hand moves freely, the tool stays
     Vector3 clutch = Vector3::Zero();  ///< m, from the hand to the tool
@@ -112,7 +126,9 @@ class Loop {
   [[nodiscard]] bool was_stopped(const Channel& channel) const noexcept;
   void tell_beat(std::int64_t woke) noexcept;
   void account(Channel& channel, const SafeForce& sent) noexcept;
+  [[nodiscard]] ForceBudget budget_of(const Channel& channel) const noexcept;
   [[nodiscard]] static Vector3 tool_of(Channel& channel, const Vector3& hand) noexcept;
+  [[nodiscard]] Vector3 added_to(Channel& channel, const Vector3& tool) noexcept;
   [[nodiscard]] bool is_needed(std::size_t asset) const noexcept;
   void take_edit(std::int64_t now_ns) noexcept;
   void begin_app(std::int64_t now_ns) noexcept;
@@ -143,6 +159,7 @@ class Loop {
   std::vector<const AssetView*> views_;
   double stiffness_;            ///< N per metre of the hand, of the stiffest object in the scene
   std::int64_t last_woke_ = 0;  ///< when the last tick began; 0: none did
+  std::int64_t due_ = 0;        ///< when this tick was due
   bool stood_still_ = false;    ///< before this tick, for so long that guards sent zero force
   bool app_silent_ = false;     ///< an application that moved objects no longer answers
   bool complete_ = false;       ///< all assets are there

@@ -6,6 +6,7 @@
 
 #include "servo/base/clock.hpp"
 #include "servo/base/schedule.hpp"
+#include "servo/force/contact_part.hpp"
 #include "servo/record/trace_csv.hpp"
 
 namespace spm::servo {
@@ -52,7 +53,10 @@ ReplayResult replay(std::span<const AssetView* const> assets,
     const ReplayMark mark = options.marks.empty() ? ReplayMark{} : options.marks[row];
     if (mark.forgot || mark.off) force.reset();
     const std::int64_t begin = now_ns();
-    if (!mark.off) result.contacts[row] = force.next(assets, trajectory[row].position, mark.ticks);
+    if (!mark.off) {
+      result.contacts[row] =
+          force.next(assets, trajectory[row].position, mark.ticks, ForceBudget::again(mark.effort));
+    }
     result.busy_ns[row] = now_ns() - begin;
     if (mark.sent) force.sent(*mark.sent);
   }
@@ -70,9 +74,12 @@ RecordedTicks ticks_of(const Recording& recording, std::size_t device) {
     ticks.trajectory.push_back({vector(row.position)});
     const std::uint64_t since = last && row.tick > *last ? row.tick - *last : 1;
     last = row.tick;
-    ticks.marks.push_back(
-        {(row.flags & recorded_forgot) != 0, row.cause != 0, since, vector(row.sent)});
-    ticks.wanted.push_back(vector(row.wanted));
+    const Vector3 wanted = vector(row.wanted), added = vector(row.added);
+    ticks.marks.push_back({(row.flags & recorded_forgot) != 0, row.cause != 0, since,
+                           contact_part(vector(row.sent), wanted, added),
+                           ForceEffort{row.first, row.exact, row.held, row.shortened}});
+    ticks.wanted.push_back(wanted);
+    ticks.added += added == Vector3::Zero() ? 0 : 1;
     ticks.ticks.push_back(row.tick);
     free = (row.flags & recorded_contact) == 0 ? free + 1 : 0;
     settled =

@@ -27,6 +27,7 @@ struct ReplayMark {
   bool off = false;               ///< it was not evaluated: the force was off
   std::uint64_t ticks = 1;        ///< since the last one
   std::optional<Vector3> sent{};  ///< N, of the force that the law gave; empty: all of it
+  ForceEffort effort{};           ///< time decides nothing in a replay
 };
 
 /// A change of the scene, and the row before whose force it comes.
@@ -73,6 +74,7 @@ struct RecordedTicks {
   std::vector<TrajectorySample> trajectory;
   std::vector<ReplayMark> marks;
   std::vector<Vector3> wanted;             ///< N, the result of the force law then
+  std::uint64_t added = 0;                 ///< ticks in which applications added a force
   std::uint64_t lost = 0;                  ///< places where ticks are missing
   SceneChange change = SceneChange::none;  ///< the first one
   std::uint64_t changed_tick = 0;  ///< on the loop's grid, of the first row in which it was felt

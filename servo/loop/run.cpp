@@ -25,6 +25,7 @@
 #include "servo/realtime/core_pinning.hpp"
 #include "servo/realtime/service_notice.hpp"
 #include "servo/realtime/stop_signals.hpp"
+#include "servo/realtime/wakeup_latency.hpp"
 #include "servo/record/collector.hpp"
 #include "servo/scene/scene_keeper.hpp"
 
@@ -229,6 +230,9 @@ LoopSettings loop_settings(const RunOptions& options, const ForceChoice& choice)
   LoopSettings settings;
   settings.rate_hz = options.rate_hz;
   settings.paced_by_device = options.paced_by_device;
+  settings.acknowledge = options.acknowledge;
+  settings.enable_button = options.enable_button;
+  settings.tick_budget = options.tick_budget;
   settings.scene = choice.scene;
   settings.force_cap = choice.device.force_cap.value_or(settings.force_cap);
   if (options.duration > 0) {
@@ -254,6 +258,18 @@ std::unique_ptr<SceneKeeper> make_scene_keeper(const RunOptions& options, SceneA
   return std::make_unique<SceneKeeper>(std::move(keeper), assets);
 }
 
+/// A device that gives no force needs no switch. Errors: usage, for a device without that button.
+Result<void> check_enable_switch(const RunOptions& options, const DeviceCapabilities& device) {
+  if (device.force_cap <= 0 || options.enable_button <= device.buttons) return {};
+  const std::string has = device.buttons == 0   ? "no buttons"
+                          : device.buttons == 1 ? "button 1 alone"
+                                                : fmt::format("buttons 1 to {}", device.buttons);
+  return fail(ExitCode::usage,
+              fmt::format("--enable-switch button:{}: {} has {}, so that it would never give "
+                          "force: name another button, or leave the option away",
+                          options.enable_button, device.name, has));
+}
+
 /// Opens all devices, with their threads on the loop's core, and names them to the supervisor (null
 /// for none).
 Result<std::vector<Device*>> open_devices(const RunOptions& options, const ForceChoice& choice,
@@ -267,6 +283,9 @@ Result<std::vector<Device*>> open_devices(const RunOptions& options, const Force
     const DeviceSetup setup{options.rate_hz, options.realtime, choice.scene, views};
     if (auto opened = device->open(setup); !opened) {
       return tl::make_unexpected(std::move(opened.error()));
+    }
+    if (auto fit = check_enable_switch(options, device->capabilities()); !fit) {
+      return tl::make_unexpected(std::move(fit.error()));
     }
     open.push_back(device.get());
   }
@@ -372,6 +391,7 @@ Result<RunReport> run(const RunOptions& asked) {
   (*assets)->watch();
   if (scene_keeper) scene_keeper->watch();
   PlaceWatch places(supervisor.get(), open_devices);
+  const WakeupLatency latency = WakeupLatency::hold(options.realtime);
   ServiceNotice notice;
   notice.ready();
   Result<RealtimeState> realtime = drive(loop, collector, options, signals, [&] {
@@ -391,6 +411,8 @@ Result<RunReport> run(const RunOptions& asked) {
   report.wake_us = collector.wake_us();
   report.busy_us = collector.busy_us();
   report.realtime = std::move(*realtime);
+  report.latency_held = latency.held();
+  report.latency_not_held = latency.why();
   report.force = (*assets)->choice();
   report.force.assets = (*assets)->paths();
   report.black_boxes = collector.black_boxes();

@@ -21,9 +21,12 @@ struct RunOptions {
   /// in the form that make_device takes; empty: the scene's, or auto
   std::vector<std::string> devices;
   double rate_hz = 1000;
-  bool paced_by_device = false;  ///< ticks follow the reports of the first device
+  bool paced_by_device = false;            ///< ticks follow the reports of the first device
+  double tick_budget = usual_tick_budget;  ///< of the period, see LoopSettings
   RealtimeMode realtime = RealtimeMode::attempt;
   std::optional<unsigned> core;  ///< for the loop and the threads of its devices; empty: any core
+  bool acknowledge = false;      ///< after a fault the force waits for an acknowledgement
+  std::uint32_t enable_button = 0;  ///< of each device; without it held no force; 0: none
   MapMode map = MapMode::file;
   double duration = 0;     ///< s, from the first tick; 0: until a signal
   std::string trace;       ///< file with one row for each tick of the first device; empty: none
@@ -50,6 +53,8 @@ struct RunReport {
   LoopCounters counters;
   Summary wake_us, busy_us;
   RealtimeState realtime;
+  bool latency_held = false;     ///< /dev/cpu_dma_latency, while the loop ran
+  std::string latency_not_held;  ///< why not, as a clause
   std::vector<DeviceReport> devices;
   std::vector<KeeperReport> assets;  ///< in the order of the choice's
   std::uint64_t black_boxes = 0;     ///< how often the black box was written

@@ -13,6 +13,9 @@ namespace spm::servo {
 
 namespace {
 
+/// So that what a scene computes from the stable stiffness itself is not above it.
+constexpr double rounding = 1e-9;
+
 /// How forces are made, as one clause.
 std::string forces_text(const ForceScene& scene) {
   const ForceSettings& first = scene.objects.front().force;
@@ -59,12 +62,22 @@ std::vector<std::string> stiffness_warnings(const ForceChoice& choice,
   const double wanted = stiffness_at_hand(choice.scene);
   for (const Device* device : devices) {
     const DeviceCapabilities& can = device->capabilities();
-    if (wanted <= can.stiffness_cap) continue;
-    list.push_back(can.name + ": the scene asks for " +
-                   format_quantity(wanted, Quantity::stiffness) + " at the hand, more than the " +
-                   format_quantity(can.stiffness_cap, Quantity::stiffness) +
-                   " that this device renders stably: what is stiffer is held to that "
-                   "(stiffness_cap= of the device changes it)");
+    if (wanted > can.stiffness_cap) {
+      list.push_back(can.name + ": the scene asks for " +
+                     format_quantity(wanted, Quantity::stiffness) + " at the hand, more than the " +
+                     format_quantity(can.stiffness_cap, Quantity::stiffness) +
+                     " that this device renders stably: what is stiffer is held to that "
+                     "(stiffness_cap= of the device changes it)");
+    }
+    const double felt = std::min(wanted, can.stiffness_cap);
+    const double stable = auto_stiffness(force_device(can));
+    if (felt > stable * (1 + rounding)) {
+      list.push_back(can.name + ": " + format_quantity(felt, Quantity::stiffness) +
+                     " at the hand is more than the " +
+                     format_quantity(stable, Quantity::stiffness) +
+                     " that it holds stably by simulation, so that it may shake and push: lower "
+                     "the stiffness, or leave it to --stiffness auto");
+    }
   }
   return list;
 }

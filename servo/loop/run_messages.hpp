@@ -18,7 +18,8 @@ namespace spm::servo {
 [[nodiscard]] bool nothing_plugged_in(const RunOptions& options, const ForceChoice& choice,
                                       const std::vector<Device*>& devices);
 
-/// A sentence for each device that cannot be as stiff as the scene asks.
+/// A sentence for each device that cannot be as stiff as the scene asks, and for each that is asked
+/// for more than it holds stably (`auto_stiffness`).
 [[nodiscard]] std::vector<std::string> stiffness_warnings(const ForceChoice& choice,
                                                           const std::vector<Device*>& devices);
 

@@ -33,6 +33,11 @@ ordered_json force_off_json(const ForceOffTicks& ticks) {
   return list;
 }
 
+/// Answers of objects that were coarser than with more time, by how.
+ordered_json degraded_json(std::uint64_t held, std::uint64_t shortened) {
+  return {{"held", held}, {"shortened", shortened}};
+}
+
 double force_cap_of(const RunReport& report, const DeviceCapabilities& device) {
   return std::min(device.force_cap, report.force.device.force_cap.value_or(device.force_cap));
 }
@@ -54,6 +59,8 @@ ordered_json devices_json(const RunReport& report) {
     entry["cap_hits"] = device.counters.cap_hits;
     entry["slew_hits"] = device.counters.slew_hits;
     entry["energy_j"] = device.counters.energy;
+    entry["degraded_ticks"] = device.counters.degraded_ticks;
+    entry["degraded_answers"] = degraded_json(device.counters.held, device.counters.shortened);
     entry["force_off"] = force_off_json(device.counters.force_off);
     list.push_back(std::move(entry));
   }
@@ -85,6 +92,7 @@ struct Totals {
   double force_max = 0;
   double generated_max = 0;
   std::uint64_t cap_hits = 0;
+  std::uint64_t held = 0, shortened = 0;
 };
 
 Totals totals_of(const RunReport& report) {
@@ -93,6 +101,8 @@ Totals totals_of(const RunReport& report) {
     totals.force_max = std::max(totals.force_max, device.counters.force_max);
     totals.generated_max = std::max(totals.generated_max, device.counters.generated_max);
     totals.cap_hits += device.counters.cap_hits;
+    totals.held += device.counters.held;
+    totals.shortened += device.counters.shortened;
   }
   return totals;
 }
@@ -163,10 +173,21 @@ ordered_json to_json(const RunReport& report) {
   add_forces(json, report.force);
   json["wake_us"] = percentiles_json(report.wake_us);
   json["busy_us"] = percentiles_json(report.busy_us);
+  json["tick_budget"] = report.options.tick_budget;
+  json["degraded_ticks"] = counters.degraded_ticks;
+  json["degraded_answers"] = degraded_json(totals.held, totals.shortened);
   json["page_faults"] = counters.page_faults;
   json["realtime"] = {{"policy", report.realtime.policy},
                       {"priority", report.realtime.priority},
-                      {"memory_locked", report.realtime.memory_locked}};
+                      {"memory_locked", report.realtime.memory_locked},
+                      {"cpu_dma_latency", {{"held", report.latency_held}}}};
+  if (!report.latency_held) {
+    json["realtime"]["cpu_dma_latency"]["why"] = report.latency_not_held;
+  }
+  json["recovery"] = report.options.acknowledge ? "acknowledge" : "automatic";
+  if (report.options.enable_button > 0) {
+    json["enable_switch"] = fmt::format("button:{}", report.options.enable_button);
+  }
   json["force_off"] = force_off_json(sum_force_off(report));
   json["force_n"] = {{"max", totals.force_max}, {"cap_hits", totals.cap_hits}};
   json["energy_j"] = {{"generated_max", totals.generated_max}};
@@ -188,16 +209,28 @@ std::string to_text(const RunReport& report) {
       "{} ticks at {} Hz, {} missed, in contact {:.0f} % of them\n"
       "woke up late by {}\n"
       "worked for      {}\n"
-      "page faults in the loop: {}; scheduling {} {}, memory {}locked\n"
+      "page faults in the loop: {}; scheduling {} {}, memory {}locked, idle states {}\n"
       "largest force {:.3f} N, force cap met {} times, energy generated at most {:.3g} J\n",
       counters.ticks, report.options.rate_hz, counters.missed, in_contact,
       percentiles_text(report.wake_us), percentiles_text(report.busy_us), counters.page_faults,
       report.realtime.policy, report.realtime.priority, report.realtime.memory_locked ? "" : "not ",
-      totals.force_max, totals.cap_hits, totals.generated_max);
+      report.latency_held ? "held off" : "as usual", totals.force_max, totals.cap_hits,
+      totals.generated_max);
   if (report.devices.size() > 1) {
     for (std::size_t i = 0; i < report.devices.size(); ++i) {
       text += device_text(i, report.devices[i]);
     }
+  }
+  for (const DeviceReport& device : report.devices) {
+    const auto warning = device.details.find("warning");
+    if (warning == device.details.end()) continue;
+    text += fmt::format("warning: {}: {}\n", device.capabilities.name, warning->get<std::string>());
+  }
+  if (counters.degraded_ticks > 0) {
+    text += fmt::format(
+        "too little time for {} ticks: {} answers of objects by the plane touched last, {} with "
+        "fewer queries\n",
+        counters.degraded_ticks, totals.held, totals.shortened);
   }
   const ForceOffTicks off = sum_force_off(report);
   for (std::size_t i = 0; i < force_off_count; ++i) {

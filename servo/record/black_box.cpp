@@ -30,6 +30,8 @@ bool is_fault(std::uint8_t cause) noexcept {
     case ForceOff::clutched:
     case ForceOff::outside_workspace:
     case ForceOff::application_silent:
+    case ForceOff::unacknowledged:
+    case ForceOff::not_enabled:
       return false;
   }
   return true;

@@ -24,6 +24,7 @@ RecordingRow to_row(const TickRecord& record) noexcept {
   row.tick = record.tick;
   row.position = to_numbers(record.position);
   row.wanted = to_numbers(record.wanted);
+  row.added = to_numbers(record.added);
   row.sent = to_numbers(record.force);
   row.depth = record.depth;
   row.wake_ns = to_word(record.wake_ns);
@@ -35,6 +36,13 @@ RecordingRow to_row(const TickRecord& record) noexcept {
       (record.contact ? recorded_contact : 0) | (record.forgot ? recorded_forgot : 0) |
       (record.lost ? recorded_lost : 0) | (record.touched ? recorded_touched : 0) |
       (record.edited ? recorded_edited : 0) | (record.exchanged ? recorded_exchanged : 0));
+  const ForceEffort& effort = record.effort;
+  if (effort.degraded()) {
+    row.first = static_cast<std::uint16_t>(effort.first);
+    row.exact = static_cast<std::uint16_t>(effort.exact);
+    row.held = static_cast<std::uint16_t>(effort.held);
+    row.shortened = static_cast<std::uint16_t>(effort.shortened);
+  }
   return row;
 }
 

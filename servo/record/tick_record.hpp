@@ -8,6 +8,7 @@
 
 #include "common/base/vector.hpp"
 #include "formats/motion/recording.hpp"
+#include "servo/force/force_budget.hpp"
 #include "servo/safety/safety.hpp"
 
 namespace spm::servo {
@@ -20,6 +21,7 @@ struct TickRecord {
   std::int64_t busy_ns = 0;            ///< from waking up to the write to the last device
   Vector3 position = Vector3::Zero();  ///< m
   Vector3 wanted = Vector3::Zero();    ///< N, result of the force law
+  Vector3 added = Vector3::Zero();     ///< N, by applications, to what is wanted
   Vector3 force = Vector3::Zero();     ///< N, as sent
   double depth = 0;                    ///< m
   std::uint32_t buttons = 0;
@@ -31,6 +33,7 @@ struct TickRecord {
   bool edited = false;     ///< an edited scene was taken up before the forces of this tick
   bool exchanged = false;  ///< assets were opened, or opened again, before this tick
   ForceOff cause = ForceOff::none;
+  ForceEffort effort;  ///< with which `wanted` was computed
 };
 
 /// A record in the form that files have.

@@ -58,6 +58,10 @@ const char* to_string(ForceOff cause) noexcept {
       return "application_silent";
     case ForceOff::stalled:
       return "stalled";
+    case ForceOff::unacknowledged:
+      return "unacknowledged";
+    case ForceOff::not_enabled:
+      return "not_enabled";
   }
   return "unknown";
 }
@@ -94,6 +98,11 @@ const char* cure_of(ForceOff cause) noexcept {
     case ForceOff::stalled:
       return "give the loop real-time priority, which 'spm-servo doctor' explains; it goes on by "
              "itself";
+    case ForceOff::unacknowledged:
+      return "look whether all is well again, then press a button of the device, or acknowledge it "
+             "by an application (spm_client_acknowledge)";
+    case ForceOff::not_enabled:
+      return "hold the device's enable switch, which --enable-switch names";
   }
   return "";
 }

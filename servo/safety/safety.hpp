@@ -25,9 +25,11 @@ enum class ForceOff : std::uint8_t {
   outside_workspace,   ///< the tool is where the device's maker says it cannot be
   application_silent,  ///< an application that moved objects no longer answers
   stalled,             ///< no tick ran for so long that the device was sent zero by others
+  unacknowledged,      ///< a fault is over, and nobody has acknowledged it yet
+  not_enabled,         ///< the enable switch is not held
 };
 
-inline constexpr std::size_t force_off_count = 14;
+inline constexpr std::size_t force_off_count = 16;
 
 /// The number of ticks without force, for each cause.
 using ForceOffTicks = std::array<std::uint64_t, force_off_count>;

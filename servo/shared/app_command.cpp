@@ -103,6 +103,75 @@ void read_force_cap(const spm_shared_command& from, const AppCommandLimits& limi
   to.force_cap = from.force_cap;
 }
 
+void read_push(const spm_shared_command& from, const AppCommandLimits& limits, Check& check,
+               AppCommand& to) noexcept {
+  to.action = AppAction::push;
+  to.index = from.index;
+  to.hold = from.hold;
+  check.holds(from.index < limits.devices, Refusal::unknown_device);
+  for (int axis = 0; axis < 3; ++axis) {
+    check.number(from.force[axis], -app_max_force, app_max_force);
+    check.number(from.torque[axis], -app_max_torque, app_max_torque);
+    to.force[axis] = from.force[axis];
+    to.torque[axis] = from.torque[axis];
+  }
+  check.number(from.hold, app_min_hold, app_max_hold);
+}
+
+/// A limit of an effect, of which 0 means none.
+void read_limit(double value, double most, Check& check, double& to) noexcept {
+  check.number(value, 0, most);
+  if (value > 0) to = value;
+}
+
+void read_axis(const spm_shared_command& from, Check& check, Vector3& to) noexcept {
+  for (const double value : from.axis) check.number(value, -2, 2);
+  if (check.refusal() != Refusal::none) return;
+  to = {from.axis[0], from.axis[1], from.axis[2]};
+  check.number(to.norm(), 1 - app_quaternion_slack, 1 + app_quaternion_slack);
+  if (check.refusal() == Refusal::none) to.normalize();
+}
+
+void read_effect(const spm_shared_command& from, const AppCommandLimits& limits, Check& check,
+                 AppCommand& to) noexcept {
+  to.action = AppAction::effect;
+  to.index = from.index;
+  to.effect_number = from.effect;
+  HandEffect& effect = to.effect;
+  check.holds(from.index < limits.devices, Refusal::unknown_device);
+  check.holds(from.effect != SPM_ALL_EFFECTS, Refusal::out_of_range);
+  check.holds(from.effect_kind >= SPM_EFFECT_SPRING && from.effect_kind <= SPM_EFFECT_DETENTS,
+              Refusal::out_of_range);
+  if (check.refusal() != Refusal::none) return;
+  effect.kind = static_cast<HandEffectKind>(from.effect_kind - SPM_EFFECT_SPRING);
+  const bool detents = effect.kind == HandEffectKind::detents;
+  if (effect.kind == HandEffectKind::spring || detents) {
+    for (const double value : from.position) check.number(value, -app_farthest, app_farthest);
+    effect.point = {from.position[0], from.position[1], from.position[2]};
+  }
+  if (effect.kind == HandEffectKind::viscous) {
+    check.number(from.damping, 0, app_max_damping);
+    effect.damping = from.damping;
+  } else {
+    check.number(from.stiffness, 0, app_max_stiffness);
+    effect.stiffness = from.stiffness;
+  }
+  read_limit(from.most_force, app_max_force, check, effect.most_force);
+  read_limit(from.range, app_farthest, check, effect.range);
+  if (!detents) return;
+  read_axis(from, check, effect.axis);
+  check.number(from.spacing, app_min_spacing, app_farthest);
+  effect.spacing = from.spacing;
+}
+
+void read_removal(const spm_shared_command& from, const AppCommandLimits& limits, Check& check,
+                  AppCommand& to) noexcept {
+  to.action = AppAction::remove_effect;
+  to.index = from.index;
+  to.effect_number = from.effect;
+  check.holds(from.index < limits.devices, Refusal::unknown_device);
+}
+
 }  // namespace
 
 Refusal check_command(const spm_shared_command& from, const AppCommandLimits& limits,
@@ -111,6 +180,7 @@ Refusal check_command(const spm_shared_command& from, const AppCommandLimits& li
   to = AppCommand{};
   to.sequence = from.sequence;
   to.object = from.object;
+  to.deadline_ns = from.deadline_ns;
   switch (from.kind) {
     case SPM_COMMAND_ADD:
       read_add(from, limits, check, to);
@@ -130,6 +200,20 @@ Refusal check_command(const spm_shared_command& from, const AppCommandLimits& li
       break;
     case SPM_COMMAND_FORCE_CAP:
       read_force_cap(from, limits, check, to);
+      break;
+    case SPM_COMMAND_PUSH:
+      read_push(from, limits, check, to);
+      break;
+    case SPM_COMMAND_EFFECT:
+      read_effect(from, limits, check, to);
+      break;
+    case SPM_COMMAND_REMOVE_EFFECT:
+      read_removal(from, limits, check, to);
+      break;
+    case SPM_COMMAND_ACKNOWLEDGE:
+      to.action = AppAction::acknowledge;
+      to.index = from.index;
+      check.holds(from.index < limits.devices, Refusal::unknown_device);
       break;
     default:
       return Refusal::unknown_kind;

@@ -4,6 +4,7 @@
 #include <cstdint>
 
 #include "common/base/placement.hpp"
+#include "common/contact/hand_effect.hpp"
 #include "common/contact/surface_texture.hpp"
 #include "servo/shared/refusal.hpp"
 #include "servo/shared/shared_layout.h"
@@ -12,13 +13,17 @@ namespace spm::servo {
 
 /// The kind of a request.
 enum class AppAction : std::uint8_t {
-  add,        ///< an object of an asset that the daemon serves
-  move,       ///< a pose of an object
-  remove,     ///< an object that an application added
-  material,   ///< how an object feels
-  clutch,     ///< the device's hand moves freely, while the tool stays
-  force_cap,  ///< a device's force is held below a cap of the application
-  departure,  ///< no request: the application is gone, and its objects belong to nobody now
+  add,            ///< an object of an asset that the daemon serves
+  move,           ///< a pose of an object
+  remove,         ///< an object that an application added
+  material,       ///< how an object feels
+  clutch,         ///< the device's hand moves freely, while the tool stays
+  force_cap,      ///< a device's force is held below a cap of the application
+  push,           ///< a device's hand is pushed for a while
+  effect,         ///< an effect on a device's hand is set or changed
+  remove_effect,  ///< an effect is removed, or all of a device
+  acknowledge,    ///< a fault is over, and the device's force may come back
+  departure,      ///< no request: the application is gone, and its objects belong to nobody now
 };
 
 /// How an object feels. What a command does not give stays as it is.
@@ -38,18 +43,25 @@ struct AppCommand {
   bool on = false;               ///< clutch
   std::uint32_t client = 0;      ///< below SPM_MAX_CLIENTS
   std::uint32_t connection = 0;  ///< of the client, from 1, never used again
-  std::uint32_t index = 0;       ///< add: asset; clutch, force_cap: device
+  std::uint32_t index = 0;       ///< add: asset; all others that name one: device
   std::uint64_t sequence = 0;
-  std::uint64_t object = 0;  ///< id; its upper half is the connection that added the object
-  Placement pose;            ///< the scale has a meaning with `add` alone
-  double period = 0;         ///< s, move: until the next pose; 0 if the application does not say
-  double force_cap = 0;      ///< N
+  std::uint64_t object = 0;      ///< id; its upper half is the connection that added the object
+  std::int64_t deadline_ns = 0;  ///< of CLOCK_MONOTONIC; 0 or less: none
+  Placement pose;                ///< the scale has a meaning with `add` alone
+  double period = 0;     ///< s, move: until the next pose; 0 if the application does not say
+  double force_cap = 0;  ///< N
   AppMaterial material;
+  Vector3 force = Vector3::Zero();   ///< N, push
+  Vector3 torque = Vector3::Zero();  ///< N m, push
+  double hold = 0;                   ///< s, push: how long it acts
+  std::uint32_t effect_number = 0;   ///< the application's own
+  HandEffect effect;
 };
 
 /// Limits of what an application may request. Positions: a room, far beyond any device's workspace.
 /// Stiffness: ten times what the stiffest desktop devices render. Friction: dry rubber has about 1
-/// (this limit is the scene's too). Damping, texture and scale: far beyond what can be felt.
+/// (this limit is the scene's too). Damping, texture and scale: far beyond what can be felt. Forces
+/// and torques: no device has as much.
 inline constexpr double app_farthest = 100;    // m
 inline constexpr double app_min_scale = 1e-4;  // scenes in micrometres need it
 inline constexpr double app_max_scale = 1e4;
@@ -61,6 +73,11 @@ inline constexpr double app_max_amplitude = 0.1;      // m
 inline constexpr double app_min_wavelength = 1e-6;    // m, if there is an amplitude
 inline constexpr double app_max_wavelength = 1;       // m
 inline constexpr double app_max_force_cap = 1e3;      // N; no device has as much
+inline constexpr double app_max_force = 1e3;          // N, of a push and of an effect
+inline constexpr double app_max_torque = 1e2;         // N m
+inline constexpr double app_min_hold = 1e-6;          // s
+inline constexpr double app_max_hold = 1;             // s
+inline constexpr double app_min_spacing = 1e-5;       // m, of detents
 inline constexpr double app_quaternion_slack = 1e-3;  // of its length; single precision needs it
 
 /// What commands are checked against.

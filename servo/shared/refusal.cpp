@@ -30,6 +30,13 @@ const char* to_sentence(Refusal refusal) noexcept {
       return "its deadline was over: send sooner, or with a later deadline";
     case Refusal::clutch_held:
       return "another application holds the clutch of this device: wait until it lets go or leaves";
+    case Refusal::no_torque:
+      return "no torque is sent to this device: send the force alone, with a torque of zero";
+    case Refusal::too_many_effects:
+      return "there is no room for another effect on this device: remove one first";
+    case Refusal::unknown_effect:
+      return "this application has no effect of that number on the device: it was removed, or its "
+             "object was";
   }
   return "refused for a reason that this version does not know";
 }

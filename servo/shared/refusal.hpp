@@ -20,9 +20,12 @@ enum class Refusal : std::uint8_t {
   too_many_objects,  ///< there is no room for another object
   too_late,          ///< the loop came to it after its deadline
   clutch_held,       ///< another application holds the device's clutch
+  no_torque,         ///< no torque is sent to the device
+  too_many_effects,  ///< there is no room for another effect on the device
+  unknown_effect,    ///< the application has no effect of that number on the device
 };
 
-inline constexpr std::size_t refusal_count = 12;
+inline constexpr std::size_t refusal_count = 15;
 
 /// What was wrong and what to do about it: a sentence without its full stop.
 [[nodiscard]] const char* to_sentence(Refusal refusal) noexcept;

@@ -25,7 +25,7 @@
 #define SPM_LAYOUT_ASSERT _Static_assert
 #endif
 
-#define SPM_LAYOUT_VERSION 4u
+#define SPM_LAYOUT_VERSION 5u
 
 #define SPM_STATE_MAGIC UINT64_C(0x65746174534d5053) /* the bytes SPMState */
 #define SPM_RING_MAGIC UINT64_C(0x676e6952204d5053)  /* the bytes SPM Ring */
@@ -139,7 +139,10 @@ typedef struct spm_shared_loop {
   uint64_t garbage;
   uint32_t device_count;
   uint32_t reserved;
-  uint64_t more_reserved[4];
+  uint64_t degraded;  /* ticks that had too little time for all objects; 0 from older daemons */
+  uint64_t held;      /* answers of objects that were coarser by that: spm::Care */
+  uint64_t shortened; /* the same */
+  uint64_t more_reserved[1];
   uint64_t wake[SPM_BUCKETS]; /* ticks by how late they began */
   uint64_t busy[SPM_BUCKETS]; /* ticks by how long they worked */
   spm_shared_device_counts devices[SPM_MAX_DEVICES];
@@ -156,7 +159,7 @@ typedef struct spm_shared_application {
 typedef struct spm_shared_applications {
   uint64_t sequence;
   uint32_t count;
-  uint32_t reserved;
+  uint32_t supervisors; /* bit i: list[i] has the role of a supervisor */
   spm_shared_application list[SPM_MAX_CLIENTS];
 } spm_shared_applications;
 
@@ -187,8 +190,23 @@ enum {
   SPM_COMMAND_REMOVE = 3,
   SPM_COMMAND_MATERIAL = 4,
   SPM_COMMAND_CLUTCH = 5,
-  SPM_COMMAND_FORCE_CAP = 6
+  SPM_COMMAND_FORCE_CAP = 6,
+  SPM_COMMAND_PUSH = 7,
+  SPM_COMMAND_EFFECT = 8,
+  SPM_COMMAND_REMOVE_EFFECT = 9,
+  SPM_COMMAND_ACKNOWLEDGE = 16
 };
+
+/* spm_shared_command.effect_kind. */
+enum {
+  SPM_EFFECT_SPRING = 1,
+  SPM_EFFECT_VISCOUS = 2,
+  SPM_EFFECT_MAGNET = 3,
+  SPM_EFFECT_DETENTS = 4
+};
+
+/* spm_shared_command.effect of REMOVE_EFFECT: all of the device. */
+#define SPM_ALL_EFFECTS UINT32_MAX
 
 /* Bits of spm_shared_command.fields: which parts of the material are set. */
 enum {
@@ -203,10 +221,10 @@ enum {
 typedef struct spm_shared_command {
   uint64_t sequence; /* 1 for a ring's first command, and so on */
   uint32_t kind;
-  uint32_t index; /* ADD: asset; CLUTCH and FORCE_CAP: device */
-  uint64_t object;
+  uint32_t index;      /* ADD: asset; CLUTCH, FORCE_CAP, PUSH, ACKNOWLEDGE, effects: device */
+  uint64_t object;     /* that is meant; EFFECT: the magnet's */
   int64_t deadline_ns; /* later than this it is refused; 0: never */
-  double position[3];
+  double position[3];  /* EFFECT: the spring's point, or one of the detents */
   double orientation[4];
   double scale;  /* ADD */
   double period; /* MOVE: s to the next pose, a hint; 0: not known */
@@ -221,6 +239,15 @@ typedef struct spm_shared_command {
   uint32_t on;      /* CLUTCH: 1 holds the scene while the hand moves freely */
   double force_cap; /* FORCE_CAP: N */
   uint64_t reserved[2];
+  double force[3];      /* PUSH: N */
+  double torque[3];     /* PUSH: N m, about the tool's origin */
+  double hold;          /* PUSH: s */
+  double axis[3];       /* EFFECT: of detents, unit */
+  double most_force;    /* EFFECT: N; 0: no limit */
+  double range;         /* EFFECT: m; 0: no limit */
+  double spacing;       /* EFFECT: m, of detents */
+  uint32_t effect;      /* the client's number for an effect */
+  uint32_t effect_kind; /* EFFECT */
 } spm_shared_command;
 
 /** A client's region: commands from the one thread that writes them to the loop. */
@@ -265,12 +292,13 @@ SPM_LAYOUT_ASSERT(sizeof(spm_shared_applications) == 16 + 16 * 72, "layout");
 SPM_LAYOUT_ASSERT(offsetof(spm_shared_state, loop) == 128 + 2 * 10304 + 14864, "layout");
 SPM_LAYOUT_ASSERT(offsetof(spm_shared_state, applications) == 35600 + 1600, "layout");
 SPM_LAYOUT_ASSERT(sizeof(spm_shared_state) == 35600 + 1600 + 1168, "layout");
-SPM_LAYOUT_ASSERT(sizeof(spm_shared_command) == 192, "layout");
+SPM_LAYOUT_ASSERT(sizeof(spm_shared_command) == 304, "layout");
 SPM_LAYOUT_ASSERT(offsetof(spm_shared_command, texture_seed) == 152, "layout");
+SPM_LAYOUT_ASSERT(offsetof(spm_shared_command, force) == 192, "layout");
 SPM_LAYOUT_ASSERT(offsetof(spm_shared_ring, head) == 64, "layout");
 SPM_LAYOUT_ASSERT(offsetof(spm_shared_ring, tail) == 128, "layout");
 SPM_LAYOUT_ASSERT(offsetof(spm_shared_ring, slots) == 192, "layout");
-SPM_LAYOUT_ASSERT(sizeof(spm_shared_ring) == 192 + 256 * 192, "layout");
+SPM_LAYOUT_ASSERT(sizeof(spm_shared_ring) == 192 + 256 * 304, "layout");
 SPM_LAYOUT_ASSERT((SPM_RING_SLOTS & (SPM_RING_SLOTS - 1)) == 0, "a power of two");
 
 #endif

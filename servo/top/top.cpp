@@ -129,6 +129,7 @@ TopView view_between(const TopSample& before, const TopSample& now) {
   view.ticks = to.ticks;
   view.missed = count_of(from.missed, to.missed);
   view.skipped = count_of(from.skipped, to.skipped);
+  view.degraded = count_of(from.degraded, to.degraded);
   for (std::size_t i = 0; i < now.devices.size(); ++i) {
     const bool known = i < before.devices.size();
     view.devices.push_back(
@@ -146,7 +147,10 @@ ordered_json to_json(const TopView& view) {
   for (const TopDevice& device : view.devices) devices.push_back(to_json(device));
   ordered_json applications = ordered_json::array();
   for (const spm_client_application& application : view.applications) {
-    applications.push_back({{"name", application.name}, {"process", application.process}});
+    applications.push_back(
+        {{"name", application.name},
+         {"process", application.process},
+         {"role", application.role == SPM_CLIENT_SUPERVISOR ? "supervisor" : "application"}});
   }
   ordered_json json = {
       {"daemon", name_of(view.daemon)},
@@ -159,6 +163,7 @@ ordered_json to_json(const TopView& view) {
       {"ticks", view.ticks},
       {"missed", to_json(view.missed)},
       {"skipped", to_json(view.skipped)},
+      {"degraded_ticks", to_json(view.degraded)},
       {"wake_us", to_json(view.wake)},
       {"busy_us", to_json(view.busy)},
       {"busy_share", view.busy_share},

@@ -68,6 +68,7 @@ struct TopView {
   double busy_share = 0;  ///< busy fraction of the time, 0 to 1
   std::uint64_t ticks = 0;
   TopCount missed, skipped;
+  TopCount degraded;  ///< ticks that had too little time for all objects
   std::vector<TopDevice> devices;
   std::vector<spm_client_application> applications;
   std::uint64_t commands = 0, refused = 0, garbage = 0;

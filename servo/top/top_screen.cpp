@@ -82,8 +82,9 @@ void add_loop(Lines& lines, const TopView& view) {
   lines.row(times_of("late", view.wake));
   lines.row(times_of("busy", view.busy) +
             fmt::format(", {:.2f} % of the time", 100 * view.busy_share));
-  lines.row(fmt::format("missed {} of {} ticks, of them skipped {}", count_of(view.missed),
-                        view.ticks + view.skipped.total, count_of(view.skipped)));
+  lines.row(fmt::format("missed {} of {} ticks, of them skipped {}; degraded {}",
+                        count_of(view.missed), view.ticks + view.skipped.total,
+                        count_of(view.skipped), count_of(view.degraded)));
 }
 
 void add_device(Lines& lines, const TopDevice& device) {
@@ -104,9 +105,10 @@ void add_applications(Lines& lines, const TopView& view) {
   std::string words = fmt::format("{} application{}", count, count == 1 ? "" : "s");
   for (std::size_t i = 0; i < count; ++i) {
     const spm_client_application& application = view.applications[i];
-    words += fmt::format("{} {} (process {})", i == 0 ? ":" : ",",
+    words += fmt::format("{} {} (process {}{})", i == 0 ? ":" : ",",
                          application.name[0] != '\0' ? application.name : "without a name",
-                         application.process);
+                         application.process,
+                         application.role == SPM_CLIENT_SUPERVISOR ? ", supervisor" : "");
   }
   lines.sentence(words);
   lines.sentence(fmt::format("commands: {} taken, {} refused, {} garbage", view.commands,

@@ -21,11 +21,11 @@ FRICTION = 0.02  # N, of the profile `low`, beside the hand's spring
 DEPTH = 0.002  # m, where the hand wants to be below the box's top
 RADIUS = 0.02  # m, of the ball
 PATIENCE = 60  # s
-ROW = struct.Struct("<Q9dd2iIHBB")  # formats/motion/recording.hpp
+ROW = struct.Struct("<Q12dd2iIHBB4H")  # formats/motion/recording.hpp
 SIZE_AT, HEADER_AT, FOOT = 8, 16, 16  # bytes
 ROW_KIND = 1
-# N/m: what `low` holds stably, the default (common/contact/stable_stiffness.hpp)
-DEFAULT = 0.6 * 1701
+# N/m: what `low` holds stably, the default (common/contact/stiffness_borders.hpp)
+DEFAULT = 0.6 * 1660
 PROFILE = '[device]\nprofile = "low"\n'
 HEAD = f"{PROFILE}[workspace]\npose = [0, 0, {TOP}]\n"
 
@@ -102,7 +102,7 @@ class SceneReload(Case):
                 rows.append(ROW.unpack_from(content, at + 8))
             at += 8 + size
         causes = json.loads(content[HEADER_AT:start])["causes"]
-        return [(row[0], row[9], causes[row[-2]]) for row in rows]
+        return [(row[0], row[12], causes[row[18]]) for row in rows]
 
     def replay_of_the_first_scene_ends_where_it_was_edited(self, box, rows):
         """Forces from there on are of other scenes, and are not compared."""

@@ -14,6 +14,8 @@ namespace SpmHaptics
     public sealed class SpmClient : IDisposable
     {
         private const int NameBytes = 64;
+        /// <summary>For RemoveEffect.</summary>
+        public const uint AllEffects = uint.MaxValue;
         private IntPtr handle;
 
         /// <summary>name: of the daemon. serverUser: id of a user whose daemon is trusted, beside
@@ -141,6 +143,47 @@ namespace SpmHaptics
         public void SetForceCap(uint device, double newtons)
         {
             Check(Library.spm_client_set_force_cap(Open(), device, newtons));
+        }
+
+        /// <summary>Pushes the hand by a force, N, for hold s (at most 1), in place of the last push.
+        /// A torque that is not zero is refused: none is sent to devices yet.</summary>
+        public void Push(uint device, double[] force, double hold, double[] torque = null)
+        {
+            var push = new PushData
+            {
+                Size = SizeOf<PushData>(),
+                Force = force,
+                Torque = torque ?? new double[3],
+                Hold = hold
+            };
+            Check(Library.spm_client_push_hand(Open(), device, ref push));
+        }
+
+        /// <summary>Sets an effect on the hand, or changes the one that has this number of one's own.
+        /// It stays until it is removed or this application leaves.</summary>
+        public void SetEffect(uint device, uint number, EffectData effect)
+        {
+            effect.Size = SizeOf<EffectData>();
+            effect.Point = effect.Point ?? new double[3];
+            effect.Axis = effect.Axis ?? new double[3];
+            Check(Library.spm_client_set_effect(Open(), device, number, ref effect));
+        }
+
+        /// <summary>Removes one's own effect of that number, or all of one's own; a supervisor
+        /// all.</summary>
+        public void RemoveEffect(uint device, uint number = AllEffects)
+        {
+            Check(Library.spm_client_remove_effect(Open(), device, number));
+        }
+
+        /// <summary>The cause of zero force after which Acknowledge is waited for.</summary>
+        public const uint Unacknowledged = 14;
+
+        /// <summary>Says that a fault is over, where the daemon waits for it (the cause
+        /// unacknowledged).</summary>
+        public void Acknowledge(uint device)
+        {
+            Check(Library.spm_client_acknowledge(Open(), device));
         }
 
         /// <summary>Waits for a tick after this one, at most timeout s; false if none came. Not for

@@ -27,6 +27,11 @@ namespace SpmHaptics
     [Flags]
     public enum MaterialFields : uint { None = 0, Stiffness = 1, Friction = 2, Damping = 4, Texture = 8 }
 
+    /// <summary>Spring: pulls towards Point. Viscous: brakes. Magnet: pulls from outside towards the
+    /// surface of Object. Detents: pull along Axis to the nearest of places Spacing apart, one of
+    /// which is at Point.</summary>
+    public enum EffectKind : uint { Spring = 1, Viscous = 2, Magnet = 3, Detents = 4 }
+
     public sealed class ClientException : Exception
     {
         public ClientCode Code { get; }
@@ -138,6 +143,33 @@ namespace SpmHaptics
     }
 
     [StructLayout(LayoutKind.Sequential)]
+    public struct PushData
+    {
+        public uint Size;
+        public uint Reserved;
+        [MarshalAs(UnmanagedType.ByValArray, SizeConst = 3)] public double[] Force;
+        [MarshalAs(UnmanagedType.ByValArray, SizeConst = 3)] public double[] Torque;
+        public double Hold;
+    }
+
+    /// <summary>An effect on a hand; what its kind does not use is left at 0. MostForce and Range of
+    /// 0: no limit. A Point or Axis that is null is zero.</summary>
+    [StructLayout(LayoutKind.Sequential)]
+    public struct EffectData
+    {
+        public uint Size;
+        public EffectKind Kind;
+        public double Stiffness;
+        public double Damping;
+        public double MostForce;
+        public double Range;
+        public double Spacing;
+        [MarshalAs(UnmanagedType.ByValArray, SizeConst = 3)] public double[] Point;
+        [MarshalAs(UnmanagedType.ByValArray, SizeConst = 3)] public double[] Axis;
+        public ulong Object;
+    }
+
+    [StructLayout(LayoutKind.Sequential)]
     public struct CommandCountsData
     {
         public uint Size;
@@ -175,6 +207,9 @@ namespace SpmHaptics
         public ulong Garbage;
         [MarshalAs(UnmanagedType.ByValArray, SizeConst = 64)] public ulong[] Wake;
         [MarshalAs(UnmanagedType.ByValArray, SizeConst = 64)] public ulong[] Busy;
+        public ulong Degraded;
+        public ulong Held;
+        public ulong Shortened;
     }
 
     [StructLayout(LayoutKind.Sequential)]
@@ -196,7 +231,7 @@ namespace SpmHaptics
         public uint Size;
         public uint Connection;
         public uint Process;
-        public uint Reserved;
+        public ClientRole Role;
         [MarshalAs(UnmanagedType.ByValTStr, SizeConst = 64)] public string Name;
     }
 }

@@ -57,6 +57,17 @@ namespace SpmHaptics
         internal static extern ClientCode spm_client_set_force_cap(
             IntPtr client, uint device, double newtons);
         [DllImport(Name)]
+        internal static extern ClientCode spm_client_push_hand(
+            IntPtr client, uint device, ref PushData push);
+        [DllImport(Name)]
+        internal static extern ClientCode spm_client_set_effect(
+            IntPtr client, uint device, uint number, ref EffectData effect);
+        [DllImport(Name)]
+        internal static extern ClientCode spm_client_remove_effect(
+            IntPtr client, uint device, uint number);
+        [DllImport(Name)]
+        internal static extern ClientCode spm_client_acknowledge(IntPtr client, uint device);
+        [DllImport(Name)]
         internal static extern ClientCode spm_client_wait_tick(
             IntPtr client, ulong after, double timeout, ref TickData tick);
         [DllImport(Name)]

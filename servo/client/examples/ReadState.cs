@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Prints what the first device does, ten times a second, and meanwhile moves an object of the scene
-// to and fro (the first one, unless another is named). At the end it prints how the loop kept time.
+// to and fro (the first one, unless another is named) and brakes the hand a little. At the end it prints how the loop kept time.
 // In Unity the body of the loop is a MonoBehaviour's FixedUpdate.
 // Usage: ReadState.exe [SOCKET [TIMES [OBJECT]]]
 using System;
@@ -65,6 +65,7 @@ public static class ReadState
             using (var client = new SpmClient(path, "ReadState example"))
             {
                 var start = client.Object(moved);
+                client.SetEffect(0, 0, new EffectData { Kind = EffectKind.Viscous, Damping = 1 });
                 for (int i = 0; i < times; ++i)
                 {
                     var place = (double[])start.Position.Clone();

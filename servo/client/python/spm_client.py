@@ -19,19 +19,19 @@ libraries. Nothing but the standard library is needed.
 from __future__ import annotations
 
 import ctypes
-import enum
 import os
 from dataclasses import dataclass
 from types import TracebackType
 from typing import Iterator, Optional, Sequence
 
-from spm_client_library import (SENTENCES, ApplicationData, ClientError, Code, CountsData,
-                                DeviceCountsData, DeviceData, EventData, InfoData, LoopData,
-                                MaterialData, ObjectData, OptionsData, PoseData, TickData, load,
-                                sized)
+from spm_client_library import (SENTENCES, ApplicationData, Cause, ClientError, Code, CountsData,
+                                DaemonState, DeviceCountsData, DeviceData, EffectData, EffectKind,
+                                EventData, EventKind, InfoData, LoopData, MaterialData, ObjectData,
+                                OptionsData, PoseData, PushData, TickData, load, sized)
 
 __all__ = ["Application", "Client", "ClientError", "Code", "Cause", "DaemonState", "Device",
-           "DeviceCounts", "Event", "EventKind", "Info", "Loop", "Material", "Object", "Refusals"]
+           "DeviceCounts", "Effect", "EffectKind", "Event", "EventKind", "Info", "Loop", "Material",
+           "Object", "Refusals"]
 
 Vector = tuple[float, float, float]
 Quaternion = tuple[float, float, float, float]
@@ -39,43 +39,8 @@ Quaternion = tuple[float, float, float, float]
 NAME_BYTES = 64
 MAX_DEVICES = 8
 MAX_OBJECTS = 64
+ALL_EFFECTS = 2**32 - 1
 IDENTITY: Quaternion = (1.0, 0.0, 0.0, 0.0)
-
-
-class DaemonState(enum.IntEnum):
-    RUNNING = 0
-    STALLED = 1
-    ENDED = 2
-    GONE = 3
-
-
-class Cause(enum.IntEnum):
-    """Why the force is zero. A newer daemon may have further causes: those stay numbers."""
-    FORCE_ON = 0
-    STARTING = 1
-    ASSET_LOST = 2
-    NOT_A_NUMBER = 3
-    DEVICE_FAULT = 4
-    STOPPING = 5
-    DEVICE_SILENT = 6
-    DEVICE_GONE = 7
-    NOT_HOMED = 8
-    JUMPED = 9
-    CLUTCHED = 10
-    OUTSIDE_WORKSPACE = 11
-    APPLICATION_SILENT = 12
-    STALLED = 13
-
-
-class EventKind(enum.IntEnum):
-    CONTACT_BEGAN = 1
-    CONTACT_ENDED = 2
-    BUTTON_PRESSED = 3
-    BUTTON_RELEASED = 4
-    FORCE_CUT = 5
-    FORCE_BACK = 6
-    DEVICE_LOST = 7
-    DEVICE_FOUND = 8
 
 
 @dataclass(frozen=True)
@@ -138,6 +103,21 @@ class Material:
 
 
 @dataclass(frozen=True)
+class Effect:
+    """A simple effect on a hand; what its kind does not use has no effect. A pull rises with
+    `stiffness`, stays at `most_force`, and falls to zero at `range`; 0 for either: no limit."""
+    kind: EffectKind
+    stiffness: float = 0.0   # N/m
+    damping: float = 0.0     # N s/m
+    most_force: float = 0.0  # N
+    range: float = 0.0       # m
+    spacing: float = 0.0     # m
+    point: Vector = (0.0, 0.0, 0.0)
+    axis: Vector = (0.0, 0.0, 0.0)  # unit
+    object: int = 0
+
+
+@dataclass(frozen=True)
 class Refusals:
     sent: int
     taken: int
@@ -167,6 +147,9 @@ class Loop:
     busy_max: float      # s
     wake: list[int]      # ticks by how late they began
     busy: list[int]      # ticks by how long they worked
+    degraded: int        # ticks that had too little time for all objects
+    held: int            # answers of objects that were coarser by that: the last plane
+    shortened: int       # the same: a proxy that made fewer queries
 
 
 @dataclass(frozen=True)
@@ -187,6 +170,7 @@ class Application:
     connection: int
     process: int
     name: str
+    supervisor: bool = False
 
 
 class Client:
@@ -310,6 +294,35 @@ class Client:
         """Holds the device's force below this while connected; never raises the daemon's cap."""
         self._check(self._library.spm_client_set_force_cap(self._open(), device, newtons))
 
+    def push(self, device: int, force: Sequence[float], hold: float,
+             torque: Sequence[float] = (0.0, 0.0, 0.0)) -> None:
+        """Pushes the hand by a force, N, for `hold` s (at most 1), in place of the last push. A
+        torque that is not zero is refused: none is sent to devices yet."""
+        data = sized(PushData)
+        data.force = (ctypes.c_double * 3)(*force)
+        data.torque = (ctypes.c_double * 3)(*torque)
+        data.hold = hold
+        self._check(self._library.spm_client_push_hand(self._open(), device, ctypes.byref(data)))
+
+    def set_effect(self, device: int, number: int, effect: Effect) -> None:
+        """Sets an effect on the hand, or changes the one that has this number of one's own. It
+        stays until it is removed or this application leaves."""
+        data = sized(EffectData)
+        for name in ("kind", "stiffness", "damping", "most_force", "range", "spacing", "object"):
+            setattr(data, name, getattr(effect, name))
+        data.point = (ctypes.c_double * 3)(*effect.point)
+        data.axis = (ctypes.c_double * 3)(*effect.axis)
+        self._check(self._library.spm_client_set_effect(self._open(), device, number,
+                                                        ctypes.byref(data)))
+
+    def remove_effect(self, device: int, number: int = ALL_EFFECTS) -> None:
+        """Removes one's own effect of that number, or all of one's own; a supervisor all."""
+        self._check(self._library.spm_client_remove_effect(self._open(), device, number))
+
+    def acknowledge(self, device: int) -> None:
+        """Says that a fault is over, where the daemon waits for it (Cause.UNACKNOWLEDGED)."""
+        self._check(self._library.spm_client_acknowledge(self._open(), device))
+
     def wait_tick(self, after: Optional[int] = None, timeout: float = 1.0) -> Optional[int]:
         """Waits for a tick after `after` (None: after the newest) and returns it; None if none
         came within `timeout`, s."""
@@ -336,7 +349,7 @@ class Client:
         self._check(self._library.spm_client_read_loop(self._open(), ctypes.byref(found)))
         return Loop(found.time_ns * 1e-9, found.ticks, found.missed, found.skipped,
                     found.busy_ns * 1e-9, found.wake_max_ns * 1e-9, found.busy_max_ns * 1e-9,
-                    list(found.wake), list(found.busy))
+                    list(found.wake), list(found.busy), found.degraded, found.held, found.shortened)
 
     def bucket_end(self, bucket: int) -> float:
         """The end of a bucket of a loop's `wake` and `busy`, s."""
@@ -360,7 +373,8 @@ class Client:
                 return connected
             self._check(code)
             connected.append(Application(found.connection, found.process,
-                                         found.name.decode("ascii", "replace")))
+                                         found.name.decode("ascii", "replace"),
+                                         found.role == 1))
 
     def _open(self) -> ctypes.c_void_p:
         if not self._handle:

@@ -22,6 +22,51 @@ class Code(enum.IntEnum):
     NOT_THERE = 8
 
 
+class DaemonState(enum.IntEnum):
+    RUNNING = 0
+    STALLED = 1
+    ENDED = 2
+    GONE = 3
+
+
+class Cause(enum.IntEnum):
+    """Why the force is zero. A newer daemon may have further causes: those stay numbers."""
+    FORCE_ON = 0
+    STARTING = 1
+    ASSET_LOST = 2
+    NOT_A_NUMBER = 3
+    DEVICE_FAULT = 4
+    STOPPING = 5
+    DEVICE_SILENT = 6
+    DEVICE_GONE = 7
+    NOT_HOMED = 8
+    JUMPED = 9
+    CLUTCHED = 10
+    OUTSIDE_WORKSPACE = 11
+    APPLICATION_SILENT = 12
+    STALLED = 13
+    UNACKNOWLEDGED = 14
+    NOT_ENABLED = 15
+
+
+class EventKind(enum.IntEnum):
+    CONTACT_BEGAN = 1
+    CONTACT_ENDED = 2
+    BUTTON_PRESSED = 3
+    BUTTON_RELEASED = 4
+    FORCE_CUT = 5
+    FORCE_BACK = 6
+    DEVICE_LOST = 7
+    DEVICE_FOUND = 8
+
+
+class EffectKind(enum.IntEnum):
+    SPRING = 1   # pulls towards `point`
+    VISCOUS = 2  # brakes by `damping`
+    MAGNET = 3   # pulls from outside towards the surface of `object`
+    DETENTS = 4  # pulls along `axis` to the nearest of places `spacing` apart, one at `point`
+
+
 SENTENCES = {
     Code.BAD_ARGUMENT: "a number is not finite or out of range; spm_client.h tells the limits",
     Code.NO_DAEMON: "the daemon has ended; start it again with 'spm-servo run' and connect anew",
@@ -102,6 +147,20 @@ class MaterialData(ctypes.Structure):
                 ("texture_seed", ctypes.c_uint64)]
 
 
+class PushData(ctypes.Structure):
+    _fields_ = [("size", ctypes.c_uint32), ("reserved", ctypes.c_uint32),
+                ("force", ctypes.c_double * 3), ("torque", ctypes.c_double * 3),
+                ("hold", ctypes.c_double)]
+
+
+class EffectData(ctypes.Structure):
+    _fields_ = [("size", ctypes.c_uint32), ("kind", ctypes.c_uint32),
+                ("stiffness", ctypes.c_double), ("damping", ctypes.c_double),
+                ("most_force", ctypes.c_double), ("range", ctypes.c_double),
+                ("spacing", ctypes.c_double), ("point", ctypes.c_double * 3),
+                ("axis", ctypes.c_double * 3), ("object", ctypes.c_uint64)]
+
+
 class CountsData(ctypes.Structure):
     _fields_ = [("size", ctypes.c_uint32), ("last_refusal", ctypes.c_uint32),
                 ("sent", ctypes.c_uint64), ("taken", ctypes.c_uint64),
@@ -120,7 +179,9 @@ class LoopData(ctypes.Structure):
                 ("busy_ns", ctypes.c_uint64), ("wake_max_ns", ctypes.c_uint64),
                 ("busy_max_ns", ctypes.c_uint64), ("taken", ctypes.c_uint64),
                 ("refused", ctypes.c_uint64), ("garbage", ctypes.c_uint64),
-                ("wake", ctypes.c_uint64 * 64), ("busy", ctypes.c_uint64 * 64)]
+                ("wake", ctypes.c_uint64 * 64), ("busy", ctypes.c_uint64 * 64),
+                ("degraded", ctypes.c_uint64), ("held", ctypes.c_uint64),
+                ("shortened", ctypes.c_uint64)]
 
 
 class DeviceCountsData(ctypes.Structure):
@@ -132,7 +193,7 @@ class DeviceCountsData(ctypes.Structure):
 
 class ApplicationData(ctypes.Structure):
     _fields_ = [("size", ctypes.c_uint32), ("connection", ctypes.c_uint32),
-                ("process", ctypes.c_uint32), ("reserved", ctypes.c_uint32),
+                ("process", ctypes.c_uint32), ("role", ctypes.c_uint32),
                 ("name", ctypes.c_char * 64)]
 
 
@@ -179,6 +240,10 @@ def _declare(library: ctypes.CDLL) -> None:
         ("set_material", code, [handle, u64, pointer(MaterialData)]),
         ("set_clutch", code, [handle, u32, ctypes.c_int]),
         ("set_force_cap", code, [handle, u32, ctypes.c_double]),
+        ("push_hand", code, [handle, u32, pointer(PushData)]),
+        ("set_effect", code, [handle, u32, u32, pointer(EffectData)]),
+        ("remove_effect", code, [handle, u32, u32]),
+        ("acknowledge", code, [handle, u32]),
         ("wait_tick", code, [handle, u64, ctypes.c_double, pointer(TickData)]),
         ("refusals", code, [handle, pointer(CountsData)]),
         ("refusal", text, [u32]),

@@ -51,6 +51,7 @@ struct DeviceCapabilities {
   Vector3 workspace = Vector3::Zero();
   /// Whether others send it zero force where the loop stands still for loop_stall_ns.
   bool guarded = false;
+  std::uint32_t buttons = 0;  ///< how many it has, as far as known
   /// while this button is held the hand moves freely, counted from 1; 0: none
   std::uint32_t clutch_button = 0;
   const DeviceProfile* profile = nullptr;  ///< of its kind; null: not known

@@ -92,7 +92,9 @@ class PortThreads {
     if (!reports_.take(newest)) return false;
     report = newest.value;
     came_ns = newest.at_ns;
-    if (!begins) report_age_.add(now_ns() - came_ns);
+    if (begins) return true;
+    report_age_.add(now_ns() - came_ns);
+    answered_ns_ = came_ns;
     return true;
   }
 
@@ -110,7 +112,7 @@ class PortThreads {
   /// several commands, the last one is sent.
   void give(const Command& command) noexcept {
     const std::int64_t now = now_ns();
-    commands_.put({command, now});
+    commands_.put({command, now, std::exchange(answered_ns_, 0)});
     given_ns_.store(now, std::memory_order_relaxed);
     wake_sender();
   }
@@ -138,9 +140,16 @@ class PortThreads {
   [[nodiscard]] const LatencyHistogram& report_age() const noexcept { return report_age_; }
   /// Time from when the loop gave a command to when the device had it.
   [[nodiscard]] const LatencyHistogram& command_sent() const noexcept { return command_sent_; }
-  /// Both, as a report of a run shows them.
+  /// Time from the arrival of a report to when the device had the command that answers it. A report
+  /// counts once, with the first command after it.
+  [[nodiscard]] const LatencyHistogram& report_to_command() const noexcept {
+    return report_to_command_;
+  }
+  /// All three, as a report of a run shows them.
   [[nodiscard]] nlohmann::ordered_json latency_us() const {
-    return {{"report_age", report_age_.json_us()}, {"command_sent", command_sent_.json_us()}};
+    return {{"report_age", report_age_.json_us()},
+            {"command_sent", command_sent_.json_us()},
+            {"report_to_command", report_to_command_.json_us()}};
   }
 
  private:
@@ -148,6 +157,7 @@ class PortThreads {
   struct Stamped {
     Value value{};
     std::int64_t at_ns = 0;
+    std::int64_t answered_ns = 0;  ///< of a command: when the report came that it answers; 0: none
   };
 
   void wake_sender() noexcept {
@@ -277,7 +287,9 @@ class PortThreads {
       broken_.store(true);
       open_now_.store(false, std::memory_order_release);
     } else if (is_given) {
-      command_sent_.add(now_ns() - command.at_ns);
+      const std::int64_t now = now_ns();
+      command_sent_.add(now - command.at_ns);
+      if (command.answered_ns != 0) report_to_command_.add(now - command.answered_ns);
     }
   }
 
@@ -293,8 +305,10 @@ class PortThreads {
   LatestValue<Stamped<Report>> reports_;
   LatestValue<Stamped<Command>> commands_;
   ReportSignal came_;
-  LatencyHistogram report_age_;    ///< counted by the loop
-  LatencyHistogram command_sent_;  ///< counted by the sending thread
+  LatencyHistogram report_age_;         ///< counted by the loop
+  LatencyHistogram command_sent_;       ///< counted by the sending thread
+  LatencyHistogram report_to_command_;  ///< counted by the sending thread
+  std::int64_t answered_ns_ = 0;  ///< used by the loop: when the report came that it took; 0: none
   /// used by the loop: the opening for which it last looked for a report
   std::uint32_t taken_opening_ = 0;
   std::atomic<std::uint32_t> given_{0};  ///< changes with each command

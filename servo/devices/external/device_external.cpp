@@ -39,6 +39,7 @@ bool leads_somewhere(const std::string& link) noexcept {
 DeviceExternal::DeviceExternal(const ExternalOptions& options)
     : options_(options), capabilities_(capabilities_of("external", *options.profile)) {
   capabilities_.guarded = true;
+  capabilities_.buttons = 32;  // a bit each; which of them there are only its process knows
 }
 
 DeviceExternal::~DeviceExternal() {
@@ -118,7 +119,7 @@ DeviceHealth DeviceExternal::read(DeviceState& state) noexcept {
     last_ = {position, turn.normalized(), buttons};
     last_counter_ = counter;
     last_ns_ = now;
-    attached_ = true;
+    attached_ = fresh_ = true;
   }
   state = last_;
   const bool is_alive = attached_ && now - last_ns_ <= SPM_EXTERNAL_SILENCE_NS;
@@ -134,6 +135,8 @@ DeviceHealth DeviceExternal::write(const Wrench& wrench) noexcept {
                                       wrench.torque.z(),
                                       0};
   spm_external_put(&memory_->wrench, 0, numbers.data());
+  if (fresh_) report_to_command_.add(now_ns() - last_ns_);
+  fresh_ = false;
   return DeviceHealth::ok;
 }
 
@@ -141,7 +144,8 @@ nlohmann::ordered_json DeviceExternal::describe() const {
   return {{"external_name", options_.name},
           {"profile", options_.profile->name},
           {"memory", link_},
-          {"attached", attached_}};
+          {"attached", attached_},
+          {"latency_us", {{"report_to_command", report_to_command_.json_us()}}}};
 }
 
 }  // namespace spm::servo

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "servo/devices/base/device.hpp"
+#include "servo/devices/base/latency_histogram.hpp"
 #include "servo/devices/external/external_options.hpp"
 
 struct spm_external_memory;
@@ -42,7 +43,9 @@ class DeviceExternal final : public Device {
   DeviceState last_;
   std::uint64_t last_counter_ = 0;
   std::int64_t last_ns_ = 0;
-  bool attached_ = false;  ///< whether a process has supplied a pose
+  bool attached_ = false;               ///< whether a process has supplied a pose
+  bool fresh_ = false;                  ///< no wrench has answered the last pose
+  LatencyHistogram report_to_command_;  ///< from when the loop took a pose
 };
 
 }  // namespace spm::servo

@@ -39,6 +39,7 @@ DeviceFalcon::DeviceFalcon(FalconOptions options)
       tracker_(options_.home_angle) {
   capabilities_.force_cap = std::min(options_.force_cap, profile.force_cap);
   capabilities_.guarded = true;
+  capabilities_.buttons = 4;
 }
 
 Result<void> DeviceFalcon::open(const DeviceSetup& setup) {

@@ -30,6 +30,7 @@ Result<void> DevicePid::open(const DeviceSetup& setup) {
   if (!started) return started;
   const std::lock_guard lock(found_mutex_);
   const HidField& x = found_layout_.position[0];
+  capabilities_.buttons = static_cast<std::uint32_t>(found_layout_.buttons.size());
   capabilities_.encoder_step = options_.travel / static_cast<double>(x.logical_max - x.logical_min);
   return {};
 }

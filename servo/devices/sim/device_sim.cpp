@@ -6,6 +6,7 @@
 
 #include "common/base/device_profile.hpp"
 #include "formats/motion/trajectory.hpp"
+#include "servo/base/clock.hpp"
 #include "servo/devices/sim/hand_planner.hpp"
 
 namespace spm::servo {
@@ -88,12 +89,15 @@ Result<void> DeviceSim::open(const DeviceSetup& setup) {
 }
 
 DeviceHealth DeviceSim::read(DeviceState& state) noexcept {
+  read_ns_ = now_ns();
   state.position = plant_.measured_position();
   state.buttons = 0;
   return DeviceHealth::ok;
 }
 
 DeviceHealth DeviceSim::write(const Wrench& wrench) noexcept {
+  if (read_ns_ != 0) report_to_command_.add(now_ns() - read_ns_);
+  read_ns_ = 0;
   plant_.step(wrench.force, hand_.next());
   return DeviceHealth::ok;
 }
@@ -109,7 +113,8 @@ nlohmann::ordered_json DeviceSim::describe() const {
           {"delay_ticks", options_.delay_ticks},
           {"jitter_ticks", options_.jitter_ticks},
           {"lost_share", options_.lost_share},
-          {"noise_m", options_.noise}};
+          {"noise_m", options_.noise},
+          {"latency_us", {{"report_to_command", report_to_command_.json_us()}}}};
 }
 
 }  // namespace spm::servo

@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "servo/devices/base/device.hpp"
+#include "servo/devices/base/latency_histogram.hpp"
 #include "servo/devices/sim/hand_motion.hpp"
 #include "servo/devices/sim/sim_options.hpp"
 #include "servo/devices/sim/sim_plant.hpp"
@@ -30,6 +31,8 @@ class DeviceSim final : public Device {
   DeviceCapabilities capabilities_;
   SimPlant plant_;
   HandMotion hand_;
+  std::int64_t read_ns_ = 0;  ///< when the loop took the last report; 0: it was answered
+  LatencyHistogram report_to_command_;
 };
 
 }  // namespace spm::servo

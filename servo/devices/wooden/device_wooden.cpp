@@ -19,6 +19,7 @@ DeviceWooden::DeviceWooden(const WoodenOptions& options)
   // mechanics of the arm limit its workspace.
   capabilities_.workspace.setZero();
   capabilities_.guarded = true;
+  capabilities_.buttons = 1;
   // The options may be made without parsing, without a cap of their own.
   if (!(options_.force_cap > 0)) options_.force_cap = capabilities_.force_cap;
   capabilities_.force_cap = std::min(capabilities_.force_cap, options_.force_cap);
@@ -83,6 +84,15 @@ nlohmann::ordered_json DeviceWooden::describe() const {
                               {"gravity", options_.gravity},
                               {"reopened", threads_.reopened()},
                               {"latency_us", threads_.latency_us()}};
+  if (options_.motor.known()) {
+    json["motor_heat"] = {{"source", options_.motor.source},
+                          {"winding_limit_c", options_.motor.winding_limit},
+                          {"hottest_c", tracker_.hottest()},
+                          {"limited_commands", tracker_.limited_commands()}};
+  }
+  if (tracker_.limited_commands() > 0) {
+    json["warning"] = "the force was lowered because a motor's winding came near its limit";
+  }
   threads_.add_last_error(json);
   return json;
 }

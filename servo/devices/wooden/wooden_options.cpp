@@ -133,6 +133,56 @@ Result<void> set_force_cap(WoodenOptions& options, std::string_view value) {
   return {};
 }
 
+/// A number of a motor's data sheet.
+struct MotorNumber {
+  std::string_view key, unit, example;
+  double MotorData::*target;
+  double most;
+};
+
+/// The largest numbers are far beyond any motor.
+constexpr std::array<MotorNumber, 5> motor_numbers{{
+    {"motor_resistance", "ohm", "2.5ohm", &MotorData::resistance, 1000},
+    {"thermal_resistance", "K/W", "8K/W", &MotorData::thermal_resistance, 1000},
+    {"thermal_time", "s", "16s", &MotorData::time_constant, 10000},
+    {"winding_limit", "C", "125C", &MotorData::winding_limit, 300},
+    {"ambient", "C", "25C", &MotorData::ambient, 100},
+}};
+
+Result<void> set_motor_number(WoodenOptions& options, const MotorNumber& wanted,
+                              std::string_view value) {
+  double number = 0;
+  const char* end = value.data() + value.size();
+  const auto parsed = std::from_chars(value.data(), end, number);
+  const std::string_view unit(parsed.ptr, static_cast<std::size_t>(end - parsed.ptr));
+  // Written so that NaN is out of range.
+  if (parsed.ec != std::errc{} || unit != wanted.unit || !(number > 0 && number <= wanted.most)) {
+    return usage(
+        fmt::format("{} '{}' will not do; write it with its unit, such as {}, above 0 and "
+                    "at most {}",
+                    wanted.key, value, wanted.example, wanted.most));
+  }
+  options.motor.*wanted.target = number;
+  return {};
+}
+
+Result<void> check_motor(const MotorData& motor) {
+  const std::array<bool, 5> given{motor.resistance > 0, motor.thermal_resistance > 0,
+                                  motor.time_constant > 0, motor.winding_limit > 0,
+                                  !motor.source.empty()};
+  const auto count = std::count(given.begin(), given.end(), true);
+  if (count != 0 && count != static_cast<std::ptrdiff_t>(given.size())) {
+    return usage(
+        "motor_resistance, thermal_resistance, thermal_time, winding_limit and motor_source, which "
+        "says where they stand, belong together; give all of them or none");
+  }
+  if (count != 0 && !(motor.winding_limit > motor.ambient)) {
+    return usage(fmt::format("winding_limit {} C is not above ambient, {} C", motor.winding_limit,
+                             motor.ambient));
+  }
+  return {};
+}
+
 Result<void> set(WoodenOptions& options, std::string_view key, std::string_view value) {
   if (key == "model") return set_model(options, value);
   if (key == "protocol") return set_protocol(options, value);
@@ -145,9 +195,17 @@ Result<void> set(WoodenOptions& options, std::string_view key, std::string_view 
   if (key == "current_limit") return set_current(options.current_limit, key, value);
   if (key == "gravity") return set_option_switch("woodenhaptics", options.gravity, key, value);
   if (key == "force_cap") return set_force_cap(options, value);
+  if (key == "motor_source") {
+    options.motor.source = value;
+    return {};
+  }
+  for (const MotorNumber& wanted : motor_numbers) {
+    if (key == wanted.key) return set_motor_number(options, wanted, value);
+  }
   return usage(fmt::format(
       "option '{}' is not known; the options are model, protocol, serial, signs, motor_signs, "
-      "home, home_confirmed, imax, current_limit, gravity and force_cap",
+      "home, home_confirmed, imax, current_limit, gravity, force_cap, motor_resistance, "
+      "thermal_resistance, thermal_time, winding_limit, ambient and motor_source",
       key));
 }
 
@@ -176,6 +234,9 @@ Result<WoodenOptions> parse_wooden_options(std::string_view text) {
       "woodenhaptics", text,
       [&](std::string_view key, std::string_view value) { return set(options, key, value); });
   if (!done) return tl::make_unexpected(done.error());
+  if (const auto motor = check_motor(options.motor); !motor) {
+    return tl::make_unexpected(motor.error());
+  }
   if (!(options.full_scale_current > 0)) {
     options.full_scale_current = options.model->full_scale_current;
   }

@@ -8,6 +8,7 @@
 #include <string_view>
 
 #include "common/base/error.hpp"
+#include "servo/devices/wooden/motor_heat.hpp"
 #include "servo/devices/wooden/wooden_kinematics.hpp"
 #include "servo/devices/wooden/wooden_reports.hpp"
 
@@ -25,7 +26,9 @@ enum class WoodenHome : std::uint8_t {
 
 /// Options of a WoodenHaptics: `woodenhaptics:model=NAME,protocol=auto|v1|v2|v3,serial=TEXT,
 /// signs=+-+,motor_signs=+-+,home=A:B:C,home_confirmed=no|once|always,imax=CURRENT,
-/// current_limit=CURRENT,gravity=on|off,force_cap=FORCE`.
+/// current_limit=CURRENT,gravity=on|off,force_cap=FORCE`, and the motors' data together:
+/// `motor_resistance=R,thermal_resistance=R,thermal_time=TIME,winding_limit=T,motor_source=TEXT`,
+/// with `ambient=T` if it is not 25C.
 struct WoodenOptions {
   const WoodenModel* model = find_wooden_model("woodenhaptics2016");
   std::optional<WoodenProtocol> protocol;  ///< empty: detected from the device
@@ -38,6 +41,7 @@ struct WoodenOptions {
   double full_scale_current = model->full_scale_current;  ///< A, as the board's drives are set
   double current_limit = 2;  ///< A, for one motor, at most full_scale_current
   bool gravity = false;      ///< whether the motors hold the arm's weight
+  MotorData motor;           ///< without it the motors' heat is not estimated
   double force_cap = 0;      ///< N, above 0, at most the profile's and the model's
 };
 

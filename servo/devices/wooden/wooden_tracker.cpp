@@ -2,6 +2,7 @@
 #include "servo/devices/wooden/wooden_tracker.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 namespace spm::servo {
 
@@ -102,7 +103,41 @@ DeviceHealth WoodenTracker::health(std::int64_t at_ns) const noexcept {
 
 bool WoodenTracker::command(const Wrench& wrench, std::int64_t at_ns,
                             WoodenCommand& command) noexcept {
+  warm_up_to(at_ns);
   command = WoodenCommand{};
+  const bool is_new = decide(wrench, at_ns, command);
+  if (is_new) flowing_ = command.currents;
+  return is_new;
+}
+
+/// Counts the currents that flowed since the last call.
+void WoodenTracker::warm_up_to(std::int64_t at_ns) noexcept {
+  const double seconds = warm_ns_ > 0 ? static_cast<double>(at_ns - warm_ns_) * 1e-9 : 0;
+  warm_ns_ = at_ns;
+  for (std::size_t i = 0; i < heat_.size(); ++i) {
+    heat_[i].add(options_.motor, flowing_[i] * 1e-3, std::max(0.0, seconds));
+  }
+}
+
+/// All motors alike, so that the force keeps its direction.
+void WoodenTracker::spare_motors(WoodenCommand& command) noexcept {
+  double share = 1;
+  for (const MotorHeat& heat : heat_) share = std::min(share, heat.share(options_.motor));
+  if (share >= 1) return;
+  ++limited_commands_;
+  for (std::int16_t& current : command.currents) {
+    current = static_cast<std::int16_t>(std::lround(share * current));
+  }
+}
+
+double WoodenTracker::hottest() const noexcept {
+  double hottest = options_.motor.ambient;
+  for (const MotorHeat& heat : heat_) hottest = std::max(hottest, heat.hottest(options_.motor));
+  return hottest;
+}
+
+bool WoodenTracker::decide(const Wrench& wrench, std::int64_t at_ns,
+                           WoodenCommand& command) noexcept {
   if (homing_ == Homing::clearing || homing_ == Homing::setting) {
     // Sent again only if it was lost, because each one sets the counters, wherever the arm is by
     // then.
@@ -122,6 +157,7 @@ bool WoodenTracker::command(const Wrench& wrench, std::int64_t at_ns,
   if (options_.gravity) torques += wooden_gravity_torques(*options_.model, angles_);
   command.currents =
       wooden_currents(*options_.model, calibration_, torques, options_.current_limit);
+  spare_motors(command);
   return true;
 }
 

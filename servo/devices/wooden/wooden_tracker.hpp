@@ -6,6 +6,7 @@
 
 #include "servo/devices/base/device.hpp"
 #include "servo/devices/base/encoder_unwrap.hpp"
+#include "servo/devices/wooden/motor_heat.hpp"
 #include "servo/devices/wooden/wooden_kinematics.hpp"
 #include "servo/devices/wooden/wooden_options.hpp"
 #include "servo/devices/wooden/wooden_reports.hpp"
@@ -51,6 +52,12 @@ class WoodenTracker {
   [[nodiscard]] bool command(const Wrench& wrench, std::int64_t at_ns,
                              WoodenCommand& command) noexcept;
 
+  /// How many commands were lowered because a winding was near its limit. Without the motors' data
+  /// none is.
+  [[nodiscard]] std::uint64_t limited_commands() const noexcept { return limited_commands_; }
+  /// The highest estimated temperature of a winding so far, degrees Celsius.
+  [[nodiscard]] double hottest() const noexcept;
+
  private:
   enum class Homing : std::uint8_t {
     wanted,    ///< waits for the calibration button
@@ -63,6 +70,10 @@ class WoodenTracker {
   void follow_button(const WoodenReport& report) noexcept;
   void measure(const WoodenReport& report, std::int64_t came_ns) noexcept;
   void forget_counts() noexcept;
+  [[nodiscard]] bool decide(const Wrench& wrench, std::int64_t at_ns,
+                            WoodenCommand& command) noexcept;
+  void warm_up_to(std::int64_t at_ns) noexcept;
+  void spare_motors(WoodenCommand& command) noexcept;
 
   WoodenOptions options_;
   WoodenCalibration calibration_;
@@ -74,6 +85,10 @@ class WoodenTracker {
   std::int64_t set_ns_ = 0;  ///< when new counters were last sent
   std::uint32_t connections_ = 0;
   Homing homing_ = Homing::wanted;
+  std::array<MotorHeat, 3> heat_;
+  std::array<std::int16_t, 3> flowing_{};  ///< mA, by the last command
+  std::int64_t warm_ns_ = 0;               ///< up to when heat_ counts
+  std::uint64_t limited_commands_ = 0;
   bool position_known_ = false;  ///< whether there is a last position, to detect a jump
   bool plausible_ = true;
   bool set_sent_ = false;

@@ -194,7 +194,7 @@ class Row(NamedTuple):
 
 def read_recording(path: str) -> tuple[float, list[Row]]:
     """Rate in Hz and the rows of the first device; the layout is that of formats/motion/recording.hpp."""
-    layout = struct.Struct("<Q10d2iIH2B")
+    layout = struct.Struct("<Q13d2iIH2B4H")
     with open(path, "rb") as file:
         content = file.read()
     if content[:8] != b"SPM-REC1":
@@ -211,7 +211,7 @@ def read_recording(path: str) -> tuple[float, list[Row]]:
         if kind != 1:
             continue
         row = layout.unpack_from(content, at - part)
-        tick, fx, fy, fz, wake, busy, _, device, cause, flags = row[0], *row[7:10], *row[11:]
+        tick, fx, fy, fz, wake, busy, _, device, cause, flags = row[0], *row[10:13], *row[14:20]
         if device == 0:
             rows.append(Row(tick, math.sqrt(fx * fx + fy * fy + fz * fz), wake, busy,
                             causes[cause], bool(flags & 1), bool(flags & 4)))

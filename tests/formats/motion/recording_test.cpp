@@ -39,7 +39,7 @@ RecordingRow row_of(std::uint64_t tick, std::mt19937_64& random) {
   std::uniform_real_distribution<double> number(-1, 1);
   RecordingRow row;
   row.tick = tick;
-  for (auto* vector : {&row.position, &row.wanted, &row.sent}) {
+  for (auto* vector : {&row.position, &row.wanted, &row.added, &row.sent}) {
     for (double& value : *vector) value = number(random);
   }
   row.depth = number(random);
@@ -170,7 +170,7 @@ TEST_CASE("A recording of an older or newer form is refused with what to do") {
     return read_recording(folder.path("a.spmrec"));
   };
   REQUIRE(written(recording_form));
-  for (const std::uint32_t form : {1U, 2U, recording_form + 1}) {
+  for (const std::uint32_t form : {1U, 2U, 3U, recording_form + 1}) {
     const auto refused = written(form);
     REQUIRE_FALSE(refused);
     CHECK(refused.error().code == ExitCode::invalid_input);

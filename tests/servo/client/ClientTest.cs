@@ -65,6 +65,23 @@ public static class ClientTest
         client.SetMaterial(added, new MaterialData { Fields = MaterialFields.Damping, Damping = 2 });
         client.SetClutch(0, true);
         client.SetForceCap(0, 1.5);
+        client.Push(0, new[] { 0, 0.5, 0 }, 0.1);
+        client.SetEffect(0, 3, new EffectData
+        {
+            Kind = EffectKind.Detents, Stiffness = 100, Spacing = 0.004, Axis = new double[] { 0, 1, 0 }
+        });
+        client.SetEffect(0, 4, new EffectData { Kind = EffectKind.Magnet, Stiffness = 100 });
+        client.RemoveEffect(0, 3);
+        client.RemoveEffect(0);
+        try
+        {
+            client.Push(0, new[] { 1e9, 0, 0 }, 0.1);
+        }
+        catch (ClientException problem)
+        {
+            Tell("too_hard", problem.Code);
+        }
+        client.Acknowledge(0);
         TickData first, next;
         Tell("waited", client.WaitTick(0, 20, out first) &&
                        client.WaitTick(first.Tick, 20, out next) && next.Tick > first.Tick);

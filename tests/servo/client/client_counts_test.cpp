@@ -34,7 +34,7 @@ void count_tick(AppState& state, std::uint64_t tick) {
   const std::vector<DeviceCounters> devices(
       2, {tick + 1, tick + 2, tick + 3, number + 4, number + 5, number + 6, {}});
   const auto ns = static_cast<std::int64_t>(tick);
-  state.count({ns, 2 * ns, 3 * ns, tick, tick + 7, tick + 8, devices});
+  state.count({ns, 2 * ns, 3 * ns, tick, tick + 7, tick + 8, devices, tick + 9});
 }
 
 }  // namespace
@@ -52,7 +52,8 @@ TEST_CASE("What the loop counted is what the application reads") {
   REQUIRE(loop.time_ns == 1000);
   REQUIRE(loop.missed == 1007);
   REQUIRE(loop.skipped == 1008);
-  REQUIRE(loop.busy_ns == 3 * 500'500);
+  REQUIRE(loop.degraded == 1009);
+  REQUIRE(loop.busy_ns == std::uint64_t{3} * 500'500);
   REQUIRE(loop.wake_max_ns == 2000);
   REQUIRE(loop.busy_max_ns == 3000);
   // Of 2, 4, ... 2000 ns, 63 are shorter than 128 ns.
@@ -142,6 +143,18 @@ TEST_CASE("Applications see each other come and go") {
   REQUIRE(spm_client_read_application(first.client, 0, &application) == SPM_CLIENT_OK);
   REQUIRE(application.process == static_cast<std::uint32_t>(getpid()));
   REQUIRE(application.connection == 1);
+  REQUIRE(application.role == SPM_CLIENT_APPLICATION);
+}
+
+TEST_CASE("Applications see who has the role of a supervisor") {
+  const Daemon daemon;
+  const Connected here(daemon.server->path());
+  const Connected supervisor(daemon.server->path(), 20000, SPM_CLIENT_SUPERVISOR);
+  auto application = sized<spm_client_application>();
+  REQUIRE(spm_client_read_application(here.client, 1, &application) == SPM_CLIENT_OK);
+  REQUIRE(application.role == SPM_CLIENT_SUPERVISOR);
+  REQUIRE(spm_client_read_application(here.client, 0, &application) == SPM_CLIENT_OK);
+  REQUIRE(application.role == SPM_CLIENT_APPLICATION);
 }
 
 TEST_CASE("A struct of a size that no version had, and no client, are refused") {

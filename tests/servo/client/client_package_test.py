@@ -31,13 +31,16 @@ PATIENCE = 20.0  # s, beyond any machine's worst moment
 
 sys.path.insert(0, str(SOURCE / "servo" / "client" / "python"))
 import spm_client_library  # noqa: E402
-from spm_client import Cause, Client, ClientError, Code, DaemonState, EventKind, Material  # noqa: E402
+from spm_client import (Cause, Client, ClientError, Code, DaemonState, Effect, EffectKind,  # noqa: E402
+                        EventKind, Material)
 
 
 # As the header, the Python package and the C# one call them.
 STRUCTS = (("options", "OptionsData"), ("info", "InfoData"), ("tick", "TickData"),
            ("device", "DeviceData"), ("object", "ObjectData"), ("pose", "PoseData"),
-           ("material", "MaterialData"), ("command_counts", "CountsData"), ("event", "EventData"),
+           ("material", "MaterialData"), ("push", "PushData"),
+           ("effect", "EffectData"), ("command_counts", "CountsData"),
+           ("event", "EventData"),
            ("loop", "LoopData"), ("device_counts", "DeviceCountsData"),
            ("application", "ApplicationData"))
 
@@ -102,6 +105,8 @@ class WithDaemon(unittest.TestCase):
     def client(self, **options) -> Client:
         client = Client(path=self.socket, timeout=PATIENCE, **options)
         self.addCleanup(client.close)
+        # It can connect before the first tick, when there is nothing to read.
+        self.assertTrue(eventually(lambda: client.daemon_state()[1] >= 0))
         return client
 
 
@@ -138,6 +143,28 @@ class Package(WithDaemon):
         self.assertTrue(eventually(lambda: len(client.all()[1]) == 1))
         self.assertEqual(client.refusals().refused, 0)
 
+    def test_a_hand_is_pushed_and_gets_effects(self) -> None:
+        client = self.client()
+        client.push(0, (0.0, 0.5, 0.0), 0.1)
+        for number, kind in enumerate(EffectKind):
+            client.set_effect(0, number, Effect(kind, stiffness=100.0, damping=1.0, range=0.02,
+                                                most_force=1.0, spacing=0.004,
+                                                axis=(0.0, 1.0, 0.0)))
+        client.remove_effect(0, 2)
+        client.remove_effect(0)
+        self.assertTrue(eventually(lambda: client.refusals().taken == 7))
+        self.assertEqual(client.refusals().refused, 0)
+        for wrong in (lambda: client.push(0, (math.nan, 0.0, 0.0), 0.1),
+                      lambda: client.push(0, (1e9, 0.0, 0.0), 0.1),
+                      lambda: client.push(0, (1.0, 0.0, 0.0), 2.0),
+                      lambda: client.set_effect(0, 0, Effect(EffectKind.DETENTS, stiffness=1.0))):
+            with self.assertRaises(ClientError) as caught:
+                wrong()
+            self.assertEqual(caught.exception.code, Code.BAD_ARGUMENT)
+        with self.assertRaises(ClientError) as caught:
+            client.push(7, (1.0, 0.0, 0.0), 0.1)
+        self.assertEqual(caught.exception.code, Code.NOT_THERE)
+
     def test_what_cannot_be_done_is_told_with_its_reason(self) -> None:
         client = self.client()
         client.move(4711, (0.0, 0.0, 0.0))
@@ -158,8 +185,10 @@ class Package(WithDaemon):
         self.assertTrue(eventually(lambda: client.device(0).cause == Cause.DEVICE_GONE))
         self.assertTrue(client.device(0).cause_text.startswith("device_gone: "))
         self.assertIn("plug", client.device(0).cause_text)
-        self.tell("n")
+        client.acknowledge(0)  # which the test daemon takes as the end of the fault
         self.assertTrue(eventually(lambda: client.device(0).cause_text == ""))
+        with self.assertRaises(ClientError):
+            client.acknowledge(7)
 
     def test_events_are_told_once(self) -> None:
         client = self.client()
@@ -226,6 +255,7 @@ class Package(WithDaemon):
 
     def test_the_daemons_own_user_may_supervise_and_may_name_whom_it_trusts(self) -> None:
         with self.client(supervisor=True, server_user=os.getuid()) as client:
+            self.assertTrue(client.applications()[0].supervisor)
             self.assertTrue(eventually(lambda: client.daemon_state()[1] >= 0))
 
     def test_a_socket_in_a_folder_that_others_may_write_to_is_not_trusted(self) -> None:
@@ -338,7 +368,7 @@ class CSharp(WithDaemon):
         self.assertEqual((found["turned"], found["refused"]), ("1", "0"))
         self.assertEqual((found["waited_in_vain"], found["proxy"]), ("False", "3"))
         self.assertIn("no such object", found["reason"])
-        self.assertEqual(found["not_a_number"], "BadArgument")
+        self.assertEqual((found["not_a_number"], found["too_hard"]), ("BadArgument", "BadArgument"))
         self.assertTrue(found["cause"].startswith("device_gone: plug"), found["cause"])
         # What tests/servo/support/loop_stand_in.cpp counts.
         self.assertGreater(int(found["ticks"]), 0)
@@ -352,18 +382,24 @@ class CSharp(WithDaemon):
 
 class Examples(WithDaemon):
     def run_example(self, *command, environment=None) -> str:
+        with self.client():  # which waits for the first tick
+            pass
         done = subprocess.run(command, capture_output=True, text=True, timeout=120,
                               env=environment)
         self.assertEqual(done.returncode, 0, done.stderr)
         return done.stdout
 
     def test_the_c_example_prints_the_state(self) -> None:
-        shown = self.run_example(BIN / "spm_client_example", self.socket, "3")
+        shown = self.run_example(BIN / "spm_client_example", self.socket, "3", "0.5")
         self.assertEqual(len(re.findall(r"^tick \d+: at .* mm, force .* N", shown, re.M)), 3)
 
     def test_the_python_example_moves_the_object(self) -> None:
         shown = self.run_example(sys.executable, EXAMPLES / "move_object.py", self.socket, "0.5")
         self.assertGreater(len(set(re.findall(r"object at (\S+) mm", shown))), 2)
+
+    def test_the_python_example_guides_the_hand(self) -> None:
+        shown = self.run_example(sys.executable, EXAMPLES / "guide_hand.py", self.socket, "0.5")
+        self.assertGreater(len(set(re.findall(r"pushed by (\S+) N, force", shown))), 2)
 
     @unittest.skipUnless(CAN_C_SHARP, "mcs or mono is not installed (mono-mcs and mono-runtime)")
     def test_the_c_sharp_example_prints_the_state_and_what_was_counted(self) -> None:
@@ -381,8 +417,27 @@ class Examples(WithDaemon):
         self.assertEqual(missing.returncode, 2)
         self.assertIn("no daemon answers at", missing.stderr)
 
+    WATCHED = r"^tick \d+: hand .* mm, proxy .* mm, force .* N$"
+
+    def test_the_examples_that_watch_the_proxy_see_each_tick_and_lower_the_cap(self) -> None:
+        for command in ([BIN / "spm_client_watch_proxy"],
+                        [sys.executable, EXAMPLES / "watch_proxy.py"]):
+            shown = self.run_example(*command, self.socket, "5", "1.5")
+            self.assertEqual(len(re.findall(self.WATCHED, shown, re.M)), 5)
+
+    @unittest.skipUnless(CAN_C_SHARP, "mcs or mono is not installed (mono-mcs and mono-runtime)")
+    def test_the_c_sharp_example_that_watches_the_proxy_sees_each_tick(self) -> None:
+        program = os.path.join(self.folder.name, "WatchProxy.exe")
+        compile_c_sharp(program, EXAMPLES / "WatchProxy.cs")
+        shown = self.run_example("mono", program, self.socket, "5", "1.5",
+                                 environment=c_sharp_environment())
+        self.assertEqual(len(re.findall(self.WATCHED, shown, re.M)), 5)
+
     def test_examples_without_a_daemon_end_with_the_sentence(self) -> None:
-        for command in ([BIN / "spm_client_example"], [sys.executable, EXAMPLES / "move_object.py"]):
+        for command in ([BIN / "spm_client_example"], [BIN / "spm_client_watch_proxy"],
+                        [sys.executable, EXAMPLES / "move_object.py"],
+                        [sys.executable, EXAMPLES / "watch_proxy.py"],
+                        [sys.executable, EXAMPLES / "guide_hand.py"]):
             done = subprocess.run([*command, self.socket + ".not"], capture_output=True, text=True)
             self.assertEqual(done.returncode, 2)
             self.assertIn("no daemon answers at", done.stderr)

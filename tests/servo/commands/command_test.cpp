@@ -146,6 +146,40 @@ TEST_CASE("A rate is understood with its unit, and a wrong one is refused with t
   }
 }
 
+TEST_CASE("An enable switch that the device does not have is refused before the first tick") {
+  const Workshop shop;
+  const Outcome none = servo(shop.folder, {"run", "--asset", shop.sparse, "--duration", "1",
+                                           "--device", "sim", "--enable-switch", "button:1"});
+  REQUIRE(none.code == 1);
+  REQUIRE(none.err.find("--enable-switch button:1: sim has no buttons") != std::string::npos);
+  for (const char* wrong : {"button:0", "button:33", "grip", "1", "button:"}) {
+    const Outcome refused = servo(
+        shop.folder, {"run", "--asset", shop.sparse, "--duration", "1", "--enable-switch", wrong});
+    REQUIRE(refused.code == 1);
+    REQUIRE(refused.err.find("write button:N") != std::string::npos);
+  }
+}
+
+TEST_CASE("A run tells how its force comes back, and whether the cores are kept awake") {
+  const Workshop shop;
+  const Outcome run =
+      servo(shop.folder, {"run", "--asset", shop.sparse, "--duration", "0.2", "--recovery",
+                          "acknowledge", "--realtime", "off", "--device", "sim", "--json"});
+  REQUIRE(run.code == 0);
+  const json report = json::parse(run.out);
+  REQUIRE(report["recovery"] == "acknowledge");
+  REQUIRE(report["realtime"]["cpu_dma_latency"]["held"] == false);
+  REQUIRE(report["realtime"]["cpu_dma_latency"]["why"] == "real time was not asked for");
+}
+
+TEST_CASE("A stiffness that the simulated device does not hold is warned of at the start") {
+  const Workshop shop;
+  const Outcome run = servo(shop.folder, {"run", "--asset", shop.sparse, "--duration", "0.1",
+                                          "--device", "sim", "--stiffness", "100N/mm"});
+  REQUIRE(run.code == 0);
+  REQUIRE(run.err.find("sim: 100 N/mm at the hand is more than the 996 N/m") != std::string::npos);
+}
+
 TEST_CASE("Two devices have two lines in the summary, one has none of its own") {
   const Workshop shop;
   const Outcome two =

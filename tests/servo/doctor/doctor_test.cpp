@@ -225,6 +225,46 @@ TEST_CASE("The slowest idle state that is in use counts, not one that is switche
   REQUIRE(shallow.measured.find("C1,") != std::string::npos);
 }
 
+TEST_CASE("Idle states are no trouble where the loop may hold them off") {
+  const Machine machine;
+  const std::string state = "/sys/devices/system/cpu/cpu0/cpuidle/state0";
+  machine.put(state + "/latency", "900\n");
+  machine.put(state + "/name", "C10\n");
+  REQUIRE(judge_latency(machine.facts()).verdict == Verdict::unknown);
+  machine.put("/dev/cpu_dma_latency", "");
+  REQUIRE(judge_latency(machine.facts()).verdict == Verdict::good);
+  REQUIRE(judge_idle(machine.facts()).verdict == Verdict::good);
+  MachineFacts facts = machine.facts();
+  facts.may_hold_latency = false;  // root may write anything
+  REQUIRE(judge_latency(facts).verdict == Verdict::fair);
+  REQUIRE(judge_latency(facts).cure.find("/etc/udev/rules.d") != std::string::npos);
+  REQUIRE(judge_idle(facts).verdict == Verdict::fair);
+}
+
+TEST_CASE("Where USB interrupts come on every core, doctor says how to keep the loop off them") {
+  const Machine machine;
+  REQUIRE(judge_interrupts(machine.facts()).verdict == Verdict::unknown);
+  machine.put("/sys/devices/system/cpu/online", "0-3\n");
+  machine.put(
+      "/proc/interrupts",
+      "           CPU0       CPU1       CPU2       CPU3\n"
+      "  1:          9          0          0          0  IO-APIC    1-edge      i8042\n"
+      " 24:    1234567          0          0          0  PCI-MSI 327680-edge      xhci_hcd\n"
+      "NMI:          0          0          0          0  Non-maskable interrupts\n");
+  const Check hidden = judge_interrupts(machine.facts());
+  REQUIRE(hidden.verdict == Verdict::unknown);
+  machine.put("/proc/irq/24/smp_affinity_list", "0-3\n");
+  const Check everywhere = judge_interrupts(machine.facts());
+  REQUIRE(everywhere.verdict == Verdict::fair);
+  REQUIRE(everywhere.measured.find("interrupt 24 (xhci_hcd) comes on 0-3") == 0);
+  REQUIRE(everywhere.cure.find("/proc/irq/24/smp_affinity_list") != std::string::npos);
+  REQUIRE(everywhere.cure.find("--core 3") != std::string::npos);
+  machine.put("/proc/irq/24/smp_affinity_list", "0,2\n");
+  const Check apart = judge_interrupts(machine.facts());
+  REQUIRE(apart.verdict == Verdict::good);
+  REQUIRE(apart.measured.find("--core 3") != std::string::npos);
+}
+
 TEST_CASE("Processors are counted from the kernel's list") {
   REQUIRE(count_of_list("0") == 1);
   REQUIRE(count_of_list("0-3,8,10-11") == 7);
@@ -324,8 +364,9 @@ TEST_CASE("A diagnosis names every check once, and a cure with whatever is not g
     }
   }
   REQUIRE(names == std::vector<std::string>{"wake_up", "scheduling", "memory_lock", "throttling",
-                                            "control_group", "governor", "idle_states", "kernel",
-                                            "virtual", "processors", "devices", "usb_round_trip"});
+                                            "control_group", "governor", "idle_states",
+                                            "cpu_latency", "usb_interrupts", "kernel", "virtual",
+                                            "processors", "devices", "usb_round_trip"});
   const std::string text = to_text(diagnosis);
   for (const std::string& name : names) REQUIRE(text.find(name) != std::string::npos);
   REQUIRE(text.find(to_string(diagnosis.verdict)) != std::string::npos);

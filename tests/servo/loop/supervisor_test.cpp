@@ -14,6 +14,7 @@
 #include <fstream>
 #include <functional>
 #include <iterator>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -311,7 +312,13 @@ TEST_CASE("Signals that end the daemon do not end the supervisor before it") {
 TEST_CASE("Where the loop stands still its devices are sent zero, and left to it when it goes on") {
   const TemporaryFolder folder;
   const std::string log = folder.file("log");
-  auto supervisor = Supervisor::start(logged_devices(log));
+  auto supervisor = Supervisor::start([log](const std::string& target) {
+    // Closed with the last copy of what sends zero to it.
+    const std::shared_ptr<void> device(nullptr,
+                                       [log, target](void*) { append(log, "close " + target); });
+    return logged_devices(log)(target).map(
+        [&device](const ZeroForce& zero) { return ZeroForce([zero, device] { return zero(); }); });
+  });
   REQUIRE(supervisor);
   REQUIRE((*supervisor)->watch({"one", "two"}));
   std::atomic<std::int64_t>& beat = (*supervisor)->beat();
@@ -325,6 +332,8 @@ TEST_CASE("Where the loop stands still its devices are sent zero, and left to it
   usleep(100'000);
   REQUIRE(content(log).empty());
   stand_still(1);
+  beat.store(0);
+  REQUIRE(eventually([&] { return count_of(content(log), "close two\n") == 1; }));
   stand_still(2);
   // A loop that has ended does not stand still.
   beat.store(0);

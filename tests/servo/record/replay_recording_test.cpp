@@ -129,6 +129,68 @@ TEST_CASE("A recording with objects that an application moved, added and changed
   CHECK(first["compared_ticks"] < report["compared_ticks"]);
 }
 
+namespace {
+
+/// An application that pushes a hand and sets an effect of every kind on it for a while.
+void push_and_pull(const std::string& socket) {
+  spm_client_options options{};
+  options.size = sizeof options;
+  options.path = socket.c_str();
+  spm_client* client = nullptr;
+  REQUIRE(spm::test::eventually(
+      [&] { return spm_client_connect(&options, &client, nullptr, 0) == SPM_CLIENT_OK; }));
+  REQUIRE(spm::test::eventually(
+      [&] { return spm_client_set_force_cap(client, 0, 2) == SPM_CLIENT_OK; }));
+  for (std::uint32_t kind = SPM_CLIENT_SPRING; kind <= SPM_CLIENT_DETENTS; ++kind) {
+    spm_client_effect effect{};
+    effect.size = sizeof effect;
+    effect.kind = kind;
+    effect.stiffness = 50;
+    effect.damping = 1;
+    effect.most_force = 0.5;
+    effect.spacing = 2e-3;
+    effect.axis[2] = 1;
+    REQUIRE(spm_client_set_effect(client, 0, kind, &effect) == SPM_CLIENT_OK);
+  }
+  for (int frame = 0; frame < 100; ++frame) {
+    spm_client_push push{};
+    push.size = sizeof push;
+    push.force[0] = 3 * std::sin(0.2 * frame);
+    push.hold = 0.05;
+    REQUIRE(spm_client_push_hand(client, 0, &push) == SPM_CLIENT_OK);
+    spm::servo::sleep_until(spm::servo::now_ns() + 10'000'000);
+  }
+  spm_client_disconnect(client);
+}
+
+}  // namespace
+
+TEST_CASE("A recording with pushes and effects of an application replays whole") {
+  const Workshop shop;
+  const std::string recording = shop.folder.file("run.spmrec");
+  const std::string socket = shop.folder.file("a.sock");
+  const Program run(shop.folder,
+                    {"run", "--asset", shop.sparse, "--stabilization", "recommended", "--device",
+                     "sim", "--record", recording, "--socket", socket, "--json"});
+  push_and_pull(socket);
+  run.signal(SIGTERM);
+  const Outcome done = run.wait();
+  REQUIRE(done.code == 0);
+  const json report = compared(shop, {recording}, 0);
+  CHECK(report["forces_equal"] == true);
+  CHECK(report["compared_ticks"] == json::parse(done.out)["ticks"]);
+  CHECK(report["ticks_with_added_force"] > 100);
+  const auto read = spm::read_recording(recording);
+  REQUIRE(read);
+  std::uint64_t touching = 0;
+  for (const spm::RecordingRow& row : read->rows) {
+    const bool added = row.added[0] != 0 || row.added[1] != 0 || row.added[2] != 0;
+    touching += added && (row.flags & spm::recorded_contact) != 0 ? 1 : 0;
+  }
+  // Otherwise the account of energy was not put to the proof.
+  CHECK(touching > 20);
+}
+
 TEST_CASE("A replay whose forces differ says which settings or which asset differ, and exits 10") {
   const Workshop shop;
   const std::string recording = shop.folder.file("run.spmrec");

@@ -27,7 +27,7 @@ inline constexpr double above = 1e-3;
 // NOLINTNEXTLINE(clang-analyzer-optin.performance.Padding): made in this order, ended in the other.
 class LoopBeside {
  public:
-  explicit LoopBeside(bool movable = true)
+  explicit LoopBeside(bool movable = true, bool acknowledge = false)
       : asset_(box_asset(2 * box_half)),
         tables_(tables_of(asset_)),
         served_{&tables_.view()},
@@ -39,6 +39,7 @@ class LoopBeside {
     slot_.offer(&served_);
     servo::LoopSettings settings;
     settings.scene.objects.front().movable = movable;
+    settings.acknowledge = acknowledge;
     loop_ = std::make_unique<servo::Loop>(settings, std::vector<servo::Device*>{&device_},
                                           std::vector<servo::AssetSlot*>{&slot_}, ring_, stop_,
                                           state_.get());

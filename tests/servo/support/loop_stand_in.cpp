@@ -172,8 +172,17 @@ Refusal LoopStandIn::apply(const AppCommand& command) {
     departures_.fetch_add(1);
     return Refusal::none;
   }
-  if (command.action == AppAction::clutch || command.action == AppAction::force_cap) {
-    return Refusal::none;
+  if (command.action == AppAction::acknowledge) set_cause(ForceOff::none);
+  switch (command.action) {
+    case AppAction::clutch:
+    case AppAction::force_cap:
+    case AppAction::acknowledge:
+    case AppAction::push:
+    case AppAction::effect:
+    case AppAction::remove_effect:
+      return Refusal::none;
+    default:
+      break;
   }
   const auto found = std::find_if(objects_.begin(), objects_.end(), [&](const AppObject& object) {
     return object.id == command.object;

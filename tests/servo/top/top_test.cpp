@@ -233,7 +233,9 @@ TEST_CASE("No line of the screen is wider than the terminal, and no word of a se
   now.devices[3].cure = "check the device's cable, its power and the hub; the loop goes on";
   now.applications.resize(16);
   for (std::size_t i = 0; i < now.applications.size(); ++i) {
-    std::strcpy(now.applications[i].name, i % 3 == 0 ? "" : "a study");
+    static_cast<void>(
+        std::string(i % 3 == 0 ? "" : "a study")
+            .copy(static_cast<char*>(now.applications[i].name), sizeof now.applications[i].name));
     now.applications[i].process = static_cast<std::uint32_t>(1000 + i);
   }
   const TopView view = view_between(before, now);
@@ -250,11 +252,22 @@ TEST_CASE("No line of the screen is wider than the terminal, and no word of a se
   REQUIRE(has(widest, "16 applications: without a name (process 1000), a study (process 1001)"));
 }
 
+TEST_CASE("A supervisor among the applications is named as one") {
+  TopSample now = sample_at(2000);
+  now.applications.resize(2);
+  now.applications[0].process = 5;
+  now.applications[1].process = 6;
+  now.applications[1].role = SPM_CLIENT_SUPERVISOR;
+  const std::string screen = top_screen(view_between(sample_at(1000), now), 200);
+  REQUIRE(has(screen, "(process 5), without a name (process 6, supervisor)"));
+}
+
 TEST_CASE("The JSON of a view has what the screen has") {
   TopSample now = sample_at(2000);
-  now.applications.resize(1);
+  now.applications.resize(2);
   std::strcpy(now.applications[0].name, "a study");
   now.applications[0].process = 5;
+  now.applications[1].role = SPM_CLIENT_SUPERVISOR;
   const nlohmann::ordered_json json = to_json(view_between(sample_at(1000), now));
   REQUIRE(json["daemon"] == "running");
   REQUIRE(json["rate_hz"].get<double>() == Approx(1000));
@@ -264,6 +277,8 @@ TEST_CASE("The JSON of a view has what the screen has") {
   REQUIRE(json["devices"][0]["force_n"]["now"].get<double>() == Approx(5));
   REQUIRE(json["applications"][0]["name"] == "a study");
   REQUIRE(json["applications"][0]["process"] == 5);
+  REQUIRE(json["applications"][0]["role"] == "application");
+  REQUIRE(json["applications"][1]["role"] == "supervisor");
   now.age = -1;
   REQUIRE(to_json(view_between(now, now))["age_s"].is_null());
 }

@@ -97,7 +97,7 @@ void check(Device& device, Carried<Command>& carried) {
   CHECK(carried.sent.load() > 100);
   CHECK(carried.pushing.load() > 100);
   const auto latency = device.describe().at("latency_us");
-  for (const char* what : {"report_age", "command_sent"}) {
+  for (const char* what : {"report_age", "command_sent", "report_to_command"}) {
     CAPTURE(what, latency.dump());
     const auto& counted = latency.at(what);
     CHECK(counted.at("p50").get<double>() > 0);

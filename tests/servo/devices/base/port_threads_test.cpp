@@ -188,6 +188,13 @@ TEST_CASE("Ages of reports and times of commands are counted, not those from bef
   threads.give(1);
   REQUIRE(eventually([&] { return threads.command_sent().json_us().dump() != nothing; }));
   CHECK(threads.latency_us().at("command_sent").at("max").get<double>() > 0);
+  // The reports so far lay there since before an opening, or before another one.
+  CHECK(threads.report_to_command().json_us().at("p50").get<double>() >= 5000);
+  const std::string answered = threads.report_to_command().json_us().dump();
+  threads.give(2);  // answers no new report
+  const auto sent_ns = now_ns();
+  REQUIRE(eventually([&] { return now_ns() - sent_ns > 20'000'000; }));
+  CHECK(threads.report_to_command().json_us().dump() == answered);
 }
 
 TEST_CASE("A zero that is sent for a stalled loop is no command whose time counts") {

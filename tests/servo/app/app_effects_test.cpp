@@ -1,0 +1,163 @@
+// SPDX-License-Identifier: Apache-2.0
+// Effects and pushes by themselves, tick by tick, without a loop.
+#include "servo/app/app_effects.hpp"
+
+#include <algorithm>
+#include <array>
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <numbers>
+
+#include "tests/servo/support/shape_asset.hpp"
+
+namespace app_effects_test {
+
+using namespace spm;
+using namespace spm::servo;
+
+namespace {
+
+constexpr double tick = 1e-3;
+
+/// A hand near a box of 40 mm, on a device that bears 900 N/m and 4 N s/m.
+struct Hand {
+  Asset box = test::box_asset(0.04);
+  AssetTables tables = tables_of(box);
+  std::array<const AssetView*, 1> assets{&tables.view()};
+  SceneForce force{scene_of({}), tick, 0};
+  AppEffects effects;
+  std::int64_t now = 0;
+
+  Hand() { effects.know_device(0, {900, 4}, 0, tick, 1); }
+  Vector3 at(const Vector3& tool) {
+    now += 1'000'000;
+    return effects.next(0, tool, 1, now, force, assets);
+  }
+  /// After it has faded in.
+  Vector3 settled_at(const Vector3& tool) {
+    for (int i = 0; i < 100; ++i) static_cast<void>(at(tool));
+    return at(tool);
+  }
+};
+
+AppCommand spring(double stiffness, std::uint32_t number = 0, std::uint32_t connection = 1) {
+  AppCommand command;
+  command.action = AppAction::effect;
+  command.connection = connection;
+  command.effect_number = number;
+  command.effect.stiffness = stiffness;
+  return command;
+}
+
+constexpr double ahead = 0.01;  // m
+
+}  // namespace
+
+TEST_CASE("An effect fades in over a tenth of a second, and what changes it makes no step") {
+  Hand hand;
+  REQUIRE(hand.effects.set(spring(100), 0) == Refusal::none);
+  CHECK(hand.at({ahead, 0, 0}).x() == Approx(-0.01 * 100 * ahead));
+  CHECK(hand.settled_at({ahead, 0, 0}).x() == Approx(-100 * ahead));
+  REQUIRE(hand.effects.set(spring(101), 0) == Refusal::none);
+  CHECK(hand.at({ahead, 0, 0}).x() == Approx(-101 * ahead));
+  hand.effects.rest(0);
+  CHECK(hand.at({ahead, 0, 0}).x() == Approx(-0.01 * 101 * ahead));
+}
+
+TEST_CASE("All springs on a device together have a third of the stiffness that it bears") {
+  Hand hand;
+  for (std::uint32_t i = 0; i < 10; ++i)
+    REQUIRE(hand.effects.set(spring(1e5, i), 0) == Refusal::none);
+  CHECK(hand.settled_at({ahead, 0, 0}).x() == Approx(-300 * ahead));
+}
+
+TEST_CASE("All brakes on a device together have half of the damping that it bears") {
+  Hand hand;
+  for (std::uint32_t i = 0; i < 3; ++i) {
+    AppCommand brake = spring(0, i);
+    brake.effect.kind = HandEffectKind::viscous;
+    brake.effect.damping = 1000;
+    REQUIRE(hand.effects.set(brake, 0) == Refusal::none);
+  }
+  Vector3 force;
+  for (int i = 0; i < 200; ++i) force = hand.at({1e-4 * i, 0, 0});
+  CHECK(force.x() == Approx(-2 * 0.1).epsilon(1e-3));
+  CHECK(hand.settled_at({0.02, 0, 0}).norm() < 1e-12);
+}
+
+TEST_CASE("A device that is left alone on an effect swings ever less") {
+  // The force acts a tick late, as a real one does at best, and nothing else brakes the mass.
+  Hand hand;
+  AppCommand effect = spring(1e5);
+  effect.effect.kind = GENERATE(HandEffectKind::spring, HandEffectKind::detents);
+  effect.effect.axis = Vector3::UnitX();
+  effect.effect.spacing = 0.03;
+  REQUIRE(hand.effects.set(effect, 0) == Refusal::none);
+  constexpr double mass = 0.1;  // kg
+  double x = 0.005, speed = 0, late = 0, largest = 0;
+  for (int i = 0; i < 3000; ++i) {
+    const double now = hand.at({x, 0, 0}).x();
+    speed += tick * late / mass;
+    x += tick * speed;
+    late = now;
+    if (i >= 2500) largest = std::max(largest, std::abs(x));
+  }
+  CHECK(largest < 1e-3);
+}
+
+TEST_CASE("A magnet pulls the tool to its object's surface, and is gone with the object") {
+  Hand hand;
+  const double margin = hand.box.metadata.band.margin;
+  REQUIRE(margin > 2e-4);
+  AppCommand magnet = spring(200);
+  magnet.effect.kind = HandEffectKind::magnet;
+  magnet.effect.range = 1;
+  REQUIRE(hand.effects.set(magnet, 0) == Refusal::none);
+  CHECK(hand.settled_at({0, 0, 0.0201}).isApprox(Vector3(0, 0, -200 * 1e-4), 1e-3));
+  CHECK(hand.at({0, 0, 0.0199}).isZero());
+  CHECK(hand.at({0, 0, 0.0201 + margin}).isZero());
+  hand.effects.drop(0);
+  CHECK(hand.at({0, 0, 0.0201}).isZero());
+  magnet.action = AppAction::remove_effect;
+  CHECK(hand.effects.remove(magnet) == Refusal::unknown_effect);
+}
+
+TEST_CASE("Pushes of applications are added, end at their time, and replace their own") {
+  Hand hand;
+  hand.effects.push(0, 0, {1, 0, 0}, 50'000'000);
+  hand.effects.push(0, 0, {2, 0, 0}, 50'000'000);
+  hand.effects.push(0, 3, {0, 1, 0}, 20'000'000);
+  CHECK(hand.at(Vector3::Zero()) == Vector3(2, 1, 0));
+  hand.now = 19'000'000;
+  CHECK(hand.at(Vector3::Zero()) == Vector3(2, 0, 0));
+  hand.effects.leave(0, 1);
+  CHECK(hand.at(Vector3::Zero()).isZero());
+}
+
+TEST_CASE("There is room for sixteen effects, which only their own application removes") {
+  Hand hand;
+  for (std::uint32_t i = 0; i < 16; ++i) {
+    REQUIRE(hand.effects.set(spring(1, i, 1 + i % 2), 0) == Refusal::none);
+  }
+  CHECK(hand.effects.set(spring(1, 99), 0) == Refusal::too_many_effects);
+  CHECK(hand.effects.set(spring(2, 0), 0) == Refusal::none);
+  CHECK(hand.effects.remove(spring(0, 1)) == Refusal::unknown_effect);
+  CHECK(hand.effects.remove(spring(0, SPM_ALL_EFFECTS)) == Refusal::none);
+  CHECK(hand.settled_at({ahead, 0, 0}).x() == Approx(-8 * ahead));
+  AppCommand all = spring(0, SPM_ALL_EFFECTS);
+  all.supervisor = true;
+  CHECK(hand.effects.remove(all) == Refusal::none);
+  CHECK(hand.at({ahead, 0, 0}).isZero());
+}
+
+TEST_CASE("A position that is not finite, and a device that is not there, get no force") {
+  Hand hand;
+  REQUIRE(hand.effects.set(spring(100), 0) == Refusal::none);
+  CHECK(hand.at(Vector3::Constant(std::nan(""))).isZero());
+  CHECK(hand.effects.next(99, Vector3::Ones(), 1, 0, hand.force, hand.assets).isZero());
+  AppCommand elsewhere = spring(1);
+  elsewhere.index = 99;
+  CHECK(hand.effects.set(elsewhere, 0) == Refusal::unknown_device);
+}
+
+}  // namespace app_effects_test

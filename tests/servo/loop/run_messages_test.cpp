@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "servo/loop/run_messages.hpp"
+
+#include <catch2/catch.hpp>
+#include <limits>
+
+#include "common/base/units.hpp"
+#include "tests/servo/support/scripted_device.hpp"
+
+namespace run_messages_test {
+
+using namespace spm;
+using namespace spm::servo;
+using spm::test::ScriptedDevice;
+
+namespace {
+
+/// The warnings for one object of a stiffness, N/m, on a device of a profile.
+std::vector<std::string> warnings_of(double stiffness, const char* profile, double cap) {
+  ScriptedDevice device([](std::size_t, DeviceState&, DeviceHealth&) {});
+  device.can().name = "hand";
+  device.can().profile = find_device_profile(profile);
+  device.can().stiffness_cap = cap;
+  ForceChoice choice;
+  choice.scene = scene_of({});
+  choice.scene.objects.front().force.stiffness = stiffness;
+  return stiffness_warnings(choice, {&device});
+}
+
+constexpr double uncapped = std::numeric_limits<double>::infinity();
+
+}  // namespace
+
+TEST_CASE("A stiffness that the device does not hold stably is warned of, with both numbers") {
+  const auto warnings = warnings_of(100'000, "low", uncapped);
+  REQUIRE(warnings.size() == 1);
+  REQUIRE(warnings[0].find("100 N/mm") != std::string::npos);
+  const double stable = auto_stiffness({find_device_profile("low"), uncapped});
+  REQUIRE(warnings[0].find(format_quantity(stable, Quantity::stiffness)) != std::string::npos);
+  REQUIRE(warnings[0].find("--stiffness auto") != std::string::npos);
+}
+
+TEST_CASE("What auto takes is not warned of, on any profile") {
+  for (const DeviceProfile& profile : device_profiles) {
+    CAPTURE(profile.name);
+    const double stable = auto_stiffness({&profile, profile.stiffness_cap});
+    REQUIRE(warnings_of(stable, profile.name.data(), profile.stiffness_cap).empty());
+    REQUIRE(warnings_of(stable * 1.01, profile.name.data(), uncapped).size() == 1);
+  }
+}
+
+TEST_CASE(
+    "A device that holds its rated stiffness is warned of once, and one that does not twice") {
+  REQUIRE(warnings_of(100'000, "touch", 400).size() == 1);
+  REQUIRE(warnings_of(100'000, "falcon", 3000).size() == 2);
+}
+
+}  // namespace run_messages_test
