@@ -52,6 +52,8 @@ MockUsbChip::~MockUsbChip() {
   changed_.notify_all();
   timer_.join();
   drop_all();
+  // One that is left here was killed: umockdev would complain of its open stream, behind the
+  // report.
   for (UMockdevIoctlClient* client : dead_clients_) g_object_unref(client);
   tcflow(slave_, TCOON);
   close(slave_);
@@ -64,7 +66,9 @@ bool MockUsbChip::handle(UMockdevIoctlClient* client) {
       std::find(dead_clients_.begin(), dead_clients_.end(), client) != dead_clients_.end();
   if (!dead && client != client_) {
     drop_all();
-    client_ = client;
+    if (client_ != nullptr) g_object_unref(client_);
+    // Kept, so that a new one cannot have its address where this one vanishes without a word.
+    client_ = UMOCKDEV_IOCTL_CLIENT(g_object_ref(client));
   }
   const auto request = static_cast<unsigned long>(umockdev_ioctl_client_get_request(client));
   if (dead && request != USBDEVFS_REAPURBNDELAY && request != USBDEVFS_REAPURB) {
@@ -118,6 +122,7 @@ void MockUsbChip::forget(UMockdevIoctlClient* client) {
   const std::lock_guard lock(mutex_);
   if (client != client_) return;
   drop_all();
+  g_object_unref(client_);
   client_ = nullptr;
 }
 
@@ -130,8 +135,7 @@ void MockUsbChip::unplug() {
   }
   answers_.clear();
   if (client_ == nullptr) return;
-  // Kept, so that a new one cannot have the same address.
-  dead_clients_.push_back(UMOCKDEV_IOCTL_CLIENT(g_object_ref(client_)));
+  dead_clients_.push_back(client_);
   client_ = nullptr;
 }
 
