@@ -24,8 +24,8 @@ import numpy as np  # noqa: E402
 MAGIC, FORM, ROW_KIND = b"SPM-REC1", 4, 1
 # formats/motion/recording.hpp
 ROW = np.dtype([("tick", "<u8"), ("position", "<f8", 3), ("wanted", "<f8", 3), ("added", "<f8", 3),
-                ("sent", "<f8", 3), ("depth", "<f8"), ("wake_ns", "<i4"), ("busy_ns", "<i4"), ("buttons", "<u4"),
-                ("device", "<u2"), ("cause", "u1"), ("flags", "u1"),
+                ("sent", "<f8", 3), ("depth", "<f8"), ("wake_ns", "<i4"), ("busy_ns", "<i4"),
+                ("buttons", "<u4"), ("device", "<u2"), ("cause", "u1"), ("flags", "u1"),
                 ("first", "<u2"), ("exact", "<u2"), ("held", "<u2"), ("shortened", "<u2")])
 WANTED_COLOUR, SENT_COLOUR, DEPTH_COLOUR = "#8a8a8a", "#b5302a", "#1f5f8b"
 ADDED_COLOUR = "#2f7d4f"

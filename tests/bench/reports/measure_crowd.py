@@ -40,7 +40,8 @@ def main() -> None:
         folder = Path(name)
         if arguments.mesh:
             asset = folder / "asset.spm.exr"
-            subprocess.run([arguments.bake, "build", arguments.mesh, "-o", asset, "--quiet", "--fit-diagonal", "100mm", "--tolerance", "50um"], check=True)
+            subprocess.run([arguments.bake, "build", arguments.mesh, "-o", asset, "--quiet",
+                            "--fit-diagonal", "100mm", "--tolerance", "50um"], check=True)
         else:
             asset = bake_tetrahedron(arguments.bake, folder)
         scene = folder / "crowd.toml"
