@@ -25,6 +25,8 @@ MODELS = {
     "plate": (shapes.plate, "plate of 0.5 mm"),
     "comb": (shapes.comb, "comb with grooves of 4 mm, 36 mm deep"),
     "nested": (shapes.nested, "ball with a spherical cavity"),
+    "peg": (shapes.peg, "peg about the z axis"),
+    "hole": (shapes.hole, "block with a blind hole for the peg, about the z axis"),
     "demo": (blossom.make, "bowl of eight twisted petals with fine relief"),
 }
 
@@ -34,6 +36,9 @@ VOLUMES = {
     "box": (math.prod(shapes.BOX_SIDES), 1e-6),
     "torus": (2 * math.pi**2 * shapes.TORUS_RING_RADIUS * shapes.TORUS_TUBE_RADIUS**2, 2e-3),
     "cylinder": (math.pi * shapes.CYLINDER_RADIUS**2 * shapes.CYLINDER_HEIGHT, 2e-4),
+    "peg": (math.pi * shapes.PEG_RADIUS**2 * shapes.PEG_LENGTH, 1e-3),
+    "hole": (math.pi * (shapes.HOLE_BLOCK_RADIUS**2 * shapes.HOLE_BLOCK_HEIGHT
+                        - shapes.HOLE_RADIUS**2 * shapes.HOLE_DEPTH), 1e-3),
     "wedge": (math.sqrt(3) / 4 * shapes.WEDGE_SIDE**2 * shapes.WEDGE_LENGTH, 1e-6),
     "plate": (math.prod(shapes.PLATE_SIDES), 1e-6),
     "comb": (shapes.COMB_LENGTH * (

@@ -19,6 +19,12 @@ CYLINDER_HEIGHT = math.sqrt(DIAGONAL**2 - 8 * CYLINDER_RADIUS**2)
 WEDGE_SIDE = 0.050
 WEDGE_LENGTH = 0.075
 PLATE_SIDES = (0.060, math.sqrt(DIAGONAL**2 - 0.060**2 - 0.0005**2), 0.0005)
+PEG_RADIUS = 0.006
+PEG_LENGTH = math.sqrt(DIAGONAL**2 - 8 * PEG_RADIUS**2)
+HOLE_RADIUS = 0.0063
+HOLE_DEPTH = 0.030
+HOLE_BLOCK_RADIUS = 0.030
+HOLE_BLOCK_HEIGHT = math.sqrt(DIAGONAL**2 - 8 * HOLE_BLOCK_RADIUS**2)
 COMB_TEETH = 8
 COMB_TOOTH_WIDTH = 0.0045
 COMB_GROOVE_WIDTH = 0.004
@@ -110,6 +116,27 @@ def torus(around: int = 192, across: int = 108) -> Mesh:
     return mesh
 
 
+def turned(profile: list[tuple[float, float]], around: int) -> Mesh:
+    """A profile of (radius, z) turned about the z axis, from the axis below to the axis above with
+    the outside on its right; its first and last radius are 0."""
+    mesh = Mesh()
+    rings = []
+    for radius, z in profile:
+        angles = [2 * math.pi * i / around for i in range(around)] if radius > 0 else [0.0]
+        ring = [mesh.vertex(radius * math.cos(a), radius * math.sin(a), z) for a in angles]
+        rings.append(ring * around if radius == 0 else ring)
+    for lower, upper in zip(rings, rings[1:]):
+        for i in range(around):
+            j = (i + 1) % around
+            if lower[i] == lower[j]:
+                mesh.triangle(lower[i], upper[j], upper[i])
+            elif upper[i] == upper[j]:
+                mesh.triangle(lower[i], lower[j], upper[i])
+            else:
+                mesh.quad(lower[i], lower[j], upper[j], upper[i])
+    return mesh
+
+
 def cylinder(around: int = 256) -> Mesh:
     """A cylinder about the z axis; facets are at most 3 um inside of it."""
     mesh = Mesh()
@@ -125,6 +152,21 @@ def cylinder(around: int = 256) -> Mesh:
         mesh.triangle(bottom, j, i)
         mesh.triangle(top, i + around, j + around)
     return mesh
+
+
+def peg(around: int = 96) -> Mesh:
+    """A round peg about the z axis; facets are at most 4 um inside of it."""
+    low, high = -PEG_LENGTH / 2, PEG_LENGTH / 2
+    return turned([(0, low), (PEG_RADIUS, low), (PEG_RADIUS, high), (0, high)], around)
+
+
+def hole(around: int = 96) -> Mesh:
+    """A round block about the z axis with a blind hole from above, which the peg fits into with
+    0.3 mm of play; facets are at most 17 um inside of the true shape's circles."""
+    low, high = -HOLE_BLOCK_HEIGHT / 2, HOLE_BLOCK_HEIGHT / 2
+    floor = high - HOLE_DEPTH
+    return turned([(0, low), (HOLE_BLOCK_RADIUS, low), (HOLE_BLOCK_RADIUS, high),
+                   (HOLE_RADIUS, high), (HOLE_RADIUS, floor), (0, floor)], around)
 
 
 def wedge() -> Mesh:

@@ -45,7 +45,7 @@ EQUATIONS = range(1, 20)
 EQUATION_TABLE = Path("common/paper/README.md")
 # Number, function, file and test.
 EQUATION_ROW = re.compile(r"^\| (\d+) \|.*\| `(\w+)` \| \[`[^`]+`\]\(([^)]+)\) "
-                          r"\| \[test\]\(([^)]+)\) \|$", re.MULTILINE)
+                          r"\| \[test\]\(([^)]+)\) \|.*\|$", re.MULTILINE)
 # A docstring, then a declaration up to its parameter list.
 DOCUMENTED = re.compile(r"((?:^[ \t]*///.*\n)+)^[ \t]*([^/\n#][^;{}]*?\b(\w+)\s*\()", re.MULTILINE)
 # "eq. 7", "eq. 7, 8", "eq. 10 and 11", "eq. 3 to 8"

@@ -62,9 +62,12 @@ class Pages(unittest.TestCase):
                 self.assertEqual(sorted(set(paths)), [])
 
     def test_all_reports_come_from_one_machine(self) -> None:
-        machines = {json.dumps({**json.loads(report.read_text(encoding="utf-8"))["made"]["machine"],
-                                **dict.fromkeys(UNEQUAL)}, sort_keys=True): report.name
-                    for report in sorted((SOURCE / figures.CHARTS).glob("*.json"))}
+        machines = {}
+        for report in sorted((SOURCE / figures.CHARTS).glob("*.json")):
+            machine = json.loads(report.read_text(encoding="utf-8"))["made"]["machine"]
+            # A kernel takes some pages more or less from one start to the next.
+            machine["memory_bytes"] = round(machine["memory_bytes"] / 2**24)
+            machines[json.dumps({**machine, **dict.fromkeys(UNEQUAL)}, sort_keys=True)] = report.name
         self.assertEqual(len(machines), 1, f"{machines}: measure all with scripts/measure")
 
 

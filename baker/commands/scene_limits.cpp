@@ -27,14 +27,16 @@ std::string force(double newtons) { return format_quantity(newtons, Quantity::fo
   throw BakeError(code, message);
 }
 
+bool is_file(const std::string& named, const std::string& mesh) {
+  std::error_code ignored;
+  return !named.empty() && std::filesystem::equivalent(named, mesh, ignored);
+}
+
 /// The object of a scene that is made from a mesh file.
 const SceneObject& object_of(const Scene& scene, const std::string& mesh) {
   std::vector<const SceneObject*> found;
   for (const SceneObject& object : scene.objects) {
-    std::error_code ignored;
-    if (!object.mesh.empty() && std::filesystem::equivalent(object.mesh, mesh, ignored)) {
-      found.push_back(&object);
-    }
+    if (is_file(object.mesh, mesh)) found.push_back(&object);
   }
   if (found.size() == 1) return *found.front();
   if (found.size() > 1) {
@@ -71,6 +73,13 @@ std::string scaled(double scale) {
   return scale == 1 ? std::string() : fmt::format(", at a scale of 1 to {:.6g}", scale);
 }
 
+/// Whether a mesh is that of the scene's tool and of no object.
+bool is_tool_alone(const Scene& scene, const std::string& mesh) {
+  if (!scene.tool || !is_file(scene.tool->mesh, mesh)) return false;
+  return std::none_of(scene.objects.begin(), scene.objects.end(),
+                      [&](const SceneObject& object) { return is_file(object.mesh, mesh); });
+}
+
 void derive_tolerance(const DeviceProfile& profile, double scale, BakeOptions& options,
                       std::vector<std::string>& derived) {
   if (options.form != AssetForm::sparse || options.tolerance) return;
@@ -104,8 +113,8 @@ void derive_from_scene(const Scene& scene, const SceneObject& object, const Devi
         format_quantity(object.stiffness, Quantity::stiffness),
         object.stiffness_given ? "" : ", the stiffness where a scene gives none", scaled(scale)));
   }
-  if (scene.probe_radius && !sources.probe_given) {
-    options.probe_radius = *scene.probe_radius * scale;
+  if (scene.probe && !sources.probe_given) {
+    options.probe_radius = scene.probe->radius * scale;
     derived.push_back(fmt::format(
         "probe {}: the scene's{}",
         options.probe_radius > 0 ? "sphere of radius " + length(options.probe_radius) : "point",
@@ -179,10 +188,17 @@ std::vector<std::string> derive_limits(const LimitSources& sources, const std::s
     const Result<Scene> scene = read_scene(sources.scene);
     if (!scene) refuse(scene.error().code, scene.error().message);
     if (profile == nullptr) profile = scene->device.profile;
-    const SceneObject& object = object_of(*scene, mesh);
     // The hand's motion grows with the workspace, and shrinks on an object that was enlarged.
-    step_scale = scene->workspace.scale / object.placement.scale;
-    derive_from_scene(*scene, object, profile, sources, options, derived);
+    if (is_tool_alone(*scene, mesh)) {
+      // All of a tool's surface may touch, wherever the hand is.
+      step_scale = scene->workspace.scale / scene->tool->placement.scale;
+      derived.push_back(
+          fmt::format("the tool of {}: baked whole, with the default band", scene->path));
+    } else {
+      const SceneObject& object = object_of(*scene, mesh);
+      step_scale = scene->workspace.scale / object.placement.scale;
+      derive_from_scene(*scene, object, profile, sources, options, derived);
+    }
   }
   if (profile != nullptr) derive_tolerance(*profile, step_scale, options, derived);
   return derived;

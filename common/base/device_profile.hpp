@@ -8,6 +8,11 @@
 
 namespace spm {
 
+// How a handle turns, the same for every kind, since no data sheet gives it; assumed.
+inline constexpr double assumed_gyration = 0.03;      ///< m, its radius about any axis
+inline constexpr double assumed_encoder_lever = 0.1;  ///< m, from its middle to what reads its turn
+inline constexpr double assumed_torque_lever = 0.05;  ///< m, at which a motor's force turns it
+
 /// The properties of a kind of haptic device that a bake and the servo use, given at its tool.
 struct DeviceProfile {
   std::string_view name;
@@ -23,6 +28,20 @@ struct DeviceProfile {
   /// Time constant of the actuator, s: 1 / (2 pi bandwidth).
   [[nodiscard]] constexpr double actuator_lag() const noexcept {
     return 1 / (2 * std::numbers::pi * bandwidth);
+  }
+
+  // Of a device of this kind that turns as well; all assumed.
+  /// N m, the largest torque.
+  [[nodiscard]] constexpr double torque_cap() const noexcept {
+    return force_cap * assumed_torque_lever;
+  }
+  /// rad, the smallest turn that it resolves.
+  [[nodiscard]] constexpr double turn_step() const noexcept {
+    return encoder_step / assumed_encoder_lever;
+  }
+  /// kg m2, about any axis.
+  [[nodiscard]] constexpr double turning_inertia() const noexcept {
+    return moving_mass * assumed_gyration * assumed_gyration;
   }
 };
 

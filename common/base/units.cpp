@@ -38,6 +38,13 @@ constexpr std::array angular_speed_units{Unit{"deg/s", std::numbers::pi, 180, tr
                                          Unit{"rad/s", 1, 1, false}};
 constexpr std::array mass_units{Unit{"g", 1, 1e3, true}, Unit{"kg", 1, 1, true}};
 constexpr std::array rate_units{Unit{"Hz", 1, 1, true}, Unit{"kHz", 1e3, 1, true}};
+constexpr std::array torque_units{Unit{"mN m", 1, 1e3, true}, Unit{"mNm", 1, 1e3, false},
+                                  Unit{"N m", 1, 1, true}, Unit{"Nm", 1, 1, false}};
+constexpr std::array turning_stiffness_units{
+    Unit{"mN m/rad", 1, 1e3, true}, Unit{"mNm/rad", 1, 1e3, false}, Unit{"N m/rad", 1, 1, true},
+    Unit{"Nm/rad", 1, 1, false}};
+constexpr std::array duration_units{Unit{"us", 1, 1e6, true}, Unit{"ms", 1, 1e3, true},
+                                    Unit{"s", 1, 1, true}};
 constexpr std::array per_length_units{Unit{"/m", 1, 1, true}, Unit{"/mm", 1e3, 1, true}};
 
 QuantityFacts facts_of(Quantity quantity) {
@@ -62,6 +69,12 @@ QuantityFacts facts_of(Quantity quantity) {
       return {"an angular speed", "7000deg/s or 120rad/s", angular_speed_units};
     case Quantity::rate:
       return {"a rate", "500Hz or 1kHz", rate_units};
+    case Quantity::torque:
+      return {"a torque", "100mNm or 0.1N m", torque_units};
+    case Quantity::turning_stiffness:
+      return {"a turning stiffness", "500mNm/rad or 2N m/rad", turning_stiffness_units};
+    case Quantity::duration:
+      return {"a time", "400us or 1ms", duration_units};
   }
   return {"a quantity", "", {}};
 }

@@ -19,7 +19,10 @@ enum class Quantity {
   mass,
   per_length,
   angular_speed,
-  rate
+  rate,
+  torque,
+  turning_stiffness,
+  duration
 };
 
 /// Parses a number with its unit ("50um", "1.5N/mm", "10deg") into SI. Independent of the locale.

@@ -17,6 +17,24 @@ ContactForce paper_contact_force(const AssetView& asset, const ForceSettings& se
   return result;
 }
 
+/// Depth and normal of the mean that eq. 10 and 11, or their form over the volume, make.
+ContactForce paper_probe_contact_force(const AssetView& asset, const ForceSettings& settings,
+                                       const Vector3& point) noexcept {
+  const Vector3 mean = with_probe(
+      settings.probe(), point, settings.probe_axis, [&](const ImplicitProbe& probe) -> Vector3 {
+        return settings.form == PaperProbeForm::volume ? paper_probe_volume_force(asset, probe, 1)
+                                                       : paper_probe_force(asset, probe, 1).force;
+      });
+  ContactForce result;
+  const double depth = mean.norm();
+  if (!(depth > 0)) return result;
+  result.normal = mean / depth;
+  result.depth = depth;
+  result.force = settings.stiffness * mean;
+  result.contact = true;
+  return result;
+}
+
 ContactForce spm_contact_force(const AssetView& asset, const ForceSettings& settings,
                                const Vector3& point) noexcept {
   const Answer answer = query_point(asset, point);
@@ -51,9 +69,14 @@ ContactForce smoothed_force(const AssetView& asset, const ForceSettings& setting
 ContactForce contact_force(const AssetView& asset, const ForceSettings& settings,
                            const Vector3& point) noexcept {
   if (!point.allFinite()) return {};
-  ContactForce result = settings.method == Method::paper
-                            ? paper_contact_force(asset, settings, point)
-                            : spm_contact_force(asset, settings, point);
+  ContactForce result;
+  if (settings.method != Method::paper) {
+    result = spm_contact_force(asset, settings, point);
+  } else if (settings.probe_radius > 0) {
+    result = paper_probe_contact_force(asset, settings, point);
+  } else {
+    result = paper_contact_force(asset, settings, point);
+  }
   if (!result.force.allFinite()) return {};
   return result;
 }

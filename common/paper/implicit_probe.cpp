@@ -17,6 +17,11 @@ ProbeSpan SphereProbe::span(const Vector3& origin, const Vector3& direction) con
   return {middle - half, middle + half};
 }
 
+CapsuleProbe::CapsuleProbe(const Vector3& from, const Vector3& to, double radius) noexcept
+    : from_(from), to_(to), length_((to - from).norm()), radius_(radius) {
+  if (length_ > 0) along_ = (to - from) / length_;
+}
+
 ProbeSpan CapsuleProbe::span(const Vector3& origin, const Vector3& direction) const noexcept {
   ProbeSpan result;
   const auto include = [&result](const ProbeSpan& part) {
@@ -28,21 +33,18 @@ ProbeSpan CapsuleProbe::span(const Vector3& origin, const Vector3& direction) co
   // exit.
   include(SphereProbe(from_, radius_).span(origin, direction));
   include(SphereProbe(to_, radius_).span(origin, direction));
-  const Vector3 axis = to_ - from_;
-  const double length = axis.norm();
-  if (!(length > 0)) return result;
-  const Vector3 along = axis / length;
+  if (!(length_ > 0)) return result;
   const Vector3 start = origin - from_;
-  const Vector3 across = direction - direction.dot(along) * along;
-  const Vector3 offset = start - start.dot(along) * along;
+  const Vector3 across = direction - direction.dot(along_) * along_;
+  const Vector3 offset = start - start.dot(along_) * along_;
   const double a = across.squaredNorm(), b = across.dot(offset);
   const double c = offset.squaredNorm() - radius_ * radius_;
   const double square = b * b - a * c;
   if (!(a > 0) || !(square >= 0)) return result;
   for (const double root : {-std::sqrt(square), std::sqrt(square)}) {
     const double t = (root - b) / a;
-    const double place = (start + t * direction).dot(along);
-    if (place >= 0 && place <= length) include({t, t});
+    const double place = (start + t * direction).dot(along_);
+    if (place >= 0 && place <= length_) include({t, t});
   }
   return result;
 }

@@ -28,8 +28,10 @@ class ImplicitProbe {
   /// The span within the probe of the line origin + t direction; direction of unit length.
   [[nodiscard]] virtual ProbeSpan span(const Vector3& origin,
                                        const Vector3& direction) const noexcept = 0;
-  /// Centre of a ball that contains the probe; `bounding_radius` is its radius.
+  /// The probe lies within `bounding_radius` of the segment from centre - half_axis to centre +
+  /// half_axis; a probe without a long side has no half_axis.
   [[nodiscard]] virtual Vector3 centre() const noexcept = 0;
+  [[nodiscard]] virtual Vector3 half_axis() const noexcept { return Vector3::Zero(); }
   [[nodiscard]] virtual double bounding_radius() const noexcept = 0;
 
  protected:
@@ -55,19 +57,18 @@ class SphereProbe final : public ImplicitProbe {
 class CapsuleProbe final : public ImplicitProbe {
  public:
   /// `radius` above 0; both ends may be the same point.
-  CapsuleProbe(const Vector3& from, const Vector3& to, double radius) noexcept
-      : from_(from), to_(to), radius_(radius) {}
+  CapsuleProbe(const Vector3& from, const Vector3& to, double radius) noexcept;
 
   [[nodiscard]] ProbeSpan span(const Vector3& origin,
                                const Vector3& direction) const noexcept override;
   [[nodiscard]] Vector3 centre() const noexcept override { return (from_ + to_) / 2; }
-  [[nodiscard]] double bounding_radius() const noexcept override {
-    return radius_ + (to_ - from_).norm() / 2;
-  }
+  [[nodiscard]] Vector3 half_axis() const noexcept override { return (to_ - from_) / 2; }
+  [[nodiscard]] double bounding_radius() const noexcept override { return radius_; }
 
  private:
   Vector3 from_, to_;
-  double radius_;
+  Vector3 along_ = Vector3::Zero();  ///< unit, from the one to the other; zero if both are the same
+  double length_, radius_;
 };
 
 }  // namespace spm

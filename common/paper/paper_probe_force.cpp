@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "common/paper/paper_force.hpp"
+#include "common/paper/probe_footprint.hpp"
 
 namespace spm {
 
@@ -17,39 +18,42 @@ struct Column {
   Vector3 normal = Vector3::Zero();
 };
 
-/// A position in samples, clamped to those of a map.
-std::uint32_t clamped(double position, std::uint32_t count) noexcept {
-  return static_cast<std::uint32_t>(std::clamp(position, 0.0, static_cast<double>(count - 1)));
+/// The height of a map at a place. Where only some of the four samples around it met the surface,
+/// the nearest one: interpolating with a miss would invent a surface. There is no slope then.
+Height height_on(const DistanceMap& map, MapCell cell) noexcept {
+  const Height height = height_at(map, 0, cell);
+  if (std::isfinite(height.value)) return height;
+  cell.column += cell.fx < 0.5 ? 0U : 1U;
+  cell.row += cell.fy < 0.5 ? 0U : 1U;
+  return {map.at(0, cell.column, cell.row), 0, 0};
 }
 
-/// Calls `visit` with every sample in C_S, the projection of the probe on the plane closest to it.
+/// Calls `visit` with every place in C_S, the projection of the probe on the plane closest to it,
+/// where a part of the probe lies under the surface.
 template <class Visit>
 void visit_columns(const AssetView& asset, const ImplicitProbe& probe, const Visit& visit) {
   const Vector3 centre = probe.centre();
-  const double bounding_radius = probe.bounding_radius();
   if (!asset.maps_every_plane()) return;
-  if (!centre.allFinite() || !std::isfinite(bounding_radius)) return;
+  if (!centre.allFinite() || !probe.half_axis().allFinite()) return;
+  if (!std::isfinite(probe.bounding_radius())) return;
   const std::size_t index = closest_support_plane(asset, centre);
   const SupportPlane& plane = asset.planes[index];
   const DistanceMap& map = asset.maps[index];
-  const PlaneCoordinates middle = project_on_plane(plane, centre);
-  const double x = (middle.eta - map.eta0) / map.spacing;
-  const double y = (middle.omega - map.omega0) / map.spacing;
-  const double wide = bounding_radius / map.spacing;
-  const std::uint32_t x1 = clamped(x + wide, map.columns), y1 = clamped(y + wide, map.rows);
-  for (std::uint32_t row = clamped(std::ceil(y - wide), map.rows); row <= y1; ++row) {
-    for (std::uint32_t column = clamped(std::ceil(x - wide), map.columns); column <= x1; ++column) {
+  const ProbeFootprint footprint(map, plane, probe);
+  const double spacing = footprint.step() * map.spacing;
+  const LatticeRange rows = footprint.rows();
+  for (std::int64_t row = rows.first; row <= rows.last; ++row) {
+    const double omega = map.omega0 + static_cast<double>(row) * spacing;
+    const LatticeRange columns = footprint.columns(row);
+    for (std::int64_t column = columns.first; column <= columns.last; ++column) {
+      const Height height = height_on(map, footprint.cell(column, row));
+      if (!std::isfinite(height.value)) continue;
+      const double eta = map.eta0 + static_cast<double>(column) * spacing;
       Column found;
-      found.surface = map.at(0, column, row);
-      if (!std::isfinite(found.surface)) continue;
-      const double eta = map.eta0 + column * map.spacing, omega = map.omega0 + row * map.spacing;
+      found.surface = height.value;
       found.probe = probe.span(support_plane_point(plane, eta, omega), -plane.n);
       if (!found.probe.hit() || !(found.probe.far > found.surface)) continue;
-      const Height height = height_at(map, 0, locate(map, eta, omega));
-      // Beside a silhouette there is no slope; the plane's own normal is the best guess.
-      found.normal = std::isfinite(height.value)
-                         ? surface_normal(plane, height.d_eta, height.d_omega).normalized()
-                         : plane.n;
+      found.normal = surface_normal(plane, height.d_eta, height.d_omega).normalized();
       visit(found);
     }
   }

@@ -8,6 +8,12 @@
 
 namespace spm {
 
+/// Over what a probe's force is the mean (section 3.2).
+enum class PaperProbeForm : std::uint8_t {
+  surface,  ///< eq. 10 and 11
+  volume,   ///< the triple integral that follows them
+};
+
 /// The force on a probe from the samples of one support plane's map that lie under it.
 struct PaperProbeForce {
   Vector3 force = Vector3::Zero();  ///< on the probe, N, object's frame: eq. 11
@@ -25,6 +31,9 @@ struct PaperProbeForce {
 /// the object is above that plane, so every sample would push. The surface is meant, at D_SP below
 /// the plane, as in eq. 3. S+ and S- are measured from the plane, as D_SP is. The paper does not
 /// define N_total of eq. 11; here it is N+ plus N-.
+///
+/// The sum runs over a lattice of at most about `most_probe_samples` places (ProbeFootprint), so
+/// that its time has a bound.
 [[nodiscard]] PaperProbeForce paper_probe_force(const AssetView& asset, const ImplicitProbe& probe,
                                                 double stiffness) noexcept;
 

@@ -4,6 +4,7 @@
 #include <Eigen/Core>
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdint>
 
 #include "common/base/wrench.hpp"
@@ -42,6 +43,31 @@ struct ContactSum {
     energy += spring * square / 2;
     deepest = std::max(deepest, depth);
     ++contacts;
+  }
+  /// Adds a spring of stiffness `spring` (N/m) that acts along the surface alone, pulled out by
+  /// `pull` (m) against its force, with an energy of its own (J). One that gives way pulls with a
+  /// force that no longer grows: it is stiff across its pull alone.
+  void add_along(double spring, const Vector3& pull, const Vector3& normal, const Vector3& arm,
+                 double own_energy, bool gives_way) noexcept {
+    const Vector3 force = spring * pull, torque = arm.cross(force);
+    for (int row = 0; row < 3; ++row) {
+      wrench[row] += force[row];
+      wrench[3 + row] += torque[row];
+    }
+    const Vector3 any = std::abs(normal.x()) < 0.6 ? Vector3::UnitX() : Vector3::UnitY();
+    const Vector3 first = gives_way ? pull.normalized() : normal.cross(any).normalized();
+    for (int k = gives_way ? 1 : 0; k < 2; ++k) {
+      const Vector3 way = k == 0 ? first : Vector3(normal.cross(first));
+      const Vector3 turn = arm.cross(way);
+      const std::array<double, 6> along{way[0], way[1], way[2], turn[0], turn[1], turn[2]};
+      for (int column = 0; column < 6; ++column) {
+        const double by = spring * along[static_cast<std::size_t>(column)];
+        for (int row = column; row < 6; ++row) {
+          stiffness(row, column) += by * along[static_cast<std::size_t>(row)];
+        }
+      }
+    }
+    energy += own_energy;
   }
   [[nodiscard]] Wrench forces() const noexcept { return {wrench.head<3>(), wrench.tail<3>()}; }
 };

@@ -5,6 +5,8 @@
 #include <bit>
 #include <cmath>
 
+#include "common/sixdof/sample_vectors.hpp"
+
 namespace spm {
 
 namespace {
@@ -22,31 +24,28 @@ FieldMemory::FieldMemory(const Settings& settings)
       entries_(settings.max_validity_radius > 0 ? std::bit_ceil(std::max(settings.points, 1U))
                                                 : 0) {}
 
-const FieldReading& FieldMemory::recall(std::uint32_t point) const noexcept {
-  if (entries_.empty()) return nothing_;
-  const FieldReading& kept = entries_[point & (entries_.size() - 1)].reading;
-  return kept.point == point ? kept : nothing_;
-}
-
 void FieldMemory::learn(std::uint32_t point, FieldReading& reading) noexcept {
-  double validity_radius =
-      reading.normal.isZero() ? 0 : first_share * settings_.max_validity_radius;
+  const bool is_plane = reading.has_normal();
+  double validity_radius = is_plane ? first_share * settings_.max_validity_radius : 0;
   reading.validity_radius = static_cast<float>(validity_radius);
-  reading.point = point;
   if (entries_.empty()) return;
-  FieldReading& old = entries_[point & (entries_.size() - 1)].reading;
+  Entry& entry = entries_[place_of(point)];
+  const FieldReading& old = entry.reading;
   const auto before = static_cast<double>(old.validity_radius);
-  if (old.point == point && !old.normal.isZero() && !reading.normal.isZero() && before > 0 &&
-      (reading.place - old.place).norm() < judged_radii * before) {
-    const bool off =
-        std::abs(old.distance_at(reading.place) - reading.distance) > settings_.error ||
-        old.normal.cross(reading.normal).norm() > turned_sine || old.normal.dot(reading.normal) < 0;
+  const Vector3 place = vector_of(reading.place);
+  if (entry.point == point && is_plane && before > 0 && old.has_normal() &&
+      old.to(place).norm() < judged_radii * before) {
+    const Vector3 was = old.outward(), is = reading.outward();
+    const bool off = std::abs(old.distance_at(place) - static_cast<double>(reading.distance)) >
+                         settings_.error ||
+                     was.cross(is).norm() > turned_sine || was.dot(is) < 0;
     validity_radius =
         std::clamp((off ? 0.5 : growth) * before, min_share * settings_.max_validity_radius,
                    settings_.max_validity_radius);
     reading.validity_radius = static_cast<float>(validity_radius);
   }
-  old = reading;
+  entry.reading = reading;
+  entry.point = point;
 }
 
 void FieldMemory::forget() noexcept { std::fill(entries_.begin(), entries_.end(), Entry{}); }

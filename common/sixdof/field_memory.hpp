@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <array>
+#include <cmath>
 #include <cstdint>
 #include <vector>
 
@@ -9,21 +11,30 @@
 namespace spm {
 
 /// A field's answer at a point, and the radius around it in which its tangent plane may replace the
-/// field.
+/// field. In floats, since many are kept; rounding is far below a field's tolerance.
 struct FieldReading {
-  Vector3 place = Vector3::Zero();    ///< the field's frame, m
-  double distance = 0;                ///< signed, m; a lower bound where the normal is zero
-  Vector3 normal = Vector3::Zero();   ///< unit, outward
-  float validity_radius = -1;         ///< validity radius, m; below 0: nothing is known
-  std::uint32_t point = 0xFFFFFFFFU;  ///< the point of a FieldMemory that it belongs to
+  std::array<float, 3> place{};   ///< the field's frame, m
+  float distance = 0;             ///< signed, m; a lower bound where the normal is zero
+  std::array<float, 3> normal{};  ///< unit, outward
+  float validity_radius = -1;     ///< validity radius, m; below 0: nothing is known
 
   [[nodiscard]] bool known() const noexcept { return validity_radius >= 0; }
+  [[nodiscard]] bool has_normal() const noexcept {
+    return normal[0] != 0 || normal[1] != 0 || normal[2] != 0;
+  }
+  /// From its place to another, m.
+  [[nodiscard]] Vector3 to(const Vector3& at) const noexcept {
+    return {at[0] - double{place[0]}, at[1] - double{place[1]}, at[2] - double{place[2]}};
+  }
   [[nodiscard]] bool stands_for(const Vector3& at) const noexcept {
     const auto far = static_cast<double>(validity_radius);
-    return (at - place).squaredNorm() <= far * far && known() && !normal.isZero();
+    return far >= 0 && to(at).squaredNorm() <= far * far && has_normal();
+  }
+  [[nodiscard]] Vector3 outward() const noexcept {
+    return {double{normal[0]}, double{normal[1]}, double{normal[2]}};
   }
   [[nodiscard]] double distance_at(const Vector3& at) const noexcept {
-    return distance + normal.dot(at - place);
+    return double{distance} + outward().dot(to(at));
   }
 };
 
@@ -44,19 +55,31 @@ class FieldMemory {
   explicit FieldMemory(const Settings& settings);
 
   /// The reading that is remembered of a point; `known` is false where there is none. Valid until
-  /// the next `learn`.
-  [[nodiscard]] const FieldReading& recall(std::uint32_t point) const noexcept;
+  /// the next `learn`. Points whose numbers differ by less than the memory's room do not drive out
+  /// one another.
+  [[nodiscard]] const FieldReading& recall(std::uint32_t point) const noexcept {
+    if (entries_.empty()) return nothing_;
+    const Entry& kept = entries_[place_of(point)];
+    return kept.point == point ? kept.reading : nothing_;
+  }
 
   /// Remembers a new reading of a point, made at `reading.place`, and sets its validity radius.
   void learn(std::uint32_t point, FieldReading& reading) noexcept;
 
   void forget() noexcept;
+  [[nodiscard]] std::size_t bytes() const noexcept { return entries_.capacity() * sizeof(Entry); }
 
  private:
-  /// One cache line.
-  struct alignas(64) Entry {
+  struct Entry {
     FieldReading reading;
+    std::uint32_t point = 0xFFFFFFFFU;
   };
+  [[nodiscard]] std::size_t place_of(std::uint32_t point) const noexcept {
+    // The upper bits tell objects and their exchanges apart: they are spread over the table.
+    constexpr std::uint32_t spread = 0x9E3779B1U;
+    constexpr std::uint32_t sample_bits = 21;
+    return (point + (point >> sample_bits) * spread) & (entries_.size() - 1);
+  }
   Settings settings_;
   std::vector<Entry> entries_;
   FieldReading nothing_;

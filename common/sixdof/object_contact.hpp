@@ -5,42 +5,43 @@
 #include <cstdint>
 #include <limits>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "common/asset/asset_view.hpp"
+#include "common/contact/surface_texture.hpp"
+#include "common/sixdof/contact_grip.hpp"
 #include "common/sixdof/contact_sum.hpp"
 #include "common/sixdof/field_memory.hpp"
 #include "common/sixdof/surface_samples.hpp"
+#include "common/sixdof/work_clock.hpp"
 
 namespace spm {
 
-/// An object that the tool may touch: its baked field, and the pose that takes its frame to the
-/// world's.
+/// An object that the tool may touch: its baked field, and the pose and scale that take its frame
+/// to the world's: p_world = pose * (scale * p).
 struct ContactObject {
   const AssetView* field = nullptr;
   Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
-};
-
-/// Limits on the work of a tick.
-struct TickBudget {
-  std::int64_t nanoseconds = 0;  ///< 0: no limit
-  /// reading of a monotonic clock, ns; null: that of std::chrono::steady_clock.
-  std::int64_t (*now)() noexcept = nullptr;
-  std::uint32_t finest_level =
-      std::numeric_limits<std::uint32_t>::max();  ///< finer levels are not used
+  double scale = 1;           ///< above 0
+  double stiffness = 0;       ///< N/m3; 0: that of the settings
+  double least_area = 0;      ///< m2: what a sample counts for at least
+  GripSettings grip{};        ///< friction, of the finest samples alone
+  TextureSettings texture{};  ///< m of the world; of the finest samples alone
 };
 
 struct ObjectContactSettings {
-  double stiffness = 1e9;     ///< N/m3: N/m for a square metre of contact
-  std::uint32_t objects = 1;  ///< largest number of objects
-  std::uint32_t max_active =
-      65536;  ///< largest number of samples that may touch at once; beyond it coarser ones are used
+  double stiffness = 1e9;            ///< N/m3: N/m for a square metre of contact
+  std::uint32_t objects = 1;         ///< largest number of objects, below 2048
+  std::uint32_t max_active = 65536;  ///< largest number of samples above the finest that may touch
+                                     ///< at once; beyond it coarser ones are used
   /// largest validity radius, m: how far from a query its tangent plane may be used instead of the
   /// field, for a sample that moved or for one below it in the tree. Less where the field turns out
   /// to be curved. 0: never.
   double max_validity_radius = 5e-4;
-  std::uint32_t remembered =
-      65536;  ///< samples per object whose last answer is kept, a power of two
+  /// Samples whose last answer is kept, of all objects together, a power of two; 0: chosen by the
+  /// tool.
+  std::uint32_t remembered = 0;
 };
 
 /// Result of a tick.
@@ -53,12 +54,29 @@ struct ObjectContactReport {
   double clearance = std::numeric_limits<double>::infinity();
   std::uint64_t asked = 0;   ///< queries of a field
   std::uint64_t tested = 0;  ///< samples whose distance was evaluated
+  std::uint32_t worked = 0;  ///< samples below the coarsest level, as TickBudget counts them
+  bool stopped = false;      ///< time ran out before the finest level
   bool degraded = false;     ///< time or space ran out before the finest level
+};
+
+/// What pushes the tool at one object within one cluster of samples; world frame, about the tool's
+/// origin.
+struct PressedPatch {
+  std::uint32_t object = 0;
+  std::uint32_t cluster = 0;              ///< a sample that all of its samples are below
+  double pressing = 0;                    ///< N, sum of the sizes of all forces of springs
+  double depth = 0;                       ///< m, of the deepest sample
+  Vector3 force = Vector3::Zero();        ///< N, on the tool
+  Vector3 torque = Vector3::Zero();       ///< N m
+  Vector3 moment = Vector3::Zero();       ///< N m: pressing times place
+  Vector3 pressure = Vector3::Zero();     ///< N: pressing times normal, out of the object
+  Vector3 grip = Vector3::Zero();         ///< N, of bristles, before their sum is bounded
+  Vector3 grip_torque = Vector3::Zero();  ///< N m, of the same
 };
 
 /// Contact of a tool's sampled surface with the fields of other objects. Each sample of area a at
 /// depth d pushes with the stiffness times a d along the field's normal: the gradient of the
-/// potential 1/2 k a d^2.
+/// potential 1/2 k a d^2. Friction and texture act on the finest samples.
 ///
 /// The samples form a tree of spheres. A node that the field shows to be clear is skipped with
 /// everything below it, until the objects could have moved far enough to touch. Coarse levels are
@@ -74,54 +92,110 @@ class ObjectContact {
   ObjectContact(const SurfaceSamples& tool, const ObjectContactSettings& settings);
 
   /// `tool_pose` takes the tool's frame to the world's. `objects` must have the same order every
-  /// tick, and all must be `sparse`; objects beyond the number in the settings are ignored. A pose
-  /// may mirror. A pose that scales (for example one made of a quaternion that is not of unit
-  /// length), shears or is not finite gives no contact.
+  /// tick, and all must be `sparse`; those without a field, and objects beyond the number in the
+  /// settings, are ignored. A pose may mirror. A pose that scales (for example one made of a
+  /// quaternion that is not of unit length), shears or is not finite gives no contact.
   [[nodiscard]] ObjectContactReport tick(const Eigen::Isometry3d& tool_pose,
                                          std::span<const ContactObject> objects,
                                          const TickBudget& budget = {}) noexcept;
 
   /// Must be called when an object's field was replaced by another.
   void forget(std::uint32_t object) noexcept;
+  /// Forgets all, as if it were new.
+  void forget() noexcept;
+
+  /// Keeps what pressed in the last tick as `patches`, until the next `keep` or `drop`.
+  void keep() noexcept;
+  void drop() noexcept {
+    kept_.clear();
+    kept_touches_.clear();
+  }
+  [[nodiscard]] std::span<const PressedPatch> patches() const noexcept { return kept_; }
+  /// Ends a tick of friction: anchors move with what was kept. Once a tick of the loop.
+  void settle() noexcept;
+
+  /// Bytes that answers come from, beside the tool's samples.
+  [[nodiscard]] std::size_t bytes() const noexcept;
 
  private:
-  /// A sample that may touch.
+  /// A sample above the finest that may touch.
   struct Active {
     std::uint32_t sample = 0;
     std::uint32_t object = 0;
-    double distance = 0;   ///< signed, m; meaningless where the reading is not known
+    std::uint32_t cluster = 0;
+    float distance = 0;    ///< signed, m; meaningless where the reading is not known
     FieldReading reading;  ///< source of the distance: a reading of the sample, or of one above it
                            ///< in the tree
   };
   struct Pair {
     const AssetView* field = nullptr;
-    Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();  ///< tool's frame to the object's
+    double scale = 1;  ///< metres of the world for one of the field
+    double stiffness = 0, least_area = 0;
+    double doubt = 0;  ///< m, of a clearance
+    double lift = 0;   ///< m, by which texture may raise the surface
+    GripSettings grip;
+    TextureSettings texture;
+    /// Tool's frame to the object's, in metres of the world.
+    Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
+    Eigen::Isometry3d kept = Eigen::Isometry3d::Identity();     ///< the same of what was kept
+    Eigen::Isometry3d settled = Eigen::Isometry3d::Identity();  ///< the same at the last settling
     Eigen::Matrix3d to_world = Eigen::Matrix3d::Identity();
+    ContactSum sum;       ///< in this tick, object's axes, about the tool's origin
+    ContactSum grip_sum;  ///< of its bristles
+    double gripped = 0;   ///< N: the sum of the forces at which these give way
     double travelled =
         0;  ///< m: upper bound of the motion of any place of the tool relative to the object
+    std::uint32_t points = 0;  ///< what numbers of samples get in the memory
     bool placed = false;
+    bool present = false;      ///< in this tick
+    bool in_grip = false;      ///< `settled` is known
+    std::uint32_t absent = 0;  ///< settlings since it was present
   };
-  class Clock;
+  /// A finest sample that friction may hold.
+  struct Touch {
+    std::uint32_t sample = 0, object = 0;
+    std::array<float, 3> normal{};  ///< object's frame
+    float force = 0, spring = 0;    ///< N, N/m
+  };
 
   const SurfaceSamples& tool_;
   ObjectContactSettings settings_;
+  std::uint32_t coarse_ = 0;     ///< number of samples above the finest
+  std::uint32_t clustered_ = 0;  ///< samples below this number are clusters of their own
   std::vector<Pair> pairs_;
-  std::vector<FieldMemory> memories_;  ///< one per object
-  /// One value per pair and sample: the sample need not be examined before the pair has travelled
-  /// this far. Above 0: nothing below it in the tree can touch. Below 0: it cannot touch, but
-  /// samples below it can.
-  std::vector<double> until_;
+  FieldMemory memory_;
+  ContactGrip grip_;
+  /// One value per pair and sample above the finest: the sample need not be examined before the
+  /// pair has travelled this far. Above 0: nothing below it in the tree can touch. Below 0: it
+  /// cannot touch, but samples below it can.
+  std::vector<float> until_;
   std::vector<Active> active_, next_;
-  std::size_t left_ = 0;     ///< active samples from here on count, and all of `next_`
-  double press_time_ = 100;  ///< ns per sample, measured in the ticks before
+  std::vector<PressedPatch> patches_, kept_;
+  std::vector<Touch> touches_, kept_touches_;
+  std::size_t left_ = 0;  ///< active samples from here on count, and all of `next_`
+  double press_time_;     ///< ns per sample, measured in the ticks before
+  std::uint32_t exchanges_ = 0;
 
-  void move(Pair& pair, const ContactObject& object, const Eigen::Isometry3d& tool) noexcept;
-  void look(std::uint32_t sample, std::uint32_t object, const FieldReading& above,
-            std::vector<Active>& found, ObjectContactReport& report) noexcept;
-  [[nodiscard]] FieldReading read(std::uint32_t object, std::uint32_t sample, const Vector3& place,
+  [[nodiscard]] bool is_finest(std::uint32_t sample) const noexcept { return sample >= coarse_; }
+  void set_out(const ContactObject& object, Pair& pair, const Eigen::Isometry3d& tool) noexcept;
+  void renew(Pair& pair) noexcept;
+  void look(std::uint32_t sample, std::uint32_t object, std::uint32_t cluster,
+            const FieldReading& above, std::vector<Active>& found,
+            ObjectContactReport& report) noexcept;
+  void touch(std::uint32_t sample, std::uint32_t object, std::uint32_t cluster,
+             const FieldReading& above, ObjectContactReport& report) noexcept;
+  [[nodiscard]] FieldReading read(const Pair& pair, std::uint32_t sample, const Vector3& place,
                                   ObjectContactReport& report) noexcept;
-  void press(const Active& active, ContactSum& sum) const noexcept;
-  bool refine(std::uint32_t level, Clock& clock, ObjectContactReport& report) noexcept;
+  void press_coarse(const Active& active) noexcept;
+  void press_finest(std::uint32_t sample, std::uint32_t object, std::uint32_t cluster,
+                    const Vector3& place, double distance, const Vector3& normal) noexcept;
+  void hold(std::uint32_t sample, std::uint32_t object, const Vector3& place, const Vector3& arm,
+            const Vector3& normal, double force, double spring, PressedPatch& patch) noexcept;
+  [[nodiscard]] PressedPatch& patch_of(std::uint32_t object, std::uint32_t cluster) noexcept;
+  void start_over() noexcept;
+  void sum_up(ObjectContactReport& report) noexcept;
+  bool refine(std::uint32_t level, const TickBudget& budget, WorkClock& clock,
+              ObjectContactReport& report) noexcept;
 };
 
 }  // namespace spm

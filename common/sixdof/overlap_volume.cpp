@@ -74,7 +74,7 @@ class Walk {
 
   // As deep as there are levels, which are at most as many as a cube's number has bits.
   void visit(std::uint32_t sample, int levels_left) noexcept {
-    const SampleChildren& below = samples_.children[sample];
+    const SampleChildren below = samples_.below(sample);
     if (below.count == 0) {
       weigh(sample);
       return;
@@ -97,16 +97,17 @@ class Walk {
 
   void weigh(std::uint32_t sample) noexcept {
     const SampleShare& share = samples_.shares[sample];
+    const SampleSpread& spread = samples_.spreads[sample];
     const Vector3 middle =
-        pose_ * Vector3(to_vector(samples_.places[sample].position) + to_vector(share.middle));
+        pose_ * Vector3(to_vector(samples_.places[sample].position) + to_vector(spread.middle));
     ++tested;
     const Answer answer = query_point(field_, middle);
     if (answer.status != Status::exact && answer.status != Status::deep) return;
-    const Vector3 normal = pose_.linear() * to_vector(share.normal);
+    const Vector3 normal = pose_.linear() * share.normal();
     double part = 1;
     if (answer.status == Status::exact) {
       const double cosine = answer.normal.dot(normal);
-      part = part_inside(answer.distance, static_cast<double>(share.spread) *
+      part = part_inside(answer.distance, static_cast<double>(spread.spread) *
                                               std::sqrt(std::max(0.0, 1 - cosine * cosine)));
     }
     if (!(part > 0)) return;

@@ -131,17 +131,20 @@ float rounded_up(double value, double size) noexcept {
   return value > 0 ? static_cast<float>(value * (1 + 1e-6) + 1e-6 * size) : 0;
 }
 
-void emit(SurfaceSamples& samples, const Cluster& cluster, const Vector3& origin, double size) {
+void emit(SurfaceSamples& samples, const Cluster& cluster, const Vector3& origin, double size,
+          bool is_finest) {
   const Vector3 middle = cluster.moment / cluster.area;
   const double variance = std::max(0.0, cluster.square / cluster.area - middle.squaredNorm());
   const Vector3 mean = cluster.normal / cluster.area;
   const double length = mean.norm();
   samples.places.push_back(
       {to_floats(origin + cluster.position), rounded_up(cluster.radius, size)});
-  samples.shares.push_back({to_floats(length > 0 ? Vector3(mean / length) : Vector3::UnitZ()),
-                            static_cast<float>(cluster.area), to_floats(middle - cluster.position),
-                            static_cast<float>(std::sqrt(1.5 * variance))});
-  samples.children.emplace_back();
+  samples.shares.push_back(
+      {pack_octahedral(length > 0 ? Vector3(mean / length) : Vector3(Vector3::UnitZ())),
+       static_cast<float>(cluster.area)});
+  samples.spreads.push_back(
+      {to_floats(middle - cluster.position), static_cast<float>(std::sqrt(1.5 * variance))});
+  if (!is_finest) samples.children.emplace_back();
 }
 
 /// Writes the levels breadth first. The child that shares a sample's position comes first.
@@ -158,7 +161,7 @@ void write(SurfaceSamples& samples, const std::vector<std::vector<Cluster>>& lev
     for (const std::uint32_t which : order) {
       const Cluster& cluster = levels[k][which];
       level.bound = std::max(level.bound, cluster.patch_radius);
-      emit(samples, cluster, origin, size);
+      emit(samples, cluster, origin, size, k == 0);
       if (k == 0) continue;
       samples.children.back() = {
           level.first + level.count + static_cast<std::uint32_t>(next.size()), cluster.count};
@@ -255,6 +258,10 @@ Result<SurfaceSamples> sample_surface(const AssetView& asset, double spacing) {
   for (const Cluster& cluster : levels[0]) samples.area += cluster.area;
   write(samples, levels, low, high.maxCoeff() - low.minCoeff(), spacing);
   surround(samples, low, high);
+  samples.places.shrink_to_fit();
+  samples.shares.shrink_to_fit();
+  samples.spreads.shrink_to_fit();
+  samples.children.shrink_to_fit();
   return samples;
 }
 

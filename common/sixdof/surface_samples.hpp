@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "common/base/octahedral.hpp"
 #include "common/sixdof/surface_patches.hpp"
 
 namespace spm {
@@ -18,8 +19,14 @@ struct SamplePlace {
 
 /// The surface that a sample represents.
 struct SampleShare {
-  std::array<float, 3> normal{};  ///< unit, out of the solid: the mean weighted by area
-  float area = 0;                 ///< m2
+  std::uint32_t packed_normal = 0;  ///< octahedral
+  float area = 0;                   ///< m2
+  /// Unit, out of the solid: the mean weighted by area.
+  [[nodiscard]] Vector3 normal() const noexcept { return unpack_octahedral(packed_normal); }
+};
+
+/// How the surface of a sample lies about it.
+struct SampleSpread {
   std::array<float, 3> middle{};  ///< m, from its position to the mean position of its surface
   /// m: half-extent of its surface from the middle, as of one that is spread evenly with the same
   /// variance.
@@ -47,11 +54,26 @@ struct SampleLevel {
 struct SurfaceSamples {
   std::vector<SamplePlace> places;
   std::vector<SampleShare> shares;
-  std::vector<SampleChildren> children;
+  /// Those of the finest come last; contact alone does not need them.
+  std::vector<SampleSpread> spreads;
+  std::vector<SampleChildren> children;  ///< of those above the finest
   std::vector<SampleLevel> levels;
   double area = 0;                   ///< m2
   Vector3 centre = Vector3::Zero();  ///< of a ball around all samples, m
   double radius = 0;                 ///< m
+
+  [[nodiscard]] bool is_finest(std::uint32_t sample) const noexcept {
+    return sample >= children.size();
+  }
+  /// Of any sample.
+  [[nodiscard]] SampleChildren below(std::uint32_t sample) const noexcept {
+    return is_finest(sample) ? SampleChildren{} : children[sample];
+  }
+  [[nodiscard]] std::size_t bytes() const noexcept {
+    return places.capacity() * sizeof(SamplePlace) + shares.capacity() * sizeof(SampleShare) +
+           spreads.capacity() * sizeof(SampleSpread) +
+           children.capacity() * sizeof(SampleChildren) + levels.capacity() * sizeof(SampleLevel);
+  }
 };
 
 /// Samples a `sparse` asset's surface about `spacing` apart (m, above 0). In each cube of that

@@ -6,20 +6,21 @@
 #include <cmath>
 
 #include "common/base/rigid_pose.hpp"
+#include "common/base/turn_between.hpp"
 
 namespace spm {
 
 namespace {
 
 constexpr double balanced_share = 1e-3;
+/// In balance the forces that are left are at most this part of the coupling's, and this many N.
+constexpr double balanced_force = 0.01, least_force = 1e-3;
+/// Steps in a tick that are too short to be felt, and made for the balance of forces alone.
+constexpr int most_fine_steps = 3;
 /// After a step that raised the energy, this part of it is tried next.
 constexpr double backtrack = 0.3;
-
-/// The rotation from one orientation to another, as axis times angle, world frame.
-Vector3 turn_between(const Eigen::Matrix3d& from, const Eigen::Matrix3d& to) noexcept {
-  const Eigen::AngleAxisd turn(to * from.transpose());
-  return turn.angle() * turn.axis();
-}
+/// J: a rise of the energy by less is rounding.
+constexpr double energy_noise = 1e-12;
 
 /// A spring whose force is capped: its secant stiffness at a stretch, and its energy.
 struct CappedSpring {
@@ -49,7 +50,8 @@ Eigen::Isometry3d moved(const Eigen::Isometry3d& pose, const Vector6& step) noex
 VirtualTool::Coupling VirtualTool::couple(const Eigen::Isometry3d& device,
                                           const Eigen::Isometry3d& pose) const noexcept {
   const Vector3 stretch = device.translation() - pose.translation();
-  const Vector3 turn = turn_between(pose.linear(), device.linear());
+  const Vector3 turn =
+      turn_between(Eigen::Quaterniond(pose.linear()), Eigen::Quaterniond(device.linear()));
   const CappedSpring line = capped(settings_.stiffness, settings_.max_force, stretch.norm());
   const CappedSpring twist = capped(settings_.turning, settings_.max_torque, turn.norm());
   Coupling coupling;
@@ -57,51 +59,160 @@ VirtualTool::Coupling VirtualTool::couple(const Eigen::Isometry3d& device,
   coupling.stiffness = line.stiffness;
   coupling.turning = twist.stiffness;
   coupling.energy = line.energy + twist.energy;
+  coupling.capped = line.stiffness < settings_.stiffness || twist.stiffness < settings_.turning;
   return coupling;
+}
+
+/// Looks at the contact where the tool is. False where that was known.
+bool VirtualTool::look_first(std::span<const ContactObject> objects,
+                             const VirtualToolBudget& budget, VirtualToolReport& report) noexcept {
+  if (known_ && budget.same_objects && looked_to_ == budget.finest_level) {
+    report.contact = last_;
+    return false;
+  }
+  TickBudget look;
+  look.finest_level = budget.finest_level;
+  look.whole_levels = true;
+  // A look is a piece of work itself, so that no two states of a tick have the same count.
+  report.worked = 1;
+  look.work = std::max(std::min(budget.refine_work, budget.work), 1U) - 1;
+  if (std::min(budget.refine_work, budget.work) == VirtualToolBudget::unstopped) {
+    look.work = VirtualToolBudget::unstopped;
+  }
+  if (budget.now != nullptr) {
+    look.now = budget.now;
+    look.nanoseconds = std::max<std::int64_t>(1, budget.refine_until - budget.now());
+  }
+  report.contact = contact_->tick(pose_, objects, look);
+  contact_->keep();
+  ++report.looks;
+  report.worked += report.contact.worked;
+  looked_to_ = budget.finest_level;
+  if (report.contact.stopped) report.refine_stopped = report.worked;
+  return true;
+}
+
+/// The Newton step on the energy of springs and contact.
+Vector6 VirtualTool::newton(const Trial& at) noexcept {
+  Matrix6 stiffness = at.contact.sum.stiffness;
+  stiffness.diagonal().head<3>().array() += at.coupling.stiffness;
+  stiffness.diagonal().tail<3>().array() += at.coupling.turning;
+  return stiffness.ldlt().solve(at.coupling.wrench + at.contact.sum.wrench);
+}
+
+/// Whether contact and springs are in balance. The contact is so stiff that a step which is too
+/// short to be felt may still change its forces.
+bool VirtualTool::in_balance(const Trial& at) const noexcept {
+  const Vector6 left = at.coupling.wrench + at.contact.sum.wrench;
+  const double lever = std::max(radius_, 1e-9);
+  const double size =
+      at.coupling.wrench.head<3>().norm() + at.coupling.wrench.tail<3>().norm() / lever;
+  return left.head<3>().norm() + left.tail<3>().norm() / lever <=
+         balanced_force * size + least_force;
+}
+
+/// Looks at the contact of a trial's pose. False where there is no time to.
+bool VirtualTool::look_at(Trial& trial, const Eigen::Isometry3d& device,
+                          std::span<const ContactObject> objects, const VirtualToolBudget& budget,
+                          std::uint32_t level, VirtualToolReport& report) noexcept {
+  TickBudget look;
+  look.finest_level = level;
+  if (report.worked >= budget.work) {
+    report.stopped = report.worked;
+    return false;
+  }
+  if (budget.now != nullptr) {
+    look.now = budget.now;
+    look.nanoseconds = budget.until - budget.now();
+    if (look.nanoseconds <= 0) {
+      report.stopped = report.worked;
+      return false;
+    }
+  }
+  ++report.looks;
+  ++report.worked;
+  if (budget.work != VirtualToolBudget::unstopped) look.work = budget.work - report.worked;
+  trial.coupling = couple(device, trial.pose);
+  trial.contact = contact_->tick(trial.pose, objects, look);
+  report.worked += trial.contact.worked;
+  if (trial.contact.stopped) report.stopped = report.worked;
+  return !trial.contact.stopped;
+}
+
+/// Newton steps on the energy of springs and contact, as long as they lead on and there is time.
+void VirtualTool::move(const Eigen::Isometry3d& device, std::span<const ContactObject> objects,
+                       const VirtualToolBudget& budget, Coupling& coupling,
+                       VirtualToolReport& report) noexcept {
+  const std::uint32_t level = std::min(budget.finest_level, report.contact.level);
+  Trial now{pose_, coupling, report.contact};
+  const auto take = [&](const Trial& trial) {
+    now = trial;
+    contact_->keep();
+  };
+  double limit_share = 1;
+  int fine_steps = 0;
+  while (report.steps < settings_.steps) {
+    Vector6 step = newton(now);
+    if (!step.allFinite()) break;
+    const double far = length(step);
+    const double clear = emerging_ ? 0 : now.contact.clearance;
+    const double most = limit_share * std::max(settings_.max_step, std::min(clear, far));
+    if (far > most) step *= most / far;
+    if (std::min(far, most) < balanced_share * settings_.max_step &&
+        (in_balance(now) || ++fine_steps > most_fine_steps)) {
+      report.balanced = true;
+      break;
+    }
+    ++report.steps;
+    Trial tried{moved(now.pose, step), {}, {}};
+    if (!look_at(tried, device, objects, budget, level, report)) break;
+    if (tried.energy() <= now.energy() + energy_noise || limit_share <= balanced_share) {
+      limit_share = 1;
+      take(tried);
+      if (emerging_) break;
+      continue;
+    }
+    // There are contacts that the step did not know of: with them it is tried from there.
+    Vector6 back = newton(tried);
+    if (back.allFinite()) {
+      const double far_back = length(back);
+      if (far_back > most) back *= most / far_back;
+      Trial corrected{moved(tried.pose, back), {}, {}};
+      if (!look_at(corrected, device, objects, budget, level, report)) break;
+      if (corrected.energy() <= now.energy() + energy_noise) {
+        limit_share = 1;
+        take(corrected);
+        if (emerging_) break;
+        continue;
+      }
+    }
+    // A shorter one, whose first part is known.
+    limit_share *= backtrack * std::min(1.0, far / most);
+  }
+  pose_ = now.pose;
+  coupling = now.coupling;
+  report.contact = now.contact;
 }
 
 VirtualToolReport VirtualTool::tick(const Eigen::Isometry3d& device,
                                     std::span<const ContactObject> objects,
-                                    const TickBudget& budget) noexcept {
+                                    const VirtualToolBudget& budget) noexcept {
   VirtualToolReport report;
   report.pose = pose_;
-  if (!keeps_lengths(device)) return report;
-  Coupling coupling = couple(device, pose_);
-  report.contact = contact_.tick(pose_, objects, budget);
-  double limit_share = 1;
-  while (report.steps < settings_.steps) {
-    ++report.steps;
-    const ContactSum& contact = report.contact.sum;
-    Matrix6 stiffness = contact.stiffness;
-    stiffness.diagonal().head<3>().array() += coupling.stiffness;
-    stiffness.diagonal().tail<3>().array() += coupling.turning;
-    Vector6 step = stiffness.ldlt().solve(coupling.wrench + contact.wrench);
-    const double far = step.head<3>().norm() + radius_ * step.tail<3>().norm();
-    const double most =
-        limit_share * std::max(settings_.max_step, std::min(report.contact.clearance, far));
-    if (!step.allFinite()) break;
-    if (far > most) step *= most / far;
-    if (std::min(far, most) < balanced_share * settings_.max_step) {
-      report.balanced = true;
-      break;
-    }
-    const Eigen::Isometry3d tried = moved(pose_, step);
-    const Coupling tried_coupling = couple(device, tried);
-    const ObjectContactReport tried_contact = contact_.tick(tried, objects, budget);
-    const double before = coupling.energy + contact.energy;
-    const double after = tried_coupling.energy + tried_contact.sum.energy;
-    if (after > before + 1e-12 && limit_share > balanced_share) {
-      // There are contacts that the step did not know of. A shorter one is tried, whose first part
-      // is known.
-      limit_share *= backtrack * std::min(1.0, far / most);
-      continue;
-    }
-    limit_share = 1;
-    pose_ = tried;
-    coupling = tried_coupling;
-    report.contact = tried_contact;
+  if (!keeps_lengths(device)) {
+    contact_->drop();
+    known_ = false;
+    return report;
   }
+  Coupling coupling = couple(device, pose_);
+  static_cast<void>(look_first(objects, budget, report));
+  emerging_ = emerging_ && report.contact.sum.deepest > settings_.max_step;
+  move(device, objects, budget, coupling, report);
+  last_ = report.contact;
+  // What a coarser level told is looked at anew.
+  known_ = !report.contact.degraded;
   report.pose = pose_;
+  report.capped = coupling.capped;
   report.energy = coupling.energy + report.contact.sum.energy;
   report.wrench = {-coupling.wrench.head<3>(), -coupling.wrench.tail<3>()};
   // The springs act at the tool's origin; the hand holds the device's.

@@ -3,6 +3,7 @@
 
 #include <Eigen/Geometry>
 #include <cstdint>
+#include <limits>
 #include <span>
 
 #include "common/sixdof/object_contact.hpp"
@@ -19,14 +20,34 @@ struct VirtualToolSettings {
   std::uint32_t steps = 12;  ///< largest number per tick
 };
 
+/// Limits on a tick of the virtual tool, all of its steps together.
+struct VirtualToolBudget {
+  static constexpr std::uint32_t unstopped = std::numeric_limits<std::uint32_t>::max();
+
+  std::int64_t (*now)() noexcept = nullptr;  ///< ns; null: time decides nothing
+  std::int64_t refine_until = 0;             ///< of that clock: to look on finer levels
+  std::int64_t until = 0;                    ///< of that clock: to begin and end steps
+  /// The same, counted in samples as TickBudget does.
+  std::uint32_t refine_work = unstopped;
+  std::uint32_t work = unstopped;
+  std::uint32_t finest_level = std::numeric_limits<std::uint32_t>::max();
+  bool same_objects = false;  ///< none has moved or changed since the last tick
+};
+
 /// Result of a tick of the virtual tool.
 struct VirtualToolReport {
   Wrench wrench;  ///< on the hand, about the device's origin, world frame
   Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();  ///< of the virtual tool
   double energy = 0;  ///< J, in the springs and in the contact at that pose
   std::uint32_t steps = 0;
+  std::uint32_t looks = 0;      ///< evaluations of the contact
+  bool capped = false;          ///< the force or the torque of the springs met its largest
   bool balanced = false;        ///< the last step was shorter than a thousandth of the largest
-  ObjectContactReport contact;  ///< at the last pose that was evaluated
+  ObjectContactReport contact;  ///< at that pose
+  std::uint32_t worked = 0;     ///< samples, as VirtualToolBudget counts them
+  /// Work after which time was over for finer levels, and for steps; `unstopped`: it was not.
+  std::uint32_t refine_stopped = VirtualToolBudget::unstopped;
+  std::uint32_t stopped = VirtualToolBudget::unstopped;
 };
 
 /// Virtual coupling with a massless tool. Springs pull a virtual tool to the device's pose, and
@@ -37,36 +58,80 @@ struct VirtualToolReport {
 /// they are as long as the clearance. That holds where the contact's stiffness balances
 /// `max_force` on the few samples of an edge or corner before they are halfway through. The
 /// stiffness may be high here, because there is no mass to oscillate. The force is bounded whatever
-/// the objects do. A tick neither allocates nor throws.
+/// the objects do. A tool that is placed inside an object leaves it by one short step a tick.
+///
+/// When time is over the first look at the contact ends with the last level that it finished, and
+/// all further steps of the tick use the same level, so that their energies can be compared. A step
+/// whose look is not finished in time is not made. A tick neither allocates nor throws.
 class VirtualTool {
  public:
   /// `contact` must outlive this.
   VirtualTool(ObjectContact& contact, const VirtualToolSettings& settings, double tool_radius)
-      : contact_(contact), settings_(settings), radius_(tool_radius) {}
+      : contact_(&contact), settings_(settings), radius_(tool_radius) {}
 
   /// Puts the tool at a pose, where it should touch nothing.
-  void place(const Eigen::Isometry3d& pose) noexcept { pose_ = pose; }
+  void place(const Eigen::Isometry3d& pose) noexcept {
+    pose_ = pose;
+    emerging_ = true;
+    known_ = false;
+  }
+  /// Moves it on from where it is: with an object that carries it.
+  void carry(const Eigen::Isometry3d& pose) noexcept {
+    pose_ = pose;
+    known_ = false;
+  }
+  /// May be changed between ticks.
+  [[nodiscard]] VirtualToolSettings& settings() noexcept { return settings_; }
 
-  /// One tick: the device is at `device`, whose position is the tool's origin. `budget` holds for
-  /// each step separately. A pose that scales or is not finite moves nothing and gives no wrench.
+  /// One tick: the device is at `device`, whose position is the tool's origin. A pose that scales
+  /// or is not finite moves nothing and gives no wrench.
   [[nodiscard]] VirtualToolReport tick(const Eigen::Isometry3d& device,
                                        std::span<const ContactObject> objects,
-                                       const TickBudget& budget = {}) noexcept;
+                                       const VirtualToolBudget& budget = {}) noexcept;
 
  private:
   /// The springs at a pose: wrench on the tool, how stiff they are there, and their energy.
   struct Coupling {
     Vector6 wrench = Vector6::Zero();
     double stiffness = 0, turning = 0, energy = 0;
+    bool capped = false;
   };
 
-  ObjectContact& contact_;
+  /// A pose that was looked at.
+  struct Trial {
+    Eigen::Isometry3d pose;
+    Coupling coupling;
+    ObjectContactReport contact;
+    [[nodiscard]] double energy() const noexcept { return coupling.energy + contact.sum.energy; }
+  };
+
+  ObjectContact* contact_;
   VirtualToolSettings settings_;
   double radius_;  ///< m: no place of the tool is farther from its origin
   Eigen::Isometry3d pose_ = Eigen::Isometry3d::Identity();
+  bool emerging_ = false;        ///< it was placed, and may lie in an object
+  bool known_ = false;           ///< `last_` is the contact at `pose_`
+  ObjectContactReport last_;     ///< of the last look that counted
+  std::uint32_t looked_to_ = 0;  ///< the finest level that it was allowed
 
   [[nodiscard]] Coupling couple(const Eigen::Isometry3d& device,
                                 const Eigen::Isometry3d& pose) const noexcept;
+  [[nodiscard]] bool look_first(std::span<const ContactObject> objects,
+                                const VirtualToolBudget& budget,
+                                VirtualToolReport& report) noexcept;
+  /// The farthest that a step moves any place of the tool, m.
+  [[nodiscard]] double length(const Vector6& step) const noexcept {
+    return step.head<3>().norm() + radius_ * step.tail<3>().norm();
+  }
+  [[nodiscard]] bool in_balance(const Trial& at) const noexcept;
+  [[nodiscard]] static Vector6 newton(const Trial& at) noexcept;
+  [[nodiscard]] bool look_at(Trial& trial, const Eigen::Isometry3d& device,
+                             std::span<const ContactObject> objects,
+                             const VirtualToolBudget& budget, std::uint32_t level,
+                             VirtualToolReport& report) noexcept;
+  void move(const Eigen::Isometry3d& device, std::span<const ContactObject> objects,
+            const VirtualToolBudget& budget, Coupling& coupling,
+            VirtualToolReport& report) noexcept;
 };
 
 }  // namespace spm

@@ -117,6 +117,12 @@ const char* type_name(Quantity quantity) {
       return "ANGULAR-SPEED";
     case Quantity::rate:
       return "RATE";
+    case Quantity::torque:
+      return "TORQUE";
+    case Quantity::turning_stiffness:
+      return "TURNING-STIFFNESS";
+    case Quantity::duration:
+      return "DURATION";
   }
   return "QUANTITY";
 }

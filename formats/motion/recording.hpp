@@ -15,20 +15,36 @@
 
 namespace spm {
 
-/// One tick of the servo for one device. Stored in the file as it is in memory.
+/// One tick of the servo for one device, in the hand's frame; quaternions are unit, w first. Stored
+/// in the file as it is in memory. scripts/charts/recording_file.py reads it too.
 struct RecordingRow {
-  std::uint64_t tick = 0;            ///< index on the time grid
-  std::array<double, 3> position{};  ///< m
-  std::array<double, 3> wanted{};    ///< N, the result of the force law
-  std::array<double, 3> added{};     ///< N, what applications added to it
-  std::array<double, 3> sent{};      ///< N, the force of both after the safety limits
-  double depth = 0;                  ///< m
-  std::int32_t wake_ns = 0;          ///< delay of the loop's wake-up
-  std::int32_t busy_ns = 0;          ///< from waking up to the last device's write
+  std::uint64_t tick = 0;                     ///< index on the time grid
+  std::array<double, 3> position{};           ///< m, of the hand
+  std::array<double, 4> orientation{1};       ///< of the hand
+  std::array<double, 3> wanted{};             ///< N, the result of the force law
+  std::array<double, 3> wanted_torque{};      ///< N m, the same, about the hand's position
+  std::array<double, 3> added{};              ///< N, what applications added to it
+  std::array<double, 3> added_torque{};       ///< N m, the same
+  std::array<double, 3> sent{};               ///< N, the force of both after the safety limits
+  std::array<double, 3> sent_torque{};        ///< N m, the same
+  std::array<double, 3> tool_position{};      ///< m, world: of the tool that the hand holds; or 0
+  std::array<double, 4> tool_orientation{1};  ///< world
+  double depth = 0;                           ///< m
+  std::int32_t wake_ns = 0;                   ///< delay of the loop's wake-up
+  std::int32_t busy_ns = 0;                   ///< from waking up to the last device's write
   std::uint32_t buttons = 0;
+  /// Levels of the tool's samples that were coarser than the finest; 0 without a tool.
+  std::uint32_t level = 0;
+  /// Samples of the tool after which time was over to look on finer levels, and to move the tool
+  /// on; the largest number where it was not.
+  std::uint32_t refined = std::numeric_limits<std::uint32_t>::max();
+  std::uint32_t worked = std::numeric_limits<std::uint32_t>::max();
+  std::uint32_t culled = 0;  ///< objects that were found apart from the tool as a whole
+  std::uint32_t reserved = 0;
   std::uint16_t device = 0;
-  std::uint8_t cause = 0;  ///< why the force was zero: an index into the header's causes
-  std::uint8_t flags = 0;  ///< bits of RecordingFlag
+  std::uint16_t flags = 0;    ///< bits of RecordingFlag
+  std::uint16_t cause = 0;    ///< why the force was zero: an index into the header's causes
+  std::uint16_t patches = 0;  ///< places at which the tool touches
   /// Where time did not suffice for all objects, and `held` or `shortened` is not 0: so many
   /// objects were computed exactly, from the number `first` on and round to the start. All 0
   /// otherwise.
@@ -38,22 +54,28 @@ struct RecordingRow {
 
   [[nodiscard]] bool operator==(const RecordingRow&) const = default;
 };
-static_assert(sizeof(RecordingRow) == 8 + 12 * 8 + 8 + 2 * 4 + 4 + 2 + 2 + 4 * 2);
+static_assert(sizeof(RecordingRow) == 8 + 32 * 8 + 8 + 8 * 4 + 4 * 2 + 4 * 2);
 
 /// Bits of RecordingRow::flags.
-enum RecordingFlag : std::uint8_t {
+enum RecordingFlag : std::uint16_t {
   recorded_contact = 1,
   recorded_forgot = 2,   ///< the force law's state was reset before this tick
   recorded_lost = 4,     ///< ticks are missing before this one, because the recorder was too slow
   recorded_touched = 8,  ///< applications have moved, added or changed objects since the loop began
   recorded_edited = 16,  ///< an edited scene was applied before this tick's forces
-  recorded_exchanged = 32,  ///< assets were opened, or opened again, before this tick
+  recorded_exchanged = 32,       ///< assets were opened, or opened again, before this tick
+  recorded_force_capped = 64,    ///< the force met its cap
+  recorded_torque_capped = 128,  ///< the torque met its cap
+  recorded_tool_capped = 256,    ///< the coupling of hand and tool met its cap
+  /// no force was sent, but the force law was asked and kept its state: a fade is over
+  recorded_kept = 1024,
+  recorded_tool = 512,  ///< the hand holds a tool whose pose is told
 };
 
 /// Format version of the files that are written; no other one is read. Versions 1 and 2 had rows
 /// alone, without what their forces came from; version 3 had neither what applications added nor
-/// which objects a tick had time for.
-inline constexpr std::uint32_t recording_form = 4;
+/// which objects a tick had time for; version 4 had neither orientation nor torque nor a tool.
+inline constexpr std::uint32_t recording_form = 5;
 
 struct RecordedDevice {
   std::string name;
@@ -63,6 +85,11 @@ struct RecordedDevice {
   /// N, as it was for the run: the device's own or a smaller one; infinity for none.
   double force_cap = std::numeric_limits<double>::infinity();
   std::string profile;  ///< by which its settings were chosen; may be empty
+  // Of its turning, as forces on a tool depend on it:
+  bool turns = false;             ///< it tells its orientation
+  double torque_cap = 0;          ///< N m, as it was for the run; infinity for none
+  double turn_step = 0;           ///< rad, smallest turn that it resolves
+  double turning_inertia = 1e-4;  ///< kg m2
 };
 
 struct RecordedAsset {

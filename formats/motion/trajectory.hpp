@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "common/base/error.hpp"
+#include "common/base/hand_pose.hpp"
 #include "common/base/vector.hpp"
 
 namespace spm {
@@ -14,6 +15,10 @@ namespace spm {
 struct TrajectorySample {
   Vector3 position = Vector3::Zero();
   double qw = 1, qx = 0, qy = 0, qz = 0;
+
+  [[nodiscard]] HandPose pose() const noexcept {
+    return {position, Eigen::Quaterniond(qw, qx, qy, qz)};
+  }
 };
 
 /// Reads one `x y z` or `x y z qw qx qy qz` per line, separated by white space or commas. `#`

@@ -73,13 +73,44 @@ void copy_to(spm_query_answer& answer, const spm::Answer& found) noexcept {
   answer.status = status_code(found.status);
 }
 
+/// Whether the members that version 2 added are in range; they are not to be read for other
+/// methods.
+bool probe_in_range(const spm_query_force_settings& settings) noexcept {
+  const bool ball = settings.probe == SPM_QUERY_PROBE_BALL;
+  const bool capsule = settings.probe == SPM_QUERY_PROBE_CAPSULE && settings.probe_radius > 0 &&
+                       settings.probe_length > 0 && std::isfinite(settings.probe_length);
+  const bool surface = settings.form == SPM_QUERY_FORM_SURFACE;
+  const bool volume = settings.form == SPM_QUERY_FORM_VOLUME && settings.probe_radius > 0;
+  return (ball || capsule) && (surface || volume) && vector_from(settings.probe_axis).allFinite();
+}
+
 bool in_range(const spm_query_asset* asset, const spm_query_force_settings& settings) noexcept {
-  const bool paper = settings.method == SPM_QUERY_METHOD_PAPER;
+  const bool probe = settings.method == SPM_QUERY_METHOD_PAPER_PROBE;
+  const bool paper = probe || settings.method == SPM_QUERY_METHOD_PAPER;
   return std::isfinite(settings.stiffness) && settings.stiffness >= 0 &&
          settings.probe_radius >= 0 &&
          settings.probe_radius <= asset->asset->metadata().probe_radius &&
          (paper || settings.method == SPM_QUERY_METHOD_SPM) &&
-         !(paper && (!asset->asset->view().full || settings.probe_radius > 0));
+         !(paper && !asset->asset->view().full) && (!probe || probe_in_range(settings));
+}
+
+/// Settings that are in range, as the force law has them.
+spm::ForceSettings law_of(const spm_query_force_settings& settings) noexcept {
+  spm::ForceSettings law;
+  law.stiffness = settings.stiffness;
+  law.probe_radius = settings.probe_radius;
+  if (settings.method != SPM_QUERY_METHOD_SPM) law.method = spm::Method::paper;
+  if (settings.method != SPM_QUERY_METHOD_PAPER_PROBE) return law;
+  if (settings.form == SPM_QUERY_FORM_VOLUME) law.form = spm::PaperProbeForm::volume;
+  if (settings.probe == SPM_QUERY_PROBE_CAPSULE) {
+    law.probe_kind = spm::ProbeKind::capsule;
+    law.probe_length = settings.probe_length;
+    const Vector3 axis = vector_from(settings.probe_axis);
+    // Not the squared length, which may be 0 or infinite where the length is not.
+    const double size = axis.stableNorm();
+    if (size > 0) law.probe_axis = axis / size;
+  }
+  return law;
 }
 
 }  // namespace
@@ -152,13 +183,8 @@ int spm_query_force(const spm_query_asset* asset, const spm_query_force_settings
                     const double point[3], spm_query_contact* contact) {
   *contact = {};
   if (!in_range(asset, *settings)) return 1;
-  spm::ForceSettings force_settings;
-  force_settings.method =
-      settings->method == SPM_QUERY_METHOD_PAPER ? spm::Method::paper : spm::Method::spm;
-  force_settings.stiffness = settings->stiffness;
-  force_settings.probe_radius = settings->probe_radius;
   const spm::ContactForce found =
-      spm::contact_force(asset->asset->view(), force_settings, vector_from(point));
+      spm::contact_force(asset->asset->view(), law_of(*settings), vector_from(point));
   copy_to(contact->force, found.force);
   copy_to(contact->normal, found.normal);
   contact->depth = found.depth;

@@ -19,7 +19,10 @@
 extern "C" {
 #endif
 
-#define SPM_QUERY_VERSION 1
+/** 2: SPM_QUERY_METHOD_PAPER_PROBE, and the members of spm_query_force_settings from `probe` on;
+ *  `paper` serves balls. A program that was built for version 1 runs as it did: the new members are
+ *  read for the new method alone. */
+#define SPM_QUERY_VERSION 2
 
 typedef struct spm_query_asset spm_query_asset;
 
@@ -37,7 +40,17 @@ enum spm_query_source {
   SPM_QUERY_POLYNOMIAL = 3
 };
 
-enum spm_query_method { SPM_QUERY_METHOD_SPM = 0, SPM_QUERY_METHOD_PAPER = 1 };
+enum spm_query_method {
+  SPM_QUERY_METHOD_SPM = 0,
+  SPM_QUERY_METHOD_PAPER = 1,      /**< eq. 9 on a point, eq. 10 and 11 on a ball; `full` assets */
+  SPM_QUERY_METHOD_PAPER_PROBE = 2 /**< the same, by `probe` and what follows it; since version 2 */
+};
+
+/** Kinds of probes. Since version 2. */
+enum spm_query_probe { SPM_QUERY_PROBE_BALL = 0, SPM_QUERY_PROBE_CAPSULE = 1 };
+
+/** What the force on a probe is the mean over (section 3.2 of the paper). Since version 2. */
+enum spm_query_form { SPM_QUERY_FORM_SURFACE = 0, SPM_QUERY_FORM_VOLUME = 1 };
 
 /** Answer at a point. */
 typedef struct spm_query_answer {
@@ -53,7 +66,13 @@ typedef struct spm_query_answer {
 typedef struct spm_query_force_settings {
   double stiffness;    /**< N/m, 0 or more */
   double probe_radius; /**< m, 0 is a point; at most the asset's */
-  int32_t method;      /**< enum spm_query_method; paper wants a `full` asset and a point */
+  int32_t method;      /**< enum spm_query_method */
+  /* Since version 2, and read for SPM_QUERY_METHOD_PAPER_PROBE alone. */
+  int32_t probe;        /**< enum spm_query_probe */
+  double probe_length;  /**< m, of a capsule: between the centres of its ends, above 0 */
+  double probe_axis[3]; /**< along a capsule, of any length above 0; all zero is the z axis */
+  int32_t form;         /**< enum spm_query_form; volume wants a probe with a radius */
+  int32_t reserved;     /**< 0 */
 } spm_query_force_settings;
 
 /** Force for a probe. */
@@ -101,8 +120,9 @@ SPM_QUERY_API void spm_query_batch(const spm_query_asset* asset, const double* p
                                    spm_query_answer* answers);
 
 /** Force for a probe at a point. Returns 0, or 1 for settings out of range (then the force is
- * zero): a negative or non-finite stiffness, a probe larger than the asset's, `paper` on a sparse
- * asset or with a sphere. */
+ * zero): a negative or non-finite stiffness, a probe whose radius is larger than the asset's,
+ * `paper` on a sparse asset, a capsule without a length or a radius. Its time is bounded, whatever
+ * the probe's size. */
 SPM_QUERY_API int spm_query_force(const spm_query_asset* asset,
                                   const spm_query_force_settings* settings, const double point[3],
                                   spm_query_contact* contact);

@@ -4,70 +4,19 @@
 #include <toml++/toml.h>
 
 #include <array>
-#include <cmath>
 #include <filesystem>
 
 #include "common/base/units.hpp"
 #include "common/contact/stable_stiffness.hpp"
 #include "formats/files/text_file.hpp"
 #include "formats/scene/scene_effects.hpp"
+#include "formats/scene/scene_placement.hpp"
 #include "formats/scene/scene_stabilization.hpp"
+#include "formats/scene/scene_tool.hpp"
 #include "formats/scene/table_reader.hpp"
 
 namespace spm {
 namespace {
-
-constexpr double unit_slack = 0.01;  // of a quaternion written with few digits
-constexpr double min_scale = 1e-6, max_scale = 1e6;
-
-void read_pose(TableReader& reader, Placement& placement) {
-  const char* cure = "; give [x, y, z] in metres, or [x, y, z, qw, qx, qy, qz]";
-  const toml::array* array = reader.node("pose")->as_array();
-  if (array == nullptr || (array->size() != 3 && array->size() != 7)) {
-    return reader.refuse("pose", std::string("'pose' must be three or seven numbers") + cure);
-  }
-  std::array<double, 7> numbers{0, 0, 0, 1, 0, 0, 0};
-  for (std::size_t i = 0; i < array->size(); ++i) {
-    const toml::node& value = *array->get(i);
-    const std::optional<double> number = value.value<double>();
-    if (!value.is_number() || !number || !std::isfinite(*number)) {
-      return reader.refuse("pose", std::string("'pose' holds what is no finite number") + cure);
-    }
-    numbers[i] = *number;
-  }
-  const Eigen::Quaterniond rotation(numbers[3], numbers[4], numbers[5], numbers[6]);
-  if (!(std::abs(rotation.norm() - 1) <= unit_slack)) {
-    return reader.refuse("pose",
-                         "the quaternion of 'pose' is not of unit length; give qw qx qy qz of unit "
-                         "length, to within 1 %");
-  }
-  placement.position = Vector3(numbers[0], numbers[1], numbers[2]);
-  placement.rotation = rotation.normalized();
-}
-
-void read_scale(TableReader& reader, Placement& placement) {
-  const toml::node& value = *reader.node("scale");
-  const std::optional<double> scale = value.value<double>();
-  const bool number = value.is_number() && scale && std::isfinite(*scale);
-  if (number && *scale >= min_scale && *scale <= max_scale) {
-    placement.scale = *scale;
-  } else if (number && *scale < 0) {
-    reader.refuse("scale",
-                  "'scale' must be above 0: what is mirrored is another object; mirror the mesh "
-                  "and bake that");
-  } else if (number && *scale > 0) {
-    reader.refuse("scale", "'scale' is out of range; give a number from 1e-6 to 1e6");
-  } else {
-    reader.refuse("scale", "'scale' must be a number above 0, such as 2.0");
-  }
-}
-
-Placement read_placement(TableReader& reader) {
-  Placement placement;
-  if (reader.has("pose")) read_pose(reader, placement);
-  if (reader.has("scale")) read_scale(reader, placement);
-  return placement;
-}
 
 /// Resolves a path in a scene: relative to the scene's own folder.
 std::string resolved(const std::string& scene, const std::string& path) {
@@ -96,15 +45,6 @@ SceneDevice read_device(TableReader&& reader) {
     }
   }
   return device;
-}
-
-std::optional<double> read_tool(TableReader&& reader) {
-  const std::string text = reader.text("probe", "sphere:0.5mm");
-  if (text.empty()) return std::nullopt;
-  const Result<double> radius = parse_probe(text);
-  if (radius) return *radius;
-  reader.refuse("probe", "'probe': " + radius.error().message);
-  return std::nullopt;
 }
 
 /// `chosen`: the value of "auto", N/m in the scene's world; nothing where no device is named. It is
@@ -178,10 +118,18 @@ Scene read_document(const std::string& path, const toml::table& document,
       scene.device =
           read_device(TableReader(path, table, in, {"driver", "profile", "force_cap"}, error));
     } else if (name == std::string_view("tool")) {
-      scene.probe_radius = read_tool(TableReader(path, table, in, {"probe"}, error));
+      TableReader reader(path, table, in, tool_keys, error);
+      scene.probe = read_probe(reader);
+      scene.probe_form = read_probe_form(reader);
+      scene.tool = read_tool(reader);
+      if (scene.tool) {
+        scene.tool->asset = resolved(path, scene.tool->asset);
+        scene.tool->mesh = resolved(path, scene.tool->mesh);
+      }
     } else if (name == std::string_view("stabilization")) {
       TableReader reader(path, table, in, stabilization_keys, error);
       scene.stabilization_given = true;
+      scene.delay_given = reader.has("delay");
       scene.stabilization = read_stabilization(reader, scene.device.profile);
     } else {
       TableReader reader(path, table, in, {"pose", "scale"}, error);

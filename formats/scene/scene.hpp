@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstddef>
 #include <optional>
 #include <string>
 #include <vector>
@@ -22,6 +23,20 @@ struct SceneDevice {
   int driver_line = 0;                     ///< of `driver` in the file
 };
 
+/// A tool that is an object of its own, which the hand holds and turns.
+struct SceneTool {
+  std::string asset;    ///< baked file, made relative to the scene's folder; may be empty
+  std::string mesh;     ///< the mesh it is baked from, likewise; one of the two is given
+  Placement placement;  ///< of the asset's frame in the frame of the device's tool
+  std::optional<double> coupling;    ///< N/m of the hand; empty: chosen for the device
+  std::optional<double> turning;     ///< N m/rad, likewise
+  std::optional<double> torque_cap;  ///< N m
+  double spacing = 0;                ///< m of the world, between samples; 0: chosen
+  std::size_t samples = 0;           ///< at most; 0: no limit of its own
+  double budget = 0;                 ///< s of a tick; 0: no limit of its own
+  int line = 0;                      ///< of its `asset`, or its `mesh`, in the file
+};
+
 /// One object of a scene.
 struct SceneObject {
   std::string asset;    ///< baked file, made relative to the scene's folder; may be empty
@@ -40,14 +55,17 @@ struct SceneObject {
   static constexpr double default_stiffness = 1000;
 };
 
-/// A scene: the objects, the probe, and the device and its workspace.
+/// A scene: the objects, the probe or the tool, and the device and its workspace.
 struct Scene {
   std::string path;
   SceneDevice device;
-  std::optional<double> probe_radius;  ///< m, 0 for a point
-  Placement workspace;                 ///< of the device's frame, whose origin is its tool's centre
+  std::optional<ProbeShape> probe;
+  std::optional<PaperProbeForm> probe_form;  ///< for objects of method `paper`
+  std::optional<SceneTool> tool;             ///< in place of a probe
+  Placement workspace;  ///< of the device's frame, whose origin is its tool's centre
   StabilizationSettings stabilization;
   bool stabilization_given = false;
+  bool delay_given = false;          ///< the stabilization's delay; otherwise it is measured
   std::vector<SceneObject> objects;  ///< at least one
 };
 

@@ -8,6 +8,7 @@ from typing import Iterable
 import stiffness_borders
 from markdown_table import table
 from paper_tables import paper_tables
+from stability_rows import device_of
 from stability_tables import failing_lines, stability_tables, target_lines, theory_lines
 
 FORCE_METHODS = (("spm", 0, None, "`spm`, point, turns not limited"),
@@ -230,9 +231,9 @@ def laboratory_table(reports: dict) -> list[str]:
     """How many runs each method holds: of all it was tried in, and of those that all were tried in,
     where the shares have one denominator."""
     cases = reports["stability"]["cases"]
-    stable = {(row["fraction"], row["method"], row["case"], row["device"]): row["stable"]
+    stable = {(row["fraction"], row["method"], row["case"], device_of(row)): row["stable"]
               for row in cases}
-    runs = dict.fromkeys((row["case"], row["device"]) for row in cases)
+    runs = dict.fromkeys((row["case"], device_of(row)) for row in cases)
 
     def cell(method: str, fraction: float, shared: bool) -> str:
         tried = [stable[fraction, method, *run] for run in runs
@@ -246,6 +247,29 @@ def laboratory_table(reports: dict) -> list[str]:
                    *(cell(method, fraction, shared) for method in LABORATORY_METHODS)]
                   for fraction in reports["stability"]["fractions"]
                   for which, shared in (("it had", False), ("that all had", True))])
+
+
+def tools_table(reports: dict) -> list[str]:
+    """The cases in six degrees of freedom at the fraction where the default is to hold: good runs of
+    all profiles, with torque and without."""
+    report = reports["stability"]
+    rows = [row for row in report["cases"]
+            if row["degrees"] == 6 and row["fraction"] == min(report["fractions"])]
+    methods = [method for method in LABORATORY_METHODS
+               if any(row["method"] == method for row in rows)]
+
+    def cell(case: str | None, method: str) -> str:
+        parts = []
+        for torque in (True, False):
+            good = [row["stable"] for row in rows if row["method"] == method
+                    and case in (None, row["case"]) and row.get("torque", True) == torque]
+            parts.append(f"{sum(good)} of {len(good)}" if good else "")
+        return " / ".join(part for part in parts if part)
+
+    cases = list(dict.fromkeys(row["case"] for row in rows))
+    body = [[f"`{case}`", *(cell(case, method) for method in methods)] for case in cases]
+    return table(["good, with torque / without", *(f"`{method}`" for method in methods)],
+                 [*body, ["all", *(cell(None, method) for method in methods)]])
 
 
 def default_table(reports: dict) -> list[str]:
@@ -264,6 +288,44 @@ def default_table(reports: dict) -> list[str]:
                  [cells(device) for device in stiffness_borders.caps()])
 
 
+def served_default_table(reports: dict) -> list[str]:
+    """Which cases each profile holds with what an asset is served with where nothing is named."""
+    if "served" not in reports:
+        return [NOT_MEASURED]
+    report = reports["served"]
+    kinds = list(dict.fromkeys(row["case"] for row in report["teeth"]))
+
+    def share(rows: list[dict]) -> str:
+        return f"{sum(row['stable'] for row in rows)} of {len(rows)}"
+
+    def cells(settings: dict) -> list[str]:
+        device = settings["device"]
+        teeth, shapes = ([row for row in report[which] if row["device"] == device]
+                         for which in ("teeth", "catalogue"))
+        lost = ", ".join(f"`{row['case']}`" for row in shapes if not row["stable"])
+        return [f"`{device}`", f"{settings['stiffness_n_m'] / 1000:.2f}",
+                *(share([row for row in teeth if row["case"] == kind]) for kind in kinds),
+                share(shapes), lost]
+
+    return table(["profile", "stiffness, N/mm", *(f"`{kind}`" for kind in kinds),
+                  "of the catalogue", "lost there"], [cells(one) for one in report["settings"]])
+
+
+def served_reasons(reports: dict) -> list[str]:
+    """The teeth's runs that are not stable, and why."""
+    if "served" not in reports:
+        return [NOT_MEASURED]
+    lost = [row for row in reports["served"]["teeth"] if not row["stable"]]
+    if not lost:
+        return ["No run on the teeth is lost."]
+    return table(["case", "profile", "seeds that are good", "the worst one",
+                  "at its end aside / below the surface, mm"],
+                 [[f"`{row['case']}`", f"`{row['device']}`",
+                   f"{row['good_seeds']} of {row['seeds']}", row["reason"],
+                   f"{1e3 * row['end_aside_m']:.1f} / {1e3 * row['end_depth_m']:.1f}"]
+                  for row in lost])
+
+
 def costs_table(reports: dict) -> list[str]:
     costs = {row["method"]: row for row in reports["stability"]["costs"]}
     return table(["method", "a tick, mean / p99, us", "force off, median / RMS"],
@@ -275,12 +337,11 @@ def costs_table(reports: dict) -> list[str]:
 
 def soak_tables(reports: dict) -> list[str]:
     """What the soak programs found; they need real-time rights."""
-    if "soaks" not in reports:
-        return [NOT_MEASURED]
     lines: list[str] = []
-    for name, text in reports["soaks"]["tables"].items():
-        lines += [f"`{name}.py`: {text[0].lstrip('# ')}", "", *text[2:], ""]
-    return lines[:-1]
+    for part in ("soaks", "reactions"):
+        for name, text in reports.get(part, {}).get("tables", {}).items():
+            lines += [f"`{name}.py`: {text[0].lstrip('# ')}", "", *text[2:], ""]
+    return lines[:-1] or [NOT_MEASURED]
 
 
 TABLES = {
@@ -292,8 +353,10 @@ TABLES = {
     "methods_table": methods_table,
     "probes_table": probes_table,
     "paper_tables": lambda reports: paper_tables(reports["tables"]),
+    "served_default_table": served_default_table, "served_reasons": served_reasons,
     "served_table": served_table, "sixdof_table": sixdof_table, "soak_tables": soak_tables,
     "stability_tables": lambda reports: stability_tables(reports["stability"]),
     "targets_table": lambda reports: target_lines(reports["stability"])[2:-1],
+    "tools_table": tools_table,
     "theory_table": lambda reports: theory_lines(reports["stability"])[4:-1],
 }

@@ -1,18 +1,18 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
 """Draws a recording of spm-servo (run --record, or a black box): the force that the law wanted and
-the one that was sent, depth, how busy the loop was, and where the force was off, with its cause.
+the one that was sent, the torque where there is any, depth, how busy the loop was, and where the force
+was off, with its cause.
 Writes PREFIX.svg and PREFIX.png; equal input gives equal bytes.
 
 Needs matplotlib, Debian package python3-matplotlib: run it with /usr/bin/python3.
 """
 
-import json
-import struct
 import sys
 
 from chart_io import chart_parser
 from chart_style import save
+from recording_file import FORCE_CAPPED, TORQUE_CAPPED, RecordingError, read_recording
 
 import matplotlib
 
@@ -21,38 +21,8 @@ matplotlib.rcParams["font.size"] = 10
 import matplotlib.pyplot as plt  # noqa: E402
 import numpy as np  # noqa: E402
 
-MAGIC, FORM, ROW_KIND = b"SPM-REC1", 4, 1
-# formats/motion/recording.hpp
-ROW = np.dtype([("tick", "<u8"), ("position", "<f8", 3), ("wanted", "<f8", 3), ("added", "<f8", 3),
-                ("sent", "<f8", 3), ("depth", "<f8"), ("wake_ns", "<i4"), ("busy_ns", "<i4"),
-                ("buttons", "<u4"), ("device", "<u2"), ("cause", "u1"), ("flags", "u1"),
-                ("first", "<u2"), ("exact", "<u2"), ("held", "<u2"), ("shortened", "<u2")])
 WANTED_COLOUR, SENT_COLOUR, DEPTH_COLOUR = "#8a8a8a", "#b5302a", "#1f5f8b"
 ADDED_COLOUR = "#2f7d4f"
-
-
-def read_recording(path: str) -> tuple[dict, np.ndarray]:
-    try:
-        with open(path, "rb") as file:
-            content = file.read()
-    except OSError as problem:
-        sys.exit(f"{path}: {problem.strerror}; give a recording of spm-servo run --record")
-    if content[:8] != MAGIC or len(content) < 32:
-        sys.exit(f"{path}: is no recording; give one of spm-servo run --record")
-    size = int.from_bytes(content[8:12], "little")
-    header = json.loads(content[16:16 + size])
-    if header.get("form") != FORM or header["row_bytes"] != ROW.itemsize:
-        sys.exit(f"{path}: is of another form; draw it with the spm-servo that recorded it")
-    rows, at, end = [], 16 + size, len(content) - 16
-    while at + 8 <= end:
-        kind, part = struct.unpack_from("<2I", content, at)
-        at += 8
-        if kind == ROW_KIND:
-            rows.append(content[at:at + part])
-        at += part
-    if at != end:
-        sys.exit(f"{path}: was cut short; record it again")
-    return header, np.frombuffer(b"".join(rows), ROW)
 
 
 def shade_causes(axes, time: np.ndarray, rows: np.ndarray, causes: list[str], named: bool) -> None:
@@ -69,20 +39,36 @@ def shade_causes(axes, time: np.ndarray, rows: np.ndarray, causes: list[str], na
                       transform=axes.get_xaxis_transform(), va="top", fontsize=9)
 
 
+def draw_size(axes, time: np.ndarray, rows: np.ndarray, suffix: str, cap: int) -> None:
+    """The size of what was wanted, sent and added, and where what was sent met its cap."""
+    for name, colour, width in (("wanted", WANTED_COLOUR, 2.2), ("sent", SENT_COLOUR, 1.0)):
+        axes.plot(time, np.linalg.norm(rows[name + suffix], axis=1), color=colour, linewidth=width,
+                  label=name)
+    if rows["added" + suffix].any():
+        axes.plot(time, np.linalg.norm(rows["added" + suffix], axis=1), color=ADDED_COLOUR,
+                  linewidth=1.0, label="added by applications")
+    met = (rows["flags"] & cap) != 0
+    if met.any():
+        axes.plot(time[met], np.linalg.norm(rows["sent" + suffix][met], axis=1), ".", color=SENT_COLOUR,
+                  markersize=3, label="at its cap")
+    axes.legend(loc="lower left", frameon=False)
+    axes.set_ylim(bottom=0)
+
+
 def draw(header: dict, rows: np.ndarray, device: int, prefix: str) -> None:
     time = rows["tick"] / header["rate_hz"]
-    figure, (force, depth, busy) = plt.subplots(3, 1, figsize=(11, 7), sharex=True,
-                                                constrained_layout=True)
-    for name, colour, width in (("wanted", WANTED_COLOUR, 2.2), ("sent", SENT_COLOUR, 1.0)):
-        force.plot(time, np.linalg.norm(rows[name], axis=1), color=colour, linewidth=width,
-                   label=name)
-    if rows["added"].any():
-        force.plot(time, np.linalg.norm(rows["added"], axis=1), color=ADDED_COLOUR, linewidth=1.0,
-                   label="added by applications")
-    force.legend(loc="lower left", frameon=False)
+    turns = any(rows[name].any() for name in ("wanted_torque", "added_torque", "sent_torque"))
+    figure, panels = plt.subplots(4 if turns else 3, 1, figsize=(11, 9 if turns else 7), sharex=True,
+                                  constrained_layout=True)
+    force, depth, busy = panels[0], panels[-2], panels[-1]
+    draw_size(force, time, rows, "", FORCE_CAPPED)
     force.set_title(f"Force on the hand: {header['devices'][device]['name']} "
                     "(grey ground: off, and why)")
     force.set_ylabel("N")
+    if turns:
+        draw_size(panels[1], time, rows, "_torque", TORQUE_CAPPED)
+        panels[1].set_title("Torque on the hand, about its position")
+        panels[1].set_ylabel("N m")
     depth.plot(time, rows["depth"] * 1e3, color=DEPTH_COLOUR, linewidth=1.0)
     depth.set_title("Depth below the surface")
     depth.set_ylabel("mm")
@@ -95,10 +81,9 @@ def draw(header: dict, rows: np.ndarray, device: int, prefix: str) -> None:
     busy.set_ylabel("us")
     busy.set_xlabel("time, s")
     busy.legend(loc="upper right", frameon=False)
-    for axes in (force, depth, busy):
+    for axes in panels:
         shade_causes(axes, time, rows, header["causes"], named=axes is force)
         axes.set_xlim(time[0], max(time[-1], time[0] + 1e-3))
-    force.set_ylim(bottom=0)
     save(figure, prefix)
 
 
@@ -107,7 +92,11 @@ def main() -> int:
     parser.add_argument("recording", help="file that spm-servo wrote")
     parser.add_argument("--device-number", type=int, default=0, help="counted from 0 (default 0)")
     arguments = parser.parse_args()
-    header, rows = read_recording(arguments.recording)
+    try:
+        recording = read_recording(arguments.recording)
+    except RecordingError as problem:
+        sys.exit(str(problem))
+    header, rows = recording.header, np.frombuffer(recording.content, recording.dtype())
     rows = rows[rows["device"] == arguments.device_number]
     if len(rows) == 0:
         sys.exit(f"{arguments.recording}: has no row of device {arguments.device_number}; it is of "

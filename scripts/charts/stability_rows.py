@@ -40,3 +40,8 @@ def themes_of(report: dict) -> list[tuple[str, list[str]]]:
         name = row.get("theme", "")
         themes.setdefault(THEMES.get(name, name), []).append(row["case"])
     return list(themes.items())
+
+
+def device_of(row: dict) -> str:
+    """The profile; in six degrees of freedom also whether it turns the tool."""
+    return row["device"] + ("" if row.get("torque", True) else " without torque")

@@ -4,7 +4,7 @@ the methods, the largest good stiffness, the theory check, static loops, costs a
 stabilizers are."""
 
 from markdown_table import table
-from stability_rows import methods_of, names_of, themes_of, verdict_of
+from stability_rows import device_of, methods_of, names_of, themes_of, verdict_of
 
 LETTERS = {"good": "+", "between": "~", "bad": "x", "popped": "P"}
 WORDS = {"good": "good", "between": "between", "bad": "**BAD**", "popped": "**BAD**: popped"}
@@ -31,8 +31,8 @@ def reasons(rows: list[dict]) -> str:
                     key=lambda row: (row["verdict"] != "bad", -row["ripple_n"]))
     if not failed:
         return ""
-    others = [row["device"] for row in failed[1:]]
-    return f"{failed[0]['device']}: {failed[0]['reason']}" + (
+    others = [device_of(row) for row in failed[1:]]
+    return f"{device_of(failed[0])}: {failed[0]['reason']}" + (
         f" (and {', '.join(others)})" if others else "")
 
 
@@ -64,7 +64,7 @@ def failing_lines(report: dict) -> list[str]:
     if not rows:
         return [*lines, "Nowhere in this run.", ""]
     return lines + spaced_table(["case", "profile", "verdict", "reason"], [
-        [row["case"], row["device"], row["verdict"], row["reason"]] for row in rows])
+        [row["case"], device_of(row), row["verdict"], row["reason"]] for row in rows])
 
 
 def verdicts_at(report: dict, fraction: float) -> list[str]:

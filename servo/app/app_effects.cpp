@@ -10,10 +10,33 @@ void AppEffects::know_device(std::uint32_t device, const FeltLimits& bears, doub
                              double tick, double delay_ticks) {
   Hand* const hand = find(device);
   if (hand == nullptr) return;
-  hand->limits = {effects_stiffness_share * bears.stiffness, effects_damping_share * bears.damping};
+  hand->limits = {effects_stiffness_share * bears.stable, effects_damping_share * bears.damping};
+  hand->whole = bears.stiffness;
+  hand->tick = tick;
   hand->fade_step = std::min(1.0, tick / effect_fade);
   hand->leak = matched_damping(1, 1, delay_ticks, tick);
   hand->velocity = BrakingVelocity(encoder_step, tick);
+}
+
+void AppEffects::set_delay(std::uint32_t device, double delay_ticks, double stable) noexcept {
+  Hand* const hand = find(device);
+  if (hand == nullptr) return;
+  hand->limits.stiffness = effects_stiffness_share * stable;
+  hand->leak = matched_damping(1, 1, delay_ticks, hand->tick);
+  for (Effect& effect : hand->effects) {
+    if (effect.connection == 0 || effect.what.kind == HandEffectKind::viscous) continue;
+    effect.what.damping = hand->leak * effect.what.stiffness;
+  }
+  settle(*hand);
+}
+
+/// Leaves to the effects what objects that are touched with `touched` N/m leave of the device's
+/// stiffness. Without a step: a contact that begins moves no hand by an effect that ends.
+void AppEffects::make_room(Hand& hand, double touched, std::uint64_t ticks) noexcept {
+  const double room = std::max(hand.whole - touched, 0.0);
+  const double wanted = hand.stiffness > room ? room / hand.stiffness : 1;
+  const double most = hand.fade_step * static_cast<double>(ticks);
+  hand.left += std::clamp(wanted - hand.left, -most, most);
 }
 
 /// Computes what depends on all effects of a device. All that are set count, wherever the tool is:
@@ -29,13 +52,14 @@ void AppEffects::settle(Hand& hand) noexcept {
   }
   hand.any = any;
   hand.stiffness_share = stiffness > hand.limits.stiffness ? hand.limits.stiffness / stiffness : 1;
+  hand.stiffness = hand.stiffness_share * stiffness;
   hand.damping_share = damping > hand.limits.damping ? hand.limits.damping / damping : 1;
   if (!any) hand.velocity.reset();
 }
 
-void AppEffects::push(std::uint32_t device, std::uint32_t client, const Vector3& force,
+void AppEffects::push(std::uint32_t device, std::uint32_t client, const Wrench& wrench,
                       std::int64_t until_ns) noexcept {
-  if (Hand* const hand = find(device)) hand->pushes[client] = {force, until_ns};
+  if (Hand* const hand = find(device)) hand->pushes[client] = {wrench, until_ns};
 }
 
 Refusal AppEffects::set(const AppCommand& command, std::size_t object) noexcept {
@@ -98,18 +122,21 @@ void AppEffects::drop(std::size_t object) noexcept {
   }
 }
 
-Vector3 AppEffects::next(std::uint32_t device, const Vector3& tool, std::uint64_t ticks,
-                         std::int64_t now_ns, const SceneForce& force,
-                         std::span<const AssetView* const> assets) noexcept {
+Wrench AppEffects::next(std::uint32_t device, const Vector3& tool, std::uint64_t ticks,
+                        std::int64_t now_ns, const SceneForce& force,
+                        std::span<const AssetView* const> assets) noexcept {
   Hand* const found = find(device);
-  if (found == nullptr || !tool.allFinite()) return Vector3::Zero();
+  if (found == nullptr || !tool.allFinite()) return {};
   Hand& hand = *found;
-  Vector3 sum = Vector3::Zero();
+  Wrench sum;
   for (const Push& push : hand.pushes) {
-    if (now_ns < push.until_ns) sum += push.force;
+    if (now_ns >= push.until_ns) continue;
+    sum.force += push.wrench.force;
+    sum.torque += push.wrench.torque;
   }
   if (hand.any) hand.velocity.take(tool, ticks);
   const Vector3 velocity = hand.any ? hand.velocity.now() : Vector3::Zero();
+  make_room(hand, force.touched_stiffness(), ticks);
   for (Effect& effect : hand.effects) {
     if (effect.connection == 0) continue;
     const HandEffectKind kind = effect.what.kind;
@@ -118,10 +145,10 @@ Vector3 AppEffects::next(std::uint32_t device, const Vector3& tool, std::uint64_
                                     : NearSurface{};
     effect.shown = std::min(1.0, effect.shown + hand.fade_step * static_cast<double>(ticks));
     const double share =
-        kind == HandEffectKind::viscous ? hand.damping_share : hand.stiffness_share;
-    sum += effect.shown * share * hand_effect_force(effect.what, tool, velocity, surface);
+        kind == HandEffectKind::viscous ? hand.damping_share : hand.left * hand.stiffness_share;
+    sum.force += effect.shown * share * hand_effect_force(effect.what, tool, velocity, surface);
   }
-  return sum.allFinite() ? sum : Vector3::Zero();
+  return sum.force.allFinite() && sum.torque.allFinite() ? sum : Wrench{};
 }
 
 void AppEffects::rest(std::uint32_t device) noexcept {

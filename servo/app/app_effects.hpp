@@ -3,15 +3,17 @@
 
 #include <array>
 #include <cstdint>
+#include <limits>
 #include <span>
 #include <vector>
 
 #include "common/base/vector.hpp"
+#include "common/base/wrench.hpp"
 #include "common/contact/hand_effect.hpp"
-#include "servo/force/braking_velocity.hpp"
-#include "servo/force/matched_damping.hpp"
 #include "servo/force/scene_force.hpp"
 #include "servo/shared/app_command.hpp"
+#include "servo/stabilize/braking_velocity.hpp"
+#include "servo/stabilize/matched_damping.hpp"
 
 namespace spm::servo {
 
@@ -33,14 +35,28 @@ class AppEffects {
 
   AppEffects() noexcept : devices_(SPM_MAX_DEVICES) {}
 
-  /// Before the loop runs: what a device bears, per metre of the world, the largest error of its
-  /// position, m of the world, the length of a tick, s, and the delay of its forces in ticks.
+  /// Before the loop runs: what a device bears, per metre of the world (its `stable` stiffness is
+  /// the effects' measure, its `stiffness` the limit of objects and effects together), the largest
+  /// error of its position, m of the world, the length of a tick, s, and the delay of its forces in
+  /// ticks.
   void know_device(std::uint32_t device, const FeltLimits& bears, double encoder_step, double tick,
                    double delay_ticks);
 
-  /// An application pushes a device's hand by `force`, N, until a time, and no longer by what it
-  /// gave before. `client` is its place, below SPM_MAX_CLIENTS.
-  void push(std::uint32_t device, std::uint32_t client, const Vector3& force,
+  /// The delay of a device's forces is another one now, ticks, and with it what the device holds
+  /// stably, N per metre of the world.
+  void set_delay(std::uint32_t device, double delay_ticks, double stable) noexcept;
+
+  /// Before the loop runs: whether a device gives torque.
+  void know_torque(std::uint32_t device, bool given) noexcept {
+    if (Hand* const hand = find(device)) hand->torque = given;
+  }
+  [[nodiscard]] bool gives_torque(std::uint32_t device) const noexcept {
+    return device < devices_.size() && devices_[device].torque;
+  }
+
+  /// An application pushes a device's hand by a wrench until a time, and no longer by what it gave
+  /// before; N, and N m about the tool's origin. `client` is its place, below SPM_MAX_CLIENTS.
+  void push(std::uint32_t device, std::uint32_t client, const Wrench& wrench,
             std::int64_t until_ns) noexcept;
   /// Sets an effect of an application, or changes the one that has its number. `object`: the place
   /// of a magnet's object in the scene.
@@ -53,11 +69,14 @@ class AppEffects {
   /// An object is gone, and its magnets with it.
   void drop(std::size_t object) noexcept;
 
-  /// What applications add to a device's force in this tick, N, world frame. `tool` in m of the
-  /// world, `ticks` since the last call; `force` and `assets`: the device's scene.
-  [[nodiscard]] Vector3 next(std::uint32_t device, const Vector3& tool, std::uint64_t ticks,
-                             std::int64_t now_ns, const SceneForce& force,
-                             std::span<const AssetView* const> assets) noexcept;
+  /// What applications add to a device's wrench in this tick, N, and N m about the tool's origin,
+  /// world frame; effects give no torque. `tool` in m of the world, `ticks` since the last call;
+  /// `force` and `assets`: the device's scene. Beside objects that are touched now, effects have
+  /// what these leave of the stiffness that the device renders: their share goes there within
+  /// effect_fade.
+  [[nodiscard]] Wrench next(std::uint32_t device, const Vector3& tool, std::uint64_t ticks,
+                            std::int64_t now_ns, const SceneForce& force,
+                            std::span<const AssetView* const> assets) noexcept;
   /// A tick in which the device's force was off.
   void rest(std::uint32_t device) noexcept;
 
@@ -70,21 +89,27 @@ class AppEffects {
     double shown = 0;  ///< how far it faded in, 0 to 1
   };
   struct Push {
-    Vector3 force = Vector3::Zero();
+    Wrench wrench;
     std::int64_t until_ns = 0;
   };
   struct Hand {
     std::array<Effect, most_effects> effects{};
     std::array<Push, SPM_MAX_CLIENTS> pushes{};
-    FeltLimits limits;  ///< of all effects together
+    FeltLimits limits;                                       ///< of all effects together
+    double whole = std::numeric_limits<double>::infinity();  ///< N/m, of objects and effects
+    double tick = 1e-3;                                      ///< s
+    double left = 1;  ///< of the effects' stiffness beside the objects, 0 to 1
     double fade_step = 1;
     double leak = 0;  ///< s: damping that a sampled spring needs, for each N/m
     BrakingVelocity velocity{0, 1e-3};
     double stiffness_share = 1, damping_share = 1;  ///< of each effect, within the limits
+    double stiffness = 0;                           ///< N/m, of all of them within the limits
     bool any = false;
+    bool torque = false;  ///< the device gives it
   };
 
   static void settle(Hand& hand) noexcept;
+  static void make_room(Hand& hand, double touched, std::uint64_t ticks) noexcept;
   [[nodiscard]] Hand* find(std::uint32_t device) noexcept {
     return device < devices_.size() ? &devices_[device] : nullptr;
   }

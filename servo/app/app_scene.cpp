@@ -16,7 +16,10 @@ constexpr double longest_silence = 1;
 std::uint32_t owner_of(std::uint64_t id) noexcept { return static_cast<std::uint32_t>(id >> 32U); }
 
 void set_material(const AppMaterial& material, PlacedObject& object) noexcept {
-  if ((material.given & SPM_MATERIAL_STIFFNESS) != 0) object.force.stiffness = material.stiffness;
+  if ((material.given & SPM_MATERIAL_STIFFNESS) != 0) {
+    object.force.stiffness = material.stiffness;
+    object.stiffness_chosen = false;
+  }
   if ((material.given & SPM_MATERIAL_FRICTION) != 0) {
     object.effects.friction.stick = material.friction_stick;
     object.effects.friction.slide = material.friction_slide;
@@ -32,11 +35,16 @@ void set_material(const AppMaterial& material, PlacedObject& object) noexcept {
 }  // namespace
 
 AppScene::AppScene(AppState& state, const ForceScene& scene) : state_(state), added_(scene.added) {
-  added_.force.probe_radius = scene.objects.front().force.probe_radius;
+  const ForceSettings& like = scene.objects.front().force;
+  added_.force.take_probe(like.probe());
+  added_.force.probe_axis = like.probe_axis;
+  added_.force.form = like.form;
+  // What no other method knows.
+  if (like.probe().paper_only()) added_.force.method = Method::paper;
   objects_.reserve(scene.objects.size() + room(scene));
   published_.reserve(SPM_MAX_OBJECTS);
-  min_scales_.resize(assets_of(scene.objects) + spare_assets,
-                     std::numeric_limits<double>::infinity());
+  ids_.reserve(objects_.capacity());
+  min_scales_.resize(assets_of(scene) + spare_assets, std::numeric_limits<double>::infinity());
   reaches_.resize(min_scales_.size(), 0);
   for (const PlacedObject& object : scene.objects) {
     note_scale(object);
@@ -247,10 +255,12 @@ void AppScene::hand_on(const Object& object, std::int64_t now_ns,
 
 /// A push ends by the sender's clock as well, so that one that was taken late acts no longer.
 Refusal AppScene::push(const AppCommand& command, std::int64_t now_ns) noexcept {
-  if (command.torque != Vector3::Zero()) return Refusal::no_torque;
+  if (command.torque != Vector3::Zero() && !effects_.gives_torque(command.index)) {
+    return Refusal::no_torque;
+  }
   std::int64_t until = now_ns + static_cast<std::int64_t>(command.hold * 1e9);
   if (command.deadline_ns > 0) until = std::min(until, command.deadline_ns);
-  effects_.push(command.index, command.client, command.force, until);
+  effects_.push(command.index, command.client, {command.force, command.torque}, until);
   return Refusal::none;
 }
 
@@ -318,6 +328,8 @@ bool AppScene::edit(const SceneEdit& edit, std::int64_t now_ns,
 void AppScene::end(std::uint64_t tick, std::int64_t now_ns, std::span<const AppDevice> devices,
                    std::span<SceneForce* const> forces) noexcept {
   published_.clear();
+  ids_.clear();
+  for (const Object& object : objects_) ids_.push_back(object.id);
   for (std::size_t i = 0; i < objects_.size() && published_.size() < SPM_MAX_OBJECTS; ++i) {
     const Object& object = objects_[i];
     if (!object.is_there) continue;
@@ -337,7 +349,7 @@ void AppScene::end(std::uint64_t tick, std::int64_t now_ns, std::span<const AppD
     published.driven = now.driven;
     published_.push_back(published);
   }
-  state_.publish({tick, now_ns, devices, published_});
+  state_.publish({tick, now_ns, devices, published_, ids_});
 }
 
 }  // namespace spm::servo

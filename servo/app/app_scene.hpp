@@ -121,6 +121,7 @@ class AppScene {
   bool touched_ = false;
   double stiffest_ = 0;  ///< N/m
   std::vector<AppObject> published_;
+  std::vector<std::uint64_t> ids_;  ///< of `objects_`
 };
 
 }  // namespace spm::servo

@@ -17,6 +17,8 @@ namespace spm::servo {
 
 namespace {
 
+static_assert(SPM_MAX_CONTACTS == max_patches);
+
 // The numbers of these are known to applications.
 static_assert(force_off_count <= SPM_MAX_CAUSES);
 static_assert(static_cast<int>(ForceOff::none) == SPM_CLIENT_FORCE_ON);
@@ -88,8 +90,9 @@ void raise_to(std::uint64_t& shared, std::uint64_t value) noexcept {
 }
 
 spm_shared_device_counts packed(const DeviceCounters& device, std::uint32_t last_cause) noexcept {
-  return {device.contact_ticks, device.cap_hits,      device.slew_hits, device.force_max,
-          device.energy,        device.generated_max, last_cause,       0};
+  return {device.contact_ticks,   device.cap_hits,         device.slew_hits,     device.force_max,
+          device.energy,          device.generated_max,    last_cause,           0,
+          device.torque_cap_hits, device.torque_slew_hits, device.tool_cap_hits, device.torque_max};
 }
 
 spm_shared_object packed(const AppObject& object) noexcept {
@@ -105,6 +108,28 @@ spm_shared_object packed(const AppObject& object) noexcept {
   to.flags = bit(object.movable, SPM_OBJECT_MOVABLE) | bit(object.contact, SPM_OBJECT_CONTACT) |
              bit(object.driven, SPM_OBJECT_DRIVEN);
   return to;
+}
+
+spm_shared_contact packed(const ContactPatch& patch, std::uint64_t object) noexcept {
+  spm_shared_contact to{};
+  to.object = object;
+  pack(to.place, patch.place);
+  pack(to.normal, patch.normal);
+  pack(to.force, patch.force);
+  to.depth = patch.depth;
+  return to;
+}
+
+/// Publishes where the tools touch; the number of a device's contacts stands with the device.
+void store_contacts(spm_shared_snapshot& to, const AppTick& tick, std::size_t devices) noexcept {
+  for (std::size_t i = 0; i < devices; ++i) {
+    const std::span<const ContactPatch> patches = tick.devices[i].patches;
+    for (std::size_t k = 0; k < patches.size() && k < SPM_MAX_CONTACTS; ++k) {
+      const std::uint32_t number = patches[k].object;
+      const std::uint64_t object = number < tick.ids.size() ? tick.ids[number] : number;
+      store_record(to.contacts[i][k], packed(patches[k], object));
+    }
+  }
 }
 
 }  // namespace
@@ -159,6 +184,7 @@ void AppState::publish(const AppTick& tick) noexcept {
     for (std::size_t i = 0; i < objects; ++i) {
       store_record(to.objects[i], servo::packed(tick.objects[i]));
     }
+    store_contacts(to, tick, devices);
   });
   store_release(state.published, number + 1);
   store_relaxed(state.heartbeat_ns, tick.time_ns);
@@ -184,13 +210,15 @@ void AppState::count(const AppLoop& loop) noexcept {
     store_relaxed(to.refused, commands.refused);
     store_relaxed(to.garbage, commands.garbage);
     store_relaxed(to.degraded, loop.degraded);
-    std::uint64_t held = 0, shortened = 0;
+    std::uint64_t held = 0, shortened = 0, coarse = 0;
     for (const DeviceCounters& device : loop.devices) {
       held += device.held;
       shortened += device.shortened;
+      coarse += device.coarse;
     }
     store_relaxed(to.held, held);
     store_relaxed(to.shortened, shortened);
+    store_relaxed(to.coarse, coarse);
     store_relaxed(to.device_count, static_cast<std::uint32_t>(devices));
     for (std::size_t i = 0; i < devices; ++i) {
       store_record(to.devices[i], servo::packed(loop.devices[i], seen_[i].last_cause));
@@ -235,12 +263,24 @@ spm_shared_device AppState::packed(std::size_t index, const AppDevice& device) n
   to.buttons = device.state.buttons;
   to.cause = static_cast<std::uint32_t>(device.cause);
   to.health = static_cast<std::uint32_t>(device.health);
-  to.flags = bit(device.health != DeviceHealth::gone, SPM_DEVICE_CONNECTED) |
-             bit(device.contact, SPM_DEVICE_CONTACT);
+  to.flags =
+      bit(device.health != DeviceHealth::gone, SPM_DEVICE_CONNECTED) |
+      bit(device.contact, SPM_DEVICE_CONTACT) | bit(device.force_capped, SPM_DEVICE_FORCE_CAPPED) |
+      bit(device.torque_capped, SPM_DEVICE_TORQUE_CAPPED) |
+      bit(device.tool_capped, SPM_DEVICE_TOOL_CAPPED) | bit(device.has_tool, SPM_DEVICE_TOOL);
   to.contacts = seen.contacts;
   to.cuts = seen.cuts;
-  pack(to.proxy, device.proxy);
+  pack(to.proxy, device.proxy.position);
+  pack(to.proxy_orientation, device.proxy.orientation);
   to.force_cap = device.force_cap;
+  to.torque_cap = device.torque_cap;
+  pack(to.angular_velocity, device.angular_velocity);
+  pack(to.tool_position, device.tool.position);
+  pack(to.tool_orientation, device.tool.orientation);
+  to.contact_count =
+      static_cast<std::uint32_t>(std::min<std::size_t>(device.patches.size(), SPM_MAX_CONTACTS));
+  to.level = device.level;
+  to.culled = device.culled;
   return to;
 }
 

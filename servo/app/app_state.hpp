@@ -10,11 +10,13 @@
 #include <vector>
 
 #include "common/base/error.hpp"
+#include "common/base/hand_pose.hpp"
 #include "common/base/placement.hpp"
 #include "servo/app/app_loop.hpp"
 #include "servo/app/client_ring.hpp"
 #include "servo/app/shared_memory.hpp"
 #include "servo/devices/base/device.hpp"
+#include "servo/force/tool_settings.hpp"
 #include "servo/safety/safety.hpp"
 #include "servo/shared/app_command.hpp"
 
@@ -24,13 +26,23 @@ namespace spm::servo {
 struct AppDevice {
   DeviceState state;
   DeviceHealth health = DeviceHealth::ok;
-  Vector3 velocity = Vector3::Zero();  ///< m/s
-  Wrench wrench;                       ///< as sent
-  Vector3 proxy = Vector3::Zero();     ///< m, where the surface holds the tool
-  double force_cap = 0;                ///< N, that holds now; infinity: none
-  double depth = 0;                    ///< m
+  Vector3 velocity = Vector3::Zero();          ///< m/s
+  Wrench wrench;                               ///< as sent
+  Vector3 angular_velocity = Vector3::Zero();  ///< rad/s
+  HandPose proxy;                              ///< where the surface holds the hand
+  double force_cap = 0;                        ///< N, that holds now; infinity: none
+  double torque_cap = 0;                       ///< N m, the same; 0: the device gives none
+  double depth = 0;                            ///< m
   bool contact = false;
   ForceOff cause = ForceOff::none;
+  bool force_capped = false, torque_capped = false;  ///< what was sent met its cap
+  bool tool_capped = false;                          ///< the coupling of hand and tool met its cap
+  bool has_tool = false;
+  HandPose tool;             ///< of the tool that the hand holds
+  std::uint32_t level = 0;   ///< of its samples, coarser than the finest
+  std::uint32_t culled = 0;  ///< objects that were found apart from it as a whole
+  /// where it touches; objects by their numbers in the forces. At most SPM_MAX_CONTACTS are told.
+  std::span<const ContactPatch> patches;
 };
 
 /// One object in a tick, as applications see it; world frame.
@@ -51,6 +63,7 @@ struct AppTick {
   std::int64_t time_ns = 0;  ///< of CLOCK_MONOTONIC
   std::span<const AppDevice> devices;
   std::span<const AppObject> objects;
+  std::span<const std::uint64_t> ids{};  ///< of the objects, by their numbers in the forces
 };
 
 /// The names of things; longer ones are cut.

@@ -12,6 +12,7 @@
 #include "servo/client/connection.hpp"
 #include "servo/client/event_queue.hpp"
 #include "servo/client/spm_client.h"
+#include "servo/client/state_reader.hpp"
 #include "servo/shared/shared_words.hpp"
 
 /// What the handle of spm_client.h refers to.
@@ -39,11 +40,30 @@ namespace spm::servo {
   return client.connection.state();
 }
 
+/// What a function of the library returns for a reading.
+[[nodiscard]] inline int code_of(ReadResult result) noexcept {
+  switch (result) {
+    case ReadResult::fine:
+      return SPM_CLIENT_OK;
+    case ReadResult::busy:
+      return SPM_CLIENT_BUSY;
+    case ReadResult::none:
+      return SPM_CLIENT_NOT_THERE;
+  }
+  return SPM_CLIENT_INTERNAL;
+}
+
 /// The size of a struct's first version, which its callers may still have.
 template <class Record>
 inline constexpr std::size_t first_size = sizeof(Record);
 template <>
 inline constexpr std::size_t first_size<spm_client_device> = offsetof(spm_client_device, proxy);
+
+template <>
+inline constexpr std::size_t first_size<spm_client_device_counts> =
+    offsetof(spm_client_device_counts, torque_cap_hits);
+template <>
+inline constexpr std::size_t first_size<spm_client_loop> = offsetof(spm_client_loop, degraded);
 
 /// Copies a result into a caller's struct, as far as the caller's version of the struct goes.
 /// `Record` begins with its size; all versions have had at least that.

@@ -33,6 +33,7 @@ spm_client_loop public_loop(const spm_shared_loop& from) noexcept {
   to.degraded = load_relaxed(from.degraded);
   to.held = load_relaxed(from.held);
   to.shortened = load_relaxed(from.shortened);
+  to.coarse = load_relaxed(from.coarse);
   static_assert(sizeof to.wake == sizeof from.wake && sizeof to.busy == sizeof from.busy);
   load_words(to.wake, from.wake, sizeof to.wake);
   load_words(to.busy, from.busy, sizeof to.busy);
@@ -48,6 +49,10 @@ spm_client_device_counts public_counts(const spm_shared_device_counts& from) noe
   to.force_max = from.force_max;
   to.energy = from.energy;
   to.generated_max = from.generated_max;
+  to.torque_cap_hits = from.torque_cap_hits;
+  to.torque_slew_hits = from.torque_slew_hits;
+  to.tool_cap_hits = from.tool_cap_hits;
+  to.torque_max = from.torque_max;
   return to;
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "servo/client/spm_client.h"
 
+#include <array>
 #include <chrono>
 #include <exception>
 #include <memory>
@@ -27,80 +28,6 @@ void give_message(char* message, size_t size, const std::string& text) noexcept 
   const size_t count = std::min(size - 1, text.size());
   std::memcpy(message, text.data(), count);
   message[count] = '\0';
-}
-
-int code_of(ReadResult result) noexcept {
-  switch (result) {
-    case ReadResult::fine:
-      return SPM_CLIENT_OK;
-    case ReadResult::busy:
-      return SPM_CLIENT_BUSY;
-    case ReadResult::none:
-      return SPM_CLIENT_NOT_THERE;
-  }
-  return SPM_CLIENT_INTERNAL;
-}
-
-template <std::size_t Count>
-void copy_to(double (&to)[Count], const double (&from)[Count]) noexcept {
-  std::memcpy(to, from, sizeof to);
-}
-
-spm_client_device public_device(const spm_shared_device& from, std::uint64_t tick) noexcept {
-  spm_client_device to{};
-  to.connected = (from.flags & SPM_DEVICE_CONNECTED) != 0 ? 1 : 0;
-  to.tick = tick;
-  copy_to(to.position, from.position);
-  copy_to(to.orientation, from.orientation);
-  copy_to(to.velocity, from.velocity);
-  copy_to(to.force, from.force);
-  copy_to(to.torque, from.torque);
-  to.depth = from.depth;
-  to.contact = (from.flags & SPM_DEVICE_CONTACT) != 0 ? 1 : 0;
-  to.buttons = from.buttons;
-  to.cause = from.cause;
-  to.health = from.health;
-  to.contacts = from.contacts;
-  to.cuts = from.cuts;
-  copy_to(to.proxy, from.proxy);
-  to.force_cap = from.force_cap;
-  return to;
-}
-
-spm_client_object public_object(const spm_shared_object& from, std::uint64_t tick) noexcept {
-  spm_client_object to{};
-  to.asset = from.asset;
-  to.id = from.id;
-  to.tick = tick;
-  copy_to(to.position, from.position);
-  copy_to(to.orientation, from.orientation);
-  to.scale = from.scale;
-  copy_to(to.force, from.force);
-  copy_to(to.torque, from.torque);
-  to.silent = from.silent;
-  to.movable = (from.flags & SPM_OBJECT_MOVABLE) != 0 ? 1 : 0;
-  to.contact = (from.flags & SPM_OBJECT_CONTACT) != 0 ? 1 : 0;
-  to.driven = (from.flags & SPM_OBJECT_DRIVEN) != 0 ? 1 : 0;
-  return to;
-}
-
-spm_client_tick public_tick(const spm_shared_snapshot& from) noexcept {
-  spm_client_tick to{};
-  to.tick = load_relaxed(from.tick);
-  to.time_ns = load_relaxed(from.time_ns);
-  to.device_count = device_count(from);
-  to.object_count = object_count(from);
-  return to;
-}
-
-/// Fills an array of a caller whose struct may be longer than ours.
-template <class Record>
-void give_at(Record* first, std::size_t index, const Record& from) noexcept {
-  const std::uint32_t size = first->size;
-  Record record = from;
-  record.size = size;
-  std::memcpy(reinterpret_cast<unsigned char*>(first) + index * size, &record,
-              std::min<std::size_t>(size, sizeof record));
 }
 
 /// Copies a name of the daemon's. `find(info)` returns it, or null.
@@ -261,74 +188,6 @@ int spm_client_cause(const spm_client* client, uint32_t cause, const char** name
   *name = known ? client->causes[cause].name : "";
   *cure = known ? client->causes[cause].cure : "";
   return known ? SPM_CLIENT_OK : SPM_CLIENT_NOT_THERE;
-}
-
-int spm_client_read_tick(const spm_client* client, spm_client_tick* tick) {
-  if (client == nullptr || tick == nullptr) return SPM_CLIENT_BAD_ARGUMENT;
-  spm_client_tick found{};
-  const ReadResult result = read_newest(look(*client), [&](const auto& snapshot) {
-    found = public_tick(snapshot);
-    return true;
-  });
-  return result == ReadResult::fine ? give(tick, found) : code_of(result);
-}
-
-int spm_client_read_device(const spm_client* client, uint32_t device, spm_client_device* state) {
-  if (client == nullptr || state == nullptr) return SPM_CLIENT_BAD_ARGUMENT;
-  spm_shared_device found;
-  std::uint64_t tick = 0;
-  const ReadResult result = read_newest(look(*client), [&](const auto& snapshot) {
-    if (device >= device_count(snapshot)) return false;
-    tick = load_relaxed(snapshot.tick);
-    found = load_record(snapshot.devices[device]);
-    return true;
-  });
-  return result == ReadResult::fine ? give(state, public_device(found, tick)) : code_of(result);
-}
-
-int spm_client_read_object(const spm_client* client, uint64_t object, spm_client_object* state) {
-  if (client == nullptr || state == nullptr) return SPM_CLIENT_BAD_ARGUMENT;
-  spm_shared_object found;
-  std::uint64_t tick = 0;
-  const ReadResult result = read_newest(look(*client), [&](const auto& snapshot) {
-    tick = load_relaxed(snapshot.tick);
-    for (std::uint32_t i = 0; i < object_count(snapshot); ++i) {
-      if (load_relaxed(snapshot.objects[i].id) != object) continue;
-      found = load_record(snapshot.objects[i]);
-      return true;
-    }
-    return false;
-  });
-  return result == ReadResult::fine ? give(state, public_object(found, tick)) : code_of(result);
-}
-
-int spm_client_read_all(const spm_client* client, spm_client_tick* tick, spm_client_device* devices,
-                        size_t max_devices, spm_client_object* objects, size_t max_objects) {
-  if (client == nullptr || tick == nullptr || tick->size < sizeof *tick ||
-      (max_devices > 0 && (devices == nullptr || devices->size < first_size<spm_client_device>)) ||
-      (max_objects > 0 && (objects == nullptr || objects->size < sizeof *objects))) {
-    return SPM_CLIENT_BAD_ARGUMENT;
-  }
-  spm_client_tick found{};
-  std::array<spm_shared_device, SPM_MAX_DEVICES> found_devices;
-  std::array<spm_shared_object, SPM_MAX_OBJECTS> found_objects;
-  std::size_t devices_read = 0, objects_read = 0;
-  const ReadResult result = read_newest(look(*client), [&](const auto& snapshot) {
-    found = public_tick(snapshot);
-    devices_read = std::min<std::size_t>(found.device_count, max_devices);
-    objects_read = std::min<std::size_t>(found.object_count, max_objects);
-    load_words(found_devices.data(), snapshot.devices, devices_read * sizeof(spm_shared_device));
-    load_words(found_objects.data(), snapshot.objects, objects_read * sizeof(spm_shared_object));
-    return true;
-  });
-  if (result != ReadResult::fine) return code_of(result);
-  for (std::size_t i = 0; i < devices_read; ++i) {
-    give_at(devices, i, public_device(found_devices[i], found.tick));
-  }
-  for (std::size_t i = 0; i < objects_read; ++i) {
-    give_at(objects, i, public_object(found_objects[i], found.tick));
-  }
-  return give(tick, found);
 }
 
 const char* spm_client_refusal(uint32_t refusal) {

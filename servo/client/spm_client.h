@@ -186,7 +186,39 @@ typedef struct spm_client_device {
                               deepest: the proxy of the method `proxy`, otherwise the place on the
                               surface that the force points to; the position without contact */
   double force_cap;      /**< N, that holds now; infinity: none */
+  double angular_velocity[3]; /**< rad/s */
+  double torque_cap;      /**< N m, that holds now; 0: the device gives no torque; infinity: none */
+  uint32_t limits;        /**< enum spm_client_limit, added up: which were met in that tick */
+  uint32_t has_tool;      /**< 1: the hand holds an object of its own, the scene's `[tool] asset` */
+  uint32_t contact_count; /**< places at which that tool touches: spm_client_read_contacts */
+  uint32_t level;         /**< levels by which its samples were coarser than the finest */
+  uint32_t culled;        /**< objects that were found apart from the tool as a whole */
+  uint32_t reserved;
+  double tool_position[3]; /**< m, of the tool's own frame as it lies in the scene: draw it there */
+  double tool_orientation[4];  /**< of the same */
+  double proxy_orientation[4]; /**< with `proxy`, which with a tool is where the hand would be that
+                                    held the tool where it is; else the orientation */
 } spm_client_device;
+
+/** Limits that a tick met. */
+enum spm_client_limit {
+  SPM_CLIENT_FORCE_CAP_MET = 1,  /**< the force that was sent */
+  SPM_CLIENT_TORQUE_CAP_MET = 2, /**< the torque that was sent */
+  SPM_CLIENT_TOOL_CAP_MET = 4    /**< the coupling of hand and tool: the tool stays behind */
+};
+
+/** A place where a device's tool touches an object. */
+typedef struct spm_client_contact {
+  uint32_t size;
+  uint32_t device;
+  uint64_t object;  /**< id */
+  double place[3];  /**< m, the middle of the pressure */
+  double normal[3]; /**< unit, out of the object */
+  double force[3];  /**< N, on the tool */
+  double depth;     /**< m, the deepest place */
+} spm_client_contact;
+
+#define SPM_CLIENT_MAX_CONTACTS 16
 
 /** One object of the scene. */
 typedef struct spm_client_object {
@@ -222,6 +254,14 @@ SPM_CLIENT_API int spm_client_read_device(const spm_client* client, uint32_t dev
 /** Reads one object by its id. */
 SPM_CLIENT_API int spm_client_read_object(const spm_client* client, uint64_t object,
                                           spm_client_object* state);
+
+/** Reads where a device's tool touches, the strongest places, up to `max` and never more than
+ *  SPM_CLIENT_MAX_CONTACTS. Set `size` in the first element; it holds for all of them. `*count` is
+ *  how many were read, 0 where the hand holds no tool; `tick` (which may be NULL) is that of all of
+ *  them. What the tools do to an object altogether is in spm_client_object. */
+SPM_CLIENT_API int spm_client_read_contacts(const spm_client* client, uint32_t device,
+                                            spm_client_tick* tick, spm_client_contact* contacts,
+                                            size_t max, size_t* count);
 
 /** Reads devices and objects of one and the same tick, up to the given numbers. Set `size` in the
  *  first element of each array; it holds for all of them. `tick` gives how many there are. An array
@@ -285,19 +325,20 @@ SPM_CLIENT_API int spm_client_set_clutch(spm_client* client, uint32_t device, in
  * this application's own. Where a cap rises, the force fades in again. */
 SPM_CLIENT_API int spm_client_set_force_cap(spm_client* client, uint32_t device, double newtons);
 
-/** A push: a force on a device's hand beside what the scene gives, for a while. */
+/** A push: a force, and a torque, on a device's hand beside what the scene gives, for a while. */
 typedef struct spm_client_push {
   uint32_t size;
   uint32_t reserved;
   double force[3];  /**< N, each within 1000, world frame */
-  double torque[3]; /**< N m; must be zero, since no torque is sent to any device yet */
+  double torque[3]; /**< N m about the tool's origin, each within 100; zero for a device that gives
+                         no torque (torque_cap 0), which the loop refuses otherwise */
   double hold;      /**< s, above 0 and at most 1: how long it acts from this call on */
 } spm_client_push;
 
 /** Pushes a device's hand, under all that limits the scene's force; all pushes and effects together
- *  are held below the force cap before they are added. It replaces this application's last push on
- *  the device; those of several applications are added. An application that sends no next one
- *  before `hold` is over stops pushing. */
+ *  are held below the force cap, and their torque below the torque cap, before they are added. It
+ * replaces this application's last push on the device; those of several applications are added. An
+ * application that sends no next one before `hold` is over stops pushing. */
 SPM_CLIENT_API int spm_client_push_hand(spm_client* client, uint32_t device,
                                         const spm_client_push* push);
 
@@ -384,67 +425,10 @@ typedef struct spm_client_event {
  * pressed and released between them gives none. Call it from one thread only. */
 SPM_CLIENT_API int spm_client_next_event(spm_client* client, spm_client_event* event);
 
-/* --- Counts ----------------------------------------------------------------------------------- */
-
-/** What the loop counted since it began; SPM_CLIENT_NOT_THERE before that. For a shorter time, such
- *  as the last second, take the difference of two of these. */
-typedef struct spm_client_loop {
-  uint32_t size;
-  uint32_t reserved;
-  int64_t time_ns;      /**< when the last tick that is counted began, of CLOCK_MONOTONIC */
-  uint64_t ticks;       /**< that were run */
-  uint64_t missed;      /**< not finished before the next one was due, including skipped ones */
-  uint64_t skipped;     /**< missed ticks that were not run at all */
-  uint64_t busy_ns;     /**< working time of all ticks together */
-  uint64_t wake_max_ns; /**< the largest lateness of a tick */
-  uint64_t busy_max_ns; /**< the longest working time of a tick */
-  uint64_t taken;       /**< commands of all applications */
-  uint64_t refused;     /**< commands that were not followed */
-  uint64_t garbage;     /**< data from applications that was no command */
-  uint64_t wake[64];    /**< ticks by how late they began; spm_client_bucket_end */
-  uint64_t busy[64];    /**< ticks by how long they worked */
-  uint64_t degraded;    /**< ticks that had too little time for all objects */
-  uint64_t held;        /**< answers of objects that were coarser by that: the last plane */
-  uint64_t shortened;   /**< the same: a proxy that made fewer queries */
-} spm_client_loop;
-
-SPM_CLIENT_API int spm_client_read_loop(const spm_client* client, spm_client_loop* loop);
-
-/** The end of a bucket of `wake` and `busy`, ns. Durations in it are shorter than its end, and not
- *  shorter than the end of the bucket before. The last bucket also contains everything longer. 0 if
- *  there is no such bucket. */
-SPM_CLIENT_API uint64_t spm_client_bucket_end(uint32_t bucket);
-
-/** What the loop counted for one device since it began. */
-typedef struct spm_client_device_counts {
-  uint32_t size;
-  uint32_t last_cause;    /**< the last cause of zero force; 0: none so far */
-  uint64_t contact_ticks; /**< ticks in which it touched */
-  uint64_t cap_hits;      /**< ticks in which the force cap limited the force */
-  uint64_t slew_hits;     /**< ticks in which the slew limit limited the force */
-  double force_max;       /**< N, as sent */
-  double energy;          /**< J, net work of the sent forces on the hand, pushes among them */
-  double generated_max;   /**< J, largest positive value of `energy` */
-} spm_client_device_counts;
-
-SPM_CLIENT_API int spm_client_read_device_counts(const spm_client* client, uint32_t device,
-                                                 spm_client_device_counts* counts);
-
-/** An application that is connected; this one is among them. */
-typedef struct spm_client_application {
-  uint32_t size;
-  uint32_t connection; /**< numbered from 1, never used again */
-  uint32_t process;
-  uint32_t role; /**< enum spm_client_role */
-  char name[64]; /**< its own name for itself: spm_client_options.application */
-} spm_client_application;
-
-/** Reads one connected application. SPM_CLIENT_NOT_THERE if `index` is not below their number. */
-SPM_CLIENT_API int spm_client_read_application(const spm_client* client, uint32_t index,
-                                               spm_client_application* application);
-
 #ifdef __cplusplus
 }
 #endif
+
+#include "spm_client_counts.h"
 
 #endif

@@ -51,7 +51,25 @@ void add_force_options(CLI::App& command, ForceOptions& options) {
       "says, "
       "or auto; in a replay without a device 1N/mm)",
       "STIFFNESS|auto");
-  cli::add_probe(command, options.probe_radius);
+  cli::add_parsed(
+      command, "--probe",
+      [&options](const std::string& text) -> Result<void> {
+        const Result<ProbeShape> probe = parse_probe_shape(text);
+        if (!probe) return tl::make_unexpected(probe.error());
+        options.probe = *probe;
+        return {};
+      },
+      "What touches the object (default point); RADIUS and LENGTH are lengths such as 0.5mm. A "
+      "capsule, along the hand's z axis, is of method paper alone; LENGTH is from the centre of "
+      "one "
+      "of its ends to that of the other",
+      probe_forms);
+  constexpr std::array forms{PaperProbeForm::surface, PaperProbeForm::volume};
+  cli::add_word(
+      command, "--paper-probe", {"surface", "volume"},
+      [&options, forms](std::size_t i) { options.probe_form = forms[i]; },
+      "What the force of method paper on a probe with a size is the mean over: its surface, eq. 10 "
+      "and 11 (default), or its volume");
   cli::add_parsed(
       command, "--stabilization",
       [&options](const std::string& text) -> Result<void> {

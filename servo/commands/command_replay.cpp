@@ -16,6 +16,7 @@
 #include "servo/loop/run_report.hpp"
 #include "servo/scene/force_choice.hpp"
 #include "servo/scene/scene_assets.hpp"
+#include "servo/scene/tool_choice.hpp"
 
 namespace spm::servo {
 
@@ -101,7 +102,7 @@ ordered_json recording_json(const ReplaySource& source, const std::vector<Played
   ordered_json json = {{"spm_version", source.recording->header.spm_version},
                        {"instruction_set", source.recording->header.instruction_set}};
   std::uint64_t lost = 0, added = 0, compared = 0, differing = 0;
-  double largest = 0;
+  double largest = 0, largest_torque = 0;
   const Played* first = nullptr;
   for (const Played& one : all) {
     lost += one.ticks.lost;
@@ -109,6 +110,7 @@ ordered_json recording_json(const ReplaySource& source, const std::vector<Played
     compared += one.comparable - std::min(one.ticks.settled, one.comparable);
     differing += one.found.ticks;
     largest = std::max(largest, one.found.largest);
+    largest_torque = std::max(largest_torque, one.found.largest_torque);
     if (first == nullptr && one.found.ticks > 0) first = &one;
   }
   json["lost"] = lost;
@@ -118,6 +120,7 @@ ordered_json recording_json(const ReplaySource& source, const std::vector<Played
   json["forces_equal"] = compared == 0 ? ordered_json(nullptr) : ordered_json(differing == 0);
   json["differing_ticks"] = differing;
   json["largest_difference_n"] = largest;
+  json["largest_difference_n_m"] = largest_torque;
   json["differs"] = differs;
   if (first != nullptr) {
     json["first_difference_row"] = first->found.first_row;
@@ -133,6 +136,13 @@ ordered_json recording_json(const ReplaySource& source, const std::vector<Played
   return json;
 }
 
+/// The largest differences, torque where there is any.
+std::string largest_text(const ordered_json& recording) {
+  std::string text = fmt::format("{:.3g} N", recording["largest_difference_n"].get<double>());
+  const auto torque = recording["largest_difference_n_m"].get<double>();
+  return torque > 0 ? text + fmt::format(" and {:.3g} N m", torque) : text;
+}
+
 /// How the forces compare with the recorded ones, as one line.
 std::string comparison_text(const ordered_json& recording) {
   const auto differing = recording["differing_ticks"].get<std::uint64_t>();
@@ -141,8 +151,8 @@ std::string comparison_text(const ordered_json& recording) {
     return "none of the recording's forces can be compared\n";
   }
   if (differing > 0) {
-    return fmt::format("{} forces differ from the recording's, by {:.3g} N at most\n", differing,
-                       recording["largest_difference_n"].get<double>());
+    return fmt::format("{} forces differ from the recording's, by {} at most\n", differing,
+                       largest_text(recording));
   }
   return fmt::format("{} forces equal those of the recording, bit by bit\n", compared);
 }
@@ -179,6 +189,7 @@ Result<Assets> open_assets(const ForceChoice& choice) {
   map.lock = true;
   Assets assets;
   for (std::size_t i = 0; i < choice.assets.size(); ++i) {
+    map.tiles = is_tool(choice.scene, i);  // samples are made of them
     auto asset = MappedAsset::open(choice.assets[i], map);
     if (!asset) return at_place(place_of_asset(choice, i), asset.error());
     if (auto checked = check_asset((*asset)->metadata(), choice, i); !checked) {
@@ -187,6 +198,12 @@ Result<Assets> open_assets(const ForceChoice& choice) {
     assets.push_back(std::move(*asset));
   }
   return assets;
+}
+
+std::vector<const AssetView*> views_of(const Assets& assets) {
+  std::vector<const AssetView*> views;
+  for (const auto& asset : assets) views.push_back(&asset->view());
+  return views;
 }
 
 std::vector<std::string> hashes_of(const Assets& assets) {
@@ -210,6 +227,8 @@ Played ticks_to_play(const ReplaySource& source, std::size_t device,
   options.rate_hz = header.rate_hz;
   options.encoder_step = header.devices[device].encoder_step;
   options.limits = felt_limits(recorded_device(header.devices[device]), 1 / header.rate_hz);
+  options.turning = recorded_turning(header.devices[device]);
+  options.hand = device;
   options.marks = ticks.marks;
   played.comparable = source.own_scene ? ticks.ticks.size() : ticks.comparable;
   if (!source.own_scene) return played;
@@ -225,9 +244,7 @@ Played ticks_to_play(const ReplaySource& source, std::size_t device,
 /// `differs`: settings or assets are not the recording's.
 Result<void> play(const ReplaySource& source, const Assets& assets, const ReplayOptions& options,
                   bool differs, Played& played) {
-  std::vector<const AssetView*> views;
-  for (const auto& asset : assets) views.push_back(&asset->view());
-  played.result = replay(views, played.ticks.trajectory, options);
+  played.result = replay(views_of(assets), played.ticks.trajectory, options);
   for (const auto& asset : assets) {
     if (asset->lost()) {
       return fail(ExitCode::file_or_device,
@@ -283,6 +300,18 @@ Result<ordered_json> replay_file(const ReplayCommand& command) {
   if (source->choice.device.profile != nullptr) {
     options.encoder_step = source->choice.device.profile->encoder_step;
   }
+  options.turning = trajectory_turning(source->choice);
+  const std::vector<const AssetView*> views = views_of(*assets);
+  const std::size_t hands = source->recording ? source->recording->header.devices.size() : 1;
+  const auto added =
+      std::count_if(source->steps.begin(), source->steps.end(),
+                    [](const SceneStep& step) { return step.kind == RecordedKind::added; });
+  const auto tool = sample_tool(options.scene, views, hands, static_cast<std::size_t>(added));
+  if (!tool) {
+    return fail(tool.error().code, source->choice.assets[options.scene.tool->asset] +
+                                       ": can be no tool: " + tool.error().message);
+  }
+  options.tool = tool->get();
   const bool differs = source->recording && !replay_differences(*source, hashes).empty();
   std::vector<Played> all;
   for (const std::size_t device : *devices) {
@@ -334,13 +363,13 @@ int verdict_of(const ReplayCommand& command, const ordered_json& recording) {
     if (!causes.empty()) spdlog::warn("what differs from the recording: {}", causes);
     return static_cast<int>(ExitCode::done);
   }
-  return cli::report(Error{
-      ExitCode::tolerance_not_met,
-      fmt::format("{}: {} of {} forces differ from the recording's, by up to {:.3g} N, first "
-                  "at tick {}; what differs: {}",
-                  command.trajectory, differing, recording["compared_ticks"].get<std::uint64_t>(),
-                  recording["largest_difference_n"].get<double>(),
-                  recording["first_difference_tick"].get<std::uint64_t>(), causes)});
+  return cli::report(
+      Error{ExitCode::tolerance_not_met,
+            fmt::format("{}: {} of {} forces differ from the recording's, by up to {}, first "
+                        "at tick {}; what differs: {}",
+                        command.trajectory, differing,
+                        recording["compared_ticks"].get<std::uint64_t>(), largest_text(recording),
+                        recording["first_difference_tick"].get<std::uint64_t>(), causes)});
 }
 
 int execute_replay(const ReplayCommand& command) {

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <limits>
 #include <system_error>
 #include <utility>
 
@@ -23,7 +24,9 @@ void settle(PlacedObject& object, const ForceOptions& options) {
   object.force.method = options.method.value_or(object.force.method);
   object.force.rule = options.rule.value_or(object.force.rule);
   object.force.stiffness = options.stiffness.value_or(object.force.stiffness);
-  object.force.probe_radius = options.probe_radius.value_or(object.force.probe_radius);
+  object.stiffness_chosen = object.stiffness_chosen && !options.stiffness;
+  object.force.form = options.probe_form.value_or(object.force.form);
+  if (options.probe) object.force.take_probe(*options.probe);
 }
 
 /// Where an asset is now: where it was, or else beside the recording.
@@ -57,7 +60,7 @@ Result<void> take_own(ReplaySource& source, const std::string& path, const Force
   for (SceneStep& step : source.steps) settle(step.settings, options);
   StabilizationSettings& stabilization = choice.scene.stabilization;
   if (options.stabilization) stabilization = in_loop_of(stabilization, *options.stabilization);
-  choice.probe_radius = choice.scene.objects.front().force.probe_radius;
+  choice.probe = choice.scene.objects.front().force.probe();
   return {};
 }
 
@@ -78,10 +81,41 @@ bool same_place(const Placement& a, const Placement& b) {
          a.scale == b.scale;
 }
 
+/// Which asset it is, its number says, and the asset is compared by itself.
+bool same_tool(std::optional<ToolSettings> then, const std::optional<ToolSettings>& now) {
+  if (then.has_value() != now.has_value()) return false;
+  return !then || *then == *now;
+}
+
 }  // namespace
 
 ForceDevice recorded_device(const RecordedDevice& device) {
   return {find_device_profile(device.profile), device.stiffness_cap};
+}
+
+HandTurning recorded_turning(const RecordedDevice& device) {
+  HandTurning turning;
+  turning.reads = device.turns;
+  turning.torque_cap = device.torque_cap;
+  turning.turn_step = device.turn_step;
+  turning.inertia = device.turning_inertia;
+  if (device.force_cap > 0) turning.force_cap = device.force_cap;
+  return turning;
+}
+
+HandTurning trajectory_turning(const ForceChoice& choice) {
+  HandTurning turning;
+  turning.reads = true;
+  turning.torque_cap = std::numeric_limits<double>::infinity();
+  if (const DeviceProfile* const profile = choice.device.profile) {
+    turning.torque_cap = profile->torque_cap();
+    turning.turn_step = profile->turn_step();
+    turning.inertia = profile->turning_inertia();
+    turning.force_cap = profile->force_cap;
+  }
+  if (choice.scene.tool)
+    turning.torque_cap = std::min(turning.torque_cap, choice.scene.tool->torque_cap);
+  return turning;
 }
 
 Result<ReplaySource> read_replay_source(const std::string& path, const ForceOptions& asked) {
@@ -146,6 +180,7 @@ std::vector<std::string> replay_differences(const ReplaySource& source,
   }
   if (then.stabilization != now.stabilization) list.emplace_back("stabilization");
   if (!same_place(then.workspace, now.workspace)) list.emplace_back("workspace");
+  if (!same_tool(then.tool, now.tool)) list.emplace_back("tool");
   const RecordingHeader& header = source.recording->header;
   if (header.instruction_set != instruction_set() || header.spm_version != SPM_VERSION) {
     list.push_back(fmt::format("the recording was made by version {} with {}, this is {} with {}",

@@ -34,6 +34,13 @@ struct ReplaySource {
 /// A device of a recording as far as settings depend on it.
 [[nodiscard]] ForceDevice recorded_device(const RecordedDevice& device);
 
+/// Its turning, as the forces on a tool depended on it.
+[[nodiscard]] HandTurning recorded_turning(const RecordedDevice& device);
+
+/// That of a trajectory: of the scene's device, as if it turned; without one every turn is read,
+/// and the torque is limited by the scene's tool alone.
+[[nodiscard]] HandTurning trajectory_turning(const ForceChoice& choice);
+
 /// In what the replay differs from the recording's own forces: settings and assets by their names,
 /// and the program. `content_sha256`: of the assets that were opened.
 [[nodiscard]] std::vector<std::string> replay_differences(

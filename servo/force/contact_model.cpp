@@ -17,6 +17,19 @@ double unit_number(std::uint64_t seed, std::uint64_t place) noexcept {
   return (static_cast<double>(bits >> 11U) + 0.5) * 0x1p-53;
 }
 
+/// The contact that eq. 17 and 19 are of. For a probe with a size S_SP - D_SP is the mean that its
+/// force came from, and the plane is that of its centre.
+PaperContact paper_place(const AssetView& asset, const ForceSettings& force, const Vector3& point,
+                         const ContactForce& contact) noexcept {
+  if (!(force.probe_radius > 0)) return paper_contact(asset, point, force.rule);
+  PaperContact found;
+  found.contact = contact.contact;
+  found.plane = static_cast<std::uint32_t>(closest_support_plane(asset, point));
+  found.plane_depth = found.depth = contact.depth;
+  found.normal = contact.normal;
+  return found;
+}
+
 /// A draw of the normal distribution (Box and Muller).
 double gaussian_number(std::uint64_t seed, std::uint64_t place) noexcept {
   return std::sqrt(-2 * std::log(unit_number(seed, 2 * place))) *
@@ -181,7 +194,7 @@ void ContactModel::add_effects(const AssetView& asset, const Vector3& point, std
 void ContactModel::add_paper_effects(const AssetView& asset, const Vector3& point,
                                      const Vector3& motion, ContactForce& contact) noexcept {
   const EffectSettings& effects = settings_.effects;
-  const PaperContact found = paper_contact(asset, point, settings_.force.rule);
+  const PaperContact found = paper_place(asset, settings_.force, point, contact);
   Vector3 reaction = contact.force;
   if (effects.texture_noise > 0) {
     const double noise = effects.texture_noise * gaussian_number(effects.noise_seed, ticks_);

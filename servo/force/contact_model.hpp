@@ -8,8 +8,8 @@
 #include "common/contact/proxy.hpp"
 #include "servo/force/force_budget.hpp"
 #include "servo/force/potential_lattice.hpp"
-#include "servo/force/velocity_estimate.hpp"
-#include "servo/force/virtual_coupling.hpp"
+#include "servo/stabilize/velocity_estimate.hpp"
+#include "servo/stabilize/virtual_coupling.hpp"
 
 namespace spm {
 
@@ -44,6 +44,8 @@ class ContactModel {
                                   std::uint64_t ticks = 1, bool exact = true) noexcept;
   /// How the last force was computed.
   [[nodiscard]] Care care() const noexcept { return care_; }
+  /// Turns the probe's long side, unit, object's frame, from now on.
+  void turn_probe(const Vector3& axis) noexcept { settings_.force.probe_axis = axis; }
 
   /// Forgets all state: at the start, and where the hand was away.
   void reset() noexcept;

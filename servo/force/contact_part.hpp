@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "common/base/vector.hpp"
+#include "common/base/wrench.hpp"
 
 namespace spm {
 
@@ -18,6 +19,13 @@ namespace spm {
   const double size = wanted.squaredNorm();
   return size > 0 ? Vector3(std::clamp(sent.dot(wanted) / size, 0.0, 1.0) * contact)
                   : Vector3(contact);
+}
+
+/// The same of a wrench: limits take from force and torque each by itself.
+[[nodiscard]] inline Wrench contact_part(const Wrench& sent, const Wrench& contact,
+                                         const Wrench& added) noexcept {
+  return {contact_part(sent.force, contact.force, added.force),
+          contact_part(sent.torque, contact.torque, added.torque)};
 }
 
 }  // namespace spm

@@ -29,6 +29,9 @@ struct ForceDevice {
 struct FeltLimits {
   double stiffness = std::numeric_limits<double>::infinity();  ///< N per metre of the hand, above 0
   double damping = std::numeric_limits<double>::infinity();    ///< N s/m, of eq. 18; 0 or more
+  /// N per metre of the hand, above 0: what the device holds stably at one tick of delay and 1 kHz.
+  /// Stiffness that is chosen for the device is held to it, and to less where the delay is longer.
+  double stable = std::numeric_limits<double>::infinity();
 };
 
 /// The limits of a device in ticks of that length, s. The damping is what its moving mass bears.
@@ -44,8 +47,8 @@ struct FeltLimits {
 /// Of several devices the one that suits the least stiffness; there may be none.
 [[nodiscard]] ForceDevice least_stiff(std::span<const ForceDevice> devices) noexcept;
 
-/// An object at the origin whose settings are all the default. `stiffness` in N/m, `probe_radius`
-/// in m.
-[[nodiscard]] PlacedObject default_object(double stiffness, double probe_radius) noexcept;
+/// An object at the origin whose settings are all the default, but for the method where only
+/// `paper` knows the probe. `stiffness` in N/m.
+[[nodiscard]] PlacedObject default_object(double stiffness, const ProbeShape& probe) noexcept;
 
 }  // namespace spm

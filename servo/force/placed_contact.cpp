@@ -2,6 +2,7 @@
 #include "servo/force/placed_contact.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 #include "common/query/query.hpp"
 
@@ -24,6 +25,7 @@ ContactSettings in_asset_frame(const PlacedObject& object, double tick, double e
   settings.coupling.damping *= scale;
   settings.force.stiffness *= scale;
   settings.force.probe_radius /= scale;
+  settings.force.probe_length /= scale;
   EffectSettings& effects = settings.effects;
   effects.friction.stiffness *= scale;
   effects.damping *= scale;
@@ -44,7 +46,12 @@ PlacedContact::PlacedContact(const PlacedObject& object, double tick, double enc
       seat_rotation_(rotation_),
       seat_(position_),
       scale_(object.placement.scale),
-      contact_margin_(kernel_radius * object.effects.smoothing.sigma / object.placement.scale),
+      turns_(object.force.probe_length > 0),
+      probe_axis_(object.force.probe_axis),
+      // An asset's band reaches as far as the probe's radius.
+      contact_margin_(
+          (kernel_radius * object.effects.smoothing.sigma + object.force.probe_length / 2) /
+          object.placement.scale),
       // Of the paper's rules this one may find contact anywhere.
       may_skip_(object.force.method != Method::paper ||
                 object.force.rule != PaperRule::closest_surface),
@@ -83,7 +90,10 @@ NearSurface PlacedContact::near_surface(const AssetView& asset,
                                         const Vector3& point) const noexcept {
   const Answer answer = query_point(asset, rotation_.transpose() * (point - position_) / scale_);
   if (answer.status != Status::exact) return {};
-  const double radius = model_.settings().force.probe_radius;
+  const ForceSettings& force = model_.settings().force;
+  // How far the probe reaches towards the surface.
+  const double along = turns_ ? std::abs((rotation_ * answer.normal).dot(probe_axis_)) : 0;
+  const double radius = force.probe_radius + along * force.probe_length / 2;
   return {scale_ * (answer.distance - radius), rotation_ * answer.normal,
           scale_ * (asset.band.margin - radius)};
 }
@@ -102,6 +112,7 @@ bool PlacedContact::passes(const AssetView& asset, const Vector3& point) const n
 ContactForce PlacedContact::next(const AssetView& asset, const Vector3& point, std::uint64_t ticks,
                                  bool exact) noexcept {
   const Vector3 local = rotation_.transpose() * (point - position_) / scale_;
+  if (turns_) model_.turn_probe(rotation_.transpose() * probe_axis_);
   // A proxy may still hold a hand that has left the box on the other side.
   if (may_skip_ && !touching_ && !passes(asset, local)) {
     if (!away_) model_.reset();

@@ -8,19 +8,21 @@
 namespace spm {
 
 /// One object as it lies in the world, and how it feels. Lengths, forces, stiffnesses and damping
-/// are in world units: a scale makes the object larger, not softer.
+/// are in world units: a scale makes the object larger, not softer. The probe's axis is in the
+/// hand's frame.
 struct PlacedObject {
   std::size_t asset = 0;  ///< which of the scene's assets it is
   Placement placement;    ///< of the asset's frame
   ForceSettings force;
   EffectSettings effects;
-  bool movable = false;  ///< whether applications may move it
+  bool movable = false;           ///< whether applications may move it
+  bool stiffness_chosen = false;  ///< for the device: it follows the delay that is measured
 };
 
 /// The settings of a contact model in the asset's frame that make the object's settings hold in the
 /// world. Lengths are divided by the object's scale; forces per length are multiplied by it. `tick`
 /// in s, above 0; `encoder_step` in m of the world; `coupling` and `potential` (m) are in world
-/// units too.
+/// units too. The probe's axis stays the world's, since the object may turn.
 [[nodiscard]] ContactSettings in_asset_frame(const PlacedObject& object, double tick,
                                              double encoder_step,
                                              const CouplingSettings& coupling = {},
@@ -31,7 +33,8 @@ struct PlacedObject {
 /// its band, the model is not evaluated. No call allocates or throws.
 class PlacedContact {
  public:
-  /// `tick` in s, above 0; `encoder_step` in m of the world, 0 or more.
+  /// `tick` in s, above 0; `encoder_step` in m of the world, 0 or more. `object` has its probe's
+  /// axis in the world's frame.
   PlacedContact(const PlacedObject& object, double tick, double encoder_step,
                 const CouplingSettings& coupling = {},
                 VelocityMethod velocity = VelocityMethod::estimate, double potential = 0) noexcept;
@@ -56,6 +59,12 @@ class PlacedContact {
   }
   /// m, world.
   [[nodiscard]] const Vector3& position() const noexcept { return position_; }
+  [[nodiscard]] Eigen::Isometry3d pose() const noexcept {
+    Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
+    pose.linear() = rotation_;
+    pose.translation() = position_;
+    return pose;
+  }
 
   /// Forgets all state: at the start, and where the hand was away.
   void reset() noexcept;
@@ -93,6 +102,8 @@ class PlacedContact {
   Eigen::Matrix3d seat_rotation_;  ///< where it was when `carried` was last called
   Vector3 seat_;
   double scale_;
+  bool turns_;          ///< whether the probe has a long side
+  Vector3 probe_axis_;  ///< unit, world
   double
       contact_margin_;  ///< m, asset's frame: how far outside the asset's box there may be contact
   bool may_skip_;       ///< whether there is no contact beyond that

@@ -12,24 +12,41 @@ ForceScene scene_of(const ForceSettings& force, const EffectSettings& effects) {
 }
 
 SceneForce::SceneForce(const ForceScene& scene, double tick, double encoder_step, std::size_t room,
-                       const FeltLimits& limits)
+                       const FeltLimits& limits, const HandTurning& turning)
     : rotation_(scene.workspace.rotation.toRotationMatrix()),
       position_(scene.workspace.position),
       scale_(scene.workspace.scale),
       tick_(tick),
       encoder_step_(encoder_step * scale_),
-      limits_{limits.stiffness / scale_, limits.damping / scale_},
+      limits_{limits.stiffness / scale_, limits.damping / scale_, limits.stable / scale_},
       stabilization_(scene.stabilization),
+      asked_delay_(scene.stabilization.delay_ticks),
       stabilizer_(scene.stabilization, tick, encoder_step) {
   objects_.reserve(scene.objects.size() + room);
+  if (scene.tool) {
+    const ToolLoop loop{tick,
+                        encoder_step,
+                        scene.added.force.stiffness,
+                        stable_share(),
+                        scene.stabilization.device_mass,
+                        limits,
+                        turning};
+    tool_objects_.reserve(objects_.capacity());
+    tool_.emplace(*scene.tool, loop, scene.stabilization, scene.workspace, objects_.capacity());
+  }
   for (const PlacedObject& object : scene.objects) static_cast<void>(add(object));
 }
 
 PlacedContact SceneForce::contact_of(const PlacedObject& object) const noexcept {
   PlacedObject capped = object;
-  capped.force.stiffness = std::min(object.force.stiffness, limits_.stiffness);
+  capped.force.probe_axis = rotation_ * object.force.probe_axis;
+  double most = limits_.stiffness;
+  if (object.stiffness_chosen) {
+    most = std::min(most, limits_.stable * stable_share());
+  }
+  capped.force.stiffness = std::min(object.force.stiffness, most);
   FrictionSettings& friction = capped.effects.friction;
-  friction.stiffness = std::min(friction.stiffness, limits_.stiffness);
+  friction.stiffness = std::min(friction.stiffness, most);
   capped.effects.damping = std::min(capped.effects.damping, limits_.damping);
   // A force that was turned is no gradient of a potential.
   if (stabilization_.potential > 0) capped.effects.turn.rate = 0;
@@ -50,6 +67,7 @@ std::optional<std::size_t> SceneForce::put(const PlacedObject& object) noexcept 
   for (std::size_t i = 0; i < objects_.size(); ++i) {
     if (objects_[i].is_there) continue;
     objects_[i] = std::move(added);
+    if (tool_) tool_->exchange(i);
     return i;
   }
   // A further object would allocate.
@@ -62,14 +80,36 @@ void SceneForce::change(std::size_t object, const PlacedObject& settings) noexce
   if (object >= objects_.size()) return;
   PlacedContact contact = contact_of(settings);
   contact.continue_from(objects_[object].contact);
+  if (tool_ && settings.asset != objects_[object].settings.asset) tool_->exchange(object);
   objects_[object].settings = settings;
   objects_[object].contact = contact;
   if (listener_ != nullptr) listener_->changed(object, settings);
 }
 
-void SceneForce::stabilize(const StabilizationSettings& stabilization) noexcept {
+void SceneForce::set_delay(double ticks) noexcept {
+  measured_delay_ = ticks;
+  if (std::max(asked_delay_, ticks) == stabilization_.delay_ticks) return;
+  StabilizationSettings asked = stabilization_;
+  asked.delay_ticks = asked_delay_;
+  stabilize(asked);
+}
+
+double SceneForce::stiffest() const noexcept {
+  if (tool_) return tool_->coupling().stiffness;
+  double most = 0;
+  for (const Object& object : objects_) {
+    if (object.is_there) most = std::max(most, object.contact.stiffness());
+  }
+  return most * scale_;
+}
+
+void SceneForce::stabilize(const StabilizationSettings& settings) noexcept {
+  asked_delay_ = settings.delay_ticks;
+  StabilizationSettings stabilization = settings;
+  stabilization.delay_ticks = std::max(asked_delay_, measured_delay_);
   stabilization_ = stabilization;
   stabilizer_ = Stabilizer(stabilization, tick_, encoder_step_ / scale_);
+  if (tool_) tool_->stabilize(stabilization, stable_share());
   for (Object& object : objects_) {
     PlacedContact contact = contact_of(object.settings);
     contact.place_as(object.contact);
@@ -85,6 +125,7 @@ void SceneForce::remove(std::size_t object) noexcept {
   objects_[object].is_there = false;
   objects_[object].reaction = {};
   stabilizer_.reset();
+  if (tool_) tool_->rebalance();
   if (listener_ != nullptr) listener_->removed(object);
 }
 
@@ -97,6 +138,7 @@ void SceneForce::place(std::size_t object, const Vector3& position,
 
 void SceneForce::reset() noexcept {
   stabilizer_.reset();
+  if (tool_) tool_->reset();
   for (Object& object : objects_) {
     object.contact.reset();
     object.reaction = {};
@@ -112,6 +154,8 @@ NearSurface SceneForce::near_surface(std::size_t object, std::span<const AssetVi
 
 void SceneForce::exchange() noexcept {
   for (Object& object : objects_) object.contact.exchange();
+  if (!tool_) return;
+  for (std::size_t i = 0; i < objects_.size(); ++i) tool_->exchange(i);
 }
 
 /// The share, up to 1, of all forces that keeps what is felt of them together within the limits.
@@ -180,7 +224,9 @@ void SceneForce::ask(std::span<const AssetView* const> assets, const Vector3& po
 
 ContactForce SceneForce::next(std::span<const AssetView* const> assets, const Vector3& hand,
                               std::uint64_t ticks, const ForceBudget& budget) noexcept {
+  if (tool_) return next(assets, HandPose{hand, Eigen::Quaterniond::Identity()}, ticks, budget);
   effort_ = {};
+  touched_stiffness_ = 0;
   if (!hand.allFinite()) {
     reset();
     return {};
@@ -200,6 +246,7 @@ ContactForce SceneForce::next(std::span<const AssetView* const> assets, const Ve
     object.normal = contact.normal;
     ++touching;
     sum.force += contact.force;
+    touched_stiffness_ += object.contact.stiffness();
     object.reaction.force = -contact.force;
     object.reaction.torque = (point - object.contact.position()).cross(-contact.force);
     if (!sum.contact || contact.depth > sum.depth) {
@@ -210,6 +257,7 @@ ContactForce SceneForce::next(std::span<const AssetView* const> assets, const Ve
     sum.contact = true;
   }
   share_ = touching > 1 && sum.depth > 0 ? share_within_limits(sum.depth) : 1;
+  touched_stiffness_ *= share_;
   if (share_ < 1) {
     sum.force *= share_;
     for (Object& object : objects_) {

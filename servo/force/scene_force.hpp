@@ -8,11 +8,15 @@
 #include <span>
 #include <vector>
 
+#include "common/base/hand_pose.hpp"
 #include "common/base/wrench.hpp"
+#include "common/contact/stable_stiffness.hpp"
 #include "servo/force/default_settings.hpp"
 #include "servo/force/placed_contact.hpp"
 #include "servo/force/scene_listener.hpp"
-#include "servo/force/stabilizer.hpp"
+#include "servo/force/tool_force.hpp"
+#include "servo/force/tool_settings.hpp"
+#include "servo/stabilize/stabilizer.hpp"
 
 namespace spm {
 
@@ -23,7 +27,9 @@ struct ForceScene {
   std::vector<PlacedObject> objects;  ///< one or more
   StabilizationSettings stabilization{};  ///< of the sum, and of how the objects are touched
   /// What objects of applications are, beside what they name.
-  PlacedObject added = default_object(ForceSettings{}.stiffness, 0);
+  PlacedObject added = default_object(ForceSettings{}.stiffness, {});
+  bool follows_delay = false;          ///< the delay is measured; false: it is that of the settings
+  std::optional<ToolSettings> tool{};  ///< empty: a point or a ball, as the objects' settings say
 };
 
 /// The scene of one object whose frame is the hand's.
@@ -36,8 +42,9 @@ class SceneForce {
  public:
   /// `tick` in s, above 0; `encoder_step` in m of the hand, 0 or more. `room`: number of objects
   /// that can be added to those of the scene. `limits` hold whatever the settings of objects say.
+  /// `turning`: of the device, where the scene has a tool.
   SceneForce(const ForceScene& scene, double tick, double encoder_step, std::size_t room = 0,
-             const FeltLimits& limits = {});
+             const FeltLimits& limits = {}, const HandTurning& turning = {});
 
   /// Force on a probe centred at `hand`, `ticks` after the last one. Position, force and normal are
   /// in the hand's frame. The workspace's scale turns metres of the hand into metres of the world;
@@ -50,11 +57,25 @@ class SceneForce {
   /// next call with a clock begins with the first of them.
   [[nodiscard]] ContactForce next(std::span<const AssetView* const> assets, const Vector3& hand,
                                   std::uint64_t ticks = 1, const ForceBudget& budget = {}) noexcept;
+  /// The same for a hand that turns. Where the scene has a tool, force and torque (N m, about the
+  /// hand's position) are on a hand that holds it; depth and normal are those of the deepest patch.
+  /// Without a tool the orientation is ignored, and the torque is zero. A position that is not
+  /// finite, or an orientation that is not unit, gives zero, and all state is forgotten.
+  [[nodiscard]] ContactForce next(std::span<const AssetView* const> assets, const HandPose& hand,
+                                  std::uint64_t ticks = 1, const ForceBudget& budget = {}) noexcept;
   /// How the last force was computed.
   [[nodiscard]] const ForceEffort& effort() const noexcept { return effort_; }
   /// Tells what was sent of that force, N, the hand's frame: a soft start or a cap may have taken
   /// from it. Without it all of it counts as sent.
-  void sent(const Vector3& force) noexcept { stabilizer_.sent(force); }
+  void sent(const Vector3& force) noexcept { sent(Wrench{force, Vector3::Zero()}); }
+  void sent(const Wrench& wrench) noexcept;
+
+  /// Gives the tool's samples, made by the loading thread; null: none yet, and no force. Must
+  /// outlive its use here. `hand_number`: which of its memories this hand may use.
+  void take_tool(SampledTool* tool, std::size_t hand_number) noexcept;
+  [[nodiscard]] bool has_tool() const noexcept { return tool_.has_value(); }
+  /// What the tool did in the last tick. Without a tool, that of a tool that never was.
+  [[nodiscard]] const ToolTick& tool() const noexcept;
 
   /// The number of objects, including those that were removed: each object's number is below it.
   [[nodiscard]] std::size_t size() const noexcept { return objects_.size(); }
@@ -69,6 +90,22 @@ class SceneForce {
   void change(std::size_t object, const PlacedObject& settings) noexcept;
   /// Gives the scene other stabilization settings. Hands stay on their sides of what they touch.
   void stabilize(const StabilizationSettings& stabilization) noexcept;
+  /// Counts with a measured delay of the loop, ticks, from now on, wherever it is longer than that
+  /// of the settings: in the stabilization, and in the stiffness that was chosen for the device.
+  /// Hands stay on their sides.
+  void set_delay(double ticks) noexcept;
+  /// The delay that is counted with, ticks.
+  [[nodiscard]] double counted_delay() const noexcept { return stabilization_.delay_ticks; }
+  /// The same with the actuator's lag.
+  [[nodiscard]] double total_delay() const noexcept { return stabilization_.total_delay(tick_); }
+  /// What that leaves of the stiffness that the device holds stably at one tick, 0 to 1.
+  [[nodiscard]] double stable_share() const noexcept {
+    return stiffness_share(stabilization_.lag, stabilization_.delay_ticks, tick_);
+  }
+  /// N per metre of the hand, of the stiffest object as it is felt now.
+  [[nodiscard]] double stiffest() const noexcept;
+  /// N/m, of all objects that were touched in the last tick, together, as they were felt; world.
+  [[nodiscard]] double touched_stiffness() const noexcept { return touched_stiffness_; }
   /// Removes an object together with its force. Its number may be given to another object.
   void remove(std::size_t object) noexcept;
   /// What the hand did to an object in the last tick: N, and N m about its origin; world frame.
@@ -104,6 +141,9 @@ class SceneForce {
   };
 
   [[nodiscard]] std::optional<std::size_t> put(const PlacedObject& object) noexcept;
+  [[nodiscard]] ContactForce next_with_tool(std::span<const AssetView* const> assets,
+                                            const HandPose& hand, std::uint64_t ticks,
+                                            const ForceBudget& budget) noexcept;
   [[nodiscard]] PlacedContact contact_of(const PlacedObject& object) const noexcept;
   void ask(std::span<const AssetView* const> assets, const Vector3& point, std::uint64_t ticks,
            const ForceBudget& budget) noexcept;
@@ -114,14 +154,19 @@ class SceneForce {
   Vector3 position_;
   double scale_;
   double tick_, encoder_step_;
-  FeltLimits limits_;  ///< of the world
-  StabilizationSettings stabilization_;
-  Stabilizer stabilizer_;        ///< stabilization of the sum
-  double share_ = 1;             ///< of all forces that is felt, in the last tick
+  FeltLimits limits_;                    ///< of the world
+  StabilizationSettings stabilization_;  ///< with the delay that is counted with
+  double asked_delay_;                   ///< ticks, that of the settings
+  double measured_delay_ = 0;            ///< ticks; 0: not known
+  Stabilizer stabilizer_;                ///< stabilization of the sum
+  double share_ = 1;                     ///< of all forces that is felt, in the last tick
+  double touched_stiffness_ = 0;
   std::vector<Object> objects_;  ///< never grows beyond its capacity
   SceneListener* listener_ = nullptr;
   ForceEffort effort_;
   std::size_t turn_ = 0;  ///< the object with which the next tick begins
+  std::optional<ToolForce> tool_;
+  std::vector<ToolObject> tool_objects_;  ///< by number, for the tool
 };
 
 }  // namespace spm

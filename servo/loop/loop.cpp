@@ -6,7 +6,6 @@
 
 #include "servo/base/clock.hpp"
 #include "servo/devices/base/port.hpp"
-#include "servo/force/contact_part.hpp"
 #include "servo/realtime/page_faults.hpp"
 
 namespace spm::servo {
@@ -24,22 +23,6 @@ constexpr int warm_up_rounds = 64;
 /// silent cannot stop it.
 constexpr double pace_lead = 0.25, pace_patience = 0.5;
 
-ForceOff cause_of(DeviceHealth health) noexcept {
-  switch (health) {
-    case DeviceHealth::ok:
-      return ForceOff::none;
-    case DeviceHealth::fault:
-      return ForceOff::device_fault;
-    case DeviceHealth::silent:
-      return ForceOff::device_silent;
-    case DeviceHealth::gone:
-      return ForceOff::device_gone;
-    case DeviceHealth::not_homed:
-      return ForceOff::not_homed;
-  }
-  return ForceOff::device_fault;
-}
-
 }  // namespace
 
 double stiffness_at_hand(const ForceScene& scene) {
@@ -50,25 +33,13 @@ double stiffness_at_hand(const ForceScene& scene) {
   return stiffest * scene.workspace.scale;
 }
 
-Loop::Channel::Channel(Device* driven, const SafetySettings& limits, const LoopSettings& settings,
-                       std::size_t room)
-    : device(driven),
-      safety(limits),
-      gate(settings.rate_hz),
-      permission(
-          {settings.acknowledge, settings.enable_button, driven->capabilities().clutch_button}),
-      force(settings.scene, 1 / settings.rate_hz, driven->capabilities().encoder_step, room,
-            felt_limits(force_device(driven->capabilities()), 1 / settings.rate_hz)),
-      force_cap(limits.force_cap),
-      velocity(driven->capabilities().encoder_step, 1 / settings.rate_hz) {}
-
 Loop::Loop(const LoopSettings& settings, std::vector<Device*> devices,
            std::vector<AssetSlot*> assets, TickRing& ring, const std::atomic<bool>& stop,
            AppState* app, SceneEditSlot* edits)
     : settings_(settings),
       edits_(app != nullptr ? edits : nullptr),
       slots_(std::move(assets)),
-      slots_in_use_(edits_ != nullptr ? std::min(slots_.size(), assets_of(settings.scene.objects))
+      slots_in_use_(edits_ != nullptr ? std::min(slots_.size(), assets_of(settings.scene))
                                       : slots_.size()),
       ring_(ring),
       stop_(stop),
@@ -77,10 +48,7 @@ Loop::Loop(const LoopSettings& settings, std::vector<Device*> devices,
       stiffness_(stiffness_at_hand(settings.scene)) {
   const std::size_t room = app != nullptr ? AppScene::room(settings.scene) : 0;
   for (std::size_t i = 0; i < devices.size(); ++i) {
-    const DeviceCapabilities& device = devices[i]->capabilities();
-    const double cap = std::min(device.force_cap, settings.force_cap);
-    const double stiffness = std::min(stiffness_, device.stiffness_cap);
-    Channel channel(devices[i], safety_settings(cap, stiffness, settings.rate_hz), settings, room);
+    Channel channel(devices[i], settings, room);
     channel.record.device = static_cast<std::uint32_t>(i);
     channels_.push_back(std::move(channel));
   }
@@ -91,10 +59,13 @@ Loop::Loop(const LoopSettings& settings, std::vector<Device*> devices,
     const DeviceCapabilities& device = devices[i]->capabilities();
     const ForceDevice kind = force_device(device);
     const double tick = 1 / settings_.rate_hz;
+    app_->effects().know_torque(static_cast<std::uint32_t>(i),
+                                channels_[i].safety.torque_cap() > 0);
     app_->effects().know_device(
         static_cast<std::uint32_t>(i),
-        {auto_stiffness(kind) / scale, felt_limits(kind, tick).damping / scale},
-        scale * device.encoder_step, tick, settings_.scene.stabilization.total_delay(tick));
+        {kind.stiffness_cap / scale, felt_limits(kind, tick).damping / scale,
+         auto_stiffness(kind) / scale},
+        scale * device.encoder_step, tick, channels_[i].force.total_delay());
   }
   published_.resize(channels_.size());
   device_counters_.resize(channels_.size());
@@ -148,6 +119,7 @@ void Loop::run_ticks(TickSchedule schedule) noexcept {
     begin_app(woke);
     // After these two, because they may bring an object of an asset that was not needed before.
     take_up();
+    follow_delay();
     for (Channel& channel : channels_) serve(channel, schedule.index(), stopping);
     end_app(schedule.index(), woke);
 
@@ -156,15 +128,7 @@ void Loop::run_ticks(TickSchedule schedule) noexcept {
     for (Channel& channel : channels_) {
       touching = touching || channel.record.contact;
       degraded = degraded || channel.record.effort.degraded();
-      channel.record.tick = schedule.index();
-      channel.record.wake_ns = wake_lateness;
-      channel.record.busy_ns = finished - woke;
-      const bool kept = ring_.try_enqueue(channel.record);
-      channel.record.lost = !kept;
-      // A mark that belongs to one tick alone waits for a record that the ring accepts.
-      channel.record.edited = channel.record.edited && !kept;
-      channel.record.exchanged = channel.record.exchanged && !kept;
-      counters_.unrecorded += kept ? 0 : 1;
+      record(channel, schedule.index(), wake_lateness, finished - woke);
     }
     ++counters_.ticks;
     counters_.contact_ticks += touching ? 1 : 0;
@@ -176,6 +140,39 @@ void Loop::run_ticks(TickSchedule schedule) noexcept {
   }
 }
 
+/// Hands a tick's record on.
+void Loop::record(Channel& channel, std::uint64_t tick, std::int64_t wake_ns,
+                  std::int64_t busy_ns) noexcept {
+  TickRecord& record = channel.record;
+  record.tick = tick;
+  record.wake_ns = wake_ns;
+  record.busy_ns = busy_ns;
+  const bool kept = ring_.try_enqueue(record);
+  record.lost = !kept;
+  // A mark that belongs to one tick alone waits for a record that the ring accepts.
+  record.edited = record.edited && !kept;
+  record.exchanged = record.exchanged && !kept;
+  counters_.unrecorded += kept ? 0 : 1;
+}
+
+/// Counts with the delay of the slowest device: all forces get the same calls, so that a recording
+/// of one tells those of all.
+void Loop::follow_delay() noexcept {
+  if (!settings_.scene.follows_delay) return;
+  bool changed = !std::exchange(delay_told_, true);
+  double longest = 0;
+  for (Channel& channel : channels_) {
+    changed = channel.delay.look(channel.device->delays()) || changed;
+    longest = std::max(longest, channel.delay.counted());
+  }
+  if (!changed) return;
+  for (Channel& channel : channels_) {
+    channel.force.set_delay(longest);
+    channel.safety.restart();
+    if (app_) tell_effects(channel);
+  }
+}
+
 /// Shows the guards that the loop ticks, and learns whether they had to act.
 void Loop::tell_beat(std::int64_t woke) noexcept {
   if (settings_.beat != nullptr) settings_.beat->store(woke, std::memory_order_relaxed);
@@ -183,24 +180,11 @@ void Loop::tell_beat(std::int64_t woke) noexcept {
   stood_still_ = before != 0 && woke - before >= loop_stall_ns;
 }
 
-/// Whether the loop stood still before this tick or in it, so that guards sent the device zero. It
-/// then gets its force back by the soft start.
-bool Loop::was_stopped(const Channel& channel) const noexcept {
-  return channel.device->capabilities().guarded &&
-         (stood_still_ || now_ns() - last_woke_ >= loop_stall_ns);
+/// An asset without objects may be lost without effect, unless it is the tool.
+bool Loop::is_needed(std::size_t asset) const noexcept {
+  const std::optional<ToolSettings>& tool = settings_.scene.tool;
+  return !app_ || app_->uses(asset) || (tool && tool->asset == asset);
 }
-
-/// If the asset of one object is missing, a scene gives no force at all.
-ForceOff Loop::assets_off() const noexcept {
-  if (!complete_) return had_assets_ ? ForceOff::asset_lost : ForceOff::starting;
-  for (std::size_t i = 0; i < slots_in_use_; ++i) {
-    if (served_[i] != nullptr && served_[i]->lost() && is_needed(i)) return ForceOff::asset_lost;
-  }
-  return ForceOff::none;
-}
-
-/// An asset without objects may be lost without effect.
-bool Loop::is_needed(std::size_t asset) const noexcept { return !app_ || app_->uses(asset); }
 
 void Loop::take_edit(std::int64_t now_ns) noexcept {
   const SceneEdit* edit = edits_ != nullptr ? edits_->pending() : nullptr;
@@ -216,137 +200,6 @@ void Loop::take_edit(std::int64_t now_ns) noexcept {
   edits_->answer_with(done ? EditAnswer::done : EditAnswer::no_room);
 }
 
-/// Why the device's answer cannot be used; `none` if it can.
-ForceOff Loop::device_off(Channel& channel, DeviceHealth health, const Vector3& position,
-                          std::uint64_t tick) noexcept {
-  ForceOff cause = cause_of(health);
-  if (cause == ForceOff::none) cause = cause_of(channel.written);
-  if (cause == ForceOff::none && !position.allFinite()) cause = ForceOff::not_a_number;
-  if (cause == ForceOff::none && is_outside(position, channel.device->capabilities().workspace)) {
-    cause = ForceOff::outside_workspace;
-  }
-  if (cause != ForceOff::none) {
-    channel.gate.forget();
-    return cause;
-  }
-  return channel.gate.jumped(position, tick) ? ForceOff::jumped : ForceOff::none;
-}
-
-/// Whether the hand moves freely, by request of an application or by the device's own button.
-bool Loop::is_clutched(const Channel& channel, const DeviceState& state) noexcept {
-  const std::uint32_t button = channel.device->capabilities().clutch_button;
-  return channel.app_clutched || (button > 0 && ((state.buttons >> (button - 1)) & 1U) != 0);
-}
-
-void Loop::serve(Channel& channel, std::uint64_t tick, bool stopping) noexcept {
-  DeviceState state;
-  const DeviceHealth health = channel.device->read(state);
-  if (health == DeviceHealth::ok) {
-    channel.believed = state.position;
-  } else {
-    // A device that tells nothing is still where it was.
-    state.position = channel.believed;
-  }
-  channel.ticks = tick > channel.last_tick ? tick - channel.last_tick : 1;
-  channel.last_tick = tick;
-  const ForceOff device = device_off(channel, health, state.position, tick);
-
-  // Whatever the cause, the device is still read, and zero is sent to it.
-  ForceOff cause = assets_off();
-  if (cause == ForceOff::none) cause = device;
-  const bool at_fault = cause != ForceOff::none || app_silent_;
-  const ForceOff permitted = channel.permission.next(
-      {device == ForceOff::none, state.buttons, channel.acknowledged, at_fault});
-  // An application that hangs stays the cause as long as it does.
-  if (cause == ForceOff::none && permitted == ForceOff::unacknowledged && app_silent_) {
-    cause = ForceOff::application_silent;
-  }
-  if (cause == ForceOff::none) cause = permitted;
-  channel.clutched = device == ForceOff::none && is_clutched(channel, state);
-  const Vector3 tool = device == ForceOff::none ? tool_of(channel, state.position) : state.position;
-  if (cause == ForceOff::none && channel.clutched) cause = ForceOff::clutched;
-
-  ContactForce contact;
-  Vector3 added = Vector3::Zero();
-  channel.record.forgot = channel.forgot;
-  channel.record.effort = {};
-  if (cause == ForceOff::none) {
-    channel.forgot = false;
-    contact = channel.force.next(views_, tool, channel.ticks, budget_of(channel));
-    channel.record.effort = channel.force.effort();
-    added = added_to(channel, tool);
-    // A page of the asset may have been lost while the force was computed from it.
-    cause = assets_off();
-  }
-  if (cause == ForceOff::none && was_stopped(channel)) cause = ForceOff::stalled;
-  if (stopping) cause = ForceOff::stopping;
-  if (cause != ForceOff::none) {
-    contact = ContactForce{};
-    added.setZero();
-    if (app_) app_->effects().rest(channel.record.device);
-    forget(channel);
-  }
-
-  const SafeForce sent = channel.safety.apply(contact.force + added, cause, app_silent_);
-  channel.written = channel.device->write(Wrench{sent.force, Vector3::Zero()});
-  if (sent.cause == ForceOff::none) {
-    channel.force.sent(contact_part(sent.force, contact.force, added));
-  }
-  channel.permission.sent(sent.cause);
-
-  channel.record.position = tool;
-  channel.record.wanted = contact.force;
-  channel.record.added = added;
-  channel.record.force = sent.force;
-  channel.record.buttons = state.buttons;
-  channel.record.depth = contact.depth;
-  channel.record.contact = contact.contact;
-  channel.record.cause = sent.cause;
-  account(channel, sent);
-  if (app_) tell(channel, state, health, contact, sent);
-}
-
-/// The devices share the budget evenly, and what one leaves is for the next.
-ForceBudget Loop::budget_of(const Channel& channel) const noexcept {
-  const double share = (channel.record.device + 1.0) / static_cast<double>(channels_.size());
-  ForceBudget budget;
-  budget.clock = settings_.clock;
-  budget.until_ns =
-      due_ + static_cast<std::int64_t>(share * settings_.tick_budget * 1e9 / settings_.rate_hz);
-  return budget;
-}
-
-/// The tool's position for a position of the hand. It is displaced by as much as the hand moved
-/// while it was clutched.
-Vector3 Loop::tool_of(Channel& channel, const Vector3& hand) noexcept {
-  if (channel.clutched) channel.clutch = channel.tool - hand;
-  channel.tool = hand + channel.clutch;
-  return channel.tool;
-}
-
-void Loop::account(Channel& channel, const SafeForce& sent) noexcept {
-  DeviceCounters& counters = device_counters_[channel.record.device];
-  const Vector3& position = channel.record.position;
-  if (position.allFinite()) {
-    if (channel.position_known) {
-      counters.energy += channel.last_force.dot(position - channel.last_position);
-      counters.generated_max = std::max(counters.generated_max, counters.energy);
-    }
-    channel.last_position = position;
-    channel.position_known = true;
-  }
-  channel.last_force = sent.force;
-  counters.contact_ticks += channel.record.contact ? 1 : 0;
-  const ForceEffort& effort = channel.record.effort;
-  counters.degraded_ticks += effort.degraded() ? 1 : 0;
-  counters.held += effort.held;
-  counters.shortened += effort.shortened;
-  counters.cap_hits += sent.capped ? 1 : 0;
-  counters.slew_hits += sent.slewed ? 1 : 0;
-  counters.force_max = std::max(counters.force_max, sent.force.norm());
-  if (sent.cause != ForceOff::none) ++counters.force_off[static_cast<std::size_t>(sent.cause)];
-}
-
 void Loop::take_up() noexcept {
   bool changed = false;
   complete_ = true;
@@ -356,6 +209,8 @@ void Loop::take_up() noexcept {
       changed = true;
       if (app_) app_->set_reach(i, asset->reach());
     }
+    const bool is_tool = settings_.scene.tool && settings_.scene.tool->asset == i;
+    if (is_tool && asset != served_[i]) take_tool(asset);
     served_[i] = asset;
     views_[i] = asset != nullptr ? asset->view : nullptr;
     complete_ = complete_ && (asset != nullptr || !is_needed(i));
@@ -369,9 +224,16 @@ void Loop::take_up() noexcept {
   }
 }
 
-void Loop::forget(Channel& channel) noexcept {
-  channel.force.reset();
-  channel.forgot = true;
+/// Hands the samples of the tool to all hands; null for none.
+void Loop::take_tool(const ServedAsset* asset) noexcept {
+  const Placement& placement = settings_.scene.tool->placement;
+  for (Channel& channel : channels_) {
+    channel.force.take_tool(asset != nullptr ? asset->tool : nullptr, channel.record.device);
+    if (asset == nullptr) continue;
+    channel.arm = (placement.position.norm() + placement.scale * asset->reach()) /
+                  settings_.scene.workspace.scale;
+    channel.feel(stiffness_, settings_.rate_hz);
+  }
 }
 
 /// Runs every function of a tick without a device, so that their code, the lazy bindings of the
@@ -389,18 +251,22 @@ void Loop::warm_up() noexcept {
       const Vector3 hand = settings_.scene.workspace.from_world(object.placement.to_world(point));
       ForceBudget budget;
       if (round % 2 != 0) budget.most = 0;
-      const ContactForce contact = channel.force.next(views_, hand, 1, budget);
-      const Vector3 force = contact.force + added_to(channel, hand);
-      static_cast<void>(channel.safety.apply(force, ForceOff::none));
+      // Turned further in each round, so that a tool meets its objects in many ways.
+      const double angle = 0.1 * round;
+      const HandPose pose{hand, Eigen::Quaterniond(Eigen::AngleAxisd(angle, Vector3::UnitY()))};
+      const ContactForce contact = channel.force.next(views_, pose, 1, budget);
+      const Wrench added = added_to(channel, hand);
+      static_cast<void>(channel.safety.apply(
+          {contact.force + added.force, contact.torque + added.torque}, ForceOff::none));
     }
     static_cast<void>(page_faults_of_this_thread());
   }
   std::fill(served_.begin(), served_.end(), nullptr);
   had_assets_ = false;
   for (Channel& channel : channels_) {
-    static_cast<void>(channel.safety.apply(Vector3::Zero(), ForceOff::starting));
+    static_cast<void>(channel.safety.apply({}, ForceOff::starting));
     channel.record.exchanged = false;
-    forget(channel);
+    channel.forget();
   }
 }
 

@@ -26,10 +26,17 @@ void Loop::begin_app(std::int64_t now_ns) noexcept {
 void Loop::follow_stiffness(double stiffness) noexcept {
   if (stiffness == stiffness_) return;
   stiffness_ = stiffness;
-  for (Channel& channel : channels_) {
-    const double felt = std::min(stiffness, channel.device->capabilities().stiffness_cap);
-    channel.safety.set_slew_limit(slew_limit(felt, settings_.rate_hz));
-  }
+  for (Channel& channel : channels_) channel.feel(stiffness, settings_.rate_hz);
+}
+
+/// Effects of applications count with the same delay as the objects.
+void Loop::tell_effects(const Channel& channel) noexcept {
+  const double tick = 1 / settings_.rate_hz;
+  const ForceDevice kind = force_device(channel.device->capabilities());
+  const double stable =
+      std::min(kind.stiffness_cap, felt_limits(kind, tick).stable * channel.force.stable_share());
+  app_->effects().set_delay(channel.record.device, channel.force.total_delay(),
+                            stable / settings_.scene.workspace.scale);
 }
 
 void Loop::end_app(std::uint64_t tick, std::int64_t now_ns) noexcept {
@@ -45,41 +52,72 @@ void Loop::tell_counts(std::int64_t woke, std::int64_t wake_ns, std::int64_t bus
 
 /// Prepares what applications learn of a device, in the world's frame.
 void Loop::tell(Channel& channel, const DeviceState& state, DeviceHealth health,
-                const ContactForce& contact, const SafeForce& sent) noexcept {
+                const ContactForce& contact, const SafeWrench& sent) noexcept {
   const Placement& workspace = settings_.scene.workspace;
-  AppDevice& published = published_[channel.record.device];
+  const TickRecord& record = channel.record;
+  AppDevice& published = published_[record.device];
   published.health = health;
   published.cause = sent.cause;
-  published.contact = channel.record.contact;
-  published.depth = channel.record.depth;
-  published.wrench = {workspace.rotation * sent.force, Vector3::Zero()};
+  published.contact = record.contact;
+  published.depth = record.depth;
+  published.wrench = {workspace.rotation * sent.force, workspace.rotation * sent.torque};
   published.state.buttons = state.buttons;
   published.force_cap = channel.safety.force_cap();
-  if (health != DeviceHealth::ok || !channel.record.position.allFinite()) {
-    // The last known position is kept.
-    channel.velocity.reset();
+  published.torque_cap = channel.safety.torque_cap();
+  published.force_capped = record.force_capped;
+  published.torque_capped = record.torque_capped;
+  published.level = record.effort.level;
+  published.culled = record.effort.culled;
+  tell_tool(channel, published);
+  if (health != DeviceHealth::ok || !is_pose(record.hand)) {
+    // The last known pose is kept.
+    channel.motion.reset();
     published.velocity.setZero();
+    published.angular_velocity.setZero();
     return;
   }
-  published.state.position = workspace.to_world(channel.record.position);
-  published.state.orientation = workspace.rotation * state.orientation;
-  published.proxy =
-      published.state.position + contact.depth * (workspace.rotation * contact.normal);
-  published.velocity =
-      workspace.scale *
-      (workspace.rotation * channel.velocity.next(channel.record.position, channel.ticks));
+  channel.motion.take(record.hand, channel.ticks);
+  published.state.position = workspace.to_world(record.hand.position);
+  published.state.orientation = workspace.rotation * record.hand.orientation;
+  published.proxy = {
+      published.state.position + contact.depth * (workspace.rotation * contact.normal),
+      published.state.orientation};
+  if (published.has_tool) published.proxy = hand_of_tool(record.tool);
+  published.velocity = workspace.scale * (workspace.rotation * channel.motion.velocity());
+  published.angular_velocity = workspace.rotation * channel.motion.angular_velocity();
 }
 
-/// What applications add to the force at the tool, N, the hand's frame. It is held below the cap by
-/// itself, so that no push is as strong beside a contact as one that would drown it.
-Vector3 Loop::added_to(Channel& channel, const Vector3& tool) noexcept {
-  if (!app_) return Vector3::Zero();
+/// The tool, and where it touches; without force it touches nothing.
+void Loop::tell_tool(const Channel& channel, AppDevice& published) noexcept {
+  published.has_tool = channel.record.has_tool;
+  published.tool_capped = channel.record.tool_capped;
+  published.tool = channel.record.tool;
+  published.patches = {};
+  if (channel.record.patches > 0) published.patches = channel.force.tool().contacts();
+}
+
+/// Where a hand would be that held the tool where it is, in the world.
+HandPose Loop::hand_of_tool(const HandPose& tool) const noexcept {
+  const Placement& held = settings_.scene.tool->placement;
+  const Eigen::Quaterniond turn = tool.orientation * held.rotation.conjugate();
+  return {tool.position - turn * held.position, turn};
+}
+
+/// What applications add to the wrench at the tool, N and N m about its origin, the hand's frame.
+/// Each is held below its cap by itself, so that no push is as strong beside a contact as one that
+/// would drown it.
+Wrench Loop::added_to(Channel& channel, const Vector3& tool) noexcept {
+  if (!app_) return {};
   const Placement& workspace = settings_.scene.workspace;
-  const Vector3 world = app_->effects().next(channel.record.device, workspace.to_world(tool),
-                                             channel.ticks, last_woke_, channel.force, views_);
-  const Vector3 added = workspace.rotation.conjugate() * world;
-  const double cap = channel.safety.force_cap(), size = added.norm();
-  return size > cap ? Vector3(cap / size * added) : added;
+  const Wrench world = app_->effects().next(channel.record.device, workspace.to_world(tool),
+                                            channel.ticks, last_woke_, channel.force, views_);
+  const auto held = [&](const Vector3& wanted, double cap) -> Vector3 {
+    const Vector3 added = workspace.rotation.conjugate() * wanted;
+    const double size = added.norm();
+    return size > cap ? Vector3(cap / size * added) : added;
+  };
+  return {held(world.force, channel.safety.force_cap()),
+          held(world.torque, channel.safety.torque_cap())};
 }
 
 }  // namespace spm::servo

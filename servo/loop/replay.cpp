@@ -2,6 +2,7 @@
 #include "servo/loop/replay.hpp"
 
 #include <algorithm>
+#include <array>
 #include <optional>
 
 #include "servo/base/clock.hpp"
@@ -22,6 +23,42 @@ constexpr std::size_t settling_ticks = 3000;
 /// So many equal forces in contact are no chance.
 constexpr std::size_t touching_ticks = 100;
 
+TickOfTool tick_of(const SceneForce& force) {
+  const ToolTick& tool = force.tool();
+  return {{tool.pose.translation(), Eigen::Quaterniond(tool.pose.linear())},
+          static_cast<std::uint32_t>(tool.patch_count),
+          force.effort().level,
+          force.effort().culled,
+          tool.capped};
+}
+
+/// Whether a force is the recorded one in every bit.
+bool same(const ContactForce& now, const Wrench& then) {
+  return now.force == then.force && now.torque == then.torque;
+}
+
+Vector3 vector_of(const std::array<double, 3>& numbers) {
+  return {numbers[0], numbers[1], numbers[2]};
+}
+
+TrajectorySample sample_of(const RecordingRow& row) {
+  const auto& turn = row.orientation;
+  return {vector_of(row.position), turn[0], turn[1], turn[2], turn[3]};
+}
+
+/// How the force law was asked in that tick; the tool's level belongs to it.
+ForceEffort effort_of(const RecordingRow& row) {
+  ForceEffort effort;
+  effort.first = row.first;
+  effort.exact = row.exact;
+  effort.held = row.held;
+  effort.shortened = row.shortened;
+  effort.level = row.level;
+  effort.refined = row.refined;
+  effort.worked = row.worked;
+  return effort;
+}
+
 SceneChange change_in(const RecordingRow& row) {
   if ((row.flags & recorded_edited) != 0) return SceneChange::edit;
   return (row.flags & recorded_touched) != 0 ? SceneChange::application : SceneChange::none;
@@ -39,7 +76,9 @@ ReplayResult replay(std::span<const AssetView* const> assets,
       std::count_if(options.steps.begin(), options.steps.end(),
                     [](const ReplayStep& step) { return step.step.kind == RecordedKind::added; });
   SceneForce force(options.scene, 1 / options.rate_hz, options.encoder_step,
-                   static_cast<std::size_t>(added), options.limits);
+                   static_cast<std::size_t>(added), options.limits, options.turning);
+  if (options.scene.tool) force.take_tool(options.tool, options.hand);
+  if (options.scene.tool) result.tools.resize(trajectory.size());
   for (std::size_t i = 0; i < options.gone.size(); ++i) {
     if (options.gone[i]) force.remove(i);
   }
@@ -55,12 +94,21 @@ ReplayResult replay(std::span<const AssetView* const> assets,
     const std::int64_t begin = now_ns();
     if (!mark.off) {
       result.contacts[row] =
-          force.next(assets, trajectory[row].position, mark.ticks, ForceBudget::again(mark.effort));
+          force.next(assets, trajectory[row].pose(), mark.ticks, ForceBudget::again(mark.effort));
     }
     result.busy_ns[row] = now_ns() - begin;
+    if (options.scene.tool && !mark.off) result.tools[row] = tick_of(force);
     if (mark.sent) force.sent(*mark.sent);
   }
   return result;
+}
+
+Result<std::unique_ptr<SampledTool>> sample_tool(const ForceScene& scene,
+                                                 std::span<const AssetView* const> assets,
+                                                 std::size_t hands, std::size_t added) {
+  if (!scene.tool) return std::unique_ptr<SampledTool>();
+  return SampledTool::make(*assets[scene.tool->asset], *scene.tool, hands,
+                           scene.objects.size() + added);
 }
 
 RecordedTicks ticks_of(const Recording& recording, std::size_t device) {
@@ -70,20 +118,22 @@ RecordedTicks ticks_of(const Recording& recording, std::size_t device) {
   bool settled = false;
   for (const RecordingRow& row : recording.rows) {
     if (row.device != device) continue;
-    const auto vector = [](const std::array<double, 3>& v) { return Vector3(v[0], v[1], v[2]); };
-    ticks.trajectory.push_back({vector(row.position)});
+    ticks.trajectory.push_back(sample_of(row));
     const std::uint64_t since = last && row.tick > *last ? row.tick - *last : 1;
     last = row.tick;
-    const Vector3 wanted = vector(row.wanted), added = vector(row.added);
-    ticks.marks.push_back({(row.flags & recorded_forgot) != 0, row.cause != 0, since,
-                           contact_part(vector(row.sent), wanted, added),
-                           ForceEffort{row.first, row.exact, row.held, row.shortened}});
+    const Wrench wanted{vector_of(row.wanted), vector_of(row.wanted_torque)};
+    const Wrench added{vector_of(row.added), vector_of(row.added_torque)};
+    const Wrench sent{vector_of(row.sent), vector_of(row.sent_torque)};
+    const bool off = row.cause != 0 && (row.flags & recorded_kept) == 0;
+    ReplayMark mark{(row.flags & recorded_forgot) != 0, off, since, {}, effort_of(row)};
+    if (row.cause == 0) mark.sent = contact_part(sent, wanted, added);
+    ticks.marks.push_back(mark);
     ticks.wanted.push_back(wanted);
-    ticks.added += added == Vector3::Zero() ? 0 : 1;
+    const bool pushed = added.force != Vector3::Zero() || added.torque != Vector3::Zero();
+    ticks.added += pushed ? 1 : 0;
     ticks.ticks.push_back(row.tick);
     free = (row.flags & recorded_contact) == 0 ? free + 1 : 0;
-    settled =
-        settled || (row.flags & recorded_forgot) != 0 || row.cause != 0 || free > settling_ticks;
+    settled = settled || (row.flags & recorded_forgot) != 0 || off || free > settling_ticks;
     ticks.settled += settled ? 0 : 1;
     ticks.lost += (row.flags & recorded_lost) != 0 ? 1 : 0;
     if (ticks.change != SceneChange::none) continue;
@@ -106,26 +156,27 @@ std::vector<ReplayStep> steps_before(const std::vector<SceneStep>& steps,
   return list;
 }
 
-ForceDifference difference(const ReplayResult& result, std::span<const Vector3> wanted,
+ForceDifference difference(const ReplayResult& result, std::span<const Wrench> wanted,
                            std::size_t from) {
   ForceDifference found;
   for (std::size_t row = from; row < wanted.size(); ++row) {
-    const Vector3& force = result.contacts[row].force;
-    if (force == wanted[row]) continue;
+    const ContactForce& contact = result.contacts[row];
+    if (same(contact, wanted[row])) continue;
     if (found.ticks++ == 0) found.first_row = row;
-    found.largest = std::max(found.largest, (force - wanted[row]).norm());
+    found.largest = std::max(found.largest, (contact.force - wanted[row].force).norm());
+    found.largest_torque =
+        std::max(found.largest_torque, (contact.torque - wanted[row].torque).norm());
   }
   return found;
 }
 
-std::size_t caught_up(const ReplayResult& result, std::span<const Vector3> wanted) {
+std::size_t caught_up(const ReplayResult& result, std::span<const Wrench> wanted) {
   std::size_t equal = 0, touching = 0;
   for (std::size_t row = 0; row < wanted.size(); ++row) {
     const ContactForce& contact = result.contacts[row];
-    const bool same = contact.force == wanted[row];
-    equal = same ? equal + 1 : 0;
+    equal = same(contact, wanted[row]) ? equal + 1 : 0;
     if (equal == 0) touching = 0;
-    touching += same && contact.contact ? 1 : 0;
+    touching += equal > 0 && contact.contact ? 1 : 0;
     if (equal >= settling_ticks && touching >= touching_ticks) return row + 1 - equal;
   }
   return wanted.size();
@@ -154,15 +205,24 @@ std::uint64_t contact_ticks(const ReplayResult& result) {
 
 Result<void> write_replay(const std::string& path, const std::vector<TrajectorySample>& trajectory,
                           const ReplayResult& result, double rate_hz) {
-  Result<TraceCsv> table = TraceCsv::create(path);
+  Result<TraceCsv> table = TraceCsv::create(path, !result.tools.empty());
   if (!table) return tl::make_unexpected(std::move(table.error()));
   for (std::size_t i = 0; i < trajectory.size(); ++i) {
     TraceRow row;
     row.t = static_cast<double>(i) / rate_hz;
     row.position = trajectory[i].position;
+    row.orientation = trajectory[i].pose().orientation;
     row.force = result.contacts[i].force;
+    row.torque = result.contacts[i].torque;
     row.depth = result.contacts[i].depth;
     row.contact = result.contacts[i].contact;
+    if (!result.tools.empty()) {
+      row.tool = result.tools[i].pose;
+      row.patches = result.tools[i].patches;
+      row.level = result.tools[i].level;
+      row.culled = result.tools[i].culled;
+      row.tool_capped = result.tools[i].capped;
+    }
     table->append(row);
   }
   return table->commit();

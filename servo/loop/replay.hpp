@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <limits>
+#include <memory>
 #include <optional>
 #include <span>
 #include <string>
@@ -11,6 +12,7 @@
 #include "formats/motion/recording.hpp"
 #include "formats/motion/trajectory.hpp"
 #include "servo/base/statistics.hpp"
+#include "servo/force/sampled_tool.hpp"
 #include "servo/force/scene_force.hpp"
 #include "servo/record/scene_step.hpp"
 
@@ -21,13 +23,13 @@ enum class Pace {
   realtime,  ///< each tick at its time
 };
 
-/// What happened to the force law in a tick of a recording, beside the position.
+/// What happened to the force law in a tick of a recording, beside the pose.
 struct ReplayMark {
-  bool forgot = false;            ///< it had forgotten its state before this tick
-  bool off = false;               ///< it was not evaluated: the force was off
-  std::uint64_t ticks = 1;        ///< since the last one
-  std::optional<Vector3> sent{};  ///< N, of the force that the law gave; empty: all of it
-  ForceEffort effort{};           ///< time decides nothing in a replay
+  bool forgot = false;           ///< it had forgotten its state before this tick
+  bool off = false;              ///< it was not evaluated: the force was off
+  std::uint64_t ticks = 1;       ///< since the last one
+  std::optional<Wrench> sent{};  ///< of what the law gave; empty: all of it
+  ForceEffort effort{};          ///< time decides nothing in a replay
 };
 
 /// A change of the scene, and the row before whose force it comes.
@@ -39,8 +41,11 @@ struct ReplayStep {
 struct ReplayOptions {
   ForceScene scene = scene_of({});
   double rate_hz = 1000;
-  double encoder_step = 0;  ///< m, of the hand: largest error of a recorded position
-  FeltLimits limits;        ///< as they were for the device
+  double encoder_step = 0;      ///< m, of the hand: largest error of a recorded position
+  FeltLimits limits;            ///< as they were for the device
+  HandTurning turning;          ///< the same
+  SampledTool* tool = nullptr;  ///< of the scene; null: it has none. It must outlive the replay.
+  std::size_t hand = 0;         ///< which of the hands that the tool has room for
   Pace pace = Pace::none;
   std::vector<ReplayMark> marks;  ///< one for each row; empty: the law was evaluated in every tick
   std::vector<bool> gone;         ///< objects of the scene that are not there at the start
@@ -48,19 +53,34 @@ struct ReplayOptions {
   std::vector<ReplayStep> steps;
 };
 
+/// Of a tool in a tick, what tables tell.
+struct TickOfTool {
+  HandPose pose;  ///< world
+  std::uint32_t patches = 0;
+  std::uint32_t level = 0, culled = 0;
+  bool capped = false;
+};
+
 /// The results of the loop's force law, one for each row of the trajectory.
 struct ReplayResult {
   std::vector<ContactForce> contacts;
+  std::vector<TickOfTool> tools;  ///< with a tool alone
   /// of the force law, in a single pass, including the cost of the clock itself
   std::vector<std::int64_t> busy_ns;
 };
 
-/// Runs the loop's own force law over recorded positions of the hand, in order, without the safety
+/// Runs the loop's own force law over recorded poses of the hand, in order, without the safety
 /// stage. Writes to memory that was allocated before the first tick. `assets`: those that the
 /// scene's objects name.
 [[nodiscard]] ReplayResult replay(std::span<const AssetView* const> assets,
                                   const std::vector<TrajectorySample>& trajectory,
                                   const ReplayOptions& options);
+
+/// The samples of a scene's tool for a replay of so many hands; null where it has none. `assets` as
+/// for `replay`, `added`: how many changes add an object. Errors: those of SampledTool::make.
+[[nodiscard]] Result<std::unique_ptr<SampledTool>> sample_tool(
+    const ForceScene& scene, std::span<const AssetView* const> assets, std::size_t hands,
+    std::size_t added);
 
 /// Why later rows of a recording do not belong to the scene that its daemon began with.
 enum class SceneChange {
@@ -73,7 +93,7 @@ enum class SceneChange {
 struct RecordedTicks {
   std::vector<TrajectorySample> trajectory;
   std::vector<ReplayMark> marks;
-  std::vector<Vector3> wanted;             ///< N, the result of the force law then
+  std::vector<Wrench> wanted;              ///< the result of the force law then
   std::uint64_t added = 0;                 ///< ticks in which applications added a force
   std::uint64_t lost = 0;                  ///< places where ticks are missing
   SceneChange change = SceneChange::none;  ///< the first one
@@ -98,14 +118,15 @@ struct ForceDifference {
   std::uint64_t ticks = 0;      ///< in how many ticks any bit differs
   std::uint64_t first_row = 0;  ///< the first row that differs
   double largest = 0;           ///< N
+  double largest_torque = 0;    ///< N m
 };
-[[nodiscard]] ForceDifference difference(const ReplayResult& result,
-                                         std::span<const Vector3> wanted, std::size_t from = 0);
+[[nodiscard]] ForceDifference difference(const ReplayResult& result, std::span<const Wrench> wanted,
+                                         std::size_t from = 0);
 
 /// The first row of a recording that begins in the middle of a run from which on the replay feels
 /// the same: all forces are equal bit by bit for longer than the law's longest memory, and many of
 /// them in contact. The number of forces in `wanted` if there is none.
-[[nodiscard]] std::size_t caught_up(const ReplayResult& result, std::span<const Vector3> wanted);
+[[nodiscard]] std::size_t caught_up(const ReplayResult& result, std::span<const Wrench> wanted);
 
 /// Durations of a replay's ticks, microseconds.
 [[nodiscard]] Summary us_per_tick(const ReplayResult& result);

@@ -20,6 +20,7 @@
 #include "common/base/units.hpp"
 #include "servo/app/app_server.hpp"
 #include "servo/devices/finder/device_list.hpp"
+#include "servo/loop/run_header.hpp"
 #include "servo/loop/run_messages.hpp"
 #include "servo/loop/supervisor.hpp"
 #include "servo/realtime/core_pinning.hpp"
@@ -71,45 +72,30 @@ std::vector<ForceDevice> force_devices(const std::vector<std::unique_ptr<Device>
 }
 
 Result<std::unique_ptr<SceneAssets>> open_assets(const RunOptions& options,
-                                                 const ForceChoice& choice) {
+                                                 const ForceChoice& choice, std::size_t hands) {
   KeeperOptions each;
   each.mode = options.map;
   each.lock = options.realtime != RealtimeMode::off;
   each.warn = log_warning;
-  return SceneAssets::open(std::move(each), choice, options.force.scene.empty() ? 0 : spare_assets);
+  const std::size_t spare = options.force.scene.empty() ? 0 : spare_assets;
+  const ToolRoom room{hands, choice.scene.objects.size() + AppScene::room(choice.scene)};
+  return SceneAssets::open(std::move(each), choice, spare, room);
 }
 
-std::vector<RecordedAsset> recorded_assets(const SceneAssets& assets) {
-  std::vector<RecordedAsset> list;
-  const std::vector<std::string> paths = assets.paths();
-  std::error_code ignored;
-  for (const KeeperReport& asset : assets.reports()) {
-    if (list.size() == paths.size()) break;
-    const std::string& path = paths[list.size()];
-    const std::filesystem::path whole = std::filesystem::absolute(path, ignored);
-    list.push_back({whole.empty() ? path : whole.string(), asset.content_sha256});
+LoopSettings loop_settings(const RunOptions& options, const ForceChoice& choice) {
+  LoopSettings settings;
+  settings.rate_hz = options.rate_hz;
+  settings.paced_by_device = options.paced_by_device;
+  settings.acknowledge = options.acknowledge;
+  settings.enable_button = options.enable_button;
+  settings.tick_budget = options.tick_budget;
+  settings.scene = choice.scene;
+  settings.force_cap = choice.device.force_cap.value_or(settings.force_cap);
+  if (options.duration > 0) {
+    settings.ticks = std::max<std::uint64_t>(
+        1, static_cast<std::uint64_t>(std::llround(options.duration * options.rate_hz)));
   }
-  return list;
-}
-
-RecordingHeader header_of(const RunOptions& options, const ForceChoice& choice,
-                          const SceneAssets& assets, const std::vector<Device*>& devices) {
-  RecordingHeader header;
-  header.spm_version = SPM_VERSION;
-  header.instruction_set = instruction_set();
-  header.rate_hz = options.rate_hz;
-  for (const Device* device : devices) {
-    const DeviceCapabilities& can = device->capabilities();
-    const double cap = std::min(can.force_cap, choice.device.force_cap.value_or(can.force_cap));
-    header.devices.push_back({can.name, can.encoder_step, can.stiffness_cap, cap, {}});
-    if (can.profile != nullptr) header.devices.back().profile = can.profile->name;
-  }
-  for (std::size_t i = 0; i < force_off_count; ++i) {
-    header.causes.emplace_back(to_string(static_cast<ForceOff>(i)));
-  }
-  header.assets = recorded_assets(assets);
-  header.scene_path = choice.scene_path;
-  return header;
+  return settings;
 }
 
 /// Opens the files that are to be kept, so that a file that cannot be written is reported before
@@ -118,7 +104,7 @@ Result<Collector::Keeps> open_keeps(const RunOptions& options, RunRecorder::Sett
                                     StepRing& steps) {
   Collector::Keeps keeps;
   if (!options.trace.empty()) {
-    Result<TraceCsv> trace = TraceCsv::create(options.trace);
+    Result<TraceCsv> trace = TraceCsv::create(options.trace, settings.scene.tool.has_value());
     if (!trace) return tl::make_unexpected(std::move(trace.error()));
     keeps.trace.emplace(std::move(*trace));
   }
@@ -226,22 +212,6 @@ AppNames names_of(const ServedScene& scene, const std::vector<Device*>& devices)
   return names;
 }
 
-LoopSettings loop_settings(const RunOptions& options, const ForceChoice& choice) {
-  LoopSettings settings;
-  settings.rate_hz = options.rate_hz;
-  settings.paced_by_device = options.paced_by_device;
-  settings.acknowledge = options.acknowledge;
-  settings.enable_button = options.enable_button;
-  settings.tick_budget = options.tick_budget;
-  settings.scene = choice.scene;
-  settings.force_cap = choice.device.force_cap.value_or(settings.force_cap);
-  if (options.duration > 0) {
-    settings.ticks = std::max<std::uint64_t>(
-        1, static_cast<std::uint64_t>(std::llround(options.duration * options.rate_hz)));
-  }
-  return settings;
-}
-
 /// Watches the scene's file; null if an asset alone is served.
 std::unique_ptr<SceneKeeper> make_scene_keeper(const RunOptions& options, SceneAssets& assets,
                                                const std::vector<Device*>& devices,
@@ -345,7 +315,7 @@ Result<RunReport> run(const RunOptions& asked) {
   options.force.device = least_stiff(force_devices(*devices));
   choice = choose_forces(options.force);
   if (!choice) return tl::make_unexpected(choice.error());
-  auto assets = open_assets(options, *choice);
+  auto assets = open_assets(options, *choice, devices->size());
   if (!assets) return tl::make_unexpected(std::move(assets.error()));
 
   auto opened = open_devices(options, *choice, (*assets)->views(), *devices, supervisor.get());
@@ -354,7 +324,8 @@ Result<RunReport> run(const RunOptions& asked) {
 
   StepRing steps = make_step_ring();
   RunRecorder::Settings kept;
-  kept.header = header_of(options, *choice, **assets, open_devices);
+  LoopSettings settings = loop_settings(options, *choice);
+  kept.header = recording_header(settings, *choice, **assets, open_devices);
   kept.scene = choice->scene;
   kept.memory = black_box->get();
   kept.assets = [&assets = **assets] { return recorded_assets(assets); };
@@ -373,6 +344,10 @@ Result<RunReport> run(const RunOptions& asked) {
         "simulated one is taken");
   }
   for (const std::string& text : stiffness_warnings(*choice, open_devices)) log_warning(text);
+  if (choice->scene.tool) {
+    const AssetMetadata tool = (*assets)->reports()[choice->scene.tool->asset].metadata;
+    for (const std::string& text : tool_warnings(*choice, tool, open_devices)) log_warning(text);
+  }
   log_message(start_message(options, choice->scene, (*assets)->reports(), (*assets)->paths(),
                             open_devices));
   StopSignals signals;
@@ -381,7 +356,6 @@ Result<RunReport> run(const RunOptions& asked) {
       make_scene_keeper(options, **assets, open_devices, **state);
   std::atomic<std::int64_t> own_beat{0};
   std::atomic<std::int64_t>& beat = supervisor ? supervisor->beat() : own_beat;
-  LoopSettings settings = loop_settings(options, *choice);
   settings.beat = &beat;
   Loop loop(settings, open_devices, (*assets)->slots(), ring, signals.flag(), state->get(),
             scene_keeper ? &scene_keeper->edits() : nullptr);
@@ -418,8 +392,8 @@ Result<RunReport> run(const RunOptions& asked) {
   report.black_boxes = collector.black_boxes();
   report.assets = (*assets)->reports();
   for (std::size_t i = 0; i < open_devices.size(); ++i) {
-    report.devices.push_back(
-        {open_devices[i]->capabilities(), open_devices[i]->describe(), loop.device_counters(i)});
+    report.devices.push_back({open_devices[i]->capabilities(), open_devices[i]->describe(),
+                              loop.device_counters(i), loop.delay(i)});
   }
   return report;
 }

@@ -44,6 +44,7 @@ struct DeviceReport {
   DeviceCapabilities capabilities;
   nlohmann::ordered_json details;
   DeviceCounters counters;
+  LoopDelay delay;
 };
 
 /// What a run did.

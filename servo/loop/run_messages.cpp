@@ -8,6 +8,7 @@
 
 #include "common/base/units.hpp"
 #include "servo/devices/finder/device_list.hpp"
+#include "servo/scene/tool_choice.hpp"
 
 namespace spm::servo {
 
@@ -42,6 +43,7 @@ std::string start_message(const RunOptions& options, const ForceScene& scene,
   } else {
     text += fmt::format("a scene of {} assets", assets.size());
   }
+  if (scene.tool) text += " to the tool " + paths[scene.tool->asset];
   text += " " + forces_text(scene) + fmt::format(", at {:g} Hz on ", options.rate_hz);
   for (std::size_t i = 0; i < devices.size(); ++i) {
     text += (i > 0 ? ", " : "") + devices[i]->capabilities().name;
@@ -77,6 +79,29 @@ std::vector<std::string> stiffness_warnings(const ForceChoice& choice,
                      format_quantity(stable, Quantity::stiffness) +
                      " that it holds stably by simulation, so that it may shake and push: lower "
                      "the stiffness, or leave it to --stiffness auto");
+    }
+  }
+  return list;
+}
+
+std::vector<std::string> tool_warnings(const ForceChoice& choice, const AssetMetadata& tool,
+                                       const std::vector<Device*>& devices) {
+  std::vector<std::string> list;
+  if (!choice.scene.tool) return list;
+  const double longest = tool_size(tool, *choice.scene.tool).maxCoeff();
+  for (const Device* device : devices) {
+    const DeviceCapabilities& can = device->capabilities();
+    if (!can.turns) {
+      list.push_back(can.name +
+                     " does not tell how its tool is turned: the scene's tool keeps the "
+                     "orientation that 'pose' of [tool] gives, and only moves");
+    }
+    const double edge = 2 * can.workspace.maxCoeff() * choice.scene.workspace.scale;
+    if (edge > 0 && longest > edge) {
+      list.push_back(choice.tool_place + "the tool is " +
+                     format_quantity(longest, Quantity::length) + " long, and the workspace of " +
+                     can.name + " " + format_quantity(edge, Quantity::length) +
+                     ": lower 'scale' of [tool], or raise 'scale' of [workspace]");
     }
   }
   return list;

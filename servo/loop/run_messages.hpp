@@ -23,4 +23,11 @@ namespace spm::servo {
 [[nodiscard]] std::vector<std::string> stiffness_warnings(const ForceChoice& choice,
                                                           const std::vector<Device*>& devices);
 
+/// What a person has to know of a scene's tool on these devices: a device that does not read its
+/// orientation, and a tool that is longer than a workspace. `tool`: the metadata of its asset.
+/// Empty where the scene has no such tool.
+[[nodiscard]] std::vector<std::string> tool_warnings(const ForceChoice& choice,
+                                                     const AssetMetadata& tool,
+                                                     const std::vector<Device*>& devices);
+
 }  // namespace spm::servo

@@ -7,6 +7,8 @@
 #include <cmath>
 #include <numeric>
 
+#include "common/base/units.hpp"
+#include "common/contact/stable_stiffness.hpp"
 #include "servo/scene/force_choice.hpp"
 
 namespace spm::servo {
@@ -42,6 +44,27 @@ double force_cap_of(const RunReport& report, const DeviceCapabilities& device) {
   return std::min(device.force_cap, report.force.device.force_cap.value_or(device.force_cap));
 }
 
+double torque_cap_of(const RunReport& report, const DeviceCapabilities& device) {
+  const double own = hand_turning(device).torque_cap;
+  const std::optional<ToolSettings>& tool = report.force.scene.tool;
+  return tool ? std::min(own, tool->torque_cap) : own;
+}
+
+/// What a device that gives torque, or a hand that holds a tool, did beside force.
+void add_turning(ordered_json& entry, const RunReport& report, const DeviceReport& device) {
+  const DeviceCounters& counters = device.counters;
+  const double cap = torque_cap_of(report, device.capabilities);
+  if (cap > 0) {
+    if (std::isfinite(cap)) entry["torque_cap_n_m"] = cap;
+    entry["torque_max_n_m"] = counters.torque_max;
+    entry["torque_cap_hits"] = counters.torque_cap_hits;
+    entry["torque_slew_hits"] = counters.torque_slew_hits;
+  }
+  if (!report.force.scene.tool) return;
+  entry["tool_cap_hits"] = counters.tool_cap_hits;
+  entry["coarse_ticks"] = counters.coarse;
+}
+
 ordered_json devices_json(const RunReport& report) {
   ordered_json list = ordered_json::array();
   for (const DeviceReport& device : report.devices) {
@@ -54,11 +77,15 @@ ordered_json devices_json(const RunReport& report) {
     const Vector3& half = device.capabilities.workspace;
     if (!half.isZero()) entry["workspace_m"] = {2 * half.x(), 2 * half.y(), 2 * half.z()};
     entry.update(device.details);
+    entry["delay"] = {{"measured_ticks", device.delay.measured},
+                      {"counted_ticks", device.delay.counted},
+                      {"stiffest_n_per_m", device.delay.stiffest}};
     entry["contact_ticks"] = device.counters.contact_ticks;
     entry["force_max_n"] = device.counters.force_max;
     entry["cap_hits"] = device.counters.cap_hits;
     entry["slew_hits"] = device.counters.slew_hits;
     entry["energy_j"] = device.counters.energy;
+    add_turning(entry, report, device);
     entry["degraded_ticks"] = device.counters.degraded_ticks;
     entry["degraded_answers"] = degraded_json(device.counters.held, device.counters.shortened);
     entry["force_off"] = force_off_json(device.counters.force_off);
@@ -83,6 +110,9 @@ ordered_json assets_json(const RunReport& report) {
                     {"serving", asset.serving},
                     {"losses", asset.losses},
                     {"reloads", asset.reloads}});
+    if (asset.tool_samples == 0) continue;
+    list.back()["tool_samples"] = asset.tool_samples;
+    list.back()["tool_bytes"] = asset.tool_bytes;
   }
   return list;
 }
@@ -122,6 +152,26 @@ std::string device_text(std::size_t number, const DeviceReport& device) {
   return text + " ticks\n";
 }
 
+/// Of the devices that give torque, or whose hands hold a tool; empty where there are none.
+std::string turning_text(const RunReport& report) {
+  std::string text;
+  for (const DeviceReport& device : report.devices) {
+    const DeviceCounters& counters = device.counters;
+    const std::string& name = device.capabilities.name;
+    if (torque_cap_of(report, device.capabilities) > 0) {
+      text += fmt::format("{}: largest torque {:.4f} N m, torque cap met {} times\n", name,
+                          counters.torque_max, counters.torque_cap_hits);
+    }
+    if (report.force.scene.tool) {
+      text += fmt::format(
+          "{}: the tool's coupling met its cap {} times; {} ticks at a coarser level of its "
+          "samples\n",
+          name, counters.tool_cap_hits, counters.coarse);
+    }
+  }
+  return text;
+}
+
 }  // namespace
 
 ordered_json percentiles_json(const Summary& summary) {
@@ -158,7 +208,15 @@ void add_forces(ordered_json& report, const ForceChoice& choice) {
                                         {"passivity", stabilization.passivity},
                                         {"potential_m", stabilization.potential}};
   }
-  report["probe_radius_m"] = choice.probe_radius;
+  report["probe"] = text_of(choice.probe);
+  report["probe_radius_m"] = choice.probe.radius;
+  if (choice.probe.paper_only()) report["probe_length_m"] = choice.probe.length;
+  const auto& objects = choice.scene.objects;
+  const bool averaged =
+      choice.probe.radius > 0 && std::any_of(objects.begin(), objects.end(), [](const auto& one) {
+        return one.force.method == Method::paper;
+      });
+  if (averaged) report["paper_probe"] = to_string(choice.probe_form());
 }
 
 ordered_json to_json(const RunReport& report) {
@@ -221,7 +279,13 @@ std::string to_text(const RunReport& report) {
       text += device_text(i, report.devices[i]);
     }
   }
+  text += turning_text(report);
   for (const DeviceReport& device : report.devices) {
+    if (device.delay.counted > border_delay_ticks) {
+      text += fmt::format("{}: forces came {:.2f} ticks late, counted as {:g}; felt at most {}\n",
+                          device.capabilities.name, device.delay.measured, device.delay.counted,
+                          format_quantity(device.delay.stiffest, Quantity::stiffness));
+    }
     const auto warning = device.details.find("warning");
     if (warning == device.details.end()) continue;
     text += fmt::format("warning: {}: {}\n", device.capabilities.name, warning->get<std::string>());

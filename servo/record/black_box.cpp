@@ -13,7 +13,7 @@ namespace spm::servo {
 namespace {
 
 /// Whether a cause is a fault, not part of a usual start or end.
-bool is_fault(std::uint8_t cause) noexcept {
+bool is_fault(std::uint16_t cause) noexcept {
   switch (static_cast<ForceOff>(cause)) {
     case ForceOff::asset_lost:
     case ForceOff::not_a_number:
@@ -89,9 +89,9 @@ void BlackBox::take(const RecordingRow& row, std::string_view part, const Header
 /// Whether a fault ended the force.
 void BlackBox::note(const RecordingRow& row) {
   if (row.device >= last_cause_.size()) return;
-  std::uint8_t& last = last_cause_[row.device];
+  std::uint16_t& last = last_cause_[row.device];
   // A cause that did not end a force is nothing new, such as a device that is not there yet.
-  const bool was_on = last == static_cast<std::uint8_t>(ForceOff::none);
+  const bool was_on = last == static_cast<std::uint16_t>(ForceOff::none);
   if (was_on && is_fault(row.cause) && !pending_) {
     pending_ = true;
     due_tick_ = row.tick + static_cast<std::uint64_t>(std::lround(after_seconds * rate_hz_));

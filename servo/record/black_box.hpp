@@ -56,9 +56,9 @@ class BlackBox {
   double rate_hz_ = 1000;
   bool begun_ = false;
   bool given_up_ = false;
-  bool first_row_ = true;                 ///< of the half
-  std::uint64_t turn_tick_ = 0;           ///< in which the next half begins
-  std::vector<std::uint8_t> last_cause_;  ///< of each device
+  bool first_row_ = true;                  ///< of the half
+  std::uint64_t turn_tick_ = 0;            ///< in which the next half begins
+  std::vector<std::uint16_t> last_cause_;  ///< of each device
   bool pending_ = false;
   std::uint64_t due_tick_ = 0;
   std::uint64_t written_ = 0;

@@ -26,10 +26,19 @@ void Collector::take(const TickRecord& record) {
     if (keeps_.trace) {
       TraceRow row;
       row.t = static_cast<double>(record.tick) / rate_hz_;
-      row.position = record.position;
-      row.force = record.force;
+      row.position = record.hand.position;
+      row.orientation = record.hand.orientation;
+      row.force = record.sent.force;
+      row.torque = record.sent.torque;
       row.depth = record.depth;
       row.contact = record.contact;
+      row.tool = record.tool;
+      row.patches = record.patches;
+      row.level = record.effort.level;
+      row.culled = record.effort.culled;
+      row.force_capped = record.force_capped;
+      row.torque_capped = record.torque_capped;
+      row.tool_capped = record.tool_capped;
       keeps_.trace->append(row);
     }
   }

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <nlohmann/json.hpp>
 #include <string_view>
 
@@ -16,20 +17,24 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 // A field that is added to one of these must be recorded below, or replays go wrong.
-static_assert(sizeof(ForceSettings) == 24);
+static_assert(sizeof(ForceSettings) == 64);
 static_assert(sizeof(EffectSettings) == 128);
 static_assert(sizeof(StabilizationSettings) == 72);
+static_assert(sizeof(ToolSettings) == 144);
 
 constexpr double huge = 1e12;
 constexpr double unit_slack = 1e-6;
 constexpr std::array<const char*, 3> methods{"spm", "paper", "proxy"};
 constexpr std::array<const char*, 3> rules{"closest-plane", "closest-surface", "all-planes"};
+constexpr std::array<const char*, 2> probe_forms_recorded{"surface", "volume"};
+constexpr std::array<const char*, 2> probe_kinds{"ball", "capsule"};
 constexpr std::array<const char*, 2> velocities{"estimate", "difference"};
 
 /// One walk over the fields of a struct, for writing and for reading.
 class Writer {
  public:
   void number(const char* key, double& value, double /*low*/) { json_[key] = value; }
+  [[nodiscard]] static bool has(const char* /*key*/) { return true; }
   void integer(const char* key, std::uint64_t& value) { json_[key] = value; }
   void flag(const char* key, bool& value) { json_[key] = value; }
   template <class Word, std::size_t count>
@@ -49,6 +54,7 @@ class Reader {
   void number(const char* key, double& value, double low) {
     value = fields_.number(key, low, huge);
   }
+  [[nodiscard]] bool has(const char* key) const { return !fields_.optional(key).is_null(); }
   void integer(const char* key, std::uint64_t& value) {
     value = fields_.integer(key, 0, std::numeric_limits<std::uint64_t>::max());
   }
@@ -113,16 +119,56 @@ void walk(Fields& fields, EffectSettings& effects) {
   fields.integer("noise_seed", effects.noise_seed);
 }
 
+/// A number of things, as a file has it.
+template <class Fields>
+void count(Fields& fields, const char* key, std::size_t& value) {
+  std::uint64_t number = value;
+  fields.integer(key, number);
+  value = static_cast<std::size_t>(number);
+}
+
+/// A limit that may be infinite, which JSON has no number for.
+template <class Fields>
+void limit(Fields& fields, const char* flag, const char* key, double& value) {
+  bool given = std::isfinite(value);
+  fields.flag(flag, given);
+  double number = given ? value : 0;
+  fields.number(key, number, 0);
+  value = given ? number : std::numeric_limits<double>::infinity();
+}
+
+template <class Fields>
+void walk(Fields& fields, ToolSettings& tool) {
+  count(fields, "asset", tool.asset);
+  walk(fields, tool.placement);
+  fields.number("coupling_n_m", tool.coupling, 0);
+  fields.number("turning_n_m_rad", tool.turning, 0);
+  limit(fields, "torque_capped", "torque_cap_n_m", tool.torque_cap);
+  fields.number("spacing_m", tool.spacing, 0);
+  count(fields, "samples", tool.samples);
+  fields.number("budget_s", tool.budget, 0);
+}
+
 template <class Fields>
 void walk(Fields& fields, PlacedObject& object) {
-  std::uint64_t asset = object.asset;
-  fields.integer("asset", asset);
-  object.asset = static_cast<std::size_t>(asset);
+  count(fields, "asset", object.asset);
   fields.word("method", object.force.method, methods);
   fields.word("rule", object.force.rule, rules);
   fields.number("stiffness_n_m", object.force.stiffness, 0);
   fields.number("probe_radius_m", object.force.probe_radius, 0);
+  // Where they are missing, the recording is older than they are, and its probe is a point or a
+  // ball.
+  if (fields.has("probe_kind")) {
+    fields.word("probe_kind", object.force.probe_kind, probe_kinds);
+    fields.word("paper_probe", object.force.form, probe_forms_recorded);
+    fields.number("probe_length_m", object.force.probe_length, 0);
+    constexpr std::array axis{"probe_axis_x", "probe_axis_y", "probe_axis_z"};
+    for (int i = 0; i < 3; ++i) {
+      fields.number(axis[static_cast<std::size_t>(i)], object.force.probe_axis[i], -2);
+    }
+  }
   fields.flag("movable", object.movable);
+  fields.flag("stiffness_chosen", object.stiffness_chosen);
   walk(fields, object.placement);
   walk(fields, object.effects);
 }
@@ -145,7 +191,20 @@ PlacedObject object_of(const Json& json, std::size_t assets, std::string& proble
   if (problem.empty() && (object.asset >= assets || !is_unit(object.placement.rotation))) {
     problem = "an object names an asset that is not listed, or its rotation is none";
   }
+  if (problem.empty() && !(std::abs(object.force.probe_axis.squaredNorm() - 1) <= unit_slack)) {
+    problem = "the axis of a probe is not of unit length";
+  }
   return object;
+}
+
+ToolSettings tool_of(const Json& json, std::size_t assets, std::string& problem) {
+  ToolSettings tool;
+  Reader reader(json, "tool.", problem);
+  walk(reader, tool);
+  if (problem.empty() && (tool.asset >= assets || !is_unit(tool.placement.rotation))) {
+    problem = "the tool names an asset that is not listed, or its rotation is none";
+  }
+  return tool;
 }
 
 tl::unexpected<Error> bad(const std::string& problem) {
@@ -179,9 +238,14 @@ std::string text_of(const RecordedScene& recorded) {
     objects.push_back(json_of(recorded.scene.objects[i]));
     objects.back()["gone"] = i < recorded.gone.size() && recorded.gone[i];
   }
-  const Json json = {{"workspace", json_of(recorded.scene.workspace)},
-                     {"stabilization", json_of(recorded.scene.stabilization)},
-                     {"objects", std::move(objects)}};
+  Json json = {{"workspace", json_of(recorded.scene.workspace)},
+               {"stabilization", json_of(recorded.scene.stabilization)},
+               {"objects", std::move(objects)}};
+  if (recorded.scene.tool) {
+    json["tool"] = json_of(*recorded.scene.tool);
+    // By which a coupling that the tool does not name is chosen.
+    json["added"] = json_of(recorded.scene.added);
+  }
   return json.dump();
 }
 
@@ -196,6 +260,10 @@ Result<RecordedScene> recorded_scene(const std::string& text, std::size_t assets
   walk(workspace, recorded.scene.workspace);
   Reader stabilization(json["stabilization"], "stabilization.", problem);
   walk(stabilization, recorded.scene.stabilization);
+  if (json.contains("tool")) {
+    recorded.scene.tool = tool_of(json["tool"], assets, problem);
+    recorded.scene.added = object_of(json.value("added", Json()), assets, problem);
+  }
   JsonFields fields(json, "", problem);
   for (const Json& entry : fields.array("objects")) {
     recorded.scene.objects.push_back(object_of(entry, assets, problem));

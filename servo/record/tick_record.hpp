@@ -6,7 +6,8 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "common/base/vector.hpp"
+#include "common/base/hand_pose.hpp"
+#include "common/base/wrench.hpp"
 #include "formats/motion/recording.hpp"
 #include "servo/force/force_budget.hpp"
 #include "servo/safety/safety.hpp"
@@ -17,13 +18,14 @@ namespace spm::servo {
 struct TickRecord {
   std::uint64_t tick = 0;  ///< index on the time grid
   std::uint32_t device = 0;
-  std::int64_t wake_ns = 0;            ///< how late the loop woke up
-  std::int64_t busy_ns = 0;            ///< from waking up to the write to the last device
-  Vector3 position = Vector3::Zero();  ///< m
-  Vector3 wanted = Vector3::Zero();    ///< N, result of the force law
-  Vector3 added = Vector3::Zero();     ///< N, by applications, to what is wanted
-  Vector3 force = Vector3::Zero();     ///< N, as sent
-  double depth = 0;                    ///< m
+  std::int64_t wake_ns = 0;  ///< how late the loop woke up
+  std::int64_t busy_ns = 0;  ///< from waking up to the write to the last device
+  HandPose hand;             ///< hand's frame, as the force law had it
+  Wrench wanted;             ///< result of the force law, about the hand's position
+  Wrench added;              ///< by applications, to what is wanted
+  Wrench sent;
+  HandPose tool;     ///< world, of the tool that the hand holds
+  double depth = 0;  ///< m
   std::uint32_t buttons = 0;
   bool contact = false;
   bool forgot = false;  ///< the force law had forgotten its state before this tick
@@ -32,6 +34,11 @@ struct TickRecord {
   bool touched = false;
   bool edited = false;     ///< an edited scene was taken up before the forces of this tick
   bool exchanged = false;  ///< assets were opened, or opened again, before this tick
+  bool kept = false;       ///< no force was sent, but the force law was asked and kept its state
+  bool has_tool = false;   ///< `tool` is known
+  bool force_capped = false, torque_capped = false;  ///< what was sent met the device's cap
+  bool tool_capped = false;                          ///< the coupling of hand and tool met its cap
+  std::uint16_t patches = 0;                         ///< places at which the tool touches
   ForceOff cause = ForceOff::none;
   ForceEffort effort;  ///< with which `wanted` was computed
 };

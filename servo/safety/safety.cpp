@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "common/base/turn_between.hpp"
+
 namespace spm::servo {
 
 namespace {
@@ -15,7 +17,7 @@ constexpr double ramp_seconds = 0.1;
 // slow enough that a hand that leans on a surface can follow it
 constexpr double fade_seconds = 0.5;
 
-/// Limits how far the force may grow or turn in a tick. Decrease is not limited: a force that ends
+/// Limits how far a force or torque may grow or turn in a tick. Decrease is not limited: what ends
 /// must end.
 Vector3 limit_slew(const Vector3& previous, const Vector3& wanted, double limit) noexcept {
   const double before = previous.norm();
@@ -24,6 +26,22 @@ Vector3 limit_slew(const Vector3& previous, const Vector3& wanted, double limit)
   const Vector3 step = wanted - from;
   const double size = step.norm();
   return size > limit ? Vector3(from + step * (limit / size)) : wanted;
+}
+
+/// Where the soft start, at that share of its way, goes from `from` to what is wanted. What ends
+/// must end: of the old one never more is left than is wanted now.
+Vector3 ramped(Vector3& from, const Vector3& wanted, double share) noexcept {
+  const double size = wanted.norm();
+  if (from.norm() > size) from *= size / from.norm();
+  return (1 - share) * from + share * wanted;
+}
+
+/// Holds a size to a cap. Returns whether it had to.
+bool cap_to(Vector3& vector, double cap) noexcept {
+  const double size = vector.norm();
+  if (!(size > cap)) return false;
+  vector *= cap / size;
+  return true;
 }
 
 }  // namespace
@@ -115,10 +133,17 @@ bool is_outside(const Vector3& position, const Vector3& half_edges) noexcept {
   return false;
 }
 
-bool JumpGate::jumped(const Vector3& position, std::uint64_t tick) noexcept {
+bool is_pose(const HandPose& pose) noexcept {
+  return pose.position.allFinite() &&
+         std::abs(pose.orientation.norm() - 1) <= orientation_slack;  // NaN is not
+}
+
+bool JumpGate::jumped(const HandPose& pose, std::uint64_t tick) noexcept {
   const double ticks = static_cast<double>(tick > last_tick_ ? tick - last_tick_ : 1);
-  const bool is_too_far = is_known_ && (position - last_).norm() > max_a_tick_ * ticks;
-  last_ = position;
+  const bool is_too_far =
+      is_known_ && ((pose.position - last_.position).norm() > max_a_tick_ * ticks ||
+                    turn_between(last_.orientation, pose.orientation).norm() > max_turn_ * ticks);
+  last_ = pose;
   last_tick_ = tick;
   is_known_ = true;
   return is_too_far;
@@ -128,10 +153,17 @@ double slew_limit(double stiffness, double rate_hz) noexcept {
   return std::max(min_slew, slew_margin * stiffness * fastest_hand / rate_hz);
 }
 
-SafetySettings safety_settings(double force_cap, double stiffness, double rate_hz) noexcept {
+double torque_slew_limit(double slew, double arm) noexcept {
+  return slew * std::max(arm, shortest_arm);
+}
+
+SafetySettings safety_settings(double force_cap, double stiffness, double rate_hz,
+                               double torque_cap) noexcept {
   SafetySettings settings;
   settings.force_cap = force_cap;
   settings.slew_limit = slew_limit(stiffness, rate_hz);
+  settings.torque_cap = torque_cap;
+  settings.torque_slew = torque_slew_limit(settings.slew_limit, 0);
   settings.ramp_ticks =
       std::max(1U, static_cast<std::uint32_t>(std::lround(ramp_seconds * rate_hz)));
   settings.fade_ticks =
@@ -141,10 +173,11 @@ SafetySettings safety_settings(double force_cap, double stiffness, double rate_h
 
 void SafetyStage::restart() noexcept {
   ramp_tick_ = 0;
-  from_ = previous_;
+  force_.from = force_.previous;
+  torque_.from = torque_.previous;
 }
 
-/// The fraction of a force that is left in this tick, 0 to 1.
+/// The fraction of a wrench that is left in this tick, 0 to 1.
 double SafetyStage::next_fade(bool fading) noexcept {
   if (fading) {
     fade_tick_ = std::min(fade_tick_ + 1, settings_.fade_ticks);
@@ -155,35 +188,32 @@ double SafetyStage::next_fade(bool fading) noexcept {
   return 1 - static_cast<double>(fade_tick_) / settings_.fade_ticks;
 }
 
-SafeForce SafetyStage::apply(const Vector3& wanted, ForceOff cause, bool fading) noexcept {
-  SafeForce safe;
-  if (cause == ForceOff::none && !wanted.allFinite()) cause = ForceOff::not_a_number;
+SafeWrench SafetyStage::apply(const Wrench& wanted, ForceOff cause, bool fading) noexcept {
+  SafeWrench safe;
+  const bool finite = wanted.force.allFinite() && wanted.torque.allFinite();
+  if (cause == ForceOff::none && !finite) cause = ForceOff::not_a_number;
   const double left = next_fade(fading);
   if (cause == ForceOff::none && left == 0) cause = ForceOff::application_silent;
   if (cause != ForceOff::none) {
     safe.cause = cause;
-    previous_.setZero();
+    force_.previous.setZero();
+    torque_.previous.setZero();
     restart();
     return safe;
   }
 
-  // A force that ends must end: of the old one never more is left than is wanted now.
-  const double size_wanted = wanted.norm();
-  if (from_.norm() > size_wanted) from_ *= size_wanted / from_.norm();
   ramp_tick_ = std::min(ramp_tick_ + 1, settings_.ramp_ticks);
   const double share = static_cast<double>(ramp_tick_) / settings_.ramp_ticks;
-  safe.force = left * ((1 - share) * from_ + share * wanted);
-
-  const Vector3 slewed = limit_slew(previous_, safe.force, settings_.slew_limit);
-  safe.slewed = slewed != safe.force;
-  safe.force = slewed;
-
-  const double size = safe.force.norm();
-  if (size > settings_.force_cap) {
-    safe.force *= settings_.force_cap / size;
-    safe.capped = true;
-  }
-  previous_ = safe.force;
+  const Vector3 force = left * ramped(force_.from, wanted.force, share);
+  const Vector3 torque = left * ramped(torque_.from, wanted.torque, share);
+  safe.force = limit_slew(force_.previous, force, settings_.slew_limit);
+  safe.torque = limit_slew(torque_.previous, torque, settings_.torque_slew);
+  safe.slewed = safe.force != force;
+  safe.torque_slewed = safe.torque != torque;
+  safe.capped = cap_to(safe.force, settings_.force_cap);
+  safe.torque_capped = cap_to(safe.torque, settings_.torque_cap);
+  force_.previous = safe.force;
+  torque_.previous = safe.torque;
   return safe;
 }
 

@@ -5,7 +5,9 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "common/base/hand_pose.hpp"
 #include "common/base/vector.hpp"
+#include "common/base/wrench.hpp"
 
 namespace spm::servo {
 
@@ -13,14 +15,14 @@ namespace spm::servo {
 enum class ForceOff : std::uint8_t {
   none,
   starting,            ///< no asset has been handed over yet
-  asset_lost,          ///< the asset's file was truncated, edited, replaced or deleted
-  not_a_number,        ///< a position or a force that is not finite
+  asset_lost,          ///< the asset's bytes were cut short or written over
+  not_a_number,        ///< a pose or a wrench that is not finite, or an orientation that is none
   device_fault,        ///< the device answered what makes no sense, or could not be written to
   stopping,            ///< the last tick
   device_silent,       ///< no report came for longer than a report may take
   device_gone,         ///< the device was unplugged
   not_homed,           ///< the device's encoders do not know yet where they are
-  jumped,              ///< the position moved farther since the last tick than any hand can move
+  jumped,              ///< the hand moved or turned farther since the last tick than any can
   clutched,            ///< an application, or a button of the device, let the hand move freely
   outside_workspace,   ///< the tool is where the device's maker says it cannot be
   application_silent,  ///< an application that moved objects no longer answers
@@ -39,12 +41,14 @@ using ForceOffTicks = std::array<std::uint64_t, force_off_count>;
 /// What to do about a cause: a clause for the end of a sentence.
 [[nodiscard]] const char* cure_of(ForceOff cause) noexcept;
 
-/// Limits on the force of one device.
+/// Limits on the wrench of one device.
 struct SafetySettings {
   double force_cap = 0;          ///< N; the magnitude is limited to it, the direction kept
   double slew_limit = 0;         ///< N a tick, limits growth and turning only
   std::uint32_t ramp_ticks = 1;  ///< ticks of the soft start, 1 or more
   std::uint32_t fade_ticks = 1;  ///< ticks in which a force fades to zero, 1 or more
+  double torque_cap = 0;         ///< N m, as `force_cap`
+  double torque_slew = 0;        ///< N m a tick, as `slew_limit`
 };
 
 /// A position is not believed if it is outside a device's workspace by more than this fraction of
@@ -55,25 +59,34 @@ inline constexpr double workspace_margin = 0.25;
 /// are not known.
 [[nodiscard]] bool is_outside(const Vector3& position, const Vector3& half_edges) noexcept;
 
+/// Largest difference of an orientation's length from 1.
+inline constexpr double orientation_slack = 1e-6;
+
+/// Whether a pose is one: finite, and its orientation of unit length.
+[[nodiscard]] bool is_pose(const HandPose& pose) noexcept;
+
 /// Faster than a hand moves a tool: quick reaches peak at about 3 m/s. A position that moved faster
 /// is not true; an encoder slipped or a report was lost.
 inline constexpr double fastest_motion = 10;  // m/s
+/// Faster than a hand turns a tool: a wrist that is flicked peaks at about 25 rad/s.
+inline constexpr double fastest_turning = 50;  // rad/s
 
-/// Detects positions that no hand can have reached since the last tick.
+/// Detects poses that no hand can have reached since the last tick.
 class JumpGate {
  public:
-  explicit JumpGate(double rate_hz) noexcept : max_a_tick_(fastest_motion / rate_hz) {}
+  explicit JumpGate(double rate_hz) noexcept
+      : max_a_tick_(fastest_motion / rate_hz), max_turn_(fastest_turning / rate_hz) {}
 
-  /// Whether the position of a tick (its index on the grid) is too far from the last position that
-  /// was passed in. The next position is compared with this one.
-  [[nodiscard]] bool jumped(const Vector3& position, std::uint64_t tick) noexcept;
+  /// Whether the pose of a tick (its index on the grid) is too far from the last one that was
+  /// passed in, in place or in turn. The next pose is compared with this one.
+  [[nodiscard]] bool jumped(const HandPose& pose, std::uint64_t tick) noexcept;
 
-  /// Call it when a device was away: its next position is then accepted as it is.
+  /// Call it when a device was away: its next pose is then accepted as it is.
   void forget() noexcept { is_known_ = false; }
 
  private:
-  double max_a_tick_;
-  Vector3 last_ = Vector3::Zero();
+  double max_a_tick_, max_turn_;  ///< m, rad
+  HandPose last_;
   std::uint64_t last_tick_ = 0;
   bool is_known_ = false;
 };
@@ -83,34 +96,48 @@ class JumpGate {
 /// that no motion makes.
 [[nodiscard]] double slew_limit(double stiffness, double rate_hz) noexcept;
 
-/// Limits for a device at a stiffness (N/m) and rate (Hz). `force_cap` in N.
-[[nodiscard]] SafetySettings safety_settings(double force_cap, double stiffness,
-                                             double rate_hz) noexcept;
+/// The shortest arm, m, at which forces are taken to turn a hand: that of a pen's tip.
+inline constexpr double shortest_arm = 0.01;
 
-/// A force that may be sent.
-struct SafeForce {
-  Vector3 force = Vector3::Zero();  ///< N
-  ForceOff cause = ForceOff::none;  ///< why it is zero, if it was set to zero
-  bool capped = false;
-  bool slewed = false;
+/// How far a torque may grow in a tick, N m, where a force may grow by `slew` (N): as far as that
+/// force turns the hand at the tool's farthest place, at `arm` (m of the hand) or `shortest_arm`.
+[[nodiscard]] double torque_slew_limit(double slew, double arm) noexcept;
+
+/// Limits for a device at a stiffness (N/m) and rate (Hz). Caps in N and N m. The torque's slew
+/// limit is that of the shortest arm.
+[[nodiscard]] SafetySettings safety_settings(double force_cap, double stiffness, double rate_hz,
+                                             double torque_cap = 0) noexcept;
+
+/// A wrench that may be sent.
+struct SafeWrench {
+  Vector3 force = Vector3::Zero();   ///< N
+  Vector3 torque = Vector3::Zero();  ///< N m
+  ForceOff cause = ForceOff::none;   ///< why both are zero, if they were set to zero
+  bool capped = false;               ///< the force met its cap
+  bool slewed = false;               ///< the force met its slew limit
+  bool torque_capped = false;        ///< the torque met its cap
+  bool torque_slewed = false;        ///< the torque met its slew limit
+
+  [[nodiscard]] Wrench wrench() const noexcept { return {force, torque}; }
 };
 
 /// The stage between the force law and a device. It holds the state of the soft start and of the
-/// slew limit. No call allocates or throws.
+/// slew limits. Force and torque are limited each by itself, because a device has motors of their
+/// own for them; soft start, fade and causes hold for both alike. No call allocates or throws.
 class SafetyStage {
  public:
   explicit SafetyStage(const SafetySettings& settings) noexcept : settings_(settings) {}
 
-  /// The force to send, when the force law wants `wanted`, N. A cause other than `none` gives zero,
-  /// and so does a force that is not finite. After a tick without force the soft start begins
-  /// again.
+  /// The wrench to send, when the force law wants `wanted`, N and N m. A cause other than `none`
+  /// gives zero, and so does a wrench that is not finite. After a tick without force the soft start
+  /// begins again.
   ///
-  /// `fading`: the wanted force cannot be trusted for long. It fades to zero, and the cause is then
-  /// `application_silent`. When it can be trusted again it fades in from where it was.
-  [[nodiscard]] SafeForce apply(const Vector3& wanted, ForceOff cause,
-                                bool fading = false) noexcept;
+  /// `fading`: the wanted wrench cannot be trusted for long. It fades to zero, and the cause is
+  /// then `application_silent`. When it can be trusted again it fades in from where it was.
+  [[nodiscard]] SafeWrench apply(const Wrench& wanted, ForceOff cause,
+                                 bool fading = false) noexcept;
 
-  /// Begins the soft start again, from the force that is sent now, or from as much of it as is
+  /// Begins the soft start again, from the wrench that is sent now, or from as much of it as is
   /// wanted. For a device that was just engaged, and when what is felt has changed under the hand.
   void restart() noexcept;
 
@@ -120,19 +147,28 @@ class SafetyStage {
     settings_.force_cap = cap;
   }
   [[nodiscard]] double force_cap() const noexcept { return settings_.force_cap; }
+  [[nodiscard]] double torque_cap() const noexcept { return settings_.torque_cap; }
 
-  /// Sets the slew limit, N a tick, from the next tick on. For a change of the stiffness that is
-  /// felt.
-  void set_slew_limit(double limit) noexcept { settings_.slew_limit = limit; }
+  /// Sets the slew limits, N and N m a tick, from the next tick on. For a change of the stiffness
+  /// that is felt, or of the tool.
+  void set_slew_limits(double force, double torque) noexcept {
+    settings_.slew_limit = force;
+    settings_.torque_slew = torque;
+  }
 
  private:
+  /// What is remembered of the force, or of the torque.
+  struct Part {
+    Vector3 from = Vector3::Zero();  ///< where the soft start begins
+    Vector3 previous = Vector3::Zero();
+  };
+
   [[nodiscard]] double next_fade(bool fading) noexcept;
 
   SafetySettings settings_;
-  Vector3 from_ = Vector3::Zero();  ///< N, where the soft start begins
+  Part force_, torque_;
   std::uint32_t ramp_tick_ = 0;
   std::uint32_t fade_tick_ = 0;  ///< 0: no fade is under way
-  Vector3 previous_ = Vector3::Zero();
 };
 
 }  // namespace spm::servo

@@ -31,42 +31,55 @@ Result<std::unique_ptr<AssetKeeper::Holding>> AssetKeeper::load() const {
   map.mode = options_.mode;
   map.prefault = true;
   map.lock = options_.lock;
+  map.tiles = static_cast<bool>(options_.sample);  // samples are made of them
   const auto started = steady_clock::now();
   auto asset = MappedAsset::open(options_.path, map);
-  const std::chrono::duration<double> opened = steady_clock::now() - started;
   if (!asset) return tl::make_unexpected(std::move(asset.error()));
   if (options_.accept) {
     const Result<void> accepted = options_.accept((*asset)->metadata());
     if (!accepted) return tl::make_unexpected(accepted.error());
   }
+  auto holding = std::make_unique<Holding>();
+  if (options_.sample) {
+    auto tool = options_.sample((*asset)->view());
+    if (!tool) {
+      return fail(tool.error().code, options_.path + ": " + tool.error().message);
+    }
+    holding->tool = std::move(*tool);
+  }
+  const std::chrono::duration<double> opened = steady_clock::now() - started;
   // Reads the whole file. This is done now, not while the file is served, when it must be watched.
   static_cast<void>((*asset)->content_sha256());
-  auto holding = std::make_unique<Holding>();
   holding->asset = std::move(*asset);
   holding->open_seconds = opened.count();
-  holding->served = {&holding->asset->view(), holding->asset.get()};
+  holding->served = {&holding->asset->view(), holding->asset.get(), holding->tool.get()};
   return holding;
 }
 
 void AssetKeeper::look() {
   free_released();
-  if (current_ != nullptr && !reload_wanted_) {
+  if (current_ != nullptr) {
+    // Also while another file is to be loaded: the one that is served may still be written to.
     const AssetState state = current_->asset->check_file();
-    if (state == AssetState::intact && !current_->served.lost()) return;
-    if (damaged(state)) withdraw(state);
-    reload_wanted_ = true;
-    next_try_ = steady_clock::now();
-    wait_ = options_.retry;
-    last_refusal_.clear();
-  } else if (current_ != nullptr && current_->served.lost()) {
-    withdraw(AssetState::truncated);
+    const bool is_damaged = damaged(state);
+    if (is_damaged) withdraw(state);
+    if (!reload_wanted_) {
+      if (state == AssetState::intact && !is_damaged) return;
+      reload_wanted_ = true;
+      next_try_ = steady_clock::now();
+      wait_ = options_.retry;
+      last_refusal_.clear();
+    }
   }
   if (reload_wanted_ && steady_clock::now() >= next_try_) try_reload();
 }
 
-/// A sealed copy stays as it was, whatever happens to its file.
+/// Whether the bytes that are mapped are others than they were. Those of a file that lost its name
+/// are not, and a sealed copy's never.
 bool AssetKeeper::damaged(AssetState state) const {
-  return current_->served.lost() || (options_.mode == MapMode::file && state != AssetState::intact);
+  if (current_->served.lost()) return true;
+  const bool is_changed = state == AssetState::truncated || state == AssetState::edited;
+  return options_.mode == MapMode::file && is_changed;
 }
 
 void AssetKeeper::withdraw(AssetState state) {
@@ -84,7 +97,9 @@ void AssetKeeper::try_reload() {
   if (!holding) {
     if (holding.error().message != last_refusal_) {
       last_refusal_ = holding.error().message;
-      warn("not loaded again yet: " + last_refusal_);
+      warn((current_ != nullptr ? "served on as it was, since what is there now cannot be: "
+                                : "not loaded again yet: ") +
+           last_refusal_);
     }
     next_try_ = steady_clock::now() + wait_;
     wait_ = std::min(2 * wait_, options_.longest_retry);
@@ -109,6 +124,11 @@ void AssetKeeper::install(std::unique_ptr<Holding> holding) {
   report_.bytes = current_->asset->bytes();
   report_.resident_bytes = current_->asset->resident_bytes();
   report_.open_seconds = current_->open_seconds;
+  const SampledTool* tool = current_->tool.get();
+  // A `full` tool has none.
+  const bool sampled = tool != nullptr && !tool->samples().levels.empty();
+  report_.tool_samples = sampled ? tool->samples().levels.back().count : 0;
+  report_.tool_bytes = tool != nullptr ? tool->bytes() : 0;
   report_.locked = current_->asset->locked();
   report_.serving = true;
 }

@@ -25,6 +25,9 @@ struct KeeperOptions {
   std::chrono::milliseconds longest_retry{1000};
   /// Refuses an intact asset that the loop cannot serve with its settings. May be empty.
   std::function<Result<void>(const AssetMetadata&)> accept;
+  /// Makes the samples of an asset that is the tool, whenever its file is loaded; it is refused
+  /// where that fails. Called on the loading thread. Empty for all other assets.
+  std::function<Result<std::unique_ptr<SampledTool>>(const AssetView&)> sample;
   /// Called with a sentence for a person, on the loading thread. May be empty.
   std::function<void(const std::string&)> warn;
 };
@@ -35,7 +38,9 @@ struct KeeperReport {
   AssetMetadata metadata;
   AssetBytes bytes;
   std::uint64_t resident_bytes = 0;  ///< that answers may come from
-  double open_seconds = 0;           ///< to map and check the file
+  double open_seconds = 0;           ///< to map and check the file, and to sample a tool
+  std::size_t tool_samples = 0;      ///< of the tool, on its finest level; 0: it is none
+  std::uint64_t tool_bytes = 0;      ///< of its samples, and what hands remember of them
   bool locked = false;
   bool serving = false;
   std::uint64_t losses = 0;
@@ -43,10 +48,11 @@ struct KeeperReport {
 };
 
 /// Opens and validates an asset, hands it to the loop and looks after its file (AssetWatch). When
-/// the file is truncated, edited, replaced or deleted, it takes the asset away from the loop, tries
-/// to load the file again until it is intact, and hands it over again. A `sealed` asset is served
-/// from its old bytes until the new ones are validated. An old mapping is freed when the loop no
-/// longer uses it.
+/// the mapped bytes are truncated or edited, it takes the asset away from the loop, tries to load
+/// the file again until it is intact, and hands it over again. Where another file has the name now,
+/// as after a bake, or none has it, the mapped bytes are as they were, because the mapping holds
+/// their file: they are served until new ones are validated. So is a `sealed` asset in any case. An
+/// old mapping is freed when the loop no longer uses it.
 class AssetKeeper {
  public:
   /// Opens the asset and offers it to the loop. Errors: those of
@@ -61,6 +67,9 @@ class AssetKeeper {
   /// The asset that `open` offered. Valid until `look`.
   [[nodiscard]] const AssetView& view() const { return *current_->served.view; }
 
+  /// The samples that `open` made; null where the asset is not the tool. Valid until `look`.
+  [[nodiscard]] SampledTool* tool() const { return current_->served.tool; }
+
   /// The loading thread: looks once whether the file has changed, and loads it again where it has
   /// and that is due.
   void look();
@@ -72,6 +81,7 @@ class AssetKeeper {
   /// A mapping, and the record that describes it to the loop.
   struct Holding {
     std::unique_ptr<MappedAsset> asset;
+    std::unique_ptr<SampledTool> tool;  ///< null where the asset is none
     ServedAsset served;
     double open_seconds = 0;
   };

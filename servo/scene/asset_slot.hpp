@@ -5,6 +5,7 @@
 
 #include "common/asset/asset_view.hpp"
 #include "formats/asset/mapped_asset.hpp"
+#include "servo/force/sampled_tool.hpp"
 
 namespace spm::servo {
 
@@ -12,6 +13,8 @@ namespace spm::servo {
 struct ServedAsset {
   const AssetView* view = nullptr;
   const MappedAsset* mapping = nullptr;
+  SampledTool* tool =
+      nullptr;  ///< the samples, where the asset is the scene's tool; the loop's own
 
   [[nodiscard]] bool lost() const noexcept { return mapping != nullptr && mapping->lost(); }
 

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "common/base/units.hpp"
+#include "servo/scene/tool_choice.hpp"
 
 namespace spm::servo {
 
@@ -16,10 +17,6 @@ constexpr double stiffest = 1e6;  // N/m
 
 /// A radius that was written as decimal text may differ by rounding from the recorded one.
 constexpr double radius_slack = 1e-9;
-
-std::string radius_text(double radius) {
-  return radius == 0 ? "point" : "sphere:" + format_quantity(radius, Quantity::length);
-}
 
 /// Why a method does not have an effect, and what to do; empty if it has it.
 std::string unknown_effect(Method method, const EffectSettings& effects) {
@@ -47,8 +44,24 @@ std::string unknown_effect(Method method, const EffectSettings& effects) {
 
 /// What is wrong with settings, and what to do; empty if nothing is.
 std::string objection(const ForceSettings& settings, const EffectSettings& effects) {
-  if (settings.method == Method::paper && settings.probe_radius > 0) {
-    return "method paper knows a point probe only; take the probe point, or method spm";
+  const ProbeShape probe = settings.probe();
+  if (settings.method != Method::paper && probe.paper_only()) {
+    const ProbeShape ball{ProbeKind::ball, probe.radius, 0};
+    return "method " + std::string(to_string(settings.method)) +
+           " knows no probe but a point and a sphere; take method paper, on an asset baked with "
+           "--form full, or the probe " +
+           text_of(ball);
+  }
+  if (settings.method == Method::paper && settings.rule != PaperRule::closest_plane &&
+      probe.radius > 0) {
+    return "the paper's rule " + std::string(to_string(settings.rule)) +
+           " is for a point, and the probe is " + text_of(probe) +
+           "; take closest-plane, or the probe point";
+  }
+  if (settings.method == Method::paper && settings.form == PaperProbeForm::volume &&
+      probe.radius == 0) {
+    return "a point has no volume, of which the force could be the mean; take the probe "
+           "sphere:RADIUS or another with a size, or leave the form of the probe's force out";
   }
   if (!(settings.stiffness >= 0 && settings.stiffness <= stiffest)) {
     return "the stiffness is out of range; it must be from 0N/mm to " +
@@ -104,20 +117,40 @@ Method method_of(const SceneObject& object, const StabilizationSettings& stabili
                                                                            : default_method;
 }
 
+/// What touches, the same for all objects.
+struct Tool {
+  ProbeShape probe;
+  PaperProbeForm form = PaperProbeForm::surface;
+};
+
+Tool tool_of(const ForceOptions& options, const Scene& scene) {
+  return {options.probe.value_or(scene.probe.value_or(ProbeShape{})),
+          options.probe_form.value_or(scene.probe_form.value_or(PaperProbeForm::surface))};
+}
+
+/// An object by default, with the method that the tool needs.
+PlacedObject touched_object(double stiffness, const Tool& tool) {
+  PlacedObject object = default_object(stiffness, tool.probe);
+  object.force.form = tool.form;
+  return object;
+}
+
 /// One object as the command line, the scene and the defaults give it together.
-PlacedObject placed(const ForceOptions& options, const SceneObject& object, double probe_radius,
-                    double suitable, const StabilizationSettings& stabilization) {
-  PlacedObject placed = default_object(object.stiffness, probe_radius);
+PlacedObject placed(const ForceOptions& options, const SceneObject& object, const Tool& tool,
+                    double suitable, const std::optional<ForceDevice>& device,
+                    const StabilizationSettings& stabilization) {
+  PlacedObject placed = touched_object(object.stiffness, tool);
   placed.placement = object.placement;
   placed.movable = object.movable;
   placed.effects = object.effects;
   ForceSettings& force = placed.force;
   force.method = options.method.value_or(method_of(object, stabilization));
   force.rule = options.rule.value_or(object.rule);
-  if (!object.stiffness_given || object.stiffness_chosen || options.stiffness_chosen) {
-    force.stiffness = suitable;
-  }
+  const bool is_left_open =
+      !object.stiffness_given || object.stiffness_chosen || options.stiffness_chosen;
+  if (is_left_open) force.stiffness = suitable;
   force.stiffness = options.stiffness.value_or(force.stiffness);
+  placed.stiffness_chosen = is_left_open && !options.stiffness && device;
   // A point that sticks is held by the object's own stiffness, if nothing else is said.
   double& sticking = placed.effects.friction.stiffness;
   if (sticking == object.stiffness) sticking = force.stiffness;
@@ -126,20 +159,34 @@ PlacedObject placed(const ForceOptions& options, const SceneObject& object, doub
 
 Result<ForceChoice> choose_asset(const ForceOptions& options) {
   ForceChoice choice;
-  choice.probe_radius = options.probe_radius.value_or(0);
+  const Tool tool = tool_of(options, {});
+  choice.probe = tool.probe;
   choice.scene.stabilization = stabilization_of(options, {}, options.device);
   const double suitable = suitable_stiffness(options.device);
   SceneObject object;
-  object.effects = default_object(suitable, 0).effects;
+  object.effects = default_object(suitable, {}).effects;
   choice.scene.objects = {
-      placed(options, object, choice.probe_radius, suitable, choice.scene.stabilization)};
-  choice.scene.added = default_object(suitable, choice.probe_radius);
+      placed(options, object, tool, suitable, options.device, choice.scene.stabilization)};
+  choice.scene.added = touched_object(suitable, tool);
+  choice.scene.added.stiffness_chosen = options.device.has_value();
+  choice.scene.follows_delay = true;
   choice.assets = {options.asset};
   choice.places = {{}};
   if (auto checked = check_settings(choice.scene.objects.front().force); !checked) {
     return tl::make_unexpected(std::move(checked.error()));
   }
   return choice;
+}
+
+/// The tool of a scene, where it is an object; its asset comes after the objects'.
+Result<void> take_tool(const Scene& scene, ForceChoice& choice) {
+  if (!scene.tool) return {};
+  choice.tool_place = scene.path + ": line " + std::to_string(scene.tool->line) + ": ";
+  auto tool = tool_settings(*scene.tool, scene.path, choice.tool_place);
+  if (!tool) return tl::make_unexpected(std::move(tool.error()));
+  tool->asset = asset_number(choice, scene.tool->asset);
+  choice.scene.tool = *tool;
+  return {};
 }
 
 Result<ForceChoice> choose_scene(const ForceOptions& options) {
@@ -158,8 +205,16 @@ Result<ForceChoice> choose_scene(const ForceOptions& options) {
   choice.device = scene->device;
   choice.scene.workspace = scene->workspace;
   choice.scene.stabilization = stabilization_of(options, *scene, device);
-  choice.probe_radius = options.probe_radius.value_or(scene->probe_radius.value_or(0));
-  choice.scene.added = default_object(suitable, choice.probe_radius);
+  const Tool tool = tool_of(options, *scene);
+  choice.probe = tool.probe;
+  choice.scene.added = touched_object(suitable, tool);
+  if (scene->tool && options.probe) {
+    return fail(ExitCode::usage, "--probe: the tool of " + scene->path +
+                                     " is an object of its own ('asset' of [tool]); leave the "
+                                     "option out, or name a probe in the scene");
+  }
+  choice.scene.added.stiffness_chosen = device.has_value();
+  choice.scene.follows_delay = !scene->delay_given;
   for (const SceneObject& object : scene->objects) {
     const std::string place = scene->path + ": line " + std::to_string(object.line) + ": ";
     if (object.asset.empty()) {
@@ -167,8 +222,7 @@ Result<ForceChoice> choose_scene(const ForceOptions& options) {
                   place + "the object has no 'asset'; bake its mesh with spm-bake build " +
                       object.mesh + " --scene " + scene->path + ", and name the baked file");
     }
-    PlacedObject made =
-        placed(options, object, choice.probe_radius, suitable, choice.scene.stabilization);
+    PlacedObject made = placed(options, object, tool, suitable, device, choice.scene.stabilization);
     if (auto checked = check_settings(made.force, made.effects, place); !checked) {
       return tl::make_unexpected(std::move(checked.error()));
     }
@@ -176,6 +230,7 @@ Result<ForceChoice> choose_scene(const ForceOptions& options) {
     choice.scene.objects.push_back(made);
     choice.places.push_back(place);
   }
+  if (auto taken = take_tool(*scene, choice); !taken) return tl::make_unexpected(taken.error());
   return choice;
 }
 
@@ -205,6 +260,10 @@ const char* to_string(PaperRule rule) noexcept {
   return "";
 }
 
+const char* to_string(PaperProbeForm form) noexcept {
+  return form == PaperProbeForm::volume ? "volume" : "surface";
+}
+
 const char* to_string(AssetForm form) noexcept {
   return form == AssetForm::full ? "full" : "sparse";
 }
@@ -224,7 +283,7 @@ std::string place_of_asset(const ForceChoice& choice, std::size_t which) {
   for (std::size_t i = 0; i < choice.scene.objects.size(); ++i) {
     if (choice.scene.objects[i].asset == which) return choice.places[i];
   }
-  return {};
+  return is_tool(choice.scene, which) ? choice.tool_place : std::string();
 }
 
 Result<void> check_settings(const ForceSettings& settings, const EffectSettings& effects,
@@ -242,11 +301,14 @@ Result<void> check_asset(const AssetMetadata& asset, const ForceSettings& settin
                     ": is a sparse asset, which method paper cannot read; bake the mesh again with "
                     "--form full, or take method spm");
   }
-  const double radius = settings.probe_radius / scale;
-  if (radius > asset.probe_radius * (1 + radius_slack)) {
+  ProbeShape probe = settings.probe();
+  probe.radius /= scale;
+  probe.length /= scale;
+  if (probe.radius > asset.probe_radius * (1 + radius_slack)) {
     return fail(ExitCode::invalid_input,
-                path + ": was baked for probe " + radius_text(asset.probe_radius) +
-                    ", which is smaller than " + radius_text(radius) +
+                path + ": was baked for probe " +
+                    text_of({ProbeKind::ball, asset.probe_radius, 0}) +
+                    ", whose radius is smaller than that of " + text_of(probe) +
                     (scale == 1 ? "" : ", the scene's over the object's scale") +
                     "; bake the mesh again with --probe and the larger radius");
   }
@@ -261,7 +323,8 @@ Result<void> check_asset(const AssetMetadata& asset, const ForceChoice& choice, 
                                object.placement.scale);
     if (!checked) return checked;
   }
-  return {};
+  if (!is_tool(choice.scene, which)) return {};
+  return check_tool_asset(asset, choice.scene, choice.tool_place + choice.assets[which]);
 }
 
 }  // namespace spm::servo

@@ -15,6 +15,7 @@ namespace spm::servo {
 
 [[nodiscard]] const char* to_string(Method method) noexcept;
 [[nodiscard]] const char* to_string(PaperRule rule) noexcept;
+[[nodiscard]] const char* to_string(PaperProbeForm form) noexcept;
 [[nodiscard]] const char* to_string(AssetForm form) noexcept;
 
 /// What a command line says of forces. What it leaves out comes from the scene, or is the default.
@@ -24,9 +25,10 @@ struct ForceOptions {
   std::string scene;  ///< a scene; empty if an asset is given
   std::optional<Method> method;
   std::optional<PaperRule> rule;
-  std::optional<double> stiffness;     ///< N/m
-  bool stiffness_chosen = false;       ///< what suits the device, whatever the scene says
-  std::optional<double> probe_radius;  ///< m
+  std::optional<double> stiffness;  ///< N/m
+  bool stiffness_chosen = false;    ///< what suits the device, whatever the scene says
+  std::optional<ProbeShape> probe;
+  std::optional<PaperProbeForm> probe_form;
   /// Replace those of the scene, but delay and device stay the scene's.
   std::optional<StabilizationSettings> stabilization;
   /// The device that is served. Empty: there is none, as in a replay of positions; then the scene's
@@ -38,11 +40,14 @@ struct ForceOptions {
 struct ForceChoice {
   std::string scene_path;  ///< empty if an asset was given
   ForceScene scene;
-  std::vector<std::string> assets;  ///< the objects' baked files, each once
+  std::vector<std::string> assets;  ///< the objects' baked files and the tool's, each once
   /// of the objects, for messages: file and line; empty if an asset was given
   std::vector<std::string> places;
-  double probe_radius = 0;  ///< m, of the world
-  SceneDevice device;       ///< what the scene says of the device
+  std::string tool_place;  ///< of the tool, likewise
+  ProbeShape probe;        ///< in lengths of the world
+  SceneDevice device;      ///< what the scene says of the device
+
+  [[nodiscard]] PaperProbeForm probe_form() const { return scene.objects.front().force.form; }
 };
 
 /// Decides what forces come from: reads the scene, or makes one of the asset alone. Errors: usage,
@@ -50,8 +55,8 @@ struct ForceChoice {
 /// with settings that no asset could serve.
 [[nodiscard]] Result<ForceChoice> choose_forces(const ForceOptions& options);
 
-/// File and line of the first object of an asset, as a prefix for a message about it; empty if no
-/// scene was given.
+/// File and line of the first object of an asset, or of the tool, as a prefix for a message about
+/// it; empty if no scene was given.
 [[nodiscard]] std::string place_of_asset(const ForceChoice& choice, std::size_t which);
 
 /// Refuses settings that no asset could serve, such as effects that their method does not have.
@@ -61,13 +66,13 @@ struct ForceChoice {
                                           const EffectSettings& effects = {},
                                           const std::string& place = {});
 
-/// Refuses an asset that cannot serve the settings: `paper` on a sparse asset, or a probe larger
-/// than the asset was baked for. `path` is for the message. `scale` is that of the object, by which
-/// the probe is divided. Errors: invalid_input.
+/// Refuses an asset that cannot serve the settings: `paper` on a sparse asset, or a probe whose
+/// radius is larger than the asset was baked for. `path` is for the message. `scale` is that of the
+/// object, by which the probe is divided. Errors: invalid_input.
 [[nodiscard]] Result<void> check_asset(const AssetMetadata& asset, const ForceSettings& settings,
                                        const std::string& path, double scale = 1);
 
-/// The same for all objects of a scene that are of one of its assets.
+/// The same for all objects of a scene that are of one of its assets, and for its tool.
 [[nodiscard]] Result<void> check_asset(const AssetMetadata& asset, const ForceChoice& choice,
                                        std::size_t which);
 

@@ -11,10 +11,10 @@ tl::unexpected<Error> at_place(const std::string& place, const Error& error) {
 }
 
 Result<std::unique_ptr<SceneAssets>> SceneAssets::open(KeeperOptions each, ForceChoice choice,
-                                                       std::size_t spare) {
+                                                       std::size_t spare, const ToolRoom& room) {
   const std::vector<std::string> paths = choice.assets;
   std::unique_ptr<SceneAssets> assets(
-      new SceneAssets(std::move(each), std::move(choice), paths.size() + spare));
+      new SceneAssets(std::move(each), std::move(choice), paths.size() + spare, room));
   for (std::size_t i = 0; i < paths.size(); ++i) {
     if (auto opened = assets->open_next(paths[i]); !opened) {
       return at_place(place_of_asset(assets->choice_, i), opened.error());
@@ -23,8 +23,9 @@ Result<std::unique_ptr<SceneAssets>> SceneAssets::open(KeeperOptions each, Force
   return assets;
 }
 
-SceneAssets::SceneAssets(KeeperOptions each, ForceChoice choice, std::size_t slots)
-    : each_(std::move(each)), choice_(std::move(choice)), watch_(each_.poll) {
+SceneAssets::SceneAssets(KeeperOptions each, ForceChoice choice, std::size_t slots,
+                         const ToolRoom& room)
+    : each_(std::move(each)), room_(room), choice_(std::move(choice)), watch_(each_.poll) {
   for (std::size_t i = 0; i < slots; ++i) slots_.push_back(std::make_unique<AssetSlot>());
 }
 
@@ -35,6 +36,12 @@ Result<void> SceneAssets::open_next(const std::string& path) {
   options.accept = [this, number](const AssetMetadata& metadata) {
     return check_asset(metadata, choice(), number);
   };
+  // Which asset is the tool, and how it is sampled, is fixed while the daemon runs.
+  if (const ForceScene scene = choice().scene; is_tool(scene, number)) {
+    options.sample = [tool = *scene.tool, room = room_](const AssetView& asset) {
+      return SampledTool::make(asset, tool, room.hands, room.objects);
+    };
+  }
   auto opened = AssetKeeper::open(std::move(options), *slots_[number]);
   if (!opened) return tl::make_unexpected(std::move(opened.error()));
   const std::lock_guard lock(mutex_);
@@ -54,6 +61,13 @@ std::vector<const AssetView*> SceneAssets::views() const {
   std::vector<const AssetView*> list;
   for (const auto& keeper : keepers_) list.push_back(&keeper->view());
   return list;
+}
+
+SampledTool* SceneAssets::tool() const {
+  for (const auto& keeper : keepers_) {
+    if (keeper->tool() != nullptr) return keeper->tool();
+  }
+  return nullptr;
 }
 
 void SceneAssets::watch() { watch_.start(); }

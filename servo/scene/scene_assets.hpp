@@ -10,6 +10,7 @@
 #include "servo/scene/asset_keeper.hpp"
 #include "servo/scene/asset_watch.hpp"
 #include "servo/scene/force_choice.hpp"
+#include "servo/scene/tool_choice.hpp"
 
 namespace spm::servo {
 
@@ -22,11 +23,13 @@ namespace spm::servo {
 /// once stays mapped, even if no object refers to it any more.
 class SceneAssets {
  public:
-  /// Opens the assets of a choice. No thread runs yet. `each` is for every keeper; its path and
-  /// what it accepts are filled in. Errors: those of AssetKeeper::open and of check_asset.
+  /// Opens the assets of a choice. No thread runs yet. `each` is for every keeper; its path, what
+  /// it accepts and samples are filled in. `room`: of the choice's tool, if it has one. Errors:
+  /// those of AssetKeeper::open and of check_asset.
   [[nodiscard]] static Result<std::unique_ptr<SceneAssets>> open(KeeperOptions each,
                                                                  ForceChoice choice,
-                                                                 std::size_t spare = 0);
+                                                                 std::size_t spare = 0,
+                                                                 const ToolRoom& room = {});
   SceneAssets(const SceneAssets&) = delete;
   SceneAssets& operator=(const SceneAssets&) = delete;
   /// Stops the watch. The loop must have ended.
@@ -36,6 +39,9 @@ class SceneAssets {
   [[nodiscard]] std::vector<AssetSlot*> slots() const;
   /// The assets that `open` opened; valid until `watch`.
   [[nodiscard]] std::vector<const AssetView*> views() const;
+  /// The tool of the scene, as `open` sampled it; null where the tool is a point or a ball. Valid
+  /// until `watch`.
+  [[nodiscard]] SampledTool* tool() const;
   /// Starts the thread that watches all files.
   void watch();
 
@@ -54,10 +60,11 @@ class SceneAssets {
   [[nodiscard]] ForceChoice choice() const;
 
  private:
-  SceneAssets(KeeperOptions each, ForceChoice choice, std::size_t spare);
+  SceneAssets(KeeperOptions each, ForceChoice choice, std::size_t slots, const ToolRoom& room);
   [[nodiscard]] Result<void> open_next(const std::string& path);
 
   KeeperOptions each_;
+  ToolRoom room_;
   std::vector<std::unique_ptr<AssetSlot>> slots_;  ///< outlive the keepers
   mutable std::mutex mutex_;                       ///< guards what follows; the loop never takes it
   ForceChoice choice_;

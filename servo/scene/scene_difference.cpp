@@ -48,10 +48,13 @@ bool same_turn(const TurnLimit& a, const TurnLimit& b) {
 std::uint32_t bit(bool same, ObjectAspect aspect) { return same ? 0 : std::uint32_t{aspect}; }
 
 std::uint32_t aspects_of_force(const ForceSettings& a, const ForceSettings& b) {
-  const auto& [method_a, rule_a, stiffness_a, probe_a] = a;
-  const auto& [method_b, rule_b, stiffness_b, probe_b] = b;
+  const auto& [method_a, rule_a, stiffness_a, radius_a, kind_a, form_a, length_a, axis_a] = a;
+  const auto& [method_b, rule_b, stiffness_b, radius_b, kind_b, form_b, length_b, axis_b] = b;
   return bit(std::tie(method_a, rule_a) == std::tie(method_b, rule_b), aspect_method) |
-         bit(stiffness_a == stiffness_b, aspect_stiffness) | bit(probe_a == probe_b, aspect_probe);
+         bit(stiffness_a == stiffness_b, aspect_stiffness) |
+         bit(std::tie(form_a, kind_a, radius_a, length_a, axis_a) ==
+                 std::tie(form_b, kind_b, radius_b, length_b, axis_b),
+             aspect_probe);
 }
 
 std::uint32_t aspects_of_effects(const EffectSettings& a, const EffectSettings& b) {
@@ -118,10 +121,11 @@ class Matching {
 }  // namespace
 
 std::uint32_t aspects_of(const PlacedObject& before, const PlacedObject& after) {
-  const auto& [asset, placement, force, effects, movable] = before;
+  const auto& [asset, placement, force, effects, movable, chosen] = before;
   return bit(same_pose(placement, after.placement), aspect_pose) |
          bit(placement.scale == after.placement.scale, aspect_scale) |
          aspects_of_force(force, after.force) | aspects_of_effects(effects, after.effects) |
+         bit(chosen == after.stiffness_chosen, aspect_stiffness) |
          bit(movable == after.movable, aspect_movable);
 }
 

@@ -18,7 +18,7 @@ enum ObjectAspect : std::uint32_t {
   aspect_scale = 1U << 1U,
   aspect_method = 1U << 2U,  ///< includes the paper's rule
   aspect_stiffness = 1U << 3U,
-  aspect_probe = 1U << 4U,
+  aspect_probe = 1U << 4U,  ///< includes its axis, and the form of the paper's force on it
   aspect_friction = 1U << 5U,
   aspect_damping = 1U << 6U,
   aspect_texture = 1U << 7U,

@@ -13,6 +13,11 @@ std::size_t assets_of(std::span<const PlacedObject> objects) noexcept {
   return count;
 }
 
+std::size_t assets_of(const ForceScene& scene) noexcept {
+  const std::size_t count = assets_of(scene.objects);
+  return scene.tool ? std::max(count, scene.tool->asset + 1) : count;
+}
+
 std::vector<std::uint64_t> first_ids(std::size_t count) {
   std::vector<std::uint64_t> ids(count);
   std::iota(ids.begin(), ids.end(), 0);

@@ -9,8 +9,9 @@
 #include <vector>
 
 #include "servo/force/placed_contact.hpp"
-#include "servo/force/stabilizer.hpp"
+#include "servo/force/scene_force.hpp"
 #include "servo/scene/scene_difference.hpp"
+#include "servo/stabilize/stabilizer.hpp"
 
 namespace spm::servo {
 
@@ -38,6 +39,9 @@ struct SceneEdit {
 
 /// The number of assets that a scene's objects name.
 [[nodiscard]] std::size_t assets_of(std::span<const PlacedObject> objects) noexcept;
+
+/// The number of assets that a scene names, its tool's among them.
+[[nodiscard]] std::size_t assets_of(const ForceScene& scene) noexcept;
 
 /// The ids of a scene's objects at the start: 0, 1, ...
 [[nodiscard]] std::vector<std::uint64_t> first_ids(std::size_t count);

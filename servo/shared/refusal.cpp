@@ -31,7 +31,7 @@ const char* to_sentence(Refusal refusal) noexcept {
     case Refusal::clutch_held:
       return "another application holds the clutch of this device: wait until it lets go or leaves";
     case Refusal::no_torque:
-      return "no torque is sent to this device: send the force alone, with a torque of zero";
+      return "this device gives no torque: send the force alone, with a torque of zero";
     case Refusal::too_many_effects:
       return "there is no room for another effect on this device: remove one first";
     case Refusal::unknown_effect:

@@ -20,7 +20,7 @@ enum class Refusal : std::uint8_t {
   too_many_objects,  ///< there is no room for another object
   too_late,          ///< the loop came to it after its deadline
   clutch_held,       ///< another application holds the device's clutch
-  no_torque,         ///< no torque is sent to the device
+  no_torque,         ///< the device gives no torque
   too_many_effects,  ///< there is no room for another effect on the device
   unknown_effect,    ///< the application has no effect of that number on the device
 };

@@ -25,7 +25,7 @@
 #define SPM_LAYOUT_ASSERT _Static_assert
 #endif
 
-#define SPM_LAYOUT_VERSION 5u
+#define SPM_LAYOUT_VERSION 6u
 
 #define SPM_STATE_MAGIC UINT64_C(0x65746174534d5053) /* the bytes SPMState */
 #define SPM_RING_MAGIC UINT64_C(0x676e6952204d5053)  /* the bytes SPM Ring */
@@ -36,7 +36,8 @@ enum {
   SPM_MAX_ASSETS = 32,
   SPM_MAX_CAUSES = 32,
   SPM_MAX_CLIENTS = 16,
-  SPM_NAME_BYTES = 64, /* of every name, including its closing zero */
+  SPM_MAX_CONTACTS = 16, /* of each device's tool */
+  SPM_NAME_BYTES = 64,   /* of every name, including its closing zero */
   SPM_CURE_BYTES = 192,
   SPM_VERSION_BYTES = 32,
   SPM_BUCKETS = 64,    /* of durations: shared_buckets.hpp */
@@ -44,7 +45,14 @@ enum {
 };
 
 /* Bits of spm_shared_device.flags. */
-enum { SPM_DEVICE_CONNECTED = 1, SPM_DEVICE_CONTACT = 2 };
+enum {
+  SPM_DEVICE_CONNECTED = 1,
+  SPM_DEVICE_CONTACT = 2,
+  SPM_DEVICE_FORCE_CAPPED = 4,  /* what was sent met its cap */
+  SPM_DEVICE_TORQUE_CAPPED = 8, /* the same */
+  SPM_DEVICE_TOOL_CAPPED = 16,  /* the coupling of hand and tool met its cap */
+  SPM_DEVICE_TOOL = 32          /* the hand holds a tool, whose pose is known */
+};
 
 /** One device in one tick. */
 typedef struct spm_shared_device {
@@ -58,11 +66,29 @@ typedef struct spm_shared_device {
   uint32_t cause;  /* of zero force: row of spm_shared_info.causes */
   uint32_t health; /* spm::servo::DeviceHealth */
   uint32_t flags;
-  uint32_t contacts; /* how often contact began */
-  uint32_t cuts;     /* how often the force was cut to zero */
-  double proxy[3];   /* where the surface holds the tool; the position without contact */
-  double force_cap;  /* N, that holds now; infinity: none */
+  uint32_t contacts;          /* how often contact began */
+  uint32_t cuts;              /* how often the force was cut to zero */
+  double proxy[3];            /* where the surface holds the tool; the position without contact */
+  double force_cap;           /* N, that holds now; infinity: none */
+  double angular_velocity[3]; /* rad/s */
+  double torque_cap;          /* N m; 0: the device gives no torque; infinity: none */
+  double tool_position[3];    /* of the tool's frame, with SPM_DEVICE_TOOL */
+  double tool_orientation[4];
+  double proxy_orientation[4];
+  uint32_t contact_count; /* of spm_shared_snapshot.contacts */
+  uint32_t level;         /* of the tool's samples, coarser than the finest */
+  uint32_t culled;        /* objects that were found apart from the tool as a whole */
+  uint32_t reserved;
 } spm_shared_device;
+
+/** A place where a device's tool touches an object. */
+typedef struct spm_shared_contact {
+  uint64_t object; /* id */
+  double place[3];
+  double normal[3]; /* unit, out of the object */
+  double force[3];  /* on the tool */
+  double depth;
+} spm_shared_contact;
 
 /* Bits of spm_shared_object.flags. */
 enum { SPM_OBJECT_MOVABLE = 1, SPM_OBJECT_CONTACT = 2, SPM_OBJECT_DRIVEN = 4 };
@@ -91,6 +117,7 @@ typedef struct spm_shared_snapshot {
   uint64_t reserved[4];
   spm_shared_device devices[SPM_MAX_DEVICES];
   spm_shared_object objects[SPM_MAX_OBJECTS];
+  spm_shared_contact contacts[SPM_MAX_DEVICES][SPM_MAX_CONTACTS];
 } spm_shared_snapshot;
 
 /** A cause of zero force in words, so that a library knows the causes of a newer daemon. */
@@ -117,10 +144,14 @@ typedef struct spm_shared_device_counts {
   uint64_t cap_hits;
   uint64_t slew_hits;
   double force_max;     /* as sent */
-  double energy;        /* J, net work of the sent forces on the hand */
+  double energy;        /* J, net work on the hand of what was sent */
   double generated_max; /* J, largest positive value of energy */
   uint32_t last_cause;  /* the last cause of zero force; 0: none so far */
   uint32_t reserved;
+  uint64_t torque_cap_hits;
+  uint64_t torque_slew_hits;
+  uint64_t tool_cap_hits; /* in which the coupling of hand and tool met its cap */
+  double torque_max;      /* N m, as sent */
 } spm_shared_device_counts;
 
 /** What the loop counted since it began; written a tick later than its snapshots. Behind a sequence
@@ -142,7 +173,7 @@ typedef struct spm_shared_loop {
   uint64_t degraded;  /* ticks that had too little time for all objects; 0 from older daemons */
   uint64_t held;      /* answers of objects that were coarser by that: spm::Care */
   uint64_t shortened; /* the same */
-  uint64_t more_reserved[1];
+  uint64_t coarse;    /* ticks of devices at a coarser level of the tool's samples */
   uint64_t wake[SPM_BUCKETS]; /* ticks by how late they began */
   uint64_t busy[SPM_BUCKETS]; /* ticks by how long they worked */
   spm_shared_device_counts devices[SPM_MAX_DEVICES];
@@ -269,29 +300,31 @@ typedef struct spm_shared_ring {
 } spm_shared_ring;
 
 SPM_LAYOUT_ASSERT(sizeof(double) == 8, "doubles of 64 bits");
-SPM_LAYOUT_ASSERT(sizeof(spm_shared_device) == 192, "layout");
+SPM_LAYOUT_ASSERT(sizeof(spm_shared_device) == 328, "layout");
 SPM_LAYOUT_ASSERT(offsetof(spm_shared_device, buttons) == 136, "layout");
 SPM_LAYOUT_ASSERT(offsetof(spm_shared_device, force_cap) == 184, "layout");
+SPM_LAYOUT_ASSERT(offsetof(spm_shared_device, contact_count) == 312, "layout");
+SPM_LAYOUT_ASSERT(sizeof(spm_shared_contact) == 88, "layout");
 SPM_LAYOUT_ASSERT(sizeof(spm_shared_object) == 136, "layout");
 SPM_LAYOUT_ASSERT(offsetof(spm_shared_object, silent) == 120, "layout");
-SPM_LAYOUT_ASSERT(sizeof(spm_shared_snapshot) == 64 + 8 * 192 + 64 * 136, "layout");
+SPM_LAYOUT_ASSERT(sizeof(spm_shared_snapshot) == 64 + 8 * 328 + 64 * 136 + 128 * 88, "layout");
 SPM_LAYOUT_ASSERT(offsetof(spm_shared_snapshot, devices) == 64, "layout");
-SPM_LAYOUT_ASSERT(offsetof(spm_shared_snapshot, objects) == 1600, "layout");
+SPM_LAYOUT_ASSERT(offsetof(spm_shared_snapshot, objects) == 2688, "layout");
 SPM_LAYOUT_ASSERT(sizeof(spm_shared_cause) == 256, "layout");
 SPM_LAYOUT_ASSERT(sizeof(spm_shared_info) == 16 + (8 + 32 + 64) * 64 + 32 * 256, "layout");
 SPM_LAYOUT_ASSERT(offsetof(spm_shared_state, rate_hz) == 56, "layout");
 SPM_LAYOUT_ASSERT(offsetof(spm_shared_state, heartbeat_ns) == 64, "layout");
 SPM_LAYOUT_ASSERT(offsetof(spm_shared_state, snapshots) == 128, "layout");
-SPM_LAYOUT_ASSERT(offsetof(spm_shared_state, info) == 128 + 2 * 10304, "layout");
-SPM_LAYOUT_ASSERT(sizeof(spm_shared_device_counts) == 56, "layout");
+SPM_LAYOUT_ASSERT(offsetof(spm_shared_state, info) == 128 + 2 * 22656, "layout");
+SPM_LAYOUT_ASSERT(sizeof(spm_shared_device_counts) == 88, "layout");
 SPM_LAYOUT_ASSERT(offsetof(spm_shared_loop, wake) == 128, "layout");
 SPM_LAYOUT_ASSERT(offsetof(spm_shared_loop, devices) == 128 + 2 * 64 * 8, "layout");
-SPM_LAYOUT_ASSERT(sizeof(spm_shared_loop) == 128 + 2 * 64 * 8 + 8 * 56, "layout");
+SPM_LAYOUT_ASSERT(sizeof(spm_shared_loop) == 128 + 2 * 64 * 8 + 8 * 88, "layout");
 SPM_LAYOUT_ASSERT(sizeof(spm_shared_application) == 72, "layout");
 SPM_LAYOUT_ASSERT(sizeof(spm_shared_applications) == 16 + 16 * 72, "layout");
-SPM_LAYOUT_ASSERT(offsetof(spm_shared_state, loop) == 128 + 2 * 10304 + 14864, "layout");
-SPM_LAYOUT_ASSERT(offsetof(spm_shared_state, applications) == 35600 + 1600, "layout");
-SPM_LAYOUT_ASSERT(sizeof(spm_shared_state) == 35600 + 1600 + 1168, "layout");
+SPM_LAYOUT_ASSERT(offsetof(spm_shared_state, loop) == 128 + 2 * 22656 + 14864, "layout");
+SPM_LAYOUT_ASSERT(offsetof(spm_shared_state, applications) == 60304 + 1856, "layout");
+SPM_LAYOUT_ASSERT(sizeof(spm_shared_state) == 60304 + 1856 + 1168, "layout");
 SPM_LAYOUT_ASSERT(sizeof(spm_shared_command) == 304, "layout");
 SPM_LAYOUT_ASSERT(offsetof(spm_shared_command, texture_seed) == 152, "layout");
 SPM_LAYOUT_ASSERT(offsetof(spm_shared_command, force) == 192, "layout");

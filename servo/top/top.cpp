@@ -19,17 +19,42 @@ constexpr double us_per_ns = 1e-3;
 
 TopCount count_of(std::uint64_t before, std::uint64_t now) noexcept { return {now - before, now}; }
 
+double size_of(const double (&vector)[3]) noexcept {
+  return std::hypot(vector[0], vector[1], vector[2]);
+}
+
+TopTool tool_between(const TopSample::Device& before, const TopSample::Device& now) {
+  TopTool tool;
+  tool.is_there = now.state.has_tool != 0;
+  std::copy(std::begin(now.state.tool_position), std::end(now.state.tool_position),
+            tool.position.begin());
+  std::copy(std::begin(now.state.tool_orientation), std::end(now.state.tool_orientation),
+            tool.orientation.begin());
+  tool.contacts = now.state.contact_count;
+  tool.level = now.state.level;
+  tool.culled = now.state.culled;
+  tool.capped = (now.state.limits & SPM_CLIENT_TOOL_CAP_MET) != 0;
+  tool.cap_hits = count_of(before.counts.tool_cap_hits, now.counts.tool_cap_hits);
+  return tool;
+}
+
 TopDevice device_between(const TopSample::Device& before, const TopSample::Device& now) {
   TopDevice device;
   device.name = now.name;
   device.connected = now.state.connected != 0;
   device.contact = now.state.contact != 0;
   device.contacts = now.state.contacts;
-  device.force = std::hypot(now.state.force[0], now.state.force[1], now.state.force[2]);
+  device.force = size_of(now.state.force);
   // The counts are published a tick after the state.
   device.force_max = std::max(now.counts.force_max, device.force);
   device.cap_hits = count_of(before.counts.cap_hits, now.counts.cap_hits);
   device.slew_hits = count_of(before.counts.slew_hits, now.counts.slew_hits);
+  device.torque = size_of(now.state.torque);
+  device.torque_max = std::max(now.counts.torque_max, device.torque);
+  device.torque_cap = now.state.torque_cap;
+  device.torque_cap_hits = count_of(before.counts.torque_cap_hits, now.counts.torque_cap_hits);
+  device.torque_slew_hits = count_of(before.counts.torque_slew_hits, now.counts.torque_slew_hits);
+  device.tool = tool_between(before, now);
   device.energy = now.counts.energy;
   device.generated_max = now.counts.generated_max;
   device.off = now.state.cause != SPM_CLIENT_FORCE_ON;
@@ -62,6 +87,16 @@ ordered_json to_json(const TopCount& count) {
   return {{"recent", count.recent}, {"total", count.total}};
 }
 
+ordered_json to_json(const TopTool& tool) {
+  return {{"position_m", tool.position},
+          {"orientation", tool.orientation},
+          {"contacts", tool.contacts},
+          {"level", tool.level},
+          {"culled", tool.culled},
+          {"capped", tool.capped},
+          {"cap_hits", to_json(tool.cap_hits)}};
+}
+
 ordered_json to_json(const TopDevice& device) {
   ordered_json json = {
       {"name", device.name},
@@ -71,10 +106,15 @@ ordered_json to_json(const TopDevice& device) {
       {"force_n", {{"now", device.force}, {"max", device.force_max}}},
       {"cap_hits", to_json(device.cap_hits)},
       {"slew_hits", to_json(device.slew_hits)},
+      {"torque_n_m", {{"now", device.torque}, {"max", device.torque_max}, {"cap", nullptr}}},
+      {"torque_cap_hits", to_json(device.torque_cap_hits)},
+      {"torque_slew_hits", to_json(device.torque_slew_hits)},
+      {"tool", device.tool.is_there ? to_json(device.tool) : ordered_json(nullptr)},
       {"energy_j", {{"now", device.energy}, {"generated_max", device.generated_max}}},
       {"cuts", to_json(device.cuts)},
       {"force_off", nullptr},
       {"last_force_off", nullptr}};
+  if (std::isfinite(device.torque_cap)) json["torque_n_m"]["cap"] = device.torque_cap;
   if (!device.cause.empty()) {
     json[device.off ? "force_off" : "last_force_off"] = {{"cause", device.cause},
                                                          {"cure", device.cure}};
@@ -130,6 +170,7 @@ TopView view_between(const TopSample& before, const TopSample& now) {
   view.missed = count_of(from.missed, to.missed);
   view.skipped = count_of(from.skipped, to.skipped);
   view.degraded = count_of(from.degraded, to.degraded);
+  view.coarse = count_of(from.coarse, to.coarse);
   for (std::size_t i = 0; i < now.devices.size(); ++i) {
     const bool known = i < before.devices.size();
     view.devices.push_back(
@@ -164,6 +205,7 @@ ordered_json to_json(const TopView& view) {
       {"missed", to_json(view.missed)},
       {"skipped", to_json(view.skipped)},
       {"degraded_ticks", to_json(view.degraded)},
+      {"coarse_ticks", to_json(view.coarse)},
       {"wake_us", to_json(view.wake)},
       {"busy_us", to_json(view.busy)},
       {"busy_share", view.busy_share},

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <nlohmann/json_fwd.hpp>
 #include <string>
@@ -39,6 +40,18 @@ struct TopCount {
   std::uint64_t recent = 0, total = 0;
 };
 
+/// The tool that a device's hand holds.
+struct TopTool {
+  bool is_there = false;
+  std::array<double, 3> position{};     ///< m, world
+  std::array<double, 4> orientation{};  ///< unit, w first
+  std::uint32_t contacts = 0;           ///< places at which it touches
+  std::uint32_t level = 0;              ///< of its samples, coarser than the finest
+  std::uint32_t culled = 0;             ///< objects that were found apart from it as a whole
+  bool capped = false;                  ///< the coupling of hand and tool is at its cap
+  TopCount cap_hits;                    ///< ticks in which it was
+};
+
 struct TopDevice {
   std::string name;
   bool connected = false;
@@ -47,7 +60,12 @@ struct TopDevice {
   double force = 0;            ///< N, now
   double force_max = 0;        ///< N
   TopCount cap_hits, slew_hits;
-  double energy = 0;         ///< J, net work of the forces on the hand
+  double torque = 0;      ///< N m, now
+  double torque_max = 0;  ///< N m
+  double torque_cap = 0;  ///< N m; 0: it gives no torque; infinity: none
+  TopCount torque_cap_hits, torque_slew_hits;
+  TopTool tool;
+  double energy = 0;         ///< J, net work on the hand of what was sent
   double generated_max = 0;  ///< J
   bool off = false;          ///< the force is zero now, for a cause
   TopCount cuts;             ///< how often the force was cut to zero
@@ -69,6 +87,7 @@ struct TopView {
   std::uint64_t ticks = 0;
   TopCount missed, skipped;
   TopCount degraded;  ///< ticks that had too little time for all objects
+  TopCount coarse;    ///< ticks of devices at a coarser level of the tool's samples
   std::vector<TopDevice> devices;
   std::vector<spm_client_application> applications;
   std::uint64_t commands = 0, refused = 0, garbage = 0;

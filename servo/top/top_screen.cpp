@@ -82,9 +82,31 @@ void add_loop(Lines& lines, const TopView& view) {
   lines.row(times_of("late", view.wake));
   lines.row(times_of("busy", view.busy) +
             fmt::format(", {:.2f} % of the time", 100 * view.busy_share));
-  lines.row(fmt::format("missed {} of {} ticks, of them skipped {}; degraded {}",
+  const std::string coarse =
+      view.coarse.total > 0 ? "; coarser samples " + count_of(view.coarse) : "";
+  lines.row(fmt::format("missed {} of {} ticks, of them skipped {}; degraded {}{}",
                         count_of(view.missed), view.ticks + view.skipped.total,
-                        count_of(view.skipped), count_of(view.degraded)));
+                        count_of(view.skipped), count_of(view.degraded), coarse));
+}
+
+/// Torque, where the device gives it, and the tool, where the hand holds one.
+std::string turning_of(const TopDevice& device) {
+  std::string text;
+  if (device.torque_cap > 0) {
+    text = fmt::format("torque {:.4f} N m, max {:.4f}, cap met {}, slew held {}", device.torque,
+                       device.torque_max, count_of(device.torque_cap_hits),
+                       count_of(device.torque_slew_hits));
+  }
+  const TopTool& tool = device.tool;
+  if (!tool.is_there) return text;
+  text += fmt::format(
+      "{}tool at {:.2f} {:.2f} {:.2f} mm, turned {:.3f} {:.3f} {:.3f} {:.3f}, touches at {} "
+      "place{}, {} object{} culled, level {}, coupling's cap met {}",
+      text.empty() ? "" : "; ", 1e3 * tool.position[0], 1e3 * tool.position[1],
+      1e3 * tool.position[2], tool.orientation[0], tool.orientation[1], tool.orientation[2],
+      tool.orientation[3], tool.contacts, tool.contacts == 1 ? "" : "s", tool.culled,
+      tool.culled == 1 ? "" : "s", tool.level, count_of(tool.cap_hits));
+  return text + (tool.capped ? " (now)" : "");
 }
 
 void add_device(Lines& lines, const TopDevice& device) {
@@ -92,6 +114,9 @@ void add_device(Lines& lines, const TopDevice& device) {
                         device.force, device.force_max, count_of(device.cap_hits),
                         count_of(device.slew_hits), device.energy, device.contact ? "yes" : "no ",
                         device.contacts));
+  if (const std::string turning = turning_of(device); !turning.empty()) {
+    lines.sentence(turning, indent);
+  }
   const std::string words = device.cause + ": " + device.cure;
   if (device.off) {
     lines.sentence("NO FORCE, " + words, indent);

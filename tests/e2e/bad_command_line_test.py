@@ -5,7 +5,7 @@
 import os
 import unittest
 
-from programs import NOBODY, SERVO, TETRAHEDRON, Case, obj, run
+from programs import NOBODY, SERVO, TETRAHEDRON, THIN_BAND, Case, bake_box, obj, run
 
 # Options of build after MESH and -o, and words that the message must have.
 BUILD = [
@@ -97,6 +97,29 @@ class BadCommandLine(Case):
         for arguments, names in OTHERS:
             with self.subTest(" ".join(arguments)):
                 self.expect_refusal(run(*arguments, folder=self.folder), 1, *names)
+
+    def test_a_probe_that_cannot_be_served_is_refused_with_the_cure(self):
+        bake_box(self, "--form", "full", "--resolution", "9", "--probe", "sphere:0.5mm", *THIN_BAND[:2])
+        path = self.write("path.txt", "0 0 0.032\n")
+        for options, code, names in (
+                (["--probe", "capsule:0.5mm,5mm", "--method", "spm"], 1,
+                 ["method spm knows no probe but a point and a sphere", "method paper", "sphere:500 um"]),
+                (["--probe", "capsule:0.5mm,5mm"], 1, ["method proxy knows no probe"]),
+                (["--probe", "capsule:0.5mm", "--method", "paper"], 1,
+                 ["--probe", "capsule:RADIUS,LENGTH"]),
+                (["--probe", "capsule:-1mm,5mm", "--method", "paper"], 1, ["--probe", "above 0"]),
+                (["--probe", "sphere:-1mm", "--method", "paper"], 1, ["--probe", "above 0"]),
+                (["--probe", "capsule:1mm,0mm", "--method", "paper"], 1, ["--probe", "above 0"]),
+                (["--paper-probe", "skin"], 1, ["--paper-probe", "surface or volume"]),
+                (["--paper-probe", "volume", "--method", "paper"], 1, ["a point has no volume"]),
+                (["--probe", "sphere:0.5mm", "--method", "paper", "--paper-rule", "all-planes"], 1,
+                 ["rule all-planes is for a point"]),
+                (["--probe", "capsule:1mm,5mm", "--method", "paper"], 3,
+                 ["baked for probe sphere:500 um", "capsule:1 mm,5 mm", "bake the mesh again"])):
+            with self.subTest(" ".join(options)):
+                result = run("replay", path, "--out", self.write("out.csv", ""), "--asset", self.asset,
+                             *options, program=SERVO)
+                self.expect_refusal(result, code, *names)
 
     def test_an_unknown_option_of_the_servo_is_a_usage_error(self):
         self.expect_refusal(run("run", "--no-such-option", program=SERVO), 1, "--no-such-option")

@@ -229,6 +229,20 @@ class Packaging(Case):
                 self.assertEqual(result.returncode, 0, result.stderr)
                 self.assertNotIn(name, result.stderr)
 
+    def test_both_services_supervise_the_daemon_alike(self):
+        keys = ("StartLimitIntervalSec", "StartLimitBurst", "Type", "NotifyAccess", "KillSignal",
+                "TimeoutStopSec", "KillMode", "OOMPolicy", "WatchdogSec", "Restart", "RestartSec",
+                "RestartPreventExitStatus")
+        units = []
+        for name in ("spm-servo.service", "spm-servo-system.service"):
+            with open(packaged(name), encoding="utf-8") as file:
+                lines = dict(line.rstrip("\n").split("=", 1) for line in file
+                             if "=" in line and not line.startswith("#"))
+            units.append({key: lines.get(key) for key in keys})
+        self.assertEqual(units[0], units[1])
+        self.assertNotIn(None, units[0].values())
+        self.assertEqual((units[0]["KillMode"], units[0]["Type"]), ("process", "notify"))
+
     def test_the_limits_are_for_the_group_alone(self):
         with open(packaged("95-spm-haptics.conf"), encoding="utf-8") as file:
             lines = [line.split() for line in file if line.strip() and not line.startswith("#")]

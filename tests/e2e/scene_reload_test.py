@@ -7,13 +7,18 @@ import math
 import os
 import queue
 import signal
-import struct
 import subprocess
+import sys
 import threading
 import time
 import unittest
 
 from programs import BAKE, SERVO, Case, models_of, obj, run, sphere
+
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), os.pardir, os.pardir, "scripts",
+                                "charts"))
+
+from recording_file import read_recording  # noqa: E402
 
 TOP = 0.032  # m, half the height of models/box
 GRIP = 700  # N/m, servo/devices/sim/sim_profile.hpp
@@ -21,9 +26,6 @@ FRICTION = 0.02  # N, of the profile `low`, beside the hand's spring
 DEPTH = 0.002  # m, where the hand wants to be below the box's top
 RADIUS = 0.02  # m, of the ball
 PATIENCE = 60  # s
-ROW = struct.Struct("<Q12dd2iIHBB4H")  # formats/motion/recording.hpp
-SIZE_AT, HEADER_AT, FOOT = 8, 16, 16  # bytes
-ROW_KIND = 1
 # N/m: what `low` holds stably, the default (common/contact/stiffness_borders.hpp)
 DEFAULT = 0.6 * 1660
 PROFILE = '[device]\nprofile = "low"\n'
@@ -91,18 +93,9 @@ class SceneReload(Case):
         return self.path("scene.toml")
 
     def rows(self):
-        """Ticks, positions and forces along z, and causes of zero force, of the recording."""
-        with open(self.path("out.spmrec"), "rb") as file:
-            content = file.read()
-        start = HEADER_AT + int.from_bytes(content[SIZE_AT:SIZE_AT + 4], "little")
-        rows, at = [], start
-        while at < len(content) - FOOT:
-            kind, size = struct.unpack_from("<2I", content, at)
-            if kind == ROW_KIND:
-                rows.append(ROW.unpack_from(content, at + 8))
-            at += 8 + size
-        causes = json.loads(content[HEADER_AT:start])["causes"]
-        return [(row[0], row[12], causes[row[18]]) for row in rows]
+        """Ticks, forces along z, and causes of zero force, of the recording."""
+        recording = read_recording(self.path("out.spmrec"))
+        return [(row.tick, row.sent[2], recording.causes[row.cause]) for row in recording.rows()]
 
     def replay_of_the_first_scene_ends_where_it_was_edited(self, box, rows):
         """Forces from there on are of other scenes, and are not compared."""

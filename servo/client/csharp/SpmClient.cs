@@ -14,6 +14,7 @@ namespace SpmHaptics
     public sealed class SpmClient : IDisposable
     {
         private const int NameBytes = 64;
+        private const int MaxContacts = 16;
         /// <summary>For RemoveEffect.</summary>
         public const uint AllEffects = uint.MaxValue;
         private IntPtr handle;
@@ -96,6 +97,32 @@ namespace SpmHaptics
             return data;
         }
 
+        /// <summary>Where the device's tool touches, the strongest places, of one tick.</summary>
+        public List<ContactData> Contacts(uint device = 0)
+        {
+            var size = Marshal.SizeOf(typeof(ContactData));
+            var tick = new TickData { Size = SizeOf<TickData>() };
+            var memory = Marshal.AllocHGlobal(MaxContacts * size);
+            try
+            {
+                Marshal.WriteInt32(memory, size);
+                UIntPtr count;
+                Check(Library.spm_client_read_contacts(Open(), device, ref tick, memory,
+                                                       (UIntPtr)MaxContacts, out count));
+                var contacts = new List<ContactData>();
+                for (var i = 0; i < (int)count; ++i)
+                {
+                    contacts.Add((ContactData)Marshal.PtrToStructure(
+                        IntPtr.Add(memory, i * size), typeof(ContactData)));
+                }
+                return contacts;
+            }
+            finally
+            {
+                Marshal.FreeHGlobal(memory);
+            }
+        }
+
         public ObjectData Object(ulong id)
         {
             var data = new ObjectData { Size = SizeOf<ObjectData>() };
@@ -145,8 +172,8 @@ namespace SpmHaptics
             Check(Library.spm_client_set_force_cap(Open(), device, newtons));
         }
 
-        /// <summary>Pushes the hand by a force, N, for hold s (at most 1), in place of the last push.
-        /// A torque that is not zero is refused: none is sent to devices yet.</summary>
+        /// <summary>Pushes the hand by a force, N, and a torque about the tool's origin, N m, for hold s
+        /// (at most 1), in place of the last push. A device that gives no torque refuses one.</summary>
         public void Push(uint device, double[] force, double hold, double[] torque = null)
         {
             var push = new PushData

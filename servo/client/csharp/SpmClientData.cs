@@ -27,6 +27,11 @@ namespace SpmHaptics
     [Flags]
     public enum MaterialFields : uint { None = 0, Stiffness = 1, Friction = 2, Damping = 4, Texture = 8 }
 
+    /// <summary>Which limits a tick met: the caps of what was sent, and of the coupling of hand and
+    /// tool.</summary>
+    [Flags]
+    public enum ClientLimits : uint { None = 0, ForceCap = 1, TorqueCap = 2, ToolCap = 4 }
+
     /// <summary>Spring: pulls towards Point. Viscous: brakes. Magnet: pulls from outside towards the
     /// surface of Object. Detents: pull along Axis to the nearest of places Spacing apart, one of
     /// which is at Point.</summary>
@@ -93,9 +98,40 @@ namespace SpmHaptics
         public uint Health;
         public uint Contacts;
         public uint Cuts;
-        /// <summary>Where the surface holds the tool; the position without contact.</summary>
+        /// <summary>Where the surface holds the hand; the position without contact.</summary>
         [MarshalAs(UnmanagedType.ByValArray, SizeConst = 3)] public double[] Proxy;
         public double ForceCap;
+        [MarshalAs(UnmanagedType.ByValArray, SizeConst = 3)] public double[] AngularVelocity;
+        /// <summary>N m; 0: the device gives no torque.</summary>
+        public double TorqueCap;
+        public ClientLimits Limits;
+        /// <summary>1: the hand holds an object of its own, the scene's [tool] asset.</summary>
+        public uint HasTool;
+        /// <summary>Places at which that tool touches: SpmClient.Contacts.</summary>
+        public uint ContactCount;
+        public uint Level;
+        /// <summary>Objects that were found apart from the tool as a whole.</summary>
+        public uint Culled;
+        public uint Reserved;
+        /// <summary>Of the tool's own frame as it lies in the scene.</summary>
+        [MarshalAs(UnmanagedType.ByValArray, SizeConst = 3)] public double[] ToolPosition;
+        [MarshalAs(UnmanagedType.ByValArray, SizeConst = 4)] public double[] ToolOrientation;
+        [MarshalAs(UnmanagedType.ByValArray, SizeConst = 4)] public double[] ProxyOrientation;
+    }
+
+    /// <summary>A place where a device's tool touches an object.</summary>
+    [StructLayout(LayoutKind.Sequential)]
+    public struct ContactData
+    {
+        public uint Size;
+        public uint Device;
+        public ulong Object;
+        [MarshalAs(UnmanagedType.ByValArray, SizeConst = 3)] public double[] Place;
+        /// <summary>Unit, out of the object.</summary>
+        [MarshalAs(UnmanagedType.ByValArray, SizeConst = 3)] public double[] Normal;
+        /// <summary>N, on the tool.</summary>
+        [MarshalAs(UnmanagedType.ByValArray, SizeConst = 3)] public double[] Force;
+        public double Depth;
     }
 
     [StructLayout(LayoutKind.Sequential)]
@@ -210,6 +246,7 @@ namespace SpmHaptics
         public ulong Degraded;
         public ulong Held;
         public ulong Shortened;
+        public ulong Coarse;
     }
 
     [StructLayout(LayoutKind.Sequential)]
@@ -223,6 +260,10 @@ namespace SpmHaptics
         public double ForceMax;
         public double Energy;
         public double GeneratedMax;
+        public ulong TorqueCapHits;
+        public ulong TorqueSlewHits;
+        public ulong ToolCapHits;
+        public double TorqueMax;
     }
 
     [StructLayout(LayoutKind.Sequential, CharSet = CharSet.Ansi)]

@@ -35,6 +35,10 @@ namespace SpmHaptics
         internal static extern ClientCode spm_client_read_device(
             IntPtr client, uint device, ref DeviceData data);
         [DllImport(Name)]
+        internal static extern ClientCode spm_client_read_contacts(
+            IntPtr client, uint device, ref TickData tick, IntPtr contacts, UIntPtr max,
+            out UIntPtr count);
+        [DllImport(Name)]
         internal static extern ClientCode spm_client_read_object(
             IntPtr client, ulong id, ref ObjectData data);
 

@@ -20,157 +20,26 @@ from __future__ import annotations
 
 import ctypes
 import os
-from dataclasses import dataclass
 from types import TracebackType
 from typing import Iterator, Optional, Sequence
 
-from spm_client_library import (SENTENCES, ApplicationData, Cause, ClientError, Code, CountsData,
-                                DaemonState, DeviceCountsData, DeviceData, EffectData, EffectKind,
-                                EventData, EventKind, InfoData, LoopData, MaterialData, ObjectData,
-                                OptionsData, PoseData, PushData, TickData, load, sized)
+from spm_client_data import (IDENTITY, Application, Contact, Device, DeviceCounts, Effect, Event, Info,
+                             Loop, Material, Object, Refusals)
+from spm_client_library import (SENTENCES, ApplicationData, Cause, ClientError, Code, ContactData,
+                                CountsData, DaemonState, DeviceCountsData, DeviceData, EffectData,
+                                EffectKind, EventData, EventKind, InfoData, Limit, LoopData,
+                                MaterialData, ObjectData, OptionsData, PoseData, PushData, TickData,
+                                load, sized)
 
-__all__ = ["Application", "Client", "ClientError", "Code", "Cause", "DaemonState", "Device",
-           "DeviceCounts", "Effect", "EffectKind", "Event", "EventKind", "Info", "Loop", "Material",
-           "Object", "Refusals"]
-
-Vector = tuple[float, float, float]
-Quaternion = tuple[float, float, float, float]
+__all__ = ["Application", "Client", "ClientError", "Code", "Cause", "Contact", "DaemonState",
+           "Device", "DeviceCounts", "Effect", "EffectKind", "Event", "EventKind", "Info", "Limit",
+           "Loop", "Material", "Object", "Refusals"]
 
 NAME_BYTES = 64
 MAX_DEVICES = 8
 MAX_OBJECTS = 64
+MAX_CONTACTS = 16  # of a device's tool
 ALL_EFFECTS = 2**32 - 1
-IDENTITY: Quaternion = (1.0, 0.0, 0.0, 0.0)
-
-
-@dataclass(frozen=True)
-class Info:
-    rate_hz: float
-    process: int
-    devices: list[str]
-    assets: list[str]
-    objects: list[str]
-    daemon_version: str
-    library_version: str
-
-
-@dataclass(frozen=True)
-class Device:
-    """One device in one tick."""
-    tick: int
-    connected: bool
-    position: Vector
-    orientation: Quaternion
-    velocity: Vector
-    force: Vector
-    torque: Vector
-    depth: float
-    contact: bool
-    buttons: int
-    cause: int
-    cause_text: str  # empty while there is force
-    health: int
-    contacts: int
-    cuts: int
-    proxy: Vector     # where the surface holds the tool; the position without contact
-    force_cap: float  # N, that holds now
-
-
-@dataclass(frozen=True)
-class Object:
-    """One object in one tick; force and torque are the reaction on it."""
-    id: int
-    asset: int
-    tick: int
-    position: Vector
-    orientation: Quaternion
-    scale: float
-    force: Vector
-    torque: Vector
-    silent: float
-    movable: bool
-    contact: bool
-    driven: bool
-
-
-@dataclass(frozen=True)
-class Material:
-    """How an object feels; what is None stays as it is."""
-    stiffness: Optional[float] = None               # N/m
-    friction: Optional[tuple[float, float]] = None  # mu at rest, mu in motion
-    damping: Optional[float] = None                 # N s/m
-    texture: Optional[tuple[float, float, int]] = None  # amplitude m, wavelength m, seed
-
-
-@dataclass(frozen=True)
-class Effect:
-    """A simple effect on a hand; what its kind does not use has no effect. A pull rises with
-    `stiffness`, stays at `most_force`, and falls to zero at `range`; 0 for either: no limit."""
-    kind: EffectKind
-    stiffness: float = 0.0   # N/m
-    damping: float = 0.0     # N s/m
-    most_force: float = 0.0  # N
-    range: float = 0.0       # m
-    spacing: float = 0.0     # m
-    point: Vector = (0.0, 0.0, 0.0)
-    axis: Vector = (0.0, 0.0, 0.0)  # unit
-    object: int = 0
-
-
-@dataclass(frozen=True)
-class Refusals:
-    sent: int
-    taken: int
-    refused: int
-    last_refused: int
-    reason: str
-
-
-@dataclass(frozen=True)
-class Event:
-    kind: EventKind
-    device: int
-    value: int
-    tick: int
-
-
-@dataclass(frozen=True)
-class Loop:
-    """What the loop counted since it began. Bucket i of `wake` and `busy` ends at
-    Client.bucket_end(i)."""
-    time: float          # s of CLOCK_MONOTONIC, when the last tick that is counted began
-    ticks: int
-    missed: int          # not finished before the next one was due, including skipped ones
-    skipped: int         # missed ticks that were not run at all
-    busy_time: float     # s, of all ticks together
-    wake_max: float      # s
-    busy_max: float      # s
-    wake: list[int]      # ticks by how late they began
-    busy: list[int]      # ticks by how long they worked
-    degraded: int        # ticks that had too little time for all objects
-    held: int            # answers of objects that were coarser by that: the last plane
-    shortened: int       # the same: a proxy that made fewer queries
-
-
-@dataclass(frozen=True)
-class DeviceCounts:
-    """What the loop counted for one device since it began."""
-    contact_ticks: int
-    cap_hits: int
-    slew_hits: int
-    force_max: float      # N
-    energy: float         # J, net work that the forces sent did on the hand
-    generated_max: float  # J, largest positive value of energy
-    last_cause: int
-
-
-@dataclass(frozen=True)
-class Application:
-    """An application that is connected."""
-    connection: int
-    process: int
-    name: str
-    supervisor: bool = False
 
 
 class Client:
@@ -237,6 +106,15 @@ class Client:
                                                          ctypes.byref(found)))
         return self._device(found)
 
+    def contacts(self, device: int = 0) -> list[Contact]:
+        """Where the device's tool touches, the strongest places, of one tick."""
+        found, count = (ContactData * MAX_CONTACTS)(), ctypes.c_size_t()
+        found[0].size = ctypes.sizeof(ContactData)
+        self._check(self._library.spm_client_read_contacts(
+            self._open(), device, None, found, MAX_CONTACTS, ctypes.byref(count)))
+        return [Contact(one.device, one.object, tuple(one.place), tuple(one.normal),
+                        tuple(one.force), one.depth) for one in found[:count.value]]
+
     def object(self, id: int) -> Object:
         found = sized(ObjectData)
         self._check(self._library.spm_client_read_object(self._open(), id, ctypes.byref(found)))
@@ -296,8 +174,8 @@ class Client:
 
     def push(self, device: int, force: Sequence[float], hold: float,
              torque: Sequence[float] = (0.0, 0.0, 0.0)) -> None:
-        """Pushes the hand by a force, N, for `hold` s (at most 1), in place of the last push. A
-        torque that is not zero is refused: none is sent to devices yet."""
+        """Pushes the hand by a force, N, and a torque about the tool's origin, N m, for `hold` s (at
+        most 1), in place of the last push. A device that gives no torque refuses one."""
         data = sized(PushData)
         data.force = (ctypes.c_double * 3)(*force)
         data.torque = (ctypes.c_double * 3)(*torque)
@@ -349,7 +227,8 @@ class Client:
         self._check(self._library.spm_client_read_loop(self._open(), ctypes.byref(found)))
         return Loop(found.time_ns * 1e-9, found.ticks, found.missed, found.skipped,
                     found.busy_ns * 1e-9, found.wake_max_ns * 1e-9, found.busy_max_ns * 1e-9,
-                    list(found.wake), list(found.busy), found.degraded, found.held, found.shortened)
+                    list(found.wake), list(found.busy), found.degraded, found.held,
+                    found.shortened, found.coarse)
 
     def bucket_end(self, bucket: int) -> float:
         """The end of a bucket of a loop's `wake` and `busy`, s."""
@@ -360,7 +239,9 @@ class Client:
         self._check(self._library.spm_client_read_device_counts(self._open(), device,
                                                                 ctypes.byref(found)))
         return DeviceCounts(found.contact_ticks, found.cap_hits, found.slew_hits, found.force_max,
-                            found.energy, found.generated_max, found.last_cause)
+                            found.energy, found.generated_max, found.last_cause,
+                            found.torque_cap_hits, found.torque_slew_hits, found.tool_cap_hits,
+                            found.torque_max)
 
     def applications(self) -> list[Application]:
         """The applications that are connected; this one is among them."""
@@ -403,7 +284,11 @@ class Client:
                       tuple(found.orientation), tuple(found.velocity), tuple(found.force),
                       tuple(found.torque), found.depth, bool(found.contact), found.buttons,
                       found.cause, text, found.health, found.contacts, found.cuts,
-                      tuple(found.proxy), found.force_cap)
+                      tuple(found.proxy), found.force_cap, tuple(found.angular_velocity),
+                      found.torque_cap, Limit(found.limits), bool(found.has_tool),
+                      found.contact_count, found.level, found.culled,
+                      tuple(found.tool_position),
+                      tuple(found.tool_orientation), tuple(found.proxy_orientation))
 
     @staticmethod
     def _object(found: ObjectData) -> Object:

@@ -60,6 +60,14 @@ class EventKind(enum.IntEnum):
     DEVICE_FOUND = 8
 
 
+class Limit(enum.IntFlag):
+    """Which limits a tick met."""
+    NONE = 0
+    FORCE_CAP = 1   # of the force that was sent
+    TORQUE_CAP = 2  # of the torque that was sent
+    TOOL_CAP = 4    # of the coupling of hand and tool: the tool stays behind
+
+
 class EffectKind(enum.IntEnum):
     SPRING = 1   # pulls towards `point`
     VISCOUS = 2  # brakes by `damping`
@@ -120,7 +128,20 @@ class DeviceData(ctypes.Structure):
                 ("buttons", ctypes.c_uint32), ("cause", ctypes.c_uint32),
                 ("health", ctypes.c_uint32), ("contacts", ctypes.c_uint32),
                 ("cuts", ctypes.c_uint32), ("proxy", ctypes.c_double * 3),
-                ("force_cap", ctypes.c_double)]
+                ("force_cap", ctypes.c_double), ("angular_velocity", ctypes.c_double * 3),
+                ("torque_cap", ctypes.c_double), ("limits", ctypes.c_uint32),
+                ("has_tool", ctypes.c_uint32), ("contact_count", ctypes.c_uint32),
+                ("level", ctypes.c_uint32), ("culled", ctypes.c_uint32),
+                ("reserved", ctypes.c_uint32), ("tool_position", ctypes.c_double * 3),
+                ("tool_orientation", ctypes.c_double * 4),
+                ("proxy_orientation", ctypes.c_double * 4)]
+
+
+class ContactData(ctypes.Structure):
+    _fields_ = [("size", ctypes.c_uint32), ("device", ctypes.c_uint32),
+                ("object", ctypes.c_uint64), ("place", ctypes.c_double * 3),
+                ("normal", ctypes.c_double * 3), ("force", ctypes.c_double * 3),
+                ("depth", ctypes.c_double)]
 
 
 class ObjectData(ctypes.Structure):
@@ -181,14 +202,16 @@ class LoopData(ctypes.Structure):
                 ("refused", ctypes.c_uint64), ("garbage", ctypes.c_uint64),
                 ("wake", ctypes.c_uint64 * 64), ("busy", ctypes.c_uint64 * 64),
                 ("degraded", ctypes.c_uint64), ("held", ctypes.c_uint64),
-                ("shortened", ctypes.c_uint64)]
+                ("shortened", ctypes.c_uint64), ("coarse", ctypes.c_uint64)]
 
 
 class DeviceCountsData(ctypes.Structure):
     _fields_ = [("size", ctypes.c_uint32), ("last_cause", ctypes.c_uint32),
                 ("contact_ticks", ctypes.c_uint64), ("cap_hits", ctypes.c_uint64),
                 ("slew_hits", ctypes.c_uint64), ("force_max", ctypes.c_double),
-                ("energy", ctypes.c_double), ("generated_max", ctypes.c_double)]
+                ("energy", ctypes.c_double), ("generated_max", ctypes.c_double),
+                ("torque_cap_hits", ctypes.c_uint64), ("torque_slew_hits", ctypes.c_uint64),
+                ("tool_cap_hits", ctypes.c_uint64), ("torque_max", ctypes.c_double)]
 
 
 class ApplicationData(ctypes.Structure):
@@ -232,6 +255,8 @@ def _declare(library: ctypes.CDLL) -> None:
         ("read_tick", code, [handle, pointer(TickData)]),
         ("read_device", code, [handle, u32, pointer(DeviceData)]),
         ("read_object", code, [handle, u64, pointer(ObjectData)]),
+        ("read_contacts", code,
+         [handle, u32, pointer(TickData), pointer(ContactData), size, pointer(size)]),
         ("read_all", code, [handle, pointer(TickData), pointer(DeviceData), size, pointer(ObjectData), size]),
         ("add_object", code,
          [handle, u32, pointer(PoseData), ctypes.c_double, pointer(MaterialData), pointer(u64)]),

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Makes the package that pip installs (PEP 517): the two modules, without any other build tool."""
+"""Makes the package that pip installs (PEP 517): the three modules, without any other build tool."""
 
 import base64
 import hashlib
@@ -7,7 +7,7 @@ import zipfile
 from pathlib import Path
 
 HERE = Path(__file__).resolve().parent
-MODULES = ("spm_client.py", "spm_client_library.py")
+MODULES = ("spm_client.py", "spm_client_data.py", "spm_client_library.py")
 VERSION = "0.1.0"
 FACTS = f"spm_client-{VERSION}.dist-info"
 

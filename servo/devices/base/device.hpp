@@ -13,6 +13,7 @@
 #include "common/base/device_profile.hpp"
 #include "common/base/error.hpp"
 #include "common/base/wrench.hpp"
+#include "servo/devices/base/delay_counts.hpp"
 #include "servo/force/scene_force.hpp"
 #include "servo/realtime/realtime.hpp"
 
@@ -55,6 +56,13 @@ struct DeviceCapabilities {
   /// while this button is held the hand moves freely, counted from 1; 0: none
   std::uint32_t clutch_button = 0;
   const DeviceProfile* profile = nullptr;  ///< of its kind; null: not known
+  bool turns = false;                      ///< it reads the orientation of its tool
+  double torque_cap = 0;  ///< N m, largest torque that may ever be sent; 0: it gives no torque
+  double turn_step = 0;   ///< rad, smallest turn that it resolves; 0: not known
+  double turning_inertia = 1e-4;  ///< kg m2, the least of its tool about any axis
+  /// s: what a force is late by that nothing here measures, from the reading of the encoders to the
+  /// coming of the report, and from the command's arrival to the motors.
+  double own_delay = 0;
 };
 
 /// The capabilities that a profile gives.
@@ -74,6 +82,17 @@ struct DeviceCapabilities {
 /// A device as far as the settings of forces depend on it.
 [[nodiscard]] inline ForceDevice force_device(const DeviceCapabilities& device) noexcept {
   return {device.profile, device.stiffness_cap};
+}
+
+/// A device's turning, as far as the wrench on a tool depends on it.
+[[nodiscard]] inline HandTurning hand_turning(const DeviceCapabilities& device) noexcept {
+  HandTurning turning;
+  turning.reads = device.turns;
+  turning.torque_cap = device.turns ? device.torque_cap : 0;
+  turning.turn_step = device.turn_step;
+  turning.inertia = device.turning_inertia;
+  if (device.force_cap > 0) turning.force_cap = device.force_cap;
+  return turning;
 }
 
 /// What a device may need to know before the loop starts.
@@ -108,6 +127,9 @@ class Device {
     static_cast<void>(until_ns);
     return false;
   }
+  /// How long readings and commands were under way; nothing for a device that has no way. Called by
+  /// the loop, with the limits of `read`.
+  [[nodiscard]] virtual DelayCounts delays() const noexcept { return {}; }
   /// How often it was found again after a loss. Any thread may call it.
   [[nodiscard]] virtual std::uint32_t reopened() const noexcept { return 0; }
   /// What a report says of this device beside its capabilities.

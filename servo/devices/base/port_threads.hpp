@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <algorithm>
 #include <atomic>
 #include <chrono>
 #include <cstdint>
@@ -15,6 +16,7 @@
 
 #include "common/base/error.hpp"
 #include "servo/base/clock.hpp"
+#include "servo/devices/base/delay_counts.hpp"
 #include "servo/devices/base/latency_histogram.hpp"
 #include "servo/devices/base/latest_value.hpp"
 #include "servo/devices/base/port.hpp"
@@ -88,14 +90,28 @@ class PortThreads {
     // A report that was there before the loop began, or since a loss, says nothing about delays.
     const std::uint32_t opening = reopened() + 1;
     const bool begins = std::exchange(taken_opening_, opening) != opening;
+    if (begins) newest_came_ns_ = 0;
     Stamped<Report> newest;
-    if (!reports_.take(newest)) return false;
+    if (!reports_.take(newest)) {
+      count_reading();
+      return false;
+    }
     report = newest.value;
     came_ns = newest.at_ns;
     if (begins) return true;
-    report_age_.add(now_ns() - came_ns);
+    newest_came_ns_ = came_ns;
+    report_age_.add(count_reading());
     answered_ns_ = came_ns;
     return true;
+  }
+
+  /// Called by the loop: how long readings and commands were under way. A reading that several
+  /// ticks use grows older.
+  [[nodiscard]] DelayCounts delays() const noexcept {
+    DelayCounts counts = read_;
+    counts.commands = sent_.load(std::memory_order_relaxed);
+    counts.sent_ns = sent_ns_.load(std::memory_order_relaxed);
+    return counts;
   }
 
   /// Called by the loop: waits until there is a report that it did not take yet. False if none came
@@ -159,6 +175,15 @@ class PortThreads {
     std::int64_t at_ns = 0;
     std::int64_t answered_ns = 0;  ///< of a command: when the report came that it answers; 0: none
   };
+
+  /// Counts a reading that the loop uses now; its age, ns.
+  std::int64_t count_reading() noexcept {
+    if (newest_came_ns_ == 0) return 0;
+    const std::int64_t age = std::max<std::int64_t>(0, now_ns() - newest_came_ns_);
+    ++read_.readings;
+    read_.age_ns += static_cast<std::uint64_t>(age);
+    return age;
+  }
 
   void wake_sender() noexcept {
     given_.fetch_add(1, std::memory_order_release);
@@ -289,6 +314,11 @@ class PortThreads {
     } else if (is_given) {
       const std::int64_t now = now_ns();
       command_sent_.add(now - command.at_ns);
+      // Only this thread writes them; a mean may be off by one command.
+      sent_ns_.store(sent_ns_.load(std::memory_order_relaxed) +
+                         static_cast<std::uint64_t>(std::max<std::int64_t>(0, now - command.at_ns)),
+                     std::memory_order_relaxed);
+      sent_.store(sent_.load(std::memory_order_relaxed) + 1, std::memory_order_relaxed);
       if (command.answered_ns != 0) report_to_command_.add(now - command.answered_ns);
     }
   }
@@ -309,6 +339,9 @@ class PortThreads {
   LatencyHistogram command_sent_;       ///< counted by the sending thread
   LatencyHistogram report_to_command_;  ///< counted by the sending thread
   std::int64_t answered_ns_ = 0;  ///< used by the loop: when the report came that it took; 0: none
+  std::int64_t newest_came_ns_ = 0;  ///< used by the loop: of the report that it has; 0: none
+  DelayCounts read_;                 ///< used by the loop: of readings alone
+  std::atomic<std::uint64_t> sent_{0}, sent_ns_{0};  ///< of commands
   /// used by the loop: the opening for which it last looked for a report
   std::uint32_t taken_opening_ = 0;
   std::atomic<std::uint32_t> given_{0};  ///< changes with each command

@@ -28,6 +28,13 @@ tl::unexpected<Error> io_error(const std::string& what) {
   return fail(ExitCode::file_or_device, "--device external: " + what);
 }
 
+/// When the process says that it wrote a pose, which only figures come of; without a time that can
+/// be true, when the loop takes it.
+std::int64_t time_of(const spm_external_values& pose, std::int64_t now) noexcept {
+  const auto told = static_cast<std::int64_t>(__atomic_load_n(&pose.time_ns, __ATOMIC_RELAXED));
+  return told > now - SPM_EXTERNAL_SILENCE_NS && told <= now ? told : now;
+}
+
 /// Whether a link points to the memory of a process that still runs.
 bool leads_somewhere(const std::string& link) noexcept {
   struct stat status {};
@@ -39,7 +46,13 @@ bool leads_somewhere(const std::string& link) noexcept {
 DeviceExternal::DeviceExternal(const ExternalOptions& options)
     : options_(options), capabilities_(capabilities_of("external", *options.profile)) {
   capabilities_.guarded = true;
+  // Assumed: its process looks for a wrench once a millisecond.
+  capabilities_.own_delay = 0.5e-3;
   capabilities_.buttons = 32;  // a bit each; which of them there are only its process knows
+  capabilities_.turns = options.turns;
+  capabilities_.torque_cap = options.torque_cap;
+  capabilities_.turn_step = options.turns ? options.profile->turn_step() : 0;
+  capabilities_.turning_inertia = options.profile->turning_inertia();
 }
 
 DeviceExternal::~DeviceExternal() {
@@ -119,7 +132,15 @@ DeviceHealth DeviceExternal::read(DeviceState& state) noexcept {
     last_ = {position, turn.normalized(), buttons};
     last_counter_ = counter;
     last_ns_ = now;
-    attached_ = fresh_ = true;
+    put_ns_ = time_of(memory_->pose, now);
+    // The first may have lain there since before the loop began.
+    if (attached_) report_age_.add(now - put_ns_);
+    fresh_ = attached_;
+    attached_ = true;
+  }
+  if (attached_) {
+    ++delays_.readings;
+    delays_.age_ns += static_cast<std::uint64_t>(now - last_ns_);
   }
   state = last_;
   const bool is_alive = attached_ && now - last_ns_ <= SPM_EXTERNAL_SILENCE_NS;
@@ -135,7 +156,7 @@ DeviceHealth DeviceExternal::write(const Wrench& wrench) noexcept {
                                       wrench.torque.z(),
                                       0};
   spm_external_put(&memory_->wrench, 0, numbers.data());
-  if (fresh_) report_to_command_.add(now_ns() - last_ns_);
+  if (fresh_) report_to_command_.add(now_ns() - put_ns_);
   fresh_ = false;
   return DeviceHealth::ok;
 }
@@ -143,9 +164,13 @@ DeviceHealth DeviceExternal::write(const Wrench& wrench) noexcept {
 nlohmann::ordered_json DeviceExternal::describe() const {
   return {{"external_name", options_.name},
           {"profile", options_.profile->name},
+          {"turns", options_.turns},
+          {"torque_cap_nm", options_.torque_cap},
           {"memory", link_},
           {"attached", attached_},
-          {"latency_us", {{"report_to_command", report_to_command_.json_us()}}}};
+          {"latency_us",
+           {{"report_age", report_age_.json_us()},
+            {"report_to_command", report_to_command_.json_us()}}}};
 }
 
 }  // namespace spm::servo

@@ -30,6 +30,7 @@ class DeviceExternal final : public Device {
   }
   [[nodiscard]] DeviceHealth read(DeviceState& state) noexcept override;
   [[nodiscard]] DeviceHealth write(const Wrench& wrench) noexcept override;
+  [[nodiscard]] DelayCounts delays() const noexcept override { return delays_; }
   [[nodiscard]] nlohmann::ordered_json describe() const override;
 
  private:
@@ -42,10 +43,13 @@ class DeviceExternal final : public Device {
   spm_external_memory* memory_ = nullptr;
   DeviceState last_;
   std::uint64_t last_counter_ = 0;
-  std::int64_t last_ns_ = 0;
-  bool attached_ = false;               ///< whether a process has supplied a pose
-  bool fresh_ = false;                  ///< no wrench has answered the last pose
-  LatencyHistogram report_to_command_;  ///< from when the loop took a pose
+  std::int64_t last_ns_ = 0;  ///< when the loop took it
+  std::int64_t put_ns_ = 0;   ///< when its process wrote it
+  bool attached_ = false;     ///< whether a process has supplied a pose
+  bool fresh_ = false;        ///< no wrench has answered the last pose
+  DelayCounts delays_;
+  LatencyHistogram report_age_;         ///< from when a pose was written to when the loop took it
+  LatencyHistogram report_to_command_;  ///< from when a pose was written to its wrench
 };
 
 }  // namespace spm::servo

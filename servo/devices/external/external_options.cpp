@@ -11,6 +11,7 @@ namespace spm::servo {
 namespace {
 
 constexpr char device[] = "external";
+constexpr double strongest_torque = 10;  // N m; no hand device has as much
 
 /// A name becomes part of a path, so it must be plain.
 bool is_plain(std::string_view name) noexcept {
@@ -35,10 +36,23 @@ Result<ExternalOptions> parse_external_options(std::string_view text) {
                                         "' is not known; the profiles are" +
                                         device_profile_names());
       }
+    } else if (key == "turns") {
+      auto done = set_option_switch(device, options.turns, key, value);
+      if (!done) return tl::make_unexpected(std::move(done.error()));
+    } else if (key == "torque_cap") {
+      auto done = set_option_quantity(device, options.torque_cap, key, value, Quantity::torque,
+                                      strongest_torque);
+      if (!done) return tl::make_unexpected(std::move(done.error()));
     } else {
       return option_error(device, "option '" + std::string(key) +
-                                      "' is not known; the options are name and profile");
+                                      "' is not known; the options are name, profile, turns and "
+                                      "torque_cap");
     }
+  }
+  if (options.torque_cap > 0 && !options.turns) {
+    return option_error(device,
+                        "torque_cap is of a device that tells its orientation; leave "
+                        "turns=off out");
   }
   if (!is_plain(options.name)) {
     return option_error(device,

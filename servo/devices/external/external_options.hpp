@@ -12,9 +12,11 @@ namespace spm::servo {
 struct ExternalOptions {
   std::string name;                                             ///< letters, digits, '-' and '_'
   const DeviceProfile* profile = find_device_profile("touch");  ///< the weakest: its cap holds
+  bool turns = true;      ///< its process tells the orientation of the tool
+  double torque_cap = 0;  ///< N m, the largest torque that its motors bear; 0: it has none
 };
 
-/// Reads `name=NAME[,profile=PROFILE]`. Errors: usage.
+/// Reads `name=NAME[,profile=PROFILE][,turns=on|off][,torque_cap=TORQUE]`. Errors: usage.
 [[nodiscard]] Result<ExternalOptions> parse_external_options(std::string_view text);
 
 }  // namespace spm::servo

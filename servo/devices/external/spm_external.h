@@ -4,9 +4,11 @@
  * without a library, C11 or C++; Linux, GCC or Clang. external_example.c is a complete process, to
  * be filled in.
  *
- * Start the daemon with --device external:name=NAME. It may start and end before or after this
- * process: spm_external_open fails while the daemon does not run, and spm_external_get_wrench gives
- * zero when the daemon is silent. SI units; frame: x to the right, y up, z towards the user. */
+ * Start the daemon with --device external:name=NAME, and for a device whose motors turn the tool
+ * with ,torque_cap=TORQUE: without it every torque is zero. It may start and end before or after
+ * this process: spm_external_open fails while the daemon does not run, and spm_external_get_wrench
+ * gives zero when the daemon is silent. SI units; frame: x to the right, y up, z towards the user.
+ */
 #ifndef SPM_EXTERNAL_H
 #define SPM_EXTERNAL_H
 
@@ -41,7 +43,8 @@ struct spm_external_values {
   uint32_t word;       /* for poses the buttons, one bit each; for wrenches 0 */
   uint64_t counter;    /* increases with each write: the heartbeat */
   uint64_t numbers[7]; /* position and orientation w x y z; or force and torque, the last unused */
-  uint64_t unused[7];
+  uint64_t time_ns;    /* when they were written, of spm_external_now(); 0: by an older header */
+  uint64_t unused[6];
 };
 
 /** What both processes see. */
@@ -80,6 +83,7 @@ static inline void spm_external_put(struct spm_external_values* values, uint32_t
     __atomic_store_n(&values->numbers[i], bits, __ATOMIC_RELAXED);
   }
   __atomic_store_n(&values->word, word, __ATOMIC_RELAXED);
+  __atomic_store_n(&values->time_ns, (uint64_t)spm_external_now(), __ATOMIC_RELAXED);
   __atomic_store_n(&values->counter, __atomic_load_n(&values->counter, __ATOMIC_RELAXED) + 1,
                    __ATOMIC_RELAXED);
   __atomic_store_n(&values->sequence, sequence + 1, __ATOMIC_RELEASE);

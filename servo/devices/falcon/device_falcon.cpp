@@ -38,6 +38,8 @@ DeviceFalcon::DeviceFalcon(FalconOptions options)
       capabilities_(capabilities_of("falcon", profile)),
       tracker_(options_.home_angle) {
   capabilities_.force_cap = std::min(options_.force_cap, profile.force_cap);
+  // 16 bytes each way at 1.5 Mbaud, and half of the chip's latency timer of 1 ms.
+  capabilities_.own_delay = 0.7e-3;
   capabilities_.guarded = true;
   capabilities_.buttons = 4;
 }

@@ -41,6 +41,7 @@ class DeviceFalcon final : public Device {
   [[nodiscard]] DeviceHealth read(DeviceState& state) noexcept override;
   [[nodiscard]] DeviceHealth write(const Wrench& wrench) noexcept override;
   [[nodiscard]] bool wait_for_report(std::int64_t until_ns) noexcept override;
+  [[nodiscard]] DelayCounts delays() const noexcept override { return threads_.delays(); }
   [[nodiscard]] std::uint32_t reopened() const noexcept override { return threads_.reopened(); }
   [[nodiscard]] nlohmann::ordered_json describe() const override;
 

@@ -11,6 +11,8 @@ namespace spm::servo {
 DevicePid::DevicePid(const PidOptions& options) : options_(options) {
   capabilities_.name = "pid";
   capabilities_.force_cap = options.force_cap;
+  // Assumed: half of the interval, 1 ms, at which a host asks a full-speed device.
+  capabilities_.own_delay = 0.5e-3;
   capabilities_.guarded = true;
   capabilities_.stiffness_cap = pid_stiffness_cap;
   capabilities_.workspace = Vector3(options.travel / 2, options.travel / 2, 0);

@@ -38,6 +38,7 @@ class DevicePid final : public Device {
   }
   [[nodiscard]] DeviceHealth read(DeviceState& state) noexcept override;
   [[nodiscard]] DeviceHealth write(const Wrench& wrench) noexcept override;
+  [[nodiscard]] DelayCounts delays() const noexcept override { return threads_.delays(); }
   [[nodiscard]] std::uint32_t reopened() const noexcept override { return threads_.reopened(); }
   [[nodiscard]] bool wait_for_report(std::int64_t until_ns) noexcept override {
     return threads_.wait(until_ns);

@@ -8,18 +8,35 @@
 #include "formats/motion/trajectory.hpp"
 #include "servo/base/clock.hpp"
 #include "servo/devices/sim/hand_planner.hpp"
+#include "servo/devices/sim/tool_planner.hpp"
 
 namespace spm::servo {
 
 namespace {
 
-Result<HandMotion> recorded_hand(const std::string& path, double period) {
-  const auto rows = read_trajectory(path);
+Result<std::vector<TrajectorySample>> recorded_rows(const std::string& path) {
+  auto rows = read_trajectory(path);
+  if (!rows || !rows->empty()) return rows;
+  return fail(ExitCode::invalid_input,
+              path +
+                  ": has no row; write one position 'x y z' in metres a line, or a pose 'x y z "
+                  "qw qx qy qz'");
+}
+
+Result<PoseMotion> recorded_poses(const std::string& path, double period) {
+  const auto rows = recorded_rows(path);
   if (!rows) return tl::make_unexpected(rows.error());
-  if (rows->empty()) {
-    return fail(ExitCode::invalid_input,
-                path + ": has no row; write one position 'x y z' in metres a line");
+  std::vector<HandPose> poses;
+  poses.reserve(rows->size());
+  for (const TrajectorySample& row : *rows) {
+    poses.push_back({row.position, Eigen::Quaterniond(row.qw, row.qx, row.qy, row.qz)});
   }
+  return PoseMotion::recorded(std::move(poses), period);
+}
+
+Result<HandMotion> recorded_hand(const std::string& path, double period) {
+  const auto rows = recorded_rows(path);
+  if (!rows) return tl::make_unexpected(rows.error());
   std::vector<Vector3> positions;
   positions.reserve(rows->size());
   for (const TrajectorySample& row : *rows) positions.push_back(row.position);
@@ -39,6 +56,29 @@ PlantSettings plant_of(const SimOptions& options, double period) {
   plant.seed = options.seed;
   plant.substeps = substeps_for(period);
   return plant;
+}
+
+/// The same device where it turns.
+SixdofSettings turning_plant_of(const PlantSettings& plant, bool torque) {
+  SixdofSettings turning;
+  turning.profile = plant.profile;
+  turning.period = plant.period;
+  turning.substeps = plant.substeps;
+  turning.delay_ticks = plant.delay_ticks;
+  turning.hand = plant.hand;
+  turning.jitter = plant.jitter;
+  turning.lost_share = plant.lost_share;
+  turning.noise = plant.noise;
+  turning.seed = plant.seed;
+  if (!torque) turning.torque_lever = 0;
+  return turning;
+}
+
+Eigen::Isometry3d pose_of(const HandPose& hand) {
+  Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
+  pose.translation() = hand.position;
+  pose.linear() = hand.orientation.toRotationMatrix();
+  return pose;
 }
 
 const char* name_of(HandKind hand) {
@@ -66,11 +106,49 @@ DeviceSim::DeviceSim(const SimOptions& options)
 }
 
 Result<void> DeviceSim::open(const DeviceSetup& setup) {
-  const double period = 1 / setup.rate_hz;
-  const PlantSettings plant = plant_of(options_, period);
+  const PlantSettings plant = plant_of(options_, 1 / setup.rate_hz);
+  const DeviceProfile& profile = *find_device_profile(options_.profile->name);
+  capabilities_.turns = options_.turns.value_or(setup.scene.tool || options_.torque == true);
+  const bool torque = capabilities_.turns && options_.torque.value_or(true);
+  capabilities_.torque_cap = torque ? profile.torque_cap() : 0;
+  capabilities_.turn_step = capabilities_.turns ? profile.turn_step() : 0;
+  capabilities_.turning_inertia = profile.turning_inertia();
+  capabilities_.own_delay = options_.delay_ticks / setup.rate_hz;
+  if (auto planned = plan(setup); !planned) return planned;
+  plant_ = SimPlant(plant);
+  plant_.place(poses_ ? poses_->start().position : hand_.start());
+  if (!capabilities_.turns) return {};
+  turning_.emplace(turning_plant_of(plant, torque));
+  turning_->place(pose_of(poses_ ? poses_->start() : HandPose{hand_.start(), {1, 0, 0, 0}}));
+  return {};
+}
+
+/// Finds what the hand does in the scene.
+Result<void> DeviceSim::plan(const DeviceSetup& setup) {
+  const PlantSettings plant = plant_of(options_, 1 / setup.rate_hz);
+  if (options_.hand != HandKind::recorded && setup.scene.tool) {
+    ToolTask task;
+    task.slide = options_.hand == HandKind::slide;
+    task.depth = options_.depth;
+    task.speed = options_.speed;
+    task.seed = options_.seed;
+    task.plant = turning_plant_of(plant, capabilities_.torque_cap > 0);
+    task.turning = hand_turning(capabilities_);
+    task.scene = setup.scene;
+    auto poses = plan_tool(setup.assets, task);
+    if (!poses) return tl::make_unexpected(std::move(poses.error()));
+    poses_ = std::move(*poses);
+    return {};
+  }
+  if (options_.hand == HandKind::recorded && capabilities_.turns) {
+    auto poses = recorded_poses(options_.path, plant.period);
+    if (!poses) return tl::make_unexpected(std::move(poses.error()));
+    poses_ = std::move(*poses);
+    return {};
+  }
   Result<HandMotion> hand;
   if (options_.hand == HandKind::recorded) {
-    hand = recorded_hand(options_.path, period);
+    hand = recorded_hand(options_.path, plant.period);
   } else {
     HandTask task;
     task.slide = options_.hand == HandKind::slide;
@@ -83,22 +161,40 @@ Result<void> DeviceSim::open(const DeviceSetup& setup) {
   }
   if (!hand) return tl::make_unexpected(hand.error());
   hand_ = std::move(*hand);
-  plant_ = SimPlant(plant);
-  plant_.place(hand_.start());
   return {};
+}
+
+SixdofTarget DeviceSim::target() noexcept {
+  if (poses_) return poses_->next();
+  const HandTarget hand = hand_.next();
+  SixdofTarget target;
+  target.position = hand.position;
+  target.velocity = hand.velocity;
+  return target;
 }
 
 DeviceHealth DeviceSim::read(DeviceState& state) noexcept {
   read_ns_ = now_ns();
-  state.position = plant_.measured_position();
   state.buttons = 0;
+  if (!turning_) {
+    state.position = plant_.measured_position();
+    return DeviceHealth::ok;
+  }
+  const Eigen::Isometry3d measured = turning_->measured_pose();
+  state.position = measured.translation();
+  state.orientation = Eigen::Quaterniond(measured.linear()).normalized();
   return DeviceHealth::ok;
 }
 
 DeviceHealth DeviceSim::write(const Wrench& wrench) noexcept {
   if (read_ns_ != 0) report_to_command_.add(now_ns() - read_ns_);
   read_ns_ = 0;
-  plant_.step(wrench.force, hand_.next());
+  const SixdofTarget wanted = target();
+  if (turning_) {
+    turning_->step(wrench, wanted);
+  } else {
+    plant_.step(wrench.force, {wanted.position, wanted.velocity});
+  }
   return DeviceHealth::ok;
 }
 
@@ -114,6 +210,8 @@ nlohmann::ordered_json DeviceSim::describe() const {
           {"jitter_ticks", options_.jitter_ticks},
           {"lost_share", options_.lost_share},
           {"noise_m", options_.noise},
+          {"turns", capabilities_.turns},
+          {"torque_cap_nm", capabilities_.torque_cap},
           {"latency_us", {{"report_to_command", report_to_command_.json_us()}}}};
 }
 

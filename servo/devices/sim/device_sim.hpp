@@ -2,22 +2,26 @@
 #pragma once
 
 #include <nlohmann/json.hpp>
+#include <optional>
 
 #include "servo/devices/base/device.hpp"
 #include "servo/devices/base/latency_histogram.hpp"
 #include "servo/devices/sim/hand_motion.hpp"
+#include "servo/devices/sim/pose_motion.hpp"
 #include "servo/devices/sim/sim_options.hpp"
 #include "servo/devices/sim/sim_plant.hpp"
 
 namespace spm::servo {
 
-/// A simulated device in a simulated hand. One write is one tick of its time, so that what it does
+/// A simulated device in a simulated hand. Where the scene's tool is an object, or its options say
+/// so, it turns. One write is one tick of its time, so that what it does
 /// depends on its options and the forces alone, never on the clock.
 class DeviceSim final : public Device {
  public:
   explicit DeviceSim(const SimOptions& options);
 
-  /// Errors: those of the hand's trajectory file, or an asset without any surface.
+  /// Errors: those of the hand's trajectory file and of a tool's samples, or an asset without any
+  /// surface.
   [[nodiscard]] Result<void> open(const DeviceSetup& setup) override;
   [[nodiscard]] const DeviceCapabilities& capabilities() const noexcept override {
     return capabilities_;
@@ -27,11 +31,16 @@ class DeviceSim final : public Device {
   [[nodiscard]] nlohmann::ordered_json describe() const override;
 
  private:
+  [[nodiscard]] Result<void> plan(const DeviceSetup& setup);
+  [[nodiscard]] SixdofTarget target() noexcept;
+
   SimOptions options_;
   DeviceCapabilities capabilities_;
   SimPlant plant_;
+  std::optional<SixdofPlant> turning_;  ///< in place of the other, where the device turns
   HandMotion hand_;
-  std::int64_t read_ns_ = 0;  ///< when the loop took the last report; 0: it was answered
+  std::optional<PoseMotion> poses_;  ///< of a hand that holds a tool or turns; else the other
+  std::int64_t read_ns_ = 0;         ///< when the loop took the last report; 0: it was answered
   LatencyHistogram report_to_command_;
 };
 

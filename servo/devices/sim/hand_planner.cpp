@@ -32,6 +32,9 @@ constexpr double thickness_in_depths = 1 / share_of_thickness;
 /// search. Good places come first.
 constexpr double rounds[] = {1, 0.5, 0.25, 0.1, 0.05, 0};
 
+/// One over the cosine, of surface and probe, at which a probe stands wholly on one of its ends.
+constexpr double turning_over = 4;
+
 struct Plan {
   HandMotion motion;
   double score = -1;  ///< contact in the worst second, 0 to 1, less a penalty
@@ -43,16 +46,26 @@ struct Reached {
   const AssetView& asset;
   Placement object, hand;
   double probe_radius, depth;  ///< m, asset's frame
+  Vector3 half_axis;           ///< of a probe with a long side, m, asset's frame
 
   Reached(std::span<const AssetView* const> assets, const HandTask& task, std::size_t which)
       : asset(*assets[task.scene.objects[which].asset]),
         object(task.scene.objects[which].placement),
         hand(task.scene.workspace),
         probe_radius(task.scene.objects[which].force.probe_radius / object.scale),
-        depth(task.depth * hand.scale / object.scale) {}
+        depth(task.depth * hand.scale / object.scale) {
+    const ForceSettings& force = task.scene.objects[which].force;
+    half_axis = force.probe_length / 2 / object.scale *
+                (object.rotation.conjugate() * (hand.rotation * force.probe_axis));
+  }
 
-  [[nodiscard]] Vector3 in_hand(const Vector3& point) const {
-    return hand.from_world(object.to_world(point));
+  /// Where the hand is when the end of its probe that is closer to the surface is at a point. That
+  /// goes over to the other end where the surface lies along the probe.
+  [[nodiscard]] Vector3 in_hand(const Vector3& point, const Vector3& normal) const {
+    const double size = half_axis.norm();
+    const double side = size > 0 ? half_axis.dot(normal) / size : 0;
+    const Vector3 middle = point + std::clamp(turning_over * side, -1.0, 1.0) * half_axis;
+    return hand.from_world(object.to_world(middle));
   }
 };
 
@@ -61,12 +74,13 @@ Vector3 target_below(const Reached& reached, const Touch& touch) {
   const double limit = thickness_in_depths * reached.depth;
   const double thickness = thickness_below(reached.asset, reached.probe_radius, touch, limit);
   const double depth = std::min(reached.depth, share_of_thickness * thickness);
-  return reached.in_hand(touch.centre - depth * touch.normal);
+  return reached.in_hand(touch.centre - depth * touch.normal, touch.normal);
 }
 
 HandMotion motion_from(const Reached& reached, const HandTask& task, const Touch& start,
                        double firm_depth, Random& random) {
-  const Vector3 approach = reached.in_hand(start.centre + reached.depth * start.normal);
+  const Vector3 approach =
+      reached.in_hand(start.centre + reached.depth * start.normal, start.normal);
   if (!task.slide) {
     return HandMotion::press(approach, target_below(reached, start), task.speed, task.plant.period);
   }

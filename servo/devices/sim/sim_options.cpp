@@ -97,6 +97,13 @@ Result<void> set_mass(bool& of_device, std::string_view value) {
   return {};
 }
 
+Result<void> set_switch(std::optional<bool>& target, std::string_view key, std::string_view value) {
+  bool on = false;
+  auto done = set_option_switch("sim", on, key, value);
+  if (done) target = on;
+  return done;
+}
+
 Result<void> set(SimOptions& options, bool& mass_of_device, std::string_view key,
                  std::string_view value) {
   if (key == "profile") return set_profile(options, value);
@@ -109,6 +116,8 @@ Result<void> set(SimOptions& options, bool& mass_of_device, std::string_view key
   }
   if (key == "seed") return set_seed(options, value);
   if (key == "hand_model") return set_hand_model(options, value);
+  if (key == "turns") return set_switch(options.turns, key, value);
+  if (key == "torque") return set_switch(options.torque, key, value);
   if (key == "mass") return set_mass(mass_of_device, value);
   if (key == "noise") return set_quantity(options.noise, key, value, Quantity::length, noisiest);
   for (const SimNumber& option : numbers) {
@@ -122,7 +131,7 @@ Result<void> set(SimOptions& options, bool& mass_of_device, std::string_view key
   return usage(
       fmt::format("option '{}' is not known; the options are profile, hand, path, depth, speed, "
                   "seed, hand_model, mass, "
-                  "delay, jitter, lost and noise",
+                  "delay, jitter, lost, noise, turns and torque",
                   key));
 }
 
@@ -144,7 +153,14 @@ Result<SimOptions> parse_sim_options(std::string_view text) {
   if (options.hand != HandKind::recorded && !options.path.empty()) {
     return usage("path=FILE goes with hand=path only");
   }
+  if (options.torque == true && options.turns == false) {
+    return usage("torque=on goes with a device that turns; leave turns=off out");
+  }
+  if (mass_of_device && options.turns == true) {
+    return usage("mass=device is known of a device that does not turn alone; leave turns=on out");
+  }
   if (mass_of_device) {
+    options.turns = false;
     const auto mass = moving_mass_of(options.profile->name);
     if (!mass) {
       return usage(

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <string_view>
 
@@ -20,7 +21,7 @@ enum class HandKind : std::uint8_t {
 
 /// Options of the simulated device: `sim:profile=NAME,hand=slide|push|path,path=FILE,depth=LENGTH,
 /// speed=SPEED,seed=N,hand_model=spring|arm,mass=constant|device,delay=TICKS,jitter=TICKS,lost=SHARE,
-/// noise=LENGTH`.
+/// noise=LENGTH,turns=on|off,torque=on|off`.
 struct SimOptions {
   const SimProfile* profile = &sim_profiles[0];  ///< one of these
   HandKind hand = HandKind::slide;
@@ -34,6 +35,10 @@ struct SimOptions {
   double jitter_ticks = 0;  ///< 0 to longest_delay, standard deviation
   double lost_share = 0;    ///< 0 to 1, fraction of the ticks whose force is lost
   double noise = 0;         ///< m, 0 or more, standard deviation of a reading
+  /// Whether it reads its orientation; empty: where the scene's tool is an object.
+  std::optional<bool> turns;
+  /// Whether it gives torque; empty: where it turns.
+  std::optional<bool> torque;
 };
 
 /// Parses the text after `sim:`; the empty text gives the defaults. Errors: usage, for an unknown

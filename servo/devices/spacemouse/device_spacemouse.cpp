@@ -10,7 +10,9 @@
 namespace spm::servo {
 
 DeviceSpaceMouse::DeviceSpaceMouse(const SpaceMouseOptions& options)
-    : options_(options), capabilities_{"spacemouse", 0, 0}, motion_(options) {}
+    : options_(options), capabilities_{"spacemouse", 0, 0}, motion_(options) {
+  capabilities_.turns = true;
+}
 
 DeviceSpaceMouse::~DeviceSpaceMouse() { threads_.give({false}); }
 
@@ -24,8 +26,9 @@ Result<void> DeviceSpaceMouse::open(const DeviceSetup& setup) {
     found_ = (*port)->device();
     return Opened(std::move(*port));
   };
-  // How far the tool moves in one tick at the smallest deflection.
+  // How far the tool moves and turns in one tick at the smallest deflection.
   capabilities_.encoder_step = options_.speed / spacemouse_full_deflection / setup.rate_hz;
+  capabilities_.turn_step = options_.turn / spacemouse_full_deflection / setup.rate_hz;
   return threads_.start(open_port, setup.realtime);
 }
 

@@ -2,6 +2,7 @@
 #include "servo/devices/wooden/device_wooden.hpp"
 
 #include <algorithm>
+#include <numbers>
 #include <utility>
 
 #include "common/base/device_profile.hpp"
@@ -18,8 +19,14 @@ DeviceWooden::DeviceWooden(const WoodenOptions& options)
   // about the origin, because the home pose, 0.2 m above the origin, is outside such a box. The
   // mechanics of the arm limit its workspace.
   capabilities_.workspace.setZero();
+  // Assumed: half of the interval, 1 ms, at which a host asks a full-speed device.
+  capabilities_.own_delay = 0.5e-3;
   capabilities_.guarded = true;
   capabilities_.buttons = 1;
+  // A model with encoders D to F has a gimbal, which is read and not driven.
+  const double per_turn = options.model->gimbal_counts_per_turn;
+  capabilities_.turns = per_turn > 0;
+  if (per_turn > 0) capabilities_.turn_step = 2 * std::numbers::pi / per_turn;
   // The options may be made without parsing, without a cap of their own.
   if (!(options_.force_cap > 0)) options_.force_cap = capabilities_.force_cap;
   capabilities_.force_cap = std::min(capabilities_.force_cap, options_.force_cap);

@@ -255,5 +255,31 @@ TEST_CASE("A workspace with nothing of the object in it is refused") {
   CHECK(code_at({0.021, 0, 0}).code == ExitCode::invalid_input);
 }
 
+TEST_CASE("The tool of a scene is baked whole; its objects as without it") {
+  const SceneFolder folder(R"(
+[device]
+profile = "falcon"
+[tool]
+mesh = "b.obj"
+asset = "b.spm.exr"
+scale = 2
+[[object]]
+mesh = "a.obj"
+stiffness = "4N/mm"
+)");
+  BakeOptions options;
+  const auto derived = derive_limits(folder.sources(), folder.path("b.obj"), options);
+  CHECK_FALSE(options.workspace);
+  CHECK(options.probe_radius == 0);
+  CHECK(options.max_depth == 0.002);
+  CHECK(*options.tolerance == Approx(16e-6));
+  CHECK(tells(derived, "the tool of "));
+  BakeOptions of_object;
+  static_cast<void>(derive_limits(folder.sources(), folder.path("a.obj"), of_object));
+  CHECK(of_object.workspace);
+  CHECK(of_object.probe_radius == 0);
+  CHECK(*of_object.tolerance == Approx(32e-6));
+}
+
 }  // namespace
 }  // namespace spm::baker::scene_limits_test

@@ -5,11 +5,11 @@
 
 namespace spm::bench {
 
-Vector3 exact_force(const SurfaceSamples& tool, const BakedObject& object,
+Wrench exact_wrench(const SurfaceSamples& tool, const BakedObject& object,
                     const Eigen::Isometry3d& tool_pose, double stiffness) {
   const AssetView& field = object.view();
   const SampleLevel& finest = tool.levels.back();
-  Vector3 force = Vector3::Zero();
+  Wrench wrench;
   for (std::uint32_t i = finest.first; i < finest.first + finest.count; ++i) {
     const auto& position = tool.places[i].position;
     const Vector3 place = tool_pose * Vector3(position[0], position[1], position[2]);
@@ -18,9 +18,11 @@ Vector3 exact_force(const SurfaceSamples& tool, const BakedObject& object,
     if (!object.truth.inside(place)) continue;
     // Depth times direction.
     const Vector3 out = object.truth.closest(place).position - place;
-    force += stiffness * static_cast<double>(tool.shares[i].area) * out;
+    const Vector3 force = stiffness * static_cast<double>(tool.shares[i].area) * out;
+    wrench.force += force;
+    wrench.torque += (place - tool_pose.translation()).cross(force);
   }
-  return force;
+  return wrench;
 }
 
 }  // namespace spm::bench

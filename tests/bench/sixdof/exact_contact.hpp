@@ -3,6 +3,7 @@
 
 #include <Eigen/Geometry>
 
+#include "common/base/wrench.hpp"
 #include "tests/bench/sixdof/sixdof_scene.hpp"
 
 namespace spm::bench {
@@ -10,7 +11,7 @@ namespace spm::bench {
 /// Force on a tool at a pose by the law of ObjectContact, from all samples of the finest level.
 /// Depths and directions come from the object's exact surface. The baked field is used only to skip
 /// samples that are farther outside than three tolerances.
-[[nodiscard]] Vector3 exact_force(const SurfaceSamples& tool, const BakedObject& object,
+[[nodiscard]] Wrench exact_wrench(const SurfaceSamples& tool, const BakedObject& object,
                                   const Eigen::Isometry3d& tool_pose, double stiffness);
 
 }  // namespace spm::bench

@@ -15,6 +15,7 @@
 #include "tests/bench/base/one_core.hpp"
 #include "tests/bench/model/model.hpp"
 #include "tests/bench/sixdof/exact_contact.hpp"
+#include "tests/bench/sixdof/served_tool.hpp"
 #include "tests/bench/sixdof/sixdof_path.hpp"
 #include "tests/bench/sixdof/sixdof_peers.hpp"
 
@@ -25,6 +26,7 @@ using Eigen::Isometry3d;
 
 constexpr double stiffness = 1e9;  // N/m3
 constexpr std::uint64_t path_samples = 8000;
+constexpr double deep_share = 1.0 / 3;
 constexpr double hull_tolerance = 2e-4;  // m
 constexpr std::size_t hull_planes = 64;
 /// Time limit of a tick, ns, for at most `small_samples` samples and for more.
@@ -57,7 +59,7 @@ TickQuantiles quantiles(std::vector<double> values) {
 
 struct Judged {
   std::size_t tick = 0;
-  Vector3 force = Vector3::Zero();
+  Wrench wrench;
 };
 
 /// Follows the path with one method after another.
@@ -80,7 +82,7 @@ class Runner {
     row.settings = limit > 0 ? fmt::format("{} samples, {} us", row.samples, limit / 1000)
                              : fmt::format("{} samples, no limit", row.samples);
     const auto finest = static_cast<double>(tool.levels.size() - 1);
-    std::vector<Vector3> forces;
+    std::vector<Wrench> forces;
     const auto start_afresh = [&] { contact.emplace(tool, settings); };
     follow(1, row, forces, start_afresh, [&](const Isometry3d& pose) {
       const ObjectContactReport found = contact->tick(pose, objects, {limit, nullptr});
@@ -89,9 +91,39 @@ class Runner {
       row.contacts += static_cast<double>(found.sum.contacts);
       row.level += found.level / finest;
       row.degraded += found.degraded ? 1 : 0;
-      return found.sum.forces().force;
+      return found.sum.forces();
     });
     judge(1, row, forces, true);
+  }
+
+  /// Runs the servo's own force law, with a limit in s if it is above 0, along a path that is the
+  /// judged one or another.
+  void run_served(ServedTool& tool, const std::string& method, double limit,
+                  const std::vector<Isometry3d>* other = nullptr) {
+    SixdofRow row;
+    row.path = other != nullptr ? "deep" : "slide";
+    row.method = method;
+    row.samples = tool.samples();
+    row.bytes = tool.bytes();
+    row.settings = limit > 0 ? fmt::format("{} samples, {:.0f} us", row.samples, 1e6 * limit)
+                             : fmt::format("{} samples, no limit", row.samples);
+    const double finest = std::max(1.0, static_cast<double>(tool.levels()) - 1);
+    std::vector<Wrench> wrenches;
+    follow(
+        1, row, wrenches, [&tool] { tool.begin(); },
+        [&](const Isometry3d& pose) {
+          const Wrench found = tool.ask(pose);
+          row.contacts += static_cast<double>(tool.patches());
+          row.level += 1 - tool.effort().level / finest;
+          row.degraded += tool.effort().degraded() ? 1 : 0;
+          return found;
+        },
+        other != nullptr ? *other : path_);
+    if (other != nullptr) {
+      report_.rows.push_back(row);
+    } else {
+      judge(1, row, wrenches, method == "served-spm");
+    }
   }
 
   void run_peer(Peer& peer, std::uint64_t ticks) {
@@ -100,14 +132,14 @@ class Runner {
     row.settings = peer.settings();
     row.samples = peer.samples();
     const std::size_t stride = std::max<std::size_t>(1, path_.size() / ticks);
-    std::vector<Vector3> forces;
+    std::vector<Wrench> forces;
     // Peers have no state to reset.
     follow(
         stride, row, forces, [] {},
         [&](const Isometry3d& pose) {
           const PeerAnswer found = peer.ask(pose);
           row.contacts += static_cast<double>(found.contacts);
-          return found.force;
+          return Wrench{found.force, Vector3::Zero()};
         });
     row.level = 1;
     judge(stride, row, forces, peer.same_law());
@@ -119,18 +151,24 @@ class Runner {
   SixdofReport& report_;
 
   template <class Begin, class Ask>
-  void follow(std::size_t stride, SixdofRow& row, std::vector<Vector3>& forces, const Begin& begin,
+  void follow(std::size_t stride, SixdofRow& row, std::vector<Wrench>& forces, const Begin& begin,
               const Ask& ask) {
+    follow(stride, row, forces, begin, ask, path_);
+  }
+
+  template <class Begin, class Ask>
+  void follow(std::size_t stride, SixdofRow& row, std::vector<Wrench>& forces, const Begin& begin,
+              const Ask& ask, const std::vector<Isometry3d>& path) {
     std::vector<double> middles, tails, busy_tails;
     const OneCore pinned;
     for (std::size_t pass = 0; pass < passes; ++pass) {
       std::vector<double> times, busy;
       forces.clear();
       begin();
-      for (std::size_t tick = 0; tick < path_.size(); tick += stride) {
+      for (std::size_t tick = 0; tick < path.size(); tick += stride) {
         const double before = busy_seconds();
         const Clock::time_point start = Clock::now();
-        forces.push_back(ask(path_[tick]));
+        forces.push_back(ask(path[tick]));
         times.push_back(seconds_since(start));
         busy.push_back(busy_seconds() - before);
       }
@@ -149,16 +187,21 @@ class Runner {
       *sum /= count;
   }
 
-  void judge(std::size_t stride, SixdofRow& row, const std::vector<Vector3>& forces,
+  void judge(std::size_t stride, SixdofRow& row, const std::vector<Wrench>& wrenches,
              bool same_law) {
-    std::vector<double> errors, angles;
+    std::vector<double> errors, torque_errors, angles;
     for (const Judged& judged : judged_) {
-      const Vector3& force = forces[judged.tick / stride];
+      const Wrench& found = wrenches[judged.tick / stride];
+      const Wrench& wanted = judged.wrench;
       if (judged.tick % stride != 0) continue;
-      errors.push_back((force - judged.force).norm() / judged.force.norm());
-      angles.push_back(std::atan2(force.cross(judged.force).norm(), force.dot(judged.force)));
+      errors.push_back((found.force - wanted.force).norm() / wanted.force.norm());
+      torque_errors.push_back((found.torque - wanted.torque).norm() / wanted.torque.norm());
+      angles.push_back(
+          std::atan2(found.force.cross(wanted.force).norm(), found.force.dot(wanted.force)));
     }
     if (same_law) row.force_error = quantiles(errors);
+    // Peers tell no torque.
+    if (same_law && row.method != "every-sample") row.torque_error = quantiles(torque_errors);
     row.direction_error = quantiles(angles);
     report_.rows.push_back(row);
   }
@@ -176,8 +219,8 @@ std::vector<Judged> references(const SixdofPlan& plan, const std::vector<Isometr
       std::max<std::size_t>(1, path.size() / peers / std::max<std::uint64_t>(1, plan.judged));
   std::vector<Judged> judged;
   for (std::size_t tick = 0; tick < path.size(); tick += stride) {
-    const Vector3 force = exact_force(samples, object, path[tick], stiffness);
-    if (force.norm() > 0) judged.push_back({tick, force});
+    const Wrench wrench = exact_wrench(samples, object, path[tick], stiffness);
+    if (wrench.force.norm() > 0) judged.push_back({tick, wrench});
   }
   report.judged = judged.size();
   return judged;
@@ -207,6 +250,8 @@ SixdofReport measure_sixdof(const SixdofPlan& plan, const BenchProgress& progres
                       samples_of_count(object.view(), path_samples), path_plan);
   report.ticks = path.size();
   told("exact forces", 0.35);
+  const std::vector<Isometry3d> deep =
+      pressed_in(path, samples_of_count(tool.view(), path_samples), object.view(), deep_share);
   Runner runner(path, references(plan, path, tool, object, report), report);
   for (const std::uint64_t count : plan.samples) {
     told(fmt::format("{} samples", count), 0.6);
@@ -214,6 +259,16 @@ SixdofReport measure_sixdof(const SixdofPlan& plan, const BenchProgress& progres
     runner.run_spm(samples, object.view(), 0, true);
     runner.run_spm(samples, object.view(), count <= small_samples ? small_limit : large_limit,
                    true);
+    for (const Method method : {Method::spm, Method::proxy}) {
+      const double limit =
+          1e-9 * static_cast<double>(count <= small_samples ? small_limit : large_limit);
+      const std::string name = method == Method::spm ? "served-spm" : "served-proxy";
+      for (const double most : {0.0, limit}) {
+        ServedTool served(tool, object, samples.levels.back().spacing, method, stiffness, most);
+        runner.run_served(served, name, most);
+        if (most == 0) runner.run_served(served, name, most, &deep);
+      }
+    }
     if (count <= small_samples) runner.run_spm(samples, object.view(), 0, false);
     if (count < samples_without_culling) {
       runner.run_peer(*make_every_sample(samples, object.view(), stiffness), plan.peer_ticks);

@@ -31,20 +31,24 @@ struct TickQuantiles {
 
 /// A method with one setting, along the path.
 struct SixdofRow {
-  std::string method;
+  std::string path = "slide";  ///< or "deep": a third of the tool's samples touch
+  std::string method;          ///< `served-...`: the servo's SceneForce
   std::string settings;
   std::uint64_t samples = 0;  ///< number on the tool; 0 for meshes
   /// Wall-clock time per tick, s. `p50` and `p99` are medians over the passes along the path; `max`
   /// and `mean` are over all passes.
   double p50 = 0, p99 = 0, max = 0, mean = 0;
-  double busy_p99 = 0;  ///< CPU time per tick, s; the median over the passes, as above
-  double tested = 0;    ///< samples whose distance was read, mean per tick
-  double asked = 0;     ///< queries of the baked field, mean per tick
-  double contacts = 0;  ///< mean per tick
-  double level = 0;     ///< mean sample level that was reached; 1 is the finest
-  double degraded = 0;  ///< share of the ticks that ended before the finest level
+  std::uint64_t bytes = 0;  ///< that answers come from beside the object's file; 0: not known
+  double busy_p99 = 0;      ///< CPU time per tick, s; the median over the passes, as above
+  double tested = 0;        ///< samples whose distance was read, mean per tick
+  double asked = 0;         ///< queries of the baked field, mean per tick
+  double contacts = 0;      ///< mean per tick
+  double level = 0;         ///< mean sample level that was reached; 1 is the finest
+  double degraded = 0;      ///< share of the ticks that ended before the finest level
   /// Relative to the size of the reference force; none if the method uses another force law.
   std::optional<TickQuantiles> force_error;
+  /// The same of the torque about the tool's origin.
+  std::optional<TickQuantiles> torque_error;
   TickQuantiles direction_error;  ///< rad
 };
 

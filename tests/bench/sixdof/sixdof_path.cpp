@@ -43,9 +43,9 @@ class Stroke {
         contact_(tool, ObjectContactSettings{}) {
     const std::uint32_t on_tool = draw(tool), on_object = draw(places);
     at_ = to_vector(places.places[on_object].position);
-    normal_ = to_vector(places.shares[on_object].normal);
+    normal_ = places.shares[on_object].normal();
     own_place_ = to_vector(tool.places[on_tool].position);
-    own_normal_ = to_vector(tool.shares[on_tool].normal);
+    own_normal_ = tool.shares[on_tool].normal();
     along_ = normal_.cross(direction_of(unit(), unit())).normalized();
     angle_ = 2 * std::numbers::pi * unit();
     // Start well above the object, so that no other part of the tool is inside.
@@ -139,6 +139,41 @@ std::vector<Isometry3d> press_and_slide(const SurfaceSamples& samples, const Ass
     }
   }
   return poses;
+}
+
+std::vector<Isometry3d> pressed_in(const std::vector<Isometry3d>& path,
+                                   const SurfaceSamples& samples, const AssetView& object,
+                                   double share) {
+  ObjectContact contact(samples, ObjectContactSettings{});
+  const std::array objects{ContactObject{&object, Isometry3d::Identity()}};
+  // The way in, followed slowly.
+  std::vector<Vector3> ways;
+  Vector3 way = Vector3::Zero();
+  for (const Isometry3d& pose : path) {
+    const Vector3 force = contact.tick(pose, objects).sum.forces().force;
+    if (force.norm() > 0) way = (way + follow_share * force.normalized()).normalized();
+    ways.push_back(way);
+  }
+  const double all = static_cast<double>(samples.levels.back().count);
+  const auto touching = [&](double depth) {
+    constexpr std::size_t looked_at = 40;
+    double sum = 0;
+    for (std::size_t k = 0; k < looked_at; ++k) {
+      const std::size_t tick = (k + 1) * (path.size() - 1) / looked_at;
+      Isometry3d pose = path[tick];
+      pose.pretranslate(-depth * ways[tick]);
+      sum += static_cast<double>(contact.tick(pose, objects).sum.contacts) / all;
+    }
+    return sum / looked_at;
+  };
+  double low = 0, high = samples.radius;
+  for (int k = 0; k < 20; ++k) {
+    const double middle = (low + high) / 2;
+    (touching(middle) < share ? low : high) = middle;
+  }
+  std::vector<Isometry3d> made = path;
+  for (std::size_t i = 0; i < path.size(); ++i) made[i].pretranslate(-high * ways[i]);
+  return made;
 }
 
 }  // namespace spm::bench

@@ -27,4 +27,10 @@ struct PathPlan {
                                                              const SurfaceSamples& object_samples,
                                                              const PathPlan& plan);
 
+/// The same path, moved into the object so that about `share` of the tool's samples touch it in
+/// the mean: a deep, wide contact.
+[[nodiscard]] std::vector<Eigen::Isometry3d> pressed_in(const std::vector<Eigen::Isometry3d>& path,
+                                                        const SurfaceSamples& samples,
+                                                        const AssetView& object, double share);
+
 }  // namespace spm::bench

@@ -22,6 +22,7 @@ Json quantiles_json(const TickQuantiles& values, double unit) {
 
 Json row_json(const SixdofRow& row) {
   Json json;
+  json["path"] = row.path;
   json["method"] = row.method;
   json["settings"] = row.settings;
   json["samples"] = row.samples > 0 ? Json(row.samples) : Json();
@@ -36,6 +37,8 @@ Json row_json(const SixdofRow& row) {
   json["level"] = row.level;
   json["degraded"] = row.degraded;
   json["force_error_percent"] = row.force_error ? quantiles_json(*row.force_error, 100) : Json();
+  json["torque_error_percent"] = row.torque_error ? quantiles_json(*row.torque_error, 100) : Json();
+  json["bytes"] = row.bytes > 0 ? Json(row.bytes) : Json();
   json["direction_error_deg"] = quantiles_json(row.direction_error, degrees);
   return json;
 }
@@ -102,24 +105,26 @@ std::string to_text(const SixdofReport& report) {
                  "samples and the exact surface\n",
                  report.tool, report.tool_triangles, report.object, report.object_triangles,
                  report.ticks, report.judged, report.reference_samples);
-  fmt::format_to(out, "  {:<13} {:<25} {:>31}  {:>8} {:>8} {:>8} {:>6}  {:>13}  {:>11}\n", "method",
-                 "settings", "us a tick: p50    p99 busy p99   mean", "tested", "asked", "contacts",
-                 "degr %", "force %: p50 p95", "deg: 50   95");
+  fmt::format_to(
+      out, "  {:<5} {:<13} {:<25} {:>31}  {:>8} {:>8} {:>8} {:>6}  {:>13}  {:>14} {:>11} {:>8}\n",
+      "path", "method", "settings", "us a tick: p50    p99 busy p99   mean", "tested", "asked",
+      "contacts", "degr %", "force %: p50 p95", "torque: 50 95", "deg: 50   95", "kB");
   for (const SixdofRow& row : report.rows) {
     fmt::format_to(
         out,
-        "  {:<13} {:<25} {:>12.1f} {:>8.1f} {:>7.0f} {:>6.1f}  {:>8.1f} {:>8.1f} {:>8.1f} "
+        "  {:<5} {:<13} {:<25} {:>12.1f} {:>8.1f} {:>7.0f} {:>6.1f}  {:>8.1f} {:>8.1f} {:>8.1f} "
         "{:>6.2f}  ",
-        row.method, row.settings, row.p50 * micro, row.p99 * micro, row.busy_p99 * micro,
+        row.path, row.method, row.settings, row.p50 * micro, row.p99 * micro, row.busy_p99 * micro,
         row.mean * micro, row.tested, row.asked, row.contacts, 100 * row.degraded);
-    if (row.force_error) {
-      fmt::format_to(out, "{:>8.2f} {:>6.2f}", 100 * row.force_error->median,
-                     100 * row.force_error->p95);
-    } else {
-      fmt::format_to(out, "{:>8} {:>6}", "-", "-");
+    for (const auto& error : {row.force_error, row.torque_error}) {
+      if (error) {
+        fmt::format_to(out, "{:>8.2f} {:>6.2f}", 100 * error->median, 100 * error->p95);
+      } else {
+        fmt::format_to(out, "{:>8} {:>6}", "-", "-");
+      }
     }
-    fmt::format_to(out, "  {:>6.2f} {:>5.1f}\n", row.direction_error.median * degrees,
-                   row.direction_error.p95 * degrees);
+    fmt::format_to(out, "  {:>6.2f} {:>5.1f} {:>8}\n", row.direction_error.median * degrees,
+                   row.direction_error.p95 * degrees, row.bytes / 1000);
   }
   append_culling(report, text);
   return text;

@@ -54,6 +54,15 @@ TEST_CASE("Every quantity has its own units") {
   CHECK(parse_quantity("100/m", Quantity::per_length).value() == 100.0);
   CHECK(parse_quantity("0.1/mm", Quantity::per_length).value() == 100.0);
   CHECK(parse_quantity("150g", Quantity::mass).value() == 0.15);
+  CHECK(parse_quantity("100mNm", Quantity::torque).value() == 0.1);
+  CHECK(parse_quantity("0.1N m", Quantity::torque).value() == 0.1);
+  CHECK(parse_quantity("0.5Nm", Quantity::torque).value() == 0.5);
+  CHECK(parse_quantity("500 mN m/rad", Quantity::turning_stiffness).value() == 0.5);
+  CHECK(parse_quantity("2Nm/rad", Quantity::turning_stiffness).value() == 2.0);
+  CHECK(parse_quantity("400us", Quantity::duration).value() == 400e-6);
+  CHECK(parse_quantity("1ms", Quantity::duration).value() == 1e-3);
+  CHECK(format_quantity(0.1, Quantity::torque) == "100 mN m");
+  CHECK_FALSE(parse_quantity("1N/mm", Quantity::torque));
   CHECK_FALSE(parse_quantity("1N/mm", Quantity::length));
   CHECK_FALSE(parse_quantity("1mm", Quantity::force));
 }

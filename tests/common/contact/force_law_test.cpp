@@ -3,6 +3,7 @@
 
 #include <catch2/catch.hpp>
 #include <limits>
+#include <numbers>
 
 #include "tests/support/asset_by_hand.hpp"
 
@@ -33,6 +34,44 @@ TEST_CASE("A sphere touches before its centre does") {
   CHECK(touching.contact);
   CHECK(touching.depth == Approx(0.0006));
   CHECK_FALSE(contact_force(box.view, settings, {0, 0, 0.0311}).contact);
+}
+
+TEST_CASE("A ball by the paper has the mean of its depths, over its surface or its volume") {
+  const BoxByHand box(size);
+  ForceSettings settings{Method::paper, PaperRule::closest_plane, 800, 0.003};
+  // Half of the ball is in the box.
+  const ContactForce skin = contact_force(box.view, settings, {0.001, 0.002, 0.03});
+  CHECK(skin.contact);
+  CHECK(skin.depth == Approx(2 * 0.003 / 3).epsilon(0.01));
+  CHECK((skin.normal - Vector3::UnitZ()).norm() < 1e-6);
+  CHECK((skin.force - 800 * skin.depth * skin.normal).norm() < 1e-12);
+  CHECK((skin.force -
+         paper_probe_force(box.view, SphereProbe({0.001, 0.002, 0.03}, 0.003), 800).force)
+            .norm() < 1e-12);
+  settings.form = PaperProbeForm::volume;
+  const ContactForce body = contact_force(box.view, settings, {0.001, 0.002, 0.03});
+  CHECK(body.depth == Approx(3 * 0.003 / 8).epsilon(0.01));
+  CHECK_FALSE(contact_force(box.view, settings, {0, 0, 0.0331}).contact);
+  settings.stiffness = 0;
+  const ContactForce soft = contact_force(box.view, settings, {0.001, 0.002, 0.03});
+  CHECK(soft.contact);
+  CHECK(soft.depth == body.depth);
+  CHECK(soft.force.isZero());
+}
+
+TEST_CASE("A capsule by the paper reaches as far as it is long, along its axis") {
+  const BoxByHand box(size);
+  ForceSettings settings{Method::paper, PaperRule::closest_plane, 1000, 0.001};
+  settings.take_probe({ProbeKind::capsule, 0.001, 0.008});
+  CHECK(contact_force(box.view, settings, {0, 0, 0.0349}).contact);
+  CHECK_FALSE(contact_force(box.view, settings, {0, 0, 0.0351}).contact);
+  settings.probe_axis = Vector3::UnitX();
+  CHECK_FALSE(contact_force(box.view, settings, {0, 0, 0.0311}).contact);
+  // Half a cylinder with two half balls: pi r / 4 over the strip, 2 r / 3 over the discs.
+  const double strip = 0.008 * 0.002, discs = std::numbers::pi * 1e-6;
+  const double mean = (strip * std::numbers::pi * 1e-3 / 4 + discs * 2e-3 / 3) / (strip + discs);
+  // Some 15 places lie across it.
+  CHECK(contact_force(box.view, settings, {0, 0, 0.03}).depth == Approx(mean).epsilon(0.03));
 }
 
 TEST_CASE("Deeper than the band the force saturates and never drops") {

@@ -40,8 +40,8 @@ TEST_CASE("A line enters and leaves a capsule on its surface, or misses what it 
     CHECK(to_line(origin + span.near * direction, from, to) == Approx(0.5).margin(1e-7));
     CHECK(to_line(origin + span.far * direction, from, to) == Approx(0.5).margin(1e-7));
     CHECK(to_line(origin + (span.near + span.far) / 2 * direction, from, to) <= 0.5 + 1e-9);
-    CHECK((capsule.centre() - origin - span.far * direction).norm() <=
-          capsule.bounding_radius() + 1e-9);
+    CHECK(to_line(origin + span.far * direction, capsule.centre() - capsule.half_axis(),
+                  capsule.centre() + capsule.half_axis()) <= capsule.bounding_radius() + 1e-9);
   }
   CHECK(hits > 500);
 }

@@ -3,9 +3,11 @@
 
 #include <catch2/catch.hpp>
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <numbers>
 
+#include "common/paper/probe_footprint.hpp"
 #include "common/surface/support_plane_mapping.hpp"
 #include "tests/support/asset_by_hand.hpp"
 
@@ -22,11 +24,14 @@ constexpr double radius = 0.01;
 /// surface is not the plane itself.
 class Ground {
  public:
-  explicit Ground(double slope = 0) {
+  explicit Ground(double slope = 0)
+      : Ground([=](double x, double /*y*/) { return 0.01 + slope * x; }) {}
+  /// What lies under the plane by a distance over x and y.
+  explicit Ground(const std::function<double(double, double)>& distance) {
     SupportPlane plane = plane_with_normal({0, 0, 0.01}, Vector3::UnitZ());
     plane.x0 += -0.03 * plane.u - 0.03 * plane.v;
-    made_ = map_by_hand(0, 241, 241, 1, 0, 0, 2.5e-4, [=](std::uint32_t, double eta, double) {
-      return 0.01 + slope * (eta - 0.03);
+    made_ = map_by_hand(0, 241, 241, 1, 0, 0, 2.5e-4, [&](std::uint32_t, double eta, double omega) {
+      return distance(eta - 0.03, omega - 0.03);
     });
     planes_ = {plane};
     made_.map.samples = made_.samples.data();
@@ -64,8 +69,7 @@ TEST_CASE("A sphere half in the ground feels the mean depth of its lower side (e
   // At the rim both sides are at the surface, but for rounding.
   CHECK(found.far.z() == Approx(found.force.z()).epsilon(0.005));
   CHECK(found.near_count < found.far_count / 200);
-  CHECK(found.far_count ==
-        Approx(std::numbers::pi * radius * radius / (2.5e-4 * 2.5e-4)).epsilon(0.02));
+  CHECK(found.far_count == Approx(most_probe_samples).epsilon(0.02));
   CHECK(std::hypot(found.force.x(), found.force.y()) < 1e-9);
 }
 
@@ -99,12 +103,87 @@ TEST_CASE("A capsule that lies half in the ground feels a cylinder's mean depth"
         Approx(stiffness * mean).epsilon(0.02));
 }
 
+TEST_CASE("The means are over the map's own samples where these are neither too many nor too few") {
+  const Ground ground;
+  const PaperProbeForce found =
+      paper_probe_force(ground.view, SphereProbe({0, 0, 0}, 0.0035), stiffness);
+  CHECK(found.far_count ==
+        Approx(std::numbers::pi * 0.0035 * 0.0035 / (2.5e-4 * 2.5e-4)).epsilon(0.02));
+}
+
+TEST_CASE("On a ball-shaped object a ball feels the integrals over the exact surfaces") {
+  constexpr double large = 0.02, small = 0.004;
+  const Ground ground([](double x, double y) {
+    const double square = large * large - x * x - y * y;
+    return square > 0 ? 0.01 + large - std::sqrt(square) : std::numeric_limits<double>::infinity();
+  });
+  // As deep as the ball's radius, less, and only its lower side; beside the middle, so that the
+  // normals do not cancel.
+  for (const double depth : {0.0045, 0.002, -0.001}) {
+    const Vector3 centre(0.003, -0.002, -depth);
+    Vector3 skin = Vector3::Zero(), body = Vector3::Zero();
+    double count = 0, length = 0;
+    constexpr int fine = 1500;
+    for (int i = 0; i < fine; ++i) {
+      for (int j = 0; j < fine; ++j) {
+        const double x = ((i + 0.5) * 2 / fine - 1) * small, y = ((j + 0.5) * 2 / fine - 1) * small;
+        const double square = small * small - x * x - y * y;
+        if (square < 0) continue;
+        const Vector3 over = centre + Vector3(x, y, 0);
+        const double half = std::sqrt(square);
+        const double top = std::sqrt(large * large - over.x() * over.x() - over.y() * over.y());
+        const Vector3 normal = Vector3(over.x(), over.y(), top) / large;
+        const double middle = top - large - over.z();
+        const double far = middle + half, near = middle - half;
+        skin += (std::max(far, 0.0) + std::max(near, 0.0)) * normal;
+        count += (far > 0 ? 1 : 0) + (near > 0 ? 1 : 0);
+        const double from = std::max(near, 0.0), to = std::max(far, 0.0);
+        body += (to * to - from * from) / 2 * normal;
+        length += to - from;
+      }
+    }
+    const SphereProbe probe(centre, small);
+    const Vector3 wanted = stiffness * skin / count;
+    // Slopes are differences between samples, whose middle is half a sample beside the place.
+    CHECK((paper_probe_force(ground.view, probe, stiffness).force - wanted).norm() <
+          0.02 * wanted.norm());
+    const Vector3 wanted_body = stiffness * body / length;
+    CHECK((paper_probe_volume_force(ground.view, probe, stiffness) - wanted_body).norm() <
+          0.02 * wanted_body.norm());
+  }
+}
+
 TEST_CASE("On a slope the force is along the surface's normal, not the plane's") {
   const Ground ground(0.5);
   const Vector3 force =
       paper_probe_force(ground.view, SphereProbe({0, 0, -0.002}, 0.004), stiffness).force;
   const Vector3 normal = surface_normal(ground.plane(), 0.5, 0).normalized();
   CHECK(force.normalized().dot(normal) == Approx(1));
+}
+
+TEST_CASE("A ball far smaller than a map's samples feels what it would on any map") {
+  const Ground ground;  // samples every 0.25 mm
+  for (const double small : {1e-6, 2e-5, 1e-4, 2e-4}) {
+    for (const double at : {0.0, 1.1e-4, 1.25e-4}) {
+      const SphereProbe probe({at, -at, 0}, small);
+      INFO(small << " at " << at);
+      // The mean over some 256 places is off by a per cent or two.
+      CHECK(paper_probe_force(ground.view, probe, stiffness).force.z() ==
+            Approx(stiffness * 2 * small / 3).epsilon(0.02));
+      CHECK(paper_probe_volume_force(ground.view, probe, stiffness).z() ==
+            Approx(stiffness * 3 * small / 8).epsilon(0.02));
+    }
+  }
+}
+
+TEST_CASE("A ball that covers more samples than a tick has time for feels the same to 1 %") {
+  const Ground ground;  // 241 x 241 samples
+  for (const double at : {0.0, 1.1e-4, 7e-4}) {
+    const SphereProbe probe({at, -at, 0}, 0.028);
+    const PaperProbeForce found = paper_probe_force(ground.view, probe, stiffness);
+    CHECK(found.far_count < 1.1 * most_probe_samples);
+    CHECK(found.force.z() == Approx(stiffness * 2 * 0.028 / 3).epsilon(0.01));
+  }
 }
 
 TEST_CASE("Over the ground, beside the map or nowhere a probe feels nothing") {

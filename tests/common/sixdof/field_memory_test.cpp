@@ -5,15 +5,17 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
+#include "common/sixdof/sample_vectors.hpp"
+
 namespace spm::field_memory_test {
 namespace {
 
 /// The field reading of a ball of this radius about the origin.
 FieldReading of_ball(double radius, const Vector3& place) {
   FieldReading reading;
-  reading.place = place;
-  reading.distance = place.norm() - radius;
-  reading.normal = place.normalized();
+  reading.place = floats_of(place);
+  reading.distance = static_cast<float>(place.norm() - radius);
+  reading.normal = floats_of(place.normalized());
   reading.validity_radius = 0;
   return reading;
 }
@@ -58,7 +60,7 @@ TEST_CASE("A bound has no plane, and without a reach nothing is kept") {
   FieldMemory memory({1e-4, 1e-5, 16});
   FieldReading bound;
   bound.validity_radius = 0;
-  bound.distance = 0.01;
+  bound.distance = 0.01F;
   memory.learn(5, bound);
   CHECK(memory.recall(5).known());
   CHECK_FALSE(memory.recall(5).stands_for(Vector3::Zero()));

@@ -131,9 +131,10 @@ TEST_CASE("Culling and memory of the last tick change no force: objects and tool
       const ObjectContactReport report = contact.tick(pose, objects);
       const ContactSum wanted = every_sample(tool, pose, objects);
       REQUIRE(report.sum.contacts == wanted.contacts);
-      REQUIRE((report.sum.wrench - wanted.wrench).norm() <= 1e-9 * wanted.wrench.norm());
+      // Readings are kept in floats.
+      REQUIRE((report.sum.wrench - wanted.wrench).norm() <= 1e-4 * wanted.wrench.norm() + 1e-6);
       REQUIRE((report.sum.stiffness - Matrix6(wanted.stiffness.selfadjointView<Eigen::Lower>()))
-                  .norm() <= 1e-9 * wanted.stiffness.norm());
+                  .norm() <= 1e-4 * wanted.stiffness.norm());
       contacts += wanted.contacts;
     }
     CHECK(contacts > 1000);

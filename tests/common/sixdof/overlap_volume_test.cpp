@@ -66,7 +66,8 @@ TEST_CASE("A cube within another is wholly shared and pushed nowhere") {
     CHECK(overlap.volume == Approx(std::pow(small_size, 3)).epsilon(1e-4));
     CHECK((overlap.centre - (turned ? Vector3::Zero() : Vector3(0.001, -0.002, -0.003))).norm() <
           1e-5);
-    CHECK(overlap.push.norm() < 1e-6 * small_size * small_size);
+    // Normals are kept in 30 bits.
+    CHECK(overlap.push.norm() < 3e-4 * small_size * small_size);
   }
 }
 

@@ -31,7 +31,7 @@ TEST_CASE("Samples of a baked ball have its area, and lie on it with its normals
     for (std::uint32_t i = finest.first; i < finest.first + finest.count; ++i) {
       const Vector3 position = to_vector(samples.places[i].position);
       REQUIRE(std::abs(position.norm() - radius) < 2 * tolerance + 20e-6);  // facets: 15 um
-      REQUIRE(to_vector(samples.shares[i].normal).dot(position) > 0.98 * radius);
+      REQUIRE(samples.shares[i].normal().dot(position) > 0.98 * radius);
     }
   }
 }

@@ -5,6 +5,10 @@ WoodenHaptics steps into a box and out of it, and notes when it sent the first r
 when the first command came whose currents agree with it. The recording tells how the time between
 was spent. A program without a loop that answers each report at once (ping_hid) tells what the
 emulation and hidapi take of it.
+
+A second table is of every kind of device: what the daemon itself measured of each report, from its
+coming to the command's leaving (report_to_command of its report), and from the coming to the loop
+(report_age). Each is driven over its emulation, `external` by its example process.
 """
 
 import argparse
@@ -13,8 +17,10 @@ import os
 import subprocess
 import sys
 import time
+from collections.abc import Iterator
+from contextlib import contextmanager
 
-from soak_tools import (HOME, PATIENCE, Daemon, Folder, Row, TickClock, add_common_options,
+from soak_tools import (HOME, PATIENCE, Daemon, Folder, Row, Table, TickClock, add_common_options,
                         baked_box, below, cores_of, percentile, program, read_recording, show,
                         start_of_grid, write_scene)
 
@@ -25,6 +31,9 @@ SETTLED = 0.5  # s, after which the force is no longer faded in
 # A positive count of the third encoder brings the tool down, into the box, in every protocol.
 OPTIONS = "home_confirmed=always,signs=---,motor_signs=+++"
 TICKS_SEARCHED = 20  # in which a step must show
+EXTERNAL = "latency"  # its name
+NO_COMMAND = {"spacemouse": "no command leaves: it moves the tool, and gives no force",
+              "sim": "no command leaves: the plant is computed in the tick"}
 
 
 def mock(device: str, seen: str, *faults: str) -> list[str]:
@@ -94,6 +103,62 @@ STAGES = (("from the report to the tick that felt it: emulation, hidapi, receivi
           ("all: from a report to the force that answers it", "total"))
 
 
+@contextmanager
+def beside(name: str, folder: str, seconds: float) -> Iterator[None]:
+    """What drives a device beside the daemon: the process of `external`."""
+    if name != "external":
+        yield
+        return
+    process = subprocess.Popen([program("external_example"), EXTERNAL, str(seconds + 1),
+                                *map(str, HOME)], env={**os.environ, "XDG_RUNTIME_DIR": folder},
+                               stdout=subprocess.DEVNULL)
+    try:
+        yield
+    finally:
+        process.kill()
+        process.wait()
+
+
+def devices(folder: str) -> dict[str, tuple[list[str], str]]:
+    """Of each kind the command of its emulation, and the daemon's option."""
+    hid = program("mock_hid")
+    report = f"report={os.path.join(folder, 'device.json')}"
+    return {"falcon": ([program("mock_usb_falcon"), "--mode", "running"], "falcon"),
+            **{f"woodenhaptics V{number}": ([hid, f"wooden-v{number}", report],
+                                            "woodenhaptics:home_confirmed=always")
+               for number in (1, 2, 3)},
+            "pid": ([hid, "pid", report], "pid:full_force=4N"),
+            "external": ([], f"external:name={EXTERNAL}"),
+            "spacemouse": ([hid, "spacemouse", report], "spacemouse"),
+            "sim": ([], "sim")}
+
+
+def run_device(name: str, seconds: float, rate: float, cores: set[int] | None) -> dict:
+    """What the daemon measured of a device, us; nothing of what the device has not."""
+    asset, half_height = baked_box()
+    with Folder() as folder:
+        mocked, option = devices(folder)[name]
+        middle = HOME if name.startswith(("woodenhaptics", "external")) else (0.0, 0.0, 0.0)
+        scene = write_scene(os.path.join(folder, "scene.toml"), asset, [below(middle, half_height)],
+                            STIFFNESS)
+        daemon = Daemon(folder, "--scene", scene, "--device", option, "--rate", str(rate),
+                        mock=mocked, cores=cores)
+        with beside(name, folder, seconds):
+            time.sleep(seconds)
+            report = daemon.stop()
+    found = report["devices"][0]
+    return {"device": name, "rate_hz": rate, "ticks": report["ticks"], "missed": report["missed"],
+            "latency_us": found.get("latency_us", {}), "no_command": NO_COMMAND.get(name, "")}
+
+
+def row_of(found: dict) -> list:
+    latency = found["latency_us"]
+    age = latency.get("report_age", {})
+    whole = {} if found["no_command"] else latency["report_to_command"]
+    return [found["device"], *(whole.get(key, "") for key in ("p50", "p99", "max")),
+            *(age.get(key, "") for key in ("p50", "p99")), found["missed"], found["no_command"]]
+
+
 def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--seconds", type=float, default=20)
@@ -123,9 +188,17 @@ def main() -> int:
         rows += [[device, "without a loop: emulation and hidapi both ways", baseline["p50"],
                   baseline["p99"]],
                  [device, f"its share of all, % ({len(spent)} steps)", 100 * share, ""]]
+    measured = [run_device(name, arguments.seconds, arguments.rate, cores_of(arguments.cores))
+                for name in devices("")]
     show(arguments.out, f"From a report to the force that answers it, {arguments.rate:g} Hz",
-         ["device", "what", "p50, us", "p99, us"], rows, {"devices": found})
-    return 0 if all(result["steps"] > 0 for result in found) else 1
+         ["device", "what", "p50, us", "p99, us"], rows, {"devices": found, "all": measured},
+         Table("What the daemon measured of every kind of device, from a report's coming to the "
+               "command's leaving:",
+               ["device", "p50, us", "p99, us", "max, us", "of it until the loop: p50, us",
+                "p99, us", "missed ticks", ""], [row_of(result) for result in measured]))
+    answered = all(result["no_command"] or result["latency_us"]["report_to_command"]["p50"] > 0
+                   for result in measured)
+    return 0 if answered and all(result["steps"] > 0 for result in found) else 1
 
 
 if __name__ == "__main__":

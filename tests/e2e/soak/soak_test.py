@@ -1,16 +1,19 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""The short form of replug.py and applications.py. No time decides a test, only what happened."""
+"""The short form of replug.py, applications.py and away.py. No time decides a test, only what happened."""
 
+import os
 import sys
 import unittest
 
 import applications
+import away
 import hostile
 import replug
 from soak_tools import Folder
 
-CYCLES, ROUNDS = 5, 20
+CYCLES, ROUNDS, TIMES = 5, 20, 3
+SESSIONS = 3
 
 
 class Replug(unittest.TestCase):
@@ -54,6 +57,43 @@ class Applications(unittest.TestCase):
         for kind in hostile.KINDS:
             self.assertGreater(done[kind], 0)
         self.assertLess(max(failures), report["ticks"])
+
+
+class Away(unittest.TestCase):
+    """Each asks that the force went off while the daemon was away, not when."""
+
+    def check(self, kind: str) -> None:
+        if reason := away.why_not(kind):
+            self.skipTest(reason)
+        core = max(os.sched_getaffinity(0))
+        heard = []
+        for _ in range(SESSIONS):
+            events, seen, _ = away.run_session(kind, TIMES, core=core)
+            self.assertEqual(len(events), TIMES)
+            self.assertEqual(seen["last_mA"], [0, 0, 0])
+            self.assertEqual(seen["wrong_commands"], 0)
+            # What the emulation did not hear tells nothing.
+            heard += [event for event in events if away.counts(event)]
+            if heard:
+                break
+        self.assertTrue(heard, "the emulation heard nothing of any event")
+        for event in heard:
+            self.assertLess(event["off_ms"], away.AWAY * 1e3, events)
+
+    def test_a_stopped_daemon_s_force_goes_off_while_it_is_stopped(self) -> None:
+        self.check("stopped")
+
+    def test_a_frozen_daemon_s_force_goes_off_while_it_is_frozen(self) -> None:
+        self.check("frozen")
+
+    def test_a_killed_daemon_s_force_goes_off(self) -> None:
+        self.check("killed")
+
+    def test_force_goes_off_while_a_process_of_the_highest_priority_has_the_loop_s_core(self) -> None:
+        self.check("starved")
+
+    def test_force_goes_off_while_the_loop_spins_on_the_core_of_its_guards(self) -> None:
+        self.check("spinning")
 
 
 if __name__ == "__main__":

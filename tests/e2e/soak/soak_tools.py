@@ -10,7 +10,6 @@ import math
 import os
 import shutil
 import signal
-import struct
 import subprocess
 import sys
 import tempfile
@@ -19,12 +18,14 @@ from typing import NamedTuple
 
 HERE = os.path.dirname(os.path.abspath(__file__))
 SOURCE = os.path.abspath(os.path.join(HERE, os.pardir, os.pardir, os.pardir))
-sys.path[:0] = [os.path.join(HERE, os.pardir), os.path.join(SOURCE, "servo", "client", "python")]
+sys.path[:0] = [os.path.join(HERE, os.pardir), os.path.join(SOURCE, "servo", "client", "python"),
+                os.path.join(SOURCE, "scripts", "charts")]
 
 from programs import BAKE, BIN, SERVO, generate  # noqa: E402
 
 os.environ.setdefault("SPM_CLIENT_LIBRARY", os.path.join(BIN, os.pardir, "lib", "libspm_client.so"))
 
+import recording_file  # noqa: E402
 import spm_client_library  # noqa: E402
 from spm_client import Client, ClientError, Code, DaemonState  # noqa: E402
 
@@ -193,29 +194,12 @@ class Row(NamedTuple):
 
 
 def read_recording(path: str) -> tuple[float, list[Row]]:
-    """Rate in Hz and the rows of the first device; the layout is that of formats/motion/recording.hpp."""
-    layout = struct.Struct("<Q13d2iIH2B4H")
-    with open(path, "rb") as file:
-        content = file.read()
-    if content[:8] != b"SPM-REC1":
-        raise RuntimeError(f"{path}: is no recording")
-    size = int.from_bytes(content[8:12], "little")
-    header = json.loads(content[16:16 + size])
-    assert header["row_bytes"] == layout.size
-    causes = header["causes"]
-    rows = []
-    at = 16 + size
-    while at < len(content) - 16:
-        kind, part = struct.unpack_from("<2I", content, at)
-        at += 8 + part
-        if kind != 1:
-            continue
-        row = layout.unpack_from(content, at - part)
-        tick, fx, fy, fz, wake, busy, _, device, cause, flags = row[0], *row[10:13], *row[14:20]
-        if device == 0:
-            rows.append(Row(tick, math.sqrt(fx * fx + fy * fy + fz * fz), wake, busy,
-                            causes[cause], bool(flags & 1), bool(flags & 4)))
-    return header["rate_hz"], rows
+    """Rate in Hz and the rows of the first device."""
+    recording = recording_file.read_recording(path)
+    return recording.rate_hz, [
+        Row(row.tick, math.hypot(*row.sent), row.wake_ns, row.busy_ns, recording.causes[row.cause],
+            bool(row.flags & recording_file.CONTACT), bool(row.flags & recording_file.LOST))
+        for row in recording.rows()]
 
 
 def missed(rows: list[Row]) -> tuple[int, int]:
@@ -281,11 +265,24 @@ def add_common_options(parser) -> None:
     parser.add_argument("--out", metavar="PREFIX", help="writes PREFIX.json and PREFIX.md")
 
 
-def show(prefix: str | None, title: str, columns: list[str], rows: list[list], data: dict) -> None:
-    """Prints a table, and writes it and all the data to files where they are named."""
-    lines = [f"### {title}", "", "| " + " | ".join(columns) + " |",
-             "|" + "---|" * len(columns)]
-    lines += ["| " + " | ".join(_cell(value) for value in row) + " |" for row in rows]
+class Table(NamedTuple):
+    """A further table below that of a program, and the sentence above it."""
+    sentence: str
+    columns: list[str]
+    rows: list[list]
+
+
+def _lines(columns: list[str], rows: list[list]) -> list[str]:
+    return ["| " + " | ".join(columns) + " |", "|" + "---|" * len(columns),
+            *("| " + " | ".join(_cell(value) for value in row) + " |" for row in rows)]
+
+
+def show(prefix: str | None, title: str, columns: list[str], rows: list[list], data: dict,
+         *more: Table) -> None:
+    """Prints tables, and writes them and all the data to files where they are named."""
+    lines = [f"### {title}", "", *_lines(columns, rows)]
+    for table in more:
+        lines += ["", table.sentence, "", *_lines(table.columns, table.rows)]
     text = "\n".join(lines) + "\n"
     print(text, flush=True)
     if prefix:

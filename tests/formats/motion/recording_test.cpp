@@ -25,9 +25,10 @@ RecordingHeader header_of_two() {
   header.instruction_set = "AVX2";
   header.rate_hz = 2000;
   header.devices.resize(2);
-  header.devices[0] = {"falcon", 6.4e-5, 3000, 8, "falcon"};
+  header.devices[0] = {"falcon", 6.4e-5, 3000, 8, "falcon", true, 0.3, 1e-3, 2e-4};
   header.devices[1].name = "sim";
   header.devices[1].encoder_step = 2e-5;
+  header.devices[1].turning_inertia = 3e-4;  // of a device that tells no turns, too
   header.causes = {"none", "starting"};
   header.assets = {{"/a/teeth.spm.exr", "abc"}, {"/a/b \xFF.spm.exr", "def"}};
   header.scene = R"({"objects":[]})";
@@ -39,13 +40,19 @@ RecordingRow row_of(std::uint64_t tick, std::mt19937_64& random) {
   std::uniform_real_distribution<double> number(-1, 1);
   RecordingRow row;
   row.tick = tick;
-  for (auto* vector : {&row.position, &row.wanted, &row.added, &row.sent}) {
+  for (auto* vector : {&row.position, &row.wanted, &row.wanted_torque, &row.added,
+                       &row.added_torque, &row.sent, &row.sent_torque, &row.tool_position}) {
     for (double& value : *vector) value = number(random);
   }
+  for (auto* quaternion : {&row.orientation, &row.tool_orientation}) {
+    for (double& value : *quaternion) value = number(random);
+  }
+  row.level = static_cast<std::uint32_t>(tick % 5);
+  row.patches = static_cast<std::uint16_t>(tick % 17);
   row.depth = number(random);
   row.device = static_cast<std::uint16_t>(tick % 2);
-  row.cause = static_cast<std::uint8_t>(tick % 3 == 0);
-  row.flags = recorded_contact;
+  row.cause = static_cast<std::uint16_t>(tick % 3 == 0);
+  row.flags = recorded_contact | recorded_torque_capped | recorded_tool;
   return row;
 }
 
@@ -99,6 +106,13 @@ TEST_CASE("A recording is read back bit by bit, however many rows it has") {
     CHECK(recording->header.devices[1].stiffness_cap == std::numeric_limits<double>::infinity());
     CHECK(recording->header.devices[0].force_cap == 8);
     CHECK(recording->header.devices[0].profile == "falcon");
+    CHECK(recording->header.devices[0].turns);
+    CHECK(recording->header.devices[0].torque_cap == 0.3);
+    CHECK(recording->header.devices[0].turn_step == 1e-3);
+    CHECK(recording->header.devices[0].turning_inertia == 2e-4);
+    CHECK_FALSE(recording->header.devices[1].turns);
+    CHECK(recording->header.devices[1].turning_inertia == 3e-4);
+    CHECK(recording->header.devices[1].torque_cap == 0);
     CHECK(recording->header.assets[0] == header_of_two().assets[0]);
     CHECK(recording->header.scene == header_of_two().scene);
     CHECK(recording->header.scene_path == "scene.toml");
@@ -170,7 +184,7 @@ TEST_CASE("A recording of an older or newer form is refused with what to do") {
     return read_recording(folder.path("a.spmrec"));
   };
   REQUIRE(written(recording_form));
-  for (const std::uint32_t form : {1U, 2U, 3U, recording_form + 1}) {
+  for (const std::uint32_t form : {1U, 2U, 3U, 4U, recording_form + 1}) {
     const auto refused = written(form);
     REQUIRE_FALSE(refused);
     CHECK(refused.error().code == ExitCode::invalid_input);

@@ -21,3 +21,17 @@ int c_client_force(const spm_query_asset* asset, double stiffness, double radius
       .stiffness = stiffness, .probe_radius = radius, .method = method};
   return spm_query_force(asset, &settings, point, contact);
 }
+
+int c_client_probe_force(const spm_query_asset* asset, double radius, double length,
+                         const double axis[3], int form, const double point[3],
+                         spm_query_contact* contact) {
+  const spm_query_force_settings settings = {
+      .stiffness = 800,
+      .probe_radius = radius,
+      .method = SPM_QUERY_METHOD_PAPER_PROBE,
+      .probe = length != 0 ? SPM_QUERY_PROBE_CAPSULE : SPM_QUERY_PROBE_BALL,
+      .probe_length = length,
+      .probe_axis = {axis[0], axis[1], axis[2]},
+      .form = form};
+  return spm_query_force(asset, &settings, point, contact);
+}

@@ -13,6 +13,11 @@ spm_query_answer c_client_point(const spm_query_asset* asset, double x, double y
 int c_client_force(const spm_query_asset* asset, double stiffness, double radius, int method,
                    const double point[3], spm_query_contact* contact);
 
+/** By SPM_QUERY_METHOD_PAPER_PROBE, 800 N/m; a length of 0 is a ball. */
+int c_client_probe_force(const spm_query_asset* asset, double radius, double length,
+                         const double axis[3], int form, const double point[3],
+                         spm_query_contact* contact);
+
 #ifdef __cplusplus
 }
 #endif

@@ -2,6 +2,7 @@
 #include <array>
 #include <catch2/catch.hpp>
 #include <cmath>
+#include <cstddef>
 #include <cstring>
 #include <filesystem>
 #include <limits>
@@ -133,6 +134,78 @@ TEST_CASE("The C library's force is that of the force law") {
   CHECK(contacts > 0);
 }
 
+TEST_CASE("A ball and a capsule by the paper are felt through C as by the force law") {
+  const Both both(with_probe(full_asset(2, {2, 1, 12, 2}), 0.004));
+  struct Case {
+    double length;
+    Vector3 axis;
+    int form;
+  };
+  int contacts = 0;
+  for (const Case& felt : {Case{0, Vector3::Zero(), SPM_QUERY_FORM_SURFACE},
+                           Case{0, Vector3::Zero(), SPM_QUERY_FORM_VOLUME},
+                           Case{0.01, Vector3::Zero(), SPM_QUERY_FORM_SURFACE},
+                           Case{0.01, Vector3(2e-200, 0, 0), SPM_QUERY_FORM_SURFACE},
+                           Case{0.01, Vector3(0, 3e300, 4e300), SPM_QUERY_FORM_VOLUME}}) {
+    ForceSettings settings;
+    settings.method = Method::paper;
+    settings.stiffness = 800;
+    settings.take_probe(
+        {felt.length > 0 ? ProbeKind::capsule : ProbeKind::ball, 0.004, felt.length});
+    if (felt.form == SPM_QUERY_FORM_VOLUME) settings.form = PaperProbeForm::volume;
+    if (!felt.axis.isZero(0)) settings.probe_axis = felt.axis / felt.axis.stableNorm();
+    for (const Vector3& point : points()) {
+      const ContactForce wanted = contact_force(both.cpp->view(), settings, point);
+      spm_query_contact contact{};
+      REQUIRE(c_client_probe_force(both.c, 0.004, felt.length, felt.axis.data(), felt.form,
+                                   point.data(), &contact) == 0);
+      for (int axis = 0; axis < 3; ++axis) REQUIRE(contact.force[axis] == wanted.force[axis]);
+      REQUIRE(contact.depth == wanted.depth);
+      REQUIRE((contact.contact != 0) == wanted.contact);
+      contacts += contact.contact;
+      if (felt.length > 0 || felt.form != SPM_QUERY_FORM_SURFACE) continue;
+      // The method of version 1 is the same on a ball, and does not read what it did not have.
+      spm_query_force_settings old;
+      std::memset(&old, 0x5a, sizeof old);
+      old.stiffness = 800;
+      old.probe_radius = 0.004;
+      old.method = SPM_QUERY_METHOD_PAPER;
+      spm_query_contact same_contact{};
+      REQUIRE(spm_query_force(both.c, &old, point.data(), &same_contact) == 0);
+      REQUIRE(std::memcmp(&same_contact, &contact, sizeof contact) == 0);
+    }
+  }
+  CHECK(contacts > 100);
+}
+
+TEST_CASE("A probe out of range is refused with no force") {
+  const Both full(with_probe(full_asset(2, {2, 1, 12, 2}), 0.0004));
+  const double nan = std::nan("");
+  struct Case {
+    double radius, length, axis;
+    int form;
+  };
+  for (const Case& wrong : {Case{0.0004, -0.01, 1, 0}, Case{0.0004, nan, 1, 0}, Case{0, 0.01, 1, 0},
+                            Case{0.0005, 0.01, 1, 0}, Case{0.0004, 0.01, nan, 0},
+                            Case{0.0004, 0.01, 1, 2}, Case{0, 0, 1, SPM_QUERY_FORM_VOLUME},
+                            Case{0.0004, std::numeric_limits<double>::infinity(), 1, 0}}) {
+    const std::array<double, 3> point{0.01, 0.01, 0.01}, axis{0, 0, wrong.axis};
+    spm_query_contact contact;
+    std::memset(&contact, 0x5a, sizeof contact);
+    CHECK(c_client_probe_force(full.c, wrong.radius, wrong.length, axis.data(), wrong.form,
+                               point.data(), &contact) == 1);
+    CHECK(contact.force[0] == 0);
+    CHECK(contact.contact == 0);
+  }
+}
+
+TEST_CASE("What version 1 of the settings had is where it was") {
+  CHECK(offsetof(spm_query_force_settings, stiffness) == 0);
+  CHECK(offsetof(spm_query_force_settings, probe_radius) == 8);
+  CHECK(offsetof(spm_query_force_settings, method) == 16);
+  CHECK(sizeof(spm_query_force_settings) == 64);
+}
+
 TEST_CASE("Force settings out of range are refused with no force") {
   const Both sparse(with_probe(sparse_asset(1), 0.0004));
   const Both full(with_probe(full_asset(2, {2, 1, 12, 2}), 0.0004));
@@ -148,7 +221,8 @@ TEST_CASE("Force settings out of range are refused with no force") {
         Case{&sparse, infinity, 0, SPM_QUERY_METHOD_SPM},
         Case{&sparse, 1, -0.001, SPM_QUERY_METHOD_SPM}, Case{&sparse, 1, nan, SPM_QUERY_METHOD_SPM},
         Case{&sparse, 1, 0.0005, SPM_QUERY_METHOD_SPM}, Case{&sparse, 1, 0, SPM_QUERY_METHOD_PAPER},
-        Case{&sparse, 1, 0, 2}, Case{&full, 1, 0.0004, SPM_QUERY_METHOD_PAPER}}) {
+        Case{&sparse, 1, 0, SPM_QUERY_METHOD_PAPER_PROBE}, Case{&full, 1, 0, 3},
+        Case{&full, 1, 0.0005, SPM_QUERY_METHOD_PAPER}}) {
     const std::array<double, 3> point{0.01, 0.01, 0.01};
     spm_query_contact contact;
     std::memset(&contact, 0x5a, sizeof contact);

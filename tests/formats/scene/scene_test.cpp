@@ -51,7 +51,8 @@ asset = "spot.spm.exr"
   CHECK(scene->device.driver == "falcon");
   CHECK(scene->device.profile == find_device_profile("falcon"));
   CHECK(scene->device.force_cap == 6.0);
-  CHECK(*scene->probe_radius == Approx(5e-4));
+  CHECK(scene->probe == ProbeShape{ProbeKind::ball, 5e-4, 0});
+  CHECK_FALSE(scene->probe_form);
   CHECK(scene->workspace.position == Vector3(0, 0.1, 0));
   CHECK(scene->workspace.scale == 2);
   REQUIRE(scene->objects.size() == 2);
@@ -74,7 +75,7 @@ TEST_CASE("What a scene leaves out has a default or stays open") {
   CHECK(scene->device.driver.empty());
   CHECK(scene->device.profile == nullptr);
   CHECK_FALSE(scene->device.force_cap);
-  CHECK_FALSE(scene->probe_radius);
+  CHECK_FALSE(scene->probe);
   CHECK(scene->workspace.position == Vector3::Zero());
   CHECK(scene->workspace.scale == 1);
   CHECK(scene->objects[0].stiffness == 1000);
@@ -82,7 +83,16 @@ TEST_CASE("What a scene leaves out has a default or stays open") {
   CHECK(scene->objects[0].placement.scale == 1);
   const auto point = scene_of_text("tool.probe = \"point\"\n[[object]]\nmesh = \"a.obj\"\n");
   REQUIRE(point);
-  CHECK(point->probe_radius == 0.0);
+  CHECK(point->probe == ProbeShape{});
+}
+
+TEST_CASE("A tool may be a capsule, and says what the paper's force is the mean over") {
+  const auto scene = scene_of_text(
+      "[tool]\nprobe = \"capsule:0.5mm,8mm\"\npaper_probe = \"volume\"\n"
+      "[[object]]\nmesh = \"a.obj\"\n");
+  REQUIRE(scene);
+  CHECK(scene->probe == ProbeShape{ProbeKind::capsule, 0.5e-3, 8e-3});
+  CHECK(scene->probe_form == PaperProbeForm::volume);
 }
 
 TEST_CASE("An object's effects become SI: friction, damping, texture and smoothing") {
@@ -254,6 +264,9 @@ TEST_CASE("What is wrong in a scene is told by its line, cause and cure") {
            Case{"[device]\nforce_cap = \"-3N\"\n", "line 2", "above 0"},
            Case{"[device]\nprofile = \"touch\"\nforce_cap = \"5N\"\n", "line 3", "at most 3.3 N"},
            Case{"[tool]\nprobe = \"ball\"\n", "line 2", "sphere:RADIUS"},
+           Case{"[tool]\nprobe = \"capsule:1mm\"\n", "line 2", "capsule:RADIUS,LENGTH"},
+           Case{"[tool]\nprobe = \"capsule:-1mm,5mm\"\n", "line 2", "not above 0"},
+           Case{"[tool]\npaper_probe = \"skin\"\n", "line 2", "it can be surface volume"},
            Case{"[workspace]\npose = [1, 2]\n", "line 2", "three or seven numbers"},
            Case{"[workspace]\npose = [1, 2, \"3mm\"]\n", "line 2", "no finite number"},
            Case{"[workspace]\npose = [1, 2, inf]\n", "line 2", "no finite number"},

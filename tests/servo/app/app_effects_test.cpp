@@ -24,14 +24,16 @@ struct Hand {
   Asset box = test::box_asset(0.04);
   AssetTables tables = tables_of(box);
   std::array<const AssetView*, 1> assets{&tables.view()};
-  SceneForce force{scene_of({}), tick, 0};
+  SceneForce force;
   AppEffects effects;
   std::int64_t now = 0;
 
-  Hand() { effects.know_device(0, {900, 4}, 0, tick, 1); }
+  explicit Hand(const ForceSettings& settings = {}) : force(scene_of(settings), tick, 0) {
+    effects.know_device(0, {1000, 4, 900}, 0, tick, 1);
+  }
   Vector3 at(const Vector3& tool) {
     now += 1'000'000;
-    return effects.next(0, tool, 1, now, force, assets);
+    return effects.next(0, tool, 1, now, force, assets).force;
   }
   /// After it has faded in.
   Vector3 settled_at(const Vector3& tool) {
@@ -69,6 +71,27 @@ TEST_CASE("All springs on a device together have a third of the stiffness that i
   for (std::uint32_t i = 0; i < 10; ++i)
     REQUIRE(hand.effects.set(spring(1e5, i), 0) == Refusal::none);
   CHECK(hand.settled_at({ahead, 0, 0}).x() == Approx(-300 * ahead));
+}
+
+TEST_CASE("Beside a touched object effects have what it leaves of the device's stiffness") {
+  Hand hand({.stiffness = 900});
+  REQUIRE(hand.effects.set(spring(300), 0) == Refusal::none);
+  const Vector3 tool(0, 0, 0.019);  // a millimetre inside the box
+  CHECK(hand.settled_at(tool).z() == Approx(-300 * tool.z()));
+  // Each tick of contact moves the share by a hundredth, down to the 100 N/m that are left.
+  static_cast<void>(hand.force.next(hand.assets, tool));
+  CHECK(hand.at(tool).z() == Approx(-0.99 * 300 * tool.z()));
+  CHECK(hand.settled_at(tool).z() == Approx(-100 * tool.z()));
+  static_cast<void>(hand.force.next(hand.assets, Vector3(0, 0, 0.03)));
+  CHECK(hand.settled_at(tool).z() == Approx(-300 * tool.z()));
+}
+
+TEST_CASE("With a longer delay effects are softer, those that are there too") {
+  Hand hand;
+  REQUIRE(hand.effects.set(spring(1000), 0) == Refusal::none);
+  const double before = hand.settled_at({ahead, 0, 0}).x();
+  hand.effects.set_delay(0, 3, 450);
+  CHECK(hand.settled_at({ahead, 0, 0}).x() == Approx(0.5 * before));
 }
 
 TEST_CASE("All brakes on a device together have half of the damping that it bears") {
@@ -124,14 +147,31 @@ TEST_CASE("A magnet pulls the tool to its object's surface, and is gone with the
 
 TEST_CASE("Pushes of applications are added, end at their time, and replace their own") {
   Hand hand;
-  hand.effects.push(0, 0, {1, 0, 0}, 50'000'000);
-  hand.effects.push(0, 0, {2, 0, 0}, 50'000'000);
-  hand.effects.push(0, 3, {0, 1, 0}, 20'000'000);
+  hand.effects.push(0, 0, {{1, 0, 0}}, 50'000'000);
+  hand.effects.push(0, 0, {{2, 0, 0}}, 50'000'000);
+  hand.effects.push(0, 3, {{0, 1, 0}}, 20'000'000);
   CHECK(hand.at(Vector3::Zero()) == Vector3(2, 1, 0));
   hand.now = 19'000'000;
   CHECK(hand.at(Vector3::Zero()) == Vector3(2, 0, 0));
   hand.effects.leave(0, 1);
   CHECK(hand.at(Vector3::Zero()).isZero());
+}
+
+TEST_CASE("Torques of pushes are added like their forces, and end with them") {
+  Hand hand;
+  CHECK_FALSE(hand.effects.gives_torque(0));
+  hand.effects.know_torque(0, true);
+  CHECK(hand.effects.gives_torque(0));
+  hand.effects.push(0, 0, {{1, 0, 0}, {0, 0.1, 0}}, 50'000'000);
+  hand.effects.push(0, 3, {{0, 0, 0}, {0, 0, 0.2}}, 20'000'000);
+  const auto torque = [&] {
+    return hand.effects.next(0, Vector3::Zero(), 1, hand.now, hand.force, hand.assets).torque;
+  };
+  CHECK(torque() == Vector3(0, 0.1, 0.2));
+  hand.now = 20'000'000;
+  CHECK(torque() == Vector3(0, 0.1, 0));
+  hand.effects.leave(0, 1);
+  CHECK(torque() == Vector3::Zero());
 }
 
 TEST_CASE("There is room for sixteen effects, which only their own application removes") {
@@ -154,7 +194,7 @@ TEST_CASE("A position that is not finite, and a device that is not there, get no
   Hand hand;
   REQUIRE(hand.effects.set(spring(100), 0) == Refusal::none);
   CHECK(hand.at(Vector3::Constant(std::nan(""))).isZero());
-  CHECK(hand.effects.next(99, Vector3::Ones(), 1, 0, hand.force, hand.assets).isZero());
+  CHECK(hand.effects.next(99, Vector3::Ones(), 1, 0, hand.force, hand.assets).force.isZero());
   AppCommand elsewhere = spring(1);
   elsewhere.index = 99;
   CHECK(hand.effects.set(elsewhere, 0) == Refusal::unknown_device);

@@ -72,10 +72,10 @@ TEST_CASE("No tick later than the deadline has the force, by the loop's own reco
   sleep_until(now_ns() + 200'000'000);
   std::uint64_t ticks = 0;
   for (const TickRecord& record : beside.records()) {
-    if (record.added.isZero()) continue;
+    if (record.added.force.isZero()) continue;
     ++ticks;
-    CHECK(record.added == Vector3(0, 0, 0.7));
-    CHECK(record.wanted.isZero());
+    CHECK(record.added.force == Vector3(0, 0, 0.7));
+    CHECK(record.wanted.force.isZero());
   }
   // On a machine that stops the loop for longer than the push, no tick may have it.
   CHECK(ticks <= 51);
@@ -121,13 +121,44 @@ TEST_CASE("A push beside a contact is added to it, and cannot drown it") {
   CHECK(pushed_to(beside, down, 1 - cap));
 }
 
-TEST_CASE("A torque is refused with its reason, since none is sent to the device") {
+TEST_CASE("A torque is refused with its reason where the device gives none") {
   const LoopBeside beside;
   spm_client_push push = upwards(0.5, 0.5);
   push.torque[1] = 0.01;
   REQUIRE(spm_client_push_hand(beside.here->client, 0, &push) == SPM_CLIENT_OK);
-  CHECK(contains(beside.refusal(), "no torque is sent to this device"));
+  CHECK(contains(beside.refusal(), "this device gives no torque"));
   CHECK(beside.device().force[2] == 0);
+}
+
+TEST_CASE("A torque is felt under the device's torque cap, and ends with its push") {
+  LoopBeside beside(true, false, 0.2);
+  REQUIRE(eventually([&] { return beside.device().connected == 1; }));
+  CHECK(beside.device().torque_cap == 0.2);
+  const auto turned_to = [&](double wanted, double felt) {
+    spm_client_push push = upwards(0, 0.5);
+    push.torque[1] = wanted;
+    return eventually([&] {
+      static_cast<void>(spm_client_push_hand(beside.here->client, 0, &push));
+      return std::abs(beside.device().torque[1] - felt) < 1e-6;
+    });
+  };
+  CHECK(turned_to(0.05, 0.05));
+  CHECK(turned_to(-50, -0.2));
+  CHECK(beside.device().force[2] == 0);
+  auto counts = sized<spm_client_device_counts>();
+  CHECK(eventually([&] {
+    static_cast<void>(spm_client_read_device_counts(beside.here->client, 0, &counts));
+    return counts.torque_max > 0.199;
+  }));
+  CHECK(counts.torque_max <= 0.2 * (1 + 1e-12));
+  CHECK(eventually([&] { return beside.device().torque[1] == 0; }));
+  // Each torque that was sent is in the records, what applications wanted beside it.
+  bool added = false;
+  for (const TickRecord& record : beside.records()) {
+    REQUIRE(record.sent.torque.norm() <= 0.2 * (1 + 1e-12));
+    added = added || record.added.torque.y() == 0.05;
+  }
+  CHECK(added);
 }
 
 TEST_CASE("Whatever force a client writes, one that cannot be is refused and never felt") {
@@ -175,7 +206,7 @@ TEST_CASE("Whatever force a client writes, one that cannot be is refused and nev
   unknown.object = 4711;
   unknown.range = 1e-3;
   CHECK(refused(unknown) == Refusal::unknown_object);
-  for (const TickRecord& record : beside.records()) REQUIRE(record.added.isZero());
+  for (const TickRecord& record : beside.records()) REQUIRE(record.added.force.isZero());
 }
 
 TEST_CASE("An effect stays until it is removed, by its own application or by a supervisor") {

@@ -66,12 +66,12 @@ TEST_CASE(
   SceneForce force(scene, 1e-3, 1e-5);
   const std::vector<SceneForce*> forces{&force};
   AppScene app(*state, scene);
-  app.effects().know_device(0, {1000, 5}, 1e-5, 1e-3, 1);
+  app.effects().know_device(0, {1000, 5, 1000}, 1e-5, 1e-3, 1);
   double added = 0;
   const auto tick = [&](std::int64_t number) {
     static_cast<void>(app.begin(number, forces));
     const Vector3 tool(1e-5 * static_cast<double>(number % 100), 0, 0.0201);
-    added += app.effects().next(0, tool, 1, number, force, assets).norm();
+    added += app.effects().next(0, tool, 1, number, force, assets).force.norm();
     if (number % 50 == 0) app.effects().rest(0);
   };
   const auto write = [&](std::uint32_t kind, std::uint32_t number) {

@@ -129,6 +129,11 @@ public static class ClientTest
         while (client.NextEvent(out old)) { }
         Tell("now", "contact");
         Tell("contact", came(EventKind.ContactBegan));
+        Eventually(() => client.Contacts(0).Count == 2);
+        var contacts = client.Contacts(0);
+        Tell("contacts", string.Format(CultureInfo.InvariantCulture, "{0} {1} {2} {3}", contacts.Count,
+                                       contacts[0].Place[2], contacts[1].Object,
+                                       client.Device(0).ToolPosition[1]));
         Tell("now", "button");
         Tell("button", came(EventKind.ButtonPressed));
         Tell("now", "gone");

@@ -31,34 +31,9 @@ PATIENCE = 20.0  # s, beyond any machine's worst moment
 
 sys.path.insert(0, str(SOURCE / "servo" / "client" / "python"))
 import spm_client_library  # noqa: E402
+from client_structs import STRUCTS, header_sizes  # noqa: E402
 from spm_client import (Cause, Client, ClientError, Code, DaemonState, Effect, EffectKind,  # noqa: E402
                         EventKind, Material)
-
-
-# As the header, the Python package and the C# one call them.
-STRUCTS = (("options", "OptionsData"), ("info", "InfoData"), ("tick", "TickData"),
-           ("device", "DeviceData"), ("object", "ObjectData"), ("pose", "PoseData"),
-           ("material", "MaterialData"), ("push", "PushData"),
-           ("effect", "EffectData"), ("command_counts", "CountsData"),
-           ("event", "EventData"),
-           ("loop", "LoopData"), ("device_counts", "DeviceCountsData"),
-           ("application", "ApplicationData"))
-
-
-def header_sizes() -> dict[str, int]:
-    """Counted from the text of spm_client.h, so that a field that is added there shows."""
-    header = (SOURCE / "servo" / "client" / "spm_client.h").read_text(encoding="utf-8")
-    sizes = {"uint32_t": 4, "int32_t": 4, "uint64_t": 8, "int64_t": 8, "double": 8, "char": 1}
-    found = {}
-    structs = r"typedef struct spm_client_(\w+) \{(.*?)\} spm_client_\w+;"
-    for name, body in re.findall(structs, header, re.DOTALL):
-        found[name] = 0
-        body = re.sub(r"/\*.*?\*/", "", body, flags=re.DOTALL)
-        for line in filter(None, map(str.strip, body.split(";"))):
-            field = re.fullmatch(r"(const )?(\w+)(\*?) (\w+)(?:\[(\d+)\])?", line)
-            assert field is not None, line
-            found[name] += (8 if field[3] else sizes[field[2]]) * int(field[5] or 1)
-    return found
 
 
 def compile_c_sharp(program: str, *sources: Path) -> None:
@@ -164,6 +139,19 @@ class Package(WithDaemon):
         with self.assertRaises(ClientError) as caught:
             client.push(7, (1.0, 0.0, 0.0), 0.1)
         self.assertEqual(caught.exception.code, Code.NOT_THERE)
+
+    def test_the_tool_and_where_it_touches_are_read(self) -> None:
+        client = self.client()
+        self.assertEqual(client.contacts(0), [])
+        hand = client.device(0)
+        self.assertTrue(hand.has_tool)
+        self.assertEqual((hand.tool_position[:2], hand.tool_orientation), ((0.5, 0.25), (0, 1, 0, 0)))
+        self.tell("c")
+        self.assertTrue(eventually(lambda: len(client.contacts(0)) == 2))
+        first, second = client.contacts(0)
+        self.assertEqual((first.place, first.normal, first.force), ((0.1, 0.2, 0.3), (0, 1, 0), (0, 2, 0)))
+        self.assertEqual((first.depth, first.object, second.object), (1e-3, 0, 7))
+        self.assertEqual(client.device(0).contact_count, 2)
 
     def test_what_cannot_be_done_is_told_with_its_reason(self) -> None:
         client = self.client()
@@ -367,6 +355,7 @@ class CSharp(WithDaemon):
         self.assertEqual(found["names"], "hand bunny first")
         self.assertEqual((found["turned"], found["refused"]), ("1", "0"))
         self.assertEqual((found["waited_in_vain"], found["proxy"]), ("False", "3"))
+        self.assertEqual(found["contacts"], "2 0.3 7 0.25")
         self.assertIn("no such object", found["reason"])
         self.assertEqual((found["not_a_number"], found["too_hard"]), ("BadArgument", "BadArgument"))
         self.assertTrue(found["cause"].startswith("device_gone: plug"), found["cause"])

@@ -21,7 +21,7 @@ namespace {
 constexpr double size = 0.04;
 constexpr double half = size / 2;
 constexpr double spacing = 1e-4;
-constexpr ForceSettings spring{Method::spm, PaperRule::closest_plane, 1000, 0};
+const ForceSettings spring{Method::spm, PaperRule::closest_plane, 1000, 0};
 constexpr RuntimeSmoothing sharp{};
 
 /// The upper half of a cube whose top is of two patches that do not meet: beyond x = 0 it lies 60

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "servo/force/stabilizer.hpp"
+#include "servo/stabilize/stabilizer.hpp"
 
 #include <algorithm>
 #include <array>

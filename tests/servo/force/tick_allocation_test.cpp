@@ -6,6 +6,7 @@
 #include "common/sixdof/support_culling.hpp"
 #include "common/sixdof/virtual_tool.hpp"
 #include "servo/force/scene_force.hpp"
+#include "tests/servo/force/tool_scene.hpp"
 #include "tests/servo/support/intercepted_calls.hpp"
 #include "tests/support/asset_by_hand.hpp"
 
@@ -30,7 +31,7 @@ TEST_CASE("Ticks of contact, virtual tool, overlap and culling allocate, lock an
   tool.place(Isometry3d(Eigen::Translation3d(0, 0, 0.03)));
   for (int tick = 0; tick < 100; ++tick) {
     const Isometry3d pose(Eigen::Translation3d(0, 0, 0.03 - 1e-4 * tick));
-    contacts += tool.tick(pose, objects, {200000}).contact.sum.contacts;
+    contacts += tool.tick(pose, objects).contact.sum.contacts;
     (void)objects_apart(hull1, hull2, pose, last);
     (void)overlap_volume({&object.view, &others}, {&small.view, &samples}, pose);
     if (tick == 50) contact.forget(0);
@@ -73,6 +74,69 @@ TEST_CASE(
   CHECK(after.allocations == before.allocations);
   CHECK(after.locks == before.locks);
   CHECK(after.writes == before.writes);
+}
+
+TEST_CASE("A tick of a ball or a capsule by the paper allocates, locks and writes nothing") {
+  const test::BoxByHand box({0.04, 0.04, 0.04});
+  const std::array<const AssetView*, 1> assets{&box.view};
+  for (const ProbeShape& probe :
+       {ProbeShape{ProbeKind::ball, 2e-3, 0}, ProbeShape{ProbeKind::capsule, 1e-3, 0.01}}) {
+    for (const PaperProbeForm form : {PaperProbeForm::surface, PaperProbeForm::volume}) {
+      PlacedObject object;
+      object.force.method = Method::paper;
+      object.force.take_probe(probe);
+      object.force.form = form;
+      object.effects.friction_force = 0.1;
+      SceneForce force({{}, {object}, recommended_stabilization}, 1e-3, 2e-5);
+      std::uint64_t contacts = 0;
+      const test::InterceptedCalls before = test::intercepted_calls();
+      test::watch(true);
+      for (int tick = 0; tick < 100; ++tick) {
+        contacts += force.next(assets, {1e-4 * tick, 0.003, 0.019}).contact ? 1 : 0;
+      }
+      test::watch(false);
+      const test::InterceptedCalls after = test::intercepted_calls();
+      CHECK(contacts == 100);
+      CHECK(after.allocations == before.allocations);
+      CHECK(after.locks == before.locks);
+      CHECK(after.writes == before.writes);
+    }
+  }
+}
+
+TEST_CASE("A tick of a tool with six degrees of freedom allocates, locks and writes nothing") {
+  for (const Method method : {Method::proxy, Method::spm}) {
+    test::ToolScene scene(method);
+    PlacedObject& table = scene.scene.objects[0];
+    table.effects.friction = {0.5, 0.4, 2000};
+    table.effects.damping = 2;
+    table.effects.texture = {50e-6, 1e-3, 7};
+    table.movable = true;
+    scene.scene.stabilization = recommended_stabilization;
+    scene.begin(1);
+    std::uint64_t contacts = 0;
+    const test::InterceptedCalls before = test::intercepted_calls();
+    test::watch(true);
+    for (int tick = 0; tick < 300; ++tick) {
+      const ContactForce contact = scene.next({1e-5 * tick, 0, 0.0065 - 1e-5 * tick});
+      scene.force->sent(Wrench{contact.force, contact.torque});
+      contacts += contact.contact ? 1 : 0;
+      if (tick == 120) static_cast<void>(scene.force->add(table));
+      if (tick == 140) scene.force->remove(1);
+      if (tick == 160) scene.force->place(0, {0, 0, -0.0201}, Eigen::Quaterniond::Identity());
+      if (tick == 180) scene.force->stabilize(recommended_stabilization);
+      if (tick == 200) scene.force->exchange();
+      if (tick == 220) scene.force->take_tool(nullptr, 0);
+      if (tick == 221) scene.force->take_tool(scene.sampled.get(), 0);
+      if (tick == 250) scene.force->reset();
+    }
+    test::watch(false);
+    const test::InterceptedCalls after = test::intercepted_calls();
+    CHECK(contacts > 150);
+    CHECK(after.allocations == before.allocations);
+    CHECK(after.locks == before.locks);
+    CHECK(after.writes == before.writes);
+  }
 }
 
 }  // namespace

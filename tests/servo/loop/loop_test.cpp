@@ -75,7 +75,7 @@ TEST_CASE("A pressed tool feels stiffness times depth once the soft start is ove
   const TickRecord& late = loop.records[loop.records.size() - 2];
   REQUIRE(late.contact);
   REQUIRE(late.depth == Approx(1e-3).epsilon(1e-4));
-  REQUIRE(late.force.z() == Approx(1.0).epsilon(1e-4));
+  REQUIRE(late.sent.force.z() == Approx(1.0).epsilon(1e-4));
   REQUIRE(loop.device_counters.force_max == Approx(1.0).epsilon(1e-4));
   REQUIRE(loop.device_counters.cap_hits == 0);
 }
@@ -189,7 +189,7 @@ TEST_CASE("A device that tells nothing any more is still where it was") {
   loop.run(device, 250);
   REQUIRE(loop.off(ForceOff::device_gone) >= 49);
   for (const TickRecord& record : loop.records) {
-    REQUIRE(record.position == Vector3(0, 0, half - 1e-3));
+    REQUIRE(record.hand.position == Vector3(0, 0, half - 1e-3));
   }
   REQUIRE(loop.device_counters.energy == 0);
 }
@@ -361,7 +361,7 @@ TEST_CASE("While its clutch button is held the hand moves freely and the tool st
   loop.run(device, 500);
   REQUIRE(loop.off(ForceOff::clutched) == 110);
   for (std::size_t i = 150; i < 260; ++i) REQUIRE(device.forces()[i] == Vector3::Zero());
-  REQUIRE(loop.records[255].position.z() == Approx(half - 1e-3).epsilon(1e-9));
+  REQUIRE(loop.records[255].hand.position.z() == Approx(half - 1e-3).epsilon(1e-9));
   REQUIRE(device.forces()[400].z() == Approx(1).epsilon(1e-4));
 }
 

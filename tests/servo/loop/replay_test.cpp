@@ -163,7 +163,7 @@ TEST_CASE("Rows of a recording are compared up to the first that is of another s
     RecordingRow row;
     row.tick = tick;
     row.device = device;
-    row.flags = static_cast<std::uint8_t>(flags);
+    row.flags = static_cast<std::uint16_t>(flags);
     recording.rows.push_back(row);
   };
   for (std::uint64_t tick = 100; tick < 110; ++tick) {
@@ -188,21 +188,21 @@ TEST_CASE("Rows of a recording are compared up to the first that is of another s
 TEST_CASE("A replay has caught up where its forces stay equal for longer than any memory") {
   ReplayResult result;
   result.contacts.resize(9000);
-  std::vector<Vector3> wanted(9000, Vector3(0, 1, 0));
+  std::vector<Wrench> wanted(9000, Wrench{{0, 1, 0}});
   for (std::size_t row = 0; row < wanted.size(); ++row) {
     ContactForce& contact = result.contacts[row];
     contact.contact = row % 2 == 0;
-    contact.force = wanted[row] = contact.contact ? Vector3(0, 1, 0) : Vector3::Zero();
+    contact.force = wanted[row].force = contact.contact ? Vector3(0, 1, 0) : Vector3(0, 0, 0);
   }
   CHECK(caught_up(result, wanted) == 0);
-  wanted[10].x() = 1e-17;
-  wanted[1500].x() = 1e-17;
+  wanted[10].force.x() = 1e-17;
+  wanted[1500].force.x() = 1e-17;
   CHECK(caught_up(result, wanted) == 1501);
-  for (std::size_t row = 0; row < wanted.size(); row += 2000) wanted[row].x() = 1e-17;
+  for (std::size_t row = 0; row < wanted.size(); row += 2000) wanted[row].force.x() = 1e-17;
   CHECK(caught_up(result, wanted) == wanted.size());
   // Where nothing was touched, equal forces say nothing.
   for (ContactForce& contact : result.contacts) contact = {};
-  CHECK(caught_up(result, std::vector<Vector3>(9000, Vector3::Zero())) == 9000);
+  CHECK(caught_up(result, std::vector<Wrench>(9000)) == 9000);
 }
 
 TEST_CASE("Rows of a recording are compared from the first whose state before it is known") {
@@ -221,12 +221,36 @@ TEST_CASE("Rows of a recording are compared from the first whose state before it
   CHECK(ticks_of(recording, 0).settled == 3000);
 }
 
+TEST_CASE("A tick without force whose law kept its state is asked again, one that is off is not") {
+  Recording recording;
+  recording.header.devices.resize(1);
+  for (RecordingRow row; row.tick < 3; ++row.tick) {
+    row.cause = row.tick > 0 ? 1 : 0;
+    row.flags = row.tick == 1 ? recorded_kept : 0;
+    row.orientation = {0.6, 0, 0.8, 0};
+    row.sent_torque = row.wanted_torque = {0, 0.1, 0};
+    row.level = 3;
+    recording.rows.push_back(row);
+  }
+  const RecordedTicks ticks = ticks_of(recording, 0);
+  CHECK_FALSE(ticks.marks[0].off);
+  CHECK_FALSE(ticks.marks[1].off);
+  CHECK(ticks.marks[2].off);
+  REQUIRE(ticks.marks[0].sent);
+  CHECK(ticks.marks[0].sent->torque == Vector3(0, 0.1, 0));
+  CHECK_FALSE(ticks.marks[1].sent);
+  CHECK(ticks.marks[0].effort.level == 3);
+  CHECK(ticks.wanted[0].torque == Vector3(0, 0.1, 0));
+  CHECK(ticks.trajectory[0].pose().orientation.coeffs() ==
+        Eigen::Quaterniond(0.6, 0, 0.8, 0).coeffs());
+}
+
 TEST_CASE("Forces are compared in the rows that are asked for, and in no other") {
   ReplayResult result;
   result.contacts.resize(4);
-  std::vector<Vector3> wanted(4, Vector3::Zero());
-  wanted[2] = {0, 0.5, 0};
-  wanted[3] = {0, 0, 2};
+  std::vector<Wrench> wanted(4);
+  wanted[2].force = {0, 0.5, 0};
+  wanted[3].force = {0, 0, 2};
   CHECK(difference(result, std::span(wanted).first(2)).ticks == 0);
   const ForceDifference two = difference(result, wanted);
   CHECK(two.ticks == 2);

@@ -55,4 +55,31 @@ TEST_CASE(
   REQUIRE(warnings_of(100'000, "falcon", 3000).size() == 2);
 }
 
+TEST_CASE("A tool on a device that does not turn, or in too small a workspace, is warned of") {
+  ScriptedDevice device([](std::size_t, DeviceState&, DeviceHealth&) {});
+  device.can().name = "hand";
+  device.can().turns = true;
+  device.can().workspace = Vector3(0.05, 0.05, 0.03);
+  ForceChoice choice;
+  choice.scene = scene_of({});
+  choice.tool_place = "scene.toml: line 3: ";
+  AssetMetadata tool;
+  tool.box_min = Vector3(-0.01, -0.01, 0);
+  tool.box_max = Vector3(0.01, 0.01, 0.04);
+  REQUIRE(tool_warnings(choice, tool, {&device}).empty());
+  choice.scene.tool = ToolSettings{};
+  REQUIRE(tool_warnings(choice, tool, {&device}).empty());
+  choice.scene.tool->placement.scale = 3;
+  auto warnings = tool_warnings(choice, tool, {&device});
+  REQUIRE(warnings.size() == 1);
+  CHECK(warnings[0].find("scene.toml: line 3: the tool is 120 mm long") == 0);
+  CHECK(warnings[0].find("hand 100 mm") != std::string::npos);
+  choice.scene.workspace.scale = 2;
+  REQUIRE(tool_warnings(choice, tool, {&device}).empty());
+  device.can().turns = false;
+  warnings = tool_warnings(choice, tool, {&device});
+  REQUIRE(warnings.size() == 1);
+  CHECK(warnings[0].find("keeps the orientation") != std::string::npos);
+}
+
 }  // namespace run_messages_test

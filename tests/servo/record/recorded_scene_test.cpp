@@ -3,6 +3,8 @@
 
 #include <catch2/catch.hpp>
 #include <cstring>
+#include <limits>
+#include <nlohmann/json.hpp>
 #include <random>
 
 #include "servo/record/run_recorder.hpp"
@@ -23,7 +25,8 @@ PlacedObject object_of(double at) {
   object.placement.position = {at, 1.0 / 3, -1e-9};
   object.placement.rotation = Eigen::Quaterniond(0.5, -0.5, 0.5, 0.5);
   object.placement.scale = 1.1;
-  object.force = {Method::proxy, PaperRule::all_planes, 123.4, 1e-3};
+  object.force = {Method::proxy,      PaperRule::all_planes,  123.4, 1e-3,
+                  ProbeKind::capsule, PaperProbeForm::volume, 7e-3,  {0.6, 0, -0.8}};
   EffectSettings& effects = object.effects;
   effects.friction = {0.31, 0.21, 777.7};
   effects.damping = 0.7;
@@ -59,6 +62,39 @@ RecordingHeader header_of_one() {
 
 }  // namespace
 
+TEST_CASE("A scene's tool comes back from its text bit by bit, and one that is none is refused") {
+  RecordedScene wanted = scene();
+  ToolSettings tool;
+  tool.asset = 1;
+  tool.placement.position = {0.01, 1.0 / 3, -2e-3};
+  tool.placement.rotation = Eigen::Quaterniond(0.5, 0.5, -0.5, 0.5);
+  tool.placement.scale = 0.3;
+  tool.coupling = 700.1;
+  tool.turning = 0.7;
+  tool.spacing = 1e-4 / 3;
+  tool.samples = 12345;
+  tool.budget = 3e-4;
+  wanted.scene.added.force.stiffness = 1234.5;
+  for (const double cap : {0.0, 0.125, std::numeric_limits<double>::infinity()}) {
+    tool.torque_cap = cap;
+    wanted.scene.tool = tool;
+    const std::string text = text_of(wanted);
+    const auto read = recorded_scene(text, 2);
+    REQUIRE(read);
+    REQUIRE(read->scene.tool);
+    CHECK(*read->scene.tool == tool);
+    CHECK(read->scene.added.force.stiffness == 1234.5);
+    CHECK(text_of(*read) == text);
+  }
+  CHECK_FALSE(recorded_scene(text_of(wanted), 1));
+  wanted.scene.tool->placement.rotation = Eigen::Quaterniond(0.5, 0.5, 0.5, 0.9);
+  CHECK_FALSE(recorded_scene(text_of(wanted), 2));
+  wanted.scene.tool.reset();
+  const auto without = recorded_scene(text_of(wanted), 2);
+  REQUIRE(without);
+  CHECK_FALSE(without->scene.tool);
+}
+
 TEST_CASE("A scene comes back from its text with every field, bit by bit") {
   const RecordedScene wanted = scene();
   const std::string text = text_of(wanted);
@@ -73,11 +109,36 @@ TEST_CASE("A scene comes back from its text with every field, bit by bit") {
   CHECK(object.placement.rotation.coeffs() == wanted.scene.objects[0].placement.rotation.coeffs());
   CHECK(object.force.method == Method::proxy);
   CHECK(object.force.rule == PaperRule::all_planes);
+  CHECK(object.force.form == PaperProbeForm::volume);
+  CHECK(object.force.probe() == ProbeShape{ProbeKind::capsule, 1e-3, 7e-3});
+  CHECK(object.force.probe_axis == Vector3(0.6, 0, -0.8));
   CHECK(object.effects.texture.seed == 0xFFFFFFFFFFFFFFFFU);
   CHECK(object.effects.smoothing.samples == 9);
   CHECK(object.movable);
   // The same text again: no field was lost on the way.
   CHECK(text_of(*read) == text);
+}
+
+TEST_CASE("A recording from before probes had a kind is of a point or a ball along z") {
+  auto json = nlohmann::ordered_json::parse(text_of(scene()));
+  for (auto& object : json["objects"]) {
+    for (const char* key : {"probe_kind", "paper_probe", "probe_length_m", "probe_axis_x",
+                            "probe_axis_y", "probe_axis_z"}) {
+      REQUIRE(object.erase(key) == 1);
+    }
+  }
+  const auto read = recorded_scene(json.dump(), 2);
+  REQUIRE(read);
+  const ForceSettings& force = read->scene.objects[0].force;
+  CHECK(force.probe() == ProbeShape{ProbeKind::ball, 1e-3, 0});
+  CHECK(force.form == PaperProbeForm::surface);
+  CHECK(force.probe_axis == Vector3::UnitZ());
+}
+
+TEST_CASE("A probe whose axis is none is refused") {
+  auto json = nlohmann::ordered_json::parse(text_of(scene()));
+  json["objects"][0]["probe_axis_x"] = 0.5;
+  CHECK_FALSE(recorded_scene(json.dump(), 2));
 }
 
 TEST_CASE("A text that is no scene is refused with a cause, or read without harm") {

@@ -80,12 +80,22 @@ TEST_CASE("A recording replays without any option, whatever its forces came from
       "[[object]]\nasset = \"full.spm.exr\"\npose = [0.1, 0.01, 0]\nmethod = \"paper\"\n"
       "texture = { noise = \"20um\" }\n"
       "[[object]]\nasset = \"sparse.spm.exr\"\npose = [0.11, 0, 0]\nmethod = \"proxy\"\n");
+  const std::string capsule = shop.scene(
+      "[tool]\nprobe = \"capsule:0.4mm,5mm\"\n"
+      "[workspace]\npose = [0.1, 0, 0, 0.8, 0.6, 0, 0]\n"
+      "[[object]]\nasset = \"full.spm.exr\"\npose = [0.1, 0, 0, 0.6, 0, 0.8, 0]\n"
+      "method = \"paper\"\nfriction = { force = \"0.1N\" }\n");
   for (const std::vector<std::string>& forces :
        {std::vector<std::string>{"--asset", shop.sparse, "--method", "proxy", "--stiffness",
                                  "0.8N/mm", "--stabilization", "recommended"},
         std::vector<std::string>{"--asset", shop.full, "--method", "paper", "--paper-rule",
                                  "all-planes"},
-        std::vector<std::string>{"--scene", scene}}) {
+        std::vector<std::string>{"--asset", shop.full, "--method", "paper", "--probe",
+                                 "sphere:0.5mm"},
+        std::vector<std::string>{"--asset", shop.full, "--method", "paper", "--probe",
+                                 "capsule:0.5mm,6mm", "--paper-probe", "volume", "--stabilization",
+                                 "recommended"},
+        std::vector<std::string>{"--scene", capsule}, std::vector<std::string>{"--scene", scene}}) {
     std::vector<std::string> words{"run",      "--duration", "1",        "--record",      recording,
                                    "--device", "sim:seed=3", "--device", "sim:hand=push", "--json"};
     words.insert(words.end(), forces.begin(), forces.end());
@@ -96,7 +106,9 @@ TEST_CASE("A recording replays without any option, whatever its forces came from
     CHECK(report["forces_equal"] == true);
     CHECK(report["differs"].empty());
     // Every tick of both devices.
-    CHECK(report["compared_ticks"] == 2 * json::parse(run.out)["ticks"].get<int>());
+    const json told = json::parse(run.out);
+    CHECK(report["compared_ticks"] == 2 * told["ticks"].get<int>());
+    CHECK(told["contact_ticks"].get<int>() > 0);
     const auto read = spm::read_recording(recording);
     REQUIRE(read);
     CHECK(read->header.devices[0].force_cap == 12);
@@ -212,6 +224,25 @@ TEST_CASE("A replay whose forces differ says which settings or which asset diffe
   // Another file with the name that the asset had.
   spm::test::write(spm::test::shape_asset(spm::test::box({0.03, 0.03, 0.03})), shop.sparse);
   told({}, "asset 0 is another file (" + shop.sparse);
+}
+
+TEST_CASE("A recording of a scene whose default changed since replays as it was felt") {
+  const Workshop shop;
+  const std::string recording = shop.folder.file("run.spmrec");
+  const std::string object = "[[object]]\nasset = \"sparse.spm.exr\"\nstiffness = \"0.5N/mm\"\n";
+  // What was once the default, as if nothing of it had been named.
+  const std::string scene =
+      shop.scene("[stabilization]\ndamping = 0\n" + object + "method = \"spm\"\n");
+  REQUIRE(servo(shop.folder, {"run", "--scene", scene, "--duration", "0.5", "--record", recording,
+                              "--device", "sim:seed=3"})
+              .code == 0);
+  // Today's default is another; the scene names neither.
+  std::ofstream(scene) << object;
+  CHECK(compared(shop, {recording}, 0)["forces_equal"] == true);
+  const json told = compared(shop, {recording, "--scene", scene}, 10);
+  CHECK(told["forces_equal"] == false);
+  CHECK(told["differs"].dump().find("method") != std::string::npos);
+  CHECK(told["differs"].dump().find("stabilization") != std::string::npos);
 }
 
 TEST_CASE("An asset that is gone is looked for beside the recording, or told") {

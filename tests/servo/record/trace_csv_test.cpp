@@ -40,6 +40,30 @@ TEST_CASE("A table has the contract's header, a line a row, and numbers that rou
   REQUIRE_FALSE(std::getline(file, line));
 }
 
+TEST_CASE("With a tool a table has further columns after the contract's") {
+  const TemporaryFolder folder;
+  auto table = TraceCsv::create(folder.file("a.csv"), true);
+  REQUIRE(table);
+  TraceRow row;
+  row.torque = {0.1, 0, 0.2};
+  row.orientation = Eigen::Quaterniond(0.5, -0.5, 0.5, 0.5);
+  row.tool = {{1, 2, 3}, Eigen::Quaterniond(0, 1, 0, 0)};
+  row.patches = 4;
+  row.level = 2;
+  row.culled = 7;
+  row.torque_capped = true;
+  table->append(row);
+  REQUIRE(table->commit());
+  std::ifstream file(folder.file("a.csv"));
+  std::string line;
+  std::getline(file, line);
+  CHECK(line ==
+        "t,x,y,z,fx,fy,fz,tx,ty,tz,depth,contact,qw,qx,qy,qz,tool_x,tool_y,tool_z,tool_qw,tool_qx,"
+        "tool_qy,tool_qz,patches,level,culled,force_capped,torque_capped,tool_capped");
+  std::getline(file, line);
+  CHECK(line == "0,0,0,0,0,0,0,0.1,0,0.2,0,0,0.5,-0.5,0.5,0.5,1,2,3,0,1,0,0,4,2,7,0,1,0");
+}
+
 TEST_CASE("A table that is not committed leaves nothing behind") {
   const TemporaryFolder folder;
   {

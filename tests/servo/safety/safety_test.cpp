@@ -11,17 +11,19 @@ namespace safety_test {
 
 using namespace spm::servo;
 using spm::direction_of;
+using spm::HandPose;
 using spm::Random;
 using spm::random_unit;
 using spm::Vector3;
+using spm::Wrench;
 
 namespace {
 
-constexpr SafetySettings settings{8.0, 2.0, 100, 500};
+constexpr SafetySettings settings{8.0, 2.0, 100, 500, 0.5, 0.02};
 
 SafetyStage engaged() {
   SafetyStage stage(settings);
-  for (int i = 0; i < 200; ++i) static_cast<void>(stage.apply(Vector3::Zero(), ForceOff::none));
+  for (int i = 0; i < 200; ++i) static_cast<void>(stage.apply(Wrench{}, ForceOff::none));
   return stage;
 }
 
@@ -31,7 +33,7 @@ TEST_CASE("A force that is not a number becomes zero with its cause") {
   for (const double bad :
        {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()}) {
     SafetyStage stage = engaged();
-    const SafeForce sent = stage.apply({0, bad, 0}, ForceOff::none);
+    const SafeWrench sent = stage.apply(Wrench{{0, bad, 0}}, ForceOff::none);
     REQUIRE(sent.force == Vector3::Zero());
     REQUIRE(sent.cause == ForceOff::not_a_number);
   }
@@ -41,7 +43,7 @@ TEST_CASE("Every cause makes the force zero and is passed on") {
   for (std::size_t i = 1; i < force_off_count; ++i) {
     SafetyStage stage = engaged();
     const auto cause = static_cast<ForceOff>(i);
-    const SafeForce sent = stage.apply({1, 2, 3}, cause);
+    const SafeWrench sent = stage.apply(Wrench{{1, 2, 3}}, cause);
     REQUIRE(sent.force == Vector3::Zero());
     REQUIRE(sent.cause == cause);
   }
@@ -61,8 +63,8 @@ TEST_CASE("Every cause has a name of its own and a cure") {
 TEST_CASE("The cap holds the magnitude and keeps the direction") {
   SafetyStage stage = engaged();
   const Vector3 wanted(30, -40, 0);
-  SafeForce sent;
-  for (int i = 0; i < 50; ++i) sent = stage.apply(wanted, ForceOff::none);
+  SafeWrench sent;
+  for (int i = 0; i < 50; ++i) sent = stage.apply(Wrench{wanted}, ForceOff::none);
   REQUIRE(sent.capped);
   REQUIRE(sent.force.norm() == Approx(8.0));
   REQUIRE(sent.force.normalized().dot(wanted.normalized()) == Approx(1.0));
@@ -74,7 +76,7 @@ TEST_CASE("No force beyond the cap is ever sent, whatever is wanted") {
   for (int i = 0; i < 20'000; ++i) {
     const Vector3 wanted = random.direction() * random.between(0, 100);
     const auto cause = random.next() % 50 == 0 ? ForceOff::asset_lost : ForceOff::none;
-    REQUIRE(stage.apply(wanted, cause).force.norm() <= 8.0 * (1 + 1e-12));
+    REQUIRE(stage.apply(Wrench{wanted}, cause).force.norm() <= 8.0 * (1 + 1e-12));
   }
 }
 
@@ -82,31 +84,32 @@ TEST_CASE("The force fades in evenly after engaging") {
   SafetyStage stage(settings);
   double last = 0;
   for (int i = 1; i <= 100; ++i) {
-    const double sent = stage.apply({1, 0, 0}, ForceOff::none).force.x();
+    const double sent = stage.apply(Wrench{{1, 0, 0}}, ForceOff::none).force.x();
     REQUIRE(sent == Approx(i / 100.0));
     REQUIRE(sent > last);
     last = sent;
   }
-  REQUIRE(stage.apply({1, 0, 0}, ForceOff::none).force.x() == 1.0);
+  REQUIRE(stage.apply(Wrench{{1, 0, 0}}, ForceOff::none).force.x() == 1.0);
 }
 
 TEST_CASE("The soft start begins again after a restart and after a tick without force") {
   SafetyStage stage = engaged();
   stage.restart();
-  REQUIRE(stage.apply({1, 0, 0}, ForceOff::none).force.x() == Approx(0.01));
+  REQUIRE(stage.apply(Wrench{{1, 0, 0}}, ForceOff::none).force.x() == Approx(0.01));
   stage = engaged();
-  static_cast<void>(stage.apply({1, 0, 0}, ForceOff::asset_lost));
-  REQUIRE(stage.apply({1, 0, 0}, ForceOff::none).force.x() == Approx(0.01));
+  static_cast<void>(stage.apply(Wrench{{1, 0, 0}}, ForceOff::asset_lost));
+  REQUIRE(stage.apply(Wrench{{1, 0, 0}}, ForceOff::none).force.x() == Approx(0.01));
 }
 
 TEST_CASE("Contact made by a hand of up to 1 m/s passes the slew limit unchanged") {
   for (const double rate : {500.0, 1000.0, 4000.0}) {
     for (const double stiffness : {100.0, 1000.0, 5000.0}) {
       SafetyStage stage(safety_settings(1e3, stiffness, rate));
-      for (int i = 0; i < 1000; ++i) static_cast<void>(stage.apply({0, 0, 0}, ForceOff::none));
+      for (int i = 0; i < 1000; ++i)
+        static_cast<void>(stage.apply(Wrench{{0, 0, 0}}, ForceOff::none));
       for (int i = 1; i <= 20; ++i) {
         const Vector3 wanted(0, 0, stiffness * i / rate);
-        const SafeForce sent = stage.apply(wanted, ForceOff::none);
+        const SafeWrench sent = stage.apply(Wrench{wanted}, ForceOff::none);
         REQUIRE(sent.force == wanted);
         REQUIRE_FALSE(sent.slewed);
       }
@@ -116,29 +119,29 @@ TEST_CASE("Contact made by a hand of up to 1 m/s passes the slew limit unchanged
 
 TEST_CASE("A sudden force grows no faster than the slew limit, and ends at once") {
   SafetyStage stage = engaged();
-  const SafeForce first = stage.apply({0, 7, 0}, ForceOff::none);
+  const SafeWrench first = stage.apply(Wrench{{0, 7, 0}}, ForceOff::none);
   REQUIRE(first.slewed);
   REQUIRE(first.force.norm() == Approx(2.0));
-  for (int i = 0; i < 5; ++i) static_cast<void>(stage.apply({0, 7, 0}, ForceOff::none));
-  REQUIRE(stage.apply({0, 0, 0}, ForceOff::none).force == Vector3::Zero());
+  for (int i = 0; i < 5; ++i) static_cast<void>(stage.apply(Wrench{{0, 7, 0}}, ForceOff::none));
+  REQUIRE(stage.apply(Wrench{{0, 0, 0}}, ForceOff::none).force == Vector3::Zero());
 }
 
 TEST_CASE("Another slew limit holds from the next tick on") {
   SafetyStage stage = engaged();
-  stage.set_slew_limit(0.5);
-  REQUIRE(stage.apply({0, 7, 0}, ForceOff::none).force.norm() == Approx(0.5));
-  stage.set_slew_limit(3);
-  REQUIRE(stage.apply({0, 7, 0}, ForceOff::none).force.norm() == Approx(3.5));
+  stage.set_slew_limits(0.5, 1);
+  REQUIRE(stage.apply(Wrench{{0, 7, 0}}, ForceOff::none).force.norm() == Approx(0.5));
+  stage.set_slew_limits(3, 1);
+  REQUIRE(stage.apply(Wrench{{0, 7, 0}}, ForceOff::none).force.norm() == Approx(3.5));
   REQUIRE(slew_limit(2000, 1000) == Approx(safety_settings(1, 2000, 1000).slew_limit));
   REQUIRE(slew_limit(2000, 1000) > slew_limit(1000, 1000));
 }
 
 TEST_CASE("A force that turns round passes through smaller ones") {
   SafetyStage stage = engaged();
-  for (int i = 0; i < 10; ++i) static_cast<void>(stage.apply({5, 0, 0}, ForceOff::none));
+  for (int i = 0; i < 10; ++i) static_cast<void>(stage.apply(Wrench{{5, 0, 0}}, ForceOff::none));
   Vector3 last(5, 0, 0);
   for (int i = 0; i < 10; ++i) {
-    const Vector3 sent = stage.apply({-5, 0, 0}, ForceOff::none).force;
+    const Vector3 sent = stage.apply(Wrench{{-5, 0, 0}}, ForceOff::none).force;
     REQUIRE((sent - last).norm() <= 2.0 + 1e-12);
     REQUIRE(sent.norm() <= 5.0 + 1e-12);
     last = sent;
@@ -150,24 +153,24 @@ TEST_CASE(
     "What is not trusted for long is held, fades out evenly, and fades in from where it was") {
   SafetyStage stage = engaged();
   const Vector3 wanted(1, 0, 0);
-  double last = stage.apply(wanted, ForceOff::none).force.x();
+  double last = stage.apply(Wrench{wanted}, ForceOff::none).force.x();
   REQUIRE(last == 1);
   for (int i = 1; i < 500; ++i) {
-    const SafeForce sent = stage.apply(wanted, ForceOff::none, true);
+    const SafeWrench sent = stage.apply(Wrench{wanted}, ForceOff::none, true);
     REQUIRE(sent.cause == ForceOff::none);
     REQUIRE(sent.force.x() == Approx(1 - i / 500.0));
   }
   for (int i = 0; i < 10; ++i) {
-    const SafeForce sent = stage.apply(wanted, ForceOff::none, true);
+    const SafeWrench sent = stage.apply(Wrench{wanted}, ForceOff::none, true);
     REQUIRE(sent.force == Vector3::Zero());
     REQUIRE(sent.cause == ForceOff::application_silent);
   }
-  REQUIRE(stage.apply(wanted, ForceOff::none).force.x() == Approx(0.01));
+  REQUIRE(stage.apply(Wrench{wanted}, ForceOff::none).force.x() == Approx(0.01));
 
   stage = engaged();
-  for (int i = 0; i < 250; ++i) last = stage.apply(wanted, ForceOff::none, true).force.x();
+  for (int i = 0; i < 250; ++i) last = stage.apply(Wrench{wanted}, ForceOff::none, true).force.x();
   for (int i = 0; i < 100; ++i) {
-    const double next = stage.apply(wanted, ForceOff::none).force.x();
+    const double next = stage.apply(Wrench{wanted}, ForceOff::none).force.x();
     REQUIRE(std::abs(next - last) <= 0.01 + 1e-12);
     last = next;
   }
@@ -176,10 +179,10 @@ TEST_CASE(
 
 TEST_CASE("Where more is felt after a change, the force goes evenly from what was sent to that") {
   SafetyStage stage = engaged();
-  for (int i = 0; i < 200; ++i) static_cast<void>(stage.apply({1, 0, 0}, ForceOff::none));
+  for (int i = 0; i < 200; ++i) static_cast<void>(stage.apply(Wrench{{1, 0, 0}}, ForceOff::none));
   stage.restart();
   for (int i = 1; i <= 100; ++i) {
-    const SafeForce sent = stage.apply({3, 1, 0}, ForceOff::none);
+    const SafeWrench sent = stage.apply(Wrench{{3, 1, 0}}, ForceOff::none);
     REQUIRE((sent.force - Vector3(1 + 0.02 * i, 0.01 * i, 0)).norm() < 1e-9);
   }
 }
@@ -187,16 +190,16 @@ TEST_CASE("Where more is felt after a change, the force goes evenly from what wa
 TEST_CASE(
     "A force that ends after a change ends at once, and comes back no larger than a new one") {
   SafetyStage stage = engaged();
-  for (int i = 0; i < 200; ++i) static_cast<void>(stage.apply({5, 0, 0}, ForceOff::none));
+  for (int i = 0; i < 200; ++i) static_cast<void>(stage.apply(Wrench{{5, 0, 0}}, ForceOff::none));
   stage.restart();
-  for (int i = 0; i < 10; ++i) static_cast<void>(stage.apply({5, 0, 0}, ForceOff::none));
+  for (int i = 0; i < 10; ++i) static_cast<void>(stage.apply(Wrench{{5, 0, 0}}, ForceOff::none));
   // N s: what is sent although nothing is wanted any more.
   double left_over = 0;
   for (int i = 0; i < 20; ++i) {
-    left_over += stage.apply({0, 0, 0}, ForceOff::none).force.norm() / 1000;
+    left_over += stage.apply(Wrench{{0, 0, 0}}, ForceOff::none).force.norm() / 1000;
   }
   CHECK(left_over == 0);
-  CHECK(stage.apply({5, 0, 0}, ForceOff::none).force.norm() <= 5 * 0.31 + 1e-9);
+  CHECK(stage.apply(Wrench{{5, 0, 0}}, ForceOff::none).force.norm() <= 5 * 0.31 + 1e-9);
 }
 
 TEST_CASE("Never is more sent than is wanted, however often what is felt changes") {
@@ -207,36 +210,38 @@ TEST_CASE("Never is more sent than is wanted, however often what is felt changes
       const Vector3 wanted =
           5 * random_unit(seed, 4 * i + 1) *
           direction_of(random_unit(seed, 4 * i + 2), random_unit(seed, 4 * i + 3));
-      CHECK(stage.apply(wanted, ForceOff::none).force.norm() <= wanted.norm() + 1e-9);
+      CHECK(stage.apply(Wrench{wanted}, ForceOff::none).force.norm() <= wanted.norm() + 1e-9);
     }
   }
 }
 
 TEST_CASE("A cause of zero force wins over fading, and the force then begins at zero") {
   SafetyStage stage = engaged();
-  for (int i = 0; i < 100; ++i) static_cast<void>(stage.apply({1, 0, 0}, ForceOff::none, true));
-  REQUIRE(stage.apply({1, 0, 0}, ForceOff::device_gone, true).cause == ForceOff::device_gone);
-  REQUIRE(stage.apply({1, 0, 0}, ForceOff::none, true).force.x() < 0.01);
-  REQUIRE(stage.apply({1, 0, 0}, ForceOff::none).force.x() < 0.02);
+  for (int i = 0; i < 100; ++i)
+    static_cast<void>(stage.apply(Wrench{{1, 0, 0}}, ForceOff::none, true));
+  REQUIRE(stage.apply(Wrench{{1, 0, 0}}, ForceOff::device_gone, true).cause ==
+          ForceOff::device_gone);
+  REQUIRE(stage.apply(Wrench{{1, 0, 0}}, ForceOff::none, true).force.x() < 0.01);
+  REQUIRE(stage.apply(Wrench{{1, 0, 0}}, ForceOff::none).force.x() < 0.02);
 }
 
 TEST_CASE(
     "A position that no hand reaches in a tick has jumped, and the next is compared with it") {
   JumpGate gate(1000);
-  REQUIRE_FALSE(gate.jumped({0, 0, 0}, 0));
-  REQUIRE_FALSE(gate.jumped({0.0099, 0, 0}, 1));
-  REQUIRE(gate.jumped({0.03, 0, 0}, 2));
-  REQUIRE_FALSE(gate.jumped({0.031, 0, 0}, 3));
+  REQUIRE_FALSE(gate.jumped(HandPose{{0, 0, 0}}, 0));
+  REQUIRE_FALSE(gate.jumped(HandPose{{0.0099, 0, 0}}, 1));
+  REQUIRE(gate.jumped(HandPose{{0.03, 0, 0}}, 2));
+  REQUIRE_FALSE(gate.jumped(HandPose{{0.031, 0, 0}}, 3));
 }
 
 TEST_CASE(
     "Ticks that were skipped leave a hand the more room, and a device that was away all of it") {
   JumpGate gate(1000);
-  REQUIRE_FALSE(gate.jumped({0, 0, 0}, 7));
-  REQUIRE_FALSE(gate.jumped({0.029, 0, 0}, 10));
-  REQUIRE(gate.jumped({0.06, 0, 0}, 13));
+  REQUIRE_FALSE(gate.jumped(HandPose{{0, 0, 0}}, 7));
+  REQUIRE_FALSE(gate.jumped(HandPose{{0.029, 0, 0}}, 10));
+  REQUIRE(gate.jumped(HandPose{{0.06, 0, 0}}, 13));
   gate.forget();
-  REQUIRE_FALSE(gate.jumped({1, 1, 1}, 14));
+  REQUIRE_FALSE(gate.jumped(HandPose{{1, 1, 1}}, 14));
 }
 
 TEST_CASE("A workspace has a margin, and one that is not known bounds nothing") {

@@ -56,10 +56,10 @@ void replace_file(const std::string& path) {
 
 void delete_file(const std::string& path) { std::filesystem::remove(path); }
 
-const std::vector<Damage> damages{{"truncated", truncate_file},
-                                  {"edited", edit_file},
-                                  {"replaced", replace_file},
-                                  {"deleted", delete_file}};
+/// Of the bytes that are mapped.
+const std::vector<Damage> damages{{"truncated", truncate_file}, {"edited", edit_file}};
+/// Of the name alone.
+const std::vector<Damage> losses_of_the_name{{"replaced", replace_file}, {"deleted", delete_file}};
 
 KeeperOptions options_for(const std::string& path) {
   KeeperOptions options;
@@ -109,7 +109,7 @@ TEST_CASE("One thread watches the files of several assets, also of one that is a
     if (k == 1) watch.start();
   }
   for (std::size_t k = 0; k < slots.size(); ++k) {
-    delete_file(path_of(k));
+    truncate_file(path_of(k));
     REQUIRE(eventually([&] { return keepers[k]->report().losses == 1; }));
     REQUIRE_FALSE(keepers[k]->report().serving);
   }
@@ -154,8 +154,42 @@ TEST_CASE("A file that is replaced by another intact asset is served instead") {
   box.slot.release();
 }
 
+TEST_CASE("An asset is served on from its old bytes where its file lost the name") {
+  for (const Damage& damage : losses_of_the_name) {
+    CAPTURE(damage.name);
+    std::atomic<int> refusals{0};
+    WatchedBox box([&](KeeperOptions& options) {
+      options.warn = [&](const std::string&) { refusals.fetch_add(1); };
+    });
+    const ServedAsset* before = box.slot.acquire();
+    damage.apply(box.path);
+    REQUIRE(eventually([&] { return refusals.load() > 0; }));
+    REQUIRE(box.slot.acquire() == before);
+    REQUIRE(box.keeper->report().losses == 0);
+    REQUIRE(box.keeper->report().serving);
+
+    test::write(test::box_asset(size / 2), box.path);
+    REQUIRE(eventually([&] { return box.keeper->report().reloads == 1; }));
+    REQUIRE(box.keeper->report().losses == 0);
+    REQUIRE(box.slot.acquire()->mapping->metadata().box_max.x() == Approx(size / 4));
+    box.slot.release();
+  }
+}
+
+TEST_CASE("Bytes that are served on after a loss of the name are taken away once they change") {
+  WatchedBox box;
+  const std::string other = box.folder.file("kept.spm.exr");
+  std::filesystem::rename(box.path, other);
+  REQUIRE(box.slot.acquire() != nullptr);
+  edit_file(other);
+  REQUIRE(eventually([&] { return box.slot.acquire() == nullptr; }));
+  REQUIRE(eventually([&] { return box.keeper->report().losses == 1; }));
+}
+
 TEST_CASE("A sealed asset is served on from its old bytes, whatever becomes of the file") {
-  for (const Damage& damage : damages) {
+  std::vector<Damage> all = damages;
+  all.insert(all.end(), losses_of_the_name.begin(), losses_of_the_name.end());
+  for (const Damage& damage : all) {
     CAPTURE(damage.name);
     std::atomic<int> refusals{0};
     WatchedBox box([&](KeeperOptions& options) {
@@ -235,6 +269,70 @@ TEST_CASE("The loop outlives an asset that is damaged while it is felt") {
     // Nothing but the box's own force, faded or whole, was ever sent.
     for (const Vector3& force : forces) REQUIRE(force.norm() <= 1.001);
   }
+}
+
+TEST_CASE("However long a new bake takes to be checked, no tick is without force") {
+  WatchedBox box([](KeeperOptions& options) {
+    options.accept = [](const AssetMetadata&) -> Result<void> {
+      std::this_thread::sleep_for(std::chrono::milliseconds(50));
+      return {};
+    };
+  });
+  std::atomic<bool> stop{false};
+  std::atomic<std::uint64_t> reads{0};
+  test::ScriptedDevice device([&](std::size_t, DeviceState& state, DeviceHealth&) {
+    state.position = {0, 0, size / 2 - 1e-3};
+    reads.fetch_add(1);
+  });
+  TickRing ring = make_tick_ring(1000, 1);
+  Loop loop(LoopSettings{}, {&device}, {&box.slot}, ring, stop);
+  std::thread thread([&] { loop.run(); });
+  const auto ticks_later = [&](std::uint64_t count) {
+    const std::uint64_t end = reads.load() + count;
+    return eventually([&] { return reads.load() >= end; });
+  };
+  CHECK(ticks_later(150));
+  for (std::uint64_t time = 1; time <= 5; ++time) {
+    test::write(test::box_asset(size), box.path);
+    CHECK(eventually([&] { return box.keeper->report().reloads == time; }));
+    CHECK(ticks_later(20));
+  }
+  stop.store(true);
+  thread.join();
+  CHECK(loop.device_counters(0).force_off[static_cast<std::size_t>(ForceOff::asset_lost)] == 0);
+}
+
+TEST_CASE("A hand that presses on an asset feels force in every tick while it is baked again") {
+  WatchedBox box;
+  std::atomic<bool> stop{false};
+  std::atomic<std::uint64_t> reads{0};
+  test::ScriptedDevice device([&](std::size_t, DeviceState& state, DeviceHealth&) {
+    state.position = {0, 0, size / 2 - 1e-3};
+    reads.fetch_add(1);
+  });
+  TickRing ring = make_tick_ring(1000, 1);
+  Loop loop(LoopSettings{}, {&device}, {&box.slot}, ring, stop);
+  std::thread thread([&] { loop.run(); });
+  const auto ticks_later = [&](std::uint64_t count) {
+    const std::uint64_t end = reads.load() + count;
+    return eventually([&] { return reads.load() >= end; });
+  };
+  CHECK(ticks_later(150));
+  // Another bake, with other bytes; then a file that no servo can read; then a bake again.
+  test::write(test::box_asset(size * 1.001), box.path);
+  CHECK(eventually([&] { return box.keeper->report().reloads == 1; }));
+  CHECK(ticks_later(20));
+  replace_file(box.path);
+  CHECK(ticks_later(50));
+  test::write(test::box_asset(size), box.path);
+  CHECK(eventually([&] { return box.keeper->report().reloads == 2; }));
+  CHECK(ticks_later(150));
+  stop.store(true);
+  thread.join();
+  const DeviceCounters& counters = loop.device_counters(0);
+  REQUIRE(counters.force_off[static_cast<std::size_t>(ForceOff::asset_lost)] == 0);
+  const auto& forces = device.forces();
+  for (std::size_t i = 150; i + 4 < forces.size(); ++i) REQUIRE(forces[i].z() > 0.9);
 }
 
 }  // namespace asset_keeper_test

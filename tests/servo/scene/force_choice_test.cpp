@@ -152,7 +152,7 @@ TEST_CASE("What the command line gives wins over what a scene says, for every ob
   ForceOptions options;
   options.method = Method::proxy;
   options.stiffness = 700;
-  options.probe_radius = 2e-4;
+  options.probe = ProbeShape{ProbeKind::ball, 2e-4, 0};
   const auto choice = choose(
       "[tool]\nprobe = \"sphere:0.1mm\"\n[[object]]\nasset = \"a\"\nstiffness = \"2N/mm\"\n"
       "[[object]]\nasset = \"b\"\n",
@@ -191,11 +191,52 @@ TEST_CASE("A scene that cannot be felt exits 3 with the line of its object and t
     REQUIRE(choice.error().message.find("scene.toml: line 3: ") != std::string::npos);
     REQUIRE(choice.error().message.find(wrong.cause) != std::string::npos);
   }
-  const auto ball =
-      choose("[tool]\nprobe = \"sphere:1mm\"\n[[object]]\nasset = \"a\"\nmethod = \"paper\"\n");
-  REQUIRE_FALSE(ball);
-  REQUIRE(ball.error().code == ExitCode::invalid_input);
-  REQUIRE(ball.error().message.find("point probe") != std::string::npos);
+}
+
+TEST_CASE("A probe that a method does not know is refused with the object's line and the cure") {
+  struct Case {
+    const char *tool, *object;
+    std::vector<std::string> words;
+  };
+  for (const Case& wrong : {
+           Case{"probe = \"capsule:1mm,5mm\"",
+                "method = \"spm\"",
+                {"method spm knows no probe but a point and a sphere", "--form full",
+                 "sphere:1 mm"}},
+           Case{"probe = \"capsule:1mm,5mm\"", "", {"method proxy knows no probe"}},
+           Case{"probe = \"sphere:1mm\"",
+                "method = \"paper\"\npaper_rule = \"all-planes\"",
+                {"rule all-planes is for a point", "take closest-plane"}},
+           Case{"paper_probe = \"volume\"", "method = \"paper\"", {"a point has no volume"}},
+       }) {
+    const auto choice = choose(std::string("[tool]\n") + wrong.tool +
+                               "\n[[object]]\nasset = \"a\"\n" + wrong.object + "\n");
+    REQUIRE_FALSE(choice);
+    INFO(choice.error().message);
+    CHECK(choice.error().code == ExitCode::invalid_input);
+    CHECK(choice.error().message.find("scene.toml: line 3: ") != std::string::npos);
+    for (const std::string& word : wrong.words) {
+      CHECK(choice.error().message.find(word) != std::string::npos);
+    }
+  }
+}
+
+TEST_CASE("A tool's form holds for every object, and for what applications add") {
+  ForceOptions options;
+  options.probe_form = PaperProbeForm::volume;
+  const auto choice = choose(
+      "[tool]\nprobe = \"capsule:0.1mm,5mm\"\npaper_probe = \"surface\"\n"
+      "[[object]]\nasset = \"a\"\nmethod = \"paper\"\n"
+      "[[object]]\nasset = \"b\"\nmethod = \"paper\"\n",
+      options);
+  REQUIRE(choice);
+  for (const ForceSettings& force : {choice->scene.objects[0].force, choice->scene.objects[1].force,
+                                     choice->scene.added.force}) {
+    CHECK(force.method == Method::paper);
+    CHECK(force.form == PaperProbeForm::volume);
+    CHECK(force.probe() == ProbeShape{ProbeKind::capsule, 1e-4, 5e-3});
+    CHECK(force.probe_axis == Vector3::UnitZ());
+  }
 }
 
 TEST_CASE("A probe must fit the asset at the object's scale, and the scene's line is told") {
@@ -212,13 +253,37 @@ TEST_CASE("A probe must fit the asset at the object's scale, and the scene's lin
   REQUIRE(refused.error().message.find("scene.toml: line 6: ") != std::string::npos);
 }
 
-TEST_CASE("The paper's method with a ball is a usage error") {
+TEST_CASE("A capsule with spm or proxy is a usage error, a ball or capsule by the paper is none") {
+  ForceSettings settings;
+  settings.take_probe({ProbeKind::capsule, 1e-3, 5e-3});
+  for (const Method method : {Method::spm, Method::proxy}) {
+    settings.method = method;
+    const auto checked = check_settings(settings);
+    REQUIRE_FALSE(checked);
+    CHECK(checked.error().code == ExitCode::usage);
+  }
+  settings.method = Method::paper;
+  CHECK(check_settings(settings));
+  settings.take_probe({ProbeKind::ball, 1e-3, 0});
+  CHECK(check_settings(settings));
+}
+
+TEST_CASE("Of a capsule the radius must be one that the asset was baked for, also of a full one") {
+  AssetMetadata asset;
+  asset.form = AssetForm::full;
+  asset.probe_radius = 0.5e-3;
   ForceSettings settings;
   settings.method = Method::paper;
-  settings.probe_radius = 1e-3;
-  const auto checked = check_settings(settings);
+  settings.take_probe({ProbeKind::capsule, 0.5e-3, 20e-3});
+  CHECK(check_asset(asset, settings, "a"));
+  CHECK_FALSE(check_asset(asset, settings, "a", 0.5));
+  settings.probe_radius = 0.6e-3;
+  const auto checked = check_asset(asset, settings, "a");
   REQUIRE_FALSE(checked);
-  REQUIRE(checked.error().code == ExitCode::usage);
+  CHECK(checked.error().code == ExitCode::invalid_input);
+  CHECK(checked.error().message ==
+        "a: was baked for probe sphere:500 um, whose radius is smaller than that of capsule:600 "
+        "um,20 mm; bake the mesh again with --probe and the larger radius");
 }
 
 TEST_CASE("A stiffness that is no such thing is a usage error") {
@@ -252,6 +317,85 @@ TEST_CASE("A probe larger than the asset's exits 3, one as large passes") {
   REQUIRE_FALSE(checked);
   REQUIRE(checked.error().code == ExitCode::invalid_input);
   REQUIRE(checked.error().message.find("--probe") != std::string::npos);
+}
+
+TEST_CASE("A scene's tool is one of its assets, and its settings come to the loop") {
+  const auto choice = choose(
+      "[[object]]\nasset = \"a\"\n[tool]\nasset = \"t\"\nscale = 0.5\nspacing = \"1mm\"\n"
+      "coupling = \"1N/mm\"\ntorque_cap = \"50mNm\"\nbudget = \"300us\"\n");
+  REQUIRE(choice);
+  REQUIRE(choice->scene.tool);
+  const ToolSettings& tool = *choice->scene.tool;
+  REQUIRE(choice->assets.size() == 2);
+  CHECK(tool.asset == 1);
+  CHECK(choice->assets[1].ends_with("/t"));
+  CHECK(tool.placement.scale == 0.5);
+  CHECK(tool.spacing == Approx(2e-3));  // of the asset, which the scene halves
+  CHECK(tool.coupling == 1000);
+  CHECK(tool.turning == 0);
+  CHECK(tool.torque_cap == Approx(0.05));
+  CHECK(tool.budget == Approx(3e-4));
+  CHECK(choice->scene.objects[0].force.probe_radius == 0);
+  CHECK(place_of_asset(*choice, 1).ends_with("scene.toml: line 4: "));
+  CHECK(choose("[tool]\nasset = \"a\"\n[[object]]\nasset = \"a\"\n")->assets.size() == 1);
+}
+
+TEST_CASE("A tool that cannot be one is refused with its line and a cure") {
+  AssetMetadata asset;
+  asset.closed = true;
+  const auto choice = choose("[tool]\nasset = \"t\"\n[[object]]\nasset = \"a\"\n");
+  REQUIRE(choice);
+  const std::size_t tool = choice->scene.tool->asset;
+  CHECK(check_asset(asset, *choice, tool));
+  asset.closed = false;
+  asset.border_edges = 12;
+  const auto open = check_asset(asset, *choice, tool);
+  REQUIRE_FALSE(open);
+  CHECK(open.error().code == ExitCode::invalid_input);
+  CHECK(open.error().message.find("scene.toml: line 2: ") != std::string::npos);
+  CHECK(open.error().message.find("12 border edges") != std::string::npos);
+  CHECK(check_asset(asset, *choice, choice->scene.objects[0].asset));
+  asset.closed = true;
+  asset.form = AssetForm::full;
+  const auto full = check_asset(asset, *choice, tool);
+  REQUIRE_FALSE(full);
+  CHECK(full.error().message.find("--form sparse") != std::string::npos);
+}
+
+TEST_CASE("A tool without a baked file, a coupling beyond any device and a probe beside are told") {
+  const std::string object = "[[object]]\nasset = \"a\"\n";
+  const auto unbaked = choose("[tool]\nmesh = \"t.obj\"\n" + object);
+  REQUIRE_FALSE(unbaked);
+  CHECK(unbaked.error().message.find("spm-bake build") != std::string::npos);
+  CHECK(unbaked.error().message.find("scene.toml: line 2: ") != std::string::npos);
+  const auto stiff = choose("[tool]\nasset = \"t\"\ncoupling = \"2000N/mm\"\n" + object);
+  REQUIRE_FALSE(stiff);
+  CHECK(stiff.error().message.find("at most 1000 N/mm") != std::string::npos);
+  ForceOptions options;
+  options.probe = ProbeShape{ProbeKind::ball, 1e-3, 0};
+  const auto probe = choose("[tool]\nasset = \"t\"\n" + object, options);
+  REQUIRE_FALSE(probe);
+  CHECK(probe.error().code == ExitCode::usage);
+}
+
+TEST_CASE("Method paper asks for full objects and a full tool") {
+  const auto choice =
+      choose("[tool]\nasset = \"t\"\n[[object]]\nasset = \"a\"\nmethod = \"paper\"\n");
+  REQUIRE(choice);
+  AssetMetadata sparse;
+  const auto refused = check_asset(sparse, *choice, 0);
+  REQUIRE_FALSE(refused);
+  CHECK(refused.error().message.find("scene.toml: line 3: ") != std::string::npos);
+  CHECK(refused.error().message.find("--form full") != std::string::npos);
+  const std::size_t tool = choice->scene.tool->asset;
+  sparse.closed = true;
+  const auto unread = check_asset(sparse, *choice, tool);
+  REQUIRE_FALSE(unread);
+  CHECK(unread.error().message.find("--form full") != std::string::npos);
+  AssetMetadata full = sparse;
+  full.form = AssetForm::full;
+  CHECK(check_asset(full, *choice, tool));
+  CHECK(check_asset(full, *choice, 0));
 }
 
 }  // namespace force_choice_test

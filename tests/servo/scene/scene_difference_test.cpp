@@ -45,6 +45,18 @@ const std::vector<Edit> edits{
      }},
     {aspect_stiffness, "stiffness", [](auto& o, auto& r) { o.force.stiffness = 1e3 * drawn(r); }},
     {aspect_probe, "probe", [](auto& o, auto& r) { o.force.probe_radius = drawn(r); }},
+    {aspect_probe, "probe", [](auto& o, auto& r) { o.force.probe_length = drawn(r); }},
+    {aspect_probe, "probe", [](auto& o, auto&) { o.force.probe_axis = -o.force.probe_axis; }},
+    {aspect_probe, "probe",
+     [](auto& o, auto&) {
+       o.force.probe_kind =
+           o.force.probe_kind == ProbeKind::ball ? ProbeKind::capsule : ProbeKind::ball;
+     }},
+    {aspect_probe, "probe",
+     [](auto& o, auto&) {
+       o.force.form = o.force.form == PaperProbeForm::volume ? PaperProbeForm::surface
+                                                             : PaperProbeForm::volume;
+     }},
     {aspect_friction, "friction", [](auto& o, auto& r) { o.effects.friction.stick = drawn(r); }},
     {aspect_friction, "friction", [](auto& o, auto& r) { o.effects.friction.slide = drawn(r); }},
     {aspect_friction, "friction",
@@ -117,7 +129,11 @@ PlacedObject with_aspects(PlacedObject object, const PlacedObject& from, std::ui
     object.force.rule = from.force.rule;
   }
   if (has(aspect_stiffness)) object.force.stiffness = from.force.stiffness;
-  if (has(aspect_probe)) object.force.probe_radius = from.force.probe_radius;
+  if (has(aspect_probe)) {
+    object.force.take_probe(from.force.probe());
+    object.force.probe_axis = from.force.probe_axis;
+    object.force.form = from.force.form;
+  }
   EffectSettings& effects = object.effects;
   if (has(aspect_friction)) {
     effects.friction = from.effects.friction;
@@ -152,6 +168,10 @@ std::vector<double> numbers_of(const PlacedObject& o) {
           static_cast<double>(o.force.rule),
           o.force.stiffness,
           o.force.probe_radius,
+          o.force.probe_length,
+          o.force.probe_axis.z(),
+          static_cast<double>(o.force.probe_kind),
+          static_cast<double>(o.force.form),
           e.friction.stick,
           e.friction.slide,
           e.friction.stiffness,

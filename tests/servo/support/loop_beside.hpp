@@ -27,7 +27,8 @@ inline constexpr double above = 1e-3;
 // NOLINTNEXTLINE(clang-analyzer-optin.performance.Padding): made in this order, ended in the other.
 class LoopBeside {
  public:
-  explicit LoopBeside(bool movable = true, bool acknowledge = false)
+  /// `torque_cap`: N m, of the hand's device; 0: it gives none.
+  explicit LoopBeside(bool movable = true, bool acknowledge = false, double torque_cap = 0)
       : asset_(box_asset(2 * box_half)),
         tables_(tables_of(asset_)),
         served_{&tables_.view()},
@@ -37,6 +38,8 @@ class LoopBeside {
           state.position = {hand_x.load(), 0, box_half + above};
         }) {
     slot_.offer(&served_);
+    device_.can().turns = torque_cap > 0;
+    device_.can().torque_cap = torque_cap;
     servo::LoopSettings settings;
     settings.scene.objects.front().movable = movable;
     settings.acknowledge = acknowledge;

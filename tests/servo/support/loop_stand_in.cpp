@@ -42,8 +42,14 @@ AppDevice device_of(std::uint64_t tick) {
   device.velocity = vector_of(start + 10);
   device.wrench = {vector_of(start + 20), vector_of(start + 30)};
   device.depth = start + 40;
-  device.proxy = vector_of(start + 80);
+  device.proxy = {vector_of(start + 80), Eigen::Quaterniond(start + 81, start, start, start)};
   device.force_cap = start + 90;
+  device.torque_cap = start + 91;
+  device.angular_velocity = vector_of(start + 100);
+  device.tool = {vector_of(start + 110), Eigen::Quaterniond(start + 120, start, start, start)};
+  device.has_tool = true;
+  device.torque_capped = tick % 2 == 0;
+  device.level = static_cast<std::uint32_t>(tick % 4);
   device.contact = tick % 2 == 1;
   device.cause = tick % 3 == 0 ? ForceOff::device_silent : ForceOff::none;
   device.health = tick % 3 == 0 ? DeviceHealth::silent : DeviceHealth::ok;
@@ -58,8 +64,14 @@ bool is_of_tick(const spm_shared_device& device, std::uint64_t tick) {
          device.orientation[3] == start + 3 && is_vector_of(device.velocity, start + 10) &&
          is_vector_of(device.force, start + 20) && is_vector_of(device.torque, start + 30) &&
          device.depth == start + 40 && is_vector_of(device.proxy, start + 80) &&
-         device.force_cap == start + 90 && device.buttons == static_cast<std::uint32_t>(tick) &&
-         device.cause == cause && ((device.flags & SPM_DEVICE_CONTACT) != 0) == (tick % 2 == 1);
+         device.force_cap == start + 90 && device.torque_cap == start + 91 &&
+         is_vector_of(device.angular_velocity, start + 100) &&
+         is_vector_of(device.tool_position, start + 110) &&
+         device.tool_orientation[0] == start + 120 && device.proxy_orientation[0] == start + 81 &&
+         device.level == tick % 4 && (device.flags & SPM_DEVICE_TOOL) != 0 &&
+         ((device.flags & SPM_DEVICE_TORQUE_CAPPED) != 0) == (tick % 2 == 0) &&
+         device.buttons == static_cast<std::uint32_t>(tick) && device.cause == cause &&
+         ((device.flags & SPM_DEVICE_CONTACT) != 0) == (tick % 2 == 1);
 }
 
 AppObject object_of(std::uint64_t id, std::uint64_t tick) {
@@ -146,7 +158,16 @@ void LoopStandIn::run() {
     devices[0].state.buttons = buttons_.load();
     devices[0].contact = contact_.load();
     devices[0].cause = cause_.load();
-    state_.publish({tick, now_ns(), devices, objects_});
+    devices[0].has_tool = true;
+    devices[0].tool.position = {0.5, 0.25, static_cast<double>(tick) * 1e-6};
+    devices[0].tool.orientation = Eigen::Quaterniond(0, 1, 0, 0);
+    // Pressed at two places while it is in contact.
+    const std::array<ContactPatch, 2> patches{
+        ContactPatch{{0.1, 0.2, 0.3}, Vector3::UnitY(), {0, 2, 0}, 1e-3, 0},
+        ContactPatch{{0.4, 0.5, 0.6}, Vector3::UnitX(), {1, 0, 0}, 5e-4, 1}};
+    if (devices[0].contact) devices[0].patches = patches;
+    const std::array<std::uint64_t, 2> ids{0, 7};
+    state_.publish({tick, now_ns(), devices, objects_, ids});
     contact_ticks += devices[0].contact ? 1 : 0;
     count(tick + 1, contact_ticks);
     ticks_.fetch_add(1);

@@ -14,6 +14,7 @@ ScriptedDevice::ScriptedDevice(Script script, double force_cap) : script_(std::m
   capabilities_.force_cap = force_cap;
   capabilities_.encoder_step = 1e-6;
   forces_.reserve(1 << 16);
+  torques_.reserve(1 << 16);
 }
 
 servo::DeviceHealth ScriptedDevice::read(servo::DeviceState& state) noexcept {
@@ -36,6 +37,7 @@ bool ScriptedDevice::wait_for_report(std::int64_t until_ns) noexcept {
 
 servo::DeviceHealth ScriptedDevice::write(const servo::Wrench& wrench) noexcept {
   forces_.push_back(wrench.force);
+  torques_.push_back(wrench.torque);
   return servo::DeviceHealth::ok;
 }
 

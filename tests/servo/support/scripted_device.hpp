@@ -3,6 +3,7 @@
 
 #include <atomic>
 #include <functional>
+#include <utility>
 #include <vector>
 
 #include "servo/devices/base/device.hpp"
@@ -33,6 +34,14 @@ class ScriptedDevice final : public servo::Device {
   [[nodiscard]] servo::DeviceHealth write(const servo::Wrench& wrench) noexcept override;
   [[nodiscard]] nlohmann::ordered_json describe() const override;
 
+  [[nodiscard]] servo::DelayCounts delays() const noexcept override {
+    return delays_ ? delays_(reads_) : servo::DelayCounts{};
+  }
+  /// Sets what the device tells of its delays, by the number of its reads.
+  void tell_delays(std::function<servo::DelayCounts(std::size_t read)> delays) {
+    delays_ = std::move(delays);
+  }
+
   /// What the device can do. Change it only before a loop uses the device.
   [[nodiscard]] servo::DeviceCapabilities& can() { return capabilities_; }
   /// Makes each report come `period_ns` after the last, ns. Without this it cannot pace a loop.
@@ -40,14 +49,16 @@ class ScriptedDevice final : public servo::Device {
   [[nodiscard]] bool wait_for_report(std::int64_t until_ns) noexcept override;
 
   [[nodiscard]] const std::vector<Vector3>& forces() const { return forces_; }
+  [[nodiscard]] const std::vector<Vector3>& torques() const { return torques_; }
 
  private:
   Script script_;
+  std::function<servo::DelayCounts(std::size_t)> delays_;
   servo::DeviceCapabilities capabilities_;
   std::int64_t period_ns_ = 0, reported_ns_ = 0;
   std::size_t reads_ = 0, last_read_ = 0;
   std::atomic<bool>* stop_ = nullptr;
-  std::vector<Vector3> forces_;
+  std::vector<Vector3> forces_, torques_;
 };
 
 }  // namespace spm::test

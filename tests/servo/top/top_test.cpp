@@ -204,6 +204,48 @@ TEST_CASE("A device shows its force now and at most, and the caps it met lately 
   }
 }
 
+TEST_CASE("Torque and the tool are shown where a device has them, and nowhere else") {
+  TopSample before = sample_at(1000), now = sample_at(2000);
+  const std::string without = top_screen(view_between(before, now), 100);
+  REQUIRE_FALSE(has(without, "torque"));
+  REQUIRE_FALSE(has(without, "tool"));
+  CHECK(to_json(view_between(before, now))["devices"][0]["tool"].is_null());
+
+  TopSample::Device& device = now.devices[0];
+  device.state.torque_cap = 0.3;
+  device.state.torque[1] = -0.02;
+  device.counts.torque_max = 0.05;
+  device.counts.torque_cap_hits = 3;
+  device.state.has_tool = 1;
+  device.state.tool_position[2] = 0.0125;
+  device.state.tool_orientation[0] = 1;
+  device.state.contact_count = 2;
+  device.state.level = 1;
+  device.state.culled = 5;
+  device.state.limits = SPM_CLIENT_TOOL_CAP_MET;
+  device.counts.tool_cap_hits = 9;
+  before.devices[0].counts.tool_cap_hits = 2;
+  now.loop.coarse = 40;
+  const TopView view = view_between(before, now);
+  const std::string screen = unbroken(top_screen(view, 80));
+  for (const char* part :
+       {"torque 0.0200 N m, max 0.0500, cap met 3 (+3)", "tool at 0.00 0.00 12.50 mm",
+        "touches at 2 places, 5 objects culled, level 1", "coupling's cap met 9 (+7) (now)",
+        "coarser samples 40 (+40)"}) {
+    INFO(screen);
+    CHECK(has(screen, part));
+  }
+  const nlohmann::ordered_json json = to_json(view);
+  CHECK(json["coarse_ticks"]["total"] == 40);
+  const nlohmann::ordered_json& hand = json["devices"][0];
+  CHECK(hand["torque_n_m"]["now"] == 0.02);
+  CHECK(hand["torque_n_m"]["cap"] == 0.3);
+  CHECK(hand["tool"]["position_m"][2] == 0.0125);
+  CHECK(hand["tool"]["contacts"] == 2);
+  CHECK(hand["tool"]["culled"] == 5);
+  CHECK(hand["tool"]["capped"] == true);
+}
+
 TEST_CASE("The cause of zero force is shown with its cure, and what it was once it is over") {
   TopSample before = sample_at(1000), now = sample_at(2000);
   now.devices[0].cause = "device_gone";

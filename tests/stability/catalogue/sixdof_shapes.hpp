@@ -91,4 +91,119 @@ namespace spm::stability {
   return shape;
 }
 
+/// A screw thread: a height along the axis and an angle about it give the radius, a sine wave of
+/// height `depth` to both sides of `radius`, right-handed.
+struct Thread {
+  double radius = 0, depth = 0, pitch = 1;  ///< m
+  int turns = 1;                            ///< pitches from end to end, about z = 0
+  int around = 32;                          ///< sides
+  int rings = 8;                            ///< a pitch
+
+  [[nodiscard]] double length() const { return turns * pitch; }
+  [[nodiscard]] double radius_at(double angle, double height) const {
+    return radius + depth * std::sin(2 * std::numbers::pi * height / pitch - angle);
+  }
+};
+
+namespace detail {
+
+/// Adds the thread's surface; its vertex (ring, side) is ring * around + side from the result on.
+inline std::uint32_t add_thread(const Thread& thread, bool outward, test::Shape& shape) {
+  const auto first = static_cast<std::uint32_t>(shape.vertices.size());
+  const int rings = thread.turns * thread.rings;
+  for (int ring = 0; ring <= rings; ++ring) {
+    const double height = thread.length() * (static_cast<double>(ring) / rings - 0.5);
+    for (int i = 0; i < thread.around; ++i) {
+      const double angle = 2 * std::numbers::pi * i / thread.around;
+      const double radius = thread.radius_at(angle, height);
+      shape.vertices.emplace_back(radius * std::cos(angle), radius * std::sin(angle), height);
+    }
+  }
+  for (int ring = 0; ring < rings; ++ring) {
+    for (int i = 0; i < thread.around; ++i) {
+      const auto at = [&](int up, int side) {
+        return first +
+               static_cast<std::uint32_t>((ring + up) * thread.around + (i + side) % thread.around);
+      };
+      const std::uint32_t a = at(0, 0), b = at(0, 1), c = at(1, 1), d = at(1, 0);
+      if (outward) {
+        shape.triangles.push_back({a, b, c});
+        shape.triangles.push_back({a, c, d});
+      } else {
+        shape.triangles.push_back({a, c, b});
+        shape.triangles.push_back({a, d, c});
+      }
+    }
+  }
+  return first;
+}
+
+}  // namespace detail
+
+/// A bolt without a head.
+[[nodiscard]] inline test::Shape bolt(const Thread& thread) {
+  test::Shape shape;
+  const std::uint32_t first = detail::add_thread(thread, true, shape);
+  const auto around = static_cast<std::uint32_t>(thread.around);
+  const std::uint32_t last =
+      first + static_cast<std::uint32_t>(thread.turns * thread.rings) * around;
+  const auto bottom = static_cast<std::uint32_t>(shape.vertices.size());
+  shape.vertices.emplace_back(0, 0, -thread.length() / 2);
+  shape.vertices.emplace_back(0, 0, thread.length() / 2);
+  for (std::uint32_t i = 0; i < around; ++i) {
+    const std::uint32_t next = (i + 1) % around;
+    shape.triangles.push_back({bottom, first + next, first + i});
+    shape.triangles.push_back({bottom + 1, last + i, last + next});
+  }
+  return shape;
+}
+
+/// A round nut of radius `outer` with that thread from end to end.
+[[nodiscard]] inline test::Shape nut(const Thread& thread, double outer) {
+  test::Shape shape;
+  const std::uint32_t first = detail::add_thread(thread, false, shape);
+  const auto around = static_cast<std::uint32_t>(thread.around);
+  const std::uint32_t last =
+      first + static_cast<std::uint32_t>(thread.turns * thread.rings) * around;
+  const auto low = static_cast<std::uint32_t>(shape.vertices.size());
+  for (const double height : {-thread.length() / 2, thread.length() / 2}) {
+    for (std::uint32_t i = 0; i < around; ++i) {
+      const double angle = 2 * std::numbers::pi * i / thread.around;
+      shape.vertices.emplace_back(outer * std::cos(angle), outer * std::sin(angle), height);
+    }
+  }
+  const std::uint32_t high = low + around;
+  const auto quad = [&shape](std::uint32_t a, std::uint32_t b, std::uint32_t c, std::uint32_t d) {
+    shape.triangles.push_back({a, b, c});
+    shape.triangles.push_back({a, c, d});
+  };
+  for (std::uint32_t i = 0; i < around; ++i) {
+    const std::uint32_t next = (i + 1) % around;
+    quad(low + i, low + next, high + next, high + i);
+    quad(last + i, high + i, high + next, last + next);
+    quad(low + i, first + i, first + next, low + next);
+  }
+  return shape;
+}
+
+/// Bars of a square cross-section, `count` along x and as many along y just below them, that touch
+/// nothing: the tops of the upper ones lie at z = 0.
+[[nodiscard]] inline test::Shape lattice(double thickness, double pitch, int count, double gap) {
+  test::Shape shape;
+  const double length = pitch * count;
+  const auto add = [&shape](const test::Shape& bar) {
+    const auto first = static_cast<std::uint32_t>(shape.vertices.size());
+    shape.vertices.insert(shape.vertices.end(), bar.vertices.begin(), bar.vertices.end());
+    for (const auto& t : bar.triangles) {
+      shape.triangles.push_back({first + t[0], first + t[1], first + t[2]});
+    }
+  };
+  for (int i = 0; i < count; ++i) {
+    const double at = pitch * (i - (count - 1) / 2.0);
+    add(test::moved(test::box({length, thickness, thickness}), {0, at, -thickness / 2}));
+    add(test::moved(test::box({thickness, length, thickness}), {at, 0, -1.5 * thickness - gap}));
+  }
+  return shape;
+}
+
 }  // namespace spm::stability

@@ -3,7 +3,7 @@
 
 #include "baker/base/bake_error.hpp"
 #include "servo/force/scene_force.hpp"
-#include "servo/force/stabilizer.hpp"
+#include "servo/stabilize/stabilizer.hpp"
 #include "tests/stability/laboratory/contestants.hpp"
 
 namespace spm::stability {
@@ -14,10 +14,12 @@ namespace {
 class SceneContestant final : public Contestant {
  public:
   SceneContestant(const AssetView& asset, const ForceScene& scene, const StabilityCase& tried,
-                  const RunSettings& settings)
+                  const RunSettings& settings, const FeltLimits& limits, double delay_ticks)
       : assets_{&asset},
-        force_(scene, settings.period, judged_loop(tried, settings).encoder_step),
-        is_exchanged_(tried.is_exchanged) {}
+        force_(scene, settings.period, judged_loop(tried, settings).encoder_step, 0, limits),
+        is_exchanged_(tried.is_exchanged) {
+    if (delay_ticks > 0) force_.set_delay(delay_ticks);
+  }
 
   void begin(const Vector3&) override {
     force_.reset();
@@ -94,7 +96,14 @@ std::unique_ptr<Contestant> product_contestant(const Contender& contender,
   ForceScene scene = scene_of(force, effects_of(tried, method, settings));
   scene.stabilization = stabilization;
   const AssetView& asset = method == Method::paper ? object.paper() : object.sparse();
-  return std::make_unique<SceneContestant>(asset, scene, tried, settings);
+  return scene_contestant(asset, scene, tried, settings);
+}
+
+std::unique_ptr<Contestant> scene_contestant(const AssetView& asset, const ForceScene& scene,
+                                             const StabilityCase& tried,
+                                             const RunSettings& settings, const FeltLimits& limits,
+                                             double delay_ticks) {
+  return std::make_unique<SceneContestant>(asset, scene, tried, settings, limits, delay_ticks);
 }
 
 }  // namespace spm::stability

@@ -38,6 +38,12 @@ namespace spm::stability {
                                                              const StabilityCase& tried,
                                                              const RunSettings& settings);
 
+/// The servo's own force code with a whole scene of one object, on its baked asset, which must
+/// outlive it. `delay_ticks`: what the servo measured, ticks; 0: nothing.
+[[nodiscard]] std::unique_ptr<Contestant> scene_contestant(
+    const AssetView& asset, const ForceScene& scene, const StabilityCase& tried,
+    const RunSettings& settings, const FeltLimits& limits = {}, double delay_ticks = 0);
+
 /// The paper's equations: those for a point through the servo's own code, those for a ball (eq. 10
 /// and 11), which the servo does not offer, by paper_probe_force.
 [[nodiscard]] std::unique_ptr<Contestant> paper_contestant(const PreparedObject& object,

@@ -19,7 +19,8 @@ namespace spm::stability {
 /// distance-field; and `default`, the product's with its default stabilizers.
 struct Contender {
   std::string method;
-  std::string stabilization;  ///< words joined by "+", of servo/force/stabilizer.hpp; empty: none
+  std::string
+      stabilization;  ///< words joined by "+", of servo/stabilize/stabilizer.hpp; empty: none
 };
 
 /// One run's settings beside the case.
@@ -30,6 +31,7 @@ struct RunSettings {
   double period = 1e-3;     ///< s
   std::uint64_t seed = 1;   ///< of noise, losses, and the path's offset between encoder steps
   servo::MovingMass mass = servo::MovingMass::constant;
+  bool torque = true;  ///< in six degrees of freedom: whether the device's motors turn the tool
 };
 
 /// The plant that a case runs on.

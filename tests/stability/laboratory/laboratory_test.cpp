@@ -89,6 +89,25 @@ TEST_CASE("A flat wall is good at 0.6 of its border and is not at 1.7, and all s
   }
 }
 
+TEST_CASE("What is chosen for a device holds a wall and a tap with longer delays too") {
+  for (const servo::SimProfile& profile : servo::sim_profiles) {
+    const DeviceProfile& device = *find_device_profile(profile.name);
+    for (const double delay : {1.0, 2.0, 4.0}) {
+      for (const double speed : {0.05, 0.5}) {
+        CAPTURE(profile.name, delay, speed);
+        StabilityCase tried = pressed_box();
+        tried.delay_ticks = delay;
+        tried.hand.front().speed = speed;
+        RunSettings settings;
+        settings.profile = &profile;
+        const double share = stiffness_share(device.actuator_lag(), delay, settings.period);
+        settings.stiffness = std::min(share * margin_below_border(device), device.stiffness_cap);
+        CHECK(case_verdict(tried, settings, {"default", {}}).good());
+      }
+    }
+  }
+}
+
 TEST_CASE("The paper's equations hold a flat wall as the exact penalty does") {
   const StabilityCase tried = pressed_box();
   const RunSettings settings;

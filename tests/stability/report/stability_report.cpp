@@ -34,6 +34,7 @@ struct Cell {
   const servo::SimProfile* profile = nullptr;
   double flat = 0;  ///< N/m
   double fraction = 0;
+  bool torque = true;
 };
 
 class Measurement {
@@ -117,8 +118,13 @@ class Measurement {
       const Cell cell{&tried, &contender, profiles_[i], report_.flats[i].measured, 0};
       const double fixed = tried.of_border();
       for (const double fraction : fixed > 0 ? std::vector<double>{fixed} : plan_.fractions) {
-        cells.push_back(cell);
-        cells.back().fraction = fraction;
+        // A device that turns the tool, and one that only pushes it.
+        for (const bool torque : {true, false}) {
+          if (tried.degrees() == 3 && !torque) continue;
+          cells.push_back(cell);
+          cells.back().fraction = fraction;
+          cells.back().torque = torque;
+        }
       }
     }
   }
@@ -138,12 +144,14 @@ class Measurement {
   [[nodiscard]] CaseRow row_of(const Cell& cell) const {
     RunSettings settings = settings_of(*cell.profile);
     settings.stiffness = cell.fraction * cell.flat;
+    settings.torque = cell.torque;
     const CaseVerdict found = cell.tried->verdict(settings, *cell.contender, plan_.max_seeds);
     CaseRow row;
     row.name = cell.tried->name();
     row.method = name_of(*cell.contender);
     row.device = cell.profile->name;
     row.degrees = cell.tried->degrees();
+    row.torque = row.degrees == 6 && cell.torque;
     row.fraction = cell.fraction;
     row.stiffness = settings.stiffness;
     row.seeds = found.seeds;

@@ -66,6 +66,7 @@ struct CaseRow {
   std::string method;  ///< of the contender
   std::string device;
   int degrees = 3;       ///< of freedom
+  bool torque = false;   ///< in six: whether the device turns the tool
   double fraction = 0;   ///< of the profile's flat border
   double stiffness = 0;  ///< N/m
   int seeds = 0;

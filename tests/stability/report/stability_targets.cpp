@@ -70,6 +70,27 @@ std::string list_of(const std::map<std::string, std::vector<std::string>>& faile
   return text.empty() ? "none failed" : text;
 }
 
+/// A row's device, in words.
+std::string device_of(const CaseRow& row) {
+  return row.degrees == 6 && !row.torque ? row.device + " without torque" : row.device;
+}
+
+/// Share of good results at 0.6 of the tools that turn, on devices with torque and without.
+void add_tools(const StabilityReport& report, std::vector<TargetRow>& rows) {
+  std::string failed;
+  double good = 0, all = 0;
+  for (const CaseRow& row : report.cases) {
+    if (!is_gentle_default(row) || row.degrees != 6) continue;
+    all += 1;
+    good += row.verdict.good ? 1 : 0;
+    if (row.verdict.good) continue;
+    failed += (failed.empty() ? "" : ", ") + row.name + " (" + device_of(row) + ")";
+  }
+  if (!(all > 0)) return;
+  rows.push_back({"tools of six degrees good at 0.6, with torque and without", good / all, 0.95, 1,
+                  true, "share", failed.empty() ? "none failed" : failed});
+}
+
 /// Shares of good results at 0.6: of all pairs of case and profile, and of the cases that are good
 /// on every profile.
 void add_shares(const StabilityReport& report, std::vector<TargetRow>& rows) {
@@ -83,7 +104,7 @@ void add_shares(const StabilityReport& report, std::vector<TargetRow>& rows) {
     if (row.verdict.good) {
       good += 1;
     } else {
-      failed[row.name].push_back(row.device);
+      failed[row.name].push_back(device_of(row));
     }
   }
   if (!(all > 0)) return;
@@ -221,6 +242,7 @@ std::vector<TargetRow> targets_of(const StabilityReport& report) {
   std::vector<TargetRow> rows;
   add_theory(report, rows);
   add_shares(report, rows);
+  add_tools(report, rows);
   add_borders(report, rows);
   add_energy(report, rows);
   add_fixed_energy(report, rows);

@@ -56,6 +56,22 @@ TEST_CASE("All that failed at 0.6 is listed, by case, however much it is") {
   CHECK(everywhere.worst.ends_with("a-case-with-a-long-name-59"));
 }
 
+TEST_CASE("Tools of six degrees have a share of their own, with torque and without") {
+  StabilityReport report;
+  report.cases.push_back(gentle_run("flat-wall", "low", false));
+  for (const bool torque : {true, false}) {
+    report.cases.push_back(gentle_run("peg-in-hole", "touch", torque));
+    report.cases.back().degrees = 6;
+    report.cases.back().torque = torque;
+  }
+  const TargetRow tools = row_of(report, "tools of six degrees good at 0.6");
+  CHECK(tools.value == Approx(0.5));
+  CHECK(tools.floor == 0.95);
+  CHECK(tools.worst == "peg-in-hole (touch without torque)");
+  CHECK(row_of(report, "default good at 0.6, of cases and profiles").worst ==
+        "flat-wall (low), peg-in-hole (touch without torque)");
+}
+
 TEST_CASE("The net energy of good runs is told apart from that of all") {
   StabilityReport report;
   report.cases = {gentle_run("quiet", "low", true, 1.5e-4), gentle_run("calm", "low", true, 1e-5),

@@ -28,24 +28,26 @@ char letter_of(const Verdict& verdict) {
 
 Json case_json(const CaseRow& row) {
   const Findings& found = row.verdict.findings;
-  return {{"case", row.name},
-          {"method", row.method},
-          {"device", row.device},
-          {"stable", row.verdict.good},
-          {"energy_generated_j", found.generated_j},
-          {"reason", row.verdict.reason},
-          {"verdict", word_of(row.verdict)},
-          {"degrees", row.degrees},
-          {"fraction", row.fraction},
-          {"stiffness_n_m", row.stiffness},
-          {"seeds", row.seeds},
-          {"good_seeds", row.good_seeds},
-          {"popped", found.popped},
-          {"ripple_n", found.ripple_n},
-          {"ripple_m", found.ripple_m},
-          {"energy_bound_j", found.generated_bound_j},
-          {"penetration_m", found.penetration_m},
-          {"settled_s", found.settled_s}};
+  Json json = {{"case", row.name},
+               {"method", row.method},
+               {"device", row.device},
+               {"stable", row.verdict.good},
+               {"energy_generated_j", found.generated_j},
+               {"reason", row.verdict.reason},
+               {"verdict", word_of(row.verdict)},
+               {"degrees", row.degrees},
+               {"fraction", row.fraction},
+               {"stiffness_n_m", row.stiffness},
+               {"seeds", row.seeds},
+               {"good_seeds", row.good_seeds},
+               {"popped", found.popped},
+               {"ripple_n", found.ripple_n},
+               {"ripple_m", found.ripple_m},
+               {"energy_bound_j", found.generated_bound_j},
+               {"penetration_m", found.penetration_m},
+               {"settled_s", found.settled_s}};
+  if (row.degrees == 6) json["torque"] = row.torque;
+  return json;
 }
 
 Json border_json(const BorderRow& row) {

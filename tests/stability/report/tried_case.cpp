@@ -69,7 +69,8 @@ std::string TriedCase::prepare(const std::vector<Contender>& contenders) {
 }
 
 std::string TriedCase::why_not(const Contender& contender) const {
-  return three() != nullptr ? stability::why_not(contender, *three()) : why_not_sixdof(contender);
+  return three() != nullptr ? stability::why_not(contender, *three())
+                            : why_not_sixdof(contender, std::get<SixdofCase>(tried_));
 }
 
 CaseVerdict TriedCase::verdict(const RunSettings& settings, const Contender& contender,

@@ -46,6 +46,13 @@ SixdofTarget SixdofScript::at(double time) const {
   return target;
 }
 
+Eigen::Isometry3d pose_of(const Vector3& place, const Vector3& turn) {
+  Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
+  pose.translation() = place;
+  pose.linear() = orientation_of(turn).toRotationMatrix();
+  return pose;
+}
+
 SixdofCase sixdof_case(const std::string& name) {
   for (SixdofCase& tried : sixdof_catalogue()) {
     if (tried.name == name) return std::move(tried);

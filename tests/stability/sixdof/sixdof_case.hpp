@@ -5,10 +5,16 @@
 #include <string>
 #include <vector>
 
+#include "servo/devices/sim/sixdof_plant.hpp"
 #include "tests/stability/objects/stability_case.hpp"
-#include "tests/stability/sixdof/sixdof_plant.hpp"
 
 namespace spm::stability {
+
+using servo::orientation_of;
+using servo::SixdofPlant;
+using servo::SixdofSettings;
+using servo::SixdofTarget;
+using servo::SixdofTick;
 
 /// One leg of a hand's motion: it moves straight from pose to pose and then rests there.
 struct SixdofLeg {
@@ -17,6 +23,13 @@ struct SixdofLeg {
   double speed = 0.05;             ///< m/s
   double turn_speed = 0.5;         ///< rad/s; a leg takes as long as the slower of both
   double rest = 0;                 ///< s, at the end of the leg
+};
+
+/// How far a drawn tool may move and turn once it lies still; judged where a time is given.
+struct Creep {
+  double from = 0;   ///< s; 0: it is not judged
+  double place = 0;  ///< m
+  double turn = 0;   ///< rad
 };
 
 /// One named way to fail with a tool that turns. Lengths are in metres, in the world frame. The
@@ -43,6 +56,9 @@ struct SixdofCase {
   /// to feel.
   Eigen::Isometry3d touch = Eigen::Isometry3d::Identity();
   Vector3 press = -Vector3::UnitZ();
+  double compared_depth = 2e-3;  ///< m, how far it is pressed in for that; less where it is thin
+  double friction = 0;           ///< mu of Coulomb friction, at rest and in motion
+  Creep creep;
   Judged judged;
   int seeds = 3;
 };
@@ -67,8 +83,15 @@ class SixdofScript {
   std::vector<Part> parts_;
 };
 
+/// Those of them with long rests, threads and thin parts.
+[[nodiscard]] std::vector<SixdofCase> thin_sixdof_cases();
+
 /// The catalogue's cases in six degrees of freedom.
 [[nodiscard]] std::vector<SixdofCase> sixdof_catalogue();
+
+/// A pose by its place, m, and its turn, axis times angle (rad).
+[[nodiscard]] Eigen::Isometry3d pose_of(const Vector3& place,
+                                        const Vector3& turn = Vector3::Zero());
 
 /// The case of that name. Throws std::out_of_range where there is none.
 [[nodiscard]] SixdofCase sixdof_case(const std::string& name);

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <utility>
 
 #include "tests/stability/catalogue/sixdof_shapes.hpp"
 #include "tests/stability/sixdof/sixdof_case.hpp"
@@ -11,13 +12,6 @@ namespace spm::stability {
 namespace {
 
 using Eigen::Isometry3d;
-
-Isometry3d pose_of(const Vector3& place, const Vector3& turn = Vector3::Zero()) {
-  Isometry3d pose = Isometry3d::Identity();
-  pose.translation() = place;
-  pose.linear() = orientation_of(turn).toRotationMatrix();
-  return pose;
-}
 
 /// s. A loose grip's own swing has a time constant of 0.5 s; it is over before the hold begins.
 constexpr double dropped_seconds = 4;
@@ -168,8 +162,10 @@ SixdofCase dropped_across_an_edge() {
 }  // namespace
 
 std::vector<SixdofCase> sixdof_catalogue() {
-  return {peg_in_hole(),         wedged_tool(),     heavy_tool(),
-          dropped_on_its_edge(), set_on_its_edge(), dropped_across_an_edge()};
+  std::vector<SixdofCase> all{peg_in_hole(),         wedged_tool(),     heavy_tool(),
+                              dropped_on_its_edge(), set_on_its_edge(), dropped_across_an_edge()};
+  for (SixdofCase& one : thin_sixdof_cases()) all.push_back(std::move(one));
+  return all;
 }
 
 }  // namespace spm::stability

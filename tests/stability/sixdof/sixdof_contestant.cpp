@@ -1,94 +1,66 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "tests/stability/sixdof/sixdof_contestant.hpp"
 
+#include <algorithm>
+#include <array>
 #include <utility>
 #include <vector>
 
 #include "baker/base/bake_error.hpp"
 #include "common/paper/paper_force.hpp"
-#include "common/sixdof/virtual_tool.hpp"
-#include "servo/force/stabilizer.hpp"
+#include "servo/force/sampled_tool.hpp"
+#include "servo/force/scene_force.hpp"
+#include "tests/bench/base/unwrap.hpp"
 #include "tests/stability/laboratory/contestants.hpp"
-#include "tests/stability/sixdof/sixdof_stabilized.hpp"
 
 namespace spm::stability {
 
 namespace {
 
-/// Stiffness of the contact between the virtual tool and the objects, N/m3: its samples, of about a
-/// square millimetre each, are far stiffer than any coupling.
-constexpr double virtual_contact = 5e10;
+/// Of a tool's surface, on which the servo reaches an object's stiffness
+/// (servo/force/tool_force.cpp).
+constexpr double pressed_part = 1.0 / 16;
 
-/// m. If the virtual tool is farther from the device than this, something holds it off.
-constexpr double free_stretch = 1e-6;
-
-ObjectContactSettings contact_settings(const SixdofScene& scene, double stiffness) {
-  ObjectContactSettings settings;
-  settings.stiffness = stiffness;
-  settings.objects = static_cast<std::uint32_t>(scene.places().size());
-  return settings;
+/// The device as the servo knows it.
+HandTurning turning_of(const SixdofCase& tried, const RunSettings& settings) {
+  const SixdofPlant plant(sixdof_settings(tried, settings));
+  HandTurning turning;
+  turning.reads = true;
+  turning.torque_cap = plant.torque_cap();
+  turning.turn_step = plant.turn_step();
+  turning.inertia = plant.inertia().minCoeff();
+  turning.force_cap = settings.profile->force_cap;
+  return turning;
 }
 
-/// A symmetric stiffness along a direction; 0 where there is no direction.
-double stiffness_along(const Eigen::Matrix3d& stiffness, const Vector3& direction) {
-  const double square = direction.squaredNorm();
-  return square > 0 ? direction.dot(stiffness * direction) / square : 0;
-}
-
-/// ObjectContact at the device's pose.
-class DirectPenalty final : public SixdofContestant {
+/// The servo's own forces on a tool: SceneForce, with the loop's caps told to it.
+class ServedTool final : public SixdofContestant {
  public:
-  DirectPenalty(const SixdofScene& scene, double stiffness)
-      : contact_(scene.tool(), contact_settings(scene, stiffness)),
-        objects_(scene.contact_objects()) {}
-
-  void begin(const Eigen::Isometry3d&) override {
-    for (std::uint32_t i = 0; i < objects_.size(); ++i) contact_.forget(i);
+  ServedTool(const SixdofScene& scene, const ForceScene& forces, const SixdofCase& tried,
+             const RunSettings& settings)
+      : plant_(sixdof_settings(tried, settings)),
+        assets_{&scene.object().sparse(), &scene.tool_asset()},
+        tool_(bench::unwrap(
+            SampledTool::make(scene.tool_asset(), *forces.tool, 1, forces.objects.size()))),
+        force_(forces, settings.period, settings.profile->encoder_step, 0, {},
+               turning_of(tried, settings)) {
+    force_.take_tool(tool_.get(), 0);
   }
+
+  void begin(const Eigen::Isometry3d&) override { force_.reset(); }
   SixdofAnswer next(const Eigen::Isometry3d& measured) override {
-    const ContactSum sum = contact_.tick(measured, objects_).sum;
-    const Wrench wrench = sum.forces();
-    return {wrench,
-            measured,
-            sum.deepest,
-            sum.contacts > 0,
-            stiffness_along(sum.stiffness.topLeftCorner<3, 3>(), wrench.force),
-            stiffness_along(sum.stiffness.bottomRightCorner<3, 3>(), wrench.torque),
-            sum.energy};
+    const HandPose hand{measured.translation(), Eigen::Quaterniond(measured.linear()).normalized()};
+    const ContactForce felt = force_.next(assets_, hand);
+    const Wrench wrench{felt.force, felt.torque};
+    force_.sent(plant_.reachable(wrench));
+    return {wrench, force_.tool().pose, felt.depth, felt.contact};
   }
 
  private:
-  ObjectContact contact_;
-  std::vector<ContactObject> objects_;
-};
-
-/// The product's virtual tool.
-class CoupledTool final : public SixdofContestant {
- public:
-  CoupledTool(const SixdofScene& scene, const VirtualToolSettings& settings)
-      : contact_(scene.tool(), contact_settings(scene, virtual_contact)),
-        settings_(settings),
-        tool_(contact_, settings, scene.tool_radius()),
-        objects_(scene.contact_objects()) {}
-
-  void begin(const Eigen::Isometry3d& start) override {
-    for (std::uint32_t i = 0; i < objects_.size(); ++i) contact_.forget(i);
-    tool_.place(start);
-  }
-  SixdofAnswer next(const Eigen::Isometry3d& measured) override {
-    const VirtualToolReport report = tool_.tick(measured, objects_);
-    const ContactSum& sum = report.contact.sum;
-    // A tool just off a surface that it cannot go back into is held up as well as a tool in it.
-    const bool held = report.wrench.force.norm() > free_stretch * settings_.stiffness;
-    return {report.wrench,       report.pose,       sum.deepest,  sum.contacts > 0 || held,
-            settings_.stiffness, settings_.turning, report.energy};
-  }
-
- private:
-  ObjectContact contact_;
-  VirtualToolSettings settings_;
-  VirtualTool tool_;
-  std::vector<ContactObject> objects_;
+  SixdofPlant plant_;  ///< for its caps alone
+  std::array<const AssetView*, 2> assets_;
+  std::unique_ptr<SampledTool> tool_;
+  SceneForce force_;
 };
 
 /// A field that remembers nothing.
@@ -170,24 +142,52 @@ std::unique_ptr<SixdofContestant> every_sample(const Contender& contender, const
   return std::make_unique<EverySample>(scene, std::move(fields), stiffness);
 }
 
-VirtualToolSettings tool_settings(const SixdofCase& tried, const RunSettings& settings) {
-  const SixdofPlant plant(sixdof_settings(tried, settings));
-  VirtualToolSettings made;
-  made.stiffness = settings.stiffness;
-  made.turning = settings.stiffness * sixdof_lever * sixdof_lever;
-  // The device's limits. Without them, a held weight would tear the coupling before the device
-  // gives way.
-  made.max_force = settings.profile->force_cap;
-  made.max_torque = plant.torque_cap();
-  return made;
+/// Whether the servo makes the forces.
+bool is_served(const Contender& contender) {
+  return contender.method == "spm" || contender.method == "proxy" || contender.method == "default";
 }
 
 }  // namespace
 
-std::string why_not_sixdof(const Contender& contender) {
+ForceScene served_scene(const Contender& contender, const SixdofScene& scene,
+                        const SixdofCase& tried, const RunSettings& settings) {
+  ForceScene made;
+  PlacedObject object = default_object(settings.stiffness, {});
+  object.force.method = contender.method == "spm" ? Method::spm : Method::proxy;
+  if (contender.method == "spm") {
+    // An object of method spm is as stiff as it says where a part of the tool presses, and is felt
+    // nowhere steeper. What presses here is another part, and the hand is to feel the same force.
+    const double asked =
+        scene.area_stiffness(settings.stiffness) * pressed_part * scene.tool().area;
+    object.force.stiffness =
+        std::max({settings.stiffness, asked, scene.steepness(settings.stiffness)});
+  }
+  FrictionSettings& friction = object.effects.friction;
+  friction.stick = friction.slide = tried.friction;
+  friction.stiffness = settings.stiffness;
+  for (const Eigen::Isometry3d& place : scene.places()) {
+    object.placement.position = place.translation();
+    object.placement.rotation = Eigen::Quaterniond(place.linear());
+    made.objects.push_back(object);
+  }
+  ToolSettings tool;
+  tool.asset = 1;
+  tool.coupling = settings.stiffness;
+  tool.turning = settings.stiffness * sixdof_lever * sixdof_lever;
+  tool.spacing = tried.spacing;
+  made.tool = tool;
+  made.stabilization = stabilization_of(contender);
+  made.stabilization.delay_ticks = tried.delay_ticks;
+  made.stabilization.lag = judged_loop(StabilityCase{}, settings).lag;
+  made.stabilization.device_mass = settings.profile->mass;
+  return made;
+}
+
+std::string why_not_sixdof(const Contender& contender, const SixdofCase& tried) {
   const std::string reason = why_not(contender, StabilityCase{});
   if (!reason.empty()) return reason;
   if (contender.method == "mesh-proxy") return "mesh-proxy knows a point and a ball alone";
+  if (tried.friction > 0 && !is_served(contender)) return contender.method + " has no friction";
   const StabilizationSettings stabilization = stabilization_of(contender);
   if (stabilization.coupling > 0) return "the coupling of a tool that turns is what proxy is";
   if (stabilization.potential > 0) return "the force of samples is one potential's already";
@@ -198,25 +198,13 @@ std::unique_ptr<SixdofContestant> make_sixdof_contestant(const Contender& conten
                                                          const SixdofScene& scene,
                                                          const SixdofCase& tried,
                                                          const RunSettings& settings) {
-  const std::string reason = why_not_sixdof(contender);
+  const std::string reason = why_not_sixdof(contender, tried);
   if (!reason.empty()) throw baker::BakeError(ExitCode::usage, tried.name + ": " + reason);
-  std::unique_ptr<SixdofContestant> made;
-  if (contender.method == "proxy" || contender.method == "default") {
-    made = std::make_unique<CoupledTool>(scene, tool_settings(tried, settings));
-  } else if (contender.method == "spm") {
-    made = std::make_unique<DirectPenalty>(scene, scene.area_stiffness(settings.stiffness));
-  } else {
-    made = every_sample(contender, scene, scene.area_stiffness(settings.stiffness));
+  if (!is_served(contender)) {
+    return every_sample(contender, scene, scene.area_stiffness(settings.stiffness));
   }
-  StabilizationSettings stabilization = stabilization_of(contender);
-  if (!stabilization.any()) return made;
-  const SixdofPlant plant(sixdof_settings(tried, settings));
-  stabilization.delay_ticks = tried.delay_ticks;
-  stabilization.lag = judged_loop(StabilityCase{}, settings).lag;
-  stabilization.device_mass = settings.profile->mass;
-  const SixdofLoop loop{settings.period, settings.profile->encoder_step, plant.turn_step(),
-                        plant.inertia().minCoeff()};
-  return std::make_unique<StabilizedWrench>(std::move(made), stabilization, loop);
+  const ForceScene forces = served_scene(contender, scene, tried, settings);
+  return std::make_unique<ServedTool>(scene, forces, tried, settings);
 }
 
 }  // namespace spm::stability

@@ -5,6 +5,8 @@
 #include <memory>
 #include <string>
 
+#include "servo/force/scene_force.hpp"
+#include "servo/stabilize/turning_lever.hpp"
 #include "tests/stability/laboratory/laboratory.hpp"
 #include "tests/stability/sixdof/sixdof_scene.hpp"
 
@@ -12,7 +14,7 @@ namespace spm::stability {
 
 /// m: forces at this lever are compared with torques, and lengths with turns. The virtual tool's
 /// own: 1 N m/rad for 1000 N/m.
-inline constexpr double sixdof_lever = 0.0316227766;
+inline constexpr double sixdof_lever = turning_lever;
 
 /// The plant that a case runs on.
 [[nodiscard]] SixdofSettings sixdof_settings(const SixdofCase& tried, const RunSettings& settings);
@@ -23,9 +25,6 @@ struct SixdofAnswer {
   Eigen::Isometry3d drawn = Eigen::Isometry3d::Identity();  ///< where it shows the tool
   double depth = 0;                                         ///< m, that the law used
   bool contact = false;
-  double stiffness = 0;  ///< N/m, along the force; 0 where the law does not tell
-  double turning = 0;    ///< N m/rad, about the torque
-  double stored = 0;     ///< J, in all springs together
 };
 
 /// A way to make wrenches that the laboratory judges. One tick after another, the tool's reading
@@ -42,20 +41,25 @@ class SixdofContestant {
   [[nodiscard]] virtual SixdofAnswer next(const Eigen::Isometry3d& measured) = 0;
 };
 
-/// Why a contender has no form in six degrees of freedom, in words; empty where it has.
+/// Why a contender is not run on a case in six degrees of freedom, in words; empty where it is.
 /// `mesh-proxy` knows a point and a ball; `coupling` is what `proxy` is here, and `potential` what
-/// all laws here are but for the fields' own errors.
-[[nodiscard]] std::string why_not_sixdof(const Contender& contender);
+/// all laws here are but for the fields' own errors; friction is the servo's alone.
+[[nodiscard]] std::string why_not_sixdof(const Contender& contender, const SixdofCase& tried);
 
-/// `proxy` is the virtual tool, whose coupling is the stiffness that is felt, and turns by it times
-/// sixdof_lever squared. All others push with every sample's depth, by the stiffness of area that
-/// SixdofScene::area_stiffness gives: `spm` by ObjectContact; `exact-penalty`, `distance-field` and
-/// `paper` ask each finest sample of the exact surface, of trilinear distances and of the paper's
-/// maps. `default` is `proxy` with those of the default's stabilizers that have a form here. The
-/// scene outlives the contestant. Throws BakeError where `why_not_sixdof` says a reason.
+/// `spm`, `proxy` and `default`, with and without stabilizers, are the servo's SceneForce with a
+/// tool: objects of the stiffness that is felt, and for `proxy` a coupling of it that turns by it
+/// times sixdof_lever squared. All others push with every sample's depth, by the stiffness of area
+/// that SixdofScene::area_stiffness gives: `exact-penalty`, `distance-field` and `paper` ask each
+/// finest sample of the exact surface, of trilinear distances and of the paper's maps. The scene
+/// outlives the contestant. Throws BakeError where `why_not_sixdof` says a reason.
 [[nodiscard]] std::unique_ptr<SixdofContestant> make_sixdof_contestant(const Contender& contender,
                                                                        const SixdofScene& scene,
                                                                        const SixdofCase& tried,
                                                                        const RunSettings& settings);
+
+/// The scene that the servo is given for a contender that it makes the forces of: the case's object
+/// at its places, of asset 0, and its tool, asset 1.
+[[nodiscard]] ForceScene served_scene(const Contender& contender, const SixdofScene& scene,
+                                      const SixdofCase& tried, const RunSettings& settings);
 
 }  // namespace spm::stability

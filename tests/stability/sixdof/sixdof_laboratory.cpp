@@ -5,7 +5,9 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <optional>
 
+#include "common/base/hand_pose.hpp"
 #include "common/base/random.hpp"
 #include "common/base/units.hpp"
 #include "servo/devices/sim/sim_plant.hpp"
@@ -109,6 +111,38 @@ class TickReader {
   Eigen::Quaterniond start_;
 };
 
+/// How far a drawn tool is from where it lay at a time.
+class Stillness {
+ public:
+  explicit Stillness(const Creep& creep) : from_(creep.from) {}
+
+  void look(double now, const Eigen::Isometry3d& drawn) {
+    if (!(from_ > 0) || now < from_) return;
+    const Eigen::Quaterniond orientation(drawn.linear());
+    if (!lay_) lay_ = HandPose{drawn.translation(), orientation};
+    most_.place = std::max(most_.place, (drawn.translation() - lay_->position).norm());
+    most_.turn = std::max(most_.turn, turn_between(lay_->orientation, orientation).norm());
+  }
+  [[nodiscard]] const Creep& most() const noexcept { return most_; }
+
+ private:
+  double from_;
+  std::optional<HandPose> lay_;
+  Creep most_;
+};
+
+/// Fails a run whose drawn tool moved where it was to lie still; twice the limit is bad.
+void judge_creep(const Creep& allowed, const Creep& crept, Verdict& verdict) {
+  if (!(allowed.from > 0)) return;
+  const double times = std::max(crept.place / allowed.place, crept.turn / allowed.turn);
+  if (!(times > 1)) return;
+  verdict.good = false;
+  verdict.bad = verdict.bad || times > 2;
+  if (!verdict.reason.empty()) verdict.reason += "; ";
+  verdict.reason += "the drawn tool creeps by " + format_quantity(crept.place, Quantity::length) +
+                    " and turns by " + format_quantity(crept.turn, Quantity::angle);
+}
+
 /// Joins the verdicts on two parts of one run.
 void join(Verdict& verdict, const Verdict& turning) {
   verdict.good = verdict.good && turning.good;
@@ -136,6 +170,7 @@ SixdofSettings sixdof_settings(const SixdofCase& tried, const RunSettings& setti
   plant.mass_scale = tried.mass_scale;
   plant.delay_ticks = tried.delay_ticks;
   plant.grip_share = tried.grip_share;
+  if (!settings.torque) plant.torque_lever = 0;
   if (tried.has_weight) {
     plant.weight.z() = -gravity * settings.profile->mass * (tried.mass_scale - 1);
   }
@@ -158,6 +193,7 @@ SixdofRun run_sixdof_case(const SixdofCase& tried, const SixdofScene& scene,
   contestant->begin(start);
   const TickReader reader(plant, start);
   SixdofRun run;
+  Stillness still(tried.creep);
   run.trace.period = run.turning.period = settings.period;
   double deepest = 0;
   const auto ticks = static_cast<std::size_t>(std::lround(tried.seconds / settings.period));
@@ -173,10 +209,12 @@ SixdofRun run_sixdof_case(const SixdofCase& tried, const SixdofScene& scene,
     turn.hand_force = done.hand.torque / sixdof_lever;
     run.trace.ticks.push_back(place);
     run.turning.ticks.push_back(turn);
+    still.look(now, answer.drawn);
     if (i % looked_at == 0) {
       deepest = std::max(deepest, scene.contact(exact, answer.drawn, 1).deepest);
     }
   }
+  run.crept = still.most();
   run.verdict = judge_sixdof(tried, settings, run, deepest);
   return run;
 }
@@ -195,6 +233,7 @@ Verdict judge_sixdof(const SixdofCase& tried, const RunSettings& settings, const
     if (!verdict.reason.empty()) verdict.reason += "; ";
     verdict.reason += "the drawn tool lies " + format_quantity(deepest, Quantity::length) + " deep";
   }
+  judge_creep(tried.creep, run.crept, verdict);
   verdict.within_energy = !tried.judged.energy || found.generated_j <= found.generated_bound_j;
   return verdict;
 }

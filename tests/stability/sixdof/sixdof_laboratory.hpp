@@ -13,6 +13,7 @@ struct SixdofRun {
   Trace trace;  ///< of the tool's origin; work is of force and torque
   Trace
       turning;  ///< the same of the turn: radians and torques as lengths and forces at sixdof_lever
+  Creep crept;  ///< the farthest from where the drawn tool lay when the case's creep began
 };
 
 /// Runs a case tick by tick. The seed moves it all by up to half an encoder step, and turns it so.

@@ -7,7 +7,6 @@
 #include <string>
 #include <utility>
 
-#include "formats/asset/asset.hpp"
 #include "tests/bench/base/unwrap.hpp"
 #include "tests/support/triangle_octree.hpp"
 
@@ -15,9 +14,6 @@ namespace spm::stability {
 
 namespace {
 
-/// How far, m, the touched surface is pressed in when stiffnesses are compared. It is more than the
-/// sample spacing of any tool, so that an edge does not slip between the samples.
-constexpr double compared_depth = 2e-3;
 /// Of a tool's vertices, m.
 constexpr double rounding = 1e-6;
 /// Below this distance, m, the vector to the surface gives no reliable direction.
@@ -33,14 +29,14 @@ StabilityCase baked_object(const SixdofCase& tried) {
   return made;
 }
 
-/// Samples of a tool's surface, taken from its triangles. Nothing is asked about its inside, so it
-/// need not be baked.
-SurfaceSamples samples_of(const test::Shape& tool, double spacing) {
+/// A tool's surface as an asset of its triangles. Nothing is asked about its inside, so it need not
+/// be baked.
+Asset asset_of(const test::Shape& tool) {
   Asset asset;
   asset.metadata.tolerance = rounding;
+  asset.metadata.closed = true;
   asset.octree = test::triangle_octree(tool, {.edge = 1}, rounding, true);
-  const AssetTables tables = tables_of(asset);
-  return bench::unwrap(sample_surface(tables.view(), spacing));
+  return asset;
 }
 
 class ExactField : public SampledField {
@@ -76,18 +72,15 @@ class ExactField : public SampledField {
 SixdofScene::SixdofScene(const SixdofCase& tried)
     : object_(&prepared_object(baked_object(tried))),
       places_(tried.places),
-      tool_(samples_of(tried.tool, tried.spacing)),
+      tool_asset_(asset_of(tried.tool)),
+      tool_tables_(tables_of(tool_asset_)),
+      tool_(bench::unwrap(sample_surface(tool_tables_.view(), tried.spacing))),
       touch_(tried.touch),
-      press_(tried.press) {
+      press_(tried.press),
+      compared_depth_(tried.compared_depth) {
   for (const Vector3& vertex : tried.tool.vertices) {
     tool_radius_ = std::max(tool_radius_, vertex.norm());
   }
-}
-
-std::vector<ContactObject> SixdofScene::contact_objects() const {
-  std::vector<ContactObject> objects;
-  for (const Eigen::Isometry3d& place : places_) objects.push_back({&object_->sparse(), place});
-  return objects;
 }
 
 std::vector<std::unique_ptr<SampledField>> SixdofScene::exact_fields() const {
@@ -123,9 +116,20 @@ SampledContact SixdofScene::contact(const std::vector<std::unique_ptr<SampledFie
 
 double SixdofScene::area_stiffness(double stiffness) const {
   Eigen::Isometry3d pressed = touch_;
-  pressed.pretranslate(press_ * compared_depth);
+  pressed.pretranslate(press_ * compared_depth_);
   const double by_area = -contact(exact_fields(), pressed, 1).wrench.force.dot(press_);
-  return stiffness * compared_depth / by_area;
+  return stiffness * compared_depth_ / by_area;
+}
+
+double SixdofScene::steepness(double stiffness) const {
+  constexpr double step = 1e-5;  // m
+  const double by_area = area_stiffness(stiffness);
+  const auto force_at = [&](double depth) {
+    Eigen::Isometry3d pressed = touch_;
+    pressed.pretranslate(press_ * depth);
+    return -contact(exact_fields(), pressed, by_area).wrench.force.dot(press_);
+  };
+  return (force_at(compared_depth_) - force_at(compared_depth_ - step)) / step;
 }
 
 const SixdofScene& sixdof_scene(const SixdofCase& tried) {

@@ -5,7 +5,8 @@
 #include <optional>
 #include <vector>
 
-#include "common/sixdof/object_contact.hpp"
+#include "common/sixdof/surface_samples.hpp"
+#include "formats/asset/asset.hpp"
 #include "tests/stability/objects/prepared_object.hpp"
 #include "tests/stability/sixdof/sixdof_case.hpp"
 
@@ -45,10 +46,10 @@ class SixdofScene {
   explicit SixdofScene(const SixdofCase& tried);
 
   [[nodiscard]] const SurfaceSamples& tool() const noexcept { return tool_; }
+  /// The tool as an asset, for the servo to sample. It knows nothing of its inside.
+  [[nodiscard]] const AssetView& tool_asset() const noexcept { return tool_tables_.view(); }
   [[nodiscard]] const PreparedObject& object() const noexcept { return *object_; }
   [[nodiscard]] const std::vector<Eigen::Isometry3d>& places() const noexcept { return places_; }
-  /// The object's asset at all of its places.
-  [[nodiscard]] std::vector<ContactObject> contact_objects() const;
   /// Largest distance of a place of the tool from its origin, m.
   [[nodiscard]] double tool_radius() const noexcept { return tool_radius_; }
 
@@ -63,17 +64,22 @@ class SixdofScene {
                                        const Eigen::Isometry3d& pose, double stiffness) const;
 
   /// The stiffness by area, N/m3, at which the case's touched surface feels like a spring of
-  /// `stiffness` (N/m): pressed in by 2 mm, it pushes back with 2 mm times `stiffness`. Computed
-  /// with the exact surface.
+  /// `stiffness` (N/m): pressed in by the case's compared depth, it pushes back with that times
+  /// `stiffness`. Computed with the exact surface.
   [[nodiscard]] double area_stiffness(double stiffness) const;
+  /// How fast that push grows there, N per metre: more than `stiffness`, since more samples press.
+  [[nodiscard]] double steepness(double stiffness) const;
 
  private:
   const PreparedObject* object_;
   std::vector<Eigen::Isometry3d> places_;
+  Asset tool_asset_;
+  AssetTables tool_tables_;  ///< of that asset
   SurfaceSamples tool_;
   double tool_radius_ = 0;
   Eigen::Isometry3d touch_;
   Vector3 press_;
+  double compared_depth_;
 };
 
 /// A case's scene, made once per process. Throws BakeError.

@@ -6,8 +6,11 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <algorithm>
+#include <atomic>
 #include <catch2/catch.hpp>
 #include <chrono>
+#include <cmath>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
@@ -15,7 +18,10 @@
 #include <thread>
 
 #include "servo/devices/external/spm_external.h"
+#include "servo/loop/loop.hpp"
 #include "servo/shared/socket_path.hpp"
+#include "tests/servo/force/tool_scene.hpp"
+#include "tests/servo/support/eventually.hpp"
 #include "tests/servo/support/shape_asset.hpp"
 
 namespace device_external_test {
@@ -69,6 +75,44 @@ TEST_CASE("A pose comes to the loop and a wrench to the device's process") {
   CHECK(torque[0] == 4);
 }
 
+TEST_CASE("The torque of a loop whose hand holds a tool arrives at the device's process") {
+  const Runtime runtime;
+  test::ToolScene world;
+  world.begin();
+  const ServedAsset served[2] = {{&world.table.view},
+                                 {&world.tool_cube.view, nullptr, world.sampled.get()}};
+  AssetSlot slots[2];
+  for (int i = 0; i < 2; ++i) slots[i].offer(&served[i]);
+  DeviceExternal device(*parse_external_options("name=arm,profile=omega3,torque_cap=300mNm"));
+  REQUIRE(device.open({}));
+  LoopSettings settings;
+  settings.scene = world.scene;
+  settings.tick_budget = 50;  // no time decides anything here
+  TickRing ring = make_tick_ring(1000, 1);
+  std::atomic<bool> stop{false};
+  Loop loop(settings, {&device}, {&slots[0], &slots[1]}, ring, stop);
+  spm_external other{};
+  char message[1024] = "";
+  REQUIRE(spm_external_open(&other, "arm", message, sizeof message) == 0);
+  std::thread thread([&] { loop.run(); });
+  // Two millimetres in the table, turned by a tenth of a radian about y: it is turned back.
+  double force[3] = {}, torque[3] = {};
+  const double turned[4] = {std::cos(0.05), 0, std::sin(0.05), 0};
+  int frame = 0;
+  const bool came = test::eventually([&] {
+    const double down = std::min(1.0, ++frame / 100.0);
+    const double pressed[3] = {0, 0, test::ToolScene::tool_size / 2 + 0.001 - 0.003 * down};
+    spm_external_put_pose(&other, pressed, frame < 100 ? level : turned, 0);
+    return spm_external_get_wrench(&other, force, torque) == 1 && torque[1] < -1e-3;
+  });
+  stop.store(true);
+  thread.join();
+  spm_external_close(&other);
+  CHECK(came);
+  CHECK(force[2] > 0);
+  CHECK(std::abs(torque[0]) < std::abs(torque[1]));
+}
+
 TEST_CASE("Before a process supplies poses, and once it stops, the device is silent") {
   Lent lent;
   DeviceState state;
@@ -103,6 +147,34 @@ TEST_CASE("Poses that are no numbers, and orientations that are not unit, are fa
   CHECK(lent.device.read(state) == DeviceHealth::fault);
   spm_external_put_pose(&lent.other, place, level, 0);
   CHECK(lent.device.read(state) == DeviceHealth::ok);
+}
+
+TEST_CASE("A wrench's latency counts from when the process wrote the pose") {
+  Lent lent;
+  DeviceState state;
+  const auto latency = [&](const char* which) {
+    return lent.device.describe()["latency_us"][which]["max"].get<double>();
+  };
+  const auto answer = [&] {
+    REQUIRE(lent.device.read(state) == DeviceHealth::ok);
+    REQUIRE(lent.device.write({Vector3(1, 2, 3), Vector3::Zero()}) == DeviceHealth::ok);
+  };
+  // The first may have lain there for long.
+  spm_external_put_pose(&lent.other, place, level, 0);
+  answer();
+  CHECK(latency("report_to_command") == 0);
+  // An older header writes no time, and a hostile process any.
+  for (const std::uint64_t told : {std::uint64_t{0}, ~std::uint64_t{0}, ~std::uint64_t{0} >> 1U}) {
+    spm_external_put_pose(&lent.other, place, level, 0);
+    lent.other.memory->pose.time_ns = told;
+    answer();
+    CHECK(latency("report_age") == 0);
+  }
+  spm_external_put_pose(&lent.other, place, level, 0);
+  std::this_thread::sleep_for(std::chrono::milliseconds(3));
+  answer();
+  CHECK(latency("report_age") >= 3000);
+  CHECK(latency("report_to_command") >= latency("report_age"));
 }
 
 TEST_CASE("A process that dies while it writes leaves silence, and the next one is understood") {
@@ -237,7 +309,9 @@ TEST_CASE("Where no daemon runs, the device's process is told what to start") {
 }
 
 TEST_CASE("External options that will not do are refused with what would") {
-  for (const char* text : {"", "name=", "name=a/b", "name=a,profile=none", "name=a,x=1", "name"}) {
+  for (const char* text :
+       {"", "name=", "name=a/b", "name=a,profile=none", "name=a,x=1", "name", "name=a,turns=yes",
+        "name=a,torque_cap=1N", "name=a,torque_cap=100Nm", "name=a,turns=off,torque_cap=1Nm"}) {
     const auto options = parse_external_options(text);
     REQUIRE_FALSE(options);
     CHECK(options.error().code == ExitCode::usage);
@@ -246,6 +320,23 @@ TEST_CASE("External options that will not do are refused with what would") {
   const auto options = parse_external_options("name=arm_1,profile=omega3");
   REQUIRE(options);
   CHECK(options->profile->name == "omega3");
+  CHECK(options->turns);
+  CHECK(options->torque_cap == 0);
+}
+
+TEST_CASE(
+    "An external device has the torque that its options state, and turns unless they say no") {
+  const DeviceExternal silent(*parse_external_options("name=a"));
+  CHECK(silent.capabilities().turns);
+  CHECK(hand_turning(silent.capabilities()).torque_cap == 0);
+  const DeviceExternal strong(*parse_external_options("name=a,profile=omega3,torque_cap=400mNm"));
+  const HandTurning turning = hand_turning(strong.capabilities());
+  CHECK(turning.reads);
+  CHECK(turning.torque_cap == 0.4);
+  CHECK(turning.turn_step == Approx(90e-6));
+  CHECK(turning.force_cap == 12);
+  const DeviceExternal fixed(*parse_external_options("name=a,turns=off"));
+  CHECK_FALSE(hand_turning(fixed.capabilities()).reads);
 }
 
 }  // namespace device_external_test

@@ -38,11 +38,19 @@ def drives(trace: Path) -> bool:
 
 def end(how: str, trace: str, *command: str) -> int:
     """Beside the device: starts a daemon, ends it once it drives the device, and waits until nobody
-    holds its standard error any longer, its supervisor neither. `how`: kill or end."""
+    holds its standard error any longer, its supervisor neither. `how`: kill, end, or moved, which
+    kills once the device was lost and is driven again."""
     with subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE,
                           text=True) as daemon:
         while daemon.poll() is None and not drives(Path(trace)):
             time.sleep(0.005)
+        said = ""
+        while how == "moved" and not ("device_gone" in said and said.endswith("on again\n")):
+            line = daemon.stderr.readline()
+            if not line:
+                return 1
+            said += line
+        sys.stderr.write(said)
         daemon.send_signal(signal.SIGTERM if how == "end" else signal.SIGKILL)
         sys.stderr.write(daemon.stderr.read())
     expected = 0 if how == "end" else -signal.SIGKILL
@@ -64,7 +72,8 @@ class KilledDaemon(unittest.TestCase):
         self.addCleanup(folder.cleanup)
         trace = Path(folder.name) / "trace.csv"
         command = [SERVO, "run", "--asset", self.asset, "--device", device, "--trace", trace,
-                   "--socket", "off", "--black-box", "off", "--supervisor", supervisor, "--quiet"]
+                   "--socket", "off", "--black-box", "off", "--supervisor", supervisor,
+                   *([] if how == "moved" else ["--quiet"])]
         inside = [sys.executable, __file__, "--end", how, trace, *command]
         done = subprocess.run([*mock, "--", *inside], capture_output=True, text=True,
                               timeout=LONGEST_RUN, check=False)
@@ -129,6 +138,15 @@ class KilledDaemon(unittest.TestCase):
         self.assertIn(SENTENCE + "falcon:path=1-2", said)
         self.assertTrue(self.leaves(lambda seen: seen["last_lights"] != 0,
                                     partial(self.run_beside, mock, "falcon", "kill", "off")))
+
+    def test_a_falcon_that_was_plugged_in_elsewhere_hears_the_last_packet_there(self) -> None:
+        # A loss late enough that there was force before it.
+        mock = [MOCK_FALCON, "--mode", "move", "--act-after", "1000", "--replug-ms", "100"]
+        said, seen = self.run_beside(mock, "falcon", "moved", "on")
+        self.assertTrue(seen["rules_kept"], seen)
+        self.assertEqual(seen["unplugged"], 1)
+        self.assertEqual(seen["last_lights"], 0)
+        self.assertIn(SENTENCE + "falcon:path=1-3", said)
 
 
 if __name__ == "__main__":

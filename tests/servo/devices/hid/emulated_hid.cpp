@@ -110,6 +110,7 @@ class EmulatedWooden final : public EmulatedHid {
             {"last_mA", last_},
             {"current_began_ns", began_ns_},
             {"current_ended_ns", ended_ns_},
+            {"last_current_ns", last_current_ns_},
             {"steps", steps_}};
   }
   [[nodiscard]] int wrong() const override { return wrong_; }
@@ -170,7 +171,10 @@ class EmulatedWooden final : public EmulatedHid {
       largest_ = std::max(largest_, std::abs(last_[i]));
       any = any || last_[i] != 0;
     }
-    if (any != has_current_) (any ? began_ns_ : ended_ns_).push_back(servo::now_ns());
+    const std::int64_t now = servo::now_ns();
+    if (any != has_current_) (any ? began_ns_ : ended_ns_).push_back(now);
+    if (has_current_ && !any) last_current_ns_.push_back(commanded_ns_);
+    commanded_ns_ = now;
     has_current_ = any;
     answer_step(any);
     with_current_ += any ? 1 : 0;
@@ -196,6 +200,8 @@ class EmulatedWooden final : public EmulatedHid {
   int largest_ = 0;
   bool has_current_ = false;
   std::vector<std::int64_t> began_ns_, ended_ns_;  ///< when motors got current, and had none again
+  std::vector<std::int64_t> last_current_ns_;      ///< when the last command before each end came
+  std::int64_t commanded_ns_ = 0;
   bool inwards_ = false;
   int until_step_ = options_.step_every;
   std::int64_t stepped_ns_ = 0;  ///< when a step was reported that is not answered yet; or 0

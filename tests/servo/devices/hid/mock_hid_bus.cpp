@@ -169,6 +169,7 @@ nlohmann::ordered_json MockHidBus::seen() {
   json["dropped_reports"] = dropped_;
   json["unplugged_ns"] = unplugged_ns_;
   json["plugged_in_ns"] = plugged_in_ns_;
+  json["deaf_ns"] = listening_.deaf_ns();
   return json;
 }
 
@@ -272,6 +273,7 @@ int MockHidBus::exchange(UMockdevIoctlClient* client, unsigned number, HidBytes&
 void MockHidBus::on_connected(UMockdevIoctlBase*, UMockdevIoctlClient* client, gpointer self) {
   auto* bus = static_cast<MockHidBus*>(self);
   const std::lock_guard lock(bus->mutex_);
+  bus->listening_.begin();
   g_object_set_data(G_OBJECT(client), "generation", GINT_TO_POINTER(bus->generation_));
   if (bus->powered_) return;
   // It is asked for reports from its first opening on.

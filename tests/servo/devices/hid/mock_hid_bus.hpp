@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "tests/servo/devices/hid/emulated_hid.hpp"
+#include "tests/servo/devices/hid/listening_clock.hpp"
 
 namespace spm::test {
 
@@ -89,6 +90,7 @@ class MockHidBus {
   int generation_ = 0, count_ = 0, since_plug_in_ = 0, unplugged_ = 0, dropped_ = 0;
   bool plugged_in_ = false, powered_ = false;
   std::vector<std::int64_t> unplugged_ns_, plugged_in_ns_;  ///< when, of CLOCK_MONOTONIC
+  ListeningClock listening_;
 };
 
 }  // namespace spm::test

@@ -93,4 +93,21 @@ TEST_CASE("A wrong option is a usage error that says what would do") {
   REQUIRE(options.error().message.find(hint) != std::string::npos);
 }
 
+TEST_CASE("Turns and torque are left to the scene, or switched") {
+  const auto options = parse_sim_options("");
+  REQUIRE(options);
+  CHECK_FALSE(options->turns);
+  CHECK_FALSE(options->torque);
+  CHECK(parse_sim_options("turns=on,torque=off")->torque == false);
+  CHECK(parse_sim_options("torque=on")->torque == true);
+  CHECK(parse_sim_options("profile=falcon,mass=device")->turns == false);
+  for (const char* text :
+       {"turns=yes", "torque=", "turns=off,torque=on", "profile=falcon,mass=device,turns=on"}) {
+    INFO(text);
+    const auto wrong = parse_sim_options(text);
+    REQUIRE_FALSE(wrong);
+    CHECK(wrong.error().code == spm::ExitCode::usage);
+  }
+}
+
 }  // namespace sim_options_test

@@ -1,0 +1,203 @@
+// SPDX-License-Identifier: Apache-2.0
+// What the samples that touch push with. How they are found stands in object_contact.cpp.
+#include <algorithm>
+#include <cmath>
+
+#include "common/sixdof/object_contact.hpp"
+#include "common/sixdof/sample_vectors.hpp"
+
+namespace spm {
+
+namespace {
+
+/// Depth of a patch whose parts are spread evenly between `depth - half` and `depth + half`: mean
+/// and mean square over the part below the surface, and the size of that part.
+struct Pressed {
+  double depth = 0, square = 0, share = 0;
+};
+Pressed pressed(double depth, double half) noexcept {
+  if (depth >= half) return {depth, depth * depth + half * half / 3, 1};
+  if (!(depth > -half)) return {};
+  const double below = depth + half;
+  return {below * below / (4 * half), below * below * below / (6 * half), below / (2 * half)};
+}
+
+void add(PressedPatch& patch, double force, double depth, const Vector3& along,
+         const Vector3& normal, const Vector3& arm) noexcept {
+  patch.pressing += force;
+  patch.depth = std::max(patch.depth, depth);
+  patch.force += force * along;
+  patch.torque += force * arm.cross(along);
+  patch.moment += force * arm;
+  patch.pressure += force * normal;
+}
+
+}  // namespace
+
+void ObjectContact::start_over() noexcept {
+  patches_.clear();
+  touches_.clear();
+  for (Pair& pair : pairs_) {
+    if (pair.sum.contacts == 0) continue;
+    pair.sum = pair.grip_sum = {};
+    pair.gripped = 0;
+  }
+}
+
+/// The patch that a sample belongs to. Samples come cluster by cluster.
+PressedPatch& ObjectContact::patch_of(std::uint32_t object, std::uint32_t cluster) noexcept {
+  const bool goes_on =
+      !patches_.empty() && patches_.back().object == object && patches_.back().cluster == cluster;
+  if (!goes_on && patches_.size() < patches_.capacity()) {
+    PressedPatch& patch = patches_.emplace_back();
+    patch.object = object;
+    patch.cluster = cluster;
+  }
+  return patches_.back();
+}
+
+/// Adds the spring of a sample above the finest: of the part of its patch that is below.
+void ObjectContact::press_coarse(const Active& active) noexcept {
+  if (!active.reading.known() || !active.reading.has_normal()) return;
+  Pair& pair = pairs_[active.object];
+  const SampleShare& share = tool_.shares[active.sample];
+  const Vector3 normal = active.reading.outward();
+  const SampleSpread& spread = tool_.spreads[active.sample];
+  const Vector3 middle = turned(pair.pose.linear(), spread.middle);
+  const double cosine = normal.dot(pair.pose.linear() * share.normal());
+  const double half =
+      static_cast<double>(spread.spread) * std::sqrt(std::max(0.0, 1 - cosine * cosine));
+  const Pressed press = pressed(-static_cast<double>(active.distance) - normal.dot(middle), half);
+  if (!(press.depth > 0)) return;
+  const Vector3 arm = turned(pair.pose.linear(), tool_.places[active.sample].position) + middle;
+  const double spring = pair.stiffness * std::max(static_cast<double>(share.area), pair.least_area);
+  pair.sum.add(spring, press.depth, press.square, press.share, normal, arm);
+  add(patch_of(active.object, active.cluster), spring * press.depth, press.depth, normal, normal,
+      arm);
+}
+
+/// Adds the spring of a finest sample at `place` (object's frame).
+void ObjectContact::press_finest(std::uint32_t sample, std::uint32_t object, std::uint32_t cluster,
+                                 const Vector3& place, double distance,
+                                 const Vector3& normal) noexcept {
+  Pair& pair = pairs_[object];
+  const Vector3 arm = place - pair.pose.translation();
+  const double spring =
+      pair.stiffness * std::max(static_cast<double>(tool_.shares[sample].area), pair.least_area);
+  double depth = -distance;
+  Vector3 along = normal;
+  if (pair.lift > 0) {
+    // The energy is that of the depth under the raised surface.
+    const TextureHeight texture = texture_at(pair.texture, place);
+    depth += texture.height;
+    if (!(depth > 0)) return;
+    along = normal - (texture.gradient - normal.dot(texture.gradient) * normal);
+  }
+  pair.sum.add(spring, depth, depth * depth, 1, along, arm);
+  PressedPatch& patch = patch_of(object, cluster);
+  add(patch, spring * depth, depth, along, normal, arm);
+  if (pair.grip.on()) hold(sample, object, place, arm, normal, spring * depth, spring, patch);
+}
+
+/// Adds the bristle of a finest sample that touches.
+void ObjectContact::hold(std::uint32_t sample, std::uint32_t object, const Vector3& place,
+                         const Vector3& arm, const Vector3& normal, double force, double spring,
+                         PressedPatch& patch) noexcept {
+  Pair& pair = pairs_[object];
+  const double bristle_spring = pair.grip.spring * spring;
+  if (touches_.size() < touches_.capacity()) {
+    touches_.push_back({sample, object, floats_of(normal), static_cast<float>(force),
+                        static_cast<float>(bristle_spring)});
+  }
+  if (!pair.in_grip) return;
+  const Vector3 before =
+      turned(pair.settled.linear(), tool_.places[sample].position) + pair.settled.translation();
+  const Bristle bristle = grip_.bristle(sample, object, place, before, normal);
+  if (!(bristle.most > 0)) return;
+  const double stretch = bristle.stretch.norm();
+  const bool gives_way = bristle_spring * stretch > bristle.most;
+  const double secant = gives_way ? bristle.most / stretch : bristle_spring;
+  const double energy = gives_way ? bristle.most * (stretch - bristle.most / bristle_spring / 2)
+                                  : bristle_spring * stretch * stretch / 2;
+  pair.grip_sum.add_along(secant, -bristle.stretch, normal, arm, energy, gives_way);
+  pair.gripped += bristle.most;
+  const Vector3 pull = -secant * bristle.stretch;
+  patch.grip += pull;
+  patch.grip_torque += arm.cross(pull);
+}
+
+void ObjectContact::keep() noexcept {
+  std::swap(patches_, kept_);
+  std::swap(touches_, kept_touches_);
+  for (Pair& pair : pairs_) pair.kept = pair.pose;
+}
+
+void ObjectContact::settle() noexcept {
+  grip_.begin();
+  for (std::uint32_t i = 0; i < pairs_.size(); ++i) {
+    if (pairs_[i].present) grip_.begin(i);
+  }
+  for (const Touch& touch : kept_touches_) {
+    const Pair& pair = pairs_[touch.object];
+    const auto& position = tool_.places[touch.sample].position;
+    const Vector3 place = turned(pair.kept.linear(), position) + pair.kept.translation();
+    const Vector3 before =
+        pair.in_grip ? Vector3(turned(pair.settled.linear(), position) + pair.settled.translation())
+                     : place;
+    const Vector3 normal(touch.normal[0], touch.normal[1], touch.normal[2]);
+    grip_.settle(pair.grip, touch.sample, touch.object, place, before, normal,
+                 static_cast<double>(touch.force), static_cast<double>(touch.spring));
+  }
+  for (std::uint32_t i = 0; i < pairs_.size(); ++i) {
+    Pair& pair = pairs_[i];
+    if (!pair.present) {
+      // Objects of another method are settled in turn.
+      if (++pair.absent > 1) pair.in_grip = false;
+      continue;
+    }
+    pair.absent = 0;
+    grip_.end(i);
+    pair.settled = pair.kept;
+    pair.in_grip = pair.placed;
+  }
+}
+
+/// Turns what was summed in the objects' axes to the world's.
+void ObjectContact::sum_up(ObjectContactReport& report) noexcept {
+  for (Pair& pair : pairs_) {
+    ContactSum& sum = pair.sum;
+    if (sum.contacts == 0) continue;
+    // Samples that carry the tool in turn each know the whole of its weight: together they hold no
+    // more than it.
+    if (pair.gripped > 0) {
+      const double most = grip_.most(static_cast<std::uint32_t>(&pair - pairs_.data()));
+      pair.gripped = std::min(1.0, most / pair.gripped);
+      sum.wrench += pair.gripped * pair.grip_sum.wrench;
+      sum.stiffness += pair.gripped * pair.grip_sum.stiffness;
+      sum.energy += pair.gripped * pair.grip_sum.energy;
+    }
+    Matrix6 turn = Matrix6::Zero();
+    turn.topLeftCorner<3, 3>() = turn.bottomRightCorner<3, 3>() = pair.to_world;
+    // A torque is turned the other way round where the frame is mirrored.
+    if (pair.to_world.determinant() < 0) turn.bottomRightCorner<3, 3>() *= -1;
+    const Matrix6 whole = sum.stiffness.selfadjointView<Eigen::Lower>();
+    report.sum.wrench += turn * sum.wrench;
+    report.sum.stiffness += turn * whole * turn.transpose();
+    report.sum.energy += sum.energy;
+    report.sum.deepest = std::max(report.sum.deepest, sum.deepest);
+    report.sum.contacts += sum.contacts;
+  }
+  for (PressedPatch& patch : patches_) {
+    const Pair& pair = pairs_[patch.object];
+    const Eigen::Matrix3d& turn = pair.to_world;
+    patch.force += pair.gripped * patch.grip;
+    patch.torque += pair.gripped * patch.grip_torque;
+    const double side = turn.determinant() < 0 ? -1 : 1;
+    patch.force = turn * patch.force;
+    patch.torque = side * (turn * patch.torque);
+    patch.moment = turn * patch.moment;
+    patch.pressure = turn * patch.pressure;
+  }
+}
+
+}  // namespace spm

@@ -1,0 +1,93 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <algorithm>
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+
+namespace spm {
+
+/// Limits on the work of a tick.
+struct TickBudget {
+  std::int64_t nanoseconds = 0;  ///< 0: no limit
+  /// reading of a monotonic clock, ns; null: that of std::chrono::steady_clock.
+  std::int64_t (*now)() noexcept = nullptr;
+  std::uint32_t finest_level =
+      std::numeric_limits<std::uint32_t>::max();  ///< finer levels are not used
+  /// Samples below the coarsest level after which time is over: a tick that was ended by a clock is
+  /// repeated without one by the work that it had done.
+  std::uint32_t work = std::numeric_limits<std::uint32_t>::max();
+  /// Where time runs out, the last level that was finished counts, instead of a part of the next.
+  bool whole_levels = false;
+};
+
+/// Tells the search for contacts when its time is over.
+class WorkClock {
+ public:
+  WorkClock(const TickBudget& budget, double press_time) noexcept
+      : now_(budget.now != nullptr ? budget.now : &steady_now),
+        limited_(budget.nanoseconds > 0),
+        press_time_(press_time),
+        work_(budget.work) {
+    if (!limited_) return;
+    last_ = now_();
+    end_ = last_ + budget.nanoseconds;
+  }
+  /// True where time is over. Also where it would run out if the next piece of work and the end of
+  /// the tick each took as long as the longest so far, with this many samples still to be pressed.
+  /// `asked`: queries so far; `worked`: samples so far.
+  [[nodiscard]] bool over(std::uint64_t asked, std::uint32_t worked,
+                          std::size_t to_press) noexcept {
+    if (worked >= work_) return true;
+    if (!limited_) return false;
+    if (asked == asked_ && ++passed_ < passed_a_look) return false;
+    asked_ = asked;
+    passed_ = 0;
+    const std::int64_t now = now_();
+    longest_ = std::max(longest_, now - last_);
+    last_ = now;
+    const auto pressing = static_cast<std::int64_t>(press_time_ * static_cast<double>(to_press));
+    return now + 2 * longest_ + pressing >= end_;
+  }
+  /// Measures the time to press one sample, ns, from a batch that `press` presses; only large
+  /// enough batches count.
+  template <class Press>
+  [[nodiscard]] double time_of(std::size_t samples, const Press& press) noexcept {
+    constexpr std::size_t few = 32;
+    if (!limited_ || samples < few) {
+      press();
+      return press_time_;
+    }
+    const std::int64_t begun = now_();
+    press();
+    const double taken = static_cast<double>(now_() - begun) / static_cast<double>(samples);
+    return std::max(taken, press_time_ * forgotten_share);
+  }
+
+ private:
+  /// Number of samples that are skipped between two readings of the clock, where none of them
+  /// queries a field.
+  static constexpr int passed_a_look = 16;
+  /// The part of the longest press time that is kept from tick to tick.
+  static constexpr double forgotten_share = 0.98;
+
+  static std::int64_t steady_now() noexcept {
+    return std::chrono::duration_cast<std::chrono::nanoseconds>(
+               std::chrono::steady_clock::now().time_since_epoch())
+        .count();
+  }
+
+  std::int64_t (*now_)() noexcept;
+  bool limited_;
+  double press_time_;  ///< ns per sample
+  std::uint32_t work_;
+  std::int64_t end_ = 0;
+  std::int64_t last_ = 0;
+  std::int64_t longest_ = 0;
+  std::uint64_t asked_ = 0;
+  int passed_ = 0;
+};
+
+}  // namespace spm

@@ -1,0 +1,225 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <xxhash.h>
+
+#include <array>
+#include <cmath>
+#include <cstring>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <string_view>
+#include <utility>
+
+#include "formats/files/host.hpp"
+#include "formats/files/json_fields.hpp"
+#include "formats/files/text_file.hpp"
+#include "formats/motion/recording.hpp"
+#include "formats/motion/recording_parts.hpp"
+
+namespace spm {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+using namespace recording_parts;
+
+constexpr std::size_t end_bytes = 16;
+constexpr std::size_t max_header_bytes = std::size_t{1} << 24U;
+constexpr std::uint32_t max_objects = 1U << 16U;
+constexpr double rotation_slack = 1e-6;
+constexpr double slowest = 1, fastest = 1e5;  // Hz
+
+template <class Number>
+Number number_at(std::string_view bytes, std::size_t at) {
+  Number number;
+  std::memcpy(&number, bytes.data() + at, sizeof number);
+  return number;
+}
+
+std::vector<std::string> texts(JsonFields& fields, const char* key) {
+  std::vector<std::string> list;
+  for (const Json& entry : fields.array(key)) {
+    if (entry.is_string()) {
+      list.push_back(entry.get<std::string>());
+    } else {
+      fields.wrong(key, "a list of texts");
+    }
+  }
+  return list;
+}
+
+std::vector<RecordedAsset> assets_of(JsonFields& fields, std::string& problem) {
+  std::vector<RecordedAsset> list;
+  for (const Json& entry : fields.array("assets")) {
+    JsonFields asset(entry, "assets", problem);
+    list.push_back({asset.text("path"), asset.text("content_sha256")});
+  }
+  return list;
+}
+
+/// `problem` stays empty where all fields are there.
+RecordingHeader header_of(const Json& json, std::string& problem) {
+  RecordingHeader header;
+  JsonFields fields(json, "", problem);
+  header.spm_version = fields.text("spm_version");
+  header.instruction_set = fields.text("instruction_set");
+  header.rate_hz = fields.number("rate_hz", slowest, fastest);
+  header.causes = texts(fields, "causes");
+  header.assets = assets_of(fields, problem);
+  header.scene_path = fields.text("scene_path");
+  header.scene = fields.text("scene");
+  static_cast<void>(fields.integer("row_bytes", sizeof(RecordingRow), sizeof(RecordingRow)));
+  for (const Json& entry : fields.array("devices")) {
+    JsonFields device(entry, "devices", problem);
+    RecordedDevice& read = header.devices.emplace_back();
+    read.name = device.text("name");
+    read.encoder_step = device.number("encoder_step_m", 0);
+    const auto given = [&device](const char* key) { return !device.optional(key).is_null(); };
+    if (given("stiffness_cap_n_m")) read.stiffness_cap = device.number("stiffness_cap_n_m", 0);
+    if (given("force_cap_n")) read.force_cap = device.number("force_cap_n", 0);
+    if (given("profile")) read.profile = device.text("profile");
+    if (!given("turns")) continue;
+    read.turns = device.flag("turns");
+    read.torque_cap = given("torque_cap_n_m") ? device.number("torque_cap_n_m", 0)
+                                              : std::numeric_limits<double>::infinity();
+    read.turn_step = device.number("turn_step_rad", 0);
+    read.turning_inertia = device.number("turning_inertia_kg_m2", 0);
+  }
+  return header;
+}
+
+tl::unexpected<Error> bad(const std::string& path, const std::string& cause) {
+  return fail(ExitCode::invalid_input, path + ": " + cause + "; record it again");
+}
+
+/// Why a file of another form is not read; empty if it is of this form.
+std::string objection_to_form(const Json& json) {
+  const Json form = json.value("form", Json(1));
+  if (form == recording_form) return {};
+  if (form.is_number_integer() && form > recording_form) {
+    return "is of a form that a newer spm-servo writes; replay it with that version";
+  }
+  const Json version = json.value("spm_version", Json());
+  return "is of an older form, of spm-servo " +
+         (version.is_string() ? version.get<std::string>() : "of unknown version") +
+         ", which has not all that forces come from, such as torque; replay it with that "
+         "version, or record it again";
+}
+
+/// One part that is no row. `problem` stays empty where it is whole.
+RecordedChange change_of(std::uint32_t kind, std::string_view bytes, std::string& problem) {
+  RecordedChange change;
+  change.kind = static_cast<RecordedKind>(kind);
+  if (change.kind == RecordedKind::placed) {
+    PlacedPart part;
+    if (bytes.size() != sizeof part) {
+      problem = "a pose has not its size";
+      return change;
+    }
+    std::memcpy(&part, bytes.data(), sizeof part);
+    double norm = 0, size = 0;
+    for (std::size_t i = 0; i < part.pose.size(); ++i)
+      (i < 3 ? size : norm) += part.pose[i] * part.pose[i];
+    if (!(std::abs(norm - 1) <= rotation_slack) || !std::isfinite(size) ||
+        part.object >= max_objects) {
+      problem = "a pose is none";
+    }
+    change.tick = part.tick;
+    change.object = static_cast<std::uint32_t>(part.object);
+    change.pose = part.pose;
+    return change;
+  }
+  if (change.kind < RecordedKind::placed || change.kind > RecordedKind::lost) {
+    problem = "a part is of no known kind";
+    return change;
+  }
+  const Json json = Json::parse(bytes.begin(), bytes.end(), nullptr, false);
+  if (!json.is_object()) {
+    problem = "a change is no JSON object";
+    return change;
+  }
+  JsonFields fields(json, "change", problem);
+  change.tick = fields.integer("tick", 0, std::numeric_limits<std::uint64_t>::max());
+  if (change.kind == RecordedKind::assets) change.assets = assets_of(fields, problem);
+  if (change.kind <= RecordedKind::removed) {
+    change.object = static_cast<std::uint32_t>(fields.integer("object", 0, max_objects));
+  }
+  const bool has_settings = change.kind == RecordedKind::added ||
+                            change.kind == RecordedKind::changed ||
+                            change.kind == RecordedKind::stabilized;
+  if (has_settings) change.settings = fields.text("settings");
+  return change;
+}
+
+/// Reads the parts after the start. `problem` stays empty where all are whole.
+void read_parts(std::string_view bytes, std::uint64_t parts, Recording& recording,
+                std::string& problem) {
+  std::uint64_t found = 0;
+  for (std::size_t size = part_bytes(bytes); size > 0 && problem.empty();
+       size = part_bytes(bytes)) {
+    const auto kind = number_at<std::uint32_t>(bytes, 0);
+    const std::string_view part = bytes.substr(head_bytes, size - head_bytes);
+    bytes.remove_prefix(size);
+    ++found;
+    if (kind != row_kind) {
+      recording.changes.push_back(change_of(kind, part, problem));
+      continue;
+    }
+    RecordingRow row;
+    if (part.size() != sizeof row) {
+      problem = "a row has not its size";
+      return;
+    }
+    std::memcpy(&row, part.data(), sizeof row);
+    if (row.device >= recording.header.devices.size() ||
+        row.cause >= recording.header.causes.size()) {
+      problem = "names a device or a cause that it does not list";
+    }
+    recording.rows.push_back(row);
+  }
+  if (problem.empty() && (!bytes.empty() || found != parts)) {
+    problem = "has not as many bytes as it says";
+  }
+}
+
+}  // namespace
+
+bool is_recording(const std::string& path) {
+  std::ifstream file(path, std::ios::binary);
+  std::array<char, magic.size()> first{};
+  return file.read(first.data(), first.size()) && std::string_view(first.data(), 8) == magic;
+}
+
+Result<Recording> read_recording(const std::string& path) {
+  if (auto good = check_host(path); !good) return tl::make_unexpected(std::move(good.error()));
+  const Result<std::string> bytes = read_text_file(path, "a recording");
+  if (!bytes) return tl::make_unexpected(bytes.error());
+  if (bytes->size() < start_bytes + end_bytes || bytes->compare(0, magic.size(), magic) != 0) {
+    return bad(path, "is no recording of spm-servo run --record");
+  }
+  const std::size_t header_bytes = number_at<std::uint32_t>(*bytes, magic.size());
+  const std::size_t covered = bytes->size() - sizeof(std::uint64_t);
+  if (number_at<std::uint64_t>(*bytes, covered) != XXH3_64bits(bytes->data(), covered)) {
+    return bad(path, "was cut short or changed since it was written");
+  }
+  const auto parts = number_at<std::uint64_t>(*bytes, covered - sizeof(std::uint64_t));
+  const std::string_view body =
+      std::string_view(*bytes).substr(start_bytes, bytes->size() - start_bytes - end_bytes);
+  if (header_bytes > max_header_bytes || header_bytes > body.size()) {
+    return bad(path, "has not as many bytes as it says");
+  }
+  const std::string_view text = body.substr(0, header_bytes);
+  const Json json = Json::parse(text.begin(), text.end(), nullptr, false);
+  if (!json.is_object()) return bad(path, "has a header that is no JSON object");
+  if (const std::string problem = objection_to_form(json); !problem.empty()) {
+    return fail(ExitCode::invalid_input, path + ": " + problem);
+  }
+  Recording recording;
+  std::string problem;
+  recording.header = header_of(json, problem);
+  if (!problem.empty()) return bad(path, "its header: " + problem);
+  read_parts(body.substr(header_bytes), parts, recording, problem);
+  if (!problem.empty()) return bad(path, problem);
+  return recording;
+}
+
+}  // namespace spm

@@ -1,0 +1,235 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "servo/force/tool_force.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "common/base/turn_between.hpp"
+
+namespace spm {
+
+namespace {
+
+constexpr std::uint32_t every_level = std::numeric_limits<std::uint32_t>::max();
+
+Vector3 capped(const Vector3& vector, double cap, bool& met) noexcept {
+  const double size = vector.norm();
+  if (!(size > cap)) return vector;
+  met = true;
+  return vector * (cap / size);
+}
+
+WrenchLoop loop_of(const ToolLoop& loop, const ToolCoupling& coupling) noexcept {
+  return {loop.tick, loop.encoder_step, loop.turning.turn_step, loop.turning.inertia,
+          coupling.torque};
+}
+
+}  // namespace
+
+ToolForce::ToolForce(const ToolSettings& settings, const ToolLoop& loop,
+                     const StabilizationSettings& stabilization, const Placement& workspace,
+                     std::size_t objects)
+    : settings_(settings),
+      loop_(loop),
+      coupling_(tool_coupling(settings, loop)),
+      rotation_(workspace.rotation.toRotationMatrix()),
+      position_(workspace.position),
+      scale_(workspace.scale),
+      seat_(Eigen::Translation3d(settings.placement.position) *
+            settings.placement.rotation.normalized()),
+      stabilizer_(stabilization, loop_of(loop, coupling_)),
+      held_(objects),
+      pushed_(objects),
+      seats_(objects, Eigen::Isometry3d::Identity()),
+      reactions_(objects),
+      most_force_(coupling_.force_cap),
+      finest_(every_level),
+      place_velocity_(loop.encoder_step, loop.tick, stabilization.velocity),
+      turn_velocity_(loop.turning.turn_step, loop.tick, stabilization.velocity) {}
+
+void ToolForce::take(SampledTool* tool, std::size_t hand) noexcept {
+  if (tool == tool_) return;
+  tool_ = tool;
+  const bool has_samples = tool != nullptr && tool->paper() == nullptr;
+  contact_ = has_samples ? &tool->contact(hand) : nullptr;
+  culling_ = has_samples ? &tool->culling(hand) : nullptr;
+  virtual_.reset();
+  finest_ = every_level;
+  if (contact_ == nullptr) return;
+  contact_->forget();
+  const SurfaceSamples& samples = tool_->samples();
+  virtual_.emplace(*contact_, VirtualToolSettings{}, samples.centre.norm() + samples.radius);
+  virtual_->place(pose_);
+}
+
+void ToolForce::stabilize(const StabilizationSettings& stabilization,
+                          double stable_share) noexcept {
+  loop_.stable_share = stable_share;
+  coupling_ = tool_coupling(settings_, loop_);
+  stabilizer_ = WrenchStabilizer(stabilization, loop_of(loop_, coupling_));
+}
+
+void ToolForce::reset() noexcept {
+  stabilizer_.reset();
+  place_velocity_.reset();
+  turn_velocity_.reset();
+  placed_ = false;
+  tick_ = {};
+  std::fill(reactions_.begin(), reactions_.end(), Wrench{});
+  most_force_ = coupling_.force_cap;
+  finest_ = every_level;
+  patience_ = 0;
+  if (contact_ != nullptr) contact_->forget();
+}
+
+void ToolForce::exchange(std::size_t object) noexcept {
+  if (contact_ != nullptr) contact_->forget(static_cast<std::uint32_t>(object));
+  if (object < held_.size()) held_[object] = {};
+}
+
+Eigen::Isometry3d ToolForce::world_pose(const HandPose& hand) const noexcept {
+  Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
+  pose.linear() = rotation_ * hand.orientation.normalized().toRotationMatrix();
+  pose.translation() = position_ + scale_ * (rotation_ * hand.position);
+  return pose;
+}
+
+/// Moves the virtual tool with the object that it presses most, if that moved, so that it does not
+/// pass through. Returns the work that moving objects did, J of the world.
+double ToolForce::carry(std::span<const ToolObject> objects) noexcept {
+  double work = 0, most = 0;
+  std::size_t carrier = objects.size();
+  for (std::size_t i = 0; i < objects.size(); ++i) {
+    const Wrench& reaction = reactions_[i];
+    const double size = reaction.force.norm();
+    if (objects[i].asset == nullptr || !(size > 0)) continue;
+    const Eigen::Isometry3d& now = objects[i].pose;
+    if (now.matrix() == seats_[i].matrix()) continue;
+    const Vector3 moved = now.translation() - seats_[i].translation();
+    const Vector3 turned =
+        turn_between(Eigen::Quaterniond(seats_[i].linear()), Eigen::Quaterniond(now.linear()));
+    work -= reaction.force.dot(moved) + reaction.torque.dot(turned);
+    if (size > most) {
+      most = size;
+      carrier = i;
+    }
+  }
+  if (placed_ && virtual_ && carrier < objects.size() &&
+      objects[carrier].settings->force.method == Method::proxy) {
+    pose_ = objects[carrier].pose * seats_[carrier].inverse(Eigen::Isometry) * pose_;
+    pose_.linear() = Eigen::Quaterniond(pose_.linear()).normalized().toRotationMatrix();
+    virtual_->carry(pose_);
+  }
+  for (std::size_t i = 0; i < objects.size(); ++i) seats_[i] = objects[i].pose;
+  return work;
+}
+
+/// Damping of eq. 18 at the patches: each brakes the motion of its place by its part of the force.
+void ToolForce::damp(const HandPose& hand, std::span<const ToolObject> objects, std::uint64_t ticks,
+                     Felt& felt) noexcept {
+  turned_ += turn_between(orientation_, hand.orientation);
+  orientation_ = hand.orientation;
+  place_velocity_.take(hand.position, ticks);
+  turn_velocity_.take(turned_, ticks);
+  if (!damps_ || tick_.patch_count == 0) return;
+  const Vector3 velocity = rotation_ * (scale_ * place_velocity_.velocity());
+  const Vector3 turning = rotation_ * turn_velocity_.velocity();
+  const Vector3 origin = position_ + scale_ * (rotation_ * hand.position);
+  double pressing = 0;
+  for (const ContactPatch& patch : tick_.contacts()) pressing += patch.force.norm();
+  for (const ContactPatch& patch : tick_.contacts()) {
+    const double damping =
+        std::min(objects[patch.object].settings->effects.damping, loop_.limits.damping / scale_);
+    if (!(damping > 0) || !(pressing > 0)) continue;
+    const Vector3 arm = patch.place - origin;
+    const Vector3 force =
+        -(damping * patch.force.norm() / pressing) * (velocity + turning.cross(arm));
+    felt.wrench.force += force;
+    felt.wrench.torque += arm.cross(force);
+  }
+}
+
+void ToolForce::react(std::span<ToolObject> objects, const Eigen::Isometry3d& pose,
+                      const Eigen::Isometry3d& device, double share) noexcept {
+  for (const PressedPatch& patch : contact_->patches()) {
+    Wrench& reaction = objects[patch.object].reaction;
+    const Vector3 arm = pose.translation() - objects[patch.object].pose.translation();
+    reaction.force -= share * patch.force;
+    reaction.torque -= share * (patch.torque + arm.cross(patch.force));
+    patches_.add(patch, pose, device, share);
+  }
+}
+
+ContactForce ToolForce::deepest() const noexcept {
+  ContactForce found;
+  for (const ContactPatch& patch : tick_.contacts()) {
+    if (found.depth > patch.depth) continue;
+    found.depth = patch.depth;
+    found.normal = patch.normal;
+  }
+  return found;
+}
+
+/// What the objects do to a tool of samples.
+void ToolForce::touch(const Eigen::Isometry3d& device, std::span<ToolObject> objects,
+                      const ForceBudget& budget, Felt& felt, ForceEffort& effort) noexcept {
+  Work work = begin_work(budget);
+  sort_out(objects, device, effort);
+  patches_.begin(tool_->patch_size());
+  if (any_pushed_) {
+    push(device, work, felt, effort);
+    react(objects, device, device, 1);
+  }
+  if (any_held_) {
+    hold(device, objects, work, felt, effort);
+    react(objects, pose_, device, coupling_.force_cap / most_force_);
+  } else {
+    pose_ = device;
+    virtual_->carry(pose_);
+  }
+  end_work(work, effort);
+  patches_.write(tick_);
+}
+
+ContactForce ToolForce::next(const HandPose& hand, std::span<ToolObject> objects,
+                             std::uint64_t ticks, const ForceBudget& budget,
+                             ForceEffort& effort) noexcept {
+  const Eigen::Isometry3d device = world_pose(hand);
+  tick_.patch_count = 0;
+  tick_.capped = false;
+  for (ToolObject& object : objects) object.reaction = {};
+  if (!placed_) {
+    pose_ = device;
+    orientation_ = hand.orientation;
+    if (virtual_) virtual_->place(pose_);
+  }
+  const double carried = carry(objects);
+  placed_ = true;
+  Felt felt;
+  if (contact_ != nullptr) {
+    touch(device, objects, budget, felt, effort);
+  } else {
+    pose_ = device;
+    if (tool_ != nullptr) press_by_paper(device, objects, felt);
+  }
+  damp(hand, objects, ticks, felt);
+  for (std::size_t i = 0; i < objects.size(); ++i) reactions_[i] = objects[i].reaction;
+  tick_.pose = pose_ * seat_;
+  ContactForce wanted = deepest();
+  wanted.contact = felt.contact;
+  // Newtons stay newtons, while levers and works shrink with the workspace's scale.
+  const Eigen::Matrix3d back = rotation_.transpose();
+  wanted.normal = back * wanted.normal;
+  const WrenchEnergy energy{felt.stiffness * scale_, felt.turning / scale_, felt.stored / scale_,
+                            carried / scale_};
+  const Wrench capped_wrench{
+      capped(back * felt.wrench.force, coupling_.force_cap, tick_.capped),
+      capped(back * felt.wrench.torque / scale_, coupling_.torque_cap, tick_.capped)};
+  const Wrench sent = stabilizer_.apply(capped_wrench, wanted.contact, hand, energy, ticks);
+  wanted.force = sent.force;
+  wanted.torque = sent.torque;
+  return wanted;
+}
+
+}  // namespace spm

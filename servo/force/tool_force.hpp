@@ -1,0 +1,135 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Geometry>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "common/base/hand_pose.hpp"
+#include "common/base/wrench.hpp"
+#include "common/sixdof/virtual_tool.hpp"
+#include "servo/force/force_budget.hpp"
+#include "servo/force/patch_list.hpp"
+#include "servo/force/placed_contact.hpp"
+#include "servo/force/sampled_tool.hpp"
+#include "servo/force/tool_coupling.hpp"
+#include "servo/force/tool_culling.hpp"
+#include "servo/stabilize/velocity_estimate.hpp"
+#include "servo/stabilize/wrench_stabilizer.hpp"
+
+namespace spm {
+
+/// An object of the scene as a tool meets it in a tick; the world's frame.
+struct ToolObject {
+  const AssetView* asset = nullptr;  ///< null: there is no object of this number
+  Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
+  const PlacedObject* settings = nullptr;
+  Wrench reaction;  ///< what the tool does to it, N, and N m about its origin; written by a tick
+};
+
+/// The force and torque of a scene's objects on a tool that a hand holds, tick by tick.
+///
+/// Objects of method `proxy` hold a virtual tool back, which a coupling pulls to the hand
+/// (VirtualTool); objects of method `spm` push the tool at the hand's own pose, sample by sample.
+/// A tool of a `full` asset is pushed by objects of method `paper` alone, each with one force.
+/// Construction allocates; no other call allocates or throws.
+class ToolForce {
+ public:
+  /// `workspace`: of the hand's frame in the world. `objects`: the largest number of them.
+  ToolForce(const ToolSettings& settings, const ToolLoop& loop,
+            const StabilizationSettings& stabilization, const Placement& workspace,
+            std::size_t objects);
+
+  /// What the tool is made of from now on; null: nothing, and no force. It begins where the one
+  /// before was. Must outlive its use here.
+  void take(SampledTool* tool, std::size_t hand) noexcept;
+
+  /// Force and torque on the hand at `hand` (its frame), torque about its position, `ticks` after
+  /// the last call. `hand` must be finite, and its orientation unit. `objects` by their numbers,
+  /// with room for no more than the constructor was told.
+  [[nodiscard]] ContactForce next(const HandPose& hand, std::span<ToolObject> objects,
+                                  std::uint64_t ticks, const ForceBudget& budget,
+                                  ForceEffort& effort) noexcept;
+  [[nodiscard]] const ToolTick& tick() const noexcept { return tick_; }
+  /// Tells what was sent of the wrench that `next` returned.
+  void sent(const Wrench& wrench) noexcept { stabilizer_.sent(wrench); }
+
+  /// `stable_share`: as of ToolLoop.
+  void stabilize(const StabilizationSettings& stabilization, double stable_share) noexcept;
+  /// The account of what can be given back begins anew: an object was removed.
+  void rebalance() noexcept { stabilizer_.reset(); }
+  /// Forgets all: the next tick begins at the hand's pose.
+  void reset() noexcept;
+  /// Takes up that the field of an object was exchanged, or another took its number.
+  void exchange(std::size_t object) noexcept;
+
+  [[nodiscard]] const ToolCoupling& coupling() const noexcept { return coupling_; }
+
+ private:
+  /// The sum of a tick before it is stabilized; the world's frame, torque about the hand.
+  struct Felt {
+    Wrench wrench;
+    bool contact = false;
+    double stiffness = 0, turning = 0;  ///< N/m, N m/rad
+    double stored = 0;                  ///< J
+  };
+  /// What is left of a tick's budget.
+  struct Work {
+    VirtualToolBudget budget;
+    std::uint32_t done = 0;  ///< samples
+    std::uint32_t level = 0;
+  };
+
+  [[nodiscard]] Eigen::Isometry3d world_pose(const HandPose& hand) const noexcept;
+  void sort_out(std::span<const ToolObject> objects, const Eigen::Isometry3d& device,
+                ForceEffort& effort) noexcept;
+  [[nodiscard]] ContactObject contact_object(const ToolObject& object) const noexcept;
+  [[nodiscard]] double carry(std::span<const ToolObject> objects) noexcept;
+  [[nodiscard]] Work begin_work(const ForceBudget& budget) const noexcept;
+  void touch(const Eigen::Isometry3d& device, std::span<ToolObject> objects,
+             const ForceBudget& budget, Felt& felt, ForceEffort& effort) noexcept;
+  void push(const Eigen::Isometry3d& device, Work& work, Felt& felt, ForceEffort& effort) noexcept;
+  void hold(const Eigen::Isometry3d& device, std::span<const ToolObject> objects, Work& work,
+            Felt& felt, ForceEffort& effort) noexcept;
+  void press_by_paper(const Eigen::Isometry3d& device, std::span<ToolObject> objects,
+                      Felt& felt) noexcept;
+  void end_work(const Work& work, ForceEffort& effort) noexcept;
+  void react(std::span<ToolObject> objects, const Eigen::Isometry3d& pose,
+             const Eigen::Isometry3d& device, double share) noexcept;
+  void damp(const HandPose& hand, std::span<const ToolObject> objects, std::uint64_t ticks,
+            Felt& felt) noexcept;
+  [[nodiscard]] ContactForce deepest() const noexcept;
+
+  ToolSettings settings_;
+  ToolLoop loop_;
+  ToolCoupling coupling_;  ///< of the hand
+  Eigen::Matrix3d rotation_;
+  Vector3 position_;
+  double scale_;
+  Eigen::Isometry3d seat_;  ///< the tool's frame in that of the device's tool, m of the world
+  WrenchStabilizer stabilizer_;
+  SampledTool* tool_ = nullptr;
+  ObjectContact* contact_ = nullptr;
+  ToolCulling* culling_ = nullptr;
+  std::optional<VirtualTool> virtual_;
+  Eigen::Isometry3d pose_ = Eigen::Isometry3d::Identity();  ///< of the virtual tool's grip, world
+  std::vector<ContactObject> held_, pushed_;                ///< by the numbers of objects
+  std::vector<Eigen::Isometry3d> seats_;                    ///< of the objects, in the last tick
+  std::vector<Wrench> reactions_;                           ///< on the objects, in the last tick
+  double most_force_ = 0;                                   ///< N, of the coupling in the world
+  std::uint32_t finest_;        ///< level that the next tick may look at
+  std::uint32_t patience_ = 0;  ///< ticks until it may look at the next
+  bool placed_ = false;         ///< the virtual tool is somewhere
+  bool any_held_ = false, any_pushed_ = false;
+  bool same_objects_ = false;                        ///< those that hold, as in the last tick
+  bool damps_ = false;                               ///< an object that is near damps
+  VelocityEstimate place_velocity_, turn_velocity_;  ///< of the hand, its frame
+  Vector3 turned_ = Vector3::Zero();                 ///< rad, the sum of all small turns
+  Eigen::Quaterniond orientation_ = Eigen::Quaterniond::Identity();
+  ToolTick tick_;
+  PatchList patches_;
+};
+
+}  // namespace spm

@@ -1,0 +1,91 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "servo/scene/tool_choice.hpp"
+
+#include <algorithm>
+#include <cstddef>
+
+#include "common/base/units.hpp"
+
+namespace spm::servo {
+
+namespace {
+
+// The stiffest device that turns is rated for 15 N/mm and about 30 N m/rad. Beyond these bounds it
+// is a wrong unit.
+constexpr double stiffest_coupling = 1e6;  // N/m
+constexpr double stiffest_turning = 1e4;   // N m/rad
+
+/// Largest diagonal of a tool, in spacings: beyond it there are millions of samples.
+constexpr double finest_share = 4000;
+
+tl::unexpected<Error> too_stiff(const std::string& place, const char* key, double most,
+                                Quantity kind) {
+  return fail(ExitCode::invalid_input,
+              place + "'" + key + "' of [tool] is out of range; give at most " +
+                  format_quantity(most, kind) + ", or \"auto\", what the device bears");
+}
+
+}  // namespace
+
+Result<ToolSettings> tool_settings(const SceneTool& tool, const std::string& scene,
+                                   const std::string& place) {
+  if (tool.asset.empty()) {
+    return fail(ExitCode::invalid_input,
+                place + "the tool has no 'asset'; bake its mesh with spm-bake build " + tool.mesh +
+                    " --scene " + scene + ", and name the baked file");
+  }
+  ToolSettings settings;
+  settings.placement = tool.placement;
+  settings.coupling = tool.coupling.value_or(0);
+  settings.turning = tool.turning.value_or(0);
+  if (settings.coupling > stiffest_coupling) {
+    return too_stiff(place, "coupling", stiffest_coupling, Quantity::stiffness);
+  }
+  if (settings.turning > stiffest_turning) {
+    return too_stiff(place, "turning", stiffest_turning, Quantity::turning_stiffness);
+  }
+  settings.torque_cap = tool.torque_cap.value_or(settings.torque_cap);
+  settings.spacing = tool.spacing / tool.placement.scale;
+  settings.samples = tool.samples;
+  settings.budget = tool.budget;
+  return settings;
+}
+
+Result<void> check_tool_asset(const AssetMetadata& asset, const ForceScene& scene,
+                              const std::string& path) {
+  const auto papers = std::count_if(
+      scene.objects.begin(), scene.objects.end(),
+      [](const PlacedObject& object) { return object.force.method == Method::paper; });
+  const bool all = papers == static_cast<std::ptrdiff_t>(scene.objects.size());
+  if (asset.form == AssetForm::full && !all) {
+    return fail(ExitCode::invalid_input,
+                path +
+                    ": is a full asset, whose surface cannot be sampled as a tool; bake the mesh "
+                    "again with --form sparse, or take method paper for all objects");
+  }
+  if (asset.form != AssetForm::full && papers > 0) {
+    return fail(ExitCode::invalid_input,
+                path +
+                    ": is a sparse tool, which method paper cannot read; bake the mesh again with "
+                    "--form full, or take method proxy or spm for all objects");
+  }
+  const double spacing = scene.tool ? scene.tool->spacing : 0;
+  if (spacing > 0 && asset.diagonal > finest_share * spacing) {
+    return fail(ExitCode::invalid_input,
+                path +
+                    ": 'spacing' of [tool] is finer than a tool of this size can be sampled; "
+                    "give at least " +
+                    format_quantity(scene.tool->placement.scale * asset.diagonal / finest_share,
+                                    Quantity::length));
+  }
+  if (!asset.closed) {
+    return fail(ExitCode::invalid_input,
+                path +
+                    ": is of an open mesh, so that it has no inside and can be no tool; close "
+                    "the mesh's " +
+                    std::to_string(asset.border_edges) + " border edges, and bake it again");
+  }
+  return {};
+}
+
+}  // namespace spm::servo
