@@ -5,8 +5,8 @@
 #include <cmath>
 
 #include "common/base/octahedral.hpp"
-#include "common/field/local_map.hpp"
 #include "common/field/nearest_triangle.hpp"
+#include "common/query/leaf_maps.hpp"
 #include "common/surface/closest_on_triangle.hpp"
 
 namespace spm {
@@ -86,54 +86,6 @@ Answer answer_by_list(const AssetView& asset, const std::uint32_t* unit,
   return answer;
 }
 
-/// What makes a vector one of length 1, by its square. The slope of a distance is nearly so long,
-/// where a short series and one of Newton's steps are right to 1e-13, and faster than a root and a
-/// division.
-double per_length(double square) noexcept {
-  const double less = 1 - square;
-  if (!(std::abs(less) < 1.0 / 16)) return square > 0 ? 1 / std::sqrt(square) : 0;
-  const double near = (1 + less * (1.0 / 2)) +
-                      less * less * ((3.0 / 8 + 5.0 / 16 * less) + less * less * (35.0 / 128));
-  return near * (1.5 - 0.5 * square * near * near);
-}
-
-Answer answer_by_maps(const AssetView& asset, const Leaf& leaf, const std::uint32_t* words,
-                      const Vector3& point) noexcept {
-  const double unit = asset.octree.value_unit * leaf.per_half;
-  const Vector3 offset((point[0] - leaf.middle[0]) * leaf.per_half,
-                       (point[1] - leaf.middle[1]) * leaf.per_half,
-                       (point[2] - leaf.middle[2]) * leaf.per_half);
-  LocalMap map = unpack_local_map(words, unit);
-  if (map.plane >= asset.planes.size()) return unanswered(Status::far);
-  Vector3 z = local_coordinates(asset.planes[map.plane], offset);
-  double value = map.at(z);
-  if (leaf.kind != OctreeKind::polynomial) {
-    const LocalMap other = unpack_local_map(words + local_map_words, unit);
-    if (other.plane >= asset.planes.size()) return unanswered(Status::far);
-    const Vector3 other_z = local_coordinates(asset.planes[other.plane], offset);
-    const double other_value = other.at(other_z);
-    if ((other_value < value) == (leaf.kind == OctreeKind::least)) {
-      map = other;
-      z = other_z;
-      value = other_value;
-    }
-  }
-  const Vector3 slope = map.gradient(z);
-  Answer answer;
-  answer.distance = leaf.half * value;
-  const SupportPlane& plane = asset.planes[map.plane];
-  const auto world = [&](int axis) {
-    return slope[0] * plane.u[axis] + slope[1] * plane.v[axis] - slope[2] * plane.n[axis];
-  };
-  const double along_x = world(0), along_y = world(1), along_z = world(2);
-  const double per = per_length(along_x * along_x + along_y * along_y + along_z * along_z);
-  answer.normal = {per * along_x, per * along_y, per * along_z};
-  answer.plane = static_cast<std::int32_t>(map.plane);
-  answer.source = Source::polynomial;
-  answer.status = Status::exact;
-  return answer;
-}
-
 }  // namespace
 
 Answer query_leaf(const AssetView& asset, const Leaf& leaf, const Vector3& point) noexcept {
@@ -144,8 +96,11 @@ Answer query_leaf(const AssetView& asset, const Leaf& leaf, const Vector3& point
   switch (leaf.kind) {
     case OctreeKind::polynomial:
     case OctreeKind::least:
-    case OctreeKind::most:
-      return answer_by_maps(asset, leaf, words, point);
+    case OctreeKind::most: {
+      LeafMaps maps;
+      if (!unpack_leaf_maps(asset, leaf, words, maps)) return unanswered(Status::far);
+      return answer_by_maps(asset, leaf, maps, point);
+    }
     case OctreeKind::list:
       return answer_by_list(asset, words, point);
     case OctreeKind::deep: {
@@ -166,8 +121,11 @@ Answer query_octree(const AssetView& asset, const Vector3& point) noexcept {
 
 double clearance(const AssetView& asset, const Vector3& point) noexcept {
   if (asset.full || !point.allFinite()) return 0;
+  return leaf_clearance(asset, leaf_at(asset.octree, point), point);
+}
+
+double leaf_clearance(const AssetView& asset, const Leaf& leaf, const Vector3& point) noexcept {
   const DistanceOctree& octree = asset.octree;
-  const Leaf leaf = leaf_at(octree, point);
   if (leaf.level < 0) {
     // Beyond all roots the surface is farther than they are, by the margin.
     const Vector3 high =

@@ -12,4 +12,19 @@ namespace spm {
 [[nodiscard]] Answer query_leaf(const AssetView& asset, const Leaf& leaf,
                                 const Vector3& point) noexcept;
 
+/// `clearance` where the leaf around the point is known.
+[[nodiscard]] double leaf_clearance(const AssetView& asset, const Leaf& leaf,
+                                    const Vector3& point) noexcept;
+
+/// Completes an answer beyond the band.
+inline void apply_band(const AssetView& asset, Answer& answer) noexcept {
+  if (answer.status != Status::exact) return;
+  if (answer.distance > asset.band.margin + asset.tolerance) {
+    answer = unanswered(Status::far);
+  } else if (answer.distance < -asset.band.max_depth) {
+    answer.distance = -asset.band.max_depth;
+    answer.status = Status::deep;
+  }
+}
+
 }  // namespace spm

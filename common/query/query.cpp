@@ -9,24 +9,9 @@
 
 namespace spm {
 
-namespace {
-
-/// Completes an answer beyond the band.
-void settle(const AssetView& asset, Answer& answer) noexcept {
-  if (answer.status != Status::exact) return;
-  if (answer.distance > asset.band.margin + asset.tolerance) {
-    answer = unanswered(Status::far);
-  } else if (answer.distance < -asset.band.max_depth) {
-    answer.distance = -asset.band.max_depth;
-    answer.status = Status::deep;
-  }
-}
-
-}  // namespace
-
 Answer query_point(const AssetView& asset, const Vector3& point) noexcept {
   Answer answer = asset.full ? query_full(asset, point) : query_octree(asset, point);
-  settle(asset, answer);
+  apply_band(asset, answer);
   return answer;
 }
 
@@ -48,7 +33,7 @@ void query_points(const AssetView& asset, std::span<const Vector3> points,
   for (std::size_t i = 0; i < count; ++i) {
     if (i + ahead - 1 < count) look_up(i + ahead - 1);
     answers[i] = query_leaf(asset, leaves[i % ahead], points[i]);
-    settle(asset, answers[i]);
+    apply_band(asset, answers[i]);
   }
 }
 

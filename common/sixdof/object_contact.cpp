@@ -3,7 +3,6 @@
 #include "common/sixdof/object_contact.hpp"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <limits>
 
@@ -18,11 +17,6 @@ namespace {
 /// Reduction of a clearance by the errors of two field values, in tolerances: at the sample that
 /// was queried, and at the one that is not.
 constexpr double doubtful_tolerances = 2;
-/// Ratio of the largest validity radius to the error that an answer may have when it is used again.
-constexpr double reaches_an_error = 50;
-/// A patch is not queried again before it has moved by this part of its radius. Until then the old
-/// reading bounds its distance, and is used where no finer sample is reached.
-constexpr double stale_share = 0.5;
 /// m: clearances are kept in floats, so what was travelled is counted anew from time to time.
 constexpr double longest_travel = 32;
 /// What rounding to a float may add, as a factor.
@@ -31,18 +25,9 @@ constexpr double rounded_down = 1 - 0x1p-22;
 constexpr std::uint32_t max_clusters = 400;
 constexpr std::size_t max_pressed_patches = 128;
 constexpr std::size_t max_touches = 1024;
+constexpr std::size_t max_whole = 1024, max_near = 8192, max_told = 1536;
 constexpr std::size_t least_room = 1024;  ///< of active samples
 constexpr double first_press_time = 100;  // ns
-constexpr std::uint32_t sample_bits = 21;
-constexpr std::uint32_t max_exchanges = (1U << (32 - sample_bits)) - 1;
-
-/// Answers that a tool's memory has room for, where the number is not named.
-std::uint32_t remembered_of(const SurfaceSamples& tool, std::uint32_t named) noexcept {
-  if (named > 0) return named;
-  const auto finest =
-      static_cast<std::uint32_t>(tool.levels.empty() ? 0 : tool.levels.back().count);
-  return std::clamp(std::bit_ceil(finest / 3 + 1), 1024U, 262144U);
-}
 
 }  // namespace
 
@@ -51,8 +36,6 @@ ObjectContact::ObjectContact(const SurfaceSamples& tool, const ObjectContactSett
       settings_(settings),
       coarse_(tool.levels.empty() ? 0 : tool.levels.back().first),
       pairs_(settings.objects),
-      memory_({settings.max_validity_radius, settings.max_validity_radius / reaches_an_error,
-               remembered_of(tool, settings.remembered)}),
       grip_(tool.levels.empty() ? 0 : tool.levels.back().count, settings.objects),
       until_(std::size_t{settings.objects} * coarse_, 0.0F),
       press_time_(first_press_time) {
@@ -62,6 +45,11 @@ ObjectContact::ObjectContact(const SurfaceSamples& tool, const ObjectContactSett
       std::min<std::size_t>(settings.max_active, std::max<std::size_t>(least_room, above));
   active_.reserve(std::max<std::size_t>(room, 1));
   next_.reserve(std::max<std::size_t>(room, 1));
+  whole_.reserve(max_whole);
+  near_.reserve(max_near);
+  contacts_.reserve(max_told);
+  kept_contacts_.reserve(max_told);
+  room_.reserve(max_told + max_told / 2);
   patches_.reserve(max_pressed_patches);
   kept_.reserve(max_pressed_patches);
   touches_.reserve(max_touches);
@@ -70,25 +58,17 @@ ObjectContact::ObjectContact(const SurfaceSamples& tool, const ObjectContactSett
     if (level.count > max_clusters && clustered_ > 0) break;
     clustered_ = level.first + level.count;
   }
-  for (Pair& pair : pairs_) renew(pair);
 }
 
 std::size_t ObjectContact::bytes() const noexcept {
   return pairs_.capacity() * sizeof(Pair) + until_.capacity() * sizeof(until_[0]) +
          (active_.capacity() + next_.capacity()) * sizeof(Active) +
          (patches_.capacity() + kept_.capacity()) * sizeof(PressedPatch) +
-         (touches_.capacity() + kept_touches_.capacity()) * sizeof(Touch) + memory_.bytes() +
+         (touches_.capacity() + kept_touches_.capacity()) * sizeof(Touch) +
+         whole_.capacity() * sizeof(Whole) + near_.capacity() * sizeof(Near) +
+         (contacts_.capacity() + kept_contacts_.capacity() + room_.capacity()) *
+             sizeof(NearContact) +
          grip_.bytes();
-}
-
-/// Gives a pair other numbers in the memory, so that what was known of it is not recalled.
-void ObjectContact::renew(Pair& pair) noexcept {
-  if (exchanges_ == max_exchanges) {
-    memory_.forget();
-    for (Pair& other : pairs_) other.placed = false;
-    exchanges_ = 0;
-  }
-  pair.points = exchanges_++ << sample_bits;
 }
 
 void ObjectContact::forget(std::uint32_t object) noexcept {
@@ -99,11 +79,17 @@ void ObjectContact::forget(std::uint32_t object) noexcept {
 
 void ObjectContact::forget() noexcept {
   for (std::uint32_t object = 0; object < pairs_.size(); ++object) forget(object);
-  memory_.forget();
-  exchanges_ = 0;
+  listed_ahead_ = 0;
   press_time_ = first_press_time;
   start_over();
   drop();
+}
+
+/// How far a sample is from the one above it, m.
+double ObjectContact::from_above(std::uint32_t sample, std::uint32_t above) const noexcept {
+  const auto &a = tool_.places[sample].position, &b = tool_.places[above].position;
+  const double x = a[0] - double{b[0]}, y = a[1] - double{b[1]}, z = a[2] - double{b[2]};
+  return std::sqrt(x * x + y * y + z * z);
 }
 
 /// Takes up where an object is in this tick.
@@ -111,6 +97,7 @@ void ObjectContact::set_out(const ContactObject& object, Pair& pair,
                             const Eigen::Isometry3d& tool) noexcept {
   const Eigen::Isometry3d pose = object.pose.inverse(Eigen::Isometry) * tool;
   pair.to_world = object.pose.linear();
+  pair.mirrored = pair.to_world.determinant() < 0;
   const bool same = pair.placed && pair.field == object.field && pair.scale == object.scale;
   if (same) {
     // A rotation by t moves a point at distance r from the axis by 2 r sin(t / 2).
@@ -123,7 +110,10 @@ void ObjectContact::set_out(const ContactObject& object, Pair& pair,
     std::fill_n(until_.begin() + which * static_cast<std::ptrdiff_t>(coarse_), coarse_, 0.0F);
     pair.travelled = 0;
   }
-  if (!same) renew(pair);
+  if (!same) {
+    pair.cursor.begin(object.field);
+    pair.listed = false;
+  }
   pair.field = object.field;
   pair.scale = object.scale;
   pair.stiffness = object.stiffness > 0 ? object.stiffness : settings_.stiffness;
@@ -136,121 +126,176 @@ void ObjectContact::set_out(const ContactObject& object, Pair& pair,
   pair.placed = pair.present = true;
 }
 
-/// Queries the field at a sample's position.
-FieldReading ObjectContact::read(const Pair& pair, std::uint32_t sample, const Vector3& place,
-                                 ObjectContactReport& report) noexcept {
-  FieldReading reading;
-  reading.place = floats_of(place);
+/// Queries the field at a sample's position. The normal is zero where the distance, m of the world,
+/// is a lower bound.
+double ObjectContact::ask(Pair& pair, const Vector3& place, Vector3& normal,
+                          ObjectContactReport& report) noexcept {
   ++report.asked;
   const Vector3 asked = pair.scale == 1 ? place : Vector3(place / pair.scale);
-  const Answer answer = query_point(*pair.field, asked);
+  const Answer answer = pair.cursor.query(asked);
   if (answer.status == Status::exact || answer.status == Status::deep) {
-    reading.distance = static_cast<float>(pair.scale * answer.distance);
-    reading.normal = floats_of(answer.normal);
-  } else {
-    reading.distance = static_cast<float>(pair.scale * clearance(*pair.field, asked));
+    normal = answer.normal;
+    return pair.scale * answer.distance;
   }
-  memory_.learn(pair.points | sample, reading);
-  return reading;
+  normal.setZero();
+  return pair.scale * pair.cursor.clearance(asked);
 }
 
 /// Adds a sample above the finest to `found` unless it, and everything below it, is clear of the
-/// object. `above`: the reading for the sample above it.
-void ObjectContact::look(std::uint32_t sample, std::uint32_t object, std::uint32_t above_cluster,
-                         const FieldReading& above, std::vector<Active>& found,
-                         ObjectContactReport& report) noexcept {
-  const std::uint32_t cluster = sample < clustered_ ? sample : above_cluster;
-  if (is_finest(sample)) return touch(sample, object, cluster, above, report);
-  const Pair& pair = pairs_[object];
+/// object or was pressed whole. `above`: the sample above it.
+void ObjectContact::look(std::uint32_t sample, std::uint32_t object, const Active& above,
+                         std::vector<Active>& found, ObjectContactReport& report) noexcept {
+  if (is_finest(sample)) return touch(sample, object, above, report);
+  Pair& pair = pairs_[object];
+  Active active;
+  active.sample = sample;
+  active.object = object;
+  active.cluster = sample < clustered_ ? sample : above.cluster;
   float& until = until_[std::size_t{object} * coarse_ + sample];
-  if (pair.travelled < std::abs(static_cast<double>(until))) {
+  const double reached = pair.travelled + (until > 0 ? ahead_ : 0);
+  if (reached < std::abs(static_cast<double>(until))) {
     const auto end = static_cast<double>(until);
     if (until > 0) report.clearance = std::min(report.clearance, end - pair.travelled);
-    if (until < 0) found.push_back({sample, object, cluster, 0, {}});
+    if (until < 0) found.push_back(active);
     return;
   }
   until = 0;
   ++report.tested;
-  const Vector3 place =
-      turned(pair.pose.linear(), tool_.places[sample].position) + pair.pose.translation();
   const auto radius = static_cast<double>(tool_.places[sample].radius) + pair.lift;
   const auto let_go = [&](double spare) {
     until = static_cast<float>((pair.travelled + spare) * rounded_down);
     report.clearance = std::min(report.clearance, spare);
   };
-  const FieldReading* reading = &above;
-  FieldReading fresh;
-  const auto add = [&](double distance) {
-    Active& active = found.emplace_back();
-    active.sample = sample;
-    active.object = object;
-    active.cluster = cluster;
-    active.distance = static_cast<float>(distance);
-    active.reading = *reading;
-  };
-  const bool same_place = above.known() && above.place == floats_of(place);
-  if (!same_place && !above.stands_for(place)) {
-    reading = &memory_.recall(pair.points | sample);
-    if (reading->known() && !reading->stands_for(place)) {
-      const double moved = reading->to(place).norm();
-      const double least = static_cast<double>(reading->distance) - moved - pair.doubt;
-      if (least > radius) return let_go(least - radius);
-      if (moved < stale_share * radius) {
-        add(reading->distance_at(place));
-        return;
-      }
-    }
-    if (!reading->stands_for(place)) {
-      // A field changes by at most the length of a step, so the reading for the sample above may be
-      // enough.
-      const double least =
-          static_cast<double>(above.distance) - above.to(place).norm() - pair.doubt;
-      if (above.known() && least > radius) return let_go(least - radius);
-      fresh = read(pair, sample, place, report);
-      reading = &fresh;
-    }
+  const double moved = above.known ? from_above(sample, above.sample) : 0;
+  // A field changes by at most the length of a step, so the sample above may tell enough.
+  const double told = static_cast<double>(above.distance) - moved - pair.doubt;
+  if (above.known && told > radius + ahead_) return let_go(told - radius);
+  const Vector3 place =
+      turned(pair.pose.linear(), tool_.places[sample].position) + pair.pose.translation();
+  active.known = true;
+  if (above.known && moved == 0) {
+    active.distance = above.distance;
+    active.normal = above.normal;
+  } else {
+    Vector3 normal;
+    active.distance = static_cast<float>(ask(pair, place, normal, report));
+    active.normal = floats_of(normal);
   }
-  const double distance = reading->distance_at(place);
+  const auto distance = static_cast<double>(active.distance);
   const double least = distance - pair.doubt;
-  if (least > radius) return let_go(least - radius);
+  if (least > radius + ahead_) return let_go(least - radius);
+  if (settle_whole(active, place, until, report)) return;
   // How near the surface must be for the sample itself to touch. A patch so large that it extends
   // far from its sample says little about the contact.
   const SampleSpread& spread = tool_.spreads[sample];
   double own = least - pair.lift - length(spread.middle) - static_cast<double>(spread.spread);
-  if (!reading->has_normal()) own = std::max(own, distance / 4);
+  if (!active.has_normal()) own = std::max(own, distance / 4);
   if (own > 0) until = -static_cast<float>((pair.travelled + own) * rounded_down);
-  add(distance);
+  found.push_back(active);
+}
+
+/// Where one polynomial is the field about all samples below one, they are clear or pressed
+/// together. False where they are not.
+bool ObjectContact::settle_whole(const Active& active, const Vector3& place, float& until,
+                                 ObjectContactReport& report) noexcept {
+  const Pair& pair = pairs_[active.object];
+  const SamplePlace& own = tool_.places[active.sample];
+  const auto radius = static_cast<double>(own.radius);
+  const Vector3 asked = pair.scale == 1 ? place : Vector3(place / pair.scale);
+  // The cursor may be elsewhere: a sample at the place of the one above was not queried.
+  if (!active.has_normal() || !pair.cursor.is_quadric(asked, radius / pair.scale)) return false;
+  LocalQuadric field = pair.cursor.quadric(asked);
+  field.distance *= pair.scale;
+  field.bend /= pair.scale;
+  const SampleMoments& moments = tool_.moments[active.sample];
+  const double slope = field.slope.norm();
+  const double along =
+      std::abs(field.slope.dot(pair.pose.linear() * tool_.shares[active.sample].normal()));
+  constexpr double one = std::numeric_limits<std::uint16_t>::max();
+  const double across = std::sqrt(std::max(0.0, slope * slope - along * along));
+  const double extent = radius * std::min(slope, along * moments.thickness / one + across) +
+                        field.bend.norm() * radius * radius;
+  const double clear = field.distance - extent - pair.lift;
+  if (clear > (ahead_ > 0 ? ahead_ + pair.doubt : 0)) {
+    const double spare = std::max(0.0, clear - pair.doubt);
+    if (spare > 0) until = static_cast<float>((pair.travelled + spare) * rounded_down);
+    report.clearance = std::min(report.clearance, spare);
+    return true;
+  }
+  // Each sample counts for itself where it has a bristle, a texture or a least area.
+  const bool alike = !pair.grip.on() && !(pair.lift > 0) && !(pair.least_area > 0) && ahead_ == 0;
+  const bool pressed = field.distance + extent < 0 &&
+                       field.distance - extent >= -pair.scale * pair.field->band.max_depth;
+  if (!alike || !pressed || moments.count == 0 || whole_.size() == whole_.capacity()) return false;
+  report.clearance = 0;
+  whole_.push_back({active.sample, active.object, active.cluster, field});
+  return true;
 }
 
 /// Presses a finest sample, if it touches.
-void ObjectContact::touch(std::uint32_t sample, std::uint32_t object, std::uint32_t cluster,
-                          const FieldReading& above, ObjectContactReport& report) noexcept {
-  const Pair& pair = pairs_[object];
+void ObjectContact::touch(std::uint32_t sample, std::uint32_t object, const Active& above,
+                          ObjectContactReport& report) noexcept {
+  Pair& pair = pairs_[object];
   ++report.tested;
+  const double moved = above.known ? from_above(sample, above.sample) : 0;
+  const double told = static_cast<double>(above.distance) - moved - pair.doubt;
+  if (above.known && told > pair.lift + ahead_) {
+    report.clearance = std::min(report.clearance, told - pair.lift);
+    return;
+  }
   const Vector3 place =
       turned(pair.pose.linear(), tool_.places[sample].position) + pair.pose.translation();
-  const FieldReading* reading = &above;
-  FieldReading fresh;
-  const auto clear = [&](const FieldReading& told) {
-    const double least = static_cast<double>(told.distance) - told.to(place).norm() - pair.doubt;
-    if (!told.known() || !(least > pair.lift)) return false;
-    report.clearance = std::min(report.clearance, least - pair.lift);
-    return true;
-  };
-  const bool same_place = above.known() && above.place == floats_of(place);
-  if (!same_place && !above.stands_for(place)) {
-    reading = &memory_.recall(pair.points | sample);
-    if (!reading->stands_for(place)) {
-      if (clear(*reading) || clear(above)) return;
-      fresh = read(pair, sample, place, report);
-      reading = &fresh;
-    }
+  Vector3 normal;
+  double distance = 0;
+  if (above.known && moved == 0) {
+    distance = static_cast<double>(above.distance);
+    normal = vector_of(above.normal);
+  } else {
+    distance = ask(pair, place, normal, report);
   }
-  const double distance = reading->distance_at(place);
+  const std::uint32_t cluster = sample < clustered_ ? sample : above.cluster;
+  press_by(sample, object, cluster, place, distance, normal, report);
+}
+
+/// Tells a finest sample that is near.
+void ObjectContact::note(const Pair& pair, std::uint32_t sample, const Vector3& place,
+                         double distance, const Vector3& normal) noexcept {
+  // A textured surface is no plane.
+  if (contacts_.size() == contacts_.capacity() || pair.lift > 0) {
+    near_known_ = false;
+    return;
+  }
+  const Vector3 arm = place - pair.pose.translation();
+  const double side = pair.mirrored ? -1 : 1;
+  const Vector3 way = pair.to_world * normal, turn = side * (pair.to_world * arm.cross(normal));
+  NearContact& near = contacts_.emplace_back();
+  for (std::size_t k = 0; k < 3; ++k) {
+    near.along[k] = static_cast<float>(way[static_cast<Eigen::Index>(k)]);
+    near.along[3 + k] = static_cast<float>(turn[static_cast<Eigen::Index>(k)]);
+  }
+  near.distance = static_cast<float>(distance);
+  near.spring = static_cast<float>(
+      pair.stiffness * std::max(static_cast<double>(tool_.shares[sample].area), pair.least_area));
+}
+
+/// Presses a finest sample where it touches, and lists it where it is near.
+void ObjectContact::press_by(std::uint32_t sample, std::uint32_t object, std::uint32_t cluster,
+                             const Vector3& place, double distance, const Vector3& normal,
+                             ObjectContactReport& report) noexcept {
+  const Pair& pair = pairs_[object];
   const double spare = distance - pair.doubt - pair.lift;
   report.clearance = std::min(report.clearance, std::max(spare, 0.0));
-  if (distance < pair.lift && reading->has_normal()) {
-    press_finest(sample, object, cluster, place, distance, reading->outward());
+  if (ahead_ > 0 && spare < ahead_) {
+    if (near_.size() < near_.capacity()) {
+      near_.push_back({sample, object, cluster});
+    } else {
+      listed_ahead_ = -1;
+    }
+  }
+  if (distance < near_reach_ + pair.lift && !normal.isZero(0))
+    note(pair, sample, place, distance, normal);
+  if (distance < pair.lift && !normal.isZero(0)) {
+    press_finest(sample, object, cluster, place, distance, normal);
   }
 }
 
@@ -259,6 +304,7 @@ void ObjectContact::touch(std::uint32_t sample, std::uint32_t object, std::uint3
 bool ObjectContact::refine(std::uint32_t level, const TickBudget& budget, WorkClock& clock,
                            ObjectContactReport& report) noexcept {
   next_.clear();
+  const std::size_t whole_before = whole_.size();
   const bool lists = level + 1 < tool_.levels.size();
   for (std::size_t i = 0; i < active_.size(); ++i) {
     const Active& parent = active_[i];
@@ -275,12 +321,13 @@ bool ObjectContact::refine(std::uint32_t level, const TickBudget& budget, WorkCl
       if (!budget.whole_levels) return false;
       left_ = 0;
       next_.clear();
+      whole_.erase(whole_.begin() + static_cast<std::ptrdiff_t>(whole_before), whole_.end());
       start_over();
       return false;
     }
     report.worked += below.count;
     for (std::uint32_t k = 0; k < below.count; ++k) {
-      look(below.first + k, parent.object, parent.cluster, parent.reading, next_, report);
+      look(below.first + k, parent.object, parent, next_, report);
     }
   }
   report.level = level;
@@ -297,11 +344,15 @@ ObjectContactReport ObjectContact::tick(const Eigen::Isometry3d& tool_pose,
   WorkClock clock(budget, press_time_);
   active_.clear();
   next_.clear();
+  whole_.clear();
+  contacts_.clear();
+  near_reach_ = budget.near;
+  near_known_ = budget.near > 0;
   start_over();
   left_ = 0;
   if (tool_.levels.empty() || !keeps_lengths(tool_pose)) return report;
   const std::size_t count = std::min(objects.size(), pairs_.size());
-  const SampleLevel& coarsest = tool_.levels.front();
+  const auto levels = static_cast<std::uint32_t>(tool_.levels.size());
   for (Pair& pair : pairs_) pair.present = false;
   for (std::uint32_t object = 0; object < count; ++object) {
     if (objects[object].field == nullptr || !keeps_lengths(objects[object].pose) ||
@@ -309,27 +360,41 @@ ObjectContactReport ObjectContact::tick(const Eigen::Isometry3d& tool_pose,
       continue;
     }
     set_out(objects[object], pairs_[object], tool_pose);
+  }
+  if (budget.finest_level >= levels - 1 && has_list(budget.ahead)) {
+    look_near(report);
+    sum_up(report);
+    return report;
+  }
+  begin_list(budget.ahead);
+  const SampleLevel& coarsest = tool_.levels.front();
+  for (std::uint32_t object = 0; object < count; ++object) {
+    if (!pairs_[object].present) continue;
     for (std::uint32_t k = 0; k < coarsest.count && active_.size() < active_.capacity(); ++k) {
-      look(coarsest.first + k, object, 0, {}, active_, report);
+      look(coarsest.first + k, object, {}, active_, report);
     }
   }
-  const auto levels = static_cast<std::uint32_t>(tool_.levels.size());
   for (std::uint32_t level = 1; level < levels && level <= budget.finest_level; ++level) {
     if (active_.empty()) {
-      // Nothing can touch, and that holds down to the finest level.
+      // Nothing else can touch, and that holds down to the finest level.
       report.level = levels - 1;
       break;
     }
     if (!refine(level, budget, clock, report)) break;
   }
   const std::span<const Active> left = std::span(active_).subspan(left_);
+  for (const Whole& whole : whole_) press_whole(whole);
   press_time_ = clock.time_of(next_.size() + left.size(), [&] {
     for (const Active& active : next_) press_coarse(active);
     for (const Active& active : left) press_coarse(active);
   });
   sum_up(report);
   // Samples that were not resolved to the finest level may touch.
-  if (report.degraded || report.level + 1 < levels) report.clearance = 0;
+  if (report.degraded || report.level + 1 < levels) {
+    report.clearance = 0;
+    near_known_ = false;
+  }
+  end_list(report);
   return report;
 }
 

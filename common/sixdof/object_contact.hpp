@@ -10,9 +10,10 @@
 
 #include "common/asset/asset_view.hpp"
 #include "common/contact/surface_texture.hpp"
+#include "common/query/query_cursor.hpp"
 #include "common/sixdof/contact_grip.hpp"
+#include "common/sixdof/contact_step.hpp"
 #include "common/sixdof/contact_sum.hpp"
-#include "common/sixdof/field_memory.hpp"
 #include "common/sixdof/surface_samples.hpp"
 #include "common/sixdof/work_clock.hpp"
 
@@ -35,13 +36,6 @@ struct ObjectContactSettings {
   std::uint32_t objects = 1;         ///< largest number of objects, below 2048
   std::uint32_t max_active = 65536;  ///< largest number of samples above the finest that may touch
                                      ///< at once; beyond it coarser ones are used
-  /// largest validity radius, m: how far from a query its tangent plane may be used instead of the
-  /// field, for a sample that moved or for one below it in the tree. Less where the field turns out
-  /// to be curved. 0: never.
-  double max_validity_radius = 5e-4;
-  /// Samples whose last answer is kept, of all objects together, a power of two; 0: chosen by the
-  /// tool.
-  std::uint32_t remembered = 0;
 };
 
 /// Result of a tick.
@@ -79,10 +73,14 @@ struct PressedPatch {
 /// potential 1/2 k a d^2. Friction and texture act on the finest samples.
 ///
 /// The samples form a tree of spheres. A node that the field shows to be clear is skipped with
-/// everything below it, until the objects could have moved far enough to touch. Coarse levels are
-/// evaluated first, so that there is an answer when time runs out. A coarse sample represents a
-/// patch, and only the part of the patch below the surface counts. Below the field's band the depth
-/// stays that of the band's end.
+/// everything below it, until the objects could have moved far enough to touch. Where one
+/// polynomial is the field about all samples below a node, they are clear or pressed together, by
+/// their moments. Coarse levels are evaluated first, so that there is an answer when time runs out.
+/// A coarse sample represents a patch, and only the part of the patch below the surface counts.
+/// Below the field's band the depth stays that of the band's end.
+///
+/// A tick that is told how far the next ones go (TickBudget::ahead) lists the samples that may
+/// touch by then; within that way the next ones look at these alone.
 ///
 /// Built at load time (allocates); `tick` neither allocates nor throws, and reads the clock every
 /// few samples. To be used by one thread at a time.
@@ -106,7 +104,19 @@ class ObjectContact {
 
   /// Keeps what pressed in the last tick as `patches`, until the next `keep` or `drop`.
   void keep() noexcept;
+  /// Finest samples within `TickBudget::near` of touching in the look that was kept, and in the
+  /// last one; the world's frame, about the tool's origin. Null where they are not known: a
+  /// coarser level was used, or they were too many.
+  [[nodiscard]] const std::vector<NearContact>* kept_near() const noexcept {
+    return kept_near_known_ ? &kept_contacts_ : nullptr;
+  }
+  [[nodiscard]] const std::vector<NearContact>* last_near() const noexcept {
+    return near_known_ ? &contacts_ : nullptr;
+  }
+  /// Room for planes of a caller, who must not make it grow.
+  [[nodiscard]] std::vector<NearContact>& room() noexcept { return room_; }
   void drop() noexcept {
+    kept_near_known_ = false;
     kept_.clear();
     kept_touches_.clear();
   }
@@ -123,9 +133,21 @@ class ObjectContact {
     std::uint32_t sample = 0;
     std::uint32_t object = 0;
     std::uint32_t cluster = 0;
-    float distance = 0;    ///< signed, m; meaningless where the reading is not known
-    FieldReading reading;  ///< source of the distance: a reading of the sample, or of one above it
-                           ///< in the tree
+    bool known = false;             ///< the field was queried at its position
+    float distance = 0;             ///< signed, m; a lower bound where the normal is zero
+    std::array<float, 3> normal{};  ///< unit, outward, object's frame
+    [[nodiscard]] bool has_normal() const noexcept {
+      return normal[0] != 0 || normal[1] != 0 || normal[2] != 0;
+    }
+  };
+  /// A finest sample that may touch before the way `TickBudget::ahead` is over.
+  struct Near {
+    std::uint32_t sample = 0, object = 0, cluster = 0;
+  };
+  /// The samples below one, all of which touch: the field about it, object's frame.
+  struct Whole {
+    std::uint32_t sample = 0, object = 0, cluster = 0;
+    LocalQuadric field;
   };
   struct Pair {
     const AssetView* field = nullptr;
@@ -145,7 +167,11 @@ class ObjectContact {
     double gripped = 0;   ///< N: the sum of the forces at which these give way
     double travelled =
         0;  ///< m: upper bound of the motion of any place of the tool relative to the object
-    std::uint32_t points = 0;  ///< what numbers of samples get in the memory
+    QueryCursor cursor;
+    double listed_at = 0;    ///< `travelled` when near samples were listed
+    double listed_lift = 0;  ///< `lift` at that time
+    bool listed = false;     ///< it was present then
+    bool mirrored = false;   ///< `to_world` mirrors
     bool placed = false;
     bool present = false;      ///< in this tick
     bool in_grip = false;      ///< `settled` is known
@@ -163,30 +189,46 @@ class ObjectContact {
   std::uint32_t coarse_ = 0;     ///< number of samples above the finest
   std::uint32_t clustered_ = 0;  ///< samples below this number are clusters of their own
   std::vector<Pair> pairs_;
-  FieldMemory memory_;
   ContactGrip grip_;
   /// One value per pair and sample above the finest: the sample need not be examined before the
   /// pair has travelled this far. Above 0: nothing below it in the tree can touch. Below 0: it
   /// cannot touch, but samples below it can.
   std::vector<float> until_;
   std::vector<Active> active_, next_;
+  std::vector<Whole> whole_;
+  std::vector<Near> near_;  ///< in the order of the look that listed them
+  std::vector<NearContact> contacts_, kept_contacts_, room_;
+  double near_reach_ = 0;  ///< m: of this look; nearer samples are in `contacts_`
+  bool near_known_ = false, kept_near_known_ = false;
+  double ahead_ = 0;         ///< m: of this look; what is nearer is listed
+  double listed_ahead_ = 0;  ///< m: of the look that listed; 0 or below: there is no list
   std::vector<PressedPatch> patches_, kept_;
   std::vector<Touch> touches_, kept_touches_;
   std::size_t left_ = 0;  ///< active samples from here on count, and all of `next_`
   double press_time_;     ///< ns per sample, measured in the ticks before
-  std::uint32_t exchanges_ = 0;
 
   [[nodiscard]] bool is_finest(std::uint32_t sample) const noexcept { return sample >= coarse_; }
   void set_out(const ContactObject& object, Pair& pair, const Eigen::Isometry3d& tool) noexcept;
-  void renew(Pair& pair) noexcept;
-  void look(std::uint32_t sample, std::uint32_t object, std::uint32_t cluster,
-            const FieldReading& above, std::vector<Active>& found,
-            ObjectContactReport& report) noexcept;
-  void touch(std::uint32_t sample, std::uint32_t object, std::uint32_t cluster,
-             const FieldReading& above, ObjectContactReport& report) noexcept;
-  [[nodiscard]] FieldReading read(const Pair& pair, std::uint32_t sample, const Vector3& place,
+  [[nodiscard]] double from_above(std::uint32_t sample, std::uint32_t above) const noexcept;
+  [[nodiscard]] double ask(Pair& pair, const Vector3& place, Vector3& normal,
+                           ObjectContactReport& report) noexcept;
+  void look(std::uint32_t sample, std::uint32_t object, const Active& above,
+            std::vector<Active>& found, ObjectContactReport& report) noexcept;
+  void touch(std::uint32_t sample, std::uint32_t object, const Active& above,
+             ObjectContactReport& report) noexcept;
+  [[nodiscard]] bool settle_whole(const Active& active, const Vector3& place, float& until,
                                   ObjectContactReport& report) noexcept;
+  void note(const Pair& pair, std::uint32_t sample, const Vector3& place, double distance,
+            const Vector3& normal) noexcept;
+  void press_by(std::uint32_t sample, std::uint32_t object, std::uint32_t cluster,
+                const Vector3& place, double distance, const Vector3& normal,
+                ObjectContactReport& report) noexcept;
+  void begin_list(double ahead) noexcept;
+  void end_list(const ObjectContactReport& report) noexcept;
+  [[nodiscard]] bool has_list(double ahead) const noexcept;
+  void look_near(ObjectContactReport& report) noexcept;
   void press_coarse(const Active& active) noexcept;
+  void press_whole(const Whole& whole) noexcept;
   void press_finest(std::uint32_t sample, std::uint32_t object, std::uint32_t cluster,
                     const Vector3& place, double distance, const Vector3& normal) noexcept;
   void hold(std::uint32_t sample, std::uint32_t object, const Vector3& place, const Vector3& arm,

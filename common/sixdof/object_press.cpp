@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "common/sixdof/object_contact.hpp"
+#include "common/sixdof/press_spread.hpp"
 #include "common/sixdof/sample_vectors.hpp"
 
 namespace spm {
@@ -44,11 +45,15 @@ void ObjectContact::start_over() noexcept {
   }
 }
 
-/// The patch that a sample belongs to. Samples come cluster by cluster.
+/// The patch that a sample belongs to. Samples come mostly cluster by cluster.
 PressedPatch& ObjectContact::patch_of(std::uint32_t object, std::uint32_t cluster) noexcept {
   const bool goes_on =
       !patches_.empty() && patches_.back().object == object && patches_.back().cluster == cluster;
-  if (!goes_on && patches_.size() < patches_.capacity()) {
+  if (goes_on) return patches_.back();
+  for (PressedPatch& patch : patches_) {
+    if (patch.object == object && patch.cluster == cluster) return patch;
+  }
+  if (patches_.size() < patches_.capacity()) {
     PressedPatch& patch = patches_.emplace_back();
     patch.object = object;
     patch.cluster = cluster;
@@ -58,10 +63,10 @@ PressedPatch& ObjectContact::patch_of(std::uint32_t object, std::uint32_t cluste
 
 /// Adds the spring of a sample above the finest: of the part of its patch that is below.
 void ObjectContact::press_coarse(const Active& active) noexcept {
-  if (!active.reading.known() || !active.reading.has_normal()) return;
+  if (!active.known || !active.has_normal()) return;
   Pair& pair = pairs_[active.object];
   const SampleShare& share = tool_.shares[active.sample];
-  const Vector3 normal = active.reading.outward();
+  const Vector3 normal = vector_of(active.normal);
   const SampleSpread& spread = tool_.spreads[active.sample];
   const Vector3 middle = turned(pair.pose.linear(), spread.middle);
   const double cosine = normal.dot(pair.pose.linear() * share.normal());
@@ -74,6 +79,30 @@ void ObjectContact::press_coarse(const Active& active) noexcept {
   pair.sum.add(spring, press.depth, press.square, press.share, normal, arm);
   add(patch_of(active.object, active.cluster), spring * press.depth, press.depth, normal, normal,
       arm);
+}
+
+/// Adds the springs of all samples below one, which touch where the field is one polynomial: to the
+/// second order in their distance from it.
+void ObjectContact::press_whole(const Whole& whole) noexcept {
+  Pair& pair = pairs_[whole.object];
+  const SamplePlace& place = tool_.places[whole.sample];
+  const PatchMoments packed =
+      unpacked(tool_.moments[whole.sample], static_cast<double>(place.radius));
+  const Eigen::Matrix3d& turn = pair.pose.linear();
+  PatchMoments moments;
+  moments.middle = turn * packed.middle;
+  moments.second = turn * packed.second * turn.transpose();
+  const double spring = pair.stiffness * static_cast<double>(tool_.shares[whole.sample].area);
+  const SpreadSpring pressed{spring, whole.field, moments, turned(turn, place.position)};
+  const std::uint32_t count = tool_.moments[whole.sample].count;
+  const PressedSpread sum = press_spread(pressed, count, pair.sum);
+  PressedPatch& patch = patch_of(whole.object, whole.cluster);
+  patch.pressing += sum.pressing;
+  patch.depth = std::max(patch.depth, sum.deepest);
+  patch.force += sum.force;
+  patch.torque += sum.torque;
+  patch.moment += sum.moment;
+  patch.pressure += sum.force;
 }
 
 /// Adds the spring of a finest sample at `place` (object's frame).
@@ -129,6 +158,8 @@ void ObjectContact::hold(std::uint32_t sample, std::uint32_t object, const Vecto
 void ObjectContact::keep() noexcept {
   std::swap(patches_, kept_);
   std::swap(touches_, kept_touches_);
+  std::swap(contacts_, kept_contacts_);
+  kept_near_known_ = near_known_;
   for (Pair& pair : pairs_) pair.kept = pair.pose;
 }
 

@@ -58,6 +58,11 @@ struct Cluster {
   Vector3 normal = Vector3::Zero();  ///< area times normal
   double radius = 0;                 ///< to the finest samples
   double patch_radius = 0;           ///< to the patches
+  double thickness = 0;              ///< of the finest samples, along the normal
+  double weight = 0;                 ///< of the finest samples; their moments about the position
+  Vector3 sum = Vector3::Zero();
+  Eigen::Matrix3d products = Eigen::Matrix3d::Zero();
+  std::uint32_t finest = 0;  ///< number of them
 };
 
 void add(Cluster& cluster, const Cluster& part) noexcept {
@@ -107,6 +112,19 @@ std::vector<Cluster> joined(std::size_t count, const Part& part) {
   return level;
 }
 
+void take_up(Cluster& cluster, const Cluster& leaf) noexcept {
+  const Vector3 off = leaf.position - cluster.position;
+  cluster.radius = std::max(cluster.radius, off.norm());
+  cluster.patch_radius = std::max(cluster.patch_radius, off.norm() + leaf.patch_radius);
+  const double length = cluster.normal.norm();
+  const double along = length > 0 ? cluster.normal.dot(off) / length : off.z();
+  cluster.thickness = std::max(cluster.thickness, std::abs(along));
+  cluster.weight += leaf.area;
+  cluster.sum += leaf.area * off;
+  cluster.products += leaf.area * off * off.transpose();
+  ++cluster.finest;
+}
+
 /// Propagates the extent of the finest clusters, level by level, to those above.
 void measure(std::vector<std::vector<Cluster>>& levels) {
   for (std::size_t finest = 0; finest < levels[0].size(); ++finest) {
@@ -118,9 +136,7 @@ void measure(std::vector<std::vector<Cluster>>& levels) {
           levels[k].begin(), levels[k].end(), below,
           [](std::size_t part, const Cluster& cluster) { return part < cluster.first; });
       Cluster& cluster = *std::prev(above);
-      const double off = (leaf.position - cluster.position).norm();
-      cluster.radius = std::max(cluster.radius, off);
-      cluster.patch_radius = std::max(cluster.patch_radius, off + leaf.patch_radius);
+      take_up(cluster, leaf);
       below = static_cast<std::size_t>(std::prev(above) - levels[k].begin());
     }
   }
@@ -129,6 +145,21 @@ void measure(std::vector<std::vector<Cluster>>& levels) {
 /// Radii are rounded up, so that a sphere stored in floats still contains its samples.
 float rounded_up(double value, double size) noexcept {
   return value > 0 ? static_cast<float>(value * (1 + 1e-6) + 1e-6 * size) : 0;
+}
+
+SampleMoments moments_of(const Cluster& cluster, double radius) noexcept {
+  SampleMoments moments;
+  if (cluster.finest <= std::numeric_limits<std::uint16_t>::max()) {
+    moments.count = static_cast<std::uint16_t>(cluster.finest);
+  }
+  if (!(radius > 0)) return moments;
+  pack({cluster.sum / cluster.weight, cluster.products / cluster.weight}, radius, moments);
+  // What the packing of the normal turns it by is allowed for.
+  constexpr double packed_sine = 1e-4;
+  constexpr double most = std::numeric_limits<std::uint16_t>::max();
+  moments.thickness = static_cast<std::uint16_t>(
+      std::min(most, std::ceil(most * (cluster.thickness / radius + packed_sine))));
+  return moments;
 }
 
 void emit(SurfaceSamples& samples, const Cluster& cluster, const Vector3& origin, double size,
@@ -144,7 +175,9 @@ void emit(SurfaceSamples& samples, const Cluster& cluster, const Vector3& origin
        static_cast<float>(cluster.area)});
   samples.spreads.push_back(
       {to_floats(middle - cluster.position), static_cast<float>(std::sqrt(1.5 * variance))});
-  if (!is_finest) samples.children.emplace_back();
+  if (is_finest) return;
+  samples.children.emplace_back();
+  samples.moments.push_back(moments_of(cluster, static_cast<double>(samples.places.back().radius)));
 }
 
 /// Writes the levels breadth first. The child that shares a sample's position comes first.
@@ -228,7 +261,37 @@ std::vector<Cluster> finest_level(const std::vector<SurfacePatch>& patches, cons
   return level;
 }
 
+constexpr double packed_one = std::numeric_limits<std::int16_t>::max();
+constexpr std::array<std::pair<int, int>, 6> products{
+    {{0, 0}, {1, 1}, {2, 2}, {0, 1}, {0, 2}, {1, 2}}};
+
 }  // namespace
+
+PatchMoments unpacked(const SampleMoments& moments, double radius) noexcept {
+  PatchMoments made;
+  const double a_step = radius / packed_one, a_product = radius * a_step;
+  for (int axis = 0; axis < 3; ++axis) {
+    made.middle[axis] = a_step * moments.middle[static_cast<std::size_t>(axis)];
+  }
+  for (std::size_t k = 0; k < products.size(); ++k) {
+    const auto [row, column] = products[k];
+    made.second(row, column) = made.second(column, row) = a_product * moments.second[k];
+  }
+  return made;
+}
+
+void pack(const PatchMoments& moments, double radius, SampleMoments& packed) noexcept {
+  const auto part = [](double share) {
+    return static_cast<std::int16_t>(std::lround(packed_one * std::clamp(share, -1.0, 1.0)));
+  };
+  for (int axis = 0; axis < 3; ++axis) {
+    packed.middle[static_cast<std::size_t>(axis)] = part(moments.middle[axis] / radius);
+  }
+  for (std::size_t k = 0; k < products.size(); ++k) {
+    const auto [row, column] = products[k];
+    packed.second[k] = part(moments.second(row, column) / (radius * radius));
+  }
+}
 
 Result<SurfaceSamples> sample_surface(const AssetView& asset, double spacing) {
   const Extent extent = extent_of(asset);
@@ -262,6 +325,7 @@ Result<SurfaceSamples> sample_surface(const AssetView& asset, double spacing) {
   samples.shares.shrink_to_fit();
   samples.spreads.shrink_to_fit();
   samples.children.shrink_to_fit();
+  samples.moments.shrink_to_fit();
   return samples;
 }
 

@@ -17,8 +17,14 @@ constexpr double balanced_share = 1e-3;
 constexpr double balanced_force = 0.01, least_force = 1e-3;
 /// Steps in a tick that are too short to be felt, and made for the balance of forces alone.
 constexpr int most_fine_steps = 3;
+/// Steps in a row that may fail and tell their planes, before a shorter one is tried.
+constexpr int most_failures = 3;
 /// After a step that raised the energy, this part of it is tried next.
 constexpr double backtrack = 0.3;
+/// Looks within this many of the longest steps are quick after the first.
+constexpr double steps_ahead = 4;
+/// A step takes up the planes of samples that are within this many of the longest steps.
+constexpr double steps_near = 1.5;
 /// J: a rise of the energy by less is rounding.
 constexpr double energy_noise = 1e-12;
 
@@ -71,6 +77,8 @@ bool VirtualTool::look_first(std::span<const ContactObject> objects,
     return false;
   }
   TickBudget look;
+  look.ahead = steps_ahead * settings_.max_step;
+  look.near = steps_near * settings_.max_step;
   look.finest_level = budget.finest_level;
   look.whole_levels = true;
   // A look is a piece of work itself, so that no two states of a tick have the same count.
@@ -100,6 +108,46 @@ Vector6 VirtualTool::newton(const Trial& at) noexcept {
   return stiffness.ldlt().solve(at.coupling.wrench + at.contact.sum.wrench);
 }
 
+/// The step to the least energy, as far as planes tell it of samples that are near.
+Vector6 VirtualTool::best_step(const Trial& at) const noexcept {
+  if (planes_.empty()) return newton(at);
+  // Bristles and what else is no spring of a plane stay as they are.
+  const ContactSum pressed = pressed_now(std::span(planes_).first(own_planes_));
+  Matrix6 stiffness = at.contact.sum.stiffness - pressed.stiffness;
+  stiffness.diagonal().head<3>().array() += at.coupling.stiffness;
+  stiffness.diagonal().tail<3>().array() += at.coupling.turning;
+  const Vector6 wrench = at.coupling.wrench + at.contact.sum.wrench - pressed.wrench;
+  const double longest = 2 * std::max(settings_.max_step, at.contact.clearance);
+  return contact_step(wrench, stiffness, planes_, longest, radius_);
+}
+
+/// Takes up the planes of near samples where the next step begins, if they are known.
+void VirtualTool::take_planes() noexcept {
+  planes_.clear();
+  if (const std::vector<NearContact>* near = contact_->kept_near()) {
+    planes_.assign(near->begin(), near->end());
+  }
+  own_planes_ = planes_.size();
+}
+
+/// Takes up the planes that a failed trial met, `step` from where the next one begins. False where
+/// they are not known.
+bool VirtualTool::learn_planes(const Vector6& step) noexcept {
+  const std::vector<NearContact>* near = contact_->last_near();
+  if (near == nullptr || contact_->kept_near() == nullptr) return false;
+  const std::size_t before = planes_.size();
+  for (const NearContact& contact : *near) {
+    if (!(contact.distance < 0) || planes_.size() == planes_.capacity()) continue;
+    NearContact& met = planes_.emplace_back(contact);
+    auto distance = static_cast<double>(contact.distance);
+    for (std::size_t k = 0; k < 6; ++k) {
+      distance -= static_cast<double>(contact.along[k]) * step[static_cast<Eigen::Index>(k)];
+    }
+    met.distance = static_cast<float>(distance);
+  }
+  return planes_.size() > before;
+}
+
 /// Whether contact and springs are in balance. The contact is so stiff that a step which is too
 /// short to be felt may still change its forces.
 bool VirtualTool::in_balance(const Trial& at) const noexcept {
@@ -116,6 +164,8 @@ bool VirtualTool::look_at(Trial& trial, const Eigen::Isometry3d& device,
                           std::span<const ContactObject> objects, const VirtualToolBudget& budget,
                           std::uint32_t level, VirtualToolReport& report) noexcept {
   TickBudget look;
+  look.ahead = steps_ahead * settings_.max_step;
+  look.near = steps_near * settings_.max_step;
   look.finest_level = level;
   if (report.worked >= budget.work) {
     report.stopped = report.worked;
@@ -139,20 +189,38 @@ bool VirtualTool::look_at(Trial& trial, const Eigen::Isometry3d& device,
   return !trial.contact.stopped;
 }
 
-/// Newton steps on the energy of springs and contact, as long as they lead on and there is time.
+/// Tries a Newton step from a failed trial, back to contacts that the step did not know of. False
+/// where there is no time to.
+bool VirtualTool::correct(const Trial& tried, const Eigen::Isometry3d& device,
+                          std::span<const ContactObject> objects, const VirtualToolBudget& budget,
+                          double most, Trial& corrected, VirtualToolReport& report) noexcept {
+  Vector6 back = newton(tried);
+  if (!back.allFinite()) back.setZero();
+  const double far = length(back);
+  if (far > most) back *= most / far;
+  corrected.pose = moved(tried.pose, back);
+  const std::uint32_t level = std::min(budget.finest_level, report.contact.level);
+  return look_at(corrected, device, objects, budget, level, report);
+}
+
+/// Steps to the least energy of springs and contact, as long as they lead on and there is time.
 void VirtualTool::move(const Eigen::Isometry3d& device, std::span<const ContactObject> objects,
                        const VirtualToolBudget& budget, Coupling& coupling,
                        VirtualToolReport& report) noexcept {
   const std::uint32_t level = std::min(budget.finest_level, report.contact.level);
   Trial now{pose_, coupling, report.contact};
+  double limit_share = 1;
+  int fine_steps = 0, failures = 0;
   const auto take = [&](const Trial& trial) {
     now = trial;
     contact_->keep();
+    take_planes();
+    limit_share = 1;
+    failures = 0;
   };
-  double limit_share = 1;
-  int fine_steps = 0;
+  take_planes();
   while (report.steps < settings_.steps) {
-    Vector6 step = newton(now);
+    Vector6 step = best_step(now);
     if (!step.allFinite()) break;
     const double far = length(step);
     const double clear = emerging_ ? 0 : now.contact.clearance;
@@ -167,20 +235,15 @@ void VirtualTool::move(const Eigen::Isometry3d& device, std::span<const ContactO
     Trial tried{moved(now.pose, step), {}, {}};
     if (!look_at(tried, device, objects, budget, level, report)) break;
     if (tried.energy() <= now.energy() + energy_noise || limit_share <= balanced_share) {
-      limit_share = 1;
       take(tried);
       if (emerging_) break;
       continue;
     }
-    // There are contacts that the step did not know of: with them it is tried from there.
-    Vector6 back = newton(tried);
-    if (back.allFinite()) {
-      const double far_back = length(back);
-      if (far_back > most) back *= most / far_back;
-      Trial corrected{moved(tried.pose, back), {}, {}};
-      if (!look_at(corrected, device, objects, budget, level, report)) break;
+    if (failures++ < most_failures && learn_planes(step)) continue;
+    if (contact_->last_near() == nullptr) {
+      Trial corrected{};
+      if (!correct(tried, device, objects, budget, most, corrected, report)) break;
       if (corrected.energy() <= now.energy() + energy_noise) {
-        limit_share = 1;
         take(corrected);
         if (emerging_) break;
         continue;
@@ -188,6 +251,7 @@ void VirtualTool::move(const Eigen::Isometry3d& device, std::span<const ContactO
     }
     // A shorter one, whose first part is known.
     limit_share *= backtrack * std::min(1.0, far / most);
+    failures = 0;
   }
   pose_ = now.pose;
   coupling = now.coupling;

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <limits>
 #include <span>
+#include <vector>
 
 #include "common/sixdof/object_contact.hpp"
 
@@ -51,8 +52,8 @@ struct VirtualToolReport {
 };
 
 /// Virtual coupling with a massless tool. Springs pull a virtual tool to the device's pose, and
-/// contacts push it off the objects. Each tick moves it towards the balance of both, by damped
-/// Newton steps on their energy; the hand feels the springs.
+/// contacts push it off the objects. Each tick moves it towards the balance of both, by steps to
+/// the least energy as the planes of the field at near samples tell it; the hand feels the springs.
 ///
 /// Near the objects the steps are so short that thin parts are met and not jumped over; elsewhere
 /// they are as long as the clearance. That holds where the contact's stiffness balances
@@ -67,7 +68,7 @@ class VirtualTool {
  public:
   /// `contact` must outlive this.
   VirtualTool(ObjectContact& contact, const VirtualToolSettings& settings, double tool_radius)
-      : contact_(&contact), settings_(settings), radius_(tool_radius) {}
+      : contact_(&contact), settings_(settings), radius_(tool_radius), planes_(contact.room()) {}
 
   /// Puts the tool at a pose, where it should touch nothing.
   void place(const Eigen::Isometry3d& pose) noexcept {
@@ -108,10 +109,13 @@ class VirtualTool {
   ObjectContact* contact_;
   VirtualToolSettings settings_;
   double radius_;  ///< m: no place of the tool is farther from its origin
+  /// Planes of the contact where a step begins, then those that its failed trials met.
+  std::vector<NearContact>& planes_;
   Eigen::Isometry3d pose_ = Eigen::Isometry3d::Identity();
   bool emerging_ = false;        ///< it was placed, and may lie in an object
   bool known_ = false;           ///< `last_` is the contact at `pose_`
   ObjectContactReport last_;     ///< of the last look that counted
+  std::size_t own_planes_ = 0;   ///< number of the former
   std::uint32_t looked_to_ = 0;  ///< the finest level that it was allowed
 
   [[nodiscard]] Coupling couple(const Eigen::Isometry3d& device,
@@ -125,6 +129,13 @@ class VirtualTool {
   }
   [[nodiscard]] bool in_balance(const Trial& at) const noexcept;
   [[nodiscard]] static Vector6 newton(const Trial& at) noexcept;
+  [[nodiscard]] Vector6 best_step(const Trial& at) const noexcept;
+  [[nodiscard]] bool correct(const Trial& tried, const Eigen::Isometry3d& device,
+                             std::span<const ContactObject> objects,
+                             const VirtualToolBudget& budget, double most, Trial& corrected,
+                             VirtualToolReport& report) noexcept;
+  void take_planes() noexcept;
+  [[nodiscard]] bool learn_planes(const Vector6& step) noexcept;
   [[nodiscard]] bool look_at(Trial& trial, const Eigen::Isometry3d& device,
                              std::span<const ContactObject> objects,
                              const VirtualToolBudget& budget, std::uint32_t level,

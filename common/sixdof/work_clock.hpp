@@ -19,6 +19,10 @@ struct TickBudget {
   /// Samples below the coarsest level after which time is over: a tick that was ended by a clock is
   /// repeated without one by the work that it had done.
   std::uint32_t work = std::numeric_limits<std::uint32_t>::max();
+  /// m: samples that are so near are listed, so that looks within that way are quick; 0: none are.
+  double ahead = 0;
+  /// m: samples that are so near are told, as NearContact; 0: none are.
+  double near = 0;
   /// Where time runs out, the last level that was finished counts, instead of a part of the next.
   bool whole_levels = false;
 };

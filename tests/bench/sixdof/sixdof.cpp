@@ -27,7 +27,8 @@ using Eigen::Isometry3d;
 constexpr double stiffness = 1e9;  // N/m3
 constexpr std::uint64_t path_samples = 8000;
 constexpr double deep_share = 1.0 / 3;
-constexpr double hull_tolerance = 2e-4;  // m
+constexpr double between_strokes = 1e-3;  // m
+constexpr double hull_tolerance = 2e-4;   // m
 constexpr std::size_t hull_planes = 64;
 /// Time limit of a tick, ns, for at most `small_samples` samples and for more.
 constexpr std::int64_t small_limit = 250000, large_limit = 800000;
@@ -68,16 +69,14 @@ class Runner {
   Runner(std::vector<Isometry3d> path, std::vector<Judged> judged, SixdofReport& report)
       : path_(std::move(path)), judged_(std::move(judged)), report_(report) {}
 
-  /// Runs our method, with a limit in ns if it is above 0, and with or without reuse of answers.
-  void run_spm(const SurfaceSamples& tool, const AssetView& object, std::int64_t limit,
-               bool remembers) {
+  /// Runs our method, with a limit in ns if it is above 0.
+  void run_spm(const SurfaceSamples& tool, const AssetView& object, std::int64_t limit) {
     ObjectContactSettings settings;
     settings.stiffness = stiffness;
-    if (!remembers) settings.max_validity_radius = 0;
     std::optional<ObjectContact> contact;
     const std::array objects{ContactObject{&object, Isometry3d::Identity()}};
     SixdofRow row;
-    row.method = remembers ? "spm" : "spm-asking";
+    row.method = "spm";
     row.samples = tool.levels.back().count;
     row.settings = limit > 0 ? fmt::format("{} samples, {} us", row.samples, limit / 1000)
                              : fmt::format("{} samples, no limit", row.samples);
@@ -109,9 +108,13 @@ class Runner {
                              : fmt::format("{} samples, no limit", row.samples);
     const double finest = std::max(1.0, static_cast<double>(tool.levels()) - 1);
     std::vector<Wrench> wrenches;
+    Isometry3d before = Isometry3d::Identity();
     follow(
         1, row, wrenches, [&tool] { tool.begin(); },
         [&](const Isometry3d& pose) {
+          // No hand goes from the end of a stroke to the next in a tick.
+          if ((pose.translation() - before.translation()).norm() > between_strokes) tool.begin();
+          before = pose;
           const Wrench found = tool.ask(pose);
           row.contacts += static_cast<double>(tool.patches());
           row.level += 1 - tool.effort().level / finest;
@@ -256,9 +259,8 @@ SixdofReport measure_sixdof(const SixdofPlan& plan, const BenchProgress& progres
   for (const std::uint64_t count : plan.samples) {
     told(fmt::format("{} samples", count), 0.6);
     const SurfaceSamples samples = samples_of_count(tool.view(), count);
-    runner.run_spm(samples, object.view(), 0, true);
-    runner.run_spm(samples, object.view(), count <= small_samples ? small_limit : large_limit,
-                   true);
+    runner.run_spm(samples, object.view(), 0);
+    runner.run_spm(samples, object.view(), count <= small_samples ? small_limit : large_limit);
     for (const Method method : {Method::spm, Method::proxy}) {
       const double limit =
           1e-9 * static_cast<double>(count <= small_samples ? small_limit : large_limit);
@@ -266,10 +268,10 @@ SixdofReport measure_sixdof(const SixdofPlan& plan, const BenchProgress& progres
       for (const double most : {0.0, limit}) {
         ServedTool served(tool, object, samples.levels.back().spacing, method, stiffness, most);
         runner.run_served(served, name, most);
-        if (most == 0) runner.run_served(served, name, most, &deep);
+        // A tool that is held back is never deep.
+        if (most == 0 && method == Method::spm) runner.run_served(served, name, most, &deep);
       }
     }
-    if (count <= small_samples) runner.run_spm(samples, object.view(), 0, false);
     if (count < samples_without_culling) {
       runner.run_peer(*make_every_sample(samples, object.view(), stiffness), plan.peer_ticks);
     }

@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+#include <cmath>
+
+#include "common/query/leaf_maps.hpp"
+
+namespace spm {
+
+/// The field about a point, where one polynomial is all of it: distance(point + r) = distance +
+/// slope . r + r' bend r. Deeper than the band it is the band's depth, with one normal.
+struct LocalQuadric {
+  double distance = 0;
+  Vector3 slope = Vector3::Zero();
+  Eigen::Matrix3d bend = Eigen::Matrix3d::Zero();  ///< 1/m
+  Vector3 normal = Vector3::Zero();                ///< at the point, unit, outward
+};
+
+/// query_point for points that follow closely on one another: while they stay in one leaf of the
+/// octree, it is neither looked up nor unpacked again. The answers are those of query_point, bit by
+/// bit. `sparse` only. The asset must outlive its use here. Never throws or allocates.
+class QueryCursor {
+ public:
+  /// Forgets the leaf; `asset` may be null until the next query.
+  void begin(const AssetView* asset) noexcept {
+    asset_ = asset;
+    inner_ = -1;
+  }
+  [[nodiscard]] Answer query(const Vector3& point) noexcept;
+  /// `clearance` of a point that was the last to be queried.
+  [[nodiscard]] double clearance(const Vector3& point) const noexcept;
+  /// Whether one polynomial is the field of all places within `radius` of a point, m: of one in the
+  /// leaf of the last query. False where that is not certain.
+  [[nodiscard]] bool is_quadric(const Vector3& point, double radius) const noexcept {
+    return ((by_maps_ && leaf_.kind == OctreeKind::polynomial) || leaf_.kind == OctreeKind::deep) &&
+           within(point, inner_ - radius);
+  }
+  /// That field.
+  [[nodiscard]] LocalQuadric quadric(const Vector3& point) const noexcept;
+
+ private:
+  [[nodiscard]] bool within(const Vector3& point, double half) const noexcept {
+    return std::abs(point[0] - leaf_.middle[0]) < half &&
+           std::abs(point[1] - leaf_.middle[1]) < half &&
+           std::abs(point[2] - leaf_.middle[2]) < half;
+  }
+
+  const AssetView* asset_ = nullptr;
+  Leaf leaf_;
+  double inner_ = -1;  ///< m: half the edge of the cube in which the leaf is certain; below 0: none
+  bool by_maps_ = false;
+  LeafMaps maps_;
+  Answer deep_;  ///< in all of a leaf that is deeper than the band
+};
+
+}  // namespace spm

@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "common/query/query_cursor.hpp"
+
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <cstring>
+#include <vector>
+
+#include "common/base/random.hpp"
+#include "tests/support/asset_by_hand.hpp"
+#include "tests/support/octree_by_hand.hpp"
+
+namespace spm::query_cursor_test {
+namespace {
+
+using test::TiledCubeByHand;
+
+constexpr double size = 0.04;
+
+bool same_bits(const Answer& a, const Answer& b) {
+  return std::memcmp(&a.distance, &b.distance, sizeof a.distance) == 0 && a.normal == b.normal &&
+         a.plane == b.plane && a.source == b.source && a.status == b.status;
+}
+
+TEST_CASE("A cursor that follows a walk answers as single queries do, bit by bit") {
+  const TiledCubeByHand cube(size);
+  for (std::uint64_t seed = 1; seed <= 5; ++seed) {
+    Random random(seed);
+    QueryCursor cursor;
+    cursor.begin(&cube.view);
+    Vector3 place(size / 2, 0, 0);
+    for (int step = 0; step < 4000; ++step) {
+      for (int axis = 0; axis < 3; ++axis) place[axis] += random.between(-3e-4, 3e-4);
+      if (step % 500 == 499) place = Vector3(0, random.between(-size, size), size / 2);
+      REQUIRE(same_bits(cursor.query(place), query_point(cube.view, place)));
+    }
+    CHECK(cursor.query({std::nan(""), 0, 0}).status == Status::far);
+    CHECK(same_bits(cursor.query(place), query_point(cube.view, place)));
+  }
+}
+
+TEST_CASE("The quadric about a point is the field as far as it is told to reach") {
+  TiledCubeByHand cube(size);
+  cube.octree.value_unit = 1e-6;
+  const double cube_half = cube.octree.edge / 2;
+  LocalMap map;
+  map.value = 0.1;
+  map.slope = {0.2, -0.1, -0.97};
+  map.bend = {0.02, -0.01, 0.015, 0.01, -0.02, 0.005};
+  map.plane = 1;
+  PackedLocalMap packed;
+  REQUIRE(pack_local_map(map, cube.octree.value_unit / cube_half, packed));
+  cube.octree.root_words = {test::root_word(OctreeKind::polynomial, 0)};
+  cube.octree.units = {packed.words.begin(), packed.words.end()};
+  cube.refresh();
+  cube.view.band = {1, 1};
+  QueryCursor cursor;
+  cursor.begin(&cube.view);
+  const Vector3 point(0.004, -0.002, 0.003);
+  const Answer answer = cursor.query(point);
+  REQUIRE(answer.status == Status::exact);
+  CHECK(cursor.is_quadric(point, 0.001));
+  CHECK_FALSE(cursor.is_quadric(point, 2 * cube_half));
+  const LocalQuadric field = cursor.quadric(point);
+  CHECK(field.distance == Approx(answer.distance).epsilon(1e-12));
+  CHECK((field.slope.normalized() - answer.normal).norm() < 1e-12);
+  Random random(7);
+  for (int trial = 0; trial < 100; ++trial) {
+    const Vector3 off(random.between(-1e-3, 1e-3), random.between(-1e-3, 1e-3),
+                      random.between(-1e-3, 1e-3));
+    const Answer there = query_point(cube.view, point + off);
+    const double told = field.distance + field.slope.dot(off) + off.dot(field.bend * off);
+    REQUIRE(there.distance == Approx(told).margin(1e-13));
+    REQUIRE((there.normal - (field.slope + 2 * field.bend * off).normalized()).norm() < 1e-9);
+  }
+}
+
+}  // namespace
+}  // namespace spm::query_cursor_test
