@@ -3,13 +3,11 @@
 
 #include "common/base/rigid_pose.hpp"
 #include "common/surface/support_plane_mapping.hpp"
+#include "servo/force/pressed_part.hpp"
 
 namespace spm {
 
 namespace {
-
-/// The same part as that of a tool's samples (tool_contact.cpp).
-constexpr double pressed_part = 1.0 / 16;
 
 Vector3 middle_of(const AssetView& asset) noexcept {
   const Extent extent = extent_of(asset);
