@@ -29,7 +29,7 @@ PenetrationVolume paper_overlap(const AssetView& object1, const AssetView& objec
 }
 
 double paper_tool_area(const AssetView& tool) noexcept {
-  const Vector3 size = extent_of(tool).size;
+  const Vector3 size = (extent_of(tool).size.array() - 2 * tool.band.margin).max(0);
   return pressed_part * 2 * (size.x() * size.y() + size.y() * size.z() + size.z() * size.x());
 }
 
