@@ -218,7 +218,7 @@ void ToolForce::hold(const Eigen::Isometry3d& device, std::span<const ToolObject
 }
 
 /// The objects of method `paper`, where the tool's asset is `full`: one force each, at the centre
-/// of the volume that both share. Tool and object have one scale (check_tool).
+/// of the volume that both share. Tool and object have one scale (check_tool_scale).
 void ToolForce::press_by_paper(const Eigen::Isometry3d& device, std::span<ToolObject> objects,
                                Felt& felt) noexcept {
   const AssetView& tool = *tool_->paper();

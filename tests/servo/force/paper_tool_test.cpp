@@ -8,7 +8,6 @@
 #include <utility>
 
 #include "servo/force/scene_force.hpp"
-#include "servo/force/tool_check.hpp"
 #include "tests/servo/force/tool_scene.hpp"
 #include "tests/support/asset_by_hand.hpp"
 
@@ -74,28 +73,6 @@ TEST_CASE("By method paper a part of the tool's face gives a part of the object'
 TEST_CASE("The sides of a tool's box count, not the margin about them") {
   const BoxByHand tool(Vector3(0.02, 0.02, 0.02), {0.002, 0.004});
   CHECK(paper_tool_area(tool.view) == Approx(6.0 / 16 * 0.02 * 0.02));
-}
-
-TEST_CASE("Assets that a tool's method cannot use are refused with a cure") {
-  const BoxByHand full(Vector3(0.02, 0.02, 0.02));
-  const test::TiledCubeByHand sparse(0.02);
-  ToolSettings tool;
-  tool.asset = 1;
-  std::array<PlacedObject, 1> objects{test::ToolScene::object_of(Method::paper, 1000)};
-  const auto refused = [&](const AssetView& object, const AssetView& held) {
-    const std::array<const AssetView*, 2> assets{&object, &held};
-    const auto checked = check_tool(tool, objects, assets);
-    return checked ? std::string() : checked.error().message;
-  };
-  CHECK(refused(full.view, full.view).empty());
-  CHECK(refused(sparse.view, full.view).find("--form full") != std::string::npos);
-  CHECK(refused(full.view, sparse.view).find("--form full") != std::string::npos);
-  objects[0].placement.scale = 2;
-  CHECK(refused(full.view, full.view).find("one scale") != std::string::npos);
-  objects[0] = test::ToolScene::object_of(Method::proxy, 1000);
-  CHECK(refused(sparse.view, sparse.view).empty());
-  CHECK(refused(full.view, sparse.view).find("paper") != std::string::npos);
-  CHECK(refused(sparse.view, full.view).find("paper") != std::string::npos);
 }
 
 }  // namespace
