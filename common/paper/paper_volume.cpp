@@ -20,8 +20,48 @@ Under under(const AssetView& object, std::size_t index, const Vector3& point) no
   const PlaneCoordinates place = project_on_plane(plane, point);
   const MapCell cell = locate(map, place.eta, place.omega);
   if (!cell.inside) return {};
-  const Height height = height_at(map, 0, cell);
+  Height height = height_at(map, 0, cell);
+  if (!std::isfinite(height.value)) {
+    // Beside the surface's edge the nearest sample stands for what lies about it.
+    height = {};
+    height.value =
+        map.at(0, cell.column + (cell.fx < 0.5 ? 0 : 1), cell.row + (cell.fy < 0.5 ? 0 : 1));
+  }
   return {place.depth - height.value, surface_normal(plane, height.d_eta, height.d_omega)};
+}
+
+/// What a cell of S_2 sees of M_2: the part of the cell under which there is surface, its middle,
+/// in samples from the map's first, and the height there.
+struct SeenCell {
+  double part = 0;
+  double column = 0, row = 0;
+  Height height;
+};
+
+/// Each sample that met the surface stands for a quarter of the cell. Without those beside an edge
+/// the volume would lack half a cell along it.
+SeenCell seen_cell(const DistanceMap& map, std::uint32_t column, std::uint32_t row) noexcept {
+  SeenCell seen;
+  int samples = 0;
+  for (std::uint32_t corner = 0; corner < 4; ++corner) {
+    const std::uint32_t right = corner & 1U, up = corner >> 1U;
+    const float height = map.at(0, column + right, row + up);
+    if (!std::isfinite(height)) continue;
+    ++samples;
+    seen.column += right;
+    seen.row += up;
+    seen.height.value += height;
+  }
+  if (samples == 0) return seen;
+  seen.part = samples / 4.0;
+  seen.column = column + seen.column / samples;
+  seen.row = row + seen.row / samples;
+  if (samples == 4) {
+    seen.height = height_at(map, 0, {column, row, 0.5, 0.5, true});
+  } else {
+    seen.height.value /= samples;
+  }
+  return seen;
 }
 
 bool usable(const AssetView& object, std::size_t plane) noexcept {
@@ -50,9 +90,11 @@ PenetrationVolume penetration_volume(const AssetView& object1, std::size_t plane
   Vector3 moment = Vector3::Zero();
   for (std::uint32_t row = 0; row + 1 < map.rows; ++row) {
     for (std::uint32_t column = 0; column + 1 < map.columns; ++column) {
-      const Height height = height_at(map, 0, {column, row, 0.5, 0.5, true});
-      const double eta = map.eta0 + (column + 0.5) * map.spacing;
-      const double omega = map.omega0 + (row + 0.5) * map.spacing;
+      const SeenCell seen = seen_cell(map, column, row);
+      if (seen.part == 0) continue;
+      const Height& height = seen.height;
+      const double eta = map.eta0 + seen.column * map.spacing;
+      const double omega = map.omega0 + seen.row * map.spacing;
       const Vector3 point = pose2 * reconstructed_surface(from, eta, omega, height.value);
       const Under found = under(object1, plane1, point);
       // Written so that a miss of either map counts for nothing.
@@ -62,16 +104,23 @@ PenetrationVolume penetration_volume(const AssetView& object1, std::size_t plane
           factor == AreaFactor::paper
               ? paper_cosine
               : -to.n.dot(pose2.linear() * surface_normal(from, height.d_eta, height.d_omega));
-      const double volume = found.depth * share * cell_area;
+      const double area = seen.part * share * cell_area;
+      const double volume = found.depth * area;
       if (!std::isfinite(volume)) continue;
       ++result.samples;
       result.volume += volume;
+      result.area += area;
       moment += volume * (point + found.depth / 2 * to.n);
       if (found.normal.allFinite()) result.normal += volume * found.normal.normalized();
     }
   }
   result.mass = density * result.volume;
-  if (!(result.volume > 0)) return {0, 0, Vector3::Zero(), Vector3::Zero(), result.samples};
+  if (!(result.volume > 0)) {
+    const std::size_t samples = result.samples;
+    result = {};
+    result.samples = samples;
+    return result;
+  }
   result.centre = moment / result.volume;
   const double length = result.normal.norm();
   if (length > 0) result.normal /= length;

@@ -24,6 +24,7 @@ enum class AreaFactor : std::uint8_t {
 struct PenetrationVolume {
   double mass = 0;                   ///< V, kg for a density in kg/m3: eq. 12, computed by eq. 15
   double volume = 0;                 ///< m3
+  double area = 0;                   ///< of S_1, m2: C_1, on which the volume stands
   Vector3 centre = Vector3::Zero();  ///< centre of gravity, m; zero where there is no volume
   Vector3 normal = Vector3::Zero();  ///< mean unit normal of M_1 there: n_S weighted by volume
   std::size_t samples = 0;           ///< cells of S_2 where f is positive: C_2
@@ -31,14 +32,16 @@ struct PenetrationVolume {
 
 /// f of eq. 13 for a point W_2 of M_2's surface (object 1's frame, m): D_1(W_2) - D_1(M_1). This is
 /// how far W_2 lies under M_1 along the normal of S_1, which is plane `plane` of object 1 (a `full`
-/// asset), by layer 0 of its map. NaN outside that map.
+/// asset), by layer 0 of its map. Beside an edge of M_1 its nearest sample counts; where that met
+/// nothing f is below every number, and outside the map it is NaN.
 [[nodiscard]] double penetration_function(const AssetView& object1, std::size_t plane,
                                           const Vector3& point) noexcept;
 
 /// The volume that two `full` assets share, seen by plane `plane1` of object 1 and `plane2` of
 /// object 2: eq. 12 in the form of eq. 14, an integral over S_2, evaluated as the sum of eq. 15
-/// over the cells of S_2. The middle of each cell gives a point W_2 of M_2 (eq. 4). `pose2` takes
-/// object 2's frame to object 1's; `density` in kg/m3.
+/// over the cells of S_2. The middle of each cell gives a point W_2 of M_2 (eq. 4); beside an edge
+/// of M_2 it is the middle of those of the cell's samples that met M_2, which count a quarter each.
+/// `pose2` takes object 2's frame to object 1's; `density` in kg/m3.
 [[nodiscard]] PenetrationVolume penetration_volume(const AssetView& object1, std::size_t plane1,
                                                    const AssetView& object2, std::size_t plane2,
                                                    const Eigen::Isometry3d& pose2, double density,

@@ -3,13 +3,11 @@
 
 #include "common/base/rigid_pose.hpp"
 #include "common/surface/support_plane_mapping.hpp"
+#include "servo/force/pressed_part.hpp"
 
 namespace spm {
 
 namespace {
-
-/// The same part as that of a tool's samples (tool_contact.cpp).
-constexpr double pressed_part = 1.0 / 16;
 
 Vector3 middle_of(const AssetView& asset) noexcept {
   const Extent extent = extent_of(asset);
@@ -31,7 +29,7 @@ PenetrationVolume paper_overlap(const AssetView& object1, const AssetView& objec
 }
 
 double paper_tool_area(const AssetView& tool) noexcept {
-  const Vector3 size = extent_of(tool).size;
+  const Vector3 size = (extent_of(tool).size.array() - 2 * tool.band.margin).max(0);
   return pressed_part * 2 * (size.x() * size.y() + size.y() * size.z() + size.z() * size.x());
 }
 

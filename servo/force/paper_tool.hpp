@@ -15,8 +15,8 @@ namespace spm {
 [[nodiscard]] PenetrationVolume paper_overlap(const AssetView& object1, const AssetView& object2,
                                               const Eigen::Isometry3d& pose2) noexcept;
 
-/// The area of a tool, m2, on which its overlap with an object of stiffness K (N/m) pushes as a
-/// spring of K does: a part of the sides of its box.
+/// The area of a tool, m2, from which on its overlap with an object of stiffness K (N/m) pushes as
+/// a spring of K does: a part of the sides of its box. Where less is pressed the spring is softer.
 [[nodiscard]] double paper_tool_area(const AssetView& tool) noexcept;
 
 }  // namespace spm

@@ -218,7 +218,7 @@ void ToolForce::hold(const Eigen::Isometry3d& device, std::span<const ToolObject
 }
 
 /// The objects of method `paper`, where the tool's asset is `full`: one force each, at the centre
-/// of the volume that both share. Tool and object have one scale (check_tool).
+/// of the volume that both share. Tool and object have one scale (check_tool_scale).
 void ToolForce::press_by_paper(const Eigen::Isometry3d& device, std::span<ToolObject> objects,
                                Felt& felt) noexcept {
   const AssetView& tool = *tool_->paper();
@@ -235,16 +235,18 @@ void ToolForce::press_by_paper(const Eigen::Isometry3d& device, std::span<ToolOb
     if (!(found.volume > 0) || !(stiffness > 0)) continue;
     const Vector3 centre = object.pose * (scale * found.centre);
     const Vector3 normal = object.pose.linear() * found.normal;
-    const Vector3 force = stiffness / area * (found.volume * scale * scale * scale) * normal;
+    const double pressed = found.area * scale * scale, share = std::min(1.0, pressed / area);
+    // The mean of f of eq. 13. The stiffness is reached, and not exceeded.
+    const double depth = found.volume / found.area * scale;
+    const Vector3 force = stiffness * share * depth * normal;
     const Vector3 arm = centre - device.translation();
     felt.contact = true;
     felt.wrench.force += force;
     felt.wrench.torque += arm.cross(force);
-    felt.stiffness += stiffness;
-    felt.turning += stiffness * arm.squaredNorm();
+    felt.stiffness += share * stiffness;
+    felt.turning += share * stiffness * arm.squaredNorm();
     // As a spring of that stiffness.
-    const double depth = force.norm() / stiffness;
-    felt.stored += stiffness * depth * depth / 2;
+    felt.stored += share * stiffness * depth * depth / 2;
     object.reaction = {-force, -(centre - object.pose.translation()).cross(force)};
     if (tick_.patch_count == max_patches) continue;
     tick_.patches[tick_.patch_count++] = {centre, normal, force, depth,

@@ -344,9 +344,8 @@ Result<RunReport> run(const RunOptions& asked) {
         "simulated one is taken");
   }
   for (const std::string& text : stiffness_warnings(*choice, open_devices)) log_warning(text);
-  if (choice->scene.tool) {
-    const AssetMetadata tool = (*assets)->reports()[choice->scene.tool->asset].metadata;
-    for (const std::string& text : tool_warnings(*choice, tool, open_devices)) log_warning(text);
+  for (const std::string& text : tool_warnings(*choice, (*assets)->reports(), open_devices)) {
+    log_warning(text);
   }
   log_message(start_message(options, choice->scene, (*assets)->reports(), (*assets)->paths(),
                             open_devices));

@@ -29,6 +29,25 @@ std::string forces_text(const ForceScene& scene) {
   return text + (scene.stabilization.any() ? ", stabilized" : ", not stabilized");
 }
 
+/// A sentence for each object that may pass between the samples of the tool.
+std::vector<std::string> sample_warnings(const ForceChoice& choice,
+                                         const std::vector<KeeperReport>& assets) {
+  std::vector<std::string> list;
+  const double spacing = assets[choice.scene.tool->asset].tool_spacing;
+  for (std::size_t i = 0; i < choice.scene.objects.size(); ++i) {
+    const PlacedObject& object = choice.scene.objects[i];
+    const AssetMetadata& asset = assets[object.asset].metadata;
+    const double narrow = object.placement.scale * (asset.box_max - asset.box_min).minCoeff();
+    if (narrow >= spacing) continue;
+    list.push_back(choice.places[i] + "the object is " + format_quantity(narrow, Quantity::length) +
+                   " wide, and the tool's samples are " +
+                   format_quantity(spacing, Quantity::length) +
+                   " apart, so that it may pass between them: give [tool] a smaller 'spacing' or "
+                   "'scale', or more 'samples'");
+  }
+  return list;
+}
+
 }  // namespace
 
 std::string start_message(const RunOptions& options, const ForceScene& scene,
@@ -84,10 +103,12 @@ std::vector<std::string> stiffness_warnings(const ForceChoice& choice,
   return list;
 }
 
-std::vector<std::string> tool_warnings(const ForceChoice& choice, const AssetMetadata& tool,
+std::vector<std::string> tool_warnings(const ForceChoice& choice,
+                                       const std::vector<KeeperReport>& assets,
                                        const std::vector<Device*>& devices) {
-  std::vector<std::string> list;
-  if (!choice.scene.tool) return list;
+  if (!choice.scene.tool) return {};
+  std::vector<std::string> list = sample_warnings(choice, assets);
+  const AssetMetadata& tool = assets[choice.scene.tool->asset].metadata;
   const double longest = tool_size(tool, *choice.scene.tool).maxCoeff();
   for (const Device* device : devices) {
     const DeviceCapabilities& can = device->capabilities();

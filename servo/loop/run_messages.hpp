@@ -24,10 +24,11 @@ namespace spm::servo {
                                                           const std::vector<Device*>& devices);
 
 /// What a person has to know of a scene's tool on these devices: a device that does not read its
-/// orientation, and a tool that is longer than a workspace. `tool`: the metadata of its asset.
-/// Empty where the scene has no such tool.
+/// orientation, a tool that is longer than a workspace, and an object that is narrower than the
+/// tool's samples are apart. `assets`: the reports of the choice's assets. Empty where the scene
+/// has no such tool.
 [[nodiscard]] std::vector<std::string> tool_warnings(const ForceChoice& choice,
-                                                     const AssetMetadata& tool,
+                                                     const std::vector<KeeperReport>& assets,
                                                      const std::vector<Device*>& devices);
 
 }  // namespace spm::servo

@@ -128,6 +128,7 @@ void AssetKeeper::install(std::unique_ptr<Holding> holding) {
   // A `full` tool has none.
   const bool sampled = tool != nullptr && !tool->samples().levels.empty();
   report_.tool_samples = sampled ? tool->samples().levels.back().count : 0;
+  report_.tool_spacing = sampled ? tool->samples().levels.back().spacing : 0;
   report_.tool_bytes = tool != nullptr ? tool->bytes() : 0;
   report_.locked = current_->asset->locked();
   report_.serving = true;

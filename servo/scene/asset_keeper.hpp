@@ -40,6 +40,7 @@ struct KeeperReport {
   std::uint64_t resident_bytes = 0;  ///< that answers may come from
   double open_seconds = 0;           ///< to map and check the file, and to sample a tool
   std::size_t tool_samples = 0;      ///< of the tool, on its finest level; 0: it is none
+  double tool_spacing = 0;           ///< m of the world, between these samples
   std::uint64_t tool_bytes = 0;      ///< of its samples, and what hands remember of them
   bool locked = false;
   bool serving = false;

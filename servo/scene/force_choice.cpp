@@ -185,6 +185,10 @@ Result<void> take_tool(const Scene& scene, ForceChoice& choice) {
   auto tool = tool_settings(*scene.tool, scene.path, choice.tool_place);
   if (!tool) return tl::make_unexpected(std::move(tool.error()));
   tool->asset = asset_number(choice, scene.tool->asset);
+  for (std::size_t i = 0; i < choice.scene.objects.size(); ++i) {
+    auto checked = check_tool_scale(*tool, choice.scene.objects[i], choice.places[i]);
+    if (!checked) return checked;
+  }
   choice.scene.tool = *tool;
   return {};
 }
@@ -321,6 +325,9 @@ Result<void> check_asset(const AssetMetadata& asset, const ForceChoice& choice, 
     if (object.asset != which) continue;
     auto checked = check_asset(asset, object.force, choice.places[i] + choice.assets[which],
                                object.placement.scale);
+    if (checked && choice.scene.tool) {
+      checked = check_met_asset(asset, object, choice.places[i] + choice.assets[which]);
+    }
     if (!checked) return checked;
   }
   if (!is_tool(choice.scene, which)) return {};

@@ -2,6 +2,7 @@
 #include "servo/scene/tool_choice.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
 
 #include "common/base/units.hpp"
@@ -17,6 +18,9 @@ constexpr double stiffest_turning = 1e4;   // N m/rad
 
 /// Largest diagonal of a tool, in spacings: beyond it there are millions of samples.
 constexpr double finest_share = 4000;
+
+/// Scales that were written as decimal text may differ by rounding.
+constexpr double scale_slack = 1e-9;
 
 tl::unexpected<Error> too_stiff(const std::string& place, const char* key, double most,
                                 Quantity kind) {
@@ -49,6 +53,25 @@ Result<ToolSettings> tool_settings(const SceneTool& tool, const std::string& sce
   settings.samples = tool.samples;
   settings.budget = tool.budget;
   return settings;
+}
+
+Result<void> check_tool_scale(const ToolSettings& tool, const PlacedObject& object,
+                              const std::string& place) {
+  const double share = object.placement.scale / tool.placement.scale;
+  if (object.force.method != Method::paper || std::abs(share - 1) <= scale_slack) return {};
+  return fail(ExitCode::invalid_input,
+              place +
+                  "method paper knows one 'scale' for a tool and what it meets; give object and "
+                  "[tool] the same, or take method proxy for the object");
+}
+
+Result<void> check_met_asset(const AssetMetadata& asset, const PlacedObject& object,
+                             const std::string& path) {
+  if (object.force.method == Method::paper || asset.form != AssetForm::full) return {};
+  return fail(ExitCode::invalid_input,
+              path +
+                  ": is a full asset, which a tool can meet by method paper alone; bake the mesh "
+                  "again with --form sparse, or take method paper for object and tool");
 }
 
 Result<void> check_tool_asset(const AssetMetadata& asset, const ForceScene& scene,

@@ -23,6 +23,16 @@ struct ToolRoom {
 [[nodiscard]] Result<ToolSettings> tool_settings(const SceneTool& tool, const std::string& scene,
                                                  const std::string& place);
 
+/// Refuses an object of method paper of another scale than the tool's: eq. 12 to 15 know one for
+/// both. `place`: file and line of the object. Errors: invalid_input.
+[[nodiscard]] Result<void> check_tool_scale(const ToolSettings& tool, const PlacedObject& object,
+                                            const std::string& place);
+
+/// Refuses a `full` asset of an object that a tool would meet by another method than paper, which
+/// reads `sparse` ones alone. `path` is for the message. Errors: invalid_input.
+[[nodiscard]] Result<void> check_met_asset(const AssetMetadata& asset, const PlacedObject& object,
+                                           const std::string& path);
+
 /// Refuses an asset that can be no tool of a scene: a `full` one where not all objects are of
 /// method paper, a `sparse` one where one is, and one of an open mesh, which has no inside. `path`
 /// is for the message. Errors: invalid_input.

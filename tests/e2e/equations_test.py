@@ -19,11 +19,6 @@ TABLE = os.path.join(os.path.dirname(os.path.abspath(__file__)), os.pardir, os.p
 ROW = re.compile(r"^\| (\d+) \|[^|]*\| `(\w+)` \|[^|]*\|[^|]*\| ([^|]*) \|$", re.MULTILINE)
 # A command, and a line of the scene's object that it needs.
 CELL = re.compile(r"^`(spm-(?:bake|servo) [^`]+)`(?: with `([^`]+)`)?$")
-LIBRARY_ONLY = "library only"
-# No command serves one object against another yet. Whoever adds one takes its rows out here, and
-# adds what their command must give to CHECKS.
-NO_COMMAND = {12: "penetration_volume", 13: "penetration_function", 14: "penetration_volume",
-              15: "penetration_volume"}
 
 TOP = 0.032  # m, half the height of models/box
 EDGE = 0.024  # m, half its width
@@ -34,6 +29,9 @@ F_C, K_F, K_D, NOISE = 0.2, 100, 2, 20e-6  # as the table's scenes have them
 STEP = 2e-5  # m in a tick
 # Depths of the hand under the box's top, m, and back; the first is above it.
 DEPTHS = [-0.0012 + 1e-5 * i for i in range(300)]
+# Where a tool is that stands on the box, beside its middle, m: nearly all of its face is pressed, and
+# a small part.
+BESIDE = [(0.004, 0.006), (0.028, 0.020)]
 
 
 def rows():
@@ -67,6 +65,10 @@ class Equations(Case):
             for _ in range(200):
                 way = [draw.gauss(0, 1) for _ in range(3)]
                 file.write(" ".join(repr((SPHERE - 3e-4) * x / norm(way)) for x in way) + "\n")
+        with open(os.path.join(cls.work, "lower.txt"), "w", encoding="ascii") as file:
+            for x, y in BESIDE:
+                for depth in DEPTHS:
+                    file.write(f"{x!r} {y!r} {2 * TOP - depth!r} 1 0 0 0\n")
         # What the other commands read: the table's own box, and a sphere whose few planes stand
         # askew to nearly all of it.
         cls.command(cls.cells[2])
@@ -76,7 +78,7 @@ class Equations(Case):
 
     @classmethod
     def command(cls, cell):
-        """Runs a cell's command, once; gives its table of forces, if it writes one."""
+        """Runs a cell's command, once; gives the rows of the table that it writes, if it does."""
         if cell in cls.ran:
             return cls.ran[cell]
         command, line = CELL.match(cell).groups()
@@ -92,26 +94,27 @@ class Equations(Case):
         if "--out" in words:
             with open(os.path.join(cls.work, words[words.index("--out") + 1]), newline="",
                       encoding="ascii") as file:
-                felt = [tuple(float(row[key]) for key in ("fx", "fy", "fz"))
-                        for row in csv.DictReader(file)]
+                felt = [{key: float(value) for key, value in row.items()} for row in csv.DictReader(file)]
         cls.ran[cell] = felt
         return felt
 
+    @classmethod
+    def forces(cls, cell):
+        return [tuple(row[key] for key in ("fx", "fy", "fz")) for row in cls.command(cell)]
+
     def felt(self, number):
-        felt = self.command(self.cells[number])
-        self.assertIsNotNone(felt, f"the command of eq. {number} writes no forces")
+        self.assertIsNotNone(self.command(self.cells[number]), f"the command of eq. {number} writes no forces")
+        felt = self.forces(self.cells[number])
         self.assertTrue(any(norm(force) > 0 for force in felt))
         return felt
 
-    def test_each_equation_has_a_command_or_is_known_to_have_none(self):
+    def test_each_equation_has_a_command(self):
         table = rows()
         self.assertEqual([number for number, _, _ in table], list(range(1, 20)))
-        self.assertEqual({number: name for number, name, cell in table if cell == LIBRARY_ONLY},
-                         NO_COMMAND)
         for number, _, cell in table:
             with self.subTest(equation=number):
-                self.assertTrue(cell == LIBRARY_ONLY or CELL.match(cell), cell)
-        self.assertEqual(set(CHECKS) | set(NO_COMMAND), set(range(1, 20)))
+                self.assertTrue(CELL.match(cell), cell)
+        self.assertEqual(set(CHECKS), set(range(1, 20)))
 
     def test_the_command_of_each_equation_gives_what_the_equation_says(self):
         for number, check in CHECKS.items():
@@ -164,6 +167,55 @@ class Equations(Case):
             self.assertAlmostEqual(force[2], K * skin(depth), delta=0.03 * K * skin(depth) + 1e-3)
             self.assertLess(math.hypot(force[0], force[1]), 1e-6)
 
+    def pressed(self, number):
+        """Where a tool is beside the box's middle, how deep, what it feels, and the face in common."""
+        felt = self.command(self.cells[number])
+        places = [(beside, depth) for beside in BESIDE for depth in DEPTHS]
+        self.assertEqual(len(felt), len(places))
+        for (beside, depth), row in zip(places, felt):
+            yield beside, depth, row, (2 * EDGE - beside[0]) * (0.06 - beside[1])
+
+    def depth_of_a_face(self, number):
+        """Eq. 13: f is the depth of the tool's face, the same at every place of it."""
+        for _, depth, row, _ in self.pressed(number):
+            self.assertAlmostEqual(row["depth"], max(depth, 0), delta=1e-7)
+
+    def volume_of_two_boxes(self, number):
+        """Eq. 12, 14 and 15: the force by the volume, at the middle of the volume. A face that is at
+        least a sixteenth of the tool's sides is pushed by the depth, one that is less by the volume."""
+        sides = 8 * (EDGE * 0.03 + 0.03 * TOP + TOP * EDGE) / 16
+        self.assertLess((2 * EDGE - BESIDE[1][0]) * (0.06 - BESIDE[1][1]), sides)
+        for beside, depth, row, face in self.pressed(number):
+            wanted = K * max(depth, 0) * min(1, face / sides)
+            # A map's sample is 1.1 mm wide, and the face in common 20 mm and more.
+            self.assertAlmostEqual(row["fz"], wanted, delta=0.08 * wanted + 1e-9)
+            self.assertAlmostEqual(row["tx"], -beside[1] / 2 * row["fz"], delta=6e-4 * row["fz"])
+            self.assertAlmostEqual(row["ty"], beside[0] / 2 * row["fz"], delta=6e-4 * row["fz"])
+            self.assertEqual((row["fx"], row["fy"]), (0, 0))
+
+    def test_two_balls_feel_the_lens_that_they_share(self):
+        scene = self.write("balls.toml", "".join(
+            f"{table}\nasset = \"{os.path.join(self.work, 'sphere.spm.exr')}\"\n"
+            for table in ("[tool]", "[stabilization]\n[[object]]\nmethod = \"paper\"")))
+        overlap = 0.004
+        apart = 2 * SPHERE - overlap
+        # Along two planes of the balls that look at one another.
+        path = self.write("apart.txt", " ".join([repr(apart / math.sqrt(3))] * 3) + "\n")
+        out = self.path("balls.csv")
+        replayed = run("replay", path, "--scene", scene, "--out", out, program=os.path.join(BIN, "spm-servo"))
+        self.assertEqual(replayed.returncode, 0, replayed.stderr)
+        with open(out, newline="", encoding="ascii") as file:
+            row = {key: float(value) for key, value in next(csv.DictReader(file)).items()}
+        lens = math.pi / 12 * (4 * SPHERE + apart) * overlap ** 2
+        disc = math.pi * (SPHERE ** 2 - apart ** 2 / 4)
+        sides = 24 * SPHERE ** 2 / 16
+        self.assertLess(disc, sides)
+        self.assertAlmostEqual(row["depth"], lens / disc, delta=0.02 * lens / disc)
+        force = norm((row["fx"], row["fy"], row["fz"]))
+        self.assertAlmostEqual(force, K * lens / sides, delta=0.1 * K * lens / sides)
+        # The lens lies between the middles, to a third of a map's sample.
+        self.assertLess(norm((row["tx"], row["ty"], row["tz"])), 3e-4 * force)
+
     def smoothed_edge(self, number):
         """Eq. 16: an edge moves in, and the middle of a face stays."""
         words = shlex.split(CELL.match(self.cells[number]).group(1))
@@ -215,7 +267,7 @@ class Equations(Case):
         self.assertAlmostEqual(spread, NOISE, delta=0.25 * NOISE)
 
     def test_the_form_over_the_volume_is_the_mean_depth_of_what_is_in_the_box(self):
-        felt = self.command(self.cells[11][:-1] + " --paper-probe volume`")
+        felt = self.forces(self.cells[11][:-1] + " --paper-probe volume`")
         for force, depth in list(zip(felt, DEPTHS))[::20]:
             # Slices of the ball at the depth t, by the midpoint rule.
             area = moment = 0
@@ -231,7 +283,7 @@ class Equations(Case):
             for depth in DEPTHS:
                 file.write(f"0.001 0.003 {TOP - depth + 0.004!r}\n")
         command = self.cells[11].replace("hand.txt", "above.txt")
-        felt = self.command(command.replace("sphere:2mm", "capsule:2mm,8mm"))
+        felt = self.forces(command.replace("sphere:2mm", "capsule:2mm,8mm"))
         for force, depth in zip(felt, DEPTHS):
             if depth <= 0:
                 self.assertAlmostEqual(force[2], K * skin(depth), delta=0.03 * K * skin(depth) + 1e-3)
@@ -245,7 +297,9 @@ CHECKS = {1: Equations.maps_of_the_box, 2: Equations.maps_of_the_box,
           5: Equations.slope_of_the_map, 6: Equations.slope_of_the_map,
           7: Equations.slope_of_the_map, 8: Equations.slope_of_the_map,
           9: Equations.depth_as_a_force, 10: Equations.mean_over_a_ball,
-          11: Equations.mean_over_a_ball, 16: Equations.smoothed_edge, 17: Equations.friction,
+          11: Equations.mean_over_a_ball, 12: Equations.volume_of_two_boxes,
+          13: Equations.depth_of_a_face, 14: Equations.volume_of_two_boxes,
+          15: Equations.volume_of_two_boxes, 16: Equations.smoothed_edge, 17: Equations.friction,
           18: Equations.sum_of_three, 19: Equations.noise}
 
 

@@ -18,6 +18,7 @@ sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), os.p
 from recording_file import CONTACT, TOOL, read_recording  # noqa: E402
 
 TOP, SCALE = 0.032, 0.3  # m, half the height of models/box along z, and what the tool is of it
+FORCE_CAP, TORQUE_CAP = 12, 0.6  # N and N m, of the scene's profile
 RESTS = TOP * (1 + SCALE)  # m, where a hand is whose tool touches
 
 
@@ -100,6 +101,28 @@ class ToolReplay(Case):
             self.assertEqual(result.returncode, 0, result.stderr)
         self.assertEqual(self.table("three.csv"), self.table("seven.csv"))
         self.assertGreater(self.table("seven.csv")[-1]["fz"], 0)
+
+    def test_a_pose_that_is_none_is_refused_with_its_line(self):
+        for quaternion in ("2 0 0 0", "0 0 0 0", "nan 0 0 0", "1 0 0"):
+            path = self.write("bad.txt", f"0 0 1 1 0 0 0\n0 0 1 {quaternion}\n")
+            result = run("replay", path, "--scene", self.scene(), "--out", self.path("out.csv"),
+                         program=SERVO)
+            self.assertEqual(result.returncode, 3, quaternion)
+            self.assertIn("line 2", result.stderr)
+
+    def test_no_size_start_or_turn_of_a_tool_gives_more_than_the_device_may(self):
+        ways = "1 0 0 0", "0 1 0 0"
+        half_turns = "".join(f"0 0 {RESTS - 1e-3!r} {ways[i // 10 % 2]}\n" for i in range(100))
+        for scale in (1e-6, SCALE, 1, 1e3, 1e6):
+            for name, poses in (("inside.txt", "0 0 0.01 1 0 0 0\n" * 100), ("turns.txt", half_turns)):
+                with self.subTest(scale=scale, hand=name):
+                    result = run("replay", self.write(name, poses), "--scene", self.scene(scale), "--out",
+                                 self.path("out.csv"), program=SERVO)
+                    self.assertEqual((result.returncode, result.stderr), (0, ""))
+                    for row in self.table("out.csv"):
+                        size = [math.hypot(*(row[kind + axis] for axis in "xyz")) for kind in "ft"]
+                        self.assertLessEqual(size[0], FORCE_CAP * (1 + 1e-9))
+                        self.assertLessEqual(size[1], TORQUE_CAP * (1 + 1e-9))
 
     def test_a_replay_by_a_scene_whose_tool_is_another_says_so(self):
         self.record("sim:seed=3", "--record", self.path("run.spmrec"))

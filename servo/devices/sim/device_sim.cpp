@@ -14,33 +14,23 @@ namespace spm::servo {
 
 namespace {
 
-Result<std::vector<TrajectorySample>> recorded_rows(const std::string& path) {
+/// `turns`: whether the hand follows the turns of the rows as well.
+Result<PoseMotion> recorded_hand(const std::string& path, bool turns, double period) {
   auto rows = read_trajectory(path);
-  if (!rows || !rows->empty()) return rows;
-  return fail(ExitCode::invalid_input,
-              path +
-                  ": has no row; write one position 'x y z' in metres a line, or a pose 'x y z "
-                  "qw qx qy qz'");
-}
-
-Result<PoseMotion> recorded_poses(const std::string& path, double period) {
-  const auto rows = recorded_rows(path);
-  if (!rows) return tl::make_unexpected(rows.error());
+  if (!rows) return tl::make_unexpected(std::move(rows.error()));
+  if (rows->empty()) {
+    return fail(ExitCode::invalid_input,
+                path +
+                    ": has no row; write one position 'x y z' in metres a line, or a pose 'x y z "
+                    "qw qx qy qz'");
+  }
   std::vector<HandPose> poses;
   poses.reserve(rows->size());
   for (const TrajectorySample& row : *rows) {
-    poses.push_back({row.position, Eigen::Quaterniond(row.qw, row.qx, row.qy, row.qz)});
+    poses.push_back(unturned(row.position));
+    if (turns) poses.back().orientation = Eigen::Quaterniond(row.qw, row.qx, row.qy, row.qz);
   }
   return PoseMotion::recorded(std::move(poses), period);
-}
-
-Result<HandMotion> recorded_hand(const std::string& path, double period) {
-  const auto rows = recorded_rows(path);
-  if (!rows) return tl::make_unexpected(rows.error());
-  std::vector<Vector3> positions;
-  positions.reserve(rows->size());
-  for (const TrajectorySample& row : *rows) positions.push_back(row.position);
-  return HandMotion::recorded(std::move(positions), period);
 }
 
 PlantSettings plant_of(const SimOptions& options, double period) {
@@ -114,63 +104,40 @@ Result<void> DeviceSim::open(const DeviceSetup& setup) {
   capabilities_.turn_step = capabilities_.turns ? profile.turn_step() : 0;
   capabilities_.turning_inertia = profile.turning_inertia();
   capabilities_.own_delay = options_.delay_ticks / setup.rate_hz;
-  if (auto planned = plan(setup); !planned) return planned;
+  auto planned = plan(setup);
+  if (!planned) return tl::make_unexpected(std::move(planned.error()));
+  motion_ = std::move(*planned);
   plant_ = SimPlant(plant);
-  plant_.place(poses_ ? poses_->start().position : hand_.start());
+  plant_.place(motion_.start().position);
   if (!capabilities_.turns) return {};
   turning_.emplace(turning_plant_of(plant, torque));
-  turning_->place(pose_of(poses_ ? poses_->start() : HandPose{hand_.start(), {1, 0, 0, 0}}));
+  turning_->place(pose_of(motion_.start()));
   return {};
 }
 
-/// Finds what the hand does in the scene.
-Result<void> DeviceSim::plan(const DeviceSetup& setup) {
+/// What the hand does in the scene.
+Result<PoseMotion> DeviceSim::plan(const DeviceSetup& setup) const {
   const PlantSettings plant = plant_of(options_, 1 / setup.rate_hz);
-  if (options_.hand != HandKind::recorded && setup.scene.tool) {
-    ToolTask task;
-    task.slide = options_.hand == HandKind::slide;
-    task.depth = options_.depth;
-    task.speed = options_.speed;
-    task.seed = options_.seed;
-    task.plant = turning_plant_of(plant, capabilities_.torque_cap > 0);
-    task.turning = hand_turning(capabilities_);
-    task.scene = setup.scene;
-    auto poses = plan_tool(setup.assets, task);
-    if (!poses) return tl::make_unexpected(std::move(poses.error()));
-    poses_ = std::move(*poses);
-    return {};
-  }
-  if (options_.hand == HandKind::recorded && capabilities_.turns) {
-    auto poses = recorded_poses(options_.path, plant.period);
-    if (!poses) return tl::make_unexpected(std::move(poses.error()));
-    poses_ = std::move(*poses);
-    return {};
-  }
-  Result<HandMotion> hand;
   if (options_.hand == HandKind::recorded) {
-    hand = recorded_hand(options_.path, plant.period);
-  } else {
-    HandTask task;
+    return recorded_hand(options_.path, capabilities_.turns, plant.period);
+  }
+  const auto set = [&](auto task) {
     task.slide = options_.hand == HandKind::slide;
     task.depth = options_.depth;
     task.speed = options_.speed;
     task.seed = options_.seed;
-    task.plant = plant;
     task.scene = setup.scene;
-    hand = plan_hand(setup.assets, task);
+    return task;
+  };
+  if (!setup.scene.tool) {
+    auto task = set(HandTask{});
+    task.plant = plant;
+    return plan_hand(setup.assets, task);
   }
-  if (!hand) return tl::make_unexpected(hand.error());
-  hand_ = std::move(*hand);
-  return {};
-}
-
-SixdofTarget DeviceSim::target() noexcept {
-  if (poses_) return poses_->next();
-  const HandTarget hand = hand_.next();
-  SixdofTarget target;
-  target.position = hand.position;
-  target.velocity = hand.velocity;
-  return target;
+  auto task = set(ToolTask{});
+  task.plant = turning_plant_of(plant, capabilities_.torque_cap > 0);
+  task.turning = hand_turning(capabilities_);
+  return plan_tool(setup.assets, task);
 }
 
 DeviceHealth DeviceSim::read(DeviceState& state) noexcept {
@@ -189,7 +156,7 @@ DeviceHealth DeviceSim::read(DeviceState& state) noexcept {
 DeviceHealth DeviceSim::write(const Wrench& wrench) noexcept {
   if (read_ns_ != 0) report_to_command_.add(now_ns() - read_ns_);
   read_ns_ = 0;
-  const SixdofTarget wanted = target();
+  const SixdofTarget wanted = motion_.next();
   if (turning_) {
     turning_->step(wrench, wanted);
   } else {

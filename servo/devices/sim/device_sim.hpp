@@ -6,7 +6,6 @@
 
 #include "servo/devices/base/device.hpp"
 #include "servo/devices/base/latency_histogram.hpp"
-#include "servo/devices/sim/hand_motion.hpp"
 #include "servo/devices/sim/pose_motion.hpp"
 #include "servo/devices/sim/sim_options.hpp"
 #include "servo/devices/sim/sim_plant.hpp"
@@ -31,16 +30,14 @@ class DeviceSim final : public Device {
   [[nodiscard]] nlohmann::ordered_json describe() const override;
 
  private:
-  [[nodiscard]] Result<void> plan(const DeviceSetup& setup);
-  [[nodiscard]] SixdofTarget target() noexcept;
+  [[nodiscard]] Result<PoseMotion> plan(const DeviceSetup& setup) const;
 
   SimOptions options_;
   DeviceCapabilities capabilities_;
   SimPlant plant_;
   std::optional<SixdofPlant> turning_;  ///< in place of the other, where the device turns
-  HandMotion hand_;
-  std::optional<PoseMotion> poses_;  ///< of a hand that holds a tool or turns; else the other
-  std::int64_t read_ns_ = 0;         ///< when the loop took the last report; 0: it was answered
+  PoseMotion motion_;                   ///< where the hand wants to be
+  std::int64_t read_ns_ = 0;            ///< when the loop took the last report; 0: it was answered
   LatencyHistogram report_to_command_;
 };
 

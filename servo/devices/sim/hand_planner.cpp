@@ -36,7 +36,7 @@ constexpr double rounds[] = {1, 0.5, 0.25, 0.1, 0.05, 0};
 constexpr double turning_over = 4;
 
 struct Plan {
-  HandMotion motion;
+  PoseMotion motion;
   double score = -1;  ///< contact in the worst second, 0 to 1, less a penalty
 };
 
@@ -77,27 +77,29 @@ Vector3 target_below(const Reached& reached, const Touch& touch) {
   return reached.in_hand(touch.centre - depth * touch.normal, touch.normal);
 }
 
-HandMotion motion_from(const Reached& reached, const HandTask& task, const Touch& start,
+PoseMotion motion_from(const Reached& reached, const HandTask& task, const Touch& start,
                        double firm_depth, Random& random) {
   const Vector3 approach =
       reached.in_hand(start.centre + reached.depth * start.normal, start.normal);
   if (!task.slide) {
-    return HandMotion::press(approach, target_below(reached, start), task.speed, task.plant.period);
+    return PoseMotion::press({unturned(approach), unturned(target_below(reached, start))},
+                             {task.speed, fastest_turn}, task.plant.period);
   }
   WalkSettings settings;
   settings.probe_radius = reached.probe_radius;
   settings.length = longest_walk;
   settings.firm_depth = firm_depth;
-  std::vector<Vector3> points{approach};
+  std::vector<HandPose> poses{unturned(approach)};
   for (const Touch& touch : walk(reached.asset, settings, start, random)) {
-    points.push_back(target_below(reached, touch));
+    poses.push_back(unturned(target_below(reached, touch)));
   }
-  return HandMotion::back_and_forth(std::move(points), 1, task.speed, task.plant.period);
+  return PoseMotion::back_and_forth(std::move(poses), 1, {task.speed, fastest_turn},
+                                    task.plant.period);
 }
 
 /// The score of a motion for a task.
 double score_of(std::span<const AssetView* const> assets, const HandTask& task,
-                const HandMotion& motion) {
+                const PoseMotion& motion) {
   const std::size_t ticks = std::min(motion.cycle_ticks(), longest_trial);
   const double share = contact_share(assets, task, motion, ticks);
   const bool stuck =
@@ -118,7 +120,7 @@ void plan_on(std::span<const AssetView* const> assets, const HandTask& task, std
       const double firm_depth = firm * reached.depth;
       if (!firm_below(reached.asset, reached.probe_radius, *touch, firm_depth)) continue;
       ++plans;
-      HandMotion motion = motion_from(reached, task, *touch, firm_depth, random);
+      PoseMotion motion = motion_from(reached, task, *touch, firm_depth, random);
       const double score = score_of(assets, task, motion);
       if (score > best.score) best = {std::move(motion), score};
       if (best.score >= good_share) return;
@@ -129,9 +131,9 @@ void plan_on(std::span<const AssetView* const> assets, const HandTask& task, std
 }  // namespace
 
 double contact_share(std::span<const AssetView* const> assets, const HandTask& task,
-                     HandMotion motion, std::size_t ticks) {
+                     PoseMotion motion, std::size_t ticks) {
   SimPlant tool(task.plant);
-  tool.place(motion.start());
+  tool.place(motion.start().position);
   const auto second = static_cast<std::size_t>(std::ceil(1 / task.plant.period));
   SceneForce force(task.scene, task.plant.period, task.plant.profile.encoder_step);
   double worst = 1;
@@ -140,14 +142,15 @@ double contact_share(std::span<const AssetView* const> assets, const HandTask& t
     for (std::size_t tick = 0; tick < second; ++tick) {
       const ContactForce contact = force.next(assets, tool.measured_position());
       touching += contact.contact ? 1 : 0;
-      tool.step(contact.force, motion.next());
+      const SixdofTarget target = motion.next();
+      tool.step(contact.force, {target.position, target.velocity});
     }
     worst = std::min(worst, static_cast<double>(touching) / static_cast<double>(second));
   }
   return worst;
 }
 
-Result<HandMotion> plan_hand(std::span<const AssetView* const> assets, const HandTask& task) {
+Result<PoseMotion> plan_hand(std::span<const AssetView* const> assets, const HandTask& task) {
   Random random(task.seed);
   Plan best;
   for (std::size_t i = 0; i < task.scene.objects.size() && best.score < good_share; ++i) {

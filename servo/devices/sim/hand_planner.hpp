@@ -5,7 +5,7 @@
 #include <span>
 
 #include "common/base/error.hpp"
-#include "servo/devices/sim/hand_motion.hpp"
+#include "servo/devices/sim/pose_motion.hpp"
 #include "servo/devices/sim/sim_plant.hpp"
 #include "servo/force/scene_force.hpp"
 
@@ -27,12 +27,12 @@ struct HandTask {
 /// the surface, and tries each plan with the simulated device and the loop's force law. The first
 /// plan that stays in contact is used, or else the best one. `assets`: those that the objects name.
 /// The motion is in the hand's frame. Errors: invalid_input, if no object has any surface.
-[[nodiscard]] Result<HandMotion> plan_hand(std::span<const AssetView* const> assets,
+[[nodiscard]] Result<PoseMotion> plan_hand(std::span<const AssetView* const> assets,
                                            const HandTask& task);
 
 /// Fraction of the ticks in contact in the worst second, 0 to 1, when the hand follows the motion
 /// over the scene without the safety stage. Over `ticks` ticks, rounded up to whole seconds.
 [[nodiscard]] double contact_share(std::span<const AssetView* const> assets, const HandTask& task,
-                                   HandMotion motion, std::size_t ticks);
+                                   PoseMotion motion, std::size_t ticks);
 
 }  // namespace spm::servo

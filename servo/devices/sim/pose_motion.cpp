@@ -5,8 +5,6 @@
 #include <cmath>
 #include <utility>
 
-#include "servo/devices/sim/hand_motion.hpp"
-
 namespace spm::servo {
 
 namespace {

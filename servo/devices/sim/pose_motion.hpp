@@ -9,6 +9,9 @@
 
 namespace spm::servo {
 
+/// Largest speed of a hand's target, m/s.
+inline constexpr double fastest_target = 1.0;
+
 /// Largest rate at which a hand's target turns, rad/s.
 inline constexpr double fastest_turn = 20;
 
@@ -19,8 +22,13 @@ struct PoseSpeed {
   double turning = 1;
 };
 
-/// Where a hand that turns wants its tool, tick by tick. It depends on the number of ticks alone.
-/// The target never jumps.
+/// A pose of a hand that does not turn.
+[[nodiscard]] inline HandPose unturned(const Vector3& position) noexcept {
+  return {position, Eigen::Quaterniond::Identity()};
+}
+
+/// Where a hand wants its tool, tick by tick. It depends on the number of ticks alone. The target
+/// never jumps. A hand that does not turn has poses that all are of no turn (`unturned`).
 class PoseMotion {
  public:
   PoseMotion() = default;

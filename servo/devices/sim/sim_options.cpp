@@ -9,7 +9,7 @@
 #include "common/base/units.hpp"
 #include "servo/devices/base/option_list.hpp"
 #include "servo/devices/sim/actuator_line.hpp"
-#include "servo/devices/sim/hand_motion.hpp"
+#include "servo/devices/sim/pose_motion.hpp"
 
 namespace spm::servo {
 

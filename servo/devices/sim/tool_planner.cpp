@@ -15,12 +15,12 @@ namespace spm::servo {
 namespace {
 
 constexpr int lines_tried = 256;
-constexpr int plans_wanted = 6;                // in each round
-constexpr double good_share = 0.9;             // of the worst second
-constexpr double longest_walk = 0.1;           // m
-constexpr std::size_t longest_trial = 6000;    // ticks
-constexpr std::size_t planned_samples = 2000;  // the plan needs no more of the tool
-constexpr double share_of_thickness = 0.35;    // as the hand's planner for a point
+constexpr int plans_wanted = 6;               // in each round
+constexpr double good_share = 0.9;            // of the worst second
+constexpr double longest_walk = 0.1;          // m
+constexpr std::size_t longest_trial = 6000;   // ticks
+constexpr std::size_t planned_samples = 600;  // the plan needs no more of the tool
+constexpr double share_of_thickness = 0.35;   // as the hand's planner for a point
 
 /// How far the tool is turned from how the hand holds it at rest, at a place and while it slides.
 constexpr double largest_lean = 0.35, lean_while_sliding = 0.15, swing = 0.3;  // rad
@@ -141,8 +141,8 @@ void plan_on(std::span<const AssetView* const> assets, const ToolTask& task, Sam
       if (!firm_below(reach.asset, 0, *touch, firm_depth)) continue;
       ++plans;
       PoseMotion motion = motion_from(reach, task, *touch, firm_depth, random);
-      const double score =
-          contact_share(assets, task, tool, motion, std::min(motion.cycle_ticks(), longest_trial));
+      const double score = contact_share(assets, task, tool, motion,
+                                         std::min(motion.cycle_ticks(), longest_trial), best.score);
       if (score > best.score) best = {std::move(motion), score};
       if (best.score >= good_share) return;
     }
@@ -152,7 +152,7 @@ void plan_on(std::span<const AssetView* const> assets, const ToolTask& task, Sam
 }  // namespace
 
 double contact_share(std::span<const AssetView* const> assets, const ToolTask& task,
-                     SampledTool& tool, PoseMotion motion, std::size_t ticks) {
+                     SampledTool& tool, PoseMotion motion, std::size_t ticks, double beaten) {
   SixdofPlant plant(task.plant);
   Eigen::Isometry3d start = Eigen::Isometry3d::Identity();
   start.translation() = motion.start().position;
@@ -164,18 +164,22 @@ double contact_share(std::span<const AssetView* const> assets, const ToolTask& t
   const auto second = static_cast<std::size_t>(std::ceil(1 / period));
   // The first second brings the tool to the surface.
   const std::size_t approach = second / 2;
+  const auto share = [second](std::size_t touching) {
+    return static_cast<double>(touching) / static_cast<double>(second);
+  };
   double worst = 1;
   for (std::size_t begin = 0; begin < ticks; begin += second) {
-    std::size_t touching = 0;
+    std::size_t touching = second;
     for (std::size_t tick = 0; tick < second; ++tick) {
       const Eigen::Isometry3d measured = plant.measured_pose();
       const HandPose hand{measured.translation(), Eigen::Quaterniond(measured.linear())};
       const ContactForce contact = force.next(assets, hand);
       const bool counts = contact.contact || (begin == 0 && tick < approach);
-      touching += counts ? 1 : 0;
+      touching -= counts ? 0 : 1;
+      if (share(touching) <= beaten) return share(touching);
       plant.step({contact.force, contact.torque}, motion.next());
     }
-    worst = std::min(worst, static_cast<double>(touching) / static_cast<double>(second));
+    worst = std::min(worst, share(touching));
   }
   return worst;
 }

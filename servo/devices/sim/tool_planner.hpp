@@ -36,8 +36,10 @@ struct ToolTask {
 
 /// Fraction of the ticks in contact in the worst second, 0 to 1, when the hand follows the motion
 /// over the scene without the safety stage. `tool`: the samples of the scene's tool. Over `ticks`
-/// ticks, rounded up to whole seconds.
+/// ticks, rounded up to whole seconds. A motion that cannot be in contact for more than `beaten` is
+/// given up as soon as that shows, and what it gives is then `beaten` at most.
 [[nodiscard]] double contact_share(std::span<const AssetView* const> assets, const ToolTask& task,
-                                   SampledTool& tool, PoseMotion motion, std::size_t ticks);
+                                   SampledTool& tool, PoseMotion motion, std::size_t ticks,
+                                   double beaten = -1);
 
 }  // namespace spm::servo

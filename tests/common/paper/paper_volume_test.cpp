@@ -24,8 +24,7 @@ constexpr double nothing = std::numeric_limits<double>::infinity();
 class OnePlane {
  public:
   OnePlane(const Vector3& middle, const Vector3& normal, double wide,
-           const std::function<double(double, double)>& depth) {
-    constexpr std::uint32_t samples = 201;
+           const std::function<double(double, double)>& depth, std::uint32_t samples = 201) {
     SupportPlane plane = plane_with_normal(middle, normal);
     plane.x0 += -wide / 2 * plane.u - wide / 2 * plane.v;
     made_ = map_by_hand(0, samples, samples, 1, 0, 0, wide / (samples - 1),
@@ -89,6 +88,69 @@ TEST_CASE("A box pressed flat into the ground shares its face times the depth (e
     CHECK(found.mass == Approx(500 * found.volume));
     CHECK((found.centre - Vector3(0.01, 0, -0.001)).norm() < 1e-9);
     CHECK((found.normal - Vector3::UnitZ()).norm() < 1e-9);
+  }
+}
+
+TEST_CASE("Two boxes share what their faces have in common, times the depth") {
+  const auto flat = [](double, double) { return 0; };
+  const OnePlane lower(Vector3::Zero(), Vector3::UnitZ(), 0.04, flat);
+  const OnePlane upper(Vector3::Zero(), -Vector3::UnitZ(), 0.02, flat);
+  for (const AreaFactor factor : {AreaFactor::paper, AreaFactor::surface}) {
+    const PenetrationVolume found =
+        penetration_volume(lower.view, 0, upper.view, 0, moved({0.015, 0.013, -0.0007}), 1, factor);
+    // From x = 5 mm and y = 3 mm on, up to the lower one's edges.
+    CHECK(found.area == Approx(0.015 * 0.017));
+    CHECK(found.volume == Approx(0.015 * 0.017 * 0.0007));
+    CHECK((found.centre - Vector3(0.0125, 0.0115, -0.00035)).norm() < 1e-9);
+  }
+}
+
+/// A flat square in a wider, coarse map.
+double square(double half, double x, double y) {
+  return std::max(std::abs(x), std::abs(y)) <= half ? 0 : nothing;
+}
+
+TEST_CASE("Where coarse maps end beside a surface's edge the volume is that of the surface") {
+  constexpr double deep = 0.001, wide = 0.05;
+  constexpr std::uint32_t samples = 33;
+  constexpr double spacing = wide / (samples - 1);
+  // All of the small face, and then a part of it; the mean over where the edges lie in the maps.
+  for (const double from : {0.0, 0.012}) {
+    double volume = 0, wanted = 0;
+    for (int i = 0; i < 500; ++i) {
+      const double half = 0.0105 + spacing * std::fmod(i * 0.8191725134, 1.0);
+      const double wider = 0.0157 + spacing * std::fmod(i * 0.4503027155, 1.0);
+      const Vector3 by(from + spacing * std::fmod(i * 0.6710436067, 1.0),
+                       -from - spacing * std::fmod(i * 0.5497004779, 1.0), -deep);
+      const OnePlane small(
+          Vector3::Zero(), -Vector3::UnitZ(), wide,
+          [=](double x, double y) { return square(half, x, y); }, samples);
+      const OnePlane large(
+          Vector3::Zero(), Vector3::UnitZ(), wide,
+          [=](double x, double y) { return square(wider, x, y); }, samples);
+      volume +=
+          penetration_volume(large.view, 0, small.view, 0, moved(by), 1, AreaFactor::paper).volume;
+      wanted += deep * std::min(2 * half, half + wider - by.x()) *
+                std::min(2 * half, half + wider + by.y());
+    }
+    CHECK(volume == Approx(wanted).epsilon(0.02));
+  }
+}
+
+TEST_CASE("Two balls share a lens, by planes that look at one another") {
+  const OnePlane lower(Vector3(0, 0, radius), Vector3::UnitZ(), 0.0399, ball);
+  const OnePlane upper(Vector3(0, 0, -radius), -Vector3::UnitZ(), 0.0399, ball);
+  for (const double overlap : {0.002, 0.006}) {
+    const double apart = 2 * radius - overlap;
+    const double lens = std::numbers::pi / 12 * (4 * radius + apart) * overlap * overlap;
+    const double disc = std::numbers::pi * (radius * radius - apart * apart / 4);
+    for (const AreaFactor factor : {AreaFactor::paper, AreaFactor::surface}) {
+      const PenetrationVolume found =
+          penetration_volume(lower.view, 0, upper.view, 0, moved({0, 0, apart}), 1, factor);
+      CHECK(found.volume == Approx(lens).epsilon(0.01));
+      CHECK(found.area == Approx(disc).epsilon(0.02));
+      CHECK((found.centre - Vector3(0, 0, apart / 2)).norm() < 0.02 * overlap);
+    }
   }
 }
 

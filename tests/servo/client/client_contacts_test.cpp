@@ -18,16 +18,6 @@ using namespace spm;
 using namespace spm::servo;
 using namespace spm::test;
 
-namespace {
-
-struct Daemon {
-  SocketFolder folder;
-  std::unique_ptr<AppState> state = small_state();
-  std::unique_ptr<AppServer> server = started(*state, folder.path("a.sock"));
-};
-
-}  // namespace
-
 TEST_CASE("Where a tool touches is read of one tick, with the ids of the objects") {
   const Daemon daemon;
   const Connected here(daemon.server->path());

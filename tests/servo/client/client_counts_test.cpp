@@ -22,12 +22,6 @@ using namespace spm::test;
 
 namespace {
 
-struct Daemon {
-  SocketFolder folder;
-  std::unique_ptr<AppState> state = small_state();
-  std::unique_ptr<AppServer> server = started(*state, folder.path("a.sock"));
-};
-
 /// Counts a tick with numbers that all follow from the tick.
 void count_tick(AppState& state, std::uint64_t tick) {
   const auto number = static_cast<double>(tick);

@@ -24,13 +24,6 @@ using namespace spm::test;
 
 namespace {
 
-/// State, server, and one client; the loop where a test wants one.
-struct Daemon {
-  SocketFolder folder;
-  std::unique_ptr<AppState> state = small_state();
-  std::unique_ptr<AppServer> server = started(*state, folder.path("a.sock"));
-};
-
 std::vector<std::uint32_t> event_kinds(spm_client* client) {
   std::vector<std::uint32_t> kinds;
   auto event = sized<spm_client_event>();

@@ -3,9 +3,11 @@
 
 #include <array>
 #include <catch2/catch.hpp>
+#include <memory>
+#include <stdexcept>
+#include <utility>
 
 #include "servo/force/scene_force.hpp"
-#include "servo/force/tool_check.hpp"
 #include "tests/servo/force/tool_scene.hpp"
 #include "tests/support/asset_by_hand.hpp"
 
@@ -14,58 +16,63 @@ namespace {
 
 using test::BoxByHand;
 
+/// A tool of 20 mm on a table of 30 mm, both `full`.
+struct PaperScene {
+  BoxByHand table{Vector3(0.03, 0.03, 0.03)}, tool{Vector3(0.02, 0.02, 0.02)};
+  std::array<const AssetView*, 2> assets{&table.view, &tool.view};
+  std::unique_ptr<SampledTool> sampled;
+  std::unique_ptr<SceneForce> force;
+
+  PaperScene() {
+    ForceScene scene;
+    scene.objects = {test::ToolScene::object_of(Method::paper, 2000)};
+    scene.added = scene.objects[0];
+    scene.tool = ToolSettings{};
+    scene.tool->asset = 1;
+    auto made = SampledTool::make(tool.view, *scene.tool, 1, 1);
+    if (!made) throw std::runtime_error(made.error().message);
+    sampled = std::move(*made);
+    HandTurning turning;
+    turning.torque_cap = turning.force_cap = 100;
+    force = std::make_unique<SceneForce>(scene, 1e-3, 0, 0, FeltLimits{}, turning);
+    force->take_tool(sampled.get(), 0);
+  }
+  ContactForce next(const Vector3& position) { return force->next(assets, HandPose{position}); }
+};
+
 TEST_CASE("By method paper a tool feels one force at the centre of the volume that is shared") {
-  const BoxByHand table(Vector3(0.06, 0.06, 0.03)), tool(Vector3(0.02, 0.02, 0.02));
-  ForceScene scene;
-  PlacedObject object;
-  object.force.method = Method::paper;
-  object.force.stiffness = 2000;
-  scene.objects = {object};
-  scene.added = object;
-  scene.tool = ToolSettings{};
-  scene.tool->asset = 1;
-  const std::array<const AssetView*, 2> assets{&table.view, &tool.view};
-  REQUIRE(check_tool(*scene.tool, scene.objects, assets).has_value());
-  auto made = SampledTool::make(tool.view, *scene.tool, 1, 1);
-  REQUIRE(made.has_value());
-  HandTurning turning;
-  turning.torque_cap = turning.force_cap = 100;
-  SceneForce force(scene, 1e-3, 0, 0, {}, turning);
-  force.take_tool(made->get(), 0);
-  CHECK_FALSE(force.next(assets, HandPose{{0.002, 0, 0.0255}}).contact);
+  PaperScene scene;
+  CHECK_FALSE(scene.next({0.002, 0, 0.0255}).contact);
   constexpr double depth = 0.0005;
-  const ContactForce contact = force.next(assets, HandPose{{0.002, 0.001, 0.025 - depth}});
+  const ContactForce contact = scene.next({0.002, 0.001, 0.025 - depth});
   REQUIRE(contact.contact);
-  const double wanted = 2000 / paper_tool_area(tool.view) * 0.02 * 0.02 * depth;
-  CHECK(contact.force.z() == Approx(wanted).epsilon(0.05));
+  // Its whole face is pressed, and the object is felt as stiff as it is, not stiffer.
+  const double wanted = 2000 * depth;
+  CHECK(contact.force.z() == Approx(wanted).epsilon(1e-6));
   CHECK(contact.force.head<2>().norm() < 1e-9);
   // The tool is held at its middle, under which the volume lies.
   CHECK(contact.torque.norm() < 0.02 * wanted * 0.01);
-  CHECK((force.reaction(0).force + contact.force).norm() < 1e-9);
-  REQUIRE(force.tool().patch_count == 1);
-  CHECK(force.tool().patches[0].normal.z() == Approx(1));
+  CHECK((scene.force->reaction(0).force + contact.force).norm() < 1e-9);
+  REQUIRE(scene.force->tool().patch_count == 1);
+  CHECK(scene.force->tool().patches[0].normal.z() == Approx(1));
+  CHECK(scene.force->tool().patches[0].depth == Approx(depth).epsilon(1e-6));
 }
 
-TEST_CASE("Assets that a tool's method cannot use are refused with a cure") {
-  const BoxByHand full(Vector3(0.02, 0.02, 0.02));
-  const test::TiledCubeByHand sparse(0.02);
-  ToolSettings tool;
-  tool.asset = 1;
-  std::array<PlacedObject, 1> objects{test::ToolScene::object_of(Method::paper, 1000)};
-  const auto refused = [&](const AssetView& object, const AssetView& held) {
-    const std::array<const AssetView*, 2> assets{&object, &held};
-    const auto checked = check_tool(tool, objects, assets);
-    return checked ? std::string() : checked.error().message;
-  };
-  CHECK(refused(full.view, full.view).empty());
-  CHECK(refused(sparse.view, full.view).find("--form full") != std::string::npos);
-  CHECK(refused(full.view, sparse.view).find("--form full") != std::string::npos);
-  objects[0].placement.scale = 2;
-  CHECK(refused(full.view, full.view).find("one scale") != std::string::npos);
-  objects[0] = test::ToolScene::object_of(Method::proxy, 1000);
-  CHECK(refused(sparse.view, sparse.view).empty());
-  CHECK(refused(full.view, sparse.view).find("paper") != std::string::npos);
-  CHECK(refused(sparse.view, full.view).find("paper") != std::string::npos);
+TEST_CASE("By method paper a part of the tool's face gives a part of the object's stiffness") {
+  PaperScene scene;
+  constexpr double depth = 0.0005;
+  // 4 mm of the tool lie on the table, whose edge is at 15 mm.
+  const ContactForce contact = scene.next({0.021, 0, 0.025 - depth});
+  REQUIRE(contact.contact);
+  const double part = 0.004 * 0.02 / paper_tool_area(scene.tool.view);
+  CHECK(part < 1);
+  CHECK(contact.force.norm() == Approx(2000 * depth * part).epsilon(0.1));
+  CHECK(scene.force->tool().patches[0].depth == Approx(depth).epsilon(1e-6));
+}
+
+TEST_CASE("The sides of a tool's box count, not the margin about them") {
+  const BoxByHand tool(Vector3(0.02, 0.02, 0.02), {0.002, 0.004});
+  CHECK(paper_tool_area(tool.view) == Approx(6.0 / 16 * 0.02 * 0.02));
 }
 
 }  // namespace

@@ -102,6 +102,30 @@ TEST_CASE("Tools and objects of a millionth and of a million times their size gi
   }
 }
 
+TEST_CASE("A tool larger than any workspace presses, tilts and turns within the device's caps") {
+  // 1.2 m long, with samples 60 mm apart, on a table of 0.4 m.
+  ToolScene scene;
+  scene.scene.tool->placement.scale = 100;
+  scene.scene.objects[0].placement.scale = 10;
+  scene.scene.objects[0].placement.position *= 10;
+  scene.begin();
+  const double half = 100 * rest;
+  scene.settle({0, 0, half + 0.0005}, Eigen::Quaterniond::Identity(), 20);
+  CHECK(scene.settle({0, 0, half - 0.001}).force.z() == Approx(1).epsilon(0.05));
+  // Its far end goes round by metres, or lies on the table with the hand out of all reach.
+  for (int tick = 0; tick < 300; ++tick) {
+    const double angle = 0.01 * tick;
+    const Vector3 hand(0.3 * std::sin(angle), 0.3 * std::sin(0.7 * angle), half - 0.005);
+    const ContactForce contact = scene.next(hand, turned(angle, {1, 2, 3}));
+    REQUIRE(contact.force.allFinite());
+    REQUIRE(contact.torque.allFinite());
+    REQUIRE(contact.force.norm() <= scene.turning.force_cap * (1 + 1e-9));
+    REQUIRE(contact.torque.norm() <= scene.turning.torque_cap * (1 + 1e-9));
+  }
+  // And it comes free again.
+  CHECK(scene.settle({0, 0, 4 * half}, Eigen::Quaterniond::Identity(), 500).force.norm() < 1e-9);
+}
+
 TEST_CASE("A tool's scale makes it larger, and so does that of an object") {
   ToolScene scene;
   scene.scene.tool->placement.scale = 2;

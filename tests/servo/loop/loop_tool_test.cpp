@@ -10,8 +10,8 @@
 
 #include "common/base/turn_between.hpp"
 #include "servo/loop/loop.hpp"
-#include "tests/servo/force/tool_scene.hpp"
 #include "tests/servo/support/scripted_device.hpp"
+#include "tests/servo/support/served_tool_scene.hpp"
 
 namespace loop_tool_test {
 
@@ -29,14 +29,10 @@ Eigen::Quaterniond turned(double angle) {
 }
 
 /// The loop, run to its end on a hand that does what a test says.
-struct ToolLoopRun {
+struct ToolLoopRun : test::ServedToolScene {
   using Script = std::function<void(std::size_t read, DeviceState& state, DeviceHealth& health)>;
 
   ToolLoopRun() {
-    world.begin();
-    served[0] = {&world.table.view};
-    served[1] = {&world.tool_cube.view, nullptr, world.sampled.get()};
-    for (int i = 0; i < 2; ++i) slots[i].offer(&served[i]);
     can.turns = true;
     can.torque_cap = 0.3;
     can.force_cap = 8;
@@ -57,7 +53,7 @@ struct ToolLoopRun {
     settings.scene = world.scene;
     settings.tick_budget = 50;  // no time decides anything here
     TickRing ring = make_tick_ring(1000, 1);
-    Loop loop(settings, {&device}, {&slots[0], &slots[1]}, ring, stop);
+    Loop loop(settings, {&device}, places(), ring, stop);
     loop.run();
     counters = loop.device_counters(0);
     forces = device.forces();
@@ -67,9 +63,6 @@ struct ToolLoopRun {
     while (ring.try_dequeue(record)) records.push_back(record);
   }
 
-  ToolScene world;
-  ServedAsset served[2];
-  AssetSlot slots[2];
   DeviceCapabilities can;
   DeviceCounters counters;
   std::vector<Vector3> forces, torques;

@@ -63,23 +63,42 @@ TEST_CASE("A tool on a device that does not turn, or in too small a workspace, i
   ForceChoice choice;
   choice.scene = scene_of({});
   choice.tool_place = "scene.toml: line 3: ";
-  AssetMetadata tool;
-  tool.box_min = Vector3(-0.01, -0.01, 0);
-  tool.box_max = Vector3(0.01, 0.01, 0.04);
-  REQUIRE(tool_warnings(choice, tool, {&device}).empty());
+  std::vector<KeeperReport> assets(1);
+  assets[0].metadata.box_min = Vector3(-0.01, -0.01, 0);
+  assets[0].metadata.box_max = Vector3(0.01, 0.01, 0.04);
+  REQUIRE(tool_warnings(choice, assets, {&device}).empty());
   choice.scene.tool = ToolSettings{};
-  REQUIRE(tool_warnings(choice, tool, {&device}).empty());
+  REQUIRE(tool_warnings(choice, assets, {&device}).empty());
   choice.scene.tool->placement.scale = 3;
-  auto warnings = tool_warnings(choice, tool, {&device});
+  auto warnings = tool_warnings(choice, assets, {&device});
   REQUIRE(warnings.size() == 1);
   CHECK(warnings[0].find("scene.toml: line 3: the tool is 120 mm long") == 0);
   CHECK(warnings[0].find("hand 100 mm") != std::string::npos);
   choice.scene.workspace.scale = 2;
-  REQUIRE(tool_warnings(choice, tool, {&device}).empty());
+  REQUIRE(tool_warnings(choice, assets, {&device}).empty());
   device.can().turns = false;
-  warnings = tool_warnings(choice, tool, {&device});
+  warnings = tool_warnings(choice, assets, {&device});
   REQUIRE(warnings.size() == 1);
   CHECK(warnings[0].find("keeps the orientation") != std::string::npos);
+}
+
+TEST_CASE("An object that may pass between the samples of a tool is warned of, and no other") {
+  ForceChoice choice;
+  choice.scene = scene_of({});
+  choice.places = {"scene.toml: line 5: "};
+  std::vector<KeeperReport> assets(2);
+  assets[0].metadata.box_min = Vector3(-0.01, -0.01, 0);
+  assets[0].metadata.box_max = Vector3(0.01, 0.01, 0.004);
+  assets[1].tool_spacing = 0.007;
+  REQUIRE(tool_warnings(choice, assets, {}).empty());
+  choice.scene.tool = ToolSettings{};
+  choice.scene.tool->asset = 1;
+  const auto warnings = tool_warnings(choice, assets, {});
+  REQUIRE(warnings.size() == 1);
+  CHECK(warnings[0].find("scene.toml: line 5: the object is 4 mm wide") == 0);
+  CHECK(warnings[0].find("7 mm apart") != std::string::npos);
+  choice.scene.objects[0].placement.scale = 2;
+  CHECK(tool_warnings(choice, assets, {}).empty());
 }
 
 }  // namespace run_messages_test

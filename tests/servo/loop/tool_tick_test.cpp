@@ -6,25 +6,19 @@
 #include <thread>
 
 #include "servo/loop/loop.hpp"
-#include "tests/servo/force/tool_scene.hpp"
 #include "tests/servo/support/intercepted_calls.hpp"
 #include "tests/servo/support/scripted_device.hpp"
+#include "tests/servo/support/served_tool_scene.hpp"
 
 namespace tool_tick_test {
 
 using namespace spm;
 using namespace spm::servo;
 using spm::test::ScriptedDevice;
-using spm::test::ToolScene;
 
 TEST_CASE("A tick with a tool neither allocates, locks nor writes") {
   for (const Method method : {Method::proxy, Method::spm}) {
-    ToolScene world(method);
-    world.begin();
-    const ServedAsset served[2] = {{&world.table.view},
-                                   {&world.tool_cube.view, nullptr, world.sampled.get()}};
-    AssetSlot slots[2];
-    for (int i = 0; i < 2; ++i) slots[i].offer(&served[i]);
+    test::ServedToolScene held(method);
     ScriptedDevice device([&](std::size_t read, DeviceState& state, DeviceHealth&) {
       if (read == 0) test::watch(true);
       const double t = static_cast<double>(read) * 1e-3;
@@ -37,10 +31,10 @@ TEST_CASE("A tick with a tool neither allocates, locks nor writes") {
     device.can().turning_inertia = 1e-3;
     LoopSettings settings;
     settings.ticks = 2000;
-    settings.scene = world.scene;
+    settings.scene = held.world.scene;
     TickRing ring = make_tick_ring(settings.rate_hz, 1);
     const std::atomic<bool> stop{false};
-    Loop loop(settings, {&device}, {&slots[0], &slots[1]}, ring, stop);
+    Loop loop(settings, {&device}, held.places(), ring, stop);
     test::InterceptedCalls calls;
     std::thread thread([&] {
       const auto before = test::intercepted_calls();

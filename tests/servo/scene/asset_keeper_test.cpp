@@ -13,6 +13,7 @@
 #include <fstream>
 #include <functional>
 #include <memory>
+#include <thread>
 #include <vector>
 
 #include "servo/devices/sim/device_sim.hpp"
@@ -88,6 +89,39 @@ struct WatchedBox {
   AssetSlot slot;
   std::unique_ptr<AssetKeeper> keeper;
   AssetWatch watch{std::chrono::milliseconds(2)};
+};
+
+/// A loop whose hand presses on a box that is served and watched, 1 mm deep.
+struct PressedBox {
+  explicit PressedBox(const std::function<void(KeeperOptions&)>& set = {}) : box(set) {}
+  ~PressedBox() { end(); }
+  PressedBox(const PressedBox&) = delete;
+  PressedBox& operator=(const PressedBox&) = delete;
+
+  /// Waits for as many ticks more.
+  [[nodiscard]] bool ticks_later(std::uint64_t count) {
+    const std::uint64_t until = reads.load() + count;
+    return eventually([&] { return reads.load() >= until; });
+  }
+  /// Ends the loop: what was sent can be looked at.
+  void end() {
+    stop.store(true);
+    if (thread.joinable()) thread.join();
+  }
+  [[nodiscard]] std::uint64_t ticks_lost() const {
+    return loop.device_counters(0).force_off[static_cast<std::size_t>(ForceOff::asset_lost)];
+  }
+
+  WatchedBox box;
+  std::atomic<bool> stop{false};
+  std::atomic<std::uint64_t> reads{0};
+  test::ScriptedDevice device{[this](std::size_t, DeviceState& state, DeviceHealth&) {
+    state.position = {0, 0, size / 2 - 1e-3};
+    reads.fetch_add(1);
+  }};
+  TickRing ring = make_tick_ring(1000, 1);
+  Loop loop{LoopSettings{}, {&device}, {&box.slot}, ring, stop};
+  std::thread thread{[this] { loop.run(); }};
 };
 
 }  // namespace
@@ -235,35 +269,19 @@ TEST_CASE("A file that is no asset is refused with exit code 3, a missing one wi
 TEST_CASE("The loop outlives an asset that is damaged while it is felt") {
   for (const Damage& damage : damages) {
     CAPTURE(damage.name);
-    WatchedBox box;
-
-    std::atomic<bool> stop{false};
-    std::atomic<std::uint64_t> reads{0};
-    test::ScriptedDevice device([&](std::size_t, DeviceState& state, DeviceHealth&) {
-      state.position = {0, 0, size / 2 - 1e-3};
-      reads.fetch_add(1);
-    });
-    TickRing ring = make_tick_ring(1000, 1);
-    Loop loop(LoopSettings{}, {&device}, {&box.slot}, ring, stop);
-    std::thread thread([&] { loop.run(); });
-    const auto ticks_later = [&](std::uint64_t count) {
-      const std::uint64_t end = reads.load() + count;
-      return eventually([&] { return reads.load() >= end; });
-    };
-
-    CHECK(ticks_later(150));
+    PressedBox pressed;
+    const WatchedBox& box = pressed.box;
+    CHECK(pressed.ticks_later(150));
     damage.apply(box.path);
     CHECK(eventually([&] { return box.keeper->report().losses == 1; }));
-    CHECK(ticks_later(20));
+    CHECK(pressed.ticks_later(20));
     test::write(test::box_asset(size), box.path);
     CHECK(eventually([&] { return box.keeper->report().reloads == 1; }));
-    CHECK(ticks_later(150));
-    stop.store(true);
-    thread.join();
+    CHECK(pressed.ticks_later(150));
+    pressed.end();
 
-    const DeviceCounters& counters = loop.device_counters(0);
-    REQUIRE(counters.force_off[static_cast<std::size_t>(ForceOff::asset_lost)] >= 15);
-    const auto& forces = device.forces();
+    REQUIRE(pressed.ticks_lost() >= 15);
+    const auto& forces = pressed.device.forces();
     REQUIRE(forces.back() == Vector3::Zero());
     REQUIRE(forces[forces.size() - 4].z() > 0.9);
     // Nothing but the box's own force, faded or whole, was ever sent.
@@ -272,66 +290,39 @@ TEST_CASE("The loop outlives an asset that is damaged while it is felt") {
 }
 
 TEST_CASE("However long a new bake takes to be checked, no tick is without force") {
-  WatchedBox box([](KeeperOptions& options) {
+  PressedBox pressed([](KeeperOptions& options) {
     options.accept = [](const AssetMetadata&) -> Result<void> {
       std::this_thread::sleep_for(std::chrono::milliseconds(50));
       return {};
     };
   });
-  std::atomic<bool> stop{false};
-  std::atomic<std::uint64_t> reads{0};
-  test::ScriptedDevice device([&](std::size_t, DeviceState& state, DeviceHealth&) {
-    state.position = {0, 0, size / 2 - 1e-3};
-    reads.fetch_add(1);
-  });
-  TickRing ring = make_tick_ring(1000, 1);
-  Loop loop(LoopSettings{}, {&device}, {&box.slot}, ring, stop);
-  std::thread thread([&] { loop.run(); });
-  const auto ticks_later = [&](std::uint64_t count) {
-    const std::uint64_t end = reads.load() + count;
-    return eventually([&] { return reads.load() >= end; });
-  };
-  CHECK(ticks_later(150));
+  const WatchedBox& box = pressed.box;
+  CHECK(pressed.ticks_later(150));
   for (std::uint64_t time = 1; time <= 5; ++time) {
     test::write(test::box_asset(size), box.path);
     CHECK(eventually([&] { return box.keeper->report().reloads == time; }));
-    CHECK(ticks_later(20));
+    CHECK(pressed.ticks_later(20));
   }
-  stop.store(true);
-  thread.join();
-  CHECK(loop.device_counters(0).force_off[static_cast<std::size_t>(ForceOff::asset_lost)] == 0);
+  pressed.end();
+  CHECK(pressed.ticks_lost() == 0);
 }
 
 TEST_CASE("A hand that presses on an asset feels force in every tick while it is baked again") {
-  WatchedBox box;
-  std::atomic<bool> stop{false};
-  std::atomic<std::uint64_t> reads{0};
-  test::ScriptedDevice device([&](std::size_t, DeviceState& state, DeviceHealth&) {
-    state.position = {0, 0, size / 2 - 1e-3};
-    reads.fetch_add(1);
-  });
-  TickRing ring = make_tick_ring(1000, 1);
-  Loop loop(LoopSettings{}, {&device}, {&box.slot}, ring, stop);
-  std::thread thread([&] { loop.run(); });
-  const auto ticks_later = [&](std::uint64_t count) {
-    const std::uint64_t end = reads.load() + count;
-    return eventually([&] { return reads.load() >= end; });
-  };
-  CHECK(ticks_later(150));
+  PressedBox pressed;
+  const WatchedBox& box = pressed.box;
+  CHECK(pressed.ticks_later(150));
   // Another bake, with other bytes; then a file that no servo can read; then a bake again.
   test::write(test::box_asset(size * 1.001), box.path);
   CHECK(eventually([&] { return box.keeper->report().reloads == 1; }));
-  CHECK(ticks_later(20));
+  CHECK(pressed.ticks_later(20));
   replace_file(box.path);
-  CHECK(ticks_later(50));
+  CHECK(pressed.ticks_later(50));
   test::write(test::box_asset(size), box.path);
   CHECK(eventually([&] { return box.keeper->report().reloads == 2; }));
-  CHECK(ticks_later(150));
-  stop.store(true);
-  thread.join();
-  const DeviceCounters& counters = loop.device_counters(0);
-  REQUIRE(counters.force_off[static_cast<std::size_t>(ForceOff::asset_lost)] == 0);
-  const auto& forces = device.forces();
+  CHECK(pressed.ticks_later(150));
+  pressed.end();
+  REQUIRE(pressed.ticks_lost() == 0);
+  const auto& forces = pressed.device.forces();
   for (std::size_t i = 150; i + 4 < forces.size(); ++i) REQUIRE(forces[i].z() > 0.9);
 }
 

@@ -398,4 +398,26 @@ TEST_CASE("Method paper asks for full objects and a full tool") {
   CHECK(check_asset(full, *choice, 0));
 }
 
+TEST_CASE("A tool meets a full object by method paper alone, and one of its own scale") {
+  const auto sparse = choose("[tool]\nasset = \"t\"\n[[object]]\nasset = \"a\"\nscale = 3\n");
+  REQUIRE(sparse);
+  AssetMetadata full;
+  full.form = AssetForm::full;
+  const auto unread = check_asset(full, *sparse, 0);
+  REQUIRE_FALSE(unread);
+  CHECK(unread.error().code == ExitCode::invalid_input);
+  CHECK(unread.error().message.find("scene.toml: line 3: ") != std::string::npos);
+  CHECK(unread.error().message.find("--form sparse") != std::string::npos);
+  const auto paper = [](const std::string& tool, const std::string& object) {
+    return choose("[tool]\nasset = \"t\"\nscale = " + tool +
+                  "\n[[object]]\nasset = \"a\"\nmethod = \"paper\"\nscale = " + object + "\n");
+  };
+  CHECK(paper("0.3", "0.3"));
+  const auto scaled = paper("1", "2");
+  REQUIRE_FALSE(scaled);
+  CHECK(scaled.error().code == ExitCode::invalid_input);
+  CHECK(scaled.error().message.find("scene.toml: line 4: ") != std::string::npos);
+  CHECK(scaled.error().message.find("one 'scale'") != std::string::npos);
+}
+
 }  // namespace force_choice_test

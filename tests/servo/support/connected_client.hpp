@@ -9,6 +9,7 @@
 #include "servo/app/app_server.hpp"
 #include "servo/client/spm_client.h"
 #include "tests/servo/support/eventually.hpp"
+#include "tests/servo/support/loop_stand_in.hpp"
 
 namespace spm::test {
 
@@ -32,6 +33,13 @@ template <class Record>
 [[nodiscard]] sockaddr_un address_of(const std::string& path);
 /// A socket of the kind that the daemon listens on.
 [[nodiscard]] int new_socket();
+
+/// The state of a daemon (`small_state`) and its server, without a loop.
+struct Daemon {
+  SocketFolder folder;
+  std::unique_ptr<servo::AppState> state = small_state();
+  std::unique_ptr<servo::AppServer> server = started(*state, folder.path("a.sock"));
+};
 
 /// A connection made by the library, or the reason why there is none.
 class Connected {

@@ -8,6 +8,7 @@
 
 #include "baker/base/bake_error.hpp"
 #include "common/paper/paper_force.hpp"
+#include "servo/force/pressed_part.hpp"
 #include "servo/force/sampled_tool.hpp"
 #include "servo/force/scene_force.hpp"
 #include "tests/bench/base/unwrap.hpp"
@@ -16,10 +17,6 @@
 namespace spm::stability {
 
 namespace {
-
-/// Of a tool's surface, on which the servo reaches an object's stiffness
-/// (servo/force/tool_force.cpp).
-constexpr double pressed_part = 1.0 / 16;
 
 /// The device as the servo knows it.
 HandTurning turning_of(const SixdofCase& tried, const RunSettings& settings) {

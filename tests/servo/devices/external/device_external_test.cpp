@@ -20,8 +20,8 @@
 #include "servo/devices/external/spm_external.h"
 #include "servo/loop/loop.hpp"
 #include "servo/shared/socket_path.hpp"
-#include "tests/servo/force/tool_scene.hpp"
 #include "tests/servo/support/eventually.hpp"
+#include "tests/servo/support/served_tool_scene.hpp"
 #include "tests/servo/support/shape_asset.hpp"
 
 namespace device_external_test {
@@ -77,20 +77,15 @@ TEST_CASE("A pose comes to the loop and a wrench to the device's process") {
 
 TEST_CASE("The torque of a loop whose hand holds a tool arrives at the device's process") {
   const Runtime runtime;
-  test::ToolScene world;
-  world.begin();
-  const ServedAsset served[2] = {{&world.table.view},
-                                 {&world.tool_cube.view, nullptr, world.sampled.get()}};
-  AssetSlot slots[2];
-  for (int i = 0; i < 2; ++i) slots[i].offer(&served[i]);
+  test::ServedToolScene held;
   DeviceExternal device(*parse_external_options("name=arm,profile=omega3,torque_cap=300mNm"));
   REQUIRE(device.open({}));
   LoopSettings settings;
-  settings.scene = world.scene;
+  settings.scene = held.world.scene;
   settings.tick_budget = 50;  // no time decides anything here
   TickRing ring = make_tick_ring(1000, 1);
   std::atomic<bool> stop{false};
-  Loop loop(settings, {&device}, {&slots[0], &slots[1]}, ring, stop);
+  Loop loop(settings, {&device}, held.places(), ring, stop);
   spm_external other{};
   char message[1024] = "";
   REQUIRE(spm_external_open(&other, "arm", message, sizeof message) == 0);

@@ -4,8 +4,9 @@
 #include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
+#include <vector>
 
-#include "servo/devices/sim/hand_motion.hpp"
+#include "common/base/random.hpp"
 
 namespace pose_motion_test {
 
@@ -18,6 +19,13 @@ constexpr double period = 1e-3;
 
 HandPose pose(double x, double angle) {
   return {Vector3(x, 0, 0), orientation_of(Vector3(0, 0, angle))};
+}
+
+std::vector<HandPose> random_points(std::uint64_t seed, std::size_t count) {
+  Random random(seed);
+  std::vector<HandPose> points;
+  for (std::size_t i = 0; i < count; ++i) points.push_back(unturned(0.001 * random.direction()));
+  return points;
 }
 
 double angle_of(const SixdofTarget& target) {
@@ -75,6 +83,57 @@ TEST_CASE("Poses that all coincide end nothing") {
   PoseMotion motion =
       PoseMotion::back_and_forth({pose(0, 1), pose(0, 1), pose(0, 1)}, 1, {}, period);
   for (int tick = 0; tick < 10; ++tick) REQUIRE(angle_of(motion.next()) == Approx(1));
+}
+
+TEST_CASE("A hand that does not turn moves at its speed, never faster, and never turns") {
+  for (std::uint64_t seed = 0; seed < 20; ++seed) {
+    auto motion =
+        PoseMotion::back_and_forth(random_points(seed, 8), 1, {0.04, fastest_turn}, period);
+    Vector3 last = motion.start().position;
+    for (int i = 0; i < 3000; ++i) {
+      const SixdofTarget target = motion.next();
+      REQUIRE((target.position - last).norm() <= 0.04 * period * (1 + 1e-9));
+      REQUIRE((target.velocity * period - (target.position - last)).norm() < 1e-12);
+      REQUIRE(target.orientation.coeffs() == Eigen::Quaterniond::Identity().coeffs());
+      last = target.position;
+    }
+  }
+}
+
+TEST_CASE("A sweep comes to every point and comes back") {
+  const std::vector<HandPose> points{unturned({0, 0, 1e-3}), unturned({0, 0, 0}),
+                                     unturned({1e-3, 0, 0})};
+  auto motion = PoseMotion::back_and_forth(points, 1, {0.1, fastest_turn}, period);
+  int arrivals_far = 0;
+  int returns = 0;
+  for (int i = 0; i < 200; ++i) {
+    const Vector3 at = motion.next().position;
+    arrivals_far += at.isApprox(points[2].position, 1e-9) ? 1 : 0;
+    returns += at.norm() < 1e-12 ? 1 : 0;
+    REQUIRE((i < 10 || std::abs(at.z()) < 1e-12));
+  }
+  REQUIRE(arrivals_far >= 9);
+  REQUIRE(returns >= 9);
+}
+
+TEST_CASE("A recorded hand that does not turn follows a row a tick and stays at the last") {
+  std::vector<HandPose> rows;
+  for (int i = 0; i < 50; ++i) rows.push_back(unturned({i * 1e-5, 0, 0}));
+  auto motion = PoseMotion::recorded(rows, period);
+  for (const HandPose& row : rows) {
+    REQUIRE((motion.next().position - row.position).norm() < 1e-12);
+  }
+  for (int i = 0; i < 10; ++i) {
+    REQUIRE((motion.next().position - rows.back().position).norm() < 1e-12);
+  }
+  auto jump = PoseMotion::recorded({unturned({0, 0, 0}), unturned({0.1, 0, 0})}, period);
+  Vector3 last = jump.start().position;
+  for (int i = 0; i < 300; ++i) {
+    const Vector3 at = jump.next().position;
+    REQUIRE((at - last).norm() <= fastest_target * period * (1 + 1e-9));
+    last = at;
+  }
+  REQUIRE((last - Vector3(0.1, 0, 0)).norm() < 1e-9);
 }
 
 }  // namespace pose_motion_test
