@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
 #include <atomic>
 #include <catch2/catch.hpp>
 #include <chrono>
@@ -66,15 +67,18 @@ void start(Driver& device, const Report& report, Carried<Command>& carried) {
       RealtimeMode::off));
 }
 
-/// Ticks that follow the device's reports until so many were good; the time only ends a test that
-/// has failed.
-test::InterceptedCalls calls_of_ticks(Device& device, std::uint64_t good_ticks) {
+/// Ticks that follow the device's reports until so many were good, and so many commands were sent
+/// that push; the time only ends a test that has failed.
+template <class Command>
+test::InterceptedCalls calls_of_ticks(Device& device, std::uint64_t good_ticks,
+                                      const Carried<Command>& carried) {
   test::InterceptedCalls calls;
   std::thread loop([&] {
     const std::int64_t end = now_ns() + 20'000'000'000;
     const auto before = test::intercepted_calls();
     test::watch(true);
-    for (std::uint64_t good = 0; good < good_ticks && now_ns() < end;) {
+    const auto sent = [&carried] { return std::min(carried.sent.load(), carried.pushing.load()); };
+    for (std::uint64_t good = 0; (good < good_ticks || sent() <= 100) && now_ns() < end;) {
       static_cast<void>(device.wait_for_report(now_ns() + 5'000'000));
       DeviceState state;
       const DeviceHealth health = device.read(state);
@@ -90,7 +94,7 @@ test::InterceptedCalls calls_of_ticks(Device& device, std::uint64_t good_ticks) 
 
 template <class Command>
 void check(Device& device, Carried<Command>& carried) {
-  const test::InterceptedCalls calls = calls_of_ticks(device, 300);
+  const test::InterceptedCalls calls = calls_of_ticks(device, 300, carried);
   CHECK(calls.allocations == 0);
   CHECK(calls.locks == 0);
   CHECK(calls.writes == 0);
