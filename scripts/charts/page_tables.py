@@ -210,12 +210,16 @@ def sixdof_table(reports: dict) -> list[str]:
     def pair(of: dict | None) -> str:
         return f"{number(of['median'])} / {number(of['p95'])}" if of else ""
 
-    return table(["method", "settings", "a tick p50 / p99, us", "ended coarser, %",
-                  "force off, median / p95, %", "direction off, median / p95, deg"],
-                 [[f"`{row['method']}`", row["settings"],
+    return table(["path", "method", "settings", "a tick p50 / p99, us", "ended coarser, %",
+                  "force off, median / p95, %", "torque off, median / p95, %",
+                  "direction off, median / p95, deg", "kB"],
+                 [[row["path"], f"`{row['method']}`", row["settings"],
                    f"{row['p50_us']:.0f} / {row['p99_us']:.0f}",
                    f"{100 * row['degraded']:.1f}", pair(row["force_error_percent"]),
-                   pair(row["direction_error_deg"])] for row in reports["sixdof"]["rows"]])
+                   pair(row["torque_error_percent"]),
+                   pair(row["direction_error_deg"]) if row["path"] == "slide" else "",
+                   f"{row['bytes'] / 1e3:,.0f}" if row["bytes"] else ""]
+                  for row in reports["sixdof"]["rows"]])
 
 
 def culling_table(reports: dict) -> list[str]:

@@ -18,17 +18,10 @@ from matplotlib.ticker import FixedLocator, NullLocator
 TIMES = {10: "10 us", 100: "100 us", 1e3: "1 ms", 1e4: "10 ms", 1e5: "100 ms"}
 # Colour, line style and words of each curve of ours.
 CURVES = {
-    "limitless": (OURS, "-", "spm, no limit"),
-    "limited": ("#e08a3c", "-", "spm within a limit"),
-    "spm-asking": ("#7a6a4f", "--", "spm, no answer used again"),
+    "served-proxy": (OURS, "-", "proxy, as served"),
+    "served-spm": ("#e08a3c", "-", "spm, as served"),
     "every-sample": ("#444444", "--", "every sample asked"),
 }
-
-
-def curve_of(row: dict) -> str:
-    if row["method"] != "spm":
-        return row["method"]
-    return "limitless" if row["settings"].endswith("no limit") else "limited"
 
 
 def samples_of(row: dict) -> int:
@@ -46,8 +39,8 @@ def draw_curve(axes, rows: list[dict], name: str) -> None:
                 color=colour, linewidth=1.2)
     axes.scatter(counts, [row["p99_us"] for row in rows], marker="_", color=colour, s=60)
     label(axes, (counts[-1], rows[-1]["p50_us"]), words, colour,
-          (7, 7 if name == "limited" else -3), fontweight="bold")
-    if name != "limitless":
+          (7, 7 if name == "served-proxy" else -3), fontweight="bold")
+    if name != "served-spm":
         return
     for row in rows:
         error = row["force_error_percent"]
@@ -58,7 +51,8 @@ def draw_times(axes, report: dict) -> None:
     axes.set_xscale("log")
     axes.set_yscale("log")
     for name in CURVES:
-        rows = [row for row in report["rows"] if samples_of(row) and curve_of(row) == name]
+        rows = [row for row in report["rows"] if row["method"] == name and row["path"] == "slide"
+                and (name == "every-sample" or row["settings"].endswith("no limit"))]
         if rows:
             draw_curve(axes, rows, name)
     counts = sorted({samples_of(row) for row in report["rows"] if samples_of(row)})
