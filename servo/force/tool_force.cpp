@@ -12,6 +12,8 @@ namespace spm {
 namespace {
 
 constexpr std::uint32_t every_level = std::numeric_limits<std::uint32_t>::max();
+/// Of the largest force, what objects and applications may be told whatever the hand feels.
+constexpr double told_anyway = 0.02;
 
 Vector3 capped(const Vector3& vector, double cap, bool& met) noexcept {
   const double size = vector.norm();
@@ -150,8 +152,28 @@ void ToolForce::damp(const HandPose& hand, std::span<const ToolObject> objects, 
   }
 }
 
+/// The part of what the samples push with that counts. While the tool has not come to where the
+/// springs hold it, as in a tick without time for that, its samples lie too deep and push with far
+/// more than any hand feels: kilonewtons, which an application would move its object by.
+double ToolForce::share_felt(const Eigen::Isometry3d& pose, const Eigen::Isometry3d& device,
+                             double share, const Wrench& felt) const noexcept {
+  Wrench sum;
+  for (const PressedPatch& patch : contact_->patches()) {
+    sum.force += share * patch.force;
+    sum.torque += share * patch.torque;
+  }
+  sum.torque += (pose.translation() - device.translation()).cross(sum.force);
+  // A couple alone has no force, and a force through the hand no torque, but by rounding.
+  const double anyway = told_anyway * coupling_.force_cap;
+  const double force = std::max(felt.force.norm(), anyway);
+  const double torque = std::max(felt.torque.norm(), anyway * tool_->samples().radius);
+  return share / std::max({1.0, sum.force.norm() / force, sum.torque.norm() / torque});
+}
+
+/// What the objects get back of it, and the places of contact. `felt`: what of it the hand feels.
 void ToolForce::react(std::span<ToolObject> objects, const Eigen::Isometry3d& pose,
-                      const Eigen::Isometry3d& device, double share) noexcept {
+                      const Eigen::Isometry3d& device, double share, const Wrench& felt) noexcept {
+  share = share_felt(pose, device, share, felt);
   for (const PressedPatch& patch : contact_->patches()) {
     Wrench& reaction = objects[patch.object].reaction;
     const Vector3 arm = pose.translation() - objects[patch.object].pose.translation();
@@ -179,11 +201,13 @@ void ToolForce::touch(const Eigen::Isometry3d& device, std::span<ToolObject> obj
   patches_.begin(tool_->patch_size());
   if (any_pushed_) {
     push(device, work, felt, effort);
-    react(objects, device, device, 1);
+    react(objects, device, device, 1, felt.wrench);
   }
   if (any_held_) {
+    const Wrench pushed = felt.wrench;
     hold(device, objects, work, felt, effort);
-    react(objects, pose_, device, coupling_.force_cap / most_force_);
+    const Wrench held{felt.wrench.force - pushed.force, felt.wrench.torque - pushed.torque};
+    react(objects, pose_, device, coupling_.force_cap / most_force_, held);
   } else {
     pose_ = device;
     virtual_->carry(pose_);

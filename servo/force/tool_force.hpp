@@ -97,7 +97,9 @@ class ToolForce {
                       Felt& felt) noexcept;
   void end_work(const Work& work, ForceEffort& effort) noexcept;
   void react(std::span<ToolObject> objects, const Eigen::Isometry3d& pose,
-             const Eigen::Isometry3d& device, double share) noexcept;
+             const Eigen::Isometry3d& device, double share, const Wrench& felt) noexcept;
+  [[nodiscard]] double share_felt(const Eigen::Isometry3d& pose, const Eigen::Isometry3d& device,
+                                  double share, const Wrench& felt) const noexcept;
   void damp(const HandPose& hand, std::span<const ToolObject> objects, std::uint64_t ticks,
             Felt& felt) noexcept;
   [[nodiscard]] ContactForce deepest() const noexcept;

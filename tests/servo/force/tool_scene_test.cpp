@@ -152,6 +152,33 @@ TEST_CASE("An object that an application moves takes the tool along, and pushes 
   CHECK(scene.force->reaction(0).force.z() == Approx(-2.5).epsilon(0.04));
 }
 
+TEST_CASE(
+    "However a tool is overrun, objects and applications are told no more than the hand feels") {
+  for (const Method method : {Method::proxy, Method::spm}) {
+    ToolScene scene(method);
+    scene.scene.objects[0].movable = true;
+    scene.begin();
+    scene.settle({0, 0, rest + 0.0003}, Eigen::Quaterniond::Identity(), 20);
+    scene.settle({0, 0, rest - 0.0005});
+    const double cap = scene.turning.force_cap;
+    for (int tick = 1; tick <= 40; ++tick) {
+      // The table comes up by a millimetre a tick, tilted, and there is no time to move on.
+      ForceBudget budget;
+      budget.refined = budget.worked = 1;
+      const double up = 1e-3 * (tick % 8);
+      scene.force->place(0, {0, 0, -ToolScene::table_size / 2 + up},
+                         turned(0.02 * (tick % 5), {1, 2, 0}));
+      const ContactForce contact =
+          scene.force->next(scene.assets, HandPose{{0, 0, rest - 0.0005}}, 1, budget);
+      REQUIRE(contact.force.norm() <= cap * (1 + 1e-9));
+      REQUIRE(scene.force->reaction(0).force.norm() <= cap * (1 + 1e-9));
+      Vector3 told = Vector3::Zero();
+      for (const ContactPatch& patch : scene.force->tool().contacts()) told += patch.force;
+      REQUIRE(told.norm() <= cap * (1 + 1e-9));
+    }
+  }
+}
+
 TEST_CASE("Objects are added, changed and removed under a tool") {
   ToolScene scene;
   scene.begin(1);
