@@ -6,6 +6,7 @@
 
 #include "common/base/turn_between.hpp"
 #include "servo/force/paper_tool.hpp"
+#include "servo/force/pressed_part.hpp"
 #include "servo/force/tool_force.hpp"
 
 namespace spm {
@@ -19,8 +20,6 @@ constexpr double gives_way = 2.4e-5;
 constexpr double free_stretch = 1e-6;
 /// Of the stiffness that objects ask of a coupling, the least that is told apart.
 constexpr double least_share = 0.02;
-/// The part of a tool's surface on which the stiffness of an object of method `spm` is reached.
-constexpr double pressed_part = 1.0 / 16;
 /// The part of a tick's time in which finer levels are looked at for the first time; the rest is
 /// for the steps of the virtual tool.
 constexpr double refining_share = 0.45;

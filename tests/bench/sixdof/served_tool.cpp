@@ -5,13 +5,12 @@
 #include <utility>
 
 #include "baker/base/bake_error.hpp"
+#include "servo/force/pressed_part.hpp"
 
 namespace spm::bench {
 namespace {
 
 constexpr double served_period = 1e-3;  // s
-/// The part of the tool's surface on which ToolForce reaches an object's stiffness.
-constexpr double pressed_part = 1.0 / 16;
 /// The law of method `spm` is judged by its forces, which a cap would bend.
 constexpr double never_met = 1e6;  // N, N m
 /// Of method `proxy` the caps are a device's, since it makes the contact's stiffness of them.
