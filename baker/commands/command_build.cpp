@@ -4,7 +4,7 @@
 #include <iostream>
 #include <memory>
 
-#include "baker/commands/build.hpp"
+#include "baker/build/build.hpp"
 #include "baker/commands/commands.hpp"
 #include "formats/cli/command_line.hpp"
 

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "baker/commands/build_request.hpp"
+#include "baker/build/build_request.hpp"
 #include "baker/verify/verify.hpp"
 
 namespace spm::baker {

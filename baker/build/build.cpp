@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "baker/commands/build.hpp"
+#include "baker/build/build.hpp"
 
 #include <fmt/format.h>
 #include <sys/resource.h>
@@ -12,8 +12,8 @@
 
 #include "baker/base/bake_error.hpp"
 #include "baker/base/stopwatch.hpp"
-#include "baker/commands/caps_report.hpp"
-#include "baker/commands/time_limit.hpp"
+#include "baker/build/caps_report.hpp"
+#include "baker/build/time_limit.hpp"
 #include "baker/mesh/load.hpp"
 #include "baker/reachability/reachability.hpp"
 #include "baker/trials/served_trials.hpp"

@@ -7,7 +7,7 @@
 #include <cmath>
 
 #include "baker/cast/cast.hpp"
-#include "baker/commands/build.hpp"
+#include "baker/build/build.hpp"
 #include "baker/mesh/load.hpp"
 #include "baker/surface/outer_surface.hpp"
 #include "baker/trials/band_trials.hpp"
