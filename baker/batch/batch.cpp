@@ -77,8 +77,9 @@ class Batch {
         static_cast<unsigned>(std::min<std::size_t>(options_.jobs - running_.size(), left));
     BuildRequest request = entries_[next_].request;
     if (request.bake.threads == 0) request.bake.threads = thread_share(free, beginning);
-    const Job job = [request](const Progress& progress) {
-      return encoded(built_outcome(request, progress));
+    const Cache* cache = options_.cache ? &*options_.cache : nullptr;
+    const Job job = [request, cache](const Progress& progress) {
+      return encoded(built_outcome(cache, request, progress));
     };
     if (workers_.start(next_, job)) {
       running_[next_].threads = request.bake.threads;
@@ -98,7 +99,11 @@ class Batch {
     AssetOutcome& outcome = outcomes_[event.job];
     outcome = outcome_of(event, entries_[event.job].request);
     failed_ = failed_ || !outcome.ok();
-    worked_ += costs_[event.job];
+    if (outcome.ok() && outcome.report.value("cache", "") == "hit") {
+      work_ -= costs_[event.job];  // says nothing of the pace of those that are baked
+    } else {
+      worked_ += costs_[event.job];
+    }
     ++ended_;
     tell();
   }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -14,6 +15,7 @@ struct BatchOptions {
   unsigned jobs = 1;   ///< bakes at once
   unsigned cores = 1;  ///< shared out among them
   bool keep_going = false;
+  std::optional<Cache> cache;
 };
 
 /// Who hears of a batch while it runs.

@@ -33,9 +33,10 @@ AssetOutcome failed_outcome(Error error) {
   return outcome;
 }
 
-AssetOutcome built_outcome(const BuildRequest& request, const Progress& progress) {
+AssetOutcome built_outcome(const Cache* cache, const BuildRequest& request,
+                           const Progress& progress) {
   try {
-    BuildReport report = run_build(request, progress);
+    BuildReport report = build_through(cache, request, progress);
     AssetOutcome outcome;
     outcome.known = true;
     outcome.report = std::move(report.json);

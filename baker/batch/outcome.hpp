@@ -7,7 +7,7 @@
 
 #include "baker/base/progress.hpp"
 #include "baker/batch/workers.hpp"
-#include "baker/build/build.hpp"
+#include "baker/cache/cached_build.hpp"
 
 namespace spm::baker {
 
@@ -25,8 +25,10 @@ struct AssetOutcome {
 
 [[nodiscard]] AssetOutcome failed_outcome(Error error);
 
-/// Builds; whatever goes wrong is the outcome of that asset, and no reason to lose the others.
-[[nodiscard]] AssetOutcome built_outcome(const BuildRequest& request, const Progress& progress);
+/// Builds, through a cache where there is one; whatever goes wrong is the outcome of that asset,
+/// and no reason to lose the others.
+[[nodiscard]] AssetOutcome built_outcome(const Cache* cache, const BuildRequest& request,
+                                         const Progress& progress);
 
 /// An outcome as one line, for the way between processes.
 [[nodiscard]] std::string encoded(const AssetOutcome& outcome);

@@ -31,18 +31,6 @@ constexpr double degree = std::numbers::pi / 180;
 
 std::string length(double metres) { return format_quantity(metres, Quantity::length); }
 
-void check_paths(const BuildRequest& request) {
-  if (const Result<void> writable = check_output_path(request.output); !writable) {
-    throw BakeError(writable.error().code, writable.error().message);
-  }
-  std::error_code ignored;
-  if (std::filesystem::equivalent(request.mesh, request.output, ignored)) {
-    throw BakeError(ExitCode::usage, request.output +
-                                         ": is the mesh itself; give -o another name, such as "
-                                         "FILE.spm.exr");
-  }
-}
-
 Json vector_json(const Vector3& v) { return Json::array({v.x(), v.y(), v.z()}); }
 
 Json error_json(const VerifyReport& check) {
@@ -288,6 +276,18 @@ Json to_json(const BuildRequest& request, const Mesh& mesh, const BakeResult& ba
 }
 
 }  // namespace
+
+void check_paths(const BuildRequest& request) {
+  if (const Result<void> writable = check_output_path(request.output); !writable) {
+    throw BakeError(writable.error().code, writable.error().message);
+  }
+  std::error_code ignored;
+  if (std::filesystem::equivalent(request.mesh, request.output, ignored)) {
+    throw BakeError(ExitCode::usage, request.output +
+                                         ": is the mesh itself; give -o another name, such as "
+                                         "FILE.spm.exr");
+  }
+}
 
 BuildReport run_build(const BuildRequest& request, const Progress& progress) {
   const auto tell = [&](const char* stage) {

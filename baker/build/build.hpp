@@ -19,6 +19,9 @@ struct BuildReport {
   std::vector<std::string> notes;     ///< findings about the mesh
 };
 
+/// Refuses an output that could not be written or is the mesh itself. Throws BakeError.
+void check_paths(const BuildRequest& request);
+
 /// Loads, bakes, verifies in memory and writes. Throws BakeError, with nothing written. Among
 /// others tolerance_not_met, whose message names the worst place and what to do.
 [[nodiscard]] BuildReport run_build(const BuildRequest& request, const Progress& progress);

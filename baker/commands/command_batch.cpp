@@ -6,7 +6,11 @@
 #include <iostream>
 #include <memory>
 
+#include "baker/base/bake_error.hpp"
 #include "baker/batch/batch.hpp"
+#include "baker/batch/depfile.hpp"
+#include "baker/cache/cached_build.hpp"
+#include "baker/commands/cache_options.hpp"
 #include "baker/commands/commands.hpp"
 #include "formats/cli/command_line.hpp"
 
@@ -18,6 +22,7 @@ constexpr std::uint64_t most_jobs = 1024;
 struct BatchSettings {
   std::string manifest;
   BatchOptions options;
+  CacheOptions cache;
   bool dry_run = false;
   cli::GlobalOptions global;
 };
@@ -33,8 +38,11 @@ void tell(const BatchSettings& settings, const std::string& name, const AssetOut
   std::cout << fmt::format("{}: {}, {} bytes, {:.1f} s\n", name,
                            outcome.report["output"].get<std::string>(),
                            outcome.report["bytes"].get<std::uint64_t>(),
-                           outcome.report["seconds"]["total"].get<double>())
-            << std::flush;
+                           outcome.report["seconds"]["total"].get<double>());
+  if (settings.cache.explain) {
+    std::cout << fmt::format("{}: cache {}\n", name, explained(outcome.report));
+  }
+  std::cout << std::flush;
 }
 
 /// Says in one sentence which assets failed. Gives the exit code.
@@ -58,8 +66,19 @@ int summed_up(const Manifest& manifest, const std::vector<AssetOutcome>& outcome
   return static_cast<int>(ExitCode::batch_failed);
 }
 
+/// What the cache would do; no failure, since the bake itself will tell of it.
+CacheForecast forecast_of(const std::optional<Cache>& cache, const BuildRequest& request) {
+  if (!cache) return {};
+  try {
+    return forecast(*cache, request);
+  } catch (const BakeError& problem) {
+    return {false, problem.what()};
+  }
+}
+
 /// Tells what would be baked, and the mistakes that show without a bake.
-int rehearse(const BatchSettings& settings, const Manifest& manifest) {
+int rehearse(const BatchSettings& settings, const Manifest& manifest,
+             const std::optional<Cache>& cache) {
   std::vector<AssetOutcome> outcomes = checked_before(manifest);
   for (std::size_t i = 0; i < outcomes.size(); ++i) {
     const ManifestEntry& entry = manifest.entries[i];
@@ -68,15 +87,20 @@ int rehearse(const BatchSettings& settings, const Manifest& manifest) {
       continue;
     }
     outcomes[i].known = true;
+    const CacheForecast found = forecast_of(cache, entry.request);
+    const char* state = !cache ? "off" : found.hit ? "hit" : "miss";
     if (settings.global.json) {
       nlohmann::ordered_json line = line_of(entry.name, outcomes[i]);
       line["dry_run"] = true;
       line["mesh"] = {{"path", entry.request.mesh}};
       line["output"] = entry.request.output;
+      line["cache"] = state;
+      if (cache) line["cache_reason"] = found.reason;
       cli::print_json(line);
     } else if (!settings.global.quiet) {
-      std::cout << fmt::format("{}: {} -> {}\n", entry.name, entry.request.mesh,
-                               entry.request.output);
+      std::cout << fmt::format("{}: {} -> {}{}\n", entry.name, entry.request.mesh,
+                               entry.request.output,
+                               cache ? fmt::format(" ({}: {})", state, found.reason) : "");
     }
   }
   return summed_up(manifest, outcomes);
@@ -86,8 +110,11 @@ int run(const BatchSettings& settings) {
   cli::configure_messages(settings.global);
   const Result<Manifest> manifest = read_manifest(settings.manifest);
   if (!manifest) return cli::report(manifest.error());
-  if (settings.dry_run) return rehearse(settings, *manifest);
+  Result<std::optional<Cache>> cache = opened_cache(settings.cache);
+  if (!cache) return cli::report(cache.error());
+  if (settings.dry_run) return rehearse(settings, *manifest, *cache);
   BatchOptions options = settings.options;
+  options.cache = std::move(*cache);
   options.cores = static_cast<unsigned>(tbb::info::default_concurrency());
   cli::ProgressLine line(settings.global);
   BatchListener listener;
@@ -100,6 +127,10 @@ int run(const BatchSettings& settings) {
   };
   const std::vector<AssetOutcome> outcomes = run_batch(*manifest, options, listener);
   line.clear();
+  if (!settings.cache.depfile.empty()) {
+    const Result<void> written = write_depfile(settings.cache.depfile, dependencies_of(*manifest));
+    if (!written) return cli::report(written.error());
+  }
   return summed_up(*manifest, outcomes);
 }
 
@@ -121,6 +152,7 @@ Command add_batch_command(CLI::App& app) {
                     "bake the other assets after one failed (exit 11 at the end)");
   command->add_flag("--dry-run", settings->dry_run,
                     "only check the manifest, its meshes and its outputs, and list them");
+  add_cache_options(*command, settings->cache);
   cli::add_global_options(*command, settings->global);
   return {command, [settings] { return run(*settings); }};
 }
