@@ -20,7 +20,8 @@ namespace {
 /// A bake that is under way.
 struct Running {
   unsigned threads = 0;
-  double done = 0;  ///< of its stage
+  double memory = 0;  ///< bytes, by estimate
+  double done = 0;    ///< of its stage
   std::string stage;
 };
 
@@ -64,7 +65,15 @@ class Batch {
   bool may_start() {
     skip_known();
     return next_ < entries_.size() && running_.size() < options_.jobs &&
-           (!failed_ || options_.keep_going);
+           (!failed_ || options_.keep_going) && fits_in_memory();
+  }
+
+  /// Whether the next bake fits beside those that run. Alone, each has to be tried.
+  [[nodiscard]] bool fits_in_memory() const {
+    if (!options_.memory || running_.empty()) return true;
+    double taken = estimated_memory(entries_[next_].request);
+    for (const auto& [job, running] : running_) taken += running.memory;
+    return taken <= static_cast<double>(*options_.memory);
   }
 
   /// Starts one bake where there is one and room for it.
@@ -83,6 +92,7 @@ class Batch {
     };
     if (workers_.start(next_, job)) {
       running_[next_].threads = request.bake.threads;
+      running_[next_].memory = estimated_memory(request);
     } else {
       outcomes_[next_] =
           failed_outcome({ExitCode::internal, fmt::format("{}: no process for its bake: {}; try a "

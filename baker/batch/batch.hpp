@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <cstdint>
 #include <functional>
 #include <optional>
 #include <string>
@@ -16,6 +17,7 @@ struct BatchOptions {
   unsigned cores = 1;  ///< shared out among them
   bool keep_going = false;
   std::optional<Cache> cache;
+  std::optional<std::uint64_t> memory;  ///< bytes that bakes at once may take, by estimate
 };
 
 /// Who hears of a batch while it runs.

@@ -17,6 +17,13 @@ double triangle_bytes(const std::string& extension) {
   return 35;
 }
 
+/// A finer tolerance takes more of everything, but far less than in proportion.
+double finer(const BuildRequest& request) {
+  constexpr double common_tolerance = 50e-6;  // m
+  if (!request.bake.tolerance) return 1;
+  return std::clamp(std::pow(common_tolerance / *request.bake.tolerance, 0.25), 0.2, 10.0);
+}
+
 }  // namespace
 
 double estimated_triangles(const std::string& path) {
@@ -31,14 +38,14 @@ double estimated_triangles(const std::string& path) {
 
 double estimated_cost(const BuildRequest& request) {
   constexpr double start = 0.05;               // of a process, and of reading
-  constexpr double common_tolerance = 50e-6;   // m
-  constexpr double seconds_a_triangle = 1e-3;  // measured at that tolerance
+  constexpr double seconds_a_triangle = 1e-3;  // measured at the common tolerance
   const double triangles = estimated_triangles(request.mesh);
-  if (triangles == 0) return start;
-  // A finer tolerance takes more of everything, but far less than in proportion.
-  const double finer =
-      request.bake.tolerance ? std::pow(common_tolerance / *request.bake.tolerance, 0.25) : 1.0;
-  return start + seconds_a_triangle * triangles * std::clamp(finer, 0.2, 10.0);
+  return start + seconds_a_triangle * triangles * finer(request);
+}
+
+double estimated_memory(const BuildRequest& request) {
+  constexpr double start = 1e8, bytes_a_triangle = 1e4;
+  return start + bytes_a_triangle * estimated_triangles(request.mesh) * finer(request);
 }
 
 }  // namespace spm::baker

@@ -10,6 +10,9 @@ namespace spm::baker {
 /// machine that sees the same files. A missing mesh costs next to nothing.
 [[nodiscard]] double estimated_cost(const BuildRequest& request);
 
+/// About how much memory a bake takes at most, bytes; rather more than less.
+[[nodiscard]] double estimated_memory(const BuildRequest& request);
+
 /// About how many triangles a mesh file of a size holds, by its extension.
 [[nodiscard]] double estimated_triangles(const std::string& path);
 

@@ -22,7 +22,7 @@ struct CacheEntry {
   std::string asset;  ///< the bytes of the baked file
 };
 
-/// A folder of finished builds under their keys (FORMAT.md). Many processes, also of several
+/// A folder of finished builds under their keys (README.md). Many processes, also of several
 /// machines, may use it at once, and any of them may be killed at any moment: an entry is one file,
 /// which appears whole or not at all and carries a checksum of its own.
 class Cache {

@@ -3,15 +3,20 @@
 #include <spdlog/spdlog.h>
 #include <tbb/info.h>
 
+#include <filesystem>
 #include <iostream>
 #include <memory>
 
 #include "baker/base/bake_error.hpp"
 #include "baker/batch/batch.hpp"
 #include "baker/batch/depfile.hpp"
+#include "baker/batch/result_file.hpp"
+#include "baker/batch/shards.hpp"
 #include "baker/cache/cached_build.hpp"
 #include "baker/commands/cache_options.hpp"
 #include "baker/commands/commands.hpp"
+#include "formats/asset/asset_writer.hpp"
+#include "formats/cli/byte_size.hpp"
 #include "formats/cli/command_line.hpp"
 
 namespace spm::baker {
@@ -23,6 +28,8 @@ struct BatchSettings {
   std::string manifest;
   BatchOptions options;
   CacheOptions cache;
+  Shard shard;
+  std::string result;  ///< file to write; may be empty
   bool dry_run = false;
   cli::GlobalOptions global;
 };
@@ -106,13 +113,39 @@ int rehearse(const BatchSettings& settings, const Manifest& manifest,
   return summed_up(manifest, outcomes);
 }
 
+/// An old result must not pass for one of this run, which may be killed.
+Result<void> clear_result(const std::string& path) {
+  if (path.empty()) return {};
+  if (Result<void> writable = check_output_path(path); !writable) return writable;
+  std::error_code problem;
+  std::filesystem::remove(path, problem);
+  if (!problem) return {};
+  return fail(ExitCode::file_or_device, path + ": the old result cannot be removed: " +
+                                            problem.message() + "; write elsewhere");
+}
+
+/// What is left of a batch for other programs: its result and what its outputs are made from.
+Result<void> write_notes(const BatchSettings& settings, const Manifest& manifest,
+                         const std::vector<AssetOutcome>& outcomes) {
+  if (!settings.cache.depfile.empty()) {
+    Result<void> written = write_depfile(settings.cache.depfile, dependencies_of(manifest));
+    if (!written) return written;
+  }
+  if (settings.result.empty()) return {};
+  return write_result(settings.result, result_of(manifest, settings.shard, outcomes));
+}
+
 int run(const BatchSettings& settings) {
   cli::configure_messages(settings.global);
-  const Result<Manifest> manifest = read_manifest(settings.manifest);
-  if (!manifest) return cli::report(manifest.error());
+  const Result<Manifest> whole = read_manifest(settings.manifest);
+  if (!whole) return cli::report(whole.error());
+  const Manifest manifest = part_of(*whole, settings.shard);
   Result<std::optional<Cache>> cache = opened_cache(settings.cache);
   if (!cache) return cli::report(cache.error());
-  if (settings.dry_run) return rehearse(settings, *manifest, *cache);
+  if (settings.dry_run) return rehearse(settings, manifest, *cache);
+  if (const Result<void> cleared = clear_result(settings.result); !cleared) {
+    return cli::report(cleared.error());
+  }
   BatchOptions options = settings.options;
   options.cache = std::move(*cache);
   options.cores = static_cast<unsigned>(tbb::info::default_concurrency());
@@ -125,13 +158,12 @@ int run(const BatchSettings& settings) {
   listener.progress = [&](double done, const std::string& what) {
     line.update("batch", done, what);
   };
-  const std::vector<AssetOutcome> outcomes = run_batch(*manifest, options, listener);
+  const std::vector<AssetOutcome> outcomes = run_batch(manifest, options, listener);
   line.clear();
-  if (!settings.cache.depfile.empty()) {
-    const Result<void> written = write_depfile(settings.cache.depfile, dependencies_of(*manifest));
-    if (!written) return cli::report(written.error());
+  if (const Result<void> written = write_notes(settings, manifest, outcomes); !written) {
+    return cli::report(written.error());
   }
-  return summed_up(*manifest, outcomes);
+  return summed_up(manifest, outcomes);
 }
 
 }  // namespace
@@ -152,6 +184,24 @@ Command add_batch_command(CLI::App& app) {
                     "bake the other assets after one failed (exit 11 at the end)");
   command->add_flag("--dry-run", settings->dry_run,
                     "only check the manifest, its meshes and its outputs, and list them");
+  cli::add_parsed(
+      *command, "--shard",
+      [settings](const std::string& text) -> Result<void> {
+        return parse_shard(text).map([&](Shard shard) { settings->shard = shard; });
+      },
+      "bake only the I-th of N parts, which take about as long as each other", "I/N");
+  command
+      ->add_option("--result", settings->result,
+                   "file to write with what became of each asset, for 'spm-bake merge'")
+      ->type_name("FILE");
+  cli::add_parsed(
+      *command, "--memory",
+      [settings](const std::string& text) -> Result<void> {
+        return cli::parse_byte_size(text).map(
+            [&](std::uint64_t bytes) { settings->options.memory = bytes; });
+      },
+      "begin no bake beside others that might exceed so much memory with them, such as 8GB",
+      "SIZE");
   add_cache_options(*command, settings->cache);
   cli::add_global_options(*command, settings->global);
   return {command, [settings] { return run(*settings); }};
