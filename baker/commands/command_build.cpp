@@ -5,6 +5,7 @@
 #include <memory>
 
 #include "baker/batch/depfile.hpp"
+#include "baker/build/build.hpp"
 #include "baker/cache/cached_build.hpp"
 #include "baker/commands/cache_options.hpp"
 #include "baker/commands/commands.hpp"

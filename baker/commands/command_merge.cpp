@@ -82,7 +82,7 @@ Command add_merge_command(CLI::App& app) {
       ->type_name("");
   command->add_option("RESULT", settings->results, "what each shard wrote with --result")
       ->required()
-      ->type_name("...");
+      ->type_name("");
   cli::add_global_options(*command, settings->global);
   return {command, [settings] { return run(*settings); }};
 }

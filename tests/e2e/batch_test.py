@@ -8,17 +8,17 @@ import pty
 import subprocess
 import unittest
 
-from programs import BAKE, BUILD_KEYS, THIN_BAND, Case, digest, obj, run, sphere, tetrahedron
+from programs import BAKE, BUILD_KEYS, Case, digest, obj, run, sphere, tetrahedron
 
 
 class Batch(Case):
     def manifest(self, text):
-        self.write("sphere.obj", obj(sphere(0.02, rows=8, columns=16)))
+        self.write("small.obj", obj(tetrahedron(0.05)))
         self.write("broken.obj", "v 0 0 0\n")
         return self.write("assets.toml", text)
 
-    GOOD = ('[[asset]]\nname = "{0}"\nmesh = "sphere.obj"\noutput = "{0}.spm.exr"\n'
-            'tolerance = "1mm"\nmax-depth = "0.1mm"\nmargin = "0.05mm"\n')
+    GOOD = ('[[asset]]\nname = "{0}"\nmesh = "small.obj"\noutput = "{0}.spm.exr"\n'
+            'tolerance = "1mm"\nmax-depth = "10mm"\nmargin = "5mm"\n')
     BAD = '[[asset]]\nmesh = "broken.obj"\noutput = "broken.spm.exr"\n'
 
     def run_batch(self, text, *options):
@@ -26,7 +26,7 @@ class Batch(Case):
         return result, [json.loads(line) for line in result.stdout.splitlines()]
 
     def test_each_asset_gets_a_line(self):
-        text = self.GOOD.format("one") + ('[[asset]]\nmesh = "sphere.obj"\noutput = "two.spm.exr"\n'
+        text = self.GOOD.format("one") + ('[[asset]]\nmesh = "small.obj"\noutput = "two.spm.exr"\n'
                                           'form = "full"\nplanes = 12\nresolution = 9\nseed = 3\n'
                                           'threads = 1\n')
         result, lines = self.run_batch(text)
@@ -59,8 +59,8 @@ class Batch(Case):
 
     def test_a_batch_gives_the_bytes_that_build_gives(self):
         self.run_batch(self.GOOD.format("one"))
-        alone = run("build", self.path("sphere.obj"), "-o", self.path("alone.spm.exr"),
-                    "--tolerance", "1mm", *THIN_BAND)
+        alone = run("build", self.path("small.obj"), "-o", self.path("alone.spm.exr"),
+                    "--tolerance", "1mm", "--max-depth", "10mm", "--margin", "5mm")
         self.assertEqual(alone.returncode, 0, alone.stderr)
         self.assertEqual(digest(self.path("one.spm.exr")), digest(self.path("alone.spm.exr")))
 
@@ -72,7 +72,7 @@ class Batch(Case):
                 ("a foreign table", good + "[other]\nx = 1\n", ["line 8", "other"]),
                 ("a misspelt key", good + 'tolerence = "1mm"\n', ["line 8", "tolerance"]),
                 ("a foreign key", good + "colour = 1\n", ["line 8", "colour"]),
-                ("no output", good + '[[asset]]\nmesh = "sphere.obj"\n', ["line 8", "output"]),
+                ("no output", good + '[[asset]]\nmesh = "small.obj"\n', ["line 8", "output"]),
                 ("no unit", good + "fit-diagonal = 2\n", ["line 8", "fit-diagonal", "unit"]),
                 ("a wrong type", good + "seed = [1, 2]\n", ["line 8", "seed"]),
                 ("an output twice", good + good, ["one.spm.exr"]),
