@@ -80,7 +80,15 @@ Result<OutputFile> OutputFile::create(const std::string& path) {
   // /proc. Not every file system has such files.
   if (::access("/proc/self/fd", X_OK) == 0) {
     const int nameless = ::open(folder.c_str(), O_TMPFILE | O_RDWR | O_CLOEXEC, 0666);
-    if (nameless >= 0) return OutputFile(path, std::string(), nameless);
+    if (nameless >= 0) {
+      // The name may be too long; that must show before an hour of work.
+      if (::stat(temporary_name(path).c_str(), &status) == 0 || errno == ENOENT) {
+        return OutputFile(path, std::string(), nameless);
+      }
+      const int cause = errno;
+      ::close(nameless);
+      return write_error(path, cause);
+    }
   }
   for (;;) {
     std::string temporary = temporary_name(path);

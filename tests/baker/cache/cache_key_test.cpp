@@ -48,7 +48,7 @@ TEST_CASE("Each option that changes an asset changes its key") {
   CHECK(digest(changed) != digest(request_of()));
 }
 
-TEST_CASE("Other mesh bytes change the key; paths, threads and time limits do not") {
+TEST_CASE("Other mesh bytes change the key, but paths, threads and time limits do not") {
   CHECK(cache_key(request_of(), "abc").digest != cache_key(request_of(), "abd").digest);
   BuildRequest elsewhere = request_of("/somewhere/else.OBJ");
   elsewhere.output = "/tmp/other.spm.exr";
