@@ -16,5 +16,7 @@ using cli::Command;
 [[nodiscard]] Command add_query_command(CLI::App& app);
 [[nodiscard]] Command add_export_command(CLI::App& app);
 [[nodiscard]] Command add_batch_command(CLI::App& app);
+[[nodiscard]] Command add_cache_command(CLI::App& app);
+[[nodiscard]] Command add_merge_command(CLI::App& app);
 
 }  // namespace spm::baker

@@ -10,7 +10,8 @@ int main(int argc, char** argv) {
                "spm-bake"};
   std::array commands{spm::baker::add_build_command(app),  spm::baker::add_info_command(app),
                       spm::baker::add_verify_command(app), spm::baker::add_query_command(app),
-                      spm::baker::add_export_command(app), spm::baker::add_batch_command(app)};
+                      spm::baker::add_export_command(app), spm::baker::add_batch_command(app),
+                      spm::baker::add_cache_command(app),  spm::baker::add_merge_command(app)};
   for (auto& command : commands) command = spm::cli::with_checked_output(command);
   return spm::cli::run_program(app, argc, argv, commands, [](const std::exception& problem) {
     return spm::baker::error_of(problem,

@@ -294,11 +294,15 @@ void print_json(const nlohmann::ordered_json& object) {
 ProgressLine::ProgressLine(const GlobalOptions& options)
     : active_(!options.quiet && !options.json && isatty(STDERR_FILENO) == 1) {}
 
-ProgressLine::~ProgressLine() {
+ProgressLine::~ProgressLine() { clear(); }
+
+void ProgressLine::clear() {
   if (drawn_) std::cerr << "\r\033[K" << std::flush;
+  drawn_ = false;
+  last_.clear();
 }
 
-void ProgressLine::update(const char* stage, double done) {
+void ProgressLine::update(const char* stage, double done, const std::string& detail) {
   if (!active_) return;
   const auto now = std::chrono::steady_clock::now();
   // A stage whose progress falls far back has started another round. Threads report slightly out of
@@ -311,6 +315,7 @@ void ProgressLine::update(const char* stage, double done) {
   done_ = done;
   const double seconds = std::chrono::duration<double>(now - began_).count();
   std::string line = progress_text(stage, {done, start_, seconds});
+  if (!detail.empty()) line += "; " + detail;
   if (line == last_) return;
   std::cerr << "\r\033[K" << line << std::flush;
   last_ = std::move(line);

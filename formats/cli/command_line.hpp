@@ -91,9 +91,12 @@ class ProgressLine {
   ProgressLine(const ProgressLine&) = delete;
   ProgressLine& operator=(const ProgressLine&) = delete;
 
-  /// Draws the stage, the part that is done, 0 to 1, and the time that it may still take. Draws
-  /// nothing where the text is the same as before.
-  void update(const char* stage, double done);
+  /// Draws the stage, the part that is done, 0 to 1, the time that it may still take and, where
+  /// there is one, a detail. Draws nothing where the text is the same as before.
+  void update(const char* stage, double done, const std::string& detail = {});
+
+  /// Takes the line away, so that something else can be printed.
+  void clear();
 
  private:
   bool active_ = false;

@@ -76,10 +76,40 @@ Result<OutputFile> OutputFile::create(const std::string& path) {
     return fail(ExitCode::file_or_device,
                 path + ": cannot be written: there is no folder " + folder + "; create it first");
   }
-  std::string temporary = temporary_name(path);
-  const int descriptor = ::open(temporary.c_str(), O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
-  if (descriptor < 0) return write_error(path, errno);
-  return OutputFile(path, std::move(temporary), descriptor);
+  // A file without a name vanishes with the process, however that ends. It gets a name by way of
+  // /proc. Not every file system has such files.
+  if (::access("/proc/self/fd", X_OK) == 0) {
+    const int nameless = ::open(folder.c_str(), O_TMPFILE | O_RDWR | O_CLOEXEC, 0666);
+    if (nameless >= 0) {
+      // The name may be too long; that must show before an hour of work.
+      if (::stat(temporary_name(path).c_str(), &status) == 0 || errno == ENOENT) {
+        return OutputFile(path, std::string(), nameless);
+      }
+      const int cause = errno;
+      ::close(nameless);
+      return write_error(path, cause);
+    }
+  }
+  for (;;) {
+    std::string temporary = temporary_name(path);
+    const int descriptor = ::open(temporary.c_str(), O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+    if (descriptor >= 0) return OutputFile(path, std::move(temporary), descriptor);
+    // The name is taken where a process of the same number was killed, or runs on another machine.
+    if (errno != EEXIST) return write_error(path, errno);
+  }
+}
+
+bool OutputFile::give_name() {
+  const std::string open_file = "/proc/self/fd/" + std::to_string(descriptor_);
+  for (;;) {
+    std::string temporary = temporary_name(path_);
+    if (::linkat(AT_FDCWD, open_file.c_str(), AT_FDCWD, temporary.c_str(), AT_SYMLINK_FOLLOW) ==
+        0) {
+      temporary_ = std::move(temporary);
+      return true;
+    }
+    if (errno != EEXIST) return false;
+  }
 }
 
 Result<void> OutputFile::write_at(std::uint64_t offset, std::span<const std::byte> bytes) {
@@ -96,6 +126,7 @@ Result<void> OutputFile::write_at(std::uint64_t offset, std::span<const std::byt
 
 Result<void> OutputFile::commit() {
   if (::fsync(descriptor_) != 0) return write_error(path_, errno);
+  if (temporary_.empty() && !give_name()) return write_error(path_, errno);
   if (::close(std::exchange(descriptor_, -1)) != 0) return write_error(path_, errno);
   if (::rename(temporary_.c_str(), path_.c_str()) != 0) return write_error(path_, errno);
   temporary_.clear();

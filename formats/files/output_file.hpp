@@ -11,9 +11,10 @@
 
 namespace spm {
 
-/// A file that appears under its name completely or not at all. It is written under a temporary
-/// name beside the target, synced, then renamed over it. Without `commit` the destructor removes
-/// it. Move-only. All errors: file_or_device.
+/// A file that appears under its name completely or not at all. It is written without a name, or
+/// under a temporary one where the file system has no such files, in the target's folder, synced,
+/// then renamed over the target. Without `commit` the destructor removes it. Move-only. All errors:
+/// file_or_device.
 class OutputFile {
  public:
   [[nodiscard]] static Result<OutputFile> create(const std::string& path);
@@ -35,9 +36,10 @@ class OutputFile {
  private:
   OutputFile(std::string path, std::string temporary, int descriptor) noexcept;
   void discard() noexcept;
+  [[nodiscard]] bool give_name();
 
   std::string path_;
-  std::string temporary_;
+  std::string temporary_;  ///< empty while the file has no name
   int descriptor_ = -1;
 };
 

@@ -77,9 +77,12 @@ OTHERS = [
     (["query", "a.spm.exr", "--points", "a.txt"], ["--output"]),
     (["export", "a.spm.exr"], ["--output"]),
     (["batch"], ["MANIFEST"]),
-    (["batch", "a.toml", "-j", "2"], ["-j"]),
-    (["batch", "a.toml", "--shard", "1/2"], ["--shard"]),
-    (["batch", "a.toml", "--cache", "c"], ["--cache"]),
+    (["batch", "a.toml", "-j", "0"], ["-j", "1024"]),
+    (["batch", "a.toml", "--shard", "3/2"], ["--shard", "3/2"]),
+    (["batch", "a.toml", "--memory", "8"], ["--memory", "unit"]),
+    (["merge", "a.toml"], ["RESULT"]),
+    (["cache", "stats"], ["DIR"]),
+    (["cache", "empty", "c"], ["empty", "prune"]),
 ]
 
 

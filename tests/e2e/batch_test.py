@@ -4,19 +4,21 @@
 
 import json
 import os
+import pty
+import subprocess
 import unittest
 
-from programs import BUILD_KEYS, THIN_BAND, Case, digest, obj, run, sphere
+from programs import BAKE, BUILD_KEYS, Case, digest, obj, run, sphere, tetrahedron
 
 
 class Batch(Case):
     def manifest(self, text):
-        self.write("sphere.obj", obj(sphere(0.02, rows=8, columns=16)))
+        self.write("small.obj", obj(tetrahedron(0.05)))
         self.write("broken.obj", "v 0 0 0\n")
         return self.write("assets.toml", text)
 
-    GOOD = ('[[asset]]\nname = "{0}"\nmesh = "sphere.obj"\noutput = "{0}.spm.exr"\n'
-            'tolerance = "1mm"\nmax-depth = "0.1mm"\nmargin = "0.05mm"\n')
+    GOOD = ('[[asset]]\nname = "{0}"\nmesh = "small.obj"\noutput = "{0}.spm.exr"\n'
+            'tolerance = "1mm"\nmax-depth = "10mm"\nmargin = "5mm"\n')
     BAD = '[[asset]]\nmesh = "broken.obj"\noutput = "broken.spm.exr"\n'
 
     def run_batch(self, text, *options):
@@ -24,7 +26,7 @@ class Batch(Case):
         return result, [json.loads(line) for line in result.stdout.splitlines()]
 
     def test_each_asset_gets_a_line(self):
-        text = self.GOOD.format("one") + ('[[asset]]\nmesh = "sphere.obj"\noutput = "two.spm.exr"\n'
+        text = self.GOOD.format("one") + ('[[asset]]\nmesh = "small.obj"\noutput = "two.spm.exr"\n'
                                           'form = "full"\nplanes = 12\nresolution = 9\nseed = 3\n'
                                           'threads = 1\n')
         result, lines = self.run_batch(text)
@@ -57,8 +59,8 @@ class Batch(Case):
 
     def test_a_batch_gives_the_bytes_that_build_gives(self):
         self.run_batch(self.GOOD.format("one"))
-        alone = run("build", self.path("sphere.obj"), "-o", self.path("alone.spm.exr"),
-                    "--tolerance", "1mm", *THIN_BAND)
+        alone = run("build", self.path("small.obj"), "-o", self.path("alone.spm.exr"),
+                    "--tolerance", "1mm", "--max-depth", "10mm", "--margin", "5mm")
         self.assertEqual(alone.returncode, 0, alone.stderr)
         self.assertEqual(digest(self.path("one.spm.exr")), digest(self.path("alone.spm.exr")))
 
@@ -70,7 +72,7 @@ class Batch(Case):
                 ("a foreign table", good + "[other]\nx = 1\n", ["line 8", "other"]),
                 ("a misspelt key", good + 'tolerence = "1mm"\n', ["line 8", "tolerance"]),
                 ("a foreign key", good + "colour = 1\n", ["line 8", "colour"]),
-                ("no output", good + '[[asset]]\nmesh = "sphere.obj"\n', ["line 8", "output"]),
+                ("no output", good + '[[asset]]\nmesh = "small.obj"\n', ["line 8", "output"]),
                 ("no unit", good + "fit-diagonal = 2\n", ["line 8", "fit-diagonal", "unit"]),
                 ("a wrong type", good + "seed = [1, 2]\n", ["line 8", "seed"]),
                 ("an output twice", good + good, ["one.spm.exr"]),
@@ -81,6 +83,119 @@ class Batch(Case):
                 self.assertFalse(os.path.exists(self.path("one.spm.exr")))
         self.expect_refusal(run("batch", self.path("none.toml")), 2, "none.toml")
         self.expect_refusal(run("batch", self.folder), 2, self.folder)
+
+
+class ManyAssets(Case):
+    """A pattern over four small meshes, one of which is no mesh, and a fifth on its own."""
+
+    MANIFEST = ('[defaults]\noutput = "baked/{stem}.spm.exr"\ntolerance = "1mm"\n'
+                'max-depth = "10mm"\nmargin = "5mm"\n'
+                '[[asset]]\nmesh = "meshes/*.obj"\n'
+                '[[asset]]\nmesh = "meshes/c.obj"\nname = "special"\ntolerance = "0.5mm"\n')
+    NAMES = ["a", "b", "broken", "special"]
+
+    def setUp(self):
+        super().setUp()
+        self.output_folder("meshes")
+        self.output_folder("baked")
+        for place, letter in enumerate("abc"):
+            self.write(f"meshes/{letter}.obj", obj(tetrahedron(0.05 + place / 1000)))
+        self.write("meshes/broken.obj", "v 0 0 0\n")
+        self.manifest = self.write("assets.toml", self.MANIFEST)
+
+    def batch(self, *options):
+        result = run("batch", self.manifest, "--json", *options)
+        return result, [json.loads(line) for line in result.stdout.splitlines()]
+
+    def baked(self):
+        folder = self.path("baked")
+        return {name: digest(os.path.join(folder, name)) for name in sorted(os.listdir(folder))}
+
+    def test_lines_and_bytes_are_the_same_for_any_number_of_jobs(self):
+        found = []
+        for jobs in (1, 4):
+            result, lines = self.batch("-j", jobs, "--keep-going")
+            self.assertEqual(result.returncode, 11, result.stderr)
+            self.assertEqual([line["name"] for line in lines], self.NAMES)
+            self.assertEqual([line["ok"] for line in lines], [True, True, False, True])
+            self.assertEqual([line.get("tolerance_um") for line in lines], [1000, 1000, None, 500])
+            self.assertIn("1 of 4 assets failed: broken (exit 3)", result.stderr.splitlines()[-1])
+            found.append(self.baked())
+        self.assertEqual(list(found[0]), [f"{name}.spm.exr" for name in "abc"])
+        self.assertEqual(found[0], found[1])
+
+    def test_failures_are_summed_up_at_the_end(self):
+        os.rename(self.path("meshes/broken.obj"), self.path("meshes/a.obj"))
+        result, lines = self.batch()
+        self.assertEqual([line["name"] for line in lines], ["a"])
+        self.assertIn("1 of 3 assets failed and 2 were not begun: a (exit 3)",
+                      result.stderr.splitlines()[-1])
+
+    def test_a_missing_mesh_is_told_before_anything_is_baked(self):
+        text = self.MANIFEST + '[[asset]]\nmesh = "meshes/none.obj"\n'
+        self.manifest = self.write("assets.toml", text)
+        result, lines = self.batch()
+        self.assertEqual(result.returncode, 11)
+        self.assertEqual(self.baked(), {})
+        self.assertEqual([line["name"] for line in lines], ["none"])
+        self.assertEqual(lines[0]["exit_code"], 2)
+        for what in ("line 13", "'mesh'", "none.obj"):
+            self.assertIn(what, lines[0]["error"])
+        os.unlink(self.path("meshes/b.obj"))
+        os.unlink(self.path("meshes/c.obj"))
+        result, lines = self.batch("--keep-going", "-j", 3)
+        self.assertEqual(result.returncode, 11)
+        self.assertEqual([line["ok"] for line in lines], [True, False, False, False])
+
+    def test_a_missing_folder_for_outputs_is_told_with_its_line(self):
+        os.rmdir(self.path("baked"))
+        result, lines = self.batch("--keep-going")
+        self.assertEqual(result.returncode, 11)
+        self.assertEqual({line["exit_code"] for line in lines}, {2})
+        self.assertIn("line 2: 'output'", lines[0]["error"])
+
+    def test_a_dry_run_lists_the_assets_and_bakes_nothing(self):
+        result, lines = self.batch("--dry-run")
+        self.assertEqual(result.returncode, 0, result.stderr)
+        self.assertEqual([line["name"] for line in lines], self.NAMES)
+        self.assertEqual({line["dry_run"] for line in lines}, {True})
+        self.assertEqual(lines[0]["output"], self.path("baked/a.spm.exr"))
+        self.assertEqual(self.baked(), {})
+        self.assertIn("meshes/a.obj -> ", run("batch", self.manifest, "--dry-run").stdout)
+        os.unlink(self.path("meshes/c.obj"))
+        result, lines = self.batch("--dry-run")
+        self.assertEqual(result.returncode, 11)
+        self.assertEqual([line["ok"] for line in lines], [True] * 3 + [False])
+
+    def test_a_terminal_shows_how_much_is_done_of_how_many(self):
+        master, slave = pty.openpty()
+        self.addCleanup(os.close, master)
+        process = subprocess.Popen([BAKE, "batch", self.manifest, "-j", "2", "--keep-going"],
+                                   stdout=subprocess.DEVNULL, stderr=slave)
+        os.close(slave)
+        shown = b""
+        while True:
+            try:
+                block = os.read(master, 4096)
+            except OSError:  # the other end is closed
+                break
+            if not block:
+                break
+            shown += block
+        self.assertEqual(process.wait(), 11)
+        self.assertRegex(shown.decode(), r"batch +\d+ %.*; \d of 4 assets, \w+: \w+")
+
+    def test_the_time_limit_of_one_asset_ends_no_other(self):
+        self.write("meshes/fine.obj", obj(sphere(0.05, rows=96, columns=192)))
+        self.manifest = self.write("assets.toml", (
+            '[defaults]\noutput = "baked/{stem}.spm.exr"\ntolerance = "1mm"\n'
+            '[[asset]]\nmesh = "meshes/fine.obj"\ntolerance = "2um"\ntime-limit = 1\n'
+            '[[asset]]\nmesh = "meshes/a.obj"\nmax-depth = "10mm"\nmargin = "5mm"\n'))
+        result, lines = self.batch("--keep-going", "-j", 2)
+        self.assertEqual(result.returncode, 11)
+        self.assertEqual([line["exit_code"] for line in lines], [10, 0])
+        self.assertIn("time limit of 1 s", lines[0]["error"])
+        self.assertEqual(list(self.baked()), ["a.spm.exr"])
 
 
 if __name__ == "__main__":

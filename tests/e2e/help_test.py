@@ -10,7 +10,8 @@ from programs import BAKE, SERVO, run
 
 class Help(unittest.TestCase):
     def test_both_programs_explain_themselves(self):
-        for program, commands in ((BAKE, ("build", "info", "verify", "query", "export", "batch")),
+        for program, commands in ((BAKE, ("build", "info", "verify", "query", "export", "batch",
+                                          "merge", "cache")),
                                   (SERVO, ("run", "replay", "devices", "doctor", "top", "plot"))):
             for arguments in ([], *([command] for command in commands)):
                 with self.subTest(os.path.basename(program) + " " + " ".join(arguments)):

@@ -156,8 +156,14 @@ def sphere(radius, rows=24, columns=48):
     return vertices, triangles
 
 
-TETRAHEDRON = ([(0.0, 0.0, 0.0), (0.05, 0.0, 0.0), (0.0, 0.05, 0.0), (0.0, 0.0, 0.05)],
-               [(0, 2, 1), (0, 1, 3), (0, 3, 2), (1, 2, 3)])
+
+def tetrahedron(edge):
+    """The corner of a cube; with a deep band nothing bakes sooner."""
+    return ([(0.0, 0.0, 0.0), (edge, 0.0, 0.0), (0.0, edge, 0.0), (0.0, 0.0, edge)],
+            [(0, 2, 1), (0, 1, 3), (0, 3, 2), (1, 2, 3)])
+
+
+TETRAHEDRON = tetrahedron(0.05)
 
 
 def merged(*shapes):

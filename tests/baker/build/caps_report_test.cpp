@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "baker/commands/caps_report.hpp"
+#include "baker/build/caps_report.hpp"
 
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "baker/commands/build_request.hpp"
+#include "baker/build/build_request.hpp"
 #include "baker/verify/verify.hpp"
 
 namespace spm::baker {
@@ -18,6 +18,9 @@ struct BuildReport {
   std::vector<std::string> derived;   ///< what a device or a scene decided
   std::vector<std::string> notes;     ///< findings about the mesh
 };
+
+/// Refuses an output that could not be written or is the mesh itself. Throws BakeError.
+void check_paths(const BuildRequest& request);
 
 /// Loads, bakes, verifies in memory and writes. Throws BakeError, with nothing written. Among
 /// others tolerance_not_met, whose message names the worst place and what to do.

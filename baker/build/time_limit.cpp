@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "baker/commands/time_limit.hpp"
+#include "baker/build/time_limit.hpp"
 
 #include <chrono>
 #include <cstdlib>

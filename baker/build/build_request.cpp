@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "baker/commands/build_request.hpp"
+#include "baker/build/build_request.hpp"
 
 #include <charconv>
 #include <cstdint>

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <string>
 
-#include "baker/commands/scene_limits.hpp"
+#include "baker/build/scene_limits.hpp"
 #include "baker/mesh/load.hpp"
 #include "baker/mesh/mesh.hpp"
 #include "baker/pipeline/bake.hpp"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "baker/commands/caps_report.hpp"
+#include "baker/build/caps_report.hpp"
 
 #include <fmt/format.h>
 

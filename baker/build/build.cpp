@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "baker/commands/build.hpp"
+#include "baker/build/build.hpp"
 
 #include <fmt/format.h>
 #include <sys/resource.h>
@@ -12,8 +12,8 @@
 
 #include "baker/base/bake_error.hpp"
 #include "baker/base/stopwatch.hpp"
-#include "baker/commands/caps_report.hpp"
-#include "baker/commands/time_limit.hpp"
+#include "baker/build/caps_report.hpp"
+#include "baker/build/time_limit.hpp"
 #include "baker/mesh/load.hpp"
 #include "baker/reachability/reachability.hpp"
 #include "baker/trials/served_trials.hpp"
@@ -30,18 +30,6 @@ constexpr std::uint64_t check_samples = 20000;
 constexpr double degree = std::numbers::pi / 180;
 
 std::string length(double metres) { return format_quantity(metres, Quantity::length); }
-
-void check_paths(const BuildRequest& request) {
-  if (const Result<void> writable = check_output_path(request.output); !writable) {
-    throw BakeError(writable.error().code, writable.error().message);
-  }
-  std::error_code ignored;
-  if (std::filesystem::equivalent(request.mesh, request.output, ignored)) {
-    throw BakeError(ExitCode::usage, request.output +
-                                         ": is the mesh itself; give -o another name, such as "
-                                         "FILE.spm.exr");
-  }
-}
 
 Json vector_json(const Vector3& v) { return Json::array({v.x(), v.y(), v.z()}); }
 
@@ -288,6 +276,18 @@ Json to_json(const BuildRequest& request, const Mesh& mesh, const BakeResult& ba
 }
 
 }  // namespace
+
+void check_paths(const BuildRequest& request) {
+  if (const Result<void> writable = check_output_path(request.output); !writable) {
+    throw BakeError(writable.error().code, writable.error().message);
+  }
+  std::error_code ignored;
+  if (std::filesystem::equivalent(request.mesh, request.output, ignored)) {
+    throw BakeError(ExitCode::usage, request.output +
+                                         ": is the mesh itself; give -o another name, such as "
+                                         "FILE.spm.exr");
+  }
+}
 
 BuildReport run_build(const BuildRequest& request, const Progress& progress) {
   const auto tell = [&](const char* stage) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "baker/commands/scene_limits.hpp"
+#include "baker/build/scene_limits.hpp"
 
 #include <fmt/format.h>
 

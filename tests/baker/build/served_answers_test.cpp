@@ -6,8 +6,8 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
+#include "baker/build/build.hpp"
 #include "baker/cast/cast.hpp"
-#include "baker/commands/build.hpp"
 #include "baker/mesh/load.hpp"
 #include "baker/surface/outer_surface.hpp"
 #include "baker/trials/band_trials.hpp"

@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "baker/batch/cost.hpp"
+
+#include <algorithm>
+#include <cctype>
+#include <cmath>
+#include <filesystem>
+#include <system_error>
+
+namespace spm::baker {
+namespace {
+
+/// Bytes that a triangle and its share of the vertices take in files of a kind.
+double triangle_bytes(const std::string& extension) {
+  if (extension == ".stl") return 50;
+  if (extension == ".ply") return 20;
+  return 35;
+}
+
+/// How much longer a finer tolerance takes: measured from 200 to 12.5 um.
+double finer(const BuildRequest& request) {
+  constexpr double common = 50e-6, usual = 100e-6, growth = 0.6;  // the lengths in m
+  const double tolerance = request.bake.tolerance.value_or(usual);
+  return std::clamp(std::pow(common / tolerance, growth), 0.05, 50.0);
+}
+
+}  // namespace
+
+double estimated_triangles(const std::string& path) {
+  std::error_code missing;
+  const auto bytes = std::filesystem::file_size(path, missing);
+  if (missing) return 0;
+  std::string extension = std::filesystem::path(path).extension().string();
+  std::transform(extension.begin(), extension.end(), extension.begin(),
+                 [](unsigned char letter) { return static_cast<char>(std::tolower(letter)); });
+  return static_cast<double>(bytes) / triangle_bytes(extension);
+}
+
+double estimated_cost(const BuildRequest& request) {
+  // Measured with meshes of 8 to a million triangles: what a bake takes grows far less than they.
+  constexpr double start = 0.05, seconds = 0.8, growth = 0.27;
+  const double triangles = estimated_triangles(request.mesh);
+  if (triangles <= 0) return start;
+  return start + seconds * std::pow(triangles, growth) * finer(request);
+}
+
+double estimated_memory(const BuildRequest& request) {
+  constexpr double start = 2e8, bytes_a_triangle = 4e3;  // somewhat more than was measured
+  return start + bytes_a_triangle * estimated_triangles(request.mesh);
+}
+
+}  // namespace spm::baker

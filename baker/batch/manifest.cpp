@@ -1,0 +1,260 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "baker/batch/manifest.hpp"
+
+#include <fmt/format.h>
+#include <toml++/toml.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <map>
+#include <set>
+#include <unordered_map>
+
+#include "baker/batch/mesh_pattern.hpp"
+#include "formats/files/nearest_word.hpp"
+#include "formats/files/sha256.hpp"
+#include "formats/files/text_file.hpp"
+
+namespace spm::baker {
+namespace {
+
+/// A value as the command line would spell it, and where its key stands.
+struct Setting {
+  std::string text;
+  std::uint32_t line = 0;
+};
+
+using Settings = std::map<std::string, Setting>;
+
+Error invalid(const std::string& path, std::uint32_t line, const std::string& cause) {
+  return {ExitCode::invalid_input, fmt::format("{}: line {}: {}", path, line, cause)};
+}
+
+/// Keys of an asset: `name`, `mesh`, `output` and the long names of build's options.
+std::vector<std::string> known_keys() {
+  CLI::App table;
+  BuildRequest request;
+  add_build_options(table, request);
+  std::vector<std::string> keys{"name", "mesh"};
+  for (const CLI::Option* option : table.get_options()) {
+    for (const std::string& name : option->get_lnames()) {
+      if (name != "help") keys.push_back(name);
+    }
+  }
+  return keys;
+}
+
+/// Empty for a type that no option takes.
+std::optional<std::string> spelt(const toml::node& value) {
+  if (const auto* text = value.as_string()) return text->get();
+  if (const auto* whole = value.as_integer()) return fmt::format("{}", whole->get());
+  if (const auto* real = value.as_floating_point()) return fmt::format("{}", real->get());
+  if (const auto* flag = value.as_boolean()) return flag->get() ? "true" : "false";
+  return std::nullopt;
+}
+
+std::string resolved(const std::string& folder, const std::string& path) {
+  return (std::filesystem::path(folder) / path).string();
+}
+
+class Reader {
+ public:
+  explicit Reader(const std::string& path)
+      : path_(path), folder_(std::filesystem::path(path).parent_path().string()) {}
+
+  Result<Manifest> read() {
+    const Result<std::string> text = read_text_file(path_, "a manifest file");
+    if (!text) return tl::make_unexpected(text.error());
+    toml::table document;
+    try {
+      document = toml::parse(*text, path_);
+    } catch (const toml::parse_error& problem) {
+      return tl::make_unexpected(invalid(path_, problem.source().begin.line,
+                                         fmt::format("not TOML: {}", problem.description())));
+    }
+    manifest_.path = path_;
+    manifest_.sha256 = sha256_bytes(*text);
+    const Result<void> added = read_document(document);
+    if (!added) return tl::make_unexpected(added.error());
+    std::sort(manifest_.searched_folders.begin(), manifest_.searched_folders.end());
+    manifest_.searched_folders.erase(
+        std::unique(manifest_.searched_folders.begin(), manifest_.searched_folders.end()),
+        manifest_.searched_folders.end());
+    return std::move(manifest_);
+  }
+
+ private:
+  [[nodiscard]] tl::unexpected<Error> refuse(std::uint32_t line, const std::string& cause) const {
+    return tl::make_unexpected(invalid(path_, line, cause));
+  }
+
+  Result<void> read_document(const toml::table& document) {
+    for (const auto& [key, value] : document) {
+      const bool assets = key == "asset" && value.is_array_of_tables();
+      if (!assets && !(key == "defaults" && value.is_table())) {
+        return refuse(key.source().begin.line,
+                      fmt::format("unknown key '{}'; a manifest holds [[asset]] tables and one "
+                                  "table [defaults] only",
+                                  key.str()));
+      }
+    }
+    Settings defaults;
+    if (const toml::table* table = document["defaults"].as_table()) {
+      const Result<Settings> read = read_settings(*table);
+      if (!read) return tl::make_unexpected(read.error());
+      defaults = *read;
+      for (const char* own : {"mesh", "name"}) {
+        if (const auto found = defaults.find(own); found != defaults.end()) {
+          return refuse(found->second.line,
+                        fmt::format("'{}' is an asset's own and has no default; move it into "
+                                    "[[asset]]",
+                                    own));
+        }
+      }
+    }
+    const toml::array* tables = document["asset"].as_array();
+    if (tables == nullptr || tables->empty()) {
+      return refuse(1, "no asset; add [[asset]] tables with mesh and output");
+    }
+    return read_assets(*tables, defaults);
+  }
+
+  Result<void> read_assets(const toml::array& tables, const Settings& defaults) {
+    std::vector<std::pair<std::uint32_t, Settings>> assets;
+    for (const toml::node& node : tables) {
+      Result<Settings> own = read_settings(*node.as_table());
+      if (!own) return tl::make_unexpected(own.error());
+      if (const auto mesh = own->find("mesh");
+          mesh != own->end() && !is_mesh_pattern(folder_, mesh->second.text)) {
+        named_meshes_.insert(normal(resolved(folder_, mesh->second.text)));
+      }
+      own->insert(defaults.begin(), defaults.end());  // leaves what the asset says itself
+      assets.emplace_back(node.source().begin.line, std::move(*own));
+    }
+    for (const auto& [line, settings] : assets) {
+      if (const Result<void> added = add_asset(line, settings); !added) return added;
+    }
+    return {};
+  }
+
+  Result<Settings> read_settings(const toml::table& table) const {
+    Settings settings;
+    for (const auto& [key, value] : table) {
+      const std::string name(key.str());
+      const std::uint32_t line = key.source().begin.line;
+      if (std::find(keys_.begin(), keys_.end(), name) == keys_.end()) {
+        const auto near = cli::nearest_word(name, keys_);
+        return refuse(
+            line, fmt::format("unknown key '{}'{}", name,
+                              near ? fmt::format("; did you mean '{}'?", *near)
+                                   : std::string("; the keys are mesh, output, name and build's "
+                                                 "options")));
+      }
+      const std::optional<std::string> text = spelt(value);
+      if (!text) return refuse(line, fmt::format("'{}' must be a string or a number", name));
+      settings[name] = {*text, line};
+    }
+    return settings;
+  }
+
+  /// What the options of a table ask for, through build's own option table.
+  Result<BuildRequest> parse_options(std::uint32_t line, const Settings& settings) const {
+    BuildRequest request;
+    CLI::App options;
+    add_build_options(options, request);
+    std::vector<std::string> arguments{"mesh", "--output=asset"};
+    for (const auto& [name, setting] : settings) {
+      if (name == "name" || name == "mesh" || name == "output") continue;
+      arguments.push_back("--" + name + "=" +
+                          (name == "scene" ? resolved(folder_, setting.text) : setting.text));
+    }
+    try {
+      options.parse(arguments);
+    } catch (const CLI::ParseError& problem) {
+      const std::string cause = problem.what();
+      const std::string option = cause.substr(0, cause.find(':'));
+      const auto place =
+          option.starts_with("--") ? settings.find(option.substr(2)) : settings.end();
+      return refuse(place != settings.end() ? place->second.line : line, cause);
+    }
+    return request;
+  }
+
+  Result<void> add_asset(std::uint32_t line, const Settings& settings) {
+    for (const char* needed : {"mesh", "output"}) {
+      if (settings.count(needed) == 0) {
+        return refuse(line, fmt::format("'{}' is missing: an asset needs both keys, 'mesh' and "
+                                        "'output'",
+                                        needed));
+      }
+    }
+    const Result<BuildRequest> request = parse_options(line, settings);
+    if (!request) return tl::make_unexpected(request.error());
+    const Setting& mesh = settings.at("mesh");
+    if (!is_mesh_pattern(folder_, mesh.text)) {
+      return add_entry(settings, *request, resolved(folder_, mesh.text));
+    }
+    std::size_t found = 0;
+    for (const std::string& path : find_meshes(folder_, mesh.text)) {
+      ++found;
+      const std::string folder = std::filesystem::path(path).parent_path().string();
+      manifest_.searched_folders.push_back(folder.empty() ? "." : folder);
+      if (named_meshes_.count(normal(path)) > 0) continue;
+      if (const Result<void> added = add_entry(settings, *request, path); !added) return added;
+    }
+    if (found > 0) return {};
+    return refuse(mesh.line, fmt::format("'mesh': no file matches {}; check the pattern",
+                                         resolved(folder_, mesh.text)));
+  }
+
+  Result<void> add_entry(const Settings& settings, const BuildRequest& options,
+                         const std::string& mesh) {
+    const Setting& output = settings.at("output");
+    const Result<std::string> file = filled_in(output.text, mesh);
+    if (!file) return refuse(output.line, "'output': " + file.error().message);
+    ManifestEntry entry;
+    entry.request = options;
+    entry.request.mesh = mesh;
+    entry.request.output = resolved(folder_, *file);
+    entry.output = normal(*file);
+    entry.mesh_line = settings.at("mesh").line;
+    entry.output_line = output.line;
+    if (const auto name = settings.find("name"); name != settings.end()) {
+      const Result<std::string> filled = filled_in(name->second.text, mesh);
+      if (!filled) return refuse(name->second.line, "'name': " + filled.error().message);
+      entry.name = *filled;
+    }
+    if (entry.name.empty()) {
+      const std::string last = std::filesystem::path(entry.output).filename().string();
+      entry.name = last.substr(0, last.find('.', 1));
+    }
+    std::error_code ignored;
+    const auto target = std::filesystem::weakly_canonical(entry.request.output, ignored);
+    const auto [taken, first] = outputs_.emplace(target.string(), output.line);
+    if (!first) {
+      return refuse(output.line,
+                    fmt::format("'output': {} is that of another asset too, of line {}; give each "
+                                "its own, by {{stem}} where 'mesh' is a pattern",
+                                entry.request.output, taken->second));
+    }
+    manifest_.entries.push_back(std::move(entry));
+    return {};
+  }
+
+  [[nodiscard]] static std::string normal(const std::string& path) {
+    return std::filesystem::path(path).lexically_normal().string();
+  }
+
+  std::string path_;
+  std::string folder_;
+  std::vector<std::string> keys_ = known_keys();
+  std::set<std::string> named_meshes_;  // on their own, so patterns leave them out
+  std::unordered_map<std::string, std::uint32_t> outputs_;  // and the line of each
+  Manifest manifest_;
+};
+
+}  // namespace
+
+Result<Manifest> read_manifest(const std::string& path) { return Reader(path).read(); }
+
+}  // namespace spm::baker

@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "baker/build/build_request.hpp"
+#include "common/base/error.hpp"
+
+namespace spm::baker {
+
+/// One asset of a manifest. A table whose mesh is a pattern gives one for each mesh that it finds.
+struct ManifestEntry {
+  std::string name;
+  BuildRequest request;           ///< paths made relative to the manifest's folder
+  std::string output;             ///< as the manifest means it: the same wherever it lies
+  std::uint32_t mesh_line = 0;    ///< where `mesh` stands
+  std::uint32_t output_line = 0;  ///< where `output` stands
+};
+
+struct Manifest {
+  std::string path;
+  std::string sha256;  ///< of the file's bytes
+  std::vector<ManifestEntry> entries;
+  std::vector<std::string> searched_folders;  ///< where patterns looked for meshes
+};
+
+/// Reads a manifest (TOML): `[[asset]]` tables with `mesh`, `output` and optionally `name`
+/// (default: the output's file name up to its first dot), and a table `[defaults]` with what they
+/// do not say themselves. Any option of `build` may stand there by its long name, with its unit in
+/// a string. `mesh` may be a pattern; `{stem}` and `{folder}` in `output` and `name` stand for the
+/// mesh's file name without its extension and for its folder's name. Errors: file_or_device;
+/// invalid_input, which names the line and, for a misspelt key, the key that was probably meant.
+[[nodiscard]] Result<Manifest> read_manifest(const std::string& path);
+
+}  // namespace spm::baker
