@@ -103,7 +103,8 @@ class Equations(Case):
         return [tuple(row[key] for key in ("fx", "fy", "fz")) for row in cls.command(cell)]
 
     def felt(self, number):
-        self.assertIsNotNone(self.command(self.cells[number]), f"the command of eq. {number} writes no forces")
+        self.assertIsNotNone(self.command(self.cells[number]),
+                             f"the command of eq. {number} writes no forces")
         felt = self.forces(self.cells[number])
         self.assertTrue(any(norm(force) > 0 for force in felt))
         return felt

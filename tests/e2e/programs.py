@@ -156,7 +156,6 @@ def sphere(radius, rows=24, columns=48):
     return vertices, triangles
 
 
-
 def tetrahedron(edge):
     """The corner of a cube; with a deep band nothing bakes sooner."""
     return ([(0.0, 0.0, 0.0), (edge, 0.0, 0.0), (0.0, edge, 0.0), (0.0, 0.0, edge)],
