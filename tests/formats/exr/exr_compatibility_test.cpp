@@ -28,8 +28,10 @@ using namespace spm::test;
 
 const std::vector<std::uint32_t> many_layers{2, 2, 1, 12, 2, 3, 2, 1, 12, 2, 2, 1, 2};
 
+enum class ExitCodeOf { success, chance };
+
 void check_with_tool(const std::string& tool, const std::string& arguments,
-                     const TemporaryFolder& folder) {
+                     const TemporaryFolder& folder, ExitCodeOf code = ExitCodeOf::success) {
   if (std::system(("command -v " + tool + " >/dev/null 2>&1").c_str()) != 0) {
     SPM_SKIP(tool << " is not installed");
   }
@@ -38,7 +40,8 @@ void check_with_tool(const std::string& tool, const std::string& arguments,
     const std::string command = tool + " " + arguments + " " + folder.path(file) + " >" +
                                 folder.path("printed") + " 2>" + complaints;
     INFO(command);
-    CHECK(std::system(command.c_str()) == 0);
+    const int ended = std::system(command.c_str());
+    if (code == ExitCodeOf::success) CHECK(ended == 0);
     CHECK(read_bytes(complaints).empty());
     CHECK(read_bytes(folder.path("printed")).find("spm") != std::string::npos);
   }
@@ -74,7 +77,9 @@ TEST_CASE("exrheader prints an asset without complaint") {
 }
 
 TEST_CASE("exrinfo prints an asset without complaint") {
-  check_with_tool("exrinfo", "-v -a", both_forms());
+  // Of OpenEXR 3.1.5 it ends with an exit code that nothing has set (valgrind says so), but tells
+  // what is wrong with a file.
+  check_with_tool("exrinfo", "-v -a", both_forms(), ExitCodeOf::chance);
 }
 
 TEST_CASE("oiiotool prints an asset and its statistics without complaint") {
