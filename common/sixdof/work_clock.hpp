@@ -46,7 +46,7 @@ class WorkClock {
                           std::size_t to_press) noexcept {
     if (worked >= work_) return true;
     if (!limited_) return false;
-    if (asked == asked_ && ++passed_ < passed_a_look) return false;
+    if (asked - asked_ < asked_a_look && ++passed_ < passed_a_look) return false;
     asked_ = asked;
     passed_ = 0;
     const std::int64_t now = now_();
@@ -71,6 +71,8 @@ class WorkClock {
   }
 
  private:
+  /// Queries of a field between two readings of the clock, which take about as long as one.
+  static constexpr std::uint64_t asked_a_look = 4;
   /// Number of samples that are skipped between two readings of the clock, where none of them
   /// queries a field.
   static constexpr int passed_a_look = 16;

@@ -60,7 +60,7 @@ void OutputFile::discard() noexcept {
   if (!temporary_.empty()) ::unlink(std::exchange(temporary_, std::string()).c_str());
 }
 
-Result<OutputFile> OutputFile::create(const std::string& path) {
+Result<OutputFile> OutputFile::create(const std::string& path, WhileOpen while_open) {
   if (path.empty() || path.back() == '/') {
     return fail(ExitCode::file_or_device,
                 "\"" + path + "\": is not the name of a file; give a file name to write to");
@@ -78,7 +78,7 @@ Result<OutputFile> OutputFile::create(const std::string& path) {
   }
   // A file without a name vanishes with the process, however that ends. It gets a name by way of
   // /proc. Not every file system has such files.
-  if (::access("/proc/self/fd", X_OK) == 0) {
+  if (while_open == WhileOpen::nameless && ::access("/proc/self/fd", X_OK) == 0) {
     const int nameless = ::open(folder.c_str(), O_TMPFILE | O_RDWR | O_CLOEXEC, 0666);
     if (nameless >= 0) {
       // The name may be too long; that must show before an hour of work.

@@ -11,13 +11,20 @@
 
 namespace spm {
 
+/// What a file is until it is committed.
+enum class WhileOpen {
+  nameless,  ///< nobody sees it, and a process that is killed leaves nothing
+  named,     ///< others can watch it grow under a temporary name, which a killed process leaves
+};
+
 /// A file that appears under its name completely or not at all. It is written without a name, or
 /// under a temporary one where the file system has no such files, in the target's folder, synced,
 /// then renamed over the target. Without `commit` the destructor removes it. Move-only. All errors:
 /// file_or_device.
 class OutputFile {
  public:
-  [[nodiscard]] static Result<OutputFile> create(const std::string& path);
+  [[nodiscard]] static Result<OutputFile> create(const std::string& path,
+                                                 WhileOpen while_open = WhileOpen::nameless);
   OutputFile(OutputFile&& other) noexcept;
   OutputFile& operator=(OutputFile&& other) noexcept;
   OutputFile(const OutputFile&) = delete;

@@ -159,7 +159,7 @@ RecordingWriter::~RecordingWriter() = default;
 Result<RecordingWriter> RecordingWriter::create_with(const std::string& path,
                                                      std::string_view start) {
   if (auto good = check_host(path); !good) return tl::make_unexpected(std::move(good.error()));
-  Result<OutputFile> file = OutputFile::create(path);
+  Result<OutputFile> file = OutputFile::create(path, WhileOpen::named);
   if (!file) return tl::make_unexpected(std::move(file.error()));
   RecordingWriter writer(std::move(*file));
   writer.buffer_ = start;

@@ -36,7 +36,7 @@ char* put(char* at, const Eigen::Quaterniond& turn) {
 }  // namespace
 
 Result<TraceCsv> TraceCsv::create(const std::string& path, bool with_tool) {
-  Result<OutputFile> file = OutputFile::create(path);
+  Result<OutputFile> file = OutputFile::create(path, WhileOpen::named);
   if (!file) return tl::make_unexpected(std::move(file.error()));
   return TraceCsv(std::move(*file), with_tool);
 }
