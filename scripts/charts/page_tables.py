@@ -213,12 +213,12 @@ def sixdof_table(reports: dict) -> list[str]:
     return table(["path", "method", "settings", "a tick p50 / p99, us", "ended coarser, %",
                   "force off, median / p95, %", "torque off, median / p95, %",
                   "direction off, median / p95, deg", "kB"],
-                 [[row["path"], f"`{row['method']}`", row["settings"],
+                 [[row.get("path", "slide"), f"`{row['method']}`", row["settings"],
                    f"{row['p50_us']:.0f} / {row['p99_us']:.0f}",
                    f"{100 * row['degraded']:.1f}", pair(row["force_error_percent"]),
-                   pair(row["torque_error_percent"]),
-                   pair(row["direction_error_deg"]) if row["path"] == "slide" else "",
-                   f"{row['bytes'] / 1e3:,.0f}" if row["bytes"] else ""]
+                   pair(row.get("torque_error_percent")),
+                   pair(row["direction_error_deg"]) if row.get("path") != "deep" else "",
+                   f"{row['bytes'] / 1e3:,.0f}" if row.get("bytes") else ""]
                   for row in reports["sixdof"]["rows"]])
 
 

@@ -51,7 +51,7 @@ def draw_times(axes, report: dict) -> None:
     axes.set_xscale("log")
     axes.set_yscale("log")
     for name in CURVES:
-        rows = [row for row in report["rows"] if row["method"] == name and row["path"] == "slide"
+        rows = [row for row in report["rows"] if row["method"] == name and row.get("path", "slide") == "slide"
                 and (name == "every-sample" or row["settings"].endswith("no limit"))]
         if rows:
             draw_curve(axes, rows, name)

@@ -25,6 +25,8 @@ constexpr double least_share = 0.02;
 constexpr double refining_share = 0.45;
 /// Ticks after one without enough time until the next finer level is tried again.
 constexpr std::uint32_t waiting_ticks = 8;
+/// Samples that a tick must have looked at before it ran out of time, for the next to be coarser.
+constexpr std::uint32_t telling_work = 512;
 constexpr std::uint32_t every_level = std::numeric_limits<std::uint32_t>::max();
 constexpr std::uint32_t unstopped = ForceEffort::unstopped;
 
@@ -259,6 +261,8 @@ void ToolForce::end_work(const Work& work, ForceEffort& effort) noexcept {
   const std::uint32_t level = std::min(work.level, finest);
   effort.level = finest - level;
   if (effort.refined != unstopped) {
+    // A tick that had hardly any time, since it began late, says nothing of the next one.
+    if (work.done < telling_work) return;
     finest_ = level;
     patience_ = waiting_ticks;
   } else if (finest_ != every_level && (patience_ == 0 || --patience_ == 0)) {

@@ -274,5 +274,27 @@ TEST_CASE("A tick that runs out of time is coarser, says so, and is replayed wit
   }
 }
 
+TEST_CASE("A tick that begins too late for any look leaves the next ones as fine as before") {
+  ToolScene scene(Method::spm);
+  scene.scene.tool->spacing = 0.0002;
+  scene.begin();
+  const HandPose pressed{{0, 0, rest - 0.001}, Eigen::Quaterniond::Identity()};
+  scene.settle({0, 0, rest + 0.0003}, Eigen::Quaterniond::Identity(), 20);
+  const double force = scene.settle(pressed.position, pressed.orientation).force.z();
+  REQUIRE(force > 0.1);
+  ForceBudget late;
+  late.clock = &fake_clock;
+  late.until_ns = fake_now;
+  for (int k = 0; k < 5; ++k) {
+    static_cast<void>(scene.force->next(scene.assets, pressed, 1, late));
+    CHECK(scene.force->effort().degraded());
+    ForceBudget enough = late;
+    enough.until_ns = fake_now + 100'000'000;
+    CHECK(scene.force->next(scene.assets, pressed, 1, enough).force.z() == Approx(force));
+    CHECK(scene.force->effort().level == 0);
+    late.until_ns = fake_now;
+  }
+}
+
 }  // namespace
 }  // namespace spm::tool_scene_test
