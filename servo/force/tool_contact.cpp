@@ -263,7 +263,9 @@ void ToolForce::end_work(const Work& work, ForceEffort& effort) noexcept {
   if (effort.refined != unstopped) {
     // A tick that had hardly any time, since it began late, says nothing of the next one.
     if (work.done < telling_work) return;
-    finest_ = level;
+    // One that was interrupted says little: a level at a time.
+    const std::uint32_t before = std::min(finest_, finest);
+    finest_ = std::max(level, before > 0 ? before - 1 : 0);
     patience_ = waiting_ticks;
   } else if (finest_ != every_level && (patience_ == 0 || --patience_ == 0)) {
     patience_ = waiting_ticks;

@@ -124,18 +124,18 @@ class Sixdof(unittest.TestCase):
         self.assertEqual(result.returncode, 0, result.stderr)
         self.assertEqual(result.stderr, "")
         report = json.loads(result.stdout)
-        # Each of the servo's laws along the slide, without and with a limit, and along the deep path.
+        # Each of the servo's laws along the slide, without and with a limit, and one along the deep path.
         rows = {}
         for row in report["rows"]:
             rows.setdefault(row["method"], []).append(row)
         self.assertEqual({method: len(of_method) for method, of_method in rows.items()},
-                         {"spm": 2, "served-spm": 3, "served-proxy": 3, "spm-asking": 1,
-                          "every-sample": 1, "fcl": 1, "bullet": 1})
+                         {"spm": 2, "served-spm": 3, "served-proxy": 2, "every-sample": 1, "fcl": 1,
+                          "bullet": 1})
         self.assertEqual(report["ticks"], 200)
         for row in report["rows"]:
             self.assertGreater(row["p99_us"], 0)
             self.assertGreater(row["contacts"], 0)
-        for row in rows["spm-asking"] + rows["every-sample"]:  # the same samples, culled and not
+        for row in rows["spm"] + rows["every-sample"]:  # the same samples, culled and not
             self.assertLess(row["force_error_percent"]["median"], 20)
         self.assertIsNone(rows["fcl"][0]["force_error_percent"])
         for row in report["culling"]:
