@@ -37,8 +37,12 @@ struct LeafMaps {
 }
 
 /// The answer of a leaf's maps at a point in it, before the band's ends are applied.
-[[nodiscard]] inline Answer answer_by_maps(const AssetView& asset, const Leaf& leaf,
-                                           const LeafMaps& maps, const Vector3& point) noexcept {
+// Part of its callers, or a single query would write all maps to memory first, one that it does not
+// have too.
+[[nodiscard, gnu::always_inline]] inline Answer answer_by_maps(const AssetView& asset,
+                                                               const Leaf& leaf,
+                                                               const LeafMaps& maps,
+                                                               const Vector3& point) noexcept {
   const Vector3 offset((point[0] - leaf.middle[0]) * leaf.per_half,
                        (point[1] - leaf.middle[1]) * leaf.per_half,
                        (point[2] - leaf.middle[2]) * leaf.per_half);

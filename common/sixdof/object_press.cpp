@@ -210,7 +210,7 @@ void ObjectContact::sum_up(ObjectContactReport& report) noexcept {
     Matrix6 turn = Matrix6::Zero();
     turn.topLeftCorner<3, 3>() = turn.bottomRightCorner<3, 3>() = pair.to_world;
     // A torque is turned the other way round where the frame is mirrored.
-    if (pair.to_world.determinant() < 0) turn.bottomRightCorner<3, 3>() *= -1;
+    if (pair.mirrored) turn.bottomRightCorner<3, 3>() *= -1;
     const Matrix6 whole = sum.stiffness.selfadjointView<Eigen::Lower>();
     report.sum.wrench += turn * sum.wrench;
     report.sum.stiffness += turn * whole * turn.transpose();
@@ -223,7 +223,7 @@ void ObjectContact::sum_up(ObjectContactReport& report) noexcept {
     const Eigen::Matrix3d& turn = pair.to_world;
     patch.force += pair.gripped * patch.grip;
     patch.torque += pair.gripped * patch.grip_torque;
-    const double side = turn.determinant() < 0 ? -1 : 1;
+    const double side = pair.mirrored ? -1 : 1;
     patch.force = turn * patch.force;
     patch.torque = side * (turn * patch.torque);
     patch.moment = turn * patch.moment;
