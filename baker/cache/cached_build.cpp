@@ -21,6 +21,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 /// What a build asks for, before it runs.
+// NOLINTNEXTLINE(bugprone-exception-escape): a JSON value allocates while it is destroyed.
 struct Wanted {
   CacheKey key;
   std::vector<std::string> derived;

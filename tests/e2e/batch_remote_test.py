@@ -79,6 +79,11 @@ class Store(RemoteCase):
         self.assertEqual(json.loads(result.stdout)["cache"], "hit", result.stderr)
         self.assertEqual(self.server.requests()[-1], "HEAD")
 
+    @staticmethod
+    def content(path):
+        with open(path, "rb") as file:
+            return file.read()
+
     def refused(self, why):
         """The store's entry is refused for a reason, baked anew, and put right."""
         right = digest(self.path("m.spm.exr"))
@@ -89,15 +94,14 @@ class Store(RemoteCase):
         self.assertIn("warning: an entry of the remote cache is refused", told)
         self.assertIn(why, told)
         self.assertEqual(digest(self.path("m.spm.exr")), right)
-        shutil.rmtree(self.path("victim"))
-        self.assertEqual(self.build("victim")[0]["cache"], "hit")
+        asset = self.content(self.entry).split(b"\n", 2)[2]
+        self.assertEqual(hashlib.sha256(asset).hexdigest(), right)
         shutil.rmtree(self.path("victim"))
 
     def test_a_poisoned_entry_is_refused_and_baked_anew(self):
         self.build("here")
-        entry, = self.server.entries()
-        with open(entry, "rb") as file:
-            good = file.read()
+        self.entry, = self.server.entries()
+        good = self.content(self.entry)
         shutil.copytree(self.path("here"), self.path("other"))
         other_mesh = self.write("other.obj", obj(tetrahedron(0.06)))
         self.build("other", mesh=other_mesh)
@@ -106,8 +110,7 @@ class Store(RemoteCase):
 
         def asset_of(wanted):
             for path in self.server.entries():
-                with open(path, "rb") as file:
-                    content = file.read().split(b"\n", 2)
+                content = self.content(path).split(b"\n", 2)
                 if wanted(json.loads(content[1])["key"]):
                     return content[2]
             return self.fail("no such entry")
@@ -126,7 +129,7 @@ class Store(RemoteCase):
         }
         for why, bytes_of_it in cases.items():
             with self.subTest(why):
-                with open(entry, "wb") as file:
+                with open(self.entry, "wb") as file:
                     file.write(bytes_of_it)
                 self.refused(why)
 
