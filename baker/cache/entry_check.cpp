@@ -104,7 +104,7 @@ Result<void> check_entry(const CacheEntry& entry, const Json& parts, const Build
   if (!file.whole()) return refused(std::string("no memory to check it: ") + std::strerror(errno));
   const auto asset = MappedAsset::open(file.path());
   if (!asset) return refused("its asset is not intact: " + asset.error().message);
-  const Result<void> fits = check_metadata((*asset)->metadata(), parts, request.allow_inexact);
+  Result<void> fits = check_metadata((*asset)->metadata(), parts, request.allow_inexact);
   if (!fits || request.allow_inexact) return fits;
   return check_answers(**asset, request);
 }
