@@ -7,6 +7,7 @@ import json
 import os
 import shutil
 import socket
+import struct
 import subprocess
 import unittest
 
@@ -132,6 +133,30 @@ class Store(RemoteCase):
                 with open(self.entry, "wb") as file:
                     file.write(bytes_of_it)
                 self.refused(why)
+
+    def test_a_mesh_of_two_files_is_shared_and_verified_and_baked_anew_when_either_changes(self):
+        vertices, triangles = tetrahedron(0.05)
+
+        def write_buffer(scale):
+            self.write("m.bin", b"".join(struct.pack("<3f", *(scale * value for value in point))
+                                         for point in vertices)
+                       + b"".join(struct.pack("<3H", *triangle) for triangle in triangles))
+
+        write_buffer(1)
+        mesh = self.write("m.gltf", json.dumps({
+            "asset": {"version": "2.0"}, "buffers": [{"byteLength": 72, "uri": "m.bin"}],
+            "bufferViews": [{"buffer": 0, "byteLength": 48},
+                            {"buffer": 0, "byteOffset": 48, "byteLength": 24}],
+            "accessors": [{"bufferView": 0, "componentType": 5126, "count": 4, "type": "VEC3"},
+                          {"bufferView": 1, "componentType": 5123, "count": 12, "type": "SCALAR"}],
+            "meshes": [{"primitives": [{"attributes": {"POSITION": 0}, "indices": 1}]}]}))
+        self.assertEqual(self.build("here", mesh=mesh)[0]["cache"], "miss")
+        self.assertEqual(self.build("there", mesh=mesh)[0]["cache"], "hit")
+        self.run_json("verify", self.path("m.spm.exr"), mesh, "--samples", "1000")
+        write_buffer(1.1)
+        report, _ = self.build("there", mesh=mesh)
+        self.assertEqual((report["cache"], report["cache_reason"]),
+                         ("miss", "the mesh's bytes changed"))
 
     def test_a_token_from_the_environment_opens_a_locked_store(self):
         url = self.server.url("locked")
