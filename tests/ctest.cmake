@@ -13,13 +13,18 @@ function(spm_catch_tests target prefix)
 endfunction()
 
 # A file of unittest tests: spm_python_tests(name file [ARGUMENTS a...] [ENVIRONMENT NAME=VALUE...]
-# [ALONE Class.test...]). A test that is ALONE gets an entry of its own: name it where a machine
-# often lacks what it needs, else its skip is that of the whole file.
+# [DEBIAN] [ALONE Class.test...]). A test that is ALONE gets an entry of its own: name it where a
+# machine often lacks what it needs, else its skip is that of the whole file. DEBIAN tests import
+# modules of Debian's packages, which another interpreter on the machine would not find.
 function(spm_python_tests name file)
-  cmake_parse_arguments(PARSE_ARGV 2 tests "" "" "ARGUMENTS;ENVIRONMENT;ALONE")
+  cmake_parse_arguments(PARSE_ARGV 2 tests "DEBIAN" "" "ARGUMENTS;ENVIRONMENT;ALONE")
   find_package(Python3 3.11 REQUIRED COMPONENTS Interpreter)
   get_filename_component(path ${file} ABSOLUTE)
-  set(command Python3::Interpreter -B ${SPM_PYTHON_TESTS})
+  set(interpreter Python3::Interpreter)
+  if(tests_DEBIAN AND EXISTS /usr/bin/python3)
+    set(interpreter /usr/bin/python3)
+  endif()
+  set(command ${interpreter} -B ${SPM_PYTHON_TESTS})
   set(entries "${name}")
   set(without "")
   foreach(test IN LISTS tests_ALONE)

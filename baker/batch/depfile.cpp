@@ -6,6 +6,7 @@
 #include <set>
 #include <system_error>
 
+#include "baker/mesh/mesh_files.hpp"
 #include "formats/files/output_file.hpp"
 #include "formats/files/text_file.hpp"
 
@@ -32,6 +33,9 @@ std::string folder_of(const std::string& path) {
 
 Dependencies dependencies_of(const BuildRequest& request) {
   Dependencies found{request.output, {request.mesh}};
+  for (std::string& companion : mesh_companions(request.mesh)) {
+    found.inputs.push_back(std::move(companion));
+  }
   if (!request.limits.scene.empty()) found.inputs.push_back(request.limits.scene);
   return found;
 }

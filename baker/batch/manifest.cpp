@@ -132,7 +132,7 @@ class Reader {
       assets.emplace_back(node.source().begin.line, std::move(*own));
     }
     for (const auto& [line, settings] : assets) {
-      if (const Result<void> added = add_asset(line, settings); !added) return added;
+      if (Result<void> added = add_asset(line, settings); !added) return added;
     }
     return {};
   }
@@ -200,7 +200,7 @@ class Reader {
       const std::string folder = std::filesystem::path(path).parent_path().string();
       manifest_.searched_folders.push_back(folder.empty() ? "." : folder);
       if (named_meshes_.count(normal(path)) > 0) continue;
-      if (const Result<void> added = add_entry(settings, *request, path); !added) return added;
+      if (Result<void> added = add_entry(settings, *request, path); !added) return added;
     }
     if (found > 0) return {};
     return refuse(mesh.line, fmt::format("'mesh': no file matches {}; check the pattern",

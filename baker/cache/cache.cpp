@@ -43,10 +43,13 @@ Json head_of(const CacheEntry& entry) {
 
 }  // namespace
 
-Result<CacheEntry> read_cache_entry(const std::string& path) {
-  Result<std::string> bytes = read_text_file(path, "an entry of a cache");
-  if (!bytes) return tl::make_unexpected(bytes.error());
-  const std::string_view whole = *bytes;
+std::string entry_bytes(const CacheEntry& entry) {
+  const std::string content = head_of(entry).dump() + "\n" + entry.asset;
+  return std::string(entry_mark) + sha256_bytes(content) + "\n" + content;
+}
+
+Result<CacheEntry> parse_cache_entry(const std::string& path, std::string bytes) {
+  const std::string_view whole = bytes;
   const std::size_t start = entry_mark.size() + digest_length + 1;
   if (!whole.starts_with(entry_mark) || whole.size() < start || whole[start - 1] != '\n') {
     return broken(path, "does not begin as an entry of this version");
@@ -66,8 +69,8 @@ Result<CacheEntry> read_cache_entry(const std::string& path) {
     entry.notes = head.at("notes").get<std::vector<std::string>>();
     entry.asset_sha256 = head.at("asset_sha256").get<std::string>();
     const auto asset_bytes = head.at("asset_bytes").get<std::size_t>();
-    bytes->erase(0, start + end + 1);
-    entry.asset = std::move(*bytes);
+    bytes.erase(0, start + end + 1);
+    entry.asset = std::move(bytes);
     if (entry.asset.size() != asset_bytes) return broken(path, "its asset has another size");
     return entry;
   } catch (const Json::exception& problem) {
@@ -124,23 +127,23 @@ bool Cache::has(const std::string& digest) const {
 
 Result<std::optional<CacheEntry>> Cache::find(const std::string& digest) const {
   if (!has(digest)) return std::optional<CacheEntry>();
-  Result<CacheEntry> entry = read_cache_entry(entry_path(digest));
+  const std::string path = entry_path(digest);
+  Result<std::string> bytes = read_text_file(path, "an entry of a cache");
+  if (!bytes) return tl::make_unexpected(bytes.error());
+  Result<CacheEntry> entry = parse_cache_entry(path, std::move(*bytes));
   if (!entry) return tl::make_unexpected(entry.error());
   // An entry under the name of another one must not be served.
   if (sha256_bytes(entry->parts.dump()) != digest) {
-    return broken(entry_path(digest), "is that of another key");
+    return broken(path, "is that of another key");
   }
   return std::optional<CacheEntry>(std::move(*entry));
 }
 
-Result<void> Cache::store(const std::string& digest, const CacheEntry& entry) const {
+Result<void> Cache::store(const std::string& digest, const std::string& entry) const {
   const std::string path = entry_path(digest);
   std::error_code ignored;
   fs::create_directories(fs::path(path).parent_path(), ignored);
-  const std::string head = head_of(entry).dump() + "\n";
-  std::string content = head + entry.asset;
-  const std::string mark = std::string(entry_mark) + sha256_bytes(content) + "\n";
-  return write_file(path, mark + content);
+  return write_file(path, entry);
 }
 
 void Cache::remove(const std::string& digest) const {

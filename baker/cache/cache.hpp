@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "baker/cache/cache_key.hpp"
+#include "baker/cache/remote_cache.hpp"
 #include "common/base/error.hpp"
 
 namespace spm::baker {
@@ -38,8 +39,8 @@ class Cache {
   /// Whether there is an entry, checked or not.
   [[nodiscard]] bool has(const std::string& digest) const;
 
-  /// Keeps an entry. Errors: file_or_device.
-  [[nodiscard]] Result<void> store(const std::string& digest, const CacheEntry& entry) const;
+  /// Keeps an entry, given as its bytes. Errors: file_or_device.
+  [[nodiscard]] Result<void> store(const std::string& digest, const std::string& entry) const;
 
   /// Removes an entry that is not whole.
   void remove(const std::string& digest) const;
@@ -56,12 +57,17 @@ class Cache {
   [[nodiscard]] std::string entry_path(const std::string& digest) const;
   [[nodiscard]] std::string lock_path(const std::string& digest) const;
 
+  /// Where entries come from that are not in the folder, and go to as well; null: nowhere.
+  void set_remote(RemoteCache remote) { remote_ = std::move(remote); }
+  [[nodiscard]] const RemoteCache* remote() const { return remote_ ? &*remote_ : nullptr; }
+
  private:
   explicit Cache(std::string folder) : folder_(std::move(folder)) {}
 
   [[nodiscard]] std::string output_path(const std::string& output) const;
 
   std::string folder_;
+  std::optional<RemoteCache> remote_;
 };
 
 /// The folders of a cache.
@@ -69,8 +75,10 @@ inline constexpr const char* cache_entries = "entries";
 inline constexpr const char* cache_outputs = "outputs";
 inline constexpr const char* cache_locks = "locks";
 
-/// Reads an entry's file and checks it. Errors: as those of Cache::find, and file_or_device where
-/// there is no file.
-[[nodiscard]] Result<CacheEntry> read_cache_entry(const std::string& path);
+/// An entry as a file or a store has it.
+[[nodiscard]] std::string entry_bytes(const CacheEntry& entry);
+
+/// Reads the bytes of an entry and checks them; `path` is for messages. Errors: invalid_input.
+[[nodiscard]] Result<CacheEntry> parse_cache_entry(const std::string& path, std::string bytes);
 
 }  // namespace spm::baker

@@ -1,10 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "baker/cache/cache_key.hpp"
 
-#include <algorithm>
-#include <cctype>
-#include <filesystem>
-
+#include "baker/mesh/mesh_files.hpp"
 #include "baker/pipeline/algorithm_version.hpp"
 #include "formats/asset/asset.hpp"
 #include "formats/files/sha256.hpp"
@@ -19,14 +16,6 @@ Json or_null(const std::optional<T>& value) {
   return value ? Json(*value) : Json();
 }
 
-/// Which reader a mesh file goes through.
-std::string mesh_kind(const std::string& path) {
-  std::string kind = std::filesystem::path(path).extension().string();
-  std::transform(kind.begin(), kind.end(), kind.begin(),
-                 [](unsigned char letter) { return static_cast<char>(std::tolower(letter)); });
-  return kind;
-}
-
 }  // namespace
 
 CacheKey cache_key(const BuildRequest& request, const std::string& mesh_sha256) {
@@ -36,7 +25,7 @@ CacheKey cache_key(const BuildRequest& request, const std::string& mesh_sha256) 
   parts["algorithm_version"] = algorithm_version;
   parts["format_version"] = asset_format_version;
   parts["mesh"] = mesh_sha256;
-  parts["mesh_kind"] = mesh_kind(request.mesh);
+  parts["mesh_kind"] = mesh_extension(request.mesh);
   parts["unit"] = request.load.unit;
   parts["fit_diagonal"] = or_null(request.load.fit_diagonal);
   parts["form"] = bake.form == AssetForm::full ? "full" : "sparse";

@@ -8,7 +8,9 @@
 
 #include "baker/base/bake_error.hpp"
 #include "baker/base/stopwatch.hpp"
+#include "baker/cache/entry_check.hpp"
 #include "baker/cache/key_lock.hpp"
+#include "baker/mesh/mesh_files.hpp"
 #include "formats/files/output_file.hpp"
 #include "formats/files/sha256.hpp"
 #include "formats/files/text_file.hpp"
@@ -19,13 +21,14 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 /// What a build asks for, before it runs.
+// NOLINTNEXTLINE(bugprone-exception-escape): a JSON value allocates while it is destroyed.
 struct Wanted {
   CacheKey key;
   std::vector<std::string> derived;
 };
 
 Wanted wanted_of(const BuildRequest& request) {
-  const Result<std::string> mesh = sha256_file(request.mesh);
+  const Result<std::string> mesh = mesh_sha256(request.mesh);
   if (!mesh) throw BakeError(mesh.error().code, mesh.error().message);
   BuildRequest settled = request;
   Wanted wanted;
@@ -80,8 +83,17 @@ BuildReport delivered(const CacheEntry& entry, const Wanted& wanted, const Build
   return report;
 }
 
-/// Keeps a finished build. The mesh may have changed since its key was made, and the output may be
-/// another batch's by now: then the key is that of what was baked, or nothing is kept.
+/// Keeps the bytes of an entry in the folder, and tells where that fails.
+void store(const Cache& cache, const std::string& digest, const std::string& bytes,
+           BuildReport& report) {
+  if (const Result<void> stored = cache.store(digest, bytes); !stored) {
+    report.warnings.push_back("the cache keeps nothing of this bake: " + stored.error().message);
+  }
+}
+
+/// Keeps a finished build, here and where others share it. The mesh may have changed since its key
+/// was made, and the output may be another batch's by now: then the key is that of what was baked,
+/// or nothing is kept.
 void keep(const Cache& cache, const BuildRequest& request, CacheKey key, BuildReport& report) {
   const auto mesh = report.json["mesh"]["sha256"].get<std::string>();
   if (key.parts["mesh"] != mesh) {
@@ -97,11 +109,13 @@ void keep(const Cache& cache, const BuildRequest& request, CacheKey key, BuildRe
   entry.report = report.json;
   entry.warnings = report.warnings;
   entry.notes = report.notes;
-  if (const Result<void> stored = cache.store(key.digest, entry); !stored) {
-    report.warnings.push_back("the cache keeps nothing of this bake: " + stored.error().message);
-    return;
-  }
+  const std::string encoded = entry_bytes(entry);
+  store(cache, key.digest, encoded, report);
   cache.keep_parts(request.output, key.parts);
+  if (cache.remote() == nullptr) return;
+  if (const Result<void> sent = cache.remote()->put(key.digest, encoded); !sent) {
+    report.warnings.push_back(sent.error().message);
+  }
 }
 
 /// A hit, or why there is none and what to warn of.
@@ -122,6 +136,29 @@ Lookup look_up(const Cache& cache, const BuildRequest& request, const CacheKey& 
   if (corrupt) cache.remove(key.digest);
   lookup.reason = corrupt ? "the entry was corrupt" : "the entry could not be read";
   lookup.warning = "an entry of the cache is baked anew: " + found.error().message;
+  return lookup;
+}
+
+/// Asks the remote cache. What it has is believed only where it stands a check.
+Lookup ask_remote(const Cache& cache, const BuildRequest& request, const CacheKey& key,
+                  const Progress& progress) {
+  Lookup lookup;
+  if (cache.remote() == nullptr) return lookup;
+  if (progress) progress("fetch", 0);
+  Result<std::optional<std::string>> bytes = cache.remote()->get(key.digest);
+  if (!bytes) lookup.warning = bytes.error().message;
+  if (!bytes || !*bytes) return lookup;
+  const std::string url = cache.remote()->url_of(key.digest);
+  Result<CacheEntry> entry = parse_cache_entry(url, std::move(**bytes));
+  const Result<void> fits =
+      entry ? check_entry(*entry, key.parts, request) : tl::make_unexpected(entry.error());
+  if (!fits) {
+    lookup.reason = "the remote entry was refused";
+    lookup.warning = "an entry of the remote cache is refused, and baked anew: " +
+                     (entry ? url + ": " : std::string()) + fits.error().message;
+    return lookup;
+  }
+  lookup.entry = std::move(*entry);
   return lookup;
 }
 
@@ -155,17 +192,30 @@ BuildReport build_through(const Cache* cache, const BuildRequest& request,
     Lookup again = look_up(*cache, request, wanted.key);
     if (again.entry) return hit(*cache, *again.entry, wanted, request, start);
   }
-  BuildReport report = run_build(request, progress);
-  keep(*cache, request, wanted.key, report);
-  if (!lookup.warning.empty()) report.warnings.push_back(lookup.warning);
-  report.json["cache"] = "miss";
-  report.json["cache_reason"] = lookup.reason;
+  Lookup remote = ask_remote(*cache, request, wanted.key, progress);
+  BuildReport report;
+  if (remote.entry) {
+    report = hit(*cache, *remote.entry, wanted, request, start);
+    store(*cache, wanted.key.digest, entry_bytes(*remote.entry), report);
+    report.json["cache_reason"] = "the same build, from the remote cache";
+  } else {
+    report = run_build(request, progress);
+    keep(*cache, request, wanted.key, report);
+    report.json["cache"] = "miss";
+    report.json["cache_reason"] = remote.reason.empty() ? lookup.reason : remote.reason;
+  }
+  for (const std::string* warning : {&lookup.warning, &remote.warning}) {
+    if (!warning->empty()) report.warnings.push_back(*warning);
+  }
   return report;
 }
 
 CacheForecast forecast(const Cache& cache, const BuildRequest& request) {
   const CacheKey key = wanted_of(request).key;
   if (cache.has(key.digest)) return {true, "the same build"};
+  const Result<bool> remote = cache.remote() == nullptr ? false : cache.remote()->has(key.digest);
+  if (!remote) return {false, remote.error().message};
+  if (*remote) return {true, "the same build, from the remote cache"};
   return {false, why_missing(cache, request, key)};
 }
 

@@ -14,6 +14,8 @@
 #include <system_error>
 
 #include "baker/base/bake_error.hpp"
+#include "baker/mesh/gunzip.hpp"
+#include "baker/mesh/mesh_files.hpp"
 #include "baker/mesh/mesh_reader.hpp"
 #include "baker/mesh/mesh_repair.hpp"
 #include "formats/files/sha256.hpp"
@@ -63,6 +65,18 @@ constexpr double kSmallest = 1e-9;  ///< m: below it the size of a mesh is only 
   return bytes;
 }
 
+/// What a file packs; where its name and its content disagree on whether it packs anything, an
+/// error.
+[[nodiscard]] PolygonSoup read_unpacked(const std::string& path, const std::string& bytes) {
+  const bool named = mesh_extension(path).ends_with(".gz");
+  if (named != is_gzip(bytes) && !bytes.empty()) {
+    refuse(ExitCode::invalid_input,
+           path + (named ? ": is named as a gzip file and is none; rename it without .gz"
+                         : ": is a gzip file; rename it to end in .gz"));
+  }
+  return named && !bytes.empty() ? read_soup(path, gunzip(path, bytes)) : read_soup(path, bytes);
+}
+
 /// The box of the points of triangles that have an area.
 [[nodiscard]] Eigen::AlignedBox3d referenced_box(const PolygonSoup& soup) {
   Eigen::AlignedBox3d box;
@@ -82,10 +96,10 @@ void scale_points(double factor, std::vector<Vector3>& points) {
 
 Mesh load_mesh(const std::string& path, const LoadOptions& options) {
   const std::string bytes = read_file(path);
-  PolygonSoup soup = read_soup(path, bytes);
+  PolygonSoup soup = read_unpacked(path, bytes);
   Mesh mesh;
   mesh.path = path;
-  mesh.sha256 = sha256_bytes(bytes);
+  mesh.sha256 = mesh_sha256(sha256_bytes(bytes), soup.companion_digests);
   mesh.unit = options.unit;
   scale_points(options.unit, soup.points);
   const Eigen::AlignedBox3d box = referenced_box(soup);

@@ -18,7 +18,7 @@ struct Mesh {
   std::vector<Vector3> vertices;    ///< all are referenced
   std::vector<Triangle> triangles;  ///< no index out of range, no zero area
   std::string path;
-  std::string sha256;  ///< of the file's bytes
+  std::string sha256;  ///< of the file's bytes; see mesh_sha256
   double unit = 1;     ///< metres per unit of the file
   double scale = 1;    ///< of --fit-diagonal
   Vector3 box_min = Vector3::Zero();

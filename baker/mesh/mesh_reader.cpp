@@ -3,11 +3,11 @@
 
 #include <algorithm>
 #include <array>
-#include <cctype>
-#include <filesystem>
 #include <optional>
 
 #include "baker/base/bake_error.hpp"
+#include "baker/mesh/gltf_file.hpp"
+#include "baker/mesh/mesh_files.hpp"
 
 namespace spm::baker {
 namespace {
@@ -50,9 +50,11 @@ struct Format {
   return false;
 }
 
-constexpr std::array<Format, 4> kFormats{{{"STL", ".stl", read_stl, resembles_stl},
+constexpr std::array<Format, 6> kFormats{{{"GLB", ".glb", read_gltf, is_glb},
+                                          {"STL", ".stl", read_stl, resembles_stl},
                                           {"PLY", ".ply", read_ply, resembles_ply},
                                           {"OFF", ".off", read_off, resembles_off},
+                                          {"glTF", ".gltf", read_gltf, resembles_gltf},
                                           {"OBJ", ".obj", read_obj, resembles_obj}}};
 
 [[nodiscard]] const Format* format_of_extension(const std::string& extension) {
@@ -72,15 +74,12 @@ constexpr std::array<Format, 4> kFormats{{{"STL", ".stl", read_stl, resembles_st
 }
 
 [[nodiscard]] const Format& choose_format(const std::string& path, std::string_view bytes) {
-  std::string extension = std::filesystem::path(path).extension().string();
-  std::transform(extension.begin(), extension.end(), extension.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  const std::string extension = unpacked_extension(path);
   const Format* named = format_of_extension(extension);
   const Format* seen = format_of_content(bytes);
   if (named == nullptr && seen == nullptr) {
-    fail(path +
-         ": neither its extension nor its content is that of a mesh; give an OBJ, PLY, STL " +
-         "or OFF file");
+    fail(path + ": neither its extension nor its content is that of a mesh; give a glTF, OBJ, " +
+         "PLY, STL or OFF file");
   }
   if (named == nullptr) {
     fail(path + ": the extension '" + extension +

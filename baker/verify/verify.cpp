@@ -14,6 +14,7 @@
 
 #include "baker/base/bake_error.hpp"
 #include "baker/mesh/load.hpp"
+#include "baker/mesh/mesh_files.hpp"
 #include "baker/smooth/smooth.hpp"
 #include "baker/verify/adversarial.hpp"
 #include "baker/verify/border_jumps.hpp"
@@ -23,7 +24,6 @@
 #include "common/base/random.hpp"
 #include "common/base/units.hpp"
 #include "common/query/query.hpp"
-#include "formats/files/sha256.hpp"
 
 namespace spm::baker {
 namespace {
@@ -217,7 +217,7 @@ VerifyReport verify_against(const Mesh& mesh, const AssetView& view, const Asset
 }
 
 Mesh mesh_of_asset(const AssetMetadata& metadata, const std::string& mesh_path) {
-  const Result<std::string> hash = sha256_file(mesh_path);
+  const Result<std::string> hash = mesh_sha256(mesh_path);
   if (!hash) throw BakeError(hash.error().code, hash.error().message);
   if (*hash != metadata.mesh_sha256) {
     throw BakeError(ExitCode::invalid_input,

@@ -37,7 +37,7 @@ Cache opened(const test::Folder& folder) {
 
 void store(const Cache& cache, int number, std::size_t bytes = 100) {
   const auto [digest, entry] = build(number, bytes);
-  REQUIRE(cache.store(digest, entry));
+  REQUIRE(cache.store(digest, entry_bytes(entry)));
 }
 
 void set_age(const Cache& cache, int number, std::chrono::hours age) {
@@ -52,7 +52,7 @@ TEST_CASE("An entry comes back as it was stored") {
   const Cache cache = opened(folder);
   const auto [digest, entry] = build(1);
   CHECK_FALSE(cache.find(digest)->has_value());
-  REQUIRE(cache.store(digest, entry));
+  REQUIRE(cache.store(digest, entry_bytes(entry)));
   const auto found = opened(folder).find(digest);
   REQUIRE(found);
   REQUIRE(found->has_value());

@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "baker/mesh/mesh_files.hpp"
+
+#include <algorithm>
+#include <cctype>
+#include <filesystem>
+
+#include "baker/base/bake_error.hpp"
+#include "baker/mesh/gltf_file.hpp"
+#include "baker/mesh/gunzip.hpp"
+#include "formats/files/sha256.hpp"
+#include "formats/files/text_file.hpp"
+
+namespace spm::baker {
+namespace {
+
+constexpr std::string_view packed = ".gz";
+
+std::string lower(std::string text) {
+  std::transform(text.begin(), text.end(), text.begin(),
+                 [](unsigned char letter) { return static_cast<char>(std::tolower(letter)); });
+  return text;
+}
+
+}  // namespace
+
+std::string unpacked_extension(const std::string& path) {
+  const std::filesystem::path name(path);
+  const std::string extension = lower(name.extension().string());
+  return extension == packed ? lower(name.stem().extension().string()) : extension;
+}
+
+std::string mesh_extension(const std::string& path) {
+  const std::string last = lower(std::filesystem::path(path).extension().string());
+  return last == packed ? unpacked_extension(path) + last : last;
+}
+
+std::vector<std::string> mesh_companions(const std::string& path) {
+  const std::string extension = unpacked_extension(path);
+  if (extension != ".gltf" && extension != ".glb") return {};
+  const Result<std::string> bytes = read_text_file(path, "a mesh");
+  if (!bytes) return {};
+  try {
+    return gltf_companions(path, is_gzip(*bytes) ? gunzip(path, *bytes) : *bytes);
+  } catch (const BakeError&) {
+    return {};
+  }
+}
+
+std::string mesh_sha256(const std::string& digest,
+                        const std::vector<std::string>& companion_digests) {
+  if (companion_digests.empty()) return digest;
+  std::string all = digest;
+  for (const std::string& companion : companion_digests) all += companion;
+  return sha256_bytes(all);
+}
+
+Result<std::string> mesh_sha256(const std::string& path) {
+  const Result<std::string> own = sha256_file(path);
+  if (!own) return own;
+  std::vector<std::string> digests;
+  for (const std::string& companion : mesh_companions(path)) {
+    Result<std::string> digest = sha256_file(companion);
+    if (!digest) return digest;
+    digests.push_back(std::move(*digest));
+  }
+  return mesh_sha256(*own, digests);
+}
+
+}  // namespace spm::baker
