@@ -153,7 +153,7 @@ class ToolReplay(Case):
         self.assertLess(mean[0], -0.3)
         self.assertAlmostEqual(mean[1] / -mean[0], 1, delta=0.2)
         rows = [len(rows) for rows in both]
-        for options, compared in (((), sum(rows)), (("--device", "1"), rows[1])):
+        for options, compared in (((), sum(rows)), (("--device-number", "1"), rows[1])):
             result = run("replay", self.path("two.spmrec"), "--json", *options, program=SERVO)
             self.assertEqual((result.returncode, result.stderr), (0, ""))
             found = json.loads(result.stdout)["recording"]
