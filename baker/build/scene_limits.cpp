@@ -73,11 +73,20 @@ std::string scaled(double scale) {
   return scale == 1 ? std::string() : fmt::format(", at a scale of 1 to {:.6g}", scale);
 }
 
-/// Whether a mesh is that of the scene's tool and of no object.
-bool is_tool_alone(const Scene& scene, const std::string& mesh) {
-  if (!scene.tool || !is_file(scene.tool->mesh, mesh)) return false;
-  return std::none_of(scene.objects.begin(), scene.objects.end(),
-                      [&](const SceneObject& object) { return is_file(object.mesh, mesh); });
+/// The scene's tool that is made of a mesh of which no object is; the largest, which asks for the
+/// finest tolerance. Null where there is none.
+const SceneTool* tool_alone(const Scene& scene, const std::string& mesh) {
+  for (const SceneObject& object : scene.objects) {
+    if (is_file(object.mesh, mesh)) return nullptr;
+  }
+  const SceneTool* found = nullptr;
+  const auto take = [&](const SceneTool& tool) {
+    if (!is_file(tool.mesh, mesh)) return;
+    if (found == nullptr || tool.placement.scale > found->placement.scale) found = &tool;
+  };
+  if (scene.tool) take(*scene.tool);
+  for (const SceneTool& tool : scene.more_tools) take(tool);
+  return found;
 }
 
 void derive_tolerance(const DeviceProfile& profile, double scale, BakeOptions& options,
@@ -189,9 +198,9 @@ std::vector<std::string> derive_limits(const LimitSources& sources, const std::s
     if (!scene) refuse(scene.error().code, scene.error().message);
     if (profile == nullptr) profile = scene->device.profile;
     // The hand's motion grows with the workspace, and shrinks on an object that was enlarged.
-    if (is_tool_alone(*scene, mesh)) {
+    if (const SceneTool* tool = tool_alone(*scene, mesh)) {
       // All of a tool's surface may touch, wherever the hand is.
-      step_scale = scene->workspace.scale / scene->tool->placement.scale;
+      step_scale = scene->workspace.scale / tool->placement.scale;
       derived.push_back(
           fmt::format("the tool of {}: baked whole, with the default band", scene->path));
     } else {

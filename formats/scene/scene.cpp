@@ -98,6 +98,37 @@ SceneObject read_object(TableReader&& reader, const Scene& scene) {
   return object;
 }
 
+std::optional<SceneTool> resolved(const std::string& scene, std::optional<SceneTool> tool) {
+  if (!tool) return tool;
+  tool->asset = resolved(scene, tool->asset);
+  tool->mesh = resolved(scene, tool->mesh);
+  return tool;
+}
+
+/// The tools of the devices, one for each in their order.
+void read_tools(const toml::array& tables, Scene& scene, std::optional<Error>& error) {
+  for (const toml::node& node : tables) {
+    TableReader reader(scene.path, *node.as_table(), "[[tool]]", tool_keys, error);
+    for (const char* key : {"probe", "paper_probe"}) {
+      if (!reader.has(key)) continue;
+      reader.refuse(key, in_quotes(key) +
+                             " is of [tool], which all devices share; a [[tool]] is an object of "
+                             "one device: give its 'asset', or write [tool]");
+    }
+    std::optional<SceneTool> tool = resolved(scene.path, read_tool(reader));
+    if (!tool) {
+      reader.refuse("asset",
+                    "a [[tool]] is an object that one device holds; give 'asset', its baked file");
+      return;
+    }
+    if (scene.tool) {
+      scene.more_tools.push_back(*tool);
+    } else {
+      scene.tool = tool;
+    }
+  }
+}
+
 /// Reads the tables of a document; `error` gets the first error.
 Scene read_document(const std::string& path, const toml::table& document,
                     std::optional<Error>& error) {
@@ -108,6 +139,10 @@ Scene read_document(const std::string& path, const toml::table& document,
   for (const char* name : {"device", "tool", "workspace", "stabilization"}) {
     const toml::node* node = document.get(name);
     if (node == nullptr) continue;
+    if (name == std::string_view("tool") && node->is_array_of_tables()) {
+      read_tools(*node->as_array(), scene, error);
+      continue;
+    }
     if (!node->is_table()) {
       top.refuse(name, in_quotes(name) + " must be a table; write [" + name + "]");
       continue;
@@ -121,11 +156,7 @@ Scene read_document(const std::string& path, const toml::table& document,
       TableReader reader(path, table, in, tool_keys, error);
       scene.probe = read_probe(reader);
       scene.probe_form = read_probe_form(reader);
-      scene.tool = read_tool(reader);
-      if (scene.tool) {
-        scene.tool->asset = resolved(path, scene.tool->asset);
-        scene.tool->mesh = resolved(path, scene.tool->mesh);
-      }
+      scene.tool = resolved(path, read_tool(reader));
     } else if (name == std::string_view("stabilization")) {
       TableReader reader(path, table, in, stabilization_keys, error);
       scene.stabilization_given = true;

@@ -62,6 +62,8 @@ struct Scene {
   std::optional<ProbeShape> probe;
   std::optional<PaperProbeForm> probe_form;  ///< for objects of method `paper`
   std::optional<SceneTool> tool;             ///< in place of a probe
+  /// Of the second device and the next, where each has a tool of its own; empty: all have that one.
+  std::vector<SceneTool> more_tools;
   Placement workspace;  ///< of the device's frame, whose origin is its tool's centre
   StabilizationSettings stabilization;
   bool stabilization_given = false;

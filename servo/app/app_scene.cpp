@@ -2,6 +2,7 @@
 #include "servo/app/app_scene.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 
 namespace spm::servo {
@@ -11,6 +12,9 @@ namespace {
 /// How long an application that moves objects may give no sign of life, s. A frame that took long,
 /// or a scene that is being loaded, is not felt: the scene is held meanwhile.
 constexpr double longest_silence = 1;
+
+/// Scales that were written as decimal text may differ by rounding.
+constexpr double scale_slack = 1e-9;
 
 /// The connection that added an object; 0: the scene.
 std::uint32_t owner_of(std::uint64_t id) noexcept { return static_cast<std::uint32_t>(id >> 32U); }
@@ -46,6 +50,8 @@ AppScene::AppScene(AppState& state, const ForceScene& scene) : state_(state), ad
   ids_.reserve(objects_.capacity());
   min_scales_.resize(assets_of(scene) + spare_assets, std::numeric_limits<double>::infinity());
   reaches_.resize(min_scales_.size(), 0);
+  full_.resize(min_scales_.size(), 0);
+  if (scene.tool) tool_scale_ = scene.tool->placement.scale;
   for (const PlacedObject& object : scene.objects) {
     note_scale(object);
     objects_.push_back({objects_.size(), object, PoseInterpolator({}, object.placement)});
@@ -66,6 +72,18 @@ void AppScene::note_scale(const PlacedObject& object) noexcept {
 
 void AppScene::set_reach(std::size_t asset, double reach) noexcept {
   if (asset < reaches_.size()) reaches_[asset] = reach;
+}
+
+void AppScene::set_form(std::size_t asset, bool full) noexcept {
+  if (asset < full_.size()) full_[asset] = full ? 1 : 0;
+}
+
+/// Whether the scene's tool, where it has one, can touch an added object: what is added follows the
+/// tool's method, and the paper's knows `full` assets of one scale alone.
+bool AppScene::tool_meets(std::size_t asset, double scale) const noexcept {
+  if (tool_scale_ <= 0) return true;
+  if (added_.force.method != Method::paper) return full_[asset] == 0;
+  return full_[asset] != 0 && std::abs(scale / tool_scale_ - 1) <= scale_slack;
 }
 
 /// Call it when objects were added or removed, or feel different.
@@ -156,6 +174,7 @@ Refusal AppScene::follow(const AppCommand& command, std::int64_t now_ns,
 Refusal AppScene::add(const AppCommand& command, std::span<SceneForce* const> forces) noexcept {
   if (command.index >= min_scales_.size()) return Refusal::unknown_asset;
   if (!(command.pose.scale >= min_scales_[command.index])) return Refusal::out_of_range;
+  if (!tool_meets(command.index, command.pose.scale)) return Refusal::unlike_tool;
   const bool is_own = owner_of(command.object) == command.connection;
   if (!is_own || find(command.object) != nullptr) return Refusal::not_yours;
   Object added{command.object, {}, PoseInterpolator({}, command.pose)};

@@ -55,6 +55,9 @@ class AppScene {
   /// object moves faster than people push. Call it when an asset comes.
   void set_reach(std::size_t asset, double reach) noexcept;
 
+  /// Tells whether an asset is `full`. Call it when an asset comes.
+  void set_form(std::size_t asset, bool full) noexcept;
+
   /// Whether an object of this asset is in the scene.
   [[nodiscard]] bool uses(std::size_t asset) const noexcept;
 
@@ -105,14 +108,17 @@ class AppScene {
   void note_stiffness() noexcept;
   void note_scale(const PlacedObject& object) noexcept;
   [[nodiscard]] double reach_of(const Object& object) const noexcept;
+  [[nodiscard]] bool tool_meets(std::size_t asset, double scale) const noexcept;
   [[nodiscard]] bool is_left_alone(const Object& object) const noexcept;
 
   AppState& state_;
   PlacedObject added_;  ///< what an object of an application is, beside what it names
   /// for each asset, the smallest scale that its baked probe allows
   std::vector<double> min_scales_;
-  std::vector<double> reaches_;  ///< for each asset, m, asset's frame; 0 if not known yet
-  std::vector<Object> objects_;  ///< by the numbers that SceneForce gives
+  std::vector<double> reaches_;     ///< for each asset, m, asset's frame; 0 if not known yet
+  std::vector<std::uint8_t> full_;  ///< for each asset, whether it is `full`
+  double tool_scale_ = 0;           ///< of the scene's tool; 0: it has none
+  std::vector<Object> objects_;     ///< by the numbers that SceneForce gives
   AppClutches clutches_;
   AppForceCaps force_caps_;
   AppEffects effects_;

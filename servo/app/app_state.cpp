@@ -126,7 +126,8 @@ void store_contacts(spm_shared_snapshot& to, const AppTick& tick, std::size_t de
     const std::span<const ContactPatch> patches = tick.devices[i].patches;
     for (std::size_t k = 0; k < patches.size() && k < SPM_MAX_CONTACTS; ++k) {
       const std::uint32_t number = patches[k].object;
-      const std::uint64_t object = number < tick.ids.size() ? tick.ids[number] : number;
+      std::uint64_t object = number < tick.ids.size() ? tick.ids[number] : number;
+      if (number >= tool_of_device) object = SPM_TOOL_OF_DEVICE + (number - tool_of_device);
       store_record(to.contacts[i][k], packed(patches[k], object));
     }
   }

@@ -207,11 +207,14 @@ enum spm_client_limit {
   SPM_CLIENT_TOOL_CAP_MET = 4    /**< the coupling of hand and tool: the tool stays behind */
 };
 
+/** Contact's object where the tool of another device is touched: this and that device's number. */
+#define SPM_CLIENT_TOOL_OF_DEVICE (UINT64_C(1) << 63)
+
 /** A place where a device's tool touches an object. */
 typedef struct spm_client_contact {
   uint32_t size;
   uint32_t device;
-  uint64_t object;  /**< id */
+  uint64_t object;  /**< id, or SPM_CLIENT_TOOL_OF_DEVICE and a device's number */
   double place[3];  /**< m, the middle of the pressure */
   double normal[3]; /**< unit, out of the object */
   double force[3];  /**< N, on the tool */

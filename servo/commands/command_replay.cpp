@@ -11,6 +11,7 @@
 #include "formats/asset/mapped_asset.hpp"
 #include "formats/motion/recording.hpp"
 #include "servo/commands/commands.hpp"
+#include "servo/commands/replay_hands.hpp"
 #include "servo/commands/replay_source.hpp"
 #include "servo/loop/replay.hpp"
 #include "servo/loop/run_report.hpp"
@@ -30,15 +31,6 @@ struct ReplayCommand {
   double device = -1;  ///< index of the recording's device; below 0: all
   ForceOptions force;
   ReplayOptions options;
-};
-
-/// One device's ticks, of a trajectory or of a recording.
-struct Played {
-  std::size_t device = 0;
-  RecordedTicks ticks;
-  std::size_t comparable = 0;  ///< number of the first rows whose forces can be compared
-  ReplayResult result;
-  ForceDifference found;
 };
 
 using Assets = std::vector<std::unique_ptr<MappedAsset>>;
@@ -212,39 +204,9 @@ std::vector<std::string> hashes_of(const Assets& assets) {
   return list;
 }
 
-/// The ticks of one device, and how they are replayed.
-Played ticks_to_play(const ReplaySource& source, std::size_t device,
-                     const std::vector<std::string>& hashes, ReplayOptions& options) {
-  Played played;
-  played.device = device;
-  if (!source.recording) {
-    played.ticks.trajectory = source.trajectory;
-    return played;
-  }
-  played.ticks = ticks_of(*source.recording, device);
-  const RecordedTicks& ticks = played.ticks;
-  const RecordingHeader& header = source.recording->header;
-  options.rate_hz = header.rate_hz;
-  options.encoder_step = header.devices[device].encoder_step;
-  options.limits = felt_limits(recorded_device(header.devices[device]), 1 / header.rate_hz);
-  options.turning = recorded_turning(header.devices[device]);
-  options.hand = device;
-  options.marks = ticks.marks;
-  played.comparable = source.own_scene ? ticks.ticks.size() : ticks.comparable;
-  if (!source.own_scene) return played;
-  options.gone = source.recorded.gone;
-  options.steps = steps_before(source.steps, ticks.ticks);
-  if (const auto unknown = unknown_from(source, hashes)) {
-    const auto at = std::lower_bound(ticks.ticks.begin(), ticks.ticks.end(), *unknown);
-    played.comparable = static_cast<std::size_t>(at - ticks.ticks.begin());
-  }
-  return played;
-}
-
 /// `differs`: settings or assets are not the recording's.
-Result<void> play(const ReplaySource& source, const Assets& assets, const ReplayOptions& options,
-                  bool differs, Played& played) {
-  played.result = replay(views_of(assets), played.ticks.trajectory, options);
+Result<void> compare(const ReplaySource& source, const Assets& assets, bool differs,
+                     Played& played) {
   for (const auto& asset : assets) {
     if (asset->lost()) {
       return fail(ExitCode::file_or_device,
@@ -302,30 +264,31 @@ Result<ordered_json> replay_file(const ReplayCommand& command) {
   }
   options.turning = trajectory_turning(source->choice);
   const std::vector<const AssetView*> views = views_of(*assets);
-  const std::size_t hands = source->recording ? source->recording->header.devices.size() : 1;
-  const auto added =
-      std::count_if(source->steps.begin(), source->steps.end(),
-                    [](const SceneStep& step) { return step.kind == RecordedKind::added; });
-  const auto tool = sample_tool(options.scene, views, hands, static_cast<std::size_t>(added));
-  if (!tool) {
-    return fail(tool.error().code, source->choice.assets[options.scene.tool->asset] +
-                                       ": can be no tool: " + tool.error().message);
-  }
-  options.tool = tool->get();
+  const auto tools = tools_for(*source, views);
+  if (!tools) return tl::make_unexpected(tools.error());
   const bool differs = source->recording && !replay_differences(*source, hashes).empty();
   std::vector<Played> all;
-  for (const std::size_t device : *devices) {
+  for (const std::size_t device : hands_to_play(*source, *devices)) {
+    const std::size_t held = tools->size() > 1 ? device : 0;
+    options.tool = held < tools->size() ? (*tools)[held].get() : nullptr;
     all.push_back(ticks_to_play(*source, device, hashes, options));
-    if (auto played = play(*source, *assets, options, differs, all.back()); !played) {
-      return tl::make_unexpected(std::move(played.error()));
+  }
+  play_all(options.scene, views, all);
+  std::erase_if(all, [&](const Played& one) {
+    return std::find(devices->begin(), devices->end(), one.device) == devices->end();
+  });
+  for (Played& one : all) {
+    if (auto compared = compare(*source, *assets, differs, one); !compared) {
+      return tl::make_unexpected(std::move(compared.error()));
     }
   }
   const Played& first = all.front();
   if (!command.out.empty()) {
-    auto written = write_replay(command.out, first.ticks.trajectory, first.result, options.rate_hz);
+    auto written =
+        write_replay(command.out, first.ticks.trajectory, first.result, first.options.rate_hz);
     if (!written) return tl::make_unexpected(std::move(written.error()));
   }
-  ordered_json report = report_of(command, *source, *assets, options, first.result);
+  ordered_json report = report_of(command, *source, *assets, first.options, first.result);
   if (source->recording) {
     report["recording"] = recording_json(*source, all, causes_of(*source, hashes, all));
   }

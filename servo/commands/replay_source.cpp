@@ -81,12 +81,6 @@ bool same_place(const Placement& a, const Placement& b) {
          a.scale == b.scale;
 }
 
-/// Which asset it is, its number says, and the asset is compared by itself.
-bool same_tool(std::optional<ToolSettings> then, const std::optional<ToolSettings>& now) {
-  if (then.has_value() != now.has_value()) return false;
-  return !then || *then == *now;
-}
-
 }  // namespace
 
 ForceDevice recorded_device(const RecordedDevice& device) {
@@ -180,7 +174,8 @@ std::vector<std::string> replay_differences(const ReplaySource& source,
   }
   if (then.stabilization != now.stabilization) list.emplace_back("stabilization");
   if (!same_place(then.workspace, now.workspace)) list.emplace_back("workspace");
-  if (!same_tool(then.tool, now.tool)) list.emplace_back("tool");
+  // Which asset it is, its number says, and the asset is compared by itself.
+  if (then.tool != now.tool || then.more_tools != now.more_tools) list.emplace_back("tool");
   const RecordingHeader& header = source.recording->header;
   if (header.instruction_set != instruction_set() || header.spm_version != SPM_VERSION) {
     list.push_back(fmt::format("the recording was made by version {} with {}, this is {} with {}",

@@ -76,4 +76,10 @@ struct ForceBudget {
   }
 };
 
+/// What is left of a number of samples, after some.
+[[nodiscard]] constexpr std::uint32_t work_left(std::uint32_t limit, std::uint32_t done) noexcept {
+  if (limit == ForceEffort::unstopped) return limit;
+  return limit > done ? limit - done : 0;
+}
+
 }  // namespace spm

@@ -40,6 +40,13 @@ void PatchList::add(const PressedPatch& pressed, const Eigen::Isometry3d& pose,
     entry.pressing = whole;
     return;
   }
+  put(made);
+}
+
+void PatchList::add(const ContactPatch& patch) noexcept { put({patch, patch.force.norm()}); }
+
+/// Puts an entry at the end, or in the place of the weakest.
+void PatchList::put(const Entry& made) noexcept {
   if (count_ < room) {
     entries_[count_++] = made;
     return;

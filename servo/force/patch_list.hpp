@@ -23,6 +23,8 @@ class PatchList {
   /// felt.
   void add(const PressedPatch& pressed, const Eigen::Isometry3d& pose,
            const Eigen::Isometry3d& device, double share) noexcept;
+  /// Adds one as it is.
+  void add(const ContactPatch& patch) noexcept;
   /// Writes the strongest, in order.
   void write(ToolTick& tick) const noexcept;
   /// Of all of them, N: the sizes of their forces.
@@ -39,6 +41,8 @@ class PatchList {
   std::array<Entry, room> entries_{};
   std::size_t count_ = 0;
   double near_ = 0;
+
+  void put(const Entry& made) noexcept;
 };
 
 }  // namespace spm

@@ -11,8 +11,29 @@ ForceScene scene_of(const ForceSettings& force, const EffectSettings& effects) {
   return {{}, {PlacedObject{0, {}, force, effects}}, {}};
 }
 
+const ToolSettings* tool_of(const ForceScene& scene, std::size_t hand) noexcept {
+  if (!scene.tool) return nullptr;
+  if (hand == 0 || scene.more_tools.empty()) return &*scene.tool;
+  return hand <= scene.more_tools.size() ? &scene.more_tools[hand - 1] : nullptr;
+}
+
+bool is_tool(const ForceScene& scene, std::size_t asset) noexcept {
+  for (std::size_t k = 0; k < tools_of(scene); ++k) {
+    if (tool_of(scene, k)->asset == asset) return true;
+  }
+  return false;
+}
+
+ForceScene scene_of_hand(ForceScene scene, std::size_t hand) {
+  const ToolSettings* own = tool_of(scene, hand);
+  scene.tool = own != nullptr ? std::optional(*own) : std::nullopt;
+  scene.more_tools.clear();
+  return scene;
+}
+
 SceneForce::SceneForce(const ForceScene& scene, double tick, double encoder_step, std::size_t room,
-                       const FeltLimits& limits, const HandTurning& turning)
+                       const FeltLimits& limits, const HandTurning& turning,
+                       std::size_t hand_number)
     : rotation_(scene.workspace.rotation.toRotationMatrix()),
       position_(scene.workspace.position),
       scale_(scene.workspace.scale),
@@ -21,9 +42,10 @@ SceneForce::SceneForce(const ForceScene& scene, double tick, double encoder_step
       limits_{limits.stiffness / scale_, limits.damping / scale_, limits.stable / scale_},
       stabilization_(scene.stabilization),
       asked_delay_(scene.stabilization.delay_ticks),
-      stabilizer_(scene.stabilization, tick, encoder_step) {
+      stabilizer_(scene.stabilization, tick, encoder_step),
+      hand_number_(hand_number) {
   objects_.reserve(scene.objects.size() + room);
-  if (scene.tool) {
+  if (const ToolSettings* held = tool_of(scene, hand_number)) {
     const ToolLoop loop{tick,
                         encoder_step,
                         scene.added.force.stiffness,
@@ -31,8 +53,9 @@ SceneForce::SceneForce(const ForceScene& scene, double tick, double encoder_step
                         scene.stabilization.device_mass,
                         limits,
                         turning};
-    tool_objects_.reserve(objects_.capacity());
-    tool_.emplace(*scene.tool, loop, scene.stabilization, scene.workspace, objects_.capacity());
+    make_tools(scene);
+    tool_.emplace(*held, loop, scene.stabilization, scene.workspace, objects_.capacity(),
+                  tools_.size(), hand_number);
   }
   for (const PlacedObject& object : scene.objects) static_cast<void>(add(object));
 }
@@ -139,6 +162,7 @@ void SceneForce::place(std::size_t object, const Vector3& position,
 void SceneForce::reset() noexcept {
   stabilizer_.reset();
   if (tool_) tool_->reset();
+  std::fill(seen_.begin(), seen_.end(), 0);
   for (Object& object : objects_) {
     object.contact.reset();
     object.reaction = {};
@@ -155,7 +179,7 @@ NearSurface SceneForce::near_surface(std::size_t object, std::span<const AssetVi
 void SceneForce::exchange() noexcept {
   for (Object& object : objects_) object.contact.exchange();
   if (!tool_) return;
-  for (std::size_t i = 0; i < objects_.size(); ++i) tool_->exchange(i);
+  for (std::size_t i = 0; i < tool_objects_.size(); ++i) tool_->exchange(i);
 }
 
 /// The share, up to 1, of all forces that keeps what is felt of them together within the limits.

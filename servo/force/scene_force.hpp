@@ -30,7 +30,40 @@ struct ForceScene {
   PlacedObject added = default_object(ForceSettings{}.stiffness, {});
   bool follows_delay = false;          ///< the delay is measured; false: it is that of the settings
   std::optional<ToolSettings> tool{};  ///< empty: a point or a ball, as the objects' settings say
+  /// Of the second hand and the next, where each has a tool of its own; these touch one another.
+  /// Empty: all hands have such a tool, and the tools pass through one another.
+  std::vector<ToolSettings> more_tools{};
 };
+
+/// Whether each hand has a tool of its own, and these touch one another.
+[[nodiscard]] inline bool tools_meet(const ForceScene& scene) noexcept {
+  return scene.tool && !scene.more_tools.empty();
+}
+
+/// How many tools a scene names.
+[[nodiscard]] inline std::size_t tools_of(const ForceScene& scene) noexcept {
+  return scene.tool ? 1 + scene.more_tools.size() : 0;
+}
+
+/// The tool of a hand; null where it has none.
+[[nodiscard]] const ToolSettings* tool_of(const ForceScene& scene, std::size_t hand) noexcept;
+
+/// A scene as it is for one hand alone.
+[[nodiscard]] ForceScene scene_of_hand(ForceScene scene, std::size_t hand);
+
+/// Whether an asset is a tool of the scene.
+[[nodiscard]] bool is_tool(const ForceScene& scene, std::size_t asset) noexcept;
+
+/// Which memory of its tool's samples is a hand's.
+[[nodiscard]] inline std::size_t memory_of(const ForceScene& scene, std::size_t hand) noexcept {
+  return tools_meet(scene) ? 0 : hand;
+}
+
+/// How many objects a tool of the scene may meet: with `room` for more, and the tools of others.
+[[nodiscard]] inline std::size_t objects_to_meet(const ForceScene& scene,
+                                                 std::size_t room) noexcept {
+  return scene.objects.size() + room + (tools_meet(scene) ? tools_of(scene) : 0);
+}
 
 /// The scene of one object whose frame is the hand's.
 [[nodiscard]] ForceScene scene_of(const ForceSettings& force, const EffectSettings& effects = {});
@@ -42,9 +75,10 @@ class SceneForce {
  public:
   /// `tick` in s, above 0; `encoder_step` in m of the hand, 0 or more. `room`: number of objects
   /// that can be added to those of the scene. `limits` hold whatever the settings of objects say.
-  /// `turning`: of the device, where the scene has a tool.
+  /// `turning`: of the device, where the scene has a tool. `hand_number`: whose tool it is.
   SceneForce(const ForceScene& scene, double tick, double encoder_step, std::size_t room = 0,
-             const FeltLimits& limits = {}, const HandTurning& turning = {});
+             const FeltLimits& limits = {}, const HandTurning& turning = {},
+             std::size_t hand_number = 0);
 
   /// Force on a probe centred at `hand`, `ticks` after the last one. Position, force and normal are
   /// in the hand's frame. The workspace's scale turns metres of the hand into metres of the world;
@@ -74,6 +108,10 @@ class SceneForce {
   /// outlive its use here. `hand_number`: which of its memories this hand may use.
   void take_tool(SampledTool* tool, std::size_t hand_number) noexcept;
   [[nodiscard]] bool has_tool() const noexcept { return tool_.has_value(); }
+  /// Where tools meet: the forces on all hands, by their numbers; all of one scene, with the same
+  /// room. They must outlive this, and `next` be called in that order in every tick. A tool whose
+  /// hand was reset, as one without force, is not there for the others.
+  void meet(std::span<SceneForce* const> hands) noexcept { hands_ = hands; }
   /// What the tool did in the last tick. Without a tool, that of a tool that never was.
   [[nodiscard]] const ToolTick& tool() const noexcept;
 
@@ -141,6 +179,9 @@ class SceneForce {
   };
 
   [[nodiscard]] std::optional<std::size_t> put(const PlacedObject& object) noexcept;
+  void make_tools(const ForceScene& scene);
+  [[nodiscard]] std::span<const ToolPush> meet_tools(
+      std::span<const AssetView* const> assets) noexcept;
   [[nodiscard]] ContactForce next_with_tool(std::span<const AssetView* const> assets,
                                             const HandPose& hand, std::uint64_t ticks,
                                             const ForceBudget& budget) noexcept;
@@ -166,7 +207,12 @@ class SceneForce {
   ForceEffort effort_;
   std::size_t turn_ = 0;  ///< the object with which the next tick begins
   std::optional<ToolForce> tool_;
-  std::vector<ToolObject> tool_objects_;  ///< by number, for the tool
+  std::vector<ToolObject> tool_objects_;  ///< by number, for the tool; the tools of hands come last
+  std::size_t hand_number_;
+  std::span<SceneForce* const> hands_;  ///< whose tools meet
+  std::vector<PlacedObject> tools_;     ///< of these, as objects
+  std::vector<std::uint64_t> seen_;     ///< how often these had begun in the last tick
+  std::vector<ToolPush> pushes_;
 };
 
 }  // namespace spm

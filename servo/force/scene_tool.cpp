@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // What SceneForce does where the scene has a tool with six degrees of freedom.
+#include <algorithm>
 #include <cmath>
 
 #include "common/base/rigid_pose.hpp"
@@ -10,6 +11,41 @@ namespace spm {
 namespace {
 const ToolTick no_tool;
 }  // namespace
+
+/// Makes room for what the tool meets; where tools meet, they are objects as applications' are.
+void SceneForce::make_tools(const ForceScene& scene) {
+  for (std::size_t k = 0; tools_meet(scene) && k < tools_of(scene); ++k) {
+    const ToolSettings& tool = *tool_of(scene, k);
+    PlacedObject& made = tools_.emplace_back(scene.added);
+    made.asset = tool.asset;
+    made.placement.scale = tool.placement.scale;
+  }
+  seen_.resize(tools_.size(), 0);
+  pushes_.reserve(tools_.size());
+  tool_objects_.resize(objects_.capacity() + tools_.size());
+}
+
+/// The tools of the other hands are objects where they are now, and push.
+std::span<const ToolPush> SceneForce::meet_tools(
+    std::span<const AssetView* const> assets) noexcept {
+  pushes_.clear();
+  for (std::size_t k = 0; k < std::min(hands_.size(), tools_.size()); ++k) {
+    const std::optional<ToolForce>& other = hands_[k]->tool_;
+    if (k == hand_number_ || !other) continue;
+    const std::size_t number = objects_.capacity() + k;
+    const std::uint64_t begun = other->begun();
+    if (begun != seen_[k] && begun > 0) tool_->meet_anew(number);
+    seen_[k] = begun;
+    if (begun == 0) continue;
+    ToolObject& made = tool_objects_[number];
+    made.asset = assets[tools_[k].asset];
+    made.pose = other->tick().pose;
+    made.settings = &tools_[k];
+    const ToolPush push = other->push_on(hand_number_);
+    if (!push.wrench.force.isZero(0)) pushes_.push_back(push);
+  }
+  return pushes_;
+}
 
 void SceneForce::take_tool(SampledTool* tool, std::size_t hand_number) noexcept {
   if (tool_) tool_->take(tool, hand_number);
@@ -41,15 +77,19 @@ ContactForce SceneForce::next(std::span<const AssetView* const> assets, const Ha
 ContactForce SceneForce::next_with_tool(std::span<const AssetView* const> assets,
                                         const HandPose& hand, std::uint64_t ticks,
                                         const ForceBudget& budget) noexcept {
-  tool_objects_.clear();
-  for (const Object& object : objects_) {
-    ToolObject& made = tool_objects_.emplace_back();
+  std::fill(tool_objects_.end() - static_cast<std::ptrdiff_t>(tools_.size()), tool_objects_.end(),
+            ToolObject{});
+  for (std::size_t i = 0; i < objects_.size(); ++i) {
+    const Object& object = objects_[i];
+    tool_objects_[i] = {};
     if (!object.is_there) continue;
+    ToolObject& made = tool_objects_[i];
     made.asset = assets[object.contact.asset()];
     made.pose = object.contact.pose();
     made.settings = &object.settings;
   }
-  ContactForce contact = tool_->next(hand, tool_objects_, ticks, budget, effort_);
+  const std::span<const ToolPush> pushes = meet_tools(assets);
+  ContactForce contact = tool_->next(hand, tool_objects_, pushes, ticks, budget, effort_);
   for (std::size_t i = 0; i < objects_.size(); ++i) {
     objects_[i].reaction = tool_objects_[i].reaction;
   }

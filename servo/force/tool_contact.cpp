@@ -27,6 +27,9 @@ constexpr double refining_share = 0.45;
 constexpr std::uint32_t waiting_ticks = 8;
 /// Samples that a tick must have looked at before it ran out of time, for the next to be coarser.
 constexpr std::uint32_t telling_work = 512;
+/// m: objects go their ways in parts of this length, past a tool that is near. It is the longest
+/// step of the virtual tool.
+constexpr double part_length = VirtualToolSettings{}.max_step;
 constexpr std::uint32_t every_level = std::numeric_limits<std::uint32_t>::max();
 constexpr std::uint32_t unstopped = ForceEffort::unstopped;
 
@@ -40,12 +43,6 @@ bool same(const ContactObject& a, const ContactObject& b) noexcept {
          a.stiffness == b.stiffness && !a.grip.on() && !b.grip.on() &&
          a.texture.amplitude == b.texture.amplitude &&
          a.texture.wavelength == b.texture.wavelength && a.texture.seed == b.texture.seed;
-}
-
-/// What is left of a number of samples, after some.
-std::uint32_t left_of(std::uint32_t limit, std::uint32_t done) noexcept {
-  if (limit == unstopped) return unstopped;
-  return limit > done ? limit - done : 0;
 }
 
 }  // namespace
@@ -80,6 +77,8 @@ void ToolForce::sort_out(std::span<const ToolObject> objects, const Eigen::Isome
                          ForceEffort& effort) noexcept {
   any_held_ = any_pushed_ = damps_ = false;
   same_objects_ = true;
+  longest_way_ = 0;
+  bool carrier_alone = true;
   const SurfaceSamples& samples = tool_->samples();
   // How far any place of the tool may come from where it is, in this tick.
   const Vector3 turn =
@@ -94,11 +93,14 @@ void ToolForce::sort_out(std::span<const ToolObject> objects, const Eigen::Isome
                        objects[i].settings->force.method != Method::paper;
     if (there) {
       const ContactObject made = contact_object(objects[i]);
-      if (culling_->apart(i, made, pose_, reach)) {
+      ways_[i] = i < first_tool_ ? way_of(objects[i], i) : 0;
+      if (i != carrier_ && culling_->apart(i, made, pose_, reach + ways_[i])) {
         ++effort.culled;
       } else if (objects[i].settings->force.method == Method::proxy) {
         held_[i] = made;
         any_held_ = true;
+        longest_way_ = std::max(longest_way_, ways_[i]);
+        carrier_alone = carrier_alone && i == carrier_;
       } else {
         pushed_[i] = made;
         any_pushed_ = true;
@@ -109,6 +111,7 @@ void ToolForce::sort_out(std::span<const ToolObject> objects, const Eigen::Isome
   }
   // Both use one memory of contacts.
   same_objects_ = same_objects_ && !any_pushed_;
+  parts_ = carrier_alone ? 1 : static_cast<std::uint32_t>(std::ceil(longest_way_ / part_length));
 }
 
 ToolForce::Work ToolForce::begin_work(const ForceBudget& budget) const noexcept {
@@ -140,7 +143,7 @@ void ToolForce::push(const Eigen::Isometry3d& device, Work& work, Felt& felt,
     const std::int64_t until = any_held_ ? work.budget.refine_until : work.budget.until;
     look.nanoseconds = std::max<std::int64_t>(1, until - look.now());
   }
-  look.work = left_of(work.budget.refine_work, 1);
+  look.work = work_left(work.budget.refine_work, 1);
   const ObjectContactReport report = contact_->tick(device, pushed_, look);
   contact_->keep();
   contact_->settle();
@@ -175,34 +178,20 @@ void ToolForce::push(const Eigen::Isometry3d& device, Work& work, Felt& felt,
 void ToolForce::hold(const Eigen::Isometry3d& device, std::span<const ToolObject> objects,
                      Work& work, Felt& felt, ForceEffort& effort) noexcept {
   const double stiffness = coupling_.stiffness / scale_, turning = coupling_.turning * scale_;
-  VirtualToolSettings& settings = virtual_->settings();
-  settings.stiffness = stiffness;
-  settings.turning = turning;
-  settings.max_force = most_force_;
-  settings.max_torque = most_force_ / coupling_.force_cap * coupling_.torque_cap * scale_;
-  VirtualToolBudget budget = work.budget;
-  budget.refine_work = left_of(budget.refine_work, work.done);
-  budget.work = left_of(budget.work, work.done);
-  budget.same_objects = same_objects_;
-  const VirtualToolReport report = virtual_->tick(device, held_, budget);
+  const VirtualToolReport report = follow(device, objects, work, effort);
   contact_->settle();
-  pose_ = report.pose;
   tick_.capped = tick_.capped || report.capped;
-  if (report.refine_stopped != unstopped && effort.refined == unstopped) {
-    effort.refined = work.done + report.refine_stopped;
-  }
-  if (report.stopped != unstopped) effort.worked = work.done + report.stopped;
-  work.done += report.worked;
-  work.level = std::min(work.level, report.contact.level);
   const bool held = report.wrench.force.norm() > free_stretch * stiffness;
-  if (report.contact.sum.contacts == 0 && !held) {
+  if (report.contact.sum.contacts == 0 && !held && !push_.any()) {
     most_force_ = coupling_.force_cap;
     return;
   }
   // What is felt is at most as stiff as what is touched.
-  double share = 0, pressing = 0;
+  double share = push_.wrench.force.norm(), pressing = share;
   for (const PressedPatch& patch : contact_->patches()) {
-    const double asked = objects[patch.object].settings->force.stiffness;
+    // Tools are rigid for one another.
+    const double asked =
+        patch.object < first_tool_ ? objects[patch.object].settings->force.stiffness : stiffness;
     share += patch.pressing * std::clamp(asked / stiffness, least_share, 1.0);
     pressing += patch.pressing;
   }

@@ -4,9 +4,27 @@
 #include <algorithm>
 #include <cmath>
 
+#include "common/base/turn_between.hpp"
 #include "servo/stabilize/turning_lever.hpp"
 
 namespace spm {
+
+namespace {
+
+/// One spring whose force is capped; adds to energy and says whether the cap was met.
+Vector3 capped_pull(double stiffness, double cap, const Vector3& stretch,
+                    SpringPull& pull) noexcept {
+  const double size = stretch.norm();
+  if (stiffness * size <= cap) {
+    pull.energy += stiffness * size * size / 2;
+    return stiffness * stretch;
+  }
+  pull.capped = true;
+  pull.energy += cap * (size - cap / stiffness / 2);
+  return cap / size * stretch;
+}
+
+}  // namespace
 
 ToolCoupling tool_coupling(const ToolSettings& tool, const ToolLoop& loop) noexcept {
   ToolCoupling made;
@@ -27,6 +45,17 @@ ToolCoupling tool_coupling(const ToolSettings& tool, const ToolLoop& loop) noexc
                              made.torque_cap / least_capped_turn});
   }
   return made;
+}
+
+SpringPull pull_of(const CoupledSprings& springs, const Eigen::Isometry3d& tool,
+                   const Eigen::Isometry3d& hand) noexcept {
+  SpringPull pull;
+  const Vector3 stretch = hand.translation() - tool.translation();
+  const Vector3 turn =
+      turn_between(Eigen::Quaterniond(tool.linear()), Eigen::Quaterniond(hand.linear()));
+  pull.wrench.force = capped_pull(springs.stiffness, springs.force_cap, stretch, pull);
+  pull.wrench.torque = capped_pull(springs.turning, springs.torque_cap, turn, pull);
+  return pull;
 }
 
 }  // namespace spm

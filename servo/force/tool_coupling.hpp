@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <Eigen/Geometry>
+
+#include "common/base/wrench.hpp"
 #include "common/contact/stabilization_settings.hpp"
 #include "servo/force/default_settings.hpp"
 #include "servo/force/tool_settings.hpp"
@@ -39,5 +42,21 @@ inline constexpr double least_capped_turn = 0.05;
 /// for its inertia as that limit is for its mass, and so soft that the torque cap is met at
 /// least_capped_turn or later.
 [[nodiscard]] ToolCoupling tool_coupling(const ToolSettings& tool, const ToolLoop& loop) noexcept;
+
+/// Springs between a hand and its tool, as VirtualTool has them; the world's frame.
+struct CoupledSprings {
+  double stiffness = 0;   ///< N/m
+  double turning = 0;     ///< N m/rad
+  double force_cap = 0;   ///< N
+  double torque_cap = 0;  ///< N m
+};
+/// What such springs do to a tool at a pose while the hand is at another.
+struct SpringPull {
+  Wrench wrench;        ///< N, and N m about the tool's position
+  double energy = 0;    ///< J
+  bool capped = false;  ///< a cap was met
+};
+[[nodiscard]] SpringPull pull_of(const CoupledSprings& springs, const Eigen::Isometry3d& tool,
+                                 const Eigen::Isometry3d& hand) noexcept;
 
 }  // namespace spm

@@ -31,7 +31,7 @@ WrenchLoop loop_of(const ToolLoop& loop, const ToolCoupling& coupling) noexcept 
 
 ToolForce::ToolForce(const ToolSettings& settings, const ToolLoop& loop,
                      const StabilizationSettings& stabilization, const Placement& workspace,
-                     std::size_t objects)
+                     std::size_t objects, std::size_t tools, std::size_t hand)
     : settings_(settings),
       loop_(loop),
       coupling_(tool_coupling(settings, loop)),
@@ -41,11 +41,16 @@ ToolForce::ToolForce(const ToolSettings& settings, const ToolLoop& loop,
       seat_(Eigen::Translation3d(settings.placement.position) *
             settings.placement.rotation.normalized()),
       stabilizer_(stabilization, loop_of(loop, coupling_)),
-      held_(objects),
-      pushed_(objects),
-      seats_(objects, Eigen::Isometry3d::Identity()),
-      reactions_(objects),
+      held_(objects + tools),
+      pushed_(objects + tools),
+      seats_(objects + tools, Eigen::Isometry3d::Identity()),
+      seated_(objects + tools, 0),
+      ways_(objects + tools, 0),
+      reactions_(objects + tools),
       most_force_(coupling_.force_cap),
+      first_tool_(objects),
+      hand_(hand),
+      met_(tools),
       finest_(every_level),
       place_velocity_(loop.encoder_step, loop.tick, stabilization.velocity),
       turn_velocity_(loop.turning.turn_step, loop.tick, stabilization.velocity) {}
@@ -79,6 +84,8 @@ void ToolForce::reset() noexcept {
   placed_ = false;
   tick_ = {};
   std::fill(reactions_.begin(), reactions_.end(), Wrench{});
+  std::fill(met_.begin(), met_.end(), Met{});
+  std::fill(seated_.begin(), seated_.end(), std::uint8_t{0});
   most_force_ = coupling_.force_cap;
   finest_ = every_level;
   patience_ = 0;
@@ -87,7 +94,37 @@ void ToolForce::reset() noexcept {
 
 void ToolForce::exchange(std::size_t object) noexcept {
   if (contact_ != nullptr) contact_->forget(static_cast<std::uint32_t>(object));
-  if (object < held_.size()) held_[object] = {};
+  if (object >= held_.size()) return;
+  held_[object] = {};
+  seated_[object] = 0;
+}
+
+void ToolForce::meet_anew(std::size_t object) noexcept {
+  exchange(object);
+  met_[object - first_tool_] = {};
+  if (virtual_) virtual_->place(pose_);
+}
+
+ToolPush ToolForce::push_on(std::size_t hand) const noexcept {
+  return {hand_, met_[hand].given, coupling_.stiffness / scale_, coupling_.turning * scale_,
+          tick_.contacts()};
+}
+
+/// Adds the pushes up. They are about the tool's frame where it was.
+void ToolForce::take_pushes(std::span<const ToolPush> pushes) noexcept {
+  push_ = {};
+  const Vector3 arm = tick_.pose.translation() - pose_.translation();
+  for (const ToolPush& push : pushes) {
+    const Vector3& force = push.wrench.force;
+    const Vector3 torque = push.wrench.torque + arm.cross(force);
+    const double size = force.squaredNorm();
+    // How fast the force falls where the tool turns goes by the square of its lever.
+    const double lever2 = size > 0 ? torque.squaredNorm() / size : 0;
+    push_.wrench.force += force;
+    push_.wrench.torque += torque;
+    push_.stiffness += push.stiffness;
+    push_.turning += push.turning + push.stiffness * lever2;
+  }
 }
 
 Eigen::Isometry3d ToolForce::world_pose(const HandPose& hand) const noexcept {
@@ -97,33 +134,27 @@ Eigen::Isometry3d ToolForce::world_pose(const HandPose& hand) const noexcept {
   return pose;
 }
 
-/// Moves the virtual tool with the object that it presses most, if that moved, so that it does not
-/// pass through. Returns the work that moving objects did, J of the world.
-double ToolForce::carry(std::span<const ToolObject> objects) noexcept {
+/// The work that moving objects did, J of the world; and which of them the tool presses most.
+double ToolForce::work_of(std::span<const ToolObject> objects) noexcept {
   double work = 0, most = 0;
-  std::size_t carrier = objects.size();
+  carrier_ = objects.size();
   for (std::size_t i = 0; i < objects.size(); ++i) {
     const Wrench& reaction = reactions_[i];
     const double size = reaction.force.norm();
-    if (objects[i].asset == nullptr || !(size > 0)) continue;
+    if (objects[i].asset == nullptr || seated_[i] == 0 || !(size > 0)) continue;
     const Eigen::Isometry3d& now = objects[i].pose;
     if (now.matrix() == seats_[i].matrix()) continue;
     const Vector3 moved = now.translation() - seats_[i].translation();
     const Vector3 turned =
         turn_between(Eigen::Quaterniond(seats_[i].linear()), Eigen::Quaterniond(now.linear()));
     work -= reaction.force.dot(moved) + reaction.torque.dot(turned);
-    if (size > most) {
+    // A tool stops at another one by itself.
+    const bool carries = i < first_tool_ && objects[i].settings->force.method == Method::proxy;
+    if (size > most && carries) {
       most = size;
-      carrier = i;
+      carrier_ = i;
     }
   }
-  if (placed_ && virtual_ && carrier < objects.size() &&
-      objects[carrier].settings->force.method == Method::proxy) {
-    pose_ = objects[carrier].pose * seats_[carrier].inverse(Eigen::Isometry) * pose_;
-    pose_.linear() = Eigen::Quaterniond(pose_.linear()).normalized().toRotationMatrix();
-    virtual_->carry(pose_);
-  }
-  for (std::size_t i = 0; i < objects.size(); ++i) seats_[i] = objects[i].pose;
   return work;
 }
 
@@ -165,8 +196,9 @@ double ToolForce::share_felt(const Eigen::Isometry3d& pose, const Eigen::Isometr
   sum.torque += (pose.translation() - device.translation()).cross(sum.force);
   // A couple alone has no force, and a force through the hand no torque, but by rounding.
   const double anyway = told_anyway * coupling_.force_cap;
-  const double force = std::max(felt.force.norm(), anyway);
-  const double torque = std::max(felt.torque.norm(), anyway * tool_->samples().radius);
+  const double force = std::max(felt.force.norm() + push_.wrench.force.norm(), anyway);
+  const double torque =
+      std::max(felt.torque.norm() + push_.wrench.torque.norm(), anyway * tool_->samples().radius);
   return share / std::max({1.0, sum.force.norm() / force, sum.torque.norm() / torque});
 }
 
@@ -195,7 +227,8 @@ ContactForce ToolForce::deepest() const noexcept {
 
 /// What the objects do to a tool of samples.
 void ToolForce::touch(const Eigen::Isometry3d& device, std::span<ToolObject> objects,
-                      const ForceBudget& budget, Felt& felt, ForceEffort& effort) noexcept {
+                      std::span<const ToolPush> pushes, const ForceBudget& budget, Felt& felt,
+                      ForceEffort& effort) noexcept {
   Work work = begin_work(budget);
   sort_out(objects, device, effort);
   patches_.begin(tool_->patch_size());
@@ -203,7 +236,7 @@ void ToolForce::touch(const Eigen::Isometry3d& device, std::span<ToolObject> obj
     push(device, work, felt, effort);
     react(objects, device, device, 1, felt.wrench);
   }
-  if (any_held_) {
+  if (any_held_ || push_.any()) {
     const Wrench pushed = felt.wrench;
     hold(device, objects, work, felt, effort);
     const Wrench held{felt.wrench.force - pushed.force, felt.wrench.torque - pushed.torque};
@@ -213,33 +246,42 @@ void ToolForce::touch(const Eigen::Isometry3d& device, std::span<ToolObject> obj
     virtual_->carry(pose_);
   }
   end_work(work, effort);
+  press_tools(objects, pushes, device);
   patches_.write(tick_);
 }
 
 ContactForce ToolForce::next(const HandPose& hand, std::span<ToolObject> objects,
-                             std::uint64_t ticks, const ForceBudget& budget,
-                             ForceEffort& effort) noexcept {
+                             std::span<const ToolPush> pushes, std::uint64_t ticks,
+                             const ForceBudget& budget, ForceEffort& effort) noexcept {
   const Eigen::Isometry3d device = world_pose(hand);
   tick_.patch_count = 0;
   tick_.capped = false;
   for (ToolObject& object : objects) object.reaction = {};
   if (!placed_) {
     pose_ = device;
+    tick_.pose = pose_ * seat_;
     orientation_ = hand.orientation;
+    ++starts_;
     if (virtual_) virtual_->place(pose_);
   }
-  const double carried = carry(objects);
+  take_pushes(pushes);
+  const double carried = work_of(objects);
   placed_ = true;
   Felt felt;
   if (contact_ != nullptr) {
-    touch(device, objects, budget, felt, effort);
+    touch(device, objects, pushes, budget, felt, effort);
   } else {
     pose_ = device;
     if (tool_ != nullptr) press_by_paper(device, objects, felt);
   }
   damp(hand, objects, ticks, felt);
-  for (std::size_t i = 0; i < objects.size(); ++i) reactions_[i] = objects[i].reaction;
+  for (std::size_t i = 0; i < objects.size(); ++i) {
+    reactions_[i] = objects[i].reaction;
+    seats_[i] = objects[i].pose;
+    seated_[i] = objects[i].asset != nullptr ? 1 : 0;
+  }
   tick_.pose = pose_ * seat_;
+  tell_tools();
   ContactForce wanted = deepest();
   wanted.contact = felt.contact;
   // Newtons stay newtons, while levers and works shrink with the workspace's scale.

@@ -29,18 +29,33 @@ struct ToolObject {
   Wrench reaction;  ///< what the tool does to it, N, and N m about its origin; written by a tick
 };
 
+/// What the tool of another hand presses this one's with, by the springs of that hand; world.
+struct ToolPush {
+  std::size_t hand = 0;                   ///< the other's number
+  Wrench wrench;                          ///< N, and N m about the origin of this tool's frame
+  double stiffness = 0;                   ///< N/m, by which the force falls as this tool gives way
+  double turning = 0;                     ///< N m/rad, the same of the torque
+  std::span<const ContactPatch> patches;  ///< the other's; those with this hand's tool count
+};
+
 /// The force and torque of a scene's objects on a tool that a hand holds, tick by tick.
 ///
 /// Objects of method `proxy` hold a virtual tool back, which a coupling pulls to the hand
 /// (VirtualTool); objects of method `spm` push the tool at the hand's own pose, sample by sample.
 /// A tool of a `full` asset is pushed by objects of method `paper` alone, each with one force.
+///
+/// Where the tools of hands meet, each is an object for the others, so that none runs into another,
+/// and each is pushed by what another's hand presses it with: its virtual tool comes to where its
+/// own springs, the pushes and what holds it back are in balance. A push falls as the tool gives
+/// way, as the springs of the other hand do.
 /// Construction allocates; no other call allocates or throws.
 class ToolForce {
  public:
-  /// `workspace`: of the hand's frame in the world. `objects`: the largest number of them.
+  /// `workspace`: of the hand's frame in the world. `objects`: the largest number of them. After
+  /// these come the tools of `tools` hands, this one's, number `hand`, among them.
   ToolForce(const ToolSettings& settings, const ToolLoop& loop,
             const StabilizationSettings& stabilization, const Placement& workspace,
-            std::size_t objects);
+            std::size_t objects, std::size_t tools = 0, std::size_t hand = 0);
 
   /// What the tool is made of from now on; null: nothing, and no force. It begins where the one
   /// before was. Must outlive its use here.
@@ -48,10 +63,10 @@ class ToolForce {
 
   /// Force and torque on the hand at `hand` (its frame), torque about its position, `ticks` after
   /// the last call. `hand` must be finite, and its orientation unit. `objects` by their numbers,
-  /// with room for no more than the constructor was told.
+  /// with room for no more than the constructor was told. `pushes`: of the tools of other hands.
   [[nodiscard]] ContactForce next(const HandPose& hand, std::span<ToolObject> objects,
-                                  std::uint64_t ticks, const ForceBudget& budget,
-                                  ForceEffort& effort) noexcept;
+                                  std::span<const ToolPush> pushes, std::uint64_t ticks,
+                                  const ForceBudget& budget, ForceEffort& effort) noexcept;
   [[nodiscard]] const ToolTick& tick() const noexcept { return tick_; }
   /// Tells what was sent of the wrench that `next` returned.
   void sent(const Wrench& wrench) noexcept { stabilizer_.sent(wrench); }
@@ -64,6 +79,14 @@ class ToolForce {
   void reset() noexcept;
   /// Takes up that the field of an object was exchanged, or another took its number.
   void exchange(std::size_t object) noexcept;
+  /// How often the tool has begun; 0 while it is nowhere.
+  [[nodiscard]] std::uint64_t begun() const noexcept {
+    return placed_ && tool_ != nullptr ? starts_ : 0;
+  }
+  /// A tool of another hand has begun, perhaps inside this one: they leave each other slowly.
+  void meet_anew(std::size_t object) noexcept;
+  /// What this tool presses that of another hand with, since the last tick.
+  [[nodiscard]] ToolPush push_on(std::size_t hand) const noexcept;
 
   [[nodiscard]] const ToolCoupling& coupling() const noexcept { return coupling_; }
 
@@ -74,6 +97,12 @@ class ToolForce {
     bool contact = false;
     double stiffness = 0, turning = 0;  ///< N/m, N m/rad
     double stored = 0;                  ///< J
+  };
+  /// The pushes of a tick together; the world's frame, about the virtual tool's position.
+  struct Pushed {
+    Wrench wrench;
+    double stiffness = 0, turning = 0;
+    [[nodiscard]] bool any() const noexcept { return stiffness > 0; }
   };
   /// What is left of a tick's budget.
   struct Work {
@@ -86,13 +115,35 @@ class ToolForce {
   void sort_out(std::span<const ToolObject> objects, const Eigen::Isometry3d& device,
                 ForceEffort& effort) noexcept;
   [[nodiscard]] ContactObject contact_object(const ToolObject& object) const noexcept;
-  [[nodiscard]] double carry(std::span<const ToolObject> objects) noexcept;
+  [[nodiscard]] double work_of(std::span<const ToolObject> objects) noexcept;
+  [[nodiscard]] double way_of(const ToolObject& object, std::size_t number) const noexcept;
+  [[nodiscard]] Eigen::Isometry3d on_way(const ToolObject& object, std::size_t number,
+                                         double share) const noexcept;
+  void move_on(std::span<const ToolObject> objects, double from, double to) noexcept;
+  void note_carrier() noexcept;
   [[nodiscard]] Work begin_work(const ForceBudget& budget) const noexcept;
   void touch(const Eigen::Isometry3d& device, std::span<ToolObject> objects,
-             const ForceBudget& budget, Felt& felt, ForceEffort& effort) noexcept;
+             std::span<const ToolPush> pushes, const ForceBudget& budget, Felt& felt,
+             ForceEffort& effort) noexcept;
+  void take_pushes(std::span<const ToolPush> pushes) noexcept;
+  [[nodiscard]] CoupledSprings springs() const noexcept;
+  [[nodiscard]] VirtualToolReport tick_of_virtual(const Eigen::Isometry3d& device,
+                                                  const VirtualToolBudget& budget) noexcept;
+  void press_tools(std::span<const ToolObject> objects, std::span<const ToolPush> pushes,
+                   const Eigen::Isometry3d& device) noexcept;
+  [[nodiscard]] bool touches(std::size_t tool) noexcept;
+  [[nodiscard]] Wrench pressed_with(std::size_t tool, std::span<const ToolPush> pushes,
+                                    const Eigen::Isometry3d& device) const noexcept;
+  void add_mirrored(const ToolPush& push) noexcept;
+  void tell_tools() noexcept;
   void push(const Eigen::Isometry3d& device, Work& work, Felt& felt, ForceEffort& effort) noexcept;
   void hold(const Eigen::Isometry3d& device, std::span<const ToolObject> objects, Work& work,
             Felt& felt, ForceEffort& effort) noexcept;
+  [[nodiscard]] VirtualToolReport follow(const Eigen::Isometry3d& device,
+                                         std::span<const ToolObject> objects, Work& work,
+                                         ForceEffort& effort) noexcept;
+  [[nodiscard]] bool step_on(const Eigen::Isometry3d& device, std::uint32_t steps, Work& work,
+                             ForceEffort& effort, VirtualToolReport& report) noexcept;
   void press_by_paper(const Eigen::Isometry3d& device, std::span<ToolObject> objects,
                       Felt& felt) noexcept;
   void end_work(const Work& work, ForceEffort& effort) noexcept;
@@ -119,8 +170,24 @@ class ToolForce {
   Eigen::Isometry3d pose_ = Eigen::Isometry3d::Identity();  ///< of the virtual tool's grip, world
   std::vector<ContactObject> held_, pushed_;                ///< by the numbers of objects
   std::vector<Eigen::Isometry3d> seats_;                    ///< of the objects, in the last tick
-  std::vector<Wrench> reactions_;                           ///< on the objects, in the last tick
-  double most_force_ = 0;                                   ///< N, of the coupling in the world
+  std::vector<std::uint8_t> seated_;                        ///< whether that is known
+  /// m: how far objects moved past the tool since then; 0 where they did not, or jumped.
+  std::vector<double> ways_;
+  double longest_way_ = 0;         ///< m, of the objects that hold
+  std::uint32_t parts_ = 1;        ///< in which these go their ways in this tick
+  std::size_t carrier_ = 0;        ///< the moving object that the tool presses most; or none
+  std::vector<Wrench> reactions_;  ///< on the objects, in the last tick
+  double most_force_ = 0;          ///< N, of the coupling in the world
+  std::size_t first_tool_, hand_;  ///< number of the first tool of a hand, and which is this one's
+  Pushed push_;                    ///< in this tick
+  /// How this tool touches that of another hand.
+  struct Met {
+    Wrench given;                   ///< to it, about its frame's origin
+    Vector3 out = Vector3::Zero();  ///< out of it, where it was touched last
+    std::uint32_t ticks = 0;        ///< that it counts as touched
+  };
+  std::vector<Met> met_;        ///< by hands
+  std::uint64_t starts_ = 0;    ///< how often it has begun
   std::uint32_t finest_;        ///< level that the next tick may look at
   std::uint32_t patience_ = 0;  ///< ticks until it may look at the next
   bool placed_ = false;         ///< the virtual tool is somewhere

@@ -26,7 +26,14 @@ struct ToolSettings {
   double spacing = 0;       ///< m of the tool's asset, between samples; 0: chosen
   std::size_t samples = 0;  ///< largest number of samples; 0: as many as the spacing gives
   double budget = 0;        ///< s of a tick that the tool may take; 0: the loop's budget alone
-  [[nodiscard]] bool operator==(const ToolSettings&) const noexcept;
+
+  [[nodiscard]] bool operator==(const ToolSettings& other) const noexcept {
+    return asset == other.asset && placement.position == other.placement.position &&
+           placement.rotation.coeffs() == other.placement.rotation.coeffs() &&
+           placement.scale == other.placement.scale && coupling == other.coupling &&
+           turning == other.turning && torque_cap == other.torque_cap && spacing == other.spacing &&
+           samples == other.samples && budget == other.budget;
+  }
 };
 
 /// A device's turning, as far as the forces on a tool depend on it.
@@ -38,13 +45,16 @@ struct HandTurning {
   double force_cap = std::numeric_limits<double>::infinity();  ///< N
 };
 
+/// ContactPatch::object where the tool of another device is touched: this, and the device's number.
+inline constexpr std::uint32_t tool_of_device = 1U << 31U;
+
 /// A place where the tool touches an object; world frame.
 struct ContactPatch {
   Vector3 place = Vector3::Zero();   ///< m, the middle of the pressure
   Vector3 normal = Vector3::Zero();  ///< unit, out of the object
   Vector3 force = Vector3::Zero();   ///< N, on the tool
   double depth = 0;                  ///< m, the deepest sample
-  std::uint32_t object = 0;          ///< which of the scene's objects
+  std::uint32_t object = 0;          ///< which of the scene's objects; or tool_of_device
 };
 
 /// Largest number of patches that are told; the strongest are kept.

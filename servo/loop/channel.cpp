@@ -27,24 +27,28 @@ ForceOff cause_of(DeviceHealth health) noexcept {
 }
 
 /// N m: the device's, and no more than the scene's tool may.
-double torque_cap(const DeviceCapabilities& device, const LoopSettings& settings) {
+double torque_cap(const DeviceCapabilities& device, const LoopSettings& settings,
+                  std::size_t number) {
   const double own = hand_turning(device).torque_cap;
-  return settings.scene.tool ? std::min(own, settings.scene.tool->torque_cap) : own;
+  const ToolSettings* tool = tool_of(settings.scene, number);
+  return tool != nullptr ? std::min(own, tool->torque_cap) : own;
 }
 
 }  // namespace
 
-SafetySettings device_limits(const DeviceCapabilities& device, const LoopSettings& settings) {
+SafetySettings device_limits(const DeviceCapabilities& device, const LoopSettings& settings,
+                             std::size_t number) {
   const double stiffness = std::min(stiffness_at_hand(settings.scene), device.stiffness_cap);
   return safety_settings(std::min(device.force_cap, settings.force_cap), stiffness,
-                         settings.rate_hz, torque_cap(device, settings));
+                         settings.rate_hz, torque_cap(device, settings, number));
 }
 
-HandTurning turning_in_run(const DeviceCapabilities& device, const LoopSettings& settings) {
+HandTurning turning_in_run(const DeviceCapabilities& device, const LoopSettings& settings,
+                           std::size_t number) {
   HandTurning turning = hand_turning(device);
   const double force = std::min(device.force_cap, settings.force_cap);
   turning.force_cap = force > 0 ? force : std::numeric_limits<double>::infinity();
-  turning.torque_cap = torque_cap(device, settings);
+  turning.torque_cap = torque_cap(device, settings, number);
   return turning;
 }
 
@@ -91,15 +95,15 @@ double WorkAccount::next(const HandPose& hand, const Wrench& sent) noexcept {
   return work;
 }
 
-Channel::Channel(Device* driven, const LoopSettings& settings, std::size_t room)
+Channel::Channel(Device* driven, const LoopSettings& settings, std::size_t room, std::size_t number)
     : device(driven),
-      safety(device_limits(driven->capabilities(), settings)),
+      safety(device_limits(driven->capabilities(), settings, number)),
       gate(settings.rate_hz),
       permission(
           {settings.acknowledge, settings.enable_button, driven->capabilities().clutch_button}),
       force(settings.scene, 1 / settings.rate_hz, driven->capabilities().encoder_step, room,
             felt_limits(force_device(driven->capabilities()), 1 / settings.rate_hz),
-            turning_in_run(driven->capabilities(), settings)),
+            turning_in_run(driven->capabilities(), settings, number), number),
       force_cap(safety.force_cap()),
       motion(driven->capabilities().encoder_step, driven->capabilities().turn_step,
              1 / settings.rate_hz),

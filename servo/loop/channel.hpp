@@ -14,14 +14,14 @@
 
 namespace spm::servo {
 
-/// What holds for one device in a run of these settings.
+/// What holds for one device, by its number, in a run of these settings.
 [[nodiscard]] SafetySettings device_limits(const DeviceCapabilities& device,
-                                           const LoopSettings& settings);
+                                           const LoopSettings& settings, std::size_t number = 0);
 
 /// The turning of a device as the forces on a tool are made for it: with the caps of the run. A cap
 /// of 0 N is none, since then nothing is sent.
 [[nodiscard]] HandTurning turning_in_run(const DeviceCapabilities& device,
-                                         const LoopSettings& settings);
+                                         const LoopSettings& settings, std::size_t number = 0);
 
 /// The clutch of one device: while it is held, the hand moves and turns freely and the tool stays.
 /// Afterwards the tool follows the hand's motions from where it stayed, each in the same direction
@@ -76,8 +76,8 @@ class WorkAccount {
 
 /// One device, and the state that the loop keeps for it from tick to tick.
 struct Channel {
-  /// `room`: number of objects that can be added to the scene. Allocates.
-  Channel(Device* driven, const LoopSettings& settings, std::size_t room);
+  /// `room`: number of objects that can be added to the scene. `number`: of the device. Allocates.
+  Channel(Device* driven, const LoopSettings& settings, std::size_t room, std::size_t number = 0);
 
   /// Reads the device. One that tells nothing is still where it was.
   [[nodiscard]] DeviceHealth read(DeviceState& state, std::uint64_t tick) noexcept;

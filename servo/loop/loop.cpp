@@ -48,11 +48,12 @@ Loop::Loop(const LoopSettings& settings, std::vector<Device*> devices,
       stiffness_(stiffness_at_hand(settings.scene)) {
   const std::size_t room = app != nullptr ? AppScene::room(settings.scene) : 0;
   for (std::size_t i = 0; i < devices.size(); ++i) {
-    Channel channel(devices[i], settings, room);
+    Channel channel(devices[i], settings, room, i);
     channel.record.device = static_cast<std::uint32_t>(i);
     channels_.push_back(std::move(channel));
   }
   for (Channel& channel : channels_) forces_.push_back(&channel.force);
+  for (SceneForce* force : forces_) force->meet(forces_);
   if (app != nullptr) app_.emplace(*app, settings_.scene);
   const double scale = settings_.scene.workspace.scale;
   for (std::size_t i = 0; app_ && i < devices.size(); ++i) {
@@ -182,8 +183,7 @@ void Loop::tell_beat(std::int64_t woke) noexcept {
 
 /// An asset without objects may be lost without effect, unless it is the tool.
 bool Loop::is_needed(std::size_t asset) const noexcept {
-  const std::optional<ToolSettings>& tool = settings_.scene.tool;
-  return !app_ || app_->uses(asset) || (tool && tool->asset == asset);
+  return !app_ || app_->uses(asset) || is_tool(settings_.scene, asset);
 }
 
 void Loop::take_edit(std::int64_t now_ns) noexcept {
@@ -208,9 +208,9 @@ void Loop::take_up() noexcept {
     if (asset != served_[i] && asset != nullptr) {
       changed = true;
       if (app_) app_->set_reach(i, asset->reach());
+      if (app_) app_->set_form(i, asset->view->full);
     }
-    const bool is_tool = settings_.scene.tool && settings_.scene.tool->asset == i;
-    if (is_tool && asset != served_[i]) take_tool(asset);
+    if (asset != served_[i] && is_tool(settings_.scene, i)) take_tool(i, asset);
     served_[i] = asset;
     views_[i] = asset != nullptr ? asset->view : nullptr;
     complete_ = complete_ && (asset != nullptr || !is_needed(i));
@@ -224,11 +224,16 @@ void Loop::take_up() noexcept {
   }
 }
 
-/// Hands the samples of the tool to all hands; null for none.
-void Loop::take_tool(const ServedAsset* asset) noexcept {
-  const Placement& placement = settings_.scene.tool->placement;
+/// Hands the samples of a tool, which is of the asset of that number, to all hands that hold it;
+/// null for none.
+void Loop::take_tool(std::size_t number, const ServedAsset* asset) noexcept {
   for (Channel& channel : channels_) {
-    channel.force.take_tool(asset != nullptr ? asset->tool : nullptr, channel.record.device);
+    const std::size_t device = channel.record.device;
+    const ToolSettings* tool = tool_of(settings_.scene, device);
+    if (tool == nullptr || tool->asset != number) continue;
+    const Placement& placement = tool->placement;
+    channel.force.take_tool(asset != nullptr ? asset->tool_of(device) : nullptr,
+                            memory_of(settings_.scene, device));
     if (asset == nullptr) continue;
     channel.arm = (placement.position.norm() + placement.scale * asset->reach()) /
                   settings_.scene.workspace.scale;

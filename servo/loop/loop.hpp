@@ -84,9 +84,9 @@ class Loop {
   void tell(Channel& channel, const DeviceState& state, DeviceHealth health,
             const ContactForce& contact, const SafeWrench& sent) noexcept;
   static void tell_tool(const Channel& channel, AppDevice& published) noexcept;
-  [[nodiscard]] HandPose hand_of_tool(const HandPose& tool) const noexcept;
+  [[nodiscard]] HandPose hand_of_tool(const HandPose& tool, std::size_t device) const noexcept;
   void take_up() noexcept;
-  void take_tool(const ServedAsset* asset) noexcept;
+  void take_tool(std::size_t number, const ServedAsset* asset) noexcept;
   void record(Channel& channel, std::uint64_t tick, std::int64_t wake_ns,
               std::int64_t busy_ns) noexcept;
   void send_zero() noexcept;

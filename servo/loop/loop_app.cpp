@@ -82,7 +82,7 @@ void Loop::tell(Channel& channel, const DeviceState& state, DeviceHealth health,
   published.proxy = {
       published.state.position + contact.depth * (workspace.rotation * contact.normal),
       published.state.orientation};
-  if (published.has_tool) published.proxy = hand_of_tool(record.tool);
+  if (published.has_tool) published.proxy = hand_of_tool(record.tool, record.device);
   published.velocity = workspace.scale * (workspace.rotation * channel.motion.velocity());
   published.angular_velocity = workspace.rotation * channel.motion.angular_velocity();
 }
@@ -97,8 +97,8 @@ void Loop::tell_tool(const Channel& channel, AppDevice& published) noexcept {
 }
 
 /// Where a hand would be that held the tool where it is, in the world.
-HandPose Loop::hand_of_tool(const HandPose& tool) const noexcept {
-  const Placement& held = settings_.scene.tool->placement;
+HandPose Loop::hand_of_tool(const HandPose& tool, std::size_t device) const noexcept {
+  const Placement& held = tool_of(settings_.scene, device)->placement;
   const Eigen::Quaterniond turn = tool.orientation * held.rotation.conjugate();
   return {tool.position - turn * held.position, turn};
 }

@@ -3,7 +3,9 @@
 
 #include <algorithm>
 #include <array>
+#include <memory>
 #include <optional>
+#include <utility>
 
 #include "servo/base/clock.hpp"
 #include "servo/base/schedule.hpp"
@@ -66,49 +68,104 @@ SceneChange change_in(const RecordingRow& row) {
 
 }  // namespace
 
+namespace {
+
+/// One hand in a replay.
+class Replayed {
+ public:
+  Replayed(std::span<const AssetView* const> assets, const ReplayHand& hand)
+      : assets_(assets), hand_(hand), options_(*hand.options), force_(force_of(options_)) {
+    const std::size_t rows = hand.trajectory.size();
+    result_.contacts.resize(rows);
+    result_.busy_ns.resize(rows);
+    if (options_.scene.tool) {
+      force_.take_tool(options_.tool, memory_of(options_.scene, options_.hand));
+      result_.tools.resize(rows);
+    }
+    for (std::size_t i = 0; i < options_.gone.size(); ++i) {
+      if (options_.gone[i]) force_.remove(i);
+    }
+    step_ = options_.steps.begin();
+  }
+
+  [[nodiscard]] bool done() const { return row_ == hand_.trajectory.size(); }
+  [[nodiscard]] std::uint64_t tick() const { return hand_.ticks[row_]; }
+  [[nodiscard]] SceneForce& force() { return force_; }
+  [[nodiscard]] ReplayResult& result() { return result_; }
+
+  /// The next row.
+  void next() {
+    for (; step_ != options_.steps.end() && step_->row <= row_; ++step_) {
+      apply(step_->step, force_);
+    }
+    const ReplayMark mark = options_.marks.empty() ? ReplayMark{} : options_.marks[row_];
+    if (mark.forgot || mark.off) force_.reset();
+    const std::int64_t begin = now_ns();
+    if (!mark.off) {
+      result_.contacts[row_] = force_.next(assets_, hand_.trajectory[row_].pose(), mark.ticks,
+                                           ForceBudget::again(mark.effort));
+    }
+    result_.busy_ns[row_] = now_ns() - begin;
+    if (options_.scene.tool && !mark.off) result_.tools[row_] = tick_of(force_);
+    if (mark.sent) force_.sent(*mark.sent);
+    ++row_;
+  }
+
+ private:
+  [[nodiscard]] static SceneForce force_of(const ReplayOptions& options) {
+    const auto added =
+        std::count_if(options.steps.begin(), options.steps.end(),
+                      [](const ReplayStep& step) { return step.step.kind == RecordedKind::added; });
+    return SceneForce(options.scene, 1 / options.rate_hz, options.encoder_step,
+                      static_cast<std::size_t>(added), options.limits, options.turning,
+                      options.hand);
+  }
+
+  std::span<const AssetView* const> assets_;
+  ReplayHand hand_;
+  const ReplayOptions& options_;
+  SceneForce force_;
+  ReplayResult result_;
+  std::vector<ReplayStep>::const_iterator step_;
+  std::size_t row_ = 0;
+};
+
+}  // namespace
+
 ReplayResult replay(std::span<const AssetView* const> assets,
                     const std::vector<TrajectorySample>& trajectory, const ReplayOptions& options) {
-  ReplayResult result;
-  result.contacts.resize(trajectory.size());
-  result.busy_ns.resize(trajectory.size());
+  Replayed hand(assets, {trajectory, {}, &options});
   TickSchedule schedule(now_ns() + lead_ns, options.rate_hz);
-  const auto added =
-      std::count_if(options.steps.begin(), options.steps.end(),
-                    [](const ReplayStep& step) { return step.step.kind == RecordedKind::added; });
-  SceneForce force(options.scene, 1 / options.rate_hz, options.encoder_step,
-                   static_cast<std::size_t>(added), options.limits, options.turning);
-  if (options.scene.tool) force.take_tool(options.tool, options.hand);
-  if (options.scene.tool) result.tools.resize(trajectory.size());
-  for (std::size_t i = 0; i < options.gone.size(); ++i) {
-    if (options.gone[i]) force.remove(i);
-  }
-  auto step = options.steps.begin();
-  for (std::size_t row = 0; row < trajectory.size(); ++row) {
+  while (!hand.done()) {
     if (options.pace == Pace::realtime) {
       sleep_until(schedule.due());
       schedule.advance(now_ns());
     }
-    for (; step != options.steps.end() && step->row <= row; ++step) apply(step->step, force);
-    const ReplayMark mark = options.marks.empty() ? ReplayMark{} : options.marks[row];
-    if (mark.forgot || mark.off) force.reset();
-    const std::int64_t begin = now_ns();
-    if (!mark.off) {
-      result.contacts[row] =
-          force.next(assets, trajectory[row].pose(), mark.ticks, ForceBudget::again(mark.effort));
-    }
-    result.busy_ns[row] = now_ns() - begin;
-    if (options.scene.tool && !mark.off) result.tools[row] = tick_of(force);
-    if (mark.sent) force.sent(*mark.sent);
+    hand.next();
   }
-  return result;
+  return std::move(hand.result());
 }
 
-Result<std::unique_ptr<SampledTool>> sample_tool(const ForceScene& scene,
-                                                 std::span<const AssetView* const> assets,
-                                                 std::size_t hands, std::size_t added) {
-  if (!scene.tool) return std::unique_ptr<SampledTool>();
-  return SampledTool::make(*assets[scene.tool->asset], *scene.tool, hands,
-                           scene.objects.size() + added);
+std::vector<ReplayResult> replay_together(std::span<const AssetView* const> assets,
+                                          std::span<const ReplayHand> hands) {
+  std::vector<std::unique_ptr<Replayed>> played;
+  std::vector<SceneForce*> forces;
+  for (const ReplayHand& hand : hands) {
+    played.push_back(std::make_unique<Replayed>(assets, hand));
+    forces.push_back(&played.back()->force());
+  }
+  for (SceneForce* force : forces) force->meet(forces);
+  for (;;) {
+    Replayed* next = nullptr;
+    for (const auto& hand : played) {
+      if (!hand->done() && (next == nullptr || hand->tick() < next->tick())) next = hand.get();
+    }
+    if (next == nullptr) break;
+    next->next();
+  }
+  std::vector<ReplayResult> results;
+  for (const auto& hand : played) results.push_back(std::move(hand->result()));
+  return results;
 }
 
 RecordedTicks ticks_of(const Recording& recording, std::size_t device) {

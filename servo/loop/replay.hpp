@@ -44,8 +44,8 @@ struct ReplayOptions {
   double encoder_step = 0;      ///< m, of the hand: largest error of a recorded position
   FeltLimits limits;            ///< as they were for the device
   HandTurning turning;          ///< the same
-  SampledTool* tool = nullptr;  ///< of the scene; null: it has none. It must outlive the replay.
-  std::size_t hand = 0;         ///< which of the hands that the tool has room for
+  SampledTool* tool = nullptr;  ///< of the hand; null: it has none. It must outlive the replay.
+  std::size_t hand = 0;         ///< number of the hand, whose tool it is
   Pace pace = Pace::none;
   std::vector<ReplayMark> marks;  ///< one for each row; empty: the law was evaluated in every tick
   std::vector<bool> gone;         ///< objects of the scene that are not there at the start
@@ -76,11 +76,17 @@ struct ReplayResult {
                                   const std::vector<TrajectorySample>& trajectory,
                                   const ReplayOptions& options);
 
-/// The samples of a scene's tool for a replay of so many hands; null where it has none. `assets` as
-/// for `replay`, `added`: how many changes add an object. Errors: those of SampledTool::make.
-[[nodiscard]] Result<std::unique_ptr<SampledTool>> sample_tool(
-    const ForceScene& scene, std::span<const AssetView* const> assets, std::size_t hands,
-    std::size_t added);
+/// One of several hands whose tools meet.
+struct ReplayHand {
+  std::span<const TrajectorySample> trajectory;
+  std::span<const std::uint64_t> ticks;  ///< on the loop's grid, of each row
+  const ReplayOptions* options = nullptr;
+};
+
+/// The same for several hands at once, tick by tick in the order of the hands, as the loop serves
+/// them, so that their tools touch as they did. Without waiting. Pointers must outlive the call.
+[[nodiscard]] std::vector<ReplayResult> replay_together(std::span<const AssetView* const> assets,
+                                                        std::span<const ReplayHand> hands);
 
 /// Why later rows of a recording do not belong to the scene that its daemon began with.
 enum class SceneChange {

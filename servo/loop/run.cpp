@@ -20,6 +20,7 @@
 #include "common/base/units.hpp"
 #include "servo/app/app_server.hpp"
 #include "servo/devices/finder/device_list.hpp"
+#include "servo/loop/place_watch.hpp"
 #include "servo/loop/run_header.hpp"
 #include "servo/loop/run_messages.hpp"
 #include "servo/loop/supervisor.hpp"
@@ -78,7 +79,7 @@ Result<std::unique_ptr<SceneAssets>> open_assets(const RunOptions& options,
   each.lock = options.realtime != RealtimeMode::off;
   each.warn = log_warning;
   const std::size_t spare = options.force.scene.empty() ? 0 : spare_assets;
-  const ToolRoom room{hands, choice.scene.objects.size() + AppScene::room(choice.scene)};
+  const ToolRoom room{hands, objects_to_meet(choice.scene, AppScene::room(choice.scene))};
   return SceneAssets::open(std::move(each), choice, spare, room);
 }
 
@@ -138,38 +139,6 @@ Supervisor::Afterwards keep_black_box(const RunOptions& options, const BlackBoxM
     return "warning: the last ticks are kept in " + path + "; look at them with spm-servo replay";
   };
 }
-
-/// Names all devices, where they are plugged in now, to a supervisor.
-Result<void> name_devices(Supervisor& supervisor, const std::vector<Device*>& devices) {
-  std::vector<std::string> targets;
-  targets.reserve(devices.size());
-  for (const Device* device : devices) targets.push_back(zero_force_target(*device));
-  return supervisor.watch(targets);
-}
-
-/// Names them again when one was found again, perhaps at another place.
-class PlaceWatch {
- public:
-  /// `supervisor` may be null.
-  PlaceWatch(Supervisor* supervisor, const std::vector<Device*>& devices)
-      : supervisor_(supervisor), devices_(devices) {}
-
-  void look() {
-    if (supervisor_ == nullptr) return;
-    std::uint64_t reopened = 0;
-    for (const Device* device : devices_) reopened += device->reopened();
-    if (std::exchange(reopened_, reopened) == reopened) return;
-    if (const auto named = name_devices(*supervisor_, devices_); !named) {
-      log_warning(named.error().message);
-      supervisor_ = nullptr;
-    }
-  }
-
- private:
-  Supervisor* supervisor_;
-  const std::vector<Device*>& devices_;
-  std::uint64_t reopened_ = 0;
-};
 
 /// Runs the loop in a thread of its own, while this thread takes its records and does `meanwhile`.
 Result<RealtimeState> drive(Loop& loop, Collector& collector, const RunOptions& options,
@@ -250,7 +219,8 @@ Result<std::vector<Device*>> open_devices(const RunOptions& options, const Force
   if (!pinned) return tl::make_unexpected(pinned.error());
   std::vector<Device*> open;
   for (const auto& device : devices) {
-    const DeviceSetup setup{options.rate_hz, options.realtime, choice.scene, views};
+    const DeviceSetup setup{options.rate_hz, options.realtime,
+                            scene_of_hand(choice.scene, open.size()), views};
     if (auto opened = device->open(setup); !opened) {
       return tl::make_unexpected(std::move(opened.error()));
     }
@@ -315,6 +285,11 @@ Result<RunReport> run(const RunOptions& asked) {
   options.force.device = least_stiff(force_devices(*devices));
   choice = choose_forces(options.force);
   if (!choice) return tl::make_unexpected(choice.error());
+  if (auto fit = check_tool_count(choice->scene, devices->size(),
+                                  place_of_tool(*choice, tools_of(choice->scene) - 1));
+      !fit) {
+    return tl::make_unexpected(std::move(fit.error()));
+  }
   auto assets = open_assets(options, *choice, devices->size());
   if (!assets) return tl::make_unexpected(std::move(assets.error()));
 
@@ -363,7 +338,7 @@ Result<RunReport> run(const RunOptions& asked) {
   Collector collector(ring, open_devices.size(), options.rate_hz, std::move(*keeps), log_warning);
   (*assets)->watch();
   if (scene_keeper) scene_keeper->watch();
-  PlaceWatch places(supervisor.get(), open_devices);
+  PlaceWatch places(supervisor.get(), open_devices, log_warning);
   const WakeupLatency latency = WakeupLatency::hold(options.realtime);
   ServiceNotice notice;
   notice.ready();

@@ -35,7 +35,7 @@ RecordingHeader recording_header(const LoopSettings& settings, const ForceChoice
     RecordedDevice& recorded = header.devices.emplace_back();
     recorded = {can.name, can.encoder_step, can.stiffness_cap, cap, {}};
     if (can.profile != nullptr) recorded.profile = can.profile->name;
-    const HandTurning turning = turning_in_run(can, settings);
+    const HandTurning turning = turning_in_run(can, settings, header.devices.size() - 1);
     recorded.turns = turning.reads;
     recorded.torque_cap = turning.torque_cap;
     recorded.turn_step = turning.turn_step;

@@ -29,11 +29,20 @@ std::string forces_text(const ForceScene& scene) {
   return text + (scene.stabilization.any() ? ", stabilized" : ", not stabilized");
 }
 
+/// How far the samples of the coarsest tool are apart, m of the world.
+double widest_spacing(const ForceChoice& choice, const std::vector<KeeperReport>& assets) {
+  double widest = 0;
+  for (std::size_t k = 0; k < tools_of(choice.scene); ++k) {
+    widest = std::max(widest, assets[tool_of(choice.scene, k)->asset].tool_spacing);
+  }
+  return widest;
+}
+
 /// A sentence for each object that may pass between the samples of the tool.
 std::vector<std::string> sample_warnings(const ForceChoice& choice,
                                          const std::vector<KeeperReport>& assets) {
   std::vector<std::string> list;
-  const double spacing = assets[choice.scene.tool->asset].tool_spacing;
+  const double spacing = widest_spacing(choice, assets);
   for (std::size_t i = 0; i < choice.scene.objects.size(); ++i) {
     const PlacedObject& object = choice.scene.objects[i];
     const AssetMetadata& asset = assets[object.asset].metadata;
@@ -62,7 +71,10 @@ std::string start_message(const RunOptions& options, const ForceScene& scene,
   } else {
     text += fmt::format("a scene of {} assets", assets.size());
   }
-  if (scene.tool) text += " to the tool " + paths[scene.tool->asset];
+  for (std::size_t k = 0; k < tools_of(scene); ++k) {
+    const char* before = k == 0 ? (tools_meet(scene) ? " to the tools " : " to the tool ") : ", ";
+    text += before + paths[tool_of(scene, k)->asset];
+  }
   text += " " + forces_text(scene) + fmt::format(", at {:g} Hz on ", options.rate_hz);
   for (std::size_t i = 0; i < devices.size(); ++i) {
     text += (i > 0 ? ", " : "") + devices[i]->capabilities().name;
@@ -108,10 +120,10 @@ std::vector<std::string> tool_warnings(const ForceChoice& choice,
                                        const std::vector<Device*>& devices) {
   if (!choice.scene.tool) return {};
   std::vector<std::string> list = sample_warnings(choice, assets);
-  const AssetMetadata& tool = assets[choice.scene.tool->asset].metadata;
-  const double longest = tool_size(tool, *choice.scene.tool).maxCoeff();
-  for (const Device* device : devices) {
-    const DeviceCapabilities& can = device->capabilities();
+  for (std::size_t i = 0; i < devices.size(); ++i) {
+    const DeviceCapabilities& can = devices[i]->capabilities();
+    const ToolSettings& tool = *tool_of(choice.scene, i);
+    const double longest = tool_size(assets[tool.asset].metadata, tool).maxCoeff();
     if (!can.turns) {
       list.push_back(can.name +
                      " does not tell how its tool is turned: the scene's tool keeps the "
@@ -119,7 +131,7 @@ std::vector<std::string> tool_warnings(const ForceChoice& choice,
     }
     const double edge = 2 * can.workspace.maxCoeff() * choice.scene.workspace.scale;
     if (edge > 0 && longest > edge) {
-      list.push_back(choice.tool_place + "the tool is " +
+      list.push_back(place_of_tool(choice, i) + "the tool is " +
                      format_quantity(longest, Quantity::length) + " long, and the workspace of " +
                      can.name + " " + format_quantity(edge, Quantity::length) +
                      ": lower 'scale' of [tool], or raise 'scale' of [workspace]");

@@ -44,16 +44,17 @@ double force_cap_of(const RunReport& report, const DeviceCapabilities& device) {
   return std::min(device.force_cap, report.force.device.force_cap.value_or(device.force_cap));
 }
 
-double torque_cap_of(const RunReport& report, const DeviceCapabilities& device) {
-  const double own = hand_turning(device).torque_cap;
-  const std::optional<ToolSettings>& tool = report.force.scene.tool;
-  return tool ? std::min(own, tool->torque_cap) : own;
+/// Of a device by its number.
+double torque_cap_of(const RunReport& report, std::size_t number) {
+  const double own = hand_turning(report.devices[number].capabilities).torque_cap;
+  const ToolSettings* tool = tool_of(report.force.scene, number);
+  return tool != nullptr ? std::min(own, tool->torque_cap) : own;
 }
 
 /// What a device that gives torque, or a hand that holds a tool, did beside force.
-void add_turning(ordered_json& entry, const RunReport& report, const DeviceReport& device) {
-  const DeviceCounters& counters = device.counters;
-  const double cap = torque_cap_of(report, device.capabilities);
+void add_turning(ordered_json& entry, const RunReport& report, std::size_t number) {
+  const DeviceCounters& counters = report.devices[number].counters;
+  const double cap = torque_cap_of(report, number);
   if (cap > 0) {
     if (std::isfinite(cap)) entry["torque_cap_n_m"] = cap;
     entry["torque_max_n_m"] = counters.torque_max;
@@ -85,7 +86,7 @@ ordered_json devices_json(const RunReport& report) {
     entry["cap_hits"] = device.counters.cap_hits;
     entry["slew_hits"] = device.counters.slew_hits;
     entry["energy_j"] = device.counters.energy;
-    add_turning(entry, report, device);
+    add_turning(entry, report, list.size());
     entry["degraded_ticks"] = device.counters.degraded_ticks;
     entry["degraded_answers"] = degraded_json(device.counters.held, device.counters.shortened);
     entry["force_off"] = force_off_json(device.counters.force_off);
@@ -155,10 +156,10 @@ std::string device_text(std::size_t number, const DeviceReport& device) {
 /// Of the devices that give torque, or whose hands hold a tool; empty where there are none.
 std::string turning_text(const RunReport& report) {
   std::string text;
-  for (const DeviceReport& device : report.devices) {
-    const DeviceCounters& counters = device.counters;
-    const std::string& name = device.capabilities.name;
-    if (torque_cap_of(report, device.capabilities) > 0) {
+  for (std::size_t i = 0; i < report.devices.size(); ++i) {
+    const DeviceCounters& counters = report.devices[i].counters;
+    const std::string& name = report.devices[i].capabilities.name;
+    if (torque_cap_of(report, i) > 0) {
       text += fmt::format("{}: largest torque {:.4f} N m, torque cap met {} times\n", name,
                           counters.torque_max, counters.torque_cap_hits);
     }

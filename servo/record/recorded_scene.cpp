@@ -197,7 +197,7 @@ PlacedObject object_of(const Json& json, std::size_t assets, std::string& proble
   return object;
 }
 
-ToolSettings tool_of(const Json& json, std::size_t assets, std::string& problem) {
+ToolSettings recorded_tool(const Json& json, std::size_t assets, std::string& problem) {
   ToolSettings tool;
   Reader reader(json, "tool.", problem);
   walk(reader, tool);
@@ -243,6 +243,9 @@ std::string text_of(const RecordedScene& recorded) {
                {"objects", std::move(objects)}};
   if (recorded.scene.tool) {
     json["tool"] = json_of(*recorded.scene.tool);
+    for (const ToolSettings& tool : recorded.scene.more_tools) {
+      json["more_tools"].push_back(json_of(tool));
+    }
     // By which a coupling that the tool does not name is chosen.
     json["added"] = json_of(recorded.scene.added);
   }
@@ -261,7 +264,10 @@ Result<RecordedScene> recorded_scene(const std::string& text, std::size_t assets
   Reader stabilization(json["stabilization"], "stabilization.", problem);
   walk(stabilization, recorded.scene.stabilization);
   if (json.contains("tool")) {
-    recorded.scene.tool = tool_of(json["tool"], assets, problem);
+    recorded.scene.tool = recorded_tool(json["tool"], assets, problem);
+    for (const Json& tool : json.value("more_tools", Json::array())) {
+      recorded.scene.more_tools.push_back(recorded_tool(tool, assets, problem));
+    }
     recorded.scene.added = object_of(json.value("added", Json()), assets, problem);
   }
   JsonFields fields(json, "", problem);

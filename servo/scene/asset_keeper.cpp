@@ -41,18 +41,22 @@ Result<std::unique_ptr<AssetKeeper::Holding>> AssetKeeper::load() const {
   }
   auto holding = std::make_unique<Holding>();
   if (options_.sample) {
-    auto tool = options_.sample((*asset)->view());
-    if (!tool) {
-      return fail(tool.error().code, options_.path + ": " + tool.error().message);
+    auto tools = options_.sample((*asset)->view());
+    if (!tools) {
+      return fail(tools.error().code, options_.path + ": " + tools.error().message);
     }
-    holding->tool = std::move(*tool);
+    holding->tools = std::move(*tools);
   }
   const std::chrono::duration<double> opened = steady_clock::now() - started;
   // Reads the whole file. This is done now, not while the file is served, when it must be watched.
   static_cast<void>((*asset)->content_sha256());
   holding->asset = std::move(*asset);
   holding->open_seconds = opened.count();
-  holding->served = {&holding->asset->view(), holding->asset.get(), holding->tool.get()};
+  holding->served = {&holding->asset->view(), holding->asset.get()};
+  for (const auto& tool : holding->tools) {
+    if (holding->tools.size() > 1) holding->served.own_tools.push_back(tool.get());
+    if (holding->served.tool == nullptr) holding->served.tool = tool.get();
+  }
   return holding;
 }
 
@@ -124,12 +128,13 @@ void AssetKeeper::install(std::unique_ptr<Holding> holding) {
   report_.bytes = current_->asset->bytes();
   report_.resident_bytes = current_->asset->resident_bytes();
   report_.open_seconds = current_->open_seconds;
-  const SampledTool* tool = current_->tool.get();
+  const SampledTool* tool = current_->served.tool;
   // A `full` tool has none.
   const bool sampled = tool != nullptr && !tool->samples().levels.empty();
   report_.tool_samples = sampled ? tool->samples().levels.back().count : 0;
   report_.tool_spacing = sampled ? tool->samples().levels.back().spacing : 0;
-  report_.tool_bytes = tool != nullptr ? tool->bytes() : 0;
+  report_.tool_bytes = 0;
+  for (const auto& made : current_->tools) report_.tool_bytes += made ? made->bytes() : 0;
   report_.locked = current_->asset->locked();
   report_.serving = true;
 }

@@ -25,9 +25,10 @@ struct KeeperOptions {
   std::chrono::milliseconds longest_retry{1000};
   /// Refuses an intact asset that the loop cannot serve with its settings. May be empty.
   std::function<Result<void>(const AssetMetadata&)> accept;
-  /// Makes the samples of an asset that is the tool, whenever its file is loaded; it is refused
-  /// where that fails. Called on the loading thread. Empty for all other assets.
-  std::function<Result<std::unique_ptr<SampledTool>>(const AssetView&)> sample;
+  /// Makes the samples of an asset that is a tool, whenever its file is loaded; it is refused where
+  /// that fails. One for all hands, or one for each, null where that holds another. Called on the
+  /// loading thread. Empty for all other assets.
+  std::function<Result<std::vector<std::unique_ptr<SampledTool>>>(const AssetView&)> sample;
   /// Called with a sentence for a person, on the loading thread. May be empty.
   std::function<void(const std::string&)> warn;
 };
@@ -82,7 +83,7 @@ class AssetKeeper {
   /// A mapping, and the record that describes it to the loop.
   struct Holding {
     std::unique_ptr<MappedAsset> asset;
-    std::unique_ptr<SampledTool> tool;  ///< null where the asset is none
+    std::vector<std::unique_ptr<SampledTool>> tools;  ///< empty where the asset is none
     ServedAsset served;
     double open_seconds = 0;
   };

@@ -2,6 +2,8 @@
 #pragma once
 
 #include <atomic>
+#include <cstddef>
+#include <vector>
 
 #include "common/asset/asset_view.hpp"
 #include "formats/asset/mapped_asset.hpp"
@@ -13,8 +15,15 @@ namespace spm::servo {
 struct ServedAsset {
   const AssetView* view = nullptr;
   const MappedAsset* mapping = nullptr;
-  SampledTool* tool =
-      nullptr;  ///< the samples, where the asset is the scene's tool; the loop's own
+  /// The samples, where the asset is a tool of the scene; the loop's own. Where hands have tools of
+  /// their own the first that is made of it.
+  SampledTool* tool = nullptr;
+  std::vector<SampledTool*> own_tools{};  ///< by hands that have tools of their own; may be null
+
+  [[nodiscard]] SampledTool* tool_of(std::size_t hand) const noexcept {
+    if (own_tools.empty()) return tool;
+    return hand < own_tools.size() ? own_tools[hand] : nullptr;
+  }
 
   [[nodiscard]] bool lost() const noexcept { return mapping != nullptr && mapping->lost(); }
 

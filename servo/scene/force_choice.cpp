@@ -178,18 +178,38 @@ Result<ForceChoice> choose_asset(const ForceOptions& options) {
   return choice;
 }
 
-/// The tool of a scene, where it is an object; its asset comes after the objects'.
-Result<void> take_tool(const Scene& scene, ForceChoice& choice) {
-  if (!scene.tool) return {};
-  choice.tool_place = scene.path + ": line " + std::to_string(scene.tool->line) + ": ";
-  auto tool = tool_settings(*scene.tool, scene.path, choice.tool_place);
-  if (!tool) return tl::make_unexpected(std::move(tool.error()));
-  tool->asset = asset_number(choice, scene.tool->asset);
+/// A tool of a scene; its asset comes after the objects'. `place`: file and line.
+Result<ToolSettings> chosen_tool(const Scene& scene, const SceneTool& named,
+                                 const std::string& place, ForceChoice& choice) {
+  auto tool = tool_settings(named, scene.path, place);
+  if (!tool) return tool;
+  tool->asset = asset_number(choice, named.asset);
   for (std::size_t i = 0; i < choice.scene.objects.size(); ++i) {
-    auto checked = check_tool_scale(*tool, choice.scene.objects[i], choice.places[i]);
-    if (!checked) return checked;
+    const PlacedObject& object = choice.scene.objects[i];
+    auto checked =
+        check_tool_scale(*tool, object.placement.scale, object.force.method, choice.places[i]);
+    if (!checked) return tl::make_unexpected(std::move(checked.error()));
   }
-  choice.scene.tool = *tool;
+  return tool;
+}
+
+/// The tools of a scene, where they are objects. What applications add follows their method.
+Result<void> take_tools(const Scene& scene, ForceChoice& choice) {
+  if (!scene.tool) return {};
+  const auto place = [&](const SceneTool& tool) {
+    return scene.path + ": line " + std::to_string(tool.line) + ": ";
+  };
+  choice.tool_place = place(*scene.tool);
+  auto first = chosen_tool(scene, *scene.tool, choice.tool_place, choice);
+  if (!first) return tl::make_unexpected(std::move(first.error()));
+  choice.scene.tool = *first;
+  for (const SceneTool& named : scene.more_tools) {
+    choice.more_tool_places.push_back(place(named));
+    auto tool = chosen_tool(scene, named, choice.more_tool_places.back(), choice);
+    if (!tool) return tl::make_unexpected(std::move(tool.error()));
+    choice.scene.more_tools.push_back(*tool);
+  }
+  if (is_by_paper(choice.scene)) choice.scene.added.force.method = Method::paper;
   return {};
 }
 
@@ -234,7 +254,7 @@ Result<ForceChoice> choose_scene(const ForceOptions& options) {
     choice.scene.objects.push_back(made);
     choice.places.push_back(place);
   }
-  if (auto taken = take_tool(*scene, choice); !taken) return tl::make_unexpected(taken.error());
+  if (auto taken = take_tools(*scene, choice); !taken) return tl::make_unexpected(taken.error());
   return choice;
 }
 
@@ -287,7 +307,15 @@ std::string place_of_asset(const ForceChoice& choice, std::size_t which) {
   for (std::size_t i = 0; i < choice.scene.objects.size(); ++i) {
     if (choice.scene.objects[i].asset == which) return choice.places[i];
   }
-  return is_tool(choice.scene, which) ? choice.tool_place : std::string();
+  for (std::size_t k = 0; k < tools_of(choice.scene); ++k) {
+    if (tool_of(choice.scene, k)->asset == which) return place_of_tool(choice, k);
+  }
+  return {};
+}
+
+const std::string& place_of_tool(const ForceChoice& choice, std::size_t hand) {
+  const bool own = hand > 0 && hand <= choice.more_tool_places.size();
+  return own ? choice.more_tool_places[hand - 1] : choice.tool_place;
 }
 
 Result<void> check_settings(const ForceSettings& settings, const EffectSettings& effects,
@@ -330,8 +358,14 @@ Result<void> check_asset(const AssetMetadata& asset, const ForceChoice& choice, 
     }
     if (!checked) return checked;
   }
-  if (!is_tool(choice.scene, which)) return {};
-  return check_tool_asset(asset, choice.scene, choice.tool_place + choice.assets[which]);
+  for (std::size_t k = 0; k < tools_of(choice.scene); ++k) {
+    const ToolSettings& tool = *tool_of(choice.scene, k);
+    if (tool.asset != which) continue;
+    auto checked = check_tool_asset(asset, choice.scene, tool,
+                                    place_of_tool(choice, k) + choice.assets[which]);
+    if (!checked) return checked;
+  }
+  return {};
 }
 
 }  // namespace spm::servo

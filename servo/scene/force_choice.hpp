@@ -43,9 +43,10 @@ struct ForceChoice {
   std::vector<std::string> assets;  ///< the objects' baked files and the tool's, each once
   /// of the objects, for messages: file and line; empty if an asset was given
   std::vector<std::string> places;
-  std::string tool_place;  ///< of the tool, likewise
-  ProbeShape probe;        ///< in lengths of the world
-  SceneDevice device;      ///< what the scene says of the device
+  std::string tool_place;                     ///< of the tool, likewise
+  std::vector<std::string> more_tool_places;  ///< of the other hands' tools
+  ProbeShape probe;                           ///< in lengths of the world
+  SceneDevice device;                         ///< what the scene says of the device
 
   [[nodiscard]] PaperProbeForm probe_form() const { return scene.objects.front().force.form; }
 };
@@ -54,6 +55,9 @@ struct ForceChoice {
 /// for the command line; those of read_scene; invalid_input, for an object without a baked file or
 /// with settings that no asset could serve.
 [[nodiscard]] Result<ForceChoice> choose_forces(const ForceOptions& options);
+
+/// File and line of the tool of a hand, as a prefix for a message about it.
+[[nodiscard]] const std::string& place_of_tool(const ForceChoice& choice, std::size_t hand);
 
 /// File and line of the first object of an asset, or of the tool, as a prefix for a message about
 /// it; empty if no scene was given.

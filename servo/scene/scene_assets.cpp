@@ -36,10 +36,10 @@ Result<void> SceneAssets::open_next(const std::string& path) {
   options.accept = [this, number](const AssetMetadata& metadata) {
     return check_asset(metadata, choice(), number);
   };
-  // Which asset is the tool, and how it is sampled, is fixed while the daemon runs.
+  // Which assets are tools, and how they are sampled, is fixed while the daemon runs.
   if (const ForceScene scene = choice().scene; is_tool(scene, number)) {
-    options.sample = [tool = *scene.tool, room = room_](const AssetView& asset) {
-      return SampledTool::make(asset, tool, room.hands, room.objects);
+    options.sample = [scene, number, room = room_](const AssetView& asset) {
+      return sample_tools(asset, number, scene, room);
     };
   }
   auto opened = AssetKeeper::open(std::move(options), *slots_[number]);

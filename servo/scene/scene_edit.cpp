@@ -14,8 +14,11 @@ std::size_t assets_of(std::span<const PlacedObject> objects) noexcept {
 }
 
 std::size_t assets_of(const ForceScene& scene) noexcept {
-  const std::size_t count = assets_of(scene.objects);
-  return scene.tool ? std::max(count, scene.tool->asset + 1) : count;
+  std::size_t count = assets_of(scene.objects);
+  for (std::size_t k = 0; k < tools_of(scene); ++k) {
+    count = std::max(count, tool_of(scene, k)->asset + 1);
+  }
+  return count;
 }
 
 std::vector<std::uint64_t> first_ids(std::size_t count) {

@@ -31,15 +31,17 @@ FileStamp stamp_of(const std::string& path) {
           nanoseconds(now.st_ctim)};
 }
 
-/// Whether both have the same tool; its asset may have another number.
-bool same_tool(const ForceChoice& before, const ForceChoice& after) {
-  const std::optional<ToolSettings>& old_tool = before.scene.tool;
-  std::optional<ToolSettings> new_tool = after.scene.tool;
-  if (old_tool.has_value() != new_tool.has_value()) return false;
-  if (!old_tool) return true;
-  if (before.assets[old_tool->asset] != after.assets[new_tool->asset]) return false;
-  new_tool->asset = old_tool->asset;
-  return *old_tool == *new_tool;
+/// Whether both have the same tools; their assets may have other numbers.
+bool same_tools(const ForceChoice& before, const ForceChoice& after) {
+  if (tools_of(before.scene) != tools_of(after.scene)) return false;
+  for (std::size_t k = 0; k < tools_of(before.scene); ++k) {
+    const ToolSettings& old_tool = *tool_of(before.scene, k);
+    ToolSettings new_tool = *tool_of(after.scene, k);
+    if (before.assets[old_tool.asset] != after.assets[new_tool.asset]) return false;
+    new_tool.asset = old_tool.asset;
+    if (old_tool != new_tool) return false;
+  }
+  return true;
 }
 
 /// Which change of an edited scene needs a restart; null if none does.
@@ -49,7 +51,7 @@ const char* fixed_part(const ForceChoice& before, const ForceChoice& after) {
   if (before.device.force_cap != after.device.force_cap) return "'force_cap' of [device]";
   if (before.probe != after.probe) return "'probe' of [tool]";
   if (before.probe_form() != after.probe_form()) return "'paper_probe' of [tool]";
-  if (!same_tool(before, after)) return "[tool]";
+  if (!same_tools(before, after)) return "[tool]";
   const Placement& old_place = before.scene.workspace;
   const Placement& new_place = after.scene.workspace;
   const bool same = old_place.position == new_place.position &&
@@ -167,6 +169,7 @@ Result<ForceChoice> SceneKeeper::read_edited() {
   }
   for (PlacedObject& object : edited->scene.objects) object.asset = numbers[object.asset];
   if (edited->scene.tool) edited->scene.tool->asset = numbers[edited->scene.tool->asset];
+  for (ToolSettings& tool : edited->scene.more_tools) tool.asset = numbers[tool.asset];
   edited->assets = assets_.paths();
   if (auto checked = assets_.check(*edited); !checked) {
     return tl::make_unexpected(std::move(checked.error()));

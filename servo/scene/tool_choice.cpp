@@ -55,10 +55,44 @@ Result<ToolSettings> tool_settings(const SceneTool& tool, const std::string& sce
   return settings;
 }
 
-Result<void> check_tool_scale(const ToolSettings& tool, const PlacedObject& object,
+bool is_by_paper(const ForceScene& scene) noexcept {
+  return std::all_of(scene.objects.begin(), scene.objects.end(), [](const PlacedObject& object) {
+    return object.force.method == Method::paper;
+  });
+}
+
+Result<std::vector<std::unique_ptr<SampledTool>>> sample_tools(const AssetView& asset,
+                                                               std::size_t number,
+                                                               const ForceScene& scene,
+                                                               const ToolRoom& room) {
+  std::vector<std::unique_ptr<SampledTool>> made;
+  const std::size_t hands = tools_meet(scene) ? 1 : room.hands;
+  for (std::size_t k = 0; k < tools_of(scene); ++k) {
+    made.emplace_back();
+    const ToolSettings& tool = *tool_of(scene, k);
+    if (tool.asset != number) continue;
+    auto sampled = SampledTool::make(asset, tool, hands, room.objects);
+    if (!sampled) return tl::make_unexpected(std::move(sampled.error()));
+    made.back() = std::move(*sampled);
+  }
+  return made;
+}
+
+Result<void> check_tool_count(const ForceScene& scene, std::size_t devices,
                               const std::string& place) {
-  const double share = object.placement.scale / tool.placement.scale;
-  if (object.force.method != Method::paper || std::abs(share - 1) <= scale_slack) return {};
+  const std::size_t tools = tools_of(scene);
+  if (!tools_meet(scene) || tools == devices) return {};
+  return fail(ExitCode::invalid_input,
+              place + "the scene names " + std::to_string(tools) + " tools for " +
+                  std::to_string(devices) + (devices == 1 ? " device" : " devices") +
+                  "; give each device its [[tool]], in the order of --device, or all of them one "
+                  "[tool]");
+}
+
+Result<void> check_tool_scale(const ToolSettings& tool, double scale, Method method,
+                              const std::string& place) {
+  const double share = scale / tool.placement.scale;
+  if (method != Method::paper || std::abs(share - 1) <= scale_slack) return {};
   return fail(ExitCode::invalid_input,
               place +
                   "method paper knows one 'scale' for a tool and what it meets; give object and "
@@ -75,12 +109,11 @@ Result<void> check_met_asset(const AssetMetadata& asset, const PlacedObject& obj
 }
 
 Result<void> check_tool_asset(const AssetMetadata& asset, const ForceScene& scene,
-                              const std::string& path) {
+                              const ToolSettings& tool, const std::string& path) {
   const auto papers = std::count_if(
       scene.objects.begin(), scene.objects.end(),
       [](const PlacedObject& object) { return object.force.method == Method::paper; });
-  const bool all = papers == static_cast<std::ptrdiff_t>(scene.objects.size());
-  if (asset.form == AssetForm::full && !all) {
+  if (asset.form == AssetForm::full && !is_by_paper(scene)) {
     return fail(ExitCode::invalid_input,
                 path +
                     ": is a full asset, whose surface cannot be sampled as a tool; bake the mesh "
@@ -92,13 +125,13 @@ Result<void> check_tool_asset(const AssetMetadata& asset, const ForceScene& scen
                     ": is a sparse tool, which method paper cannot read; bake the mesh again with "
                     "--form full, or take method proxy or spm for all objects");
   }
-  const double spacing = scene.tool ? scene.tool->spacing : 0;
+  const double spacing = tool.spacing;
   if (spacing > 0 && asset.diagonal > finest_share * spacing) {
     return fail(ExitCode::invalid_input,
                 path +
                     ": 'spacing' of [tool] is finer than a tool of this size can be sampled; "
                     "give at least " +
-                    format_quantity(scene.tool->placement.scale * asset.diagonal / finest_share,
+                    format_quantity(tool.placement.scale * asset.diagonal / finest_share,
                                     Quantity::length));
   }
   if (!asset.closed) {

@@ -2,7 +2,9 @@
 #pragma once
 
 #include <cstddef>
+#include <memory>
 #include <string>
+#include <vector>
 
 #include "common/base/error.hpp"
 #include "formats/asset/asset.hpp"
@@ -11,7 +13,8 @@
 
 namespace spm::servo {
 
-/// How many hands may hold the tool, and how many objects it may meet.
+/// How many hands may hold the tool, and how many objects it may meet, the tools of others
+/// included.
 struct ToolRoom {
   std::size_t hands = 1;
   std::size_t objects = 0;
@@ -23,9 +26,9 @@ struct ToolRoom {
 [[nodiscard]] Result<ToolSettings> tool_settings(const SceneTool& tool, const std::string& scene,
                                                  const std::string& place);
 
-/// Refuses an object of method paper of another scale than the tool's: eq. 12 to 15 know one for
-/// both. `place`: file and line of the object. Errors: invalid_input.
-[[nodiscard]] Result<void> check_tool_scale(const ToolSettings& tool, const PlacedObject& object,
+/// Refuses an object of method paper of another scale than a tool's: eq. 12 to 15 know one for
+/// both. `place`: file and line of the object, or of another tool. Errors: invalid_input.
+[[nodiscard]] Result<void> check_tool_scale(const ToolSettings& tool, double scale, Method method,
                                             const std::string& place);
 
 /// Refuses a `full` asset of an object that a tool would meet by another method than paper, which
@@ -37,12 +40,20 @@ struct ToolRoom {
 /// method paper, a `sparse` one where one is, and one of an open mesh, which has no inside. `path`
 /// is for the message. Errors: invalid_input.
 [[nodiscard]] Result<void> check_tool_asset(const AssetMetadata& asset, const ForceScene& scene,
-                                            const std::string& path);
+                                            const ToolSettings& tool, const std::string& path);
 
-/// Whether this asset is the tool of a scene.
-[[nodiscard]] inline bool is_tool(const ForceScene& scene, std::size_t which) noexcept {
-  return scene.tool && scene.tool->asset == which;
-}
+/// Whether all objects of a scene are of method paper, and so the tool and what is added.
+[[nodiscard]] bool is_by_paper(const ForceScene& scene) noexcept;
+
+/// The samples of an asset that is a tool of a scene: one for all hands, or where each has a tool
+/// of its own one for each, null for those that hold another. Errors: those of SampledTool::make.
+[[nodiscard]] Result<std::vector<std::unique_ptr<SampledTool>>> sample_tools(
+    const AssetView& asset, std::size_t number, const ForceScene& scene, const ToolRoom& room);
+
+/// Refuses tools of hands' own for another number of devices. `place`: file and line of the last
+/// tool. Errors: invalid_input.
+[[nodiscard]] Result<void> check_tool_count(const ForceScene& scene, std::size_t devices,
+                                            const std::string& place);
 
 /// The edges of a tool's bounding box, m of the world.
 [[nodiscard]] inline Vector3 tool_size(const AssetMetadata& asset,

@@ -37,6 +37,9 @@ const char* to_sentence(Refusal refusal) noexcept {
     case Refusal::unknown_effect:
       return "this application has no effect of that number on the device: it was removed, or its "
              "object was";
+    case Refusal::unlike_tool:
+      return "the scene's tool cannot meet such an object: beside a full tool give one of a full "
+             "asset at the tool's own scale, beside a sparse tool one of a sparse asset";
   }
   return "refused for a reason that this version does not know";
 }

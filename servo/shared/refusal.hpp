@@ -23,9 +23,10 @@ enum class Refusal : std::uint8_t {
   no_torque,         ///< the device gives no torque
   too_many_effects,  ///< there is no room for another effect on the device
   unknown_effect,    ///< the application has no effect of that number on the device
+  unlike_tool,       ///< an object that the scene's tool cannot meet, by form or scale
 };
 
-inline constexpr std::size_t refusal_count = 15;
+inline constexpr std::size_t refusal_count = 16;
 
 /// What was wrong and what to do about it: a sentence without its full stop.
 [[nodiscard]] const char* to_sentence(Refusal refusal) noexcept;

@@ -30,6 +30,9 @@
 #define SPM_STATE_MAGIC UINT64_C(0x65746174534d5053) /* the bytes SPMState */
 #define SPM_RING_MAGIC UINT64_C(0x676e6952204d5053)  /* the bytes SPM Ring */
 
+/* Object of a contact with the tool of another device: this and that device's number. */
+#define SPM_TOOL_OF_DEVICE (UINT64_C(1) << 63)
+
 enum {
   SPM_MAX_DEVICES = 8,
   SPM_MAX_OBJECTS = 64,

@@ -124,6 +124,51 @@ class ToolReplay(Case):
                         self.assertLessEqual(size[0], FORCE_CAP * (1 + 1e-9))
                         self.assertLessEqual(size[1], TORQUE_CAP * (1 + 1e-9))
 
+    def two_tools(self, *options):
+        """Runs two hands with tools of their own in the air, which meet, press and turn; the report."""
+        scene = self.write("two.toml",
+                           '[device]\nprofile = "omega3"\n' + 2 * f'[[tool]]\nasset = "{self.asset}"\n'
+                           f'scale = {SCALE}\n' + f'[[object]]\nasset = "{self.asset}"\n')
+        half, devices = TOP * SCALE, []
+        for number, side in enumerate((-1, 1)):
+            lines = []
+            for i in range(900):
+                turn, way = 0.1 * side * max(0, i - 600) / 300, 0.004 - 0.006 * min(1, i / 300)
+                words = [0, 0, 0.2 + side * (half + way), math.cos(turn / 2), math.sin(turn / 2), 0, 0]
+                lines.append(" ".join(map(repr, words)))
+            path = self.write(f"hand{number}.txt", "\n".join(lines) + "\n")
+            devices += ["--device", f"sim:hand=path,path={path},seed={number + 3}"]
+        result = run("run", "--scene", scene, "--duration", "1", *devices, "--realtime", "off",
+                     "--black-box", "off", "--socket", self.path("a.sock"), "--json", *options,
+                     program=SERVO)
+        self.assertEqual(result.returncode, 0, result.stderr)
+        return json.loads(result.stdout)
+
+    def test_two_devices_press_their_tools_on_each_other_and_that_replays_bit_by_bit(self):
+        self.two_tools("--record", self.path("two.spmrec"))
+        both = [list(read_recording(self.path("two.spmrec")).rows(device)) for device in (0, 1)]
+        late = [[row for row in rows if row.patches > 0][-100:] for rows in both]
+        self.assertEqual([len(some) for some in late], [100, 100])
+        mean = [sum(row.wanted[2] for row in some) / len(some) for some in late]
+        self.assertLess(mean[0], -0.3)
+        self.assertAlmostEqual(mean[1] / -mean[0], 1, delta=0.2)
+        rows = [len(rows) for rows in both]
+        for options, compared in (((), sum(rows)), (("--device-number", "1"), rows[1])):
+            result = run("replay", self.path("two.spmrec"), "--json", *options, program=SERVO)
+            self.assertEqual((result.returncode, result.stderr), (0, ""))
+            found = json.loads(result.stdout)["recording"]
+            self.assertIs(found["forces_equal"], True)
+            self.assertEqual(found["compared_ticks"], compared)
+
+    def test_tools_of_their_own_for_another_number_of_devices_are_refused(self):
+        tool = f'[[tool]]\nasset = "{self.asset}"\n'
+        scene = self.write("three.toml", 3 * tool + f'[[object]]\nasset = "{self.asset}"\n')
+        result = run("run", "--scene", scene, "--device", "sim", "--device", "sim", "--duration", "1",
+                     program=SERVO)
+        self.assertEqual(result.returncode, 3, result.stderr)
+        self.assertIn("line 6: the scene names 3 tools for 2 devices; give each device its [[tool]]",
+                      result.stderr)
+
     def test_a_replay_by_a_scene_whose_tool_is_another_says_so(self):
         self.record("sim:seed=3", "--record", self.path("run.spmrec"))
         result = run("replay", self.path("run.spmrec"), "--scene", self.scene(0.4), program=SERVO)

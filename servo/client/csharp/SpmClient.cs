@@ -15,6 +15,9 @@ namespace SpmHaptics
     {
         private const int NameBytes = 64;
         private const int MaxContacts = 16;
+        /// <summary>ContactData.Object where the tool of another device is touched: this and that
+        /// device's number.</summary>
+        public const ulong ToolOfDevice = 1UL << 63;
         /// <summary>For RemoveEffect.</summary>
         public const uint AllEffects = uint.MaxValue;
         private IntPtr handle;

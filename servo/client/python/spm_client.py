@@ -40,6 +40,7 @@ MAX_DEVICES = 8
 MAX_OBJECTS = 64
 MAX_CONTACTS = 16  # of a device's tool
 ALL_EFFECTS = 2**32 - 1
+TOOL_OF_DEVICE = 2**63  # Contact.object where the tool of another device is touched: this and its number
 
 
 class Client:

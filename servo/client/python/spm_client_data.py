@@ -59,7 +59,8 @@ class Device:
 
 @dataclass(frozen=True)
 class Contact:
-    """A place where a device's tool touches an object."""
+    """A place where a device's tool touches an object, or the tool of another device: then the object is
+    TOOL_OF_DEVICE and that device's number."""
     device: int
     object: int
     place: Vector   # the middle of the pressure

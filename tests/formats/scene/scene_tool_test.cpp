@@ -115,4 +115,35 @@ TEST_CASE("What is wrong in a tool is told by its line, cause and cure") {
   }
 }
 
+TEST_CASE("Each device may have a tool of its own, in the order of the tables") {
+  const std::string object = "[[object]]\nasset = \"a\"\n";
+  const auto scene = scene_of_text(
+      "[[tool]]\nasset = \"t\"\nscale = 2\n[[tool]]\nmesh = \"u.obj\"\n[[tool]]\nasset = \"t\"\n" +
+      object);
+  REQUIRE(scene);
+  REQUIRE(scene->tool);
+  CHECK(scene->tool->placement.scale == 2);
+  CHECK(scene->tool->line == 2);
+  REQUIRE(scene->more_tools.size() == 2);
+  CHECK(scene->more_tools[0].mesh.ends_with("u.obj"));
+  CHECK(scene->more_tools[0].line == 5);
+  CHECK(scene->more_tools[1].asset == scene->tool->asset);
+  CHECK(scene->more_tools[1].placement.scale == 1);
+  CHECK(scene_of_text("[tool]\nasset = \"t\"\n" + object)->more_tools.empty());
+  const auto refused = [&](const std::string& tables, const std::string& line,
+                           const std::string& part) {
+    const auto wrong = scene_of_text(tables + object);
+    REQUIRE_FALSE(wrong);
+    INFO(wrong.error().message);
+    CHECK(wrong.error().code == ExitCode::invalid_input);
+    CHECK(wrong.error().message.find(line) != std::string::npos);
+    CHECK(wrong.error().message.find(part) != std::string::npos);
+  };
+  refused("[[tool]]\nasset = \"t\"\n[[tool]]\nprobe = \"point\"\n",
+          "line 4: ", "is of [tool], which all devices share");
+  refused("[[tool]]\nasset = \"t\"\nprobe = \"sphere:1mm\"\n", "line 3: ", "write [tool]");
+  refused("[[tool]]\nasset = \"t\"\n[[tool]]\n", "line 3: ", "give 'asset'");
+  refused("[[tool]]\nasset = \"t\"\nscael = 2\n", "line 3: ", "did you mean 'scale'?");
+}
+
 }  // namespace scene_tool_test

@@ -78,11 +78,15 @@ TEST_CASE("A scene's tool comes back from its text bit by bit, and one that is n
   for (const double cap : {0.0, 0.125, std::numeric_limits<double>::infinity()}) {
     tool.torque_cap = cap;
     wanted.scene.tool = tool;
+    ToolSettings other = tool;
+    other.placement.scale = 1.0 / 3;
+    wanted.scene.more_tools = {other, tool};
     const std::string text = text_of(wanted);
     const auto read = recorded_scene(text, 2);
     REQUIRE(read);
     REQUIRE(read->scene.tool);
     CHECK(*read->scene.tool == tool);
+    CHECK(read->scene.more_tools == wanted.scene.more_tools);
     CHECK(read->scene.added.force.stiffness == 1234.5);
     CHECK(text_of(*read) == text);
   }
@@ -90,6 +94,7 @@ TEST_CASE("A scene's tool comes back from its text bit by bit, and one that is n
   wanted.scene.tool->placement.rotation = Eigen::Quaterniond(0.5, 0.5, 0.5, 0.9);
   CHECK_FALSE(recorded_scene(text_of(wanted), 2));
   wanted.scene.tool.reset();
+  wanted.scene.more_tools.clear();
   const auto without = recorded_scene(text_of(wanted), 2);
   REQUIRE(without);
   CHECK_FALSE(without->scene.tool);

@@ -1,0 +1,261 @@
+// SPDX-License-Identifier: Apache-2.0
+// How the virtual tool follows its hand, objects that move, and what tools of other hands push.
+#include <algorithm>
+
+#include "common/base/turn_between.hpp"
+#include "servo/force/tool_force.hpp"
+
+namespace spm {
+
+namespace {
+
+/// m: an object that moves farther in a tick has jumped; its way is not gone.
+constexpr double longest_swept = 2e-3;
+/// Steps of the virtual tool after each part but the last.
+constexpr std::uint32_t steps_of_part = 3;
+/// Ticks for which a tool counts as touched that was.
+constexpr std::uint32_t touching_ticks = 3;
+constexpr std::uint32_t unstopped = ForceEffort::unstopped;
+
+}  // namespace
+
+/// How far an object's motion since the last tick takes any place at the tool, m; 0 for a jump.
+double ToolForce::way_of(const ToolObject& object, std::size_t number) const noexcept {
+  const Eigen::Isometry3d& seat = seats_[number];
+  if (seated_[number] == 0 || object.pose.matrix() == seat.matrix()) return 0;
+  const SurfaceSamples& samples = tool_->samples();
+  const Vector3 middle = pose_ * samples.centre;
+  const Vector3 moved = object.pose * (seat.inverse(Eigen::Isometry) * middle) - middle;
+  const Vector3 turned =
+      turn_between(Eigen::Quaterniond(seat.linear()), Eigen::Quaterniond(object.pose.linear()));
+  const double way = moved.norm() + turned.norm() * samples.radius;
+  return way <= longest_swept ? way : 0;
+}
+
+/// Where an object was when it had gone a part of its way in this tick.
+Eigen::Isometry3d ToolForce::on_way(const ToolObject& object, std::size_t number,
+                                    double share) const noexcept {
+  const bool goes = seated_[number] != 0 && (ways_[number] > 0 || number == carrier_);
+  if (share >= 1 || !goes) return object.pose;
+  const Eigen::Isometry3d& seat = seats_[number];
+  if (share <= 0) return seat;
+  Eigen::Isometry3d pose = seat;
+  pose.translation() += share * (object.pose.translation() - seat.translation());
+  const Eigen::Quaterniond from(seat.linear()), to(object.pose.linear());
+  pose.linear() = from.slerp(share, to).normalized().toRotationMatrix();
+  return pose;
+}
+
+/// Moves the objects that hold on by a part of their ways, and the virtual tool with the one that
+/// it presses most, so that it does not pass through.
+void ToolForce::move_on(std::span<const ToolObject> objects, double from, double to) noexcept {
+  if (carrier_ < objects.size()) {
+    const Eigen::Isometry3d before = on_way(objects[carrier_], carrier_, from);
+    pose_ = on_way(objects[carrier_], carrier_, to) * before.inverse(Eigen::Isometry) * pose_;
+    pose_.linear() = Eigen::Quaterniond(pose_.linear()).normalized().toRotationMatrix();
+    virtual_->carry(pose_);
+  }
+  for (std::size_t i = 0; i < objects.size(); ++i) {
+    if (held_[i].field != nullptr) held_[i].pose = on_way(objects[i], i, to);
+  }
+}
+
+/// Which of the objects that go their ways presses the tool most now.
+void ToolForce::note_carrier() noexcept {
+  carrier_ = held_.size();
+  double most = 0;
+  for (const PressedPatch& patch : contact_->patches()) {
+    if (!(ways_[patch.object] > 0) || !(patch.pressing > most)) continue;
+    most = patch.pressing;
+    carrier_ = patch.object;
+  }
+}
+
+/// The springs between hand and virtual tool, in the world.
+CoupledSprings ToolForce::springs() const noexcept {
+  return {coupling_.stiffness / scale_, coupling_.turning * scale_, most_force_,
+          most_force_ / coupling_.force_cap * coupling_.torque_cap * scale_};
+}
+
+/// A tick of the virtual tool among the objects. What other tools push it with are springs too: it
+/// is pulled to where all of them are in balance.
+VirtualToolReport ToolForce::tick_of_virtual(const Eigen::Isometry3d& device,
+                                             const VirtualToolBudget& budget) noexcept {
+  const CoupledSprings own = springs();
+  VirtualToolSettings& settings = virtual_->settings();
+  // A part of what holds this tool back may be felt; the pushes are felt whole.
+  const double unshared = most_force_ / coupling_.force_cap;
+  settings.stiffness = own.stiffness + unshared * push_.stiffness;
+  settings.turning = own.turning + unshared * push_.turning;
+  settings.max_force = own.force_cap + unshared * push_.wrench.force.norm();
+  settings.max_torque = own.torque_cap + unshared * push_.wrench.torque.norm();
+  if (!push_.any()) return virtual_->tick(device, held_, budget);
+  const Wrench pull = pull_of(own, pose_, device).wrench;
+  Eigen::Isometry3d aim = pose_;
+  aim.translation() += (pull.force + unshared * push_.wrench.force) / settings.stiffness;
+  const Vector3 turn = (pull.torque + unshared * push_.wrench.torque) / settings.turning;
+  if (const double angle = turn.norm(); angle > 0) {
+    const Eigen::Quaterniond turned =
+        Eigen::AngleAxisd(angle, turn / angle) * Eigen::Quaterniond(pose_.linear());
+    aim.linear() = turned.normalized().toRotationMatrix();
+  }
+  VirtualToolReport report = virtual_->tick(aim, held_, budget);
+  const SpringPull felt = pull_of(own, report.pose, device);
+  const Vector3 arm = report.pose.translation() - device.translation();
+  report.wrench = {-felt.wrench.force, -felt.wrench.torque - arm.cross(felt.wrench.force)};
+  report.energy = felt.energy + report.contact.sum.energy;
+  report.capped = felt.capped;
+  return report;
+}
+
+/// One tick of the virtual tool. False where time was over in it.
+bool ToolForce::step_on(const Eigen::Isometry3d& device, std::uint32_t steps, Work& work,
+                        ForceEffort& effort, VirtualToolReport& report) noexcept {
+  VirtualToolBudget budget = work.budget;
+  budget.refine_work = work_left(budget.refine_work, work.done);
+  budget.work = work_left(budget.work, work.done);
+  budget.same_objects = same_objects_;
+  virtual_->settings().steps = steps;
+  report = tick_of_virtual(device, budget);
+  pose_ = report.pose;
+  if (report.refine_stopped != unstopped && effort.refined == unstopped) {
+    effort.refined = work.done + report.refine_stopped;
+  }
+  if (report.stopped != unstopped) effort.worked = work.done + report.stopped;
+  work.done += report.worked;
+  work.level = std::min(work.level, report.contact.level);
+  return report.refine_stopped == unstopped && report.stopped == unstopped;
+}
+
+/// Lets the objects go their ways, and the virtual tool follow hand and objects. Where time is over
+/// the tool goes the rest with the object that it presses most.
+VirtualToolReport ToolForce::follow(const Eigen::Isometry3d& device,
+                                    std::span<const ToolObject> objects, Work& work,
+                                    ForceEffort& effort) noexcept {
+  VirtualToolReport report;
+  double gone = 0;
+  for (std::uint32_t part = 1; part < parts_;) {
+    const double share = static_cast<double>(part) / parts_;
+    move_on(objects, gone, share);
+    gone = share;
+    const bool in_time = step_on(device, steps_of_part, work, effort, report);
+    note_carrier();
+    if (!in_time) {
+      move_on(objects, gone, 1);
+      virtual_->carry(pose_);
+      return report;
+    }
+    // What is that far away is not met before.
+    const double clear = std::min(report.contact.clearance, longest_way_);
+    part += 1 + static_cast<std::uint32_t>(clear / longest_way_ * parts_);
+  }
+  move_on(objects, gone, 1);
+  static_cast<void>(step_on(device, VirtualToolSettings{}.steps, work, effort, report));
+  return report;
+}
+
+/// Whether this tool touches another one, or did a moment ago: of two that press on each other one
+/// may be pushed so that it just does not.
+bool ToolForce::touches(std::size_t tool) noexcept {
+  Met& met = met_[tool];
+  Vector3 out = Vector3::Zero();
+  for (const PressedPatch& patch : contact_->patches()) {
+    if (patch.object == first_tool_ + tool) out += patch.pressure;
+  }
+  if (!out.isZero(0)) {
+    met.out = out;
+    met.ticks = touching_ticks;
+  } else if (met.ticks > 0) {
+    --met.ticks;
+  }
+  return met.ticks > 0;
+}
+
+/// What this tool presses another one with, which it touches; about the virtual tool's position. In
+/// balance it is what is left of the springs, of what else holds the tool, and of what others push.
+Wrench ToolForce::pressed_with(std::size_t tool, std::span<const ToolPush> pushes,
+                               const Eigen::Isometry3d& device) const noexcept {
+  Wrench wrench = pull_of(springs(), pose_, device).wrench;
+  // What hands press with; what holds the tool, as a table, only passes on what presses it there.
+  Wrench meant = wrench;
+  double most = 0, most_torque = 0;
+  for (const PressedPatch& patch : contact_->patches()) {
+    if (patch.object == first_tool_ + tool) continue;
+    wrench.force += patch.force;
+    wrench.torque += patch.torque;
+  }
+  const double share = coupling_.force_cap / most_force_;
+  wrench = {share * wrench.force, share * wrench.torque};
+  meant = {share * meant.force, share * meant.torque};
+  const Vector3 arm = tick_.pose.translation() - pose_.translation();
+  for (const ToolPush& push : pushes) {
+    const Vector3 torque = push.wrench.torque + arm.cross(push.wrench.force);
+    if (push.hand == tool) {
+      most = push.wrench.force.norm();
+      most_torque = torque.norm();
+      continue;
+    }
+    wrench.force += push.wrench.force;
+    wrench.torque += torque;
+    meant.force += push.wrench.force;
+    meant.torque += torque;
+  }
+  most = std::max(most, meant.force.norm());
+  most_torque = std::max(most_torque, meant.torque.norm());
+  // It does not pull. While the tool is not in balance its samples may lie far too deep.
+  if (!(wrench.force.dot(met_[tool].out) < 0)) return {};
+  const double force = wrench.force.norm(), torque = wrench.torque.norm();
+  if (force > most) wrench.force *= most / force;
+  if (torque > most_torque) wrench.torque *= most_torque / torque;
+  return wrench;
+}
+
+/// Tells where a tool of another hand touches this one, as seen from this one.
+void ToolForce::add_mirrored(const ToolPush& push) noexcept {
+  for (const ContactPatch& patch : push.patches) {
+    if (patch.object != (tool_of_device | hand_)) continue;
+    ContactPatch made = patch;
+    made.normal = -patch.normal;
+    made.force = -patch.force;
+    made.object = static_cast<std::uint32_t>(first_tool_ + push.hand);
+    patches_.add(made);
+  }
+}
+
+/// What this tool presses those of other hands with. Where it just does not touch one it tells what
+/// that one tells.
+void ToolForce::press_tools(std::span<const ToolObject> objects, std::span<const ToolPush> pushes,
+                            const Eigen::Isometry3d& device) noexcept {
+  for (std::size_t tool = 0; tool < met_.size(); ++tool) {
+    const ToolObject& object = objects[first_tool_ + tool];
+    met_[tool].given = {};
+    if (object.asset == nullptr || !touches(tool)) continue;
+    Wrench wrench = pressed_with(tool, pushes, device);
+    const Vector3 arm = pose_.translation() - object.pose.translation();
+    wrench.torque += arm.cross(wrench.force);
+    met_[tool].given = wrench;
+  }
+  for (const ToolPush& push : pushes) {
+    if (met_[push.hand].ticks < touching_ticks) add_mirrored(push);
+  }
+}
+
+/// Tells patches at other tools by what presses there, and by the numbers that hold outside.
+void ToolForce::tell_tools() noexcept {
+  for (std::size_t tool = 0; tool < met_.size(); ++tool) {
+    const auto number = static_cast<std::uint32_t>(first_tool_ + tool);
+    Vector3 sum = Vector3::Zero();
+    for (const ContactPatch& patch : tick_.contacts()) {
+      if (patch.object == number) sum += patch.force;
+    }
+    const double given = met_[tool].given.force.norm(), told = sum.norm();
+    for (std::size_t i = 0; i < tick_.patch_count; ++i) {
+      ContactPatch& patch = tick_.patches[i];
+      if (patch.object != number) continue;
+      if (given > 0 && told > 0) patch.force *= given / told;
+      patch.object = tool_of_device | static_cast<std::uint32_t>(tool);
+    }
+  }
+}
+
+}  // namespace spm

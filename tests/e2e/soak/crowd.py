@@ -1,0 +1,134 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
+"""Runs a tool with six degrees of freedom among many objects for minutes: it lies on five and slides on
+them, the others are a hair beside it. On the simulated device, with SCHED_FIFO, and cyclictest beside
+it: the ticks that were lost against how late the machine woke up cyclictest."""
+
+import argparse
+import math
+import os
+import statistics
+import sys
+import threading
+import time
+
+from cyclictest import watch
+from soak_tools import (PATIENCE, Client, ClientError, Daemon, DaemonState, Folder, add_common_options, bake,
+                        cores_of, show)
+
+RATE = 1000  # Hz
+TOUCHED = 5  # objects that carry the tool
+TOOL, PAD = 0.3, 0.1  # scales of the model
+GAP = 2e-4  # m, from the tool to what is beside it
+PRESSED, SLIDE = 2e-3, 1.5e-4  # m, below the surface and to each side
+TURN = 2e-3  # rad, to each side
+PERIOD = 2.0  # s, of the hand's motion
+
+
+def write_crowd(path: str, asset: str, half: list[float], objects: int) -> str:
+    """Pads under the middle and the corners of a tool at the origin, and rings of boxes about it."""
+    tool, pad = [TOOL * edge for edge in half], [PAD * edge for edge in half]
+    down = -tool[2] - pad[2]
+    aside = [0.6 * edge for edge in tool[:2]]
+    places = [(0.0, 0.0, down)] + [(x * aside[0], y * aside[1], down) for x in (-1, 1) for y in (-1, 1)]
+    side, storey = 0, 0
+    while len(places) < objects:
+        # Two to a side, one storey above the other.
+        axis, sign, along = side // 4, 1 - side // 2 % 2 * 2, side % 2 - 0.5
+        place = [0.0, 0.0, 2.1 * pad[2] * storey]
+        place[axis] = sign * (tool[axis] + pad[axis] + GAP)
+        place[1 - axis] = along * tool[1 - axis]
+        places.append(tuple(place))
+        side = (side + 1) % 8
+        storey += 1 if side == 0 else 0
+    with open(path, "w", encoding="utf-8") as file:
+        file.write(f'[device]\nprofile = "omega3"\n[tool]\nasset = "{asset}"\nscale = {TOOL}\n')
+        for place in places:
+            file.write(f'[[object]]\nasset = "{asset}"\nscale = {PAD}\npose = {list(place)}\n'
+                       'friction = { stick = 0.2, slide = 0.15 }\n')
+    return path
+
+
+def write_hand(path: str, seconds: float) -> str:
+    """Comes down, presses, slides in circles and turns; starts above."""
+    with open(path, "w", encoding="ascii") as file:
+        for tick in range(round(seconds * RATE) + RATE):
+            phase = 2 * math.pi * tick / RATE / PERIOD
+            down = 5e-4 - (PRESSED + 5e-4) * min(1.0, tick / 500)
+            turn = TURN * math.sin(0.7 * phase) / 2
+            file.write(f"{SLIDE * math.cos(phase):.9f} {SLIDE * math.sin(phase):.9f} {down:.9f} "
+                       f"{math.cos(turn):.12f} 0 0 {math.sin(turn):.12f}\n")
+    return path
+
+
+class Touches:
+    """How many objects the tool touches, read by an application now and then."""
+
+    def __init__(self, daemon: Daemon) -> None:
+        self.counts: list[int] = []
+        self.daemon = daemon
+
+    def read(self) -> None:
+        """Until the daemon ends."""
+        try:
+            with Client(path=self.daemon.socket) as client:
+                while client.daemon_state()[0] == DaemonState.RUNNING:
+                    self.counts.append(len({contact.object for contact in client.contacts()}))
+                    time.sleep(0.05)
+        except ClientError:
+            pass  # it has ended
+
+
+def table(found: dict) -> list[list]:
+    run, machine = found["run"], found["cyclictest"]
+    device = run["devices"][0]
+    rows = [["objects", found["settings"]["objects"]],
+            ["touched at once, median", found["touched"]],
+            ["samples of the tool", max(asset.get("tool_samples", 0) for asset in run["assets"])],
+            ["ticks", run["ticks"]], ["in contact", run["contact_ticks"]],
+            ["at a coarser level of the samples", device["coarse_ticks"]],
+            ["lost ticks", run["missed"]], ["in so many stalls", found["stalls"]],
+            ["cyclictest: a tick late or later", machine["late"]],
+            ["cyclictest: ticks that the loop would have lost by these", machine["as_missed"]],
+            ["lost that cyclictest does not explain", found["unexplained"]],
+            ["page faults in the loop", run["page_faults"]],
+            ["processor time stolen by the host, s", found["stolen_s"]]]
+    return rows + [[f"{name}, {label}, us", float(run[key][share])]
+                   for name, key in (("woke up late", "wake_us"), ("busy", "busy_us"))
+                   for label, share in (("p50", "p50"), ("p99", "p99"), ("p99.9", "p999"), ("max", "max"))]
+
+
+def main() -> int:
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--minutes", type=float, default=10)
+    parser.add_argument("--objects", type=int, default=20, help="at least 5 (default 20)")
+    parser.add_argument("--core", help="the loop's core: run --core (default: any)")
+    add_common_options(parser)
+    arguments = parser.parse_args()
+    seconds, cores = arguments.minutes * 60, cores_of(arguments.cores)
+    if arguments.objects < TOUCHED:
+        parser.error(f"--objects: give at least {TOUCHED}")
+    with Folder() as folder:
+        asset, low, high = bake(folder, "box", "--tolerance", "50um")
+        half = [(b - a) / 2 for a, b in zip(low, high)]
+        scene = write_crowd(os.path.join(folder, "scene.toml"), asset, half, arguments.objects)
+        hand = write_hand(os.path.join(folder, "hand.txt"), seconds)
+        daemon = Daemon(folder, "--scene", scene, "--device", f"sim:hand=path,path={hand}",
+                        "--rate", str(RATE), "--duration", str(seconds), "--realtime", "require",
+                        *(("--core", arguments.core) if arguments.core else ()), cores=cores)
+        touches = Touches(daemon)
+        reading = threading.Thread(target=touches.read, daemon=True)
+        reading.start()
+        found = watch(daemon, RATE, seconds, cores)
+        reading.join(PATIENCE)
+    late = touches.counts[len(touches.counts) // 2:]
+    found["touched"] = int(statistics.median(late)) if late else 0
+    found["settings"] = {"minutes": arguments.minutes, "objects": arguments.objects,
+                         "cores": arguments.cores, "core": arguments.core}
+    show(arguments.out, f"{arguments.minutes:g} minutes with a tool among {arguments.objects} objects",
+         ["what", "found"], table(found), found)
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
