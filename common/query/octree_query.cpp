@@ -6,6 +6,7 @@
 
 #include "common/base/octahedral.hpp"
 #include "common/field/nearest_triangle.hpp"
+#include "common/query/band_distance.hpp"
 #include "common/query/leaf_maps.hpp"
 #include "common/surface/closest_on_triangle.hpp"
 
@@ -138,9 +139,12 @@ double leaf_clearance(const AssetView& asset, const Leaf& leaf, const Vector3& p
     // A list or polynomial beyond the margin's end tells no more than that.
     return query_leaf(asset, leaf, point).distance > asset.band.margin ? asset.band.margin : 0;
   }
-  if (leaf.level > 0) return asset.band.margin;
-  const double at_middle = octree.clearance_unit * static_cast<double>(leaf.unit);
-  return std::max(asset.band.margin, at_middle - (point - leaf.middle).norm());
+  const double at_middle =
+      leaf.level > 0 ? 0 : octree.clearance_unit * static_cast<double>(leaf.unit);
+  const double told = at_middle - (point - leaf.middle).norm();
+  if (told > octree.edge) return told;
+  // The way to the surface leaves the cubes beyond the margin, and is that long from there on.
+  return std::max(told, asset.band.margin + distance_to_band(octree, point, octree.edge));
 }
 
 }  // namespace spm

@@ -14,17 +14,12 @@ namespace spm {
 
 namespace {
 
-/// Reduction of a clearance by the errors of two field values, in tolerances: at the sample that
-/// was queried, and at the one that is not.
-constexpr double doubtful_tolerances = 2;
-/// m: clearances are kept in floats, so what was travelled is counted anew from time to time.
-constexpr double longest_travel = 32;
-/// What rounding to a float may add, as a factor.
-constexpr double rounded_down = 1 - 0x1p-22;
 /// A level of at most this many samples may be the clusters of patches.
 constexpr std::uint32_t max_clusters = 400;
 constexpr std::size_t max_pressed_patches = 128;
 constexpr std::size_t max_touches = 1024;
+/// Objects of which the finest samples are remembered.
+constexpr std::uint32_t max_slots = 8;
 constexpr std::size_t max_whole = 1024, max_near = 8192, max_told = 1536;
 constexpr std::size_t least_room = 1024;  ///< of active samples
 constexpr double first_press_time = 100;  // ns
@@ -38,7 +33,9 @@ ObjectContact::ObjectContact(const SurfaceSamples& tool, const ObjectContactSett
       pairs_(settings.objects),
       grip_(tool.levels.empty() ? 0 : tool.levels.back().count, settings.objects),
       until_(std::size_t{settings.objects} * coarse_, 0.0F),
+      slots_(std::min(settings.objects, max_slots)),
       press_time_(first_press_time) {
+  if (!tool.levels.empty()) finest_until_.assign(slots_.size() * tool.levels.back().count, 0.0F);
   // All of the level above the finest, with one object.
   const std::size_t above = tool.levels.size() > 1 ? tool.levels[tool.levels.size() - 2].count : 0;
   const std::size_t room =
@@ -58,10 +55,13 @@ ObjectContact::ObjectContact(const SurfaceSamples& tool, const ObjectContactSett
     if (level.count > max_clusters && clustered_ > 0) break;
     clustered_ = level.first + level.count;
   }
+  ways_.assign(std::size_t{settings.objects} * clustered_, 0.0);
+  spares_.assign(ways_.size(), 0.0F);
 }
 
 std::size_t ObjectContact::bytes() const noexcept {
-  return pairs_.capacity() * sizeof(Pair) + until_.capacity() * sizeof(until_[0]) +
+  return pairs_.capacity() * sizeof(Pair) + ways_.capacity() * sizeof(ways_[0]) +
+         (until_.capacity() + finest_until_.capacity() + spares_.capacity()) * sizeof(until_[0]) +
          (active_.capacity() + next_.capacity()) * sizeof(Active) +
          (patches_.capacity() + kept_.capacity()) * sizeof(PressedPatch) +
          (touches_.capacity() + kept_touches_.capacity()) * sizeof(Touch) +
@@ -92,40 +92,6 @@ double ObjectContact::from_above(std::uint32_t sample, std::uint32_t above) cons
   return std::sqrt(x * x + y * y + z * z);
 }
 
-/// Takes up where an object is in this tick.
-void ObjectContact::set_out(const ContactObject& object, Pair& pair,
-                            const Eigen::Isometry3d& tool) noexcept {
-  const Eigen::Isometry3d pose = object.pose.inverse(Eigen::Isometry) * tool;
-  pair.to_world = object.pose.linear();
-  pair.mirrored = pair.to_world.determinant() < 0;
-  const bool same = pair.placed && pair.field == object.field && pair.scale == object.scale;
-  if (same) {
-    // A rotation by t moves a point at distance r from the axis by 2 r sin(t / 2).
-    const double turn = (pose.linear() - pair.pose.linear()).norm() / std::sqrt(2.0);
-    pair.travelled +=
-        (pose * tool_.centre - pair.pose * tool_.centre).norm() + turn * tool_.radius * (1 + 1e-9);
-  }
-  if (!same || !(pair.travelled < longest_travel)) {
-    const auto which = static_cast<std::ptrdiff_t>(&pair - pairs_.data());
-    std::fill_n(until_.begin() + which * static_cast<std::ptrdiff_t>(coarse_), coarse_, 0.0F);
-    pair.travelled = 0;
-  }
-  if (!same) {
-    pair.cursor.begin(object.field);
-    pair.listed = false;
-  }
-  pair.field = object.field;
-  pair.scale = object.scale;
-  pair.stiffness = object.stiffness > 0 ? object.stiffness : settings_.stiffness;
-  pair.least_area = object.least_area;
-  pair.doubt = doubtful_tolerances * object.scale * object.field->tolerance;
-  pair.texture = object.texture;
-  pair.lift = object.texture.amplitude > 0 ? object.texture.amplitude : 0;
-  pair.grip = object.grip;
-  pair.pose = pose;
-  pair.placed = pair.present = true;
-}
-
 /// Queries the field at a sample's position. The normal is zero where the distance, m of the world,
 /// is a lower bound.
 double ObjectContact::ask(Pair& pair, const Vector3& place, Vector3& normal,
@@ -152,10 +118,9 @@ void ObjectContact::look(std::uint32_t sample, std::uint32_t object, const Activ
   active.object = object;
   active.cluster = sample < clustered_ ? sample : above.cluster;
   float& until = until_[std::size_t{object} * coarse_ + sample];
-  const double reached = pair.travelled + (until > 0 ? ahead_ : 0);
-  if (reached < std::abs(static_cast<double>(until))) {
-    const auto end = static_cast<double>(until);
-    if (until > 0) report.clearance = std::min(report.clearance, end - pair.travelled);
+  const double way = way_of(pair, active.cluster);
+  if (way + (until > 0 ? ahead_ : 0) < std::abs(static_cast<double>(until))) {
+    if (until > 0) spare_of(pair, active.cluster, static_cast<double>(until) - way);
     if (until < 0) found.push_back(active);
     return;
   }
@@ -163,8 +128,8 @@ void ObjectContact::look(std::uint32_t sample, std::uint32_t object, const Activ
   ++report.tested;
   const auto radius = static_cast<double>(tool_.places[sample].radius) + pair.lift;
   const auto let_go = [&](double spare) {
-    until = static_cast<float>((pair.travelled + spare) * rounded_down);
-    report.clearance = std::min(report.clearance, spare);
+    until = pair.after(way, spare);
+    spare_of(pair, active.cluster, spare);
   };
   const double moved = above.known ? from_above(sample, above.sample) : 0;
   // A field changes by at most the length of a step, so the sample above may tell enough.
@@ -184,21 +149,20 @@ void ObjectContact::look(std::uint32_t sample, std::uint32_t object, const Activ
   const auto distance = static_cast<double>(active.distance);
   const double least = distance - pair.doubt;
   if (least > radius + ahead_) return let_go(least - radius);
-  if (settle_whole(active, place, until, report)) return;
-  // How near the surface must be for the sample itself to touch. A patch so large that it extends
-  // far from its sample says little about the contact.
-  const SampleSpread& spread = tool_.spreads[sample];
-  double own = least - pair.lift - length(spread.middle) - static_cast<double>(spread.spread);
-  if (!active.has_normal()) own = std::max(own, distance / 4);
-  if (own > 0) until = -static_cast<float>((pair.travelled + own) * rounded_down);
+  if (settle_whole(active, place, until)) return;
+  // Before the pair has gone so far it is not clear, nor inside and pressed whole: those below it
+  // are looked at without it.
+  double idle = radius + ahead_ - least;
+  if (ahead_ == 0) idle = std::min(idle, distance - pair.lift);
+  if (idle > 0) until = -pair.after(way, idle);
   found.push_back(active);
 }
 
 /// Where one polynomial is the field about all samples below one, they are clear or pressed
 /// together. False where they are not.
-bool ObjectContact::settle_whole(const Active& active, const Vector3& place, float& until,
-                                 ObjectContactReport& report) noexcept {
-  const Pair& pair = pairs_[active.object];
+bool ObjectContact::settle_whole(const Active& active, const Vector3& place,
+                                 float& until) noexcept {
+  Pair& pair = pairs_[active.object];
   const SamplePlace& own = tool_.places[active.sample];
   const auto radius = static_cast<double>(own.radius);
   const Vector3 asked = pair.scale == 1 ? place : Vector3(place / pair.scale);
@@ -218,8 +182,8 @@ bool ObjectContact::settle_whole(const Active& active, const Vector3& place, flo
   const double clear = field.distance - extent - pair.lift;
   if (clear > (ahead_ > 0 ? ahead_ + pair.doubt : 0)) {
     const double spare = std::max(0.0, clear - pair.doubt);
-    if (spare > 0) until = static_cast<float>((pair.travelled + spare) * rounded_down);
-    report.clearance = std::min(report.clearance, spare);
+    if (spare > 0) until = pair.after(way_of(pair, active.cluster), spare);
+    spare_of(pair, active.cluster, spare);
     return true;
   }
   // Each sample counts for itself where it has a bristle, a texture or a least area.
@@ -227,7 +191,7 @@ bool ObjectContact::settle_whole(const Active& active, const Vector3& place, flo
   const bool pressed = field.distance + extent < 0 &&
                        field.distance - extent >= -pair.scale * pair.field->band.max_depth;
   if (!alike || !pressed || moments.count == 0 || whole_.size() == whole_.capacity()) return false;
-  report.clearance = 0;
+  pair.spare = 0;
   whole_.push_back({active.sample, active.object, active.cluster, field});
   return true;
 }
@@ -236,13 +200,20 @@ bool ObjectContact::settle_whole(const Active& active, const Vector3& place, flo
 void ObjectContact::touch(std::uint32_t sample, std::uint32_t object, const Active& above,
                           ObjectContactReport& report) noexcept {
   Pair& pair = pairs_[object];
+  const std::uint32_t cluster = sample < clustered_ ? sample : above.cluster;
+  float* const known = finest_until(object);
+  const double way = way_of(pair, cluster);
+  if (known != nullptr && way + ahead_ < static_cast<double>(known[sample])) {
+    return spare_of(pair, cluster, static_cast<double>(known[sample]) - way);
+  }
+  const auto let_go = [&](double spare) {
+    if (known != nullptr) known[sample] = pair.after(way, spare);
+    spare_of(pair, cluster, spare);
+  };
   ++report.tested;
   const double moved = above.known ? from_above(sample, above.sample) : 0;
   const double told = static_cast<double>(above.distance) - moved - pair.doubt;
-  if (above.known && told > pair.lift + ahead_) {
-    report.clearance = std::min(report.clearance, told - pair.lift);
-    return;
-  }
+  if (above.known && told > pair.lift + ahead_) return let_go(told - pair.lift);
   const Vector3 place =
       turned(pair.pose.linear(), tool_.places[sample].position) + pair.pose.translation();
   Vector3 normal;
@@ -253,8 +224,16 @@ void ObjectContact::touch(std::uint32_t sample, std::uint32_t object, const Acti
   } else {
     distance = ask(pair, place, normal, report);
   }
-  const std::uint32_t cluster = sample < clustered_ ? sample : above.cluster;
-  press_by(sample, object, cluster, place, distance, normal, report);
+  const double spare = distance - pair.doubt - pair.lift;
+  if (spare > ahead_) return let_go(spare);
+  if (known != nullptr) known[sample] = until_near(pair, way, distance);
+  press_by(sample, object, cluster, place, distance, normal);
+}
+
+/// When a finest sample at a distance, m, is to be asked again: before it touches, or is near.
+float ObjectContact::until_near(Pair& pair, double way, double distance) const noexcept {
+  const double spare = distance - pair.lift - std::max(pair.doubt, near_reach_);
+  return spare > 0 ? pair.after(way, spare) : 0;
 }
 
 /// Tells a finest sample that is near.
@@ -280,11 +259,11 @@ void ObjectContact::note(const Pair& pair, std::uint32_t sample, const Vector3& 
 
 /// Presses a finest sample where it touches, and lists it where it is near.
 void ObjectContact::press_by(std::uint32_t sample, std::uint32_t object, std::uint32_t cluster,
-                             const Vector3& place, double distance, const Vector3& normal,
-                             ObjectContactReport& report) noexcept {
-  const Pair& pair = pairs_[object];
+                             const Vector3& place, double distance,
+                             const Vector3& normal) noexcept {
+  Pair& pair = pairs_[object];
   const double spare = distance - pair.doubt - pair.lift;
-  report.clearance = std::min(report.clearance, std::max(spare, 0.0));
+  pair.spare = std::min(pair.spare, std::max(spare, 0.0));
   if (ahead_ > 0 && spare < ahead_) {
     if (near_.size() < near_.capacity()) {
       near_.push_back({sample, object, cluster});
@@ -369,7 +348,7 @@ ObjectContactReport ObjectContact::tick(const Eigen::Isometry3d& tool_pose,
   begin_list(budget.ahead);
   const SampleLevel& coarsest = tool_.levels.front();
   for (std::uint32_t object = 0; object < count; ++object) {
-    if (!pairs_[object].present) continue;
+    if (!pairs_[object].present || !look_at_all(pairs_[object])) continue;
     for (std::uint32_t k = 0; k < coarsest.count && active_.size() < active_.capacity(); ++k) {
       look(coarsest.first + k, object, {}, active_, report);
     }
@@ -382,17 +361,21 @@ ObjectContactReport ObjectContact::tick(const Eigen::Isometry3d& tool_pose,
     }
     if (!refine(level, budget, clock, report)) break;
   }
-  const std::span<const Active> left = std::span(active_).subspan(left_);
+  const std::span<Active> left = std::span(active_).subspan(left_);
   for (const Whole& whole : whole_) press_whole(whole);
   press_time_ = clock.time_of(next_.size() + left.size(), [&] {
-    for (const Active& active : next_) press_coarse(active);
-    for (const Active& active : left) press_coarse(active);
+    for (Active& active : next_) press_coarse(active, report);
+    for (Active& active : left) press_coarse(active, report);
   });
   sum_up(report);
   // Samples that were not resolved to the finest level may touch.
-  if (report.degraded || report.level + 1 < levels) {
-    report.clearance = 0;
-    near_known_ = false;
+  const bool all = !report.degraded && report.level + 1 == levels;
+  if (!all) near_known_ = false;
+  for (Pair& pair : pairs_) {
+    if (!pair.present) continue;
+    if (!all && !pair.asleep) pair.spare = 0;
+    if (!pair.asleep) pair.clear = pair.spare;
+    report.clearance = std::min(report.clearance, pair.spare);
   }
   end_list(report);
   return report;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <cstdint>
 #include <limits>
 #include <span>
@@ -165,17 +166,35 @@ class ObjectContact {
     ContactSum sum;       ///< in this tick, object's axes, about the tool's origin
     ContactSum grip_sum;  ///< of its bristles
     double gripped = 0;   ///< N: the sum of the forces at which these give way
-    double travelled =
-        0;  ///< m: upper bound of the motion of any place of the tool relative to the object
+    Eigen::Isometry3d looked_at = Eigen::Isometry3d::Identity();  ///< in the last look at all
+    double clear = 0;        ///< m: no sample touched before it had moved this far from there
+    double spare = 0;        ///< m: the same of this look, as far as it is known
+    double since = 0;        ///< m: upper bound of how far the cluster in hand has moved from there
+    double since_all = 0;    ///< m: the same of all of the tool
+    double latest = 0;       ///< m: no value of `until_` or of its slot is beyond this
+    std::int32_t slot = -1;  ///< of `finest_until_`; below 0: none
     QueryCursor cursor;
-    double listed_at = 0;    ///< `travelled` when near samples were listed
-    double listed_lift = 0;  ///< `lift` at that time
-    bool listed = false;     ///< it was present then
-    bool mirrored = false;   ///< `to_world` mirrors
+    bool asleep = false;    ///< the last look at all samples left it out
+    bool listed = false;    ///< it was present when near samples were listed
+    bool mirrored = false;  ///< `to_world` mirrors
     bool placed = false;
     bool present = false;      ///< in this tick
     bool in_grip = false;      ///< `settled` is known
     std::uint32_t absent = 0;  ///< settlings since it was present
+
+    /// What the way of a sample, `way` so far, will be at the least before it has gone `more` from
+    /// here; m, rounded down.
+    [[nodiscard]] float after(double way, double more) noexcept {
+      constexpr double rounded_down = 1 - 0x1p-22, longest = 1;
+      const double end = way - 2 * since + std::min(more, longest);
+      latest = std::max(latest, end);
+      return static_cast<float>(end * rounded_down);
+    }
+  };
+  /// A part of `finest_until_`, one value per finest sample.
+  struct Slot {
+    std::int32_t pair = -1;  ///< whose it is; below 0: free
+    double latest = 0;       ///< m: no value is beyond this
   };
   /// A finest sample that friction may hold.
   struct Touch {
@@ -190,10 +209,18 @@ class ObjectContact {
   std::uint32_t clustered_ = 0;  ///< samples below this number are clusters of their own
   std::vector<Pair> pairs_;
   ContactGrip grip_;
-  /// One value per pair and sample above the finest: the sample need not be examined before the
-  /// pair has travelled this far. Above 0: nothing below it in the tree can touch. Below 0: it
-  /// cannot touch, but samples below it can.
+  /// Of each pair and cluster, m: upper bound of the way of any of its samples relative to the
+  /// object, from one look at all samples to the next; and how far those that were not listed were
+  /// from touching.
+  std::vector<double> ways_;
+  std::vector<float> spares_;
+  /// One value per pair and sample above the finest: the sample need not be examined before its
+  /// cluster's way is this long. Above 0: nothing below it in the tree can touch. Below 0: what it
+  /// would tell changes nothing.
   std::vector<float> until_;
+  /// The same for the finest samples, of the pairs that have a slot: those that were near last.
+  std::vector<float> finest_until_;
+  std::vector<Slot> slots_;
   std::vector<Active> active_, next_;
   std::vector<Whole> whole_;
   std::vector<Near> near_;  ///< in the order of the look that listed them
@@ -209,6 +236,23 @@ class ObjectContact {
 
   [[nodiscard]] bool is_finest(std::uint32_t sample) const noexcept { return sample >= coarse_; }
   void set_out(const ContactObject& object, Pair& pair, const Eigen::Isometry3d& tool) noexcept;
+  [[nodiscard]] std::size_t first_way(const Pair& pair) const noexcept {
+    return static_cast<std::size_t>(&pair - pairs_.data()) * clustered_;
+  }
+  [[nodiscard]] double way_of(const Pair& pair, std::uint32_t cluster) const noexcept {
+    return ways_[first_way(pair) + cluster] + pair.since;
+  }
+  /// Tells how far a sample is from touching, m; one that is not listed.
+  void spare_of(Pair& pair, std::uint32_t cluster, double spare) noexcept {
+    float& least = spares_[first_way(pair) + cluster];
+    least = std::min(least, static_cast<float>(spare));
+    pair.spare = std::min(pair.spare, spare);
+  }
+  [[nodiscard]] double left_of_list(const Pair& pair, double most) const noexcept;
+  [[nodiscard]] bool look_at_all(Pair& pair) noexcept;
+  void begin_behind(Pair& pair, double least) noexcept;
+  void begin_travel(Pair& pair) noexcept;
+  [[nodiscard]] float* finest_until(std::uint32_t object) noexcept;
   [[nodiscard]] double from_above(std::uint32_t sample, std::uint32_t above) const noexcept;
   [[nodiscard]] double ask(Pair& pair, const Vector3& place, Vector3& normal,
                            ObjectContactReport& report) noexcept;
@@ -216,18 +260,18 @@ class ObjectContact {
             std::vector<Active>& found, ObjectContactReport& report) noexcept;
   void touch(std::uint32_t sample, std::uint32_t object, const Active& above,
              ObjectContactReport& report) noexcept;
-  [[nodiscard]] bool settle_whole(const Active& active, const Vector3& place, float& until,
-                                  ObjectContactReport& report) noexcept;
+  [[nodiscard]] bool settle_whole(const Active& active, const Vector3& place,
+                                  float& until) noexcept;
+  [[nodiscard]] float until_near(Pair& pair, double way, double distance) const noexcept;
   void note(const Pair& pair, std::uint32_t sample, const Vector3& place, double distance,
             const Vector3& normal) noexcept;
   void press_by(std::uint32_t sample, std::uint32_t object, std::uint32_t cluster,
-                const Vector3& place, double distance, const Vector3& normal,
-                ObjectContactReport& report) noexcept;
+                const Vector3& place, double distance, const Vector3& normal) noexcept;
   void begin_list(double ahead) noexcept;
   void end_list(const ObjectContactReport& report) noexcept;
-  [[nodiscard]] bool has_list(double ahead) const noexcept;
+  [[nodiscard]] bool has_list(double ahead) noexcept;
   void look_near(ObjectContactReport& report) noexcept;
-  void press_coarse(const Active& active) noexcept;
+  void press_coarse(Active& active, ObjectContactReport& report) noexcept;
   void press_whole(const Whole& whole) noexcept;
   void press_finest(std::uint32_t sample, std::uint32_t object, std::uint32_t cluster,
                     const Vector3& place, double distance, const Vector3& normal) noexcept;

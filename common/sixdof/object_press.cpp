@@ -62,9 +62,18 @@ PressedPatch& ObjectContact::patch_of(std::uint32_t object, std::uint32_t cluste
 }
 
 /// Adds the spring of a sample above the finest: of the part of its patch that is below.
-void ObjectContact::press_coarse(const Active& active) noexcept {
-  if (!active.known || !active.has_normal()) return;
+void ObjectContact::press_coarse(Active& active, ObjectContactReport& report) noexcept {
   Pair& pair = pairs_[active.object];
+  if (!active.known) {
+    // It was not needed to get to those below it.
+    const Vector3 place =
+        turned(pair.pose.linear(), tool_.places[active.sample].position) + pair.pose.translation();
+    Vector3 found;
+    active.distance = static_cast<float>(ask(pair, place, found, report));
+    active.normal = floats_of(found);
+    active.known = true;
+  }
+  if (!active.has_normal()) return;
   const SampleShare& share = tool_.shares[active.sample];
   const Vector3 normal = vector_of(active.normal);
   const SampleSpread& spread = tool_.spreads[active.sample];

@@ -22,7 +22,7 @@ constexpr int most_failures = 3;
 /// After a step that raised the energy, this part of it is tried next.
 constexpr double backtrack = 0.3;
 /// Looks within this many of the longest steps are quick after the first.
-constexpr double steps_ahead = 4;
+constexpr double steps_ahead = 2;
 /// A step takes up the planes of samples that are within this many of the longest steps.
 constexpr double steps_near = 1.5;
 /// J: a rise of the energy by less is rounding.

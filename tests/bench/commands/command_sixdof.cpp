@@ -35,7 +35,7 @@ SixdofPlan plan_of(const SixdofSettings& settings) {
     plan.tool_tolerance = plan.tolerance = 1e-4;
     plan.peer_ticks = 100;
     plan.judged = 20;
-    plan.reference_samples = 30000;
+    plan.reference_radius = 1e-4;
     plan.culled_objects = 100;
   }
   if (settings.tolerance) plan.tolerance = *settings.tolerance;

@@ -8,10 +8,13 @@
 
 namespace spm::bench {
 
-/// Force on a tool at a pose by the law of ObjectContact, from all samples of the finest level.
-/// Depths and directions come from the object's exact surface. The baked field is used only to skip
-/// samples that are farther outside than three tolerances.
-[[nodiscard]] Wrench exact_wrench(const SurfaceSamples& tool, const BakedObject& object,
-                                  const Eigen::Isometry3d& tool_pose, double stiffness);
+/// Force and torque (about the tool's origin) on a tool at a pose from the overlap of the exact
+/// meshes: the integral, over the part of the tool's outer surface that is inside the object, of
+/// `stiffness` (N/m3) times depth and direction to the object's nearest surface. Triangles are
+/// split until their places are within `radius` (m) of their middles. Nothing that was baked is
+/// used.
+[[nodiscard]] Wrench exact_wrench(const BakedObject& tool, const BakedObject& object,
+                                  const Eigen::Isometry3d& tool_pose, double stiffness,
+                                  double radius);
 
 }  // namespace spm::bench

@@ -55,7 +55,7 @@ double quantile(std::vector<double>& values, double share) {
 }
 
 TickQuantiles quantiles(std::vector<double> values) {
-  return {quantile(values, 0.5), quantile(values, 0.95)};
+  return {quantile(values, 0.5), quantile(values, 0.95), quantile(values, 0.99)};
 }
 
 struct Judged {
@@ -213,8 +213,7 @@ class Runner {
 std::vector<Judged> references(const SixdofPlan& plan, const std::vector<Isometry3d>& path,
                                const BakedObject& tool, const BakedObject& object,
                                SixdofReport& report) {
-  const SurfaceSamples samples = samples_of_count(tool.view(), plan.reference_samples);
-  report.reference_samples = samples.levels.back().count;
+  report.reference_radius = plan.reference_radius;
   // Use only ticks at which the peers are queried as well.
   const std::size_t peers = std::max<std::size_t>(1, path.size() / plan.peer_ticks);
   const std::size_t stride =
@@ -222,7 +221,7 @@ std::vector<Judged> references(const SixdofPlan& plan, const std::vector<Isometr
       std::max<std::size_t>(1, path.size() / peers / std::max<std::uint64_t>(1, plan.judged));
   std::vector<Judged> judged;
   for (std::size_t tick = 0; tick < path.size(); tick += stride) {
-    const Wrench wrench = exact_wrench(samples, object, path[tick], stiffness);
+    const Wrench wrench = exact_wrench(tool, object, path[tick], stiffness, plan.reference_radius);
     if (wrench.force.norm() > 0) judged.push_back({tick, wrench});
   }
   report.judged = judged.size();

@@ -20,13 +20,13 @@ struct SixdofPlan {
   std::uint64_t ticks = 5000;      ///< number on the path, at 1 kHz
   std::uint64_t peer_ticks = 500;  ///< how many of them, evenly spaced, the peers compute
   std::uint64_t judged = 100;      ///< how many of them, evenly spaced, have their force judged
-  std::uint64_t reference_samples = 130000;
+  double reference_radius = 5e-5;  ///< m: how fine the overlap of the exact meshes is integrated
   std::uint64_t culled_objects = 1000;  ///< in the largest culling scene
   std::uint64_t seed = 1;
 };
 
 struct TickQuantiles {
-  double median = 0, p95 = 0;
+  double median = 0, p95 = 0, p99 = 0;
 };
 
 /// A method with one setting, along the path.
@@ -55,7 +55,8 @@ struct SixdofRow {
 struct SixdofReport {
   std::string tool, object;
   std::uint64_t tool_triangles = 0, object_triangles = 0;
-  std::uint64_t ticks = 0, judged = 0, reference_samples = 0;
+  std::uint64_t ticks = 0, judged = 0;
+  double reference_radius = 0;  ///< m
   std::vector<SixdofRow> rows;
   std::uint64_t hull_points = 0;  ///< of the tool's hull, which the culling scenes use
   std::vector<CullingRow> culling;

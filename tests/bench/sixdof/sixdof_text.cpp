@@ -17,7 +17,7 @@ constexpr double micro = 1e6;
 constexpr double degrees = 180 / std::numbers::pi;
 
 Json quantiles_json(const TickQuantiles& values, double unit) {
-  return {{"median", values.median * unit}, {"p95", values.p95 * unit}};
+  return {{"median", values.median * unit}, {"p95", values.p95 * unit}, {"p99", values.p99 * unit}};
 }
 
 Json row_json(const SixdofRow& row) {
@@ -89,7 +89,7 @@ Json to_json(const SixdofReport& report) {
   json["object"] = {{"mesh", report.object}, {"triangles", report.object_triangles}};
   json["ticks"] = report.ticks;
   json["judged"] = report.judged;
-  json["reference_samples"] = report.reference_samples;
+  json["reference_radius_um"] = micro * report.reference_radius;
   json["rows"] = Json::array();
   for (const SixdofRow& row : report.rows) json["rows"].push_back(row_json(row));
   json["culling"] = Json::array();
@@ -100,11 +100,12 @@ Json to_json(const SixdofReport& report) {
 std::string to_text(const SixdofReport& report) {
   std::string text;
   const auto out = std::back_inserter(text);
-  fmt::format_to(out,
-                 "{} ({} triangles) on {} ({} triangles): {} ticks; forces judged at {}, by {} "
-                 "samples and the exact surface\n",
-                 report.tool, report.tool_triangles, report.object, report.object_triangles,
-                 report.ticks, report.judged, report.reference_samples);
+  fmt::format_to(
+      out,
+      "{} ({} triangles) on {} ({} triangles): {} ticks; forces judged at {}, by the overlap "
+      "of the exact meshes, integrated to {:.0f} um\n",
+      report.tool, report.tool_triangles, report.object, report.object_triangles, report.ticks,
+      report.judged, micro * report.reference_radius);
   fmt::format_to(
       out, "  {:<5} {:<13} {:<25} {:>31}  {:>8} {:>8} {:>8} {:>6}  {:>13}  {:>14} {:>11} {:>8}\n",
       "path", "method", "settings", "us a tick: p50    p99 busy p99   mean", "tested", "asked",

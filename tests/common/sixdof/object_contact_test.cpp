@@ -163,7 +163,7 @@ TEST_CASE("Looks within the way that was told look at listed samples alone, and 
     REQUIRE((report.sum.wrench - whole.sum.wrench).norm() <= 1e-4 * whole.sum.wrench.norm());
     REQUIRE(report.level == whole.level);
     contacts += whole.sum.contacts;
-    if (report.tested < whole.tested / 2) ++listed;
+    if (report.worked < whole.worked / 2) ++listed;
   }
   CHECK(contacts > 1000);
   CHECK(listed > 100);
@@ -213,7 +213,7 @@ TEST_CASE("The two levels above the finest give its force within a tenth in the 
       TickBudget budget;
       budget.finest_level = levels - 1 - coarser;
       const ObjectContactReport report = contact.tick(pose, objects, budget);
-      CHECK(report.level == budget.finest_level);
+      CHECK((report.level == budget.finest_level || report.sum.contacts == 0));
       error[coarser - 1] += (report.sum.forces().force - finest).squaredNorm();
     }
   }

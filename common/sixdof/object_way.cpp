@@ -1,0 +1,131 @@
+// SPDX-License-Identifier: Apache-2.0
+// How far the tool's samples have moved relative to an object, and which need not be looked at yet.
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "common/sixdof/object_contact.hpp"
+#include "common/sixdof/tool_motion.hpp"
+
+namespace spm {
+
+namespace {
+
+/// Reduction of a clearance by the errors of two field values, in tolerances: at the sample that
+/// was queried, and at the one that is not.
+constexpr double doubtful_tolerances = 2;
+/// m: what is kept of ways are floats, so they are counted anew from time to time.
+constexpr double longest_way = 32;
+
+}  // namespace
+
+/// Takes up where an object is in this tick.
+void ObjectContact::set_out(const ContactObject& object, Pair& pair,
+                            const Eigen::Isometry3d& tool) noexcept {
+  const Eigen::Isometry3d pose = object.pose.inverse(Eigen::Isometry) * tool;
+  pair.to_world = object.pose.linear();
+  pair.mirrored = pair.to_world.determinant() < 0;
+  const double lift = object.texture.amplitude > 0 ? object.texture.amplitude : 0;
+  const bool same =
+      pair.placed && pair.field == object.field && pair.scale == object.scale && pair.lift == lift;
+  // What was known of another field lies behind.
+  if (!same) {
+    begin_behind(pair, pair.latest);
+    pair.looked_at = pose;
+    pair.cursor.begin(object.field);
+    pair.listed = false;
+    pair.clear = 0;
+  }
+  pair.field = object.field;
+  pair.scale = object.scale;
+  pair.stiffness = object.stiffness > 0 ? object.stiffness : settings_.stiffness;
+  pair.least_area = object.least_area;
+  pair.doubt = doubtful_tolerances * object.scale * object.field->tolerance;
+  pair.texture = object.texture;
+  pair.lift = lift;
+  pair.grip = object.grip;
+  pair.pose = pose;
+  pair.placed = pair.present = true;
+  pair.since_all = ToolMotion(pair.looked_at, pose).of(tool_.centre, tool_.radius);
+}
+
+/// How far a pair may move on before a sample that is not listed touches, m; 0 or below: one may
+/// touch. At most `most`, where any has been looked at.
+double ObjectContact::left_of_list(const Pair& pair, double most) const noexcept {
+  if (pair.asleep) return pair.clear - pair.since_all;
+  const ToolMotion motion(pair.looked_at, pair.pose);
+  const std::size_t first = first_way(pair);
+  double left = most;
+  for (std::uint32_t i = 0; i < clustered_; ++i) {
+    const auto spare = static_cast<double>(spares_[first + i]);
+    if (!(spare - pair.since_all >= left))
+      left = std::min(left, spare - motion.of(tool_.places[i]));
+  }
+  return left;
+}
+
+/// A look at all samples begins: counts the ways up to here. False where none can touch, or be
+/// listed, yet.
+bool ObjectContact::look_at_all(Pair& pair) noexcept {
+  pair.asleep = pair.since_all + ahead_ < pair.clear;
+  if (pair.asleep) {
+    pair.spare = pair.clear - pair.since_all;
+    return false;
+  }
+  const ToolMotion motion(pair.looked_at, pair.pose);
+  const std::size_t first = first_way(pair);
+  double longest = 0;
+  for (std::uint32_t i = 0; i < clustered_; ++i) {
+    ways_[first + i] += motion.of(tool_.places[i]);
+    longest = std::max(longest, ways_[first + i]);
+  }
+  pair.since = pair.since_all = 0;
+  pair.looked_at = pair.pose;
+  pair.spare = std::numeric_limits<double>::infinity();
+  std::fill_n(spares_.begin() + static_cast<std::ptrdiff_t>(first), clustered_,
+              std::numeric_limits<float>::infinity());
+  if (!(longest < longest_way) || !(pair.latest < longest_way)) begin_travel(pair);
+  return true;
+}
+
+/// What was known of a pair's samples lies behind.
+void ObjectContact::begin_behind(Pair& pair, double least) noexcept {
+  pair.latest = std::max(pair.latest, least);
+  const auto first = ways_.begin() + static_cast<std::ptrdiff_t>(first_way(pair));
+  std::for_each(first, first + clustered_, [&](double& way) { way = std::max(way, pair.latest); });
+}
+
+/// Forgets what is known of a pair's samples, and counts their ways from 0.
+void ObjectContact::begin_travel(Pair& pair) noexcept {
+  const auto which = &pair - pairs_.data();
+  std::fill_n(until_.begin() + which * static_cast<std::ptrdiff_t>(coarse_), coarse_, 0.0F);
+  std::fill_n(ways_.begin() + static_cast<std::ptrdiff_t>(first_way(pair)), clustered_, 0.0);
+  if (pair.slot >= 0) {
+    const auto count = static_cast<std::ptrdiff_t>(tool_.levels.back().count);
+    std::fill_n(finest_until_.begin() + pair.slot * count, count, 0.0F);
+  }
+  pair.latest = 0;
+}
+
+/// What is known of a pair's finest samples, by their numbers; null where there is no slot left.
+float* ObjectContact::finest_until(std::uint32_t object) noexcept {
+  Pair& pair = pairs_[object];
+  for (std::size_t i = 0; pair.slot < 0 && i < slots_.size(); ++i) {
+    Slot& slot = slots_[i];
+    if (slot.pair >= 0) {
+      Pair& owner = pairs_[static_cast<std::size_t>(slot.pair)];
+      if (owner.present) continue;
+      slot.latest = owner.latest;
+      owner.slot = -1;
+    }
+    slot.pair = static_cast<std::int32_t>(object);
+    pair.slot = static_cast<std::int32_t>(i);
+    // What the slot's last owner knew as well.
+    begin_behind(pair, slot.latest);
+  }
+  if (pair.slot < 0) return nullptr;
+  const SampleLevel& finest = tool_.levels.back();
+  return finest_until_.data() + static_cast<std::size_t>(pair.slot) * finest.count - finest.first;
+}
+
+}  // namespace spm
