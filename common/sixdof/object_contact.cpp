@@ -33,7 +33,7 @@ ObjectContact::ObjectContact(const SurfaceSamples& tool, const ObjectContactSett
       pairs_(settings.objects),
       grip_(tool.levels.empty() ? 0 : tool.levels.back().count, settings.objects),
       until_(std::size_t{settings.objects} * coarse_, 0.0F),
-      slots_(std::min(settings.objects, max_slots)),
+      slots_(std::min(settings.objects, max_slots), -1),
       press_time_(first_press_time) {
   if (!tool.levels.empty()) finest_until_.assign(slots_.size() * tool.levels.back().count, 0.0F);
   // All of the level above the finest, with one object.
@@ -80,6 +80,8 @@ void ObjectContact::forget(std::uint32_t object) noexcept {
 void ObjectContact::forget() noexcept {
   for (std::uint32_t object = 0; object < pairs_.size(); ++object) forget(object);
   listed_ahead_ = 0;
+  for (Pair& pair : pairs_) pair.slot = -1;
+  std::fill(slots_.begin(), slots_.end(), -1);
   press_time_ = first_press_time;
   start_over();
   drop();

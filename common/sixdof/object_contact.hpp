@@ -171,7 +171,6 @@ class ObjectContact {
     double spare = 0;        ///< m: the same of this look, as far as it is known
     double since = 0;        ///< m: upper bound of how far the cluster in hand has moved from there
     double since_all = 0;    ///< m: the same of all of the tool
-    double latest = 0;       ///< m: no value of `until_` or of its slot is beyond this
     std::int32_t slot = -1;  ///< of `finest_until_`; below 0: none
     QueryCursor cursor;
     bool asleep = false;    ///< the last look at all samples left it out
@@ -184,17 +183,10 @@ class ObjectContact {
 
     /// What the way of a sample, `way` so far, will be at the least before it has gone `more` from
     /// here; m, rounded down.
-    [[nodiscard]] float after(double way, double more) noexcept {
+    [[nodiscard]] float after(double way, double more) const noexcept {
       constexpr double rounded_down = 1 - 0x1p-22, longest = 1;
-      const double end = way - 2 * since + std::min(more, longest);
-      latest = std::max(latest, end);
-      return static_cast<float>(end * rounded_down);
+      return static_cast<float>((way - 2 * since + std::min(more, longest)) * rounded_down);
     }
-  };
-  /// A part of `finest_until_`, one value per finest sample.
-  struct Slot {
-    std::int32_t pair = -1;  ///< whose it is; below 0: free
-    double latest = 0;       ///< m: no value is beyond this
   };
   /// A finest sample that friction may hold.
   struct Touch {
@@ -220,7 +212,7 @@ class ObjectContact {
   std::vector<float> until_;
   /// The same for the finest samples, of the pairs that have a slot: those that were near last.
   std::vector<float> finest_until_;
-  std::vector<Slot> slots_;
+  std::vector<std::int32_t> slots_;  ///< the pair of each; below 0: free
   std::vector<Active> active_, next_;
   std::vector<Whole> whole_;
   std::vector<Near> near_;  ///< in the order of the look that listed them
@@ -250,8 +242,8 @@ class ObjectContact {
   }
   [[nodiscard]] double left_of_list(const Pair& pair, double most) const noexcept;
   [[nodiscard]] bool look_at_all(Pair& pair) noexcept;
-  void begin_behind(Pair& pair, double least) noexcept;
   void begin_travel(Pair& pair) noexcept;
+  void begin_slot(const Pair& pair) noexcept;
   [[nodiscard]] float* finest_until(std::uint32_t object) noexcept;
   [[nodiscard]] double from_above(std::uint32_t sample, std::uint32_t above) const noexcept;
   [[nodiscard]] double ask(Pair& pair, const Vector3& place, Vector3& normal,

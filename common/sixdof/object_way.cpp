@@ -28,13 +28,14 @@ void ObjectContact::set_out(const ContactObject& object, Pair& pair,
   const double lift = object.texture.amplitude > 0 ? object.texture.amplitude : 0;
   const bool same =
       pair.placed && pair.field == object.field && pair.scale == object.scale && pair.lift == lift;
-  // What was known of another field lies behind.
+  // All as if it were new, or a tick would not be repeated to the bit.
   if (!same) {
-    begin_behind(pair, pair.latest);
+    begin_travel(pair);
     pair.looked_at = pose;
     pair.cursor.begin(object.field);
     pair.listed = false;
     pair.clear = 0;
+    pair.asleep = false;
   }
   pair.field = object.field;
   pair.scale = object.scale;
@@ -84,15 +85,8 @@ bool ObjectContact::look_at_all(Pair& pair) noexcept {
   pair.spare = std::numeric_limits<double>::infinity();
   std::fill_n(spares_.begin() + static_cast<std::ptrdiff_t>(first), clustered_,
               std::numeric_limits<float>::infinity());
-  if (!(longest < longest_way) || !(pair.latest < longest_way)) begin_travel(pair);
+  if (!(longest < longest_way)) begin_travel(pair);
   return true;
-}
-
-/// What was known of a pair's samples lies behind.
-void ObjectContact::begin_behind(Pair& pair, double least) noexcept {
-  pair.latest = std::max(pair.latest, least);
-  const auto first = ways_.begin() + static_cast<std::ptrdiff_t>(first_way(pair));
-  std::for_each(first, first + clustered_, [&](double& way) { way = std::max(way, pair.latest); });
 }
 
 /// Forgets what is known of a pair's samples, and counts their ways from 0.
@@ -100,28 +94,28 @@ void ObjectContact::begin_travel(Pair& pair) noexcept {
   const auto which = &pair - pairs_.data();
   std::fill_n(until_.begin() + which * static_cast<std::ptrdiff_t>(coarse_), coarse_, 0.0F);
   std::fill_n(ways_.begin() + static_cast<std::ptrdiff_t>(first_way(pair)), clustered_, 0.0);
-  if (pair.slot >= 0) {
-    const auto count = static_cast<std::ptrdiff_t>(tool_.levels.back().count);
-    std::fill_n(finest_until_.begin() + pair.slot * count, count, 0.0F);
-  }
-  pair.latest = 0;
+  begin_slot(pair);
+}
+
+void ObjectContact::begin_slot(const Pair& pair) noexcept {
+  if (pair.slot < 0) return;
+  const auto count = static_cast<std::ptrdiff_t>(tool_.levels.back().count);
+  std::fill_n(finest_until_.begin() + pair.slot * count, count, 0.0F);
 }
 
 /// What is known of a pair's finest samples, by their numbers; null where there is no slot left.
 float* ObjectContact::finest_until(std::uint32_t object) noexcept {
   Pair& pair = pairs_[object];
   for (std::size_t i = 0; pair.slot < 0 && i < slots_.size(); ++i) {
-    Slot& slot = slots_[i];
-    if (slot.pair >= 0) {
-      Pair& owner = pairs_[static_cast<std::size_t>(slot.pair)];
+    std::int32_t& slot = slots_[i];
+    if (slot >= 0) {
+      Pair& owner = pairs_[static_cast<std::size_t>(slot)];
       if (owner.present) continue;
-      slot.latest = owner.latest;
       owner.slot = -1;
     }
-    slot.pair = static_cast<std::int32_t>(object);
+    slot = static_cast<std::int32_t>(object);
     pair.slot = static_cast<std::int32_t>(i);
-    // What the slot's last owner knew as well.
-    begin_behind(pair, slot.latest);
+    begin_slot(pair);
   }
   if (pair.slot < 0) return nullptr;
   const SampleLevel& finest = tool_.levels.back();

@@ -56,18 +56,19 @@ class WorkClock {
     return now + 2 * longest_ + pressing >= end_;
   }
   /// Measures the time to press one sample, ns, from a batch that `press` presses; only large
-  /// enough batches count.
+  /// enough batches count. What was measured before is forgotten little by little.
   template <class Press>
   [[nodiscard]] double time_of(std::size_t samples, const Press& press) noexcept {
     constexpr std::size_t few = 32;
     if (!limited_ || samples < few) {
       press();
-      return press_time_;
+      return std::max(least_press_time, press_time_ * forgotten_share);
     }
     const std::int64_t begun = now_();
     press();
     const double taken = static_cast<double>(now_() - begun) / static_cast<double>(samples);
-    return std::max(taken, press_time_ * forgotten_share);
+    // Beyond that something else had the core, or later ticks would see no time for any level.
+    return std::clamp(taken, press_time_ * forgotten_share, most_press_time);
   }
 
  private:
@@ -76,6 +77,7 @@ class WorkClock {
   /// Number of samples that are skipped between two readings of the clock, where none of them
   /// queries a field.
   static constexpr int passed_a_look = 16;
+  static constexpr double least_press_time = 100, most_press_time = 1000;  ///< ns
   /// The part of the longest press time that is kept from tick to tick.
   static constexpr double forgotten_share = 0.98;
 
