@@ -105,6 +105,8 @@ class AwayDaemon(unittest.TestCase):
                           for at in seen[key])
             flows = changes % 2 == 1
             off.append(0 if not flows else (ended[0] - began) / 1e6 if ended else float("inf"))
+        seen["deaf"] = [any(end > began and start < began + AWAY * 1e9
+                            for start, end in seen["deaf_ns"]) for began in told["began"]]
         return off, told["report"], seen
 
     def show(self, what: str, off: list[float]) -> None:
@@ -115,10 +117,11 @@ class AwayDaemon(unittest.TestCase):
     def test_a_stopped_daemon_s_force_ends_while_it_is_stopped_and_comes_back_softly(self) -> None:
         off, report, seen = self.run_beside("stop", TIMES)
         self.show("stopped", off)
-        # A stop in the midst of an exchange with umockdev seems to hold the emulated device too, which
-        # then hears nobody; a kernel does not wait for a program. Seen once in 210 stops.
-        late = sum(time >= AWAY * 1e3 for time in off)
-        self.assertLessEqual(late, 1 + TIMES // 50, off)
+        # A stop in the midst of an exchange with umockdev holds the emulated device too, which then
+        # hears nobody, and tells so; a kernel does not wait for a program. Seen in 1 of 8 stops.
+        heard = [time for time, deaf in zip(off, seen["deaf"]) if not deaf]
+        self.assertGreater(len(heard), 0, off)
+        self.assertLess(max(heard), AWAY * 1e3, off)
         causes = {entry["cause"]: entry["count"] for entry in report["force_off"]}
         self.assertGreaterEqual(causes.get("stalled", 0) + causes.get("device_silent", 0), TIMES)
         self.assertGreaterEqual(len(seen["current_began_ns"]), TIMES)
