@@ -22,7 +22,6 @@ constexpr std::size_t max_touches = 1024;
 constexpr std::uint32_t max_slots = 8;
 constexpr std::size_t max_whole = 1024, max_near = 8192, max_told = 1536;
 constexpr std::size_t least_room = 1024;  ///< of active samples
-constexpr double first_press_time = 100;  // ns
 
 }  // namespace
 
@@ -33,8 +32,7 @@ ObjectContact::ObjectContact(const SurfaceSamples& tool, const ObjectContactSett
       pairs_(settings.objects),
       grip_(tool.levels.empty() ? 0 : tool.levels.back().count, settings.objects),
       until_(std::size_t{settings.objects} * coarse_, 0.0F),
-      slots_(std::min(settings.objects, max_slots), -1),
-      press_time_(first_press_time) {
+      slots_(std::min(settings.objects, max_slots), -1) {
   if (!tool.levels.empty()) finest_until_.assign(slots_.size() * tool.levels.back().count, 0.0F);
   // All of the level above the finest, with one object.
   const std::size_t above = tool.levels.size() > 1 ? tool.levels[tool.levels.size() - 2].count : 0;
@@ -82,7 +80,7 @@ void ObjectContact::forget() noexcept {
   listed_ahead_ = 0;
   for (Pair& pair : pairs_) pair.slot = -1;
   std::fill(slots_.begin(), slots_.end(), -1);
-  press_time_ = first_press_time;
+  press_time_ = WorkClock::least_press_time;
   start_over();
   drop();
 }
@@ -137,8 +135,7 @@ void ObjectContact::look(std::uint32_t sample, std::uint32_t object, const Activ
   // A field changes by at most the length of a step, so the sample above may tell enough.
   const double told = static_cast<double>(above.distance) - moved - pair.doubt;
   if (above.known && told > radius + ahead_) return let_go(told - radius);
-  const Vector3 place =
-      turned(pair.pose.linear(), tool_.places[sample].position) + pair.pose.translation();
+  const Vector3 place = place_of(pair, sample);
   active.known = true;
   if (above.known && moved == 0) {
     active.distance = above.distance;
@@ -216,8 +213,7 @@ void ObjectContact::touch(std::uint32_t sample, std::uint32_t object, const Acti
   const double moved = above.known ? from_above(sample, above.sample) : 0;
   const double told = static_cast<double>(above.distance) - moved - pair.doubt;
   if (above.known && told > pair.lift + ahead_) return let_go(told - pair.lift);
-  const Vector3 place =
-      turned(pair.pose.linear(), tool_.places[sample].position) + pair.pose.translation();
+  const Vector3 place = place_of(pair, sample);
   Vector3 normal;
   double distance = 0;
   if (above.known && moved == 0) {

@@ -15,6 +15,7 @@
 #include "common/sixdof/contact_grip.hpp"
 #include "common/sixdof/contact_step.hpp"
 #include "common/sixdof/contact_sum.hpp"
+#include "common/sixdof/sample_vectors.hpp"
 #include "common/sixdof/surface_samples.hpp"
 #include "common/sixdof/work_clock.hpp"
 
@@ -224,7 +225,8 @@ class ObjectContact {
   std::vector<PressedPatch> patches_, kept_;
   std::vector<Touch> touches_, kept_touches_;
   std::size_t left_ = 0;  ///< active samples from here on count, and all of `next_`
-  double press_time_;     ///< ns per sample, measured in the ticks before
+  double press_time_ =
+      WorkClock::least_press_time;  ///< ns per sample, measured in the ticks before
 
   [[nodiscard]] bool is_finest(std::uint32_t sample) const noexcept { return sample >= coarse_; }
   void set_out(const ContactObject& object, Pair& pair, const Eigen::Isometry3d& tool) noexcept;
@@ -245,6 +247,10 @@ class ObjectContact {
   void begin_travel(Pair& pair) noexcept;
   void begin_slot(const Pair& pair) noexcept;
   [[nodiscard]] float* finest_until(std::uint32_t object) noexcept;
+  /// Where a sample is, object's frame, in metres of the world.
+  [[nodiscard]] Vector3 place_of(const Pair& pair, std::uint32_t sample) const noexcept {
+    return turned(pair.pose.linear(), tool_.places[sample].position) + pair.pose.translation();
+  }
   [[nodiscard]] double from_above(std::uint32_t sample, std::uint32_t above) const noexcept;
   [[nodiscard]] double ask(Pair& pair, const Vector3& place, Vector3& normal,
                            ObjectContactReport& report) noexcept;

@@ -50,8 +50,7 @@ void ObjectContact::look_near(ObjectContactReport& report) noexcept {
       continue;
     }
     ++report.tested;
-    const Vector3 place =
-        turned(pair.pose.linear(), tool_.places[near.sample].position) + pair.pose.translation();
+    const Vector3 place = place_of(pair, near.sample);
     Vector3 normal;
     const double distance = ask(pair, place, normal, report);
     if (known != nullptr) known[near.sample] = until_near(pair, way, distance);

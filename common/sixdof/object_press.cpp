@@ -66,8 +66,7 @@ void ObjectContact::press_coarse(Active& active, ObjectContactReport& report) no
   Pair& pair = pairs_[active.object];
   if (!active.known) {
     // It was not needed to get to those below it.
-    const Vector3 place =
-        turned(pair.pose.linear(), tool_.places[active.sample].position) + pair.pose.translation();
+    const Vector3 place = place_of(pair, active.sample);
     Vector3 found;
     active.distance = static_cast<float>(ask(pair, place, found, report));
     active.normal = floats_of(found);

@@ -30,6 +30,9 @@ struct TickBudget {
 /// Tells the search for contacts when its time is over.
 class WorkClock {
  public:
+  /// What pressing a sample is taken to need before any was measured, and at the least; ns.
+  static constexpr double least_press_time = 100;
+
   WorkClock(const TickBudget& budget, double press_time) noexcept
       : now_(budget.now != nullptr ? budget.now : &steady_now),
         limited_(budget.nanoseconds > 0),
@@ -77,7 +80,7 @@ class WorkClock {
   /// Number of samples that are skipped between two readings of the clock, where none of them
   /// queries a field.
   static constexpr int passed_a_look = 16;
-  static constexpr double least_press_time = 100, most_press_time = 1000;  ///< ns
+  static constexpr double most_press_time = 1000;  ///< ns
   /// The part of the longest press time that is kept from tick to tick.
   static constexpr double forgotten_share = 0.98;
 

@@ -2,26 +2,15 @@
 #include "servo/scene/force_choice.hpp"
 
 #include <catch2/catch.hpp>
-#include <fstream>
 
 #include "common/contact/stable_stiffness.hpp"
-#include "tests/servo/support/shape_asset.hpp"
+#include "tests/servo/support/chosen_scene.hpp"
 
 namespace force_choice_test {
 
 using namespace spm;
 using namespace spm::servo;
-
-namespace {
-
-Result<ForceChoice> choose(const std::string& text, ForceOptions options = {}) {
-  const test::TemporaryFolder folder;
-  options.scene = folder.file("scene.toml");
-  std::ofstream(options.scene) << text;
-  return choose_forces(options);
-}
-
-}  // namespace
+using test::choose;
 
 TEST_CASE("An asset alone is a scene of one object in the hand's frame") {
   ForceOptions options;

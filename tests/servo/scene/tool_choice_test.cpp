@@ -2,27 +2,16 @@
 #include "servo/scene/tool_choice.hpp"
 
 #include <catch2/catch.hpp>
-#include <fstream>
 #include <string>
 
 #include "servo/scene/force_choice.hpp"
-#include "tests/servo/support/shape_asset.hpp"
+#include "tests/servo/support/chosen_scene.hpp"
 
 namespace tool_choice_test {
 
 using namespace spm;
 using namespace spm::servo;
-
-namespace {
-
-Result<ForceChoice> choose(const std::string& text, ForceOptions options = {}) {
-  const test::TemporaryFolder folder;
-  options.scene = folder.file("scene.toml");
-  std::ofstream(options.scene) << text;
-  return choose_forces(options);
-}
-
-}  // namespace
+using test::choose;
 
 TEST_CASE("A scene's tool is one of its assets, and its settings come to the loop") {
   const auto choice = choose(
