@@ -304,6 +304,8 @@ Result<RunReport> run(const RunOptions& asked) {
   kept.scene = choice->scene;
   kept.memory = black_box->get();
   kept.assets = [&assets = **assets] { return recorded_assets(assets); };
+  // Before there are files, which a signal must not leave half written.
+  StopSignals signals;
   auto keeps = open_keeps(options, std::move(kept), steps);
   if (!keeps) return tl::make_unexpected(std::move(keeps.error()));
 
@@ -324,7 +326,6 @@ Result<RunReport> run(const RunOptions& asked) {
   }
   log_message(start_message(options, choice->scene, (*assets)->reports(), (*assets)->paths(),
                             open_devices));
-  StopSignals signals;
   TickRing ring = make_tick_ring(options.rate_hz, open_devices.size());
   std::unique_ptr<SceneKeeper> scene_keeper =
       make_scene_keeper(options, **assets, open_devices, **state);
