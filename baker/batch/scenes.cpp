@@ -148,10 +148,7 @@ Result<std::vector<Library::Found>> find_assets(const Library& library, const Sc
 }
 
 std::string way_between(const std::string& folder, const std::string& file) {
-  std::error_code ignored;
-  return fs::path(canonical(file))
-      .lexically_relative(fs::weakly_canonical(folder, ignored))
-      .string();
+  return fs::path(canonical(file)).lexically_relative(canonical(folder)).string();
 }
 
 /// A scene as it reads from another folder, with the baked file of each object and each tool.
