@@ -7,6 +7,7 @@
 #include "baker/base/bake_error.hpp"
 #include "baker/commands/commands.hpp"
 
+// NOLINTNEXTLINE(bugprone-exception-escape): without memory for its options it can only end.
 int main(int argc, char** argv) {
   // Bakes take and give back the same large pieces again and again: the system need not clear them.
   constexpr int largest_piece = 32 << 20,

@@ -54,6 +54,7 @@ std::vector<Surfel> assign_surface(const Caster& caster, const std::vector<Suppo
 struct TileKey {
   std::uint32_t direction;
   std::int32_t column, row;
+  // NOLINTNEXTLINE(modernize-use-nullptr): the 0 of a defaulted comparison is no pointer.
   auto operator<=>(const TileKey&) const = default;
 };
 

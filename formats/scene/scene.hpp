@@ -66,9 +66,9 @@ struct Scene {
   std::vector<SceneTool> more_tools;
   Placement workspace;  ///< of the device's frame, whose origin is its tool's centre
   StabilizationSettings stabilization;
-  bool stabilization_given = false;
-  bool delay_given = false;          ///< the stabilization's delay; otherwise it is measured
   std::vector<SceneObject> objects;  ///< at least one
+  bool stabilization_given = false;
+  bool delay_given = false;  ///< the stabilization's delay; otherwise it is measured
 };
 
 /// Reads a scene (TOML); formats/scene/KEYS.md lists its keys. Lengths, forces and stiffnesses are

@@ -180,7 +180,7 @@ ForceScene served_scene(const Contender& contender, const SixdofScene& scene,
 }
 
 std::string why_not_sixdof(const Contender& contender, const SixdofCase& tried) {
-  const std::string reason = why_not(contender, StabilityCase{});
+  std::string reason = why_not(contender, StabilityCase{});
   if (!reason.empty()) return reason;
   if (contender.method == "mesh-proxy") return "mesh-proxy knows a point and a ball alone";
   if (tried.two_hands && !is_served(contender)) return contender.method + " knows one tool alone";

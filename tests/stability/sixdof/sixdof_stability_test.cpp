@@ -52,7 +52,8 @@ TEST_CASE("A hand's target goes from pose to pose at its speeds, without a jump,
   CHECK(script.at(0.45).velocity.isZero());
   CHECK(script.at(0.75).position.x() == Approx(0.005));
   CHECK(script.at(5).position.isApprox(Vector3(0.01, 0, 0)));
-  for (double time = 0; time < 1.2; time += 1e-3) {
+  for (int tick = 0; tick < 1200; ++tick) {
+    const double time = 1e-3 * tick;
     const SixdofTarget now = script.at(time), next = script.at(time + 1e-3);
     REQUIRE((next.position - now.position).norm() < 0.05 * 1e-3 * (1 + 1e-9));
     REQUIRE(turn_between(now.orientation, next.orientation).norm() < 0.5e-3 * (1 + 1e-6));
