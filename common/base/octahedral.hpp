@@ -38,4 +38,21 @@ namespace spm {
   return Vector3(a, b, c).normalized();
 }
 
+/// The sine of the angle between a unit vector and a packed one, without the latter's division and
+/// root.
+[[nodiscard]] inline double sine_between(double x, double y, double z,
+                                         std::uint32_t bits) noexcept {
+  constexpr double unit = 2 / 32767.0;
+  double a = unit * (bits & 32767U) - 1;
+  double b = unit * ((bits >> 15U) & 32767U) - 1;
+  const double c = 1 - std::abs(a) - std::abs(b);
+  if (c < 0) {
+    const double folded = (1 - std::abs(b)) * (a < 0 ? -1.0 : 1.0);
+    b = (1 - std::abs(a)) * (b < 0 ? -1.0 : 1.0);
+    a = folded;
+  }
+  const double dot = a * x + b * y + c * z;
+  return std::sqrt(std::max(0.0, 1 - dot * dot / (a * a + b * b + c * c)));
+}
+
 }  // namespace spm

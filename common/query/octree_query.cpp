@@ -125,7 +125,8 @@ double clearance(const AssetView& asset, const Vector3& point) noexcept {
   return leaf_clearance(asset, leaf_at(asset.octree, point), point);
 }
 
-double leaf_clearance(const AssetView& asset, const Leaf& leaf, const Vector3& point) noexcept {
+double leaf_clearance(const AssetView& asset, const Leaf& leaf, const Vector3& point,
+                      double useful) noexcept {
   const DistanceOctree& octree = asset.octree;
   if (leaf.level < 0) {
     // Beyond all roots the surface is farther than they are, by the margin.
@@ -142,9 +143,10 @@ double leaf_clearance(const AssetView& asset, const Leaf& leaf, const Vector3& p
   const double at_middle =
       leaf.level > 0 ? 0 : octree.clearance_unit * static_cast<double>(leaf.unit);
   const double told = at_middle - (point - leaf.middle).norm();
-  if (told > octree.edge) return told;
+  if (told > std::min(octree.edge, useful)) return told;
   // The way to the surface leaves the cubes beyond the margin, and is that long from there on.
-  return std::max(told, asset.band.margin + distance_to_band(octree, point, octree.edge));
+  return std::max(
+      told, asset.band.margin + distance_to_band(octree, point, std::min(octree.edge, useful)));
 }
 
 }  // namespace spm

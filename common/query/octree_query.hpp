@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <limits>
+
 #include "common/query/query.hpp"
 
 namespace spm {
@@ -12,9 +14,11 @@ namespace spm {
 [[nodiscard]] Answer query_leaf(const AssetView& asset, const Leaf& leaf,
                                 const Vector3& point) noexcept;
 
-/// `clearance` where the leaf around the point is known.
-[[nodiscard]] double leaf_clearance(const AssetView& asset, const Leaf& leaf,
-                                    const Vector3& point) noexcept;
+/// `clearance` where the leaf around the point is known; above `useful`, m, it need not be a good
+/// bound, which is quicker.
+[[nodiscard]] double leaf_clearance(
+    const AssetView& asset, const Leaf& leaf, const Vector3& point,
+    double useful = std::numeric_limits<double>::infinity()) noexcept;
 
 /// Completes an answer beyond the band.
 inline void apply_band(const AssetView& asset, Answer& answer) noexcept {

@@ -3,6 +3,7 @@
 
 #include <Eigen/Core>
 #include <cmath>
+#include <limits>
 
 #include "common/query/leaf_maps.hpp"
 
@@ -28,8 +29,10 @@ class QueryCursor {
     inner_ = -1;
   }
   [[nodiscard]] Answer query(const Vector3& point) noexcept;
-  /// `clearance` of a point that was the last to be queried.
-  [[nodiscard]] double clearance(const Vector3& point) const noexcept;
+  /// `clearance` of a point that was the last to be queried; above `useful`, m, it need not be a
+  /// good bound, which is quicker.
+  [[nodiscard]] double clearance(
+      const Vector3& point, double useful = std::numeric_limits<double>::infinity()) const noexcept;
   /// Whether one polynomial is the field of all places within `radius` of a point, m: of one in the
   /// leaf of the last query. False where that is not certain.
   [[nodiscard]] bool is_quadric(const Vector3& point, double radius) const noexcept {
@@ -50,6 +53,7 @@ class QueryCursor {
   Leaf leaf_;
   double inner_ = -1;  ///< m: half the edge of the cube in which the leaf is certain; below 0: none
   bool by_maps_ = false;
+  bool beyond_ = false;  ///< the last answer lies beyond the band's margin
   LeafMaps maps_;
   Answer deep_;  ///< in all of a leaf that is deeper than the band
 };

@@ -16,7 +16,7 @@ namespace {
 
 /// A level of at most this many samples may be the clusters of patches.
 constexpr std::uint32_t max_clusters = 400;
-constexpr std::size_t max_pressed_patches = 128;
+constexpr std::size_t max_pressed_patches = 128;  ///< at most 256, as patch_at_ counts
 constexpr std::size_t max_touches = 1024;
 /// Objects of which the finest samples are remembered.
 constexpr std::uint32_t max_slots = 8;
@@ -52,16 +52,18 @@ ObjectContact::ObjectContact(const SurfaceSamples& tool, const ObjectContactSett
   for (const SampleLevel& level : tool.levels) {
     if (level.count > max_clusters && clustered_ > 0) break;
     clustered_ = level.first + level.count;
+    summed_level_ = static_cast<std::uint32_t>(&level - tool.levels.data());
   }
   ways_.assign(std::size_t{settings.objects} * clustered_, 0.0);
   spares_.assign(ways_.size(), 0.0F);
+  patch_at_.assign(ways_.size(), 0);
 }
 
 std::size_t ObjectContact::bytes() const noexcept {
   return pairs_.capacity() * sizeof(Pair) + ways_.capacity() * sizeof(ways_[0]) +
          (until_.capacity() + finest_until_.capacity() + spares_.capacity()) * sizeof(until_[0]) +
          (active_.capacity() + next_.capacity()) * sizeof(Active) +
-         (patches_.capacity() + kept_.capacity()) * sizeof(PressedPatch) +
+         (patches_.capacity() + kept_.capacity()) * sizeof(PressedPatch) + patch_at_.capacity() +
          (touches_.capacity() + kept_touches_.capacity()) * sizeof(Touch) +
          whole_.capacity() * sizeof(Whole) + near_.capacity() * sizeof(Near) +
          (contacts_.capacity() + kept_contacts_.capacity() + room_.capacity()) *
@@ -115,8 +117,8 @@ void ObjectContact::look(std::uint32_t sample, std::uint32_t object, const Activ
   Pair& pair = pairs_[object];
   Active active;
   active.sample = sample;
-  active.object = object;
-  active.cluster = sample < clustered_ ? sample : above.cluster;
+  active.object = static_cast<std::uint16_t>(object);
+  active.cluster = sample < clustered_ ? static_cast<std::uint16_t>(sample) : above.cluster;
   float& until = until_[std::size_t{object} * coarse_ + sample];
   const double way = way_of(pair, active.cluster);
   if (way + (until > 0 ? ahead_ : 0) < std::abs(static_cast<double>(until))) {
@@ -131,13 +133,12 @@ void ObjectContact::look(std::uint32_t sample, std::uint32_t object, const Activ
     until = pair.after(way, spare);
     spare_of(pair, active.cluster, spare);
   };
-  const double moved = above.known ? from_above(sample, above.sample) : 0;
+  const double moved = above.known() ? from_above(sample, above.sample) : 0;
   // A field changes by at most the length of a step, so the sample above may tell enough.
   const double told = static_cast<double>(above.distance) - moved - pair.doubt;
-  if (above.known && told > radius + ahead_) return let_go(told - radius);
+  if (above.known() && told > radius + ahead_) return let_go(told - radius);
   const Vector3 place = place_of(pair, sample);
-  active.known = true;
-  if (above.known && moved == 0) {
+  if (above.known() && moved == 0) {
     active.distance = above.distance;
     active.normal = above.normal;
   } else {
@@ -210,13 +211,13 @@ void ObjectContact::touch(std::uint32_t sample, std::uint32_t object, const Acti
     spare_of(pair, cluster, spare);
   };
   ++report.tested;
-  const double moved = above.known ? from_above(sample, above.sample) : 0;
+  const double moved = above.known() ? from_above(sample, above.sample) : 0;
   const double told = static_cast<double>(above.distance) - moved - pair.doubt;
-  if (above.known && told > pair.lift + ahead_) return let_go(told - pair.lift);
+  if (above.known() && told > pair.lift + ahead_) return let_go(told - pair.lift);
   const Vector3 place = place_of(pair, sample);
   Vector3 normal;
   double distance = 0;
-  if (above.known && moved == 0) {
+  if (above.known() && moved == 0) {
     distance = static_cast<double>(above.distance);
     normal = vector_of(above.normal);
   } else {
@@ -314,6 +315,33 @@ bool ObjectContact::refine(std::uint32_t level, const TickBudget& budget, WorkCl
   return true;
 }
 
+/// Looks at all samples that may touch, level by level, as long as there is time.
+void ObjectContact::look_to_finest(std::size_t count, const TickBudget& budget, WorkClock& clock,
+                                   ObjectContactReport& report) noexcept {
+  const auto levels = static_cast<std::uint32_t>(tool_.levels.size());
+  const SampleLevel& coarsest = tool_.levels.front();
+  for (std::uint32_t object = 0; object < count; ++object) {
+    if (!pairs_[object].present || !look_at_all(pairs_[object])) continue;
+    for (std::uint32_t k = 0; k < coarsest.count && active_.size() < active_.capacity(); ++k) {
+      look(coarsest.first + k, object, {}, active_, report);
+    }
+  }
+  for (std::uint32_t level = 1; level < levels && level <= budget.finest_level; ++level) {
+    if (active_.empty()) {
+      // Nothing else can touch, and that holds down to the finest level.
+      report.level = levels - 1;
+      break;
+    }
+    if (!refine(level, budget, clock, report)) break;
+  }
+  const std::span<Active> left = std::span(active_).subspan(left_);
+  for (const Whole& whole : whole_) press_whole(whole);
+  press_time_ = clock.time_of(next_.size() + left.size(), [&] {
+    for (Active& active : next_) press_coarse(active, report);
+    for (Active& active : left) press_coarse(active, report);
+  });
+}
+
 ObjectContactReport ObjectContact::tick(const Eigen::Isometry3d& tool_pose,
                                         std::span<const ContactObject> objects,
                                         const TickBudget& budget) noexcept {
@@ -344,27 +372,25 @@ ObjectContactReport ObjectContact::tick(const Eigen::Isometry3d& tool_pose,
     return report;
   }
   begin_list(budget.ahead);
-  const SampleLevel& coarsest = tool_.levels.front();
-  for (std::uint32_t object = 0; object < count; ++object) {
-    if (!pairs_[object].present || !look_at_all(pairs_[object])) continue;
-    for (std::uint32_t k = 0; k < coarsest.count && active_.size() < active_.capacity(); ++k) {
-      look(coarsest.first + k, object, {}, active_, report);
+  const bool settles = can_settle(budget);
+  for (Pair& pair : pairs_) {
+    if (!pair.present) continue;
+    // What is clear as a point may touch as a square.
+    if (pair.settles != settles) {
+      begin_travel(pair);
+      pair.clear = 0;
     }
+    pair.settles = settles;
+    if (!settles) continue;
+    // The sums are of the tool's axes.
+    pair.axes = tool_pose.linear();
+    pair.side = tool_pose.linear().determinant() < 0 ? -1 : 1;
   }
-  for (std::uint32_t level = 1; level < levels && level <= budget.finest_level; ++level) {
-    if (active_.empty()) {
-      // Nothing else can touch, and that holds down to the finest level.
-      report.level = levels - 1;
-      break;
-    }
-    if (!refine(level, budget, clock, report)) break;
+  if (settles) {
+    look_by_levels(budget, clock, report);
+  } else {
+    look_to_finest(count, budget, clock, report);
   }
-  const std::span<Active> left = std::span(active_).subspan(left_);
-  for (const Whole& whole : whole_) press_whole(whole);
-  press_time_ = clock.time_of(next_.size() + left.size(), [&] {
-    for (Active& active : next_) press_coarse(active, report);
-    for (Active& active : left) press_coarse(active, report);
-  });
   sum_up(report);
   // Samples that were not resolved to the finest level may touch.
   const bool all = !report.degraded && report.level + 1 == levels;

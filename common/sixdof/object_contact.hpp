@@ -70,6 +70,16 @@ struct PressedPatch {
   Vector3 grip_torque = Vector3::Zero();  ///< N m, of the same
 };
 
+inline void add(PressedPatch& patch, double force, double depth, const Vector3& along,
+                const Vector3& normal, const Vector3& arm) noexcept {
+  patch.pressing += force;
+  patch.depth = std::max(patch.depth, depth);
+  patch.force += force * along;
+  patch.torque += force * arm.cross(along);
+  patch.moment += force * arm;
+  patch.pressure += force * normal;
+}
+
 /// Contact of a tool's sampled surface with the fields of other objects. Each sample of area a at
 /// depth d pushes with the stiffness times a d along the field's normal: the gradient of the
 /// potential 1/2 k a d^2. Friction and texture act on the finest samples.
@@ -80,6 +90,14 @@ struct PressedPatch {
 /// their moments. Coarse levels are evaluated first, so that there is an answer when time runs out.
 /// A coarse sample represents a patch, and only the part of the patch below the surface counts.
 /// Below the field's band the depth stays that of the band's end.
+///
+/// A tick that is told an accuracy (TickBudget::accuracy) stops at a level whose sum the next one
+/// would hardly change, object by object; between two levels both count, so that the force does not
+/// jump. There a finest sample is a small square, as coarse ones are patches.
+///
+/// A tick that is told an accuracy (TickBudget::accuracy) stops at a level whose sum the next one
+/// would hardly change, object by object; between two levels both count, so that the force does not
+/// jump. There a finest sample is a small square, as coarse ones are patches.
 ///
 /// A tick that is told how far the next ones go (TickBudget::ahead) lists the samples that may
 /// touch by then; within that way the next ones look at these alone.
@@ -130,14 +148,18 @@ class ObjectContact {
   [[nodiscard]] std::size_t bytes() const noexcept;
 
  private:
-  /// A sample above the finest that may touch.
+  /// A sample that may touch.
   struct Active {
     std::uint32_t sample = 0;
-    std::uint32_t object = 0;
-    std::uint32_t cluster = 0;
-    bool known = false;             ///< the field was queried at its position
-    float distance = 0;             ///< signed, m; a lower bound where the normal is zero
-    std::array<float, 3> normal{};  ///< unit, outward, object's frame
+    std::uint16_t object = 0, cluster = 0;
+    /// Signed, m; a lower bound where the normal is zero, and minus infinity where it is not known.
+    float distance = -std::numeric_limits<float>::infinity();
+    /// Unit, outward; object's frame, or the tool's where levels are settled.
+    std::array<float, 3> normal{};
+    float half = 0;  ///< m: how far parts of its patch are deeper or higher; where it is settled
+    [[nodiscard]] bool known() const noexcept {
+      return distance > -std::numeric_limits<float>::infinity();
+    }
     [[nodiscard]] bool has_normal() const noexcept {
       return normal[0] != 0 || normal[1] != 0 || normal[2] != 0;
     }
@@ -145,6 +167,13 @@ class ObjectContact {
   /// A finest sample that may touch before the way `TickBudget::ahead` is over.
   struct Near {
     std::uint32_t sample = 0, object = 0, cluster = 0;
+  };
+  /// The sum over the contacts of a level, tool's axes, about the tool's origin.
+  struct LevelSum {
+    Vector3 force = Vector3::Zero();   ///< N
+    Vector3 torque = Vector3::Zero();  ///< N m
+    double pressing = 0;               ///< N: of the sizes of forces
+    std::uint64_t contacts = 0;
   };
   /// The samples below one, all of which touch: the field about it, object's frame.
   struct Whole {
@@ -164,23 +193,30 @@ class ObjectContact {
     Eigen::Isometry3d kept = Eigen::Isometry3d::Identity();     ///< the same of what was kept
     Eigen::Isometry3d settled = Eigen::Isometry3d::Identity();  ///< the same at the last settling
     Eigen::Matrix3d to_world = Eigen::Matrix3d::Identity();
-    ContactSum sum;       ///< in this tick, object's axes, about the tool's origin
+    /// Takes the axes of `sum` and of patches to the world's.
+    Eigen::Matrix3d axes = Eigen::Matrix3d::Identity();
+    double side = 1;      ///< -1 where these axes mirror
+    ContactSum sum;       ///< in this tick, object's or tool's axes, about the tool's origin
     ContactSum grip_sum;  ///< of its bristles
     double gripped = 0;   ///< N: the sum of the forces at which these give way
     Eigen::Isometry3d looked_at = Eigen::Isometry3d::Identity();  ///< in the last look at all
-    double clear = 0;        ///< m: no sample touched before it had moved this far from there
-    double spare = 0;        ///< m: the same of this look, as far as it is known
-    double since = 0;        ///< m: upper bound of how far the cluster in hand has moved from there
-    double since_all = 0;    ///< m: the same of all of the tool
-    std::int32_t slot = -1;  ///< of `finest_until_`; below 0: none
+    double clear = 0;      ///< m: no sample touched before it had moved this far from there
+    double spare = 0;      ///< m: the same of this look, as far as it is known
+    double since = 0;      ///< m: upper bound of how far the cluster in hand has moved from there
+    double since_all = 0;  ///< m: the same of all of the tool
     QueryCursor cursor;
-    bool asleep = false;    ///< the last look at all samples left it out
-    bool listed = false;    ///< it was present when near samples were listed
-    bool mirrored = false;  ///< `to_world` mirrors
+    LevelSum level_sum, sum_before;  ///< of the level in hand, and of the one above it
+    double weight = 1;               ///< how much what is looked at now counts
+    double fixed = 0;                ///< how much the level in hand counts that is not refined
+    std::int32_t slot = -1;          ///< of `finest_until_`; below 0: none
+    std::uint32_t absent = 0;        ///< settlings since it was present
+    bool asleep = false;             ///< the last look at all samples left it out
+    bool listed = false;             ///< it was present when near samples were listed
+    bool mirrored = false;           ///< `to_world` mirrors
+    bool settles = false;            ///< its levels are refined as far as that changes the sum
     bool placed = false;
-    bool present = false;      ///< in this tick
-    bool in_grip = false;      ///< `settled` is known
-    std::uint32_t absent = 0;  ///< settlings since it was present
+    bool present = false;  ///< in this tick
+    bool in_grip = false;  ///< `settled` is known
 
     /// What the way of a sample, `way` so far, will be at the least before it has gone `more` from
     /// here; m, rounded down.
@@ -200,6 +236,8 @@ class ObjectContact {
   ObjectContactSettings settings_;
   std::uint32_t coarse_ = 0;     ///< number of samples above the finest
   std::uint32_t clustered_ = 0;  ///< samples below this number are clusters of their own
+  std::uint32_t summed_level_ =
+      0;  ///< the finest of the clusters: the sums of levels count from it
   std::vector<Pair> pairs_;
   ContactGrip grip_;
   /// Of each pair and cluster, m: upper bound of the way of any of its samples relative to the
@@ -223,11 +261,17 @@ class ObjectContact {
   double ahead_ = 0;         ///< m: of this look; what is nearer is listed
   double listed_ahead_ = 0;  ///< m: of the look that listed; 0 or below: there is no list
   std::vector<PressedPatch> patches_, kept_;
+  /// Where in `patches_` that of a pair and cluster stands, if it stands there.
+  std::vector<std::uint8_t> patch_at_;
   std::vector<Touch> touches_, kept_touches_;
   std::size_t left_ = 0;  ///< active samples from here on count, and all of `next_`
   double press_time_ =
       WorkClock::least_press_time;  ///< ns per sample, measured in the ticks before
 
+  /// Whether the sum of its level counts.
+  [[nodiscard]] bool is_summed(std::uint32_t sample) const noexcept {
+    return sample >= tool_.levels[summed_level_].first;
+  }
   [[nodiscard]] bool is_finest(std::uint32_t sample) const noexcept { return sample >= coarse_; }
   void set_out(const ContactObject& object, Pair& pair, const Eigen::Isometry3d& tool) noexcept;
   [[nodiscard]] std::size_t first_way(const Pair& pair) const noexcept {
@@ -269,13 +313,37 @@ class ObjectContact {
   void end_list(const ObjectContactReport& report) noexcept;
   [[nodiscard]] bool has_list(double ahead) noexcept;
   void look_near(ObjectContactReport& report) noexcept;
+  void look_to_finest(std::size_t count, const TickBudget& budget, WorkClock& clock,
+                      ObjectContactReport& report) noexcept;
+  [[nodiscard]] bool can_settle(const TickBudget& budget) const noexcept;
+  void weigh(Active& active, Pair& pair) const noexcept;
+  void press(const Active& active, double weight) noexcept;
+  void press_square(Active& active, const Pair& pair) noexcept;
+  void press_left(Active& active, ObjectContactReport& report) noexcept;
+  [[nodiscard]] double meet(Active& active, Pair& pair, double way, float* until) noexcept;
+  void ask_of(Active& active, Pair& pair, ObjectContactReport& report) noexcept;
+  [[nodiscard]] double look_at(Active& active, Pair& pair, double way, float* until,
+                               const Active& above, ObjectContactReport& report) noexcept;
+  void look_over(std::uint32_t first, std::uint32_t count, const Active& above,
+                 ObjectContactReport& report) noexcept;
+  [[nodiscard]] double left_to_refine(const Pair& pair, std::uint32_t level,
+                                      double accuracy) const noexcept;
+  [[nodiscard]] bool settle_level(std::uint32_t level, double accuracy) noexcept;
+  void look_by_levels(const TickBudget& budget, WorkClock& clock,
+                      ObjectContactReport& report) noexcept;
   void press_coarse(Active& active, ObjectContactReport& report) noexcept;
   void press_whole(const Whole& whole) noexcept;
   void press_finest(std::uint32_t sample, std::uint32_t object, std::uint32_t cluster,
                     const Vector3& place, double distance, const Vector3& normal) noexcept;
   void hold(std::uint32_t sample, std::uint32_t object, const Vector3& place, const Vector3& arm,
             const Vector3& normal, double force, double spring, PressedPatch& patch) noexcept;
-  [[nodiscard]] PressedPatch& patch_of(std::uint32_t object, std::uint32_t cluster) noexcept;
+  /// The patch that a sample belongs to. Samples come mostly cluster by cluster.
+  [[nodiscard]] PressedPatch& patch_of(std::uint32_t object, std::uint32_t cluster) noexcept {
+    const bool goes_on =
+        !patches_.empty() && patches_.back().object == object && patches_.back().cluster == cluster;
+    return goes_on ? patches_.back() : other_patch_of(object, cluster);
+  }
+  [[nodiscard]] PressedPatch& other_patch_of(std::uint32_t object, std::uint32_t cluster) noexcept;
   void start_over() noexcept;
   void sum_up(ObjectContactReport& report) noexcept;
   bool refine(std::uint32_t level, const TickBudget& budget, WorkClock& clock,

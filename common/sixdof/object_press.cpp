@@ -3,37 +3,12 @@
 #include <algorithm>
 #include <cmath>
 
+#include "common/sixdof/coarse_press.hpp"
 #include "common/sixdof/object_contact.hpp"
 #include "common/sixdof/press_spread.hpp"
 #include "common/sixdof/sample_vectors.hpp"
 
 namespace spm {
-
-namespace {
-
-/// Depth of a patch whose parts are spread evenly between `depth - half` and `depth + half`: mean
-/// and mean square over the part below the surface, and the size of that part.
-struct Pressed {
-  double depth = 0, square = 0, share = 0;
-};
-Pressed pressed(double depth, double half) noexcept {
-  if (depth >= half) return {depth, depth * depth + half * half / 3, 1};
-  if (!(depth > -half)) return {};
-  const double below = depth + half;
-  return {below * below / (4 * half), below * below * below / (6 * half), below / (2 * half)};
-}
-
-void add(PressedPatch& patch, double force, double depth, const Vector3& along,
-         const Vector3& normal, const Vector3& arm) noexcept {
-  patch.pressing += force;
-  patch.depth = std::max(patch.depth, depth);
-  patch.force += force * along;
-  patch.torque += force * arm.cross(along);
-  patch.moment += force * arm;
-  patch.pressure += force * normal;
-}
-
-}  // namespace
 
 void ObjectContact::start_over() noexcept {
   patches_.clear();
@@ -45,15 +20,13 @@ void ObjectContact::start_over() noexcept {
   }
 }
 
-/// The patch that a sample belongs to. Samples come mostly cluster by cluster.
-PressedPatch& ObjectContact::patch_of(std::uint32_t object, std::uint32_t cluster) noexcept {
-  const bool goes_on =
-      !patches_.empty() && patches_.back().object == object && patches_.back().cluster == cluster;
-  if (goes_on) return patches_.back();
-  for (PressedPatch& patch : patches_) {
-    if (patch.object == object && patch.cluster == cluster) return patch;
+PressedPatch& ObjectContact::other_patch_of(std::uint32_t object, std::uint32_t cluster) noexcept {
+  std::uint8_t& at = patch_at_[first_way(pairs_[object]) + cluster];
+  if (at < patches_.size() && patches_[at].object == object && patches_[at].cluster == cluster) {
+    return patches_[at];
   }
   if (patches_.size() < patches_.capacity()) {
+    at = static_cast<std::uint8_t>(patches_.size());
     PressedPatch& patch = patches_.emplace_back();
     patch.object = object;
     patch.cluster = cluster;
@@ -64,13 +37,12 @@ PressedPatch& ObjectContact::patch_of(std::uint32_t object, std::uint32_t cluste
 /// Adds the spring of a sample above the finest: of the part of its patch that is below.
 void ObjectContact::press_coarse(Active& active, ObjectContactReport& report) noexcept {
   Pair& pair = pairs_[active.object];
-  if (!active.known) {
+  if (!active.known()) {
     // It was not needed to get to those below it.
     const Vector3 place = place_of(pair, active.sample);
     Vector3 found;
     active.distance = static_cast<float>(ask(pair, place, found, report));
     active.normal = floats_of(found);
-    active.known = true;
   }
   if (!active.has_normal()) return;
   const SampleShare& share = tool_.shares[active.sample];
@@ -80,7 +52,8 @@ void ObjectContact::press_coarse(Active& active, ObjectContactReport& report) no
   const double cosine = normal.dot(pair.pose.linear() * share.normal());
   const double half =
       static_cast<double>(spread.spread) * std::sqrt(std::max(0.0, 1 - cosine * cosine));
-  const Pressed press = pressed(-static_cast<double>(active.distance) - normal.dot(middle), half);
+  const CoarsePress press =
+      coarse_press(-static_cast<double>(active.distance) - normal.dot(middle), half);
   if (!(press.depth > 0)) return;
   const Vector3 arm = turned(pair.pose.linear(), tool_.places[active.sample].position) + middle;
   const double spring = pair.stiffness * std::max(static_cast<double>(share.area), pair.least_area);
@@ -216,9 +189,9 @@ void ObjectContact::sum_up(ObjectContactReport& report) noexcept {
       sum.energy += pair.gripped * pair.grip_sum.energy;
     }
     Matrix6 turn = Matrix6::Zero();
-    turn.topLeftCorner<3, 3>() = turn.bottomRightCorner<3, 3>() = pair.to_world;
+    turn.topLeftCorner<3, 3>() = pair.axes;
     // A torque is turned the other way round where the frame is mirrored.
-    if (pair.mirrored) turn.bottomRightCorner<3, 3>() *= -1;
+    turn.bottomRightCorner<3, 3>() = pair.side * pair.axes;
     const Matrix6 whole = sum.stiffness.selfadjointView<Eigen::Lower>();
     report.sum.wrench += turn * sum.wrench;
     report.sum.stiffness += turn * whole * turn.transpose();
@@ -228,12 +201,11 @@ void ObjectContact::sum_up(ObjectContactReport& report) noexcept {
   }
   for (PressedPatch& patch : patches_) {
     const Pair& pair = pairs_[patch.object];
-    const Eigen::Matrix3d& turn = pair.to_world;
+    const Eigen::Matrix3d& turn = pair.axes;
     patch.force += pair.gripped * patch.grip;
     patch.torque += pair.gripped * patch.grip_torque;
-    const double side = pair.mirrored ? -1 : 1;
     patch.force = turn * patch.force;
-    patch.torque = side * (turn * patch.torque);
+    patch.torque = pair.side * (turn * patch.torque);
     patch.moment = turn * patch.moment;
     patch.pressure = turn * patch.pressure;
   }

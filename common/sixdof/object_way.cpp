@@ -25,6 +25,8 @@ void ObjectContact::set_out(const ContactObject& object, Pair& pair,
   const Eigen::Isometry3d pose = object.pose.inverse(Eigen::Isometry) * tool;
   pair.to_world = object.pose.linear();
   pair.mirrored = pair.to_world.determinant() < 0;
+  pair.axes = pair.to_world;
+  pair.side = pair.mirrored ? -1 : 1;
   const double lift = object.texture.amplitude > 0 ? object.texture.amplitude : 0;
   const bool same =
       pair.placed && pair.field == object.field && pair.scale == object.scale && pair.lift == lift;

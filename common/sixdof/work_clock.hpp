@@ -23,6 +23,9 @@ struct TickBudget {
   double ahead = 0;
   /// m: samples that are so near are told, as NearContact; 0: none are.
   double near = 0;
+  /// Finer levels are not looked at once the sums of two differ by less than this part; the finer
+  /// is then off by about a quarter of it. 0: all contact is resolved to the finest.
+  double accuracy = 0;
   /// Where time runs out, the last level that was finished counts, instead of a part of the next.
   bool whole_levels = false;
 };

@@ -30,6 +30,9 @@ constexpr std::uint32_t telling_work = 512;
 /// m: objects go their ways in parts of this length, past a tool that is near. It is the longest
 /// step of the virtual tool.
 constexpr double part_length = VirtualToolSettings{}.max_step;
+/// Of the sum of a level, what it may have changed by where finer ones are not looked at; chosen
+/// with the numbers of object_quadrature.cpp.
+constexpr double level_accuracy = 0.08;
 constexpr std::uint32_t every_level = std::numeric_limits<std::uint32_t>::max();
 constexpr std::uint32_t unstopped = ForceEffort::unstopped;
 
@@ -138,6 +141,7 @@ void ToolForce::push(const Eigen::Isometry3d& device, Work& work, Felt& felt,
                      ForceEffort& effort) noexcept {
   TickBudget look;
   look.finest_level = finest_;
+  look.accuracy = level_accuracy;
   look.now = work.budget.now;
   if (look.now != nullptr) {
     const std::int64_t until = any_held_ ? work.budget.refine_until : work.budget.until;

@@ -1,0 +1,350 @@
+// SPDX-License-Identifier: Apache-2.0
+// The penalty as an integral over the tool's surface, by levels of samples that are refined until
+// that changes the sum no more.
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <span>
+
+#include "common/sixdof/coarse_press.hpp"
+#include "common/sixdof/object_contact.hpp"
+#include "common/sixdof/sample_vectors.hpp"
+
+namespace spm {
+
+namespace {
+
+// The numbers were chosen on a duck that slides over a fan disk, and on a rocker arm over a cow,
+// not on the drill and the teeth that spm-bench judges by.
+
+/// A sum over fewer contacts says nothing of its own error; from twice as many on it is believed.
+constexpr double few_contacts = 48;
+/// From so many contacts on a sum begins to be good enough whatever it changed by, from twice as
+/// many on it is: what is left of forces that cancel out is a small part of them.
+constexpr double many_contacts = 512;
+/// Of the sum of all sizes of forces, what is left of them where they cancel out.
+constexpr double least_left = 0.05;
+/// Half the extent of what a finest sample represents, over the root of its area. Half of a
+/// square's edge would count what its neighbours represent, where the surface bends.
+constexpr double finest_half = 0.25;
+/// m: a bound of a distance that is longer than this beyond a sample's radius is not sought.
+constexpr double useful_way = 1e-3;
+/// m: how far a sample is from touching is told by those below it.
+constexpr double kept_for_below = std::numeric_limits<double>::infinity();
+
+/// Three numbers that are never loaded in pairs: those that were written one by one would stall.
+struct Arm {
+  double x, y, z;
+  [[nodiscard]] double dot(const Arm& other) const noexcept {
+    return x * other.x + y * other.y + z * other.z;
+  }
+  [[nodiscard]] Arm operator+(const Arm& other) const noexcept {
+    return {x + other.x, y + other.y, z + other.z};
+  }
+};
+Arm arm_of(const std::array<float, 3>& v) noexcept {
+  return {double{v[0]}, double{v[1]}, double{v[2]}};
+}
+
+double half_square(const SampleShare& share) noexcept {
+  return finest_half * std::sqrt(static_cast<double>(share.area));
+}
+
+}  // namespace
+
+bool ObjectContact::can_settle(const TickBudget& budget) const noexcept {
+  // Each sample counts for itself where it has a bristle, a texture or a least area.
+  return budget.accuracy > 0 && !(budget.ahead > 0) && !(budget.near > 0) && !budget.whole_levels &&
+         std::all_of(pairs_.begin(), pairs_.end(), [](const Pair& pair) {
+           return !pair.present || (!pair.grip.on() && !(pair.lift > 0) && !(pair.least_area > 0));
+         });
+}
+
+/// How far parts of a sample's patch are deeper or higher than its middle, and what it adds to the
+/// sum of its level.
+void ObjectContact::weigh(Active& active, Pair& pair) const noexcept {
+  const SampleSpread& spread = tool_.spreads[active.sample];
+  const Arm along = arm_of(active.normal), middle = arm_of(spread.middle);
+  const double depth = -static_cast<double>(active.distance) - along.dot(middle);
+  const auto most = static_cast<double>(spread.spread);
+  if (!(depth > -most)) return;
+  const SampleShare& share = tool_.shares[active.sample];
+  double pressed = depth;
+  // Deeper, all of it presses, whatever its normal is.
+  if (depth < most) {
+    const double sine = sine_between(along.x, along.y, along.z, share.packed_normal);
+    active.half = static_cast<float>(most * sine);
+    pressed = coarse_press(depth, static_cast<double>(active.half)).depth;
+  }
+  const double force = static_cast<double>(share.area) * pressed;
+  if (!(force > 0)) return;
+  const Arm arm = arm_of(tool_.places[active.sample].position) + middle;
+  LevelSum& sum = pair.level_sum;
+  const double x = force * along.x, y = force * along.y, z = force * along.z;
+  sum.force[0] += x;
+  sum.force[1] += y;
+  sum.force[2] += z;
+  sum.torque[0] += arm.y * z - arm.z * y;
+  sum.torque[1] += arm.z * x - arm.x * z;
+  sum.torque[2] += arm.x * y - arm.y * x;
+  sum.pressing += force;
+  ++sum.contacts;
+}
+
+/// Adds a part of the spring of a sample's patch. All in the tool's axes.
+void ObjectContact::press(const Active& active, double weight) noexcept {
+  if (!active.has_normal()) return;
+  Arm arm = arm_of(tool_.places[active.sample].position);
+  const Arm along = arm_of(active.normal);
+  auto depth = -static_cast<double>(active.distance);
+  if (!is_finest(active.sample)) {
+    const Arm middle = arm_of(tool_.spreads[active.sample].middle);
+    depth -= along.dot(middle);
+    arm = arm + middle;
+  }
+  const CoarsePress press = coarse_press(depth, static_cast<double>(active.half));
+  if (!(press.depth > 0)) return;
+  Pair& pair = pairs_[active.object];
+  const double spring =
+      weight * pair.stiffness * static_cast<double>(tool_.shares[active.sample].area);
+  const Vector3 normal(along.x, along.y, along.z), lever(arm.x, arm.y, arm.z);
+  pair.sum.add(spring, press.depth, press.square, press.share, normal, lever);
+  add(patch_of(active.object, active.cluster), spring * press.depth, press.depth, normal, normal,
+      lever);
+}
+
+/// Presses a finest sample, which represents a small square.
+void ObjectContact::press_square(Active& active, const Pair& pair) noexcept {
+  if (!active.has_normal()) return;
+  const SampleShare& share = tool_.shares[active.sample];
+  const Arm along = arm_of(active.normal);
+  const double sine = sine_between(along.x, along.y, along.z, share.packed_normal);
+  active.half = static_cast<float>(half_square(share) * sine);
+  press(active, pair.weight);
+}
+
+/// Presses one that was not looked at as finely as it should be, for want of time.
+void ObjectContact::press_left(Active& active, ObjectContactReport& report) noexcept {
+  Pair& pair = pairs_[active.object];
+  // It was not needed to get to those below it.
+  if (!active.known()) ask_of(active, pair, report);
+  if (!is_summed(active.sample) && active.has_normal()) weigh(active, pair);
+  press(active, pair.weight);
+}
+
+/// Takes up a sample unless it, and everything below it, is clear. How far it is from touching, m;
+/// kept_for_below where those below it tell that.
+double ObjectContact::meet(Active& active, Pair& pair, double way, float* until) noexcept {
+  const SamplePlace& place = tool_.places[active.sample];
+  const double least = static_cast<double>(active.distance) - pair.doubt;
+  const double radius = is_finest(active.sample) ? half_square(tool_.shares[active.sample])
+                                                 : static_cast<double>(place.radius);
+  const double spare = least - radius;
+  if (spare > 0) {
+    if (until != nullptr) *until = pair.after(way, spare);
+    return spare;
+  }
+  if (is_finest(active.sample)) {
+    if (until != nullptr) *until = 0;
+    press_square(active, pair);
+    return 0;
+  }
+  // Before it is clear, or adds to a sum, those below it are looked at without it.
+  double idle = -spare;
+  if (is_summed(active.sample)) {
+    if (active.has_normal()) weigh(active, pair);
+    // Beyond the band there is no normal, and without one no force.
+    const SampleSpread& spread = tool_.spreads[active.sample];
+    const double reach = std::min(length(spread.middle) + static_cast<double>(spread.spread),
+                                  pair.scale * (pair.field->band.margin + pair.field->tolerance));
+    idle = std::min(idle, least - reach);
+  }
+  if (until != nullptr) *until = idle > 0 ? -pair.after(way, idle) : 0;
+  return kept_for_below;
+}
+
+/// Queries the field at a sample.
+void ObjectContact::ask_of(Active& active, Pair& pair, ObjectContactReport& report) noexcept {
+  ++report.asked;
+  const SamplePlace& sample = tool_.places[active.sample];
+  const Eigen::Matrix3d& turn = pair.pose.linear();
+  const Arm at = arm_of(sample.position);
+  Vector3 place;
+  for (int k = 0; k < 3; ++k) {
+    const double world =
+        turn(k, 0) * at.x + turn(k, 1) * at.y + turn(k, 2) * at.z + pair.pose.translation()[k];
+    place[k] = pair.scale == 1 ? world : world / pair.scale;
+  }
+  const Answer answer = pair.cursor.query(place);
+  if (answer.status == Status::exact || answer.status == Status::deep) {
+    active.distance = static_cast<float>(pair.scale * answer.distance);
+    // The pose of a mirrored object mirrors too, and its transpose back.
+    const double x = answer.normal[0], y = answer.normal[1], z = answer.normal[2];
+    for (unsigned k = 0; k < 3; ++k) {
+      active.normal[k] = static_cast<float>(turn(0, k) * x + turn(1, k) * y + turn(2, k) * z);
+    }
+    return;
+  }
+  const double useful = static_cast<double>(sample.radius) + useful_way;
+  active.distance =
+      static_cast<float>(pair.scale * pair.cursor.clearance(place, useful / pair.scale));
+}
+
+/// Looks at a sample below another one. How far it is from touching, as `meet`.
+double ObjectContact::look_at(Active& active, Pair& pair, double way, float* until,
+                              const Active& above, ObjectContactReport& report) noexcept {
+  ++report.tested;
+  if (above.known()) {
+    const double radius = is_finest(active.sample)
+                              ? half_square(tool_.shares[active.sample])
+                              : static_cast<double>(tool_.places[active.sample].radius);
+    // A field changes by at most the length of a step, so the sample above may tell enough.
+    const double told = static_cast<double>(above.distance) - pair.doubt - radius;
+    if (active.sample == tool_.children[above.sample].first) {
+      // At the same place.
+      active.distance = above.distance;
+      active.normal = above.normal;
+      return meet(active, pair, way, until);
+    }
+    if (told > 0) {
+      const double spare = told - from_above(active.sample, above.sample);
+      if (spare > 0) {
+        if (until != nullptr) *until = pair.after(way, spare);
+        return spare;
+      }
+    }
+  }
+  ask_of(active, pair, report);
+  return meet(active, pair, way, until);
+}
+
+/// Looks at samples that lie below one, or at the coarsest of all: then `above` tells their object
+/// alone.
+void ObjectContact::look_over(std::uint32_t first, std::uint32_t count, const Active& above,
+                              ObjectContactReport& report) noexcept {
+  Pair& pair = pairs_[above.object];
+  float* const until =
+      is_finest(first) ? finest_until(above.object) : &until_[std::size_t{above.object} * coarse_];
+  const bool clusters = first < clustered_;
+  std::uint32_t cluster = above.cluster;
+  double way = clusters ? 0 : way_of(pair, cluster);
+  double least = kept_for_below;
+  for (std::uint32_t sample = first; sample < first + count; ++sample) {
+    if (clusters) {
+      if (sample > first) spare_of(pair, cluster, least);
+      least = kept_for_below;
+      cluster = sample;
+      way = way_of(pair, cluster);
+    }
+    float* const own = until != nullptr ? until + sample : nullptr;
+    const double until_then = own != nullptr ? static_cast<double>(*own) : 0;
+    if (way < until_then) {
+      // It, and everything below it, is clear.
+      least = std::min(least, until_then - way);
+      continue;
+    }
+    // Written in its place: a copy of what was written piece by piece would stall.
+    Active& active = next_.emplace_back();
+    active.sample = sample;
+    active.object = above.object;
+    active.cluster = static_cast<std::uint16_t>(cluster);
+    // It would tell nothing yet.
+    if (way < -until_then) continue;
+    const double spare = look_at(active, pair, way, own, above, report);
+    if (spare < kept_for_below) {
+      next_.pop_back();
+      least = std::min(least, spare);
+    }
+  }
+  spare_of(pair, cluster, least);
+}
+
+/// How much of a pair's contact finer levels are to tell: 1 all, 0 nothing. In between the forces
+/// of both count, so that they do not jump where levels change.
+double ObjectContact::left_to_refine(const Pair& pair, std::uint32_t level,
+                                     double accuracy) const noexcept {
+  const LevelSum &sum = pair.level_sum, &before = pair.sum_before;
+  if (level <= summed_level_ || !(sum.pressing > 0)) return 1;
+  const double force = std::max(sum.force.norm(), least_left * sum.pressing);
+  const double torque = std::max(sum.torque.norm(), least_left * sum.pressing * tool_.radius);
+  const double change = std::max((sum.force - before.force).norm() / force,
+                                 (sum.torque - before.torque).norm() / torque);
+  const auto contacts = static_cast<double>(sum.contacts);
+  const double few = 2 - contacts / few_contacts, many = 2 - contacts / many_contacts;
+  return std::clamp(std::max(std::min(change / accuracy - 1, many), few), 0.0, 1.0);
+}
+
+/// Settles what need not be refined. False where nothing is left.
+bool ObjectContact::settle_level(std::uint32_t level, double accuracy) noexcept {
+  for (Pair& pair : pairs_) {
+    if (!pair.present) continue;
+    pair.fixed = pair.weight;
+    pair.weight *= left_to_refine(pair, level, accuracy);
+    pair.fixed -= pair.weight;
+    if (pair.fixed > 0) pair.spare = 0;
+    pair.sum_before = pair.level_sum;
+    pair.level_sum = {};
+  }
+  std::size_t kept = 0;
+  for (const Active& active : active_) {
+    const Pair& pair = pairs_[active.object];
+    if (pair.fixed > 0) press(active, pair.fixed);
+    if (pair.weight > 0) active_[kept++] = active;
+  }
+  active_.resize(kept);
+  return kept > 0;
+}
+
+/// Looks level by level, as long as there is time and finer levels may change the sum.
+void ObjectContact::look_by_levels(const TickBudget& budget, WorkClock& clock,
+                                   ObjectContactReport& report) noexcept {
+  const auto levels = static_cast<std::uint32_t>(tool_.levels.size());
+  const SampleLevel& coarsest = tool_.levels.front();
+  active_.clear();
+  next_.clear();
+  for (std::uint32_t object = 0; object < pairs_.size(); ++object) {
+    Pair& pair = pairs_[object];
+    pair.weight = 1;
+    pair.level_sum = pair.sum_before = {};
+    if (!pair.present || !look_at_all(pair)) continue;
+    Active all;
+    all.object = static_cast<std::uint16_t>(object);
+    look_over(coarsest.first, coarsest.count, all, report);
+  }
+  std::swap(active_, next_);
+  next_.clear();
+  std::size_t done = 0;
+  while (!report.degraded && report.level < std::min(levels - 1, budget.finest_level)) {
+    if (!settle_level(report.level, budget.accuracy)) {
+      report.level = levels - 1;
+      break;
+    }
+    const bool lists = report.level + 2 < levels;
+    for (done = 0; done < active_.size(); ++done) {
+      const Active& above = active_[done];
+      const SampleChildren& below = tool_.children[above.sample];
+      const bool full = lists && next_.size() + below.count > next_.capacity();
+      report.stopped =
+          clock.over(report.asked, report.worked, next_.size() + active_.size() - done);
+      report.degraded = full || report.stopped;
+      if (report.degraded) break;
+      report.worked += below.count;
+      look_over(below.first, below.count, above, report);
+    }
+    if (report.degraded) {
+      report.refined = static_cast<double>(done) / static_cast<double>(active_.size());
+      break;
+    }
+    ++report.level;
+    std::swap(active_, next_);
+    next_.clear();
+    done = 0;
+  }
+  const std::span<Active> rest = std::span(active_).subspan(done);
+  press_time_ = clock.time_of(next_.size() + rest.size(), [&] {
+    for (const Active& active : next_) press(active, pairs_[active.object].weight);
+    for (const Active& active : rest) press(active, pairs_[active.object].weight);
+  });
+}
+
+}  // namespace spm
