@@ -85,7 +85,7 @@ class WorkClock {
   static constexpr int passed_a_look = 16;
   static constexpr double most_press_time = 1000;  ///< ns
   /// The part of the longest press time that is kept from tick to tick.
-  static constexpr double forgotten_share = 0.98;
+  static constexpr double forgotten_share = 0.95;
 
   static std::int64_t steady_now() noexcept {
     return std::chrono::duration_cast<std::chrono::nanoseconds>(
