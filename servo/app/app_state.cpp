@@ -58,6 +58,18 @@ std::unique_ptr<spm_shared_info> info_of(const AppNames& names) {
   std::memset(info.get(), 0, sizeof *info);
   info->device_count = copy_names(info->devices, names.devices);
   info->asset_count = copy_names(info->assets, names.assets);
+  for (std::size_t i = 0; i < info->asset_count && i < names.asset_paths.size(); ++i) {
+    // Half a path would lead to another file.
+    if (names.asset_paths[i].size() < SPM_PATH_BYTES) {
+      copy_text(info->asset_paths[i], names.asset_paths[i]);
+    }
+  }
+  for (std::size_t i = 0; i < info->device_count; ++i) {
+    if (i < names.bare_borders.size()) info->bare_borders[i] = names.bare_borders[i];
+    if (i < names.stabilized_borders.size()) {
+      info->stabilized_borders[i] = names.stabilized_borders[i];
+    }
+  }
   info->object_count = copy_names(info->objects, names.objects);
   info->cause_count = force_off_count;
   for (std::size_t i = 0; i < force_off_count; ++i) {
@@ -107,6 +119,17 @@ spm_shared_object packed(const AppObject& object) noexcept {
   to.asset = object.asset;
   to.flags = bit(object.movable, SPM_OBJECT_MOVABLE) | bit(object.contact, SPM_OBJECT_CONTACT) |
              bit(object.driven, SPM_OBJECT_DRIVEN);
+  if (object.settings == nullptr) return to;
+  const PlacedObject& felt = *object.settings;
+  to.stiffness = felt.force.stiffness;
+  to.friction_stick = felt.effects.friction.stick;
+  to.friction_slide = felt.effects.friction.slide;
+  to.damping = felt.effects.damping;
+  to.texture_amplitude = felt.effects.texture.amplitude;
+  to.texture_wavelength = felt.effects.texture.wavelength;
+  to.texture_seed = felt.effects.texture.seed;
+  to.method = static_cast<std::uint32_t>(felt.force.method);
+  to.stabilized = object.stabilized ? 1 : 0;
   return to;
 }
 
@@ -179,6 +202,7 @@ void AppState::publish(const AppTick& tick) noexcept {
     store_relaxed(to.time_ns, tick.time_ns);
     store_relaxed(to.device_count, static_cast<std::uint32_t>(devices));
     store_relaxed(to.object_count, static_cast<std::uint32_t>(objects));
+    store_relaxed(to.object_total, std::max<std::uint64_t>(tick.object_total, objects));
     for (std::size_t i = 0; i < devices; ++i) {
       store_record(to.devices[i], packed(i, tick.devices[i]));
     }
@@ -268,7 +292,8 @@ spm_shared_device AppState::packed(std::size_t index, const AppDevice& device) n
       bit(device.health != DeviceHealth::gone, SPM_DEVICE_CONNECTED) |
       bit(device.contact, SPM_DEVICE_CONTACT) | bit(device.force_capped, SPM_DEVICE_FORCE_CAPPED) |
       bit(device.torque_capped, SPM_DEVICE_TORQUE_CAPPED) |
-      bit(device.tool_capped, SPM_DEVICE_TOOL_CAPPED) | bit(device.has_tool, SPM_DEVICE_TOOL);
+      bit(device.tool_capped, SPM_DEVICE_TOOL_CAPPED) | bit(device.has_tool, SPM_DEVICE_TOOL) |
+      bit(device.leadable, SPM_DEVICE_LEADABLE) | bit(device.led, SPM_DEVICE_LED);
   to.contacts = seen.contacts;
   to.cuts = seen.cuts;
   pack(to.proxy, device.proxy.position);
