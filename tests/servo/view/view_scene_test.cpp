@@ -23,7 +23,10 @@ ViewState state_of_two() {
   state.devices.resize(1);
   state.devices[0].name = "sim";
   state.devices[0].state.hand = SPM_CLIENT_HAND_FREE;
-  state.assets = {{"a", "/models/a \"quoted\".spm.exr"}, {hostile, "/models/b.spm.exr"}};
+  state.assets.resize(2);
+  state.assets[0].path = "/models/a \"quoted\".spm.exr";
+  state.assets[1].name = hostile;
+  state.assets[1].path = "/models/b.spm.exr";
   state.objects.resize(2);
   for (std::uint32_t i = 0; i < 2; ++i) {
     ViewObject& object = state.objects[i];
