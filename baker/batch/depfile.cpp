@@ -46,12 +46,23 @@ std::vector<Dependencies> dependencies_of(const Manifest& manifest) {
   for (const ManifestEntry& entry : manifest.entries) {
     written.insert(folder_of(entry.request.output));
   }
+  for (const ManifestScene& scene : manifest.scenes) {
+    if (!scene.output.empty()) written.insert(folder_of(scene.output));
+  }
   std::vector<std::string> common{manifest.path};
   for (const std::string& folder : manifest.searched_folders) {
     const std::string normal = std::filesystem::path(folder).lexically_normal().string();
     if (written.count(normal) == 0) common.push_back(folder);
   }
+  for (const ManifestScene& scene : manifest.scenes) {
+    if (scene.output.empty()) common.push_back(scene.scene);
+  }
   std::vector<Dependencies> all;
+  for (const ManifestScene& scene : manifest.scenes) {
+    if (scene.output.empty()) continue;
+    all.push_back({scene.output, {scene.scene}});
+    all.back().inputs.insert(all.back().inputs.end(), common.begin(), common.end());
+  }
   for (const ManifestEntry& entry : manifest.entries) {
     all.push_back(dependencies_of(entry.request));
     all.back().inputs.insert(all.back().inputs.end(), common.begin(), common.end());

@@ -11,6 +11,8 @@
 #include <unordered_map>
 
 #include "baker/batch/mesh_pattern.hpp"
+#include "baker/batch/scenes.hpp"
+#include "formats/asset/asset_writer.hpp"
 #include "formats/files/nearest_word.hpp"
 #include "formats/files/sha256.hpp"
 #include "formats/files/text_file.hpp"
@@ -76,6 +78,9 @@ class Reader {
     manifest_.sha256 = sha256_bytes(*text);
     const Result<void> added = read_document(document);
     if (!added) return tl::make_unexpected(added.error());
+    if (const Result<void> fit = check_scenes(manifest_); !fit) {
+      return tl::make_unexpected(fit.error());
+    }
     std::sort(manifest_.searched_folders.begin(), manifest_.searched_folders.end());
     manifest_.searched_folders.erase(
         std::unique(manifest_.searched_folders.begin(), manifest_.searched_folders.end()),
@@ -90,17 +95,17 @@ class Reader {
 
   Result<void> read_document(const toml::table& document) {
     for (const auto& [key, value] : document) {
-      const bool assets = key == "asset" && value.is_array_of_tables();
-      if (!assets && !(key == "defaults" && value.is_table())) {
+      const bool listed = (key == "asset" || key == "scene") && value.is_array_of_tables();
+      if (!listed && !(key == "defaults" && value.is_table())) {
         return refuse(key.source().begin.line,
-                      fmt::format("unknown key '{}'; a manifest holds [[asset]] tables and one "
-                                  "table [defaults] only",
+                      fmt::format("unknown key '{}'; a manifest holds [[asset]] and [[scene]] "
+                                  "tables and one table [defaults] only",
                                   key.str()));
       }
     }
     Settings defaults;
     if (const toml::table* table = document["defaults"].as_table()) {
-      const Result<Settings> read = read_settings(*table);
+      const Result<Settings> read = read_settings(*table, keys_);
       if (!read) return tl::make_unexpected(read.error());
       defaults = *read;
       for (const char* own : {"mesh", "name"}) {
@@ -116,13 +121,89 @@ class Reader {
     if (tables == nullptr || tables->empty()) {
       return refuse(1, "no asset; add [[asset]] tables with mesh and output");
     }
-    return read_assets(*tables, defaults);
+    if (Result<void> read = read_assets(*tables, defaults); !read) return read;
+    if (const toml::array* scenes = document["scene"].as_array()) return read_scenes(*scenes);
+    return {};
+  }
+
+  Result<void> read_scenes(const toml::array& tables) {
+    for (const toml::node& node : tables) {
+      const Result<Settings> read = read_settings(*node.as_table(), scene_keys_);
+      if (!read) return tl::make_unexpected(read.error());
+      const auto scene = read->find("scene");
+      if (scene == read->end()) {
+        return refuse(node.source().begin.line,
+                      "'scene' is missing: a [[scene]] names the file of a scene, or a pattern");
+      }
+      if (!is_mesh_pattern(folder_, scene->second.text)) {
+        if (Result<void> added = add_scene(*read, resolved(folder_, scene->second.text)); !added) {
+          return added;
+        }
+        continue;
+      }
+      const std::vector<std::string> found = find_meshes(folder_, scene->second.text);
+      if (found.empty()) {
+        return refuse(scene->second.line,
+                      fmt::format("'scene': no file matches {}; check the pattern",
+                                  resolved(folder_, scene->second.text)));
+      }
+      for (const std::string& path : found) {
+        search(path);
+        if (Result<void> added = add_scene(*read, path); !added) return added;
+      }
+    }
+    return {};
+  }
+
+  Result<void> add_scene(const Settings& settings, const std::string& file) {
+    ManifestScene scene;
+    scene.scene = file;
+    scene.line = settings.at("scene").line;
+    scene.name = std::filesystem::path(file).stem().string();
+    if (const auto name = settings.find("name"); name != settings.end()) {
+      const Result<std::string> filled = filled_in(name->second.text, file);
+      if (!filled) return refuse(name->second.line, "'name': " + filled.error().message);
+      scene.name = *filled;
+    }
+    if (const auto output = settings.find("output"); output != settings.end()) {
+      scene.output_line = output->second.line;
+      const Result<std::string> filled = filled_in(output->second.text, file);
+      if (!filled) return refuse(scene.output_line, "'output': " + filled.error().message);
+      scene.output = resolved(folder_, *filled);
+      if (normal(scene.output) == normal(file)) {
+        return refuse(scene.output_line,
+                      "'output' is the scene itself; write elsewhere, or leave "
+                      "it out to check the scene where it is");
+      }
+      if (Result<void> own = take_output(scene.output, scene.output_line); !own) return own;
+      if (const Result<void> writable = check_output_path(scene.output); !writable) {
+        return refuse(scene.output_line, "'output': " + writable.error().message);
+      }
+    }
+    manifest_.scenes.push_back(std::move(scene));
+    return {};
+  }
+
+  void search(const std::string& found) {
+    const std::string folder = std::filesystem::path(found).parent_path().string();
+    manifest_.searched_folders.push_back(folder.empty() ? "." : folder);
+  }
+
+  /// Each file is written by one asset or one scene.
+  Result<void> take_output(const std::string& output, std::uint32_t line) {
+    std::error_code ignored;
+    const auto target = std::filesystem::weakly_canonical(output, ignored);
+    const auto [taken, first] = outputs_.emplace(target.string(), line);
+    if (first) return {};
+    return refuse(line, fmt::format("'output': {} is that of another table too, of line {}; give "
+                                    "each its own, by {{stem}} where there is a pattern",
+                                    output, taken->second));
   }
 
   Result<void> read_assets(const toml::array& tables, const Settings& defaults) {
     std::vector<std::pair<std::uint32_t, Settings>> assets;
     for (const toml::node& node : tables) {
-      Result<Settings> own = read_settings(*node.as_table());
+      Result<Settings> own = read_settings(*node.as_table(), keys_);
       if (!own) return tl::make_unexpected(own.error());
       if (const auto mesh = own->find("mesh");
           mesh != own->end() && !is_mesh_pattern(folder_, mesh->second.text)) {
@@ -137,18 +218,21 @@ class Reader {
     return {};
   }
 
-  Result<Settings> read_settings(const toml::table& table) const {
+  Result<Settings> read_settings(const toml::table& table,
+                                 const std::vector<std::string>& keys) const {
     Settings settings;
     for (const auto& [key, value] : table) {
       const std::string name(key.str());
       const std::uint32_t line = key.source().begin.line;
-      if (std::find(keys_.begin(), keys_.end(), name) == keys_.end()) {
-        const auto near = cli::nearest_word(name, keys_);
-        return refuse(
-            line, fmt::format("unknown key '{}'{}", name,
-                              near ? fmt::format("; did you mean '{}'?", *near)
-                                   : std::string("; the keys are mesh, output, name and build's "
-                                                 "options")));
+      if (std::find(keys.begin(), keys.end(), name) == keys.end()) {
+        const auto near = cli::nearest_word(name, keys);
+        return refuse(line,
+                      fmt::format("unknown key '{}'{}", name,
+                                  near ? fmt::format("; did you mean '{}'?", *near)
+                                  : &keys == &scene_keys_
+                                      ? std::string("; the keys are scene, output and name")
+                                      : std::string("; the keys are mesh, output, name and build's "
+                                                    "options")));
       }
       const std::optional<std::string> text = spelt(value);
       if (!text) return refuse(line, fmt::format("'{}' must be a string or a number", name));
@@ -197,8 +281,7 @@ class Reader {
     std::size_t found = 0;
     for (const std::string& path : find_meshes(folder_, mesh.text)) {
       ++found;
-      const std::string folder = std::filesystem::path(path).parent_path().string();
-      manifest_.searched_folders.push_back(folder.empty() ? "." : folder);
+      search(path);
       if (named_meshes_.count(normal(path)) > 0) continue;
       if (Result<void> added = add_entry(settings, *request, path); !added) return added;
     }
@@ -228,15 +311,7 @@ class Reader {
       const std::string last = std::filesystem::path(entry.output).filename().string();
       entry.name = last.substr(0, last.find('.', 1));
     }
-    std::error_code ignored;
-    const auto target = std::filesystem::weakly_canonical(entry.request.output, ignored);
-    const auto [taken, first] = outputs_.emplace(target.string(), output.line);
-    if (!first) {
-      return refuse(output.line,
-                    fmt::format("'output': {} is that of another asset too, of line {}; give each "
-                                "its own, by {{stem}} where 'mesh' is a pattern",
-                                entry.request.output, taken->second));
-    }
+    if (Result<void> own = take_output(entry.request.output, output.line); !own) return own;
     manifest_.entries.push_back(std::move(entry));
     return {};
   }
@@ -248,6 +323,7 @@ class Reader {
   std::string path_;
   std::string folder_;
   std::vector<std::string> keys_ = known_keys();
+  std::vector<std::string> scene_keys_{"scene", "output", "name"};
   std::set<std::string> named_meshes_;  // on their own, so patterns leave them out
   std::unordered_map<std::string, std::uint32_t> outputs_;  // and the line of each
   Manifest manifest_;

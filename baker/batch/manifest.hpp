@@ -19,19 +19,31 @@ struct ManifestEntry {
   std::uint32_t output_line = 0;  ///< where `output` stands
 };
 
+/// A scene of a manifest, which its assets are baked for.
+struct ManifestScene {
+  std::string name;
+  std::string scene;       ///< file, made relative to the manifest's folder
+  std::string output;      ///< file to write, likewise; empty where it is only checked
+  std::uint32_t line = 0;  ///< where `scene` stands
+  std::uint32_t output_line = 0;
+};
+
 struct Manifest {
   std::string path;
   std::string sha256;  ///< of the file's bytes
   std::vector<ManifestEntry> entries;
-  std::vector<std::string> searched_folders;  ///< where patterns looked for meshes
+  std::vector<ManifestScene> scenes;
+  std::vector<std::string> searched_folders;  ///< where patterns looked
 };
 
 /// Reads a manifest (TOML): `[[asset]]` tables with `mesh`, `output` and optionally `name`
 /// (default: the output's file name up to its first dot), and a table `[defaults]` with what they
 /// do not say themselves. Any option of `build` may stand there by its long name, with its unit in
 /// a string. `mesh` may be a pattern; `{stem}` and `{folder}` in `output` and `name` stand for the
-/// mesh's file name without its extension and for its folder's name. Errors: file_or_device;
-/// invalid_input, which names the line and, for a misspelt key, the key that was probably meant.
+/// mesh's file name without its extension and for its folder's name. `[[scene]]` tables have
+/// `scene`, also a pattern, and optionally `output` and `name`. Errors: file_or_device; those of
+/// check_scenes; invalid_input, which names the line and, for a misspelt key, the key that was
+/// probably meant.
 [[nodiscard]] Result<Manifest> read_manifest(const std::string& path);
 
 }  // namespace spm::baker

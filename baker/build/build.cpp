@@ -229,6 +229,12 @@ std::string reason_of(const std::string& rule) {
   return rule;
 }
 
+Json stages_json(const StageTimes& stages) {
+  Json json = Json::object();
+  for (const auto& [stage, seconds] : stages.seconds()) json[stage] = seconds;
+  return json;
+}
+
 struct Seconds {
   double load = 0, verify = 0, write = 0, total = 0;
 };
@@ -268,7 +274,8 @@ Json to_json(const BuildRequest& request, const Mesh& mesh, const BakeResult& ba
                      {"cast", baked.report.seconds_cast},
                      {"write", seconds.write},
                      {"verify", seconds.verify},
-                     {"total", seconds.total}};
+                     {"total", seconds.total},
+                     {"stages", stages_json(baked.report.stages)}};
   json["threads"] = threads_of(request.bake);
   json["peak_rss_bytes"] = peak_memory();
   json["notes"] = baked.report.notes;

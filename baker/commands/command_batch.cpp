@@ -3,14 +3,17 @@
 #include <spdlog/spdlog.h>
 #include <tbb/info.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <iostream>
 #include <memory>
 
 #include "baker/base/bake_error.hpp"
 #include "baker/batch/batch.hpp"
+#include "baker/batch/cost.hpp"
 #include "baker/batch/depfile.hpp"
 #include "baker/batch/result_file.hpp"
+#include "baker/batch/scenes.hpp"
 #include "baker/batch/shards.hpp"
 #include "baker/cache/cached_build.hpp"
 #include "baker/commands/cache_options.hpp"
@@ -73,6 +76,28 @@ int summed_up(const Manifest& manifest, const std::vector<AssetOutcome>& outcome
   return static_cast<int>(ExitCode::batch_failed);
 }
 
+/// Finishes the scenes of a whole manifest, and tells of each. Gives the exit code.
+int finish(const BatchSettings& settings, const Manifest& manifest,
+           const std::vector<AssetOutcome>& outcomes) {
+  const auto done = [&](const ManifestEntry& entry) {
+    return outcomes[static_cast<std::size_t>(&entry - manifest.entries.data())].ok();
+  };
+  int code = 0;
+  const std::vector<SceneOutcome> scenes = finish_scenes(manifest, done);
+  for (std::size_t i = 0; i < scenes.size(); ++i) {
+    const ManifestScene& scene = manifest.scenes[i];
+    if (settings.global.json) cli::print_json(line_of(scene, scenes[i]));
+    if (!scenes[i].ok()) {
+      spdlog::error("{}: {}", scene.name, scenes[i].error);
+      code = static_cast<int>(ExitCode::batch_failed);
+    } else if (!settings.global.json && !settings.global.quiet) {
+      std::cout << fmt::format("{}: {}\n", scene.name,
+                               scene.output.empty() ? scene.scene + ": checked" : scene.output);
+    }
+  }
+  return code;
+}
+
 /// What the cache would do; no failure, since the bake itself will tell of it.
 CacheForecast forecast_of(const std::optional<Cache>& cache, const BuildRequest& request) {
   if (!cache) return {};
@@ -101,6 +126,8 @@ int rehearse(const BatchSettings& settings, const Manifest& manifest,
       line["dry_run"] = true;
       line["mesh"] = {{"path", entry.request.mesh}};
       line["output"] = entry.request.output;
+      line["estimate"] = {{"seconds", estimated_cost(entry.request)},
+                          {"memory_bytes", estimated_memory(entry.request)}};
       line["cache"] = state;
       if (cache) line["cache_reason"] = found.reason;
       cli::print_json(line);
@@ -108,6 +135,16 @@ int rehearse(const BatchSettings& settings, const Manifest& manifest,
       std::cout << fmt::format("{}: {} -> {}{}\n", entry.name, entry.request.mesh,
                                entry.request.output,
                                cache ? fmt::format(" ({}: {})", state, found.reason) : "");
+    }
+  }
+  for (const ManifestScene& scene : manifest.scenes) {
+    if (settings.global.json) {
+      nlohmann::ordered_json line = line_of(scene, {});
+      line["dry_run"] = true;
+      cli::print_json(line);
+    } else if (!settings.global.quiet) {
+      std::cout << fmt::format("{}: {}{}\n", scene.name, scene.scene,
+                               scene.output.empty() ? ": checked" : " -> " + scene.output);
     }
   }
   return summed_up(manifest, outcomes);
@@ -163,7 +200,9 @@ int run(const BatchSettings& settings) {
   if (const Result<void> written = write_notes(settings, manifest, outcomes); !written) {
     return cli::report(written.error());
   }
-  return summed_up(manifest, outcomes);
+  // A shard has some of the assets only: its scenes are left to merge.
+  const int scenes = settings.shard.count == 1 ? finish(settings, manifest, outcomes) : 0;
+  return std::max(scenes, summed_up(manifest, outcomes));
 }
 
 }  // namespace

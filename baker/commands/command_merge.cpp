@@ -4,8 +4,10 @@
 
 #include <iostream>
 #include <memory>
+#include <set>
 
 #include "baker/batch/merge.hpp"
+#include "baker/batch/scenes.hpp"
 #include "baker/commands/commands.hpp"
 #include "formats/cli/command_line.hpp"
 
@@ -30,7 +32,6 @@ nlohmann::ordered_json json_of(const Manifest& manifest, const Merged& merged) {
   }
   json["missing"] = merged.missing;
   json["lost"] = merged.lost;
-  json["passed"] = merged.complete();
   return json;
 }
 
@@ -62,13 +63,27 @@ int run(const MergeSettings& settings) {
   const Result<Merged> merged = merge_results(*manifest, results);
   if (!merged) return cli::report(merged.error());
   complain(*merged);
+  const std::set<std::string> done(merged->done.begin(), merged->done.end());
+  const std::vector<SceneOutcome> scenes = finish_scenes(
+      *manifest, [&](const ManifestEntry& entry) { return done.count(entry.name) > 0; });
+  bool finished = true;
+  for (const SceneOutcome& scene : scenes) {
+    if (!scene.ok()) spdlog::error("{}", scene.error);
+    finished = finished && scene.ok();
+  }
   if (settings.global.json) {
-    cli::print_json(json_of(*manifest, *merged));
+    nlohmann::ordered_json json = json_of(*manifest, *merged);
+    json["scenes"] = nlohmann::ordered_json::array();
+    for (std::size_t i = 0; i < scenes.size(); ++i) {
+      json["scenes"].push_back(line_of(manifest->scenes[i], scenes[i]));
+    }
+    json["passed"] = merged->complete() && finished;
+    cli::print_json(json);
   } else if (!settings.global.quiet) {
     std::cout << fmt::format("{} of {} assets done, of {} shards\n", merged->done.size(),
                              manifest->entries.size(), merged->shards);
   }
-  return merged->complete() ? 0 : static_cast<int>(ExitCode::batch_failed);
+  return merged->complete() && finished ? 0 : static_cast<int>(ExitCode::batch_failed);
 }
 
 }  // namespace

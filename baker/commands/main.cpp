@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <malloc.h>
+
 #include <CLI/CLI.hpp>
 #include <array>
 
@@ -6,6 +8,11 @@
 #include "baker/commands/commands.hpp"
 
 int main(int argc, char** argv) {
+  // Bakes take and give back the same large pieces again and again: the system need not clear them.
+  constexpr int largest_piece = 32 << 20,
+                kept = 1 << 30;  // the first is the most that may be asked
+  mallopt(M_MMAP_THRESHOLD, largest_piece);
+  mallopt(M_TRIM_THRESHOLD, kept);
   CLI::App app{"Bakes a mesh into support planes and distance maps, and looks at what was baked.",
                "spm-bake"};
   std::array commands{spm::baker::add_build_command(app),  spm::baker::add_info_command(app),

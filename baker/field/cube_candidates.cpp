@@ -29,45 +29,68 @@ Candidate seen_from(const LatticeSurface& surface, std::uint32_t triangle, const
   return candidate;
 }
 
-bool nearer(const Candidate& a, const Candidate& b) {
+/// A function object, which sorting calls at no cost.
+constexpr auto nearer = [](const Candidate& a, const Candidate& b) {
   return a.distance != b.distance ? a.distance < b.distance : a.triangle < b.triangle;
-}
+};
 
-/// Removes from `open` what one of the witnesses is nearer than in all of the cube.
-void remove_covered(const Cube& cube, const std::vector<Witness>& nearest,
-                    std::vector<Candidate>& open) {
-  std::erase_if(open, [&](const Candidate& candidate) {
-    const Vector3 rise = cube.half * candidate.tangent;
-    return std::any_of(nearest.begin(), nearest.end(), [&](const Witness& witness) {
-      return candidate.triangle != witness.triangle &&
-             is_everywhere_above(candidate.distance - slack, rise, witness.distances);
-    });
+/// Whether one of the witnesses is nearer than a candidate in all of the cube.
+bool is_covered(const Cube& cube, const std::vector<Witness>& nearest, const Candidate& candidate) {
+  const Vector3 rise = cube.half * candidate.tangent;
+  return std::any_of(nearest.begin(), nearest.end(), [&](const Witness& witness) {
+    return candidate.triangle != witness.triangle &&
+           is_everywhere_above(candidate.distance - slack, rise, witness.distances);
   });
 }
 
-void narrow(const LatticeSurface& surface, const Cube& cube, Candidates& found) {
-  std::sort(found.triangles.begin(), found.triangles.end(), nearer);
-  std::sort(found.caps.begin(), found.caps.end(), nearer);
-  const double span = 2 * cube.radius() + slack;
-  const double nearest = found.distance(), clearance = found.clearance();
-  std::erase_if(found.triangles, [&](const Candidate& c) { return c.distance > nearest + span; });
-  std::erase_if(found.caps, [&](const Candidate& c) { return c.distance > clearance + span; });
-  if (found.triangles.size() + found.caps.size() <= few) return;
-  for (std::size_t w = 0; w < std::min(witnesses, found.triangles.size()); ++w) {
-    const std::uint32_t triangle = found.triangles[w].triangle;
-    found.witnesses.push_back(
-        {triangle, corner_distances(surface.triangles[triangle].corners, cube.middle, cube.half)});
+/// What may be near enough to a place of a cube. Most of it is not, so few are kept.
+struct Near {
+  std::vector<Candidate> triangles, caps;
+  void clear() {
+    triangles.clear();
+    caps.clear();
   }
-  remove_covered(cube, found.witnesses, found.triangles);
-  remove_covered(cube, found.witnesses, found.caps);
+};
+
+Candidates narrowed(const LatticeSurface& surface, const Cube& cube, const Near& near) {
+  std::array<Candidate, witnesses> first;
+  const auto last = std::partial_sort_copy(near.triangles.begin(), near.triangles.end(),
+                                           first.begin(), first.end(), nearer);
+  constexpr double infinity = std::numeric_limits<double>::infinity();
+  const double nearest = last == first.begin() ? infinity : first.front().distance;
+  double clearance = nearest;
+  for (const Candidate& cap : near.caps) clearance = std::min(clearance, cap.distance);
+  const double span = 2 * cube.radius() + slack;
+  const auto reached = [span](const std::vector<Candidate>& from, double least) {
+    return std::count_if(from.begin(), from.end(),
+                         [&](const Candidate& c) { return c.distance <= least + span; });
+  };
+  Candidates found;
+  const auto triangles = static_cast<std::size_t>(reached(near.triangles, nearest));
+  if (triangles + static_cast<std::size_t>(reached(near.caps, clearance)) > few) {
+    for (std::size_t w = 0; w < std::min(witnesses, triangles); ++w) {
+      const std::uint32_t triangle = first[w].triangle;
+      found.witnesses.push_back({triangle, corner_distances(surface.triangles[triangle].corners,
+                                                            cube.middle, cube.half)});
+    }
+  }
+  const auto keep = [&](const std::vector<Candidate>& from, double least, auto& to) {
+    for (const Candidate& candidate : from) {
+      if (candidate.distance > least + span) continue;
+      if (!is_covered(cube, found.witnesses, candidate)) to.push_back(candidate);
+    }
+    std::sort(to.begin(), to.end(), nearer);
+  };
+  keep(near.triangles, nearest, found.triangles);
+  keep(near.caps, clearance, found.caps);
+  return found;
 }
 
 /// Adds those of `around` that may be near enough to a place of an octant, to each of the eight.
 void add_near(const LatticeSurface& surface, const std::vector<Candidate>& around, const Cube& cube,
-              std::vector<Candidate> Candidates::*kind, std::array<double, 8>& nearest,
-              std::array<Candidates, 8>& found) {
+              std::vector<Candidate> Near::*kind, std::array<double, 8>& nearest,
+              std::array<Near, 8>& found) {
   const double span = cube.radius() + 2 * slack;
-  for (Candidates& octant : found) (octant.*kind).reserve(around.size());
   for (const Candidate& candidate : around) {
     // The middles of the octants are the corners of a cube of half the edge.
     const CornerVectors seen =
@@ -103,28 +126,28 @@ double Candidates::clearance() const noexcept {
 
 std::array<Candidates, 8> candidates_in_octants(const LatticeSurface& surface,
                                                 const Candidates& around, const Cube& cube) {
-  std::array<Candidates, 8> found;
+  // Kept from cube to cube, since to allocate it each time takes longer than to fill it.
+  thread_local std::array<Near, 8> near;
+  for (Near& octant : near) octant.clear();
   std::array<double, 8> nearest;
   nearest.fill(std::numeric_limits<double>::infinity());
-  add_near(surface, around.triangles, cube, &Candidates::triangles, nearest, found);
-  if (!around.caps.empty()) {
-    add_near(surface, around.caps, cube, &Candidates::caps, nearest, found);
-  }
+  add_near(surface, around.triangles, cube, &Near::triangles, nearest, near);
+  add_near(surface, around.caps, cube, &Near::caps, nearest, near);
+  std::array<Candidates, 8> found;
   for (std::size_t octant = 0; octant < 8; ++octant) {
-    narrow(surface, cube.octant(octant), found[octant]);
+    found[octant] = narrowed(surface, cube.octant(octant), near[octant]);
   }
   return found;
 }
 
 Candidates candidates_of(const LatticeSurface& surface, const std::vector<std::uint32_t>& triangles,
                          const Cube& cube) {
-  Candidates found;
+  Near near;
   for (const std::uint32_t triangle : triangles) {
-    auto& kind = surface.triangles[triangle].cap ? found.caps : found.triangles;
+    auto& kind = surface.triangles[triangle].cap ? near.caps : near.triangles;
     kind.push_back(seen_from(surface, triangle, cube.middle));
   }
-  narrow(surface, cube, found);
-  return found;
+  return narrowed(surface, cube, near);
 }
 
 Candidates nearest_in_parts(const LatticeSurface& surface, const Candidates& candidates,
@@ -167,15 +190,16 @@ bool NearestPart::is_inside(const Caster& caster, const Vector3& point) const {
                         triangle->normal.dot(point - closest.point));
 }
 
-bool is_inside(const LatticeSurface& surface, const Caster& caster, const Candidates& candidates,
-               const Vector3& point) {
+bool is_middle_inside(const LatticeSurface& surface, const Caster& caster,
+                      const Candidates& candidates, const Cube& cube) {
   NearestPart nearest;
   for (const auto* kind : {&candidates.triangles, &candidates.caps}) {
     for (const Candidate& candidate : *kind) {
-      nearest.meet(surface.triangles[candidate.triangle], point);
+      if (candidate.distance - slack > nearest.distance) break;
+      nearest.meet(surface.triangles[candidate.triangle], cube.middle);
     }
   }
-  return nearest.is_inside(caster, point);
+  return nearest.is_inside(caster, cube.middle);
 }
 
 }  // namespace spm::baker

@@ -74,9 +74,9 @@ struct NearestPart {
   [[nodiscard]] bool is_inside(const Caster& caster, const Vector3& point) const;
 };
 
-/// Whether a point is inside, by the candidates of a cube that contains it, which must have some;
-/// by the caster where the nearest one is open.
-[[nodiscard]] bool is_inside(const LatticeSurface& surface, const Caster& caster,
-                             const Candidates& candidates, const Vector3& point);
+/// Whether the middle of a cube is inside, by the cube's candidates, which must be some; by the
+/// caster where the nearest one is open.
+[[nodiscard]] bool is_middle_inside(const LatticeSurface& surface, const Caster& caster,
+                                    const Candidates& candidates, const Cube& cube);
 
 }  // namespace spm::baker

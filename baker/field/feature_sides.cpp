@@ -1,15 +1,19 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "baker/field/feature_sides.hpp"
 
+#include <tbb/parallel_for.h>
+#include <tbb/parallel_sort.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <map>
 #include <optional>
 #include <span>
+#include <tuple>
 #include <utility>
 
 #include "baker/field/triangle_height.hpp"
+#include "baker/field/triangle_sides.hpp"
 
 namespace spm::baker {
 
@@ -102,37 +106,48 @@ struct PartSide {
 class Neighbours {
  public:
   Neighbours(const OuterSurface& surface, const std::vector<bool>& folded, const AskedSolid& asked)
-      : surface_(surface), folded_(folded), asked_(asked) {
-    corners_.resize(surface.vertices.size());
+      : surface_(surface),
+        folded_(folded),
+        asked_(asked),
+        sides_(surface.triangles),
+        normals_(surface.triangles.size()),
+        faces_(surface.triangles.size()),
+        thin_(surface.triangles.size()) {
+    std::vector<CubeBins::Member> members;
+    members.reserve(3 * surface.triangles.size());
     for (std::uint32_t t = 0; t < surface.triangles.size(); ++t) {
+      for (const std::uint32_t corner : surface.triangles[t]) members.emplace_back(corner, t);
+    }
+    corners_ = CubeBins(surface.vertices.size(), members);
+    tbb::parallel_for(std::size_t{0}, surface.triangles.size(), [&](std::size_t t) {
       const Triangle& triangle = surface.triangles[t];
-      for (std::size_t k = 0; k < 3; ++k) {
-        corners_[triangle[k]].push_back(t);
-        sides_[std::minmax(triangle[k], triangle[(k + 1) % 3])].push_back(t);
-      }
       const Vector3& a = surface.vertices[triangle[0]];
       const Vector3& b = surface.vertices[triangle[1]];
       const Vector3& c = surface.vertices[triangle[2]];
       const Vector3 cross = (b - a).cross(c - a);
       const double length = cross.norm();
-      thin_.push_back(triangle_height(a, b, c) <= asked_.thin);
-      normals_.push_back(length > 0 ? Vector3(cross / length) : Vector3::Zero());
+      thin_[t] = triangle_height(a, b, c) <= asked_.thin ? 1 : 0;
+      normals_[t] = length > 0 ? Vector3(cross / length) : Vector3::Zero();
       const Vector3 middle = (a + b + c) / 3;
-      faces_.push_back(across(middle, normals_.back()));
-    }
+      faces_[t] = across(middle, normals_[t]);
+    });
   }
 
   [[nodiscard]] PartSide at_face(std::uint32_t t) const { return faces_[t]; }
 
-  /// Of a triangle's side. Thin triangles that hang on one that is not are in nobody's way there.
-  [[nodiscard]] PartSide at_side(std::uint32_t triangle, std::uint32_t a, std::uint32_t b) const {
+  /// Of a triangle's k-th side. Thin triangles that hang on one that is not are in nobody's way
+  /// there.
+  [[nodiscard]] PartSide at_side(std::uint32_t triangle, std::size_t k) const {
+    const std::uint32_t a = surface_.triangles[triangle][k],
+                        b = surface_.triangles[triangle][(k + 1) % 3];
     const Vector3 along = (surface_.vertices[b] - surface_.vertices[a]).normalized();
     std::vector<Sector> around;
     std::vector<Vector3> directions;
-    bool simple = is_paired(a, b);
-    for (const std::uint32_t t : sides_.at(std::minmax(a, b))) {
+    bool simple = is_paired(triangle, k);
+    for (const std::uint32_t number : sides_.uses(triangle, k)) {
+      const std::uint32_t t = TriangleSides::use(number).triangle;
       around.push_back({normals_[t], 1, t});
-      if (thin_[t] && !thin_[triangle]) {
+      if (thin_[t] > thin_[triangle]) {
         simple = false;
         continue;
       }
@@ -150,7 +165,9 @@ class Neighbours {
     std::vector<Sector> around;
     std::vector<Vector3> directions;
     bool simple = true;
-    for (const std::uint32_t t : corners_[vertex]) {
+    const auto triangles = corners_.of(vertex, vertex);
+    if (triangles.empty()) return {};
+    for (const std::uint32_t t : triangles) {
       const Triangle& triangle = surface_.triangles[t];
       const auto k = static_cast<std::size_t>(std::find(triangle.begin(), triangle.end(), vertex) -
                                               triangle.begin());
@@ -160,7 +177,7 @@ class Neighbours {
       around.push_back(
           {normals_[t], std::atan2(to_next.cross(to_last).norm(), to_next.dot(to_last)), t});
       if (to_next.norm() > 0) directions.push_back(to_next.normalized());
-      simple = simple && is_paired(vertex, next) && is_paired(vertex, last);
+      simple = simple && is_paired(t, k) && is_paired(t, (k + 2) % 3);
     }
     return side_of(around, directions, simple && is_one_fan(vertex), surface_.vertices[vertex]);
   }
@@ -169,11 +186,11 @@ class Neighbours {
   const OuterSurface& surface_;
   const std::vector<bool>& folded_;
   AskedSolid asked_;
-  std::map<std::pair<std::uint32_t, std::uint32_t>, std::vector<std::uint32_t>> sides_;
-  std::vector<std::vector<std::uint32_t>> corners_;
+  TriangleSides sides_;
+  CubeBins corners_;  ///< the triangles of each vertex
   std::vector<Vector3> normals_;
   std::vector<PartSide> faces_;
-  std::vector<bool> thin_;  ///< so that their normals mean nothing
+  std::vector<char> thin_;  ///< so that their normals mean nothing
 
   /// Whether places beside one on the surface are inside. Empty where something else is nearer.
   [[nodiscard]] std::optional<bool> inside_at(const Vector3& place, const Vector3& away) const {
@@ -257,28 +274,28 @@ class Neighbours {
   }
 
   /// Two triangles that pass the side in opposite ways.
-  [[nodiscard]] bool is_paired(std::uint32_t a, std::uint32_t b) const {
-    const std::vector<std::uint32_t>& both = sides_.at(std::minmax(a, b));
-    return both.size() == 2 && passes(both[0], a, b) != passes(both[1], a, b);
+  [[nodiscard]] bool is_paired(std::uint32_t triangle, std::size_t k) const {
+    const auto both = sides_.uses(triangle, k);
+    return both.size() == 2 && from(both[0]) != from(both[1]) &&
+           TriangleSides::use(both[0]).triangle != TriangleSides::use(both[1]).triangle;
   }
-  [[nodiscard]] bool passes(std::uint32_t t, std::uint32_t a, std::uint32_t b) const {
-    const Triangle& triangle = surface_.triangles[t];
-    for (std::size_t k = 0; k < 3; ++k) {
-      if (triangle[k] == a && triangle[(k + 1) % 3] == b) return true;
-    }
-    return false;
+  /// The corner that a side leads from.
+  [[nodiscard]] std::uint32_t from(std::uint32_t number) const {
+    const auto [t, k] = TriangleSides::use(number);
+    return surface_.triangles[t][k];
   }
 
   /// Whether going from triangle to triangle around a corner meets all of them.
   [[nodiscard]] bool is_one_fan(std::uint32_t vertex) const {
-    const std::vector<std::uint32_t>& all = corners_[vertex];
+    const auto all = corners_.of(vertex, vertex);
     std::uint32_t triangle = all.front();
     for (std::size_t met = 1; met <= all.size(); ++met) {
       const Triangle& corners = surface_.triangles[triangle];
       const auto k = static_cast<std::size_t>(std::find(corners.begin(), corners.end(), vertex) -
                                               corners.begin());
-      const std::vector<std::uint32_t>& both = sides_.at(std::minmax(vertex, corners[(k + 2) % 3]));
-      triangle = both[0] == triangle ? both[1] : both[0];
+      const auto both = sides_.uses(triangle, (k + 2) % 3);
+      const std::uint32_t first = TriangleSides::use(both[0]).triangle;
+      triangle = first == triangle ? TriangleSides::use(both[1]).triangle : first;
       if (triangle == all.front()) return met == all.size();
     }
     return false;
@@ -288,21 +305,24 @@ class Neighbours {
 }  // namespace
 
 std::vector<bool> find_folded(const std::vector<Triangle>& triangles) {
-  // By corners in ascending order: which triangles pass them one way, and which the other.
-  std::map<Triangle, std::array<std::vector<std::uint32_t>, 2>> same;
-  for (std::uint32_t t = 0; t < triangles.size(); ++t) {
+  // Their corners in ascending order, and whether they pass these the other way.
+  std::vector<std::tuple<Triangle, bool, std::uint32_t>> same(triangles.size());
+  tbb::parallel_for(std::size_t{0}, triangles.size(), [&](std::size_t t) {
     Triangle corners = triangles[t];
     std::rotate(corners.begin(), std::min_element(corners.begin(), corners.end()), corners.end());
     const bool turned = corners[1] > corners[2];
     if (turned) std::swap(corners[1], corners[2]);
-    same[corners][turned ? 1 : 0].push_back(t);
-  }
+    same[t] = {corners, turned, static_cast<std::uint32_t>(t)};
+  });
+  tbb::parallel_sort(same);
   std::vector<bool> folded(triangles.size(), false);
-  for (const auto& [corners, ways] : same) {
-    if (ways[0].empty() || ways[1].empty()) continue;
-    for (const auto& way : ways) {
-      for (const std::uint32_t t : way) folded[t] = true;
+  for (auto first = same.begin(); first != same.end();) {
+    auto last = std::next(first);
+    while (last != same.end() && std::get<0>(*last) == std::get<0>(*first)) ++last;
+    if (std::get<1>(*first) != std::get<1>(*std::prev(last))) {
+      for (; first != last; ++first) folded[std::get<2>(*first)] = true;
     }
+    first = last;
   }
   return folded;
 }
@@ -312,9 +332,12 @@ std::vector<FeatureSides> find_feature_sides(const OuterSurface& surface,
                                              const AskedSolid& asked) {
   const Neighbours neighbours(surface, folded, asked);
   std::vector<PartSide> corners(surface.vertices.size());
-  std::vector<bool> known(surface.vertices.size(), false);
+  tbb::parallel_for(std::size_t{0}, corners.size(), [&](std::size_t vertex) {
+    corners[vertex] = neighbours.at_corner(static_cast<std::uint32_t>(vertex));
+  });
   std::vector<FeatureSides> sides(surface.triangles.size(), 0);
-  for (std::uint32_t t = 0; t < surface.triangles.size(); ++t) {
+  tbb::parallel_for(std::size_t{0}, sides.size(), [&](std::size_t number) {
+    const auto t = static_cast<std::uint32_t>(number);
     const PartSide face = neighbours.at_face(t);
     // A part of which places are on both sides goes with its face.
     const auto told = [&face](const PartSide& part) {
@@ -322,16 +345,13 @@ std::vector<FeatureSides> find_feature_sides(const OuterSurface& surface,
     };
     sides[t] = pack_side(TriangleFeature::face, face.side);
     for (unsigned k = 0; k < 3; ++k) {
-      const std::uint32_t from = surface.triangles[t][k], to = surface.triangles[t][(k + 1) % 3];
-      if (!known[from]) corners[from] = neighbours.at_corner(from);
-      known[from] = true;
       const auto side = static_cast<TriangleFeature>(1 + k);
       const auto corner = static_cast<TriangleFeature>(4 + k);
-      sides[t] = static_cast<FeatureSides>(sides[t] |
-                                           pack_side(side, told(neighbours.at_side(t, from, to))) |
-                                           pack_side(corner, told(corners[from])));
+      sides[t] =
+          static_cast<FeatureSides>(sides[t] | pack_side(side, told(neighbours.at_side(t, k))) |
+                                    pack_side(corner, told(corners[surface.triangles[t][k]])));
     }
-  }
+  });
   return sides;
 }
 

@@ -4,11 +4,11 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <map>
 
 #include "baker/field/feature_sides.hpp"
 #include "baker/field/sliver_removal.hpp"
 #include "baker/field/triangle_height.hpp"
+#include "baker/field/triangle_sides.hpp"
 #include "common/field/indexed_triangles.hpp"
 
 namespace spm::baker {
@@ -47,18 +47,19 @@ Vector3 place_of(const LatticePoint& steps, const Vector3& origin, double step) 
 
 /// Marks triangles of the surface with a side that is not paired or a corner on one.
 void mark_open(LatticeSurface& lattice) {
-  std::map<std::pair<std::uint32_t, std::uint32_t>, int> ways;
   const OuterSurface& surface = lattice.surface;
-  for (std::size_t t = 0; t < surface.surface_count; ++t) {
-    const Triangle& corners = surface.triangles[t];
-    for (std::size_t k = 0; k < 3; ++k) {
-      const std::uint32_t a = corners[k], b = corners[(k + 1) % 3];
-      ways[std::minmax(a, b)] += a < b ? 1 : -1;
-    }
-  }
+  const TriangleSides sides(std::span(surface.triangles).first(surface.surface_count));
   std::vector<bool> border(surface.vertices.size(), false);
-  for (const auto& [side, way] : ways) {
-    if (way != 0) border[side.first] = border[side.second] = true;
+  for (std::size_t side = 0; side < sides.count(); ++side) {
+    int ways = 0;
+    std::uint32_t a = 0, b = 0;
+    for (const std::uint32_t number : sides.uses(side)) {
+      const auto [t, k] = TriangleSides::use(number);
+      a = surface.triangles[t][k];
+      b = surface.triangles[t][(k + 1) % 3];
+      ways += a < b ? 1 : -1;
+    }
+    if (ways != 0) border[a] = border[b] = true;
   }
   for (std::size_t t = 0; t < surface.surface_count; ++t) {
     for (const std::uint32_t corner : surface.triangles[t]) {

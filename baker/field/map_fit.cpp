@@ -8,6 +8,8 @@
 #include <limits>
 #include <numbers>
 
+#include "common/surface/closest_on_triangle.hpp"
+
 namespace spm::baker {
 
 namespace {
@@ -18,6 +20,8 @@ constexpr int unknowns = 10;
 constexpr double ridge = 1e-6;
 /// Directions of two pieces are told apart in so many rounds.
 constexpr int rounds = 6;
+/// Of doubles, m.
+constexpr double rounding = 1e-12;
 
 using Row = Eigen::Matrix<double, 1, unknowns>;
 using Square = Eigen::Matrix<double, unknowns, unknowns>;
@@ -174,6 +178,11 @@ std::vector<bool> by_direction(const std::vector<CubeSample>& samples,
   return is_second;
 }
 
+double distance_from(const LatticeTriangle& triangle, const Vector3& point) {
+  const auto& [a, b, c] = triangle.corners;
+  return (point - closest_on_triangle(point, a, b, c)).norm();
+}
+
 }  // namespace
 
 std::vector<CubeSample> sample_cube(const LatticeSurface& surface, const Caster& caster,
@@ -187,16 +196,25 @@ std::vector<CubeSample> sample_cube(const LatticeSurface& surface, const Caster&
   for (const Candidate& candidate : candidates.triangles) {
     tangents.push_back(cube.half * candidate.tangent);
   }
+  const LatticeTriangle* before = nullptr;
   for (int i = 0; i < nodes * nodes * nodes; ++i) {
     CubeSample sample;
     sample.place = Vector3(node(i % nodes), node(i / nodes % nodes), node(i / nodes / nodes));
     const Vector3 point = cube.middle + cube.half * sample.place;
+    const double way = cube.half * sample.place.norm() + rounding;
     NearestPart nearest;
+    // What was nearest to the place before bounds what is nearest here.
+    const double near = before == nullptr ? std::numeric_limits<double>::infinity()
+                                          : distance_from(*before, point) + rounding;
     for (std::size_t c = 0; c < candidates.triangles.size(); ++c) {
       const Candidate& candidate = candidates.triangles[c];
-      if (candidate.distance + tangents[c].dot(sample.place) > nearest.distance) continue;
+      // Nor does it change by more than the way from the middle; those that follow are farther.
+      const double least = std::min(near, nearest.distance);
+      if (candidate.distance - way > least) break;
+      if (candidate.distance + tangents[c].dot(sample.place) > least) continue;
       nearest.meet(surface.triangles[candidate.triangle], point);
     }
+    before = nearest.triangle;
     const bool within = inside ? *inside : nearest.is_inside(caster, point);
     sample.distance = within ? -nearest.distance : nearest.distance;
     const Vector3 away = point - nearest.closest.point;

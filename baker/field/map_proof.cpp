@@ -73,6 +73,10 @@ struct Interval {
   }
 };
 
+/// Of a cube: the maps are within the tolerance in all of it; or they are not at a place; or that
+/// is not known yet.
+enum class Verdict { holds, refuted, open };
+
 class Proof {
  public:
   Proof(const LatticeSurface& surface, const Caster& caster, const Band& band, double tolerance,
@@ -88,9 +92,16 @@ class Proof {
              int divisions) {
     if (++cubes_ > max_cubes) return false;
     if (!inside && candidates.clearance() > cube.radius() + rounding) {
-      inside = is_inside(surface_, caster_, candidates, cube.middle);
+      inside = is_middle_inside(surface_, caster_, candidates, cube);
     }
-    if (passes(candidates, cube, inside)) return true;
+    switch (judge(candidates, cube, inside)) {
+      case Verdict::holds:
+        return true;
+      case Verdict::refuted:
+        return false;
+      case Verdict::open:
+        break;
+    }
     if (divisions == max_divisions) return false;
     const std::array<Candidates, 8> octants = candidates_in_octants(surface_, candidates, cube);
     for (std::size_t octant = 0; octant < 8; ++octant) {
@@ -108,28 +119,44 @@ class Proof {
   std::vector<Quadratic> maps_;
   int cubes_ = 0;
 
-  bool passes(const Candidates& candidates, const Cube& cube, std::optional<bool> inside) const {
+  Verdict judge(const Candidates& candidates, const Cube& cube, std::optional<bool> inside) const {
     const double distance = candidates.distance();
-    const bool side = inside ? *inside : is_inside(surface_, caster_, candidates, cube.middle);
+    const bool side = inside ? *inside : is_middle_inside(surface_, caster_, candidates, cube);
     const double truth = side ? -distance : distance;
     std::array<Quadratic, 2> maps;
     std::array<Interval, 2> off;
     for (std::size_t k = 0; k < maps_.size(); ++k) {
       maps[k] = maps_[k].about(cube.middle);
+    }
+    if (is_off(of_both(maps[0].value, maps[1].value), truth)) return Verdict::refuted;
+    for (std::size_t k = 0; k < maps_.size(); ++k) {
       off[k].meet(by_directions(candidates, cube, maps[k], truth));
     }
     Interval whole{of_both(off[0].low, off[1].low), of_both(off[0].high, off[1].high)};
+    if (within_tolerance(whole)) return Verdict::holds;
     if (inside) whole.meet(by_convexity(candidates, cube, maps, *inside));
-    if (whole.low >= -tolerance_ && whole.high <= tolerance_) return true;
+    if (within_tolerance(whole)) return Verdict::holds;
     // Wholly beyond the band it is enough to tell so.
     const double radius = cube.radius();
     if (inside && !*inside && distance - radius >= band_.margin) {
-      return distance - radius + whole.low >= band_.margin - tolerance_;
+      return verdict(distance - radius + whole.low >= band_.margin - tolerance_);
     }
     if (inside && *inside && distance - radius >= band_.max_depth) {
-      return -(distance - radius) + whole.high <= -band_.max_depth + tolerance_;
+      return verdict(-(distance - radius) + whole.high <= -band_.max_depth + tolerance_);
     }
-    return false;
+    return Verdict::open;
+  }
+
+  static Verdict verdict(bool holds) { return holds ? Verdict::holds : Verdict::open; }
+
+  [[nodiscard]] bool within_tolerance(const Interval& off) const {
+    return off.low >= -tolerance_ && off.high <= tolerance_;
+  }
+
+  /// Whether what a place is told, m, refutes the maps, so that dividing further is in vain.
+  [[nodiscard]] bool is_off(double told, double truth) const {
+    const auto in_band = [&](double d) { return std::clamp(d, -band_.max_depth, band_.margin); };
+    return std::abs(in_band(told) - in_band(truth)) > tolerance_ + rounding;
   }
 
   /// What the maps make of their two values, or where they are `turned` of the negative values; of

@@ -110,7 +110,7 @@ class Builder {
   void decide(OctreeNode& node, const Candidates& candidates, std::optional<bool> inside,
               int level) const {
     if (!inside && candidates.clearance() > node.cube.radius()) {
-      inside = is_inside(surface_, caster_, candidates, node.cube.middle);
+      inside = is_middle_inside(surface_, caster_, candidates, node.cube);
     }
     keep_few(node, candidates, inside);
     if (inside) {

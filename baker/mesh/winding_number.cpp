@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "baker/mesh/winding_number.hpp"
 
+#include <tbb/parallel_invoke.h>
+
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -11,6 +13,15 @@ namespace {
 constexpr std::uint32_t kLeafTriangles = 4;
 /// A cluster is far at this many of its radii and more. With that the sum is off by less than 1e-3.
 constexpr double kFarRadii = 4;
+
+constexpr std::uint32_t worth_a_thread = 8192;  ///< triangles
+
+/// How many clusters so many triangles have.
+std::uint32_t clusters_of(std::uint32_t triangles) {
+  if (triangles <= kLeafTriangles) return 1;
+  const std::uint32_t half = triangles / 2;
+  return 1 + clusters_of(half) + clusters_of(triangles - half);
+}
 
 /// Solid angle of a triangle seen from the origin, positive where its normal points away from it
 /// (Van Oosterom and Strackee 1983).
@@ -31,12 +42,14 @@ WindingNumber::WindingNumber(std::span<const Vector3> vertices,
   for (const auto& [a, b, c] : triangles) {
     triangles_.push_back({vertices[a], vertices[b], vertices[c]});
   }
-  if (!triangles_.empty()) build(0, static_cast<std::uint32_t>(triangles_.size()));
+  const auto count = static_cast<std::uint32_t>(triangles_.size());
+  if (count == 0) return;
+  clusters_.resize(clusters_of(count));
+  build(0, count, 0);
 }
 
-void WindingNumber::build(std::uint32_t begin, std::uint32_t end) {
-  const std::size_t self = clusters_.size();
-  clusters_.push_back(summarise(begin, end));
+void WindingNumber::build(std::uint32_t begin, std::uint32_t end, std::uint32_t self) {
+  clusters_[self] = summarise(begin, end);
   if (end - begin <= kLeafTriangles) {
     clusters_[self].leaf = true;
   } else {
@@ -50,10 +63,17 @@ void WindingNumber::build(std::uint32_t begin, std::uint32_t end) {
     std::stable_sort(
         triangles_.begin() + begin, triangles_.begin() + end,
         [&](const Corners& a, const Corners& b) { return centre(a)[axis] < centre(b)[axis]; });
-    build(begin, middle);
-    build(middle, end);
+    const std::uint32_t other = self + 1 + clusters_of(middle - begin);
+    const auto low = [&] { build(begin, middle, self + 1); };
+    const auto high = [&] { build(middle, end, other); };
+    if (end - begin > worth_a_thread) {
+      tbb::parallel_invoke(low, high);
+    } else {
+      low();
+      high();
+    }
   }
-  clusters_[self].after = static_cast<std::uint32_t>(clusters_.size());
+  clusters_[self].after = self + clusters_of(end - begin);
 }
 
 WindingNumber::Cluster WindingNumber::summarise(std::uint32_t begin, std::uint32_t end) const {

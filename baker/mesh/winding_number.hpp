@@ -39,7 +39,8 @@ class WindingNumber {
   };
   using Corners = std::array<Vector3, 3>;
 
-  void build(std::uint32_t begin, std::uint32_t end);
+  /// Makes the cluster of that number of some triangles, and those below it.
+  void build(std::uint32_t begin, std::uint32_t end, std::uint32_t self);
   [[nodiscard]] Cluster summarise(std::uint32_t begin, std::uint32_t end) const;
   static void add_moments(const Corners& corners, Cluster& cluster);
   [[nodiscard]] static double expansion(const Cluster& cluster, const Vector3& point) noexcept;

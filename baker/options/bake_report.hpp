@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "baker/base/stage_times.hpp"
 #include "baker/smooth/smooth_options.hpp"
 #include "baker/surface/outer_surface.hpp"
 
@@ -36,6 +37,7 @@ struct BakeReport {
   double fallback_area = 0;  ///< share of the surface that triangles represent
   double seconds_fit = 0;    ///< hull, planes, choice of maps and partition
   double seconds_cast = 0;
+  StageTimes stages;
   std::vector<Pruned> pruned;
   std::vector<CappedHole> caps;  ///< holes closed for the side only, largest first
   std::optional<SmoothReport> smooth;

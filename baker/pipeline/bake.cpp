@@ -116,10 +116,12 @@ void bake_full(BakeResult& result, const Caster& caster, const Hull& hull,
   const Clock::time_point casting = Clock::now();
   asset.maps = cast_full_maps(caster, asset.planes, options, progress, counts);
   result.report.seconds_cast = seconds_since(casting);
+  result.report.stages.end("maps");
   const Clock::time_point partitioning = Clock::now();
   const PartitionCounts partition = partition_space(
       asset, caster, full_aim_share * asset.metadata.diagonal, options.seed, progress);
   result.report.seconds_fit += seconds_since(partitioning);
+  result.report.stages.end("partition");
   for (const MapData& map : asset.maps) result.report.samples += map.samples.size();
   result.report.record_cells = partition.records;
   result.report.fallback_cells = partition.fallback;
@@ -157,6 +159,7 @@ BakeResult bake(const Mesh& mesh, const BakeOptions& options, const Progress& pr
     result.smoothed = smoothed_mesh(mesh, options.smooth, progress, smooth);
   }
   const Mesh& solid = result.smoothed ? *result.smoothed : mesh;
+  if (result.report.smooth) result.report.stages.end("smooth");
   OuterSurface surface = outer_surface(solid);
   if (result.report.smooth) surface.hidden += result.report.smooth->hidden;
   if (surface.surface_count == 0) {
@@ -165,8 +168,11 @@ BakeResult bake(const Mesh& mesh, const BakeOptions& options, const Progress& pr
                         ": no part of its surface separates an inside from an outside; close "
                         "the mesh, or give it a thickness");
   }
+  result.report.stages.end("surface");
   const Hull hull = convex_hull(solid.vertices);
+  result.report.stages.end("hull");
   const Caster caster(surface);
+  result.report.stages.end("caster");
   result.report.seconds_fit = seconds_since(start);
 
   CastCounts counts;

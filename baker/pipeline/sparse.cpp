@@ -188,11 +188,14 @@ void bake_sparse(BakeResult& result, const OuterSurface& surface, const Caster& 
   asset.tiles = std::move(known.tiles);
   counts = count_layers(asset, caster);
   report.seconds_cast = seconds_since(started);
+  report.stages.end("tiles");
 
   const Reachability reachability(caster, metadata.band, options.probe_radius, options.workspace,
                                   progress);
+  report.stages.end("reachability");
   const LatticeSurface lattice = round_to_lattice(surface, caster, known.bare, tolerance);
   const Caster rounded(lattice.surface);
+  report.stages.end("lattice");
   std::optional<BuiltOctree> built;
   for (const double edge : smallest_edges(options, metadata.band, caster, tolerance)) {
     BuiltOctree next =
@@ -201,6 +204,7 @@ void bake_sparse(BakeResult& result, const OuterSurface& surface, const Caster& 
     if (!built || next.counts.bytes < built->counts.bytes) built = std::move(next);
   }
   asset.octree = std::move(built->data);
+  report.stages.end("octree");
   if (reachability.cuts()) {
     drop_pruned_tiles(asset);
     report.pruned = pruned_by(built->counts, reachability);
@@ -211,6 +215,7 @@ void bake_sparse(BakeResult& result, const OuterSurface& surface, const Caster& 
   for (const LatticeTriangle& triangle : lattice.triangles) open.push_back(triangle.open);
   const AssetTables tables = tables_of(asset);
   result.served = try_served(tables.view(), caster, rounded, open, options.seed);
+  report.stages.end("trials");
   report.seconds_fit += seconds_since(started) - report.seconds_cast;
   report.samples = asset.tiles.size() * tile_sample_count;
   report.record_cells = built->counts.polynomials + built->counts.pairs + built->counts.lists;

@@ -2,13 +2,15 @@
 #include "baker/tiles/tiles.hpp"
 
 #include <tbb/parallel_for.h>
+#include <tbb/parallel_sort.h>
 
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <compare>
 #include <limits>
 #include <queue>
-#include <tuple>
+#include <utility>
 
 #include "baker/base/cube_bins.hpp"
 #include "baker/base/progress_counter.hpp"
@@ -52,7 +54,7 @@ std::vector<Surfel> assign_surface(const Caster& caster, const std::vector<Suppo
 struct TileKey {
   std::uint32_t direction;
   std::int32_t column, row;
-  [[nodiscard]] auto tuple() const { return std::tie(direction, column, row); }
+  auto operator<=>(const TileKey&) const = default;
 };
 
 /// Surfels, listed by the cube of space in which they lie.
@@ -139,12 +141,10 @@ class TileChooser {
         placed.push_back({{surfel.direction, c, r}, i});
       }
     }
-    std::stable_sort(placed.begin(), placed.end(), [](const auto& a, const auto& b) {
-      return a.first.tuple() < b.first.tuple();
-    });
+    tbb::parallel_sort(placed);
     std::vector<std::size_t> starts;
     for (std::size_t i = 0; i < placed.size(); ++i) {
-      if (i == 0 || placed[i].first.tuple() != placed[i - 1].first.tuple()) starts.push_back(i);
+      if (i == 0 || placed[i].first != placed[i - 1].first) starts.push_back(i);
     }
     if (starts.empty()) return;
     starts.push_back(placed.size());

@@ -94,6 +94,65 @@ def bakes_table(reports: dict) -> list[str]:
                   "unanswered, places / hard places", "wrong side, %, places / hard places"], rows)
 
 
+def batches_table(reports: dict) -> list[str]:
+    """Batches of the same meshes, beside one worker of one thread."""
+    if "batches" not in reports:
+        return [NOT_MEASURED]
+    report = reports["batches"]
+    base = report["runs"][0]["seconds"]
+    rows = []
+    for run in report["runs"]:
+        workers = f"`-j {run['jobs']}`" + (f", `threads = {run['threads']}`" if run["threads"] else "")
+        rows.append([run["what"], workers, f"{run['hits']} of {run['assets']}", number(run["seconds"]),
+                     number(base / run["seconds"])])
+    for run in report["clusters"]:
+        rows.append([run["what"], f"{run['shards']} shards", "no cache", number(run["seconds"]),
+                     number(base / run["seconds"])])
+    return table(["batch", "workers", "from the cache", "s", "times as fast as the first"], rows)
+
+
+def batches_facts(reports: dict) -> list[str]:
+    """Load and kills, as a list."""
+    if "batches" not in reports:
+        return [NOT_MEASURED]
+    report, killed = reports["batches"], reports["batches"]["killed"]
+    return [f"- load of the machine before it began: {report['load_before']:.1f}",
+            f"- kills at random moments: {killed['kills']}; the run after them took "
+            f"{killed['hits_of_last']} of {killed['assets']} assets from the cache"]
+
+
+def scale_assumptions(reports: dict) -> list[str]:
+    """What the computation takes for granted, as a list."""
+    if "batches" not in reports:
+        return [NOT_MEASURED]
+    assumed = reports["batches"]["scale"]["assumed"]
+    return [f"- a node has {assumed['cores_a_node']} cores, as fast as those measured, and begins after "
+            f"{number(assumed['start_seconds'])} s",
+            f"- the file server bears {number(assumed['file_calls_a_second'])} file calls and "
+            f"{megabytes(assumed['bytes_a_second'])} a second"]
+
+
+def scale_table(reports: dict) -> list[str]:
+    """What a library costs on more and more nodes."""
+    if "batches" not in reports:
+        return [NOT_MEASURED]
+    rows = []
+    for row in reports["batches"]["scale"]["rows"]:
+        parts = row["parts_seconds"]
+        rows.append([row["case"], number(row["nodes"]), duration(row["total_seconds"]),
+                     *(duration(seconds) for seconds in parts.values()), row["bottleneck"]])
+    names = list(reports["batches"]["scale"]["rows"][0]["parts_seconds"])
+    return table(["library", "nodes", "in all", *names, "longest"], rows)
+
+
+def duration(seconds: float) -> str:
+    """In the largest unit of which there is one."""
+    for unit, length in (("d", 86400), ("h", 3600), ("min", 60)):
+        if seconds >= length:
+            return f"{number(seconds / length)} {unit}"
+    return f"{number(seconds)} s"
+
+
 def own_row(methods: dict, mesh: str) -> dict:
     """The row of `spm` at the mesh's own tolerance."""
     tolerance = find(methods["meshes"], mesh=mesh)["tolerance_um"]
@@ -350,6 +409,8 @@ def soak_tables(reports: dict) -> list[str]:
 
 TABLES = {
     "accuracy_table": accuracy_table, "bakes_table": bakes_table, "batch_table": batch_table,
+    "batches_facts": batches_facts, "batches_table": batches_table,
+    "scale_assumptions": scale_assumptions, "scale_table": scale_table,
     "costs_table": costs_table,
     "culling_table": culling_table, "forces_table": forces_table,
     "failing_table": lambda reports: failing_lines(reports["stability"])[2:-1],

@@ -39,6 +39,11 @@ def shade_causes(axes, time: np.ndarray, rows: np.ndarray, causes: list[str], na
                       transform=axes.get_xaxis_transform(), va="top", fontsize=9)
 
 
+def explain(axes) -> None:
+    """The legend beside the title, where it covers no line."""
+    axes.legend(loc="lower right", bbox_to_anchor=(1, 1), borderaxespad=0, ncol=4, frameon=False)
+
+
 def draw_size(axes, time: np.ndarray, rows: np.ndarray, suffix: str, cap: int) -> None:
     """The size of what was wanted, sent and added, and where what was sent met its cap."""
     for name, colour, width in (("wanted", WANTED_COLOUR, 2.2), ("sent", SENT_COLOUR, 1.0)):
@@ -51,7 +56,7 @@ def draw_size(axes, time: np.ndarray, rows: np.ndarray, suffix: str, cap: int) -
     if met.any():
         axes.plot(time[met], np.linalg.norm(rows["sent" + suffix][met], axis=1), ".", color=SENT_COLOUR,
                   markersize=3, label="at its cap")
-    axes.legend(loc="lower left", frameon=False)
+    explain(axes)
     axes.set_ylim(bottom=0)
 
 
@@ -80,7 +85,7 @@ def draw(header: dict, rows: np.ndarray, device: int, prefix: str) -> None:
     busy.set_title("The loop (dotted: a tick)")
     busy.set_ylabel("us")
     busy.set_xlabel("time, s")
-    busy.legend(loc="upper right", frameon=False)
+    explain(busy)
     for axes in panels:
         shade_causes(axes, time, rows, header["causes"], named=axes is force)
         axes.set_xlim(time[0], max(time[-1], time[0] + 1e-3))

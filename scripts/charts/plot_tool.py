@@ -40,7 +40,9 @@ def draw_level(axes, level: dict, sides: tuple[int, int], outline: np.ndarray) -
     size = max(0.4, min(40, 9000 / len(places)))
     axes.scatter(*outline.T, s=0.3, color="#dddddd", linewidths=0, rasterized=True)
     axes.scatter(*places.T, s=size, color="#1f5f8b", linewidths=0, rasterized=True)
-    axes.set_title(f"{level['samples']:,} samples, {level['spacing_mm']:.2g} mm apart", fontsize=9.5)
+    apart = level["spacing_mm"]
+    axes.set_title(f"{level['samples']:,} samples, {apart:{'.0f' if apart > 10 else '.2g'}} mm apart",
+                   fontsize=9.5)
     frame(axes, outline)
 
 
@@ -82,7 +84,10 @@ def main() -> int:
     finest = np.array(levels[-1]["places_mm"])
     sides = views(finest)
     outline = finest[:, sides]
-    figure, panels = plt.subplots(len(chosen) // 2 + 1 + len(chosen) % 2, 2, figsize=(10.5, 8.2),
+    # A long and thin tool needs little height.
+    size = outline.max(axis=0) - outline.min(axis=0)
+    height = min(8.2, 2.6 + 14 * size[1] / size[0])
+    figure, panels = plt.subplots(len(chosen) // 2 + 1 + len(chosen) % 2, 2, figsize=(10.5, height),
                                   constrained_layout=True)
     places = panels.flatten()
     for axes, number in zip(places, chosen):

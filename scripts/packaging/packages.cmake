@@ -3,7 +3,12 @@
 set(CPACK_GENERATOR DEB)
 set(CPACK_PACKAGE_NAME spm-haptics)
 set(CPACK_PACKAGE_VERSION ${PROJECT_VERSION})
-set(CPACK_PACKAGE_CONTACT "SPM Haptics maintainers <maintainers@spm-haptics.example>")
+# Whoever makes the packages maintains them, and is named as Debian's own tools are told. Else nobody
+# is, and the address says so: no host's name ends in .invalid (RFC 2606).
+set(CPACK_PACKAGE_CONTACT "Local build of SPM Haptics <nobody@spm-haptics.invalid>")
+if(DEFINED ENV{DEBEMAIL} AND DEFINED ENV{DEBFULLNAME})
+  set(CPACK_PACKAGE_CONTACT "$ENV{DEBFULLNAME} <$ENV{DEBEMAIL}>")
+endif()
 set(CPACK_DEBIAN_PACKAGE_SECTION science)
 set(CPACK_STRIP_FILES ON)
 # Paths in files are those below /usr, wherever the files are gathered.

@@ -29,7 +29,7 @@ double ToolForce::way_of(const ToolObject& object, std::size_t number) const noe
   const Vector3 turned =
       turn_between(Eigen::Quaterniond(seat.linear()), Eigen::Quaterniond(object.pose.linear()));
   const double way = moved.norm() + turned.norm() * samples.radius;
-  return way <= longest_swept ? way : 0;
+  return way <= longest_swept + late_[number] ? way : 0;
 }
 
 /// Where an object was when it had gone a part of its way in this tick.
@@ -127,8 +127,21 @@ bool ToolForce::step_on(const Eigen::Isometry3d& device, std::uint32_t steps, Wo
   return report.refine_stopped == unstopped && report.stopped == unstopped;
 }
 
+/// Whether objects that went a part of their ways may go the rest in the next tick: there is one
+/// that the tool might pass if it were taken along by another, and none is far behind.
+bool ToolForce::may_wait(double gone) const noexcept {
+  if (carrier_ < held_.size() && !(ways_[carrier_] > 0)) return false;
+  bool meets_others = false;
+  for (std::size_t i = 0; i < held_.size(); ++i) {
+    if (held_[i].field == nullptr) continue;
+    meets_others = meets_others || i != carrier_;
+    if ((1 - gone) * ways_[i] > longest_swept) return false;
+  }
+  return meets_others;
+}
+
 /// Lets the objects go their ways, and the virtual tool follow hand and objects. Where time is over
-/// the tool goes the rest with the object that it presses most.
+/// the objects wait, or the tool goes the rest with the one that it presses most.
 VirtualToolReport ToolForce::follow(const Eigen::Isometry3d& device,
                                     std::span<const ToolObject> objects, Work& work,
                                     ForceEffort& effort) noexcept {
@@ -140,6 +153,10 @@ VirtualToolReport ToolForce::follow(const Eigen::Isometry3d& device,
     gone = share;
     const bool in_time = step_on(device, steps_of_part, work, effort, report);
     note_carrier();
+    if (!in_time && may_wait(gone)) {
+      gone_ = gone;
+      return report;
+    }
     if (!in_time) {
       move_on(objects, gone, 1);
       virtual_->carry(pose_);

@@ -46,6 +46,7 @@ ToolForce::ToolForce(const ToolSettings& settings, const ToolLoop& loop,
       seats_(objects + tools, Eigen::Isometry3d::Identity()),
       seated_(objects + tools, 0),
       ways_(objects + tools, 0),
+      late_(objects + tools, 0),
       reactions_(objects + tools),
       most_force_(coupling_.force_cap),
       first_tool_(objects),
@@ -86,6 +87,7 @@ void ToolForce::reset() noexcept {
   std::fill(reactions_.begin(), reactions_.end(), Wrench{});
   std::fill(met_.begin(), met_.end(), Met{});
   std::fill(seated_.begin(), seated_.end(), std::uint8_t{0});
+  std::fill(late_.begin(), late_.end(), 0.0);
   most_force_ = coupling_.force_cap;
   finest_ = every_level;
   patience_ = 0;
@@ -97,6 +99,7 @@ void ToolForce::exchange(std::size_t object) noexcept {
   if (object >= held_.size()) return;
   held_[object] = {};
   seated_[object] = 0;
+  late_[object] = 0;
 }
 
 void ToolForce::meet_anew(std::size_t object) noexcept {
@@ -158,7 +161,18 @@ double ToolForce::work_of(std::span<const ToolObject> objects) noexcept {
   return work;
 }
 
-/// Damping of eq. 18 at the patches: each brakes the motion of its place by its part of the force.
+/// m, that an object moved in this tick where a patch is; 0 for a jump.
+Vector3 ToolForce::moved_at(const ContactPatch& patch, const ToolObject& object) const noexcept {
+  const double way = ways_[patch.object];
+  if (!(way > 0)) return Vector3::Zero();
+  const Eigen::Isometry3d& seat = seats_[patch.object];
+  const Vector3 moved = object.pose * (seat.inverse(Eigen::Isometry) * patch.place) - patch.place;
+  // What it had left to go from the tick before is no motion of this one.
+  return (1 - late_[patch.object] / way) * moved;
+}
+
+/// Damping of eq. 18 at the patches: each brakes how the tool's place there moves along the object,
+/// by its part of the force.
 void ToolForce::damp(const HandPose& hand, std::span<const ToolObject> objects, std::uint64_t ticks,
                      Felt& felt) noexcept {
   turned_ += turn_between(orientation_, hand.orientation);
@@ -169,6 +183,7 @@ void ToolForce::damp(const HandPose& hand, std::span<const ToolObject> objects, 
   const Vector3 velocity = rotation_ * (scale_ * place_velocity_.velocity());
   const Vector3 turning = rotation_ * turn_velocity_.velocity();
   const Vector3 origin = position_ + scale_ * (rotation_ * hand.position);
+  const double seconds = loop_.tick * static_cast<double>(std::max<std::uint64_t>(1, ticks));
   double pressing = 0;
   for (const ContactPatch& patch : tick_.contacts()) pressing += patch.force.norm();
   for (const ContactPatch& patch : tick_.contacts()) {
@@ -176,8 +191,9 @@ void ToolForce::damp(const HandPose& hand, std::span<const ToolObject> objects, 
         std::min(objects[patch.object].settings->effects.damping, loop_.limits.damping / scale_);
     if (!(damping > 0) || !(pressing > 0)) continue;
     const Vector3 arm = patch.place - origin;
+    const Vector3 carried = moved_at(patch, objects[patch.object]) / seconds;
     const Vector3 force =
-        -(damping * patch.force.norm() / pressing) * (velocity + turning.cross(arm));
+        -(damping * patch.force.norm() / pressing) * (velocity + turning.cross(arm) - carried);
     felt.wrench.force += force;
     felt.wrench.torque += arm.cross(force);
   }
@@ -250,6 +266,17 @@ void ToolForce::touch(const Eigen::Isometry3d& device, std::span<ToolObject> obj
   patches_.write(tick_);
 }
 
+/// Keeps where the objects are, and what the tool does to them, for the next tick.
+void ToolForce::sit_down(std::span<const ToolObject> objects) noexcept {
+  for (std::size_t i = 0; i < objects.size(); ++i) {
+    reactions_[i] = objects[i].reaction;
+    const bool goes_on = gone_ < 1 && held_[i].field != nullptr && ways_[i] > 0;
+    late_[i] = goes_on ? (1 - gone_) * ways_[i] : 0;
+    seats_[i] = goes_on ? on_way(objects[i], i, gone_) : objects[i].pose;
+    seated_[i] = objects[i].asset != nullptr ? 1 : 0;
+  }
+}
+
 ContactForce ToolForce::next(const HandPose& hand, std::span<ToolObject> objects,
                              std::span<const ToolPush> pushes, std::uint64_t ticks,
                              const ForceBudget& budget, ForceEffort& effort) noexcept {
@@ -264,6 +291,7 @@ ContactForce ToolForce::next(const HandPose& hand, std::span<ToolObject> objects
     ++starts_;
     if (virtual_) virtual_->place(pose_);
   }
+  gone_ = 1;
   take_pushes(pushes);
   const double carried = work_of(objects);
   placed_ = true;
@@ -275,11 +303,7 @@ ContactForce ToolForce::next(const HandPose& hand, std::span<ToolObject> objects
     if (tool_ != nullptr) press_by_paper(device, objects, felt);
   }
   damp(hand, objects, ticks, felt);
-  for (std::size_t i = 0; i < objects.size(); ++i) {
-    reactions_[i] = objects[i].reaction;
-    seats_[i] = objects[i].pose;
-    seated_[i] = objects[i].asset != nullptr ? 1 : 0;
-  }
+  sit_down(objects);
   tick_.pose = pose_ * seat_;
   tell_tools();
   ContactForce wanted = deepest();

@@ -120,6 +120,10 @@ class ToolForce {
   [[nodiscard]] Eigen::Isometry3d on_way(const ToolObject& object, std::size_t number,
                                          double share) const noexcept;
   void move_on(std::span<const ToolObject> objects, double from, double to) noexcept;
+  [[nodiscard]] bool may_wait(double gone) const noexcept;
+  void sit_down(std::span<const ToolObject> objects) noexcept;
+  [[nodiscard]] Vector3 moved_at(const ContactPatch& patch,
+                                 const ToolObject& object) const noexcept;
   void note_carrier() noexcept;
   [[nodiscard]] Work begin_work(const ForceBudget& budget) const noexcept;
   void touch(const Eigen::Isometry3d& device, std::span<ToolObject> objects,
@@ -173,9 +177,11 @@ class ToolForce {
   std::vector<std::uint8_t> seated_;                        ///< whether that is known
   /// m: how far objects moved past the tool since then; 0 where they did not, or jumped.
   std::vector<double> ways_;
-  double longest_way_ = 0;         ///< m, of the objects that hold
-  std::uint32_t parts_ = 1;        ///< in which these go their ways in this tick
-  std::size_t carrier_ = 0;        ///< the moving object that the tool presses most; or none
+  std::vector<double> late_;  ///< m, of these ways, what time did not suffice for in the last tick
+  double gone_ = 1;           ///< the part of these ways that the objects went in this tick
+  double longest_way_ = 0;    ///< m, of the objects that hold
+  std::uint32_t parts_ = 1;   ///< in which these go their ways in this tick
+  std::size_t carrier_ = 0;   ///< the moving object that the tool presses most; or none
   std::vector<Wrench> reactions_;  ///< on the objects, in the last tick
   double most_force_ = 0;          ///< N, of the coupling in the world
   std::size_t first_tool_, hand_;  ///< number of the first tool of a hand, and which is this one's

@@ -8,7 +8,7 @@ import pty
 import subprocess
 import unittest
 
-from programs import BAKE, BUILD_KEYS, Case, digest, obj, run, sphere, tetrahedron
+from programs import BAKE, BUILD_KEYS, SERVO, Case, digest, obj, run, sphere, tetrahedron
 
 
 class Batch(Case):
@@ -196,6 +196,63 @@ class ManyAssets(Case):
         self.assertEqual([line["exit_code"] for line in lines], [10, 0])
         self.assertIn("time limit of 1 s", lines[0]["error"])
         self.assertEqual(list(self.baked()), ["a.spm.exr"])
+
+
+class Scenes(Case):
+    """A scene of two small meshes, one of which is the tool."""
+
+    MANIFEST = ('[defaults]\noutput = "baked/{stem}.spm.exr"\ntolerance = "1mm"\n'
+                'max-depth = "10mm"\nmargin = "5mm"\n'
+                '[[asset]]\nmesh = "meshes/*.obj"\n'
+                '[[scene]]\nscene = "scenes/*.toml"\noutput = "baked/{stem}.toml"\n')
+    SCENE = ('[device]\nprofile = "touch"\n[tool]\nmesh = "../meshes/tool.obj"\n'
+             '[[object]]\nmesh = "../meshes/thing.obj"\n')
+
+    def setUp(self):
+        super().setUp()
+        for folder in ("meshes", "scenes", "baked"):
+            self.output_folder(folder)
+        self.write("meshes/thing.obj", obj(tetrahedron(0.05)))
+        self.write("meshes/tool.obj", obj(tetrahedron(0.02)))
+        self.write("scenes/table.toml", self.SCENE)
+        self.manifest = self.write("assets.toml", self.MANIFEST)
+
+    def batch(self, *options, command="batch"):
+        result = run(command, self.manifest, *options, "--json")
+        return result, [json.loads(line) for line in result.stdout.splitlines()]
+
+    def test_one_batch_bakes_a_library_and_the_scenes_that_the_servo_then_plays(self):
+        result, lines = self.batch()
+        self.assertEqual(result.returncode, 0, result.stderr)
+        self.assertEqual([line["name"] for line in lines], ["thing", "tool", "table"])
+        self.assertEqual(lines[2]["output"], self.path("baked/table.toml"))
+        self.assertEqual(len(lines[2]["assets"]), 2)
+        way = self.write("way.txt", "".join(f"0 0 {z} 1 0 0 0\n" for z in (0.2, 0.1, 0.02)))
+        os.rename(self.path("scenes"), self.path("elsewhere"))
+        replayed = run("replay", way, "--scene", self.path("baked/table.toml"), "--out",
+                       self.path("out.csv"), "--json", program=SERVO)
+        self.assertEqual(replayed.returncode, 0, replayed.stderr)
+        self.assertEqual(json.loads(replayed.stdout)["ticks"], 3)
+
+    def test_a_scene_with_a_failed_asset_is_not_written(self):
+        self.write("meshes/tool.obj", "v 0 0 0\n")
+        result, lines = self.batch("--keep-going")
+        self.assertEqual(result.returncode, 11)
+        self.assertEqual([line["ok"] for line in lines], [True, False, False])
+        self.assertIn("tool", lines[2]["error"])
+        self.assertFalse(os.path.exists(self.path("baked/table.toml")))
+
+    def test_shards_leave_their_scenes_to_the_merge(self):
+        results = [self.path(f"{shard}.json") for shard in (1, 2)]
+        for shard, file in enumerate(results, 1):
+            result, lines = self.batch("--shard", f"{shard}/2", "--result", file)
+            self.assertEqual(result.returncode, 0, result.stderr)
+            self.assertEqual(len(lines), 1)
+        self.assertFalse(os.path.exists(self.path("baked/table.toml")))
+        result, (merged,) = self.batch(*results, command="merge")
+        self.assertEqual(result.returncode, 0, result.stderr)
+        self.assertEqual([scene["ok"] for scene in merged["scenes"]], [True])
+        self.assertTrue(os.path.exists(self.path("baked/table.toml")))
 
 
 if __name__ == "__main__":

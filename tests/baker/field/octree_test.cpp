@@ -221,7 +221,7 @@ ProofCounts prove_and_spoil(const Built& made, bool pairs, const Fit& fit) {
     const Candidates candidates = candidates_of(made.lattice, near, cube);
     std::optional<bool> inside;
     if (candidates.clearance() > cube.radius()) {
-      inside = is_inside(made.lattice, made.rounded, candidates, cube.middle);
+      inside = is_middle_inside(made.lattice, made.rounded, candidates, cube);
     }
     const std::vector<CubeSample> samples =
         sample_cube(made.lattice, made.rounded, candidates, cube, inside);

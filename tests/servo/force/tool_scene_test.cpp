@@ -4,7 +4,9 @@
 
 #include <catch2/catch.hpp>
 #include <cmath>
+#include <cstdint>
 #include <cstring>
+#include <limits>
 #include <vector>
 
 #include "tests/support/random.hpp"
@@ -83,6 +85,35 @@ TEST_CASE("Without friction a tool slides, and damping brakes it by its velocity
     }
     // 50 mm/s
     CHECK(contact.force.x() == Approx(-0.05 * damping).margin(0.02));
+  }
+}
+
+TEST_CASE("Damping brakes a hand by how it moves along the object, which may move itself") {
+  constexpr double damping = 5, step = 5e-5;  // 50 mm/s
+  for (const bool turns : {false, true}) {
+    for (const bool hand_moves : {false, true}) {
+      ToolScene scene;
+      scene.scene.objects[0].effects.damping = damping;
+      scene.scene.objects[0].movable = true;
+      scene.begin();
+      scene.settle({-0.005, 0, rest + 0.0003}, Eigen::Quaterniond::Identity(), 20);
+      scene.settle({-0.005, 0, rest - 0.002});
+      ContactForce contact;
+      for (int tick = 1; tick <= 100; ++tick) {
+        // The table moves along x, or turns about the middle of its top by 10 rad/s.
+        const double way = step * tick;
+        const Vector3 middle(turns ? 0 : way, 0, -ToolScene::table_size / 2);
+        const Eigen::Quaterniond turn = turned(turns ? 200 * way : 0, Vector3::UnitZ());
+        scene.force->place(0, middle, turn);
+        const Vector3 start(-0.005, 0, rest - 0.002);
+        const Vector3 hand = turns ? turn * start : Vector3(start + Vector3(way, 0, 0));
+        contact = hand_moves ? scene.next(hand, turn) : scene.next(start);
+      }
+      const Vector3 along = turns ? Vector3(0, -1, 0) : Vector3(1, 0, 0);
+      const double still = hand_moves ? 0 : 0.05 * damping;
+      INFO((turns ? "turns" : "moves") << ", hand " << hand_moves << ": " << contact.force);
+      CHECK(contact.force.dot(along) == Approx(still).margin(0.03));
+    }
   }
 }
 
@@ -238,7 +269,15 @@ TEST_CASE(
 }
 
 std::int64_t fake_now = 0;
-std::int64_t fake_clock() noexcept { return fake_now += 400; }
+std::int64_t interrupted_at = std::numeric_limits<std::int64_t>::max();
+std::int64_t fake_clock() noexcept {
+  fake_now += 400;
+  if (fake_now >= interrupted_at) {
+    interrupted_at = std::numeric_limits<std::int64_t>::max();
+    fake_now += 20'000'000;
+  }
+  return fake_now;
+}
 
 TEST_CASE("A tick that runs out of time is coarser, says so, and is replayed without a clock") {
   for (const Method method : {Method::proxy, Method::spm}) {
@@ -271,6 +310,42 @@ TEST_CASE("A tick that runs out of time is coarser, says so, and is replayed wit
     CHECK(degraded > 20);
     CHECK(coarse > 5);
     CHECK(exact > 20);
+  }
+}
+
+TEST_CASE("A tool comes back to its finest level after one tick that was interrupted anywhere") {
+  ToolScene scene(Method::spm);
+  scene.scene.tool->spacing = 0.0003;
+  scene.begin();
+  int ticks = 0;
+  const auto next = [&](std::int64_t time) {
+    ForceBudget budget;
+    budget.clock = &fake_clock;
+    budget.until_ns = fake_now + time;
+    // It slides to and fro, so that each tick has to look anew.
+    const Vector3 at((++ticks % 2) * 0.0006, 0, rest - 0.001);
+    static_cast<void>(
+        scene.force->next(scene.assets, HandPose{at, turned(0.02, {1, 0, 0})}, 1, budget));
+    return scene.force->effort();
+  };
+  scene.settle({0, 0, rest + 0.0003}, Eigen::Quaterniond::Identity(), 20);
+  std::int64_t used = 0;
+  for (int tick = 0; tick < 50; ++tick) {
+    const std::int64_t begun = fake_now;
+    REQUIRE(!next(1'000'000'000).degraded());
+    used = std::max(used, fake_now - begun);
+  }
+  for (std::int64_t reading = 1; reading * 400 < used; ++reading) {
+    // The core is taken away for 20 ms in a tick that was short of time; the next begins late.
+    interrupted_at = fake_now + 400 * reading;
+    static_cast<void>(next(used / 2));
+    interrupted_at = std::numeric_limits<std::int64_t>::max();
+    static_cast<void>(next(0));
+    int coarse = 0;
+    while (next(4 * used).degraded()) {
+      INFO("interrupted at reading " << reading);
+      REQUIRE(++coarse < 40);
+    }
   }
 }
 

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // Objects that move fast past a tool that rests.
+#include <array>
 #include <catch2/catch.hpp>
 #include <cmath>
+#include <cstdint>
 
 #include "tests/servo/force/tool_scene.hpp"
 #include "tests/support/random.hpp"
@@ -97,6 +99,63 @@ TEST_CASE("An object that jumps by more than a fast hand moves is there at once"
 
 std::int64_t fake_now = 0;
 std::int64_t fake_clock() noexcept { return fake_now += 400; }
+
+/// A tool between two plates of 0.2 mm, of which the wide faces are shown.
+struct TwoPlates : PlateScene {
+  TwoPlates() {
+    scene.objects.push_back(scene.objects[0]);
+    begin();
+  }
+  /// Places a plate `gap` (m) before the hand's origin; its side towards the tool looks along
+  /// `normal`.
+  void wall(std::size_t number, const Vector3& normal, double gap) {
+    normals[number] = normal.normalized();
+    gaps[number] = gap + thickness / 2;
+    force->place(number, -gaps[number] * normals[number],
+                 Eigen::Quaterniond::FromTwoVectors(Vector3::UnitZ(), normal));
+  }
+  /// How far the tool's middle is from a plate's, on the side where it began, m.
+  [[nodiscard]] double beside(std::size_t number) const {
+    return gaps[number] + normals[number].dot(force->tool().pose.translation());
+  }
+  /// A tick in which time runs out where there is little of it.
+  void next_within(std::int64_t time) {
+    ForceBudget budget;
+    budget.clock = &fake_clock;
+    budget.until_ns = fake_now + time;
+    const HandPose hand{Vector3::Zero(), Eigen::Quaterniond::Identity()};
+    static_cast<void>(force->next(assets, hand, 1, budget));
+  }
+
+  std::array<Vector3, 2> normals;
+  std::array<double, 2> gaps{};
+};
+
+TEST_CASE("A tool does not pass a second plate where time runs out while one takes it along") {
+  // The second plate stands aslant in the tool's way; or it moves as well, and meets it first
+  // later.
+  for (const bool both_move : {false, true}) {
+    std::size_t stopped = 0;
+    for (int attempt = 0; attempt < 10; ++attempt) {
+      TwoPlates scene;
+      const Vector3 aside(-1, 0, both_move ? 0 : -1);
+      const double reach = both_move ? rest + 0.0015 : rest * std::sqrt(2) + 0.0004;
+      scene.wall(0, Vector3::UnitZ(), rest + 0.0005);
+      scene.wall(1, aside, reach);
+      scene.settle(Vector3::Zero(), Eigen::Quaterniond::Identity(), 5);
+      for (int tick = 1; tick <= 16; ++tick) {
+        scene.wall(0, Vector3::UnitZ(), rest + 0.0005 - 0.0006 * tick);
+        if (both_move) scene.wall(1, aside, reach - 0.0007 * tick);
+        scene.next_within(tick % 3 == 0 ? 4'000 + 4'500 * attempt : 1'000'000'000);
+        stopped += scene.force->effort().stopped() ? 1 : 0;
+        INFO("attempt " << attempt << ", tick " << tick << ", both move " << both_move);
+        REQUIRE(scene.beside(0) > 0);
+        REQUIRE(scene.beside(1) > 0);
+      }
+    }
+    CHECK(stopped > 10);
+  }
+}
 
 TEST_CASE("A tick whose time ends while objects go their ways is replayed without a clock") {
   PlateScene live, again;

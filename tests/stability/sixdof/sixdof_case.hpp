@@ -58,6 +58,8 @@ struct SixdofCase {
   Vector3 press = -Vector3::UnitZ();
   double compared_depth = 2e-3;  ///< m, how far it is pressed in for that; less where it is thin
   double friction = 0;           ///< mu of Coulomb friction, at rest and in motion
+  /// Two hands with a tool each, by sixdof_handover.hpp, which leads them; `hand` says nothing.
+  bool two_hands = false;
   Creep creep;
   Judged judged;
   int seeds = 3;
@@ -85,6 +87,9 @@ class SixdofScript {
 
 /// Those of them with long rests, threads and thin parts.
 [[nodiscard]] std::vector<SixdofCase> thin_sixdof_cases();
+
+/// A box that one hand hands over to another (sixdof_handover.hpp).
+[[nodiscard]] SixdofCase handed_case();
 
 /// The catalogue's cases in six degrees of freedom.
 [[nodiscard]] std::vector<SixdofCase> sixdof_catalogue();

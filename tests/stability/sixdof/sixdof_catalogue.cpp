@@ -165,6 +165,7 @@ std::vector<SixdofCase> sixdof_catalogue() {
   std::vector<SixdofCase> all{peg_in_hole(),         wedged_tool(),     heavy_tool(),
                               dropped_on_its_edge(), set_on_its_edge(), dropped_across_an_edge()};
   for (SixdofCase& one : thin_sixdof_cases()) all.push_back(std::move(one));
+  all.push_back(handed_case());
   return all;
 }
 

@@ -18,18 +18,6 @@ namespace spm::stability {
 
 namespace {
 
-/// The device as the servo knows it.
-HandTurning turning_of(const SixdofCase& tried, const RunSettings& settings) {
-  const SixdofPlant plant(sixdof_settings(tried, settings));
-  HandTurning turning;
-  turning.reads = true;
-  turning.torque_cap = plant.torque_cap();
-  turning.turn_step = plant.turn_step();
-  turning.inertia = plant.inertia().minCoeff();
-  turning.force_cap = settings.profile->force_cap;
-  return turning;
-}
-
 /// The servo's own forces on a tool: SceneForce, with the loop's caps told to it.
 class ServedTool final : public SixdofContestant {
  public:
@@ -146,6 +134,17 @@ bool is_served(const Contender& contender) {
 
 }  // namespace
 
+HandTurning turning_of(const SixdofCase& tried, const RunSettings& settings) {
+  const SixdofPlant plant(sixdof_settings(tried, settings));
+  HandTurning turning;
+  turning.reads = true;
+  turning.torque_cap = plant.torque_cap();
+  turning.turn_step = plant.turn_step();
+  turning.inertia = plant.inertia().minCoeff();
+  turning.force_cap = settings.profile->force_cap;
+  return turning;
+}
+
 ForceScene served_scene(const Contender& contender, const SixdofScene& scene,
                         const SixdofCase& tried, const RunSettings& settings) {
   ForceScene made;
@@ -184,6 +183,7 @@ std::string why_not_sixdof(const Contender& contender, const SixdofCase& tried) 
   const std::string reason = why_not(contender, StabilityCase{});
   if (!reason.empty()) return reason;
   if (contender.method == "mesh-proxy") return "mesh-proxy knows a point and a ball alone";
+  if (tried.two_hands && !is_served(contender)) return contender.method + " knows one tool alone";
   if (tried.friction > 0 && !is_served(contender)) return contender.method + " has no friction";
   const StabilizationSettings stabilization = stabilization_of(contender);
   if (stabilization.coupling > 0) return "the coupling of a tool that turns is what proxy is";

@@ -19,6 +19,9 @@ inline constexpr double sixdof_lever = turning_lever;
 /// The plant that a case runs on.
 [[nodiscard]] SixdofSettings sixdof_settings(const SixdofCase& tried, const RunSettings& settings);
 
+/// The device as the servo knows it.
+[[nodiscard]] HandTurning turning_of(const SixdofCase& tried, const RunSettings& settings);
+
 /// A tick of a force law with a tool.
 struct SixdofAnswer {
   Wrench wrench;  ///< on the hand, about the tool's origin as it was measured, world frame

@@ -11,6 +11,7 @@
 #include "common/base/random.hpp"
 #include "common/base/units.hpp"
 #include "servo/devices/sim/sim_plant.hpp"
+#include "tests/stability/sixdof/sixdof_handover.hpp"
 
 namespace spm::stability {
 
@@ -19,13 +20,6 @@ namespace {
 constexpr double gravity = 9.81;  // m/s2
 /// The drawn tool is compared with the exact object once in this many ticks.
 constexpr std::size_t looked_at = 10;
-
-/// Offset of a run between encoder steps, in steps, so that no run starts on a step by chance.
-Vector3 offset_of(Random& random) {
-  Vector3 offset;
-  for (double& along : offset) along = random.between(-0.5, 0.5);
-  return offset;
-}
 
 /// What the judges of three degrees of freedom need to know of a case.
 StabilityCase judged_case(const SixdofCase& tried) {
@@ -159,7 +153,20 @@ void join(Verdict& verdict, const Verdict& turning) {
   found.generated_bound_j += turning.findings.generated_bound_j;
 }
 
+/// A run of a seed, judged.
+Verdict verdict_of(const SixdofCase& tried, const SixdofScene& scene, const RunSettings& settings,
+                   const Contender& contender) {
+  if (!tried.two_hands) return run_sixdof_case(tried, scene, settings, contender).verdict;
+  return judge_handover(tried, hand_over(tried, scene, settings, contender));
+}
+
 }  // namespace
+
+Vector3 offset_of(Random& random) {
+  Vector3 offset;
+  for (double& along : offset) along = random.between(-0.5, 0.5);
+  return offset;
+}
 
 SixdofSettings sixdof_settings(const SixdofCase& tried, const RunSettings& settings) {
   SixdofSettings plant;
@@ -243,7 +250,7 @@ CaseVerdict sixdof_verdict(const SixdofCase& tried, const SixdofScene& scene,
   std::vector<Verdict> verdicts;
   RunSettings seeded = settings;
   for (int i = 0; i < std::max(1, std::min(tried.seeds, max_seeds)); ++i, ++seeded.seed) {
-    verdicts.push_back(run_sixdof_case(tried, scene, seeded, contender).verdict);
+    verdicts.push_back(verdict_of(tried, scene, seeded, contender));
   }
   return gathered(verdicts, settings.seed);
 }
@@ -255,7 +262,7 @@ double sixdof_border(const SixdofCase& tried, const SixdofScene& scene, const Ru
     RunSettings at = settings;
     at.stiffness = stiffness;
     for (int i = 0; i < std::max(1, std::min(tried.seeds, max_seeds)); ++i, ++at.seed) {
-      if (!run_sixdof_case(tried, scene, at, contender).verdict.good) return false;
+      if (!verdict_of(tried, scene, at, contender).good) return false;
     }
     return true;
   };

@@ -3,6 +3,7 @@
 
 #include <limits>
 
+#include "common/base/random.hpp"
 #include "tests/stability/sixdof/sixdof_contestant.hpp"
 
 namespace spm::stability {
@@ -16,7 +17,11 @@ struct SixdofRun {
   Creep crept;  ///< the farthest from where the drawn tool lay when the case's creep began
 };
 
-/// Runs a case tick by tick. The seed moves it all by up to half an encoder step, and turns it so.
+/// Offset of a run between encoder steps, in steps, so that no run starts on a step by chance.
+[[nodiscard]] Vector3 offset_of(Random& random);
+
+/// Runs a case of one hand tick by tick. The seed moves it all by up to half an encoder step, and
+/// turns it so.
 [[nodiscard]] SixdofRun run_sixdof_case(const SixdofCase& tried, const SixdofScene& scene,
                                         const RunSettings& settings, const Contender& contender);
 

@@ -280,23 +280,45 @@ TEST_CASE("What a tool without memory does at the plate is told as a pass") {
   CHECK(try_plate({"exact-penalty", {}}, default_coupling(), 1, 3).passed == 3);
 }
 
-TEST_CASE("Two hands hand over an object that moves by what both do to it, on every profile") {
+TEST_CASE("Two hands with a tool each hand over an object and press tool on tool") {
+  const SixdofCase tried = sixdof_case("object-handed-over");
+  bool torque = true;  // the laboratory runs every profile with and without
   for (const servo::SimProfile& profile : servo::sim_profiles) {
-    for (const bool torque : {true, false}) {
-      INFO(profile.name << (torque ? "" : ", without torque"));
-      RunSettings settings;
-      settings.profile = &profile;
-      settings.stiffness = std::min(1000.0, 0.6 * find_device_profile(profile.name)->stiffness_cap);
-      settings.torque = torque;
-      const HandoverRun run = hand_over(settings);
-      CHECK(run.brought == Approx(15e-3).margin(6e-3));
-      CHECK(run.taken > 5e-3);
-      CHECK(run.held > 0.3);
-      CHECK(run.ripple_both < good_ripple);
-      CHECK(run.ripple_end < good_ripple);
-      CHECK(run.turned < 0.3);
-    }
+    INFO(profile.name << (torque ? "" : ", without torque"));
+    RunSettings settings;
+    settings.profile = &profile;
+    settings.stiffness = std::min(1000.0, 0.6 * find_device_profile(profile.name)->stiffness_cap);
+    settings.torque = torque;
+    const HandoverRun run = hand_over(tried, sixdof_scene(tried), settings, {"default", {}});
+    const Verdict verdict = judge_handover(tried, run);
+    INFO(verdict.reason);
+    CHECK(verdict.good);
+    CHECK(run.brought == Approx(15e-3).margin(6e-3));
+    CHECK(run.turned > 1e-3);
+    CHECK(run.turned < 0.1);
+    // Both hands feel the same.
+    CHECK(run.differs < 0.02 * run.met);
+    torque = !torque;
   }
+}
+
+TEST_CASE("A handed object that is lost, rippling hands and tools in one another are not good") {
+  const SixdofCase tried = sixdof_case("object-handed-over");
+  HandoverRun run{15e-3, 15e-3, 0.5, 0.5};
+  CHECK(judge_handover(tried, run).good);
+  run.ripple = 0.05;
+  CHECK(!judge_handover(tried, run).good);
+  CHECK(!judge_handover(tried, run).bad);
+  run.ripple = 0.2;
+  CHECK(judge_handover(tried, run).bad);
+  run = {15e-3, 15e-3, 0.5, 0.1};
+  CHECK(judge_handover(tried, run).findings.popped);
+  run = {1e-3, 15e-3, 0.5, 0.5};
+  CHECK(judge_handover(tried, run).bad);
+  run = {15e-3, 15e-3, 0.5, 0.5};
+  run.overlap = 2e-3;
+  CHECK(judge_handover(tried, run).reason.find("deep") != std::string::npos);
+  CHECK(!why_not_sixdof({"exact-penalty", {}}, tried).empty());
 }
 
 TEST_CASE("Contenders that have no form with a tool that turns say why") {
