@@ -20,7 +20,7 @@ constexpr std::chrono::milliseconds names_interval{250};
 constexpr int connect_timeout_ms = 300;
 /// How long a hand is held without a next command, s: longer than a page's worst pause that is no
 /// end, shorter than a person waits.
-constexpr double hand_hold = 0.4;
+constexpr double hand_hold = 1.0;
 /// How many reasons of refusal there can be.
 constexpr std::size_t message_bytes = 512;
 

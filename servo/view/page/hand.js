@@ -3,7 +3,7 @@
 
 import { Quaternion, Vector3 } from 'three';
 
-const KEEP = 50; // ms between commands of a hand that is held still
+const KEEP = 50; // ms, after which a hand that is held still says so again
 const DEAD = 0.15; // of a stick
 const STICK_SPEED = 0.6; // of the scene's size, a second
 const KEY_STEP = 1 / 150; // of the scene's size
@@ -33,6 +33,8 @@ export class Hand {
     canvas.addEventListener('keydown', (event) => this.key(event));
     canvas.addEventListener('blur', () => { if (this.byKeys) this.letGo(); });
     document.addEventListener('visibilitychange', () => { if (document.hidden) this.letGo(); });
+    // By a timer of its own: pictures may be slow, and a hand of which nothing is heard goes slack.
+    setInterval(() => this.keep(), KEEP / 2);
   }
 
   /** m: the deepest press is a tenth of what is seen. */
@@ -173,9 +175,9 @@ export class Hand {
     if (this.latencies.length > 500) this.latencies.shift();
   }
 
-  /** Call it for each frame of the screen: a held hand must say so. */
-  keep(now) {
-    if (this.target && now - this.lastSent > KEEP) this.send();
+  /** A held hand must say so. */
+  keep() {
+    if (this.target && performance.now() - this.lastSent >= KEEP) this.send();
   }
 
   letGo() {

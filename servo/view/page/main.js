@@ -129,7 +129,6 @@ let last = performance.now();
 function everyFrame(now) {
   if (hand) {
     hand.pollGamepads(Math.min((now - last) / 1000, 0.1));
-    hand.keep(now);
     hand.pressChanged(hand.press, hand.depth);
   }
   last = now;
