@@ -10,9 +10,6 @@ namespace spm::servo {
 
 namespace {
 
-/// How long a page leads after its last message: as long as the loop holds the hand.
-constexpr std::chrono::milliseconds lead_time{400};
-
 std::string told(const char* kind, const std::string& text) {
   return nlohmann::json{{"t", kind}, {"text", text}}.dump(-1, ' ', false,
                                                           nlohmann::json::error_handler_t::replace);
@@ -99,7 +96,7 @@ std::string ViewDesk::follow(ViewPage& page, const LeadWish& wish) {
   if (!problem.empty()) return problem;
   leader_ = &page;
   led_ = wish.device;
-  leads_until_ = Clock::now() + lead_time;
+  leads_until_ = Clock::now() + hand_hold;
   page.echo = wish.number;
   return "";
 }

@@ -18,9 +18,6 @@ namespace {
 constexpr std::chrono::milliseconds reconnect_interval{500};
 constexpr std::chrono::milliseconds names_interval{250};
 constexpr int connect_timeout_ms = 300;
-/// How long a hand is held without a next command, s: longer than a page's worst pause that is no
-/// end, shorter than a person waits.
-constexpr double hand_hold = 1.0;
 /// How many reasons of refusal there can be.
 constexpr std::size_t message_bytes = 512;
 
@@ -275,7 +272,7 @@ std::string ViewFeed::lead(std::uint32_t device, const HandPose& hand) {
   wanted.orientation[1] = hand.orientation.x();
   wanted.orientation[2] = hand.orientation.y();
   wanted.orientation[3] = hand.orientation.z();
-  wanted.hold = hand_hold;
+  wanted.hold = std::chrono::duration<double>(hand_hold).count();
   return sent(spm_client_lead_hand(client_.get(), device, &wanted));
 }
 

@@ -15,6 +15,10 @@
 
 namespace spm::servo {
 
+/// How long a hand is led without a next command: as long as an application may hold it, since a
+/// page that draws in software on a busy machine pauses for most of it.
+inline constexpr std::chrono::milliseconds hand_hold{1000};
+
 /// Which daemon is watched.
 struct FeedSettings {
   std::string socket, name;       ///< as libspm_client takes them; empty: the usual ones

@@ -207,8 +207,11 @@ class Away(Watched):
     def test_a_daemon_that_is_killed_and_started_again_is_seen_again(self):
         Watched.daemon.kill()
         Watched.daemon.wait()
-        self.browser.wait("document.getElementById('status').textContent.includes('hung up')")
-        Watched.daemon = self.start_daemon()
+        try:
+            # First that it hung up, then that none answers.
+            self.browser.wait("/hung up|no daemon/.test(document.getElementById('status').textContent)")
+        finally:
+            Watched.daemon = self.start_daemon()
         self.browser.wait("document.getElementById('status').textContent === 'running'")
         self.browser.press(*self.on_object())
         self.browser.wait(f"{FORCE} > 0.1")

@@ -6,6 +6,7 @@ import uPlot from 'uplot';
 const SECONDS = 10;
 const ROOM = 640; // samples: 60 a second for ten seconds, and some
 const DRAW_EVERY = 66; // ms
+const HEIGHT = 98; // px
 const STRIPS = [
   { key: 'force', title: 'Force', unit: 'N', colour: '--force', digits: 2 },
   { key: 'depth', title: 'Depth', unit: 'mm', colour: '--depth', digits: 2 },
@@ -13,6 +14,7 @@ const STRIPS = [
   { key: 'energy', title: 'Energy given to the hand', unit: 'mJ', colour: '--energy', digits: 2 },
 ];
 
+const short = new Intl.NumberFormat('en', { notation: 'compact' });
 const colour = (name) => getComputedStyle(document.documentElement).getPropertyValue(name).trim();
 
 export class Charts {
@@ -41,20 +43,22 @@ export class Charts {
     const value = head.appendChild(document.createElement('span'));
     this.values[key] = (number) => { value.textContent = `${number.toFixed(digits)} ${unit}`; };
     const line = colour(name), soft = colour('--soft'), grid = { stroke: colour('--line'), width: 1 };
-    const axis = { stroke: soft, grid, ticks: grid, font: '11px system-ui', size: 44, space: 24 };
+    const axis = { stroke: soft, grid, ticks: { ...grid, size: 3 }, gap: 3, font: '11px system-ui',
+      size: 44, space: 24 };
     return new uPlot({
-      width: this.width(), height: 92, legend: { show: false }, cursor: { show: false },
-      padding: [6, 6, 0, 0],
-      scales: { x: { time: false }, y: { range: (_, low, high) => range(low, high) } },
+      width: this.width(), height: HEIGHT, legend: { show: false }, cursor: { show: false },
+      padding: [6, 14, 0, 0],
+      scales: { x: { time: false, range: [-SECONDS, 0] }, y: { range: (_, low, high) => range(low, high) } },
       axes: [{ ...axis, size: 20, space: 60,
-        values: (_, ticks) => ticks.map((tick) => (tick === 0 ? 'now' : `${tick} s`)) }, axis],
+        values: (_, ticks) => ticks.map((tick) => (tick === 0 ? 'now' : `${tick} s`)) },
+      { ...axis, values: (_, ticks) => ticks.map((tick) => short.format(tick)) }],
       series: [{}, { stroke: line, width: 1.6, fill: `${line}22`, points: { show: false } }],
     }, this.data(key), box);
   }
 
   width() { return Math.max(160, this.place.clientWidth); }
   resize() {
-    this.plots.forEach((plot) => plot.setSize({ width: this.width(), height: 92 }));
+    this.plots.forEach((plot) => plot.setSize({ width: this.width(), height: HEIGHT }));
   }
 
   data(key) {

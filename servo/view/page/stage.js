@@ -14,9 +14,10 @@ import { size3 } from './frame.js';
 const CREASE = Math.PI / 6;
 const TRAIL = 900; // places: 15 s
 const FULL_FORCE = 3; // N, of the trail's brightest colour
-// cividis, safe for the colour-blind: from no force to FULL_FORCE.
-const RAMP = ['#00224e', '#35456c', '#666970', '#948e77', '#c8b866', '#fee838']
-  .map((text) => new Color(text));
+// From no force to FULL_FORCE: cividis, safe for the colour-blind, without the end that is lost on the
+// ground of the theme.
+const CIVIDIS = ['#35456c', '#666970', '#948e77', '#c8b866', '#fee838'].map((text) => new Color(text));
+const RAMPS = { dark: CIVIDIS, light: [...CIVIDIS.slice(0, -1).reverse(), new Color('#00224e')] };
 
 const UP = new Vector3(0, 1, 0);
 const vector = (from) => new Vector3(from[0], from[1], from[2]);
@@ -25,9 +26,10 @@ const themed = (name) => new Color(
   getComputedStyle(document.documentElement).getPropertyValue(name).trim());
 
 function rampColour(share, to) {
-  const at = Math.min(Math.max(share, 0), 1) * (RAMP.length - 1);
-  const low = Math.min(Math.floor(at), RAMP.length - 2);
-  return to.copy(RAMP[low]).lerp(RAMP[low + 1], at - low);
+  const ramp = RAMPS[document.documentElement.dataset.theme] ?? RAMPS.light;
+  const at = Math.min(Math.max(share, 0), 1) * (ramp.length - 1);
+  const low = Math.min(Math.floor(at), ramp.length - 2);
+  return to.copy(ramp[low]).lerp(ramp[low + 1], at - low);
 }
 
 /** An arrow of length 1 along y. */
