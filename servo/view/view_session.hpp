@@ -2,8 +2,8 @@
 #pragma once
 
 // clang-format off: Boost's coroutines use <utility> without naming it.
-#include <utility>
 #include <boost/asio/awaitable.hpp>
+#include <utility>
 // clang-format on
 #include <boost/asio/ip/tcp.hpp>
 #include <map>

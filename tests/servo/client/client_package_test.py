@@ -100,7 +100,7 @@ class Package(WithDaemon):
         # What tests/servo/support/loop_stand_in.cpp has.
         client = self.client()
         feel = client.feel(0)
-        self.assertEqual((feel.method, feel.stabilized, feel.stiffness), (Method.PROXY, True, 750))
+        self.assertEqual((feel.method, feel.stabilized, feel.stiffness), (Method.SPM, True, 750))
         self.assertEqual((feel.friction, feel.texture[2]), ((0.5, 0.4), 3))
         self.assertEqual(client.asset_path(0), "/models/bunny.spm.exr")
         self.assertEqual(client.borders(0), (900, 1800))
@@ -325,7 +325,7 @@ class CSharp(WithDaemon):
         self.assertEqual(found["names"], "hand bunny first")
         self.assertEqual((found["turned"], found["refused"]), ("1", "0"))
         self.assertEqual((found["waited_in_vain"], found["proxy"]), ("False", "3"))
-        self.assertEqual((found["hand"], found["feel"]), ("Free", "Proxy 1 750 0.4 3"))
+        self.assertEqual((found["hand"], found["feel"]), ("Free", "Spm 1 750 0.4 3"))
         self.assertEqual((found["borders"], found["path"]), ("900 1800", "/models/bunny.spm.exr"))
         self.assertEqual(found["contacts"], "2 0.3 7 0.25")
         self.assertIn("no such object", found["reason"])

@@ -98,7 +98,8 @@ bool is_of_tick(const spm_shared_object& object, std::uint64_t tick) {
 }
 
 std::unique_ptr<AppState> small_state() {
-  auto state = AppState::create(1000, {{"hand"}, {"bunny"}, {"first"}, {"/models/bunny.spm.exr"}, {900}, {1800}});
+  auto state = AppState::create(
+      1000, {{"hand"}, {"bunny"}, {"first"}, {"/models/bunny.spm.exr"}, {900}, {1800}});
   if (!state) throw std::runtime_error(state.error().message);
   return std::move(*state);
 }
