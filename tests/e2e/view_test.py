@@ -137,7 +137,7 @@ class Touch(Watched):
 
     def test_the_canvas_shows_the_object_in_its_colours(self):
         colours = self.browser.run(
-            "const s = spmView.stage; s.dirty = true; s.draw();"
+            "const s = spmView.stage; s.dirty = true; s.drawnAt = 0; s.draw();"
             "const gl = s.renderer.getContext(), seen = new Set(), one = new Uint8Array(4);"
             "for (let i = 1; i < 40; ++i) for (let k = 1; k < 40; ++k) {"
             "  gl.readPixels(i * gl.drawingBufferWidth / 40, k * gl.drawingBufferHeight / 40, 1, 1,"

@@ -59,6 +59,7 @@ export function readFrame(numbers) {
   frame.refused = from.one();
   frame.leads = from.one(); // 1: this page leads a hand; 2: another one does
   frame.echo = from.one();
+  frame.body = numbers.subarray(HEAD);
   let at = HEAD;
   const list = (count, length, read) => Array.from({ length: count }, () => {
     const part = numbers.subarray(at, at + length);
@@ -70,5 +71,9 @@ export function readFrame(numbers) {
   frame.contacts = list(counts[2], CONTACT, readContact);
   return frame;
 }
+
+/** Whether nothing has moved between two frames. */
+export const isSame = (one, other) => one.length === other.length
+  && one.every((value, i) => value === other[i]);
 
 export const size3 = (vector) => Math.hypot(vector[0], vector[1], vector[2]);

@@ -108,10 +108,10 @@ export class Hand {
   /** By parts of the scene's size, along the axes of the screen. */
   shift(x, y, z) {
     if (!this.allowed()) return;
-    this.target ??= this.from();
     this.spot = null;
     const way = new Vector3(x, y, z).multiplyScalar(this.stage.size);
-    this.target.add(way.applyQuaternion(this.stage.camera.quaternion));
+    const from = this.target ?? this.from();
+    this.target = from.clone().add(way.applyQuaternion(this.stage.camera.quaternion));
     this.send();
   }
 

@@ -9,9 +9,10 @@ import {
 } from 'three';
 import { OrbitControls } from 'three/examples/jsm/controls/OrbitControls.js';
 import { toCreasedNormals } from 'three/examples/jsm/utils/BufferGeometryUtils.js';
-import { size3 } from './frame.js';
+import { isSame, size3 } from './frame.js';
 
 const CREASE = Math.PI / 6;
+const SOFTWARE_PAUSE = 30; // ms between pictures: 30 a second
 const TRAIL = 900; // places: 15 s
 const FULL_FORCE = 3; // N, of the trail's brightest colour
 // From no force to FULL_FORCE: cividis, safe for the colour-blind, without the end that is lost on the
@@ -32,6 +33,15 @@ function rampColour(share, to) {
   return to.copy(ramp[low]).lerp(ramp[low + 1], at - low);
 }
 
+/** Whether WebGL is drawn by the processor: then fewer pictures leave it to the loop. */
+function drawsInSoftware() {
+  const gl = document.createElement('canvas').getContext('webgl2');
+  const info = gl?.getExtension('WEBGL_debug_renderer_info');
+  const name = info ? gl.getParameter(info.UNMASKED_RENDERER_WEBGL) : '';
+  gl?.getExtension('WEBGL_lose_context')?.loseContext();
+  return /swiftshader|llvmpipe|softpipe|basic render/i.test(name);
+}
+
 /** An arrow of length 1 along y. */
 function arrow(material) {
   const group = new Group();
@@ -48,7 +58,10 @@ export class Stage {
   /** Throws where there is no WebGL. */
   constructor(canvas) {
     this.canvas = canvas;
-    this.renderer = new WebGLRenderer({ canvas, antialias: true });
+    this.pause = drawsInSoftware() ? SOFTWARE_PAUSE : 0;
+    this.drawnAt = 0;
+    this.body = [];
+    this.renderer = new WebGLRenderer({ canvas, antialias: this.pause === 0 });
     this.scene = new Scene();
     this.camera = new PerspectiveCamera(40, 1, 1e-4, 100);
     this.camera.position.set(0.5, 0.4, 1);
@@ -193,6 +206,9 @@ export class Stage {
 
   /** Shows a frame; `wish` is where the page leads the hand, or null. */
   show(frame, wish, toolAsset) {
+    if (this.framed && isSame(frame.body, this.body) && wish === this.wished) return;
+    this.body = frame.body;
+    this.wished = wish;
     const seen = new Set();
     for (const object of frame.objects) {
       seen.add(object.id);
@@ -328,8 +344,10 @@ export class Stage {
   }
 
   draw() {
-    if (!this.dirty) return;
+    const now = performance.now();
+    if (!this.dirty || now - this.drawnAt < this.pause) return;
     this.dirty = false;
+    this.drawnAt = now;
     for (const facing of [this.hand, this.wish]) facing.quaternion.copy(this.camera.quaternion);
     this.renderer.render(this.scene, this.camera);
   }
