@@ -59,12 +59,3 @@ def watched_box(realtime="off"):
             for process in (watched.view, watched.daemon):
                 if process.poll() is None:
                     stop(process)
-
-
-def give(out, report, lines):
-    """Prints a table, and writes PREFIX.json and PREFIX.md where a prefix is given."""
-    table = "\n".join(lines)
-    print(table)
-    if out:
-        Path(f"{out}.json").write_text(json.dumps(report, indent=1) + "\n", encoding="utf-8")
-        Path(f"{out}.md").write_text(table + "\n", encoding="utf-8")
