@@ -68,6 +68,7 @@ def main() -> int:
     ):
         if (folder / name).exists():
             lines.append(f"         {name:22} {what}")
+    lines += ["", "Touch it yourself, in a browser:  scripts/demo --view"]
     print("\n".join(lines))
     return 0
 

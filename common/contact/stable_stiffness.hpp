@@ -29,6 +29,15 @@ inline constexpr double stiffness_margin = 0.6;
   return 0;
 }
 
+/// The border with the default settings in the laboratory's other cases, N/m at the device's tool.
+/// `device` must be one of `device_profiles`.
+[[nodiscard]] constexpr double served_border(const DeviceProfile& device) noexcept {
+  for (const StiffnessBorder& border : stiffness_borders) {
+    if (border.device == device.name) return border.served;
+  }
+  return 0;
+}
+
 /// The stiffness that `"auto"` stands for, N/m at the device's tool: stiffness_margin of the
 /// border, and at most the device's rated stiffness. `device` must be one of `device_profiles`.
 [[nodiscard]] constexpr double stable_stiffness(const DeviceProfile& device) noexcept {

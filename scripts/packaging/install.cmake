@@ -31,6 +31,9 @@ endforeach()
 install(FILES ${CMAKE_SOURCE_DIR}/scripts/charts/plot_recording.py ${CMAKE_SOURCE_DIR}/scripts/charts/chart_io.py
               ${CMAKE_SOURCE_DIR}/scripts/charts/chart_style.py ${CMAKE_SOURCE_DIR}/scripts/charts/recording_file.py
         DESTINATION share/spm-haptics COMPONENT servo)
+# The page of the live view, where scripts/build_page made it.
+install(DIRECTORY ${CMAKE_BINARY_DIR}/share/spm-haptics/view DESTINATION share/spm-haptics
+        COMPONENT servo OPTIONAL PATTERN .sum EXCLUDE)
 install(FILES ${packaging}/70-spm-haptics.rules DESTINATION lib/udev/rules.d COMPONENT servo)
 spm_install_placed(servo lib/systemd/user ${packaging}/spm-servo.service)
 spm_install_placed(servo lib/systemd/system ${packaging}/spm-servo-system.service)
@@ -43,6 +46,7 @@ foreach(library query client)
 endforeach()
 install(FILES ${CMAKE_SOURCE_DIR}/formats/query/spm_query.h ${CMAKE_SOURCE_DIR}/servo/client/spm_client.h
               ${CMAKE_SOURCE_DIR}/servo/client/spm_client_counts.h
+              ${CMAKE_SOURCE_DIR}/servo/client/spm_client_live.h
         TYPE INCLUDE COMPONENT dev)
 install(EXPORT spm NAMESPACE spm:: FILE spm-targets.cmake DESTINATION ${spm_package_dir} COMPONENT dev)
 write_basic_package_version_file(${CMAKE_BINARY_DIR}/package/spm-config-version.cmake

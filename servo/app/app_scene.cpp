@@ -38,7 +38,8 @@ void set_material(const AppMaterial& material, PlacedObject& object) noexcept {
 
 }  // namespace
 
-AppScene::AppScene(AppState& state, const ForceScene& scene) : state_(state), added_(scene.added) {
+AppScene::AppScene(AppState& state, const ForceScene& scene)
+    : state_(state), added_(scene.added), stabilized_(scene.stabilization.any()) {
   const ForceSettings& like = scene.objects.front().force;
   added_.force.take_probe(like.probe());
   added_.force.probe_axis = like.probe_axis;
@@ -120,7 +121,8 @@ AppChanges AppScene::begin(std::int64_t now_ns, std::span<SceneForce* const> for
     for (SceneForce* force : forces) force->place(i, now.pose.position, now.pose.rotation);
   }
   touched_ = touched_ || felt_anew_;
-  return {felt_anew_, silent, touched_, stiffest_, &clutches_, &force_caps_, acknowledged_};
+  return {felt_anew_, silent,       touched_, stiffest_,
+          &clutches_, &force_caps_, &hands_,  acknowledged_};
 }
 
 /// How far an object's farthest place is from its origin, m, world; 0 if not known yet.
@@ -164,6 +166,8 @@ Refusal AppScene::follow(const AppCommand& command, std::int64_t now_ns,
       }
       acknowledged_ |= 1U << command.index;
       return Refusal::none;
+    case AppAction::lead:
+      return hands_.lead(command, now_ns);
     case AppAction::departure:
       depart(command, forces);
       return Refusal::none;
@@ -294,6 +298,7 @@ void AppScene::depart(const AppCommand& departure, std::span<SceneForce* const> 
   clutches_.leave(connection);
   force_caps_.leave(departure.client);
   effects_.leave(departure.client, connection);
+  hands_.leave(connection);
   for (std::size_t i = 0; i < objects_.size(); ++i) {
     if (objects_[i].is_there && owner_of(objects_[i].id) == connection) drop(i, forces);
     if (objects_[i].driver == connection) objects_[i].driver = 0;
@@ -318,6 +323,7 @@ bool AppScene::edit(const SceneEdit& edit, std::int64_t now_ns,
   if (edit.added.size() > free_places() + edit.removed.size()) return false;
   if (edit.stabilization) {
     for (SceneForce* force : forces) force->stabilize(*edit.stabilization);
+    stabilized_ = edit.stabilization->any();
   }
   for (const std::uint64_t id : edit.removed) {
     if (const Object* object = find(id)) {
@@ -366,9 +372,13 @@ void AppScene::end(std::uint64_t tick, std::int64_t now_ns, std::span<const AppD
     published.movable = object.settings.movable;
     published.contact = !published.reaction.force.isZero();
     published.driven = now.driven;
+    published.settings = &object.settings;
+    published.stabilized = stabilized_;
     published_.push_back(published);
   }
-  state_.publish({tick, now_ns, devices, published_, ids_});
+  const auto there = std::count_if(objects_.begin(), objects_.end(),
+                                   [](const Object& object) { return object.is_there; });
+  state_.publish({tick, now_ns, devices, published_, ids_, static_cast<std::size_t>(there)});
 }
 
 }  // namespace spm::servo

@@ -8,6 +8,7 @@
 #include "servo/app/app_clutches.hpp"
 #include "servo/app/app_effects.hpp"
 #include "servo/app/app_force_caps.hpp"
+#include "servo/app/app_hands.hpp"
 #include "servo/app/app_state.hpp"
 #include "servo/app/pose_interpolator.hpp"
 #include "servo/force/scene_force.hpp"
@@ -25,6 +26,7 @@ struct AppChanges {
   // Set by `begin`:
   const AppClutches* clutches = nullptr;     ///< which are held by applications
   const AppForceCaps* force_caps = nullptr;  ///< how far applications lowered them
+  const AppHands* hands = nullptr;           ///< where applications lead them
   std::uint32_t acknowledged = 0;            ///< devices whose fault somebody acknowledged, bits
 };
 
@@ -67,6 +69,9 @@ class AppScene {
 
   /// The forces and effects that applications give to the hands.
   [[nodiscard]] AppEffects& effects() noexcept { return effects_; }
+
+  /// Which hands applications lead.
+  [[nodiscard]] AppHands& hands() noexcept { return hands_; }
 
   /// Call it when the tick is over and its length known. Publishes the counts.
   void count(const AppLoop& loop) noexcept { state_.count(loop); }
@@ -122,6 +127,8 @@ class AppScene {
   AppClutches clutches_;
   AppForceCaps force_caps_;
   AppEffects effects_;
+  AppHands hands_;
+  bool stabilized_;                 ///< the scene is
   std::uint32_t acknowledged_ = 0;  ///< devices, in this tick
   bool felt_anew_ = false;
   bool touched_ = false;

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "servo/app/app_client.hpp"
+#include "servo/app/app_info.hpp"
 #include "servo/client/spm_client.h"
 #include "servo/shared/fixed_text.hpp"
 #include "servo/shared/shared_buckets.hpp"
@@ -18,54 +19,6 @@ namespace spm::servo {
 namespace {
 
 static_assert(SPM_MAX_CONTACTS == max_patches);
-
-// The numbers of these are known to applications.
-static_assert(force_off_count <= SPM_MAX_CAUSES);
-static_assert(static_cast<int>(ForceOff::none) == SPM_CLIENT_FORCE_ON);
-static_assert(static_cast<int>(ForceOff::starting) == SPM_CLIENT_OFF_STARTING);
-static_assert(static_cast<int>(ForceOff::asset_lost) == SPM_CLIENT_OFF_ASSET_LOST);
-static_assert(static_cast<int>(ForceOff::not_a_number) == SPM_CLIENT_OFF_NOT_A_NUMBER);
-static_assert(static_cast<int>(ForceOff::device_fault) == SPM_CLIENT_OFF_DEVICE_FAULT);
-static_assert(static_cast<int>(ForceOff::stopping) == SPM_CLIENT_OFF_STOPPING);
-static_assert(static_cast<int>(ForceOff::device_silent) == SPM_CLIENT_OFF_DEVICE_SILENT);
-static_assert(static_cast<int>(ForceOff::device_gone) == SPM_CLIENT_OFF_DEVICE_GONE);
-static_assert(static_cast<int>(ForceOff::not_homed) == SPM_CLIENT_OFF_NOT_HOMED);
-static_assert(static_cast<int>(ForceOff::jumped) == SPM_CLIENT_OFF_JUMPED);
-static_assert(static_cast<int>(ForceOff::clutched) == SPM_CLIENT_OFF_CLUTCHED);
-static_assert(static_cast<int>(ForceOff::outside_workspace) == SPM_CLIENT_OFF_OUTSIDE_WORKSPACE);
-static_assert(static_cast<int>(ForceOff::application_silent) == SPM_CLIENT_OFF_APPLICATION_SILENT);
-static_assert(static_cast<int>(ForceOff::stalled) == SPM_CLIENT_OFF_STALLED);
-static_assert(static_cast<int>(ForceOff::unacknowledged) == SPM_CLIENT_OFF_UNACKNOWLEDGED);
-static_assert(static_cast<int>(ForceOff::not_enabled) == SPM_CLIENT_OFF_NOT_ENABLED);
-static_assert(force_off_count == 16,
-              "name a new cause in spm_client.h and spm_client_library.py too");
-static_assert(static_cast<int>(DeviceHealth::ok) == SPM_CLIENT_HEALTH_OK);
-static_assert(static_cast<int>(DeviceHealth::fault) == SPM_CLIENT_HEALTH_FAULT);
-static_assert(static_cast<int>(DeviceHealth::silent) == SPM_CLIENT_HEALTH_SILENT);
-static_assert(static_cast<int>(DeviceHealth::gone) == SPM_CLIENT_HEALTH_GONE);
-static_assert(static_cast<int>(DeviceHealth::not_homed) == SPM_CLIENT_HEALTH_NOT_HOMED);
-
-/// Copies names. Returns how many there was room for.
-template <std::size_t Most>
-std::uint32_t copy_names(char (&to)[Most][SPM_NAME_BYTES], const std::vector<std::string>& from) {
-  const std::size_t count = std::min(Most, from.size());
-  for (std::size_t i = 0; i < count; ++i) copy_text(to[i], from[i]);
-  return static_cast<std::uint32_t>(count);
-}
-
-std::unique_ptr<spm_shared_info> info_of(const AppNames& names) {
-  auto info = std::make_unique<spm_shared_info>();
-  std::memset(info.get(), 0, sizeof *info);
-  info->device_count = copy_names(info->devices, names.devices);
-  info->asset_count = copy_names(info->assets, names.assets);
-  info->object_count = copy_names(info->objects, names.objects);
-  info->cause_count = force_off_count;
-  for (std::size_t i = 0; i < force_off_count; ++i) {
-    copy_text(info->causes[i].name, to_string(static_cast<ForceOff>(i)));
-    copy_text(info->causes[i].cure, cure_of(static_cast<ForceOff>(i)));
-  }
-  return info;
-}
 
 void pack(double (&to)[3], const Vector3& from) noexcept {
   for (int axis = 0; axis < 3; ++axis) to[axis] = from[axis];
@@ -107,6 +60,17 @@ spm_shared_object packed(const AppObject& object) noexcept {
   to.asset = object.asset;
   to.flags = bit(object.movable, SPM_OBJECT_MOVABLE) | bit(object.contact, SPM_OBJECT_CONTACT) |
              bit(object.driven, SPM_OBJECT_DRIVEN);
+  if (object.settings == nullptr) return to;
+  const PlacedObject& felt = *object.settings;
+  to.stiffness = felt.force.stiffness;
+  to.friction_stick = felt.effects.friction.stick;
+  to.friction_slide = felt.effects.friction.slide;
+  to.damping = felt.effects.damping;
+  to.texture_amplitude = felt.effects.texture.amplitude;
+  to.texture_wavelength = felt.effects.texture.wavelength;
+  to.texture_seed = felt.effects.texture.seed;
+  to.method = static_cast<std::uint32_t>(felt.force.method);
+  to.stabilized = object.stabilized ? 1 : 0;
   return to;
 }
 
@@ -179,6 +143,7 @@ void AppState::publish(const AppTick& tick) noexcept {
     store_relaxed(to.time_ns, tick.time_ns);
     store_relaxed(to.device_count, static_cast<std::uint32_t>(devices));
     store_relaxed(to.object_count, static_cast<std::uint32_t>(objects));
+    store_relaxed(to.object_total, std::max<std::uint64_t>(tick.object_total, objects));
     for (std::size_t i = 0; i < devices; ++i) {
       store_record(to.devices[i], packed(i, tick.devices[i]));
     }
@@ -268,7 +233,8 @@ spm_shared_device AppState::packed(std::size_t index, const AppDevice& device) n
       bit(device.health != DeviceHealth::gone, SPM_DEVICE_CONNECTED) |
       bit(device.contact, SPM_DEVICE_CONTACT) | bit(device.force_capped, SPM_DEVICE_FORCE_CAPPED) |
       bit(device.torque_capped, SPM_DEVICE_TORQUE_CAPPED) |
-      bit(device.tool_capped, SPM_DEVICE_TOOL_CAPPED) | bit(device.has_tool, SPM_DEVICE_TOOL);
+      bit(device.tool_capped, SPM_DEVICE_TOOL_CAPPED) | bit(device.has_tool, SPM_DEVICE_TOOL) |
+      bit(device.leadable, SPM_DEVICE_LEADABLE) | bit(device.led, SPM_DEVICE_LED);
   to.contacts = seen.contacts;
   to.cuts = seen.cuts;
   pack(to.proxy, device.proxy.position);

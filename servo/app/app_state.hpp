@@ -16,6 +16,7 @@
 #include "servo/app/client_ring.hpp"
 #include "servo/app/shared_memory.hpp"
 #include "servo/devices/base/device.hpp"
+#include "servo/force/placed_contact.hpp"
 #include "servo/force/tool_settings.hpp"
 #include "servo/safety/safety.hpp"
 #include "servo/shared/app_command.hpp"
@@ -37,6 +38,8 @@ struct AppDevice {
   ForceOff cause = ForceOff::none;
   bool force_capped = false, torque_capped = false;  ///< what was sent met its cap
   bool tool_capped = false;                          ///< the coupling of hand and tool met its cap
+  bool leadable = false;                             ///< applications may lead its hand
+  bool led = false;                                  ///< one does
   bool has_tool = false;
   HandPose tool;             ///< of the tool that the hand holds
   std::uint32_t level = 0;   ///< of its samples, coarser than the finest
@@ -54,7 +57,9 @@ struct AppObject {
   double silent = 0;  ///< s since the last pose from an application
   bool movable = false;
   bool contact = false;
-  bool driven = false;  ///< an application has given it a pose
+  bool driven = false;                     ///< an application has given it a pose
+  const PlacedObject* settings = nullptr;  ///< how it feels; null: not told
+  bool stabilized = false;                 ///< its scene is
 };
 
 /// What applications learn of a tick. At most SPM_MAX_DEVICES and SPM_MAX_OBJECTS are published.
@@ -64,13 +69,17 @@ struct AppTick {
   std::span<const AppDevice> devices;
   std::span<const AppObject> objects;
   std::span<const std::uint64_t> ids{};  ///< of the objects, by their numbers in the forces
+  std::size_t object_total = 0;          ///< of the scene, with those that are not published
 };
 
 /// The names of things; longer ones are cut.
 struct AppNames {
   std::vector<std::string> devices;
   std::vector<std::string> assets;
-  std::vector<std::string> objects;  ///< the scene's, with the ids 0, 1, ...
+  std::vector<std::string> objects;        ///< the scene's, with the ids 0, 1, ...
+  std::vector<std::string> asset_paths{};  ///< absolute, of the assets
+  /// N/m of the scene, at which each device begins to shake; 0: not known
+  std::vector<double> bare_borders{}, stabilized_borders{};
 };
 
 struct AppClientReport;

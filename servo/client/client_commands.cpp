@@ -152,6 +152,22 @@ int spm_client_set_clutch(spm_client* client, uint32_t device, int on) {
   return send(client, command);
 }
 
+int spm_client_lead_hand(spm_client* client, uint32_t device, const spm_client_hand* hand) {
+  if (client == nullptr || (hand != nullptr && hand->size < sizeof *hand)) {
+    return SPM_CLIENT_BAD_ARGUMENT;
+  }
+  spm_shared_command command{};
+  command.kind = SPM_COMMAND_LEAD;
+  command.index = device;
+  command.on = hand != nullptr ? 1 : 0;
+  if (hand != nullptr) {
+    std::memcpy(command.position, hand->position, sizeof command.position);
+    std::memcpy(command.orientation, hand->orientation, sizeof command.orientation);
+    command.hold = hand->hold;
+  }
+  return send(client, command);
+}
+
 int spm_client_set_force_cap(spm_client* client, uint32_t device, double newtons) {
   if (client == nullptr) return SPM_CLIENT_BAD_ARGUMENT;
   spm_shared_command command{};

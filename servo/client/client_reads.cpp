@@ -24,6 +24,11 @@ std::uint32_t limits_of(std::uint32_t flags) noexcept {
   return met;
 }
 
+std::uint32_t hand_of(std::uint32_t flags) noexcept {
+  if ((flags & SPM_DEVICE_LEADABLE) == 0) return SPM_CLIENT_HAND_OWN;
+  return (flags & SPM_DEVICE_LED) != 0 ? SPM_CLIENT_HAND_LED : SPM_CLIENT_HAND_FREE;
+}
+
 spm_client_contact public_contact(const spm_shared_contact& from, std::uint32_t device) noexcept {
   spm_client_contact to{};
   to.device = device;
@@ -60,6 +65,7 @@ spm_client_device public_device(const spm_shared_device& from, std::uint64_t tic
   to.contact_count = from.contact_count;
   to.level = from.level;
   to.culled = from.culled;
+  to.hand = hand_of(from.flags);
   copy_to(to.tool_position, from.tool_position);
   copy_to(to.tool_orientation, from.tool_orientation);
   copy_to(to.proxy_orientation, from.proxy_orientation);
@@ -89,6 +95,7 @@ spm_client_tick public_tick(const spm_shared_snapshot& from) noexcept {
   to.time_ns = load_relaxed(from.time_ns);
   to.device_count = device_count(from);
   to.object_count = object_count(from);
+  to.object_total = static_cast<std::uint32_t>(load_relaxed(from.object_total));
   return to;
 }
 

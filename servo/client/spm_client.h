@@ -160,9 +160,9 @@ typedef struct spm_client_tick {
   uint32_t size;
   uint32_t device_count;
   uint32_t object_count;
-  uint32_t reserved;
-  uint64_t tick;   /**< index on the loop's time grid */
-  int64_t time_ns; /**< of CLOCK_MONOTONIC */
+  uint32_t object_total; /**< of the scene: as many as 64 are told */
+  uint64_t tick;         /**< index on the loop's time grid */
+  int64_t time_ns;       /**< of CLOCK_MONOTONIC */
 } spm_client_tick;
 
 /** One device. */
@@ -193,7 +193,7 @@ typedef struct spm_client_device {
   uint32_t contact_count; /**< places at which that tool touches: spm_client_read_contacts */
   uint32_t level;         /**< levels by which its samples were coarser than the finest */
   uint32_t culled;        /**< objects that were found apart from the tool as a whole */
-  uint32_t reserved;
+  uint32_t hand;          /**< enum spm_client_hand_state, spm_client_live.h */
   double tool_position[3]; /**< m, of the tool's own frame as it lies in the scene: draw it there */
   double tool_orientation[4];  /**< of the same */
   double proxy_orientation[4]; /**< with `proxy`, which with a tool is where the hand would be that
@@ -433,5 +433,6 @@ SPM_CLIENT_API int spm_client_next_event(spm_client* client, spm_client_event* e
 #endif
 
 #include "spm_client_counts.h"
+#include "spm_client_live.h"
 
 #endif

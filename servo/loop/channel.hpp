@@ -112,6 +112,7 @@ struct Channel {
   bool forgot = true;         ///< the force law was reset since it was last called
   bool acknowledged = false;  ///< a fault, by an application in this tick
   bool app_clutched = false;  ///< an application lets the hand move freely
+  bool led = false;           ///< an application leads the hand, of a simulated device
   bool clutched = false;      ///< the hand moves freely, the tool stays
 };
 

@@ -60,6 +60,7 @@ Loop::Loop(const LoopSettings& settings, std::vector<Device*> devices,
     const DeviceCapabilities& device = devices[i]->capabilities();
     const ForceDevice kind = force_device(device);
     const double tick = 1 / settings_.rate_hz;
+    app_->hands().know_device(static_cast<std::uint32_t>(i), device.led);
     app_->effects().know_torque(static_cast<std::uint32_t>(i),
                                 channels_[i].safety.torque_cap() > 0);
     app_->effects().know_device(

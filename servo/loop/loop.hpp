@@ -79,6 +79,7 @@ class Loop {
   void take_edit(std::int64_t now_ns) noexcept;
   void begin_app(std::int64_t now_ns) noexcept;
   void follow_stiffness(double stiffness) noexcept;
+  void lead(Channel& channel, const HandPose* world) noexcept;
   void end_app(std::uint64_t tick, std::int64_t now_ns) noexcept;
   void tell_counts(std::int64_t woke, std::int64_t wake_ns, std::int64_t busy_ns) noexcept;
   void tell(Channel& channel, const DeviceState& state, DeviceHealth health,

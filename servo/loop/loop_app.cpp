@@ -16,9 +16,20 @@ void Loop::begin_app(std::int64_t now_ns) noexcept {
     channel.record.touched = changes.touched;
     const std::uint32_t device = channel.record.device;
     channel.app_clutched = changes.clutches->held(device);
+    lead(channel, changes.hands->of(device, now_ns));
     channel.acknowledged = device < SPM_MAX_DEVICES && ((changes.acknowledged >> device) & 1U) != 0;
     channel.safety.set_force_cap(std::min(channel.force_cap, changes.force_caps->of(device)));
   }
+}
+
+/// Tells a device where an application leads its hand, in the hand's frame.
+void Loop::lead(Channel& channel, const HandPose* world) noexcept {
+  channel.led = world != nullptr;
+  if (world == nullptr) return channel.device->lead(nullptr);
+  const Placement& workspace = settings_.scene.workspace;
+  const HandPose hand{workspace.from_world(world->position),
+                      workspace.rotation.conjugate() * world->orientation};
+  channel.device->lead(&hand);
 }
 
 /// Sets the slew limit for the stiffness that is felt now, after an edit or a command of an
@@ -66,6 +77,8 @@ void Loop::tell(Channel& channel, const DeviceState& state, DeviceHealth health,
   published.torque_cap = channel.safety.torque_cap();
   published.force_capped = record.force_capped;
   published.torque_capped = record.torque_capped;
+  published.leadable = channel.device->capabilities().led;
+  published.led = channel.led;
   published.level = record.effort.level;
   published.culled = record.effort.culled;
   tell_tool(channel, published);

@@ -18,6 +18,7 @@
 
 #include "common/base/instruction_set.hpp"
 #include "common/base/units.hpp"
+#include "common/contact/stable_stiffness.hpp"
 #include "servo/app/app_server.hpp"
 #include "servo/devices/finder/device_list.hpp"
 #include "servo/loop/place_watch.hpp"
@@ -171,8 +172,19 @@ Result<RealtimeState> drive(Loop& loop, Collector& collector, const RunOptions& 
 AppNames names_of(const ServedScene& scene, const std::vector<Device*>& devices) {
   const ForceChoice& choice = scene.choice;
   AppNames names;
-  for (const Device* device : devices) names.devices.push_back(device->capabilities().name);
+  for (const Device* device : devices) {
+    const DeviceProfile* const profile = device->capabilities().profile;
+    const double scale = choice.scene.workspace.scale;
+    names.devices.push_back(device->capabilities().name);
+    names.bare_borders.push_back(
+        profile != nullptr ? margin_below_border(*profile) / stiffness_margin / scale : 0);
+    names.stabilized_borders.push_back(profile != nullptr ? served_border(*profile) / scale : 0);
+  }
   names.assets = choice.assets;
+  for (const std::string& asset : choice.assets) {
+    std::error_code unknown;
+    names.asset_paths.push_back(std::filesystem::absolute(asset, unknown).string());
+  }
   for (std::size_t i = 0; i < scene.ids.size(); ++i) {
     const std::string& asset = choice.assets[choice.scene.objects[i].asset];
     names.objects.resize(std::max<std::size_t>(names.objects.size(), scene.ids[i] + 1));

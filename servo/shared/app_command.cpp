@@ -118,6 +118,16 @@ void read_push(const spm_shared_command& from, const AppCommandLimits& limits, C
   check.number(from.hold, app_min_hold, app_max_hold);
 }
 
+void read_lead(const spm_shared_command& from, const AppCommandLimits& limits, Check& check,
+               AppCommand& to) noexcept {
+  read_clutch(from, limits, check, to);
+  to.action = AppAction::lead;
+  to.hold = from.hold;
+  if (!to.on) return;
+  read_pose(from, check, to);
+  check.number(from.hold, app_min_hold, app_max_hold);
+}
+
 /// A limit of an effect, of which 0 means none.
 void read_limit(double value, double most, Check& check, double& to) noexcept {
   check.number(value, 0, most);
@@ -209,6 +219,9 @@ Refusal check_command(const spm_shared_command& from, const AppCommandLimits& li
       break;
     case SPM_COMMAND_REMOVE_EFFECT:
       read_removal(from, limits, check, to);
+      break;
+    case SPM_COMMAND_LEAD:
+      read_lead(from, limits, check, to);
       break;
     case SPM_COMMAND_ACKNOWLEDGE:
       to.action = AppAction::acknowledge;

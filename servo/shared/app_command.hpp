@@ -23,6 +23,7 @@ enum class AppAction : std::uint8_t {
   effect,         ///< an effect on a device's hand is set or changed
   remove_effect,  ///< an effect is removed, or all of a device
   acknowledge,    ///< a fault is over, and the device's force may come back
+  lead,           ///< where the hand of a simulated device is to go, or that it is let go
   departure,      ///< no request: the application is gone, and its objects belong to nobody now
 };
 
@@ -40,7 +41,7 @@ struct AppMaterial {
 struct AppCommand {
   AppAction action = AppAction::move;
   bool supervisor = false;       ///< the client may change what is another's
-  bool on = false;               ///< clutch
+  bool on = false;               ///< clutch; lead: false lets go
   std::uint32_t client = 0;      ///< below SPM_MAX_CLIENTS
   std::uint32_t connection = 0;  ///< of the client, from 1, never used again
   std::uint32_t index = 0;       ///< add: asset; all others that name one: device
@@ -53,7 +54,7 @@ struct AppCommand {
   AppMaterial material;
   Vector3 force = Vector3::Zero();   ///< N, push
   Vector3 torque = Vector3::Zero();  ///< N m, push
-  double hold = 0;                   ///< s, push: how long it acts
+  double hold = 0;                   ///< s, push: how long it acts; lead: how long it holds
   std::uint32_t effect_number = 0;   ///< the application's own
   HandEffect effect;
 };

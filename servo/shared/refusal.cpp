@@ -40,6 +40,10 @@ const char* to_sentence(Refusal refusal) noexcept {
     case Refusal::unlike_tool:
       return "the scene's tool cannot meet such an object: beside a full tool give one of a full "
              "asset at the tool's own scale, beside a sparse tool one of a sparse asset";
+    case Refusal::not_led:
+      return "the hand of this device goes its own way: only that of --device sim:hand=live is led";
+    case Refusal::hand_held:
+      return "another application leads the hand of this device: wait until it lets go or leaves";
   }
   return "refused for a reason that this version does not know";
 }

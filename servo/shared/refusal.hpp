@@ -24,9 +24,11 @@ enum class Refusal : std::uint8_t {
   too_many_effects,  ///< there is no room for another effect on the device
   unknown_effect,    ///< the application has no effect of that number on the device
   unlike_tool,       ///< an object that the scene's tool cannot meet, by form or scale
+  not_led,           ///< the device's hand goes its own way
+  hand_held,         ///< another application leads the device's hand
 };
 
-inline constexpr std::size_t refusal_count = 16;
+inline constexpr std::size_t refusal_count = 18;
 
 /// What was wrong and what to do about it: a sentence without its full stop.
 [[nodiscard]] const char* to_sentence(Refusal refusal) noexcept;

@@ -25,7 +25,7 @@
 #define SPM_LAYOUT_ASSERT _Static_assert
 #endif
 
-#define SPM_LAYOUT_VERSION 6u
+#define SPM_LAYOUT_VERSION 7u
 
 #define SPM_STATE_MAGIC UINT64_C(0x65746174534d5053) /* the bytes SPMState */
 #define SPM_RING_MAGIC UINT64_C(0x676e6952204d5053)  /* the bytes SPM Ring */
@@ -42,6 +42,7 @@ enum {
   SPM_MAX_CONTACTS = 16, /* of each device's tool */
   SPM_NAME_BYTES = 64,   /* of every name, including its closing zero */
   SPM_CURE_BYTES = 192,
+  SPM_PATH_BYTES = 512, /* of an asset's file, including its closing zero */
   SPM_VERSION_BYTES = 32,
   SPM_BUCKETS = 64,    /* of durations: shared_buckets.hpp */
   SPM_RING_SLOTS = 256 /* a power of two: four frames of the largest number of objects */
@@ -54,7 +55,9 @@ enum {
   SPM_DEVICE_FORCE_CAPPED = 4,  /* what was sent met its cap */
   SPM_DEVICE_TORQUE_CAPPED = 8, /* the same */
   SPM_DEVICE_TOOL_CAPPED = 16,  /* the coupling of hand and tool met its cap */
-  SPM_DEVICE_TOOL = 32          /* the hand holds a tool, whose pose is known */
+  SPM_DEVICE_TOOL = 32,         /* the hand holds a tool, whose pose is known */
+  SPM_DEVICE_LEADABLE = 64,     /* an application may lead its hand */
+  SPM_DEVICE_LED = 128          /* one does */
 };
 
 /** One device in one tick. */
@@ -107,6 +110,15 @@ typedef struct spm_shared_object {
   double silent;    /* s since the last pose from an application */
   uint32_t asset;
   uint32_t flags;
+  double stiffness; /* N/m, as it was asked for, before the device's limits */
+  double friction_stick;
+  double friction_slide;
+  double damping;           /* N s/m */
+  double texture_amplitude; /* m */
+  double texture_wavelength;
+  uint64_t texture_seed;
+  uint32_t method; /* spm::Method */
+  uint32_t stabilized;
 } spm_shared_object;
 
 /** One tick. Two of these are written in turn, each behind a sequence lock. A reader copies the one
@@ -117,7 +129,8 @@ typedef struct spm_shared_snapshot {
   int64_t time_ns;
   uint32_t device_count;
   uint32_t object_count;
-  uint64_t reserved[4];
+  uint64_t object_total; /* of the scene, of which object_count are published */
+  uint64_t reserved[3];
   spm_shared_device devices[SPM_MAX_DEVICES];
   spm_shared_object objects[SPM_MAX_OBJECTS];
   spm_shared_contact contacts[SPM_MAX_DEVICES][SPM_MAX_CONTACTS];
@@ -139,6 +152,10 @@ typedef struct spm_shared_info {
   char assets[SPM_MAX_ASSETS][SPM_NAME_BYTES];
   char objects[SPM_MAX_OBJECTS][SPM_NAME_BYTES];
   spm_shared_cause causes[SPM_MAX_CAUSES];
+  char asset_paths[SPM_MAX_ASSETS][SPM_PATH_BYTES]; /* absolute; empty where it is longer */
+  /* N/m of the scene at which each device begins to shake, by simulation; 0: not known */
+  double bare_borders[SPM_MAX_DEVICES]; /* a flat wall without stabilization */
+  double stabilized_borders[SPM_MAX_DEVICES];
 } spm_shared_info;
 
 /** What the loop counted for one device since it began. */
@@ -228,6 +245,7 @@ enum {
   SPM_COMMAND_PUSH = 7,
   SPM_COMMAND_EFFECT = 8,
   SPM_COMMAND_REMOVE_EFFECT = 9,
+  SPM_COMMAND_LEAD = 10,
   SPM_COMMAND_ACKNOWLEDGE = 16
 };
 
@@ -255,7 +273,7 @@ enum {
 typedef struct spm_shared_command {
   uint64_t sequence; /* 1 for a ring's first command, and so on */
   uint32_t kind;
-  uint32_t index;      /* ADD: asset; CLUTCH, FORCE_CAP, PUSH, ACKNOWLEDGE, effects: device */
+  uint32_t index;      /* ADD: asset; CLUTCH, FORCE_CAP, PUSH, ACKNOWLEDGE, LEAD, effects: device */
   uint64_t object;     /* that is meant; EFFECT: the magnet's */
   int64_t deadline_ns; /* later than this it is refused; 0: never */
   double position[3];  /* EFFECT: the spring's point, or one of the detents */
@@ -270,12 +288,12 @@ typedef struct spm_shared_command {
   double texture_wavelength;
   uint64_t texture_seed;
   uint32_t fields;  /* ADD and MATERIAL */
-  uint32_t on;      /* CLUTCH: 1 holds the scene while the hand moves freely */
+  uint32_t on;      /* CLUTCH: 1 holds the scene while the hand moves freely; LEAD: 0 lets go */
   double force_cap; /* FORCE_CAP: N */
   uint64_t reserved[2];
   double force[3];      /* PUSH: N */
   double torque[3];     /* PUSH: N m, about the tool's origin */
-  double hold;          /* PUSH: s */
+  double hold;          /* PUSH, LEAD: s */
   double axis[3];       /* EFFECT: of detents, unit */
   double most_force;    /* EFFECT: N; 0: no limit */
   double range;         /* EFFECT: m; 0: no limit */
@@ -308,26 +326,27 @@ SPM_LAYOUT_ASSERT(offsetof(spm_shared_device, buttons) == 136, "layout");
 SPM_LAYOUT_ASSERT(offsetof(spm_shared_device, force_cap) == 184, "layout");
 SPM_LAYOUT_ASSERT(offsetof(spm_shared_device, contact_count) == 312, "layout");
 SPM_LAYOUT_ASSERT(sizeof(spm_shared_contact) == 88, "layout");
-SPM_LAYOUT_ASSERT(sizeof(spm_shared_object) == 136, "layout");
+SPM_LAYOUT_ASSERT(sizeof(spm_shared_object) == 200, "layout");
 SPM_LAYOUT_ASSERT(offsetof(spm_shared_object, silent) == 120, "layout");
-SPM_LAYOUT_ASSERT(sizeof(spm_shared_snapshot) == 64 + 8 * 328 + 64 * 136 + 128 * 88, "layout");
+SPM_LAYOUT_ASSERT(sizeof(spm_shared_snapshot) == 64 + 8 * 328 + 64 * 200 + 128 * 88, "layout");
 SPM_LAYOUT_ASSERT(offsetof(spm_shared_snapshot, devices) == 64, "layout");
 SPM_LAYOUT_ASSERT(offsetof(spm_shared_snapshot, objects) == 2688, "layout");
 SPM_LAYOUT_ASSERT(sizeof(spm_shared_cause) == 256, "layout");
-SPM_LAYOUT_ASSERT(sizeof(spm_shared_info) == 16 + (8 + 32 + 64) * 64 + 32 * 256, "layout");
+SPM_LAYOUT_ASSERT(sizeof(spm_shared_info) == 16 + (8 + 32 + 64) * 64 + 32 * 256 + 32 * 512 + 8 * 16,
+                  "layout");
 SPM_LAYOUT_ASSERT(offsetof(spm_shared_state, rate_hz) == 56, "layout");
 SPM_LAYOUT_ASSERT(offsetof(spm_shared_state, heartbeat_ns) == 64, "layout");
 SPM_LAYOUT_ASSERT(offsetof(spm_shared_state, snapshots) == 128, "layout");
-SPM_LAYOUT_ASSERT(offsetof(spm_shared_state, info) == 128 + 2 * 22656, "layout");
+SPM_LAYOUT_ASSERT(offsetof(spm_shared_state, info) == 128 + 2 * 26752, "layout");
 SPM_LAYOUT_ASSERT(sizeof(spm_shared_device_counts) == 88, "layout");
 SPM_LAYOUT_ASSERT(offsetof(spm_shared_loop, wake) == 128, "layout");
 SPM_LAYOUT_ASSERT(offsetof(spm_shared_loop, devices) == 128 + 2 * 64 * 8, "layout");
 SPM_LAYOUT_ASSERT(sizeof(spm_shared_loop) == 128 + 2 * 64 * 8 + 8 * 88, "layout");
 SPM_LAYOUT_ASSERT(sizeof(spm_shared_application) == 72, "layout");
 SPM_LAYOUT_ASSERT(sizeof(spm_shared_applications) == 16 + 16 * 72, "layout");
-SPM_LAYOUT_ASSERT(offsetof(spm_shared_state, loop) == 128 + 2 * 22656 + 14864, "layout");
-SPM_LAYOUT_ASSERT(offsetof(spm_shared_state, applications) == 60304 + 1856, "layout");
-SPM_LAYOUT_ASSERT(sizeof(spm_shared_state) == 60304 + 1856 + 1168, "layout");
+SPM_LAYOUT_ASSERT(offsetof(spm_shared_state, loop) == 128 + 2 * 26752 + 31376, "layout");
+SPM_LAYOUT_ASSERT(offsetof(spm_shared_state, applications) == 85008 + 1856, "layout");
+SPM_LAYOUT_ASSERT(sizeof(spm_shared_state) == 85008 + 1856 + 1168, "layout");
 SPM_LAYOUT_ASSERT(sizeof(spm_shared_command) == 304, "layout");
 SPM_LAYOUT_ASSERT(offsetof(spm_shared_command, texture_seed) == 152, "layout");
 SPM_LAYOUT_ASSERT(offsetof(spm_shared_command, force) == 192, "layout");

@@ -14,6 +14,7 @@ namespace SpmHaptics
     public sealed class SpmClient : IDisposable
     {
         private const int NameBytes = 64;
+        private const int PathBytes = 512;
         private const int MaxContacts = 16;
         /// <summary>ContactData.Object where the tool of another device is touched: this and that
         /// device's number.</summary>
@@ -204,6 +205,51 @@ namespace SpmHaptics
         public void RemoveEffect(uint device, uint number = AllEffects)
         {
             Check(Library.spm_client_remove_effect(Open(), device, number));
+        }
+
+        /// <summary>Leads the hand of a simulated device (--device sim:hand=live), orientation w x y z;
+        /// it is let go after hold s (at most 1) unless the next pose came. The loop refuses a hand that
+        /// another application leads.</summary>
+        public void LeadHand(uint device, double[] position, double[] orientation, double hold = 0.4)
+        {
+            var hand = new HandData
+            {
+                Size = SizeOf<HandData>(),
+                Position = position,
+                Orientation = orientation,
+                Hold = hold
+            };
+            Check(Library.spm_client_lead_hand(Open(), device, ref hand));
+        }
+
+        /// <summary>Lets a hand go that this application leads: it is slack then.</summary>
+        public void FreeHand(uint device)
+        {
+            Check(Library.spm_client_lead_hand(Open(), device, IntPtr.Zero));
+        }
+
+        /// <summary>How an object feels now.</summary>
+        public FeelData Feel(ulong id)
+        {
+            var data = new FeelData { Size = SizeOf<FeelData>() };
+            Check(Library.spm_client_read_feel(Open(), id, ref data));
+            return data;
+        }
+
+        /// <summary>Where the daemon found an asset, absolute; empty where that is longer than it
+        /// tells.</summary>
+        public string AssetPath(uint asset)
+        {
+            var path = new byte[PathBytes];
+            Check(Library.spm_client_asset_path(Open(), asset, path, (UIntPtr)path.Length));
+            return TextOf(path);
+        }
+
+        /// <summary>N/m at which the device begins to shake, without and with stabilization, as the
+        /// stability laboratory simulates it; 0: not known.</summary>
+        public void Borders(uint device, out double bare, out double stabilized)
+        {
+            Check(Library.spm_client_border(Open(), device, out bare, out stabilized));
         }
 
         /// <summary>The cause of zero force after which Acknowledge is waited for.</summary>

@@ -37,6 +37,13 @@ namespace SpmHaptics
     /// which is at Point.</summary>
     public enum EffectKind : uint { Spring = 1, Viscous = 2, Magnet = 3, Detents = 4 }
 
+    /// <summary>Own: the hand goes its own way. Free: applications may lead it
+    /// (--device sim:hand=live). Led: one does.</summary>
+    public enum HandState : uint { Own = 0, Free = 1, Led = 2 }
+
+    /// <summary>How the force of an object is found.</summary>
+    public enum ForceMethod : uint { Spm = 0, Paper = 1, Proxy = 2 }
+
     public sealed class ClientException : Exception
     {
         public ClientCode Code { get; }
@@ -75,7 +82,8 @@ namespace SpmHaptics
         public uint Size;
         public uint DeviceCount;
         public uint ObjectCount;
-        public uint Reserved;
+        /// <summary>Of the scene: as many as 64 are told.</summary>
+        public uint ObjectTotal;
         public ulong Tick;
         public long TimeNs;
     }
@@ -112,7 +120,7 @@ namespace SpmHaptics
         public uint Level;
         /// <summary>Objects that were found apart from the tool as a whole.</summary>
         public uint Culled;
-        public uint Reserved;
+        public HandState Hand;
         /// <summary>Of the tool's own frame as it lies in the scene.</summary>
         [MarshalAs(UnmanagedType.ByValArray, SizeConst = 3)] public double[] ToolPosition;
         [MarshalAs(UnmanagedType.ByValArray, SizeConst = 4)] public double[] ToolOrientation;
@@ -203,6 +211,33 @@ namespace SpmHaptics
         [MarshalAs(UnmanagedType.ByValArray, SizeConst = 3)] public double[] Point;
         [MarshalAs(UnmanagedType.ByValArray, SizeConst = 3)] public double[] Axis;
         public ulong Object;
+    }
+
+    [StructLayout(LayoutKind.Sequential)]
+    public struct HandData
+    {
+        public uint Size;
+        public uint Reserved;
+        [MarshalAs(UnmanagedType.ByValArray, SizeConst = 3)] public double[] Position;
+        [MarshalAs(UnmanagedType.ByValArray, SizeConst = 4)] public double[] Orientation;
+        public double Hold;
+    }
+
+    /// <summary>How an object feels now, before the limits of the device.</summary>
+    [StructLayout(LayoutKind.Sequential)]
+    public struct FeelData
+    {
+        public uint Size;
+        public ForceMethod Method;
+        public uint Stabilized;
+        public uint Reserved;
+        public double Stiffness;
+        public double FrictionStick;
+        public double FrictionSlide;
+        public double Damping;
+        public double TextureAmplitude;
+        public double TextureWavelength;
+        public ulong TextureSeed;
     }
 
     [StructLayout(LayoutKind.Sequential)]

@@ -72,6 +72,21 @@ namespace SpmHaptics
         [DllImport(Name)]
         internal static extern ClientCode spm_client_acknowledge(IntPtr client, uint device);
         [DllImport(Name)]
+        internal static extern ClientCode spm_client_lead_hand(
+            IntPtr client, uint device, ref HandData hand);
+        [DllImport(Name)]
+        internal static extern ClientCode spm_client_lead_hand(
+            IntPtr client, uint device, IntPtr none);
+        [DllImport(Name)]
+        internal static extern ClientCode spm_client_read_feel(
+            IntPtr client, ulong id, ref FeelData feel);
+        [DllImport(Name)]
+        internal static extern ClientCode spm_client_asset_path(
+            IntPtr client, uint asset, [Out] byte[] path, UIntPtr size);
+        [DllImport(Name)]
+        internal static extern ClientCode spm_client_border(
+            IntPtr client, uint device, out double bare, out double stabilized);
+        [DllImport(Name)]
         internal static extern ClientCode spm_client_wait_tick(
             IntPtr client, ulong after, double timeout, ref TickData tick);
         [DllImport(Name)]

@@ -23,19 +23,20 @@ import os
 from types import TracebackType
 from typing import Iterator, Optional, Sequence
 
-from spm_client_data import (IDENTITY, Application, Contact, Device, DeviceCounts, Effect, Event, Info,
-                             Loop, Material, Object, Refusals)
+from spm_client_data import (IDENTITY, Application, Contact, Device, DeviceCounts, Effect, Event, Feel,
+                             Info, Loop, Material, Object, Refusals)
 from spm_client_library import (SENTENCES, ApplicationData, Cause, ClientError, Code, ContactData,
                                 CountsData, DaemonState, DeviceCountsData, DeviceData, EffectData,
-                                EffectKind, EventData, EventKind, InfoData, Limit, LoopData,
-                                MaterialData, ObjectData, OptionsData, PoseData, PushData, TickData,
-                                load, sized)
+                                EffectKind, EventData, EventKind, FeelData, HandData, HandState,
+                                InfoData, Limit, LoopData, MaterialData, Method, ObjectData,
+                                OptionsData, PoseData, PushData, TickData, load, sized)
 
 __all__ = ["Application", "Client", "ClientError", "Code", "Cause", "Contact", "DaemonState",
-           "Device", "DeviceCounts", "Effect", "EffectKind", "Event", "EventKind", "Info", "Limit",
-           "Loop", "Material", "Object", "Refusals"]
+           "Device", "DeviceCounts", "Effect", "EffectKind", "Event", "EventKind", "Feel", "HandState",
+           "Info", "Limit", "Loop", "Material", "Method", "Object", "Refusals"]
 
 NAME_BYTES = 64
+PATH_BYTES = 512
 MAX_DEVICES = 8
 MAX_OBJECTS = 64
 MAX_CONTACTS = 16  # of a device's tool
@@ -198,6 +199,43 @@ class Client:
         """Removes one's own effect of that number, or all of one's own; a supervisor all."""
         self._check(self._library.spm_client_remove_effect(self._open(), device, number))
 
+    def lead_hand(self, device: int, position: Sequence[float],
+                  orientation: Sequence[float] = IDENTITY, *, hold: float = 0.4) -> None:
+        """Leads the hand of a simulated device (`--device sim:hand=live`), which is let go after
+        `hold` s (at most 1) unless the next pose came. The loop refuses a hand that another
+        application leads."""
+        data = sized(HandData)
+        data.position = (ctypes.c_double * 3)(*position)
+        data.orientation = (ctypes.c_double * 4)(*orientation)
+        data.hold = hold
+        self._check(self._library.spm_client_lead_hand(self._open(), device, ctypes.byref(data)))
+
+    def free_hand(self, device: int) -> None:
+        """Lets a hand go that this application leads: it is slack then."""
+        self._check(self._library.spm_client_lead_hand(self._open(), device, None))
+
+    def feel(self, id: int) -> Feel:
+        """How an object feels now."""
+        found = sized(FeelData)
+        self._check(self._library.spm_client_read_feel(self._open(), id, ctypes.byref(found)))
+        return Feel(Method(found.method), bool(found.stabilized), found.stiffness,
+                    (found.friction_stick, found.friction_slide), found.damping,
+                    (found.texture_amplitude, found.texture_wavelength, found.texture_seed))
+
+    def asset_path(self, asset: int) -> str:
+        """Where the daemon found an asset, absolute; "" where that is longer than it tells."""
+        path = ctypes.create_string_buffer(PATH_BYTES)
+        self._check(self._library.spm_client_asset_path(self._open(), asset, path, len(path)))
+        return os.fsdecode(path.value)
+
+    def borders(self, device: int = 0) -> tuple[float, float]:
+        """N/m at which the device begins to shake, without and with stabilization, as the stability
+        laboratory simulates it; 0: not known."""
+        bare, stabilized = ctypes.c_double(), ctypes.c_double()
+        self._check(self._library.spm_client_border(self._open(), device, ctypes.byref(bare),
+                                                    ctypes.byref(stabilized)))
+        return bare.value, stabilized.value
+
     def acknowledge(self, device: int) -> None:
         """Says that a fault is over, where the daemon waits for it (Cause.UNACKNOWLEDGED)."""
         self._check(self._library.spm_client_acknowledge(self._open(), device))
@@ -289,7 +327,8 @@ class Client:
                       found.torque_cap, Limit(found.limits), bool(found.has_tool),
                       found.contact_count, found.level, found.culled,
                       tuple(found.tool_position),
-                      tuple(found.tool_orientation), tuple(found.proxy_orientation))
+                      tuple(found.tool_orientation), tuple(found.proxy_orientation),
+                      HandState(found.hand))
 
     @staticmethod
     def _object(found: ObjectData) -> Object:

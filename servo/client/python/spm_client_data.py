@@ -6,7 +6,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Optional
 
-from spm_client_library import EffectKind, EventKind, Limit
+from spm_client_library import EffectKind, EventKind, HandState, Limit, Method
 
 Vector = tuple[float, float, float]
 Quaternion = tuple[float, float, float, float]
@@ -55,6 +55,7 @@ class Device:
     tool_position: Vector     # of the tool's own frame as it lies in the scene
     tool_orientation: Quaternion
     proxy_orientation: Quaternion
+    hand: HandState           # whether Client.lead_hand may lead it
 
 
 @dataclass(frozen=True)
@@ -93,6 +94,17 @@ class Material:
     friction: Optional[tuple[float, float]] = None  # mu at rest, mu in motion
     damping: Optional[float] = None                 # N s/m
     texture: Optional[tuple[float, float, int]] = None  # amplitude m, wavelength m, seed
+
+
+@dataclass(frozen=True)
+class Feel:
+    """How an object feels now, before the limits of the device."""
+    method: Method
+    stabilized: bool
+    stiffness: float  # N/m
+    friction: tuple[float, float]  # mu at rest, mu in motion
+    damping: float                 # N s/m
+    texture: tuple[float, float, int]  # amplitude m, wavelength m, seed
 
 
 @dataclass(frozen=True)

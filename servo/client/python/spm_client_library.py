@@ -68,6 +68,20 @@ class Limit(enum.IntFlag):
     TOOL_CAP = 4    # of the coupling of hand and tool: the tool stays behind
 
 
+class HandState(enum.IntEnum):
+    """Whether applications may lead a device's hand."""
+    OWN = 0   # it goes its own way
+    FREE = 1  # `--device sim:hand=live`: an application may lead it
+    LED = 2   # one does
+
+
+class Method(enum.IntEnum):
+    """How the force of an object is found."""
+    SPM = 0
+    PAPER = 1
+    PROXY = 2
+
+
 class EffectKind(enum.IntEnum):
     SPRING = 1   # pulls towards `point`
     VISCOUS = 2  # brakes by `damping`
@@ -115,7 +129,7 @@ class InfoData(ctypes.Structure):
 
 class TickData(ctypes.Structure):
     _fields_ = [("size", ctypes.c_uint32), ("device_count", ctypes.c_uint32),
-                ("object_count", ctypes.c_uint32), ("reserved", ctypes.c_uint32),
+                ("object_count", ctypes.c_uint32), ("object_total", ctypes.c_uint32),
                 ("tick", ctypes.c_uint64), ("time_ns", ctypes.c_int64)]
 
 
@@ -132,7 +146,7 @@ class DeviceData(ctypes.Structure):
                 ("torque_cap", ctypes.c_double), ("limits", ctypes.c_uint32),
                 ("has_tool", ctypes.c_uint32), ("contact_count", ctypes.c_uint32),
                 ("level", ctypes.c_uint32), ("culled", ctypes.c_uint32),
-                ("reserved", ctypes.c_uint32), ("tool_position", ctypes.c_double * 3),
+                ("hand", ctypes.c_uint32), ("tool_position", ctypes.c_double * 3),
                 ("tool_orientation", ctypes.c_double * 4),
                 ("proxy_orientation", ctypes.c_double * 4)]
 
@@ -180,6 +194,21 @@ class EffectData(ctypes.Structure):
                 ("most_force", ctypes.c_double), ("range", ctypes.c_double),
                 ("spacing", ctypes.c_double), ("point", ctypes.c_double * 3),
                 ("axis", ctypes.c_double * 3), ("object", ctypes.c_uint64)]
+
+
+class HandData(ctypes.Structure):
+    _fields_ = [("size", ctypes.c_uint32), ("reserved", ctypes.c_uint32),
+                ("position", ctypes.c_double * 3), ("orientation", ctypes.c_double * 4),
+                ("hold", ctypes.c_double)]
+
+
+class FeelData(ctypes.Structure):
+    _fields_ = [("size", ctypes.c_uint32), ("method", ctypes.c_uint32),
+                ("stabilized", ctypes.c_uint32), ("reserved", ctypes.c_uint32),
+                ("stiffness", ctypes.c_double), ("friction_stick", ctypes.c_double),
+                ("friction_slide", ctypes.c_double), ("damping", ctypes.c_double),
+                ("texture_amplitude", ctypes.c_double), ("texture_wavelength", ctypes.c_double),
+                ("texture_seed", ctypes.c_uint64)]
 
 
 class CountsData(ctypes.Structure):
@@ -269,6 +298,10 @@ def _declare(library: ctypes.CDLL) -> None:
         ("set_effect", code, [handle, u32, u32, pointer(EffectData)]),
         ("remove_effect", code, [handle, u32, u32]),
         ("acknowledge", code, [handle, u32]),
+        ("lead_hand", code, [handle, u32, pointer(HandData)]),
+        ("read_feel", code, [handle, u64, pointer(FeelData)]),
+        ("asset_path", code, [handle, u32, text, size]),
+        ("border", code, [handle, u32, pointer(ctypes.c_double), pointer(ctypes.c_double)]),
         ("wait_tick", code, [handle, u64, ctypes.c_double, pointer(TickData)]),
         ("refusals", code, [handle, pointer(CountsData)]),
         ("refusal", text, [u32]),

@@ -12,6 +12,7 @@
 
 #include "common/base/device_profile.hpp"
 #include "common/base/error.hpp"
+#include "common/base/hand_pose.hpp"
 #include "common/base/wrench.hpp"
 #include "servo/devices/base/delay_counts.hpp"
 #include "servo/force/scene_force.hpp"
@@ -63,6 +64,7 @@ struct DeviceCapabilities {
   /// s: what a force is late by that nothing here measures, from the reading of the encoders to the
   /// coming of the report, and from the command's arrival to the motors.
   double own_delay = 0;
+  bool led = false;  ///< applications may say where its hand goes: a simulated one
 };
 
 /// The capabilities that a profile gives.
@@ -120,6 +122,9 @@ class Device {
   [[nodiscard]] virtual DeviceHealth read(DeviceState& state) noexcept = 0;
   /// Sends a wrench, which acts until the next one. Called by the loop, with the limits of `read`.
   [[nodiscard]] virtual DeviceHealth write(const Wrench& wrench) noexcept = 0;
+  /// Where the hand of a device that is led is to go, and how it is to be turned, world frame; null
+  /// while nobody leads it. Called by the loop, before `read`, with the limits of `read`.
+  virtual void lead(const HandPose* target) noexcept { static_cast<void>(target); }
   /// Waits for a report that `read` has not taken yet, at most until a time of CLOCK_MONOTONIC.
   /// False if none came, or if the device cannot set the pace of a loop. Called by the loop, with
   /// the limits of `read`.

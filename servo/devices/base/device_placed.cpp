@@ -56,6 +56,13 @@ DeviceHealth PlacedDevice::write(const Wrench& wrench) noexcept {
       {placement_.axes.from_world(wrench.force), placement_.axes.turn_from_world(wrench.torque)});
 }
 
+void PlacedDevice::lead(const HandPose* target) noexcept {
+  if (target == nullptr) return device_->lead(nullptr);
+  const DeviceAxes& axes = placement_.axes;
+  const HandPose own{axes.from_world(target->position), axes.from_world(target->orientation)};
+  device_->lead(&own);
+}
+
 bool PlacedDevice::wait_for_report(std::int64_t until_ns) noexcept {
   return device_->wait_for_report(until_ns);
 }

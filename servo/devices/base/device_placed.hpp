@@ -23,6 +23,7 @@ class PlacedDevice final : public Device {
   }
   [[nodiscard]] DeviceHealth read(DeviceState& state) noexcept override;
   [[nodiscard]] DeviceHealth write(const Wrench& wrench) noexcept override;
+  void lead(const HandPose* target) noexcept override;
   [[nodiscard]] bool wait_for_report(std::int64_t until_ns) noexcept override;
   [[nodiscard]] DelayCounts delays() const noexcept override { return device_->delays(); }
   [[nodiscard]] std::uint32_t reopened() const noexcept override { return device_->reopened(); }

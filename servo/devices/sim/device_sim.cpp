@@ -14,6 +14,10 @@ namespace spm::servo {
 
 namespace {
 
+/// How far before an object a hand waits that is to be led, in diagonals of the object's box: out
+/// of the box, and of a tool's that is as large.
+constexpr double clear_share = 1.0;
+
 /// `turns`: whether the hand follows the turns of the rows as well.
 Result<PoseMotion> recorded_hand(const std::string& path, bool turns, double period) {
   auto rows = read_trajectory(path);
@@ -71,6 +75,16 @@ Eigen::Isometry3d pose_of(const HandPose& hand) {
   return pose;
 }
 
+/// A place in front of the scene's first object, towards the user, from where a hand sees it whole;
+/// m, the hand's frame.
+Vector3 before_object(const DeviceSetup& setup) {
+  const PlacedObject& object = setup.scene.objects.front();
+  const Extent extent = extent_of(*setup.assets[object.asset]);
+  const Vector3 middle = object.placement.to_world(extent.low + extent.size / 2);
+  const double size = object.placement.scale * extent.size.norm();
+  return setup.scene.workspace.from_world(middle + size * clear_share * Vector3::UnitZ());
+}
+
 const char* name_of(HandKind hand) {
   switch (hand) {
     case HandKind::slide:
@@ -79,6 +93,8 @@ const char* name_of(HandKind hand) {
       return "push";
     case HandKind::recorded:
       return "path";
+    case HandKind::live:
+      return "live";
   }
   return "";
 }
@@ -93,6 +109,7 @@ DeviceSim::DeviceSim(const SimOptions& options)
   // goes wherever the scene's objects lie.
   capabilities_.stiffness_cap = std::numeric_limits<double>::infinity();
   capabilities_.workspace.setZero();
+  capabilities_.led = options.hand == HandKind::live;
 }
 
 Result<void> DeviceSim::open(const DeviceSetup& setup) {
@@ -107,6 +124,8 @@ Result<void> DeviceSim::open(const DeviceSetup& setup) {
   auto planned = plan(setup);
   if (!planned) return tl::make_unexpected(std::move(planned.error()));
   motion_ = std::move(*planned);
+  led_ = LedMotion(motion_.start(), plant.period);
+  leading_.reset();
   plant_ = SimPlant(plant);
   plant_.place(motion_.start().position);
   if (!capabilities_.turns) return {};
@@ -120,6 +139,10 @@ Result<PoseMotion> DeviceSim::plan(const DeviceSetup& setup) const {
   const PlantSettings plant = plant_of(options_, 1 / setup.rate_hz);
   if (options_.hand == HandKind::recorded) {
     return recorded_hand(options_.path, capabilities_.turns, plant.period);
+  }
+  if (options_.hand == HandKind::live) {
+    const Vector3 place = before_object(setup);
+    return PoseMotion::press({unturned(place)}, {}, plant.period);
   }
   const auto set = [&](auto task) {
     task.slide = options_.hand == HandKind::slide;
@@ -156,13 +179,24 @@ DeviceHealth DeviceSim::read(DeviceState& state) noexcept {
 DeviceHealth DeviceSim::write(const Wrench& wrench) noexcept {
   if (read_ns_ != 0) report_to_command_.add(now_ns() - read_ns_);
   read_ns_ = 0;
-  const SixdofTarget wanted = motion_.next();
+  const SixdofTarget wanted =
+      capabilities_.led ? led_.next(leading_.value_or(tool())) : motion_.next();
   if (turning_) {
     turning_->step(wrench, wanted);
   } else {
     plant_.step(wrench.force, {wanted.position, wanted.velocity});
   }
   return DeviceHealth::ok;
+}
+
+void DeviceSim::lead(const HandPose* target) noexcept {
+  leading_ = target != nullptr ? std::optional(*target) : std::nullopt;
+}
+
+/// Where the tool truly is.
+HandPose DeviceSim::tool() const noexcept {
+  if (!turning_) return unturned(plant_.position());
+  return {turning_->pose().translation(), Eigen::Quaterniond(turning_->pose().linear())};
 }
 
 nlohmann::ordered_json DeviceSim::describe() const {

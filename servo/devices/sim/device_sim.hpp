@@ -6,6 +6,7 @@
 
 #include "servo/devices/base/device.hpp"
 #include "servo/devices/base/latency_histogram.hpp"
+#include "servo/devices/sim/led_motion.hpp"
 #include "servo/devices/sim/pose_motion.hpp"
 #include "servo/devices/sim/sim_options.hpp"
 #include "servo/devices/sim/sim_plant.hpp"
@@ -27,16 +28,20 @@ class DeviceSim final : public Device {
   }
   [[nodiscard]] DeviceHealth read(DeviceState& state) noexcept override;
   [[nodiscard]] DeviceHealth write(const Wrench& wrench) noexcept override;
+  void lead(const HandPose* target) noexcept override;
   [[nodiscard]] nlohmann::ordered_json describe() const override;
 
  private:
   [[nodiscard]] Result<PoseMotion> plan(const DeviceSetup& setup) const;
+  [[nodiscard]] HandPose tool() const noexcept;
 
   SimOptions options_;
   DeviceCapabilities capabilities_;
   SimPlant plant_;
   std::optional<SixdofPlant> turning_;  ///< in place of the other, where the device turns
   PoseMotion motion_;                   ///< where the hand wants to be
+  LedMotion led_;                       ///< the same, of a hand that is led
+  std::optional<HandPose> leading_;     ///< where to; empty: nobody leads it
   std::int64_t read_ns_ = 0;            ///< when the loop took the last report; 0: it was answered
   LatencyHistogram report_to_command_;
 };

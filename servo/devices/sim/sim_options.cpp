@@ -46,8 +46,11 @@ Result<void> set_hand(SimOptions& options, std::string_view value) {
     options.hand = HandKind::push;
   } else if (value == "path") {
     options.hand = HandKind::recorded;
+  } else if (value == "live") {
+    options.hand = HandKind::live;
   } else {
-    return usage(fmt::format("hand '{}' is not known; a hand can slide, push or path", value));
+    return usage(
+        fmt::format("hand '{}' is not known; a hand can slide, push, path or live", value));
   }
   return {};
 }

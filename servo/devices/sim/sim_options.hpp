@@ -17,9 +17,11 @@ enum class HandKind : std::uint8_t {
   slide,     ///< presses and slides on the object
   push,      ///< presses at one place and stays
   recorded,  ///< goes where a file says
+  live,      ///< goes where an application leads it
 };
 
-/// Options of the simulated device: `sim:profile=NAME,hand=slide|push|path,path=FILE,depth=LENGTH,
+/// Options of the simulated device:
+/// `sim:profile=NAME,hand=slide|push|path|live,path=FILE,depth=LENGTH,
 /// speed=SPEED,seed=N,hand_model=spring|arm,mass=constant|device,delay=TICKS,jitter=TICKS,lost=SHARE,
 /// noise=LENGTH,turns=on|off,torque=on|off`.
 struct SimOptions {

@@ -81,6 +81,7 @@ public static class ClientTest
         {
             Tell("too_hard", problem.Code);
         }
+        TellLive(client);
         client.Acknowledge(0);
         TickData first, next;
         Tell("waited", client.WaitTick(0, 20, out first) &&
@@ -101,6 +102,22 @@ public static class ClientTest
         {
             Tell("not_a_number", problem.Code);
         }
+    }
+
+    private static void TellLive(SpmClient client)
+    {
+        Tell("hand", client.Device(0).Hand);
+        client.LeadHand(0, new[] { 0, 0.01, 0 }, Upright);
+        Tell("led", Eventually(() => client.Device(0).Hand == HandState.Led));
+        client.FreeHand(0);
+        Tell("freed", Eventually(() => client.Device(0).Hand == HandState.Free));
+        var feel = client.Feel(0);
+        Tell("feel", string.Format(CultureInfo.InvariantCulture, "{0} {1} {2} {3} {4}", feel.Method,
+                                   feel.Stabilized, feel.Stiffness, feel.FrictionSlide, feel.TextureSeed));
+        double bare, stabilized;
+        client.Borders(0, out bare, out stabilized);
+        Tell("borders", string.Format(CultureInfo.InvariantCulture, "{0} {1}", bare, stabilized));
+        Tell("path", client.AssetPath(0));
     }
 
     private static bool Has(SpmClient client, ulong id)

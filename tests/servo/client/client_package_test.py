@@ -1,88 +1,29 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""The Python package and the examples in C, Python and C#, against one server.
+"""The Python and the C# package, against one server.
 
-Usage: client_package_test.py [unittest options]; in the build folder, or with
-SPM_BIN: folder of client_test_daemon and spm_client_example; SPM_CLIENT_LIBRARY: libspm_client.so.
+Usage: client_package_test.py [unittest options]; in the build folder, or with the environment of
+client_daemon.py.
 """
 
 import ctypes
 import json
 import math
 import os
-import re
 import shutil
 import subprocess
 import sys
 import tempfile
-import time
 import unittest
 from pathlib import Path
 
-SOURCE = Path(__file__).resolve().parents[3]
-BIN = Path(os.environ.get("SPM_BIN", Path.cwd() / "bin"))
-LIBRARY = Path(os.environ.setdefault("SPM_CLIENT_LIBRARY",
-                                     str(Path.cwd() / "lib" / "libspm_client.so")))
-EXAMPLES = SOURCE / "servo" / "client" / "examples"
-C_SHARP_FOLDER = SOURCE / "servo" / "client" / "csharp"
-C_SHARP = sorted(C_SHARP_FOLDER.glob("*.cs"))
-CAN_C_SHARP = shutil.which("mcs") and shutil.which("mono")
-PATIENCE = 20.0  # s, beyond any machine's worst moment
+from client_daemon import (CAN_C_SHARP, C_SHARP_FOLDER, PATIENCE, SOURCE, WithDaemon,
+                           c_sharp_environment, compile_c_sharp, eventually)
+from client_structs import STRUCTS, header_sizes
 
-sys.path.insert(0, str(SOURCE / "servo" / "client" / "python"))
-import spm_client_library  # noqa: E402
-from client_structs import STRUCTS, header_sizes  # noqa: E402
-from spm_client import (Cause, Client, ClientError, Code, DaemonState, Effect, EffectKind,  # noqa: E402
-                        EventKind, Material)
-
-
-def compile_c_sharp(program: str, *sources: Path) -> None:
-    done = subprocess.run(["mcs", "-warn:4", "-warnaserror", f"-out:{program}", *C_SHARP, *sources],
-                          capture_output=True, text=True)
-    assert done.returncode == 0, done.stdout + done.stderr
-
-
-def c_sharp_environment() -> dict[str, str]:
-    return {**os.environ, "LD_LIBRARY_PATH": str(LIBRARY.parent), "LC_ALL": "C.UTF-8"}
-
-
-def eventually(so) -> bool:
-    deadline = time.monotonic() + PATIENCE
-    while not so():
-        if time.monotonic() > deadline:
-            return False
-        time.sleep(0.002)
-    return True
-
-
-class WithDaemon(unittest.TestCase):
-    """Each test has a server of its own."""
-
-    def setUp(self) -> None:
-        self.folder = tempfile.TemporaryDirectory(prefix="spm-client-")
-        self.addCleanup(self.folder.cleanup)
-        self.socket = os.path.join(self.folder.name, "a.sock")
-        self.daemon = subprocess.Popen([BIN / "client_test_daemon", self.socket],
-                                       stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
-        self.addCleanup(self.end_daemon)
-        self.assertEqual(self.daemon.stdout.readline(), "ready\n")
-
-    def end_daemon(self) -> None:
-        if self.daemon.poll() is None:
-            self.daemon.stdin.close()
-            self.assertEqual(self.daemon.wait(timeout=PATIENCE), 0)
-        self.daemon.stdout.close()
-
-    def tell(self, what: str) -> None:
-        self.daemon.stdin.write(what)
-        self.daemon.stdin.flush()
-
-    def client(self, **options) -> Client:
-        client = Client(path=self.socket, timeout=PATIENCE, **options)
-        self.addCleanup(client.close)
-        # It can connect before the first tick, when there is nothing to read.
-        self.assertTrue(eventually(lambda: client.daemon_state()[1] >= 0))
-        return client
+import spm_client_library
+from spm_client import (Cause, Client, ClientError, Code, DaemonState, Effect, EffectKind, EventKind,
+                        HandState, Material, Method)
 
 
 class Package(WithDaemon):
@@ -139,6 +80,35 @@ class Package(WithDaemon):
         with self.assertRaises(ClientError) as caught:
             client.push(7, (1.0, 0.0, 0.0), 0.1)
         self.assertEqual(caught.exception.code, Code.NOT_THERE)
+
+    def test_a_hand_is_led_and_let_go_and_belongs_to_the_first(self) -> None:
+        client, other = self.client(), self.client(application="other")
+        self.assertEqual(client.device(0).hand, HandState.FREE)
+        client.lead_hand(0, (0.0, 0.01, 0.0), hold=1.0)
+        self.assertTrue(eventually(lambda: client.device(0).hand == HandState.LED))
+        other.lead_hand(0, (0.0, 0.02, 0.0))
+        self.assertTrue(eventually(lambda: other.refusals().refused == 1))
+        client.free_hand(0)
+        self.assertTrue(eventually(lambda: client.device(0).hand == HandState.FREE))
+        for wrong in (lambda: client.lead_hand(0, (math.nan, 0.0, 0.0)),
+                      lambda: client.lead_hand(0, (0.0, 0.0, 0.0), hold=2.0)):
+            with self.assertRaises(ClientError) as caught:
+                wrong()
+            self.assertEqual(caught.exception.code, Code.BAD_ARGUMENT)
+
+    def test_how_an_object_feels_and_where_its_asset_lies_is_read(self) -> None:
+        # What tests/servo/support/loop_stand_in.cpp has.
+        client = self.client()
+        feel = client.feel(0)
+        self.assertEqual((feel.method, feel.stabilized, feel.stiffness), (Method.SPM, True, 750))
+        self.assertEqual((feel.friction, feel.texture[2]), ((0.5, 0.4), 3))
+        self.assertEqual(client.asset_path(0), "/models/bunny.spm.exr")
+        self.assertEqual(client.borders(0), (900, 1800))
+        for wrong in (lambda: client.feel(4711), lambda: client.asset_path(7),
+                      lambda: client.borders(7)):
+            with self.assertRaises(ClientError) as caught:
+                wrong()
+            self.assertEqual(caught.exception.code, Code.NOT_THERE)
 
     def test_the_tool_and_where_it_touches_are_read(self) -> None:
         client = self.client()
@@ -349,12 +319,14 @@ class CSharp(WithDaemon):
             else:
                 found[name] = value
         for name in ("running", "versions", "added", "moved", "removed", "refused_then", "contact",
-                     "button", "cut", "all_woke", "contact_ticks", "waited"):
+                     "button", "cut", "all_woke", "contact_ticks", "waited", "led", "freed"):
             self.assertEqual(found[name], "True", name)
         self.assertEqual((found["process"], found["rate"]), (str(self.daemon.pid), "1000"))
         self.assertEqual(found["names"], "hand bunny first")
         self.assertEqual((found["turned"], found["refused"]), ("1", "0"))
         self.assertEqual((found["waited_in_vain"], found["proxy"]), ("False", "3"))
+        self.assertEqual((found["hand"], found["feel"]), ("Free", "Spm 1 750 0.4 3"))
+        self.assertEqual((found["borders"], found["path"]), ("900 1800", "/models/bunny.spm.exr"))
         self.assertEqual(found["contacts"], "2 0.3 7 0.25")
         self.assertIn("no such object", found["reason"])
         self.assertEqual((found["not_a_number"], found["too_hard"]), ("BadArgument", "BadArgument"))
@@ -367,69 +339,6 @@ class CSharp(WithDaemon):
         self.assertEqual(found["counts"], "12 13 1.5 2.5 3.5")
         self.assertEqual([line.rpartition(" ")[0] for line in applications], ["C# test"])
         self.assertIn("NoDaemon no daemon answers at", found["without_daemon"])
-
-
-class Examples(WithDaemon):
-    def run_example(self, *command, environment=None) -> str:
-        with self.client():  # which waits for the first tick
-            pass
-        done = subprocess.run(command, capture_output=True, text=True, timeout=120,
-                              env=environment)
-        self.assertEqual(done.returncode, 0, done.stderr)
-        return done.stdout
-
-    def test_the_c_example_prints_the_state(self) -> None:
-        shown = self.run_example(BIN / "spm_client_example", self.socket, "3", "0.5")
-        self.assertEqual(len(re.findall(r"^tick \d+: at .* mm, force .* N", shown, re.M)), 3)
-
-    def test_the_python_example_moves_the_object(self) -> None:
-        shown = self.run_example(sys.executable, EXAMPLES / "move_object.py", self.socket, "0.5")
-        self.assertGreater(len(set(re.findall(r"object at (\S+) mm", shown))), 2)
-
-    def test_the_python_example_guides_the_hand(self) -> None:
-        shown = self.run_example(sys.executable, EXAMPLES / "guide_hand.py", self.socket, "0.5")
-        self.assertGreater(len(set(re.findall(r"pushed by (\S+) N, force", shown))), 2)
-
-    @unittest.skipUnless(CAN_C_SHARP, "mcs or mono is not installed (mono-mcs and mono-runtime)")
-    def test_the_c_sharp_example_prints_the_state_and_what_was_counted(self) -> None:
-        program = os.path.join(self.folder.name, "ReadState.exe")
-        compile_c_sharp(program, EXAMPLES / "ReadState.cs")
-        shown = self.run_example("mono", program, self.socket, "3",
-                                 environment=c_sharp_environment())
-        self.assertEqual(len(re.findall(r"^tick \d+: hand at .* mm, force .* N", shown, re.M)), 3)
-        self.assertRegex(
-            shown, r"\nloop: \d+ ticks, \d+ missed, late p99 0\.3 us, busy p99 0\.5 us\n"
-                   r"hand: \d+ ticks in contact, largest force 1\.50 N\n"
-                   r"connected: ReadState example \(process \d+\)\n")
-        missing = subprocess.run(["mono", program, self.socket + ".not"], capture_output=True,
-                                 text=True, env=c_sharp_environment())
-        self.assertEqual(missing.returncode, 2)
-        self.assertIn("no daemon answers at", missing.stderr)
-
-    WATCHED = r"^tick \d+: hand .* mm, proxy .* mm, force .* N$"
-
-    def test_the_examples_that_watch_the_proxy_see_each_tick_and_lower_the_cap(self) -> None:
-        for command in ([BIN / "spm_client_watch_proxy"],
-                        [sys.executable, EXAMPLES / "watch_proxy.py"]):
-            shown = self.run_example(*command, self.socket, "5", "1.5")
-            self.assertEqual(len(re.findall(self.WATCHED, shown, re.M)), 5)
-
-    @unittest.skipUnless(CAN_C_SHARP, "mcs or mono is not installed (mono-mcs and mono-runtime)")
-    def test_the_c_sharp_example_that_watches_the_proxy_sees_each_tick(self) -> None:
-        program = os.path.join(self.folder.name, "WatchProxy.exe")
-        compile_c_sharp(program, EXAMPLES / "WatchProxy.cs")
-        shown = self.run_example("mono", program, self.socket, "5", "1.5",
-                                 environment=c_sharp_environment())
-        self.assertEqual(len(re.findall(self.WATCHED, shown, re.M)), 5)
-
-    def test_examples_without_a_daemon_end_with_the_sentence(self) -> None:
-        for command in ([BIN / "spm_client_example"], [BIN / "spm_client_watch_proxy"],
-                        [sys.executable, EXAMPLES / "move_object.py"],
-                        [sys.executable, EXAMPLES / "watch_proxy.py"],
-                        [sys.executable, EXAMPLES / "guide_hand.py"]):
-            done = subprocess.run([*command, self.socket + ".not"], capture_output=True, text=True)
-            self.assertEqual(done.returncode, 2)
-            self.assertIn("no daemon answers at", done.stderr)
 
 
 if __name__ == "__main__":

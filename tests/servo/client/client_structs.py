@@ -11,7 +11,8 @@ STRUCTS = (("options", "OptionsData"), ("info", "InfoData"), ("tick", "TickData"
            ("device", "DeviceData"), ("contact", "ContactData"), ("object", "ObjectData"),
            ("pose", "PoseData"),
            ("material", "MaterialData"), ("push", "PushData"),
-           ("effect", "EffectData"), ("command_counts", "CountsData"),
+           ("effect", "EffectData"), ("hand", "HandData"), ("feel", "FeelData"),
+           ("command_counts", "CountsData"),
            ("event", "EventData"),
            ("loop", "LoopData"), ("device_counts", "DeviceCountsData"),
            ("application", "ApplicationData"))
@@ -20,7 +21,7 @@ STRUCTS = (("options", "OptionsData"), ("info", "InfoData"), ("tick", "TickData"
 def header_sizes() -> dict[str, int]:
     """Counted from the text of the headers, so that a field that is added there shows."""
     header = "".join((CLIENT / name).read_text(encoding="utf-8")
-                     for name in ("spm_client.h", "spm_client_counts.h"))
+                     for name in ("spm_client.h", "spm_client_counts.h", "spm_client_live.h"))
     sizes = {"uint32_t": 4, "int32_t": 4, "uint64_t": 8, "int64_t": 8, "double": 8, "char": 1}
     found = {}
     structs = r"typedef struct spm_client_(\w+) \{(.*?)\} spm_client_\w+;"

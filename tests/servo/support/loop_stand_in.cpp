@@ -98,7 +98,8 @@ bool is_of_tick(const spm_shared_object& object, std::uint64_t tick) {
 }
 
 std::unique_ptr<AppState> small_state() {
-  auto state = AppState::create(1000, {{"hand"}, {"bunny"}, {"first"}});
+  auto state = AppState::create(
+      1000, {{"hand"}, {"bunny"}, {"first"}, {"/models/bunny.spm.exr"}, {900}, {1800}});
   if (!state) throw std::runtime_error(state.error().message);
   return std::move(*state);
 }
@@ -136,6 +137,12 @@ spm_shared_command move_command(std::uint64_t object, double x) {
 LoopStandIn::LoopStandIn(AppState& state) : state_(state) {
   AppObject first;
   first.movable = true;
+  felt_.force.stiffness = 750;
+  felt_.effects.friction = {0.5, 0.4};
+  felt_.effects.texture.seed = 3;
+  first.settings = &felt_;
+  first.stabilized = true;
+  hands_.know_device(0, true);
   objects_.push_back(first);
   objects_.reserve(SPM_MAX_OBJECTS);
   thread_ = std::thread([this] { run(); });
@@ -158,6 +165,8 @@ void LoopStandIn::run() {
     devices[0].state.buttons = buttons_.load();
     devices[0].contact = contact_.load();
     devices[0].cause = cause_.load();
+    devices[0].leadable = true;
+    devices[0].led = hands_.of(0, now_ns()) != nullptr;
     devices[0].has_tool = true;
     devices[0].tool.position = {0.5, 0.25, static_cast<double>(tick) * 1e-6};
     devices[0].tool.orientation = Eigen::Quaterniond(0, 1, 0, 0);
@@ -190,9 +199,11 @@ Refusal LoopStandIn::apply(const AppCommand& command) {
   if (command.action == AppAction::departure) {
     std::erase_if(objects_,
                   [&](const AppObject& object) { return object.id >> 32U == command.connection; });
+    hands_.leave(command.connection);
     departures_.fetch_add(1);
     return Refusal::none;
   }
+  if (command.action == AppAction::lead) return hands_.lead(command, now_ns());
   if (command.action == AppAction::acknowledge) set_cause(ForceOff::none);
   switch (command.action) {
     case AppAction::clutch:

@@ -8,6 +8,7 @@
 #include <thread>
 #include <vector>
 
+#include "servo/app/app_hands.hpp"
 #include "servo/app/app_state.hpp"
 
 namespace spm::test {
@@ -83,6 +84,8 @@ class LoopStandIn {
   [[nodiscard]] servo::Refusal apply(const servo::AppCommand& command);
 
   servo::AppState& state_;
+  servo::AppHands hands_;
+  PlacedObject felt_;  ///< how the first object feels
   std::vector<servo::AppObject> objects_;
   std::atomic<std::uint64_t> ticks_{0}, departures_{0};
   std::atomic<bool> stop_{false}, contact_{false};

@@ -56,7 +56,7 @@ TEST_CASE("A wrong option is a usage error that says what would do") {
       {"colour=red", "profile, hand, path, depth, speed, seed"},
       {"profile=omega7", "low falcon touch omega3 wooden"},
       {"profile=", "low falcon touch omega3 wooden"},
-      {"hand=wave", "slide, push or path"},
+      {"hand=wave", "slide, push, path or live"},
       {"hand=path", "path=FILE"},
       {"hand=slide,path=a.txt", "hand=path"},
       {"path=", "trajectory"},

@@ -1,0 +1,100 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+#include <spdlog/spdlog.h>
+
+#include <cstdio>
+#include <filesystem>
+#include <memory>
+
+#include "servo/commands/account_names.hpp"
+#include "servo/commands/commands.hpp"
+#include "servo/realtime/stop_signals.hpp"
+#include "servo/view/view_server.hpp"
+
+namespace spm::servo {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+struct ViewCommand {
+  cli::GlobalOptions global;
+  ViewSettings settings;
+};
+
+/// The built page beside the program, installed or in the build folder.
+std::string page_folder() {
+  std::error_code problem;
+  const fs::path program = fs::read_symlink("/proc/self/exe", problem);
+  return (program.parent_path().parent_path() / "share" / "spm-haptics" / "view").string();
+}
+
+void tell_start(const ViewCommand& command, const std::string& url) {
+  if (command.global.json) {
+    cli::print_json({{"url", url}});
+  } else {
+    fmt::print("{}\n", url);
+    spdlog::info("open this address in a browser; Ctrl-C ends the view, not the daemon");
+  }
+  // Whoever reads it waits for it while the view goes on.
+  std::fflush(stdout);
+}
+
+int execute_view(const ViewCommand& command) {
+  cli::configure_messages(command.global);
+  if (!is_loopback(command.settings.address)) {
+    spdlog::warn(
+        "--address {}: whoever learns the address with its token can lead the simulated hand and "
+        "change how objects feel, and reads along the way are not encrypted; leave the option away "
+        "for this machine alone",
+        command.settings.address);
+  }
+  StopSignals signals;
+  signals.listen();
+  ViewSettings settings = command.settings;
+  settings.page = page_folder();
+  const auto served = serve_view(settings, signals.flag(),
+                                 [&](const std::string& url) { tell_start(command, url); });
+  if (!served) return cli::report(served.error());
+  return static_cast<int>(ExitCode::done);
+}
+
+}  // namespace
+
+Command add_view_command(CLI::App& program) {
+  auto command = std::make_shared<ViewCommand>();
+  CLI::App* app = program.add_subcommand(
+      "view",
+      "Serve a live page for the browser: the scene of the running daemon, its hands and forces; "
+      "with a daemon of --device sim:hand=live the page leads the hand");
+  cli::add_global_options(*app, command->global);
+  FeedSettings& feed = command->settings.feed;
+  cli::add_integer(
+      *app, "--port", 0, 65535,
+      [&settings = command->settings](std::uint64_t port) {
+        settings.port = static_cast<std::uint16_t>(port);
+      },
+      "Port of the page, 0 to 65535 (default 0: any)");
+  app->add_option("--address", command->settings.address,
+                  "Address to serve at, in digits (default 127.0.0.1: this machine alone)")
+      ->type_name("ADDRESS");
+  app->add_option("--name", feed.name,
+                  "Name of the daemon, as its --name says (default $SPM_SERVO_NAME, or default)")
+      ->type_name("NAME");
+  app->add_option("--socket", feed.socket,
+                  "Socket of the daemon (default $XDG_RUNTIME_DIR/spm-servo/NAME.sock)")
+      ->type_name("FILE");
+  cli::add_parsed(
+      *app, "--server-user",
+      [&trusted = feed.server_user](const std::string& text) -> Result<void> {
+        const Result<std::uint32_t> user = user_id(text);
+        if (!user) return tl::make_unexpected(user.error());
+        trusted = *user;
+        return {};
+      },
+      "User whose daemon is trusted, beside those of this user and of root: a name or an id",
+      "USER");
+  return {app, [command] { return execute_view(*command); }};
+}
+
+}  // namespace spm::servo

@@ -1,0 +1,199 @@
+// SPDX-License-Identifier: Apache-2.0
+// The numbers, causes, sliders and lists beside the scene. Names of others become text, never markup.
+
+import { size3 } from './frame.js';
+
+const by = (id) => document.getElementById(id);
+const element = (name, text) => {
+  const made = document.createElement(name);
+  if (text !== undefined) made.textContent = text;
+  return made;
+};
+const short = (value, digits = 3) => Number(value.toPrecision(digits)).toString();
+const SEND_EVERY = 60; // ms, of a slider that is dragged
+
+// Sliders go from 0 to 1000; `root` bends them so that small values have room.
+const SLIDERS = [
+  { key: 'stiffness', label: 'Stiffness', most: 5000, root: 2, show: (v) => `${short(v)} N/m`,
+    read: (feel) => feel.stiffness, wish: (v) => ({ stiffness: v }) },
+  { key: 'friction', label: 'Friction', most: 1.5, root: 1, show: (v) => `${short(v, 2)} µ`, paper: false,
+    read: (feel) => feel.friction[0], wish: (v) => ({ friction: [v, 0.8 * v] }) },
+  { key: 'damping', label: 'Damping', most: 20, root: 2, show: (v) => `${short(v, 2)} N s/m`, paper: false,
+    read: (feel) => feel.damping, wish: (v) => ({ damping: v }) },
+  { key: 'texture', label: 'Texture', most: 3e-4, root: 2, show: (v) => `${short(1e6 * v, 2)} µm`, paper: false,
+    read: (feel) => feel.texture[0],
+    wish: (v, feel) => ({ texture: [v, feel.texture[1] || 1e-3] }) },
+];
+const CAP = { key: 'cap', label: 'Force cap', most: 20, root: 2, show: (v) => `${short(v, 2)} N` };
+
+const STATES = ['running', 'stalled: no tick comes', 'ended', 'gone', 'no daemon'];
+
+export class Panel {
+  constructor({ link, wishesChanged }) {
+    this.link = link;
+    this.wishesChanged = wishesChanged;
+    this.facts = new Map();
+    this.busyUntil = 0;
+    this.makeSliders();
+    by('object').addEventListener('change', () => this.showFeel(true));
+    by('acknowledge').addEventListener('click', () => link.send({ t: 'acknowledge', device: 0 }));
+  }
+
+  makeSliders() {
+    this.sliders = [...SLIDERS, CAP].map((kind) => {
+      const line = element('label');
+      line.className = 'slider';
+      const input = element('input');
+      Object.assign(input, { type: 'range', min: 0, max: 1000, step: 1, id: `slide-${kind.key}` });
+      const output = element('output');
+      line.append(element('span', kind.label), input, output);
+      by('sliders').append(line);
+      const slider = { kind, input, output, line, value: 0 };
+      input.addEventListener('input', () => this.slid(slider));
+      return slider;
+    });
+  }
+
+  put(slider, value) {
+    const { kind, input, output } = slider;
+    slider.value = value;
+    if (Number.isFinite(value)) {
+      input.value = Math.round(1000 * Math.min(value / kind.most, 1) ** (1 / kind.root));
+      output.textContent = kind.show(value);
+    } else {
+      input.value = 1000;
+      output.textContent = 'none';
+    }
+    input.setAttribute('aria-valuetext', output.textContent);
+  }
+
+  /** A slider was moved: the newest value is sent, not more often than the loop likes. */
+  slid(slider) {
+    const { kind, input } = slider;
+    slider.value = kind.most * (input.value / 1000) ** kind.root;
+    slider.output.textContent = kind.show(slider.value);
+    input.setAttribute('aria-valuetext', slider.output.textContent);
+    this.busyUntil = performance.now() + 800;
+    clearTimeout(slider.timer);
+    const wait = Math.max(0, (slider.next ?? 0) - performance.now());
+    slider.timer = setTimeout(() => {
+      slider.next = performance.now() + SEND_EVERY;
+      by('refused').textContent = '';
+      this.wish(slider);
+    }, wait);
+  }
+
+  wish({ kind, value }) {
+    if (kind === CAP) {
+      this.link.send({ t: 'cap', device: 0, newtons: value });
+    } else if (this.object) {
+      this.link.send({ t: 'feel', object: this.object.id, ...kind.wish(value, this.object) });
+    }
+    this.showBorder();
+  }
+
+  fact(name, text) {
+    let value = this.facts.get(name);
+    if (!value) {
+      const box = element('div');
+      value = element('dd');
+      box.append(element('dt', name), value);
+      by('facts').append(box);
+      this.facts.set(name, value);
+    }
+    if (value.textContent !== text) value.textContent = text;
+  }
+
+  /** What seldom changes. */
+  scene(scene) {
+    this.scenes = scene;
+    const chosen = this.object?.id;
+    const list = by('object');
+    list.replaceChildren(...scene.objects.map((object, i) => {
+      const option = element('option', object.name || `object ${i + 1}`);
+      option.value = String(object.id);
+      return option;
+    }));
+    if (scene.objects.some((object) => object.id === chosen)) list.value = String(chosen);
+    this.showFeel(false);
+    by('applications').replaceChildren(...scene.applications.map((application) => element('li',
+      `${application.name || 'without a name'}, process ${application.process}`
+      + `${application.supervisor ? ', supervisor' : ''}`)));
+    const failed = scene.assets.filter((asset) => asset.mesh === 'failed');
+    if (failed.length) this.tell(`No picture of ${failed[0].name}: ${failed[0].error}`);
+  }
+
+  showFeel(anew) {
+    const id = Number(by('object').value);
+    this.object = this.scenes?.objects.find((object) => object.id === id) ?? this.scenes?.objects[0];
+    const { object } = this;
+    by('feel').hidden = !object;
+    if (!object || (!anew && performance.now() < this.busyUntil)) return;
+    for (const slider of this.sliders) {
+      if (slider.kind === CAP) continue;
+      this.put(slider, slider.kind.read(object));
+      slider.input.disabled = object.method === 'paper' && slider.kind.paper === false;
+    }
+    by('fixed').textContent = `Method ${object.method}, stabilization ${object.stabilized ? 'on' : 'off'}: `
+      + 'fixed while the daemon runs with --asset; with --scene an edit of its file changes them.';
+    this.showBorder();
+  }
+
+  /** How far the stiffest object is from the border at which the device shakes. */
+  showBorder() {
+    const device = this.scenes?.devices[0];
+    const stabilized = this.object?.stabilized;
+    const border = device && (stabilized ? device.stabilized_border : device.bare_border);
+    by('border').hidden = !border;
+    if (!border) return;
+    const slider = this.sliders[0];
+    const others = this.scenes.objects.filter((object) => object !== this.object);
+    const stiffest = Math.max(slider.value, ...others.map((object) => object.stiffness));
+    const share = stiffest / border;
+    by('meter').value = share;
+    const word = share < 0.61 ? 'safe' : share < 1 ? 'near the border' : 'beyond the border: it may shake';
+    by('margin').textContent = `${word}: ${short(stiffest)} of ${short(border)} N/m, at which the `
+      + `laboratory's ${device.name} began to shake ${stabilized ? 'with' : 'without'} stabilization `
+      + '(simulated)';
+    by('meter').textContent = `${Math.round(100 * share)} %`;
+  }
+
+  tell(text) { by('refused').textContent = text; }
+
+  status(text, state) {
+    const status = by('status');
+    if (status.textContent !== text) status.textContent = text;
+    status.dataset.state = state;
+  }
+
+  /** What changes with each frame. */
+  frame(frame) {
+    const device = frame.devices[0];
+    this.status(STATES[frame.daemon] ?? 'unknown', frame.daemon === 0 ? 'running' : 'bad');
+    if (!device) return;
+    this.fact('force', `${size3(device.force).toFixed(2)} N`);
+    this.fact('depth', `${(1000 * device.depth).toFixed(2)} mm`);
+    this.fact('rate', `${frame.rate.toFixed(0)} Hz`);
+    this.fact('missed', `${frame.missed} of ${frame.ticks}`);
+    this.fact('cap met', `${device.capHits}`);
+    if (frame.objectTotal > frame.objects.length) {
+      this.fact('shown', `${frame.objects.length} of ${frame.objectTotal} objects`);
+    }
+    const cap = this.sliders.at(-1);
+    if (performance.now() > this.busyUntil && cap.value !== device.forceCap) this.put(cap, device.forceCap);
+    this.cause(device.cause);
+  }
+
+  cause(number) {
+    if (number === this.shownCause) return;
+    this.shownCause = number;
+    const cause = this.scenes?.causes[number];
+    const box = by('causes');
+    box.hidden = number === 0;
+    by('acknowledge').hidden = cause?.name !== 'unacknowledged';
+    if (!number) return;
+    const name = element('p');
+    name.append(element('strong', `No force: ${cause?.name ?? `cause ${number}`}`));
+    box.replaceChildren(name, element('p', cause?.cure ?? ''));
+  }
+}

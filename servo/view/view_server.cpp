@@ -1,0 +1,139 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "servo/view/view_server.hpp"
+
+#include <fmt/format.h>
+
+#include <boost/asio/awaitable.hpp>
+#include <boost/asio/co_spawn.hpp>
+#include <boost/asio/detached.hpp>
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/ip/tcp.hpp>
+#include <boost/asio/steady_timer.hpp>
+#include <boost/asio/use_awaitable.hpp>
+#include <chrono>
+#include <exception>
+#include <map>
+#include <memory>
+#include <utility>
+#include <vector>
+
+#include "servo/view/view_access.hpp"
+#include "servo/view/view_desk.hpp"
+#include "servo/view/view_pages.hpp"
+#include "servo/view/view_session.hpp"
+
+namespace spm::servo {
+
+namespace asio = boost::asio;
+using asio::ip::tcp;
+
+namespace {
+
+/// 60 frames a second for pages; without one, often enough to find a daemon.
+constexpr std::chrono::microseconds frame_interval{16'667};
+constexpr std::chrono::milliseconds idle_interval{100};
+
+class Server {
+ public:
+  Server(asio::io_context& context, tcp::acceptor acceptor, ViewContent content,
+         const std::atomic<bool>& stop)
+      : context_(context),
+        acceptor_(std::move(acceptor)),
+        timer_(context),
+        stop_(stop),
+        content_(std::move(content)) {}
+
+  void start() {
+    asio::co_spawn(context_, accept(), asio::detached);
+    asio::co_spawn(context_, tick(), asio::detached);
+  }
+
+ private:
+  asio::awaitable<void> accept() {
+    for (;;) {
+      tcp::socket socket = co_await acceptor_.async_accept(asio::use_awaitable);
+      asio::co_spawn(context_, serve_connection(std::move(socket), content_), asio::detached);
+    }
+  }
+
+  /// The clock of the view: reads the daemon and hands frames to the pages.
+  asio::awaitable<void> tick() {
+    auto due = std::chrono::steady_clock::now();
+    while (!stop_.load(std::memory_order_relaxed)) {
+      content_.desk->look();
+      const auto now = std::chrono::steady_clock::now();
+      due += content_.desk->is_watched() ? std::chrono::nanoseconds(frame_interval)
+                                         : std::chrono::nanoseconds(idle_interval);
+      if (due < now) due = now;
+      timer_.expires_at(due);
+      co_await timer_.async_wait(asio::use_awaitable);
+    }
+    context_.stop();
+  }
+
+  asio::io_context& context_;
+  tcp::acceptor acceptor_;
+  asio::steady_timer timer_;
+  const std::atomic<bool>& stop_;
+  ViewContent content_;
+};
+
+/// Opens the port. Errors as serve_view() says.
+Result<tcp::acceptor> listen(asio::io_context& context, const ViewSettings& settings) {
+  boost::system::error_code wrong;
+  const auto address = asio::ip::make_address(settings.address, wrong);
+  if (wrong) {
+    return fail(ExitCode::usage, fmt::format("--address {}: is no address in digits; leave it away "
+                                             "for this machine alone",
+                                             settings.address));
+  }
+  tcp::acceptor acceptor(context);
+  const tcp::endpoint place(address, settings.port);
+  acceptor.open(place.protocol(), wrong);
+  if (!wrong) acceptor.set_option(asio::socket_base::reuse_address(true), wrong);
+  if (!wrong) acceptor.bind(place, wrong);
+  if (!wrong) acceptor.listen(asio::socket_base::max_listen_connections, wrong);
+  if (wrong) {
+    return fail(ExitCode::file_or_device,
+                fmt::format("port {} of {} cannot be opened ({}): take another one with --port, or "
+                            "0 for any",
+                            settings.port, settings.address, wrong.message()));
+  }
+  return acceptor;
+}
+
+}  // namespace
+
+bool is_loopback(const std::string& address) {
+  boost::system::error_code wrong;
+  const auto parsed = asio::ip::make_address(address, wrong);
+  return !wrong && parsed.is_loopback();
+}
+
+Result<void> serve_view(const ViewSettings& settings, const std::atomic<bool>& stop,
+                        const std::function<void(const std::string&)>& started) {
+  auto page = read_page(settings.page);
+  if (!page) return tl::make_unexpected(std::move(page.error()));
+  auto token = make_token();
+  if (!token) return tl::make_unexpected(std::move(token.error()));
+  asio::io_context context(1);
+  auto acceptor = listen(context, settings);
+  if (!acceptor) return tl::make_unexpected(std::move(acceptor.error()));
+  const tcp::endpoint place = acceptor->local_endpoint();
+  const std::string host =
+      place.address().is_v6() ? fmt::format("[{}]", settings.address) : settings.address;
+  ViewFeed feed(settings.feed);
+  ViewDesk desk(feed);
+  Server server(context, std::move(*acceptor), {&*page, *token, place.port(), &desk}, stop);
+  server.start();
+  started(fmt::format("http://{}:{}/{}/", host, place.port(), *token));
+  try {
+    context.run();
+  } catch (const std::exception& problem) {
+    return fail(ExitCode::internal,
+                fmt::format("the view ended by a defect ({}): report it as a bug", problem.what()));
+  }
+  return {};
+}
+
+}  // namespace spm::servo

@@ -1,0 +1,269 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
+"""The live view in a real browser, on the real daemon: headless Chromium leads the simulated hand."""
+
+import http.client
+import json
+import os
+import shutil
+import subprocess
+import tempfile
+import time
+import unittest
+import urllib.parse
+
+from browser import Browser, is_there
+from programs import BIN, SERVO, Case, generate, run
+
+PAGE = os.path.join(BIN, os.pardir, "share", "spm-haptics", "view", "index.html")
+PICTURES = os.path.join(BIN, os.pardir, "pictures")
+PATIENCE = 60.0  # s
+STIFFNESS = 400.0  # N/m
+FORCE = "Math.hypot(...spmView.frame.devices[0].force)"
+HOSTILE = "<img src=x onerror='window.harmed=1'>&amp;.spm.exr"
+
+WITHOUT = ("npm has not built the page: run scripts/build_page" if not os.path.exists(PAGE) else
+           "chromium and chromedriver are not there: install chromium-driver" if not is_there() else "")
+
+
+class Watched(Case):
+    """A daemon with a hand that may be led, on an object whose name is hostile, a view of it, and two
+    browsers, which all tests share: the second has no WebGL."""
+
+    @classmethod
+    def prepare(cls):
+        """Once, for the whole file."""
+        cls.folder = tempfile.mkdtemp(prefix="spm-e2e-view-")
+        unittest.addModuleCleanup(shutil.rmtree, cls.folder, ignore_errors=True)
+        generate(cls.folder, "box")
+        cls.hostile = os.path.join(cls.folder, HOSTILE)
+        baked = run("build", os.path.join(cls.folder, "box.obj"), "-o", cls.hostile, "--tolerance", "50um",
+                    "--quiet")
+        assert baked.returncode == 0, baked.stderr
+        cls.environment = {**os.environ, "XDG_RUNTIME_DIR": cls.folder}
+        cls.daemon = cls.start_daemon()
+        unittest.addModuleCleanup(lambda: cls.end(cls.daemon))
+        cls.view = cls.start("view", "--json", stdout=subprocess.PIPE, text=True)
+        unittest.addModuleCleanup(cls.view.stdout.close)
+        unittest.addModuleCleanup(cls.end, cls.view)
+        cls.url = json.loads(cls.view.stdout.readline())["url"]
+        cls.browser, cls.bare = Browser(), Browser(800, 700, webgl=False)
+        unittest.addModuleCleanup(cls.browser.close)
+        unittest.addModuleCleanup(cls.bare.close)
+        for browser in (cls.browser, cls.bare):
+            browser.open(cls.url)
+        cls.browser.wait("window.spmView && spmView.stage && spmView.stage.framed")
+        cls.bare.wait("window.spmView && spmView.frames > 20")
+
+    @classmethod
+    def start(cls, *words, **how):
+        return subprocess.Popen([SERVO, *words], env=cls.environment, **how)
+
+    @classmethod
+    def start_daemon(cls, *more):
+        return cls.start("run", "--asset", cls.hostile, "--device", "sim:hand=live", "--realtime",
+                         "off", "--black-box", "off", "--stiffness", f"{STIFFNESS}N/m", "--quiet",
+                         *more, stdout=subprocess.DEVNULL)
+
+    @staticmethod
+    def end(process):
+        if process.poll() is None:
+            process.terminate()
+            process.wait(PATIENCE)
+
+    def tearDown(self):
+        self.assertEqual(self.browser.errors(), [])
+
+    def device(self):
+        return self.browser.run("const d = spmView.frame.devices[0];"
+                                "return {force: Math.hypot(...d.force), depth: d.depth, hand: d.hand,"
+                                "        contact: d.contact, cap: d.forceCap}")
+
+    def on_object(self):
+        """The place of the window where the object's middle is seen."""
+        return self.browser.run("return spmView.stage.project(spmView.stage.middle)")
+
+    def settled(self):
+        """The device once its force rests."""
+        seen = []
+        deadline = time.monotonic() + PATIENCE
+        while time.monotonic() < deadline:
+            seen = [*seen[-3:], self.device()]
+            forces = [state["force"] for state in seen]
+            if len(seen) == 4 and seen[-1]["contact"] and max(forces) - min(forces) < 0.001:
+                return seen[-1]
+            time.sleep(0.06)
+        return self.fail(f"the force never rests: {seen}")
+
+    def picture(self, name):
+        os.makedirs(PICTURES, exist_ok=True)
+        self.browser.screenshot(os.path.join(PICTURES, f"view-{name}.png"))
+
+
+def setUpModule():
+    if WITHOUT:
+        raise unittest.SkipTest(WITHOUT)
+    Watched.prepare()
+
+
+class Touch(Watched):
+    def test_a_dragged_hand_feels_stiffness_times_depth(self):
+        self.browser.press(*self.on_object())
+        try:
+            touched = self.settled()
+            self.assertGreater(touched["force"], 0.1)
+            self.assertAlmostEqual(touched["force"] / (STIFFNESS * touched["depth"]), 1, delta=0.05)
+            self.assertEqual(self.browser.run("return spmView.frame.leads"), 1)
+            self.picture("touch")
+            x, y = self.on_object()
+            self.browser.act({"type": "scroll", "x": round(x), "y": round(y), "deltaX": 0,
+                              "deltaY": -400, "duration": 0}, kind="wheel")
+            self.browser.wait(f"{FORCE} > {1.3 * touched['force']}")
+        finally:
+            self.browser.release()
+        self.browser.wait(f"{FORCE} < 0.05")
+
+    def test_the_keys_move_the_hand_and_escape_lets_it_go(self):
+        self.browser.run("document.getElementById('scene').focus(); spmView.hand.letGo()")
+        place = "spmView.frame.devices[0].position[0]"
+        before = self.browser.run(f"return {place}")
+        self.browser.act(*[{"type": kind, "value": "\ue014"} for _ in range(3)
+                           for kind in ("keyDown", "keyUp")], kind="key")
+        self.browser.wait("spmView.frame.leads === 1")
+        self.browser.wait(f"Math.abs({place} - {before}) > 1e-4")
+        self.browser.act({"type": "keyDown", "value": "\ue00c"}, {"type": "keyUp", "value": "\ue00c"},
+                         kind="key")
+        self.browser.wait("spmView.frame.devices[0].hand === 1")
+
+    def test_the_canvas_shows_the_object_in_its_colours(self):
+        colours = self.browser.run(
+            "const s = spmView.stage; s.dirty = true; s.drawnAt = 0; s.draw();"
+            "const gl = s.renderer.getContext(), seen = new Set(), one = new Uint8Array(4);"
+            "for (let i = 1; i < 40; ++i) for (let k = 1; k < 40; ++k) {"
+            "  gl.readPixels(i * gl.drawingBufferWidth / 40, k * gl.drawingBufferHeight / 40, 1, 1,"
+            "                gl.RGBA, gl.UNSIGNED_BYTE, one); seen.add(one.join()); }"
+            "return seen.size")
+        self.assertGreaterEqual(colours, 4)
+
+    def test_the_sliders_change_what_is_felt_and_the_scene_that_is_saved(self):
+        self.slide_stiffness(447)
+        self.addCleanup(self.slide_stiffness, 283)  # STIFFNESS, as far as a slider can
+        self.browser.run(
+            "const c = document.getElementById('slide-cap'); c.value = 400;"
+            "c.dispatchEvent(new Event('input'))")
+        self.browser.wait("Math.abs(spmView.scene.objects[0].stiffness - 1000) < 5")
+        self.browser.wait("Math.abs(spmView.frame.devices[0].forceCap - 3.2) < 0.01")
+        self.browser.wait("document.getElementById('margin').textContent.includes('of')")
+        saved = self.browser.run("const r = new XMLHttpRequest(); r.open('GET', 'scene.toml', false);"
+                                 "r.send(); return r.responseText")
+        self.assertRegex(saved, r"stiffness = '?\"?99\d|stiffness = '?\"?100\d")
+        path = os.path.join(self.folder, "saved.toml")
+        with open(path, "w", encoding="utf-8") as file:
+            file.write(saved)
+        again = run("run", "--scene", path, "--device", "sim", "--duration", "0.1", "--realtime", "off",
+                    "--socket", "off", "--black-box", "off", "--json", program=SERVO)
+        self.assertEqual(again.returncode, 0, again.stderr)
+        self.assertAlmostEqual(json.loads(again.stdout)["objects"][0]["stiffness"], 1000, delta=5)
+
+    def slide_stiffness(self, place):
+        self.browser.run("const s = document.getElementById('slide-stiffness');"
+                         "s.value = arguments[0]; s.dispatchEvent(new Event('input'))", place)
+
+    def test_hostile_names_stay_text(self):
+        self.assertIn("<img", self.browser.run(
+            "return document.getElementById('object').selectedOptions[0].textContent"))
+        self.assertIsNone(self.browser.run("return window.harmed ?? null"))
+        self.assertEqual(self.browser.run("return document.querySelectorAll('img').length"), 0)
+
+    def test_a_second_page_watches_while_the_first_leads(self):
+        self.browser.press(*self.on_object())
+        try:
+            self.browser.wait("spmView.frame.leads === 1")
+            # The first page's pointer rests pressed, and its page must go on to say so.
+            second = self.bare
+            second.wait("spmView.frame.leads === 2")
+            second.run("spmView.link.send({t: 'hand', device: 0, p: [0, 0, 0], q: [1, 0, 0, 0], n: 1})")
+            second.wait("document.getElementById('refused').textContent.includes('watches')")
+        finally:
+            self.browser.release()
+
+    def test_wide_and_narrow_light_and_dark(self):
+        self.addCleanup(self.browser.resize, 1280, 800)
+        for theme in ("light", "dark"):
+            for name, width, height in (("wide", 1280, 800), ("narrow", 390, 844)):
+                self.browser.resize(width, height)
+                self.browser.run("if (document.documentElement.dataset.theme !== arguments[0])"
+                                 "document.getElementById('theme').click(); spmView.stage.frame()", theme)
+                self.browser.press(*self.on_object())
+                self.browser.wait(f"{FORCE} > 0.1")
+                self.settled()
+                self.assertLessEqual(self.browser.run("return document.documentElement.scrollWidth"), width)
+                self.picture(f"{name}-{theme}")
+                self.browser.release()
+        self.browser.wait("spmView.frame.devices[0].hand === 1")
+
+
+class Away(Watched):
+    def test_a_daemon_that_is_killed_and_started_again_is_seen_again(self):
+        Watched.daemon.kill()
+        Watched.daemon.wait()
+        try:
+            # First that it hung up, then that none answers.
+            self.browser.wait("/hung up|no daemon/.test(document.getElementById('status').textContent)")
+        finally:
+            Watched.daemon = self.start_daemon()
+        self.browser.wait("document.getElementById('status').textContent === 'running'")
+        self.browser.press(*self.on_object())
+        self.browser.wait(f"{FORCE} > 0.1")
+        self.browser.release()
+
+    def test_without_webgl_a_sentence_and_the_charts_go_on(self):
+        bare = self.bare
+        self.assertIn("no WebGL", bare.run("return document.getElementById('noscene').textContent"))
+        self.assertEqual(bare.run("return document.querySelectorAll('#charts canvas').length"), 4)
+        frames = bare.run("return spmView.frames")
+        bare.wait(f"spmView.frames > {frames} + 20")
+
+
+class Access(Watched):
+    def get(self, path, **headers):
+        address = urllib.parse.urlsplit(self.url)
+        connection = http.client.HTTPConnection(address.hostname, address.port, timeout=PATIENCE)
+        self.addCleanup(connection.close)
+        connection.putrequest("GET", path, skip_host="Host" in headers)
+        for name, value in headers.items():
+            connection.putheader(name.replace("_", "-"), value)
+        connection.endheaders()
+        answer = connection.getresponse()
+        answer.text = answer.read().decode("utf-8", "replace")
+        return answer
+
+    def test_a_request_without_the_token_by_another_name_or_from_another_page_is_refused(self):
+        address = urllib.parse.urlsplit(self.url)
+        page, host = address.path, address.netloc
+        self.assertEqual(self.get(page).status, 200)
+        for path in ("/", "/view.js", "/0123456789abcdef0123456789abcdef/", "/../etc/passwd"):
+            with self.subTest(path=path):
+                answer = self.get(path)
+                self.assertEqual(answer.status, 403)
+                self.assertIn("token", answer.text)
+        self.assertEqual(self.get(page, Host="example.org").status, 403)
+        self.assertEqual(self.get(page + "../../etc/passwd").status, 404)
+        upgrade = {"Connection": "Upgrade", "Upgrade": "websocket", "Sec_WebSocket_Version": "13",
+                   "Sec_WebSocket_Key": "dGhlIHNhbXBsZSBub25jZQ=="}
+        for origin in ("http://example.org", f"https://{host}", "null"):
+            with self.subTest(origin=origin):
+                self.assertEqual(self.get(page + "ws", Origin=origin, **upgrade).status, 403)
+        self.assertEqual(self.get(page + "ws", **upgrade).status, 403)
+        self.assertEqual(self.get(page + "ws", Origin=f"http://{host}", **upgrade).status, 101)
+
+    def test_the_page_may_reach_nothing_else(self):
+        policy = self.get(urllib.parse.urlsplit(self.url).path).getheader("Content-Security-Policy")
+        self.assertIn("default-src 'none'", policy)
+        self.assertEqual(self.browser.run(
+            "return fetch('http://127.0.0.1:9/').then(() => 'reached', () => 'kept')"), "kept")
+        self.browser.errors()  # what the browser says of it
+
+
+if __name__ == "__main__":
+    unittest.main()
