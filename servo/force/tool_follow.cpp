@@ -228,6 +228,8 @@ void ToolForce::note_lie() noexcept {
     deepest = patch.depth;
     lie.object = patch.object;
   }
+  // An object that was put over it, or baked anew, shall not throw it out.
+  if (lie.deep && !virtual_->emerging()) virtual_->place(pose_);
   escape_->note(lie, pose_, held_);
 }
 

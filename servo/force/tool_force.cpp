@@ -102,12 +102,12 @@ void ToolForce::exchange(std::size_t object) noexcept {
   held_[object] = {};
   seated_[object] = 0;
   late_[object] = 0;
-  put();
 }
 
 void ToolForce::meet_anew(std::size_t object) noexcept {
   exchange(object);
   met_[object - first_tool_] = {};
+  put();
 }
 
 ToolPush ToolForce::push_on(std::size_t hand) const noexcept {

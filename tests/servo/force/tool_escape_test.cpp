@@ -155,6 +155,10 @@ TEST_CASE("Forces on a tool that is led out are the same again, to the bit") {
   Inside first("ball"), second("ball");
   const std::vector<Vector3> forces = run(first);
   CHECK(run(second) == forces);
+  // Also with room for objects of applications, of which a replay knows nothing.
+  Inside roomy("ball");
+  roomy.begin(40);
+  CHECK(run(roomy) == forces);
   // Also after it was forgotten in the middle of its way.
   for (int tick = 0; tick < 333; ++tick) second.watched({0.002, 0.003, 0});
   second.force->reset();
