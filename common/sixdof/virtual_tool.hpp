@@ -81,6 +81,8 @@ class VirtualTool {
     pose_ = pose;
     known_ = false;
   }
+  /// Whether it still leaves an object that it was placed in.
+  [[nodiscard]] bool emerging() const noexcept { return emerging_; }
   /// May be changed between ticks.
   [[nodiscard]] VirtualToolSettings& settings() noexcept { return settings_; }
 

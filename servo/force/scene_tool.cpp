@@ -41,6 +41,7 @@ std::span<const ToolPush> SceneForce::meet_tools(
     made.asset = assets[tools_[k].asset];
     made.pose = other->tick().pose;
     made.settings = &tools_[k];
+    made.leaving = other->leads();
     const ToolPush push = other->push_on(hand_number_);
     if (!push.wrench.force.isZero(0)) pushes_.push_back(push);
   }

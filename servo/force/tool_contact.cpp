@@ -100,6 +100,9 @@ void ToolForce::sort_out(std::span<const ToolObject> objects, const Eigen::Isome
       if (i != carrier_ && culling_->apart(i, made, pose_, reach + ways_[i])) {
         ++effort.culled;
       } else if (objects[i].settings->force.method == Method::proxy) {
+        const bool moved =
+            i < first_tool_ && seated_[i] != 0 && objects[i].pose.matrix() != seats_[i].matrix();
+        if (moved && !(ways_[i] > 0)) put();
         held_[i] = made;
         any_held_ = true;
         longest_way_ = std::max(longest_way_, ways_[i]);
@@ -182,8 +185,12 @@ void ToolForce::push(const Eigen::Isometry3d& device, Work& work, Felt& felt,
 void ToolForce::hold(const Eigen::Isometry3d& device, std::span<const ToolObject> objects,
                      Work& work, Felt& felt, ForceEffort& effort) noexcept {
   const double stiffness = coupling_.stiffness / scale_, turning = coupling_.turning * scale_;
-  const VirtualToolReport report = follow(device, objects, work, effort);
+  const bool led = escape_->leads() || waits(objects);
+  const VirtualToolReport report =
+      led ? leave(device, objects, work, effort) : follow(device, objects, work, effort);
   contact_->settle();
+  tick_.leaving = led || virtual_->emerging();
+  if (!led && !another_leads(objects)) note_lie();
   tick_.capped = tick_.capped || report.capped;
   const bool held = report.wrench.force.norm() > free_stretch * stiffness;
   if (report.contact.sum.contacts == 0 && !held && !push_.any()) {

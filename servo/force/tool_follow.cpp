@@ -15,6 +15,12 @@ constexpr double longest_swept = 2e-3;
 constexpr std::uint32_t steps_of_part = 3;
 /// Ticks for which a tool counts as touched that was.
 constexpr std::uint32_t touching_ticks = 3;
+/// m: the way of a tick of a tool that is led. One that is deeper in another tool lies in it.
+constexpr double short_step = VirtualToolSettings{}.max_step;
+/// Ticks in which two tools begin to press on each other after one was led out of the other.
+constexpr double soft_ticks = 200;
+/// A sample that is this part of the band deep may be anywhere below it.
+constexpr double band_share = 0.95;
 constexpr std::uint32_t unstopped = ForceEffort::unstopped;
 
 }  // namespace
@@ -171,6 +177,62 @@ VirtualToolReport ToolForce::follow(const Eigen::Isometry3d& device,
   return report;
 }
 
+/// The tool was put where it is, or objects were where it is.
+void ToolForce::put() noexcept {
+  if (!virtual_) return;
+  virtual_->place(pose_);
+  escape_->reset();
+}
+
+/// Whether the tool of another hand that is near is led out of something: one goes after the other,
+/// or both might go the same way.
+bool ToolForce::another_leads(std::span<const ToolObject> objects) const noexcept {
+  for (std::size_t i = first_tool_; i < objects.size(); ++i) {
+    if (objects[i].leaving && held_[i].field != nullptr) return true;
+  }
+  return false;
+}
+
+/// Whether it lies in the tool of another hand which is led out of it, and so stays.
+bool ToolForce::waits(std::span<const ToolObject> objects) const noexcept {
+  return std::any_of(contact_->patches().begin(), contact_->patches().end(),
+                     [&](const PressedPatch& patch) {
+                       return objects[patch.object].leaving && patch.depth > short_step;
+                     });
+}
+
+/// Leads the tool out of what it lies in, or lets it stay; the hand feels the springs.
+VirtualToolReport ToolForce::leave(const Eigen::Isometry3d& device,
+                                   std::span<const ToolObject> objects, Work& work,
+                                   ForceEffort& effort) noexcept {
+  move_on(objects, 0, 1);
+  // Other tools are led themselves, and what hands press with does not tell a way.
+  push_ = {};
+  pose_.translation() += escape_->next(pose_, held_, short_step);
+  virtual_->place(pose_);
+  VirtualToolReport report;
+  static_cast<void>(step_on(device, 0, work, effort, report));
+  if (!virtual_->emerging()) escape_->came_out();
+  return report;
+}
+
+/// Takes up how the tool lies in what holds it.
+void ToolForce::note_lie() noexcept {
+  ToolEscape::Lie lie{false, virtual_->emerging(), 0};
+  double deepest = 0;
+  for (const PressedPatch& patch : contact_->patches()) {
+    const ContactObject& object = held_[patch.object];
+    if (object.field == nullptr) continue;
+    lie.deep = lie.deep || patch.depth > band_share * object.scale * object.field->band.max_depth;
+    if (!(patch.depth > deepest)) continue;
+    deepest = patch.depth;
+    lie.object = patch.object;
+  }
+  // An object that was put over it, or baked anew, shall not throw it out.
+  if (lie.deep && !virtual_->emerging()) virtual_->place(pose_);
+  escape_->note(lie, pose_, held_);
+}
+
 /// Whether this tool touches another one, or did a moment ago: of two that press on each other one
 /// may be pushed so that it just does not.
 bool ToolForce::touches(std::size_t tool) noexcept {
@@ -245,12 +307,15 @@ void ToolForce::press_tools(std::span<const ToolObject> objects, std::span<const
                             const Eigen::Isometry3d& device) noexcept {
   for (std::size_t tool = 0; tool < met_.size(); ++tool) {
     const ToolObject& object = objects[first_tool_ + tool];
-    met_[tool].given = {};
-    if (object.asset == nullptr || !touches(tool)) continue;
+    Met& met = met_[tool];
+    met.given = {};
+    const bool parting = leads() || object.leaving;
+    met.softly = parting ? 0 : std::min(1.0, met.softly + 1.0 / soft_ticks);
+    if (object.asset == nullptr || parting || !touches(tool)) continue;
     Wrench wrench = pressed_with(tool, pushes, device);
     const Vector3 arm = pose_.translation() - object.pose.translation();
     wrench.torque += arm.cross(wrench.force);
-    met_[tool].given = wrench;
+    met.given = {met.softly * wrench.force, met.softly * wrench.torque};
   }
   for (const ToolPush& push : pushes) {
     if (met_[push.hand].ticks < touching_ticks) add_mirrored(push);

@@ -63,12 +63,14 @@ void ToolForce::take(SampledTool* tool, std::size_t hand) noexcept {
   contact_ = has_samples ? &tool->contact(hand) : nullptr;
   culling_ = has_samples ? &tool->culling(hand) : nullptr;
   virtual_.reset();
+  escape_.reset();
   finest_ = every_level;
   if (contact_ == nullptr) return;
   contact_->forget();
   const SurfaceSamples& samples = tool_->samples();
   virtual_.emplace(*contact_, VirtualToolSettings{}, samples.centre.norm() + samples.radius);
-  virtual_->place(pose_);
+  escape_.emplace(samples);
+  put();
 }
 
 void ToolForce::stabilize(const StabilizationSettings& stabilization,
@@ -105,7 +107,7 @@ void ToolForce::exchange(std::size_t object) noexcept {
 void ToolForce::meet_anew(std::size_t object) noexcept {
   exchange(object);
   met_[object - first_tool_] = {};
-  if (virtual_) virtual_->place(pose_);
+  put();
 }
 
 ToolPush ToolForce::push_on(std::size_t hand) const noexcept {
@@ -282,14 +284,14 @@ ContactForce ToolForce::next(const HandPose& hand, std::span<ToolObject> objects
                              const ForceBudget& budget, ForceEffort& effort) noexcept {
   const Eigen::Isometry3d device = world_pose(hand);
   tick_.patch_count = 0;
-  tick_.capped = false;
+  tick_.capped = tick_.leaving = false;
   for (ToolObject& object : objects) object.reaction = {};
   if (!placed_) {
     pose_ = device;
     tick_.pose = pose_ * seat_;
     orientation_ = hand.orientation;
     ++starts_;
-    if (virtual_) virtual_->place(pose_);
+    put();
   }
   gone_ = 1;
   take_pushes(pushes);

@@ -16,6 +16,7 @@
 #include "servo/force/sampled_tool.hpp"
 #include "servo/force/tool_coupling.hpp"
 #include "servo/force/tool_culling.hpp"
+#include "servo/force/tool_escape.hpp"
 #include "servo/stabilize/velocity_estimate.hpp"
 #include "servo/stabilize/wrench_stabilizer.hpp"
 
@@ -26,6 +27,7 @@ struct ToolObject {
   const AssetView* asset = nullptr;  ///< null: there is no object of this number
   Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
   const PlacedObject* settings = nullptr;
+  bool leaving = false;  ///< the tool of another hand, which is led out of what it lies in
   Wrench reaction;  ///< what the tool does to it, N, and N m about its origin; written by a tick
 };
 
@@ -83,6 +85,8 @@ class ToolForce {
   [[nodiscard]] std::uint64_t begun() const noexcept {
     return placed_ && tool_ != nullptr ? starts_ : 0;
   }
+  /// Whether it is led out of what it lies in; those that it lies in stay where they are.
+  [[nodiscard]] bool leads() const noexcept { return placed_ && escape_ && escape_->leads(); }
   /// A tool of another hand has begun, perhaps inside this one: they leave each other slowly.
   void meet_anew(std::size_t object) noexcept;
   /// What this tool presses that of another hand with, since the last tick.
@@ -146,6 +150,13 @@ class ToolForce {
   [[nodiscard]] VirtualToolReport follow(const Eigen::Isometry3d& device,
                                          std::span<const ToolObject> objects, Work& work,
                                          ForceEffort& effort) noexcept;
+  [[nodiscard]] VirtualToolReport leave(const Eigen::Isometry3d& device,
+                                        std::span<const ToolObject> objects, Work& work,
+                                        ForceEffort& effort) noexcept;
+  [[nodiscard]] bool another_leads(std::span<const ToolObject> objects) const noexcept;
+  [[nodiscard]] bool waits(std::span<const ToolObject> objects) const noexcept;
+  void note_lie() noexcept;
+  void put() noexcept;
   [[nodiscard]] bool step_on(const Eigen::Isometry3d& device, std::uint32_t steps, Work& work,
                              ForceEffort& effort, VirtualToolReport& report) noexcept;
   void press_by_paper(const Eigen::Isometry3d& device, std::span<ToolObject> objects,
@@ -171,6 +182,7 @@ class ToolForce {
   ObjectContact* contact_ = nullptr;
   ToolCulling* culling_ = nullptr;
   std::optional<VirtualTool> virtual_;
+  std::optional<ToolEscape> escape_;
   Eigen::Isometry3d pose_ = Eigen::Isometry3d::Identity();  ///< of the virtual tool's grip, world
   std::vector<ContactObject> held_, pushed_;                ///< by the numbers of objects
   std::vector<Eigen::Isometry3d> seats_;                    ///< of the objects, in the last tick
@@ -191,6 +203,7 @@ class ToolForce {
     Wrench given;                   ///< to it, about its frame's origin
     Vector3 out = Vector3::Zero();  ///< out of it, where it was touched last
     std::uint32_t ticks = 0;        ///< that it counts as touched
+    double softly = 1;              ///< the part of it that is given: less after it was led out
   };
   std::vector<Met> met_;        ///< by hands
   std::uint64_t starts_ = 0;    ///< how often it has begun

@@ -65,7 +65,8 @@ struct ToolTick {
   Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();  ///< of the tool's frame, world
   std::array<ContactPatch, max_patches> patches{};
   std::size_t patch_count = 0;
-  bool capped = false;  ///< the coupled force or torque met its cap
+  bool capped = false;   ///< the coupled force or torque met its cap
+  bool leaving = false;  ///< it lay in an object, or in another tool, and is led out of it
 
   [[nodiscard]] std::span<const ContactPatch> contacts() const noexcept {
     return {patches.data(), patch_count};

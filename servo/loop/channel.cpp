@@ -154,6 +154,7 @@ void Channel::account(DeviceCounters& counters, const SafeWrench& sent) noexcept
   counters.slew_hits += sent.slewed ? 1 : 0;
   counters.torque_cap_hits += sent.torque_capped ? 1 : 0;
   counters.torque_slew_hits += sent.torque_slewed ? 1 : 0;
+  counters.tool_leaving += record.tool_leaving ? 1 : 0;
   counters.tool_cap_hits += record.tool_capped ? 1 : 0;
   counters.force_max = std::max(counters.force_max, sent.force.norm());
   counters.torque_max = std::max(counters.torque_max, sent.torque.norm());

@@ -102,13 +102,14 @@ void Loop::note_tool(Channel& channel) noexcept {
   TickRecord& record = channel.record;
   const bool felt = record.cause == ForceOff::none && channel.force.has_tool();
   record.patches = 0;
-  record.tool_capped = false;
+  record.tool_capped = record.tool_leaving = false;
   if (!felt) return;
   const ToolTick& tool = channel.force.tool();
   record.has_tool = true;
   record.tool = {tool.pose.translation(), Eigen::Quaterniond(tool.pose.linear())};
   record.patches = static_cast<std::uint16_t>(tool.patch_count);
   record.tool_capped = tool.capped;
+  record.tool_leaving = tool.leaving;
 }
 
 /// The devices share the budget evenly, and what one leaves is for the next.

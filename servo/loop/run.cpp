@@ -333,6 +333,9 @@ Result<RunReport> run(const RunOptions& asked) {
         "simulated one is taken");
   }
   for (const std::string& text : stiffness_warnings(*choice, open_devices)) log_warning(text);
+  for (const std::string& text : workspace_warnings(*choice, (*assets)->reports(), open_devices)) {
+    log_warning(text);
+  }
   for (const std::string& text : tool_warnings(*choice, (*assets)->reports(), open_devices)) {
     log_warning(text);
   }

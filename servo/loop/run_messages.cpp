@@ -4,10 +4,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <limits>
 #include <optional>
 
 #include "common/base/units.hpp"
 #include "servo/devices/finder/device_list.hpp"
+#include "servo/force/tool_coupling.hpp"
 #include "servo/scene/tool_choice.hpp"
 
 namespace spm::servo {
@@ -16,6 +18,10 @@ namespace {
 
 /// So that what a scene computes from the stable stiffness itself is not above it.
 constexpr double rounding = 1e-9;
+/// m: objects that the hand passes on a shorter way cannot be felt.
+constexpr double hardly_a_motion = 1e-4;
+/// Of an object's size, what stands for its error where the asset promises none.
+constexpr double unresolved_share = 1e-5;
 
 /// How forces are made, as one clause.
 std::string forces_text(const ForceScene& scene) {
@@ -55,6 +61,36 @@ std::vector<std::string> sample_warnings(const ForceChoice& choice,
                    "'scale', or more 'samples'");
   }
   return list;
+}
+
+/// Adds a sentence for what a tool names of its coupling and does not get.
+void add_coupling_warnings(const ForceChoice& choice, std::size_t hand,
+                           const DeviceCapabilities& can, std::vector<std::string>& list) {
+  const ToolSettings& tool = *tool_of(choice.scene, hand);
+  constexpr double tick = 1e-3;
+  const ToolLoop loop{tick,
+                      can.encoder_step,
+                      choice.scene.added.force.stiffness,
+                      1,
+                      choice.scene.stabilization.device_mass,
+                      felt_limits(force_device(can), tick),
+                      hand_turning(can)};
+  const ToolCoupling used = tool_coupling(tool, loop);
+  const auto add = [&](const char* key, double asked, double got, Quantity kind, const char* why) {
+    if (!(asked > got * (1 + rounding))) return;
+    list.push_back(place_of_tool(choice, hand) + "'" + key + "' of [tool] asks for " +
+                   format_quantity(asked, kind) + ", more than the " + format_quantity(got, kind) +
+                   " that " + can.name + " " + why);
+  };
+  add("coupling", tool.coupling, used.stiffness, Quantity::stiffness,
+      "renders stably: it is held to that (stiffness_cap= of the device changes it)");
+  add("turning", tool.turning, used.turning, Quantity::turning_stiffness,
+      "bears by its inertia and its torque cap: it is held to that");
+}
+
+/// The longest edge of a box about an object, m of the world.
+double longest_edge(const PlacedObject& object, const AssetMetadata& asset) {
+  return object.placement.scale * (asset.box_max - asset.box_min).maxCoeff();
 }
 
 }  // namespace
@@ -115,6 +151,39 @@ std::vector<std::string> stiffness_warnings(const ForceChoice& choice,
   return list;
 }
 
+std::vector<std::string> workspace_warnings(const ForceChoice& choice,
+                                            const std::vector<KeeperReport>& assets,
+                                            const std::vector<Device*>& devices) {
+  std::vector<std::string> list;
+  const double scale = choice.scene.workspace.scale;
+  double largest = 0, finest = std::numeric_limits<double>::infinity();
+  for (const PlacedObject& object : choice.scene.objects) {
+    const AssetMetadata& asset = assets[object.asset].metadata;
+    const double edge = longest_edge(object, asset);
+    largest = std::max(largest, edge);
+    finest = std::min(finest, asset.tolerance ? object.placement.scale * *asset.tolerance
+                                              : unresolved_share * edge);
+  }
+  const std::string key = choice.scene_path + ": 'scale' of [workspace] is " +
+                          fmt::format("{:g}", scale) + ", so that ";
+  if (largest > 0 && largest < hardly_a_motion * scale) {
+    list.push_back(key + "the largest object, " + format_quantity(largest, Quantity::length) +
+                   ", is passed by the hand on a way of " +
+                   format_quantity(largest / scale, Quantity::length) +
+                   ", and nothing can be felt: lower it, so that the hand's workspace is about as "
+                   "large as what it touches");
+  }
+  for (const Device* device : devices) {
+    const DeviceCapabilities& can = device->capabilities();
+    const double span = 2 * can.workspace.maxCoeff() * scale;
+    if (!(span > 0 && span < finest)) continue;
+    list.push_back(key + "the whole workspace of " + can.name + " is " +
+                   format_quantity(span, Quantity::length) +
+                   " of the world, less than the error of any object: raise it");
+  }
+  return list;
+}
+
 std::vector<std::string> tool_warnings(const ForceChoice& choice,
                                        const std::vector<KeeperReport>& assets,
                                        const std::vector<Device*>& devices) {
@@ -124,6 +193,7 @@ std::vector<std::string> tool_warnings(const ForceChoice& choice,
     const DeviceCapabilities& can = devices[i]->capabilities();
     const ToolSettings& tool = *tool_of(choice.scene, i);
     const double longest = tool_size(assets[tool.asset].metadata, tool).maxCoeff();
+    add_coupling_warnings(choice, i, can, list);
     if (!can.turns) {
       list.push_back(can.name +
                      " does not tell how its tool is turned: the scene's tool keeps the "

@@ -23,7 +23,15 @@ namespace spm::servo {
 [[nodiscard]] std::vector<std::string> stiffness_warnings(const ForceChoice& choice,
                                                           const std::vector<Device*>& devices);
 
-/// What a person has to know of a scene's tool on these devices: a device that does not read its
+/// A sentence where the workspace's scale leaves nothing to feel: where all objects together are
+/// hardly a motion of the hand, or the whole workspace is less than what the assets resolve.
+/// `assets`: the reports of the choice's assets.
+[[nodiscard]] std::vector<std::string> workspace_warnings(const ForceChoice& choice,
+                                                          const std::vector<KeeperReport>& assets,
+                                                          const std::vector<Device*>& devices);
+
+/// What a person has to know of a scene's tool on these devices: a coupling that is named stiffer
+/// than the device bears, a device that does not read its
 /// orientation, a tool that is longer than a workspace, and an object that is narrower than the
 /// tool's samples are apart. `assets`: the reports of the choice's assets. Empty where the scene
 /// has no such tool.

@@ -63,6 +63,7 @@ void add_turning(ordered_json& entry, const RunReport& report, std::size_t numbe
   }
   if (!report.force.scene.tool) return;
   entry["tool_cap_hits"] = counters.tool_cap_hits;
+  entry["tool_leaving_ticks"] = counters.tool_leaving;
   entry["coarse_ticks"] = counters.coarse;
 }
 
@@ -168,6 +169,13 @@ std::string turning_text(const RunReport& report) {
           "{}: the tool's coupling met its cap {} times; {} ticks at a coarser level of its "
           "samples\n",
           name, counters.tool_cap_hits, counters.coarse);
+    }
+    if (counters.tool_leaving > 0) {
+      text += fmt::format(
+          "{}: the tool lay in an object, or in another tool, for {} ticks, and was led out "
+          "slowly: "
+          "begin with the hand where nothing is\n",
+          name, counters.tool_leaving);
     }
   }
   return text;

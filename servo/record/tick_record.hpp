@@ -37,6 +37,7 @@ struct TickRecord {
   bool kept = false;       ///< no force was sent, but the force law was asked and kept its state
   bool has_tool = false;   ///< `tool` is known
   bool force_capped = false, torque_capped = false;  ///< what was sent met the device's cap
+  bool tool_leaving = false;                         ///< the tool is led out of what it lies in
   bool tool_capped = false;                          ///< the coupling of hand and tool met its cap
   std::uint16_t patches = 0;                         ///< places at which the tool touches
   ForceOff cause = ForceOff::none;

@@ -23,6 +23,7 @@ struct DeviceCounters {
   std::uint64_t torque_cap_hits = 0;
   std::uint64_t torque_slew_hits = 0;
   std::uint64_t tool_cap_hits = 0;  ///< in which the coupling of hand and tool met its cap
+  std::uint64_t tool_leaving = 0;   ///< in which the tool was led out of what it lay in
   double torque_max = 0;            ///< N m, as sent
 };
 

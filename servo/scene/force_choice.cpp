@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "servo/scene/force_choice.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <filesystem>
 #include <utility>
@@ -213,6 +215,17 @@ Result<void> take_tools(const Scene& scene, ForceChoice& choice) {
   return {};
 }
 
+/// The hand's stiffness is that over the scale in the world.
+tl::unexpected<Error> too_small_workspace(const std::string& path, double scale, double suitable) {
+  return fail(
+      ExitCode::invalid_input,
+      fmt::format("{}: 'scale' of [workspace] is {:g}, at which what suits the device is {} "
+                  "in the world, more than the most, {}; give a scale of at least {:.1g}, "
+                  "or name the objects' 'stiffness'",
+                  path, scale, format_quantity(suitable, Quantity::stiffness),
+                  format_quantity(stiffest, Quantity::stiffness), scale * suitable / stiffest));
+}
+
 Result<ForceChoice> choose_scene(const ForceOptions& options) {
   const Result<Scene> scene = read_scene(options.scene);
   if (!scene) return tl::make_unexpected(scene.error());
@@ -247,6 +260,9 @@ Result<ForceChoice> choose_scene(const ForceOptions& options) {
                       object.mesh + " --scene " + scene->path + ", and name the baked file");
     }
     PlacedObject made = placed(options, object, tool, suitable, device, choice.scene.stabilization);
+    if (made.force.stiffness == suitable && suitable > stiffest) {
+      return too_small_workspace(scene->path, scene->workspace.scale, suitable);
+    }
     if (auto checked = check_settings(made.force, made.effects, place); !checked) {
       return tl::make_unexpected(std::move(checked.error()));
     }

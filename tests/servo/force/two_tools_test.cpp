@@ -8,11 +8,13 @@
 
 #include "tests/servo/force/tool_scene.hpp"
 #include "tests/support/random.hpp"
+#include "tests/support/triangle_octree.hpp"
 
 namespace spm::two_tools_test {
 namespace {
 
 using test::RandomTwister;
+using test::TiledCubeByHand;
 using test::ToolScene;
 
 constexpr double rest = ToolScene::tool_size / 2;
@@ -152,6 +154,51 @@ TEST_CASE("Two tools that begin in one another leave each other slowly, without 
   CHECK(most_step < 0.06);
   CHECK(tools.felt[0].force.x() == Approx(-1.5).epsilon(0.06));
   CHECK(tools.felt[1].force.x() == Approx(1.5).epsilon(0.06));
+}
+
+TEST_CASE("Two tools in one another's middle part, one after the other, and press as ever then") {
+  // 30 mm, far deeper than the band.
+  const bool round = GENERATE(false, true);
+  TwoTools tools;
+  TiledCubeByHand& tool = tools.one.tool_cube;
+  if (round) {
+    tool.octree = test::triangle_octree(test::sphere(rest, 2),
+                                        {.low = tool.octree.origin, .edge = tool.octree.edge},
+                                        tool.octree.lattice_step, true);
+    tool.by_hand.clear();
+    tool.planes.clear();
+    tool.refresh();
+  }
+  tools.one.scene.tool->placement.scale = 2.5;
+  tools.one.scene.tool->spacing = 0.0008;
+  tools.one.scene.more_tools = {*tools.one.scene.tool};
+  tools.begin();
+  const double apart = 5 * rest;
+  const HandPose first = at(0, 0, 0.1), second = at(0.0002, -0.0001, 0.1);
+  std::array<Vector3, 2> last{Vector3::Zero(), Vector3::Zero()};
+  double most_step = 0;
+  bool led = false;
+  for (int i = 0; i < 2000; ++i) {
+    tools.next(first, second);
+    for (std::size_t hand = 0; hand < 2; ++hand) {
+      const Vector3& force = tools.felt[hand].force;
+      REQUIRE(force.norm() <= tools.one.turning.force_cap * (1 + 1e-9));
+      most_step = std::max(most_step, (force - last[hand]).norm());
+      last[hand] = force;
+    }
+    led = led || tools.forces[0]->tool().leaving;
+  }
+  CHECK(led);
+  // Balls that hands press on each other with all force slide about each other.
+  CHECK(most_step < (round ? 0.3 : 0.12));
+  CHECK_FALSE(tools.forces[0]->tool().leaving);
+  CHECK_FALSE(tools.forces[1]->tool().leaving);
+  const Vector3 between = tools.pose(1).translation() - tools.pose(0).translation();
+  const double found = round ? between.norm() : between.cwiseAbs().maxCoeff();
+  CHECK(found == Approx(apart).epsilon(round ? 0.05 : 0.007));
+  // Both hands feel the cap, and each the other.
+  CHECK((tools.felt[0].force + tools.felt[1].force).norm() < 0.5);
+  CHECK(tools.felt[0].force.norm() > 0.9 * tools.one.turning.force_cap);
 }
 
 TEST_CASE("A tool whose hand gets no force is not there for others, and comes back slowly") {

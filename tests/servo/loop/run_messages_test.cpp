@@ -82,6 +82,55 @@ TEST_CASE("A tool on a device that does not turn, or in too small a workspace, i
   CHECK(warnings[0].find("keeps the orientation") != std::string::npos);
 }
 
+TEST_CASE(
+    "A coupling stiffer than the device bears is told with what is asked, what is used, and why") {
+  ScriptedDevice device([](std::size_t, DeviceState&, DeviceHealth&) {});
+  device.can().name = "hand";
+  device.can().turns = true;
+  device.can().stiffness_cap = 1500;
+  device.can().torque_cap = 0.2;
+  ForceChoice choice;
+  choice.scene = scene_of({});
+  choice.tool_place = "scene.toml: line 3: ";
+  const std::vector<KeeperReport> assets(1);
+  choice.scene.tool = ToolSettings{};
+  choice.scene.tool->coupling = 1500;
+  REQUIRE(tool_warnings(choice, assets, {&device}).empty());
+  choice.scene.tool->coupling = 20'000;
+  choice.scene.tool->turning = 100;
+  const auto warnings = tool_warnings(choice, assets, {&device});
+  REQUIRE(warnings.size() == 2);
+  CHECK(warnings[0].find("scene.toml: line 3: 'coupling' of [tool] asks for 20 N/mm") == 0);
+  CHECK(warnings[0].find("the 1.5 N/mm that hand renders stably") != std::string::npos);
+  CHECK(warnings[1].find("'turning' of [tool] asks for 100 ") != std::string::npos);
+  CHECK(warnings[1].find("torque cap") != std::string::npos);
+}
+
+TEST_CASE("A workspace's scale at which nothing can be felt is warned of, with its key") {
+  ScriptedDevice device([](std::size_t, DeviceState&, DeviceHealth&) {});
+  device.can().name = "hand";
+  device.can().workspace = Vector3(0.05, 0.05, 0.03);
+  ForceChoice choice;
+  choice.scene = scene_of({});
+  choice.scene_path = "scene.toml";
+  std::vector<KeeperReport> assets(1);
+  assets[0].metadata.box_max = Vector3(0.01, 0.01, 0.04);
+  assets[0].metadata.tolerance = 5e-5;
+  for (const double scale : {0.01, 1.0, 100.0}) {
+    choice.scene.workspace.scale = scale;
+    CHECK(workspace_warnings(choice, assets, {&device}).empty());
+  }
+  choice.scene.workspace.scale = 1e6;
+  auto warnings = workspace_warnings(choice, assets, {&device});
+  REQUIRE(warnings.size() == 1);
+  CHECK(warnings[0].find("scene.toml: 'scale' of [workspace] is 1e+06") == 0);
+  CHECK(warnings[0].find("lower it") != std::string::npos);
+  choice.scene.workspace.scale = 1e-6;
+  warnings = workspace_warnings(choice, assets, {&device});
+  REQUIRE(warnings.size() == 1);
+  CHECK(warnings[0].find("raise it") != std::string::npos);
+}
+
 TEST_CASE("An object that may pass between the samples of a tool is warned of, and no other") {
   ForceChoice choice;
   choice.scene = scene_of({});

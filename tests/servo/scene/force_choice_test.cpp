@@ -43,6 +43,16 @@ TEST_CASE("A stiffness may be left to the device that the scene names, for every
   CHECK(nobody.error().message.find("'profile'") != std::string::npos);
 }
 
+TEST_CASE("A workspace so small that no stiffness suits is refused by its own key, with the cure") {
+  const std::string text = "[device]\nprofile = \"touch\"\n[workspace]\nscale = 1e-6\n[[object]]\n";
+  const auto refused = choose(text + "asset = \"a\"\n");
+  REQUIRE_FALSE(refused);
+  CHECK(refused.error().code == ExitCode::invalid_input);
+  CHECK(refused.error().message.find("'scale' of [workspace] is 1e-06") != std::string::npos);
+  CHECK(refused.error().message.find("give a scale of at least") != std::string::npos);
+  CHECK(choose(text + "asset = \"a\"\nstiffness = \"1N/mm\"\n"));
+}
+
 TEST_CASE("What is not named is the default, for the device that is served") {
   const DeviceProfile& falcon = *find_device_profile("falcon");
   ForceOptions options;
