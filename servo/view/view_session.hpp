@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// clang-format off: Boost's coroutines use <utility> without naming it.
-#include <boost/asio/awaitable.hpp>
+// Boost's coroutines use it without naming it.
 #include <utility>
-// clang-format on
+
+#include <boost/asio/awaitable.hpp>
 #include <boost/asio/ip/tcp.hpp>
 #include <map>
 #include <string>
