@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-// Boost's coroutines use it without naming it.
+// Boost's coroutines use <utility> without naming it.
+// clang-format off
 #include <utility>
-
 #include <boost/asio/awaitable.hpp>
+// clang-format on
 #include <boost/asio/ip/tcp.hpp>
 #include <map>
 #include <string>
