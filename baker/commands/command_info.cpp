@@ -9,6 +9,7 @@
 
 #include "baker/base/bake_error.hpp"
 #include "baker/commands/commands.hpp"
+#include "baker/commands/info_json.hpp"
 #include "baker/pictures/grid_walk.hpp"
 #include "baker/pictures/picture.hpp"
 #include "baker/pictures/picture_files.hpp"
@@ -115,7 +116,9 @@ Json octree_json(const AssetView& view) {
           {"triangles", view.exact.size()}};
 }
 
-Json to_json(const MappedAsset& asset, const std::vector<std::string>& pictures) {
+}  // namespace
+
+nlohmann::ordered_json to_json(const MappedAsset& asset, const std::vector<std::string>& pictures) {
   const AssetMetadata& metadata = asset.metadata();
   const AssetView& view = asset.view();
   const AssetBytes bytes = asset.bytes();
@@ -166,6 +169,8 @@ Json to_json(const MappedAsset& asset, const std::vector<std::string>& pictures)
   json["pictures"] = pictures;
   return json;
 }
+
+namespace {
 
 std::string length(double metres) { return format_quantity(metres, Quantity::length); }
 

@@ -7,6 +7,7 @@
 
 #include "baker/base/bake_error.hpp"
 #include "baker/commands/commands.hpp"
+#include "baker/commands/report_command.hpp"
 #include "baker/commands/verify_text.hpp"
 #include "baker/verify/verify.hpp"
 #include "baker/verify/verify_pictures.hpp"
@@ -25,6 +26,7 @@ struct VerifySettings {
   std::string mesh;
   std::string pictures;   ///< folder; empty: none
   std::string worst_ply;  ///< file of the worst places; empty: none
+  std::string page;       ///< file of a page that shows all; empty: none
   VerifyOptions options;
   cli::GlobalOptions global;
 };
@@ -49,8 +51,10 @@ int run(const VerifySettings& settings) {
       return cli::report(writable.error());
     }
   }
+  if (!settings.page.empty()) check_report(settings.page);
   // Only a picture shows the asset's own surface; no answer depends on its tiles.
-  const auto asset = MappedAsset::open(settings.asset, {.tiles = !settings.pictures.empty()});
+  const auto asset = MappedAsset::open(
+      settings.asset, {.tiles = !settings.pictures.empty() || !settings.page.empty()});
   if (!asset) return cli::report(asset.error());
   const VerifyReport report =
       verify_asset((*asset)->view(), (*asset)->metadata(), settings.mesh, settings.options);
@@ -64,13 +68,18 @@ int run(const VerifySettings& settings) {
       return cli::report(written.error());
     }
   }
+  if (!settings.page.empty()) {
+    write_report(settings.page, **asset, settings.mesh, report, nullptr);
+  }
   if (settings.global.json) {
     Json json = to_json(report);
+    if (!settings.page.empty()) json["report"] = settings.page;
     if (!pictures.empty()) json["pictures"] = pictures;
     if (!settings.worst_ply.empty()) json["worst_ply"] = settings.worst_ply;
     cli::print_json(json);
   } else if (!settings.global.quiet) {
     for (const std::string& picture : pictures) std::cout << "picture        " << picture << "\n";
+    if (!settings.page.empty()) std::cout << "report         " << settings.page << "\n";
     if (!settings.worst_ply.empty()) std::cout << "worst places   " << settings.worst_ply << "\n";
     std::cout << describe(report);
   }
@@ -118,6 +127,10 @@ Command add_verify_command(CLI::App& app) {
       ->add_option("--worst-ply", settings->worst_ply,
                    "write these places as coloured points into this file")
       ->type_name("POINTS.ply");
+  command
+      ->add_option("--report", settings->page,
+                   "write a page for the browser that shows all of this, whole in one file")
+      ->type_name("PAGE.html");
   cli::add_global_options(*command, settings->global);
   command->callback([settings] { check(settings->options); });
   return {command, [settings] { return run(*settings); }};

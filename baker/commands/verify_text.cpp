@@ -253,6 +253,7 @@ Json to_json(const VerifyReport& report) {
   json["samples"] = report.samples;
   json["counts"] = to_json(report.counts);
   json["distance_error_um"] = to_json(report.distance);
+  json["histogram"] = {{"bins_to_um", report.threshold * micro}, {"counts", report.histogram}};
   if (report.smoothing) json["smoothing_error_um"] = to_json(*report.smoothing);
   if (report.total) json["total_error_um"] = to_json(*report.total);
   json["direction_error_deg"] = {{"p50", report.direction_p50 * degrees},

@@ -68,6 +68,17 @@ void add_distances(const std::vector<Outcome>& outcomes, VerifyReport& report) {
   report.distance = summarise(std::move(errors));
 }
 
+void add_histogram(const std::vector<Outcome>& outcomes, double threshold, VerifyReport& report) {
+  report.histogram.assign(histogram_bins + 1, 0);
+  for (const Outcome& outcome : outcomes) {
+    if (!outcome.drawn || !outcome.answered) continue;
+    const double place = outcome.error / threshold * double{histogram_bins};
+    ++report.histogram[outcome.error > threshold
+                           ? histogram_bins
+                           : std::min(static_cast<std::size_t>(place), histogram_bins - 1)];
+  }
+}
+
 void add_sides(const std::vector<Outcome>& outcomes, double threshold, VerifyReport& report) {
   std::uint64_t clear = 0, inside_wrong = 0, outside_wrong = 0;
   for (const Outcome& outcome : outcomes) {
@@ -184,6 +195,7 @@ VerifyReport report_of(const std::vector<Outcome>& outcomes, double threshold) {
   report.near_holes = share_of(near_holes, near_holes + report.samples);
   report.threshold = threshold;
   add_distances(outcomes, report);
+  add_histogram(outcomes, threshold, report);
   add_sides(outcomes, threshold, report);
   add_directions(outcomes, report);
   return report;

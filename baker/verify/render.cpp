@@ -136,14 +136,20 @@ Picture coloured_section(const ExactSurface& exact, const Window& window, std::u
   });
 }
 
+std::optional<double> largest_error_at(const ErrorScale& scale, const Vector3& place,
+                                       const Vector3& normal) {
+  std::optional<double> largest;
+  for (const int k : {-1, 0, 1}) {
+    const std::optional<double> error = error_at(scale, place + k * scale.tolerance * normal);
+    if (error) largest = std::max(largest.value_or(0), *error);
+  }
+  return largest;
+}
+
 Picture error_on_surface(const Caster& surface, const ErrorScale& scale, const Window& window,
                          std::uint32_t side) {
   const auto colour_at = [&](const Vector3& place, const Vector3& normal) -> std::optional<Colour> {
-    std::optional<double> largest;
-    for (const int k : {-1, 0, 1}) {
-      const std::optional<double> error = error_at(scale, place + k * scale.tolerance * normal);
-      if (error) largest = std::max(largest.value_or(0), *error);
-    }
+    const std::optional<double> largest = largest_error_at(scale, place, normal);
     if (!largest) return std::nullopt;
     return colour_of_error(*largest, scale.tolerance);
   };

@@ -53,6 +53,11 @@ struct ErrorScale {
   double tolerance = 0;  ///< m, the end of colour_of_error
 };
 
+/// The largest error of the asset's distance, m, at three places about one of the surface: there, a
+/// tolerance above it and a tolerance below it. Empty where there is no answer.
+[[nodiscard]] std::optional<double> largest_error_at(const ErrorScale& scale, const Vector3& place,
+                                                     const Vector3& normal);
+
 /// The surface, coloured by the largest error of the asset's distance at three places: on the
 /// surface, a tolerance above it and a tolerance below it. Dark grey where there is no surface or
 /// no answer.

@@ -84,8 +84,13 @@ struct JumpReport {
   Vector3 worst_point = Vector3::Zero();  ///< of the largest jump of the distance
 };
 
+inline constexpr std::size_t histogram_bins = 40;
+
 struct VerifyReport {
-  ErrorSummary distance;                                           ///< m
+  ErrorSummary distance;  ///< m
+  /// Samples by the error of their distance: `histogram_bins` of equal width up to `threshold`, and
+  /// one more of all that are larger.
+  std::vector<std::uint64_t> histogram;
   double direction_p50 = 0, direction_p99 = 0, direction_max = 0;  ///< rad
   std::uint64_t directions = 0;    ///< how many of the samples these are of
   double direction_contested = 0;  ///< share of these that is left out of them

@@ -31,11 +31,8 @@ Vector3 axis_of_cut(const Vector3& normal) {
 
 }  // namespace
 
-std::vector<std::string> write_error_pictures(const AssetView& view, const AssetMetadata& metadata,
-                                              const std::string& mesh_path,
-                                              const VerifyReport& report,
-                                              const std::string& folder) {
-  const std::filesystem::path place = make_picture_folder(folder);
+std::vector<NamedPicture> error_pictures(const AssetView& view, const AssetMetadata& metadata,
+                                         const std::string& mesh_path, const VerifyReport& report) {
   const Mesh mesh = mesh_of_asset(metadata, mesh_path);
   const ExactSurface exact(mesh);
   const Caster surface(outer_surface(mesh));
@@ -64,12 +61,24 @@ std::vector<std::string> write_error_pictures(const AssetView& view, const Asset
   const std::array<Picture, 2> direction{
       direction_beside_surface(surface, directions, inside, whole, side),
       direction_beside_surface(surface, directions, inside, close, side)};
-  return {save_picture(contact_sheet(both, side), place / "surface.png"),
-          save_picture(contact_sheet(structure, side), place / "structure.png"),
-          save_picture(contact_sheet(direction, side), place / "direction.png"),
-          save_picture(error_on_surface(surface, scale, whole, side), place / "error.png"),
-          save_picture(error_on_surface(surface, scale, close, side), place / "error-worst.png"),
-          save_picture(error_in_section(scale, cut, side), place / "error-section.png")};
+  return {{"surface.png", contact_sheet(both, side)},
+          {"structure.png", contact_sheet(structure, side)},
+          {"direction.png", contact_sheet(direction, side)},
+          {"error.png", error_on_surface(surface, scale, whole, side)},
+          {"error-worst.png", error_on_surface(surface, scale, close, side)},
+          {"error-section.png", error_in_section(scale, cut, side)}};
+}
+
+std::vector<std::string> write_error_pictures(const AssetView& view, const AssetMetadata& metadata,
+                                              const std::string& mesh_path,
+                                              const VerifyReport& report,
+                                              const std::string& folder) {
+  const std::filesystem::path place = make_picture_folder(folder);
+  std::vector<std::string> paths;
+  for (const NamedPicture& made : error_pictures(view, metadata, mesh_path, report)) {
+    paths.push_back(save_picture(made.picture, place / made.name));
+  }
+  return paths;
 }
 
 }  // namespace spm::baker

@@ -4,12 +4,19 @@
 #include <string>
 #include <vector>
 
+#include "baker/pictures/picture.hpp"
 #include "baker/verify/verify.hpp"
 
 namespace spm::baker {
 
-/// Writes the results of a verification as pictures into a folder, and returns their paths. "Close"
-/// means about the worst place; all are seen from the side where that lies.
+/// A picture and the name of its file.
+struct NamedPicture {
+  const char* name = "";
+  Picture picture;
+};
+
+/// The results of a verification as pictures. "Close" means about the worst place; all are seen
+/// from the side where that lies.
 /// - `surface.png`: the mesh, and beside it the surface as the asset holds it
 /// - `structure.png`: the mesh coloured by what answers there, and beside it a cut through the band
 ///   close by, see structure_colours
@@ -19,7 +26,14 @@ namespace spm::baker {
 /// - `error.png`: the mesh coloured by the error; `error-worst.png`: the same close by, see
 ///   error_on_surface
 /// - `error-section.png`: a cut through the band there
-/// Throws BakeError as verify_asset does, and where the folder cannot be written.
+/// Throws BakeError as verify_asset does.
+[[nodiscard]] std::vector<NamedPicture> error_pictures(const AssetView& view,
+                                                       const AssetMetadata& metadata,
+                                                       const std::string& mesh_path,
+                                                       const VerifyReport& report);
+
+/// Writes them into a folder, and returns their paths. Throws BakeError, also where the folder
+/// cannot be written.
 std::vector<std::string> write_error_pictures(const AssetView& view, const AssetMetadata& metadata,
                                               const std::string& mesh_path,
                                               const VerifyReport& report,

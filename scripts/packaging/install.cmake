@@ -31,9 +31,11 @@ endforeach()
 install(FILES ${CMAKE_SOURCE_DIR}/scripts/charts/plot_recording.py ${CMAKE_SOURCE_DIR}/scripts/charts/chart_io.py
               ${CMAKE_SOURCE_DIR}/scripts/charts/chart_style.py ${CMAKE_SOURCE_DIR}/scripts/charts/recording_file.py
         DESTINATION share/spm-haptics COMPONENT servo)
-# The page of the live view, where scripts/build_page made it.
+# The pages, where scripts/build_page made them.
 install(DIRECTORY ${CMAKE_BINARY_DIR}/share/spm-haptics/view DESTINATION share/spm-haptics
         COMPONENT servo OPTIONAL PATTERN .sum EXCLUDE)
+install(DIRECTORY ${CMAKE_BINARY_DIR}/share/spm-haptics/report DESTINATION share/spm-haptics
+        COMPONENT bake OPTIONAL PATTERN .sum EXCLUDE)
 install(FILES ${packaging}/70-spm-haptics.rules DESTINATION lib/udev/rules.d COMPONENT servo)
 spm_install_placed(servo lib/systemd/user ${packaging}/spm-servo.service)
 spm_install_placed(servo lib/systemd/system ${packaging}/spm-servo-system.service)

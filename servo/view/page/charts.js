@@ -23,6 +23,7 @@ export class Charts {
     this.columns = Object.fromEntries(['time', ...STRIPS.map((strip) => strip.key)]
       .map((key) => [key, []]));
     this.drawn = 0;
+    this.pause = DRAW_EVERY;
     this.values = {};
     this.build();
     new ResizeObserver(() => this.resize()).observe(place);
@@ -81,7 +82,7 @@ export class Charts {
     drop = Math.max(drop, times.length - ROOM);
     if (drop > 0) for (const column of Object.values(this.columns)) column.splice(0, drop);
     const now = performance.now();
-    if (now - this.drawn < DRAW_EVERY) return;
+    if (now - this.drawn < this.pause) return;
     this.drawn = now;
     STRIPS.forEach(({ key }, i) => {
       this.plots[i].setData(this.data(key));

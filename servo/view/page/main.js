@@ -9,6 +9,7 @@ import { Panel } from './panel.js';
 import { Stage } from './stage.js';
 
 const HAND_OWN = 0;
+const SOFTWARE_CHARTS = 200; // ms between pictures of the charts, where the processor draws
 const by = (id) => document.getElementById(id);
 const say = (id, text) => {
   by(id).hidden = !text;
@@ -106,6 +107,7 @@ const view = { frames: 0, get frame() { return frame; }, get scene() { return sc
 
 try {
   stage = new Stage(by('scene'));
+  if (stage.pause) charts.pause = SOFTWARE_CHARTS;
   hand = new Hand({
     link,
     stage,

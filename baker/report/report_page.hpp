@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <nlohmann/json.hpp>
+#include <string>
+#include <string_view>
+
+#include "baker/pictures/picture.hpp"
+
+namespace spm::baker {
+
+/// Bytes as text, RFC 4648.
+[[nodiscard]] std::string base64(std::string_view bytes);
+
+/// A picture as an address that holds it whole. Throws BakeError internal.
+[[nodiscard]] std::string data_url(const Picture& picture);
+
+/// The page with a report's data in it, whole: it loads nothing. `page` is the built page. Text in
+/// the data cannot end the element that holds it. Throws BakeError internal where the page has no
+/// place for data.
+[[nodiscard]] std::string filled_page(const std::string& page, const nlohmann::ordered_json& data);
+
+/// The built page beside this program. Throws BakeError unsupported, with the cure, where it was
+/// not built.
+[[nodiscard]] std::string built_page();
+
+}  // namespace spm::baker
