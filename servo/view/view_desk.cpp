@@ -37,7 +37,8 @@ bool ViewPage::next(Message& message) {
     texts_.pop_front();
     return true;
   }
-  if (frame_.empty()) return false;
+  if (frame_.empty() || unseen_ >= most_unseen) return false;
+  ++unseen_;
   message.is_frame = true;
   message.bytes.resize(frame_.size() * sizeof(double));
   std::memcpy(message.bytes.data(), frame_.data(), message.bytes.size());
@@ -117,6 +118,11 @@ std::string ViewDesk::follow(ViewPage& /*page*/, const CapWish& wish) {
 
 std::string ViewDesk::follow(ViewPage& /*page*/, const AcknowledgeWish& wish) {
   return feed_.acknowledge(wish.device);
+}
+
+std::string ViewDesk::follow(ViewPage& page, const SeenWish& /*wish*/) {
+  page.see();
+  return "";
 }
 
 }  // namespace spm::servo

@@ -14,8 +14,9 @@
 
 namespace spm::servo {
 
-/// What is on its way to one page. A page that is slow loses frames, never texts, and is let go
-/// where too many texts wait.
+/// What is on its way to one page. A page says of each frame that it saw it, and gets no third
+/// before: else frames would pile up on the way to a page that is slow, which would show what was
+/// long ago. Such a page loses frames, never texts, and is let go where too many texts wait.
 class ViewPage {
  public:
   /// `wake` is called when there is something to send.
@@ -30,6 +31,11 @@ class ViewPage {
     std::string bytes;
   };
   [[nodiscard]] bool next(Message& message);
+  /// The page saw a frame.
+  void see() {
+    if (unseen_ > 0) --unseen_;
+    wake_();
+  }
   [[nodiscard]] bool is_hopeless() const noexcept { return texts_.size() > most_texts; }
 
   /// The page is gone: nothing more is sent.
@@ -44,8 +50,10 @@ class ViewPage {
 
  private:
   static constexpr std::size_t most_texts = 256;
+  static constexpr int most_unseen = 2;
   std::function<void()> wake_;
   bool ended_ = false;
+  int unseen_ = 0;  ///< frames that were sent, of which the page said nothing yet
   std::deque<std::string> texts_;
   std::vector<double> frame_;  ///< the newest; empty once it was sent
 };
@@ -76,6 +84,7 @@ class ViewDesk {
   [[nodiscard]] std::string follow(ViewPage& page, const FeelWish& wish);
   [[nodiscard]] std::string follow(ViewPage& page, const CapWish& wish);
   [[nodiscard]] std::string follow(ViewPage& page, const AcknowledgeWish& wish);
+  [[nodiscard]] static std::string follow(ViewPage& page, const SeenWish& wish);
   [[nodiscard]] int hand_of(const ViewPage& page) const;
   [[nodiscard]] bool is_led_by_other(const ViewPage& page) const;
 

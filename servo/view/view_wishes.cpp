@@ -100,6 +100,8 @@ std::optional<ViewWish> read_wish(const std::string& text) {
     wish = CapWish{device, fields.number("newtons")};
   } else if (kind == "acknowledge") {
     wish = AcknowledgeWish{fields.device()};
+  } else if (kind == "seen") {
+    wish = SeenWish{};
   }
   return fields.fine() ? wish : std::nullopt;
 }

@@ -31,7 +31,9 @@ struct CapWish {
 struct AcknowledgeWish {
   std::uint32_t device = 0;
 };
-using ViewWish = std::variant<LeadWish, FreeWish, FeelWish, CapWish, AcknowledgeWish>;
+/// A frame was seen.
+struct SeenWish {};
+using ViewWish = std::variant<LeadWish, FreeWish, FeelWish, CapWish, AcknowledgeWish, SeenWish>;
 
 /// Reads a page's message, JSON such as {"t":"hand","device":0,"p":[0,0,0],"q":[1,0,0,0],"n":5}.
 /// Nothing where it is no such message, or has a number that is missing or not finite.

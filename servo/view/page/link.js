@@ -24,7 +24,10 @@ export class Link {
     };
     socket.onmessage = ({ data }) => {
       if (typeof data === 'string') this.on.message(JSON.parse(data));
-      else this.on.frame(new Float64Array(data));
+      else {
+        this.on.frame(new Float64Array(data));
+        this.send({ t: 'seen' }); // the view waits for it, so that frames never pile up on the way
+      }
     };
     socket.onclose = () => {
       this.socket = null;

@@ -22,6 +22,7 @@ TEST_CASE("A page's wishes are read") {
   CHECK_FALSE(feel.feel.friction);
   CHECK(std::holds_alternative<FreeWish>(*read_wish(R"({"t":"free","device":0})")));
   CHECK(std::get<CapWish>(*read_wish(R"({"t":"cap","device":0,"newtons":3})")).newtons == 3);
+  CHECK(std::holds_alternative<SeenWish>(*read_wish(R"({"t":"seen"})")));
   CHECK(std::holds_alternative<AcknowledgeWish>(*read_wish(R"({"t":"acknowledge","device":0})")));
 }
 
