@@ -164,7 +164,7 @@ TEST_CASE("A tick whose time ends while objects go their ways is replayed withou
     const double height = -0.008 + 1e-3 * (tick % 8) + 0.001 * std::sin(0.1 * tick);
     ForceBudget budget;
     budget.clock = &fake_clock;
-    budget.until_ns = fake_now + 30'000 + std::int64_t{700} * tick;
+    budget.until_ns = fake_now + 20'000 + std::int64_t{500} * tick;
     live.plate_at(height);
     again.plate_at(height);
     const Eigen::Quaterniond turn = turned(0.001 * tick, {1, 2, 3});
