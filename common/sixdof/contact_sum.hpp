@@ -42,12 +42,12 @@ struct ContactSum {
       std::memcpy(to, &sum, sizeof sum);
     };
     const double force = spring * depth;
-    for (int k = 0; k < 3; ++k) add(wrench.data() + 2 * k, force * along[k]);
+    for (std::size_t k = 0; k < 3; ++k) add(wrench.data() + 2 * k, force * along[k]);
     // The lower half only; ObjectContact mirrors it once per tick. What else is in its pairs of
     // rows does not count.
-    for (int column = 0; column < 6; ++column) {
+    for (std::size_t column = 0; column < 6; ++column) {
       const Two by = spring * share * along[column / 2][column % 2] * Two{1, 1};
-      for (int k = column / 2; k < 3; ++k) {
+      for (std::size_t k = column / 2; k < 3; ++k) {
         add(stiffness.data() + 6 * column + 2 * k, by * along[k]);
       }
     }

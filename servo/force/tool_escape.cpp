@@ -115,7 +115,8 @@ void ToolEscape::begin(std::size_t object, const Eigen::Isometry3d& tool,
   // Along the axes first, then between two and three of them.
   for (int between = 1; between <= 3; ++between) {
     for (int k = 0; k < 27; ++k) {
-      const Vector3 along(k % 3 - 1, k / 3 % 3 - 1, k / 9 - 1);
+      const int x = k % 3 - 1, y = k / 3 % 3 - 1, z = k / 9 - 1;
+      const Vector3 along(x, y, z);
       if (static_cast<int>(along.squaredNorm()) != between) continue;
       directions_[made++] = axes * along.normalized();
     }

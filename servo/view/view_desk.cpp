@@ -93,7 +93,7 @@ void ViewDesk::hear(ViewPage& page, const std::string& text) {
 
 std::string ViewDesk::follow(ViewPage& page, const LeadWish& wish) {
   if (is_led_by_other(page)) return "another page leads this hand: this one watches";
-  const std::string problem = feed_.lead(wish.device, wish.hand);
+  std::string problem = feed_.lead(wish.device, wish.hand);
   if (!problem.empty()) return problem;
   leader_ = &page;
   led_ = wish.device;
