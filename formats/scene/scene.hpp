@@ -56,6 +56,7 @@ struct SceneObject {
 };
 
 /// A scene: the objects, the probe or the tool, and the device and its workspace.
+// NOLINTNEXTLINE(clang-analyzer-optin.performance.Padding): what belongs together stands together.
 struct Scene {
   std::string path;
   SceneDevice device;
