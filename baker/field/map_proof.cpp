@@ -136,10 +136,13 @@ class Proof {
     if (within_tolerance(whole)) return Verdict::holds;
     if (inside) whole.meet(by_convexity(candidates, cube, maps, *inside));
     if (within_tolerance(whole)) return Verdict::holds;
-    // Wholly beyond the band it is enough to tell so.
+    // Wholly beyond the band it is enough to tell so. What is told beyond the margin may be too
+    // much, but not by so much that less than its share of the way beyond is left.
     const double radius = cube.radius();
     if (inside && !*inside && distance - radius >= band_.margin) {
-      return verdict(distance - radius + whole.low >= band_.margin - tolerance_);
+      const double beyond = distance - radius - band_.margin;
+      return verdict(beyond + whole.low >= -tolerance_ &&
+                     beyond_share * whole.high <= (1 - beyond_share) * beyond + tolerance_);
     }
     if (inside && *inside && distance - radius >= band_.max_depth) {
       return verdict(-(distance - radius) + whole.high <= -band_.max_depth + tolerance_);

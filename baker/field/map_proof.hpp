@@ -10,10 +10,15 @@
 
 namespace spm::baker {
 
+/// Of what maps tell beyond the margin, the part that is proven (DistanceOctree::beyond_share).
+/// With nine tenths more maps would be rejected, and a file be 4 % longer; with this, 0.2 %.
+inline constexpr double beyond_share = 0.75;
+
 /// Proves that local maps are off by at most `tolerance` (m) at every place of a cube that is in
-/// the band, and that beyond the band they tell so, within the tolerance. By bounds over cubes that
-/// are divided further and further; by no sample. `inside` is the side of the whole cube, empty
-/// where the surface passes. False where it is not so, or where so many cubes do not suffice.
+/// the band, and that beyond the band they tell so, within the tolerance; and that the surface is
+/// as far beyond the margin as beyond_share promises, within the tolerance. By bounds over cubes
+/// that are divided further and further; by no sample. `inside` is the side of the whole cube,
+/// empty where the surface passes. False where it is not so, or where so many cubes do not suffice.
 [[nodiscard]] bool prove_maps(const LatticeSurface& surface, const Caster& caster,
                               const Candidates& candidates, const Cube& cube,
                               std::optional<bool> inside, const FittedMaps& fitted,

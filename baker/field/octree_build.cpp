@@ -267,6 +267,7 @@ BuiltOctree build_octree(const LatticeSurface& surface, const Caster& caster,
   data.reach = std::max(rules.band.max_depth, rules.band.margin) + 2 * root_radius;
   data.value_unit = data.reach / 32000;
   data.clearance_unit = caster.diagonal() / 1e6;
+  data.beyond_share = beyond_share;
   const std::size_t count = std::size_t{data.roots[0]} * data.roots[1] * data.roots[2];
   OctreeRoots roots;
   roots.count = data.roots;

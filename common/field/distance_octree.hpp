@@ -49,6 +49,9 @@ struct DistanceOctree {
   double value_unit = 1;      ///< m: of a packed local map's value, times half the cube's edge
   double clearance_unit = 1;  ///< m
   double reach = 1;           ///< m
+  /// Of what a leaf tells beyond the band's margin, the part by which the surface is farther than
+  /// the margin at the least, to the tolerance; from 0, where nothing is promised, to 1.
+  double beyond_share = 0;
 };
 
 inline constexpr int max_octree_levels = 12;

@@ -137,8 +137,7 @@ double leaf_clearance(const AssetView& asset, const Leaf& leaf, const Vector3& p
     return asset.band.margin + outside.norm();
   }
   if (leaf.kind != OctreeKind::far) {
-    // A list or polynomial beyond the margin's end tells no more than that.
-    return query_leaf(asset, leaf, point).distance > asset.band.margin ? asset.band.margin : 0;
+    return clearance_told(asset, query_leaf(asset, leaf, point));
   }
   const double at_middle =
       leaf.level > 0 ? 0 : octree.clearance_unit * static_cast<double>(leaf.unit);

@@ -20,6 +20,14 @@ namespace spm {
     const AssetView& asset, const Leaf& leaf, const Vector3& point,
     double useful = std::numeric_limits<double>::infinity()) noexcept;
 
+/// How far the surface is at the least, m, as a leaf's answer tells it before the band's ends are
+/// applied; 0 where it does not tell.
+[[nodiscard]] inline double clearance_told(const AssetView& asset, const Answer& answer) noexcept {
+  const double beyond = answer.distance - asset.band.margin;
+  if (answer.status != Status::exact || !(beyond > 0)) return 0;
+  return asset.band.margin + asset.octree.beyond_share * beyond;
+}
+
 /// Completes an answer beyond the band.
 inline void apply_band(const AssetView& asset, Answer& answer) noexcept {
   if (answer.status != Status::exact) return;

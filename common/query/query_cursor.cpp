@@ -24,18 +24,18 @@ Answer QueryCursor::query(const Vector3& point) noexcept {
       by_maps_ = words != nullptr && unpack_leaf_maps(*asset_, leaf_, words, maps_);
     }
   }
-  beyond_ = false;
+  beyond_ = 0;
   if (leaf_.kind == OctreeKind::deep) return deep_;
   Answer answer =
       by_maps_ ? answer_by_maps(*asset_, leaf_, maps_, point) : query_leaf(*asset_, leaf_, point);
-  beyond_ = answer.distance > asset_->band.margin;
+  beyond_ = clearance_told(*asset_, answer);
   apply_band(*asset_, answer);
   return answer;
 }
 
 double QueryCursor::clearance(const Vector3& point, double useful) const noexcept {
   if (!point.allFinite()) return 0;
-  if (leaf_.level >= 0 && leaf_.kind != OctreeKind::far) return beyond_ ? asset_->band.margin : 0;
+  if (leaf_.level >= 0 && leaf_.kind != OctreeKind::far) return beyond_;
   return leaf_clearance(*asset_, leaf_, point, useful);
 }
 

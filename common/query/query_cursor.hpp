@@ -53,7 +53,7 @@ class QueryCursor {
   Leaf leaf_;
   double inner_ = -1;  ///< m: half the edge of the cube in which the leaf is certain; below 0: none
   bool by_maps_ = false;
-  bool beyond_ = false;  ///< the last answer lies beyond the band's margin
+  double beyond_ = 0;  ///< m: clearance of the last point, as the leaf's own answer tells it
   LeafMaps maps_;
   Answer deep_;  ///< in all of a leaf that is deeper than the band
 };

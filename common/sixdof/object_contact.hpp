@@ -3,6 +3,7 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <array>
 #include <cstdint>
 #include <limits>
 #include <span>
@@ -12,6 +13,7 @@
 #include "common/asset/asset_view.hpp"
 #include "common/contact/surface_texture.hpp"
 #include "common/query/query_cursor.hpp"
+#include "common/sixdof/coarse_press.hpp"
 #include "common/sixdof/contact_grip.hpp"
 #include "common/sixdof/contact_step.hpp"
 #include "common/sixdof/contact_sum.hpp"
@@ -93,11 +95,8 @@ inline void add(PressedPatch& patch, double force, double depth, const Vector3& 
 ///
 /// A tick that is told an accuracy (TickBudget::accuracy) stops at a level whose sum the next one
 /// would hardly change, object by object; between two levels both count, so that the force does not
-/// jump. There a finest sample is a small square, as coarse ones are patches.
-///
-/// A tick that is told an accuracy (TickBudget::accuracy) stops at a level whose sum the next one
-/// would hardly change, object by object; between two levels both count, so that the force does not
-/// jump. There a finest sample is a small square, as coarse ones are patches.
+/// jump. There a finest sample is a small square, as coarse ones are patches, and where few touch
+/// it is divided into smaller ones.
 ///
 /// A tick that is told how far the next ones go (TickBudget::ahead) lists the samples that may
 /// touch by then; within that way the next ones look at these alone.
@@ -173,7 +172,7 @@ class ObjectContact {
     Vector3 force = Vector3::Zero();   ///< N
     Vector3 torque = Vector3::Zero();  ///< N m
     double pressing = 0;               ///< N: of the sizes of forces
-    std::uint64_t contacts = 0;
+    double contacts = 0;               ///< the parts of patches that press, added up
   };
   /// The samples below one, all of which touch: the field about it, object's frame.
   struct Whole {
@@ -318,9 +317,24 @@ class ObjectContact {
   [[nodiscard]] bool can_settle(const TickBudget& budget) const noexcept;
   void weigh(Active& active, Pair& pair) const noexcept;
   void press(const Active& active, double weight) noexcept;
-  void press_square(Active& active, const Pair& pair) noexcept;
+  void press_part(const Active& active, double spring, const CoarsePress& press,
+                  const Vector3& normal, const Vector3& lever) noexcept;
+  /// A finest sample, or a part of one; tool's axes, about the tool's origin.
+  struct Square {
+    Vector3 middle = Vector3::Zero();
+    double side = 0;      ///< m
+    double distance = 0;  ///< m, signed, of the object's surface from its middle
+    Vector3 normal = Vector3::Zero();
+  };
+  void press_finest_square(const Active& active, ObjectContactReport& report) noexcept;
+  void press_square(const Active& active, const Square& square, double weight) noexcept;
+  void divide(const Active& active, const Square& square, double weight,
+              std::span<const double> divided, ObjectContactReport& report) noexcept;
+  [[nodiscard]] Answer query_at(Pair& pair, const Arm& at, Vector3& place,
+                                ObjectContactReport& report) noexcept;
   void press_left(Active& active, ObjectContactReport& report) noexcept;
-  [[nodiscard]] double meet(Active& active, Pair& pair, double way, float* until) noexcept;
+  [[nodiscard]] double meet(Active& active, Pair& pair, double way, float* until,
+                            ObjectContactReport& report) noexcept;
   void ask_of(Active& active, Pair& pair, ObjectContactReport& report) noexcept;
   [[nodiscard]] double look_at(Active& active, Pair& pair, double way, float* until,
                                const Active& above, ObjectContactReport& report) noexcept;

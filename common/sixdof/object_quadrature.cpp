@@ -18,36 +18,22 @@ namespace {
 // not on the drill and the teeth that spm-bench judges by.
 
 /// A sum over fewer contacts says nothing of its own error; from twice as many on it is believed.
-constexpr double few_contacts = 48;
+constexpr double few_contacts = 24;
 /// From so many contacts on a sum begins to be good enough whatever it changed by, from twice as
 /// many on it is: what is left of forces that cancel out is a small part of them.
-constexpr double many_contacts = 512;
+constexpr double many_contacts = 256;
 /// Of the sum of all sizes of forces, what is left of them where they cancel out.
 constexpr double least_left = 0.05;
-/// Half the extent of what a finest sample represents, over the root of its area. Half of a
-/// square's edge would count what its neighbours represent, where the surface bends.
-constexpr double finest_half = 0.25;
+/// How far parts of a finest sample are from its middle, over the root of its area.
+constexpr double square_reach = 0.5;
 /// m: a bound of a distance that is longer than this beyond a sample's radius is not sought.
 constexpr double useful_way = 1e-3;
 /// m: how far a sample is from touching is told by those below it.
 constexpr double kept_for_below = std::numeric_limits<double>::infinity();
 
-/// Three numbers that are never loaded in pairs: those that were written one by one would stall.
-struct Arm {
-  double x, y, z;
-  [[nodiscard]] double dot(const Arm& other) const noexcept {
-    return x * other.x + y * other.y + z * other.z;
-  }
-  [[nodiscard]] Arm operator+(const Arm& other) const noexcept {
-    return {x + other.x, y + other.y, z + other.z};
-  }
-};
-Arm arm_of(const std::array<float, 3>& v) noexcept {
-  return {double{v[0]}, double{v[1]}, double{v[2]}};
-}
-
-double half_square(const SampleShare& share) noexcept {
-  return finest_half * std::sqrt(static_cast<double>(share.area));
+/// m: how far parts of a finest sample's square are from its middle.
+double reach_of(const SampleShare& share) noexcept {
+  return square_reach * std::sqrt(static_cast<double>(share.area));
 }
 
 }  // namespace
@@ -69,12 +55,14 @@ void ObjectContact::weigh(Active& active, Pair& pair) const noexcept {
   const auto most = static_cast<double>(spread.spread);
   if (!(depth > -most)) return;
   const SampleShare& share = tool_.shares[active.sample];
-  double pressed = depth;
+  double pressed = depth, part = 1;
   // Deeper, all of it presses, whatever its normal is.
   if (depth < most) {
     const double sine = sine_between(along.x, along.y, along.z, share.packed_normal);
     active.half = static_cast<float>(most * sine);
-    pressed = coarse_press(depth, static_cast<double>(active.half)).depth;
+    const CoarsePress press = coarse_press(depth, static_cast<double>(active.half));
+    pressed = press.depth;
+    part = press.share;
   }
   const double force = static_cast<double>(share.area) * pressed;
   if (!(force > 0)) return;
@@ -88,7 +76,15 @@ void ObjectContact::weigh(Active& active, Pair& pair) const noexcept {
   sum.torque[1] += arm.z * x - arm.x * z;
   sum.torque[2] += arm.x * y - arm.y * x;
   sum.pressing += force;
-  ++sum.contacts;
+  sum.contacts += part;
+}
+
+/// Adds a spring, N/m, of a part of a sample.
+void ObjectContact::press_part(const Active& active, double spring, const CoarsePress& press,
+                               const Vector3& normal, const Vector3& lever) noexcept {
+  pairs_[active.object].sum.add(spring, press.depth, press.square, press.share, normal, lever);
+  add(patch_of(active.object, active.cluster), spring * press.depth, press.depth, normal, normal,
+      lever);
 }
 
 /// Adds a part of the spring of a sample's patch. All in the tool's axes.
@@ -104,23 +100,10 @@ void ObjectContact::press(const Active& active, double weight) noexcept {
   }
   const CoarsePress press = coarse_press(depth, static_cast<double>(active.half));
   if (!(press.depth > 0)) return;
-  Pair& pair = pairs_[active.object];
+  const Pair& pair = pairs_[active.object];
   const double spring =
       weight * pair.stiffness * static_cast<double>(tool_.shares[active.sample].area);
-  const Vector3 normal(along.x, along.y, along.z), lever(arm.x, arm.y, arm.z);
-  pair.sum.add(spring, press.depth, press.square, press.share, normal, lever);
-  add(patch_of(active.object, active.cluster), spring * press.depth, press.depth, normal, normal,
-      lever);
-}
-
-/// Presses a finest sample, which represents a small square.
-void ObjectContact::press_square(Active& active, const Pair& pair) noexcept {
-  if (!active.has_normal()) return;
-  const SampleShare& share = tool_.shares[active.sample];
-  const Arm along = arm_of(active.normal);
-  const double sine = sine_between(along.x, along.y, along.z, share.packed_normal);
-  active.half = static_cast<float>(half_square(share) * sine);
-  press(active, pair.weight);
+  press_part(active, spring, press, {along.x, along.y, along.z}, {arm.x, arm.y, arm.z});
 }
 
 /// Presses one that was not looked at as finely as it should be, for want of time.
@@ -134,10 +117,11 @@ void ObjectContact::press_left(Active& active, ObjectContactReport& report) noex
 
 /// Takes up a sample unless it, and everything below it, is clear. How far it is from touching, m;
 /// kept_for_below where those below it tell that.
-double ObjectContact::meet(Active& active, Pair& pair, double way, float* until) noexcept {
+double ObjectContact::meet(Active& active, Pair& pair, double way, float* until,
+                           ObjectContactReport& report) noexcept {
   const SamplePlace& place = tool_.places[active.sample];
   const double least = static_cast<double>(active.distance) - pair.doubt;
-  const double radius = is_finest(active.sample) ? half_square(tool_.shares[active.sample])
+  const double radius = is_finest(active.sample) ? reach_of(tool_.shares[active.sample])
                                                  : static_cast<double>(place.radius);
   const double spare = least - radius;
   if (spare > 0) {
@@ -146,7 +130,7 @@ double ObjectContact::meet(Active& active, Pair& pair, double way, float* until)
   }
   if (is_finest(active.sample)) {
     if (until != nullptr) *until = 0;
-    press_square(active, pair);
+    press_finest_square(active, report);
     return 0;
   }
   // Before it is clear, or adds to a sum, those below it are looked at without it.
@@ -163,19 +147,26 @@ double ObjectContact::meet(Active& active, Pair& pair, double way, float* until)
   return kept_for_below;
 }
 
-/// Queries the field at a sample.
-void ObjectContact::ask_of(Active& active, Pair& pair, ObjectContactReport& report) noexcept {
+/// Queries the field at a place of the tool, and tells where that is, in the object's frame and
+/// unit of length.
+Answer ObjectContact::query_at(Pair& pair, const Arm& at, Vector3& place,
+                               ObjectContactReport& report) noexcept {
   ++report.asked;
-  const SamplePlace& sample = tool_.places[active.sample];
   const Eigen::Matrix3d& turn = pair.pose.linear();
-  const Arm at = arm_of(sample.position);
-  Vector3 place;
   for (int k = 0; k < 3; ++k) {
     const double world =
         turn(k, 0) * at.x + turn(k, 1) * at.y + turn(k, 2) * at.z + pair.pose.translation()[k];
     place[k] = pair.scale == 1 ? world : world / pair.scale;
   }
-  const Answer answer = pair.cursor.query(place);
+  return pair.cursor.query(place);
+}
+
+/// Queries the field at a sample.
+void ObjectContact::ask_of(Active& active, Pair& pair, ObjectContactReport& report) noexcept {
+  const SamplePlace& sample = tool_.places[active.sample];
+  const Eigen::Matrix3d& turn = pair.pose.linear();
+  Vector3 place;
+  const Answer answer = query_at(pair, arm_of(sample.position), place, report);
   if (answer.status == Status::exact || answer.status == Status::deep) {
     active.distance = static_cast<float>(pair.scale * answer.distance);
     // The pose of a mirrored object mirrors too, and its transpose back.
@@ -196,7 +187,7 @@ double ObjectContact::look_at(Active& active, Pair& pair, double way, float* unt
   ++report.tested;
   if (above.known()) {
     const double radius = is_finest(active.sample)
-                              ? half_square(tool_.shares[active.sample])
+                              ? reach_of(tool_.shares[active.sample])
                               : static_cast<double>(tool_.places[active.sample].radius);
     // A field changes by at most the length of a step, so the sample above may tell enough.
     const double told = static_cast<double>(above.distance) - pair.doubt - radius;
@@ -204,7 +195,7 @@ double ObjectContact::look_at(Active& active, Pair& pair, double way, float* unt
       // At the same place.
       active.distance = above.distance;
       active.normal = above.normal;
-      return meet(active, pair, way, until);
+      return meet(active, pair, way, until, report);
     }
     if (told > 0) {
       const double spare = told - from_above(active.sample, above.sample);
@@ -215,7 +206,7 @@ double ObjectContact::look_at(Active& active, Pair& pair, double way, float* unt
     }
   }
   ask_of(active, pair, report);
-  return meet(active, pair, way, until);
+  return meet(active, pair, way, until, report);
 }
 
 /// Looks at samples that lie below one, or at the coarsest of all: then `above` tells their object
@@ -269,8 +260,7 @@ double ObjectContact::left_to_refine(const Pair& pair, std::uint32_t level,
   const double torque = std::max(sum.torque.norm(), least_left * sum.pressing * tool_.radius);
   const double change = std::max((sum.force - before.force).norm() / force,
                                  (sum.torque - before.torque).norm() / torque);
-  const auto contacts = static_cast<double>(sum.contacts);
-  const double few = 2 - contacts / few_contacts, many = 2 - contacts / many_contacts;
+  const double few = 2 - sum.contacts / few_contacts, many = 2 - sum.contacts / many_contacts;
   return std::clamp(std::max(std::min(change / accuracy - 1, many), few), 0.0, 1.0);
 }
 

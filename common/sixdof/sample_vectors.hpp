@@ -8,6 +8,20 @@
 
 namespace spm {
 
+/// Three numbers that are never loaded in pairs: those that were written one by one would stall.
+struct Arm {
+  double x, y, z;
+  [[nodiscard]] double dot(const Arm& other) const noexcept {
+    return x * other.x + y * other.y + z * other.z;
+  }
+  [[nodiscard]] Arm operator+(const Arm& other) const noexcept {
+    return {x + other.x, y + other.y, z + other.z};
+  }
+};
+[[nodiscard]] inline Arm arm_of(const std::array<float, 3>& v) noexcept {
+  return {double{v[0]}, double{v[1]}, double{v[2]}};
+}
+
 // Element by element: a vector that is written this way and loaded in pairs would stall.
 [[nodiscard]] inline Vector3 turned(const Eigen::Matrix3d& by,
                                     const std::array<float, 3>& v) noexcept {

@@ -93,7 +93,7 @@ struct OctreeData {
   Vector3 origin = Vector3::Zero();
   double edge = 0;
   std::array<std::uint32_t, 3> roots{0, 0, 0};
-  double value_unit = 1, clearance_unit = 1, reach = 1;
+  double value_unit = 1, clearance_unit = 1, reach = 1, beyond_share = 0;
   std::vector<std::uint32_t> root_words, units, lists;
   Vector3 lattice_origin = Vector3::Zero();  ///< of the exact triangles' corners
   double lattice_step = 1;
@@ -110,7 +110,8 @@ struct OctreeData {
                    .lists = lists,
                    .value_unit = value_unit,
                    .clearance_unit = clearance_unit,
-                   .reach = reach};
+                   .reach = reach,
+                   .beyond_share = beyond_share};
     view.exact = {.origin = lattice_origin,
                   .step = lattice_step,
                   .corners = corners,

@@ -70,7 +70,8 @@ Json octree_json(const AssetDescription& description) {
           {"lists", description.octree_lists},
           {"value_unit", octree.value_unit},
           {"clearance_unit", octree.clearance_unit},
-          {"reach", octree.reach}};
+          {"reach", octree.reach},
+          {"beyond_share", octree.beyond_share}};
 }
 
 Json exact_json(const AssetDescription& description) {
@@ -185,6 +186,10 @@ void read_octree(JsonFields& fields, AssetDescription& description) {
   data.value_unit = octree.number("value_unit", min_length, greatest_length);
   data.clearance_unit = octree.number("clearance_unit", min_length, greatest_length);
   data.reach = octree.number("reach", min_length, greatest_length);
+  // Assets of earlier programs promise nothing.
+  if (!octree.optional("beyond_share").is_null()) {
+    data.beyond_share = octree.number("beyond_share", 0, 1);
+  }
   JsonFields exact = fields.child("exact");
   description.exact_triangles = exact.integer("triangles", 0, max_triangles);
   description.exact_corners = exact.integer("corners", 0, max_corners);
@@ -254,6 +259,7 @@ AssetDescription describe(const Asset& asset) {
                         .value_unit = octree.value_unit,
                         .clearance_unit = octree.clearance_unit,
                         .reach = octree.reach,
+                        .beyond_share = octree.beyond_share,
                         .root_words = {},
                         .units = {},
                         .lists = {},

@@ -13,6 +13,7 @@
 #include "common/base/random.hpp"
 #include "common/field/octree_leaves.hpp"
 #include "common/query/query.hpp"
+#include "common/query/query_cursor.hpp"
 #include "formats/asset/octree_check.hpp"
 #include "tests/baker/pipeline/bake_support.hpp"
 
@@ -157,6 +158,30 @@ TEST_CASE("Where the answer is far, the surface is at least as far as the cleara
     CHECK(clearance(made.view, point) <= truth + tolerance);
   }
   CHECK(clearance(made.view, {0.2, 0, 0}) > 0.15);
+}
+
+TEST_CASE("Just beyond the margin a clearance is no more than the distance, and grows with it") {
+  for (const test::Shape& shape : {test::torus(0.01, 0.003, 40, 20), test::box({0.02, 0.01, 0.004}),
+                                   rough(test::torus(0.02, 0.002, 200, 40), 2e-2)}) {
+    const Built made(shape);
+    const double margin = made.view.band.margin;
+    CHECK(made.view.octree.beyond_share == beyond_share);
+    QueryCursor cursor;
+    cursor.begin(&made.view);
+    double told = 0, beyond = 0;
+    for (std::uint64_t i = 0; i < 200000; ++i) {
+      const Vector3 point = made.place(i);
+      const double truth = made.caster.closest(point).distance;
+      if (cursor.query(point).status != Status::far || truth > 2 * margin) continue;
+      const double least = clearance(made.view, point);
+      CHECK(least <= truth + tolerance);
+      CHECK(cursor.clearance(point) == least);
+      told += std::max(0.0, least - margin);
+      beyond += truth - margin;
+    }
+    REQUIRE(beyond > 0);
+    CHECK(told > 0.3 * beyond);
+  }
 }
 
 TEST_CASE("Many points at once get the answers that each gets alone") {

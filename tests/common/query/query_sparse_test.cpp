@@ -404,6 +404,10 @@ TEST_CASE(
   CHECK(clearance(cube.view, middle + Vector3(-0.049, 0.049, 0.049)) == Approx(margin + 0.001));
   CHECK(clearance(cube.view, Vector3::Zero()) == 0);
   CHECK(clearance(cube.view, {0, 0, half + 0.002}) == cube.view.band.margin);
+  cube.octree.beyond_share = 0.5;
+  cube.refresh();
+  CHECK(clearance(cube.view, {0, 0, half + 0.002}) == Approx((margin + 0.002) / 2));
+  CHECK(clearance(cube.view, {0, 0, half + margin / 2}) == 0);
   CHECK(clearance(cube.view, {0, 0, -1}) ==
         Approx(cube.view.band.margin + 1 + cube.octree.origin.z()));
 }

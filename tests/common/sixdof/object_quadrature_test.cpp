@@ -80,6 +80,47 @@ TEST_CASE("Contact of few samples is resolved to the finest") {
   CHECK(difference(report.sum.forces().force, finest.sum.forces().force) < 0.2);
 }
 
+TEST_CASE("Where few samples touch, their divided squares tell the force better than points do") {
+  const CubeOnCube cubes(0.0008);
+  ObjectContact points = cubes.contact(), squares = cubes.contact();
+  RandomTwister random(5);
+  double of_points = 0, of_squares = 0;
+  constexpr int tries = 200;
+  for (int i = 0; i < tries; ++i) {
+    // An edge, pressed in: two strips, whose depth falls evenly from the edge on.
+    const double depth = random.between(2e-4, 8e-4);
+    Isometry3d pose = pressed(0, random.between(-4e-4, 4e-4), {M_PI / 4, 0, 0});
+    pose.translation().z() = field_size / 2 + tool_size * M_SQRT1_2 - depth;
+    const double wanted = 1e9 * tool_size * depth * depth * M_SQRT2;
+    const ObjectContactReport found = squares.tick(pose, cubes.objects, settling());
+    INFO("depth " << depth << ", " << found.sum.forces().force.z() << " N of " << wanted);
+    const double error = found.sum.forces().force.z() / wanted - 1;
+    CHECK(std::abs(error) < 0.15);
+    of_squares += error * error;
+    of_points += std::pow(points.tick(pose, cubes.objects).sum.forces().force.z() / wanted - 1, 2);
+  }
+  CHECK(std::sqrt(of_squares / tries) < 0.06);
+  CHECK(of_squares < of_points / 9);
+}
+
+TEST_CASE("The force of few samples jumps by no more than a fiftieth where more come to touch") {
+  const CubeOnCube cubes(0.0008);
+  ObjectContact contact = cubes.contact();
+  double before = 0;
+  const double step = 1e-7;
+  for (int i = 0; i < 9000; ++i) {
+    const double depth = step * i;
+    Isometry3d pose = pressed(0, 0, {M_PI / 4, 0, 0});
+    pose.translation().z() = field_size / 2 + tool_size * M_SQRT1_2 - depth;
+    const double force = contact.tick(pose, cubes.objects, settling()).sum.forces().force.z();
+    // How the exact force grows. Samples in rows that lie along the edge come to touch at once.
+    const double rises = 1e9 * tool_size * M_SQRT2 * 2 * (depth + 2e-5) * step;
+    INFO("depth " << depth << ", " << force << " N after " << before << " N");
+    REQUIRE(std::abs(force - before) < 3 * rises + 0.02 * before);
+    before = force;
+  }
+}
+
 TEST_CASE("The force does not jump where another level settles it") {
   const CubeOnCube cubes(0.0001);
   ObjectContact contact = cubes.contact();

@@ -200,6 +200,8 @@ TEST_CASE("Every wrong field of the octree and its triangles is refused by its n
                                    {"octree", "value_unit", 0},
                                    {"octree", "clearance_unit", -1e-4},
                                    {"octree", "reach", 1e30},
+                                   {"octree", "beyond_share", 1.01},
+                                   {"octree", "beyond_share", "most"},
                                    {"exact", "triangles", 1ULL << 40U},
                                    {"exact", "triangles", 0.5},
                                    {"exact", "corners", 1 << 22},
@@ -262,14 +264,24 @@ TEST_CASE("The units of an octree and its triangles round-trip to the last bit")
                          &octree.lattice_step}) {
       *unit = std::ldexp(random.between(0.5, 1), static_cast<int>(below(random, 40)) - 30);
     }
+    octree.beyond_share = random.between(0, 1);
     const auto parsed = parse_description(to_json(description), "a.exr");
     REQUIRE(parsed.has_value());
+    REQUIRE(parsed->octree.beyond_share == octree.beyond_share);
     REQUIRE(parsed->octree.edge == octree.edge);
     REQUIRE(parsed->octree.value_unit == octree.value_unit);
     REQUIRE(parsed->octree.clearance_unit == octree.clearance_unit);
     REQUIRE(parsed->octree.reach == octree.reach);
     REQUIRE(parsed->octree.lattice_step == octree.lattice_step);
   }
+}
+
+TEST_CASE("An octree that does not say what it promises beyond the margin promises nothing") {
+  Json json = Json::parse(sparse_text());
+  json["octree"].erase("beyond_share");
+  const auto parsed = parse_description(json.dump(), "a.exr");
+  REQUIRE(parsed.has_value());
+  CHECK(parsed->octree.beyond_share == 0);
 }
 
 TEST_CASE("Text that is no JSON object is refused") {

@@ -1,0 +1,97 @@
+// SPDX-License-Identifier: Apache-2.0
+// The finest samples as small squares, where ObjectContact refines by levels.
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "common/base/octahedral.hpp"
+#include "common/sixdof/object_contact.hpp"
+
+namespace spm {
+
+namespace {
+
+// Chosen with those of object_quadrature.cpp.
+
+/// Half the extent of what a square represents, over its side. Half of the side would count what
+/// its neighbours represent, where the surface bends.
+constexpr double square_half = 0.25;
+/// From its middle to a corner, over its side.
+constexpr double corner_way = 0.7071067811865476;
+/// Where less than so many patches of the level above the finest press, all finest squares are
+/// divided, or divided twice; where twice as many do, none are.
+constexpr std::array<double, 2> few_patches{4, 1};
+
+/// Two unit vectors across one, and across each other.
+struct Axes {
+  Vector3 first, second;
+};
+Axes across(const Vector3& normal) noexcept {
+  const Vector3 any = std::abs(normal.x()) < 0.6 ? Vector3::UnitX() : Vector3::UnitY();
+  const Vector3 first = any.cross(normal).normalized();
+  return {first, normal.cross(first)};
+}
+
+}  // namespace
+
+/// Adds the spring of a square, or a part of it.
+void ObjectContact::press_square(const Active& active, const Square& square,
+                                 double weight) noexcept {
+  const Vector3& along = square.normal;
+  const double sine =
+      sine_between(along[0], along[1], along[2], tool_.shares[active.sample].packed_normal);
+  const CoarsePress press = coarse_press(-square.distance, square_half * square.side * sine);
+  if (!(press.depth > 0)) return;
+  const double spring = weight * pairs_[active.object].stiffness * square.side * square.side;
+  press_part(active, spring, press, along, square.middle);
+}
+
+/// Presses a square as four smaller ones, whose distances are asked for. `divided`: how much of
+/// these is divided again, and so on.
+void ObjectContact::divide(const Active& active, const Square& square, double weight,
+                           std::span<const double> divided, ObjectContactReport& report) noexcept {
+  // All of it is deep, or clear: as one, it tells the same.
+  if (std::abs(square.distance) > corner_way * square.side) {
+    return press_square(active, square, weight);
+  }
+  Pair& pair = pairs_[active.object];
+  const Eigen::Matrix3d& turn = pair.pose.linear();
+  const Axes axes = across(tool_.shares[active.sample].normal());
+  const double off = square.side / 4, again = divided.empty() ? 0 : divided.front();
+  for (int k = 0; k < 4; ++k) {
+    Square part;
+    part.side = square.side / 2;
+    part.middle = square.middle + ((k & 1) != 0 ? off : -off) * axes.first +
+                  ((k & 2) != 0 ? off : -off) * axes.second;
+    Vector3 place;
+    const Answer answer =
+        query_at(pair, {part.middle[0], part.middle[1], part.middle[2]}, place, report);
+    if (answer.status != Status::exact && answer.status != Status::deep) continue;
+    part.distance = pair.scale * answer.distance;
+    part.normal = turn.transpose() * answer.normal;
+    if (again < 1) press_square(active, part, weight * (1 - again));
+    if (again > 0) divide(active, part, weight * again, divided.subspan(1), report);
+  }
+}
+
+/// Presses a finest sample: as one square where many touch, as smaller ones where few do.
+void ObjectContact::press_finest_square(const Active& active,
+                                        ObjectContactReport& report) noexcept {
+  if (!active.has_normal()) return;
+  const Pair& pair = pairs_[active.object];
+  Square square;
+  square.middle = vector_of(tool_.places[active.sample].position);
+  square.side = std::sqrt(static_cast<double>(tool_.shares[active.sample].area));
+  square.distance = static_cast<double>(active.distance);
+  square.normal = vector_of(active.normal);
+  std::array<double, few_patches.size()> divided{};
+  for (std::size_t k = 0; k < divided.size(); ++k) {
+    divided[k] = std::clamp(2 - pair.sum_before.contacts / few_patches[k], 0.0, 1.0);
+  }
+  const double weight = pair.weight;
+  if (divided[0] < 1) press_square(active, square, weight * (1 - divided[0]));
+  if (!(divided[0] > 0)) return;
+  divide(active, square, weight * divided[0], std::span(divided).subspan(1), report);
+}
+
+}  // namespace spm
