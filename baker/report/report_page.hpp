@@ -12,6 +12,9 @@ namespace spm::baker {
 /// Bytes as text, RFC 4648.
 [[nodiscard]] std::string base64(std::string_view bytes);
 
+/// Bytes in zlib's form, RFC 1950; the same bytes give the same. Throws BakeError internal.
+[[nodiscard]] std::string deflated(std::string_view bytes);
+
 /// A picture as an address that holds it whole. Throws BakeError internal.
 [[nodiscard]] std::string data_url(const Picture& picture);
 
@@ -20,8 +23,11 @@ namespace spm::baker {
 /// place for data.
 [[nodiscard]] std::string filled_page(const std::string& page, const nlohmann::ordered_json& data);
 
-/// The built page beside this program. Throws BakeError unsupported, with the cure, where it was
-/// not built.
-[[nodiscard]] std::string built_page();
+/// The built pages: of one asset, and of a batch.
+enum class ReportPage { asset, batch };
+
+/// A built page beside this program. Throws BakeError unsupported, with the cure, where it was not
+/// built.
+[[nodiscard]] std::string built_page(ReportPage page);
 
 }  // namespace spm::baker

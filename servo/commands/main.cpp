@@ -4,6 +4,7 @@
 
 #include "servo/commands/commands.hpp"
 
+// NOLINTNEXTLINE(bugprone-exception-escape): without memory for its options it can only end.
 int main(int argc, char** argv) {
   CLI::App program("Serves forces to haptic devices from objects that spm-bake baked", "spm-servo");
   const std::array commands{

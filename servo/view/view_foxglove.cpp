@@ -72,8 +72,9 @@ void FoxgloveDesk::look(const ViewState& state) {
   if (state.devices.empty() || state.tick.tick == tick_) return;
   tick_ = state.tick.tick;
   const std::vector<HandSample> samples = samples_of(state);
-  std::vector<bool> has_tool;
-  for (const HandSample& sample : samples) has_tool.push_back(sample.tool.has_value());
+  std::vector<bool> has_tool(samples.size());
+  std::transform(samples.begin(), samples.end(), has_tool.begin(),
+                 [](const HandSample& sample) { return sample.tool.has_value(); });
   if (has_tool != has_tool_) {
     has_tool_ = has_tool;
     channels_ = channels_of(has_tool);

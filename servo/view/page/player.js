@@ -11,6 +11,7 @@ import { TimeLine } from './timeline.js';
 
 const LONGEST_STEP = 0.1; // s between pictures: a page that was hidden does not jump
 const MOST_FILM = 60; // s
+const PATH_PLACES = 200; // of the hand, by which the camera looks where there is no object
 
 const by = (id) => document.getElementById(id);
 const say = (id, text) => {
@@ -84,6 +85,8 @@ class Player {
   makeStage() {
     try {
       this.stage = new Stage(by('scene'));
+      const [first] = this.recordings, stride = Math.ceil(first.count / PATH_PLACES);
+      this.stage.setPath(Array.from({ length: Math.ceil(first.count / stride) }, (_, i) => first.position(stride * i)));
       by('home').addEventListener('click', () => { this.stage.frame(); this.stage.dirty = true; });
     } catch {
       say('noscene', 'This browser has no WebGL, so the scene is not drawn; time line and charts go on.');
@@ -99,6 +102,7 @@ class Player {
       if (response.ok) this.stage.setMesh(asset, await response.arrayBuffer());
       this.show(this.line.time);
     }
+    if (this.stage && !this.stage.framed) this.stage.framed = this.stage.frame();
     this.ready = true;
   }
 

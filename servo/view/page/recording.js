@@ -8,6 +8,7 @@ const REMOVED = 5;
 const CONTACT = 1; // a bit of the column flags
 const TRAIL_SECONDS = 3;
 const TRAIL_PLACES = 600;
+const ROUNDING = 1e-9; // s, of times that were added up
 
 async function bytesOf(path) {
   const response = await fetch(path);
@@ -54,7 +55,7 @@ export class Recording {
 
   /** s since its first tick. */
   timeOf(tick) { return (tick - this.first) / this.summary.rate_hz; }
-  at(time) { return Math.max(0, lastAtMost(this.times, time)); }
+  at(time) { return Math.max(0, lastAtMost(this.times, time + ROUNDING)); }
   vector(i, ...names) { return names.map((name) => this.columns[name][i]); }
   force(i) { return this.vector(i, 'fx', 'fy', 'fz'); }
   wanted(i) { return this.vector(i, 'wx', 'wy', 'wz'); }

@@ -187,7 +187,13 @@ export class Stage {
     this.dirty = true;
   }
 
-  /** Puts the camera where it sees all objects. */
+  /** Where the hand goes: what is seen where no object is drawn. */
+  setPath(places) {
+    this.path = new Sphere().setFromPoints(places.map(vector));
+    this.path.radius = Math.max(this.path.radius, 1e-3);
+  }
+
+  /** Puts the camera where it sees all objects, or else the hand's path. */
   frame() {
     const all = new Sphere();
     all.makeEmpty();
@@ -196,6 +202,7 @@ export class Stage {
       mesh.updateMatrixWorld();
       all.union(mesh.geometry.boundingSphere.clone().applyMatrix4(mesh.matrixWorld));
     }
+    if (all.isEmpty() && this.path) all.copy(this.path);
     if (all.isEmpty()) return false;
     this.middle = all.center;
     this.size = Math.max(2 * all.radius, 1e-4);

@@ -38,9 +38,10 @@ export class TimeLine {
     this.moved(this.time);
   }
 
-  step(ticks) {
+  step(rows) {
     this.play(false);
-    this.go(this.time + ticks / this.recording.summary.rate_hz);
+    const { recording } = this, i = recording.at(this.time) + rows;
+    this.go(recording.times[Math.min(Math.max(i, 0), recording.count - 1)]);
   }
 
   toggle() { this.play(!this.playing); }

@@ -61,7 +61,7 @@ Recording recording() {
 }
 
 std::string write(const TemporaryFolder& folder, const Recording& made) {
-  const std::string path = folder.path() + "/run.spmrec";
+  std::string path = folder.path() + "/run.spmrec";
   auto writer = RecordingWriter::create(path, made.header);
   REQUIRE(writer);
   for (const RecordingRow& one : made.rows) writer->append(one);
@@ -77,16 +77,17 @@ struct Columns {
 Columns read(const std::string& bytes) {
   std::uint32_t head[2] = {0, 0};
   std::memcpy(head, bytes.data(), sizeof head);
+  const std::size_t rows = head[0], wide = head[1];
   Columns columns;
-  columns.tick.resize(head[0]);
-  std::memcpy(columns.tick.data(), bytes.data() + 8, 8 * head[0]);
+  columns.tick.resize(rows);
+  std::memcpy(columns.tick.data(), bytes.data() + 8, 8 * rows);
   const auto names = column_names();
-  REQUIRE(head[1] == names.size());
-  REQUIRE(bytes.size() == 8 + 8 * head[0] + 4 * std::size_t{head[0]} * head[1]);
+  REQUIRE(wide == names.size());
+  REQUIRE(bytes.size() == 8 + 8 * rows + 4 * rows * wide);
   for (std::size_t i = 0; i < names.size(); ++i) {
     std::vector<float>& column = columns.by_name[names[i]];
-    column.resize(head[0]);
-    std::memcpy(column.data(), bytes.data() + 8 + 8 * head[0] + 4 * head[0] * i, 4 * head[0]);
+    column.resize(rows);
+    std::memcpy(column.data(), bytes.data() + 8 + 8 * rows + 4 * rows * i, 4 * rows);
   }
   return columns;
 }
@@ -145,15 +146,15 @@ TEST_CASE("A recording whose asset is gone is played without its surface, and sa
   REQUIRE(playback);
   const auto told = playback->summary();
   CHECK(told["name"] == "run.spmrec");
-  CHECK(told["loss"] == "");
+  CHECK(told["loss"].get<std::string>().empty());
   CHECK(told["assets"][0]["name"] == "<b>.spm.exr");
   CHECK(told["assets"][0]["drawn"] == false);
   CHECK_THAT(told["assets"][0]["problem"].get<std::string>(), Catch::Contains("/nowhere/"));
   CHECK(told["devices"][0]["rows"] == ticks);
   CHECK(told["devices"][0]["tool"].is_null());
   CHECK(told["devices"][0]["marks"]["list"][0]["first"] == 507);
-  CHECK(told["causes"][1]["cure"] != "");
-  CHECK(told["causes"][2]["cure"] == "");
+  CHECK_FALSE(told["causes"][1]["cure"].get<std::string>().empty());
+  CHECK(told["causes"][2]["cure"].get<std::string>().empty());
   CHECK(read(playback->rows(0)).tick.size() == ticks);
 }
 
