@@ -35,11 +35,13 @@ Picture maps_picture(const AssetView& view) {
     samples[map.plane] += std::size_t{map.columns} * map.rows;
   for (const Tile& tile : view.tiles) ++samples[tile.plane];
   std::vector<std::size_t> planes;
+  planes.reserve(samples.size());
   for (const auto& [plane, count] : samples) planes.push_back(plane);
   std::stable_sort(planes.begin(), planes.end(),
                    [&](std::size_t a, std::size_t b) { return samples[a] > samples[b]; });
   planes.resize(std::min(planes.size(), most_maps));
   std::vector<Picture> pictures;
+  pictures.reserve(planes.size());
   for (const std::size_t plane : planes) pictures.push_back(plane_picture(view, plane, map_side));
   return pictures.empty() ? Picture{} : contact_sheet(pictures, map_side);
 }
