@@ -15,8 +15,8 @@ namespace spm::baker {
 /// Bytes in zlib's form, RFC 1950; the same bytes give the same. Throws BakeError internal.
 [[nodiscard]] std::string deflated(std::string_view bytes);
 
-/// A picture as an address that holds it whole. Throws BakeError internal.
-[[nodiscard]] std::string data_url(const Picture& picture);
+/// A picture as an address that holds it, with 64 steps of each colour. Throws BakeError internal.
+[[nodiscard]] std::string data_url(Picture picture);
 
 /// The page with a report's data in it, whole: it loads nothing. `page` is the built page. Text in
 /// the data cannot end the element that holds it. Throws BakeError internal where the page has no
