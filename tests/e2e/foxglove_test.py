@@ -81,7 +81,8 @@ class Mcap(Case):
         told = json.loads(done.stdout)
         self.assertFalse(told["whole"])
         self.assertIn("cut.spmrec: was cut short", done.stderr)
-        self.assertEqual(read("mcap", self.path("cut.mcap"))["topics"]["/hand/0/tick"]["count"], told["ticks"])
+        found = read("mcap", self.path("cut.mcap"))
+        self.assertEqual(found["topics"]["/hand/0/tick"]["count"], told["ticks"])
 
     def test_bad_input_is_refused_and_leaves_nothing(self):
         out = self.path("never.mcap")
@@ -103,7 +104,8 @@ class Live(Case):
         cls.addClassCleanup(shutil.rmtree, cls.room, ignore_errors=True)
         environment = {**os.environ, "XDG_RUNTIME_DIR": cls.room}
         cls.start(environment, "run", "--asset", cls.asset, "--device", "sim", "--realtime", "off",
-                  "--black-box", "off", "--stiffness", f"{STIFFNESS}N/m", "--quiet", stdout=subprocess.DEVNULL)
+                  "--black-box", "off", "--stiffness", f"{STIFFNESS}N/m", "--quiet",
+                  stdout=subprocess.DEVNULL)
         view = cls.start(environment, "view", "--json", "--allow-origin", "https://viewer.example",
                          stdout=subprocess.PIPE, text=True)
         cls.addClassCleanup(view.stdout.close)

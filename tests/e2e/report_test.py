@@ -180,7 +180,8 @@ class BatchReport(Shown):
         self.assertEqual(self.names(), ["large"])
         self.assertEqual(self.text("shown"), "1 of 3")
         self.assertTrue(self.browser.run("return document.querySelector('#assets img').naturalWidth") > 50)
-        self.assertIn("µm", self.browser.run("return document.querySelector('#assets tbody tr').cells[6].textContent"))
+        self.assertIn("µm", self.browser.run(
+            "return document.querySelector('#assets tbody tr').cells[6].textContent"))
         self.assertIsNone(self.browser.run("return window.harmed ?? null"))
 
     def test_the_page_fits_wide_and_narrow(self):

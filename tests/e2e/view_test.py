@@ -229,8 +229,8 @@ class Away(Watched):
 
 
 class Played(Watched):
-    """A recording with a fault, whose name is hostile, beside another method on the same path; and what is left
-    of it when it is cut short. In the browser of the others."""
+    """A recording with a fault, whose name is hostile, beside another method on the same path; and what is
+    left of it when it is cut short. In the browser of the others."""
 
     @classmethod
     def setUpClass(cls):
@@ -238,9 +238,9 @@ class Played(Watched):
         shutil.copy(cls.hostile, asset)
         cls.first = os.path.join(cls.folder, HOSTILE_RECORDING)
         cls.second = os.path.join(cls.folder, "second.spmrec")
-        touch = cls.start("run", "--asset", asset, "--device", "sim", "--duration", "1.2", "--realtime", "off",
-                          "--black-box", "off", "--socket", "off", "--record", cls.first, "--stiffness",
-                          f"{STIFFNESS}N/m", stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
+        touch = cls.start("run", "--asset", asset, "--device", "sim", "--duration", "1.2", "--realtime",
+                          "off", "--black-box", "off", "--socket", "off", "--record", cls.first,
+                          "--stiffness", f"{STIFFNESS}N/m", stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
         cls.addClassCleanup(touch.stderr.close)
         assert any("serving" in line for line in touch.stderr)
         time.sleep(0.7)
@@ -270,13 +270,14 @@ class Played(Watched):
         return self.browser.run("return document.getElementById(arguments[0]).textContent", name)
 
     def key(self, *values):
-        self.browser.act(*[{"type": kind, "value": value} for value in values for kind in ("keyDown", "keyUp")],
-                         kind="key")
+        self.browser.act(*[{"type": kind, "value": value} for value in values
+                           for kind in ("keyDown", "keyUp")], kind="key")
 
     def bytes_of(self, promise):
         """The bytes of a promise of a Blob."""
         script = ("const done = arguments[0]; Promise.resolve(" + promise + ").then((blob) => {"
-                  "  const reader = new FileReader(); reader.onload = () => done(reader.result.split(',')[1]);"
+                  "  const reader = new FileReader();"
+                  "  reader.onload = () => done(reader.result.split(',')[1]);"
                   "  reader.readAsDataURL(blob); })")
         return base64.b64decode(self.browser.ask("POST", f"{self.browser.session}/execute/async",
                                                  {"script": script, "args": []}))
@@ -322,8 +323,10 @@ class Played(Watched):
         self.assertIsNotNone(self.browser.run("return document.querySelector('#marks .off span')"))
 
     def test_the_difference_of_two_methods_is_told_and_drawn(self):
-        self.assertRegex(self.text("difference"), r"proxy.* and second\.spmrec \(spm.*differ by at most [\d.]+ N.*one path")
-        titles = self.browser.run("return [...document.querySelectorAll('.chart h2')].map((h) => h.textContent)")
+        self.assertRegex(self.text("difference"),
+                         r"proxy.* and second\.spmrec \(spm.*differ by at most [\d.]+ N.*one path")
+        titles = self.browser.run("return [...document.querySelectorAll('.chart h2')]"
+                                  ".map((head) => head.textContent)")
         self.assertEqual(len(titles), 5)
         self.assertIn("Difference", titles[1])
         self.assertTrue(self.browser.run("return spmPlayer.stage.other.visible"))
@@ -340,7 +343,8 @@ class Played(Watched):
         self.browser.move(x + box[2] / 2, y)
         self.browser.release()
         self.browser.wait("spmPlayer.charts.plots.every((p) => p.scales.x.max < 0.7 * spmPlayer.length)")
-        self.browser.run("for (const p of spmPlayer.charts.plots) p.setScale('x', {min: 0, max: spmPlayer.length})")
+        self.browser.run("for (const p of spmPlayer.charts.plots)"
+                         "  p.setScale('x', {min: 0, max: spmPlayer.length})")
 
     def test_pictures_and_a_film_are_saved(self):
         self.browser.run("spmPlayer.line.go(0.4)")
