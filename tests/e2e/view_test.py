@@ -240,7 +240,8 @@ class Played(Watched):
         cls.second = os.path.join(cls.folder, "second.spmrec")
         touch = cls.start("run", "--asset", asset, "--device", "sim", "--duration", "1.2", "--realtime",
                           "off", "--black-box", "off", "--socket", "off", "--record", cls.first,
-                          "--stiffness", f"{STIFFNESS}N/m", stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
+                          "--stiffness", f"{STIFFNESS}N/m", stdout=subprocess.DEVNULL,
+                          stderr=subprocess.PIPE, text=True)
         cls.addClassCleanup(touch.stderr.close)
         assert any("serving" in line for line in touch.stderr)
         time.sleep(0.7)
