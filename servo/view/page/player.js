@@ -28,11 +28,9 @@ class Player {
     const response = await fetch('recordings.json');
     if (!response.ok) throw new Error(`recordings.json: status ${response.status}`);
     const summaries = await response.json();
-    this.recordings = await Promise.all(summaries.map((summary, i) => {
-      // The first device that has ticks, of each the same where it can be.
-      const device = Math.max(0, summary.devices.findIndex(({ rows }) => rows > 0));
-      return new Recording(summary, i, device).load();
-    }));
+    this.chooseDevice(summaries[0]);
+    this.recordings = await Promise.all(summaries.map((summary, i) =>
+      new Recording(summary, i, this.deviceOf(summary)).load()));
     const [first, second] = this.recordings;
     this.comparison = second ? compare(first, second) : null;
     this.length = Math.max(...this.recordings.map((recording) => recording.length));
@@ -48,6 +46,22 @@ class Player {
     this.listen();
     this.line.go(0);
     await this.fetchMeshes();
+  }
+
+  /** The device that the address names, or else the first that has ticks. */
+  deviceOf({ devices }) {
+    const wanted = Number(new URLSearchParams(location.search).get('device') ?? NaN);
+    return devices[wanted]?.rows > 0 ? wanted : Math.max(0, devices.findIndex(({ rows }) => rows > 0));
+  }
+
+  /** A list of the devices, where there is more than one. */
+  chooseDevice(summary) {
+    const chosen = this.deviceOf(summary);
+    const list = summary.devices.flatMap(({ name, rows }, i) =>
+      (rows > 0 ? [new Option(`${i}: ${name}`, i, i === chosen, i === chosen)] : []));
+    by('which').hidden = list.length < 2;
+    by('device').replaceChildren(...list);
+    by('device').addEventListener('change', () => { location.search = `?device=${by('device').value}`; });
   }
 
   /** What is played, in words. */
