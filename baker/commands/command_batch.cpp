@@ -18,9 +18,12 @@
 #include "baker/cache/cached_build.hpp"
 #include "baker/commands/cache_options.hpp"
 #include "baker/commands/commands.hpp"
+#include "baker/commands/report_command.hpp"
+#include "baker/report/batch_report.hpp"
 #include "formats/asset/asset_writer.hpp"
 #include "formats/cli/byte_size.hpp"
 #include "formats/cli/command_line.hpp"
+#include "formats/files/output_file.hpp"
 
 namespace spm::baker {
 namespace {
@@ -33,6 +36,7 @@ struct BatchSettings {
   CacheOptions cache;
   Shard shard;
   std::string result;  ///< file to write; may be empty
+  std::string page;    ///< the same, for the browser
   bool dry_run = false;
   cli::GlobalOptions global;
 };
@@ -161,11 +165,30 @@ Result<void> clear_result(const std::string& path) {
                                             problem.message() + "; write elsewhere");
 }
 
+/// The page of --report. All bakes are over: no process is forked beside the threads that draw.
+Result<void> write_page(const BatchSettings& settings, const Manifest& manifest,
+                        const std::vector<AssetOutcome>& outcomes) {
+  std::vector<BatchLine> lines;
+  for (std::size_t i = 0; i < outcomes.size(); ++i) {
+    const ManifestEntry& entry = manifest.entries[i];
+    BatchLine& line = lines.emplace_back();
+    line.file = entry.request.output;
+    line.line = outcomes[i].known ? line_of(entry.name, outcomes[i])
+                                  : nlohmann::ordered_json{{"name", entry.name}, {"ok", nullptr}};
+  }
+  return write_file(settings.page, filled_page(built_page(ReportPage::batch),
+                                               batch_json(settings.manifest, lines)));
+}
+
 /// What is left of a batch for other programs: its result and what its outputs are made from.
 Result<void> write_notes(const BatchSettings& settings, const Manifest& manifest,
                          const std::vector<AssetOutcome>& outcomes) {
   if (!settings.cache.depfile.empty()) {
     Result<void> written = write_depfile(settings.cache.depfile, dependencies_of(manifest));
+    if (!written) return written;
+  }
+  if (!settings.page.empty()) {
+    Result<void> written = write_page(settings, manifest, outcomes);
     if (!written) return written;
   }
   if (settings.result.empty()) return {};
@@ -179,7 +202,12 @@ int run(const BatchSettings& settings) {
   const Manifest manifest = part_of(*whole, settings.shard);
   Result<std::optional<Cache>> cache = opened_cache(settings.cache);
   if (!cache) return cli::report(cache.error());
+  if (settings.dry_run && !settings.page.empty()) {
+    return cli::report(Error{ExitCode::usage,
+                             "--report: a --dry-run bakes nothing to show; leave one of them out"});
+  }
   if (settings.dry_run) return rehearse(settings, manifest, *cache);
+  if (!settings.page.empty()) check_report(settings.page, ReportPage::batch);
   if (const Result<void> cleared = clear_result(settings.result); !cleared) {
     return cli::report(cleared.error());
   }
@@ -233,6 +261,11 @@ Command add_batch_command(CLI::App& app) {
       ->add_option("--result", settings->result,
                    "file to write with what became of each asset, for 'spm-bake merge'")
       ->type_name("FILE");
+  command
+      ->add_option("--report", settings->page,
+                   "page for the browser to write with all assets, failures first, whole in one "
+                   "file")
+      ->type_name("PAGE.html");
   cli::add_parsed(
       *command, "--memory",
       [settings](const std::string& text) -> Result<void> {

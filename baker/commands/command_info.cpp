@@ -13,6 +13,8 @@
 #include "baker/pictures/grid_walk.hpp"
 #include "baker/pictures/picture.hpp"
 #include "baker/pictures/picture_files.hpp"
+#include "baker/pictures/picture_legend.hpp"
+#include "baker/pictures/picture_text.hpp"
 #include "common/field/octree_leaves.hpp"
 #include "formats/asset/asset_writer.hpp"
 #include "formats/asset/mapped_asset.hpp"
@@ -26,6 +28,7 @@ using Json = nlohmann::ordered_json;
 constexpr std::uint32_t picture_side = 512;
 constexpr std::uint32_t thumbnail_side = 160;
 constexpr std::size_t max_thumbnails = 100;
+constexpr double background = 40.0 / 255;  ///< grey of pictures where there is nothing
 
 struct InfoSettings {
   std::string asset;
@@ -44,6 +47,18 @@ std::vector<std::size_t> planes_with_maps(const AssetView& view) {
   return planes;
 }
 
+Legend legend_of(const AssetView& view, std::size_t plane, const PlaneRelief& relief) {
+  const Vector3& n = view.planes[plane].n;
+  return {
+      fmt::format("Support plane {}, seen along its normal ({:.2f} {:.2f} {:.2f}): u to the "
+                  "right, v upward; the crossing nearest to the plane.",
+                  plane, n.x(), n.y(), n.z()),
+      ColourBar{"far: " + length_text(relief.farthest),
+                length_text((relief.nearest + relief.farthest) / 2), length_text(relief.nearest)},
+      {{Colour{background, background, background}, "no sample"}},
+      relief.pixel};
+}
+
 /// Writes an overview and the first planes' pictures; returns their paths.
 std::vector<std::string> write_pictures(const AssetView& view, const InfoSettings& settings) {
   const std::filesystem::path folder = make_picture_folder(settings.pictures);
@@ -54,11 +69,19 @@ std::vector<std::string> write_pictures(const AssetView& view, const InfoSetting
   }
   std::vector<std::string> paths;
   if (!thumbnails.empty()) {
-    paths.push_back(
-        save_picture(contact_sheet(thumbnails, thumbnail_side), folder / "overview.png"));
+    const Legend legend{fmt::format("The maps of {} of {} support planes, in rows from the upper "
+                                    "left; each seen along its normal, with colours of its own: "
+                                    "bright is near the plane, dark is far.",
+                                    thumbnails.size(), planes.size()),
+                        {},
+                        {},
+                        0};
+    paths.push_back(save_picture(with_legend(contact_sheet(thumbnails, thumbnail_side), legend),
+                                 folder / "overview.png"));
   }
   for (std::size_t i = 0; i < std::min(planes.size(), settings.picture_limit); ++i) {
-    paths.push_back(save_picture(plane_picture(view, planes[i], picture_side),
+    const PlaneRelief relief = plane_relief(view, planes[i], picture_side);
+    paths.push_back(save_picture(with_legend(relief.picture, legend_of(view, planes[i], relief)),
                                  folder / fmt::format("plane-{:04}.png", planes[i])));
   }
   return paths;

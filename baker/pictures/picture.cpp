@@ -2,12 +2,14 @@
 #include "baker/pictures/picture.hpp"
 
 #include <png.h>
+#include <zlib.h>
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
 #include <optional>
+#include <utility>
 
 #include "baker/tiles/tile_cells.hpp"
 #include "common/surface/distance_map.hpp"
@@ -153,16 +155,15 @@ void append_to(png_structp png, png_bytep data, png_size_t size) {
 
 }  // namespace
 
-Picture plane_picture(const AssetView& asset, std::size_t plane, std::uint32_t longest_side) {
+namespace {
+
+/// The surface nearest to the plane, pixel by pixel; `pitch` is 0 where there is none.
+Canvas canvas_of(const AssetView& asset, std::size_t plane, std::uint32_t longest_side) {
   Canvas canvas;
   canvas.extent = extent_of(asset, plane);
   const double width = canvas.extent.right - canvas.extent.left;
   const double height = canvas.extent.top - canvas.extent.bottom;
-  Picture picture;
-  if (!(width > 0) || !(height > 0)) {
-    picture = {1, 1, {background, background, background}};
-    return picture;
-  }
+  if (!(width > 0) || !(height > 0)) return canvas;
   canvas.pitch = std::max(width, height) / longest_side;
   canvas.width = std::max(1U, static_cast<std::uint32_t>(std::lround(width / canvas.pitch)));
   canvas.height = std::max(1U, static_cast<std::uint32_t>(std::lround(height / canvas.pitch)));
@@ -175,6 +176,14 @@ Picture plane_picture(const AssetView& asset, std::size_t plane, std::uint32_t l
   for (const Tile& tile : asset.tiles) {
     if (tile.plane == plane) draw_tile(canvas, tile, asset.height_unit);
   }
+  return canvas;
+}
+
+}  // namespace
+
+PlaneRelief plane_relief(const AssetView& asset, std::size_t plane, std::uint32_t longest_side) {
+  const Canvas canvas = canvas_of(asset, plane, longest_side);
+  if (canvas.pitch == 0) return {{1, 1, {background, background, background}}};
   double nearest = std::numeric_limits<double>::infinity();
   double farthest = -nearest;
   for (const Height& pixel : canvas.heights) {
@@ -182,7 +191,7 @@ Picture plane_picture(const AssetView& asset, std::size_t plane, std::uint32_t l
     nearest = std::min(nearest, pixel.value);
     farthest = std::max(farthest, pixel.value);
   }
-  picture = {canvas.width, canvas.height, {}};
+  Picture picture{canvas.width, canvas.height, {}};
   picture.pixels.reserve(3 * canvas.heights.size());
   for (const Height& pixel : canvas.heights) {
     if (!std::isfinite(pixel.value)) {
@@ -193,7 +202,12 @@ Picture plane_picture(const AssetView& asset, std::size_t plane, std::uint32_t l
     for (const double part : ramp_at(1 - depth))
       picture.pixels.push_back(to_byte(part * shade(pixel)));
   }
-  return picture;
+  if (nearest > farthest) nearest = farthest = 0;
+  return {std::move(picture), nearest, farthest, canvas.pitch};
+}
+
+Picture plane_picture(const AssetView& asset, std::size_t plane, std::uint32_t longest_side) {
+  return plane_relief(asset, plane, longest_side).picture;
 }
 
 Picture contact_sheet(std::span<const Picture> pictures, std::uint32_t side) {
@@ -228,6 +242,7 @@ Result<std::string> to_png(const Picture& picture) {
     return fail(ExitCode::internal, "the picture cannot be encoded as PNG");
   }
   png_set_write_fn(png, &bytes, append_to, nullptr);
+  png_set_compression_level(png, Z_BEST_COMPRESSION);
   png_set_IHDR(png, info, picture.width, picture.height, 8, PNG_COLOR_TYPE_RGB, PNG_INTERLACE_NONE,
                PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
   png_write_info(png, info);

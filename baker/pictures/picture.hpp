@@ -33,6 +33,15 @@ using Colour = std::array<double, 3>;
 [[nodiscard]] Picture plane_picture(const AssetView& asset, std::size_t plane,
                                     std::uint32_t longest_side);
 
+/// The same with what its colours and its size mean.
+struct PlaneRelief {
+  Picture picture;
+  double nearest = 0, farthest = 0;  ///< m from the plane: of the brightest and the darkest colour
+  double pixel = 0;                  ///< m, the edge of a pixel; 0 where there is nothing to show
+};
+[[nodiscard]] PlaneRelief plane_relief(const AssetView& asset, std::size_t plane,
+                                       std::uint32_t longest_side);
+
 /// Pictures side by side in rows, each centred in a square of `side` pixels.
 [[nodiscard]] Picture contact_sheet(std::span<const Picture> pictures, std::uint32_t side);
 

@@ -2,7 +2,9 @@
 #include "baker/report/report_page.hpp"
 
 #include <openssl/evp.h>
+#include <zlib.h>
 
+#include <cstdint>
 #include <filesystem>
 #include <fstream>
 #include <sstream>
@@ -29,7 +31,24 @@ std::string base64(std::string_view bytes) {
   return text;
 }
 
-std::string data_url(const Picture& picture) {
+std::string deflated(std::string_view bytes) {
+  uLongf size = compressBound(static_cast<uLong>(bytes.size()));
+  std::string packed(size, '\0');
+  const int code = compress2(reinterpret_cast<Bytef*>(packed.data()), &size,
+                             reinterpret_cast<const Bytef*>(bytes.data()),
+                             static_cast<uLong>(bytes.size()), Z_BEST_COMPRESSION);
+  if (code != Z_OK) {
+    throw BakeError(ExitCode::internal, "zlib could not pack the report; report it as a bug");
+  }
+  packed.resize(size);
+  return packed;
+}
+
+std::string data_url(Picture picture) {
+  // The two lowest bits of colours are noise to a packer, and nothing to the eye.
+  for (std::uint8_t& part : picture.pixels) {
+    part = static_cast<std::uint8_t>((part & 0xFCU) | (part >> 6U));
+  }
   const Result<std::string> png = to_png(picture);
   if (!png) throw BakeError(png.error().code, png.error().message);
   return "data:image/png;base64," + base64(*png);
@@ -48,12 +67,12 @@ std::string filled_page(const std::string& page, const nlohmann::ordered_json& d
   return page.substr(0, at) + text + page.substr(at + mark.size());
 }
 
-std::string built_page() {
+std::string built_page(ReportPage page) {
   namespace fs = std::filesystem;
   std::error_code problem;
   const fs::path program = fs::read_symlink("/proc/self/exe", problem);
-  const fs::path path =
-      program.parent_path().parent_path() / "share" / "spm-haptics" / "report" / "report.html";
+  const fs::path path = program.parent_path().parent_path() / "share" / "spm-haptics" / "report" /
+                        (page == ReportPage::asset ? "report.html" : "batch.html");
   std::ifstream file(path, std::ios::binary);
   std::ostringstream bytes;
   bytes << file.rdbuf();

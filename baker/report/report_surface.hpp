@@ -17,9 +17,11 @@ namespace spm::baker {
 inline constexpr std::size_t most_drawn_triangles = 400'000;
 
 /// The outer surface of the mesh with the asset's error at each vertex, see largest_error_at, as
-/// the page draws it: `positions` (m) and `errors` (um; -1: none was told) as floats of 32 bits,
-/// `triangles` as integers of 32 bits, each in base64; `scale_um` is the end of the colours. Where
-/// there are too many triangles only `left_out`, a sentence.
+/// the page draws it. Each list is deflated, then in base64: `positions`, three a vertex, whole
+/// steps of `step_m` from `origin_m`, as integers of 16 bits; `triangles`, three corners each, as
+/// integers of 32 bits, each the difference to the one before; of both all lowest bytes come first,
+/// then the next. `errors` (um; -1: none was told) as floats of 32 bits. `scale_um` is the end of
+/// the colours. Where there are too many triangles only `left_out`, a sentence.
 [[nodiscard]] nlohmann::ordered_json surface_json(const Mesh& mesh, const AssetView& view,
                                                   const AssetMetadata& metadata,
                                                   const VerifyReport& report);

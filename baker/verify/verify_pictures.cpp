@@ -1,11 +1,16 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "baker/verify/verify_pictures.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <numbers>
+#include <string>
 
 #include "baker/pictures/picture_files.hpp"
+#include "baker/pictures/picture_legend.hpp"
+#include "baker/pictures/picture_text.hpp"
 #include "baker/verify/direction_picture.hpp"
 #include "baker/verify/outcome.hpp"
 #include "baker/verify/structure_picture.hpp"
@@ -28,6 +33,56 @@ Vector3 axis_of_cut(const Vector3& normal) {
   normal.cwiseAbs().minCoeff(&flattest);
   return Vector3::Unit(flattest);
 }
+
+/// What colours of errors mean, and where the windows lie.
+class Legends {
+ public:
+  Legends(double tolerance, const Vector3& toward)
+      : tolerance_(tolerance),
+        from_(fmt::format(" Seen from ({:.2f} {:.2f} {:.2f}).", toward.x(), toward.y(),
+                          toward.z())) {}
+
+  [[nodiscard]] Legend surface(const Window& whole) const {
+    return {"Left: the mesh. Right: the surface as the asset holds it." + from_,
+            {},
+            {},
+            whole.edge / side};
+  }
+  [[nodiscard]] Legend structure(const Window& whole, const Window& cut) const {
+    namespace colours = structure_colours;
+    return {"What answers where. Left: on the surface. Right: in a cut through the band, " +
+                length_text(cut.edge) + " wide. The length is that of the left one." + from_,
+            {},
+            {{colours::one_map, "one polynomial or map"},
+             {colours::two_maps, "two"},
+             {colours::list, "up to 8 triangles"},
+             {colours::long_list, "more triangles"},
+             {colours::deep, "deeper than the band"},
+             {colours::pruned, "left out"}},
+            whole.edge / side};
+  }
+  [[nodiscard]] Legend direction(const Window& whole, const Window& close) const {
+    const double degrees = direction_end * 180 / std::numbers::pi;
+    return {"Errors of directions an eighth of the band inside. Left: whole. Right: close, " +
+                length_text(close.edge) + " wide. The length is that of the left one." + from_,
+            ColourBar{"0", fmt::format("{:.3g} degrees", degrees / 2),
+                      fmt::format("{:.3g} degrees", degrees)},
+            {{colour_of_error(2, 1), "more"}, {not_judged, "not judged"}},
+            whole.edge / side};
+  }
+  /// `what` is seen in a window.
+  [[nodiscard]] Legend error(const std::string& what, const Window& window) const {
+    return {"Errors of distances: " + what,
+            ColourBar{"0", length_text(tolerance_ / 2), length_text(tolerance_) + ", tolerance"},
+            {{colour_of_error(2, 1), "more"}, {Colour{0.16, 0.16, 0.16}, "nothing to judge"}},
+            window.edge / side};
+  }
+  [[nodiscard]] const std::string& from() const noexcept { return from_; }
+
+ private:
+  double tolerance_;
+  std::string from_;
+};
 
 }  // namespace
 
@@ -61,12 +116,25 @@ std::vector<NamedPicture> error_pictures(const AssetView& view, const AssetMetad
   const std::array<Picture, 2> direction{
       direction_beside_surface(surface, directions, inside, whole, side),
       direction_beside_surface(surface, directions, inside, close, side)};
-  return {{"surface.png", contact_sheet(both, side)},
-          {"structure.png", contact_sheet(structure, side)},
-          {"direction.png", contact_sheet(direction, side)},
-          {"error.png", error_on_surface(surface, scale, whole, side)},
-          {"error-worst.png", error_on_surface(surface, scale, close, side)},
-          {"error-section.png", error_in_section(scale, cut, side)}};
+  const Legends legends(scale.tolerance, whole.toward);
+  return {
+      {"surface.png", with_legend(contact_sheet(both, side), legends.surface(whole))},
+      {"structure.png",
+       with_legend(contact_sheet(structure, side), legends.structure(whole, wide_cut))},
+      {"direction.png",
+       with_legend(contact_sheet(direction, side), legends.direction(whole, close))},
+      {"error.png",
+       with_legend(
+           error_on_surface(surface, scale, whole, side),
+           legends.error("the largest of three about each place." + legends.from(), whole))},
+      {"error-worst.png",
+       with_legend(error_on_surface(surface, scale, close, side),
+                   legends.error("the same around the worst place." + legends.from(), close))},
+      {"error-section.png",
+       with_legend(error_in_section(scale, cut, side),
+                   legends.error("a cut through the band at the worst place; the exact surface is "
+                                 "white.",
+                                 cut))}};
 }
 
 std::vector<std::string> write_error_pictures(const AssetView& view, const AssetMetadata& metadata,

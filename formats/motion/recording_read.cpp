@@ -14,6 +14,7 @@
 #include "formats/files/text_file.hpp"
 #include "formats/motion/recording.hpp"
 #include "formats/motion/recording_parts.hpp"
+#include "formats/motion/recording_salvage.hpp"
 
 namespace spm {
 
@@ -150,33 +151,85 @@ RecordedChange change_of(std::uint32_t kind, std::string_view bytes, std::string
   return change;
 }
 
-/// Reads the parts after the start. `problem` stays empty where all are whole.
-void read_parts(std::string_view bytes, std::uint64_t parts, Recording& recording,
-                std::string& problem) {
+/// Reads parts while they are whole, and returns their number; `bytes` keeps what follows them.
+/// `problem` stays empty where none was wrong.
+std::uint64_t read_parts(std::string_view& bytes, Recording& recording, std::string& problem) {
   std::uint64_t found = 0;
-  for (std::size_t size = part_bytes(bytes); size > 0 && problem.empty();
-       size = part_bytes(bytes)) {
+  for (std::size_t size = part_bytes(bytes); size > 0; size = part_bytes(bytes)) {
     const auto kind = number_at<std::uint32_t>(bytes, 0);
     const std::string_view part = bytes.substr(head_bytes, size - head_bytes);
+    if (kind != row_kind) {
+      RecordedChange change = change_of(kind, part, problem);
+      if (!problem.empty()) return found;
+      recording.changes.push_back(std::move(change));
+    } else {
+      RecordingRow row;
+      if (part.size() != sizeof row) {
+        problem = "a row has not its size";
+        return found;
+      }
+      std::memcpy(&row, part.data(), sizeof row);
+      if (row.device >= recording.header.devices.size() ||
+          row.cause >= recording.header.causes.size()) {
+        problem = "names a device or a cause that it does not list";
+        return found;
+      }
+      recording.rows.push_back(row);
+    }
     bytes.remove_prefix(size);
     ++found;
-    if (kind != row_kind) {
-      recording.changes.push_back(change_of(kind, part, problem));
-      continue;
-    }
-    RecordingRow row;
-    if (part.size() != sizeof row) {
-      problem = "a row has not its size";
-      return;
-    }
-    std::memcpy(&row, part.data(), sizeof row);
-    if (row.device >= recording.header.devices.size() ||
-        row.cause >= recording.header.causes.size()) {
-      problem = "names a device or a cause that it does not list";
-    }
-    recording.rows.push_back(row);
   }
-  if (problem.empty() && (!bytes.empty() || found != parts)) {
+  return found;
+}
+
+/// A file whose header was read.
+struct Opened {
+  std::string bytes;
+  std::size_t parts_from = 0;  ///< where its parts begin
+  bool intact = false;         ///< its checksum is that of its bytes
+  Recording recording;         ///< without rows and changes
+};
+
+/// `only_intact`: a checksum that is wrong is an error.
+Result<Opened> open_recording(const std::string& path, bool only_intact) {
+  if (auto good = check_host(path); !good) return tl::make_unexpected(std::move(good.error()));
+  Result<std::string> read = read_text_file(path, "a recording");
+  if (!read) return tl::make_unexpected(std::move(read.error()));
+  Opened opened;
+  opened.bytes = std::move(*read);
+  const std::string& bytes = opened.bytes;
+  if (bytes.size() < start_bytes + end_bytes || bytes.compare(0, magic.size(), magic) != 0) {
+    return bad(path, "is no recording of spm-servo run --record");
+  }
+  const std::size_t header_bytes = number_at<std::uint32_t>(bytes, magic.size());
+  const std::size_t covered = bytes.size() - sizeof(std::uint64_t);
+  opened.intact = number_at<std::uint64_t>(bytes, covered) == XXH3_64bits(bytes.data(), covered);
+  if (only_intact && !opened.intact)
+    return bad(path, "was cut short or changed since it was written");
+  if (header_bytes > max_header_bytes || header_bytes > bytes.size() - start_bytes - end_bytes) {
+    return bad(path, "has not as many bytes as it says");
+  }
+  opened.parts_from = start_bytes + header_bytes;
+  const std::string_view text = std::string_view(bytes).substr(start_bytes, header_bytes);
+  const Json json = Json::parse(text.begin(), text.end(), nullptr, false);
+  if (!json.is_object()) return bad(path, "has a header that is no JSON object");
+  if (const std::string problem = objection_to_form(json); !problem.empty()) {
+    return fail(ExitCode::invalid_input, path + ": " + problem);
+  }
+  std::string problem;
+  opened.recording.header = header_of(json, problem);
+  if (!problem.empty()) return bad(path, "its header: " + problem);
+  return opened;
+}
+
+/// What follows the parts of an intact file. `problem` stays empty where all are whole.
+void read_intact(const Opened& opened, Recording& recording, std::string& problem) {
+  const std::string_view bytes = opened.bytes;
+  const auto parts = number_at<std::uint64_t>(bytes, bytes.size() - end_bytes);
+  std::string_view body =
+      bytes.substr(opened.parts_from, bytes.size() - opened.parts_from - end_bytes);
+  const std::uint64_t found = read_parts(body, recording, problem);
+  if (problem.empty() && (!body.empty() || found != parts)) {
     problem = "has not as many bytes as it says";
   }
 }
@@ -190,36 +243,35 @@ bool is_recording(const std::string& path) {
 }
 
 Result<Recording> read_recording(const std::string& path) {
-  if (auto good = check_host(path); !good) return tl::make_unexpected(std::move(good.error()));
-  const Result<std::string> bytes = read_text_file(path, "a recording");
-  if (!bytes) return tl::make_unexpected(bytes.error());
-  if (bytes->size() < start_bytes + end_bytes || bytes->compare(0, magic.size(), magic) != 0) {
-    return bad(path, "is no recording of spm-servo run --record");
-  }
-  const std::size_t header_bytes = number_at<std::uint32_t>(*bytes, magic.size());
-  const std::size_t covered = bytes->size() - sizeof(std::uint64_t);
-  if (number_at<std::uint64_t>(*bytes, covered) != XXH3_64bits(bytes->data(), covered)) {
-    return bad(path, "was cut short or changed since it was written");
-  }
-  const auto parts = number_at<std::uint64_t>(*bytes, covered - sizeof(std::uint64_t));
-  const std::string_view body =
-      std::string_view(*bytes).substr(start_bytes, bytes->size() - start_bytes - end_bytes);
-  if (header_bytes > max_header_bytes || header_bytes > body.size()) {
-    return bad(path, "has not as many bytes as it says");
-  }
-  const std::string_view text = body.substr(0, header_bytes);
-  const Json json = Json::parse(text.begin(), text.end(), nullptr, false);
-  if (!json.is_object()) return bad(path, "has a header that is no JSON object");
-  if (const std::string problem = objection_to_form(json); !problem.empty()) {
-    return fail(ExitCode::invalid_input, path + ": " + problem);
-  }
-  Recording recording;
+  Result<Opened> opened = open_recording(path, true);
+  if (!opened) return tl::make_unexpected(std::move(opened.error()));
   std::string problem;
-  recording.header = header_of(json, problem);
-  if (!problem.empty()) return bad(path, "its header: " + problem);
-  read_parts(body.substr(header_bytes), parts, recording, problem);
+  read_intact(*opened, opened->recording, problem);
   if (!problem.empty()) return bad(path, problem);
-  return recording;
+  return std::move(opened->recording);
+}
+
+Result<SalvagedRecording> salvage_recording(const std::string& path) {
+  Result<Opened> opened = open_recording(path, false);
+  if (!opened) return tl::make_unexpected(std::move(opened.error()));
+  SalvagedRecording salvaged;
+  Recording& recording = opened->recording;
+  std::string problem;
+  if (opened->intact) {
+    read_intact(*opened, recording, problem);
+    if (!problem.empty()) return bad(path, problem);
+  } else {
+    std::string_view body = std::string_view(opened->bytes).substr(opened->parts_from);
+    read_parts(body, recording, problem);
+    if (recording.rows.empty()) {
+      return bad(path, "was cut short before its first tick, or changed since it was written");
+    }
+    salvaged.loss = path + ": was cut short or changed since it was written; its first " +
+                    std::to_string(recording.rows.size()) +
+                    " rows are whole and shown, what followed is lost; record it again";
+  }
+  salvaged.recording = std::move(recording);
+  return salvaged;
 }
 
 }  // namespace spm

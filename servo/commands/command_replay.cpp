@@ -12,6 +12,7 @@
 #include "formats/motion/recording.hpp"
 #include "servo/commands/commands.hpp"
 #include "servo/commands/replay_hands.hpp"
+#include "servo/commands/replay_recording.hpp"
 #include "servo/commands/replay_source.hpp"
 #include "servo/loop/replay.hpp"
 #include "servo/loop/run_report.hpp"
@@ -27,7 +28,7 @@ using nlohmann::ordered_json;
 
 struct ReplayCommand {
   cli::GlobalOptions global;
-  std::string trajectory, out;
+  std::string trajectory, out, record;
   double device = -1;  ///< index of the recording's device; below 0: all
   ForceOptions force;
   ReplayOptions options;
@@ -172,6 +173,7 @@ ordered_json report_of(const ReplayCommand& command, const ReplaySource& source,
     }
   }
   if (!command.out.empty()) report["out"] = command.out;
+  if (!command.record.empty()) report["record"] = command.record;
   return report;
 }
 
@@ -242,14 +244,15 @@ std::vector<std::string> causes_of(const ReplaySource& source,
 }
 
 Result<ordered_json> replay_file(const ReplayCommand& command) {
-  if (!command.out.empty()) {
-    if (auto checked = check_output_path(command.out); !checked) {
+  for (const std::string& path : {command.out, command.record}) {
+    if (path.empty()) continue;
+    if (auto checked = check_output_path(path); !checked) {
       return tl::make_unexpected(std::move(checked.error()));
     }
   }
   const auto source = read_replay_source(command.trajectory, command.force);
   if (!source) return tl::make_unexpected(source.error());
-  if (command.out.empty() && !source->recording) {
+  if (command.out.empty() && command.record.empty() && !source->recording) {
     return fail(ExitCode::usage, "--out is missing; give the table to write, --out OUT.csv");
   }
   const auto devices = devices_of(command, *source);
@@ -288,6 +291,10 @@ Result<ordered_json> replay_file(const ReplayCommand& command) {
         write_replay(command.out, first.ticks.trajectory, first.result, first.options.rate_hz);
     if (!written) return tl::make_unexpected(std::move(written.error()));
   }
+  if (!command.record.empty()) {
+    auto written = write_whole(command.record, replayed_recording(*source, hashes, all));
+    if (!written) return tl::make_unexpected(std::move(written.error()));
+  }
   ordered_json report = report_of(command, *source, *assets, first.options, first.result);
   if (source->recording) {
     report["recording"] = recording_json(*source, all, causes_of(*source, hashes, all));
@@ -311,6 +318,8 @@ std::string to_text(const ordered_json& report) {
       us["p999"].get<double>(), us["max"].get<double>(), step["p50"].get<double>(),
       step["p99"].get<double>(), step["p999"].get<double>(), step["max"].get<double>());
   if (report.contains("out")) text += "forces in " + report["out"].get<std::string>() + "\n";
+  if (report.contains("record"))
+    text += "recorded in " + report["record"].get<std::string>() + "\n";
   if (report.contains("recording")) text += comparison_text(report["recording"]);
   return text;
 }
@@ -361,6 +370,10 @@ Command add_replay_command(CLI::App& program) {
       ->type_name("TRAJECTORY")
       ->required();
   app->add_option("--out", command->out, "Table to write, CSV; of the first device")
+      ->type_name("FILE");
+  app->add_option("--record", command->record,
+                  "Recording to write, of the forces of the replay: to look at with 'view "
+                  "--recording', beside that of another method")
       ->type_name("FILE");
   add_device_number(*app, command->device,
                     "Which device of a recording, counted from 0 (default all)");

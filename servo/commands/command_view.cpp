@@ -5,10 +5,12 @@
 #include <cstdio>
 #include <filesystem>
 #include <memory>
+#include <nlohmann/json.hpp>
 
 #include "servo/commands/account_names.hpp"
 #include "servo/commands/commands.hpp"
 #include "servo/realtime/stop_signals.hpp"
+#include "servo/view/view_recordings.hpp"
 #include "servo/view/view_server.hpp"
 
 namespace spm::servo {
@@ -29,19 +31,40 @@ std::string page_folder() {
   return (program.parent_path().parent_path() / "share" / "spm-haptics" / "view").string();
 }
 
-void tell_start(const ViewCommand& command, const std::string& url) {
+void tell_start(const ViewCommand& command, const ViewAddresses& addresses) {
+  const bool is_live = command.settings.recordings.empty();
   if (command.global.json) {
-    cli::print_json({{"url", url}});
+    nlohmann::ordered_json json = {{"url", addresses.page}};
+    if (is_live) json["foxglove"] = addresses.foxglove;
+    cli::print_json(json);
   } else {
-    fmt::print("{}\n", url);
-    spdlog::info("open this address in a browser; Ctrl-C ends the view, not the daemon");
+    fmt::print("{}\n", addresses.page);
+    if (is_live) {
+      spdlog::info("open this address in a browser; Ctrl-C ends the view, not the daemon");
+      spdlog::info("Foxglove viewers connect to {}", addresses.foxglove);
+    } else {
+      spdlog::info("open this address in a browser; Ctrl-C ends the view");
+    }
   }
   // Whoever reads it waits for it while the view goes on.
   std::fflush(stdout);
 }
 
+/// What does not go together. Errors: usage.
+Result<void> check(const ViewSettings& settings) {
+  const FeedSettings& feed = settings.feed;
+  if (settings.recordings.empty()) return {};
+  if (!feed.name.empty() || !feed.socket.empty() || !settings.origins.empty()) {
+    return fail(ExitCode::usage,
+                "--recording: no daemon is watched with it; leave --name, --socket and "
+                "--allow-origin out");
+  }
+  return {};
+}
+
 int execute_view(const ViewCommand& command) {
   cli::configure_messages(command.global);
+  if (const auto good = check(command.settings); !good) return cli::report(good.error());
   if (!is_loopback(command.settings.address)) {
     spdlog::warn(
         "--address {}: whoever learns the address with its token can lead the simulated hand and "
@@ -53,8 +76,9 @@ int execute_view(const ViewCommand& command) {
   signals.listen();
   ViewSettings settings = command.settings;
   settings.page = page_folder();
-  const auto served = serve_view(settings, signals.flag(),
-                                 [&](const std::string& url) { tell_start(command, url); });
+  const auto served = serve_view(settings, signals.flag(), [&](const ViewAddresses& addresses) {
+    tell_start(command, addresses);
+  });
   if (!served) return cli::report(served.error());
   return static_cast<int>(ExitCode::done);
 }
@@ -65,10 +89,19 @@ Command add_view_command(CLI::App& program) {
   auto command = std::make_shared<ViewCommand>();
   CLI::App* app = program.add_subcommand(
       "view",
-      "Serve a live page for the browser: the scene of the running daemon, its hands and forces; "
-      "with a daemon of --device sim:hand=live the page leads the hand");
+      "Serve a page for the browser: the scene of the running daemon, its hands and forces, where "
+      "with --device sim:hand=live the page leads the hand; or a recording, to be played");
   cli::add_global_options(*app, command->global);
   FeedSettings& feed = command->settings.feed;
+  app->add_option("--recording", command->settings.recordings,
+                  "Recording or black box to play instead of watching a daemon; a second one is "
+                  "compared with it")
+      ->type_name("FILE")
+      ->expected(1, int{most_recordings});
+  app->add_option("--allow-origin", command->settings.origins,
+                  "Origin of a page, such as https://app.foxglove.dev, that may watch by the "
+                  "Foxglove protocol (default: programs alone)")
+      ->type_name("ORIGIN");
   cli::add_integer(
       *app, "--port", 0, 65535,
       [&settings = command->settings](std::uint64_t port) {

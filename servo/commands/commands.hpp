@@ -42,6 +42,8 @@ void add_device_number(CLI::App& command, double& number, const std::string& des
 [[nodiscard]] Command add_top_command(CLI::App& program);
 /// The running daemon in a browser.
 [[nodiscard]] Command add_view_command(CLI::App& program);
+/// A recording in the open format of other viewers.
+[[nodiscard]] Command add_export_mcap_command(CLI::App& program);
 /// A recording as a drawing.
 [[nodiscard]] Command add_plot_command(CLI::App& program);
 

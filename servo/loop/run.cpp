@@ -137,7 +137,8 @@ Supervisor::Afterwards keep_black_box(const RunOptions& options, const BlackBoxM
     if (auto kept = memory->write(path); !kept) {
       return "warning: the last ticks could not be kept: " + kept.error().message;
     }
-    return "warning: the last ticks are kept in " + path + "; look at them with spm-servo replay";
+    return "warning: the last ticks are kept in " + path +
+           "; look at them with spm-servo view --recording";
   };
 }
 

@@ -110,7 +110,8 @@ void BlackBox::write() {
     return;
   }
   ++written_;
-  warn_("the ticks about the fault are kept in " + path_ + "; look at them with spm-servo replay");
+  warn_("the ticks about the fault are kept in " + path_ +
+        "; look at them with spm-servo view --recording");
 }
 
 }  // namespace spm::servo

@@ -12,16 +12,17 @@ namespace {
 struct Known {
   const char *name, *file, *type;
 };
-constexpr std::array<Known, 4> files{{{"", "index.html", "text/html; charset=utf-8"},
-                                      {"view.js", "view.js", "text/javascript; charset=utf-8"},
+constexpr std::array<Known, 3> files{{{"view.js", "view.js", "text/javascript; charset=utf-8"},
                                       {"view.css", "view.css", "text/css; charset=utf-8"},
                                       {"icon.svg", "icon.svg", "image/svg+xml"}}};
 
 }  // namespace
 
-Result<std::map<std::string, PageFile>> read_page(const std::string& folder) {
+Result<std::map<std::string, PageFile>> read_page(const std::string& folder, PageKind kind) {
   std::map<std::string, PageFile> page;
-  for (const Known& known : files) {
+  const Known front{"", kind == PageKind::live ? "index.html" : "recording.html",
+                    "text/html; charset=utf-8"};
+  for (const Known& known : {front, files[0], files[1], files[2]}) {
     const std::string path = folder + "/" + known.file;
     std::ifstream file(path, std::ios::binary);
     std::ostringstream bytes;

@@ -15,9 +15,13 @@ struct PageFile {
   std::string bytes;
 };
 
+/// Which page stands at the address itself.
+enum class PageKind { live, recording };
+
 /// The files of the built page, by their names ("" is the page itself). Read once: what is served
 /// cannot lie outside of the folder. Errors: unsupported, where the page was not built, with the
 /// cure.
-[[nodiscard]] Result<std::map<std::string, PageFile>> read_page(const std::string& folder);
+[[nodiscard]] Result<std::map<std::string, PageFile>> read_page(const std::string& folder,
+                                                                PageKind kind);
 
 }  // namespace spm::servo

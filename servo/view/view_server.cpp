@@ -19,7 +19,9 @@
 
 #include "servo/view/view_access.hpp"
 #include "servo/view/view_desk.hpp"
+#include "servo/view/view_foxglove.hpp"
 #include "servo/view/view_pages.hpp"
+#include "servo/view/view_recordings.hpp"
 #include "servo/view/view_session.hpp"
 
 namespace spm::servo {
@@ -56,14 +58,22 @@ class Server {
     }
   }
 
-  /// The clock of the view: reads the daemon and hands frames to the pages.
+  /// Reads the daemon and hands frames to the pages and viewers. Whether there is one.
+  bool look() {
+    if (content_.desk == nullptr) return false;
+    content_.desk->look();
+    content_.foxglove->look(content_.desk->feed().state());
+    return content_.desk->is_watched() || content_.foxglove->is_watched();
+  }
+
+  /// The clock of the view.
   asio::awaitable<void> tick() {
     auto due = std::chrono::steady_clock::now();
     while (!stop_.load(std::memory_order_relaxed)) {
-      content_.desk->look();
+      const bool is_watched = look();
       const auto now = std::chrono::steady_clock::now();
-      due += content_.desk->is_watched() ? std::chrono::nanoseconds(frame_interval)
-                                         : std::chrono::nanoseconds(idle_interval);
+      due += is_watched ? std::chrono::nanoseconds(frame_interval)
+                        : std::chrono::nanoseconds(idle_interval);
       if (due < now) due = now;
       timer_.expires_at(due);
       co_await timer_.async_wait(asio::use_awaitable);
@@ -111,9 +121,12 @@ bool is_loopback(const std::string& address) {
 }
 
 Result<void> serve_view(const ViewSettings& settings, const std::atomic<bool>& stop,
-                        const std::function<void(const std::string&)>& started) {
-  auto page = read_page(settings.page);
+                        const std::function<void(const ViewAddresses&)>& started) {
+  auto page =
+      read_page(settings.page, settings.recordings.empty() ? PageKind::live : PageKind::recording);
   if (!page) return tl::make_unexpected(std::move(page.error()));
+  auto recordings = ViewRecordings::open(settings.recordings);
+  if (!recordings) return tl::make_unexpected(std::move(recordings.error()));
   auto token = make_token();
   if (!token) return tl::make_unexpected(std::move(token.error()));
   asio::io_context context(1);
@@ -122,11 +135,22 @@ Result<void> serve_view(const ViewSettings& settings, const std::atomic<bool>& s
   const tcp::endpoint place = acceptor->local_endpoint();
   const std::string host =
       place.address().is_v6() ? fmt::format("[{}]", settings.address) : settings.address;
+  const std::string address = fmt::format("{}:{}/{}/", host, place.port(), *token);
   ViewFeed feed(settings.feed);
   ViewDesk desk(feed);
-  Server server(context, std::move(*acceptor), {&*page, *token, place.port(), &desk}, stop);
+  FoxgloveDesk foxglove;
+  ViewContent content{&*page, *token, place.port(), settings.origins};
+  ViewAddresses addresses{"http://" + address, ""};
+  if (settings.recordings.empty()) {
+    content.desk = &desk;
+    content.foxglove = &foxglove;
+    addresses.foxglove = fmt::format("ws://{}{}", address, foxglove_path);
+  } else {
+    content.recordings = &*recordings;
+  }
+  Server server(context, std::move(*acceptor), content, stop);
   server.start();
-  started(fmt::format("http://{}:{}/{}/", host, place.port(), *token));
+  started(addresses);
   try {
     context.run();
   } catch (const std::exception& problem) {

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <functional>
 #include <string>
+#include <vector>
 
 #include "common/base/error.hpp"
 #include "servo/view/view_feed.hpp"
@@ -12,18 +13,28 @@
 namespace spm::servo {
 
 struct ViewSettings {
-  std::string address = "127.0.0.1";  ///< in digits
-  std::uint16_t port = 0;             ///< 0: any
-  std::string page;                   ///< folder of the built page
-  FeedSettings feed;
+  std::string address = "127.0.0.1";    ///< in digits
+  std::uint16_t port = 0;               ///< 0: any
+  std::string page;                     ///< folder of the built page
+  FeedSettings feed;                    ///< the daemon that is watched; unused with recordings
+  std::vector<std::string> recordings;  ///< files that are played instead: one, or two to compare
+  /// Origins of pages of others, such as https://app.foxglove.dev, that may watch by the Foxglove
+  /// protocol with the token.
+  std::vector<std::string> origins;
 };
 
-/// Serves the live page by HTTP, and what it shows and sends by WebSocket, until `stop` is set. It
-/// has one thread, beside one that makes meshes. `started` gets the page's address, which has the
-/// token in it, once the port is open. Errors: unsupported, where the page was not built;
-/// file_or_device, where the port cannot be opened; usage, for an address that is none.
+/// Where it is served; both have the token in them.
+struct ViewAddresses {
+  std::string page;      ///< http://...
+  std::string foxglove;  ///< ws://..., for Foxglove viewers; empty with recordings
+};
+
+/// Serves the page by HTTP, and what the live one shows and sends by WebSocket, until `stop` is
+/// set. It has one thread, beside one that makes meshes. `started` gets the addresses once the port
+/// is open. Errors: unsupported, where the page was not built; file_or_device, where the port
+/// cannot be opened; usage, for an address that is none; those of ViewRecordings::open().
 [[nodiscard]] Result<void> serve_view(const ViewSettings& settings, const std::atomic<bool>& stop,
-                                      const std::function<void(const std::string&)>& started);
+                                      const std::function<void(const ViewAddresses&)>& started);
 
 /// Whether an address reaches this machine alone.
 [[nodiscard]] bool is_loopback(const std::string& address);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "servo/view/view_session.hpp"
 
+#include <algorithm>
 #include <boost/asio/co_spawn.hpp>
 #include <boost/asio/detached.hpp>
 #include <boost/asio/redirect_error.hpp>
@@ -75,6 +76,12 @@ Response file_for(const Request& request, const std::string& path, const ViewCon
   if (const auto file = content.page->find(path); file != content.page->end()) {
     return answer(request, http::status::ok, file->second.type, file->second.bytes);
   }
+  if (content.recordings != nullptr) {
+    if (auto file = content.recordings->file(path)) {
+      return answer(request, http::status::ok, file->type, std::move(file->bytes));
+    }
+    return refuse(request, http::status::not_found, "there is no such thing here");
+  }
   if (path == "scene.toml") {
     Response response = answer(request, http::status::ok, "application/toml",
                                scene_toml(content.desk->feed().state()));
@@ -87,6 +94,16 @@ Response file_for(const Request& request, const std::string& path, const ViewCon
     }
   }
   return refuse(request, http::status::not_found, "there is no such thing here");
+}
+
+bool is_named(const std::string& origin, const std::vector<std::string>& origins) {
+  return std::find(origins.begin(), origins.end(), origin) != origins.end();
+}
+
+/// The Foxglove subprotocol to answer with; empty where the client knows none.
+std::string_view chosen_for(const Request& request) {
+  const auto offered = request[http::field::sec_websocket_protocol];
+  return chosen_protocol({offered.data(), offered.size()});
 }
 
 /// What is wrong with a request before it is looked at; nothing if it may be answered.
@@ -106,8 +123,17 @@ std::optional<Response> refusal_of(const Request& request, const Target& target,
     return refuse(request, http::status::method_not_allowed, "only GET is answered here");
   }
   const std::string origin = text_of(request[http::field::origin]);
-  if (!origin.empty() && !is_own_origin(origin, host)) {
-    return refuse(request, http::status::forbidden, "a page of another origin may not ask here");
+  const bool is_foxglove = target.path == foxglove_path;
+  if (!origin.empty() && !is_own_origin(origin, host) &&
+      !(is_foxglove && is_named(origin, content.origins))) {
+    return refuse(request, http::status::forbidden,
+                  is_foxglove ? "pages of this origin may not watch: name it with --allow-origin"
+                              : "a page of another origin may not ask here");
+  }
+  if (is_foxglove && (!websocket::is_upgrade(request) || chosen_for(request).empty())) {
+    return refuse(request, http::status::bad_request,
+                  "here the Foxglove protocol is spoken: open a WebSocket of the subprotocol "
+                  "foxglove.sdk.v1 or foxglove.websocket.v1");
   }
   if (target.path == "ws" && (origin.empty() || !websocket::is_upgrade(request))) {
     return refuse(request, http::status::forbidden, "only the view's page speaks here");
@@ -117,12 +143,13 @@ std::optional<Response> refusal_of(const Request& request, const Target& target,
 
 using Socket = websocket::stream<beast::tcp_stream>;
 
-/// Sends a page what waits for it, until the connection ends.
-asio::awaitable<void> send_all(std::shared_ptr<Socket> socket, std::shared_ptr<ViewPage> page,
+/// Sends a page or a viewer what waits for it, until the connection ends.
+template <class Peer>
+asio::awaitable<void> send_all(std::shared_ptr<Socket> socket, std::shared_ptr<Peer> peer,
                                std::shared_ptr<asio::steady_timer> waker) {
   ViewPage::Message message;
-  while (!page->has_ended() && !page->is_hopeless()) {
-    if (!page->next(message)) {
+  while (!peer->has_ended() && !peer->is_hopeless()) {
+    if (!peer->next(message)) {
       waker->expires_at(std::chrono::steady_clock::time_point::max());
       boost::system::error_code woken;
       co_await waker->async_wait(asio::redirect_error(asio::use_awaitable, woken));
@@ -137,28 +164,47 @@ asio::awaitable<void> send_all(std::shared_ptr<Socket> socket, std::shared_ptr<V
   beast::get_lowest_layer(*socket).close();
 }
 
-asio::awaitable<void> serve_page(beast::tcp_stream stream, Request request, ViewContent content) {
+/// Speaks with a page or a viewer, which the desk knows meanwhile. `hear(peer, text)` follows what
+/// it says.
+template <class Peer, class Desk, class Hear>
+asio::awaitable<void> serve_peer(beast::tcp_stream stream, Request request, Desk& desk, Hear hear) {
   auto socket = std::make_shared<Socket>(std::move(stream));
   beast::get_lowest_layer(*socket).expires_never();
   socket->set_option(websocket::stream_base::timeout::suggested(beast::role_type::server));
+  socket->set_option(websocket::stream_base::decorator(
+      [protocol = std::string(chosen_for(request))](websocket::response_type& response) {
+        if (!protocol.empty()) response.set(http::field::sec_websocket_protocol, protocol);
+      }));
   socket->read_message_max(longest_message);
   boost::system::error_code wrong;
   co_await socket->async_accept(request, asio::redirect_error(asio::use_awaitable, wrong));
   if (wrong) co_return;
   auto waker = std::make_shared<asio::steady_timer>(socket->get_executor());
-  auto page = std::make_shared<ViewPage>([waker] { waker->cancel(); });
-  content.desk->join(page);
-  asio::co_spawn(socket->get_executor(), send_all(socket, page, waker), asio::detached);
+  auto peer = std::make_shared<Peer>([waker] { waker->cancel(); });
+  desk.join(peer);
+  asio::co_spawn(socket->get_executor(), send_all(socket, peer, waker), asio::detached);
   beast::flat_buffer buffer;
   for (;;) {
     co_await socket->async_read(buffer, asio::redirect_error(asio::use_awaitable, wrong));
     if (wrong) break;
-    content.desk->hear(*page, beast::buffers_to_string(buffer.data()));
+    hear(*peer, beast::buffers_to_string(buffer.data()));
     buffer.consume(buffer.size());
   }
-  content.desk->leave(*page);
+  desk.leave(*peer);
   beast::get_lowest_layer(*socket).close();
-  page->end();
+  peer->end();
+}
+
+asio::awaitable<void> serve_page(beast::tcp_stream stream, Request request, ViewDesk& desk) {
+  return serve_peer<ViewPage>(
+      std::move(stream), std::move(request), desk,
+      [&desk](ViewPage& page, const std::string& text) { desk.hear(page, text); });
+}
+
+asio::awaitable<void> serve_viewer(beast::tcp_stream stream, Request request, FoxgloveDesk& desk) {
+  return serve_peer<FoxgloveViewer>(
+      std::move(stream), std::move(request), desk,
+      [](FoxgloveViewer& viewer, const std::string& text) { viewer.hear(text); });
 }
 
 }  // namespace
@@ -178,13 +224,21 @@ asio::awaitable<void> serve_connection(tcp::socket socket, ViewContent content) 
     const Request request = parser.release();
     const Target target = target_of(text_of(request.target()), content.token);
     std::optional<Response> response = refusal_of(request, target, content);
-    if (!response && target.path == "ws") {
+    if (!response && content.desk != nullptr && target.path == "ws") {
       if (!content.desk->is_full()) {
-        co_await serve_page(std::move(stream), request, content);
+        co_await serve_page(std::move(stream), request, *content.desk);
         co_return;
       }
       response = refuse(request, http::status::service_unavailable,
                         "there are 16 pages already: close one");
+    }
+    if (!response && content.foxglove != nullptr && target.path == foxglove_path) {
+      if (!content.foxglove->is_full()) {
+        co_await serve_viewer(std::move(stream), request, *content.foxglove);
+        co_return;
+      }
+      response = refuse(request, http::status::service_unavailable,
+                        "there are 16 viewers already: close one");
     }
     if (!response) response = file_for(request, target.path, content);
     co_await http::async_write(stream, *response, asio::redirect_error(asio::use_awaitable, wrong));

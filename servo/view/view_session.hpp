@@ -9,9 +9,12 @@
 #include <boost/asio/ip/tcp.hpp>
 #include <map>
 #include <string>
+#include <vector>
 
 #include "servo/view/view_desk.hpp"
+#include "servo/view/view_foxglove.hpp"
 #include "servo/view/view_pages.hpp"
+#include "servo/view/view_recordings.hpp"
 
 namespace spm::servo {
 
@@ -20,12 +23,20 @@ struct ViewContent {
   const std::map<std::string, PageFile>* page = nullptr;
   std::string token;
   unsigned port = 0;
+  std::vector<std::string> origins;  ///< of pages of others that may open the Foxglove WebSocket
+  // Of a live view, or else null:
   ViewDesk* desk = nullptr;
+  FoxgloveDesk* foxglove = nullptr;
+  ViewRecordings* recordings = nullptr;  ///< of a view of recordings
 };
 
-/// Answers one connection to its end: files of the page, meshes, the scene as TOML, and the
-/// WebSocket. What has not the token, comes to a name of another host, or is opened by a page of
-/// another origin gets 403.
+/// Where the Foxglove WebSocket is, below the token.
+inline constexpr const char* foxglove_path = "foxglove";
+
+/// Answers one connection to its end: files of the page, meshes, recordings, the scene as TOML, and
+/// both WebSockets. What has not the token, comes to a name of another host, or is opened by a page
+/// of another origin gets 403; the Foxglove WebSocket, at which nothing can be changed, is also
+/// there for programs that are no browser, and for the origins that were named.
 boost::asio::awaitable<void> serve_connection(boost::asio::ip::tcp::socket socket,
                                               ViewContent content);
 

@@ -12,7 +12,8 @@ class Help(unittest.TestCase):
     def test_both_programs_explain_themselves(self):
         for program, commands in ((BAKE, ("build", "info", "verify", "query", "export", "batch",
                                           "merge", "cache")),
-                                  (SERVO, ("run", "replay", "devices", "doctor", "top", "view", "plot"))):
+                                  (SERVO, ("run", "replay", "devices", "doctor", "top", "view", "plot",
+                                           "export-mcap"))):
             for arguments in ([], *([command] for command in commands)):
                 with self.subTest(os.path.basename(program) + " " + " ".join(arguments)):
                     result = run(*arguments, "--help", program=program)

@@ -5,23 +5,45 @@
 import json
 import os
 import pathlib
+import shutil
+import tempfile
 import unittest
 
 from browser import Browser, is_there
-from programs import BIN, Case, models_of, run
+from programs import BIN, Case, generate, models_of, run
 
 PAGE = os.path.join(BIN, os.pardir, "share", "spm-haptics", "report", "report.html")
 PICTURES = os.path.join(BIN, os.pardir, "pictures")
 HOSTILE = "<img src=x onerror='window.harmed=1'>&amp;.spm.exr"
-LARGEST = 1_000_000  # bytes, of the report of a small bake
+LARGEST = 600_000  # bytes, of the report of a small bake
 
 WITHOUT = ("npm has not built the page: run scripts/build_page" if not os.path.exists(PAGE) else
            "chromium and chromedriver are not there: install chromium-driver" if not is_there() else "")
 
 
-@unittest.skipIf(WITHOUT, WITHOUT)
-class Report(Case):
-    """A report of a bake, on an asset whose name is hostile, and one of an asset that breaks its promise."""
+def setUpModule():
+    if WITHOUT:
+        raise unittest.SkipTest(WITHOUT)
+    Shown.browser = Browser()
+    unittest.addModuleCleanup(Shown.browser.close)
+
+
+class Shown(Case):
+    """The browser, which all tests share, and what they ask it."""
+
+    browser = None
+
+    def show(self, page, ready):
+        self.browser.open(pathlib.Path(page).as_uri())
+        self.browser.wait(f"Boolean(window.{ready})")
+        self.assertEqual(self.browser.errors(), [])
+
+    def text(self, name):
+        return self.browser.run(f"return document.getElementById('{name}').textContent")
+
+
+class Report(Shown):
+    """A report of a bake, on an asset whose name is hostile."""
 
     @classmethod
     def setUpClass(cls):
@@ -32,16 +54,9 @@ class Report(Case):
         done = run("build", cls.mesh, "-o", cls.asset, "--tolerance", "50um", "--report", cls.page, "--json")
         assert done.returncode == 0, done.stderr
         cls.built = json.loads(done.stdout)
-        cls.browser = Browser()
-        cls.addClassCleanup(cls.browser.close)
 
     def open(self, page):
-        self.browser.open(pathlib.Path(page).as_uri())
-        self.browser.wait("Boolean(window.spmReport)")
-        self.assertEqual(self.browser.errors(), [])
-
-    def text(self, name):
-        return self.browser.run(f"return document.getElementById('{name}').textContent")
+        self.show(page, "spmReport")
 
     def test_the_report_of_a_bake_says_and_draws_what_was_found(self):
         self.open(self.page)
@@ -109,6 +124,79 @@ class Report(Case):
         done = run("build", self.mesh, "-o", asset, "--report", os.path.join(self.models, "no", "a.html"))
         self.assertEqual(done.returncode, 2, done.stderr)
         self.assertFalse(os.path.exists(asset))
+
+
+class BatchReport(Shown):
+    """The page of a batch: two assets, one of a hostile name, and one that fails."""
+
+    @classmethod
+    def setUpClass(cls):
+        cls.models = tempfile.mkdtemp(prefix="spm-e2e-batch-report-")
+        cls.addClassCleanup(shutil.rmtree, cls.models, ignore_errors=True)
+        generate(cls.models, "box")
+        cls.manifest = os.path.join(cls.models, "three.toml")
+        with open(cls.manifest, "w", encoding="utf-8") as file:
+            for name, mesh, depth in (("large", "box.obj", "2mm"), (HOSTILE, "box.obj", "0.1mm"),
+                                      ("missing", "none.obj", "0.1mm")):
+                file.write(f'[[asset]]\nname = {json.dumps(name)}\nmesh = "{mesh}"\n'
+                           f'output = "{len(name)}.spm.exr"\ntolerance = "50um"\nmax-depth = "{depth}"\n')
+        cls.page = os.path.join(cls.models, "batch.html")
+        done = run("batch", cls.manifest, "--keep-going", "--report", cls.page, "--json")
+        assert done.returncode == 11, done.stderr
+        cls.lines = [json.loads(line) for line in done.stdout.splitlines()]
+
+    def open_batch(self):
+        self.show(self.page, "spmBatch")
+
+    def names(self):
+        return self.browser.run("return [...document.querySelectorAll('#assets tbody tr')]"
+                                ".map((line) => line.cells[1].textContent)")
+
+    def sort(self, key):
+        self.browser.run("document.querySelector(`th[data-key=${arguments[0]}] button`).click()", key)
+        return self.names()
+
+    def test_failures_come_first_and_say_why(self):
+        self.open_batch()
+        self.assertEqual(self.names(), ["missing", "large", HOSTILE])
+        self.assertTrue(self.text("verdict").startswith("1 of 3 assets failed"))
+        self.assertIn("none.obj cannot be opened", self.browser.run(
+            "return document.querySelector('#assets tbody tr').textContent"))
+
+    def test_a_head_sorts_both_ways_and_what_is_missing_stays_last(self):
+        self.open_batch()
+        sizes = {line["name"]: line["bytes"] for line in self.lines if line["ok"]}
+        self.assertGreater(sizes["large"], sizes[HOSTILE])
+        self.assertEqual(self.sort("bytes"), [HOSTILE, "large", "missing"])
+        self.assertEqual(self.sort("bytes"), ["large", HOSTILE, "missing"])
+        self.assertEqual(self.browser.run("return document.querySelector('th[data-key=bytes]').ariaSort"),
+                         "descending")
+        self.assertEqual(self.sort("name")[1:], ["large", "missing"])
+
+    def test_names_are_found_and_a_picture_and_the_proof_are_shown(self):
+        self.open_batch()
+        self.browser.run("const f = document.getElementById('filter'); f.value = 'LARGE';"
+                         "f.dispatchEvent(new Event('input'))")
+        self.assertEqual(self.names(), ["large"])
+        self.assertEqual(self.text("shown"), "1 of 3")
+        self.assertTrue(self.browser.run("return document.querySelector('#assets img').naturalWidth") > 50)
+        self.assertIn("µm", self.browser.run(
+            "return document.querySelector('#assets tbody tr').cells[6].textContent"))
+        self.assertIsNone(self.browser.run("return window.harmed ?? null"))
+
+    def test_the_page_fits_wide_and_narrow(self):
+        self.open_batch()
+        self.addCleanup(self.browser.resize, 1280, 800)
+        os.makedirs(PICTURES, exist_ok=True)
+        for name, width, height in (("wide", 1280, 700), ("narrow", 390, 844)):
+            self.browser.resize(width, height)
+            self.assertLessEqual(self.browser.run("return document.documentElement.scrollWidth"), width)
+            self.browser.screenshot(os.path.join(PICTURES, f"batch-{name}.png"))
+
+    def test_a_page_of_a_dry_run_is_refused(self):
+        done = run("batch", self.manifest, "--dry-run", "--report", os.path.join(self.models, "never.html"))
+        self.assertEqual(done.returncode, 1, done.stderr)
+        self.assertIn("--report", done.stderr)
 
 
 if __name__ == "__main__":

@@ -3,7 +3,7 @@
 
 import { fill, row, short } from './rows.js';
 import { colourBar, histogram } from './charts.js';
-import { Surface } from './surface.js';
+import { Surface, unpacked } from './surface.js';
 
 const data = JSON.parse(document.getElementById('data').textContent);
 const by = (id) => document.getElementById(id);
@@ -12,6 +12,8 @@ const count = (value) => value.toLocaleString('en');
 const share = (value) => `${short(100 * value)} %`;
 
 const CAPTIONS = {
+  'maps.png': 'The distance maps of the support planes that have the most, seen along each normal: bright is near '
+    + 'the plane, dark grey has no sample.',
   'surface.png': 'The mesh, and beside it the surface as the asset holds it.',
   'structure.png': 'What answers where, on the surface and in a cut: blue one polynomial, green two, '
     + 'yellow up to eight triangles, red more, grey deeper than the band, violet left out.',
@@ -124,16 +126,16 @@ function showPictures({ pictures }) {
   }
 }
 
-function showSurface({ surface, verify }) {
+async function showSurface({ surface, verify }) {
   colourBar(by('colours'), surface.scale_um);
   if (surface.left_out) throw new Error(surface.left_out);
-  return new Surface(by('scene'), surface, verify.worst);
+  return new Surface(by('scene'), await unpacked(surface), verify.worst);
 }
 
 let surface = null;
 showHead(data);
 try {
-  surface = showSurface(data);
+  surface = await showSurface(data);
 } catch (problem) {
   by('scene').hidden = true;
   by('noscene').hidden = false;

@@ -8,7 +8,33 @@ import {
 import { OrbitControls } from 'three/examples/jsm/controls/OrbitControls.js';
 import { BEYOND, colourAt, UNKNOWN } from './colours.js';
 
-const bytes = (text) => Uint8Array.from(atob(text), (letter) => letter.charCodeAt(0)).buffer;
+/** The bytes of a list that is deflated and in base64. */
+async function inflate(text) {
+  const packed = Uint8Array.from(atob(text), (letter) => letter.charCodeAt(0));
+  const stream = new Blob([packed]).stream().pipeThrough(new DecompressionStream('deflate'));
+  return new Response(stream).arrayBuffer();
+}
+
+/** Whole numbers of which all lowest bytes come first, then the next. */
+function joined(buffer, width) {
+  const bytes = new Uint8Array(buffer), count = bytes.length / width;
+  const numbers = new Uint32Array(count);
+  for (let place = 0; place < width; ++place) {
+    for (let i = 0; i < count; ++i) numbers[i] |= bytes[place * count + i] << (8 * place);
+  }
+  return numbers;
+}
+
+/** The lists of a surface, as surface_json() of report_surface.hpp packs them. */
+export async function unpacked(surface) {
+  const [positions, triangles, errors] = await Promise.all(
+    [surface.positions, surface.triangles, surface.errors].map(inflate));
+  const corners = joined(triangles, 4);
+  for (let i = 1; i < corners.length; ++i) corners[i] += corners[i - 1];
+  return { ...surface, errors: new Float32Array(errors), triangles: corners,
+    positions: Float32Array.from(joined(positions, 2),
+      (step, i) => surface.origin_m[i % 3] + step * surface.step_m) };
+}
 
 function coloured(errors, most) {
   const colours = new Float32Array(3 * errors.length), beyond = new Color(BEYOND), mix = new Color();
@@ -21,7 +47,7 @@ function coloured(errors, most) {
 }
 
 export class Surface {
-  /** Throws where there is no WebGL. */
+  /** Takes what unpacked() gives. Throws where there is no WebGL. */
   constructor(canvas, { positions, triangles, errors, scale_um: most }, worst) {
     this.canvas = canvas;
     this.renderer = new WebGLRenderer({ canvas, antialias: true, alpha: true });
@@ -34,10 +60,10 @@ export class Surface {
     this.camera.add(sun);
     this.scene.add(this.camera, new AmbientLight(0xffffff, 1.5));
     const indexed = new BufferGeometry();
-    indexed.setAttribute('position', new BufferAttribute(new Float32Array(bytes(positions)), 3));
+    indexed.setAttribute('position', new BufferAttribute(positions, 3));
     indexed.setAttribute('color', new BufferAttribute(
-      coloured(new Float32Array(bytes(errors)), most), 3));
-    indexed.setIndex(new BufferAttribute(new Uint32Array(bytes(triangles)), 1));
+      coloured(errors, most), 3));
+    indexed.setIndex(new BufferAttribute(triangles, 1));
     // Each triangle lit by its own direction: what is sharp stays sharp.
     const geometry = indexed.toNonIndexed();
     geometry.computeVertexNormals();

@@ -115,6 +115,12 @@ export class Stage {
     this.trail.frustumCulled = false;
     this.scene.add(this.trail);
     this.trailLength = 0;
+    // Of a second recording, beside the first.
+    this.materials.other = new MeshLambertMaterial();
+    this.materials.otherForce = flat();
+    this.other = make(new SphereGeometry(1, 24, 16), this.materials.other);
+    this.otherForce = arrow(this.materials.otherForce);
+    this.scene.add(this.otherForce);
     for (const [mesh, order] of [[this.hand, 3], [this.wish, 4], [this.force, 5], [this.torque, 5]]) {
       mesh.traverse((part) => { part.renderOrder = order; });
     }
@@ -129,6 +135,7 @@ export class Stage {
     materials.wish.color = themed('--ink');
     materials.force.color = themed('--force');
     materials.torque.color = themed('--late');
+    materials.other.color = materials.otherForce.color = themed('--second');
     materials.contact.color = themed('--force');
     materials.tool.color = themed('--energy');
     materials.surface.color = themed('--surface');
@@ -180,7 +187,13 @@ export class Stage {
     this.dirty = true;
   }
 
-  /** Puts the camera where it sees all objects. */
+  /** Where the hand goes: what is seen where no object is drawn. */
+  setPath(places) {
+    this.path = new Sphere().setFromPoints(places.map(vector));
+    this.path.radius = Math.max(this.path.radius, 1e-3);
+  }
+
+  /** Puts the camera where it sees all objects, or else the hand's path. */
   frame() {
     const all = new Sphere();
     all.makeEmpty();
@@ -189,6 +202,7 @@ export class Stage {
       mesh.updateMatrixWorld();
       all.union(mesh.geometry.boundingSphere.clone().applyMatrix4(mesh.matrixWorld));
     }
+    if (all.isEmpty() && this.path) all.copy(this.path);
     if (all.isEmpty()) return false;
     this.middle = all.center;
     this.size = Math.max(2 * all.radius, 1e-4);
@@ -222,6 +236,9 @@ export class Stage {
     if (!this.framed && this.geometries.size) this.framed = this.frame();
     const device = frame.devices[0];
     if (device) this.placeHand(device, toolAsset);
+    if (frame.trail) this.retrace(frame.trail);
+    else if (device) this.leave(vector(device.proxy), size3(device.force));
+    this.placeOther(frame.other);
     this.wish.visible = Boolean(wish);
     if (wish) {
       this.wish.position.copy(wish);
@@ -240,6 +257,10 @@ export class Stage {
       this.objects.set(object.id, mesh);
       this.scene.add(mesh);
       this.framed = false;
+    }
+    if (mesh.userData.asset !== object.asset) {
+      mesh.userData.asset = object.asset;
+      mesh.geometry = this.geometries.get(object.asset) ?? new BufferGeometry();
     }
     mesh.position.copy(vector(object.position));
     mesh.quaternion.copy(turn(object.orientation));
@@ -268,7 +289,16 @@ export class Stage {
       this.tool.position.copy(vector(device.toolPosition));
       this.tool.quaternion.copy(turn(device.toolOrientation));
     }
-    this.leave(held, size3(device.force));
+  }
+
+  /** The hand and the force of a second recording; undefined where there is none. */
+  placeOther(device) {
+    this.other.visible = this.otherForce.visible = Boolean(device);
+    if (!device) return;
+    const held = vector(device.proxy);
+    this.other.position.copy(held);
+    this.other.scale.setScalar(this.size * 0.011);
+    this.point(this.otherForce, held, device.force, this.size * 0.16);
   }
 
   /** Draws an arrow for a vector; `scale` in m per N or N m. */
@@ -316,6 +346,20 @@ export class Stage {
     this.trail.geometry.setDrawRange(0, ++this.trailLength);
   }
 
+  /** The whole trail anew: places with the force at each, N. */
+  retrace(trail) {
+    const { position, color } = this.trail.geometry.attributes;
+    this.mix ??= new Color();
+    this.trailLength = Math.min(trail.length, TRAIL);
+    trail.slice(-TRAIL).forEach(({ place, newtons }, i) => {
+      rampColour(newtons / FULL_FORCE, this.mix);
+      position.setXYZ(i, ...place);
+      color.setXYZ(i, this.mix.r, this.mix.g, this.mix.b);
+    });
+    position.needsUpdate = color.needsUpdate = true;
+    this.trail.geometry.setDrawRange(0, this.trailLength);
+  }
+
   /** Where a place of the window (pixels) meets an object, or null. */
   pick(x, y) {
     const box = this.canvas.getBoundingClientRect();
@@ -346,8 +390,13 @@ export class Stage {
   draw() {
     const now = performance.now();
     if (!this.dirty || now - this.drawnAt < this.pause) return;
-    this.dirty = false;
     this.drawnAt = now;
+    this.redraw();
+  }
+
+  /** At once; after it the canvas can be copied in the same task. */
+  redraw() {
+    this.dirty = false;
     for (const facing of [this.hand, this.wish]) facing.quaternion.copy(this.camera.quaternion);
     this.renderer.render(this.scene, this.camera);
   }

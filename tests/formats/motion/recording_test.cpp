@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "formats/motion/recording.hpp"
 
+#include <algorithm>
 #include <array>
 #include <catch2/catch.hpp>
 #include <cmath>
@@ -10,6 +11,7 @@
 #include <random>
 #include <sstream>
 
+#include "formats/motion/recording_salvage.hpp"
 #include "tests/formats/support/synthetic_asset.hpp"
 
 namespace recording_test {
@@ -132,6 +134,38 @@ TEST_CASE("A recording is read back bit by bit, however many rows it has") {
       REQUIRE(change.assets == wanted.assets);
     }
   }
+}
+
+TEST_CASE(
+    "Of a recording that was cut anywhere in its parts the whole ones are salvaged and told") {
+  const TemporaryFolder folder;
+  const std::string path = recording_of(folder, 20);
+  const std::string whole = content(path);
+  const auto intact = salvage_recording(path);
+  REQUIRE(intact);
+  CHECK(intact->loss.empty());
+  REQUIRE(intact->recording.rows.size() == 20);
+  const std::size_t header = recording_start(header_of_two()).size();
+  const std::string cut = folder.path("cut.spmrec");
+  std::size_t most = 0;
+  for (std::size_t size = whole.size() - 1; size > header + sizeof(RecordingRow) + 8; size -= 97) {
+    std::ofstream(cut, std::ios::binary) << whole.substr(0, size);
+    const auto read = salvage_recording(cut);
+    REQUIRE(read);
+    const std::size_t rows = read->recording.rows.size();
+    most = std::max(most, rows);
+    CHECK(rows <= (size - header) / (sizeof(RecordingRow) + 8));
+    CHECK_THAT(read->loss, Catch::Contains("cut.spmrec: was cut short") &&
+                               Catch::Contains("first " + std::to_string(rows) + " rows"));
+    for (std::size_t i = 0; i < rows; ++i) {
+      REQUIRE(read->recording.rows[i] == intact->recording.rows[i]);
+    }
+  }
+  CHECK(most == 20);
+  std::ofstream(cut, std::ios::binary) << whole.substr(0, header + 40);
+  const auto empty = salvage_recording(cut);
+  REQUIRE_FALSE(empty);
+  CHECK_THAT(empty.error().message, Catch::Contains("before its first tick"));
 }
 
 TEST_CASE("A recording with any byte changed, or cut anywhere, is refused with a cause") {
