@@ -51,6 +51,7 @@ struct ToolPush {
 /// own springs, the pushes and what holds it back are in balance. A push falls as the tool gives
 /// way, as the springs of the other hand do.
 /// Construction allocates; no other call allocates or throws.
+// NOLINTNEXTLINE(clang-analyzer-optin.performance.Padding): what belongs together stands together.
 class ToolForce {
  public:
   /// `workspace`: of the hand's frame in the world. `objects`: the largest number of them. After
