@@ -78,7 +78,7 @@ class Reader {
     manifest_.sha256 = sha256_bytes(*text);
     const Result<void> added = read_document(document);
     if (!added) return tl::make_unexpected(added.error());
-    if (const Result<void> fit = check_scenes(manifest_); !fit) {
+    if (const Result<void> fit = find_parts(manifest_); !fit) {
       return tl::make_unexpected(fit.error());
     }
     std::sort(manifest_.searched_folders.begin(), manifest_.searched_folders.end());

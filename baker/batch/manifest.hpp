@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -19,12 +21,20 @@ struct ManifestEntry {
   std::uint32_t output_line = 0;  ///< where `output` stands
 };
 
+/// The baked file of an object or a tool of a scene.
+struct ScenePart {
+  std::string asset;                 ///< its path
+  std::optional<std::size_t> entry;  ///< whose output it is; empty: a file that was there before
+};
+
 /// A scene of a manifest, which its assets are baked for.
 struct ManifestScene {
   std::string name;
-  std::string scene;       ///< file, made relative to the manifest's folder
-  std::string output;      ///< file to write, likewise; empty where it is only checked
-  std::uint32_t line = 0;  ///< where `scene` stands
+  std::string scene;  ///< file, made relative to the manifest's folder
+  std::string text;   ///< what was in it when the manifest was read; what is written is of this
+  std::vector<ScenePart> parts;  ///< its objects, then its tools
+  std::string output;            ///< file to write, likewise; empty where it is only checked
+  std::uint32_t line = 0;        ///< where `scene` stands
   std::uint32_t output_line = 0;
 };
 
@@ -42,7 +52,7 @@ struct Manifest {
 /// a string. `mesh` may be a pattern; `{stem}` and `{folder}` in `output` and `name` stand for the
 /// mesh's file name without its extension and for its folder's name. `[[scene]]` tables have
 /// `scene`, also a pattern, and optionally `output` and `name`. Errors: file_or_device; those of
-/// check_scenes; invalid_input, which names the line and, for a misspelt key, the key that was
+/// find_parts; invalid_input, which names the line and, for a misspelt key, the key that was
 /// probably meant.
 [[nodiscard]] Result<Manifest> read_manifest(const std::string& path);
 

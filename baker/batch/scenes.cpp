@@ -53,24 +53,20 @@ std::vector<Part> parts_of(const Scene& scene) {
 class Library {
  public:
   explicit Library(const Manifest& manifest) : manifest_(manifest) {
-    for (const ManifestEntry& entry : manifest.entries) {
-      outputs_.emplace(canonical(entry.request.output), &entry);
-      meshes_.emplace(canonical(entry.request.mesh), &entry);
+    for (std::size_t i = 0; i < manifest.entries.size(); ++i) {
+      const BuildRequest& request = manifest.entries[i].request;
+      outputs_.emplace(canonical(request.output), i);
+      meshes_.emplace(canonical(request.mesh), i);
     }
   }
 
-  struct Found {
-    std::string asset;                     ///< path of the baked file
-    const ManifestEntry* entry = nullptr;  ///< null for a file that no asset of the manifest is
-  };
-
   /// Errors: invalid_input, of a place in the scene.
-  [[nodiscard]] Result<Found> find(const Scene& scene, const Part& part) const {
+  [[nodiscard]] Result<ScenePart> find(const Scene& scene, const Part& part) const {
     if (!part.asset.empty()) {
       const auto baked = outputs_.find(canonical(part.asset));
-      if (baked != outputs_.end()) return Found{part.asset, baked->second};
+      if (baked != outputs_.end()) return ScenePart{part.asset, baked->second};
       std::error_code ignored;
-      if (fs::is_regular_file(part.asset, ignored)) return Found{part.asset, nullptr};
+      if (fs::is_regular_file(part.asset, ignored)) return ScenePart{part.asset, std::nullopt};
       return refuse(
           scene, part,
           fmt::format("'asset': {} is no output of {} and no file; name the 'mesh' alone, "
@@ -88,10 +84,10 @@ class Library {
           scene, part,
           fmt::format("'mesh': {} is the mesh of several assets of {}, such as {} and {}; "
                       "say which by 'asset'",
-                      part.mesh, manifest_.path, first->second->output,
-                      std::next(first)->second->output));
+                      part.mesh, manifest_.path, output(first->second),
+                      output(std::next(first)->second)));
     }
-    return Found{first->second->request.output, first->second};
+    return ScenePart{output(first->second), first->second};
   }
 
   [[nodiscard]] static tl::unexpected<Error> refuse(const Scene& scene, const Part& part,
@@ -102,8 +98,13 @@ class Library {
 
  private:
   const Manifest& manifest_;
-  std::map<std::string, const ManifestEntry*> outputs_;
-  std::multimap<std::string, const ManifestEntry*> meshes_;
+  // The number of the entry.
+  std::map<std::string, std::size_t> outputs_;
+  std::multimap<std::string, std::size_t> meshes_;
+
+  [[nodiscard]] const std::string& output(std::size_t entry) const {
+    return manifest_.entries[entry].request.output;
+  }
 };
 
 /// Whether the manifest bakes for the probe and the method of a scene.
@@ -131,20 +132,23 @@ Result<void> check_fit(const Scene& scene, const Part& part, const ManifestEntry
                   needed));
 }
 
-/// The baked file of each part of a scene.
-Result<std::vector<Library::Found>> find_assets(const Library& library, const Scene& scene) {
-  std::vector<Library::Found> all;
-  for (const Part& part : parts_of(scene)) {
-    const Result<Library::Found> found = library.find(scene, part);
+/// Reads a scene and finds the baked file of each of its parts.
+Result<void> find_parts_of(const Manifest& manifest, const Library& library, ManifestScene& named) {
+  Result<std::string> text = read_text_file(named.scene, "a scene, a TOML file");
+  if (!text) return tl::make_unexpected(text.error());
+  named.text = std::move(*text);
+  const Result<Scene> scene = parse_scene(named.scene, named.text);
+  if (!scene) return tl::make_unexpected(scene.error());
+  for (const Part& part : parts_of(*scene)) {
+    const Result<ScenePart> found = library.find(*scene, part);
     if (!found) return tl::make_unexpected(found.error());
-    if (found->entry != nullptr) {
-      if (const Result<void> fit = check_fit(scene, part, *found->entry); !fit) {
-        return tl::make_unexpected(fit.error());
-      }
+    if (found->entry) {
+      const Result<void> fit = check_fit(*scene, part, manifest.entries[*found->entry]);
+      if (!fit) return fit;
     }
-    all.push_back(*found);
+    named.parts.push_back(*found);
   }
-  return all;
+  return {};
 }
 
 std::string way_between(const std::string& folder, const std::string& file) {
@@ -152,18 +156,8 @@ std::string way_between(const std::string& folder, const std::string& file) {
 }
 
 /// A scene as it reads from another folder, with the baked file of each object and each tool.
-Result<std::string> rewritten(const ManifestScene& scene,
-                              const std::vector<Library::Found>& assets) {
-  const Result<std::string> text = read_text_file(scene.scene, "a scene, a TOML file");
-  if (!text) return tl::make_unexpected(text.error());
-  toml::table document;
-  try {
-    document = toml::parse(*text, scene.scene);
-  } catch (const toml::parse_error& problem) {
-    return fail(ExitCode::invalid_input,
-                fmt::format("{}: line {}: not TOML: {}", scene.scene, problem.source().begin.line,
-                            problem.description()));
-  }
+std::string rewritten(const ManifestScene& scene) {
+  toml::table document = toml::parse(scene.text, scene.scene);  // it was read before
   const fs::path from = fs::path(scene.scene).parent_path();
   const std::string to = (fs::path(".") / fs::path(scene.output).parent_path()).string();
   std::size_t next = 0;
@@ -172,8 +166,8 @@ Result<std::string> rewritten(const ManifestScene& scene,
     if (const auto mesh = table["mesh"].value<std::string>()) {
       table.insert_or_assign("mesh", way_between(to, (from / *mesh).string()));
     }
-    if (next < assets.size()) {
-      table.insert_or_assign("asset", way_between(to, assets[next++].asset));
+    if (next < scene.parts.size()) {
+      table.insert_or_assign("asset", way_between(to, scene.parts[next++].asset));
     }
   };
   for (const char* key : {"object", "tool"}) {  // in the order of parts_of
@@ -201,14 +195,11 @@ Result<void> write_where_new(const std::string& path, const std::string& text) {
 
 }  // namespace
 
-Result<void> check_scenes(const Manifest& manifest) {
+Result<void> find_parts(Manifest& manifest) {
   if (manifest.scenes.empty()) return {};
   const Library library(manifest);
-  for (const ManifestScene& named : manifest.scenes) {
-    const Result<Scene> scene = read_scene(named.scene);
-    const auto found =
-        scene ? find_assets(library, *scene)
-              : Result<std::vector<Library::Found>>(tl::make_unexpected(scene.error()));
+  for (ManifestScene& named : manifest.scenes) {
+    const Result<void> found = find_parts_of(manifest, library, named);
     if (found) continue;
     return fail(ExitCode::invalid_input, fmt::format("{}: line {}: 'scene': {}", manifest.path,
                                                      named.line, found.error().message));
@@ -232,28 +223,20 @@ nlohmann::ordered_json line_of(const ManifestScene& scene, const SceneOutcome& o
 std::vector<SceneOutcome> finish_scenes(const Manifest& manifest,
                                         const std::function<bool(const ManifestEntry&)>& done) {
   std::vector<SceneOutcome> outcomes;
-  if (manifest.scenes.empty()) return outcomes;
-  const Library library(manifest);
   const auto finish = [&](const ManifestScene& named, SceneOutcome& outcome) -> Result<void> {
-    const Result<Scene> scene = read_scene(named.scene);
-    if (!scene) return tl::make_unexpected(scene.error());
-    const auto found = find_assets(library, *scene);
-    if (!found) return tl::make_unexpected(found.error());
-    for (const Library::Found& part : *found) {
-      if (part.entry != nullptr && !done(*part.entry)) {
+    for (const ScenePart& part : named.parts) {
+      if (part.entry && !done(manifest.entries[*part.entry])) {
         return fail(
             ExitCode::batch_failed,
             fmt::format("{}: not finished, since its asset {} was not baked; bake that first",
-                        named.scene, part.entry->name));
+                        named.scene, manifest.entries[*part.entry].name));
       }
       const std::string asset = fs::path(part.asset).lexically_normal().string();
       const auto& all = outcome.assets;
       if (std::find(all.begin(), all.end(), asset) == all.end()) outcome.assets.push_back(asset);
     }
     if (named.output.empty()) return {};
-    const Result<std::string> text = rewritten(named, *found);
-    if (!text) return tl::make_unexpected(text.error());
-    return write_where_new(named.output, *text);
+    return write_where_new(named.output, rewritten(named));
   };
   for (const ManifestScene& scene : manifest.scenes) {
     SceneOutcome& outcome = outcomes.emplace_back();

@@ -10,11 +10,12 @@
 
 namespace spm::baker {
 
-/// Holds every scene of a manifest against its assets: each object and each tool must be an asset
-/// of the manifest, by its `asset` or else by its `mesh`, or a baked file that is there; and what
-/// the manifest bakes for it must be of the form and for the probe that the scene needs. Errors:
-/// invalid_input, with the place in the scene and the line in the manifest.
-[[nodiscard]] Result<void> check_scenes(const Manifest& manifest);
+/// Reads every scene of a manifest, once, and finds the baked files of its parts: each object and
+/// each tool must be an asset of the manifest, by its `asset` or else by its `mesh`, or a baked
+/// file that is there; and what the manifest bakes for it must be of the form and for the probe
+/// that the scene needs. Errors: invalid_input, with the place in the scene and the line in the
+/// manifest.
+[[nodiscard]] Result<void> find_parts(Manifest& manifest);
 
 /// What became of a scene.
 struct SceneOutcome {
@@ -31,8 +32,9 @@ struct SceneOutcome {
 
 /// Writes the scenes that have an `output`, once their assets are there: `done` tells of an asset
 /// of the manifest whether it was baked. A written scene names each baked file and mesh by its way
-/// from the scene's own folder. One that has the right bytes already is not touched. Gives one
-/// outcome a scene.
+/// from the scene's own folder. One that has the right bytes already is not touched. A scene
+/// that was edited since the manifest was read is written as it was then. Gives one outcome a
+/// scene.
 [[nodiscard]] std::vector<SceneOutcome> finish_scenes(
     const Manifest& manifest, const std::function<bool(const ManifestEntry&)>& done);
 

@@ -54,6 +54,7 @@ std::vector<unsigned> shards_of(const std::vector<double>& costs, unsigned count
 }
 
 Manifest part_of(const Manifest& manifest, const Shard& shard) {
+  if (shard.count == 1) return manifest;
   std::vector<double> costs;
   for (const ManifestEntry& entry : manifest.entries) {
     costs.push_back(estimated_cost(entry.request));
@@ -64,6 +65,7 @@ Manifest part_of(const Manifest& manifest, const Shard& shard) {
   for (std::size_t i = 0; i < shards.size(); ++i) {
     if (shards[i] == shard.index) part.entries.push_back(manifest.entries[i]);
   }
+  for (ManifestScene& scene : part.scenes) scene.parts.clear();  // numbers of the whole's entries
   return part;
 }
 

@@ -23,6 +23,7 @@ struct Shard {
 [[nodiscard]] std::vector<unsigned> shards_of(const std::vector<double>& costs, unsigned count);
 
 /// The assets of a shard, in the manifest's order. Every asset is in exactly one of them.
+/// Scenes have no parts then, unless the shard is the whole: only the whole can finish them.
 [[nodiscard]] Manifest part_of(const Manifest& manifest, const Shard& shard);
 
 }  // namespace spm::baker

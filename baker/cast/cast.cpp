@@ -2,6 +2,7 @@
 #include "baker/cast/cast.hpp"
 
 #include <embree3/rtcore.h>
+#include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <array>
@@ -69,7 +70,7 @@ struct Caster::Implementation {
         geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, 3 * sizeof(float), 3 * count));
     auto* indices = static_cast<unsigned*>(rtcSetNewGeometryBuffer(
         geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, 3 * sizeof(unsigned), count));
-    for (std::size_t i = 0; i < count; ++i) {
+    tbb::parallel_for(std::size_t{0}, count, [&](std::size_t i) {
       for (std::size_t k = 0; k < 3; ++k) {
         // Relative to the object's middle, where single precision has the most digits.
         const Vector3 local = corners[i][k] - centre;
@@ -78,7 +79,7 @@ struct Caster::Implementation {
         }
         indices[3 * i + k] = static_cast<unsigned>(3 * i + k);
       }
-    }
+    });
     rtcCommitGeometry(geometry);
     rtcAttachGeometry(scene, geometry);
     rtcReleaseGeometry(geometry);
@@ -167,6 +168,8 @@ Caster::Caster(const OuterSurface& surface) : implementation_(std::make_unique<I
   self.surface_count = surface.surface_count;
   Vector3 low = Vector3::Constant(std::numeric_limits<double>::infinity());
   Vector3 high = -low;
+  self.corners.reserve(surface.triangles.size());
+  self.normals.reserve(surface.triangles.size());
   for (const Triangle& triangle : surface.triangles) {
     const std::array<Vector3, 3> corners{surface.vertices[triangle[0]],
                                          surface.vertices[triangle[1]],
@@ -184,7 +187,12 @@ Caster::Caster(const OuterSurface& surface) : implementation_(std::make_unique<I
   self.device = rtcNewDevice(nullptr);
   if (self.device == nullptr) throw BakeError(ExitCode::internal, "Embree could not be started");
   self.rays = self.make_scene(self.surface_count, true);
-  self.points = self.make_scene(self.corners.size(), false);
+  if (self.surface_count == self.corners.size()) {
+    self.points = self.rays;
+    rtcRetainScene(self.points);
+  } else {
+    self.points = self.make_scene(self.corners.size(), false);
+  }
 }
 
 Caster::~Caster() = default;

@@ -151,14 +151,24 @@ void find_vectors(const std::array<Vector3, 3>& triangle, const Vector3& middle,
   }
 }
 
-bool find_everywhere_above(double value, const Vector3& rise, const double* distances) {
+void find_which_above(std::span<const LinearFunction> functions,
+                      std::span<const CornerValues> values, std::uint8_t* above) {
   const Lanes lanes;
-  for (std::size_t k = 0; k < corners; k += hn::Lanes(lanes)) {
-    if (!hn::AllTrue(lanes, hn::Gt(linear_from(k, value, rise), hn::LoadU(lanes, distances + k)))) {
-      return false;
+  for (std::size_t i = 0; i < functions.size(); ++i) {
+    alignas(64) std::array<double, corners> at{};
+    for (std::size_t k = 0; k < corners; k += hn::Lanes(lanes)) {
+      hn::Store(linear_from(k, functions[i].value, functions[i].rise), lanes, at.data() + k);
+    }
+    above[i] = 0;
+    for (std::size_t v = 0; v < values.size() && above[i] == 0; ++v) {
+      bool all = true;
+      for (std::size_t k = 0; k < corners && all; k += hn::Lanes(lanes)) {
+        all = hn::AllTrue(
+            lanes, hn::Gt(hn::Load(lanes, at.data() + k), hn::LoadU(lanes, values[v].data() + k)));
+      }
+      above[i] = all ? 1 : 0;
     }
   }
-  return true;
 }
 
 }  // namespace spm::baker::HWY_NAMESPACE
@@ -169,7 +179,7 @@ namespace spm::baker {
 
 HWY_EXPORT(find_distances);
 HWY_EXPORT(find_vectors);
-HWY_EXPORT(find_everywhere_above);
+HWY_EXPORT(find_which_above);
 
 CornerValues linear_at_corners(double value, const Vector3& rise) {
   CornerValues values;
@@ -194,8 +204,10 @@ CornerVectors corner_vectors(const std::array<Vector3, 3>& triangle, const Vecto
   return found;
 }
 
-bool is_everywhere_above(double value, const Vector3& rise, const CornerValues& values) {
-  return HWY_DYNAMIC_DISPATCH(find_everywhere_above)(value, rise, values.data());
+void find_above(std::span<const LinearFunction> functions, std::span<const CornerValues> values,
+                std::vector<std::uint8_t>& above) {
+  above.resize(functions.size());
+  HWY_DYNAMIC_DISPATCH(find_which_above)(functions, values, above.data());
 }
 
 }  // namespace spm::baker

@@ -3,6 +3,9 @@
 
 #include <Eigen/Core>
 #include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
 
 #include "common/base/vector.hpp"
 
@@ -29,8 +32,15 @@ struct CornerVectors {
 [[nodiscard]] CornerVectors corner_vectors(const std::array<Vector3, 3>& triangle,
                                            const Vector3& middle, double half);
 
-/// Whether such a function is above these values at all corners.
-[[nodiscard]] bool is_everywhere_above(double value, const Vector3& rise,
-                                       const CornerValues& values);
+/// A function that is linear over a cube, as linear_at_corners takes it.
+struct LinearFunction {
+  double value = 0;
+  Vector3 rise = Vector3::Zero();
+};
+
+/// For each function whether some of the values are below it at all corners, each as far as it
+/// goes: 1, or else 0.
+void find_above(std::span<const LinearFunction> functions, std::span<const CornerValues> values,
+                std::vector<std::uint8_t>& above);
 
 }  // namespace spm::baker

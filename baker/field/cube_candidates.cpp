@@ -34,15 +34,6 @@ constexpr auto nearer = [](const Candidate& a, const Candidate& b) {
   return a.distance != b.distance ? a.distance < b.distance : a.triangle < b.triangle;
 };
 
-/// Whether one of the witnesses is nearer than a candidate in all of the cube.
-bool is_covered(const Cube& cube, const std::vector<Witness>& nearest, const Candidate& candidate) {
-  const Vector3 rise = cube.half * candidate.tangent;
-  return std::any_of(nearest.begin(), nearest.end(), [&](const Witness& witness) {
-    return candidate.triangle != witness.triangle &&
-           is_everywhere_above(candidate.distance - slack, rise, witness.distances);
-  });
-}
-
 /// What may be near enough to a place of a cube. Most of it is not, so few are kept.
 struct Near {
   std::vector<Candidate> triangles, caps;
@@ -74,10 +65,24 @@ Candidates narrowed(const LatticeSurface& surface, const Cube& cube, const Near&
                                                             cube.middle, cube.half)});
     }
   }
+  // Where a witness is nearer in all of the cube, its distances at the corners are below the
+  // tangent. None is below its own tangent.
+  std::vector<CornerValues> distances;
+  for (const Witness& witness : found.witnesses) distances.push_back(witness.distances);
   const auto keep = [&](const std::vector<Candidate>& from, double least, auto& to) {
+    thread_local std::vector<Candidate> tried;
+    thread_local std::vector<LinearFunction> tangents;
+    thread_local std::vector<std::uint8_t> covered;
+    tried.clear();
+    tangents.clear();
     for (const Candidate& candidate : from) {
       if (candidate.distance > least + span) continue;
-      if (!is_covered(cube, found.witnesses, candidate)) to.push_back(candidate);
+      tried.push_back(candidate);
+      tangents.push_back({candidate.distance - slack, cube.half * candidate.tangent});
+    }
+    find_above(tangents, distances, covered);
+    for (std::size_t i = 0; i < tried.size(); ++i) {
+      if (covered[i] == 0) to.push_back(tried[i]);
     }
     std::sort(to.begin(), to.end(), nearer);
   };

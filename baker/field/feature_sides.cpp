@@ -33,6 +33,9 @@ constexpr std::array<double, 5> beside{1, 0.5, 0.25, 0.125, 0.0625};
 /// share.
 constexpr double blurred = 0.01;
 constexpr double blurred_away = 1e-4;
+/// A part that is the nearest of the solid to within this share of its distance is so of the
+/// surface too. Where they may differ by more, the surface is asked as well.
+constexpr double surely_nearest = 0.01;
 /// Nearer than so many displacements the solid is not asked.
 constexpr double least_displacements = 4;
 /// The ways from a side are turned about it by these, rad.
@@ -129,7 +132,7 @@ class Neighbours {
       thin_[t] = triangle_height(a, b, c) <= asked_.thin ? 1 : 0;
       normals_[t] = length > 0 ? Vector3(cross / length) : Vector3::Zero();
       const Vector3 middle = (a + b + c) / 3;
-      faces_[t] = across(middle, normals_[t]);
+      faces_[t] = across(middle, normals_[t], displacement_of(t));
     });
   }
 
@@ -192,21 +195,42 @@ class Neighbours {
   std::vector<PartSide> faces_;
   std::vector<char> thin_;  ///< so that their normals mean nothing
 
-  /// Whether places beside one on the surface are inside. Empty where something else is nearer.
-  [[nodiscard]] std::optional<bool> inside_at(const Vector3& place, const Vector3& away) const {
+  /// m: between a triangle and the solid.
+  [[nodiscard]] double displacement_of(std::size_t triangle) const {
+    return asked_.displacement + (asked_.moved.empty() ? 0 : asked_.moved[triangle]);
+  }
+  [[nodiscard]] double displacement_of(std::span<const Sector> around) const {
+    double most = asked_.displacement;
+    for (const Sector& sector : around) most = std::max(most, displacement_of(sector.triangle));
+    return most;
+  }
+
+  /// Whether places beside one on the surface, which is so far from the solid, are inside. Empty
+  /// where something else is nearer.
+  [[nodiscard]] std::optional<bool> inside_at(const Vector3& place, const Vector3& away,
+                                              double displacement) const {
     for (const double share : beside) {
       const double way = share * asked_.tolerance;
-      if (way < least_displacements * asked_.displacement) break;
-      const ClosestPoint closest = asked_.solid.closest(place + way * away);
-      const double slack = asked_.displacement + blurred_away * way;
-      if (std::abs(closest.clearance - way) <= slack) return closest.distance < 0;
+      if (way < least_displacements * displacement) break;
+      const Vector3 there = place + way * away;
+      const ClosestPoint closest = asked_.solid.closest(there);
+      const double off = std::abs(closest.clearance - way);
+      if (off > displacement + blurred_away * way) continue;
+      // Another sheet of the solid may be nearer by so much.
+      if (off > surely_nearest * way &&
+          asked_.surface.closest(there).clearance < (1 - blurred_away) * way - rounding) {
+        continue;
+      }
+      return closest.distance < 0;
     }
     return std::nullopt;
   }
 
   /// A normal tells the side, but where its triangle is folded or was turned over by rounding.
-  [[nodiscard]] PartSide across(const Vector3& place, const Vector3& normal) const {
-    const std::optional<bool> above = inside_at(place, normal), below = inside_at(place, -normal);
+  [[nodiscard]] PartSide across(const Vector3& place, const Vector3& normal,
+                                double displacement) const {
+    const std::optional<bool> above = inside_at(place, normal, displacement),
+                              below = inside_at(place, -normal, displacement);
     if (!above && !below) return {FeatureSide::by_normal, false};
     const bool first = above.value_or(!below.value_or(true));
     const bool second = below.value_or(!first);
@@ -231,10 +255,11 @@ class Neighbours {
 
   /// The side of places along most of these ways; nothing where something else is nearer in all.
   [[nodiscard]] std::optional<PartSide> side_along(const Vector3& place,
-                                                   std::span<const Vector3> ways) const {
+                                                   std::span<const Vector3> ways,
+                                                   double displacement) const {
     int inside = 0, outside = 0;
     for (const Vector3& way : ways) {
-      const std::optional<bool> is_there = inside_at(place, way);
+      const std::optional<bool> is_there = inside_at(place, way, displacement);
       if (is_there) ++(*is_there ? inside : outside);
     }
     if (inside + outside == 0) return std::nullopt;
@@ -246,11 +271,12 @@ class Neighbours {
                                  std::span<const Vector3> directions, bool simple,
                                  const Vector3& place,
                                  const Vector3& along = Vector3::Zero()) const {
+    const double displacement = displacement_of(around);
     if (const auto normal = simple ? flat_normal(around) : std::nullopt) {
       const bool plain = std::all_of(around.begin(), around.end(), [&](const Sector& sector) {
         return faces_[sector.triangle].side == FeatureSide::by_normal;
       });
-      return {plain ? FeatureSide::by_normal : across(place, *normal).side};
+      return {plain ? FeatureSide::by_normal : across(place, *normal, displacement).side};
     }
     const std::optional<Vector3> away = away_from(directions);
     if (!away) {
@@ -259,7 +285,8 @@ class Neighbours {
                                    [&](const Sector& sector) { return folded_[sector.triangle]; });
       if (on != around.end()) return {at_face(on->triangle).side};
     }
-    if (const auto side = side_along(place, ways_from(away, along, directions))) return *side;
+    const std::vector<Vector3> ways = ways_from(away, along, directions);
+    if (const auto side = side_along(place, ways, displacement)) return *side;
     if (!away || around.size() == 1) return {FeatureSide::by_normal};
     double sum = 0;
     for (const Sector& sector : around) sum += sector.angle * sector.normal.dot(*away);

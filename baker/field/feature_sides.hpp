@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <span>
 #include <vector>
 
 #include "baker/cast/cast.hpp"
@@ -12,9 +13,12 @@ namespace spm::baker {
 /// What tells the side where triangles lie on each other or do not close.
 struct AskedSolid {
   const Caster& solid;
+  const Caster& surface;    ///< over the surface itself
   double tolerance = 0;     ///< m: asked so far from the surface, or less where something is nearer
   double displacement = 0;  ///< m: between the surface and that of the solid
   double thin = 0;  ///< m: the normal of a triangle that is no higher than this means nothing
+  std::span<const double>
+      moved{};  ///< m, by triangle: so much more is it from the solid's; or none
 };
 
 /// For each triangle of a surface, caps included, on which side places lie that are nearest to one

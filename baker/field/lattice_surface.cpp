@@ -4,7 +4,9 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
+#include "baker/field/edge_collapse.hpp"
 #include "baker/field/feature_sides.hpp"
 #include "baker/field/sliver_removal.hpp"
 #include "baker/field/triangle_height.hpp"
@@ -23,6 +25,13 @@ constexpr double sliver_steps = 4;
 /// at most.
 constexpr double max_single_error = 1;
 constexpr double usual_reach = 16384;
+/// Edges are collapsed where that moves the surface by no more than this share of the tolerance,
+/// and turns no triangle by more than this (cosine) from the mean of those around.
+constexpr double collapse_share = 1.0 / 16;
+constexpr double collapse_cosine = 0.9962;  // 5 degrees
+/// That leaves less of the tolerance to polynomials, which take more bytes for it. So it is done
+/// only where no more than this share of the triangles is left.
+constexpr double worth_collapsing = 0.6;
 
 LatticePoint rounded(const Vector3& point, const Vector3& origin, double step) {
   LatticePoint at{};
@@ -161,11 +170,24 @@ LatticeSurface round_to_lattice(const OuterSurface& surface, const Caster& caste
   const double thin = sliver_steps * lattice.step;
   lattice.displacement +=
       remove_slivers(lattice.surface.vertices, thin, loose) + max_single_error * lattice.step;
+  const double still = lattice.displacement;
+  std::vector<LooseTriangle> fewer = loose;
+  std::vector<double> moved = collapse_edges(
+      lattice.surface.vertices, caster,
+      {.displacement = collapse_share * tolerance, .height = thin, .min_cosine = collapse_cosine},
+      fewer);
+  if (static_cast<double>(fewer.size()) < worth_collapsing * static_cast<double>(loose.size())) {
+    loose = std::move(fewer);
+    lattice.displacement += *std::max_element(moved.begin(), moved.end());
+  } else {
+    moved.clear();
+  }
   for (const LooseTriangle& triangle : loose) add_triangle(triangle, vertices, lattice);
   mark_open(lattice);
+  lattice.caster = std::make_unique<Caster>(lattice.surface);
   const std::vector<bool> folded = find_folded(lattice.surface.triangles);
-  const std::vector<FeatureSides> sides =
-      find_feature_sides(lattice.surface, folded, {caster, tolerance, lattice.displacement, thin});
+  const std::vector<FeatureSides> sides = find_feature_sides(
+      lattice.surface, folded, {caster, *lattice.caster, tolerance, still, thin, moved});
   for (std::size_t t = 0; t < sides.size(); ++t) {
     lattice.triangles[t].sides = sides[t];
     lattice.triangles[t].folded = folded[t];

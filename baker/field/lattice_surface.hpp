@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstdint>
+#include <memory>
 #include <vector>
 
 #include "baker/cast/cast.hpp"
@@ -35,6 +36,7 @@ struct LatticeSurface {
   OuterSurface surface;                    ///< the same triangles
   /// m: distances to this surface are those to the outer surface within this.
   double displacement = 0;
+  std::unique_ptr<Caster> caster;  ///< over `surface`
 };
 
 /// `caster` is over the surface. `tolerance` in metres: the displacement is kept to a small share

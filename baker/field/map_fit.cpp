@@ -8,7 +8,8 @@
 #include <limits>
 #include <numbers>
 
-#include "common/surface/closest_on_triangle.hpp"
+#include "baker/field/corner_distances.hpp"
+#include "common/base/octant.hpp"
 
 namespace spm::baker {
 
@@ -34,7 +35,12 @@ Row terms(const Vector3& z) {
   return row;
 }
 
-double node(int i) { return -std::cos(std::numbers::pi * (2 * i + 1) / (2.0 * nodes)); }
+/// Samples lie at the nodes of Chebyshev's polynomials, cos(pi / 8) and cos(3 pi / 8) from the
+/// middle along each axis: at the corners of eight cubes, with middles and half edges of these.
+const double sample_middle =
+    (std::cos(std::numbers::pi / 8) + std::cos(3 * std::numbers::pi / 8)) / 2;
+const double sample_half =
+    (std::cos(std::numbers::pi / 8) - std::cos(3 * std::numbers::pi / 8)) / 2;
 
 bool in_band(const CubeSample& sample, const Band& band, double beyond) {
   return sample.distance <= band.margin + beyond && sample.distance >= -band.max_depth - beyond;
@@ -178,9 +184,35 @@ std::vector<bool> by_direction(const std::vector<CubeSample>& samples,
   return is_second;
 }
 
-double distance_from(const LatticeTriangle& triangle, const Vector3& point) {
-  const auto& [a, b, c] = triangle.corners;
-  return (point - closest_on_triangle(point, a, b, c)).norm();
+/// The triangles that are nearest to eight places, the corners of a cube about the middle `place`
+/// of another one, in halves of its edge: their numbers among its candidates.
+std::array<std::size_t, 8> nearest_to_corners(const LatticeSurface& surface,
+                                              const Candidates& candidates, const Cube& cube,
+                                              const Vector3& place) {
+  const Vector3 offset = cube.half * place, middle = cube.middle + offset;
+  const double half = cube.half * sample_half, way = offset.norm() + std::sqrt(3.0) * half;
+  CornerValues least = CornerValues::Constant(std::numeric_limits<double>::infinity());
+  double most = least[0];  // of these
+  std::array<std::size_t, 8> nearest{};
+  for (std::size_t c = 0; c < candidates.triangles.size(); ++c) {
+    const Candidate& candidate = candidates.triangles[c];
+    // A distance changes by no more than the way from the middle; those that follow are farther.
+    if (candidate.distance - way > most) break;
+    // It is convex, so it lies above its tangent at the middle.
+    const double tangent =
+        candidate.distance + candidate.tangent.dot(offset) - half * candidate.tangent.lpNorm<1>();
+    if (tangent > most) continue;
+    const CornerValues distances =
+        corner_distances(surface.triangles[candidate.triangle].corners, middle, half);
+    for (std::size_t k = 0; k < nearest.size(); ++k) {
+      const auto at = static_cast<Eigen::Index>(k);
+      if (distances[at] >= least[at]) continue;
+      least[at] = distances[at];
+      nearest[k] = c;
+    }
+    most = least.maxCoeff() + rounding;
+  }
+  return nearest;
 }
 
 }  // namespace
@@ -188,42 +220,30 @@ double distance_from(const LatticeTriangle& triangle, const Vector3& point) {
 std::vector<CubeSample> sample_cube(const LatticeSurface& surface, const Caster& caster,
                                     const Candidates& candidates, const Cube& cube,
                                     std::optional<bool> inside) {
-  std::vector<CubeSample> samples;
-  samples.reserve(std::size_t{nodes} * nodes * nodes);
-  // The distance of a triangle is convex, so it lies above its tangent at the middle.
-  std::vector<Vector3> tangents;
-  tangents.reserve(candidates.triangles.size());
-  for (const Candidate& candidate : candidates.triangles) {
-    tangents.push_back(cube.half * candidate.tangent);
-  }
-  const LatticeTriangle* before = nullptr;
-  for (int i = 0; i < nodes * nodes * nodes; ++i) {
-    CubeSample sample;
-    sample.place = Vector3(node(i % nodes), node(i / nodes % nodes), node(i / nodes / nodes));
-    const Vector3 point = cube.middle + cube.half * sample.place;
-    const double way = cube.half * sample.place.norm() + rounding;
-    NearestPart nearest;
-    // What was nearest to the place before bounds what is nearest here.
-    const double near = before == nullptr ? std::numeric_limits<double>::infinity()
-                                          : distance_from(*before, point) + rounding;
-    for (std::size_t c = 0; c < candidates.triangles.size(); ++c) {
-      const Candidate& candidate = candidates.triangles[c];
-      // Nor does it change by more than the way from the middle; those that follow are farther.
-      const double least = std::min(near, nearest.distance);
-      if (candidate.distance - way > least) break;
-      if (candidate.distance + tangents[c].dot(sample.place) > least) continue;
-      nearest.meet(surface.triangles[candidate.triangle], point);
+  std::vector<CubeSample> samples(std::size_t{nodes} * nodes * nodes);
+  for (std::size_t block = 0; block < 8; ++block) {
+    const Vector3 middle = sample_middle * octant_direction(block);
+    const auto nearest = nearest_to_corners(surface, candidates, cube, middle);
+    for (std::size_t k = 0; k < nearest.size(); ++k) {
+      std::size_t number = 0;
+      for (const std::size_t axis : {2U, 1U, 0U}) {
+        number = nodes * number + (is_upper(block, axis) ? 2U : 0U) + (is_upper(k, axis) ? 1U : 0U);
+      }
+      CubeSample& sample = samples[number];
+      sample.place = middle + sample_half * octant_direction(k);
+      const Vector3 point = cube.middle + cube.half * sample.place;
+      NearestPart part;
+      if (!candidates.triangles.empty()) {
+        part.meet(surface.triangles[candidates.triangles[nearest[k]].triangle], point);
+      }
+      const bool within = inside ? *inside : part.is_inside(caster, point);
+      sample.distance = within ? -part.distance : part.distance;
+      if (part.distance > 0) {
+        sample.gradient = (point - part.closest.point) / sample.distance;
+      } else if (part.triangle != nullptr) {
+        sample.gradient = part.triangle->normal;
+      }
     }
-    before = nearest.triangle;
-    const bool within = inside ? *inside : nearest.is_inside(caster, point);
-    sample.distance = within ? -nearest.distance : nearest.distance;
-    const Vector3 away = point - nearest.closest.point;
-    if (nearest.distance > 0) {
-      sample.gradient = away / sample.distance;
-    } else if (nearest.triangle != nullptr) {
-      sample.gradient = nearest.triangle->normal;
-    }
-    samples.push_back(sample);
   }
   return samples;
 }

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "baker/mesh/mesh_duplicates.hpp"
 
+#include <tbb/parallel_sort.h>
+
 #include <algorithm>
 #include <cstdint>
 #include <cstdlib>
@@ -39,7 +41,7 @@ struct Choice {
   for (const Triangle& triangle : triangles) corners.push_back(sorted_corners(triangle));
   std::vector<std::uint32_t> order(triangles.size());
   std::iota(order.begin(), order.end(), 0U);
-  std::sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) {
+  tbb::parallel_sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) {
     return std::tie(corners[a].sorted, a) < std::tie(corners[b].sorted, b);
   });
   Choice choice;

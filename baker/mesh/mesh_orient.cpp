@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "baker/mesh/mesh_orient.hpp"
 
+#include <tbb/parallel_sort.h>
+
 #include <algorithm>
 #include <cmath>
 #include <numeric>
@@ -39,7 +41,7 @@ void turn(Triangle& triangle) { std::swap(triangle[1], triangle[2]); }
       edges.push_back({std::min(from, to), std::max(from, to), t, from < to});
     }
   }
-  std::sort(edges.begin(), edges.end(), [](const HalfEdge& a, const HalfEdge& b) {
+  tbb::parallel_sort(edges.begin(), edges.end(), [](const HalfEdge& a, const HalfEdge& b) {
     return std::tie(a.low, a.high, a.triangle) < std::tie(b.low, b.high, b.triangle);
   });
   return edges;
@@ -192,7 +194,7 @@ class Turner {
         patch.box.extend(points_[from]);
       }
     }
-    std::sort(sides.begin(), sides.end());
+    tbb::parallel_sort(sides.begin(), sides.end());
     for (std::size_t begin = 0; begin < sides.size() && patch.closed;) {
       int balance = 0;
       std::size_t end = begin;

@@ -2,6 +2,7 @@
 #include "baker/mesh/mesh_repair.hpp"
 
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
+#include <tbb/parallel_sort.h>
 
 #include <algorithm>
 #include <array>
@@ -27,7 +28,7 @@ constexpr std::uint32_t kNone = UINT32_MAX;
 std::size_t merge_equal_points(PolygonSoup& soup) {
   std::vector<std::uint32_t> order(soup.points.size());
   std::iota(order.begin(), order.end(), 0U);
-  std::sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) {
+  tbb::parallel_sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) {
     const Vector3& p = soup.points[a];
     const Vector3& q = soup.points[b];
     return std::tie(p.x(), p.y(), p.z(), a) < std::tie(q.x(), q.y(), q.z(), b);

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "baker/mesh/winding_number.hpp"
 
+#include <tbb/parallel_for.h>
 #include <tbb/parallel_invoke.h>
+#include <tbb/parallel_sort.h>
 
 #include <algorithm>
 #include <cmath>
@@ -38,42 +40,59 @@ std::uint32_t clusters_of(std::uint32_t triangles) {
 
 WindingNumber::WindingNumber(std::span<const Vector3> vertices,
                              std::span<const Triangle> triangles) {
-  triangles_.reserve(triangles.size());
-  for (const auto& [a, b, c] : triangles) {
-    triangles_.push_back({vertices[a], vertices[b], vertices[c]});
-  }
-  const auto count = static_cast<std::uint32_t>(triangles_.size());
+  const auto count = static_cast<std::uint32_t>(triangles.size());
   if (count == 0) return;
+  std::vector<Corners> unsorted(count);
+  std::vector<Middle> middles(count);
+  tbb::parallel_for(std::uint32_t{0}, count, [&](std::uint32_t i) {
+    const auto& [a, b, c] = triangles[i];
+    unsorted[i] = {vertices[a], vertices[b], vertices[c]};
+    middles[i] = {vertices[a] + vertices[b] + vertices[c], i, 0};
+  });
+  triangles_.resize(count);
   clusters_.resize(clusters_of(count));
-  build(0, count, 0);
+  build(unsorted, middles, 0, 0);
 }
 
-void WindingNumber::build(std::uint32_t begin, std::uint32_t end, std::uint32_t self) {
-  clusters_[self] = summarise(begin, end);
-  if (end - begin <= kLeafTriangles) {
-    clusters_[self].leaf = true;
+void WindingNumber::build(std::span<const Corners> unsorted, std::span<Middle> middles,
+                          std::uint32_t begin, std::uint32_t self) {
+  const auto count = static_cast<std::uint32_t>(middles.size());
+  if (count <= kLeafTriangles) {
+    for (std::uint32_t i = 0; i < count; ++i) {
+      triangles_[begin + i] = unsorted[middles[i].triangle];
+    }
   } else {
-    const auto centre = [](const Corners& t) { return Vector3(t[0] + t[1] + t[2]); };
     Eigen::AlignedBox3d box;
-    for (std::uint32_t i = begin; i < end; ++i) box.extend(centre(triangles_[i]));
+    for (const Middle& middle : middles) box.extend(middle.place);
     Eigen::Index axis = 0;
     box.diagonal().maxCoeff(&axis);
-    const std::uint32_t middle = begin + (end - begin) / 2;
-    // A full sort, since the order of equal keys must not depend on the standard library.
-    std::stable_sort(
-        triangles_.begin() + begin, triangles_.begin() + end,
-        [&](const Corners& a, const Corners& b) { return centre(a)[axis] < centre(b)[axis]; });
-    const std::uint32_t other = self + 1 + clusters_of(middle - begin);
-    const auto low = [&] { build(begin, middle, self + 1); };
-    const auto high = [&] { build(middle, end, other); };
-    if (end - begin > worth_a_thread) {
+    const std::uint32_t half = count / 2;
+    for (std::uint32_t i = 0; i < count; ++i) middles[i].position = i;
+    // In full, and equal ones in the order that they had, so that the order of all that are summed
+    // depends neither on the standard library nor on threads.
+    const auto before = [axis](const Middle& a, const Middle& b) {
+      return a.place[axis] != b.place[axis] ? a.place[axis] < b.place[axis]
+                                            : a.position < b.position;
+    };
+    if (count > worth_a_thread) {
+      tbb::parallel_sort(middles.begin(), middles.end(), before);
+    } else {
+      std::sort(middles.begin(), middles.end(), before);
+    }
+    const auto low = [&] { build(unsorted, middles.first(half), begin, self + 1); };
+    const auto high = [&] {
+      build(unsorted, middles.subspan(half), begin + half, self + 1 + clusters_of(half));
+    };
+    if (count > worth_a_thread) {
       tbb::parallel_invoke(low, high);
     } else {
       low();
       high();
     }
   }
-  clusters_[self].after = self + clusters_of(end - begin);
+  clusters_[self] = summarise(begin, begin + count);
+  clusters_[self].leaf = count <= kLeafTriangles;
+  clusters_[self].after = self + clusters_of(count);
 }
 
 WindingNumber::Cluster WindingNumber::summarise(std::uint32_t begin, std::uint32_t end) const {

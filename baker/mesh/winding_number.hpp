@@ -39,8 +39,17 @@ class WindingNumber {
   };
   using Corners = std::array<Vector3, 3>;
 
-  /// Makes the cluster of that number of some triangles, and those below it.
-  void build(std::uint32_t begin, std::uint32_t end, std::uint32_t self);
+  /// Where a triangle lies: the sum of its corners.
+  struct Middle {
+    Vector3 place = Vector3::Zero();
+    std::uint32_t triangle = 0;
+    std::uint32_t position = 0;  ///< among those that are divided with it
+  };
+
+  /// Makes the cluster of that number of some triangles, which come to lie from `begin` on, and
+  /// those below it.
+  void build(std::span<const Corners> unsorted, std::span<Middle> middles, std::uint32_t begin,
+             std::uint32_t self);
   [[nodiscard]] Cluster summarise(std::uint32_t begin, std::uint32_t end) const;
   static void add_moments(const Corners& corners, Cluster& cluster);
   [[nodiscard]] static double expansion(const Cluster& cluster, const Vector3& point) noexcept;

@@ -169,7 +169,8 @@ BakeResult bake(const Mesh& mesh, const BakeOptions& options, const Progress& pr
                         "the mesh, or give it a thickness");
   }
   result.report.stages.end("surface");
-  const Hull hull = convex_hull(solid.vertices);
+  const Hull hull = options.form == AssetForm::full ? convex_hull(solid.vertices)
+                                                    : convex_hull_vertices(solid.vertices);
   result.report.stages.end("hull");
   const Caster caster(surface);
   result.report.stages.end("caster");

@@ -194,7 +194,7 @@ void bake_sparse(BakeResult& result, const OuterSurface& surface, const Caster& 
                                   progress);
   report.stages.end("reachability");
   const LatticeSurface lattice = round_to_lattice(surface, caster, known.bare, tolerance);
-  const Caster rounded(lattice.surface);
+  const Caster& rounded = *lattice.caster;
   report.stages.end("lattice");
   std::optional<BuiltOctree> built;
   for (const double edge : smallest_edges(options, metadata.band, caster, tolerance)) {

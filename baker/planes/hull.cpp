@@ -212,21 +212,44 @@ class Grower {
   return area > 0 ? 2 * volume / area : 0;
 }
 
-}  // namespace
+/// The hull as CGAL has it.
+struct Solid {
+  std::vector<Vector3> vertices;
+  std::vector<HullTriangle> triangles;
+  double diagonal = 0;  ///< m
+};
 
-Hull convex_hull(std::span<const Vector3> points, double coplanar_angle) {
+[[nodiscard]] Solid solid_of(std::span<const Vector3> points) {
   const HullMesh mesh = hull_mesh(points);
-  Hull hull;
-  for (const auto vertex : mesh.vertices()) hull.vertices.push_back(vector(mesh.point(vertex)));
+  Solid solid;
+  for (const auto vertex : mesh.vertices()) solid.vertices.push_back(vector(mesh.point(vertex)));
   Eigen::AlignedBox3d box;
-  for (const Vector3& vertex : hull.vertices) box.extend(vertex);
-  const double diagonal = hull.vertices.empty() ? 0 : box.diagonal().norm();
-  const std::vector<HullTriangle> triangles = triangles_of(mesh, diagonal);
-  if (triangles.size() < 4 || !(thickness(triangles, box.center()) > kFlat * diagonal)) {
+  for (const Vector3& vertex : solid.vertices) box.extend(vertex);
+  solid.diagonal = solid.vertices.empty() ? 0 : box.diagonal().norm();
+  solid.triangles = triangles_of(mesh, solid.diagonal);
+  if (solid.triangles.size() < 4 ||
+      !(thickness(solid.triangles, box.center()) > kFlat * solid.diagonal)) {
     throw BakeError(ExitCode::invalid_input,
                     "all points of the mesh lie in one plane, so that no support planes can "
                     "surround it; give it thickness");
   }
+  return solid;
+}
+
+}  // namespace
+
+Hull convex_hull_vertices(std::span<const Vector3> points) {
+  Hull hull;
+  hull.vertices = solid_of(points).vertices;
+  std::sort(hull.vertices.begin(), hull.vertices.end(), lexicographic);
+  return hull;
+}
+
+Hull convex_hull(std::span<const Vector3> points, double coplanar_angle) {
+  const Solid solid = solid_of(points);
+  const auto& [vertices, triangles, diagonal] = solid;
+  Hull hull;
+  hull.vertices = vertices;
   Grower grower(triangles, coplanar_angle, diagonal);
   for (const std::size_t seed : growing_order(triangles)) {
     if (grower.taken(seed) || triangles[seed].sliver) continue;

@@ -27,4 +27,7 @@ struct Hull {
 /// BakeError invalid_input where all points lie in a plane.
 [[nodiscard]] Hull convex_hull(std::span<const Vector3> points, double coplanar_angle = 1e-4);
 
+/// The same without the facets, which take long where a round object has many.
+[[nodiscard]] Hull convex_hull_vertices(std::span<const Vector3> points);
+
 }  // namespace spm::baker

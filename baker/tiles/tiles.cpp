@@ -2,12 +2,10 @@
 #include "baker/tiles/tiles.hpp"
 
 #include <tbb/parallel_for.h>
-#include <tbb/parallel_sort.h>
 
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <compare>
 #include <limits>
 #include <queue>
 #include <utility>
@@ -54,8 +52,6 @@ std::vector<Surfel> assign_surface(const Caster& caster, const std::vector<Suppo
 struct TileKey {
   std::uint32_t direction;
   std::int32_t column, row;
-  // NOLINTNEXTLINE(modernize-use-nullptr): the 0 of a defaulted comparison is no pointer.
-  auto operator<=>(const TileKey&) const = default;
 };
 
 /// Surfels, listed by the cube of space in which they lie.
@@ -130,31 +126,12 @@ class TileChooser {
     const double least = min_at(level) * (shifted ? 1 : first_worth);
     const double stride =
         std::ldexp(settings_.tile_spacing * tile_stride, -static_cast<int>(level));
-    std::vector<std::pair<TileKey, std::uint32_t>> placed;
-    for (std::uint32_t i = 0; i < surfels_.size(); ++i) {
-      if (covered_[i] != 0) continue;
-      const Surfel& surfel = surfels_[i];
-      const auto column = static_cast<std::int32_t>(std::floor(surfel.eta / stride));
-      const auto row = static_cast<std::int32_t>(std::floor(surfel.omega / stride));
-      for (std::int32_t k = 0; k < 4; ++k) {
-        const std::int32_t c = column - k % 2, r = row - k / 2;
-        if (!shifted && ((c | r) & 1) != 0) continue;
-        placed.push_back({{surfel.direction, c, r}, i});
-      }
-    }
-    tbb::parallel_sort(placed);
-    std::vector<std::size_t> starts;
-    for (std::size_t i = 0; i < placed.size(); ++i) {
-      if (i == 0 || placed[i].first != placed[i - 1].first) starts.push_back(i);
-    }
-    if (starts.empty()) return;
-    starts.push_back(placed.size());
-    std::vector<std::vector<Candidate>> found(starts.size() - 1);
+    const std::vector<Place> places = places_of(stride, shifted);
+    if (places.empty()) return;
+    std::vector<std::vector<Candidate>> found(places.size());
     ProgressCounter counter(progress, "casting", found.size());
     tbb::parallel_for(std::size_t{0}, found.size(), [&](std::size_t i) {
-      std::vector<std::uint32_t> members;
-      for (std::size_t k = starts[i]; k < starts[i + 1]; ++k) members.push_back(placed[k].second);
-      found[i] = candidates_at(level, placed[starts[i]].first, members);
+      found[i] = candidates_at(level, places[i].key, places[i].members);
       counter.done();
     });
     std::vector<Candidate> candidates;
@@ -170,6 +147,53 @@ class TileChooser {
   SurfelBins bins_;
   std::vector<std::uint8_t> covered_;
   std::vector<double> triangles_;  ///< how many each surfel stands for
+
+  /// Where a tile may lie, and the surfels of its plane there that no tile covers yet.
+  struct Place {
+    TileKey key;
+    std::vector<std::uint32_t> members;
+  };
+
+  /// The places in which there are such surfels, in order.
+  [[nodiscard]] std::vector<Place> places_of(double stride, bool shifted) const {
+    std::array<std::int32_t, 2> low{}, high{};
+    const auto column_of = [&](const Surfel& surfel) {
+      return static_cast<std::int32_t>(std::floor(surfel.eta / stride));
+    };
+    const auto row_of = [&](const Surfel& surfel) {
+      return static_cast<std::int32_t>(std::floor(surfel.omega / stride));
+    };
+    for (const Surfel& surfel : surfels_) {
+      low = {std::min(low[0], column_of(surfel) - 1), std::min(low[1], row_of(surfel) - 1)};
+      high = {std::max(high[0], column_of(surfel)), std::max(high[1], row_of(surfel))};
+    }
+    const auto columns = static_cast<std::uint64_t>(high[0] - low[0] + 1);
+    const auto rows = static_cast<std::uint64_t>(high[1] - low[1] + 1);
+    std::vector<CubeBins::Member> placed;
+    for (std::uint32_t i = 0; i < surfels_.size(); ++i) {
+      if (covered_[i] != 0) continue;
+      const Surfel& surfel = surfels_[i];
+      for (std::int32_t k = 0; k < 4; ++k) {
+        const std::int32_t c = column_of(surfel) - k % 2, r = row_of(surfel) - k / 2;
+        if (!shifted && ((c | r) & 1) != 0) continue;
+        const auto column = static_cast<std::uint64_t>(c - low[0]);
+        const auto row = static_cast<std::uint64_t>(r - low[1]);
+        placed.emplace_back((surfel.direction * columns + column) * rows + row, i);
+      }
+    }
+    const std::size_t count = planes_.size() * columns * rows;
+    const CubeBins bins(count, placed);
+    std::vector<Place> places;
+    for (std::size_t n = 0; n < count; ++n) {
+      const auto members = bins.of(n, n);
+      if (members.empty()) continue;
+      const TileKey key{static_cast<std::uint32_t>(n / rows / columns),
+                        low[0] + static_cast<std::int32_t>(n / rows % columns),
+                        low[1] + static_cast<std::int32_t>(n % rows)};
+      places.push_back({key, {members.begin(), members.end()}});
+    }
+    return places;
+  }
 
   /// How many triangles surfels stand for.
   [[nodiscard]] double triangles_of(const std::vector<std::uint32_t>& members) const {

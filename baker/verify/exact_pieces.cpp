@@ -5,11 +5,16 @@
 #include <CGAL/Box_intersection_d/Box_with_info_d.h>
 #include <CGAL/box_intersection_d.h>
 #include <tbb/parallel_for.h>
+#include <tbb/parallel_sort.h>
 
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <iterator>
 #include <utility>
+
+#include "baker/base/box_slabs.hpp"
+#include "baker/base/cube_bins.hpp"
 
 namespace spm::baker {
 namespace {
@@ -56,17 +61,19 @@ std::vector<Segment> meeting(const Frame& frame, const Corners& other, double to
     if (std::abs(height[i]) <= touching) height[i] = 0;
   }
   std::vector<Segment> segments;
-  std::vector<Vector2> points;
+  // A plane passes no more than three corners and sides of a triangle; most that are near it none.
+  std::array<Vector2, 3> points;
+  std::size_t count = 0;
   for (std::size_t i = 0; i < 3; ++i) {
     const std::size_t j = (i + 1) % 3;
-    if (height[i] == 0) points.push_back(frame.flat(other[i]));
+    if (height[i] == 0) points[count++] = frame.flat(other[i]);
     if (height[i] * height[j] < 0) {
       const double share = height[i] / (height[i] - height[j]);
-      points.push_back(frame.flat(other[i] + share * (other[j] - other[i])));
+      points[count++] = frame.flat(other[i] + share * (other[j] - other[i]));
     }
   }
-  if (points.size() == 2) segments.emplace_back(points[0], points[1]);
-  if (points.size() == 3) {
+  if (count == 2) segments.emplace_back(points[0], points[1]);
+  if (count == 3) {
     for (std::size_t i = 0; i < 3; ++i) segments.emplace_back(points[i], points[(i + 1) % 3]);
   }
   return segments;
@@ -123,8 +130,8 @@ void cut(std::vector<Polygon>& polygons, const Segment& segment, double touching
   }
 }
 
-/// For each triangle, the triangles whose boxes meet its box.
-std::vector<std::vector<std::uint32_t>> neighbours(const Mesh& mesh) {
+/// For each triangle, the triangles whose boxes meet its box, in order.
+CubeBins neighbours(const Mesh& mesh) {
   using Box = CGAL::Box_intersection_d::Box_with_info_d<double, 3, std::uint32_t>;
   std::vector<Box> boxes;
   boxes.reserve(mesh.triangles.size());
@@ -134,13 +141,25 @@ std::vector<std::vector<std::uint32_t>> neighbours(const Mesh& mesh) {
     const Vector3 high = t[0].cwiseMax(t[1]).cwiseMax(t[2]);
     boxes.emplace_back(CGAL::Bbox_3(low.x(), low.y(), low.z(), high.x(), high.y(), high.z()), i);
   }
-  std::vector<std::vector<std::uint32_t>> found(boxes.size());
-  CGAL::box_self_intersection_d(boxes.begin(), boxes.end(), [&](const Box& a, const Box& b) {
-    found[a.info()].push_back(b.info());
-    found[b.info()].push_back(a.info());
+  const BoxSlabs<Box> slabs(boxes);
+  std::vector<std::vector<CubeBins::Member>> found(slabs.count());
+  tbb::parallel_for(std::size_t{0}, slabs.count(), [&](std::size_t slab) {
+    std::vector<Box> own;
+    std::copy_if(boxes.begin(), boxes.end(), std::back_inserter(own),
+                 [&](const Box& box) { return slabs.has(slab, box); });
+    CGAL::box_self_intersection_d(own.begin(), own.end(), [&](const Box& a, const Box& b) {
+      if (!slabs.meet_in(slab, a, b)) return;
+      found[slab].emplace_back(a.info(), b.info());
+      found[slab].emplace_back(b.info(), a.info());
+    });
   });
-  for (auto& list : found) std::sort(list.begin(), list.end());
-  return found;
+  std::vector<CubeBins::Member> all;
+  for (auto& of_slab : found) {
+    all.insert(all.end(), of_slab.begin(), of_slab.end());
+    of_slab = {};
+  }
+  tbb::parallel_sort(all);
+  return {boxes.size(), all};
 }
 
 enum class Side { outer, turned, hidden };
@@ -237,13 +256,13 @@ Sorted sort_pieces(const Mesh& mesh, const ExactWinding& winding, const Frame& f
 
 SurfacePieces outer_pieces(const Mesh& mesh, const ExactWinding& winding) {
   const Scale scale{1e-9 * mesh.diagonal, 1e-6 * mesh.diagonal, 2e-4 * mesh.diagonal};
-  const auto near = neighbours(mesh);
+  const CubeBins near = neighbours(mesh);
   std::vector<std::vector<Polygon>> polygons(mesh.triangles.size());
   tbb::parallel_for(std::size_t{0}, mesh.triangles.size(), [&](std::size_t i) {
     const Corners own = corners_of(mesh, i);
     const Frame frame(own);
     polygons[i] = {{frame.flat(own[0]), frame.flat(own[1]), frame.flat(own[2])}};
-    for (const std::uint32_t other : near[i]) {
+    for (const std::uint32_t other : near.of(i, i)) {
       for (const Segment& segment : meeting(frame, corners_of(mesh, other), scale.touching)) {
         cut(polygons[i], segment, scale.touching);
       }

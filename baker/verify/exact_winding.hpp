@@ -37,15 +37,18 @@ class ExactWinding {
     std::int32_t left = -1, right = -1;
   };
 
-  void add_leaf(Node& node, std::vector<Edge>& edges);
-  std::int32_t build(std::uint32_t first, std::uint32_t last, std::vector<Edge>& boundary);
+  /// A tree over some of the triangles, its root first.
+  struct Tree {
+    std::vector<Node> nodes;
+    std::vector<EdgeBlock> blocks;  ///< of all nodes
+    std::vector<TriangleBlock> leaves;
 
-  std::vector<Vector3> vertices_;    ///< only while it is built
-  std::vector<Triangle> triangles_;  ///< the same
-  std::vector<EdgeBlock> blocks_;    ///< of all nodes
-  std::vector<TriangleBlock> leaves_;
+    std::int32_t append(const Tree& other);  ///< gives where its root comes to be
+  };
+  class Builder;
+
+  Tree tree_;
   std::vector<DirectedEdge> boundary_;  ///< of the mesh
-  std::vector<Node> nodes_;
 };
 
 }  // namespace spm::baker

@@ -188,9 +188,13 @@ Scene read_document(const std::string& path, const toml::table& document,
 Result<Scene> read_scene(const std::string& path) {
   const Result<std::string> text = read_text_file(path, "a scene, a TOML file");
   if (!text) return tl::make_unexpected(text.error());
+  return parse_scene(path, *text);
+}
+
+Result<Scene> parse_scene(const std::string& path, const std::string& text) {
   std::optional<Error> error;
   try {
-    const toml::table document = toml::parse(*text, path);
+    const toml::table document = toml::parse(text, path);
     Scene scene = read_document(path, document, error);
     if (!error) return scene;
   } catch (const toml::parse_error& problem) {

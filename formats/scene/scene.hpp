@@ -78,4 +78,8 @@ struct Scene {
 /// for a misspelt key the key that was probably meant.
 [[nodiscard]] Result<Scene> read_scene(const std::string& path);
 
+/// The same of a text that was read before; `path` is its file, from whose folder the files lie
+/// that it names. Errors: invalid_input, as above.
+[[nodiscard]] Result<Scene> parse_scene(const std::string& path, const std::string& text);
+
 }  // namespace spm

@@ -127,6 +127,19 @@ TEST_CASE("A scene without an output is checked and left where it is") {
   CHECK(std::filesystem::is_empty(folder.path("baked")));
 }
 
+TEST_CASE("A scene is read once: one that is edited meanwhile is written as it was checked") {
+  const Library folder;
+  const std::string object = "[[object]]\nmesh = \"../meshes/teeth.obj\"\n";
+  const auto manifest =
+      folder.read(std::string(assets) + scenes, object + "stiffness = \"2N/mm\"\n");
+  REQUIRE(manifest);
+  folder.write("scenes/dentist.toml", "not a scene");
+  CHECK(finish_scenes(*manifest, all_done)[0].error.empty());
+  const Result<Scene> written = read_scene(folder.path("baked/dentist.toml"));
+  REQUIRE(written);
+  CHECK(written->objects[0].stiffness == Approx(2000));
+}
+
 TEST_CASE("A scene that its manifest does not suit is refused with both lines") {
   const Library folder;
   const auto said = [&](const std::string& scene, const std::string& manifest = assets) {

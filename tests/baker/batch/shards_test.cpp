@@ -3,7 +3,11 @@
 
 #include <algorithm>
 #include <catch2/catch.hpp>
+#include <cstdint>
+#include <filesystem>
 #include <set>
+#include <utility>
+#include <vector>
 
 #include "baker/batch/cost.hpp"
 #include "tests/baker/batch/batch_support.hpp"
@@ -89,6 +93,21 @@ TEST_CASE("A larger mesh, a finer tolerance and a missing mesh are estimated as 
   large.bake.tolerance = 1e-4;
   fine.bake.tolerance = 1e-5;
   CHECK(estimated_cost(fine) > estimated_cost(large));
+}
+
+TEST_CASE(
+    "Memory is estimated as no less than was measured, of large meshes as less than twice that") {
+  // Balls of models/rough.py at 100 um: bytes of the file and of the bake's memory at its peak.
+  const std::vector<std::pair<std::uintmax_t, double>> measured{
+      {856'720, 0.146e9}, {3'883'541, 0.268e9}, {42'179'783, 1.2e9}, {221'731'247, 5.97e9}};
+  const test::Folder folder;
+  for (const auto& [file, memory] : measured) {
+    BuildRequest request;
+    request.mesh = folder.write("ball.obj", "");
+    std::filesystem::resize_file(request.mesh, file);
+    CHECK(estimated_memory(request) > memory);
+    if (memory > 1e9) CHECK(estimated_memory(request) < 2 * memory);
+  }
 }
 
 }  // namespace spm::baker::shards_test

@@ -9,6 +9,7 @@
 #include "baker/cast/cast.hpp"
 #include "common/base/random.hpp"
 #include "tests/baker/pipeline/bake_support.hpp"
+#include "tests/support/shapes.hpp"
 
 namespace spm::baker::feature_sides_test {
 namespace {
@@ -17,7 +18,7 @@ std::vector<FeatureSides> sides_of(const OuterSurface& surface, double tolerance
                                    double displacement = 0, double thin = 0) {
   const Caster caster(surface);
   return find_feature_sides(surface, find_folded(surface.triangles),
-                            {caster, tolerance, displacement, thin});
+                            {caster, caster, tolerance, displacement, thin});
 }
 
 /// The side of a place by the nearest triangle alone, as the file tells it.
@@ -81,6 +82,27 @@ OuterSurface dipped_deck() {
 }
 
 }  // namespace
+
+TEST_CASE("A face below another sheet, which displacement might hide, is told by its normal") {
+  // Two boxes, the upper one 45 um above the lower one. What is 400 um above the lower one lies in
+  // the upper one, whose lower face is nearer by less than the displacement.
+  OuterSurface surface;
+  for (const double z : {-0.002, 0.000045}) {
+    const test::Shape box = test::box({0.01, 0.01, 0.002});
+    const auto first = static_cast<std::uint32_t>(surface.vertices.size());
+    for (const Vector3& vertex : box.vertices) {
+      surface.vertices.push_back(vertex + Vector3(0, 0, z + 0.001));
+    }
+    for (const auto& [a, b, c] : box.triangles) {
+      surface.triangles.push_back({a + first, b + first, c + first});
+    }
+  }
+  surface.surface_count = surface.triangles.size();
+  const std::vector<FeatureSides> sides = sides_of(surface, 4e-4, 5.6e-5);
+  for (const double z : {-0.00002, 0.00002, 0.000025}) {
+    CHECK(told_inside(surface, sides, {0.0003, 0.0004, z}) == (z < 0));
+  }
+}
 
 TEST_CASE("A corner that nothing is nearest to tells the side of places that rounding gives it") {
   const OuterSurface surface = dipped_deck();
