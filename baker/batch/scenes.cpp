@@ -143,7 +143,7 @@ Result<void> find_parts_of(const Manifest& manifest, const Library& library, Man
     const Result<ScenePart> found = library.find(*scene, part);
     if (!found) return tl::make_unexpected(found.error());
     if (found->entry) {
-      const Result<void> fit = check_fit(*scene, part, manifest.entries[*found->entry]);
+      Result<void> fit = check_fit(*scene, part, manifest.entries[*found->entry]);
       if (!fit) return fit;
     }
     named.parts.push_back(*found);

@@ -167,8 +167,8 @@ class TileChooser {
       low = {std::min(low[0], column_of(surfel) - 1), std::min(low[1], row_of(surfel) - 1)};
       high = {std::max(high[0], column_of(surfel)), std::max(high[1], row_of(surfel))};
     }
-    const auto columns = static_cast<std::uint64_t>(high[0] - low[0] + 1);
-    const auto rows = static_cast<std::uint64_t>(high[1] - low[1] + 1);
+    const std::uint64_t columns = static_cast<std::uint32_t>(high[0] - low[0]) + std::uint64_t{1};
+    const std::uint64_t rows = static_cast<std::uint32_t>(high[1] - low[1]) + std::uint64_t{1};
     std::vector<CubeBins::Member> placed;
     for (std::uint32_t i = 0; i < surfels_.size(); ++i) {
       if (covered_[i] != 0) continue;
