@@ -300,7 +300,7 @@ ClosestPoint Caster::closest(const Vector3& point) const {
       if (candidate.triangle >= self.surface_count) voted_inside = voted_outside = true;
     }
     if (candidate.triangle >= self.surface_count) continue;
-    const bool closer = candidate.distance < least ||
+    const bool closer = nearest == nullptr || candidate.distance < least ||
                         (candidate.distance == least && candidate.triangle < nearest->triangle);
     if (closer) {
       least = candidate.distance;
