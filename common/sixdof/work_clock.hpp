@@ -34,7 +34,7 @@ struct TickBudget {
 class WorkClock {
  public:
   /// What pressing a sample is taken to need before any was measured, and at the least; ns.
-  static constexpr double least_press_time = 100;
+  static constexpr double least_press_time = 30;
 
   WorkClock(const TickBudget& budget, double press_time) noexcept
       : now_(budget.now != nullptr ? budget.now : &steady_now),

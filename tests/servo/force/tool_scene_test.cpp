@@ -307,7 +307,7 @@ TEST_CASE("A tick that runs out of time is coarser, says so, and is replayed wit
       REQUIRE(effort.refined == again.force->effort().refined);
       REQUIRE(effort.worked == again.force->effort().worked);
     }
-    CHECK(degraded > 20);
+    CHECK(degraded > 10);
     CHECK(coarse > 5);
     CHECK(exact > 20);
   }
