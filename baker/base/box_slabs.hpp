@@ -1,8 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <CGAL/box_intersection_d.h>
+#include <tbb/parallel_for.h>
+
 #include <algorithm>
 #include <cstddef>
+#include <iterator>
 #include <limits>
 #include <vector>
 
@@ -54,5 +58,27 @@ class BoxSlabs {
   int axis_ = 0;
   std::vector<double> borders_{-infinity, infinity};
 };
+
+/// What `take(a, b, found)` adds to `found` for each pair of boxes that meet, in no order. It is
+/// called for several pairs at once.
+template <class Found, class Box, class Take>
+[[nodiscard]] std::vector<Found> of_meeting_boxes(const std::vector<Box>& boxes, const Take& take) {
+  const BoxSlabs<Box> slabs(boxes);
+  std::vector<std::vector<Found>> found(slabs.count());
+  tbb::parallel_for(std::size_t{0}, slabs.count(), [&](std::size_t slab) {
+    std::vector<Box> own;
+    std::copy_if(boxes.begin(), boxes.end(), std::back_inserter(own),
+                 [&](const Box& box) { return slabs.has(slab, box); });
+    CGAL::box_self_intersection_d(own.begin(), own.end(), [&](const Box& a, const Box& b) {
+      if (slabs.meet_in(slab, a, b)) take(a, b, found[slab]);
+    });
+  });
+  std::vector<Found> all;
+  for (auto& of_slab : found) {
+    all.insert(all.end(), of_slab.begin(), of_slab.end());
+    of_slab = {};
+  }
+  return all;
+}
 
 }  // namespace spm::baker

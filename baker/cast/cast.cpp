@@ -290,7 +290,6 @@ ClosestPoint Caster::closest(const Vector3& point) const {
 
   ClosestPoint result;
   bool voted_inside = false, voted_outside = false;
-  double least = infinity;
   const Candidate* nearest = nullptr;
   for (const Candidate& candidate : candidates) {
     if (candidate.distance <= search.nearest + search.tie) {
@@ -300,18 +299,17 @@ ClosestPoint Caster::closest(const Vector3& point) const {
       if (candidate.triangle >= self.surface_count) voted_inside = voted_outside = true;
     }
     if (candidate.triangle >= self.surface_count) continue;
-    const bool closer = nearest == nullptr || candidate.distance < least ||
-                        (candidate.distance == least && candidate.triangle < nearest->triangle);
-    if (closer) {
-      least = candidate.distance;
-      nearest = &candidate;
-    }
+    // Not where the distance is no number.
+    const bool closer = candidate.distance < (nearest != nullptr ? nearest->distance : infinity) ||
+                        (nearest != nullptr && candidate.distance == nearest->distance &&
+                         candidate.triangle < nearest->triangle);
+    if (closer) nearest = &candidate;
   }
   if (nearest == nullptr) throw BakeError(ExitCode::internal, "the surface has no triangle");
   // At an edge or a corner triangles may disagree. Neither the nearest nor the one that faces the
   // point most is always right.
   const bool inside = voted_inside && voted_outside ? self.winding->at(point) > 0.5 : voted_inside;
-  const double side = inside ? -1 : 1;
+  const double side = inside ? -1 : 1, least = nearest->distance;
   result.distance = side * least;
   result.clearance = search.nearest;
   result.closest_point = nearest->closest_point;

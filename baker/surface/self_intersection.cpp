@@ -3,13 +3,9 @@
 
 #include <CGAL/Box_intersection_d/Box_with_info_d.h>
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
-#include <CGAL/box_intersection_d.h>
-#include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <array>
-#include <cstddef>
-#include <iterator>
 
 #include "baker/base/box_slabs.hpp"
 
@@ -84,20 +80,10 @@ std::vector<TrianglePair> intersecting_pairs(std::span<const Vector3> points,
     boxes.emplace_back(box, i);
   }
   const PairTest intersect(points, triangles);
-  const BoxSlabs<Box> slabs(boxes);
-  std::vector<std::vector<TrianglePair>> found(slabs.count());
-  tbb::parallel_for(std::size_t{0}, slabs.count(), [&](std::size_t slab) {
-    std::vector<Box> own;
-    std::copy_if(boxes.begin(), boxes.end(), std::back_inserter(own),
-                 [&](const Box& box) { return slabs.has(slab, box); });
-    CGAL::box_self_intersection_d(own.begin(), own.end(), [&](const Box& a, const Box& b) {
-      if (!slabs.meet_in(slab, a, b)) return;
-      const TrianglePair pair = std::minmax(a.info(), b.info());
-      if (intersect(pair.first, pair.second)) found[slab].push_back(pair);
-    });
+  auto pairs = of_meeting_boxes<TrianglePair>(boxes, [&](const Box& a, const Box& b, auto& found) {
+    const TrianglePair pair = std::minmax(a.info(), b.info());
+    if (intersect(pair.first, pair.second)) found.push_back(pair);
   });
-  std::vector<TrianglePair> pairs;
-  for (const auto& of_slab : found) pairs.insert(pairs.end(), of_slab.begin(), of_slab.end());
   std::sort(pairs.begin(), pairs.end());
   return pairs;
 }

@@ -3,7 +3,6 @@
 
 #include <CGAL/Bbox_3.h>
 #include <CGAL/Box_intersection_d/Box_with_info_d.h>
-#include <CGAL/box_intersection_d.h>
 #include <tbb/parallel_for.h>
 #include <tbb/parallel_sort.h>
 
@@ -141,23 +140,10 @@ CubeBins neighbours(const Mesh& mesh) {
     const Vector3 high = t[0].cwiseMax(t[1]).cwiseMax(t[2]);
     boxes.emplace_back(CGAL::Bbox_3(low.x(), low.y(), low.z(), high.x(), high.y(), high.z()), i);
   }
-  const BoxSlabs<Box> slabs(boxes);
-  std::vector<std::vector<CubeBins::Member>> found(slabs.count());
-  tbb::parallel_for(std::size_t{0}, slabs.count(), [&](std::size_t slab) {
-    std::vector<Box> own;
-    std::copy_if(boxes.begin(), boxes.end(), std::back_inserter(own),
-                 [&](const Box& box) { return slabs.has(slab, box); });
-    CGAL::box_self_intersection_d(own.begin(), own.end(), [&](const Box& a, const Box& b) {
-      if (!slabs.meet_in(slab, a, b)) return;
-      found[slab].emplace_back(a.info(), b.info());
-      found[slab].emplace_back(b.info(), a.info());
-    });
+  auto all = of_meeting_boxes<CubeBins::Member>(boxes, [](const Box& a, const Box& b, auto& found) {
+    found.emplace_back(a.info(), b.info());
+    found.emplace_back(b.info(), a.info());
   });
-  std::vector<CubeBins::Member> all;
-  for (auto& of_slab : found) {
-    all.insert(all.end(), of_slab.begin(), of_slab.end());
-    of_slab = {};
-  }
   tbb::parallel_sort(all);
   return {boxes.size(), all};
 }

@@ -11,9 +11,13 @@
 
 #include "baker/cast/cast.hpp"
 #include "common/base/random.hpp"
+#include "tests/baker/field/loose_triangles.hpp"
 #include "tests/support/shapes.hpp"
 
 namespace spm::baker::edge_collapse_test {
+
+using test::is_closed;
+using test::loose;
 namespace {
 
 constexpr CollapseRules rules{.displacement = 1e-4, .height = 1e-6, .min_cosine = 0.99};
@@ -26,12 +30,6 @@ OuterSurface surface_of(const test::Shape& shape, const std::vector<LooseTriangl
   return surface;
 }
 
-std::vector<LooseTriangle> loose(const test::Shape& shape) {
-  std::vector<LooseTriangle> triangles;
-  for (const auto& corners : shape.triangles) triangles.push_back({corners, false, false});
-  return triangles;
-}
-
 struct Collapsed {
   std::vector<LooseTriangle> triangles;
   std::vector<double> moved;
@@ -42,17 +40,6 @@ Collapsed collapsed(const test::Shape& shape, const CollapseRules& by = rules) {
   const Caster caster(surface_of(shape, result.triangles));
   result.moved = collapse_edges(shape.vertices, caster, by, result.triangles);
   return result;
-}
-
-bool is_closed(const std::vector<LooseTriangle>& triangles) {
-  std::map<std::pair<std::uint32_t, std::uint32_t>, int> ways;
-  for (const LooseTriangle& triangle : triangles) {
-    for (std::size_t k = 0; k < 3; ++k) {
-      const std::uint32_t a = triangle.corners[k], b = triangle.corners[(k + 1) % 3];
-      ways[std::minmax(a, b)] += a < b ? 1 : -1;
-    }
-  }
-  return std::all_of(ways.begin(), ways.end(), [](const auto& way) { return way.second == 0; });
 }
 
 /// A box whose faces are grids of so many squares along each side.

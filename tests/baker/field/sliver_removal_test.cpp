@@ -6,27 +6,14 @@
 #include <map>
 
 #include "common/base/random.hpp"
+#include "tests/baker/field/loose_triangles.hpp"
 #include "tests/support/shapes.hpp"
 
 namespace spm::baker::sliver_removal_test {
+
+using test::is_closed;
+using test::loose;
 namespace {
-
-std::vector<LooseTriangle> loose(const test::Shape& shape) {
-  std::vector<LooseTriangle> triangles;
-  for (const auto& corners : shape.triangles) triangles.push_back({corners, false, false});
-  return triangles;
-}
-
-bool is_closed(const std::vector<LooseTriangle>& triangles) {
-  std::map<std::pair<std::uint32_t, std::uint32_t>, int> ways;
-  for (const LooseTriangle& triangle : triangles) {
-    for (std::size_t k = 0; k < 3; ++k) {
-      const std::uint32_t a = triangle.corners[k], b = triangle.corners[(k + 1) % 3];
-      ways[std::minmax(a, b)] += a < b ? 1 : -1;
-    }
-  }
-  return std::all_of(ways.begin(), ways.end(), [](const auto& way) { return way.second == 0; });
-}
 
 double least_height(const std::vector<Vector3>& vertices,
                     const std::vector<LooseTriangle>& triangles) {
