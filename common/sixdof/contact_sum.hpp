@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <cstring>
 
+#include "common/base/across.hpp"
 #include "common/base/wrench.hpp"
 
 namespace spm {
@@ -65,8 +66,7 @@ struct ContactSum {
       wrench[row] += force[row];
       wrench[3 + row] += torque[row];
     }
-    const Vector3 any = std::abs(normal.x()) < 0.6 ? Vector3::UnitX() : Vector3::UnitY();
-    const Vector3 first = gives_way ? pull.normalized() : normal.cross(any).normalized();
+    const Vector3 first = gives_way ? pull.normalized() : across(normal);
     for (int k = gives_way ? 1 : 0; k < 2; ++k) {
       const Vector3 way = k == 0 ? first : Vector3(normal.cross(first));
       const Vector3 turn = arm.cross(way);

@@ -314,6 +314,7 @@ class ObjectContact {
   void look_near(ObjectContactReport& report) noexcept;
   void look_to_finest(std::size_t count, const TickBudget& budget, WorkClock& clock,
                       ObjectContactReport& report) noexcept;
+  [[nodiscard]] double reach_of(std::uint32_t sample) const noexcept;
   [[nodiscard]] bool can_settle(const TickBudget& budget) const noexcept;
   void weigh(Active& active, Pair& pair) const noexcept;
   void press(const Active& active, double weight) noexcept;
@@ -322,7 +323,8 @@ class ObjectContact {
   /// A finest sample, or a part of one; tool's axes, about the tool's origin.
   struct Square {
     Vector3 middle = Vector3::Zero();
-    double side = 0;      ///< m
+    Vector3 first = Vector3::Zero(), second = Vector3::Zero();  ///< unit, along its sides
+    double side = 0;                                            ///< m
     double distance = 0;  ///< m, signed, of the object's surface from its middle
     Vector3 normal = Vector3::Zero();
   };

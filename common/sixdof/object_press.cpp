@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "common/sixdof/coarse_press.hpp"
 #include "common/sixdof/object_contact.hpp"
 #include "common/sixdof/press_spread.hpp"
 #include "common/sixdof/sample_vectors.hpp"
@@ -34,6 +33,14 @@ PressedPatch& ObjectContact::other_patch_of(std::uint32_t object, std::uint32_t 
   return patches_.back();
 }
 
+/// Adds a spring, N/m, of a part of a sample.
+void ObjectContact::press_part(const Active& active, double spring, const CoarsePress& press,
+                               const Vector3& normal, const Vector3& lever) noexcept {
+  pairs_[active.object].sum.add(spring, press.depth, press.square, press.share, normal, lever);
+  add(patch_of(active.object, active.cluster), spring * press.depth, press.depth, normal, normal,
+      lever);
+}
+
 /// Adds the spring of a sample above the finest: of the part of its patch that is below.
 void ObjectContact::press_coarse(Active& active, ObjectContactReport& report) noexcept {
   Pair& pair = pairs_[active.object];
@@ -57,9 +64,7 @@ void ObjectContact::press_coarse(Active& active, ObjectContactReport& report) no
   if (!(press.depth > 0)) return;
   const Vector3 arm = turned(pair.pose.linear(), tool_.places[active.sample].position) + middle;
   const double spring = pair.stiffness * std::max(static_cast<double>(share.area), pair.least_area);
-  pair.sum.add(spring, press.depth, press.square, press.share, normal, arm);
-  add(patch_of(active.object, active.cluster), spring * press.depth, press.depth, normal, normal,
-      arm);
+  press_part(active, spring, press, normal, arm);
 }
 
 /// Adds the springs of all samples below one, which touch where the field is one polynomial: to the

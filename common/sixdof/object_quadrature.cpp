@@ -31,12 +31,14 @@ constexpr double useful_way = 1e-3;
 /// m: how far a sample is from touching is told by those below it.
 constexpr double kept_for_below = std::numeric_limits<double>::infinity();
 
-/// m: how far parts of a finest sample's square are from its middle.
-double reach_of(const SampleShare& share) noexcept {
-  return square_reach * std::sqrt(static_cast<double>(share.area));
-}
-
 }  // namespace
+
+/// m: how far parts of a sample are from it.
+double ObjectContact::reach_of(std::uint32_t sample) const noexcept {
+  return is_finest(sample)
+             ? square_reach * std::sqrt(static_cast<double>(tool_.shares[sample].area))
+             : static_cast<double>(tool_.places[sample].radius);
+}
 
 bool ObjectContact::can_settle(const TickBudget& budget) const noexcept {
   // Each sample counts for itself where it has a bristle, a texture or a least area.
@@ -79,14 +81,6 @@ void ObjectContact::weigh(Active& active, Pair& pair) const noexcept {
   sum.contacts += part;
 }
 
-/// Adds a spring, N/m, of a part of a sample.
-void ObjectContact::press_part(const Active& active, double spring, const CoarsePress& press,
-                               const Vector3& normal, const Vector3& lever) noexcept {
-  pairs_[active.object].sum.add(spring, press.depth, press.square, press.share, normal, lever);
-  add(patch_of(active.object, active.cluster), spring * press.depth, press.depth, normal, normal,
-      lever);
-}
-
 /// Adds a part of the spring of a sample's patch. All in the tool's axes.
 void ObjectContact::press(const Active& active, double weight) noexcept {
   if (!active.has_normal()) return;
@@ -119,11 +113,8 @@ void ObjectContact::press_left(Active& active, ObjectContactReport& report) noex
 /// kept_for_below where those below it tell that.
 double ObjectContact::meet(Active& active, Pair& pair, double way, float* until,
                            ObjectContactReport& report) noexcept {
-  const SamplePlace& place = tool_.places[active.sample];
   const double least = static_cast<double>(active.distance) - pair.doubt;
-  const double radius = is_finest(active.sample) ? reach_of(tool_.shares[active.sample])
-                                                 : static_cast<double>(place.radius);
-  const double spare = least - radius;
+  const double spare = least - reach_of(active.sample);
   if (spare > 0) {
     if (until != nullptr) *until = pair.after(way, spare);
     return spare;
@@ -186,11 +177,8 @@ double ObjectContact::look_at(Active& active, Pair& pair, double way, float* unt
                               const Active& above, ObjectContactReport& report) noexcept {
   ++report.tested;
   if (above.known()) {
-    const double radius = is_finest(active.sample)
-                              ? reach_of(tool_.shares[active.sample])
-                              : static_cast<double>(tool_.places[active.sample].radius);
     // A field changes by at most the length of a step, so the sample above may tell enough.
-    const double told = static_cast<double>(above.distance) - pair.doubt - radius;
+    const double told = static_cast<double>(above.distance) - pair.doubt - reach_of(active.sample);
     if (active.sample == tool_.children[above.sample].first) {
       // At the same place.
       active.distance = above.distance;

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 
+#include "common/base/across.hpp"
 #include "common/base/octahedral.hpp"
 #include "common/sixdof/object_contact.hpp"
 
@@ -21,16 +22,6 @@ constexpr double corner_way = 0.7071067811865476;
 /// Where less than so many patches of the level above the finest press, all finest squares are
 /// divided, or divided twice; where twice as many do, none are.
 constexpr std::array<double, 2> few_patches{4, 1};
-
-/// Two unit vectors across one, and across each other.
-struct Axes {
-  Vector3 first, second;
-};
-Axes across(const Vector3& normal) noexcept {
-  const Vector3 any = std::abs(normal.x()) < 0.6 ? Vector3::UnitX() : Vector3::UnitY();
-  const Vector3 first = any.cross(normal).normalized();
-  return {first, normal.cross(first)};
-}
 
 }  // namespace
 
@@ -56,13 +47,12 @@ void ObjectContact::divide(const Active& active, const Square& square, double we
   }
   Pair& pair = pairs_[active.object];
   const Eigen::Matrix3d& turn = pair.pose.linear();
-  const Axes axes = across(tool_.shares[active.sample].normal());
   const double off = square.side / 4, again = divided.empty() ? 0 : divided.front();
   for (int k = 0; k < 4; ++k) {
-    Square part;
+    Square part = square;
     part.side = square.side / 2;
-    part.middle = square.middle + ((k & 1) != 0 ? off : -off) * axes.first +
-                  ((k & 2) != 0 ? off : -off) * axes.second;
+    part.middle +=
+        ((k & 1) != 0 ? off : -off) * square.first + ((k & 2) != 0 ? off : -off) * square.second;
     Vector3 place;
     const Answer answer =
         query_at(pair, {part.middle[0], part.middle[1], part.middle[2]}, place, report);
@@ -91,6 +81,9 @@ void ObjectContact::press_finest_square(const Active& active,
   const double weight = pair.weight;
   if (divided[0] < 1) press_square(active, square, weight * (1 - divided[0]));
   if (!(divided[0] > 0)) return;
+  const Vector3 normal = tool_.shares[active.sample].normal();
+  square.first = across(normal);
+  square.second = normal.cross(square.first);
   divide(active, square, weight * divided[0], std::span(divided).subspan(1), report);
 }
 
