@@ -8,6 +8,7 @@
 
 #include "formats/mcap/mcap_writer.hpp"
 #include "formats/motion/recording_salvage.hpp"
+#include "formats/motion/row_vectors.hpp"
 #include "servo/foxglove/foxglove_channels.hpp"
 #include "servo/playback/playback_marks.hpp"
 #include "servo/record/recorded_scene.hpp"
@@ -18,18 +19,10 @@ namespace {
 
 constexpr double arrows_a_second = 60, ns_per_s = 1e9, us_per_ns = 1e-3;
 
-Vector3 vector(const std::array<double, 3>& numbers) {
-  return {numbers[0], numbers[1], numbers[2]};
-}
-
-Eigen::Quaterniond turn(const std::array<double, 4>& numbers) {
-  return {numbers[0], numbers[1], numbers[2], numbers[3]};
-}
-
 /// Where the surface held the hand is not recorded: it is at the depth along the law's force, but
 /// for what friction and stabilization turn it.
 Vector3 held_place(const RecordingRow& row, const HandPose& hand, const Placement& workspace) {
-  const Vector3 wanted = workspace.rotation * vector(row.wanted);
+  const Vector3 wanted = workspace.rotation * vector_of(row.wanted);
   const double size = wanted.norm();
   if (size == 0) return hand.position;
   return hand.position + (row.depth / size) * wanted;
@@ -41,14 +34,14 @@ HandSample sample_of(const RecordingRow& row, const RecordingHeader& header,
   sample.tick = row.tick;
   sample.time_ns =
       static_cast<std::uint64_t>(std::llround(double(row.tick) * (ns_per_s / header.rate_hz)));
-  sample.hand = {workspace.to_world(vector(row.position)),
-                 workspace.rotation * turn(row.orientation)};
+  sample.hand = {workspace.to_world(vector_of(row.position)),
+                 workspace.rotation * turn_of(row.orientation)};
   if ((row.flags & recorded_tool) != 0) {
-    sample.tool = HandPose{vector(row.tool_position), turn(row.tool_orientation)};
+    sample.tool = HandPose{vector_of(row.tool_position), turn_of(row.tool_orientation)};
   }
   sample.held = held_place(row, sample.hand, workspace);
-  sample.sent = {workspace.rotation * vector(row.sent),
-                 workspace.rotation * vector(row.sent_torque)};
+  sample.sent = {workspace.rotation * vector_of(row.sent),
+                 workspace.rotation * vector_of(row.sent_torque)};
   sample.depth = row.depth;
   sample.contact = (row.flags & recorded_contact) != 0;
   sample.cause = header.causes[row.cause];

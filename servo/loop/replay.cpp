@@ -7,6 +7,7 @@
 #include <optional>
 #include <utility>
 
+#include "formats/motion/row_vectors.hpp"
 #include "servo/base/clock.hpp"
 #include "servo/base/schedule.hpp"
 #include "servo/force/contact_part.hpp"
@@ -37,10 +38,6 @@ TickOfTool tick_of(const SceneForce& force) {
 /// Whether a force is the recorded one in every bit.
 bool same(const ContactForce& now, const Wrench& then) {
   return now.force == then.force && now.torque == then.torque;
-}
-
-Vector3 vector_of(const std::array<double, 3>& numbers) {
-  return {numbers[0], numbers[1], numbers[2]};
 }
 
 TrajectorySample sample_of(const RecordingRow& row) {

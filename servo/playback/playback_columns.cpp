@@ -8,6 +8,7 @@
 #include <map>
 #include <utility>
 
+#include "formats/motion/row_vectors.hpp"
 #include "servo/playback/playback.hpp"
 
 namespace spm::servo {
@@ -29,27 +30,21 @@ void append(std::string& bytes, const Number* numbers, std::size_t count) {
   bytes.append(reinterpret_cast<const char*>(numbers), count * sizeof(Number));
 }
 
-Vector3 vector(const std::array<double, 3>& numbers) {
-  return {numbers[0], numbers[1], numbers[2]};
-}
-
-double force_of(const RecordingRow& row) { return vector(row.sent).norm(); }
+double force_of(const RecordingRow& row) { return vector_of(row.sent).norm(); }
 
 Numbers numbers_of(const RecordingRow& row, const Placement& workspace, double work) {
-  const auto& turned = row.orientation;
-  const Eigen::Quaterniond hand =
-      workspace.rotation * Eigen::Quaterniond(turned[0], turned[1], turned[2], turned[3]);
+  const Eigen::Quaterniond hand = workspace.rotation * turn_of(row.orientation);
   Numbers numbers{};
   std::size_t at = 0;
   const auto add = [&](double value) { numbers[at++] = static_cast<float>(value); };
   const auto add3 = [&](const Vector3& value) {
     for (int axis = 0; axis < 3; ++axis) add(value[axis]);
   };
-  add3(workspace.to_world(vector(row.position)));
+  add3(workspace.to_world(vector_of(row.position)));
   for (const double part : {hand.w(), hand.x(), hand.y(), hand.z()}) add(part);
-  add3(workspace.rotation * vector(row.sent));
-  add3(workspace.rotation * vector(row.sent_torque));
-  add3(workspace.rotation * vector(row.wanted));
+  add3(workspace.rotation * vector_of(row.sent));
+  add3(workspace.rotation * vector_of(row.sent_torque));
+  add3(workspace.rotation * vector_of(row.wanted));
   add(row.depth);
   add(row.wake_ns * us_per_ns);
   add(row.busy_ns * us_per_ns);
@@ -58,7 +53,7 @@ Numbers numbers_of(const RecordingRow& row, const Placement& workspace, double w
   add(row.flags);
   add(row.patches);
   add((row.flags & recorded_tool) != 0 ? 1 : 0);
-  add3(vector(row.tool_position));
+  add3(vector_of(row.tool_position));
   for (const double part : row.tool_orientation) add(part);
   return numbers;
 }
@@ -81,7 +76,7 @@ std::vector<Shown> shown_rows(const Recording& recording, std::size_t device, st
   for (const RecordingRow& row : recording.rows) {
     if (row.device != device) continue;
     if (before != nullptr && (row.flags & recorded_lost) == 0) {
-      work += vector(before->sent).dot(vector(row.position) - vector(before->position));
+      work += vector_of(before->sent).dot(vector_of(row.position) - vector_of(before->position));
     }
     before = &row;
     if (number++ % group == 0) {
