@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <utility>
@@ -38,7 +39,7 @@ constexpr std::uint64_t samples_without_culling = 40000;
 
 /// Number of times that each method follows the path from the start. Other load on the machine in
 /// less than half of the passes does not affect the medians.
-constexpr std::size_t passes = 3;
+constexpr std::size_t passes = 5;
 
 /// CPU time of this thread, s.
 double busy_seconds() {
@@ -63,150 +64,170 @@ struct Judged {
   Wrench wrench;
 };
 
-/// Follows the path with one method after another.
+/// A method with one setting that is to follow a path.
+struct Contestant {
+  SixdofRow row;
+  const std::vector<Isometry3d>* path = nullptr;
+  std::size_t stride = 1;  ///< of the path's ticks, those that it computes
+  bool same_law = false;   ///< its forces, and not only their directions, are judged
+  bool judged = true;
+  std::function<void()> begin = [] {};
+  /// Adds to the row's counts.
+  std::function<Wrench(const Isometry3d&, SixdofRow&)> ask;
+  std::vector<Wrench> wrenches{};
+  std::vector<double> middles{}, tails{}, busy_tails{};  ///< s, of each pass
+};
+
+/// Lets methods follow the path in turns, pass by pass, so that a machine that is slower for a
+/// while is so for all.
 class Runner {
  public:
-  Runner(std::vector<Isometry3d> path, std::vector<Judged> judged, SixdofReport& report)
-      : path_(std::move(path)), judged_(std::move(judged)), report_(report) {}
+  Runner(const std::vector<Isometry3d>& path, std::vector<Judged> judged)
+      : path_(path), judged_(std::move(judged)) {}
 
-  /// Runs our method, with a limit in ns if it is above 0.
-  void run_spm(const SurfaceSamples& tool, const AssetView& object, std::int64_t limit) {
+  /// Adds our method, with a limit in ns if it is above 0.
+  void add_spm(const SurfaceSamples& tool, const AssetView& object, std::int64_t limit) {
     ObjectContactSettings settings;
     settings.stiffness = stiffness;
-    std::optional<ObjectContact> contact;
-    const std::array objects{ContactObject{&object, Isometry3d::Identity()}};
-    SixdofRow row;
-    row.method = "spm";
-    row.samples = tool.levels.back().count;
-    row.settings = limit > 0 ? fmt::format("{} samples, {} us", row.samples, limit / 1000)
-                             : fmt::format("{} samples, no limit", row.samples);
-    const auto finest = static_cast<double>(tool.levels.size() - 1);
-    std::vector<Wrench> forces;
-    const auto start_afresh = [&] { contact.emplace(tool, settings); };
-    follow(1, row, forces, start_afresh, [&](const Isometry3d& pose) {
-      const ObjectContactReport found = contact->tick(pose, objects, {limit, nullptr});
+    const auto contact = std::make_shared<std::optional<ObjectContact>>();
+    Contestant made;
+    made.row.method = "spm";
+    made.row.samples = tool.levels.back().count;
+    made.row.settings = limit > 0 ? fmt::format("{} samples, {} us", made.row.samples, limit / 1000)
+                                  : fmt::format("{} samples, no limit", made.row.samples);
+    made.path = &path_;
+    made.same_law = true;
+    made.begin = [contact, &tool, settings] { contact->emplace(tool, settings); };
+    made.ask = [contact, &object, limit, finest = static_cast<double>(tool.levels.size() - 1)](
+                   const Isometry3d& pose, SixdofRow& row) {
+      const std::array objects{ContactObject{&object, Isometry3d::Identity()}};
+      const ObjectContactReport found = (*contact)->tick(pose, objects, {limit, nullptr});
       row.tested += static_cast<double>(found.tested);
       row.asked += static_cast<double>(found.asked);
       row.contacts += static_cast<double>(found.sum.contacts);
       row.level += found.level / finest;
       row.degraded += found.degraded ? 1 : 0;
       return found.sum.forces();
-    });
-    judge(1, row, forces, true);
+    };
+    contestants_.push_back(std::move(made));
   }
 
-  /// Runs the servo's own force law, with a limit in s if it is above 0, along a path that is the
+  /// Adds the servo's own force law, with a limit in s if it is above 0, along a path that is the
   /// judged one or another.
-  void run_served(ServedTool& tool, const std::string& method, double limit,
+  void add_served(const std::shared_ptr<ServedTool>& tool, const std::string& method, double limit,
                   const std::vector<Isometry3d>* other = nullptr) {
-    SixdofRow row;
-    row.path = other != nullptr ? "deep" : "slide";
-    row.method = method;
-    row.samples = tool.samples();
-    row.bytes = tool.bytes();
-    row.settings = limit > 0 ? fmt::format("{} samples, {:.0f} us", row.samples, 1e6 * limit)
-                             : fmt::format("{} samples, no limit", row.samples);
-    const double finest = std::max(1.0, static_cast<double>(tool.levels()) - 1);
-    std::vector<Wrench> wrenches;
-    Isometry3d before = Isometry3d::Identity();
-    follow(
-        1, row, wrenches, [&tool] { tool.begin(); },
-        [&](const Isometry3d& pose) {
-          // No hand goes from the end of a stroke to the next in a tick.
-          if ((pose.translation() - before.translation()).norm() > between_strokes) tool.begin();
-          before = pose;
-          const Wrench found = tool.ask(pose);
-          row.contacts += static_cast<double>(tool.patches());
-          row.level += 1 - tool.effort().level / finest;
-          row.degraded += tool.effort().degraded() ? 1 : 0;
-          return found;
-        },
-        other != nullptr ? *other : path_);
-    if (other != nullptr) {
-      report_.rows.push_back(row);
-    } else {
-      judge(1, row, wrenches, method == "served-spm");
-    }
+    Contestant made;
+    made.row.path = other != nullptr ? "deep" : "slide";
+    made.row.method = method;
+    made.row.samples = tool->samples();
+    made.row.bytes = tool->bytes();
+    made.row.settings = limit > 0
+                            ? fmt::format("{} samples, {:.0f} us", made.row.samples, 1e6 * limit)
+                            : fmt::format("{} samples, no limit", made.row.samples);
+    made.path = other != nullptr ? other : &path_;
+    made.judged = other == nullptr;
+    made.same_law = method == "served-spm";
+    made.begin = [tool] { tool->begin(); };
+    made.ask = [tool, finest = std::max(1.0, static_cast<double>(tool->levels()) - 1),
+                before = Isometry3d(Isometry3d::Identity())](const Isometry3d& pose,
+                                                             SixdofRow& row) mutable {
+      // No hand goes from the end of a stroke to the next in a tick.
+      if ((pose.translation() - before.translation()).norm() > between_strokes) tool->begin();
+      before = pose;
+      Wrench found = tool->ask(pose);
+      row.contacts += static_cast<double>(tool->patches());
+      row.level += 1 - tool->effort().level / finest;
+      row.degraded += tool->effort().degraded() ? 1 : 0;
+      return found;
+    };
+    contestants_.push_back(std::move(made));
   }
 
-  void run_peer(Peer& peer, std::uint64_t ticks) {
-    SixdofRow row;
-    row.method = peer.name();
-    row.settings = peer.settings();
-    row.samples = peer.samples();
-    const std::size_t stride = std::max<std::size_t>(1, path_.size() / ticks);
-    std::vector<Wrench> forces;
-    // Peers have no state to reset.
-    follow(
-        stride, row, forces, [] {},
-        [&](const Isometry3d& pose) {
-          const PeerAnswer found = peer.ask(pose);
-          row.contacts += static_cast<double>(found.contacts);
-          return Wrench{found.force, Vector3::Zero()};
-        });
-    row.level = 1;
-    judge(stride, row, forces, peer.same_law());
+  void add_peer(std::unique_ptr<Peer> of, std::uint64_t ticks) {
+    const std::shared_ptr<Peer> peer = std::move(of);
+    Contestant made;
+    made.row.method = peer->name();
+    made.row.settings = peer->settings();
+    made.row.samples = peer->samples();
+    made.path = &path_;
+    made.stride = std::max<std::size_t>(1, path_.size() / ticks);
+    made.same_law = peer->same_law();
+    // Peers have no state to reset, and no levels.
+    made.ask = [peer](const Isometry3d& pose, SixdofRow& row) {
+      const PeerAnswer found = peer->ask(pose);
+      row.contacts += static_cast<double>(found.contacts);
+      row.level += 1;
+      return Wrench{found.force, Vector3::Zero()};
+    };
+    contestants_.push_back(std::move(made));
+  }
+
+  /// The rows of all, in the order in which they were added.
+  [[nodiscard]] std::vector<SixdofRow> run(const std::function<void(double)>& told) {
+    for (std::size_t pass = 0; pass < passes; ++pass) {
+      told(static_cast<double>(pass) / passes);
+      for (Contestant& each : contestants_) follow(each);
+    }
+    std::vector<SixdofRow> rows;
+    for (Contestant& each : contestants_) {
+      finish(each);
+      if (each.judged) judge(each);
+      rows.push_back(each.row);
+    }
+    return rows;
   }
 
  private:
-  std::vector<Isometry3d> path_;
+  const std::vector<Isometry3d>& path_;
   std::vector<Judged> judged_;
-  SixdofReport& report_;
+  std::vector<Contestant> contestants_;
 
-  template <class Begin, class Ask>
-  void follow(std::size_t stride, SixdofRow& row, std::vector<Wrench>& forces, const Begin& begin,
-              const Ask& ask) {
-    follow(stride, row, forces, begin, ask, path_);
+  static void follow(Contestant& each) {
+    const OneCore pinned;
+    std::vector<double> times, busy;
+    each.wrenches.clear();
+    each.begin();
+    for (std::size_t tick = 0; tick < each.path->size(); tick += each.stride) {
+      const double before = busy_seconds();
+      const Clock::time_point start = Clock::now();
+      each.wrenches.push_back(each.ask((*each.path)[tick], each.row));
+      times.push_back(seconds_since(start));
+      busy.push_back(busy_seconds() - before);
+    }
+    for (const double time : times) each.row.mean += time;
+    each.row.max = std::max(each.row.max, *std::max_element(times.begin(), times.end()));
+    each.middles.push_back(quantile(times, 0.5));
+    each.tails.push_back(quantile(times, 0.99));
+    each.busy_tails.push_back(quantile(busy, 0.99));
   }
 
-  template <class Begin, class Ask>
-  void follow(std::size_t stride, SixdofRow& row, std::vector<Wrench>& forces, const Begin& begin,
-              const Ask& ask, const std::vector<Isometry3d>& path) {
-    std::vector<double> middles, tails, busy_tails;
-    const OneCore pinned;
-    for (std::size_t pass = 0; pass < passes; ++pass) {
-      std::vector<double> times, busy;
-      forces.clear();
-      begin();
-      for (std::size_t tick = 0; tick < path.size(); tick += stride) {
-        const double before = busy_seconds();
-        const Clock::time_point start = Clock::now();
-        forces.push_back(ask(path[tick]));
-        times.push_back(seconds_since(start));
-        busy.push_back(busy_seconds() - before);
-      }
-      for (const double time : times) row.mean += time;
-      row.max = std::max(row.max, *std::max_element(times.begin(), times.end()));
-      middles.push_back(quantile(times, 0.5));
-      tails.push_back(quantile(times, 0.99));
-      busy_tails.push_back(quantile(busy, 0.99));
-    }
-    row.p50 = quantile(middles, 0.5);
-    row.p99 = quantile(tails, 0.5);
-    row.busy_p99 = quantile(busy_tails, 0.5);
-    const auto count = static_cast<double>(forces.size() * passes);
+  static void finish(Contestant& each) {
+    SixdofRow& row = each.row;
+    row.p50 = quantile(each.middles, 0.5);
+    row.p99 = quantile(each.tails, 0.5);
+    row.busy_p99 = quantile(each.busy_tails, 0.5);
+    const auto count = static_cast<double>(each.wrenches.size() * passes);
     for (double* sum :
          {&row.mean, &row.tested, &row.asked, &row.contacts, &row.level, &row.degraded})
       *sum /= count;
   }
 
-  void judge(std::size_t stride, SixdofRow& row, const std::vector<Wrench>& wrenches,
-             bool same_law) {
+  void judge(Contestant& each) const {
     std::vector<double> errors, torque_errors, angles;
     for (const Judged& judged : judged_) {
-      const Wrench& found = wrenches[judged.tick / stride];
+      const Wrench& found = each.wrenches[judged.tick / each.stride];
       const Wrench& wanted = judged.wrench;
-      if (judged.tick % stride != 0) continue;
+      if (judged.tick % each.stride != 0) continue;
       errors.push_back((found.force - wanted.force).norm() / wanted.force.norm());
       torque_errors.push_back((found.torque - wanted.torque).norm() / wanted.torque.norm());
       angles.push_back(
           std::atan2(found.force.cross(wanted.force).norm(), found.force.dot(wanted.force)));
     }
-    if (same_law) row.force_error = quantiles(errors);
+    SixdofRow& row = each.row;
+    if (each.same_law) row.force_error = quantiles(errors);
     // Peers tell no torque.
-    if (same_law && row.method != "every-sample") row.torque_error = quantiles(torque_errors);
+    if (each.same_law && row.method != "every-sample") row.torque_error = quantiles(torque_errors);
     row.direction_error = quantiles(angles);
-    report_.rows.push_back(row);
   }
 };
 
@@ -254,31 +275,31 @@ SixdofReport measure_sixdof(const SixdofPlan& plan, const BenchProgress& progres
   told("exact forces", 0.35);
   const std::vector<Isometry3d> deep =
       pressed_in(path, samples_of_count(tool.view(), path_samples), object.view(), deep_share);
-  Runner runner(path, references(plan, path, tool, object, report), report);
+  Runner runner(path, references(plan, path, tool, object, report));
+  std::vector<SurfaceSamples> samples;
+  samples.reserve(plan.samples.size());
   for (const std::uint64_t count : plan.samples) {
-    told(fmt::format("{} samples", count), 0.6);
-    const SurfaceSamples samples = samples_of_count(tool.view(), count);
-    runner.run_spm(samples, object.view(), 0);
-    runner.run_spm(samples, object.view(), count <= small_samples ? small_limit : large_limit);
+    const SurfaceSamples& made = samples.emplace_back(samples_of_count(tool.view(), count));
+    const std::int64_t limit = count <= small_samples ? small_limit : large_limit;
+    runner.add_spm(made, object.view(), 0);
+    runner.add_spm(made, object.view(), limit);
     for (const Method method : {Method::spm, Method::proxy}) {
-      const double limit =
-          1e-9 * static_cast<double>(count <= small_samples ? small_limit : large_limit);
       const std::string name = method == Method::spm ? "served-spm" : "served-proxy";
-      for (const double most : {0.0, limit}) {
-        ServedTool served(tool, object, samples.levels.back().spacing, method, stiffness, most);
-        runner.run_served(served, name, most);
+      for (const double most : {0.0, 1e-9 * static_cast<double>(limit)}) {
+        const auto served = std::make_shared<ServedTool>(tool, object, made.levels.back().spacing,
+                                                         method, stiffness, most);
+        runner.add_served(served, name, most);
         // A tool that is held back is never deep.
-        if (most == 0 && method == Method::spm) runner.run_served(served, name, most, &deep);
+        if (most == 0 && method == Method::spm) runner.add_served(served, name, most, &deep);
       }
     }
     if (count < samples_without_culling) {
-      runner.run_peer(*make_every_sample(samples, object.view(), stiffness), plan.peer_ticks);
+      runner.add_peer(make_every_sample(made, object.view(), stiffness), plan.peer_ticks);
     }
   }
-  told("FCL", 0.9);
-  runner.run_peer(*make_fcl(tool, object), plan.peer_ticks);
-  told("Bullet", 0.95);
-  runner.run_peer(*make_bullet(tool, object), plan.peer_ticks);
+  runner.add_peer(make_fcl(tool, object), plan.peer_ticks);
+  runner.add_peer(make_bullet(tool, object), plan.peer_ticks);
+  report.rows = runner.run([&](double done) { told("all methods in turns", 0.6 + 0.38 * done); });
   told("culling", 0.98);
   const SupportHull hull =
       support_hull(samples_of_count(tool.view(), path_samples), hull_tolerance, hull_planes);
