@@ -110,10 +110,13 @@ class Browser:
                                                        {"type": "browser"})
                 if entry["level"] == "SEVERE"]
 
+    def picture(self):
+        """What is seen, as a PNG file's bytes."""
+        return base64.b64decode(self.ask("GET", f"{self.session}/screenshot"))
+
     def screenshot(self, path):
-        picture = base64.b64decode(self.ask("GET", f"{self.session}/screenshot"))
         with open(path, "wb") as file:
-            file.write(picture)
+            file.write(self.picture())
 
     def heap(self):
         """Bytes that scripts hold, after garbage was collected."""
