@@ -27,8 +27,8 @@ PICTURED = {"teeth": ("surface",), "galleon": ("structure",),
 ROUGH_TRIANGLES, ROUGH_TOLERANCE = 1_000_000, 100
 
 
-def run(*command) -> dict:
-    done = subprocess.run([BAKE, *map(str, command), "--json"], capture_output=True, text=True,
+def run(*command, program: Path = BAKE) -> dict:
+    done = subprocess.run([program, *map(str, command), "--json"], capture_output=True, text=True,
                           check=False)
     missed = command[0] == "verify" and done.returncode == 10  # its report says so
     if done.returncode != 0 and not missed:
@@ -37,21 +37,34 @@ def run(*command) -> dict:
     return json.loads(done.stdout)
 
 
+def bake(mesh: Path, asset: str, tolerance: int, *fit: str, program: Path = BAKE) -> dict:
+    """What `build` reports, and in `measured` the seconds and processor seconds that it took."""
+    before, begun = resource.getrusage(resource.RUSAGE_CHILDREN), time.monotonic()
+    report = run("build", mesh, "-o", asset, "--tolerance", f"{tolerance}um", "--max-depth", MAX_DEPTH,
+                 "--margin", MARGIN, *fit, program=program)
+    seconds, after = time.monotonic() - begun, resource.getrusage(resource.RUSAGE_CHILDREN)
+    return {**report, "measured": (seconds, after.ru_utime + after.ru_stime - before.ru_utime -
+                                   before.ru_stime)}
+
+
+def rough_mesh(folder: str) -> Path:
+    """A ball of many triangles."""
+    rough = Path(folder) / "rough.obj"
+    subprocess.run([sys.executable, SOURCE / "models/rough.py", rough, "--triangles",
+                    str(ROUGH_TRIANGLES)], check=True, stdout=sys.stderr)
+    return rough
+
+
 def measure(name: str, mesh: Path, tolerance: int, samples: int, folder: str, *fit: str) -> dict:
     """One row: what `build` and `verify` report, and the processor time of the bake; `verify` draws
     into a folder named like the mesh."""
     print(f"{name} at {tolerance} um", file=sys.stderr, flush=True)
     asset = os.path.join(folder, name + ".spm.exr")
-    before = resource.getrusage(resource.RUSAGE_CHILDREN)
-    begun = time.monotonic()
-    bake = run("build", mesh, "-o", asset, "--tolerance", f"{tolerance}um",
-               "--max-depth", MAX_DEPTH, "--margin", MARGIN, *fit)
-    seconds = time.monotonic() - begun
-    after = resource.getrusage(resource.RUSAGE_CHILDREN)
-    row = {"mesh": name, "tolerance_um": tolerance, "triangles": bake["mesh"]["triangles"],
-           "vertices": bake["mesh"]["vertices"], "bytes": bake["bytes"],
-           "bake_seconds": seconds, "bake_processor_seconds": after.ru_utime + after.ru_stime -
-           before.ru_utime - before.ru_stime, "bake_peak_rss_bytes": bake["peak_rss_bytes"]}
+    report = bake(mesh, asset, tolerance, *fit)
+    seconds, processor_seconds = report["measured"]
+    row = {"mesh": name, "tolerance_um": tolerance, "triangles": report["mesh"]["triangles"],
+           "vertices": report["mesh"]["vertices"], "bytes": report["bytes"], "bake_seconds": seconds,
+           "bake_processor_seconds": processor_seconds, "bake_peak_rss_bytes": report["peak_rss_bytes"]}
     if samples:
         pictures = ("--png", os.path.join(folder, name)) if name in PICTURED else ()
         row["verify"] = run("verify", asset, mesh, "--samples", samples, *pictures)
@@ -70,10 +83,7 @@ def main() -> int:
                         "--fit-diagonal", DIAGONAL)
                 for name, tolerance in (QUICK if arguments.quick else TOLERANCES).items()]
         if not arguments.quick:
-            rough = Path(folder) / "rough.obj"
-            subprocess.run([sys.executable, SOURCE / "models/rough.py", rough, "--triangles",
-                            str(ROUGH_TRIANGLES)], check=True, stdout=sys.stderr)
-            rows.append(measure("rough", rough, ROUGH_TOLERANCE, 0, folder))
+            rows.append(measure("rough", rough_mesh(folder), ROUGH_TOLERANCE, 0, folder))
         for name, pictures in PICTURED.items() if arguments.pictures else ():
             for picture in pictures:
                 if (drawn := Path(folder) / name / f"{picture}.png").exists():

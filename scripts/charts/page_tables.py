@@ -94,6 +94,26 @@ def bakes_table(reports: dict) -> list[str]:
                   "unanswered, places / hard places", "wrong side, %, places / hard places"], rows)
 
 
+def bake_times_table(reports: dict) -> list[str]:
+    """Bakes of an older program and of this one, in turns, by stage."""
+    if "bake_times" not in reports:
+        return [NOT_MEASURED]
+
+    def pair(row: dict, value) -> str:
+        return " / ".join(number(value(row[which])) for which in ("before", "now"))
+
+    stages = ("load", "fit", "cast", "verify", "write")
+    return table(["mesh, tolerance", "in all, s", "now, of before", *(f"{stage}, s" for stage in stages),
+                  "processor time, s", "file, kB", "memory, MB"],
+                 [[f"{row['mesh']}, {row['tolerance_um']:g} um", pair(row, lambda run: run["seconds"]),
+                   number(row["now"]["seconds"] / row["before"]["seconds"]),
+                   *(pair(row, lambda run, stage=stage: run["stages"][stage]) for stage in stages),
+                   pair(row, lambda run: run["processor_seconds"]),
+                   pair(row, lambda run: run["bytes"] / 1e3),
+                   pair(row, lambda run: run["peak_rss_bytes"] / 1e6)]
+                  for row in reports["bake_times"]["rows"]])
+
+
 def batches_table(reports: dict) -> list[str]:
     """Batches of the same meshes, beside one worker of one thread."""
     if "batches" not in reports:
@@ -408,7 +428,8 @@ def soak_tables(reports: dict) -> list[str]:
 
 
 TABLES = {
-    "accuracy_table": accuracy_table, "bakes_table": bakes_table, "batch_table": batch_table,
+    "accuracy_table": accuracy_table, "bake_times_table": bake_times_table,
+    "bakes_table": bakes_table, "batch_table": batch_table,
     "batches_facts": batches_facts, "batches_table": batches_table,
     "scale_assumptions": scale_assumptions, "scale_table": scale_table,
     "costs_table": costs_table,
