@@ -19,27 +19,10 @@ constexpr double scale_slack = 1e-9;
 /// The connection that added an object; 0: the scene.
 std::uint32_t owner_of(std::uint64_t id) noexcept { return static_cast<std::uint32_t>(id >> 32U); }
 
-void set_material(const AppMaterial& material, PlacedObject& object) noexcept {
-  if ((material.given & SPM_MATERIAL_STIFFNESS) != 0) {
-    object.force.stiffness = material.stiffness;
-    object.stiffness_chosen = false;
-  }
-  if ((material.given & SPM_MATERIAL_FRICTION) != 0) {
-    object.effects.friction.stick = material.friction_stick;
-    object.effects.friction.slide = material.friction_slide;
-    // If a scene says nothing else, a point that sticks is held by the object's own stiffness.
-    if (object.effects.friction.stiffness <= 0) {
-      object.effects.friction.stiffness = object.force.stiffness;
-    }
-  }
-  if ((material.given & SPM_MATERIAL_DAMPING) != 0) object.effects.damping = material.damping;
-  if ((material.given & SPM_MATERIAL_TEXTURE) != 0) object.effects.texture = material.texture;
-}
-
 }  // namespace
 
 AppScene::AppScene(AppState& state, const ForceScene& scene)
-    : state_(state), added_(scene.added), stabilized_(scene.stabilization.any()) {
+    : state_(state), added_(scene.added), own_(scene.stabilization), stabilized_(own_.any()) {
   const ForceSettings& like = scene.objects.front().force;
   added_.force.take_probe(like.probe());
   added_.force.probe_axis = like.probe_axis;
@@ -75,16 +58,12 @@ void AppScene::set_reach(std::size_t asset, double reach) noexcept {
   if (asset < reaches_.size()) reaches_[asset] = reach;
 }
 
-void AppScene::set_form(std::size_t asset, bool full) noexcept {
-  if (asset < full_.size()) full_[asset] = full ? 1 : 0;
-}
-
 /// Whether the scene's tool, where it has one, can touch an added object: what is added follows the
 /// tool's method, and the paper's knows `full` assets of one scale alone.
 bool AppScene::tool_meets(std::size_t asset, double scale) const noexcept {
   if (tool_scale_ <= 0) return true;
-  if (added_.force.method != Method::paper) return full_[asset] == 0;
-  return full_[asset] != 0 && std::abs(scale / tool_scale_ - 1) <= scale_slack;
+  if (added_.force.method != Method::paper) return !is_full(asset);
+  return is_full(asset) && std::abs(scale / tool_scale_ - 1) <= scale_slack;
 }
 
 /// Call it when objects were added or removed, or feel different.
@@ -168,6 +147,10 @@ Refusal AppScene::follow(const AppCommand& command, std::int64_t now_ns,
       return Refusal::none;
     case AppAction::lead:
       return hands_.lead(command, now_ns);
+    case AppAction::method:
+      return set_method(command, now_ns, forces);
+    case AppAction::stabilize:
+      return stabilize(command, forces);
     case AppAction::departure:
       depart(command, forces);
       return Refusal::none;
@@ -249,33 +232,6 @@ void AppScene::drop(std::size_t place, std::span<SceneForce* const> forces) noex
   note_stiffness();
 }
 
-Refusal AppScene::change(const AppCommand& command, std::int64_t now_ns,
-                         std::span<SceneForce* const> forces) noexcept {
-  Object* object = find(command.object);
-  if (object == nullptr) return Refusal::unknown_object;
-  // The paper's method has other effects.
-  if (object->settings.force.method == Method::paper &&
-      (command.material.given & ~std::uint32_t{SPM_MATERIAL_STIFFNESS}) != 0) {
-    return Refusal::out_of_range;
-  }
-  if (const Refusal refusal = take(*object, command); refusal != Refusal::none) return refusal;
-  set_material(command.material, object->settings);
-  hand_on(*object, now_ns, forces);
-  note_stiffness();
-  felt_anew_ = true;
-  return Refusal::none;
-}
-
-/// Gives the forces an object's settings and where it is now.
-void AppScene::hand_on(const Object& object, std::int64_t now_ns,
-                       std::span<SceneForce* const> forces) const noexcept {
-  PlacedObject settings = object.settings;
-  const Placement now = object.motion.at(now_ns).pose;
-  settings.placement.position = now.position;
-  settings.placement.rotation = now.rotation;
-  for (SceneForce* force : forces) force->change(place_of(object), settings);
-}
-
 /// A push ends by the sender's clock as well, so that one that was taken late acts no longer.
 Refusal AppScene::push(const AppCommand& command, std::int64_t now_ns) noexcept {
   if (command.torque != Vector3::Zero() && !effects_.gives_torque(command.index)) {
@@ -323,7 +279,8 @@ bool AppScene::edit(const SceneEdit& edit, std::int64_t now_ns,
   if (edit.added.size() > free_places() + edit.removed.size()) return false;
   if (edit.stabilization) {
     for (SceneForce* force : forces) force->stabilize(*edit.stabilization);
-    stabilized_ = edit.stabilization->any();
+    own_ = *edit.stabilization;
+    stabilized_ = own_.any();
   }
   for (const std::uint64_t id : edit.removed) {
     if (const Object* object = find(id)) {
@@ -339,7 +296,7 @@ bool AppScene::edit(const SceneEdit& edit, std::int64_t now_ns,
       object->driver = 0;
     }
     note_scale(edited.settings);
-    hand_on(*object, now_ns, forces);
+    hand_on(*object, object->motion.at(now_ns), forces);
   }
   note_stiffness();
   for (const EditedObject& added : edit.added) {

@@ -57,8 +57,9 @@ class AppScene {
   /// object moves faster than people push. Call it when an asset comes.
   void set_reach(std::size_t asset, double reach) noexcept;
 
-  /// Tells whether an asset is `full`. Call it when an asset comes.
-  void set_form(std::size_t asset, bool full) noexcept;
+  /// Tells whether an asset is `full`. Call it when an asset comes. Objects that applications feel
+  /// by the paper's method, which a sparse one does not know, go back to the default.
+  void set_form(std::size_t asset, bool full, std::span<SceneForce* const> forces) noexcept;
 
   /// Whether an object of this asset is in the scene.
   [[nodiscard]] bool uses(std::size_t asset) const noexcept;
@@ -99,6 +100,10 @@ class AppScene {
                                std::span<SceneForce* const> forces) noexcept;
   [[nodiscard]] Refusal change(const AppCommand& command, std::int64_t now_ns,
                                std::span<SceneForce* const> forces) noexcept;
+  [[nodiscard]] Refusal set_method(const AppCommand& command, std::int64_t now_ns,
+                                   std::span<SceneForce* const> forces) noexcept;
+  [[nodiscard]] Refusal stabilize(const AppCommand& command,
+                                  std::span<SceneForce* const> forces) noexcept;
   [[nodiscard]] Refusal push(const AppCommand& command, std::int64_t now_ns) noexcept;
   [[nodiscard]] Refusal set_effect(const AppCommand& command) noexcept;
   void depart(const AppCommand& departure, std::span<SceneForce* const> forces) noexcept;
@@ -106,13 +111,17 @@ class AppScene {
   [[nodiscard]] std::size_t place_of(const Object& object) const noexcept {
     return static_cast<std::size_t>(&object - objects_.data());
   }
-  void hand_on(const Object& object, std::int64_t now_ns,
+  static void set_material(const AppMaterial& material, PlacedObject& object) noexcept;
+  void hand_on(const Object& object, const InterpolatedPose& at,
                std::span<SceneForce* const> forces) const noexcept;
   void drop(std::size_t place, std::span<SceneForce* const> forces) noexcept;
   [[nodiscard]] std::size_t free_places() const noexcept;
   void note_stiffness() noexcept;
   void note_scale(const PlacedObject& object) noexcept;
   [[nodiscard]] double reach_of(const Object& object) const noexcept;
+  [[nodiscard]] bool is_full(std::size_t asset) const noexcept {
+    return asset < full_.size() && full_[asset] != 0;
+  }
   [[nodiscard]] bool tool_meets(std::size_t asset, double scale) const noexcept;
   [[nodiscard]] bool is_left_alone(const Object& object) const noexcept;
 
@@ -128,7 +137,8 @@ class AppScene {
   AppForceCaps force_caps_;
   AppEffects effects_;
   AppHands hands_;
-  bool stabilized_;                 ///< the scene is
+  StabilizationSettings own_;       ///< the scene's, which applications may switch off and on
+  bool stabilized_;                 ///< the scene is now
   std::uint32_t acknowledged_ = 0;  ///< devices, in this tick
   bool felt_anew_ = false;
   bool touched_ = false;

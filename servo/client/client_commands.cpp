@@ -23,6 +23,10 @@ static_assert(int{SPM_CLIENT_MAGNET} == int{SPM_EFFECT_MAGNET});
 static_assert(int{SPM_CLIENT_DETENTS} == int{SPM_EFFECT_DETENTS});
 static_assert(SPM_CLIENT_ALL_EFFECTS == SPM_ALL_EFFECTS);
 
+static_assert(int{SPM_CLIENT_METHOD_SPM} == int(spm::Method::spm));
+static_assert(int{SPM_CLIENT_METHOD_PAPER} == int(spm::Method::paper));
+static_assert(int{SPM_CLIENT_METHOD_PROXY} == int(spm::Method::proxy));
+
 constexpr double longest_deadline = 1e6;  // s
 
 std::int64_t monotonic_ns() noexcept {
@@ -174,6 +178,23 @@ int spm_client_set_force_cap(spm_client* client, uint32_t device, double newtons
   command.kind = SPM_COMMAND_FORCE_CAP;
   command.index = device;
   command.force_cap = newtons;
+  return send(client, command);
+}
+
+int spm_client_set_method(spm_client* client, uint64_t object, uint32_t method) {
+  if (client == nullptr || method > SPM_CLIENT_METHOD_PROXY) return SPM_CLIENT_BAD_ARGUMENT;
+  spm_shared_command command{};
+  command.kind = SPM_COMMAND_METHOD;
+  command.object = object;
+  command.index = method;
+  return send(client, command);
+}
+
+int spm_client_stabilize(spm_client* client, int on) {
+  if (client == nullptr || (on != 0 && on != 1)) return SPM_CLIENT_BAD_ARGUMENT;
+  spm_shared_command command{};
+  command.kind = SPM_COMMAND_STABILIZE;
+  command.on = static_cast<std::uint32_t>(on);
   return send(client, command);
 }
 

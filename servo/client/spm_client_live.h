@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /** What a live view needs beside the rest: leading the hand of a simulated device, how objects feel
- *  now, and where their assets lie. A part of spm_client.h, which includes it. Include that one. */
+ *  now and by which method, and where their assets lie. A part of spm_client.h, which includes it.
+ * Include that one. */
 #ifndef SPM_CLIENT_LIVE_H
 #define SPM_CLIENT_LIVE_H
 
@@ -42,6 +43,16 @@ enum spm_client_method {
   SPM_CLIENT_METHOD_PAPER = 1,
   SPM_CLIENT_METHOD_PROXY = 2
 };
+
+/** Chooses the method (enum spm_client_method) by which an object is felt; the force fades in
+ * again. The object becomes this application's as by spm_client_set_material. The loop refuses what
+ * the object's asset, probe or effects do not have: `paper` needs a `full` asset. */
+SPM_CLIENT_API int spm_client_set_method(spm_client* client, uint64_t object, uint32_t method);
+
+/** Switches the stabilization of the whole scene off (`on` 0) or on: the scene's own, or what is
+ *  recommended where it has none. The loop refuses it to all but a supervisor, and the force fades
+ *  in again. Without it a device may shake: for trying what it does. */
+SPM_CLIENT_API int spm_client_stabilize(spm_client* client, int on);
 
 /** How an object feels now, before the limits of the device. */
 typedef struct spm_client_feel {

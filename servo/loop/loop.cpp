@@ -209,7 +209,7 @@ void Loop::take_up() noexcept {
     if (asset != served_[i] && asset != nullptr) {
       changed = true;
       if (app_) app_->set_reach(i, asset->reach());
-      if (app_) app_->set_form(i, asset->view->full);
+      if (app_) app_->set_form(i, asset->view->full, forces_);
     }
     if (asset != served_[i] && is_tool(settings_.scene, i)) take_tool(i, asset);
     served_[i] = asset;

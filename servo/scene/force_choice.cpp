@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "common/base/units.hpp"
+#include "common/contact/method_mismatch.hpp"
 #include "servo/scene/tool_choice.hpp"
 
 namespace spm::servo {
@@ -20,56 +21,49 @@ constexpr double stiffest = 1e6;  // N/m
 /// A radius that was written as decimal text may differ by rounding from the recorded one.
 constexpr double radius_slack = 1e-9;
 
-/// Why a method does not have an effect, and what to do; empty if it has it.
-std::string unknown_effect(Method method, const EffectSettings& effects) {
-  if (method == Method::paper) {
-    if (std::max(effects.friction.stick, effects.friction.slide) > 0) {
+/// Why settings and method do not go together, and what to do; empty for none.
+std::string in_words(MethodMismatch mismatch, const ForceSettings& settings) {
+  const ProbeShape probe = settings.probe();
+  switch (mismatch) {
+    case MethodMismatch::none:
+      return {};
+    case MethodMismatch::probe:
+      return "method " + std::string(to_string(settings.method)) +
+             " knows no probe but a point and a sphere; take method paper, on an asset baked with "
+             "--form full, or the probe " +
+             text_of({ProbeKind::ball, probe.radius, 0});
+    case MethodMismatch::ruled_probe:
+      return "the paper's rule " + std::string(to_string(settings.rule)) +
+             " is for a point, and the probe is " + text_of(probe) +
+             "; take closest-plane, or the probe point";
+    case MethodMismatch::volume_of_point:
+      return "a point has no volume, of which the force could be the mean; take the probe "
+             "sphere:RADIUS or another with a size, or leave the form of the probe's force out";
+    case MethodMismatch::friction:
       return "friction by 'stick' and 'slide' is not of method paper; give 'force' and "
              "'depth_gain', or take method spm or proxy";
-    }
-    if (effects.texture.amplitude > 0) {
+    case MethodMismatch::texture:
       return "texture by 'amplitude' and 'wavelength' is not of method paper; give 'noise', or "
              "take method spm or proxy";
-    }
-  } else if (effects.friction_force > 0) {
-    return "friction by 'force' and 'depth_gain' is of method paper alone; give 'slide' and "
-           "'stick', or take method paper";
-  } else if (effects.texture_noise > 0) {
-    return "texture by 'noise' is of method paper alone; give 'amplitude' and 'wavelength', or "
-           "take method paper";
-  }
-  if (method != Method::spm && effects.smoothing.sigma > 0) {
-    return "'smoothing' is of method spm alone; leave it out, or take method spm";
+    case MethodMismatch::paper_friction:
+      return "friction by 'force' and 'depth_gain' is of method paper alone; give 'slide' and "
+             "'stick', or take method paper";
+    case MethodMismatch::paper_texture:
+      return "texture by 'noise' is of method paper alone; give 'amplitude' and 'wavelength', or "
+             "take method paper";
+    case MethodMismatch::smoothing:
+      return "'smoothing' is of method spm alone; leave it out, or take method spm";
   }
   return {};
 }
 
 /// What is wrong with settings, and what to do; empty if nothing is.
 std::string objection(const ForceSettings& settings, const EffectSettings& effects) {
-  const ProbeShape probe = settings.probe();
-  if (settings.method != Method::paper && probe.paper_only()) {
-    const ProbeShape ball{ProbeKind::ball, probe.radius, 0};
-    return "method " + std::string(to_string(settings.method)) +
-           " knows no probe but a point and a sphere; take method paper, on an asset baked with "
-           "--form full, or the probe " +
-           text_of(ball);
-  }
-  if (settings.method == Method::paper && settings.rule != PaperRule::closest_plane &&
-      probe.radius > 0) {
-    return "the paper's rule " + std::string(to_string(settings.rule)) +
-           " is for a point, and the probe is " + text_of(probe) +
-           "; take closest-plane, or the probe point";
-  }
-  if (settings.method == Method::paper && settings.form == PaperProbeForm::volume &&
-      probe.radius == 0) {
-    return "a point has no volume, of which the force could be the mean; take the probe "
-           "sphere:RADIUS or another with a size, or leave the form of the probe's force out";
-  }
   if (!(settings.stiffness >= 0 && settings.stiffness <= stiffest)) {
     return "the stiffness is out of range; it must be from 0N/mm to " +
            format_quantity(stiffest, Quantity::stiffness);
   }
-  return unknown_effect(settings.method, effects);
+  return in_words(mismatch_of(settings, effects), settings);
 }
 
 /// The index of a file among those of a choice. A new file is added.
@@ -104,7 +98,7 @@ StabilizationSettings stabilization_of(const ForceOptions& options, const Scene&
   if (options.stabilization) {
     settings = in_loop_of(scene.stabilization, *options.stabilization);
   } else if (is_bare(options)) {
-    return {};
+    settings = {};
   } else if (!scene.stabilization_given) {
     settings = default_stabilization;
   }

@@ -128,6 +128,18 @@ void read_lead(const spm_shared_command& from, const AppCommandLimits& limits, C
   check.number(from.hold, app_min_hold, app_max_hold);
 }
 
+void read_method(const spm_shared_command& from, Check& check, AppCommand& to) noexcept {
+  to.action = AppAction::method;
+  check.holds(from.index <= static_cast<std::uint32_t>(Method::proxy), Refusal::out_of_range);
+  if (check.refusal() == Refusal::none) to.method = static_cast<Method>(from.index);
+}
+
+void read_stabilize(const spm_shared_command& from, Check& check, AppCommand& to) noexcept {
+  to.action = AppAction::stabilize;
+  to.on = from.on != 0;
+  check.holds(from.on <= 1, Refusal::out_of_range);
+}
+
 /// A limit of an effect, of which 0 means none.
 void read_limit(double value, double most, Check& check, double& to) noexcept {
   check.number(value, 0, most);
@@ -222,6 +234,12 @@ Refusal check_command(const spm_shared_command& from, const AppCommandLimits& li
       break;
     case SPM_COMMAND_LEAD:
       read_lead(from, limits, check, to);
+      break;
+    case SPM_COMMAND_METHOD:
+      read_method(from, check, to);
+      break;
+    case SPM_COMMAND_STABILIZE:
+      read_stabilize(from, check, to);
       break;
     case SPM_COMMAND_ACKNOWLEDGE:
       to.action = AppAction::acknowledge;

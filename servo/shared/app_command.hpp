@@ -4,6 +4,7 @@
 #include <cstdint>
 
 #include "common/base/placement.hpp"
+#include "common/contact/force_law.hpp"
 #include "common/contact/hand_effect.hpp"
 #include "common/contact/surface_texture.hpp"
 #include "servo/shared/refusal.hpp"
@@ -24,6 +25,8 @@ enum class AppAction : std::uint8_t {
   remove_effect,  ///< an effect is removed, or all of a device
   acknowledge,    ///< a fault is over, and the device's force may come back
   lead,           ///< where the hand of a simulated device is to go, or that it is let go
+  method,         ///< the method by which an object is felt
+  stabilize,      ///< stabilization of the whole scene on or off
   departure,      ///< no request: the application is gone, and its objects belong to nobody now
 };
 
@@ -41,10 +44,11 @@ struct AppMaterial {
 struct AppCommand {
   AppAction action = AppAction::move;
   bool supervisor = false;       ///< the client may change what is another's
-  bool on = false;               ///< clutch; lead: false lets go
+  bool on = false;               ///< clutch, stabilize; lead: false lets go
   std::uint32_t client = 0;      ///< below SPM_MAX_CLIENTS
   std::uint32_t connection = 0;  ///< of the client, from 1, never used again
   std::uint32_t index = 0;       ///< add: asset; all others that name one: device
+  Method method = Method::spm;   ///< method
   std::uint64_t sequence = 0;
   std::uint64_t object = 0;      ///< id; its upper half is the connection that added the object
   std::int64_t deadline_ns = 0;  ///< of CLOCK_MONOTONIC; 0 or less: none

@@ -44,6 +44,12 @@ const char* to_sentence(Refusal refusal) noexcept {
       return "the hand of this device goes its own way: only that of --device sim:hand=live is led";
     case Refusal::hand_held:
       return "another application leads the hand of this device: wait until it lets go or leaves";
+    case Refusal::unlike_method:
+      return "the object cannot be felt by this method: paper needs a full asset, and friction and "
+             "texture of its own; the others need a point or a ball as the probe, and smoothing is "
+             "of spm alone";
+    case Refusal::supervisor_only:
+      return "stabilization holds for the whole scene: connect in the role of a supervisor";
   }
   return "refused for a reason that this version does not know";
 }

@@ -26,9 +26,11 @@ enum class Refusal : std::uint8_t {
   unlike_tool,       ///< an object that the scene's tool cannot meet, by form or scale
   not_led,           ///< the device's hand goes its own way
   hand_held,         ///< another application leads the device's hand
+  unlike_method,     ///< the object's asset, probe or effects are not of that method
+  supervisor_only,   ///< what holds for the whole scene is changed by a supervisor alone
 };
 
-inline constexpr std::size_t refusal_count = 18;
+inline constexpr std::size_t refusal_count = 20;
 
 /// What was wrong and what to do about it: a sentence without its full stop.
 [[nodiscard]] const char* to_sentence(Refusal refusal) noexcept;

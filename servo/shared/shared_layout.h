@@ -246,6 +246,8 @@ enum {
   SPM_COMMAND_EFFECT = 8,
   SPM_COMMAND_REMOVE_EFFECT = 9,
   SPM_COMMAND_LEAD = 10,
+  SPM_COMMAND_METHOD = 11,
+  SPM_COMMAND_STABILIZE = 12,
   SPM_COMMAND_ACKNOWLEDGE = 16
 };
 
@@ -273,7 +275,9 @@ enum {
 typedef struct spm_shared_command {
   uint64_t sequence; /* 1 for a ring's first command, and so on */
   uint32_t kind;
-  uint32_t index;      /* ADD: asset; CLUTCH, FORCE_CAP, PUSH, ACKNOWLEDGE, LEAD, effects: device */
+  /* ADD: asset; CLUTCH, FORCE_CAP, PUSH, ACKNOWLEDGE, LEAD, effects: device; METHOD: 0 spm, 1
+   * paper, 2 proxy */
+  uint32_t index;
   uint64_t object;     /* that is meant; EFFECT: the magnet's */
   int64_t deadline_ns; /* later than this it is refused; 0: never */
   double position[3];  /* EFFECT: the spring's point, or one of the detents */
@@ -287,8 +291,9 @@ typedef struct spm_shared_command {
   double texture_amplitude;
   double texture_wavelength;
   uint64_t texture_seed;
-  uint32_t fields;  /* ADD and MATERIAL */
-  uint32_t on;      /* CLUTCH: 1 holds the scene while the hand moves freely; LEAD: 0 lets go */
+  uint32_t fields; /* ADD and MATERIAL */
+  /* CLUTCH: 1 holds the scene while the hand moves freely; LEAD: 0 lets go; STABILIZE: 0 or 1 */
+  uint32_t on;
   double force_cap; /* FORCE_CAP: N */
   uint64_t reserved[2];
   double force[3];      /* PUSH: N */

@@ -112,6 +112,14 @@ std::string ViewDesk::follow(ViewPage& /*page*/, const FeelWish& wish) {
   return feed_.feel(wish.object, wish.feel);
 }
 
+std::string ViewDesk::follow(ViewPage& /*page*/, const MethodWish& wish) {
+  return feed_.choose_method(wish.object, wish.method);
+}
+
+std::string ViewDesk::follow(ViewPage& /*page*/, const StabilizeWish& wish) {
+  return feed_.stabilize(wish.on);
+}
+
 std::string ViewDesk::follow(ViewPage& /*page*/, const CapWish& wish) {
   return feed_.cap(wish.device, wish.newtons);
 }

@@ -82,6 +82,8 @@ class ViewDesk {
   [[nodiscard]] std::string follow(ViewPage& page, const LeadWish& wish);
   [[nodiscard]] std::string follow(ViewPage& page, const FreeWish& wish);
   [[nodiscard]] std::string follow(ViewPage& page, const FeelWish& wish);
+  [[nodiscard]] std::string follow(ViewPage& page, const MethodWish& wish);
+  [[nodiscard]] std::string follow(ViewPage& page, const StabilizeWish& wish);
   [[nodiscard]] std::string follow(ViewPage& page, const CapWish& wish);
   [[nodiscard]] std::string follow(ViewPage& page, const AcknowledgeWish& wish);
   [[nodiscard]] static std::string follow(ViewPage& page, const SeenWish& wish);

@@ -306,6 +306,18 @@ std::string ViewFeed::feel(std::uint64_t object, const WishedFeel& wished) {
   return sent(spm_client_set_material(client_.get(), object, &material));
 }
 
+std::string ViewFeed::choose_method(std::uint64_t object, std::uint32_t method) {
+  if (!client_) return sent(SPM_CLIENT_NO_DAEMON);
+  names_again_ = {};
+  return sent(spm_client_set_method(client_.get(), object, method));
+}
+
+std::string ViewFeed::stabilize(bool on) {
+  if (!client_) return sent(SPM_CLIENT_NO_DAEMON);
+  names_again_ = {};
+  return sent(spm_client_stabilize(client_.get(), on ? 1 : 0));
+}
+
 std::string ViewFeed::cap(std::uint32_t device, double newtons) {
   if (!client_) return sent(SPM_CLIENT_NO_DAEMON);
   return sent(spm_client_set_force_cap(client_.get(), device, newtons));

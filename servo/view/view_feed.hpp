@@ -57,6 +57,9 @@ class ViewFeed {
   [[nodiscard]] std::string lead(std::uint32_t device, const HandPose& hand);
   [[nodiscard]] std::string let_go(std::uint32_t device);
   [[nodiscard]] std::string feel(std::uint64_t object, const WishedFeel& wished);
+  /// `method` is one of enum spm_client_method.
+  [[nodiscard]] std::string choose_method(std::uint64_t object, std::uint32_t method);
+  [[nodiscard]] std::string stabilize(bool on);
   [[nodiscard]] std::string cap(std::uint32_t device, double newtons);
   [[nodiscard]] std::string acknowledge(std::uint32_t device);
   /// Why the loop refused the last command; empty where it refused none since the last call.

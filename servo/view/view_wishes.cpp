@@ -81,6 +81,13 @@ FeelWish read_feel(Fields& fields) {
   return wish;
 }
 
+MethodWish read_method(Fields& fields) {
+  MethodWish wish;
+  wish.object = fields.whole("object", most_exact);
+  wish.method = static_cast<std::uint32_t>(fields.whole("method", SPM_CLIENT_METHOD_PROXY));
+  return wish;
+}
+
 }  // namespace
 
 std::optional<ViewWish> read_wish(const std::string& text) {
@@ -95,6 +102,10 @@ std::optional<ViewWish> read_wish(const std::string& text) {
     wish = FreeWish{fields.device()};
   } else if (kind == "feel") {
     wish = read_feel(fields);
+  } else if (kind == "method") {
+    wish = read_method(fields);
+  } else if (kind == "stabilize") {
+    wish = StabilizeWish{fields.whole("on", 1) != 0};
   } else if (kind == "cap") {
     const std::uint32_t device = fields.device();
     wish = CapWish{device, fields.number("newtons")};

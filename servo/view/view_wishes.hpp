@@ -24,6 +24,13 @@ struct FeelWish {
   std::uint64_t object = 0;
   WishedFeel feel;
 };
+struct MethodWish {
+  std::uint64_t object = 0;
+  std::uint32_t method = 0;  ///< enum spm_client_method
+};
+struct StabilizeWish {
+  bool on = false;
+};
 struct CapWish {
   std::uint32_t device = 0;
   double newtons = 0;
@@ -33,7 +40,8 @@ struct AcknowledgeWish {
 };
 /// A frame was seen.
 struct SeenWish {};
-using ViewWish = std::variant<LeadWish, FreeWish, FeelWish, CapWish, AcknowledgeWish, SeenWish>;
+using ViewWish = std::variant<LeadWish, FreeWish, FeelWish, MethodWish, StabilizeWish, CapWish,
+                              AcknowledgeWish, SeenWish>;
 
 /// Reads a page's message, JSON such as {"t":"hand","device":0,"p":[0,0,0],"q":[1,0,0,0],"n":5}.
 /// Nothing where it is no such message, or has a number that is missing or not finite.

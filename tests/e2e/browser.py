@@ -24,7 +24,7 @@ def is_there():
 class Browser:
     """`width` and `height` in pixels of the window. `webgl` off: a browser that has none."""
 
-    def __init__(self, width=1280, height=800, webgl=True, dark=False):
+    def __init__(self, width=1280, height=800, webgl=True):
         self.profile = tempfile.mkdtemp(prefix="spm-e2e-chromium-")
         self.driver = subprocess.Popen(["chromedriver", "--port=0"], stdout=subprocess.PIPE,
                                        stderr=subprocess.DEVNULL, text=True)
@@ -35,7 +35,6 @@ class Browser:
                          f"--user-data-dir={self.profile}", f"--window-size={width},{height}",
                          "--force-device-scale-factor=1",
                          *(SOFTWARE if webgl else ("--disable-3d-apis",)),
-                         *(["--force-dark-mode"] if dark else []),
                          # Chromium's own sandbox refuses root.
                          *(["--no-sandbox"] if os.geteuid() == 0 else [])]
             wanted = {"browserName": "chrome", "goog:chromeOptions": {"args": arguments},
@@ -103,6 +102,12 @@ class Browser:
         self.ask("POST", f"{self.session}/goog/cdp/execute", {
             "cmd": "Emulation.setDeviceMetricsOverride",
             "params": {"width": width, "height": height, "deviceScaleFactor": 1, "mobile": width < 600}})
+
+    def prefer(self, theme):
+        """What the system is said to prefer: `light` or `dark`."""
+        self.ask("POST", f"{self.session}/goog/cdp/execute", {
+            "cmd": "Emulation.setEmulatedMedia",
+            "params": {"features": [{"name": "prefers-color-scheme", "value": theme}]}})
 
     def errors(self):
         """Errors on the console since the last call."""

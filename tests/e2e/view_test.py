@@ -165,6 +165,24 @@ class Touch(Watched):
         self.assertEqual(again.returncode, 0, again.stderr)
         self.assertAlmostEqual(json.loads(again.stdout)["objects"][0]["stiffness"], 1000, delta=5)
 
+    def test_method_and_stabilization_are_chosen_on_the_page(self):
+        def choose(method):
+            self.browser.run("const m = document.getElementById('method'); m.value = arguments[0];"
+                             "m.dispatchEvent(new Event('change'))", method)
+
+        self.assertEqual(self.browser.run("return document.getElementById('method').value"), "2")
+        self.addCleanup(choose, "2")
+        choose("0")
+        self.browser.wait("spmView.scene.objects[0].method === 'spm'")
+        choose("1")  # the asset is sparse
+        self.browser.wait("document.getElementById('refused').textContent.includes('full asset')")
+        self.assertEqual(self.browser.run("return document.getElementById('method').value"), "0")
+        for on in (False, True):
+            self.browser.run("document.getElementById('stabilized').click()")
+            self.browser.wait(f"spmView.scene.objects[0].stabilized === {str(on).lower()}")
+            self.browser.wait(
+                f"document.getElementById('margin').textContent.includes('{'with' if on else 'without'} stab')")
+
     def slide_stiffness(self, place):
         self.browser.run("const s = document.getElementById('slide-stiffness');"
                          "s.value = arguments[0]; s.dispatchEvent(new Event('input'))", place)

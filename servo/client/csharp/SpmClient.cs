@@ -176,6 +176,19 @@ namespace SpmHaptics
             Check(Library.spm_client_set_force_cap(Open(), device, newtons));
         }
 
+        /// <summary>The method by which an object is felt. Paper needs a full asset.</summary>
+        public void SetMethod(ulong id, ForceMethod method)
+        {
+            Check(Library.spm_client_set_method(Open(), id, method));
+        }
+
+        /// <summary>The scene's stabilization off or on, as a supervisor; without it a device may
+        /// shake.</summary>
+        public void Stabilize(bool on)
+        {
+            Check(Library.spm_client_stabilize(Open(), on ? 1 : 0));
+        }
+
         /// <summary>Pushes the hand by a force, N, and a torque about the tool's origin, N m, for hold s
         /// (at most 1), in place of the last push. A device that gives no torque refuses one.</summary>
         public void Push(uint device, double[] force, double hold, double[] torque = null)

@@ -61,6 +61,11 @@ namespace SpmHaptics
         internal static extern ClientCode spm_client_set_force_cap(
             IntPtr client, uint device, double newtons);
         [DllImport(Name)]
+        internal static extern ClientCode spm_client_set_method(
+            IntPtr client, ulong id, ForceMethod method);
+        [DllImport(Name)]
+        internal static extern ClientCode spm_client_stabilize(IntPtr client, int on);
+        [DllImport(Name)]
         internal static extern ClientCode spm_client_push_hand(
             IntPtr client, uint device, ref PushData push);
         [DllImport(Name)]

@@ -174,6 +174,14 @@ class Client:
         """Holds the device's force below this while connected; never raises the daemon's cap."""
         self._check(self._library.spm_client_set_force_cap(self._open(), device, newtons))
 
+    def set_method(self, id: int, method: Method) -> None:
+        """The method by which an object is felt. Method.PAPER needs a `full` asset."""
+        self._check(self._library.spm_client_set_method(self._open(), id, method))
+
+    def stabilize(self, on: bool) -> None:
+        """The scene's stabilization off or on, as a supervisor; without it a device may shake."""
+        self._check(self._library.spm_client_stabilize(self._open(), int(on)))
+
     def push(self, device: int, force: Sequence[float], hold: float,
              torque: Sequence[float] = (0.0, 0.0, 0.0)) -> None:
         """Pushes the hand by a force, N, and a torque about the tool's origin, N m, for `hold` s (at

@@ -294,6 +294,8 @@ def _declare(library: ctypes.CDLL) -> None:
         ("set_material", code, [handle, u64, pointer(MaterialData)]),
         ("set_clutch", code, [handle, u32, ctypes.c_int]),
         ("set_force_cap", code, [handle, u32, ctypes.c_double]),
+        ("set_method", code, [handle, u64, u32]),
+        ("stabilize", code, [handle, ctypes.c_int]),
         ("push_hand", code, [handle, u32, pointer(PushData)]),
         ("set_effect", code, [handle, u32, u32, pointer(EffectData)]),
         ("remove_effect", code, [handle, u32, u32]),

@@ -26,6 +26,7 @@ const SLIDERS = [
 ];
 const CAP = { key: 'cap', label: 'Force cap', most: 20, root: 2, show: (v) => `${short(v, 2)} N` };
 
+const METHODS = ['spm', 'paper', 'proxy']; // by the numbers of spm_client.h
 const STATES = ['running', 'stalled: no tick comes', 'ended', 'gone', 'no daemon'];
 
 export class Panel {
@@ -36,6 +37,10 @@ export class Panel {
     this.busyUntil = 0;
     this.makeSliders();
     by('object').addEventListener('change', () => this.showFeel(true));
+    by('method').addEventListener('change', () => this.choose(
+      { t: 'method', object: this.object.id, method: Number(by('method').value) }));
+    by('stabilized').addEventListener('change', () => this.choose(
+      { t: 'stabilize', on: by('stabilized').checked ? 1 : 0 }));
     by('acknowledge').addEventListener('click', () => link.send({ t: 'acknowledge', device: 0 }));
   }
 
@@ -92,6 +97,17 @@ export class Panel {
     this.showBorder();
   }
 
+  /** Method and stabilization, which the loop may refuse. */
+  choose(wish) {
+    by('refused').textContent = '';
+    this.link.send(wish);
+  }
+
+  showChoices() {
+    by('method').value = String(METHODS.indexOf(this.object.method));
+    by('stabilized').checked = this.object.stabilized;
+  }
+
   fact(name, text) {
     let value = this.facts.get(name);
     if (!value) {
@@ -134,8 +150,7 @@ export class Panel {
       this.put(slider, slider.kind.read(object));
       slider.input.disabled = object.method === 'paper' && slider.kind.paper === false;
     }
-    by('fixed').textContent = `Method ${object.method}, stabilization ${object.stabilized ? 'on' : 'off'}: `
-      + 'fixed while the daemon runs with --asset; with --scene an edit of its file changes them.';
+    this.showChoices();
     this.showBorder();
   }
 
@@ -158,7 +173,10 @@ export class Panel {
     by('meter').textContent = `${Math.round(100 * share)} %`;
   }
 
-  tell(text) { by('refused').textContent = text; }
+  tell(text) {
+    by('refused').textContent = text;
+    if (this.object) this.showChoices();
+  }
 
   status(text, state) {
     const status = by('status');

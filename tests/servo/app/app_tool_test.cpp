@@ -43,7 +43,7 @@ class PaperTool {
     force_->take_tool(sampled_.get(), 0);
     app_ = std::make_unique<AppScene>(*state_, scene_);
     app_->set_reach(0, 2 * half);
-    app_->set_form(0, true);
+    app_->set_form(0, true, {});
     state_->rings()[0].offer(ring_.attached());
     tick();
   }
@@ -107,7 +107,7 @@ TEST_CASE("An object that the scene's tool cannot meet is refused, and the appli
   CHECK(scene.refusal() == Refusal::unlike_tool);
   CHECK(scene.pressed(2) == 0);
   PaperTool sparse(1);
-  sparse.app().set_form(0, false);
+  sparse.app().set_form(0, false, {});
   sparse.add(1);
   CHECK(sparse.refusal() == Refusal::unlike_tool);
   CHECK(sparse.pressed(1) == 0);

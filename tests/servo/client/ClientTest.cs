@@ -65,6 +65,8 @@ public static class ClientTest
         client.SetMaterial(added, new MaterialData { Fields = MaterialFields.Damping, Damping = 2 });
         client.SetClutch(0, true);
         client.SetForceCap(0, 1.5);
+        client.SetMethod(added, ForceMethod.Proxy);
+        client.Stabilize(false);
         client.Push(0, new[] { 0, 0.5, 0 }, 0.1);
         client.SetEffect(0, 3, new EffectData
         {

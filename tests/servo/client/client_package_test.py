@@ -206,6 +206,8 @@ class Package(WithDaemon):
             self.assertEqual(ticks, sorted(set(ticks)))
             self.assertIsNone(client.wait_tick(2**63, timeout=0.01))
             client.set_force_cap(0, 1.5)
+            client.set_method(0, Method.PROXY)
+            client.stabilize(False)
             with self.assertRaises(ClientError):
                 client.set_force_cap(0, -1.0)
             device = client.device(0)

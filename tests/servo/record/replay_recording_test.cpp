@@ -28,12 +28,14 @@ json compared(const Workshop& shop, std::vector<std::string> words, int code) {
   return json::parse(replay.out)["recording"];
 }
 
-/// An application that moves, adds, changes and removes objects for a while.
+/// A supervisor that moves, adds, changes and removes objects for a while, and chooses method and
+/// stabilization.
 void play_with_objects(const std::string& socket) {
   spm_client_options options{};
   options.size = sizeof options;
   options.path = socket.c_str();
   options.application = "test";
+  options.role = SPM_CLIENT_SUPERVISOR;
   spm_client* client = nullptr;
   REQUIRE(spm::test::eventually(
       [&] { return spm_client_connect(&options, &client, nullptr, 0) == SPM_CLIENT_OK; }));
@@ -59,6 +61,11 @@ void play_with_objects(const std::string& socket) {
       spm_client_pose beside = pose;
       beside.position[0] = 1e-3;
       REQUIRE(spm_client_add_object(client, 0, &beside, 1, nullptr, &added) == SPM_CLIENT_OK);
+    }
+    if (frame == 50 || frame == 70) {
+      const std::uint32_t method = frame == 50 ? SPM_CLIENT_METHOD_SPM : SPM_CLIENT_METHOD_PROXY;
+      REQUIRE(spm_client_set_method(client, 0, method) == SPM_CLIENT_OK);
+      REQUIRE(spm_client_stabilize(client, frame == 50 ? 0 : 1) == SPM_CLIENT_OK);
     }
     if (frame == 80) REQUIRE(spm_client_remove_object(client, added) == SPM_CLIENT_OK);
     spm::servo::sleep_until(spm::servo::now_ns() + 10'000'000);

@@ -115,6 +115,8 @@ TEST_CASE("A command with a number that is wrong is refused with its reason") {
       {SPM_COMMAND_FORCE_CAP, Refusal::out_of_range, [](auto& c) { c.force_cap = -1; }},
       {SPM_COMMAND_FORCE_CAP, Refusal::out_of_range, [](auto& c) { c.force_cap = 1e9; }},
       {SPM_COMMAND_FORCE_CAP, Refusal::not_finite, [&](auto& c) { c.force_cap = nan; }},
+      {SPM_COMMAND_METHOD, Refusal::out_of_range, [](auto& c) { c.index = 3; }},
+      {SPM_COMMAND_STABILIZE, Refusal::out_of_range, [](auto& c) { c.on = 2; }},
       {0, Refusal::unknown_kind, [](auto&) {}},
       {77, Refusal::unknown_kind, [](auto&) {}},
   };

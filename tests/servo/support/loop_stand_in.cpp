@@ -211,6 +211,7 @@ Refusal LoopStandIn::apply(const AppCommand& command) {
     case AppAction::acknowledge:
     case AppAction::push:
     case AppAction::effect:
+    case AppAction::stabilize:
     case AppAction::remove_effect:
       return Refusal::none;
     default:

@@ -22,6 +22,10 @@ TEST_CASE("A page's wishes are read") {
   CHECK_FALSE(feel.feel.friction);
   CHECK(std::holds_alternative<FreeWish>(*read_wish(R"({"t":"free","device":0})")));
   CHECK(std::get<CapWish>(*read_wish(R"({"t":"cap","device":0,"newtons":3})")).newtons == 3);
+  const auto chosen = std::get<MethodWish>(*read_wish(R"({"t":"method","object":2,"method":1})"));
+  CHECK(chosen.object == 2);
+  CHECK(chosen.method == SPM_CLIENT_METHOD_PAPER);
+  CHECK(std::get<StabilizeWish>(*read_wish(R"({"t":"stabilize","on":1})")).on);
   CHECK(std::holds_alternative<SeenWish>(*read_wish(R"({"t":"seen"})")));
   CHECK(std::holds_alternative<AcknowledgeWish>(*read_wish(R"({"t":"acknowledge","device":0})")));
 }
@@ -35,6 +39,7 @@ TEST_CASE("What is no wish, or has a number that is none, is refused as a whole"
       R"({"t":"hand","device":0,"p":[0,0,1e999],"q":[1,0,0,0],"n":1})",
       R"({"t":"hand","device":0,"p":[0,0,0],"q":[1,1,0,0],"n":1})",
       R"({"t":"hand","device":0,"p":[0,0,0],"q":[1,0,0,0]})",
+      R"({"t":"method","object":0,"method":3})", R"({"t":"stabilize","on":2})",
       R"({"t":"feel","object":0,"friction":[1]})", R"({"t":"feel","object":1e300,"damping":1})",
       R"({"t":"feel","object":0,"stiffness":"800"})", R"({"t":"cap","device":0,"newtons":null})");
   CAPTURE(text);
