@@ -123,6 +123,29 @@ class Touch(Watched):
             self.browser.release()
         self.browser.wait(f"{FORCE} < 0.05")
 
+    def test_a_hand_goes_round_an_object_that_hides_the_place_that_is_pressed(self):
+        turn = ("const s = spmView.stage, t = s.controls.target; s.camera.position.sub(t).applyAxisAngle("
+                "s.camera.up, Math.PI).add(t); s.controls.update(); s.camera.updateMatrixWorld()")
+        self.addCleanup(self.browser.run, turn)
+        self.browser.press(*self.on_object())
+        try:
+            self.settled()
+        finally:
+            self.browser.release()
+        self.browser.wait("spmView.frame.devices[0].hand === 1")
+        self.browser.run(turn)
+        self.browser.press(*self.on_object())
+        try:
+            touched = self.settled()
+            self.assertLess(touched["depth"], 0.005)
+            self.assertTrue(self.browser.run(
+                "const f = spmView.frame.devices[0].force, s = spmView.stage;"
+                "const w = s.camera.position.clone().sub(s.middle);"
+                "return f[0] * w.x + f[1] * w.y + f[2] * w.z > 0"))
+        finally:
+            self.browser.release()
+        self.browser.wait("spmView.frame.devices[0].hand === 1")
+
     def test_the_keys_move_the_hand_and_escape_lets_it_go(self):
         self.browser.run("document.getElementById('scene').focus(); spmView.hand.letGo()")
         place = "spmView.frame.devices[0].position[0]"

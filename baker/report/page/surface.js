@@ -84,11 +84,14 @@ export class Surface {
     this.scene.add(ball);
   }
 
+  /** Sine of half of the view's angle, the narrower way of the window. */
+  narrowest() {
+    return Math.sin(Math.atan(Math.tan(Math.PI * 17.5 / 180) * Math.min(1, this.camera.aspect)));
+  }
+
   whole() {
     const { center, radius } = this.ball;
-    // The narrower way of the window decides.
-    const half = Math.atan(Math.tan(Math.PI * 17.5 / 180) * Math.min(1, this.camera.aspect));
-    this.place(center, new Vector3(0.5, 0.4, 0.85).normalize(), 1.05 * radius / Math.sin(half));
+    this.place(center, new Vector3(0.5, 0.4, 0.85).normalize(), 1.05 * radius / this.narrowest());
   }
 
   /** From outside, close to a place, in metres. */
@@ -112,7 +115,11 @@ export class Surface {
     if (!width || !height) return;
     this.renderer.setPixelRatio(Math.min(devicePixelRatio, 2));
     this.renderer.setSize(width, height, false);
+    const before = this.narrowest();
     this.camera.aspect = width / height;
+    // What was seen whole still is.
+    const { target } = this.controls;
+    this.camera.position.sub(target).multiplyScalar(before / this.narrowest()).add(target);
     this.camera.updateProjectionMatrix();
     this.draw();
   }

@@ -2,7 +2,9 @@
 // Pointer, keys and gamepads to where the hand is to go.
 
 import { Quaternion, Vector3 } from 'three';
+import { detour } from './detour.js';
 
+const THERE = 0.15; // of the scene's size: near enough to a place on a detour
 const KEEP = 50; // ms, after which a hand that is held still says so again
 const DEAD = 0.15; // of a stick
 const STICK_SPEED = 0.6; // of the scene's size, a second
@@ -22,6 +24,7 @@ export class Hand {
     this.press = 0.3; // of the deepest, 0 to 1
     this.turn = new Quaternion();
     this.target = null;
+    this.round = []; // places to go through first
     this.lastSent = 0;
     const { canvas } = stage;
     canvas.addEventListener('pointerdown', (event) => this.down(event), { capture: true });
@@ -57,6 +60,7 @@ export class Hand {
     this.byKeys = false;
     this.spot = hit;
     this.at = [event.clientX, event.clientY];
+    this.round = detour(this.stage, this.stage.hand.position, hit);
     this.aim();
   }
 
@@ -109,6 +113,7 @@ export class Hand {
   shift(x, y, z) {
     if (!this.allowed()) return;
     this.spot = null;
+    this.round = [];
     const way = new Vector3(x, y, z).multiplyScalar(this.stage.size);
     const from = this.target ?? this.from();
     this.target = from.clone().add(way.applyQuaternion(this.stage.camera.quaternion));
@@ -157,7 +162,7 @@ export class Hand {
 
   send() {
     if (!this.target || !this.allowed()) return;
-    const { target: p, turn: q } = this;
+    const p = this.round[0] ?? this.target, q = this.turn;
     this.number += 1;
     this.lastSent = performance.now();
     this.sentAt.set(this.number, this.lastSent);
@@ -175,14 +180,20 @@ export class Hand {
     if (this.latencies.length > 500) this.latencies.shift();
   }
 
-  /** A held hand must say so. */
+  /** A held hand must say so, and goes on where it came to a place of its detour. */
   keep() {
+    if (this.round.length
+        && this.stage.hand.position.distanceTo(this.round[0]) < THERE * this.stage.size) {
+      this.round.shift();
+      this.send();
+    }
     if (this.target && performance.now() - this.lastSent >= KEEP) this.send();
   }
 
   letGo() {
     if (!this.target) return;
     this.target = this.spot = null;
+    this.round = [];
     this.byKeys = false;
     this.link.send({ t: 'free', device: 0 });
   }
