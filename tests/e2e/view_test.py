@@ -200,11 +200,10 @@ class Touch(Watched):
         choose("1")  # the asset is sparse
         self.browser.wait("document.getElementById('refused').textContent.includes('full asset')")
         self.assertEqual(self.browser.run("return document.getElementById('method').value"), "0")
-        for on in (False, True):
+        for stabilized, word in (("false", "without"), ("true", "with")):
             self.browser.run("document.getElementById('stabilized').click()")
-            self.browser.wait(f"spmView.scene.objects[0].stabilized === {str(on).lower()}")
-            self.browser.wait(
-                f"document.getElementById('margin').textContent.includes('{'with' if on else 'without'} stab')")
+            self.browser.wait(f"spmView.scene.objects[0].stabilized === {stabilized}")
+            self.browser.wait(f"document.getElementById('margin').textContent.includes('{word} stab')")
 
     def slide_stiffness(self, place):
         self.browser.run("const s = document.getElementById('slide-stiffness');"
