@@ -119,6 +119,13 @@ class Report(Shown):
         self.assertEqual(done.returncode, 3, done.stderr)
         self.assertFalse(os.path.exists(page))
 
+    def test_without_the_mesh_there_is_a_sentence_and_no_report(self):
+        page = os.path.join(self.models, "without.html")
+        done = run("verify", self.asset, os.path.join(self.models, "gone.obj"), "--report", page)
+        self.assertEqual(done.returncode, 2, done.stderr)
+        self.assertIn("gone.obj", done.stderr)
+        self.assertFalse(os.path.exists(page))
+
     def test_a_report_that_cannot_be_written_is_refused_before_the_work(self):
         asset = os.path.join(self.models, "never.spm.exr")
         done = run("build", self.mesh, "-o", asset, "--report", os.path.join(self.models, "no", "a.html"))

@@ -158,6 +158,22 @@ class Touch(Watched):
                          kind="key")
         self.browser.wait("spmView.frame.devices[0].hand === 1")
 
+    def test_a_gamepad_moves_the_hand_and_six_axes_turn_it(self):
+        self.addCleanup(self.browser.run, "delete navigator.getGamepads; spmView.hand.letGo();"
+                                          "spmView.hand.turn.identity()")
+        self.browser.run("spmView.hand.letGo(); window.pad = [1, 0, 0, 0];"
+                         "navigator.getGamepads = () => [null, { axes: window.pad }]")
+        self.browser.wait("spmView.frame.leads === 1")
+        far = "spmView.hand.target.distanceTo(spmView.stage.middle) > spmView.stage.size"
+        self.browser.wait(far)  # it goes on as long as the stick is held
+        self.browser.run("window.pad = [0, 0, 0, 0, 0, 1]")
+        self.browser.wait("spmView.hand.turn.w < 0.99")
+        self.browser.run("window.pad = [0.1, 0, 0, 0]")  # a stick at rest is never quite at 0
+        time.sleep(0.2)
+        rests = self.browser.run("return spmView.hand.target.toArray()")
+        time.sleep(0.2)
+        self.assertEqual(self.browser.run("return spmView.hand.target.toArray()"), rests)
+
     def test_the_canvas_shows_the_object_in_its_colours(self):
         colours = self.browser.run(
             "const s = spmView.stage; s.dirty = true; s.drawnAt = 0; s.draw();"
@@ -241,6 +257,32 @@ class Touch(Watched):
                 self.picture(f"{name}-{theme}")
                 self.browser.release()
         self.browser.wait("spmView.frame.devices[0].hand === 1")
+
+
+class Many(Case):
+    def test_a_scene_of_two_hundred_objects_says_how_many_of_them_are_shown(self):
+        folder = tempfile.mkdtemp(prefix="spm-e2e-view-")
+        self.addCleanup(shutil.rmtree, folder, ignore_errors=True)
+        shutil.copy(Watched.hostile, os.path.join(folder, "box.spm.exr"))
+        scene = os.path.join(folder, "many.toml")
+        with open(scene, "w", encoding="utf-8") as file:
+            file.write("".join(f'[[object]]\nasset = "box.spm.exr"\npose = [{0.2 * (i % 20)}, 0, '
+                               f"{0.2 * (i // 20)}]\n" for i in range(200)))
+        environment = {**os.environ, "XDG_RUNTIME_DIR": folder}
+        for words in (["run", "--scene", scene, "--device", "sim:hand=live", "--realtime", "off",
+                       "--black-box", "off", "--quiet"], ["view", "--json"]):
+            process = subprocess.Popen([SERVO, *words], env=environment, stdout=subprocess.PIPE, text=True)
+            self.addCleanup(process.stdout.close)
+            self.addCleanup(Watched.end, process)
+        browser = Browser()
+        self.addCleanup(browser.close)
+        browser.open(json.loads(process.stdout.readline())["url"])
+        browser.wait("Boolean(window.spmView && spmView.frame && spmView.frame.objectTotal === 200)")
+        browser.wait("document.getElementById('facts').textContent.includes('64 of 200 objects')")
+        browser.wait("spmView.stage.objects.size === 64")
+        frames = browser.run("return spmView.frames")
+        browser.wait(f"spmView.frames > {frames} + 20")
+        self.assertEqual(browser.errors(), [])
 
 
 class Away(Watched):
