@@ -10,7 +10,7 @@ import { Stage } from './stage.js';
 import { followTheme } from './theme.js';
 
 const HAND_OWN = 0;
-const SOFTWARE_CHARTS = 200; // ms between pictures of the charts, where the processor draws
+const SOFTWARE_CHARTS = 400; // ms between pictures of the charts, where the processor draws
 const by = (id) => document.getElementById(id);
 const say = (id, text) => {
   by(id).hidden = !text;
@@ -99,6 +99,7 @@ export function startLive() {
 
   try {
     stage = new Stage(by('scene'));
+    stage.coarsens = true;
     if (stage.pause) charts.pause = SOFTWARE_CHARTS;
     hand = new Hand({
       link,

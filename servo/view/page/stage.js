@@ -13,6 +13,8 @@ import { isSame, size3 } from './frame.js';
 
 const CREASE = Math.PI / 6;
 const SOFTWARE_PAUSE = 30; // ms between pictures: 30 a second
+const COARSE = 0.4; // of the window's pixels each way, while something moves
+const STILL = 250; // ms, after which all of them are drawn again
 const TRAIL = 900; // places: 15 s
 const FULL_FORCE = 3; // N, of the trail's brightest colour
 // From no force to FULL_FORCE: cividis, safe for the colour-blind, without the end that is lost on the
@@ -60,6 +62,8 @@ export class Stage {
     this.canvas = canvas;
     this.pause = drawsInSoftware() ? SOFTWARE_PAUSE : 0;
     this.drawnAt = 0;
+    this.coarsens = false; // where the processor draws, fewer pixels while something moves: sooner seen
+    this.coarse = false;
     this.body = [];
     this.renderer = new WebGLRenderer({ canvas, antialias: this.pause === 0 });
     this.scene = new Scene();
@@ -162,11 +166,15 @@ export class Stage {
   resize() {
     const { clientWidth: width, clientHeight: height } = this.canvas.parentElement;
     if (!width || !height) return;
-    this.renderer.setPixelRatio(Math.min(devicePixelRatio, 2));
+    this.setPixels();
     this.renderer.setSize(width, height, false);
     this.camera.aspect = width / height;
     this.camera.updateProjectionMatrix();
     this.dirty = true;
+  }
+
+  setPixels() {
+    this.renderer.setPixelRatio(Math.min(devicePixelRatio, 2) * (this.coarse ? COARSE : 1));
   }
 
   /** Gives the surface of an asset: the bytes that to_bytes() of surface_mesh.hpp makes. */
@@ -389,7 +397,12 @@ export class Stage {
 
   draw() {
     const now = performance.now();
-    if (!this.dirty || now - this.drawnAt < this.pause) return;
+    const sharpens = !this.dirty && this.coarse && now - this.drawnAt > STILL;
+    if (!sharpens && (!this.dirty || now - this.drawnAt < this.pause)) return;
+    if (this.coarsens && this.pause && this.coarse === sharpens) {
+      this.coarse = !sharpens;
+      this.setPixels();
+    }
     this.drawnAt = now;
     this.redraw();
   }
