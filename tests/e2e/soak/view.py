@@ -51,6 +51,9 @@ def pressed(browser):
     return took
 
 
+SETTLING = 5  # s, in which a daemon, and pages, come up
+
+
 def page_bytes():
     parts = b"".join(path.read_bytes() for path in sorted(PAGE.iterdir()) if path.suffix)
     return len(gzip.compress(parts, 9))
@@ -108,6 +111,7 @@ def missed(seconds, views):
                 watched = Watched(folder, asset, "try")
                 browsers = [open_page(watched.url) for _ in range(pages)]
                 try:
+                    time.sleep(SETTLING)
                     before = look(watched)
                     time.sleep(seconds)
                     after = look(watched)
@@ -120,9 +124,12 @@ def missed(seconds, views):
 
 
 def look(watched):
-    """What `top` says of the daemon in one second."""
-    return json.loads(subprocess.run([SERVO, "top", "--once", "--json"], env=watched.environment,
-                                     capture_output=True, text=True, check=True).stdout)
+    """What `top` says of the daemon."""
+    done = subprocess.run([SERVO, "top", "--once", "--json"], env=watched.environment,
+                          capture_output=True, text=True, check=False)
+    if done.returncode != 0:
+        sys.exit(f"view.py: {done.stderr}")
+    return json.loads(done.stdout)
 
 
 def counts_between(first, last):
