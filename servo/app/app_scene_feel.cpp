@@ -77,9 +77,8 @@ Refusal AppScene::set_method(const AppCommand& command, std::int64_t now_ns,
 Refusal AppScene::stabilize(const AppCommand& command,
                             std::span<SceneForce* const> forces) noexcept {
   if (!command.supervisor) return Refusal::supervisor_only;
-  StabilizationSettings wanted =
-      in_loop_of(own_, command.on ? default_stabilization : StabilizationSettings{});
-  if (command.on && own_.any()) wanted = own_;
+  const StabilizationSettings named = command.on ? default_stabilization : StabilizationSettings{};
+  const StabilizationSettings wanted = command.on && own_.any() ? own_ : in_loop_of(own_, named);
   for (SceneForce* force : forces) force->stabilize(wanted);
   stabilized_ = wanted.any();
   felt_anew_ = true;

@@ -70,12 +70,12 @@ class Browser:
                         {"script": script, "args": list(arguments)})
 
     def wait(self, condition, *arguments):
-        """Until an expression is true; its value."""
+        """Until an expression is true."""
         deadline = time.monotonic() + PATIENCE
         while time.monotonic() < deadline:
-            value = self.run(f"return {condition}", *arguments)
-            if value:
-                return value
+            # Its value may be an object that has no JSON.
+            if self.run(f"return Boolean({condition})", *arguments):
+                return
             time.sleep(0.05)
         raise TimeoutError(f"never true: {condition}; the page says: "
                            + self.run("return document.body.innerText")[:500])

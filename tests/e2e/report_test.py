@@ -35,7 +35,7 @@ class Shown(Case):
 
     def show(self, page, ready):
         self.browser.open(pathlib.Path(page).as_uri())
-        self.browser.wait(f"Boolean(window.{ready})")
+        self.browser.wait(f"window.{ready}")
         self.assertEqual(self.browser.errors(), [])
 
     def text(self, name):

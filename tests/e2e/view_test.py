@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """The live view in a real browser, on the real daemon: headless Chromium leads the simulated hand."""
 
+import contextlib
 import http.client
 import json
 import os
@@ -83,6 +84,15 @@ class Watched(Case):
         """The place of the window where the object's middle is seen."""
         return self.browser.run("return spmView.stage.project(spmView.stage.middle)")
 
+    @contextlib.contextmanager
+    def pressed(self):
+        """The pointer, down where the object's middle is seen."""
+        self.browser.press(*self.on_object())
+        try:
+            yield
+        finally:
+            self.browser.release()
+
     def settled(self):
         """The device once its force rests."""
         seen = []
@@ -108,8 +118,7 @@ def setUpModule():
 
 class Touch(Watched):
     def test_a_dragged_hand_feels_stiffness_times_depth(self):
-        self.browser.press(*self.on_object())
-        try:
+        with self.pressed():
             touched = self.settled()
             self.assertGreater(touched["force"], 0.1)
             self.assertAlmostEqual(touched["force"] / (STIFFNESS * touched["depth"]), 1, delta=0.05)
@@ -119,31 +128,23 @@ class Touch(Watched):
             self.browser.act({"type": "scroll", "x": round(x), "y": round(y), "deltaX": 0,
                               "deltaY": -400, "duration": 0}, kind="wheel")
             self.browser.wait(f"{FORCE} > {1.3 * touched['force']}")
-        finally:
-            self.browser.release()
         self.browser.wait(f"{FORCE} < 0.05")
 
     def test_a_hand_goes_round_an_object_that_hides_the_place_that_is_pressed(self):
         turn = ("const s = spmView.stage, t = s.controls.target; s.camera.position.sub(t).applyAxisAngle("
                 "s.camera.up, Math.PI).add(t); s.controls.update(); s.camera.updateMatrixWorld()")
         self.addCleanup(self.browser.run, turn)
-        self.browser.press(*self.on_object())
-        try:
+        with self.pressed():
             self.settled()
-        finally:
-            self.browser.release()
         self.browser.wait("spmView.frame.devices[0].hand === 1")
         self.browser.run(turn)
-        self.browser.press(*self.on_object())
-        try:
+        with self.pressed():
             touched = self.settled()
             self.assertLess(touched["depth"], 0.005)
             self.assertTrue(self.browser.run(
                 "const f = spmView.frame.devices[0].force, s = spmView.stage;"
                 "const w = s.camera.position.clone().sub(s.middle);"
                 "return f[0] * w.x + f[1] * w.y + f[2] * w.z > 0"))
-        finally:
-            self.browser.release()
         self.browser.wait("spmView.frame.devices[0].hand === 1")
 
     def test_the_keys_move_the_hand_and_escape_lets_it_go(self):
@@ -232,16 +233,13 @@ class Touch(Watched):
         self.assertEqual(self.browser.run("return document.querySelectorAll('img').length"), 0)
 
     def test_a_second_page_watches_while_the_first_leads(self):
-        self.browser.press(*self.on_object())
-        try:
+        with self.pressed():
             self.browser.wait("spmView.frame.leads === 1")
             # The first page's pointer rests pressed, and its page must go on to say so.
             second = self.bare
             second.wait("spmView.frame.leads === 2")
             second.run("spmView.link.send({t: 'hand', device: 0, p: [0, 0, 0], q: [1, 0, 0, 0], n: 1})")
             second.wait("document.getElementById('refused').textContent.includes('watches')")
-        finally:
-            self.browser.release()
 
     def test_wide_and_narrow_light_and_dark(self):
         self.addCleanup(self.browser.resize, 1280, 800)
@@ -277,7 +275,7 @@ class Many(Case):
         browser = Browser()
         self.addCleanup(browser.close)
         browser.open(json.loads(process.stdout.readline())["url"])
-        browser.wait("Boolean(window.spmView && spmView.frame && spmView.frame.objectTotal === 200)")
+        browser.wait("window.spmView && spmView.frame && spmView.frame.objectTotal === 200")
         browser.wait("document.getElementById('facts').textContent.includes('64 of 200 objects')")
         browser.wait("spmView.stage.objects.size === 64")
         frames = browser.run("return spmView.frames")
