@@ -56,6 +56,11 @@ struct DistanceOctree {
 
 inline constexpr int max_octree_levels = 12;
 
+/// Whether local maps are all that a cube's answers come from.
+[[nodiscard]] constexpr bool has_maps(OctreeKind kind) noexcept {
+  return static_cast<std::uint32_t>(kind) >= 8;
+}
+
 enum class ListSide : std::uint32_t { surface, outside, inside };
 
 [[nodiscard]] constexpr std::uint32_t units_of(OctreeKind kind) noexcept {

@@ -46,15 +46,18 @@ struct Search {
     }
     for (const std::uint32_t across : {0U, 1U, 2U, 4U, 3U, 5U, 6U, 7U}) {
       const std::uint32_t octant = nearest ^ across;
+      const auto below = static_cast<OctreeKind>((kinds >> 4U * octant) & 15U);
+      if (below == OctreeKind::far) continue;
       double apart = 0;
+      for (unsigned axis = 0; axis < 3; ++axis) {
+        apart += (octant >> axis & 1U) != 0 ? squares[axis].upper : squares[axis].lower;
+      }
+      if (!(apart < best)) continue;
       std::array<double, 3> from;
       for (unsigned axis = 0; axis < 3; ++axis) {
-        const bool upper = (octant >> axis & 1U) != 0;
-        apart += upper ? squares[axis].upper : squares[axis].lower;
-        from[axis] = from_middle[axis] + (upper ? -half / 2 : half / 2);
+        from[axis] = from_middle[axis] + ((octant >> axis & 1U) != 0 ? -half / 2 : half / 2);
       }
-      take(static_cast<OctreeKind>((kinds >> 4U * octant) & 15U),
-           first + units_before(kinds, octant), level + 1, from, half / 2, apart);
+      take(below, first + units_before(kinds, octant), level + 1, from, half / 2, apart);
     }
   }
 };
@@ -67,9 +70,9 @@ double distance_to_band(const DistanceOctree& octree, const Vector3& point, doub
   for (unsigned axis = 0; axis < 3; ++axis) {
     const double at = point[axis] - octree.origin[axis];
     const auto last = static_cast<double>(octree.roots[axis]) - 1;
+    // The cube's number, from -1 to one after the last. Rounded towards 0, which is down from there.
     const auto root = [&](double place) {
-      return static_cast<std::int64_t>(
-          std::clamp(std::floor(place * octree.per_edge), -1.0, last + 1));
+      return static_cast<std::int64_t>(std::clamp(place * octree.per_edge + 1, 0.0, last + 2)) - 1;
     };
     low[axis] = std::max<std::int64_t>(0, root(at - most));
     high[axis] = std::min(static_cast<std::int64_t>(last), root(at + most));
@@ -95,7 +98,9 @@ double distance_to_band(const DistanceOctree& octree, const Vector3& point, doub
   if (within) look(own[0], own[1], own[2]);
   for (std::int64_t z = low[2]; z <= high[2]; ++z) {
     for (std::int64_t y = low[1]; y <= high[1]; ++y) {
-      for (std::int64_t x = low[0]; x <= high[0]; ++x) look(x, y, z);
+      for (std::int64_t x = low[0]; x <= high[0]; ++x) {
+        if (x != own[0] || y != own[1] || z != own[2]) look(x, y, z);
+      }
     }
   }
   return rounded_down * std::sqrt(search.best);

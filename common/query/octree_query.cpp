@@ -137,15 +137,17 @@ double leaf_clearance(const AssetView& asset, const Leaf& leaf, const Vector3& p
     return asset.band.margin + outside.norm();
   }
   if (leaf.kind != OctreeKind::far) {
-    return clearance_told(asset, query_leaf(asset, leaf, point));
+    const Answer told = query_leaf(asset, leaf, point);
+    return told.status == Status::exact ? clearance_told(asset, told.distance) : 0;
   }
   const double at_middle =
       leaf.level > 0 ? 0 : octree.clearance_unit * static_cast<double>(leaf.unit);
   const double told = at_middle - (point - leaf.middle).norm();
   if (told > std::min(octree.edge, useful)) return told;
   // The way to the surface leaves the cubes beyond the margin, and is that long from there on.
-  return std::max(
-      told, asset.band.margin + distance_to_band(octree, point, std::min(octree.edge, useful)));
+  const double most = std::min(octree.edge, useful - asset.band.margin);
+  const double to_band = most > 0 ? distance_to_band(octree, point, most) : 0;
+  return std::max(told, asset.band.margin + to_band);
 }
 
 }  // namespace spm

@@ -20,23 +20,42 @@ namespace spm {
     const AssetView& asset, const Leaf& leaf, const Vector3& point,
     double useful = std::numeric_limits<double>::infinity()) noexcept;
 
-/// How far the surface is at the least, m, as a leaf's answer tells it before the band's ends are
-/// applied; 0 where it does not tell.
-[[nodiscard]] inline double clearance_told(const AssetView& asset, const Answer& answer) noexcept {
-  const double beyond = answer.distance - asset.band.margin;
-  if (answer.status != Status::exact || !(beyond > 0)) return 0;
-  return asset.band.margin + asset.octree.beyond_share * beyond;
+/// How far the surface is at the least, m, where a leaf's answer before the band's ends are applied
+/// is this distance, m; 0 where it does not tell.
+[[nodiscard]] inline double clearance_told(const AssetView& asset, double distance) noexcept {
+  const double beyond = distance - asset.band.margin;
+  return beyond > 0 ? asset.band.margin + asset.octree.beyond_share * beyond : 0;
+}
+
+/// Whether an exact distance, m, is in the band, or beyond which of its ends.
+[[nodiscard]] inline Status status_in_band(const AssetView& asset, double distance) noexcept {
+  if (distance > asset.band.margin + asset.tolerance) return Status::far;
+  return distance < -asset.band.max_depth ? Status::deep : Status::exact;
+}
+
+/// What a query tells but for the normal.
+struct QueriedDistance {
+  double distance = 0;  ///< as Answer's
+  Status status = Status::far;
+  [[nodiscard]] bool known() const noexcept {
+    return status == Status::exact || status == Status::deep;
+  }
+};
+
+/// The same of an exact distance, m, once the band's ends are applied.
+[[nodiscard]] inline QueriedDistance in_band(const AssetView& asset, double distance) noexcept {
+  const Status status = status_in_band(asset, distance);
+  if (status == Status::exact) return {distance, status};
+  return {status == Status::deep ? -asset.band.max_depth : std::numeric_limits<double>::quiet_NaN(),
+          status};
 }
 
 /// Completes an answer beyond the band.
 inline void apply_band(const AssetView& asset, Answer& answer) noexcept {
   if (answer.status != Status::exact) return;
-  if (answer.distance > asset.band.margin + asset.tolerance) {
-    answer = unanswered(Status::far);
-  } else if (answer.distance < -asset.band.max_depth) {
-    answer.distance = -asset.band.max_depth;
-    answer.status = Status::deep;
-  }
+  answer.status = status_in_band(asset, answer.distance);
+  if (answer.status == Status::far) answer = unanswered(Status::far);
+  if (answer.status == Status::deep) answer.distance = -asset.band.max_depth;
 }
 
 }  // namespace spm

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "common/query/query_cursor.hpp"
 
-#include "common/query/octree_query.hpp"
-
 namespace spm {
 
 namespace {
@@ -12,24 +10,37 @@ constexpr double certain_share = 1 - 1e-9;
 
 }  // namespace
 
-Answer QueryCursor::query(const Vector3& point) noexcept {
-  if (!within(point, inner_)) {
-    leaf_ = leaf_at(asset_->octree, point);
-    inner_ = leaf_.level < 0 ? -1 : certain_share * leaf_.half;
-    by_maps_ = false;
-    if (leaf_.kind == OctreeKind::deep) deep_ = query_leaf(*asset_, leaf_, point);
-    if (leaf_.kind == OctreeKind::polynomial || leaf_.kind == OctreeKind::least ||
-        leaf_.kind == OctreeKind::most) {
-      const std::uint32_t* words = units_at(asset_->octree, leaf_);
-      by_maps_ = words != nullptr && unpack_leaf_maps(*asset_, leaf_, words, maps_);
-    }
+void QueryCursor::enter(const Vector3& point) noexcept {
+  leaf_ = leaf_at(asset_->octree, point);
+  inner_ = leaf_.level < 0 ? -1 : certain_share * leaf_.half;
+  by_maps_ = false;
+  if (leaf_.kind == OctreeKind::deep) told_ = query_leaf(*asset_, leaf_, point);
+  if (has_maps(leaf_.kind)) {
+    const std::uint32_t* words = units_at(asset_->octree, leaf_);
+    by_maps_ = words != nullptr && unpack_leaf_maps(*asset_, leaf_, words, maps_);
   }
-  beyond_ = 0;
-  if (leaf_.kind == OctreeKind::deep) return deep_;
-  Answer answer =
-      by_maps_ ? answer_by_maps(*asset_, leaf_, maps_, point) : query_leaf(*asset_, leaf_, point);
-  beyond_ = clearance_told(*asset_, answer);
-  apply_band(*asset_, answer);
+}
+
+QueriedDistance QueryCursor::tell_leaf(const Vector3& point) noexcept {
+  told_ = query_leaf(*asset_, leaf_, point);
+  if (told_.status != Status::exact) return {told_.distance, told_.status};
+  beyond_ = clearance_told(*asset_, told_.distance);
+  return in_band(*asset_, told_.distance);
+}
+
+Answer QueryCursor::query(const Vector3& point) noexcept {
+  const QueriedDistance found = distance(point);
+  if (!found.known()) return unanswered(found.status);
+  Answer answer;
+  if (by_maps_) {
+    answer.plane = static_cast<std::int32_t>(maps_.of(on_).plane);
+    answer.source = Source::polynomial;
+  } else {
+    answer = told_;
+  }
+  answer.distance = found.distance;
+  answer.normal = normal();
+  answer.status = found.status;
   return answer;
 }
 
@@ -42,8 +53,8 @@ double QueryCursor::clearance(const Vector3& point, double useful) const noexcep
 LocalQuadric QueryCursor::quadric(const Vector3& point) const noexcept {
   LocalQuadric made;
   if (leaf_.kind == OctreeKind::deep) {
-    made.distance = deep_.distance;
-    made.normal = deep_.normal;
+    made.distance = told_.distance;
+    made.normal = told_.normal;
     return made;
   }
   const LocalMap& map = maps_.first;

@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "common/query/leaf_maps.hpp"
+#include "common/query/octree_query.hpp"
 
 namespace spm {
 
@@ -29,6 +30,22 @@ class QueryCursor {
     inner_ = -1;
   }
   [[nodiscard]] Answer query(const Vector3& point) noexcept;
+  /// The same without the normal, which takes as long as the distance. Once in a leaf, it is found
+  /// here.
+  [[nodiscard]] QueriedDistance distance(const Vector3& point) noexcept {
+    if (!within(point, inner_)) enter(point);
+    beyond_ = 0;
+    if (leaf_.kind == OctreeKind::deep) return {told_.distance, Status::deep};
+    if (!by_maps_) return tell_leaf(point);
+    on_ = place_on_map(*asset_, leaf_, maps_, point);
+    const double found = leaf_.half * on_.value;
+    beyond_ = clearance_told(*asset_, found);
+    return in_band(*asset_, found);
+  }
+  /// The normal of the last query whose distance is known, unit, outward.
+  [[nodiscard]] Vector3 normal() const noexcept {
+    return by_maps_ ? normal_on_map(*asset_, maps_, on_) : told_.normal;
+  }
   /// `clearance` of a point that was the last to be queried; above `useful`, m, it need not be a
   /// good bound, which is quicker.
   [[nodiscard]] double clearance(
@@ -49,13 +66,19 @@ class QueryCursor {
            std::abs(point[2] - leaf_.middle[2]) < half;
   }
 
+  /// Goes to the leaf around a point.
+  void enter(const Vector3& point) noexcept;
+  /// The answer of a leaf without maps.
+  [[nodiscard]] QueriedDistance tell_leaf(const Vector3& point) noexcept;
+
   const AssetView* asset_ = nullptr;
   Leaf leaf_;
   double inner_ = -1;  ///< m: half the edge of the cube in which the leaf is certain; below 0: none
   bool by_maps_ = false;
   double beyond_ = 0;  ///< m: clearance of the last point, as the leaf's own answer tells it
   LeafMaps maps_;
-  Answer deep_;  ///< in all of a leaf that is deeper than the band
+  PlaceOnMap on_;  ///< of the last point, by maps
+  Answer told_;    ///< of the last point, without maps; in all of a leaf deeper than the band
 };
 
 }  // namespace spm

@@ -3,6 +3,11 @@
 
 namespace spm {
 
+/// Half the extent of what a square of the finest samples represents, over its side. Half of the
+/// side would count what its neighbours represent, where the surface bends. Chosen with the numbers
+/// of object_quadrature.cpp.
+inline constexpr double square_half = 0.25;
+
 /// Depth of a patch whose parts are spread evenly between `depth - half` and `depth + half`: mean
 /// and mean square over the part below the surface, and the size of that part.
 struct CoarsePress {

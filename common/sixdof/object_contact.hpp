@@ -153,9 +153,11 @@ class ObjectContact {
     std::uint16_t object = 0, cluster = 0;
     /// Signed, m; a lower bound where the normal is zero, and minus infinity where it is not known.
     float distance = -std::numeric_limits<float>::infinity();
-    /// Unit, outward; object's frame, or the tool's where levels are settled.
+    /// Unit, outward; object's frame, or the tool's where levels are settled: there it is zero
+    /// also where nothing presses (needs_normal).
     std::array<float, 3> normal{};
     float half = 0;  ///< m: how far parts of its patch are deeper or higher; where it is settled
+    bool exact = false;  ///< the distance is no bound; where levels are settled
     [[nodiscard]] bool known() const noexcept {
       return distance > -std::numeric_limits<float>::infinity();
     }
@@ -332,8 +334,9 @@ class ObjectContact {
   void press_square(const Active& active, const Square& square, double weight) noexcept;
   void divide(const Active& active, const Square& square, double weight,
               std::span<const double> divided, ObjectContactReport& report) noexcept;
-  [[nodiscard]] Answer query_at(Pair& pair, const Arm& at, Vector3& place,
-                                ObjectContactReport& report) noexcept;
+  [[nodiscard]] QueriedDistance query_at(Pair& pair, const Arm& at, Vector3& place,
+                                         ObjectContactReport& report) noexcept;
+  [[nodiscard]] bool needs_normal(const Active& active) const noexcept;
   void press_left(Active& active, ObjectContactReport& report) noexcept;
   [[nodiscard]] double meet(Active& active, Pair& pair, double way, float* until,
                             ObjectContactReport& report) noexcept;

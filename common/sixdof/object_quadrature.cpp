@@ -27,7 +27,7 @@ constexpr double least_left = 0.05;
 /// How far parts of a finest sample are from its middle, over the root of its area.
 constexpr double square_reach = 0.5;
 /// m: a bound of a distance that is longer than this beyond a sample's radius is not sought.
-constexpr double useful_way = 1e-3;
+constexpr double useful_way = 5e-4;
 /// m: how far a sample is from touching is told by those below it.
 constexpr double kept_for_below = std::numeric_limits<double>::infinity();
 
@@ -140,8 +140,8 @@ double ObjectContact::meet(Active& active, Pair& pair, double way, float* until,
 
 /// Queries the field at a place of the tool, and tells where that is, in the object's frame and
 /// unit of length.
-Answer ObjectContact::query_at(Pair& pair, const Arm& at, Vector3& place,
-                               ObjectContactReport& report) noexcept {
+QueriedDistance ObjectContact::query_at(Pair& pair, const Arm& at, Vector3& place,
+                                        ObjectContactReport& report) noexcept {
   ++report.asked;
   const Eigen::Matrix3d& turn = pair.pose.linear();
   for (int k = 0; k < 3; ++k) {
@@ -149,27 +149,43 @@ Answer ObjectContact::query_at(Pair& pair, const Arm& at, Vector3& place,
         turn(k, 0) * at.x + turn(k, 1) * at.y + turn(k, 2) * at.z + pair.pose.translation()[k];
     place[k] = pair.scale == 1 ? world : world / pair.scale;
   }
-  return pair.cursor.query(place);
+  return pair.cursor.distance(place);
+}
+
+/// Whether any of what a sample represents can press at its distance, whatever its normal is.
+bool ObjectContact::needs_normal(const Active& active) const noexcept {
+  const auto distance = static_cast<double>(active.distance);
+  if (is_finest(active.sample)) {
+    const auto area = static_cast<double>(tool_.shares[active.sample].area);
+    return distance < 0 || distance * distance < square_half * square_half * area;
+  }
+  const SampleSpread& spread = tool_.spreads[active.sample];
+  const double beyond = distance - static_cast<double>(spread.spread);
+  const Arm middle = arm_of(spread.middle);
+  return beyond < 0 || beyond * beyond < middle.dot(middle);
 }
 
 /// Queries the field at a sample.
 void ObjectContact::ask_of(Active& active, Pair& pair, ObjectContactReport& report) noexcept {
   const SamplePlace& sample = tool_.places[active.sample];
-  const Eigen::Matrix3d& turn = pair.pose.linear();
   Vector3 place;
-  const Answer answer = query_at(pair, arm_of(sample.position), place, report);
-  if (answer.status == Status::exact || answer.status == Status::deep) {
-    active.distance = static_cast<float>(pair.scale * answer.distance);
-    // The pose of a mirrored object mirrors too, and its transpose back.
-    const double x = answer.normal[0], y = answer.normal[1], z = answer.normal[2];
-    for (unsigned k = 0; k < 3; ++k) {
-      active.normal[k] = static_cast<float>(turn(0, k) * x + turn(1, k) * y + turn(2, k) * z);
-    }
+  const QueriedDistance found = query_at(pair, arm_of(sample.position), place, report);
+  active.exact = found.known();
+  if (!active.exact) {
+    const double useful = static_cast<double>(sample.radius) + useful_way;
+    active.distance =
+        static_cast<float>(pair.scale * pair.cursor.clearance(place, useful / pair.scale));
     return;
   }
-  const double useful = static_cast<double>(sample.radius) + useful_way;
-  active.distance =
-      static_cast<float>(pair.scale * pair.cursor.clearance(place, useful / pair.scale));
+  active.distance = static_cast<float>(pair.scale * found.distance);
+  if (!needs_normal(active)) return;
+  // The pose of a mirrored object mirrors too, and its transpose back.
+  const Eigen::Matrix3d& turn = pair.pose.linear();
+  const Vector3 normal = pair.cursor.normal();
+  const double x = normal[0], y = normal[1], z = normal[2];
+  for (unsigned k = 0; k < 3; ++k) {
+    active.normal[k] = static_cast<float>(turn(0, k) * x + turn(1, k) * y + turn(2, k) * z);
+  }
 }
 
 /// Looks at a sample below another one. How far it is from touching, as `meet`.
@@ -183,7 +199,10 @@ double ObjectContact::look_at(Active& active, Pair& pair, double way, float* unt
       // At the same place.
       active.distance = above.distance;
       active.normal = above.normal;
-      return meet(active, pair, way, until, report);
+      active.exact = above.exact;
+      if (!active.exact || active.has_normal() || !needs_normal(active)) {
+        return meet(active, pair, way, until, report);
+      }
     }
     if (told > 0) {
       const double spare = told - from_above(active.sample, above.sample);

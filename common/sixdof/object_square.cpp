@@ -14,9 +14,6 @@ namespace {
 
 // Chosen with those of object_quadrature.cpp.
 
-/// Half the extent of what a square represents, over its side. Half of the side would count what
-/// its neighbours represent, where the surface bends.
-constexpr double square_half = 0.25;
 /// From its middle to a corner, over its side.
 constexpr double corner_way = 0.7071067811865476;
 /// Where less than so many patches of the level above the finest press, all finest squares are
@@ -28,6 +25,7 @@ constexpr std::array<double, 2> few_patches{4, 1};
 /// Adds the spring of a square, or a part of it.
 void ObjectContact::press_square(const Active& active, const Square& square,
                                  double weight) noexcept {
+  if (!(square.distance < square_half * square.side)) return;
   const Vector3& along = square.normal;
   const double sine =
       sine_between(along[0], along[1], along[2], tool_.shares[active.sample].packed_normal);
@@ -54,11 +52,13 @@ void ObjectContact::divide(const Active& active, const Square& square, double we
     part.middle +=
         ((k & 1) != 0 ? off : -off) * square.first + ((k & 2) != 0 ? off : -off) * square.second;
     Vector3 place;
-    const Answer answer =
+    const QueriedDistance found =
         query_at(pair, {part.middle[0], part.middle[1], part.middle[2]}, place, report);
-    if (answer.status != Status::exact && answer.status != Status::deep) continue;
-    part.distance = pair.scale * answer.distance;
-    part.normal = turn.transpose() * answer.normal;
+    if (!found.known()) continue;
+    part.distance = pair.scale * found.distance;
+    if (part.distance < square_half * part.side) {
+      part.normal = turn.transpose() * pair.cursor.normal();
+    }
     if (again < 1) press_square(active, part, weight * (1 - again));
     if (again > 0) divide(active, part, weight * again, divided.subspan(1), report);
   }
@@ -67,7 +67,7 @@ void ObjectContact::divide(const Active& active, const Square& square, double we
 /// Presses a finest sample: as one square where many touch, as smaller ones where few do.
 void ObjectContact::press_finest_square(const Active& active,
                                         ObjectContactReport& report) noexcept {
-  if (!active.has_normal()) return;
+  if (!active.exact) return;
   const Pair& pair = pairs_[active.object];
   Square square;
   square.middle = vector_of(tool_.places[active.sample].position);
