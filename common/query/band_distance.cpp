@@ -70,7 +70,8 @@ double distance_to_band(const DistanceOctree& octree, const Vector3& point, doub
   for (unsigned axis = 0; axis < 3; ++axis) {
     const double at = point[axis] - octree.origin[axis];
     const auto last = static_cast<double>(octree.roots[axis]) - 1;
-    // The cube's number, from -1 to one after the last. Rounded towards 0, which is down from there.
+    // The cube's number, from -1 to one after the last. Rounded towards 0, which is down from
+    // there.
     const auto root = [&](double place) {
       return static_cast<std::int64_t>(std::clamp(place * octree.per_edge + 1, 0.0, last + 2)) - 1;
     };

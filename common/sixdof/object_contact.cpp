@@ -68,7 +68,7 @@ std::size_t ObjectContact::bytes() const noexcept {
          whole_.capacity() * sizeof(Whole) + near_.capacity() * sizeof(Near) +
          (contacts_.capacity() + kept_contacts_.capacity() + room_.capacity()) *
              sizeof(NearContact) +
-         grip_.bytes();
+         clusters_.bytes() + grip_.bytes();
 }
 
 void ObjectContact::forget(std::uint32_t object) noexcept {

@@ -13,6 +13,7 @@
 #include "common/asset/asset_view.hpp"
 #include "common/contact/surface_texture.hpp"
 #include "common/query/query_cursor.hpp"
+#include "common/sixdof/cluster_sums.hpp"
 #include "common/sixdof/coarse_press.hpp"
 #include "common/sixdof/contact_grip.hpp"
 #include "common/sixdof/contact_step.hpp"
@@ -94,9 +95,9 @@ inline void add(PressedPatch& patch, double force, double depth, const Vector3& 
 /// Below the field's band the depth stays that of the band's end.
 ///
 /// A tick that is told an accuracy (TickBudget::accuracy) stops at a level whose sum the next one
-/// would hardly change, object by object; between two levels both count, so that the force does not
-/// jump. There a finest sample is a small square, as coarse ones are patches, and where few touch
-/// it is divided into smaller ones.
+/// would hardly change, object by object and cluster by cluster; between two levels both count, so
+/// that the force does not jump. There a finest sample is a small square, as coarse ones are
+/// patches, and where few touch it is divided into smaller ones.
 ///
 /// A tick that is told how far the next ones go (TickBudget::ahead) lists the samples that may
 /// touch by then; within that way the next ones look at these alone.
@@ -156,8 +157,10 @@ class ObjectContact {
     /// Unit, outward; object's frame, or the tool's where levels are settled: there it is zero
     /// also where nothing presses (needs_normal).
     std::array<float, 3> normal{};
-    float half = 0;  ///< m: how far parts of its patch are deeper or higher; where it is settled
-    bool exact = false;  ///< the distance is no bound; where levels are settled
+    // Where levels are settled:
+    float half = 0;      ///< m: how far parts of its patch are deeper or higher
+    float weight = 1;    ///< how much it, and all below it, counts
+    bool exact = false;  ///< the distance is no bound
     [[nodiscard]] bool known() const noexcept {
       return distance > -std::numeric_limits<float>::infinity();
     }
@@ -169,12 +172,24 @@ class ObjectContact {
   struct Near {
     std::uint32_t sample = 0, object = 0, cluster = 0;
   };
-  /// The sum over the contacts of a level, tool's axes, about the tool's origin.
+  /// The sum over an object's contacts of a level, tool's axes, about the tool's origin.
   struct LevelSum {
     Vector3 force = Vector3::Zero();   ///< N
     Vector3 torque = Vector3::Zero();  ///< N m
     double pressing = 0;               ///< N: of the sizes of forces
     double contacts = 0;               ///< the parts of patches that press, added up
+  };
+  /// How a level of an object's contacts is settled.
+  struct Settling {
+    double few = 1;     ///< how much it says nothing of its own error, for want of contacts
+    double silent = 1;  ///< the same of clusters in which nothing presses
+    double most = 1;    ///< how much is to be refined at most, where it does
+    double per_force = 0, per_torque = 0;  ///< 1/N, 1/(N m): over the sizes of its sums
+    double changes = 0, squares = 0;       ///< of those of its clusters, their sum, of squares too
+    [[nodiscard]] double change(const ClusterChange& of) const noexcept {
+      return std::max(static_cast<double>(of.force) * per_force,
+                      static_cast<double>(of.torque) * per_torque);
+    }
   };
   /// The samples below one, all of which touch: the field about it, object's frame.
   struct Whole {
@@ -207,14 +222,13 @@ class ObjectContact {
     double since_all = 0;  ///< m: the same of all of the tool
     QueryCursor cursor;
     LevelSum level_sum, sum_before;  ///< of the level in hand, and of the one above it
-    double weight = 1;               ///< how much what is looked at now counts
-    double fixed = 0;                ///< how much the level in hand counts that is not refined
-    std::int32_t slot = -1;          ///< of `finest_until_`; below 0: none
-    std::uint32_t absent = 0;        ///< settlings since it was present
-    bool asleep = false;             ///< the last look at all samples left it out
-    bool listed = false;             ///< it was present when near samples were listed
-    bool mirrored = false;           ///< `to_world` mirrors
-    bool settles = false;            ///< its levels are refined as far as that changes the sum
+    Settling settling;
+    std::int32_t slot = -1;    ///< of `finest_until_`; below 0: none
+    std::uint32_t absent = 0;  ///< settlings since it was present
+    bool asleep = false;       ///< the last look at all samples left it out
+    bool listed = false;       ///< it was present when near samples were listed
+    bool mirrored = false;     ///< `to_world` mirrors
+    bool settles = false;      ///< its levels are refined as far as that changes the sum
     bool placed = false;
     bool present = false;  ///< in this tick
     bool in_grip = false;  ///< `settled` is known
@@ -254,6 +268,7 @@ class ObjectContact {
   std::vector<float> finest_until_;
   std::vector<std::int32_t> slots_;  ///< the pair of each; below 0: free
   std::vector<Active> active_, next_;
+  ClusterSums clusters_;  ///< of the level in hand
   std::vector<Whole> whole_;
   std::vector<Near> near_;  ///< in the order of the look that listed them
   std::vector<NearContact> contacts_, kept_contacts_, room_;
@@ -318,8 +333,8 @@ class ObjectContact {
                       ObjectContactReport& report) noexcept;
   [[nodiscard]] double reach_of(std::uint32_t sample) const noexcept;
   [[nodiscard]] bool can_settle(const TickBudget& budget) const noexcept;
-  void weigh(Active& active, Pair& pair) const noexcept;
-  void press(const Active& active, double weight) noexcept;
+  void weigh(Active& active, Pair& pair) noexcept;
+  void press(const Active& active, float weight) noexcept;
   void press_part(const Active& active, double spring, const CoarsePress& press,
                   const Vector3& normal, const Vector3& lever) noexcept;
   /// A finest sample, or a part of one; tool's axes, about the tool's origin.
@@ -345,8 +360,13 @@ class ObjectContact {
                                const Active& above, ObjectContactReport& report) noexcept;
   void look_over(std::uint32_t first, std::uint32_t count, const Active& above,
                  ObjectContactReport& report) noexcept;
-  [[nodiscard]] double left_to_refine(const Pair& pair, std::uint32_t level,
-                                      double accuracy) const noexcept;
+  [[nodiscard]] static std::uint32_t key_of(const Active& active) noexcept {
+    return std::uint32_t{active.object} << 16U | active.cluster;
+  }
+  [[nodiscard]] Settling settling_of(const Pair& pair, std::uint32_t level,
+                                     double accuracy) const noexcept;
+  [[nodiscard]] float left_to_refine(const Settling& settling, const ClusterChange* change,
+                                     double accuracy) const noexcept;
   [[nodiscard]] bool settle_level(std::uint32_t level, double accuracy) noexcept;
   void look_by_levels(const TickBudget& budget, WorkClock& clock,
                       ObjectContactReport& report) noexcept;

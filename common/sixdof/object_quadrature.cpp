@@ -17,13 +17,6 @@ namespace {
 // The numbers were chosen on a duck that slides over a fan disk, and on a rocker arm over a cow,
 // not on the drill and the teeth that spm-bench judges by.
 
-/// A sum over fewer contacts says nothing of its own error; from twice as many on it is believed.
-constexpr double few_contacts = 24;
-/// From so many contacts on a sum begins to be good enough whatever it changed by, from twice as
-/// many on it is: what is left of forces that cancel out is a small part of them.
-constexpr double many_contacts = 256;
-/// Of the sum of all sizes of forces, what is left of them where they cancel out.
-constexpr double least_left = 0.05;
 /// How far parts of a finest sample are from its middle, over the root of its area.
 constexpr double square_reach = 0.5;
 /// m: a bound of a distance that is longer than this beyond a sample's radius is not sought.
@@ -50,7 +43,7 @@ bool ObjectContact::can_settle(const TickBudget& budget) const noexcept {
 
 /// How far parts of a sample's patch are deeper or higher than its middle, and what it adds to the
 /// sum of its level.
-void ObjectContact::weigh(Active& active, Pair& pair) const noexcept {
+void ObjectContact::weigh(Active& active, Pair& pair) noexcept {
   const SampleSpread& spread = tool_.spreads[active.sample];
   const Arm along = arm_of(active.normal), middle = arm_of(spread.middle);
   const double depth = -static_cast<double>(active.distance) - along.dot(middle);
@@ -71,18 +64,20 @@ void ObjectContact::weigh(Active& active, Pair& pair) const noexcept {
   const Arm arm = arm_of(tool_.places[active.sample].position) + middle;
   LevelSum& sum = pair.level_sum;
   const double x = force * along.x, y = force * along.y, z = force * along.z;
-  sum.force[0] += x;
-  sum.force[1] += y;
-  sum.force[2] += z;
-  sum.torque[0] += arm.y * z - arm.z * y;
-  sum.torque[1] += arm.z * x - arm.x * z;
-  sum.torque[2] += arm.x * y - arm.y * x;
+  const std::array<double, 3> forces{x, y, z};
+  const std::array<double, 3> torques{arm.y * z - arm.z * y, arm.z * x - arm.x * z,
+                                      arm.x * y - arm.y * x};
+  for (std::size_t k = 0; k < 3; ++k) {
+    sum.force[static_cast<Eigen::Index>(k)] += forces[k];
+    sum.torque[static_cast<Eigen::Index>(k)] += torques[k];
+  }
+  clusters_.add(key_of(active), forces, torques);
   sum.pressing += force;
   sum.contacts += part;
 }
 
 /// Adds a part of the spring of a sample's patch. All in the tool's axes.
-void ObjectContact::press(const Active& active, double weight) noexcept {
+void ObjectContact::press(const Active& active, float weight) noexcept {
   if (!active.has_normal()) return;
   Arm arm = arm_of(tool_.places[active.sample].position);
   const Arm along = arm_of(active.normal);
@@ -95,8 +90,8 @@ void ObjectContact::press(const Active& active, double weight) noexcept {
   const CoarsePress press = coarse_press(depth, static_cast<double>(active.half));
   if (!(press.depth > 0)) return;
   const Pair& pair = pairs_[active.object];
-  const double spring =
-      weight * pair.stiffness * static_cast<double>(tool_.shares[active.sample].area);
+  const double spring = static_cast<double>(weight) * pair.stiffness *
+                        static_cast<double>(tool_.shares[active.sample].area);
   press_part(active, spring, press, {along.x, along.y, along.z}, {arm.x, arm.y, arm.z});
 }
 
@@ -106,7 +101,7 @@ void ObjectContact::press_left(Active& active, ObjectContactReport& report) noex
   // It was not needed to get to those below it.
   if (!active.known()) ask_of(active, pair, report);
   if (!is_summed(active.sample) && active.has_normal()) weigh(active, pair);
-  press(active, pair.weight);
+  press(active, active.weight);
 }
 
 /// Takes up a sample unless it, and everything below it, is clear. How far it is from touching, m;
@@ -246,6 +241,7 @@ void ObjectContact::look_over(std::uint32_t first, std::uint32_t count, const Ac
     active.sample = sample;
     active.object = above.object;
     active.cluster = static_cast<std::uint16_t>(cluster);
+    active.weight = above.weight;
     // It would tell nothing yet.
     if (way < -until_then) continue;
     const double spare = look_at(active, pair, way, own, above, report);
@@ -257,41 +253,6 @@ void ObjectContact::look_over(std::uint32_t first, std::uint32_t count, const Ac
   spare_of(pair, cluster, least);
 }
 
-/// How much of a pair's contact finer levels are to tell: 1 all, 0 nothing. In between the forces
-/// of both count, so that they do not jump where levels change.
-double ObjectContact::left_to_refine(const Pair& pair, std::uint32_t level,
-                                     double accuracy) const noexcept {
-  const LevelSum &sum = pair.level_sum, &before = pair.sum_before;
-  if (level <= summed_level_ || !(sum.pressing > 0)) return 1;
-  const double force = std::max(sum.force.norm(), least_left * sum.pressing);
-  const double torque = std::max(sum.torque.norm(), least_left * sum.pressing * tool_.radius);
-  const double change = std::max((sum.force - before.force).norm() / force,
-                                 (sum.torque - before.torque).norm() / torque);
-  const double few = 2 - sum.contacts / few_contacts, many = 2 - sum.contacts / many_contacts;
-  return std::clamp(std::max(std::min(change / accuracy - 1, many), few), 0.0, 1.0);
-}
-
-/// Settles what need not be refined. False where nothing is left.
-bool ObjectContact::settle_level(std::uint32_t level, double accuracy) noexcept {
-  for (Pair& pair : pairs_) {
-    if (!pair.present) continue;
-    pair.fixed = pair.weight;
-    pair.weight *= left_to_refine(pair, level, accuracy);
-    pair.fixed -= pair.weight;
-    if (pair.fixed > 0) pair.spare = 0;
-    pair.sum_before = pair.level_sum;
-    pair.level_sum = {};
-  }
-  std::size_t kept = 0;
-  for (const Active& active : active_) {
-    const Pair& pair = pairs_[active.object];
-    if (pair.fixed > 0) press(active, pair.fixed);
-    if (pair.weight > 0) active_[kept++] = active;
-  }
-  active_.resize(kept);
-  return kept > 0;
-}
-
 /// Looks level by level, as long as there is time and finer levels may change the sum.
 void ObjectContact::look_by_levels(const TickBudget& budget, WorkClock& clock,
                                    ObjectContactReport& report) noexcept {
@@ -299,9 +260,9 @@ void ObjectContact::look_by_levels(const TickBudget& budget, WorkClock& clock,
   const SampleLevel& coarsest = tool_.levels.front();
   active_.clear();
   next_.clear();
+  clusters_.begin();
   for (std::uint32_t object = 0; object < pairs_.size(); ++object) {
     Pair& pair = pairs_[object];
-    pair.weight = 1;
     pair.level_sum = pair.sum_before = {};
     if (!pair.present || !look_at_all(pair)) continue;
     Active all;
@@ -339,8 +300,8 @@ void ObjectContact::look_by_levels(const TickBudget& budget, WorkClock& clock,
   }
   const std::span<Active> rest = std::span(active_).subspan(done);
   press_time_ = clock.time_of(next_.size() + rest.size(), [&] {
-    for (const Active& active : next_) press(active, pairs_[active.object].weight);
-    for (const Active& active : rest) press(active, pairs_[active.object].weight);
+    for (const Active& active : next_) press(active, active.weight);
+    for (const Active& active : rest) press(active, active.weight);
   });
 }
 

@@ -78,7 +78,7 @@ void ObjectContact::press_finest_square(const Active& active,
   for (std::size_t k = 0; k < divided.size(); ++k) {
     divided[k] = std::clamp(2 - pair.sum_before.contacts / few_patches[k], 0.0, 1.0);
   }
-  const double weight = pair.weight;
+  const auto weight = static_cast<double>(active.weight);
   if (divided[0] < 1) press_square(active, square, weight * (1 - divided[0]));
   if (!(divided[0] > 0)) return;
   const Vector3 normal = tool_.shares[active.sample].normal();

@@ -39,6 +39,29 @@ TEST_CASE("A cursor that follows a walk answers as single queries do, bit by bit
   }
 }
 
+TEST_CASE("Distances without normals, and normals once they are asked for, are those of queries") {
+  const TiledCubeByHand cube(size);
+  Random random(3);
+  QueryCursor cursor;
+  cursor.begin(&cube.view);
+  int near = 0;
+  for (int trial = 0; trial < 4000; ++trial) {
+    const Vector3 place(random.between(-0.6, 0.6) * size, random.between(-0.6, 0.6) * size,
+                        random.between(-0.6, 0.6) * size);
+    const Answer answer = query_point(cube.view, place);
+    const QueriedDistance found = cursor.distance(place);
+    REQUIRE(found.status == answer.status);
+    if (!found.known()) {
+      REQUIRE(std::isnan(found.distance));
+      continue;
+    }
+    REQUIRE(found.distance == answer.distance);
+    REQUIRE(cursor.normal() == answer.normal);
+    ++near;
+  }
+  CHECK(near > 500);
+}
+
 TEST_CASE("The quadric about a point is the field as far as it is told to reach") {
   TiledCubeByHand cube(size);
   cube.octree.value_unit = 1e-6;
