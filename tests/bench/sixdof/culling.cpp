@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "common/base/random.hpp"
-#include "common/sixdof/hull_distance.hpp"
+#include "common/culling/hull_distance.hpp"
 #include "common/surface/support_plane_mapping.hpp"
 #include "tests/bench/base/one_core.hpp"
 #include "tests/bench/geometry/bounding_boxes.hpp"

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "common/sixdof/support_culling.hpp"
+#include "common/culling/support_culling.hpp"
 
 namespace spm::bench {
 

@@ -2,8 +2,8 @@
 #include <array>
 #include <catch2/catch.hpp>
 
+#include "common/culling/support_culling.hpp"
 #include "common/sixdof/overlap_volume.hpp"
-#include "common/sixdof/support_culling.hpp"
 #include "common/sixdof/virtual_tool.hpp"
 #include "servo/force/scene_force.hpp"
 #include "tests/servo/force/tool_scene.hpp"

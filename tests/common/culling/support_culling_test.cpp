@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "common/sixdof/support_culling.hpp"
+#include "common/culling/support_culling.hpp"
 
 #include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
 
-#include "common/sixdof/hull_distance.hpp"
+#include "common/culling/hull_distance.hpp"
 #include "common/surface/support_plane_mapping.hpp"
 #include "tests/support/asset_by_hand.hpp"
 #include "tests/support/random.hpp"

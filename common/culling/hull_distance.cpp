@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "common/sixdof/hull_distance.hpp"
+#include "common/culling/hull_distance.hpp"
 
 #include "common/surface/closest_on_triangle.hpp"
 

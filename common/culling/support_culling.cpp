@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "common/sixdof/support_culling.hpp"
+#include "common/culling/support_culling.hpp"
 
 #include <algorithm>
 #include <array>
@@ -7,7 +7,7 @@
 #include <numbers>
 
 #include "common/base/rigid_pose.hpp"
-#include "common/sixdof/hull_distance.hpp"
+#include "common/culling/hull_distance.hpp"
 #include "common/surface/support_plane_mapping.hpp"
 
 namespace spm {
