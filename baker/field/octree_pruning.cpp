@@ -43,8 +43,7 @@ Cost cost_of_leaf(const OctreeNode& node, int level) {
   }
   Cost cost;
   cost.bytes = unit_bytes * units_of(node.kind);
-  if (node.kind == OctreeKind::polynomial || node.kind == OctreeKind::least ||
-      node.kind == OctreeKind::most) {
+  if (has_maps(node.kind)) {
     const double time = node.kind == OctreeKind::polynomial ? 1 : pair_time;
     cost.time = node.cube.volume() * (time + level_time * level);
   }

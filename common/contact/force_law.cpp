@@ -39,7 +39,7 @@ ContactForce spm_contact_force(const AssetView& asset, const ForceSettings& sett
                                const Vector3& point) noexcept {
   const Answer answer = query_point(asset, point);
   ContactForce result;
-  const bool answered = answer.status == Status::exact || answer.status == Status::deep;
+  const bool answered = is_known(answer.status);
   if (!answered || !(answer.distance < settings.probe_radius)) return result;
   result.depth = settings.probe_radius - answer.distance;
   result.normal = answer.normal;

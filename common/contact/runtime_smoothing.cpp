@@ -40,7 +40,7 @@ SmoothedAnswer smoothed_query(const AssetView& asset, const RuntimeSmoothing& sm
   for (std::uint32_t k = 0; k < samples; ++k) {
     const Answer answer = query_point(asset, point + smoothing.sigma * offset(k, samples));
     double distance = asset.band.margin;
-    if (answer.status == Status::exact || answer.status == Status::deep) {
+    if (is_known(answer.status)) {
       distance = answer.distance;
       result.known = true;
     } else if (k == 0 && answer.status == Status::pruned) {

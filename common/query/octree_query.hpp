@@ -37,9 +37,7 @@ namespace spm {
 struct QueriedDistance {
   double distance = 0;  ///< as Answer's
   Status status = Status::far;
-  [[nodiscard]] bool known() const noexcept {
-    return status == Status::exact || status == Status::deep;
-  }
+  [[nodiscard]] bool known() const noexcept { return is_known(status); }
 };
 
 /// The same of an exact distance, m, once the band's ends are applied.

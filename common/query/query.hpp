@@ -16,6 +16,11 @@ enum class Status : std::uint8_t {
   pruned,  ///< in a region that the bake left out: distance NaN, normal zero
 };
 
+/// Whether a distance and a normal are told.
+[[nodiscard]] constexpr bool is_known(Status status) noexcept {
+  return status == Status::exact || status == Status::deep;
+}
+
 enum class Source : std::uint8_t { map, triangles, none, polynomial };
 
 /// Answer of a query at a point.

@@ -19,10 +19,10 @@ void add_to(std::array<float, 3>& sum, const std::array<double, 3>& more) noexce
 
 }  // namespace
 
-ClusterSums::ClusterSums() {
-  sums_.reserve(room);
-  before_.reserve(room);
-  changes_.reserve(2 * room);
+void ClusterSums::reserve(std::size_t clusters) {
+  sums_.reserve(clusters);
+  before_.reserve(clusters);
+  changes_.reserve(2 * clusters);
 }
 
 std::size_t ClusterSums::bytes() const noexcept {
@@ -34,16 +34,11 @@ void ClusterSums::begin() noexcept {
   sums_.clear();
   before_.clear();
   changes_.clear();
-  all_known_ = true;
 }
 
 void ClusterSums::add(std::uint32_t key, const std::array<double, 3>& force,
                       const std::array<double, 3>& torque) noexcept {
-  if (sums_.empty() || sums_.back().key != key) {
-    all_known_ = all_known_ && sums_.size() < room;
-    if (!all_known_) return;
-    sums_.emplace_back().key = key;
-  }
+  if (sums_.empty() || sums_.back().key != key) sums_.emplace_back().key = key;
   add_to(sums_.back().force, force);
   add_to(sums_.back().torque, torque);
 }

@@ -17,14 +17,11 @@ struct ClusterChange {
 };
 
 /// What presses on a level of samples, added up cluster by cluster, and how that changed from the
-/// level above it. Keys tell object and cluster, and grow as samples are looked at. Built at load
-/// time (allocates); the rest neither allocates nor throws.
+/// level above it. Keys tell object and cluster, and grow as samples are looked at.
 class ClusterSums {
  public:
-  /// Clusters of one level that there is room for.
-  static constexpr std::size_t room = 512;
-
-  ClusterSums();
+  /// Makes room (allocates) for so many clusters of a level; then the rest does not allocate.
+  void reserve(std::size_t clusters);
   /// Begins a tick.
   void begin() noexcept;
   /// Adds what presses in a cluster, N and N m, whose key is that of the last or larger.
@@ -35,8 +32,6 @@ class ClusterSums {
   /// Of each cluster in which something presses on the level that ended, or did on the one above,
   /// in the order of keys.
   [[nodiscard]] std::span<const ClusterChange> changes() const noexcept { return changes_; }
-  /// False where more clusters pressed in this tick than there is room for.
-  [[nodiscard]] bool all_known() const noexcept { return all_known_; }
   [[nodiscard]] std::size_t bytes() const noexcept;
 
  private:
@@ -46,7 +41,6 @@ class ClusterSums {
   };
   std::vector<Sum> sums_, before_;
   std::vector<ClusterChange> changes_;
-  bool all_known_ = true;
 };
 
 }  // namespace spm

@@ -55,6 +55,8 @@ ObjectContact::ObjectContact(const SurfaceSamples& tool, const ObjectContactSett
     summed_level_ = static_cast<std::uint32_t>(&level - tool.levels.data());
   }
   ways_.assign(std::size_t{settings.objects} * clustered_, 0.0);
+  // In each that presses a sample is active.
+  clusters_.reserve(std::min(ways_.size(), next_.capacity()));
   spares_.assign(ways_.size(), 0.0F);
   patch_at_.assign(ways_.size(), 0);
 }
@@ -101,7 +103,7 @@ double ObjectContact::ask(Pair& pair, const Vector3& place, Vector3& normal,
   ++report.asked;
   const Vector3 asked = pair.scale == 1 ? place : Vector3(place / pair.scale);
   const Answer answer = pair.cursor.query(asked);
-  if (answer.status == Status::exact || answer.status == Status::deep) {
+  if (is_known(answer.status)) {
     normal = answer.normal;
     return pair.scale * answer.distance;
   }

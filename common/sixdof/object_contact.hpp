@@ -352,7 +352,6 @@ class ObjectContact {
   [[nodiscard]] QueriedDistance query_at(Pair& pair, const Arm& at, Vector3& place,
                                          ObjectContactReport& report) noexcept;
   [[nodiscard]] bool needs_normal(const Active& active) const noexcept;
-  void press_left(Active& active, ObjectContactReport& report) noexcept;
   [[nodiscard]] double meet(Active& active, Pair& pair, double way, float* until,
                             ObjectContactReport& report) noexcept;
   void ask_of(Active& active, Pair& pair, ObjectContactReport& report) noexcept;
@@ -365,8 +364,8 @@ class ObjectContact {
   }
   [[nodiscard]] Settling settling_of(const Pair& pair, std::uint32_t level,
                                      double accuracy) const noexcept;
-  [[nodiscard]] float left_to_refine(const Settling& settling, const ClusterChange* change,
-                                     double accuracy) const noexcept;
+  [[nodiscard]] static float left_to_refine(const Settling& settling, const ClusterChange* change,
+                                            double accuracy) noexcept;
   [[nodiscard]] bool settle_level(std::uint32_t level, double accuracy) noexcept;
   void look_by_levels(const TickBudget& budget, WorkClock& clock,
                       ObjectContactReport& report) noexcept;

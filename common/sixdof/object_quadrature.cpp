@@ -95,15 +95,6 @@ void ObjectContact::press(const Active& active, float weight) noexcept {
   press_part(active, spring, press, {along.x, along.y, along.z}, {arm.x, arm.y, arm.z});
 }
 
-/// Presses one that was not looked at as finely as it should be, for want of time.
-void ObjectContact::press_left(Active& active, ObjectContactReport& report) noexcept {
-  Pair& pair = pairs_[active.object];
-  // It was not needed to get to those below it.
-  if (!active.known()) ask_of(active, pair, report);
-  if (!is_summed(active.sample) && active.has_normal()) weigh(active, pair);
-  press(active, active.weight);
-}
-
 /// Takes up a sample unless it, and everything below it, is clear. How far it is from touching, m;
 /// kept_for_below where those below it tell that.
 double ObjectContact::meet(Active& active, Pair& pair, double way, float* until,

@@ -44,13 +44,12 @@ ObjectContact::Settling ObjectContact::settling_of(const Pair& pair, std::uint32
 /// How much of a cluster finer levels are to tell: 1 all, 0 nothing. In between the forces of both
 /// count, so that they do not jump where levels change. Null: nothing presses in it.
 float ObjectContact::left_to_refine(const Settling& settling, const ClusterChange* change,
-                                    double accuracy) const noexcept {
+                                    double accuracy) noexcept {
   if (change == nullptr) return static_cast<float>(settling.silent);
   // Each of as many clusters as there are in effect may be off by the same part of the accuracy.
   const double alike = settling.changes / std::sqrt(settling.squares);
   const double own = settling.squares > 0 ? settling.change(*change) * alike / accuracy - 1 : 0;
-  const double most = clusters_.all_known() ? std::min(own, settling.most) : settling.most;
-  return static_cast<float>(std::clamp(most, settling.few, 1.0));
+  return static_cast<float>(std::max(settling.few, std::min(own, settling.most)));
 }
 
 /// Settles what need not be refined. False where nothing is left.

@@ -32,23 +32,24 @@ TEST_CASE("The change of a cluster is how far its sums on two levels are apart")
   CHECK(sums.changes()[1].force == 1);
   CHECK(sums.changes()[2].key == 7);
   CHECK(sums.changes()[2].force == 1);
-  CHECK(sums.all_known());
   sums.begin();
   sums.end_level();
   CHECK(sums.changes().empty());
 }
 
-TEST_CASE("More clusters than there is room for are told as not all known, in that tick alone") {
+TEST_CASE("As many clusters as there is room for need no more memory, on any number of levels") {
   ClusterSums sums;
+  constexpr std::uint32_t room = 100;
+  sums.reserve(room);
+  const std::size_t bytes = sums.bytes();
   sums.begin();
-  for (std::uint32_t key = 0; key < ClusterSums::room; ++key) sums.add(key, {1, 0, 0}, nothing);
-  CHECK(sums.all_known());
-  sums.add(ClusterSums::room, {1, 0, 0}, nothing);
-  CHECK_FALSE(sums.all_known());
-  sums.end_level();
-  CHECK(sums.changes().size() == ClusterSums::room);
-  sums.begin();
-  CHECK(sums.all_known());
+  for (std::uint32_t level = 0; level < 3; ++level) {
+    // None of them is of the level above.
+    for (std::uint32_t k = 0; k < room; ++k) sums.add(2 * k + level % 2, {1, 0, 0}, nothing);
+    sums.end_level();
+    CHECK(sums.changes().size() == (level > 0 ? 2 : 1) * room);
+  }
+  CHECK(sums.bytes() == bytes);
 }
 
 }  // namespace
