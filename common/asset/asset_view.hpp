@@ -91,6 +91,7 @@ struct AssetView {
   std::span<const DistanceMap> maps;
   std::span<const Tile> tiles;  ///< `sparse` only, where they were asked for at opening: what the
                                 ///< asset shows of its surface; no answer depends on them
+  bool tiles_left_out = false;  ///< the asset has tiles, but they were not asked for
   float height_unit = 1;        ///< m per unit of the tiles' heights
   std::span<const float> triangles;  ///< `full` only: of the fallback, three corners each, m
   Grid grid;                         ///< `full` only

@@ -36,10 +36,13 @@ ObjectContact::ObjectContact(const SurfaceSamples& tool, const ObjectContactSett
   if (!tool.levels.empty()) finest_until_.assign(slots_.size() * tool.levels.back().count, 0.0F);
   // All of the level above the finest, with one object.
   const std::size_t above = tool.levels.size() > 1 ? tool.levels[tool.levels.size() - 2].count : 0;
+  // The coarsest level with every object there may be always has room.
+  const std::size_t coarsest =
+      tool.levels.empty() ? 1 : std::size_t{settings.objects} * tool.levels.front().count;
   const std::size_t room =
-      std::min<std::size_t>(settings.max_active, std::max<std::size_t>(least_room, above));
-  active_.reserve(std::max<std::size_t>(room, 1));
-  next_.reserve(std::max<std::size_t>(room, 1));
+      std::max(std::min<std::size_t>(settings.max_active, std::max(least_room, above)), coarsest);
+  active_.reserve(room);
+  next_.reserve(room);
   whole_.reserve(max_whole);
   near_.reserve(max_near);
   contacts_.reserve(max_told);
@@ -324,7 +327,7 @@ void ObjectContact::look_to_finest(std::size_t count, const TickBudget& budget, 
   const SampleLevel& coarsest = tool_.levels.front();
   for (std::uint32_t object = 0; object < count; ++object) {
     if (!pairs_[object].present || !look_at_all(pairs_[object])) continue;
-    for (std::uint32_t k = 0; k < coarsest.count && active_.size() < active_.capacity(); ++k) {
+    for (std::uint32_t k = 0; k < coarsest.count; ++k) {
       look(coarsest.first + k, object, {}, active_, report);
     }
   }

@@ -220,6 +220,11 @@ Result<std::vector<SurfacePatch>> surface_patches(const AssetView& asset, double
   if (!(step > 0)) {
     return fail(ExitCode::usage, "surface samples: the step must be above 0; give a length in m");
   }
+  if (asset.tiles_left_out) {
+    return fail(ExitCode::usage,
+                "surface samples: the asset was opened without its tiles, which show its surface; "
+                "open it with them");
+  }
   PatchMaker maker(asset, step);
   maker.add_all();
   if (maker.patches.empty()) {

@@ -54,6 +54,7 @@ AssetTables::AssetTables(std::vector<SupportPlane> planes, std::vector<DistanceM
 }
 
 void AssetTables::drop_tiles() noexcept {
+  view_.tiles_left_out = view_.tiles_left_out || !tiles_.empty();
   // Assigning an empty list would keep the memory.
   std::vector<Tile>().swap(tiles_);
   view_.tiles = {};

@@ -103,7 +103,13 @@ class Watched(Case):
             if len(seen) == 4 and seen[-1]["contact"] and max(forces) - min(forces) < 0.001:
                 return seen[-1]
             time.sleep(0.06)
-        return self.fail(f"the force never rests: {seen}")
+        page = self.browser.run(
+            "const {hand, stage, frame} = spmView, place = (v) => v && v.toArray();"
+            "return {leads: frame.leads, pointer: hand.pointer ?? null, target: place(hand.target),"
+            "        round: hand.round.map(place), seen: place(stage.hand.position),"
+            "        position: [...frame.devices[0].position], sent: hand.number, heard: frame.echo,"
+            "        message: document.body.innerText.slice(0, 300)}")
+        return self.fail(f"the force never rests: {seen}; the page: {page}")
 
     def picture(self, name):
         os.makedirs(PICTURES, exist_ok=True)

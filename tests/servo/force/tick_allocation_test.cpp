@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <array>
 #include <catch2/catch.hpp>
+#include <span>
+#include <vector>
 
 #include "common/culling/support_culling.hpp"
 #include "common/sixdof/overlap_volume.hpp"
@@ -42,6 +44,32 @@ TEST_CASE("Ticks of contact, virtual tool, overlap and culling allocate, lock an
   CHECK(after.allocations == before.allocations);
   CHECK(after.locks == before.locks);
   CHECK(after.writes == before.writes);
+}
+
+TEST_CASE(
+    "A tick of a small tool among hundreds of objects allocates nothing, and feels them all") {
+  const test::TiledCubeByHand object(0.04), small(0.012);
+  const SurfaceSamples samples = *sample_surface(small.view, 0.006);
+  constexpr std::size_t count = 600;
+  ObjectContactSettings settings;
+  settings.objects = count;
+  const std::vector<ContactObject> objects(count,
+                                           {&object.view, Isometry3d::Identity(), 1, 1e9 / count});
+  const std::span<const ContactObject> one(objects.data(), 1);
+  const Isometry3d pose(Eigen::Translation3d(0.001, 0.002, 0.025));
+  for (const double accuracy : {0.0, 0.1}) {
+    TickBudget budget;
+    budget.accuracy = accuracy;
+    ObjectContact contact(samples, settings), alone(samples, settings);
+    const double wanted = count * alone.tick(pose, one, budget).sum.forces().force.z();
+    const test::InterceptedCalls before = test::intercepted_calls();
+    test::watch(true);
+    const ObjectContactReport report = contact.tick(pose, objects, budget);
+    test::watch(false);
+    CHECK(test::intercepted_calls().allocations == before.allocations);
+    REQUIRE(wanted > 0);
+    CHECK(report.sum.forces().force.z() == Approx(wanted).epsilon(0.2));
+  }
 }
 
 TEST_CASE(
