@@ -47,7 +47,8 @@ class Stroke {
     own_place_ = to_vector(tool.places[on_tool].position);
     own_normal_ = tool.shares[on_tool].normal();
     along_ = normal_.cross(direction_of(unit(), unit())).normalized();
-    angle_ = 2 * std::numbers::pi * unit();
+    const Eigen::AngleAxisd about(2 * std::numbers::pi * unit(), normal_);
+    turn_ = about * Eigen::Quaterniond::FromTwoVectors(own_normal_, -normal_);
     // Start well above the object, so that no other part of the tool is inside.
     lift_ = 2e-3;
   }
@@ -71,9 +72,13 @@ class Stroke {
     const Answer answer = query_point(object_, at_);
     if (answer.status != Status::exact) return std::nullopt;
     at_ -= answer.distance * answer.normal;
+    // Turned on from where it is: a turn told anew from the two normals jumps where they are alike.
+    const Vector3 before = normal_;
     normal_ = (normal_ + follow_share * answer.normal).normalized();
+    turn_ = (Eigen::AngleAxisd(twist, normal_) *
+             Eigen::Quaterniond::FromTwoVectors(before, normal_) * turn_)
+                .normalized();
     along_ = (along_ - along_.dot(answer.normal) * answer.normal).normalized();
-    angle_ += twist;
     const double phase = 2 * std::numbers::pi * static_cast<double>(tick) / 250;
     const double target =
         plan_.min_depth + (plan_.max_depth - plan_.min_depth) * (1 - std::cos(phase)) / 2;
@@ -89,7 +94,8 @@ class Stroke {
   std::uint64_t seed_, drawn_ = 0;
   ObjectContact contact_;
   Vector3 at_, normal_, along_, own_place_, own_normal_;
-  double angle_ = 0, lift_ = 0, deepest_ = 0;
+  Eigen::Quaterniond turn_;
+  double lift_ = 0, deepest_ = 0;
 
   double unit() { return random_unit(seed_, drawn_++); }
   std::uint32_t draw(const SurfaceSamples& samples) {
@@ -99,9 +105,7 @@ class Stroke {
 
   [[nodiscard]] Isometry3d pose() const {
     Isometry3d made = Isometry3d::Identity();
-    made.linear() = (Eigen::AngleAxisd(angle_, normal_) *
-                     Eigen::Quaterniond::FromTwoVectors(own_normal_, -normal_))
-                        .toRotationMatrix();
+    made.linear() = turn_.toRotationMatrix();
     made.translation() = at_ + lift_ * normal_ - made.linear() * own_place_;
     return made;
   }
