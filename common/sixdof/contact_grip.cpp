@@ -104,6 +104,7 @@ void ContactGrip::settle(const GripSettings& settings, std::uint32_t sample, std
   mean.weight += spring;
   mean.load += most;
   ++mean.count;
+  mean.anchored = true;
 }
 
 void ContactGrip::end(std::uint32_t object) noexcept {
@@ -114,7 +115,10 @@ void ContactGrip::end(std::uint32_t object) noexcept {
 }
 
 void ContactGrip::forget(std::uint32_t object) noexcept {
+  const bool anchored = means_[object].anchored;
   means_[object] = {};
+  // All anchors of every object that a tick forgets would be too many to look through.
+  if (!anchored) return;
   for (Anchor& anchor : anchors_) {
     if (anchor.object == object) anchor = {};
   }

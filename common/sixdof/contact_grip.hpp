@@ -76,6 +76,7 @@ class ContactGrip {
     Vector3 sum = Vector3::Zero();
     double weight = 0, load = 0;
     std::uint32_t count = 0;
+    bool anchored = false;  ///< there may be anchors of it
   };
   static constexpr std::uint32_t kept_ticks = 64;
   static constexpr std::size_t tried = 4;
