@@ -20,7 +20,7 @@ constexpr double many_contacts = 256;
 constexpr double least_left = 0.05;
 /// From so many contacts on, clusters in which nothing presses begin to be looked at no finer; from
 /// twice as many on they are not.
-constexpr double silent_contacts = 3;
+constexpr double silent_contacts = 4;
 
 }  // namespace
 
