@@ -286,17 +286,17 @@ def forces_table(reports: dict) -> list[str]:
 
 
 def sixdof_table(reports: dict) -> list[str]:
-    def pair(of: dict | None) -> str:
-        return f"{number(of['median'])} / {number(of['p95'])}" if of else ""
+    def errors(of: dict | None) -> str:
+        return " / ".join(number(of[key]) for key in ("median", "p95", "p99")) if of else ""
 
     return table(["path", "method", "settings", "a tick p50 / p99, us", "ended coarser, %",
-                  "force off, median / p95, %", "torque off, median / p95, %",
-                  "direction off, median / p95, deg", "kB"],
+                  "force off, median / p95 / p99, %", "torque off, median / p95 / p99, %",
+                  "direction off, median / p95 / p99, deg", "kB"],
                  [[row.get("path", "slide"), f"`{row['method']}`", row["settings"],
                    f"{row['p50_us']:.0f} / {row['p99_us']:.0f}",
-                   f"{100 * row['degraded']:.1f}", pair(row["force_error_percent"]),
-                   pair(row.get("torque_error_percent")),
-                   pair(row["direction_error_deg"]) if row.get("path") != "deep" else "",
+                   f"{100 * row['degraded']:.1f}", errors(row["force_error_percent"]),
+                   errors(row.get("torque_error_percent")),
+                   errors(row["direction_error_deg"]) if row.get("path") != "deep" else "",
                    f"{row['bytes'] / 1e3:,.0f}" if row.get("bytes") else ""]
                   for row in reports["sixdof"]["rows"]])
 
