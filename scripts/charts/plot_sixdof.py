@@ -39,7 +39,7 @@ def draw_curve(axes, rows: list[dict], name: str) -> None:
                 color=colour, linewidth=1.2)
     axes.scatter(counts, [row["p99_us"] for row in rows], marker="_", color=colour, s=60)
     label(axes, (counts[-1], rows[-1]["p50_us"]), words, colour,
-          (7, 7 if name == "served-proxy" else -3), fontweight="bold")
+          (7, 7), fontweight="bold")
     if name != "served-spm":
         return
     for row in rows:

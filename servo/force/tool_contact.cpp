@@ -23,7 +23,8 @@ constexpr double least_share = 0.02;
 /// The part of a tick's time in which finer levels are looked at for the first time; the rest is
 /// for the steps of the virtual tool.
 constexpr double refining_share = 0.45;
-/// Ticks after one without enough time until the next finer level is tried again.
+/// Ticks after one without enough time in which another makes the next coarser, and until the next
+/// finer level is tried again.
 constexpr std::uint32_t waiting_ticks = 8;
 /// Samples that a tick must have looked at before it ran out of time, for the next to be coarser.
 constexpr std::uint32_t telling_work = 512;
@@ -263,11 +264,13 @@ void ToolForce::end_work(const Work& work, ForceEffort& effort) noexcept {
   if (effort.refined != unstopped) {
     // A tick that had hardly any time, since it began late, says nothing of the next one.
     if (work.done < telling_work) return;
-    // One that was interrupted says little: a level at a time.
+    // One alone may have been interrupted. Two say little: a level at a time.
+    const bool again = patience_ > 0;
+    patience_ = waiting_ticks;
+    if (!again) return;
     const std::uint32_t before = std::min(finest_, finest);
     finest_ = std::max(level, before > 0 ? before - 1 : 0);
-    patience_ = waiting_ticks;
-  } else if (finest_ != every_level && (patience_ == 0 || --patience_ == 0)) {
+  } else if (patience_ > 0 && --patience_ == 0 && finest_ != every_level) {
     patience_ = waiting_ticks;
     ++finest_;
     if (finest_ >= finest) finest_ = every_level;

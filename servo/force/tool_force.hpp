@@ -209,7 +209,8 @@ class ToolForce {
   std::vector<Met> met_;        ///< by hands
   std::uint64_t starts_ = 0;    ///< how often it has begun
   std::uint32_t finest_;        ///< level that the next tick may look at
-  std::uint32_t patience_ = 0;  ///< ticks until it may look at the next
+  std::uint32_t patience_ = 0;  ///< ticks until it may look at the next, and one without enough
+                                ///< time counts as the first
   bool placed_ = false;         ///< the virtual tool is somewhere
   bool any_held_ = false, any_pushed_ = false;
   bool same_objects_ = false;                        ///< those that hold, as in the last tick
