@@ -336,8 +336,7 @@ def tools_table(reports: dict) -> list[str]:
     """The cases in six degrees of freedom at the fraction where the default is to hold: good runs of
     all profiles, with torque and without."""
     report = reports["tools"]
-    rows = [row for row in report["cases"]
-            if row["degrees"] == 6 and row["fraction"] == min(report["fractions"])]
+    rows = [row for row in report["cases"] if row["fraction"] == min(report["fractions"])]
     methods = [method for method in LABORATORY_METHODS
                if any(row["method"] == method for row in rows)]
 

@@ -38,8 +38,8 @@ def draw_curve(axes, rows: list[dict], name: str) -> None:
     axes.vlines(counts, [row["p50_us"] for row in rows], [row["p99_us"] for row in rows],
                 color=colour, linewidth=1.2)
     axes.scatter(counts, [row["p99_us"] for row in rows], marker="_", color=colour, s=60)
-    label(axes, (counts[-1], rows[-1]["p50_us"]), words, colour,
-          (7, 7), fontweight="bold")
+    label(axes, (counts[-1], rows[-1]["p50_us"]), words, colour, (7, 7),
+          fontweight="bold")
     if name != "served-spm":
         return
     for row in rows:

@@ -65,6 +65,7 @@ void ToolForce::take(SampledTool* tool, std::size_t hand) noexcept {
   virtual_.reset();
   escape_.reset();
   finest_ = every_level;
+  patience_ = 0;
   if (contact_ == nullptr) return;
   contact_->forget();
   const SurfaceSamples& samples = tool_->samples();

@@ -268,10 +268,11 @@ TEST_CASE(
   CHECK(scene.force->effort().culled == 6);
 }
 
+constexpr std::int64_t a_reading = 400;  // ns
 std::int64_t fake_now = 0;
 std::int64_t interrupted_at = std::numeric_limits<std::int64_t>::max();
 std::int64_t fake_clock() noexcept {
-  fake_now += 400;
+  fake_now += a_reading;
   if (fake_now >= interrupted_at) {
     interrupted_at = std::numeric_limits<std::int64_t>::max();
     fake_now += 20'000'000;
@@ -293,7 +294,7 @@ TEST_CASE("A tick that runs out of time is coarser, says so, and is replayed wit
       ForceBudget budget;
       budget.clock = &fake_clock;
       // Now and then there is time enough.
-      budget.until_ns = fake_now + (tick % 20 == 19 ? 100'000'000 : 100'000 + 500 * tick);
+      budget.until_ns = fake_now + (tick % 20 == 19 ? 100'000'000 : 85'000 + 500 * tick);
       const ContactForce found = live.force->next(live.assets, HandPose{at, turn}, 1, budget);
       const ForceEffort effort = live.force->effort();
       degraded += effort.degraded() ? 1 : 0;
@@ -307,7 +308,7 @@ TEST_CASE("A tick that runs out of time is coarser, says so, and is replayed wit
       REQUIRE(effort.refined == again.force->effort().refined);
       REQUIRE(effort.worked == again.force->effort().worked);
     }
-    CHECK(degraded > 5);
+    CHECK(degraded > 10);
     CHECK(coarse > 5);
     CHECK(exact > 20);
   }
@@ -329,7 +330,7 @@ class Interrupted {
   }
   /// ns: what a tick needs at most.
   [[nodiscard]] std::int64_t used() const noexcept { return used_; }
-  [[nodiscard]] std::int64_t readings() const noexcept { return used_ / 400; }
+  [[nodiscard]] std::int64_t readings() const noexcept { return used_ / a_reading; }
 
   ForceEffort next(std::int64_t time) {
     ForceBudget budget;
@@ -342,7 +343,7 @@ class Interrupted {
   }
   /// The core is taken away for 20 ms at a reading of the clock.
   ForceEffort interrupted(std::int64_t time, std::int64_t reading) {
-    interrupted_at = fake_now + 400 * reading;
+    interrupted_at = fake_now + a_reading * reading;
     const ForceEffort effort = next(time);
     interrupted_at = std::numeric_limits<std::int64_t>::max();
     return effort;

@@ -192,9 +192,8 @@ class HidDevices(unittest.TestCase):
         self.assertEqual(seen["min_m"], [0, 0, 0])
         self.assertEqual(seen["max_m"][1:], [0, 0])
         self.assertEqual(seen["buttons"], 1)
-        # It is put out where the loop stalls, as on a busy machine, and at the end in any case.
-        self.assertEqual(mock["light"][0], 1)
-        self.assertEqual(mock["light"][-1], 0)
+        # It is put out at the end, and before that if a busy machine makes the loop stall.
+        self.assertIn(mock["light"], ([1, 0], [1, 0, 0]))
         self.assertEqual(list(seen["device"]["latency_us"]), ["report_age"])
         self.assertGreater(seen["device"]["latency_us"]["report_age"]["p50"], 0)
 
