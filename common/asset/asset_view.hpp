@@ -84,6 +84,10 @@ enum class CellKind : std::uint32_t {
   pruned = 3,  ///< left out by the bake
 };
 
+[[nodiscard]] inline Vector3 unknown_box(double side) noexcept {
+  return Vector3::Constant(side * std::numeric_limits<double>::infinity());
+}
+
 /// Everything that a query reads, as pointers into a baked file or into the baker's memory.
 /// Immutable once built; any number of threads may read it.
 struct AssetView {
@@ -98,6 +102,7 @@ struct AssetView {
   DistanceOctree octree;             ///< `sparse` only
   IndexedTriangles exact;            ///< `sparse` only
   Band band;
+  Vector3 box_low = unknown_box(-1), box_high = unknown_box(1);  ///< m, of the mesh
   double tolerance = 0;  ///< m; how far beyond the band's end an answer may lie
   bool full = false;     ///< map k belongs to plane k and `paper` applies
 

@@ -6,6 +6,7 @@
 #include <array>
 #include <cstdint>
 #include <limits>
+#include <optional>
 #include <span>
 #include <utility>
 #include <vector>
@@ -51,11 +52,12 @@ struct ObjectContactReport {
   /// m: no sample touches before tool and objects have moved this far relative to each other; 0 in
   /// contact
   double clearance = std::numeric_limits<double>::infinity();
-  std::uint64_t asked = 0;   ///< queries of a field
-  std::uint64_t tested = 0;  ///< samples whose distance was evaluated
-  std::uint32_t worked = 0;  ///< samples below the coarsest level, as TickBudget counts them
-  bool stopped = false;      ///< time ran out before the finest level
-  bool degraded = false;     ///< time or space ran out before the finest level
+  std::uint64_t asked = 0;       ///< queries of a field
+  std::uint64_t tested = 0;      ///< samples whose distance was evaluated
+  std::uint32_t worked = 0;      ///< samples below the coarsest level, as TickBudget counts them
+  std::uint32_t unresolved = 0;  ///< objects that time ran out for, before the finest level
+  bool stopped = false;          ///< there was one
+  bool degraded = false;         ///< time or space ran out before the finest level
 };
 
 /// What pushes the tool at one object within one cluster of samples; world frame, about the tool's
@@ -87,20 +89,21 @@ inline void add(PressedPatch& patch, double force, double depth, const Vector3& 
 /// depth d pushes with the stiffness times a d along the field's normal: the gradient of the
 /// potential 1/2 k a d^2. Friction and texture act on the finest samples.
 ///
-/// The samples form a tree of spheres. A node that the field shows to be clear is skipped with
-/// everything below it, until the objects could have moved far enough to touch. Where one
-/// polynomial is the field about all samples below a node, they are clear or pressed together, by
-/// their moments. Coarse levels are evaluated first, so that there is an answer when time runs out.
-/// A coarse sample represents a patch, and only the part of the patch below the surface counts.
-/// Below the field's band the depth stays that of the band's end.
+/// The samples form a tree of spheres. A node that the field shows to be clear, or below which all
+/// samples are, is skipped with everything below it, until the objects could have moved far enough
+/// to touch; so is an object that a support plane parts from the tool. Where one polynomial is the
+/// field about all samples below a node, they are clear or pressed together, by their moments. Of
+/// each object coarse levels are evaluated first, so that there is an answer when time runs out:
+/// first of those that pressed before. A coarse sample represents a patch, and only the part of the
+/// patch below the surface counts. Below the field's band the depth stays that of the band's end.
 ///
 /// A tick that is told an accuracy (TickBudget::accuracy) stops at a level whose sum the next one
 /// would hardly change, object by object and cluster by cluster; between two levels both count, so
 /// that the force does not jump. There a finest sample is a small square, as coarse ones are
 /// patches, and where few touch it is divided into smaller ones.
 ///
-/// A tick that is told how far the next ones go (TickBudget::ahead) lists the samples that may
-/// touch by then; within that way the next ones look at these alone.
+/// A tick that is told how far the next ones go (TickBudget::ahead) lists the samples of each
+/// object that may touch by then; within that way the next ones look at these alone.
 ///
 /// Built at load time (allocates); `tick` neither allocates nor throws, and reads the clock every
 /// few samples. To be used by one thread at a time.
@@ -170,7 +173,12 @@ class ObjectContact {
   };
   /// A finest sample that may touch before the way `TickBudget::ahead` is over.
   struct Near {
-    std::uint32_t sample = 0, object = 0, cluster = 0;
+    std::uint32_t sample = 0;
+    std::uint16_t object = 0, cluster = 0;
+    float until = 0;  ///< it need not be asked before its cluster's way is this long
+    /// The plane that was met last, object's frame, unit and m; zero where it is not known.
+    std::array<float, 3> normal{};
+    float offset = 0;
   };
   /// The sum over an object's contacts of a level, tool's axes, about the tool's origin.
   struct LevelSum {
@@ -225,8 +233,11 @@ class ObjectContact {
     Settling settling;
     std::int32_t slot = -1;    ///< of `finest_until_`; below 0: none
     std::uint32_t absent = 0;  ///< settlings since it was present
+    std::uint32_t level = 0;   ///< to which the last first look of a tick resolved it
+    bool presses = false;      ///< the tool, in what was kept
     bool asleep = false;       ///< the last look at all samples left it out
-    bool listed = false;       ///< it was present when near samples were listed
+    bool listed = false;       ///< samples of it that are near are listed
+    bool looked = false;       ///< in this look all of its samples are looked at
     bool mirrored = false;     ///< `to_world` mirrors
     bool settles = false;      ///< its levels are refined as far as that changes the sum
     bool placed = false;
@@ -275,7 +286,7 @@ class ObjectContact {
   double near_reach_ = 0;  ///< m: of this look; nearer samples are in `contacts_`
   bool near_known_ = false, kept_near_known_ = false;
   double ahead_ = 0;         ///< m: of this look; what is nearer is listed
-  double listed_ahead_ = 0;  ///< m: of the look that listed; 0 or below: there is no list
+  double listed_ahead_ = 0;  ///< m: of the looks that listed
   std::vector<PressedPatch> patches_, kept_;
   /// Where in `patches_` that of a pair and cluster stands, if it stands there.
   std::vector<std::uint8_t> patch_at_;
@@ -297,13 +308,17 @@ class ObjectContact {
     return ways_[first_way(pair) + cluster] + pair.since;
   }
   /// Tells how far a sample is from touching, m; one that is not listed.
-  void spare_of(Pair& pair, std::uint32_t cluster, double spare) noexcept {
+  double spare_of(Pair& pair, std::uint32_t cluster, double spare) noexcept {
     float& least = spares_[first_way(pair) + cluster];
     least = std::min(least, static_cast<float>(spare));
     pair.spare = std::min(pair.spare, spare);
+    return spare;
   }
   [[nodiscard]] double left_of_list(const Pair& pair, double most) const noexcept;
   [[nodiscard]] bool look_at_all(Pair& pair) noexcept;
+  [[nodiscard]] double parted_by(const Pair& pair, const SupportPlane& plane,
+                                 double enough) const noexcept;
+  [[nodiscard]] double parted(const Pair& pair) const noexcept;
   void begin_travel(Pair& pair) noexcept;
   void begin_slot(const Pair& pair) noexcept;
   [[nodiscard]] float* finest_until(std::uint32_t object) noexcept;
@@ -314,20 +329,22 @@ class ObjectContact {
   [[nodiscard]] double from_above(std::uint32_t sample, std::uint32_t above) const noexcept;
   [[nodiscard]] double ask(Pair& pair, const Vector3& place, Vector3& normal,
                            ObjectContactReport& report) noexcept;
-  void look(std::uint32_t sample, std::uint32_t object, const Active& above,
-            std::vector<Active>& found, ObjectContactReport& report) noexcept;
-  void touch(std::uint32_t sample, std::uint32_t object, const Active& above,
-             ObjectContactReport& report) noexcept;
-  [[nodiscard]] bool settle_whole(const Active& active, const Vector3& place,
-                                  float& until) noexcept;
-  [[nodiscard]] float until_near(Pair& pair, double way, double distance) const noexcept;
+  double look(std::uint32_t sample, std::uint32_t object, const Active& above,
+              std::vector<Active>& found, ObjectContactReport& report) noexcept;
+  double touch(std::uint32_t sample, std::uint32_t object, const Active& above,
+               ObjectContactReport& report) noexcept;
+  void note_clear(const Active& above, double spare) noexcept;
+  [[nodiscard]] std::optional<double> settle_whole(const Active& active, const Vector3& place,
+                                                   float& until) noexcept;
+  void take_plane(const Pair& pair, double way, const Vector3& place, double distance,
+                  const Vector3& normal, Near& near) const noexcept;
   void note(const Pair& pair, std::uint32_t sample, const Vector3& place, double distance,
             const Vector3& normal) noexcept;
   void press_by(std::uint32_t sample, std::uint32_t object, std::uint32_t cluster,
                 const Vector3& place, double distance, const Vector3& normal) noexcept;
-  void begin_list(double ahead) noexcept;
-  void end_list(const ObjectContactReport& report) noexcept;
-  [[nodiscard]] bool has_list(double ahead) noexcept;
+  void choose_looks(const TickBudget& budget) noexcept;
+  void drop_lists() noexcept;
+  void end_list(Pair& pair, std::size_t first, bool resolved) noexcept;
   void look_near(ObjectContactReport& report) noexcept;
   void look_to_finest(std::size_t count, const TickBudget& budget, WorkClock& clock,
                       ObjectContactReport& report) noexcept;
@@ -383,9 +400,13 @@ class ObjectContact {
   }
   [[nodiscard]] PressedPatch& other_patch_of(std::uint32_t object, std::uint32_t cluster) noexcept;
   void start_over() noexcept;
+  void start_over(Pair& pair, std::size_t patches, std::size_t touches) noexcept;
   void sum_up(ObjectContactReport& report) noexcept;
-  bool refine(std::uint32_t level, const TickBudget& budget, WorkClock& clock,
+  bool refine(std::uint32_t level, const TickBudget& budget, WorkClock& clock, std::size_t waiting,
               ObjectContactReport& report) noexcept;
+  void look_at_object(std::uint32_t object, const TickBudget& budget, WorkClock& clock,
+                      std::size_t waiting, ObjectContactReport& report) noexcept;
+  void press_coarser(WorkClock& clock, ObjectContactReport& report) noexcept;
 };
 
 }  // namespace spm

@@ -8,59 +8,91 @@
 
 namespace spm {
 
-/// Whether the listed samples are all that can touch.
-bool ObjectContact::has_list(double ahead) noexcept {
-  if (!(ahead > 0) || !(listed_ahead_ > 0)) return false;
-  return std::all_of(pairs_.begin(), pairs_.end(), [this](Pair& pair) {
-    if (!pair.present) return true;
+namespace {
+
+/// Of the way for which samples are listed, the part that is left when an object among others is
+/// looked at anew, so that not all are in one tick.
+constexpr double stale_share = 0.5;
+
+}  // namespace
+
+/// Which objects are to be looked at anew: those whose listed samples are not all that may touch.
+/// Where there are none, and a tick begins, the one whose list is the oldest.
+void ObjectContact::choose_looks(const TickBudget& budget) noexcept {
+  if (!(budget.ahead > 0) || budget.ahead != listed_ahead_) drop_lists();
+  listed_ahead_ = budget.ahead;
+  bool any = false;
+  std::size_t others = 0;
+  Pair* oldest = nullptr;
+  double least = stale_share * listed_ahead_;
+  for (Pair& pair : pairs_) {
+    if (!pair.present) continue;
     if (pair.listed) pair.spare = left_of_list(pair, listed_ahead_);
-    return pair.listed && pair.spare > 0;
+    // None of the samples of one that is asleep is listed, so none is told where it is near.
+    pair.looked = !pair.listed || !(pair.spare > (pair.asleep ? near_reach_ : 0));
+    any = any || pair.looked;
+    if (pair.looked) continue;
+    ++others;
+    if (!(pair.spare < least)) continue;
+    least = pair.spare;
+    oldest = &pair;
+  }
+  if (!any && oldest != nullptr && others > 1 && !budget.same_levels) any = oldest->looked = true;
+  if (!any || near_.empty()) return;
+  std::erase_if(near_, [this](const Near& near) {
+    const Pair& pair = pairs_[near.object];
+    return pair.present && pair.looked;
   });
 }
 
-void ObjectContact::begin_list(double ahead) noexcept {
+void ObjectContact::drop_lists() noexcept {
   near_.clear();
-  ahead_ = listed_ahead_ = ahead;
   for (Pair& pair : pairs_) pair.listed = false;
 }
 
-/// The list holds where all contact was resolved to the finest level.
-void ObjectContact::end_list(const ObjectContactReport& report) noexcept {
-  ahead_ = 0;
-  if (report.degraded || report.level + 1 < tool_.levels.size()) listed_ahead_ = 0;
-  if (!(listed_ahead_ > 0)) return;
-  for (Pair& pair : pairs_) {
-    pair.listed = pair.present;
-  }
+/// The list of an object holds where all contact was resolved to the finest level. `first`: where
+/// it begins.
+void ObjectContact::end_list(Pair& pair, std::size_t first, bool resolved) noexcept {
+  pair.listed = ahead_ > 0 && resolved && near_.size() < near_.capacity();
+  if (!pair.listed) near_.erase(near_.begin() + static_cast<std::ptrdiff_t>(first), near_.end());
 }
 
+/// Keeps what a near sample met: until it may touch, that plane tells how far it is.
+void ObjectContact::take_plane(const Pair& pair, double way, const Vector3& place, double distance,
+                               const Vector3& normal, Near& near) const noexcept {
+  const double spare = distance - pair.lift - pair.doubt;
+  near.until = spare > 0 ? pair.after(way, spare) : 0;
+  near.normal = floats_of(normal);
+  near.offset = static_cast<float>(normal.dot(place) - distance);
+}
+
+/// Looks at the listed samples of the objects that are not looked at anew.
 void ObjectContact::look_near(ObjectContactReport& report) noexcept {
   const Near* before = nullptr;
-  for (const Near& near : near_) {
+  for (Near& near : near_) {
     Pair& pair = pairs_[near.object];
-    if (!pair.present) continue;
+    if (!pair.present || pair.looked) continue;
+    ++report.worked;
     if (before == nullptr || before->cluster != near.cluster || before->object != near.object) {
       pair.since = ToolMotion(pair.looked_at, pair.pose).of(tool_.places[near.cluster]);
     }
     before = &near;
-    float* const known = finest_until(near.object);
     const double way = way_of(pair, near.cluster);
-    if (known != nullptr && way < static_cast<double>(known[near.sample])) {
-      pair.spare = std::min(pair.spare, static_cast<double>(known[near.sample]) - way);
+    const Vector3 place = place_of(pair, near.sample);
+    Vector3 normal = vector_of(near.normal);
+    if (way < static_cast<double>(near.until)) {
+      pair.spare = std::min(pair.spare, static_cast<double>(near.until) - way);
+      const double told = normal.dot(place) - static_cast<double>(near.offset);
+      if (told < near_reach_ + pair.lift && !normal.isZero(0)) {
+        note(pair, near.sample, place, std::max(told, 0.0), normal);
+      }
       continue;
     }
     ++report.tested;
-    const Vector3 place = place_of(pair, near.sample);
-    Vector3 normal;
     const double distance = ask(pair, place, normal, report);
-    if (known != nullptr) known[near.sample] = until_near(pair, way, distance);
+    take_plane(pair, way, place, distance, normal, near);
     press_by(near.sample, near.object, near.cluster, place, distance, normal);
   }
-  for (const Pair& pair : pairs_) {
-    if (pair.present) report.clearance = std::min(report.clearance, pair.spare);
-  }
-  report.worked = static_cast<std::uint32_t>(near_.size());
-  report.level = static_cast<std::uint32_t>(tool_.levels.size()) - 1;
 }
 
 }  // namespace spm

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // How far the tool's samples have moved relative to an object, and which need not be looked at yet.
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 
@@ -16,6 +17,15 @@ namespace {
 constexpr double doubtful_tolerances = 2;
 /// m: what is kept of ways are floats, so they are counted anew from time to time.
 constexpr double longest_way = 32;
+/// Samples that wait to be looked at below a plane, at most.
+constexpr std::size_t most_waiting = 256;
+
+/// Below the square of a finest sample's corners, by how much its tilt against a plane takes them,
+/// m.
+double tilted(const SampleShare& share, const Vector3& normal, double half) noexcept {
+  const double cosine = normal.dot(share.normal());
+  return half * std::sqrt(std::max(0.0, 1 - cosine * cosine));
+}
 
 }  // namespace
 
@@ -67,6 +77,69 @@ double ObjectContact::left_of_list(const Pair& pair, double most) const noexcept
   return left;
 }
 
+/// How far all finest samples, which are squares where levels are settled, are above a support
+/// plane of an object, m; below `enough` once one is found to be nearer than that.
+double ObjectContact::parted_by(const Pair& pair, const SupportPlane& plane,
+                                double enough) const noexcept {
+  const Vector3 normal = pair.pose.linear().transpose() * plane.n;
+  const double half = pair.settles ? tool_.levels.back().bound : 0;
+  const double above = plane.n.dot(pair.pose.translation() - pair.scale * plane.x0);
+  const auto height = [&](std::uint32_t sample) {
+    const auto& at = tool_.places[sample].position;
+    return above + normal.x() * double{at[0]} + normal.y() * double{at[1]} +
+           normal.z() * double{at[2]};
+  };
+  double lowest = std::numeric_limits<double>::infinity();
+  std::array<SampleChildren, most_waiting> waiting;
+  std::size_t count = 0;
+  waiting[count++] = {tool_.levels.front().first, tool_.levels.front().count};
+  while (count > 0) {
+    const SampleChildren range = waiting[--count];
+    for (std::uint32_t sample = range.first; sample < range.first + range.count; ++sample) {
+      const double own = height(sample);
+      // The first below it is at the same place.
+      if (own < enough) return own;
+      if (is_finest(sample)) {
+        lowest = std::min(lowest, own - tilted(tool_.shares[sample], normal, half));
+        if (lowest < enough) return lowest;
+      } else if (own - static_cast<double>(tool_.places[sample].radius) - half < lowest) {
+        if (count == waiting.size()) return 0;
+        waiting[count++] = tool_.children[sample];
+      }
+    }
+  }
+  return lowest;
+}
+
+/// How far the plane that parts tool and object best holds them apart, m, of the object's support
+/// planes and the sides of its box: section 2.1 of the paper, for all samples at once. 0 where none
+/// does by more than what is listed.
+double ObjectContact::parted(const Pair& pair) const noexcept {
+  const AssetView& field = *pair.field;
+  const double enough = pair.doubt + pair.lift + ahead_;
+  const Vector3 centre = pair.pose * tool_.centre;
+  const SupportPlane* best = nullptr;
+  double most = enough;
+  for (const SupportPlane& plane : field.planes) {
+    const double outside = plane.n.dot(centre - pair.scale * plane.x0);
+    if (!(outside > most)) continue;
+    most = outside;
+    best = &plane;
+  }
+  double apart = best != nullptr ? parted_by(pair, *best, enough) : 0;
+  for (Eigen::Index axis = 0; axis < 3 && !(apart > enough); ++axis) {
+    for (const double side : {-1.0, 1.0}) {
+      SupportPlane plane;
+      plane.n = side * Vector3::Unit(axis);
+      plane.x0 = side < 0 ? field.box_low : field.box_high;
+      if (plane.n.dot(centre - pair.scale * plane.x0) > enough) {
+        apart = std::max(apart, parted_by(pair, plane, enough));
+      }
+    }
+  }
+  return apart > enough ? apart - pair.doubt - pair.lift : 0;
+}
+
 /// A look at all samples begins: counts the ways up to here. False where none can touch, or be
 /// listed, yet.
 bool ObjectContact::look_at_all(Pair& pair) noexcept {
@@ -88,7 +161,10 @@ bool ObjectContact::look_at_all(Pair& pair) noexcept {
   std::fill_n(spares_.begin() + static_cast<std::ptrdiff_t>(first), clustered_,
               std::numeric_limits<float>::infinity());
   if (!(longest < longest_way)) begin_travel(pair);
-  return true;
+  const double apart = pair.presses ? 0 : parted(pair);
+  pair.asleep = apart > ahead_;
+  if (pair.asleep) pair.clear = pair.spare = apart;
+  return !pair.asleep;
 }
 
 /// Forgets what is known of a pair's samples, and counts their ways from 0.

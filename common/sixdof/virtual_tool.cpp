@@ -96,6 +96,7 @@ bool VirtualTool::look_first(std::span<const ContactObject> objects,
   ++report.looks;
   report.worked += report.contact.worked;
   looked_to_ = budget.finest_level;
+  report.unresolved = report.contact.unresolved;
   if (report.contact.stopped) report.refine_stopped = report.worked;
   return true;
 }
@@ -162,19 +163,23 @@ bool VirtualTool::in_balance(const Trial& at) const noexcept {
 /// Looks at the contact of a trial's pose. False where there is no time to.
 bool VirtualTool::look_at(Trial& trial, const Eigen::Isometry3d& device,
                           std::span<const ContactObject> objects, const VirtualToolBudget& budget,
-                          std::uint32_t level, VirtualToolReport& report) noexcept {
+                          VirtualToolReport& report) noexcept {
   TickBudget look;
   look.ahead = steps_ahead * settings_.max_step;
   look.near = steps_near * settings_.max_step;
-  look.finest_level = level;
+  look.finest_level = budget.finest_level;
+  look.same_levels = true;
   if (report.worked >= budget.work) {
     report.stopped = report.worked;
     return false;
   }
+  std::int64_t begun = 0;
   if (budget.now != nullptr) {
+    begun = budget.now();
     look.now = budget.now;
-    look.nanoseconds = budget.until - budget.now();
-    if (look.nanoseconds <= 0) {
+    look.nanoseconds = budget.until - begun;
+    // It may take as long as the last one did.
+    if (look.nanoseconds <= look_time_) {
       report.stopped = report.worked;
       return false;
     }
@@ -184,6 +189,7 @@ bool VirtualTool::look_at(Trial& trial, const Eigen::Isometry3d& device,
   if (budget.work != VirtualToolBudget::unstopped) look.work = budget.work - report.worked;
   trial.coupling = couple(device, trial.pose);
   trial.contact = contact_->tick(trial.pose, objects, look);
+  if (budget.now != nullptr) look_time_ = budget.now() - begun;
   report.worked += trial.contact.worked;
   if (trial.contact.stopped) report.stopped = report.worked;
   return !trial.contact.stopped;
@@ -199,15 +205,13 @@ bool VirtualTool::correct(const Trial& tried, const Eigen::Isometry3d& device,
   const double far = length(back);
   if (far > most) back *= most / far;
   corrected.pose = moved(tried.pose, back);
-  const std::uint32_t level = std::min(budget.finest_level, report.contact.level);
-  return look_at(corrected, device, objects, budget, level, report);
+  return look_at(corrected, device, objects, budget, report);
 }
 
 /// Steps to the least energy of springs and contact, as long as they lead on and there is time.
 void VirtualTool::move(const Eigen::Isometry3d& device, std::span<const ContactObject> objects,
                        const VirtualToolBudget& budget, Coupling& coupling,
                        VirtualToolReport& report) noexcept {
-  const std::uint32_t level = std::min(budget.finest_level, report.contact.level);
   Trial now{pose_, coupling, report.contact};
   double limit_share = 1;
   int fine_steps = 0, failures = 0;
@@ -233,7 +237,7 @@ void VirtualTool::move(const Eigen::Isometry3d& device, std::span<const ContactO
     }
     ++report.steps;
     Trial tried{moved(now.pose, step), {}, {}};
-    if (!look_at(tried, device, objects, budget, level, report)) break;
+    if (!look_at(tried, device, objects, budget, report)) break;
     if (tried.energy() <= now.energy() + energy_noise || limit_share <= balanced_share) {
       take(tried);
       if (emerging_) break;
@@ -268,6 +272,7 @@ VirtualToolReport VirtualTool::tick(const Eigen::Isometry3d& device,
     known_ = false;
     return report;
   }
+  look_time_ = 0;
   Coupling coupling = couple(device, pose_);
   static_cast<void>(look_first(objects, budget, report));
   emerging_ = emerging_ && report.contact.sum.deepest > settings_.max_step;

@@ -49,6 +49,8 @@ struct VirtualToolReport {
   /// Work after which time was over for finer levels, and for steps; `unstopped`: it was not.
   std::uint32_t refine_stopped = VirtualToolBudget::unstopped;
   std::uint32_t stopped = VirtualToolBudget::unstopped;
+  /// Objects for which time was over on finer levels.
+  std::uint32_t unresolved = 0;
 };
 
 /// Virtual coupling with a massless tool. Springs pull a virtual tool to the device's pose, and
@@ -61,9 +63,10 @@ struct VirtualToolReport {
 /// stiffness may be high here, because there is no mass to oscillate. The force is bounded whatever
 /// the objects do. A tool that is placed inside an object leaves it by one short step a tick.
 ///
-/// When time is over the first look at the contact ends with the last level that it finished, and
-/// all further steps of the tick use the same level, so that their energies can be compared. A step
-/// whose look is not finished in time is not made. A tick neither allocates nor throws.
+/// When time is over the first look at the contact ends with the last level that it finished of
+/// each object, and all further steps of the tick use the same levels, so that their energies can
+/// be compared. A step whose look is not finished in time, or would not be, is not made. A tick
+/// neither allocates nor throws.
 class VirtualTool {
  public:
   /// `contact` must outlive this.
@@ -118,6 +121,7 @@ class VirtualTool {
   bool known_ = false;           ///< `last_` is the contact at `pose_`
   ObjectContactReport last_;     ///< of the last look that counted
   std::size_t own_planes_ = 0;   ///< number of the former
+  std::int64_t look_time_ = 0;   ///< ns, of the last look of this tick
   std::uint32_t looked_to_ = 0;  ///< the finest level that it was allowed
 
   [[nodiscard]] Coupling couple(const Eigen::Isometry3d& device,
@@ -140,8 +144,7 @@ class VirtualTool {
   [[nodiscard]] bool learn_planes(const Vector6& step) noexcept;
   [[nodiscard]] bool look_at(Trial& trial, const Eigen::Isometry3d& device,
                              std::span<const ContactObject> objects,
-                             const VirtualToolBudget& budget, std::uint32_t level,
-                             VirtualToolReport& report) noexcept;
+                             const VirtualToolBudget& budget, VirtualToolReport& report) noexcept;
   void move(const Eigen::Isometry3d& device, std::span<const ContactObject> objects,
             const VirtualToolBudget& budget, Coupling& coupling,
             VirtualToolReport& report) noexcept;

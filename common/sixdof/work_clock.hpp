@@ -28,6 +28,8 @@ struct TickBudget {
   double accuracy = 0;
   /// Where time runs out, the last level that was finished counts, instead of a part of the next.
   bool whole_levels = false;
+  /// Each object is looked at no finer than in the last look without this.
+  bool same_levels = false;
 };
 
 /// Tells the search for contacts when its time is over.
@@ -44,6 +46,10 @@ class WorkClock {
     if (!limited_) return;
     last_ = now_();
     end_ = last_ + budget.nanoseconds;
+  }
+  /// What was done since the last reading was no piece of the work that `over` judges.
+  void go_on() noexcept {
+    if (limited_) last_ = now_();
   }
   /// True where time is over. Also where it would run out if the next piece of work and the end of
   /// the tick each took as long as the longest so far, with this many samples still to be pressed.

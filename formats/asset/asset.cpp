@@ -110,6 +110,8 @@ AssetTables tables_of(const Asset& asset) {
                .records = asset.grid.records};
   asset.octree.add_to(rest);
   rest.band = asset.metadata.band;
+  rest.box_low = asset.metadata.box_min;
+  rest.box_high = asset.metadata.box_max;
   rest.tolerance = answer_tolerance(asset.metadata);
   rest.full = asset.metadata.form == AssetForm::full;
   return AssetTables(asset.planes, std::move(maps), std::move(offsets), std::move(tiles), rest);

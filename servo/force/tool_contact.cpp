@@ -157,6 +157,7 @@ void ToolForce::push(const Eigen::Isometry3d& device, Work& work, Felt& felt,
   contact_->settle();
   work.done = 1 + report.worked;
   work.level = std::min(work.level, report.level);
+  work.unresolved += report.unresolved;
   if (report.stopped) {
     effort.refined = work.done;
     work.budget.refine_work = work.done;
@@ -261,7 +262,14 @@ void ToolForce::end_work(const Work& work, ForceEffort& effort) noexcept {
   const auto finest = static_cast<std::uint32_t>(tool_->samples().levels.size()) - 1;
   const std::uint32_t level = std::min(work.level, finest);
   effort.level = finest - level;
+  const bool goes_on = unresolved_ > 0 ? work.unresolved < unresolved_ : work.unresolved > 1;
+  unresolved_ = work.unresolved;
   if (effort.refined != unstopped) {
+    // The next one begins where it was over.
+    if (goes_on) {
+      if (finest_ == every_level) patience_ = 0;
+      return;
+    }
     // A tick that had hardly any time, since it began late, says nothing of the next one.
     if (work.done < telling_work) return;
     // One alone may have been interrupted. Two say little: a level at a time.

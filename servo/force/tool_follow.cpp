@@ -126,6 +126,7 @@ bool ToolForce::step_on(const Eigen::Isometry3d& device, std::uint32_t steps, Wo
   pose_ = report.pose;
   if (report.refine_stopped != unstopped && effort.refined == unstopped) {
     effort.refined = work.done + report.refine_stopped;
+    work.unresolved += report.unresolved;
   }
   if (report.stopped != unstopped) effort.worked = work.done + report.stopped;
   work.done += report.worked;

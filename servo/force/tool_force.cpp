@@ -65,7 +65,7 @@ void ToolForce::take(SampledTool* tool, std::size_t hand) noexcept {
   virtual_.reset();
   escape_.reset();
   finest_ = every_level;
-  patience_ = 0;
+  patience_ = unresolved_ = 0;
   if (contact_ == nullptr) return;
   contact_->forget();
   const SurfaceSamples& samples = tool_->samples();
@@ -93,7 +93,7 @@ void ToolForce::reset() noexcept {
   std::fill(late_.begin(), late_.end(), 0.0);
   most_force_ = coupling_.force_cap;
   finest_ = every_level;
-  patience_ = 0;
+  patience_ = unresolved_ = 0;
   if (contact_ != nullptr) contact_->forget();
 }
 

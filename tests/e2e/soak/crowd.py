@@ -12,9 +12,10 @@ import sys
 import threading
 import time
 
-from cyclictest import watch
-from soak_tools import (PATIENCE, Client, ClientError, Daemon, DaemonState, Folder, add_common_options, bake,
-                        cores_of, show)
+from soak_tools import (PATIENCE, Client, ClientError, Daemon, DaemonState, Folder, TickClock,
+                        add_common_options, bake, cores_of, missed, read_recording, show,
+                        start_of_grid, stolen_seconds)
+from stalls import StallWatch, explained
 
 RATE = 1000  # Hz
 TOUCHED = 5  # objects that carry the tool
@@ -79,18 +80,46 @@ class Touches:
             pass  # it has ended
 
 
+def watch(daemon: Daemon, recording: str, seconds: float, core: int) -> dict:
+    """Lets a daemon that ends by itself run, and tells which of its lost ticks the core explains."""
+    priority = daemon.real_time_priority()
+    if priority == 0:
+        daemon.kill()
+        sys.exit("the loop has no real-time priority: run this as root, or allow it with "
+                 "'rtprio 90' in /etc/security/limits.d")
+    clock = TickClock(daemon.socket)
+    sample = clock.now()
+    clock.close()
+    beside = StallWatch(priority + 1, core)
+    stolen = stolen_seconds()
+    try:
+        run = daemon.finish(seconds + PATIENCE)
+        stolen = stolen_seconds() - stolen
+    finally:
+        stalls = beside.end()
+    rate, rows = read_recording(recording)
+    lost, times = missed(rows)
+    found = explained(rows, start_of_grid(sample, rate, rows), rate, stalls)
+    return {"run": run, "stolen_s": stolen, "lost": lost, "stalls": times, "explained": found,
+            "unexplained": lost - found,
+            "core": {"stood_still": len(stalls),
+                     "longest_us": max((one.end - one.begin for one in stalls), default=0) / 1e3}}
+
+
 def table(found: dict) -> list[list]:
-    run, machine = found["run"], found["cyclictest"]
+    run, core = found["run"], found["core"]
     device = run["devices"][0]
     rows = [["objects", found["settings"]["objects"]],
             ["touched at once, median", found["touched"]],
             ["samples of the tool", max(asset.get("tool_samples", 0) for asset in run["assets"])],
             ["ticks", run["ticks"]], ["in contact", run["contact_ticks"]],
             ["at a coarser level of the samples", device["coarse_ticks"]],
-            ["lost ticks", run["missed"]], ["in so many stalls", found["stalls"]],
-            ["cyclictest: a tick late or later", machine["late"]],
-            ["cyclictest: ticks that the loop would have lost by these", machine["as_missed"]],
-            ["lost that cyclictest does not explain", found["unexplained"]],
+            ["with too little time for all steps", run["degraded_ticks"]],
+            ["lost ticks", found["lost"]], ["in so many stalls", found["stalls"]],
+            ["lost while the core stood still", found["explained"]],
+            ["lost that this does not explain", found["unexplained"]],
+            ["times that the core stood still for 0.1 ms or more", core["stood_still"]],
+            ["the longest of them, us", float(core["longest_us"])],
             ["page faults in the loop", run["page_faults"]],
             ["processor time stolen by the host, s", found["stolen_s"]]]
     return rows + [[f"{name}, {label}, us", float(run[key][share])]
@@ -102,10 +131,12 @@ def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--minutes", type=float, default=10)
     parser.add_argument("--objects", type=int, default=20, help="at least 5 (default 20)")
-    parser.add_argument("--core", help="the loop's core: run --core (default: any)")
+    parser.add_argument("--core", type=int,
+                        help="the core of the loop and of cyclictest (default: the last one)")
     add_common_options(parser)
     arguments = parser.parse_args()
     seconds, cores = arguments.minutes * 60, cores_of(arguments.cores)
+    core = max(os.sched_getaffinity(0)) if arguments.core is None else arguments.core
     if arguments.objects < TOUCHED:
         parser.error(f"--objects: give at least {TOUCHED}")
     with Folder() as folder:
@@ -113,18 +144,19 @@ def main() -> int:
         half = [(b - a) / 2 for a, b in zip(low, high)]
         scene = write_crowd(os.path.join(folder, "scene.toml"), asset, half, arguments.objects)
         hand = write_hand(os.path.join(folder, "hand.txt"), seconds)
+        recording = os.path.join(folder, "run.spmrec")
         daemon = Daemon(folder, "--scene", scene, "--device", f"sim:hand=path,path={hand}",
                         "--rate", str(RATE), "--duration", str(seconds), "--realtime", "require",
-                        *(("--core", arguments.core) if arguments.core else ()), cores=cores)
+                        "--core", str(core), "--record", recording, cores=cores)
         touches = Touches(daemon)
         reading = threading.Thread(target=touches.read, daemon=True)
         reading.start()
-        found = watch(daemon, RATE, seconds, cores)
+        found = watch(daemon, recording, seconds, core)
         reading.join(PATIENCE)
     late = touches.counts[len(touches.counts) // 2:]
     found["touched"] = int(statistics.median(late)) if late else 0
     found["settings"] = {"minutes": arguments.minutes, "objects": arguments.objects,
-                         "cores": arguments.cores, "core": arguments.core}
+                         "cores": arguments.cores, "core": core}
     show(arguments.out, f"{arguments.minutes:g} minutes with a tool among {arguments.objects} objects",
          ["what", "found"], table(found), found)
     return 0

@@ -10,7 +10,8 @@ import applications
 import away
 import hostile
 import replug
-from soak_tools import Folder
+from soak_tools import Folder, Row
+from stalls import Stall, explained
 
 CYCLES, ROUNDS, TIMES = 5, 20, 3
 SESSIONS = 3
@@ -38,6 +39,31 @@ class Replug(unittest.TestCase):
 
     def test_an_unplugged_falcon_gets_no_force_and_is_taken_up_each_time(self) -> None:
         self.check("falcon")
+
+
+class Stalls(unittest.TestCase):
+    """Ticks of 1 ms from 0 on, of which the second is lost."""
+
+    def explained(self, wake_us: float, busy_us: float, *stalls: tuple[float, float]) -> int:
+        rows = [Row(tick, 0.0, int(wake * 1e3), int(busy * 1e3), "none", True, False)
+                for tick, wake, busy in ((0, 10, 200), (1, wake_us, busy_us), (3, 10, 200))]
+        return explained(rows, 0.0, 1000, [Stall(begin * 1e3, end * 1e3) for begin, end in stalls])
+
+    def test_a_stall_before_the_loop_woke_explains_the_two_ticks_that_it_cost(self) -> None:
+        self.assertEqual(self.explained(900, 200, (1100, 1850)), 2)
+
+    def test_so_does_one_in_the_tick_s_work(self) -> None:
+        self.assertEqual(self.explained(10, 1100, (1300, 1600)), 2)
+
+    def test_one_at_another_time_explains_nothing(self) -> None:
+        self.assertEqual(self.explained(900, 200, (100, 850), (2150, 2900)), 0)
+
+    def test_nor_does_one_without_which_the_tick_would_have_been_late_all_the_same(self) -> None:
+        self.assertEqual(self.explained(10, 1700, (1300, 1900)), 0)
+
+    def test_stalls_that_overlap_count_once(self) -> None:
+        self.assertEqual(self.explained(10, 1500, (1200, 1500), (1200, 1500)), 0)
+        self.assertEqual(self.explained(10, 1500, (1200, 1500), (1500, 1800)), 2)
 
 
 class Applications(unittest.TestCase):
