@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstdint>
+#include <limits>
 #include <span>
 
 #include "common/field/distance_octree.hpp"
@@ -84,6 +85,7 @@ enum class CellKind : std::uint32_t {
   pruned = 3,  ///< left out by the bake
 };
 
+/// A corner of a box that nothing is known of: it holds all places.
 [[nodiscard]] inline Vector3 unknown_box(double side) noexcept {
   return Vector3::Constant(side * std::numeric_limits<double>::infinity());
 }

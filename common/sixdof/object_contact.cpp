@@ -21,7 +21,7 @@ constexpr std::size_t max_pressed_patches = 128;  ///< at most 256, as patch_at_
 constexpr std::size_t max_touches = 1024;
 /// Objects of which the finest samples are remembered.
 constexpr std::uint32_t max_slots = 8;
-constexpr std::size_t max_whole = 1024, max_near = 8192, max_told = 1536;
+constexpr std::size_t max_whole = 512, max_near = 6144, max_told = 1536;
 constexpr std::size_t least_room = 1024;  ///< of active samples
 
 }  // namespace

@@ -21,12 +21,16 @@ constexpr double stale_share = 0.5;
 void ObjectContact::choose_looks(const TickBudget& budget) noexcept {
   if (!(budget.ahead > 0) || budget.ahead != listed_ahead_) drop_lists();
   listed_ahead_ = budget.ahead;
-  bool any = false;
+  bool any = false, gone = false;
   std::size_t others = 0;
   Pair* oldest = nullptr;
   double least = stale_share * listed_ahead_;
   for (Pair& pair : pairs_) {
-    if (!pair.present) continue;
+    if (!pair.present) {
+      gone = gone || pair.listed;
+      pair.listed = false;
+      continue;
+    }
     if (pair.listed) pair.spare = left_of_list(pair, listed_ahead_);
     // None of the samples of one that is asleep is listed, so none is told where it is near.
     pair.looked = !pair.listed || !(pair.spare > (pair.asleep ? near_reach_ : 0));
@@ -38,10 +42,9 @@ void ObjectContact::choose_looks(const TickBudget& budget) noexcept {
     oldest = &pair;
   }
   if (!any && oldest != nullptr && others > 1 && !budget.same_levels) any = oldest->looked = true;
-  if (!any || near_.empty()) return;
+  if (!any && !gone) return;
   std::erase_if(near_, [this](const Near& near) {
-    const Pair& pair = pairs_[near.object];
-    return pair.present && pair.looked;
+    return !pairs_[near.object].present || pairs_[near.object].looked;
   });
 }
 
