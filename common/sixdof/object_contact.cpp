@@ -155,6 +155,7 @@ ObjectContactReport ObjectContact::tick(const Eigen::Isometry3d& tool_pose,
     look_by_levels(budget, clock, report);
   } else {
     look_near(report);
+    clock.grant(budget.anew);
     ahead_ = budget.ahead;
     look_to_finest(count, budget, clock, report);
   }

@@ -90,6 +90,7 @@ bool VirtualTool::look_first(std::span<const ContactObject> objects,
   if (budget.now != nullptr) {
     look.now = budget.now;
     look.nanoseconds = std::max<std::int64_t>(1, budget.refine_until - budget.now());
+    look.anew = look.nanoseconds / 2;
   }
   report.contact = contact_->tick(pose_, objects, look);
   contact_->keep();

@@ -28,6 +28,8 @@ struct TickBudget {
   double accuracy = 0;
   /// Where time runs out, the last level that was finished counts, instead of a part of the next.
   bool whole_levels = false;
+  /// Least time for what is looked at anew, however long the lists of near samples took, ns.
+  std::int64_t anew = 0;
   /// Each object is looked at no finer than in the last look without this.
   bool same_levels = false;
 };
@@ -50,6 +52,10 @@ class WorkClock {
   /// What was done since the last reading was no piece of the work that `over` judges.
   void go_on() noexcept {
     if (limited_) last_ = now_();
+  }
+  /// From here on there is at least that time, ns.
+  void grant(std::int64_t nanoseconds) noexcept {
+    if (limited_) end_ = std::max(end_, now_() + nanoseconds);
   }
   /// True where time is over. Also where it would run out if the next piece of work and the end of
   /// the tick each took as long as the longest so far, with this many samples still to be pressed.
