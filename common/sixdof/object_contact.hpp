@@ -316,6 +316,7 @@ class ObjectContact {
   }
   [[nodiscard]] double left_of_list(const Pair& pair, double most) const noexcept;
   [[nodiscard]] bool look_at_all(Pair& pair) noexcept;
+  [[nodiscard]] double extent_along(std::uint32_t sample, const Vector3& direction) const noexcept;
   [[nodiscard]] double parted_by(const Pair& pair, const SupportPlane& plane,
                                  double enough) const noexcept;
   [[nodiscard]] double parted(const Pair& pair) const noexcept;

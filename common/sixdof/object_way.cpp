@@ -19,6 +19,10 @@ constexpr double doubtful_tolerances = 2;
 constexpr double longest_way = 32;
 /// Samples that wait to be looked at below a plane, at most.
 constexpr std::size_t most_waiting = 256;
+/// Samples whose height above a plane is told, at most: a few microseconds.
+constexpr std::uint32_t most_heights = 2048;
+/// m: a sample that is lower by less is not looked for.
+constexpr double same_height = 1e-6;
 
 /// Below the square of a finest sample's corners, by how much its tilt against a plane takes them,
 /// m.
@@ -77,6 +81,15 @@ double ObjectContact::left_of_list(const Pair& pair, double most) const noexcept
   return left;
 }
 
+/// How far all below a sample are from it at most, along a direction; m.
+double ObjectContact::extent_along(std::uint32_t sample, const Vector3& direction) const noexcept {
+  constexpr double one = std::numeric_limits<std::uint16_t>::max();
+  const double along = std::min(1.0, std::abs(direction.dot(tool_.shares[sample].normal())));
+  const double across = std::sqrt(1 - along * along);
+  return static_cast<double>(tool_.places[sample].radius) *
+         std::min(1.0, along * tool_.moments[sample].thickness / one + across);
+}
+
 /// How far all finest samples, which are squares where levels are settled, are above a support
 /// plane of an object, m; below `enough` once one is found to be nearer than that.
 double ObjectContact::parted_by(const Pair& pair, const SupportPlane& plane,
@@ -93,8 +106,11 @@ double ObjectContact::parted_by(const Pair& pair, const SupportPlane& plane,
   std::array<SampleChildren, most_waiting> waiting;
   std::size_t count = 0;
   waiting[count++] = {tool_.levels.front().first, tool_.levels.front().count};
+  std::uint32_t heights = 0;
   while (count > 0) {
     const SampleChildren range = waiting[--count];
+    heights += range.count;
+    if (heights > most_heights) return 0;
     for (std::uint32_t sample = range.first; sample < range.first + range.count; ++sample) {
       const double own = height(sample);
       // The first below it is at the same place.
@@ -102,13 +118,13 @@ double ObjectContact::parted_by(const Pair& pair, const SupportPlane& plane,
       if (is_finest(sample)) {
         lowest = std::min(lowest, own - tilted(tool_.shares[sample], normal, half));
         if (lowest < enough) return lowest;
-      } else if (own - static_cast<double>(tool_.places[sample].radius) - half < lowest) {
+      } else if (own - extent_along(sample, normal) - half < lowest - same_height) {
         if (count == waiting.size()) return 0;
         waiting[count++] = tool_.children[sample];
       }
     }
   }
-  return lowest;
+  return lowest - same_height;
 }
 
 /// How far the plane that parts tool and object best holds them apart, m, of the object's support

@@ -72,11 +72,7 @@ class Cyclictest:
 def watch(daemon: Daemon, rate_hz: float, seconds: float, cores: set[int] | None) -> dict:
     """Lets a daemon that ends by itself run with cyclictest beside it: both reports, and whether
     the missed ticks are within the target."""
-    priority = daemon.real_time_priority()
-    if priority == 0:
-        daemon.kill()
-        sys.exit("the loop has no real-time priority: run this as root, or allow it with "
-                 "'rtprio 90' in /etc/security/limits.d")
+    priority = daemon.required_priority()
     beside = Cyclictest(rate_hz, priority, cores)
     stolen = stolen_seconds()
     try:

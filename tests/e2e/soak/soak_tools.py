@@ -163,6 +163,15 @@ class Daemon:
                 priorities.append(os.sched_getparam(int(thread)).sched_priority)
         return min(priorities, default=0)
 
+    def required_priority(self) -> int:
+        """The same; ends the program where it has none."""
+        priority = self.real_time_priority()
+        if priority == 0:
+            self.kill()
+            sys.exit("the loop has no real-time priority: run this as root, or allow it with "
+                     "'rtprio 90' in /etc/security/limits.d")
+        return priority
+
     def stop(self) -> dict:
         """Tells it to end; gives its report."""
         if self.is_alive():
