@@ -12,9 +12,10 @@ import sys
 import threading
 import time
 
+from cyclictest import finish_beside
 from soak_tools import (PATIENCE, Client, ClientError, Daemon, DaemonState, Folder, TickClock,
                         add_common_options, bake, cores_of, missed, read_recording, show,
-                        start_of_grid, stolen_seconds)
+                        start_of_grid)
 from stalls import StallWatch, explained
 
 RATE = 1000  # Hz
@@ -87,12 +88,7 @@ def watch(daemon: Daemon, recording: str, seconds: float, core: int) -> dict:
     sample = clock.now()
     clock.close()
     beside = StallWatch(priority + 1, core)
-    stolen = stolen_seconds()
-    try:
-        run = daemon.finish(seconds + PATIENCE)
-        stolen = stolen_seconds() - stolen
-    finally:
-        stalls = beside.end()
+    run, stalls, stolen = finish_beside(daemon, beside, seconds)
     rate, rows = read_recording(recording)
     lost, times = missed(rows)
     found = explained(rows, start_of_grid(sample, rate, rows), rate, stalls)

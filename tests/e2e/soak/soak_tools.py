@@ -211,11 +211,16 @@ def read_recording(path: str) -> tuple[float, list[Row]]:
         for row in recording.rows()]
 
 
-def missed(rows: list[Row]) -> tuple[int, int]:
-    """Ticks missed, as the loop counts them (those skipped, and the one that ran over), and in how
-    many stalls."""
-    gaps = [later.tick - row.tick for row, later in zip(rows, rows[1:])
+def overruns(rows: list[Row]) -> list[tuple[Row, int]]:
+    """The ticks that ran over, each with how many were missed by it, as the loop counts them: those
+    skipped, and itself."""
+    return [(row, later.tick - row.tick) for row, later in zip(rows, rows[1:])
             if later.tick - row.tick > 1 and not later.lost]
+
+
+def missed(rows: list[Row]) -> tuple[int, int]:
+    """Ticks missed, and in how many stalls."""
+    gaps = [count for _, count in overruns(rows)]
     return sum(gaps), len(gaps)
 
 

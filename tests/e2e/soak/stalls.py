@@ -4,13 +4,10 @@ one priority above the loop and five times in a millisecond. A tick that was los
 where the core stood still in that tick, and the tick would have been in time without that."""
 
 import re
-import shutil
-import signal
-import subprocess
-import sys
 from typing import NamedTuple
 
-from soak_tools import PATIENCE, Row
+from cyclictest import end_cyclictest, start_cyclictest
+from soak_tools import Row, overruns
 
 INTERVAL = 200  # us
 LEAST = 100  # us, that a stall is kept from
@@ -30,18 +27,11 @@ class StallWatch:
     """cyclictest on one core; `end` tells what it saw."""
 
     def __init__(self, priority: int, core: int) -> None:
-        if shutil.which("cyclictest") is None:
-            sys.exit("cyclictest is missing; install it with: apt-get install rt-tests")
-        self.process = subprocess.Popen(
-            ["cyclictest", "--quiet", "--mlockall", "--threads=1", f"--priority={priority}",
-             f"--interval={INTERVAL}", f"--affinity={core}", f"--spike={LEAST}",
-             f"--spike-nodes={MOST}"],
-            stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+        self.process = start_cyclictest(priority, INTERVAL, f"--affinity={core}",
+                                        f"--spike={LEAST}", f"--spike-nodes={MOST}")
 
     def end(self) -> list[Stall]:
-        if self.process.poll() is None:
-            self.process.send_signal(signal.SIGINT)
-        output, messages = self.process.communicate(timeout=PATIENCE)
+        output, messages = end_cyclictest(self.process)
         if "spikes =" not in output:
             raise RuntimeError("cyclictest told no stalls: " + (messages or output))
         return [Stall((int(woke) - int(late)) * 1e3, int(woke) * 1e3)
@@ -61,11 +51,9 @@ def explained(rows: list[Row], start: float, rate_hz: float, stalls: list[Stall]
     """Of the lost ticks, as the loop counts them, those of stalls of the core. `start`: when tick 0
     was due, ns."""
     period, found = 1e9 / rate_hz, 0
-    for row, later in zip(rows, rows[1:]):
-        if later.tick - row.tick < 2 or later.lost:
-            continue
+    for row, count in overruns(rows):
         due, took = start + row.tick * period, row.wake_ns + row.busy_ns
         near = [one for one in stalls if one.end > due and one.begin < due + took]
         if took - stood_still(near, due, due + took) < period:
-            found += later.tick - row.tick
+            found += count
     return found
