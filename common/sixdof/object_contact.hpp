@@ -316,7 +316,7 @@ class ObjectContact {
   }
   [[nodiscard]] double left_of_list(const Pair& pair, double most) const noexcept;
   [[nodiscard]] bool look_at_all(Pair& pair) noexcept;
-  [[nodiscard]] double extent_along(std::uint32_t sample, const Vector3& direction) const noexcept;
+  [[nodiscard]] double extent(std::uint32_t sample, double length, double along) const noexcept;
   [[nodiscard]] double parted_by(const Pair& pair, const SupportPlane& plane,
                                  double enough) const noexcept;
   [[nodiscard]] double parted(const Pair& pair) const noexcept;
@@ -407,7 +407,7 @@ class ObjectContact {
               ObjectContactReport& report) noexcept;
   void look_at_object(std::uint32_t object, const TickBudget& budget, WorkClock& clock,
                       std::size_t waiting, ObjectContactReport& report) noexcept;
-  void press_coarser(WorkClock& clock, ObjectContactReport& report) noexcept;
+  void press_coarser(Pair& pair, WorkClock& clock, ObjectContactReport& report) noexcept;
 };
 
 }  // namespace spm

@@ -79,11 +79,8 @@ std::optional<double> ObjectContact::settle_whole(const Active& active, const Ve
   const double slope = field.slope.norm();
   const double along =
       std::abs(field.slope.dot(pair.pose.linear() * tool_.shares[active.sample].normal()));
-  constexpr double one = std::numeric_limits<std::uint16_t>::max();
-  const double across = std::sqrt(std::max(0.0, slope * slope - along * along));
-  const double extent = radius * std::min(slope, along * moments.thickness / one + across) +
-                        field.bend.norm() * radius * radius;
-  const double clear = field.distance - extent - pair.lift;
+  const double reach = extent(active.sample, slope, along) + field.bend.norm() * radius * radius;
+  const double clear = field.distance - reach - pair.lift;
   if (clear > (ahead_ > 0 ? ahead_ + pair.doubt : 0)) {
     const double spare = std::max(0.0, clear - pair.doubt);
     if (spare > 0) until = pair.after(way_of(pair, active.cluster), spare);
@@ -91,8 +88,8 @@ std::optional<double> ObjectContact::settle_whole(const Active& active, const Ve
   }
   // Each sample counts for itself where it has a bristle, a texture or a least area.
   const bool alike = !pair.grip.on() && !(pair.lift > 0) && !(pair.least_area > 0) && ahead_ == 0;
-  const bool pressed = field.distance + extent < 0 &&
-                       field.distance - extent >= -pair.scale * pair.field->band.max_depth;
+  const bool pressed = field.distance + reach < 0 &&
+                       field.distance - reach >= -pair.scale * pair.field->band.max_depth;
   if (!alike || !pressed || moments.count == 0 || whole_.size() == whole_.capacity()) return {};
   pair.spare = 0;
   whole_.push_back({active.sample, active.object, active.cluster, field});
@@ -253,16 +250,17 @@ void ObjectContact::look_at_object(std::uint32_t object, const TickBudget& budge
   if (!budget.same_levels) pair.level = level;
   report.level = std::min(report.level, level);
   end_list(pair, listed, level + 1 == levels);
-  press_coarser(clock, report);
+  press_coarser(pair, clock, report);
 }
 
-/// Presses what was not resolved to the finest level.
-void ObjectContact::press_coarser(WorkClock& clock, ObjectContactReport& report) noexcept {
+/// Presses what was not resolved to the finest level of an object.
+void ObjectContact::press_coarser(Pair& pair, WorkClock& clock,
+                                  ObjectContactReport& report) noexcept {
   const std::span<Active> left = std::span(active_).subspan(left_);
   for (const Whole& whole : whole_) press_whole(whole);
   if (next_.empty() && left.empty()) return;
   report.unresolved += report.stopped ? 1 : 0;
-  pairs_[next_.empty() ? left.front().object : next_.front().object].spare = 0;
+  pair.spare = 0;
   press_time_ = clock.time_of(next_.size() + left.size(), [&] {
     for (Active& active : next_) press_coarse(active, report);
     for (Active& active : left) press_coarse(active, report);

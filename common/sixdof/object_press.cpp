@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the samples that touch push with. How they are found stands in object_contact.cpp.
+// What the samples that touch push with. How they are found stands in object_look.cpp.
 #include <algorithm>
 #include <array>
 #include <cmath>

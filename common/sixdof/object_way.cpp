@@ -81,13 +81,13 @@ double ObjectContact::left_of_list(const Pair& pair, double most) const noexcept
   return left;
 }
 
-/// How far all below a sample are from it at most, along a direction; m.
-double ObjectContact::extent_along(std::uint32_t sample, const Vector3& direction) const noexcept {
+/// How far all below a sample are from it at most, m, along a vector of some length that has the
+/// part `along` in the direction of its normal; times that length.
+double ObjectContact::extent(std::uint32_t sample, double length, double along) const noexcept {
   constexpr double one = std::numeric_limits<std::uint16_t>::max();
-  const double along = std::min(1.0, std::abs(direction.dot(tool_.shares[sample].normal())));
-  const double across = std::sqrt(1 - along * along);
+  const double across = std::sqrt(std::max(0.0, length * length - along * along));
   return static_cast<double>(tool_.places[sample].radius) *
-         std::min(1.0, along * tool_.moments[sample].thickness / one + across);
+         std::min(length, along * tool_.moments[sample].thickness / one + across);
 }
 
 /// How far all finest samples, which are squares where levels are settled, are above a support
@@ -118,7 +118,9 @@ double ObjectContact::parted_by(const Pair& pair, const SupportPlane& plane,
       if (is_finest(sample)) {
         lowest = std::min(lowest, own - tilted(tool_.shares[sample], normal, half));
         if (lowest < enough) return lowest;
-      } else if (own - extent_along(sample, normal) - half < lowest - same_height) {
+      } else if (own - extent(sample, 1, std::abs(normal.dot(tool_.shares[sample].normal()))) -
+                     half <
+                 lowest - same_height) {
         if (count == waiting.size()) return 0;
         waiting[count++] = tool_.children[sample];
       }
