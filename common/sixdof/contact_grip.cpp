@@ -10,6 +10,9 @@ namespace spm {
 
 namespace {
 
+/// Of a pull: what an anchor of floats does not tell.
+constexpr double rounding = 1e-6;
+
 Vector3 along_surface(const Vector3& v, const Vector3& normal) noexcept {
   return v - normal.dot(v) * normal;
 }
@@ -17,11 +20,13 @@ Vector3 along_surface(const Vector3& v, const Vector3& normal) noexcept {
 }  // namespace
 
 ContactGrip::ContactGrip(std::size_t samples, std::size_t objects)
-    : anchors_(std::bit_ceil(std::clamp<std::size_t>(samples / 8, 256, 4096))), means_(objects) {}
+    : anchors_(std::bit_ceil(std::clamp<std::size_t>(4 * samples, 256, 4096))), means_(objects) {}
 
 std::size_t ContactGrip::slot_of(std::uint32_t sample, std::uint32_t object) const noexcept {
-  constexpr std::uint32_t spread = 0x9E3779B1U;
-  return (sample + object * spread) & (anchors_.size() - 1);
+  // Fibonacci hashing: samples in a row, of several objects, are spread over all slots.
+  constexpr std::uint32_t spread = 0x9E3779B1U, apart = 0x85EBCA6BU;
+  const std::uint32_t mixed = (sample + object * apart) * spread;
+  return mixed >> (std::countl_zero(static_cast<std::uint32_t>(anchors_.size())) + 1);
 }
 
 const ContactGrip::Anchor* ContactGrip::find(std::uint32_t sample,
@@ -48,10 +53,10 @@ ContactGrip::Anchor& ContactGrip::make(std::uint32_t sample, std::uint32_t objec
   return *oldest;
 }
 
-Bristle ContactGrip::bristle(std::uint32_t sample, std::uint32_t object, const Vector3& place,
-                             const Vector3& before, const Vector3& normal) const noexcept {
+Bristle ContactGrip::bristle_at(const Anchor* anchor, std::uint32_t object, const Vector3& place,
+                                const Vector3& before, const Vector3& normal) const noexcept {
   Bristle bristle;
-  if (const Anchor* anchor = find(sample, object)) {
+  if (anchor != nullptr) {
     bristle.stretch =
         along_surface(place - vector_of(anchor->place) - vector_of(anchor->away), normal);
     bristle.most = static_cast<double>(anchor->most);
@@ -64,60 +69,68 @@ Bristle ContactGrip::bristle(std::uint32_t sample, std::uint32_t object, const V
   return bristle;
 }
 
+Bristle ContactGrip::bristle(std::uint32_t sample, std::uint32_t object, const Vector3& place,
+                             const Vector3& before, const Vector3& normal) const noexcept {
+  return bristle_at(find(sample, object), object, place, before, normal);
+}
+
 void ContactGrip::begin(std::uint32_t object) noexcept {
   Mean& mean = means_[object];
   mean.sum.setZero();
-  mean.weight = mean.load = 0;
+  mean.weight = mean.load = mean.pressed = 0;
   mean.count = 0;
 }
 
 void ContactGrip::settle(const GripSettings& settings, std::uint32_t sample, std::uint32_t object,
                          const Vector3& place, const Vector3& before, const Vector3& normal,
                          double force, double spring) noexcept {
-  Bristle now = bristle(sample, object, place, before, normal);
+  const Anchor* const known = find(sample, object);
+  Bristle now = bristle_at(known, object, place, before, normal);
   const double pull = spring * now.stretch.norm();
-  const Anchor* const before_now = find(sample, object);
   // Once it gives way it slides with the smaller force, until it pulls with less.
-  bool sliding = before_now != nullptr && before_now->sliding;
-  const double mu = sliding ? settings.slide : std::max(settings.stick, settings.slide);
-  if (pull > mu * force) {
-    sliding = true;
-    now.stretch *= settings.slide * force / pull;
-  } else if (pull < settings.slide * force) {
-    sliding = false;
+  Anchor settled = known != nullptr ? *known : Anchor{sample, object};
+  const double stick = std::max(settings.stick, settings.slide) * force,
+               slide = settings.slide * force;
+  const bool gives_way = pull > (settled.sliding ? slide : stick) * (1 + rounding);
+  if (gives_way) {
+    now.stretch *= slide / pull;
+    settled.sliding = true;
+  } else if (pull < slide * (1 - rounding)) {
+    settled.sliding = false;
   }
-  const double most = (sliding ? settings.slide : std::max(settings.stick, settings.slide)) * force;
-  const bool stays = pull <= mu * force && before_now != nullptr;
-  Anchor& anchor = make(sample, object);
-  anchor.sliding = sliding;
-  anchor.sample = sample;
-  anchor.object = object;
-  if (!stays) {
+  if (gives_way || known == nullptr) {
     // Written only where it moves: rounding would make it creep.
-    anchor.place = floats_of(place);
-    anchor.away = floats_of(-now.stretch);
+    settled.place = floats_of(place);
+    settled.away = floats_of(place - vector_of(settled.place) - now.stretch);
   }
-  anchor.most = static_cast<float>(most);
-  anchor.seen = now_;
+  settled.most = static_cast<float>(settled.sliding ? slide : stick);
+  settled.seen = now_;
+  moved_ = moved_ || known == nullptr || !settled.rests_as(*known);
+  make(sample, object) = settled;
   Mean& mean = means_[object];
   mean.sum += spring * now.stretch;
   mean.weight += spring;
-  mean.load += most;
+  mean.load += settled.sliding ? slide : stick;
+  mean.pressed += force;
   ++mean.count;
   mean.anchored = true;
 }
 
-void ContactGrip::end(std::uint32_t object) noexcept {
+void ContactGrip::end(std::uint32_t object, double pressed) noexcept {
   Mean& mean = means_[object];
   mean.stretch = mean.weight > 0 ? Vector3(mean.sum / mean.weight) : Vector3(Vector3::Zero());
   mean.most = mean.count > 0 ? mean.load / mean.count : 0;
-  mean.all = mean.load;
+  const double all =
+      mean.pressed > 0 ? mean.load * std::max(1.0, pressed / mean.pressed) : mean.load;
+  moved_ = moved_ || mean.all != all;
+  mean.all = all;
 }
 
 void ContactGrip::forget(std::uint32_t object) noexcept {
   const bool anchored = means_[object].anchored;
   means_[object] = {};
   // All anchors of every object that a tick forgets would be too many to look through.
+  moved_ = true;
   if (!anchored) return;
   for (Anchor& anchor : anchors_) {
     if (anchor.object == object) anchor = {};

@@ -16,6 +16,7 @@ struct GripSettings {
   double slide = 0;   ///< mu in motion, 0 or more
   double spring = 1;  ///< of a bristle, in stiffnesses of the sample's own spring
   [[nodiscard]] bool on() const noexcept { return stick > 0 || slide > 0; }
+  [[nodiscard]] bool operator==(const GripSettings&) const noexcept = default;
 };
 
 /// What holds a sample that touches: a bristle from its anchor, which gives way at a force.
@@ -42,14 +43,22 @@ class ContactGrip {
                                 const Vector3& before, const Vector3& normal) const noexcept;
 
   /// Begins the end of a tick.
-  void begin() noexcept { ++now_; }
+  void begin() noexcept {
+    ++now_;
+    moved_ = false;
+  }
   /// Then for each object `begin`, `settle` for each sample that touches it, and `end`.
   void begin(std::uint32_t object) noexcept;
   /// `force`: N, of the normal; `spring`: N/m, of the bristle.
   void settle(const GripSettings& settings, std::uint32_t sample, std::uint32_t object,
               const Vector3& place, const Vector3& before, const Vector3& normal, double force,
               double spring) noexcept;
-  void end(std::uint32_t object) noexcept;
+  /// `pressed`: N, of the normals of all that touch; those that were not settled are held as the
+  /// others are.
+  void end(std::uint32_t object, double pressed) noexcept;
+
+  /// Whether the last end of a tick changed anything that a bristle or its object is told by.
+  [[nodiscard]] bool moved() const noexcept { return moved_; }
 
   void forget(std::uint32_t object) noexcept;
   /// N: what all bristles of an object may hold together.
@@ -67,6 +76,11 @@ class ContactGrip {
     float most = 0;                ///< N
     std::uint32_t seen = 0;        ///< tick
     bool sliding = false;
+    /// The same but for when it was seen.
+    [[nodiscard]] bool rests_as(const Anchor& other) const noexcept {
+      return sample == other.sample && object == other.object && away == other.away &&
+             place == other.place && most == other.most && sliding == other.sliding;
+    }
   };
   /// Of an object's bristles.
   struct Mean {
@@ -74,20 +88,24 @@ class ContactGrip {
     double most = 0;                    ///< N, of a sample
     double all = 0;                     ///< N, of all
     Vector3 sum = Vector3::Zero();
-    double weight = 0, load = 0;
+    double weight = 0, load = 0, pressed = 0;
     std::uint32_t count = 0;
     bool anchored = false;  ///< there may be anchors of it
   };
   static constexpr std::uint32_t kept_ticks = 64;
-  static constexpr std::size_t tried = 4;
+  static constexpr std::size_t tried = 8;
 
   [[nodiscard]] const Anchor* find(std::uint32_t sample, std::uint32_t object) const noexcept;
+  /// As `anchor` tells it, or without one as its object does.
+  [[nodiscard]] Bristle bristle_at(const Anchor* anchor, std::uint32_t object, const Vector3& place,
+                                   const Vector3& before, const Vector3& normal) const noexcept;
   [[nodiscard]] Anchor& make(std::uint32_t sample, std::uint32_t object) noexcept;
   [[nodiscard]] std::size_t slot_of(std::uint32_t sample, std::uint32_t object) const noexcept;
 
   std::vector<Anchor> anchors_;
   std::vector<Mean> means_;
   std::uint32_t now_ = kept_ticks + 1;
+  bool moved_ = false;
 };
 
 }  // namespace spm

@@ -15,55 +15,25 @@ constexpr int most_worse = 3;
 /// A change of this size, m, is the end.
 constexpr double settled = 1e-10;
 
-/// The springs at a step: energy, its descent, and its curvature (lower half).
-struct Springs {
-  double energy = 0;
-  Vector6 wrench = Vector6::Zero();
-  Matrix6 stiffness = Matrix6::Zero();
-};
-
-Springs springs_at(std::span<const NearContact> contacts, const Vector6& step) noexcept {
-  std::array<double, 6> by{}, wrench{};
+/// What the springs that touch at a step add to energy, wrench and stiffness (lower half).
+ContactSum springs_at(std::span<const NearContact> contacts, const Vector6& step) noexcept {
+  std::array<double, 6> by{};
   for (std::size_t k = 0; k < 6; ++k) by[k] = step[static_cast<Eigen::Index>(k)];
-  std::array<std::array<double, 6>, 6> stiffness{};
-  double energy = 0;
+  ContactSum sum;
   for (const NearContact& contact : contacts) {
-    std::array<double, 6> along;
     auto distance = static_cast<double>(contact.distance);
-    for (std::size_t k = 0; k < 6; ++k) {
-      along[k] = static_cast<double>(contact.along[k]);
-      distance += along[k] * by[k];
-    }
-    if (!(distance < 0)) continue;
-    const auto spring = static_cast<double>(contact.spring);
-    energy += spring / 2 * distance * distance;
-    for (std::size_t row = 0; row < 6; ++row) {
-      wrench[row] -= spring * distance * along[row];
-      for (std::size_t column = 0; column <= row; ++column) {
-        stiffness[row][column] += spring * along[row] * along[column];
-      }
-    }
+    for (std::size_t k = 0; k < 6; ++k) distance += static_cast<double>(contact.along[k]) * by[k];
+    if (distance < 0) sum.add(static_cast<double>(contact.spring), -distance, contact.along);
   }
-  Springs made;
-  made.energy = energy;
-  for (Eigen::Index row = 0; row < 6; ++row) {
-    made.wrench[row] = wrench[static_cast<std::size_t>(row)];
-    for (Eigen::Index column = 0; column <= row; ++column) {
-      made.stiffness(row, column) =
-          stiffness[static_cast<std::size_t>(row)][static_cast<std::size_t>(column)];
-    }
-  }
-  return made;
+  return sum;
 }
 
 }  // namespace
 
 ContactSum pressed_now(std::span<const NearContact> contacts) noexcept {
-  const Springs springs = springs_at(contacts, Vector6::Zero());
-  ContactSum sum;
-  sum.wrench = springs.wrench;
-  sum.stiffness = springs.stiffness.selfadjointView<Eigen::Lower>();
-  sum.energy = springs.energy;
+  ContactSum sum = springs_at(contacts, Vector6::Zero());
+  const Matrix6 whole = sum.stiffness.selfadjointView<Eigen::Lower>();
+  sum.stiffness = whole;
   return sum;
 }
 
@@ -73,7 +43,7 @@ Vector6 contact_step(const Vector6& wrench, const Matrix6& stiffness,
   double least = std::numeric_limits<double>::infinity();
   int worse = 0;
   for (int iteration = 0; iteration < most_iterations; ++iteration) {
-    const Springs springs = springs_at(contacts, step);
+    const ContactSum springs = springs_at(contacts, step);
     const Vector6 yielded = stiffness * step;
     const double energy = springs.energy - wrench.dot(step) + step.dot(yielded) / 2;
     if (energy < least) {

@@ -146,6 +146,8 @@ class ObjectContact {
   [[nodiscard]] std::span<const PressedPatch> patches() const noexcept { return kept_; }
   /// Ends a tick of friction: anchors move with what was kept. Once a tick of the loop.
   void settle() noexcept;
+  /// Whether that changed what friction holds the tool with: then a look anew tells another sum.
+  [[nodiscard]] bool grip_moved() const noexcept { return grip_.moved(); }
 
   /// Bytes that answers come from, beside the tool's samples.
   [[nodiscard]] std::size_t bytes() const noexcept;
@@ -210,6 +212,8 @@ class ObjectContact {
     double stiffness = 0, least_area = 0;
     double doubt = 0;  ///< m, of a clearance
     double lift = 0;   ///< m, by which texture may raise the surface
+    Vector3 box_low = Vector3::Zero(), box_high = Vector3::Zero();  ///< m, about the object
+    double field_ends = 0;  ///< m: the field tells nothing of places that are farther from it
     GripSettings grip;
     TextureSettings texture;
     /// Tool's frame to the object's, in metres of the world.
@@ -219,10 +223,12 @@ class ObjectContact {
     Eigen::Matrix3d to_world = Eigen::Matrix3d::Identity();
     /// Takes the axes of `sum` and of patches to the world's.
     Eigen::Matrix3d axes = Eigen::Matrix3d::Identity();
-    double side = 1;      ///< -1 where these axes mirror
-    ContactSum sum;       ///< in this tick, object's or tool's axes, about the tool's origin
-    ContactSum grip_sum;  ///< of its bristles
-    double gripped = 0;   ///< N: the sum of the forces at which these give way
+    double side = 1;          ///< -1 where these axes mirror
+    ContactSum sum;           ///< in this tick, object's or tool's axes, about the tool's origin
+    ContactSum grip_sum;      ///< of its bristles
+    double gripped = 0;       ///< N: the sum of the forces at which these give way
+    double pressed = 0;       ///< N, by all samples that friction may hold
+    double kept_pressed = 0;  ///< N: the same of what was kept
     Eigen::Isometry3d looked_at = Eigen::Isometry3d::Identity();  ///< in the last look at all
     double clear = 0;      ///< m: no sample touched before it had moved this far from there
     double spare = 0;      ///< m: the same of this look, as far as it is known
@@ -244,6 +250,11 @@ class ObjectContact {
     bool present = false;  ///< in this tick
     bool in_grip = false;  ///< `settled` is known
 
+    /// How far a place is from that box, m, which is at most how far it is from the object.
+    [[nodiscard]] double from_box(const Vector3& place) const noexcept {
+      const Vector3 inside = place.cwiseMax(box_low).cwiseMin(box_high);
+      return (place - inside).norm();
+    }
     /// What the way of a sample, `way` so far, will be at the least before it has gone `more` from
     /// here; m, rounded down.
     [[nodiscard]] float after(double way, double more) const noexcept {

@@ -30,7 +30,7 @@ void ObjectContact::start_over() noexcept {
   for (Pair& pair : pairs_) {
     if (pair.sum.contacts == 0) continue;
     pair.sum = pair.grip_sum = {};
-    pair.gripped = 0;
+    pair.gripped = pair.pressed = 0;
   }
 }
 
@@ -39,7 +39,7 @@ void ObjectContact::start_over(Pair& pair, std::size_t patches, std::size_t touc
   patches_.erase(patches_.begin() + static_cast<std::ptrdiff_t>(patches), patches_.end());
   touches_.erase(touches_.begin() + static_cast<std::ptrdiff_t>(touches), touches_.end());
   pair.sum = pair.grip_sum = {};
-  pair.gripped = 0;
+  pair.gripped = pair.pressed = 0;
 }
 
 PressedPatch& ObjectContact::other_patch_of(std::uint32_t object, std::uint32_t cluster) noexcept {
@@ -143,6 +143,7 @@ void ObjectContact::hold(std::uint32_t sample, std::uint32_t object, const Vecto
                          PressedPatch& patch) noexcept {
   Pair& pair = pairs_[object];
   const double bristle_spring = pair.grip.spring * spring;
+  pair.pressed += force;
   if (touches_.size() < touches_.capacity()) {
     touches_.push_back({sample, object, floats_of(normal), static_cast<float>(force),
                         static_cast<float>(bristle_spring)});
@@ -169,7 +170,10 @@ void ObjectContact::keep() noexcept {
   std::swap(touches_, kept_touches_);
   std::swap(contacts_, kept_contacts_);
   kept_near_known_ = near_known_;
-  for (Pair& pair : pairs_) pair.kept = pair.pose;
+  for (Pair& pair : pairs_) {
+    pair.kept = pair.pose;
+    pair.kept_pressed = pair.pressed;
+  }
 }
 
 void ObjectContact::settle() noexcept {
@@ -196,7 +200,7 @@ void ObjectContact::settle() noexcept {
       continue;
     }
     pair.absent = 0;
-    grip_.end(i);
+    grip_.end(i, pair.kept_pressed);
     pair.settled = pair.kept;
     pair.in_grip = pair.placed;
   }

@@ -72,7 +72,8 @@ VirtualTool::Coupling VirtualTool::couple(const Eigen::Isometry3d& device,
 /// Looks at the contact where the tool is. False where that was known.
 bool VirtualTool::look_first(std::span<const ContactObject> objects,
                              const VirtualToolBudget& budget, VirtualToolReport& report) noexcept {
-  if (known_ && budget.same_objects && looked_to_ == budget.finest_level) {
+  if (known_ && budget.same_objects && looked_to_ == budget.finest_level &&
+      !contact_->grip_moved()) {
     report.contact = last_;
     return false;
   }

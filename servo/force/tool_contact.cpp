@@ -44,7 +44,7 @@ double stiffness_along(const Eigen::Matrix3d& stiffness, const Vector3& directio
 
 bool same(const ContactObject& a, const ContactObject& b) noexcept {
   return a.field == b.field && a.pose.matrix() == b.pose.matrix() && a.scale == b.scale &&
-         a.stiffness == b.stiffness && !a.grip.on() && !b.grip.on() &&
+         a.stiffness == b.stiffness && a.grip == b.grip &&
          a.texture.amplitude == b.texture.amplitude &&
          a.texture.wavelength == b.texture.wavelength && a.texture.seed == b.texture.seed;
 }

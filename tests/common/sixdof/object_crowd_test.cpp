@@ -103,6 +103,19 @@ TEST_CASE(
   CHECK(force_of_pressed(contact) == Approx(wanted).epsilon(1e-9));
 }
 
+TEST_CASE("Where the field ends a sample is as far off as the object's box, and not asked") {
+  Crowd crowd(5e-4);
+  crowd.forget_planes();
+  ObjectContact anywhere(crowd.tool, crowd.settings), boxed(crowd.tool, crowd.settings);
+  const ObjectContactReport all = anywhere.tick(Isometry3d::Identity(), crowd.objects, listing());
+  crowd.cube.view.box_low.setConstant(-object_size / 2);
+  crowd.cube.view.box_high.setConstant(object_size / 2);
+  const ObjectContactReport some = boxed.tick(Isometry3d::Identity(), crowd.objects, listing());
+  CHECK(some.asked < all.asked);
+  CHECK(some.sum.contacts == all.sum.contacts);
+  CHECK(some.sum.wrench == all.sum.wrench);
+}
+
 TEST_CASE(
     "An object that a support plane or a side of its box parts from the tool asks no sample") {
   Crowd crowd(2e-4);
