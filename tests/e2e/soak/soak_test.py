@@ -44,10 +44,12 @@ class Replug(unittest.TestCase):
 class Stalls(unittest.TestCase):
     """Ticks of 1 ms from 0 on, of which the second is lost."""
 
-    def explained(self, wake_us: float, busy_us: float, *stalls: tuple[float, float]) -> int:
+    def explained(self, wake_us: float, busy_us: float, *stalls: tuple[float, float],
+                  earlier_us: float = 0) -> int:
         rows = [Row(tick, 0.0, int(wake * 1e3), int(busy * 1e3), "none", True, False)
                 for tick, wake, busy in ((0, 10, 200), (1, wake_us, busy_us), (3, 10, 200))]
-        return explained(rows, 0.0, 1000, [Stall(begin * 1e3, end * 1e3) for begin, end in stalls])
+        return explained(rows, 0.0, 1000, [Stall(begin * 1e3, end * 1e3) for begin, end in stalls],
+                         earlier_us * 1e3)
 
     def test_a_stall_before_the_loop_woke_explains_the_two_ticks_that_it_cost(self) -> None:
         self.assertEqual(self.explained(900, 200, (1100, 1850)), 2)
@@ -64,6 +66,10 @@ class Stalls(unittest.TestCase):
     def test_stalls_that_overlap_count_once(self) -> None:
         self.assertEqual(self.explained(10, 1500, (1200, 1500), (1200, 1500)), 0)
         self.assertEqual(self.explained(10, 1500, (1200, 1500), (1500, 1800)), 2)
+
+    def test_one_that_may_have_begun_before_it_was_seen_may_explain_more(self) -> None:
+        self.assertEqual(self.explained(10, 1300, (1300, 1500)), 0)
+        self.assertEqual(self.explained(10, 1300, (1300, 1500), earlier_us=200), 2)
 
 
 class Applications(unittest.TestCase):

@@ -10,7 +10,7 @@ from cyclictest import end_cyclictest, start_cyclictest
 from soak_tools import Row, overruns
 
 INTERVAL = 200  # us
-LEAST = 100  # us, that a stall is kept from
+LEAST = 50  # us, that a stall is kept from
 MOST = 500_000  # stalls that are kept
 
 SPIKE = re.compile(r"Spike:\s*(\d+): TS:\s*(\d+)")
@@ -47,10 +47,12 @@ def stood_still(stalls: list[Stall], begin: float, end: float) -> float:
     return still
 
 
-def explained(rows: list[Row], start: float, rate_hz: float, stalls: list[Stall]) -> int:
+def explained(rows: list[Row], start: float, rate_hz: float, stalls: list[Stall],
+              earlier: float = 0) -> int:
     """Of the lost ticks, as the loop counts them, those of stalls of the core. `start`: when tick 0
-    was due, ns."""
+    was due, ns; `earlier`: by how much each stall may have begun before it was seen, ns."""
     period, found = 1e9 / rate_hz, 0
+    stalls = [Stall(one.begin - earlier, one.end) for one in stalls]
     for row, count in overruns(rows):
         due, took = start + row.tick * period, row.wake_ns + row.busy_ns
         near = [one for one in stalls if one.end > due and one.begin < due + took]
