@@ -103,14 +103,15 @@ void ContactGrip::settle(const GripSettings& settings, std::uint32_t sample, std
     settled.place = floats_of(place);
     settled.away = floats_of(place - vector_of(settled.place) - now.stretch);
   }
-  settled.most = static_cast<float>(settled.sliding ? slide : stick);
+  const double most = settled.sliding ? slide : stick;
+  settled.most = static_cast<float>(most);
   settled.seen = now_;
   moved_ = moved_ || known == nullptr || !settled.rests_as(*known);
   make(sample, object) = settled;
   Mean& mean = means_[object];
   mean.sum += spring * now.stretch;
   mean.weight += spring;
-  mean.load += settled.sliding ? slide : stick;
+  mean.load += most;
   mean.pressed += force;
   ++mean.count;
   mean.anchored = true;
@@ -129,8 +130,8 @@ void ContactGrip::end(std::uint32_t object, double pressed) noexcept {
 void ContactGrip::forget(std::uint32_t object) noexcept {
   const bool anchored = means_[object].anchored;
   means_[object] = {};
-  // All anchors of every object that a tick forgets would be too many to look through.
   moved_ = true;
+  // All anchors of every object that a tick forgets would be too many to look through.
   if (!anchored) return;
   for (Anchor& anchor : anchors_) {
     if (anchor.object == object) anchor = {};

@@ -116,8 +116,8 @@ double ObjectContact::meet(Active& active, Pair& pair, double way, float* until,
     if (active.has_normal()) weigh(active, pair);
     // Beyond the band there is no normal, and without one no force.
     const SampleSpread& spread = tool_.spreads[active.sample];
-    const double reach = std::min(length(spread.middle) + static_cast<double>(spread.spread),
-                                  pair.scale * (pair.field->band.margin + pair.field->tolerance));
+    const double reach =
+        std::min(length(spread.middle) + static_cast<double>(spread.spread), pair.field_ends);
     idle = std::min(idle, least - reach);
   }
   if (until != nullptr) *until = idle > 0 ? -pair.after(way, idle) : 0;
