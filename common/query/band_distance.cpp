@@ -28,8 +28,10 @@ struct Search {
   const DistanceOctree& octree;
   double best;  ///< square, m2
 
-  void take(OctreeKind kind, std::uint32_t unit, int level,
-            const std::array<double, 3>& from_middle, double half, double square) noexcept {
+  // Or the compiler writes one level into another until the code is five times as long, and slower.
+  [[gnu::noinline]] void take(OctreeKind kind, std::uint32_t unit, int level,
+                              const std::array<double, 3>& from_middle, double half,
+                              double square) noexcept {
     if (kind == OctreeKind::far || !(square < best)) return;
     if (kind != OctreeKind::split || level == max_octree_levels ||
         2 * std::size_t{unit} + 1 >= octree.units.size()) {

@@ -46,6 +46,13 @@ class QueryCursor {
   [[nodiscard]] Vector3 normal() const noexcept {
     return by_maps_ ? normal_on_map(*asset_, maps_, on_) : told_.normal;
   }
+  /// 1/m: the trace of that field's bend, which for all of a leaf is one; 0 where a leaf has no one
+  /// polynomial.
+  [[nodiscard]] double bend() const noexcept {
+    if (!by_maps_ || leaf_.kind != OctreeKind::polynomial) return 0;
+    const auto& bend = maps_.first.bend;
+    return leaf_.per_half * (bend[0] + bend[1] + bend[2]);
+  }
   /// `clearance` of a point that was the last to be queried; above `useful`, m, it need not be a
   /// good bound, which is quicker.
   [[nodiscard]] double clearance(

@@ -17,6 +17,8 @@ namespace {
 
 /// A level of at most this many samples may be the clusters of patches.
 constexpr std::uint32_t max_clusters = 400;
+/// Levels above the finest whose patches the field's planes part from it where levels are settled.
+constexpr std::size_t plane_levels = 2;
 constexpr std::size_t max_pressed_patches = 128;  ///< at most 256, as patch_at_ counts
 constexpr std::size_t max_touches = 1024;
 /// Objects of which the finest samples are remembered.
@@ -57,6 +59,9 @@ ObjectContact::ObjectContact(const SurfaceSamples& tool, const ObjectContactSett
     if (level.count > max_clusters && clustered_ > 0) break;
     clustered_ = level.first + level.count;
     summed_level_ = static_cast<std::uint32_t>(&level - tool.levels.data());
+  }
+  if (tool.levels.size() > plane_levels) {
+    by_plane_ = std::max(clustered_, tool.levels[tool.levels.size() - 1 - plane_levels].first);
   }
   ways_.assign(std::size_t{settings.objects} * clustered_, 0.0);
   // In each that presses a sample is active.

@@ -4,6 +4,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <limits>
 #include <optional>
@@ -100,7 +101,9 @@ inline void add(PressedPatch& patch, double force, double depth, const Vector3& 
 /// A tick that is told an accuracy (TickBudget::accuracy) stops at a level whose sum the next one
 /// would hardly change, object by object and cluster by cluster; between two levels both count, so
 /// that the force does not jump. There a finest sample is a small square, as coarse ones are
-/// patches, and where few touch it is divided into smaller ones.
+/// patches, and where few touch it is divided into smaller ones; a coarse one counts what the field
+/// bends by over its patch, and of the last two levels above the finest one that the field's plane
+/// parts from the object is let go, without being called clear.
 ///
 /// A tick that is told how far the next ones go (TickBudget::ahead) lists the samples of each
 /// object that may touch by then; within that way the next ones look at these alone.
@@ -163,9 +166,12 @@ class ObjectContact {
     /// also where nothing presses (needs_normal).
     std::array<float, 3> normal{};
     // Where levels are settled:
-    float half = 0;      ///< m: how far parts of its patch are deeper or higher
-    float weight = 1;    ///< how much it, and all below it, counts
-    bool exact = false;  ///< the distance is no bound
+    float half = 0;    ///< m: how far parts of its patch are deeper or higher
+    float weight = 1;  ///< how much it, and all below it, counts
+    /// 1/m: trace of the field's bend, where there is a normal; not a number where the distance is
+    /// a bound.
+    float bend = std::numeric_limits<float>::quiet_NaN();
+    [[nodiscard]] bool exact() const noexcept { return !std::isnan(bend); }
     [[nodiscard]] bool known() const noexcept {
       return distance > -std::numeric_limits<float>::infinity();
     }
@@ -274,7 +280,8 @@ class ObjectContact {
   std::uint32_t coarse_ = 0;     ///< number of samples above the finest
   std::uint32_t clustered_ = 0;  ///< samples below this number are clusters of their own
   std::uint32_t summed_level_ =
-      0;  ///< the finest of the clusters: the sums of levels count from it
+      0;                        ///< the finest of the clusters: the sums of levels count from it
+  std::uint32_t by_plane_ = 0;  ///< from this sample on, above the finest, planes part patches
   std::vector<Pair> pairs_;
   ContactGrip grip_;
   /// Of each pair and cluster, m: upper bound of the way of any of its samples relative to the
@@ -311,6 +318,9 @@ class ObjectContact {
     return sample >= tool_.levels[summed_level_].first;
   }
   [[nodiscard]] bool is_finest(std::uint32_t sample) const noexcept { return sample >= coarse_; }
+  [[nodiscard]] bool is_by_plane(std::uint32_t sample) const noexcept {
+    return sample >= by_plane_ && !is_finest(sample);
+  }
   void set_out(const ContactObject& object, Pair& pair, const Eigen::Isometry3d& tool) noexcept;
   [[nodiscard]] std::size_t first_way(const Pair& pair) const noexcept {
     return static_cast<std::size_t>(&pair - pairs_.data()) * clustered_;
@@ -381,6 +391,7 @@ class ObjectContact {
   [[nodiscard]] QueriedDistance query_at(Pair& pair, const Arm& at, Vector3& place,
                                          ObjectContactReport& report) noexcept;
   [[nodiscard]] bool needs_normal(const Active& active) const noexcept;
+  [[nodiscard]] double above_plane(const Active& active) const noexcept;
   [[nodiscard]] double meet(Active& active, Pair& pair, double way, float* until,
                             ObjectContactReport& report) noexcept;
   void ask_of(Active& active, Pair& pair, ObjectContactReport& report) noexcept;

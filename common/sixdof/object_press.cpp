@@ -288,7 +288,7 @@ void ObjectContact::divide(const Active& active, const Square& square, double we
 /// Presses a finest sample: as one square where many touch, as smaller ones where few do.
 void ObjectContact::press_finest_square(const Active& active,
                                         ObjectContactReport& report) noexcept {
-  if (!active.exact) return;
+  if (!active.exact()) return;
   const Pair& pair = pairs_[active.object];
   Square square;
   square.middle = vector_of(tool_.places[active.sample].position);

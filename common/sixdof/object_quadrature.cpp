@@ -24,6 +24,15 @@ constexpr double useful_way = 5e-4;
 /// m: how far a sample is from touching is told by those below it.
 constexpr double kept_for_below = std::numeric_limits<double>::infinity();
 
+/// m: by how much a patch is farther from an object on the average than at its middle, since the
+/// field bends: by the trace of that, 1/m, and the patch's half-extent, m. Along each of its two
+/// directions the patch's variance is a third of the square. A bend that turns the normal too far
+/// within the patch is not that of all of it.
+double bent_away(float bend, float spread) noexcept {
+  const double half = static_cast<double>(spread), turns = static_cast<double>(bend) * half;
+  return std::abs(turns) < 1 ? turns * half / 3 * (1 - std::abs(turns)) : 0;
+}
+
 }  // namespace
 
 /// m: how far parts of a sample are from it.
@@ -46,7 +55,8 @@ bool ObjectContact::can_settle(const TickBudget& budget) const noexcept {
 void ObjectContact::weigh(Active& active, Pair& pair) noexcept {
   const SampleSpread& spread = tool_.spreads[active.sample];
   const Arm along = arm_of(active.normal), middle = arm_of(spread.middle);
-  const double depth = -static_cast<double>(active.distance) - along.dot(middle);
+  const double depth = -static_cast<double>(active.distance) - along.dot(middle) -
+                       bent_away(active.bend, spread.spread);
   const auto most = static_cast<double>(spread.spread);
   if (!(depth > -most)) return;
   const SampleShare& share = tool_.shares[active.sample];
@@ -83,8 +93,9 @@ void ObjectContact::press(const Active& active, float weight) noexcept {
   const Arm along = arm_of(active.normal);
   auto depth = -static_cast<double>(active.distance);
   if (!is_finest(active.sample)) {
-    const Arm middle = arm_of(tool_.spreads[active.sample].middle);
-    depth -= along.dot(middle);
+    const SampleSpread& spread = tool_.spreads[active.sample];
+    const Arm middle = arm_of(spread.middle);
+    depth -= along.dot(middle) + bent_away(active.bend, spread.spread);
     arm = arm + middle;
   }
   const CoarsePress press = coarse_press(depth, static_cast<double>(active.half));
@@ -109,6 +120,12 @@ double ObjectContact::meet(Active& active, Pair& pair, double way, float* until,
     if (until != nullptr) *until = 0;
     press_finest_square(active, report);
     return 0;
+  }
+  if (active.distance > 0 && is_by_plane(active.sample) && active.has_normal()) {
+    if (const double clear = above_plane(active); clear > 0) {
+      if (until != nullptr) *until = pair.after(way, clear);
+      return 0;
+    }
   }
   // Before it is clear, or adds to a sum, those below it are looked at without it.
   double idle = -spare;
@@ -138,13 +155,27 @@ QueriedDistance ObjectContact::query_at(Pair& pair, const Arm& at, Vector3& plac
   return pair.cursor.distance(place);
 }
 
-/// Whether any of what a sample represents can press at its distance, whatever its normal is.
+/// How far all that presses below a sample is above the object, m, if the field is a plane's about
+/// it; 0 or below where it may press. A plane is no bound: what is nearer beside the plane, as in a
+/// corner, is found by the samples there.
+double ObjectContact::above_plane(const Active& active) const noexcept {
+  const Arm along = arm_of(active.normal);
+  const double sine =
+      sine_between(along.x, along.y, along.z, tool_.shares[active.sample].packed_normal);
+  const double cosine = std::sqrt(std::max(0.0, 1 - sine * sine));
+  return static_cast<double>(active.distance) - extent(active.sample, 1, cosine) -
+         square_half * tool_.levels.back().spacing * sine;
+}
+
+/// Whether any of what a sample represents can press at its distance, whatever its normal is, or a
+/// plane may part it.
 bool ObjectContact::needs_normal(const Active& active) const noexcept {
   const auto distance = static_cast<double>(active.distance);
   if (is_finest(active.sample)) {
     const auto area = static_cast<double>(tool_.shares[active.sample].area);
     return distance < 0 || distance * distance < square_half * square_half * area;
   }
+  if (is_by_plane(active.sample)) return distance < reach_of(active.sample);
   const SampleSpread& spread = tool_.spreads[active.sample];
   const double beyond = distance - static_cast<double>(spread.spread);
   const Arm middle = arm_of(spread.middle);
@@ -156,15 +187,16 @@ void ObjectContact::ask_of(Active& active, Pair& pair, ObjectContactReport& repo
   const SamplePlace& sample = tool_.places[active.sample];
   Vector3 place;
   const QueriedDistance found = query_at(pair, arm_of(sample.position), place, report);
-  active.exact = found.known();
-  if (!active.exact) {
+  if (!found.known()) {
     const double useful = static_cast<double>(sample.radius) + useful_way;
     active.distance =
         static_cast<float>(pair.scale * pair.cursor.clearance(place, useful / pair.scale));
     return;
   }
   active.distance = static_cast<float>(pair.scale * found.distance);
+  active.bend = 0;
   if (!needs_normal(active)) return;
+  active.bend = static_cast<float>(pair.cursor.bend() / pair.scale);
   // The pose of a mirrored object mirrors too, and its transpose back.
   const Eigen::Matrix3d& turn = pair.pose.linear();
   const Vector3 normal = pair.cursor.normal();
@@ -185,8 +217,8 @@ double ObjectContact::look_at(Active& active, Pair& pair, double way, float* unt
       // At the same place.
       active.distance = above.distance;
       active.normal = above.normal;
-      active.exact = above.exact;
-      if (!active.exact || active.has_normal() || !needs_normal(active)) {
+      active.bend = above.bend;
+      if (!active.exact() || active.has_normal() || !needs_normal(active)) {
         return meet(active, pair, way, until, report);
       }
     }
@@ -241,7 +273,8 @@ void ObjectContact::look_over(std::uint32_t first, std::uint32_t count, const Ac
       least = std::min(least, spare);
     }
   }
-  spare_of(pair, cluster, least);
+  // What planes part is not certain to be clear.
+  spare_of(pair, cluster, is_by_plane(first) ? 0 : least);
 }
 
 /// Looks level by level, as long as there is time and finer levels may change the sum.

@@ -12,7 +12,7 @@ namespace {
 // Chosen with the numbers of object_quadrature.cpp.
 
 /// A sum over fewer contacts says nothing of its own error; from twice as many on it is believed.
-constexpr double few_contacts = 24;
+constexpr double few_contacts = 16;
 /// From so many contacts on a sum begins to be good enough whatever it changed by, from twice as
 /// many on it is: what is left of forces that cancel out is a small part of them.
 constexpr double many_contacts = 256;

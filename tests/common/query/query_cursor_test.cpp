@@ -98,5 +98,35 @@ TEST_CASE("The quadric about a point is the field as far as it is told to reach"
   }
 }
 
+TEST_CASE("A cursor tells by how much the field bends where one polynomial is all of it") {
+  TiledCubeByHand cube(size);
+  cube.octree.value_unit = 1e-6;
+  LocalMap map;
+  map.slope = {0, 0, -1};
+  map.bend = {0.02, -0.01, 0.015, 0.01, -0.02, 0.005};
+  map.plane = 1;
+  PackedLocalMap packed;
+  REQUIRE(pack_local_map(map, 2 * cube.octree.value_unit / cube.octree.edge, packed));
+  const auto of_kind = [&](OctreeKind kind, std::size_t maps) {
+    cube.octree.root_words = {test::root_word(kind, 0)};
+    cube.octree.units.clear();
+    for (std::size_t i = 0; i < maps; ++i) {
+      cube.octree.units.insert(cube.octree.units.end(), packed.words.begin(), packed.words.end());
+    }
+    cube.refresh();
+    cube.view.band = {1, 1};
+    QueryCursor cursor;
+    cursor.begin(&cube.view);
+    REQUIRE(cursor.distance({0.004, -0.002, 0.003}).known());
+    return cursor;
+  };
+  const QueryCursor one = of_kind(OctreeKind::polynomial, 1);
+  const double trace = one.quadric({0.004, -0.002, 0.003}).bend.trace();
+  CHECK(std::abs(trace) > 0.1);
+  CHECK(one.bend() == Approx(trace).epsilon(1e-12));
+  // Which of two maps counts changes within the leaf.
+  CHECK(of_kind(OctreeKind::least, 2).bend() == 0);
+}
+
 }  // namespace
 }  // namespace spm::query_cursor_test
