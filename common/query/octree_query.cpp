@@ -2,7 +2,9 @@
 #include "common/query/octree_query.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstdint>
 
 #include "common/base/octahedral.hpp"
 #include "common/field/nearest_triangle.hpp"
@@ -87,6 +89,38 @@ Answer answer_by_list(const AssetView& asset, const std::uint32_t* unit,
   return answer;
 }
 
+/// How far the surface is at the least, m, by the distances that `far` roots know of their middles:
+/// of the eight whose middles are around the point. One that lies behind it, as seen from the
+/// surface, tells most. Below 0 where none tells.
+double told_by_roots(const DistanceOctree& octree, const Vector3& point) noexcept {
+  std::array<std::array<double, 2>, 3> squares;
+  std::array<std::array<std::uint64_t, 2>, 3> roots;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const auto k = static_cast<Eigen::Index>(axis);
+    const double last = std::max(1.0, static_cast<double>(octree.roots[axis])) - 1;
+    const double at = (point[k] - octree.origin[k]) * octree.per_edge - 0.5;
+    const double low = std::floor(std::clamp(at, 0.0, last));
+    for (std::size_t side = 0; side < 2; ++side) {
+      const double root = std::min(low + static_cast<double>(side), last);
+      roots[axis][side] = static_cast<std::uint64_t>(root);
+      const double off = octree.edge * (at - root);
+      squares[axis][side] = off * off;
+    }
+  }
+  double told = -1;
+  for (std::size_t octant = 0; octant < 8; ++octant) {
+    const std::size_t x = octant & 1U, y = octant >> 1U & 1U, z = octant >> 2U;
+    const std::uint64_t place =
+        roots[0][x] + octree.roots[0] * (roots[1][y] + octree.roots[1] * roots[2][z]);
+    if (place >= octree.root_words.size()) continue;
+    const std::uint32_t word = octree.root_words[place];
+    if (static_cast<OctreeKind>(word & 15U) != OctreeKind::far) continue;
+    const double away = std::sqrt(squares[0][x] + squares[1][y] + squares[2][z]);
+    told = std::max(told, octree.clearance_unit * static_cast<double>(word >> 4U) - away);
+  }
+  return told;
+}
+
 }  // namespace
 
 Answer query_leaf(const AssetView& asset, const Leaf& leaf, const Vector3& point) noexcept {
@@ -134,15 +168,13 @@ double leaf_clearance(const AssetView& asset, const Leaf& leaf, const Vector3& p
         octree.origin + octree.edge * Vector3(octree.roots[0], octree.roots[1], octree.roots[2]);
     const Vector3 outside =
         (octree.origin - point).cwiseMax(point - high).cwiseMax(Vector3::Zero());
-    return asset.band.margin + outside.norm();
+    return std::max(asset.band.margin + outside.norm(), told_by_roots(octree, point));
   }
   if (leaf.kind != OctreeKind::far) {
     const Answer told = query_leaf(asset, leaf, point);
     return told.status == Status::exact ? clearance_told(asset, told.distance) : 0;
   }
-  const double at_middle =
-      leaf.level > 0 ? 0 : octree.clearance_unit * static_cast<double>(leaf.unit);
-  const double told = at_middle - (point - leaf.middle).norm();
+  const double told = told_by_roots(octree, point);
   if (told > std::min(octree.edge, useful)) return told;
   // The way to the surface leaves the cubes beyond the margin, and is that long from there on.
   const double most = std::min(octree.edge, useful - asset.band.margin);

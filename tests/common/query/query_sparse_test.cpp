@@ -412,6 +412,20 @@ TEST_CASE(
         Approx(cube.view.band.margin + 1 + cube.octree.origin.z()));
 }
 
+TEST_CASE("A far root behind a place tells more of how far the surface is than its own does") {
+  TiledCubeByHand cube(size);
+  cube.octree.edge = 0.1;
+  cube.octree.roots = {3, 1, 1};
+  cube.octree.clearance_unit = 1e-3;
+  cube.octree.root_words.push_back(test::root_word(OctreeKind::far, 70));
+  cube.octree.root_words.push_back(test::root_word(OctreeKind::far, 170));
+  cube.refresh();
+  const Vector3 middle = cube.octree.origin + Vector3(0.15, 0.05, 0.05);
+  CHECK(clearance(cube.view, middle + Vector3(0.04, 0, 0)) == Approx(0.17 - 0.06));
+  // Also of a place outside all roots.
+  CHECK(clearance(cube.view, middle + Vector3(0.1, 0, 0.06)) == Approx(0.17 - 0.06));
+}
+
 TEST_CASE("Many points at once are answered as each by itself") {
   TiledCubeByHand cube(size);
   Random random(11);
