@@ -46,8 +46,8 @@ class QueryCursor {
   [[nodiscard]] Vector3 normal() const noexcept {
     return by_maps_ ? normal_on_map(*asset_, maps_, on_) : told_.normal;
   }
-  /// 1/m: the trace of that field's bend, which for all of a leaf is one; 0 where a leaf has no one
-  /// polynomial.
+  /// 1/m: the trace of a leaf's bend (LocalQuadric), once in it; 0 where no one polynomial is its
+  /// field.
   [[nodiscard]] double bend() const noexcept {
     if (!by_maps_ || leaf_.kind != OctreeKind::polynomial) return 0;
     const auto& bend = maps_.first.bend;

@@ -60,8 +60,9 @@ ObjectContact::ObjectContact(const SurfaceSamples& tool, const ObjectContactSett
     clustered_ = level.first + level.count;
     summed_level_ = static_cast<std::uint32_t>(&level - tool.levels.data());
   }
+  by_plane_ = clustered_;
   if (tool.levels.size() > plane_levels) {
-    by_plane_ = std::max(clustered_, tool.levels[tool.levels.size() - 1 - plane_levels].first);
+    by_plane_ = std::max(by_plane_, tool.levels[tool.levels.size() - 1 - plane_levels].first);
   }
   ways_.assign(std::size_t{settings.objects} * clustered_, 0.0);
   // In each that presses a sample is active.

@@ -122,22 +122,12 @@ def table(found: dict) -> list[list]:
                    for label, share in (("p50", "p50"), ("p99", "p99"), ("p99.9", "p999"), ("max", "max"))]
 
 
-def main() -> int:
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--minutes", type=float, default=10)
-    parser.add_argument("--objects", type=int, default=20, help="at least 5 (default 20)")
-    parser.add_argument("--core", type=int,
-                        help="the core of the loop and of cyclictest (default: the last one)")
-    add_common_options(parser)
-    arguments = parser.parse_args()
-    seconds, cores = arguments.minutes * 60, cores_of(arguments.cores)
-    core = max(os.sched_getaffinity(0)) if arguments.core is None else arguments.core
-    if arguments.objects < TOUCHED:
-        parser.error(f"--objects: give at least {TOUCHED}")
+def among(objects: int, options: argparse.Namespace, core: int) -> dict:
+    seconds, cores = options.minutes * 60, cores_of(options.cores)
     with Folder() as folder:
         asset, low, high = bake(folder, "box", "--tolerance", "50um")
         half = [(b - a) / 2 for a, b in zip(low, high)]
-        scene = write_crowd(os.path.join(folder, "scene.toml"), asset, half, arguments.objects)
+        scene = write_crowd(os.path.join(folder, "scene.toml"), asset, half, objects)
         hand = write_hand(os.path.join(folder, "hand.txt"), seconds)
         recording = os.path.join(folder, "run.spmrec")
         daemon = Daemon(folder, "--scene", scene, "--device", f"sim:hand=path,path={hand}",
@@ -150,10 +140,28 @@ def main() -> int:
         reading.join(PATIENCE)
     late = touches.counts[len(touches.counts) // 2:]
     found["touched"] = int(statistics.median(late)) if late else 0
-    found["settings"] = {"minutes": arguments.minutes, "objects": arguments.objects,
-                         "cores": arguments.cores, "core": core}
-    show(arguments.out, f"{arguments.minutes:g} minutes with a tool among {arguments.objects} objects",
-         ["what", "found"], table(found), found)
+    found["settings"] = {"minutes": options.minutes, "objects": objects, "cores": options.cores,
+                         "core": core}
+    return found
+
+
+def main() -> int:
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--minutes", type=float, default=10)
+    parser.add_argument("--objects", type=int, nargs="+", default=[20],
+                        help="one after the other; at least 5 (default 20)")
+    parser.add_argument("--core", type=int,
+                        help="the core of the loop and of cyclictest (default: the last one)")
+    add_common_options(parser)
+    arguments = parser.parse_args()
+    core = max(os.sched_getaffinity(0)) if arguments.core is None else arguments.core
+    if min(arguments.objects) < TOUCHED:
+        parser.error(f"--objects: give at least {TOUCHED}")
+    crowds = [among(objects, arguments, core) for objects in arguments.objects]
+    rows = [[same[0][0], *(value for _, value in same)] for same in zip(*map(table, crowds))]
+    show(arguments.out, f"{arguments.minutes:g} minutes with a tool among objects",
+         ["what", *(f"found among {objects}" for objects in arguments.objects)], rows,
+         {"crowds": crowds})
     return 0
 
 
