@@ -123,6 +123,7 @@ def table(found: dict) -> list[list]:
 
 
 def among(objects: int, options: argparse.Namespace, core: int) -> dict:
+    """What a run among so many objects shows, beside cyclictest."""
     seconds, cores = options.minutes * 60, cores_of(options.cores)
     with Folder() as folder:
         asset, low, high = bake(folder, "box", "--tolerance", "50um")

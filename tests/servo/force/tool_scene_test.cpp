@@ -288,6 +288,7 @@ TEST_CASE("A tick that runs out of time is coarser, says so, and is replayed wit
       scene->begin();
     }
     std::size_t degraded = 0, coarse = 0, exact = 0;
+    // `spm` needs less of it to get to the finest level.
     const int part = method == Method::spm ? 2 : 1;
     for (int tick = 0; tick < 400; ++tick) {
       const Vector3 at(1e-5 * tick, 0, rest + 0.0005 - std::min(0.001, 1e-5 * tick));
