@@ -117,12 +117,12 @@ class VirtualTool {
   /// Planes of the contact where a step begins, then those that its failed trials met.
   std::vector<NearContact>& planes_;
   Eigen::Isometry3d pose_ = Eigen::Isometry3d::Identity();
-  bool emerging_ = false;        ///< it was placed, and may lie in an object
-  bool known_ = false;           ///< `last_` is the contact at `pose_`
   ObjectContactReport last_;     ///< of the last look that counted
-  std::size_t own_planes_ = 0;   ///< number of the former
+  std::size_t own_planes_ = 0;   ///< number of those of `planes_` where the step begins
   std::int64_t look_time_ = 0;   ///< ns, of the last look of this tick
   std::uint32_t looked_to_ = 0;  ///< the finest level that it was allowed
+  bool emerging_ = false;        ///< it was placed, and may lie in an object
+  bool known_ = false;           ///< `last_` is the contact at `pose_`
 
   [[nodiscard]] Coupling couple(const Eigen::Isometry3d& device,
                                 const Eigen::Isometry3d& pose) const noexcept;

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "common/query/query_cursor.hpp"
 
+#include <bit>
 #include <catch2/catch.hpp>
 #include <cmath>
-#include <cstring>
+#include <cstdint>
 #include <vector>
 
 #include "common/base/random.hpp"
@@ -18,8 +19,9 @@ using test::TiledCubeByHand;
 constexpr double size = 0.04;
 
 bool same_bits(const Answer& a, const Answer& b) {
-  return std::memcmp(&a.distance, &b.distance, sizeof a.distance) == 0 && a.normal == b.normal &&
-         a.plane == b.plane && a.source == b.source && a.status == b.status;
+  const auto bits = [](double value) { return std::bit_cast<std::uint64_t>(value); };
+  return bits(a.distance) == bits(b.distance) && a.normal == b.normal && a.plane == b.plane &&
+         a.source == b.source && a.status == b.status;
 }
 
 TEST_CASE("A cursor that follows a walk answers as single queries do, bit by bit") {
