@@ -5,6 +5,7 @@
 #include <bit>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
 
 #include "common/base/vector.hpp"
@@ -78,6 +79,23 @@ enum class ListSide : std::uint32_t { surface, outside, inside };
   return (pairs * 0x01010101U) >> 24U;
 }
 
+/// What a root's word tells.
+struct OctreeRoot {
+  OctreeKind kind = OctreeKind::far;
+  std::uint32_t unit = 0;  ///< its first; of a `far` root the distance at its middle
+};
+
+[[nodiscard]] constexpr OctreeRoot unpack_root(std::uint32_t word) noexcept {
+  return {static_cast<OctreeKind>(word & 15U), word >> 4U};
+}
+
+/// The root of a number, x fastest; none where there is no such root.
+[[nodiscard]] inline std::optional<OctreeRoot> root_at(const DistanceOctree& octree,
+                                                       std::uint64_t number) noexcept {
+  if (number >= octree.root_words.size()) return {};
+  return unpack_root(octree.root_words[number]);
+}
+
 /// A cube that is not divided.
 struct Leaf {
   OctreeKind kind = OctreeKind::far;
@@ -113,10 +131,9 @@ struct Leaf {
       (step_x >> max_octree_levels) +
       octree.roots[0] * ((step_y >> max_octree_levels) +
                          std::uint64_t{octree.roots[1]} * (step_z >> max_octree_levels));
-  if (place >= octree.root_words.size()) return {};
-  const std::uint32_t word = octree.root_words[place];
-  auto kind = static_cast<OctreeKind>(word & 15U);
-  std::uint32_t unit = word >> 4U;
+  const std::optional<OctreeRoot> root = root_at(octree, place);
+  if (!root) return {};
+  auto [kind, unit] = *root;
   int level = 0;
   while (kind == OctreeKind::split) {
     if (level == max_octree_levels || 2 * std::size_t{unit} + 1 >= octree.units.size()) return {};

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <optional>
+
 #include "common/base/octant.hpp"
 #include "common/field/distance_octree.hpp"
 
@@ -37,10 +39,11 @@ void visit_leaves(const DistanceOctree& octree, const Visit& visit) {
   for (std::uint32_t z = 0; z < octree.roots[2]; ++z) {
     for (std::uint32_t y = 0; y < octree.roots[1]; ++y) {
       for (std::uint32_t x = 0; x < octree.roots[0]; ++x, ++place) {
-        if (place >= octree.root_words.size()) return;
+        const std::optional<OctreeRoot> known = root_at(octree, place);
+        if (!known) return;
         Leaf root;
-        root.kind = static_cast<OctreeKind>(octree.root_words[place] & 15U);
-        root.unit = octree.root_words[place] >> 4U;
+        root.kind = known->kind;
+        root.unit = known->unit;
         root.level = 0;
         root.half = octree.edge / 2;
         root.per_half = 1 / root.half;

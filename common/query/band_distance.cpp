@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <optional>
 
 namespace spm {
 
@@ -92,9 +93,9 @@ double distance_to_band(const DistanceOctree& octree, const Vector3& point, doub
       square += apart * apart;
     }
     const auto place = static_cast<std::size_t>(x + octree.roots[0] * (y + octree.roots[1] * z));
-    if (place >= octree.root_words.size()) return;
-    const std::uint32_t word = octree.root_words[place];
-    search.take(static_cast<OctreeKind>(word & 15U), word >> 4U, 0, from, octree.edge / 2, square);
+    if (const std::optional<OctreeRoot> cube = root_at(octree, place)) {
+      search.take(cube->kind, cube->unit, 0, from, octree.edge / 2, square);
+    }
   };
   const bool within = own[0] >= low[0] && own[0] <= high[0] && own[1] >= low[1] &&
                       own[1] <= high[1] && own[2] >= low[2] && own[2] <= high[2];

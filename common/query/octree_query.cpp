@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <optional>
 
 #include "common/base/octahedral.hpp"
 #include "common/field/nearest_triangle.hpp"
@@ -112,11 +113,10 @@ double told_by_roots(const DistanceOctree& octree, const Vector3& point) noexcep
     const std::size_t x = octant & 1U, y = octant >> 1U & 1U, z = octant >> 2U;
     const std::uint64_t place =
         roots[0][x] + octree.roots[0] * (roots[1][y] + octree.roots[1] * roots[2][z]);
-    if (place >= octree.root_words.size()) continue;
-    const std::uint32_t word = octree.root_words[place];
-    if (static_cast<OctreeKind>(word & 15U) != OctreeKind::far) continue;
+    const std::optional<OctreeRoot> root = root_at(octree, place);
+    if (!root || root->kind != OctreeKind::far) continue;
     const double away = std::sqrt(squares[0][x] + squares[1][y] + squares[2][z]);
-    told = std::max(told, octree.clearance_unit * static_cast<double>(word >> 4U) - away);
+    told = std::max(told, octree.clearance_unit * static_cast<double>(root->unit) - away);
   }
   return told;
 }

@@ -33,8 +33,8 @@ class OctreeCheck {
 
   [[nodiscard]] std::string problem() {
     for (const std::uint32_t word : asset_.octree.root_words) {
-      const auto kind = static_cast<OctreeKind>(word & 15U);
-      if (std::string_view found = meet({kind, word >> 4U, 0}); !found.empty()) {
+      const OctreeRoot root = unpack_root(word);
+      if (std::string_view found = meet({root.kind, root.unit, 0}); !found.empty()) {
         return "a cube of its octree " + std::string(found);
       }
     }
