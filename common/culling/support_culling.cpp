@@ -68,6 +68,7 @@ SupportHull support_hull(const SurfaceSamples& samples, double tolerance, std::s
   }
   const std::vector<Vector3> normals = even_directions(std::max<std::size_t>(planes, 4));
   std::vector<std::size_t> extremes;
+  extremes.reserve(normals.size());
   for (const Vector3& normal : normals) extremes.push_back(support_mapping(places, normal));
   std::sort(extremes.begin(), extremes.end());
   extremes.erase(std::unique(extremes.begin(), extremes.end()), extremes.end());

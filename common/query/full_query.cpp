@@ -156,7 +156,7 @@ Answer query_full(const AssetView& asset, const Vector3& point) noexcept {
   // A split below the last level: the file was damaged.
   if (is_split(word)) return unanswered(Status::far);
   const GridList list(asset.grid, word);
-  const Answer answer = closest_of_maps(asset, list, point);
+  Answer answer = closest_of_maps(asset, list, point);
   if (list.triangles() == 0) return answer;
   const Answer exact = closest_of_triangles(asset, list, point);
   const bool nearer =

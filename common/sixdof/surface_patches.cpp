@@ -114,12 +114,13 @@ class PatchMaker {
     const int parts = std::max(
         clipped ? clipped_parts : 1,
         static_cast<int>(std::min<double>(max_parts, std::ceil(spacing * stretch / step_))));
+    const auto column = cell % tile_cells, row = cell / tile_cells;
     for (int j = 0; j < parts; ++j) {
       for (int i = 0; i < parts; ++i) {
         const double x = (i + 0.5) / parts - 0.5, y = (j + 0.5) / parts - 0.5;
         if (cut_off(tile, cell, x, y)) continue;
-        const double eta = tile.eta0 + (cell % tile_cells + 0.5 + x) * spacing;
-        const double omega = tile.omega0 + (cell / tile_cells + 0.5 + y) * spacing;
+        const double eta = tile.eta0 + (column + 0.5 + x) * spacing;
+        const double omega = tile.omega0 + (row + 0.5 + y) * spacing;
         const Vector3 across = surface.normal(plane, x, y);
         const double side = spacing / parts;
         keep(reconstructed_surface(plane, eta, omega, surface.depth(x, y)), across.normalized(),

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 #include <numeric>
+#include <tuple>
 #include <utility>
 
 namespace spm {
@@ -43,7 +44,7 @@ std::uint64_t interleave(const std::array<std::uint32_t, 3>& cell) noexcept {
 struct Key {
   std::uint32_t way = 0;
   std::uint64_t cube = 0;
-  auto operator<=>(const Key&) const = default;
+  bool operator==(const Key&) const = default;
 };
 
 /// A sample while levels are built from the finest up.
@@ -219,7 +220,10 @@ void surround(SurfaceSamples& samples, const Vector3& low, const Vector3& high) 
 struct Keyed {
   Key key;
   std::uint32_t patch = 0;
-  auto operator<=>(const Keyed&) const = default;
+  bool operator<(const Keyed& other) const noexcept {
+    return std::tie(key.way, key.cube, patch) <
+           std::tie(other.key.way, other.key.cube, other.patch);
+  }
 };
 
 std::vector<Keyed> in_order_of_cubes(const std::vector<SurfacePatch>& patches, const Vector3& low,

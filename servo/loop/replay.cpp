@@ -161,6 +161,7 @@ std::vector<ReplayResult> replay_together(std::span<const AssetView* const> asse
     next->next();
   }
   std::vector<ReplayResult> results;
+  results.reserve(played.size());
   for (const auto& hand : played) results.push_back(std::move(hand->result()));
   return results;
 }
