@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "common/paper/paper_volume.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -38,14 +39,35 @@ struct SeenCell {
   Height height;
 };
 
+/// Samples of a map that are the corners of a cell: its first one, and how many further the others
+/// are.
+struct Corners {
+  std::uint32_t column = 0, row = 0;
+  std::uint32_t width = 1, height = 1;
+};
+
+/// The mean of four corners, and the slopes between them.
+Height height_between(const DistanceMap& map, const Corners& cell) noexcept {
+  const double h00 = map.at(0, cell.column, cell.row);
+  const double h10 = map.at(0, cell.column + cell.width, cell.row);
+  const double h01 = map.at(0, cell.column, cell.row + cell.height);
+  const double h11 = map.at(0, cell.column + cell.width, cell.row + cell.height);
+  const double near_row = h00 + 0.5 * (h10 - h00), far_row = h01 + 0.5 * (h11 - h01);
+  Height height;
+  height.value = near_row + 0.5 * (far_row - near_row);
+  height.d_eta = (0.5 * (h10 - h00) + 0.5 * (h11 - h01)) / (map.spacing * cell.width);
+  height.d_omega = (far_row - near_row) / (map.spacing * cell.height);
+  return height;
+}
+
 /// Each sample that met the surface stands for a quarter of the cell. Without those beside an edge
 /// the volume would lack half a cell along it.
-SeenCell seen_cell(const DistanceMap& map, std::uint32_t column, std::uint32_t row) noexcept {
+SeenCell seen_cell(const DistanceMap& map, const Corners& cell) noexcept {
   SeenCell seen;
   int samples = 0;
   for (std::uint32_t corner = 0; corner < 4; ++corner) {
-    const std::uint32_t right = corner & 1U, up = corner >> 1U;
-    const float height = map.at(0, column + right, row + up);
+    const std::uint32_t right = (corner & 1U) * cell.width, up = (corner >> 1U) * cell.height;
+    const float height = map.at(0, cell.column + right, cell.row + up);
     if (!std::isfinite(height)) continue;
     ++samples;
     seen.column += right;
@@ -54,10 +76,10 @@ SeenCell seen_cell(const DistanceMap& map, std::uint32_t column, std::uint32_t r
   }
   if (samples == 0) return seen;
   seen.part = samples / 4.0;
-  seen.column = column + seen.column / samples;
-  seen.row = row + seen.row / samples;
+  seen.column = cell.column + seen.column / samples;
+  seen.row = cell.row + seen.row / samples;
   if (samples == 4) {
-    seen.height = height_at(map, 0, {column, row, 0.5, 0.5, true});
+    seen.height = height_between(map, cell);
   } else {
     seen.height.value /= samples;
   }
@@ -79,7 +101,7 @@ double penetration_function(const AssetView& object1, std::size_t plane,
 PenetrationVolume penetration_volume(const AssetView& object1, std::size_t plane1,
                                      const AssetView& object2, std::size_t plane2,
                                      const Eigen::Isometry3d& pose2, double density,
-                                     AreaFactor factor) noexcept {
+                                     AreaFactor factor, std::uint32_t stride) noexcept {
   PenetrationVolume result;
   if (!usable(object1, plane1) || !usable(object2, plane2)) return result;
   const SupportPlane& to = object1.planes[plane1];
@@ -88,9 +110,11 @@ PenetrationVolume penetration_volume(const AssetView& object1, std::size_t plane
   const double cell_area = map.spacing * map.spacing;
   const double paper_cosine = std::abs(to.n.dot(pose2.linear() * from.n));
   Vector3 moment = Vector3::Zero();
-  for (std::uint32_t row = 0; row + 1 < map.rows; ++row) {
-    for (std::uint32_t column = 0; column + 1 < map.columns; ++column) {
-      const SeenCell seen = seen_cell(map, column, row);
+  for (std::uint32_t row = 0; row + 1 < map.rows; row += stride) {
+    for (std::uint32_t column = 0; column + 1 < map.columns; column += stride) {
+      const Corners cell{column, row, std::min(stride, map.columns - 1 - column),
+                         std::min(stride, map.rows - 1 - row)};
+      const SeenCell seen = seen_cell(map, cell);
       if (seen.part == 0) continue;
       const Height& height = seen.height;
       const double eta = map.eta0 + seen.column * map.spacing;
@@ -104,7 +128,7 @@ PenetrationVolume penetration_volume(const AssetView& object1, std::size_t plane
           factor == AreaFactor::paper
               ? paper_cosine
               : -to.n.dot(pose2.linear() * surface_normal(from, height.d_eta, height.d_omega));
-      const double area = seen.part * share * cell_area;
+      const double area = seen.part * share * (cell_area * cell.width * cell.height);
       const double volume = found.depth * area;
       if (!std::isfinite(volume)) continue;
       ++result.samples;

@@ -41,11 +41,20 @@ struct PenetrationVolume {
 /// object 2: eq. 12 in the form of eq. 14, an integral over S_2, evaluated as the sum of eq. 15
 /// over the cells of S_2. The middle of each cell gives a point W_2 of M_2 (eq. 4); beside an edge
 /// of M_2 it is the middle of those of the cell's samples that met M_2, which count a quarter each.
-/// `pose2` takes object 2's frame to object 1's; `density` in kg/m3.
+/// `pose2` takes object 2's frame to object 1's; `density` in kg/m3. With `stride` every so many-th
+/// sample of S_2 in both directions makes the corners of the cells, which are larger then, so that
+/// areas stay right. It must be 1 or more.
 [[nodiscard]] PenetrationVolume penetration_volume(const AssetView& object1, std::size_t plane1,
                                                    const AssetView& object2, std::size_t plane2,
                                                    const Eigen::Isometry3d& pose2, double density,
-                                                   AreaFactor factor) noexcept;
+                                                   AreaFactor factor,
+                                                   std::uint32_t stride = 1) noexcept;
+
+/// The cells of a map that penetration_volume looks at with a stride.
+[[nodiscard]] constexpr std::uint32_t strided_cells(std::uint32_t columns, std::uint32_t rows,
+                                                    std::uint32_t stride) noexcept {
+  return ((columns - 2) / stride + 1) * ((rows - 2) / stride + 1);
+}
 
 /// The single force of section 3.3 on object 2, applied at the centre of gravity of the volume:
 /// `stiffness` (N/m3) times the volume, along M_1's normal there. Torque about `about` (object 1's

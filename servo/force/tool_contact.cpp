@@ -5,7 +5,6 @@
 #include <limits>
 
 #include "common/base/turn_between.hpp"
-#include "servo/force/paper_tool.hpp"
 #include "servo/force/pressed_part.hpp"
 #include "servo/force/tool_force.hpp"
 
@@ -218,43 +217,6 @@ void ToolForce::hold(const Eigen::Isometry3d& device, std::span<const ToolObject
   felt.stiffness += share * stiffness;
   felt.turning += share * turning;
   felt.stored += share * report.energy;
-}
-
-/// The objects of method `paper`, where the tool's asset is `full`: one force each, at the centre
-/// of the volume that both share. Tool and object have one scale (check_tool_scale).
-void ToolForce::press_by_paper(const Eigen::Isometry3d& device, std::span<ToolObject> objects,
-                               Felt& felt) noexcept {
-  const AssetView& tool = *tool_->paper();
-  const double scale = settings_.placement.scale;
-  const double area = paper_tool_area(tool) * scale * scale;
-  for (std::size_t i = 0; i < objects.size(); ++i) {
-    ToolObject& object = objects[i];
-    if (object.asset == nullptr || object.settings->force.method != Method::paper) continue;
-    const double stiffness =
-        std::min(object.settings->force.stiffness, loop_.limits.stiffness / scale_);
-    Eigen::Isometry3d pose2 = object.pose.inverse(Eigen::Isometry) * (device * seat_);
-    pose2.translation() /= scale;
-    const PenetrationVolume found = paper_overlap(*object.asset, tool, pose2);
-    if (!(found.volume > 0) || !(stiffness > 0)) continue;
-    const Vector3 centre = object.pose * (scale * found.centre);
-    const Vector3 normal = object.pose.linear() * found.normal;
-    const double pressed = found.area * scale * scale, share = std::min(1.0, pressed / area);
-    // The mean of f of eq. 13. The stiffness is reached, and not exceeded.
-    const double depth = found.volume / found.area * scale;
-    const Vector3 force = stiffness * share * depth * normal;
-    const Vector3 arm = centre - device.translation();
-    felt.contact = true;
-    felt.wrench.force += force;
-    felt.wrench.torque += arm.cross(force);
-    felt.stiffness += share * stiffness;
-    felt.turning += share * stiffness * arm.squaredNorm();
-    // As a spring of that stiffness.
-    felt.stored += share * stiffness * depth * depth / 2;
-    object.reaction = {-force, -(centre - object.pose.translation()).cross(force)};
-    if (tick_.patch_count == max_patches) continue;
-    tick_.patches[tick_.patch_count++] = {centre, normal, force, depth,
-                                          static_cast<std::uint32_t>(i)};
-  }
 }
 
 /// Tells how coarse the tick was, and how fine the next may be.

@@ -51,6 +51,7 @@ ToolForce::ToolForce(const ToolSettings& settings, const ToolLoop& loop,
       most_force_(coupling_.force_cap),
       first_tool_(objects),
       hand_(hand),
+      looks_(objects + tools),
       met_(tools),
       finest_(every_level),
       place_velocity_(loop.encoder_step, loop.tick, stabilization.velocity),
@@ -94,6 +95,7 @@ void ToolForce::reset() noexcept {
   most_force_ = coupling_.force_cap;
   finest_ = every_level;
   patience_ = unresolved_ = 0;
+  looks_.forget();
   if (contact_ != nullptr) contact_->forget();
 }
 
@@ -303,7 +305,7 @@ ContactForce ToolForce::next(const HandPose& hand, std::span<ToolObject> objects
     touch(device, objects, pushes, budget, felt, effort);
   } else {
     pose_ = device;
-    if (tool_ != nullptr) press_by_paper(device, objects, felt);
+    if (tool_ != nullptr) press_by_paper(device, objects, budget, felt, effort);
   }
   damp(hand, objects, ticks, felt);
   sit_down(objects);

@@ -11,6 +11,7 @@
 #include "common/base/wrench.hpp"
 #include "common/sixdof/virtual_tool.hpp"
 #include "servo/force/force_budget.hpp"
+#include "servo/force/paper_tool.hpp"
 #include "servo/force/patch_list.hpp"
 #include "servo/force/placed_contact.hpp"
 #include "servo/force/sampled_tool.hpp"
@@ -161,8 +162,10 @@ class ToolForce {
   void put() noexcept;
   [[nodiscard]] bool step_on(const Eigen::Isometry3d& device, std::uint32_t steps, Work& work,
                              ForceEffort& effort, VirtualToolReport& report) noexcept;
+  void look_by_paper(const Eigen::Isometry3d& device, std::span<const ToolObject> objects,
+                     const ForceBudget& budget, ForceEffort& effort) noexcept;
   void press_by_paper(const Eigen::Isometry3d& device, std::span<ToolObject> objects,
-                      Felt& felt) noexcept;
+                      const ForceBudget& budget, Felt& felt, ForceEffort& effort) noexcept;
   void end_work(const Work& work, ForceEffort& effort) noexcept;
   void react(std::span<ToolObject> objects, const Eigen::Isometry3d& pose,
              const Eigen::Isometry3d& device, double share, const Wrench& felt) noexcept;
@@ -200,6 +203,7 @@ class ToolForce {
   double most_force_ = 0;          ///< N, of the coupling in the world
   std::size_t first_tool_, hand_;  ///< number of the first tool of a hand, and which is this one's
   Pushed push_;                    ///< in this tick
+  PaperLooks looks_;               ///< of a tool of a `full` asset
   /// How this tool touches that of another hand.
   struct Met {
     Wrench given;                   ///< to it, about its frame's origin

@@ -205,5 +205,28 @@ TEST_CASE("A pose that is no number shares nothing") {
   CHECK(found.centre.isZero());
 }
 
+TEST_CASE("With a stride areas stay right, also where it does not divide the map") {
+  const OnePlane ground(Vector3::Zero(), Vector3::UnitZ(), 0.1, [](double, double) { return 0; });
+  const Vector3 down(0, 0, -1);
+  const OnePlane box(
+      Vector3::Zero(), down, 0.03, [](double, double) { return 0; }, 18);
+  const OnePlane round(radius * down, down, 0.0399, ball);
+  const PenetrationVolume all =
+      penetration_volume(ground.view, 0, round.view, 0, moved({0, 0, 0.015}), 1, AreaFactor::paper);
+  for (const std::uint32_t stride : {1U, 2U, 3U, 4U, 8U}) {
+    INFO("stride " << stride);
+    const PenetrationVolume flat = penetration_volume(
+        ground.view, 0, box.view, 0, moved({0, 0, -0.002}), 1, AreaFactor::paper, stride);
+    CHECK(flat.area == Approx(0.03 * 0.03));
+    CHECK(flat.volume == Approx(0.03 * 0.03 * 0.002));
+    CHECK(flat.centre.head<2>().norm() < 1e-9);
+    CHECK(flat.samples == strided_cells(18, 18, stride));
+    const PenetrationVolume some = penetration_volume(
+        ground.view, 0, round.view, 0, moved({0, 0, 0.015}), 1, AreaFactor::paper, stride);
+    CHECK(some.area == Approx(all.area).epsilon(0.02 * stride));
+    CHECK(some.volume == Approx(all.volume).epsilon(0.02 * stride));
+  }
+}
+
 }  // namespace
 }  // namespace spm::paper_volume_test
