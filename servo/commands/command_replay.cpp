@@ -15,6 +15,7 @@
 #include "servo/commands/replay_recording.hpp"
 #include "servo/commands/replay_source.hpp"
 #include "servo/loop/replay.hpp"
+#include "servo/loop/run_messages.hpp"
 #include "servo/loop/run_report.hpp"
 #include "servo/scene/force_choice.hpp"
 #include "servo/scene/scene_assets.hpp"
@@ -252,6 +253,7 @@ Result<ordered_json> replay_file(const ReplayCommand& command) {
   }
   const auto source = read_replay_source(command.trajectory, command.force);
   if (!source) return tl::make_unexpected(source.error());
+  for (const std::string& text : paper_warnings(source->choice)) spdlog::warn("{}", text);
   if (command.out.empty() && command.record.empty() && !source->recording) {
     return fail(ExitCode::usage, "--out is missing; give the table to write, --out OUT.csv");
   }

@@ -333,6 +333,7 @@ Result<RunReport> run(const RunOptions& asked) {
         "no haptic device is plugged in that may be opened (spm-servo devices tells more): the "
         "simulated one is taken");
   }
+  for (const std::string& text : paper_warnings(*choice)) log_warning(text);
   for (const std::string& text : stiffness_warnings(*choice, open_devices)) log_warning(text);
   for (const std::string& text : workspace_warnings(*choice, (*assets)->reports(), open_devices)) {
     log_warning(text);

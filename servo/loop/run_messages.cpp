@@ -125,6 +125,24 @@ bool nothing_plugged_in(const RunOptions& options, const ForceChoice& choice,
   return asked == "auto" && devices.front()->capabilities().name == "sim";
 }
 
+std::vector<std::string> paper_warnings(const ForceChoice& choice) {
+  std::vector<std::string> list;
+  bool ruled = false, by_volume = false;
+  for (const PlacedObject& object : choice.scene.objects) {
+    if (object.force.method == Method::paper) return {};
+    ruled = ruled || object.force.rule != PaperRule::closest_plane;
+    by_volume = by_volume || object.force.form != PaperProbeForm::surface;
+  }
+  const auto add = [&](const char* what) {
+    list.push_back(std::string(what) +
+                   " is for objects of method paper, and there is none: it changes nothing; leave "
+                   "it out, or take --method paper");
+  };
+  if (ruled) add("the paper's rule (--paper-rule, or 'paper_rule' of an object)");
+  if (by_volume) add("the form of the probe's force (--paper-probe, or 'paper_probe' of [tool])");
+  return list;
+}
+
 std::vector<std::string> stiffness_warnings(const ForceChoice& choice,
                                             const std::vector<Device*>& devices) {
   std::vector<std::string> list;

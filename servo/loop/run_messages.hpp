@@ -30,6 +30,9 @@ namespace spm::servo {
                                                           const std::vector<KeeperReport>& assets,
                                                           const std::vector<Device*>& devices);
 
+/// A sentence for each setting of method paper that was chosen where no object is of it.
+[[nodiscard]] std::vector<std::string> paper_warnings(const ForceChoice& choice);
+
 /// What a person has to know of a scene's tool on these devices: a coupling that is named stiffer
 /// than the device bears, a device that does not read its
 /// orientation, a tool that is longer than a workspace, and an object that is narrower than the

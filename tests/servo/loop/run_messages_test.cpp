@@ -55,6 +55,26 @@ TEST_CASE(
   REQUIRE(warnings_of(100'000, "falcon", 3000).size() == 2);
 }
 
+TEST_CASE("A rule or a form of method paper is warned of where no object is of method paper") {
+  ForceChoice choice;
+  choice.scene = scene_of({});
+  ForceSettings& force = choice.scene.objects.front().force;
+  for (const Method method : {Method::proxy, Method::spm}) {
+    force = {};
+    force.method = method;
+    REQUIRE(paper_warnings(choice).empty());
+    force.rule = PaperRule::all_planes;
+    REQUIRE(paper_warnings(choice).size() == 1);
+    REQUIRE(paper_warnings(choice)[0].find("--paper-rule") != std::string::npos);
+    force.form = PaperProbeForm::volume;
+    REQUIRE(paper_warnings(choice).size() == 2);
+    REQUIRE(paper_warnings(choice)[1].find("--paper-probe") != std::string::npos);
+  }
+  choice.scene.objects.push_back(choice.scene.objects.front());
+  choice.scene.objects.back().force.method = Method::paper;
+  REQUIRE(paper_warnings(choice).empty());
+}
+
 TEST_CASE("A tool on a device that does not turn, or in too small a workspace, is warned of") {
   ScriptedDevice device([](std::size_t, DeviceState&, DeviceHealth&) {});
   device.can().name = "hand";
