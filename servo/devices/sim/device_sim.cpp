@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "servo/devices/sim/device_sim.hpp"
 
+#include <spdlog/spdlog.h>
+
 #include <limits>
+#include <utility>
 #include <vector>
 
 #include "common/base/device_profile.hpp"
@@ -17,6 +20,8 @@ namespace {
 /// How far before an object a hand waits that is to be led, in diagonals of the object's box: out
 /// of the box, and of a tool's that is as large.
 constexpr double clear_share = 1.0;
+/// Of a second, for which a hand that holds a tool is to touch.
+constexpr double least_touching = 0.6;
 
 /// `turns`: whether the hand follows the turns of the rows as well.
 Result<PoseMotion> recorded_hand(const std::string& path, bool turns, double period) {
@@ -160,7 +165,16 @@ Result<PoseMotion> DeviceSim::plan(const DeviceSetup& setup) const {
   auto task = set(ToolTask{});
   task.plant = turning_plant_of(plant, capabilities_.torque_cap > 0);
   task.turning = hand_turning(capabilities_);
-  return plan_tool(setup.assets, task);
+  auto planned = plan_tool(setup.assets, task);
+  if (!planned) return tl::make_unexpected(std::move(planned.error()));
+  if (planned->touching < least_touching) {
+    spdlog::warn(
+        "device sim: no way was found on which the tool touches an object in at least {:.0f} % of "
+        "each second, the best of those tried does in {:.0f} %; take another seed or depth, or "
+        "give the hand its way with sim:hand=path,path=FILE",
+        100 * least_touching, 100 * planned->touching);
+  }
+  return std::move(planned->motion);
 }
 
 DeviceHealth DeviceSim::read(DeviceState& state) noexcept {

@@ -58,11 +58,14 @@ std::optional<Touch> touch_near(const AssetView& asset, double probe_radius, Vec
 std::optional<Touch> touch_from_outside(const AssetView& asset, double probe_radius,
                                         Random& random) {
   const auto [low, size] = extent_of(asset);
-  const Vector3 middle = low + size / 2;
-  const double radius = size.norm() / 2;
-  Vector3 aim = middle;
+  Vector3 aim = low + size / 2;
   for (int axis = 0; axis < 3; ++axis) aim[axis] += random.between(-0.4, 0.4) * size[axis];
-  const Vector3 direction = random.direction();
+  return touch_along(asset, probe_radius, aim, random.direction());
+}
+
+std::optional<Touch> touch_along(const AssetView& asset, double probe_radius, const Vector3& aim,
+                                 const Vector3& direction) {
+  const double radius = extent_of(asset).size.norm() / 2;
   const double stride = std::max(0.4 * (asset.band.max_depth + asset.band.margin), radius * 1e-4);
   for (double gone = -2 * radius; gone < 2 * radius; gone += stride) {
     const Vector3 point = aim + gone * direction;

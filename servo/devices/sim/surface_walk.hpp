@@ -26,6 +26,10 @@ struct Touch {
 [[nodiscard]] std::optional<Touch> touch_from_outside(const AssetView& asset, double probe_radius,
                                                       Random& random);
 
+/// The same along the line through a point in the box, in a direction of length 1.
+[[nodiscard]] std::optional<Touch> touch_along(const AssetView& asset, double probe_radius,
+                                               const Vector3& aim, const Vector3& direction);
+
 /// How thick the object is below a touched place, m, searched down to `limit`.
 [[nodiscard]] double thickness_below(const AssetView& asset, double probe_radius,
                                      const Touch& touch, double limit);

@@ -5,22 +5,25 @@
 #include <cmath>
 #include <limits>
 #include <memory>
+#include <optional>
 #include <utility>
 #include <vector>
 
 #include "servo/devices/sim/surface_walk.hpp"
+#include "servo/force/paper_tool.hpp"
 
 namespace spm::servo {
 
 namespace {
 
 constexpr int lines_tried = 256;
-constexpr int plans_wanted = 6;               // in each round
-constexpr double good_share = 0.9;            // of the worst second
-constexpr double longest_walk = 0.1;          // m
-constexpr std::size_t longest_trial = 6000;   // ticks
-constexpr std::size_t planned_samples = 600;  // the plan needs no more of the tool
-constexpr double share_of_thickness = 0.35;   // as the hand's planner for a point
+constexpr int plans_wanted = 6;                // in each round
+constexpr double good_share = 0.9;             // of the worst second
+constexpr double longest_walk = 0.1;           // m
+constexpr std::size_t longest_trial = 6000;    // ticks
+constexpr std::size_t planned_samples = 600;   // the plan needs no more of the tool
+constexpr std::uint32_t planned_cells = 2048;  // of a `full` tool's maps, in a tick
+constexpr double share_of_thickness = 0.35;    // as the hand's planner for a point
 
 /// How far the tool is turned from how the hand holds it at rest, at a place and while it slides.
 constexpr double largest_lean = 0.35, lean_while_sliding = 0.15, swing = 0.3;  // rad
@@ -29,11 +32,6 @@ constexpr double turn_speed = 1;                                               /
 
 /// To which depth the places must be firm, as a fraction of the full depth, in each round.
 constexpr double rounds[] = {1, 0.25, 0};
-
-struct Plan {
-  PoseMotion motion;
-  double score = -1;  ///< contact in the worst second, 0 to 1
-};
 
 /// A scene as the planner sees it: the tool's places, and the frames of hand, tool and object.
 class Reach {
@@ -45,8 +43,11 @@ class Reach {
         hand_(task.scene.workspace),
         turns_(task.turning.reads) {
     depth = task.depth * hand_.scale / object_.scale;
-    if (tool.samples().levels.empty()) {
-      add_corners(*assets[task.scene.tool->asset], task.scene.tool->placement);
+    if (tool.paper() != nullptr) {
+      for (const Vector3& place : outermost_places(*tool.paper(), planned_samples)) {
+        places_.push_back(task.scene.tool->placement.to_world(place));
+      }
+      if (places_.empty()) places_.push_back(task.scene.tool->placement.position);
       return;
     }
     const SampleLevel& finest = tool.samples().levels.back();
@@ -87,22 +88,13 @@ class Reach {
   double depth = 0;  ///< m, asset's frame
 
  private:
-  /// A `full` tool has no samples: the corners of its box stand for it in a plan.
-  void add_corners(const AssetView& tool, const Placement& placement) {
-    const Extent extent = extent_of(tool);
-    for (int corner = 0; corner < 8; ++corner) {
-      const Vector3 part(corner & 1, (corner >> 1) & 1, (corner >> 2) & 1);
-      places_.push_back(placement.to_world(extent.low + part.cwiseProduct(extent.size)));
-    }
-  }
-
   Placement object_, hand_;
   bool turns_;
   std::vector<Vector3> places_;  ///< of the tool, m of the world, the device's tool's frame
 };
 
 PoseMotion motion_from(const Reach& reach, const ToolTask& task, const Touch& start,
-                       double firm_depth, Random& random) {
+                       double firm_depth, double longest, Random& random) {
   const Vector3 lean = random.between(0, largest_lean) * random.direction();
   const PoseSpeed speed{task.speed, turn_speed};
   const HandPose approach = reach.below(start, -2 * reach.depth, reach.turned(lean));
@@ -114,7 +106,7 @@ PoseMotion motion_from(const Reach& reach, const ToolTask& task, const Touch& st
     return PoseMotion::press(std::move(poses), speed, task.plant.period);
   }
   WalkSettings settings;
-  settings.length = longest_walk;
+  settings.length = longest;
   settings.firm_depth = firm_depth;
   const double per_stride = 2 * std::numbers::pi * settings.stride / swing_length;
   double phase = 0;
@@ -128,23 +120,46 @@ PoseMotion motion_from(const Reach& reach, const ToolTask& task, const Touch& st
   return PoseMotion::back_and_forth(std::move(poses), 1, speed, task.plant.period);
 }
 
+/// Where a plan of a round begins, and how far it goes from there. By the paper's equations a tool
+/// is felt through the planes along the line between the middles of both: one of many small maps
+/// touches only where that line meets the surface straight, and not far from there.
+struct Trial {
+  bool aimed = false;  ///< at the object's middle, along a support plane's normal
+  double longest = longest_walk;
+};
+
+Trial trial_of(const SampledTool& tool, int plan) {
+  if (tool.paper() == nullptr || plan < 2) return {};
+  constexpr double shorter = 7;  // 0.3 mm in the last plan of a round
+  return {true, longest_walk * std::pow(shorter, 2 - plan)};
+}
+
+std::optional<Touch> touch_of(const AssetView& asset, const Trial& trial, Random& random) {
+  if (!trial.aimed || asset.planes.empty()) return touch_from_outside(asset, 0, random);
+  const auto [low, size] = extent_of(asset);
+  const auto plane = static_cast<std::size_t>(random.between(0, double(asset.planes.size())));
+  return touch_along(asset, 0, low + size / 2,
+                     -asset.planes[std::min(plane, asset.planes.size() - 1)].n);
+}
+
 /// Plans on one object, until a plan is good. `best` is the best of all plans so far.
 void plan_on(std::span<const AssetView* const> assets, const ToolTask& task, SampledTool& tool,
-             std::size_t which, Random& random, Plan& best) {
+             std::size_t which, Random& random, PlannedMotion& best) {
   const Reach reach(assets, task, tool, which);
   for (const double firm : rounds) {
     int plans = 0;
     for (int line = 0; line < lines_tried && plans < plans_wanted; ++line) {
-      const auto touch = touch_from_outside(reach.asset, 0, random);
+      const Trial trial = trial_of(tool, plans);
+      const auto touch = touch_of(reach.asset, trial, random);
       if (!touch) continue;
       const double firm_depth = firm * reach.depth;
       if (!firm_below(reach.asset, 0, *touch, firm_depth)) continue;
       ++plans;
-      PoseMotion motion = motion_from(reach, task, *touch, firm_depth, random);
-      const double score = contact_share(assets, task, tool, motion,
-                                         std::min(motion.cycle_ticks(), longest_trial), best.score);
-      if (score > best.score) best = {std::move(motion), score};
-      if (best.score >= good_share) return;
+      PoseMotion motion = motion_from(reach, task, *touch, firm_depth, trial.longest, random);
+      const double score = contact_share(
+          assets, task, tool, motion, std::min(motion.cycle_ticks(), longest_trial), best.touching);
+      if (score > best.touching) best = {std::move(motion), score};
+      if (best.touching >= good_share) return;
     }
   }
 }
@@ -161,6 +176,8 @@ double contact_share(std::span<const AssetView* const> assets, const ToolTask& t
   const double period = task.plant.period;
   SceneForce force(task.scene, period, task.plant.profile.encoder_step, 0, {}, task.turning);
   force.take_tool(&tool, 0);
+  ForceBudget budget;
+  if (tool.paper() != nullptr) budget.worked = planned_cells;
   const auto second = static_cast<std::size_t>(std::ceil(1 / period));
   // The first second brings the tool to the surface.
   const std::size_t approach = second / 2;
@@ -173,7 +190,7 @@ double contact_share(std::span<const AssetView* const> assets, const ToolTask& t
     for (std::size_t tick = 0; tick < second; ++tick) {
       const Eigen::Isometry3d measured = plant.measured_pose();
       const HandPose hand{measured.translation(), Eigen::Quaterniond(measured.linear())};
-      const ContactForce contact = force.next(assets, hand);
+      const ContactForce contact = force.next(assets, hand, 1, budget);
       const bool counts = contact.contact || (begin == 0 && tick < approach);
       touching -= counts ? 0 : 1;
       if (share(touching) <= beaten) return share(touching);
@@ -184,7 +201,7 @@ double contact_share(std::span<const AssetView* const> assets, const ToolTask& t
   return worst;
 }
 
-Result<PoseMotion> plan_tool(std::span<const AssetView* const> assets, const ToolTask& task) {
+Result<PlannedMotion> plan_tool(std::span<const AssetView* const> assets, const ToolTask& task) {
   ToolSettings settings = task.scene.tool.value_or(ToolSettings{});
   settings.spacing = 0;
   settings.samples =
@@ -194,17 +211,17 @@ Result<PoseMotion> plan_tool(std::span<const AssetView* const> assets, const Too
   auto tool = SampledTool::make(*assets[settings.asset], settings, 1, task.scene.objects.size());
   if (!tool) return tl::make_unexpected(std::move(tool.error()));
   Random random(task.seed);
-  Plan best;
-  for (std::size_t i = 0; i < task.scene.objects.size() && best.score < good_share; ++i) {
+  PlannedMotion best;
+  for (std::size_t i = 0; i < task.scene.objects.size() && best.touching < good_share; ++i) {
     plan_on(assets, planned, **tool, i, random, best);
   }
-  if (best.score < 0) {
+  if (best.touching < 0) {
     return fail(ExitCode::invalid_input,
                 "device sim: no object of the scene shows a surface for the tool to touch; bake it "
                 "again with a larger --margin, or give the hand its way with "
                 "sim:hand=path,path=FILE");
   }
-  return best.motion;
+  return best;
 }
 
 }  // namespace spm::servo

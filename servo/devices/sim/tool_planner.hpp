@@ -25,14 +25,20 @@ struct ToolTask {
   ForceScene scene;      ///< has a tool; the loop's force law acts on it
 };
 
+/// What a hand is to do, and how well it touches by a trial.
+struct PlannedMotion {
+  PoseMotion motion;
+  double touching = -1;  ///< fraction of the ticks in contact in the worst second, 0 to 1
+};
+
 /// Plans how a hand that holds the scene's tool presses it onto the first suitable object, slides
 /// and turns it there, by querying the object and by trying each plan with the simulated device and
 /// the loop's force law. The first plan that stays in contact is used, or else the best one. A
 /// device that does not read turns gets a motion without. `assets`: those that objects and tool
 /// name. In the hand's frame. Errors: those of SampledTool::make; invalid_input, if no object has
 /// any surface.
-[[nodiscard]] Result<PoseMotion> plan_tool(std::span<const AssetView* const> assets,
-                                           const ToolTask& task);
+[[nodiscard]] Result<PlannedMotion> plan_tool(std::span<const AssetView* const> assets,
+                                              const ToolTask& task);
 
 /// Fraction of the ticks in contact in the worst second, 0 to 1, when the hand follows the motion
 /// over the scene without the safety stage. `tool`: the samples of the scene's tool. Over `ticks`

@@ -1,10 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <spdlog/sinks/ostream_sink.h>
+#include <spdlog/spdlog.h>
+
 #include <array>
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <fstream>
 #include <memory>
 #include <numbers>
+#include <sstream>
 #include <string>
 
 #include "servo/devices/sim/device_sim.hpp"
@@ -80,6 +84,41 @@ TEST_CASE(
     CHECK(found.torque > 1e-3);
     CHECK(found.farthest_turn > 0.1);
   }
+}
+
+/// Boxes of 30 mm as `full` assets, one on another by the paper's equations.
+struct PaperBoxes {
+  Asset box = test::box_asset(0.03);
+  AssetTables tables = tables_of(box);
+  std::array<const AssetView*, 2> assets{&tables.view(), &tables.view()};
+  ForceScene scene = scene_of({});
+
+  explicit PaperBoxes(double stiffness) {
+    scene.objects[0].force.method = Method::paper;
+    scene.objects[0].force.stiffness = stiffness;
+    scene.tool = ToolSettings{};
+    scene.tool->asset = 1;
+  }
+};
+
+/// What is logged while a device is opened.
+std::string told_by(DeviceSim& device, const PaperBoxes& boxes) {
+  std::ostringstream told;
+  const auto before = spdlog::default_logger();
+  spdlog::set_default_logger(std::make_shared<spdlog::logger>(
+      "test", std::make_shared<spdlog::sinks::ostream_sink_mt>(told)));
+  const auto opened = device.open({1000, RealtimeMode::off, boxes.scene, boxes.assets});
+  spdlog::set_default_logger(before);
+  REQUIRE(opened);
+  return told.str();
+}
+
+TEST_CASE("A hand that finds no way on which its tool touches says so, and else does not") {
+  DeviceSim device(*parse_sim_options(""));
+  CHECK(told_by(device, PaperBoxes(1000)).empty());
+  const std::string told = told_by(device, PaperBoxes(0));
+  CHECK(told.find("no way was found") != std::string::npos);
+  CHECK(told.find("sim:hand=path") != std::string::npos);
 }
 
 TEST_CASE(
