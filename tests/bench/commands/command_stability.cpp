@@ -76,6 +76,19 @@ void write_traces(const std::string& folder, const stability::StabilityReport& r
   }
 }
 
+/// Methods that were asked for and take part in none of the cases that are tried.
+std::vector<std::string> without_a_case(const stability::StabilityPlan& plan,
+                                        const stability::StabilityReport& report) {
+  std::vector<std::string> list;
+  for (const std::string& method : plan.methods) {
+    const auto is_of_it = [&](const auto& row) { return row.method == method; };
+    if (std::any_of(report.cases.begin(), report.cases.end(), is_of_it)) continue;
+    if (std::any_of(report.failures.begin(), report.failures.end(), is_of_it)) continue;
+    list.push_back(method);
+  }
+  return list;
+}
+
 int run(const StabilitySettings& settings) {
   cli::configure_messages(settings.global);
   const stability::StabilityPlan plan = plan_of(settings);
@@ -91,11 +104,20 @@ int run(const StabilitySettings& settings) {
   for (const stability::StabilityFailure& failure : report.failures) {
     spdlog::warn("{}, {}: no row: {}", failure.name, failure.method, failure.reason);
   }
+  const std::vector<std::string> without = without_a_case(plan, report);
+  for (const std::string& method : without) {
+    spdlog::warn(
+        "--method {}: takes part in none of the chosen cases, so it has no row; leave --case out "
+        "to "
+        "see in which it does",
+        method);
+  }
   if (!settings.traces.empty()) write_traces(settings.traces, report);
   print_report(
       settings.global, [&] { return to_json(report, plan); },
       [&] { return to_text(report, plan); });
-  return 0;
+  const bool tried = !report.cases.empty() || !report.failures.empty();
+  return static_cast<int>(without.empty() || tried ? ExitCode::done : ExitCode::usage);
 }
 
 void add_name_option(CLI::App& command, const std::string& option, std::vector<std::string>& names,

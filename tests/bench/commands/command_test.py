@@ -245,6 +245,12 @@ class Stability(unittest.TestCase):
         return run("stability", "--quick", "--case", "plate-500um-at-50-mm-s", "--method",
                    "exact-penalty", "--method", "proxy", *arguments, shared=shared)
 
+    def test_a_method_that_takes_part_in_no_chosen_case_is_told(self):
+        result = run("stability", "--quick", "--case", "tool-rests-a-minute", "--method", "paper", "--part",
+                     "theory")
+        self.assertEqual(result.returncode, 1, result.stderr)
+        self.assertIn("--method paper: takes part in none of the chosen cases", result.stderr)
+
     def test_json_has_a_row_a_case_method_device_and_stiffness_and_traces_a_line_a_tick(self):
         with tempfile.TemporaryDirectory(prefix="spm-bench-test-") as folder:
             result = self.stability("--json", "--traces", folder)
