@@ -33,7 +33,7 @@ Vector3 turned(const Vector3& heading, const Vector3& normal, double angle) {
 
 std::optional<Touch> step_from(const AssetView& asset, const WalkSettings& settings,
                                const Touch& from, const Vector3& heading) {
-  const auto to = touch_near(asset, settings.probe_radius, from.centre + settings.stride * heading);
+  auto to = touch_near(asset, settings.probe_radius, from.centre + settings.stride * heading);
   if (!to) return std::nullopt;
   const double gone = (to->centre - from.centre).norm();
   if (gone < 0.3 * settings.stride || gone > 2 * settings.stride) return std::nullopt;
@@ -67,13 +67,14 @@ std::optional<Touch> touch_along(const AssetView& asset, double probe_radius, co
                                  const Vector3& direction) {
   const double radius = extent_of(asset).size.norm() / 2;
   const double stride = std::max(0.4 * (asset.band.max_depth + asset.band.margin), radius * 1e-4);
-  for (double gone = -2 * radius; gone < 2 * radius; gone += stride) {
+  double gone = -2 * radius;
+  while (gone < 2 * radius) {
     const Vector3 point = aim + gone * direction;
-    const Answer answer = query_point(asset, point);
-    if (answer.status == Status::exact) {
-      const auto touch = touch_near(asset, probe_radius, point);
+    if (query_point(asset, point).status == Status::exact) {
+      std::optional<Touch> touch = touch_near(asset, probe_radius, point);
       if (touch) return touch;
     }
+    gone += stride;
   }
   return std::nullopt;
 }
