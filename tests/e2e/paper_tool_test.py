@@ -45,6 +45,20 @@ class PaperTool(Case):
                 self.assertGreater(report["contact_ticks"], 0.6 * report["ticks"])
                 self.assertNotIn("no way was found", told)
 
+    def test_ticks_with_too_little_time_are_told_and_replay_bit_by_bit(self):
+        scene = self.scene("box", "box")
+        with open(scene, encoding="utf-8") as file:
+            text = file.read()
+        self.write("scene.toml", text.replace("[tool]\n", '[tool]\nbudget = "1us"\n'))
+        path = self.write("low.txt", "".join(f"{1e-5 * i!r} 0 {2 * TOP - 0.0005!r}\n" for i in range(500)))
+        record = self.path("run.spmrec")
+        report, _ = self.run_sim(scene, "--device", f"sim:hand=path,path={path}", "--record", record)
+        self.assertGreater(report["degraded_ticks"], 0.9 * report["contact_ticks"])
+        self.assertGreater(report["contact_ticks"], 0.9 * report["ticks"])
+        result = run("replay", record, "--json", program=SERVO)
+        self.assertEqual((result.returncode, result.stderr), (0, ""))
+        self.assertIs(json.loads(result.stdout)["recording"]["forces_equal"], True)
+
     def test_objects_that_are_far_off_are_culled(self):
         more = "".join(f'[[object]]\nasset = "{self.asset("box")}"\nmethod = "paper"\n'
                        f'pose = [{5 + k}, 0.3, 0]\n' for k in range(3))
