@@ -34,9 +34,10 @@ ToolCoupling tool_coupling(const ToolSettings& tool, const ToolLoop& loop) noexc
   made.turning = tool.turning > 0 ? tool.turning : per_turn * made.stiffness;
   made.force_cap =
       std::isfinite(loop.turning.force_cap) ? loop.turning.force_cap : assumed_force_cap;
-  made.torque = loop.turning.torque_cap > 0;
-  made.torque_cap = std::min(made.torque ? loop.turning.torque_cap : made.force_cap * turning_lever,
-                             tool.torque_cap);
+  made.torque = loop.turning.torque_cap > 0 && tool.torque_cap > 0;
+  made.torque_cap = made.torque ? loop.turning.torque_cap : made.force_cap * turning_lever;
+  // Of 0 it says that no torque is sent; the tool's turn still hangs on a spring.
+  if (tool.torque_cap > 0) made.torque_cap = std::min(made.torque_cap, tool.torque_cap);
   if (!std::isfinite(made.torque_cap)) made.torque_cap = made.force_cap * turning_lever;
   if (made.torque) {
     // By inertia and mass alike: what is stable depends on stiffness times tick squared over mass.

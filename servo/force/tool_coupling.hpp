@@ -27,7 +27,7 @@ struct ToolCoupling {
   double turning = 0;     ///< N m/rad
   double force_cap = 0;   ///< N, finite
   double torque_cap = 0;  ///< N m, finite; of a device without torque that of the springs alone
-  bool torque = false;    ///< whether the device gives torque
+  bool torque = false;    ///< whether the device gives torque, and the tool's cap is not 0
 };
 
 /// Largest force that is assumed where no device tells its own, N.

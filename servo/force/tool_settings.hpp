@@ -21,7 +21,7 @@ struct ToolSettings {
   Placement placement;
   double coupling = 0;  ///< N/m of the hand, of the virtual coupling; 0: chosen
   double turning = 0;   ///< N m/rad, of the same; 0: chosen
-  /// N m, in addition to the device's own.
+  /// N m, in addition to the device's own; 0: no torque is sent.
   double torque_cap = std::numeric_limits<double>::infinity();
   double spacing = 0;       ///< m of the tool's asset, between samples; 0: chosen
   std::size_t samples = 0;  ///< largest number of samples; 0: as many as the spacing gives

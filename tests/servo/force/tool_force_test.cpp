@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "servo/force/tool_force.hpp"
 
+#include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <limits>
@@ -91,6 +92,29 @@ TEST_CASE("A pose that is not one gives nothing and forgets all") {
   CHECK(scene.next({0, 0, rest - 0.001}, Eigen::Quaterniond(1.1, 0, 0, 0)).force.isZero());
   scene.settle({0, 0, rest - 0.001});
   CHECK(scene.next({0, 0, rest - 0.001}, Eigen::Quaterniond(nan, 0, 0, 0)).force.isZero());
+}
+
+TEST_CASE(
+    "A torque cap of 0 leaves the torque out, and the tool turns as without one of the device") {
+  const auto turned_tool = [](double device_cap, double tool_cap, ContactForce& felt) {
+    ToolScene scene;
+    scene.turning.torque_cap = std::min(device_cap, tool_cap);  // as in a run
+    scene.scene.tool->torque_cap = tool_cap;
+    scene.begin();
+    scene.settle({0, 0, rest + 0.0005}, Eigen::Quaterniond::Identity(), 5);
+    scene.settle({0, 0, rest - 0.0002});
+    felt = scene.settle({0, 0, rest - 0.0002}, turned(0.4, Vector3::UnitZ()));
+    return scene.force->tool().pose;
+  };
+  ContactForce by_device, by_tool;
+  const double none = std::numeric_limits<double>::infinity();
+  const Eigen::Isometry3d without = turned_tool(0, none, by_device);
+  const Eigen::Isometry3d capped = turned_tool(0.3, 0, by_tool);
+  CHECK(std::abs(Eigen::AngleAxisd(capped.linear()).angle()) > 0.38);
+  CHECK(capped.matrix() == without.matrix());
+  CHECK(by_tool.force.z() > 0.1);
+  CHECK(by_tool.force == by_device.force);
+  CHECK(by_tool.torque.isZero(0));
 }
 
 }  // namespace
