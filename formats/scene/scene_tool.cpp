@@ -10,7 +10,7 @@ namespace spm {
 
 namespace {
 
-constexpr std::uint64_t fewest_samples = 4;  // fewer span no volume
+constexpr std::uint64_t fewest_samples = 6;  // one for each side of a box
 constexpr std::uint64_t most_samples = 2'000'000;
 constexpr double longest_budget = 1;  // s
 

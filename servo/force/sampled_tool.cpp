@@ -34,6 +34,40 @@ double volume_of(const SurfaceSamples& samples) noexcept {
   return volume / 3;
 }
 
+/// A part of the largest number of samples that is near enough to it.
+constexpr double close = 0.9;
+
+/// Samples at most as many as asked for, where `spacing` gives more. Their number falls by jumps
+/// where faces take up samples in rows: first the spacing grows until they are few enough, and then
+/// the place of the jump is halved in on. Where even one cube around the whole tool has more,
+/// these.
+Result<SurfaceSamples> fewer(const AssetView& asset, std::size_t most, double spacing) {
+  constexpr int halvings = 12;
+  const auto count = [](const SurfaceSamples& samples) { return samples.levels.back().count; };
+  const double around = 2 * extent_of(asset).size.norm();
+  double step = 1.1, fits = spacing;
+  Result<SurfaceSamples> best;
+  do {
+    spacing = fits;
+    fits = std::min(around, fits * step);
+    step *= step;
+    best = sample_surface(asset, fits);
+  } while (best && count(*best) > most && fits < around);
+  for (int i = 0; best && i < halvings; ++i) {
+    if (static_cast<double>(count(*best)) > close * static_cast<double>(most)) break;
+    const double middle = std::sqrt(spacing * fits);
+    Result<SurfaceSamples> tried = sample_surface(asset, middle);
+    if (!tried) return tried;
+    if (count(*tried) > most) {
+      spacing = middle;
+      continue;
+    }
+    fits = middle;
+    if (count(*tried) > count(*best)) best = std::move(tried);
+  }
+  return best;
+}
+
 /// Samples within the largest number, or as many as are chosen.
 Result<SurfaceSamples> sampled(const AssetView& asset, const ToolSettings& settings) {
   const double size = extent_of(asset).size.norm();
@@ -45,13 +79,14 @@ Result<SurfaceSamples> sampled(const AssetView& asset, const ToolSettings& setti
   Result<SurfaceSamples> made = sample_surface(asset, spacing);
   for (int trial = 0; made && trial < spacing_trials; ++trial) {
     const double share = static_cast<double>(made->levels.back().count) / wanted;
-    constexpr double close = 0.9;
     if (share <= 1 && share > close) break;
     // A little coarser than would just do, since the number is an upper bound.
     spacing *= std::sqrt(share) * (share > 1 ? 1.02 : 1.01);
     made = sample_surface(asset, spacing);
   }
-  return made;
+  const bool too_many =
+      made && settings.samples > 0 && made->levels.back().count > settings.samples;
+  return too_many ? fewer(asset, settings.samples, spacing) : std::move(made);
 }
 
 /// The same samples in the frame of the device's tool, in metres of the world.
@@ -123,10 +158,16 @@ Result<std::unique_ptr<SampledTool>> SampledTool::make(const AssetView& asset,
     return fail(ExitCode::invalid_input,
                 "the tool's asset has no surface to sample; bake it from a mesh with triangles");
   }
-  if (count > most_samples || (settings.samples > 0 && count > settings.samples)) {
+  if (settings.samples > 0 && count > settings.samples) {
+    return fail(ExitCode::invalid_input,
+                fmt::format("the tool's surface needs {} samples at the least, one for each side; "
+                            "give that many 'samples' or more",
+                            count));
+  }
+  if (count > most_samples) {
     return fail(ExitCode::invalid_input,
                 fmt::format("the tool's spacing gives {} samples, more than {}; give a larger one",
-                            count, settings.samples > 0 ? settings.samples : most_samples));
+                            count, most_samples));
   }
   if (volume_of(*samples) < least_fullness * samples->area * samples->radius) {
     return fail(ExitCode::invalid_input,
