@@ -14,12 +14,24 @@ constexpr std::uint64_t fewest_samples = 6;  // one for each side of a box
 constexpr std::uint64_t most_samples = 2'000'000;
 constexpr double longest_budget = 1;  // s
 
-/// A quantity; nothing where the key is missing or says "auto".
+// The stiffest device that turns is rated for 15 N/mm and about 30 N m/rad. Beyond these bounds it
+// is a wrong unit.
+constexpr double stiffest_coupling = 1e6;  // N/m
+constexpr double stiffest_turning = 1e4;   // N m/rad
+
+/// A quantity up to `most`; nothing where the key is missing or says "auto".
 std::optional<double> quantity_or_auto(TableReader& tool, const char* key, Quantity kind,
-                                       const std::string& example) {
+                                       const std::string& example, double most) {
   const toml::node* value = tool.node(key);
   if (value == nullptr || value->value<std::string_view>() == "auto") return std::nullopt;
-  return tool.quantity(key, kind, example, 0);
+  constexpr const char* or_auto = "; or \"auto\", what the device bears";
+  const double read =
+      tool.quantity(key, kind, example, 0, TableReader::Minimum::above_zero, or_auto);
+  if (read > most) {
+    tool.refuse(key, in_quotes(key) + " of [tool] is out of range; give at most " +
+                         format_quantity(most, kind) + or_auto);
+  }
+  return read;
 }
 
 /// The first key that only an object as the tool has; null if there is none.
@@ -84,8 +96,10 @@ std::optional<SceneTool> read_tool(TableReader& tool) {
   read.asset = tool.text("asset", "drill.spm.exr");
   read.mesh = tool.text("mesh", "drill.obj");
   read.placement = read_placement(tool);
-  read.coupling = quantity_or_auto(tool, "coupling", Quantity::stiffness, "2N/mm");
-  read.turning = quantity_or_auto(tool, "turning", Quantity::turning_stiffness, "2N m/rad");
+  read.coupling =
+      quantity_or_auto(tool, "coupling", Quantity::stiffness, "2N/mm", stiffest_coupling);
+  read.turning =
+      quantity_or_auto(tool, "turning", Quantity::turning_stiffness, "2N m/rad", stiffest_turning);
   if (tool.has("torque_cap")) {
     read.torque_cap =
         tool.quantity("torque_cap", Quantity::torque, "100mNm", 0, TableReader::Minimum::zero);

@@ -86,23 +86,23 @@ std::optional<std::size_t> TableReader::word(const char* key,
 }
 
 double TableReader::quantity(const char* key, Quantity kind, const std::string& example,
-                             double otherwise, Minimum min) {
+                             double otherwise, Minimum min, const std::string& also) {
   const toml::node* value = table_.get(key);
   if (value == nullptr) return otherwise;
   const auto* found = value->as_string();
   if (found == nullptr) {
-    refuse(key, in_quotes(key) + " must be text with its unit, such as \"" + example + "\"");
+    refuse(key, in_quotes(key) + " must be text with its unit, such as \"" + example + "\"" + also);
     return otherwise;
   }
   const Result<double> parsed = parse_quantity(found->get(), kind);
   if (!parsed) {
-    refuse(key, in_quotes(key) + ": " + parsed.error().message);
+    refuse(key, in_quotes(key) + ": " + parsed.error().message + also);
     return otherwise;
   }
   const bool zero_allowed = min == Minimum::zero;
   if (*parsed > 0 || (zero_allowed && *parsed == 0)) return *parsed;
   refuse(key, in_quotes(key) + (zero_allowed ? " must be 0 or more" : " must be above 0") +
-                  ", such as \"" + example + "\"");
+                  ", such as \"" + example + "\"" + also);
   return otherwise;
 }
 

@@ -42,9 +42,10 @@ class TableReader {
   [[nodiscard]] std::optional<std::size_t> word(const char* key,
                                                 std::initializer_list<const char*> words);
 
-  /// A quantity with its unit, SI.
+  /// A quantity with its unit, SI. `also`: what else the key may say, as messages end.
   [[nodiscard]] double quantity(const char* key, Quantity kind, const std::string& example,
-                                double otherwise, Minimum min = Minimum::above_zero);
+                                double otherwise, Minimum min = Minimum::above_zero,
+                                const std::string& also = {});
 
   /// A bare number from `min` to `max`.
   [[nodiscard]] double number(const char* key, double min, double max, double otherwise);

@@ -11,23 +11,11 @@ namespace spm::servo {
 
 namespace {
 
-// The stiffest device that turns is rated for 15 N/mm and about 30 N m/rad. Beyond these bounds it
-// is a wrong unit.
-constexpr double stiffest_coupling = 1e6;  // N/m
-constexpr double stiffest_turning = 1e4;   // N m/rad
-
 /// Largest diagonal of a tool, in spacings: beyond it there are millions of samples.
 constexpr double finest_share = 4000;
 
 /// Scales that were written as decimal text may differ by rounding.
 constexpr double scale_slack = 1e-9;
-
-tl::unexpected<Error> too_stiff(const std::string& place, const char* key, double most,
-                                Quantity kind) {
-  return fail(ExitCode::invalid_input,
-              place + "'" + key + "' of [tool] is out of range; give at most " +
-                  format_quantity(most, kind) + ", or \"auto\", what the device bears");
-}
 
 }  // namespace
 
@@ -42,12 +30,6 @@ Result<ToolSettings> tool_settings(const SceneTool& tool, const std::string& sce
   settings.placement = tool.placement;
   settings.coupling = tool.coupling.value_or(0);
   settings.turning = tool.turning.value_or(0);
-  if (settings.coupling > stiffest_coupling) {
-    return too_stiff(place, "coupling", stiffest_coupling, Quantity::stiffness);
-  }
-  if (settings.turning > stiffest_turning) {
-    return too_stiff(place, "turning", stiffest_turning, Quantity::turning_stiffness);
-  }
   settings.torque_cap = tool.torque_cap.value_or(settings.torque_cap);
   settings.spacing = tool.spacing / tool.placement.scale;
   settings.samples = tool.samples;

@@ -21,8 +21,7 @@ struct ToolRoom {
 };
 
 /// The settings of a scene's tool, except which asset it is. `scene`: its path; `place`: file and
-/// line of the tool, both for messages. Errors: invalid_input, for a tool without a baked file and
-/// for a coupling that no device bears.
+/// line of the tool, both for messages. Errors: invalid_input, for a tool without a baked file.
 [[nodiscard]] Result<ToolSettings> tool_settings(const SceneTool& tool, const std::string& scene,
                                                  const std::string& place);
 

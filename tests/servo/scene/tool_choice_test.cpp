@@ -164,4 +164,15 @@ TEST_CASE("A tool meets a full object by method paper alone, and one of its own 
   CHECK(scaled.error().message.find("one 'scale'") != std::string::npos);
 }
 
+TEST_CASE("A coupling beyond any device is told by the line of its key") {
+  for (const char* key : {"coupling = \"2000N/mm\"", "turning = \"20000N m/rad\""}) {
+    const auto stiff = choose(std::string("[tool]\nasset = \"t\"\nscale = 2\n") + key +
+                              "\n[[object]]\nasset = \"a\"\n");
+    REQUIRE_FALSE(stiff);
+    CHECK(stiff.error().code == ExitCode::invalid_input);
+    CHECK(stiff.error().message.find("scene.toml: line 4: ") != std::string::npos);
+    CHECK(stiff.error().message.find("or \"auto\"") != std::string::npos);
+  }
+}
+
 }  // namespace tool_choice_test
