@@ -129,6 +129,19 @@ void read_tools(const toml::array& tables, Scene& scene, std::optional<Error>& e
   }
 }
 
+/// Refuses what only a point or a ball in a hand could have: the tool is an object.
+void refuse_beside_tool(TableReader& stabilization, const Scene& scene) {
+  if (!scene.tool) return;
+  const auto refuse = [&](const char* key, double value) {
+    if (!(value > 0)) return;
+    stabilization.refuse(key, in_quotes(key) +
+                                  " of [stabilization] is for a point or a ball, and the tool is "
+                                  "an object; leave it out, or give 'damping' and 'passivity'");
+  };
+  refuse("coupling", scene.stabilization.coupling);
+  refuse("potential", scene.stabilization.potential);
+}
+
 /// Reads the tables of a document; `error` gets the first error.
 Scene read_document(const std::string& path, const toml::table& document,
                     std::optional<Error>& error) {
@@ -162,6 +175,7 @@ Scene read_document(const std::string& path, const toml::table& document,
       scene.stabilization_given = true;
       scene.delay_given = reader.has("delay");
       scene.stabilization = read_stabilization(reader, scene.device.profile);
+      refuse_beside_tool(reader, scene);
     } else {
       TableReader reader(path, table, in, {"pose", "scale"}, error);
       scene.workspace = read_placement(reader);

@@ -86,6 +86,12 @@ std::optional<SceneTool> read_tool(TableReader& tool) {
                     " exclude each other: the tool is a point or a ball, or an object of its own; "
                     "leave one of them out");
   }
+  if (tool.has("paper_probe")) {
+    tool.refuse(
+        "paper_probe",
+        "'paper_probe' is of a ball that touches, and the tool is an object of its own by " +
+            in_quotes(named) + "; leave 'paper_probe' out");
+  }
   if (tool.has("samples") && tool.has("spacing")) {
     tool.refuse("samples",
                 "'samples' and 'spacing' both say how finely the tool is sampled; leave one of "

@@ -341,6 +341,7 @@ Result<RunReport> run(const RunOptions& asked) {
   for (const std::string& text : tool_warnings(*choice, (*assets)->reports(), open_devices)) {
     log_warning(text);
   }
+  for (const std::string& text : tool_notes(*choice, open_devices)) log_message(text);
   log_message(start_message(options, choice->scene, (*assets)->reports(), (*assets)->paths(),
                             open_devices));
   TickRing ring = make_tick_ring(options.rate_hz, open_devices.size());

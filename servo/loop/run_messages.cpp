@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <limits>
 #include <optional>
+#include <utility>
 
 #include "common/base/units.hpp"
 #include "servo/devices/finder/device_list.hpp"
@@ -206,7 +207,8 @@ std::vector<std::string> tool_warnings(const ForceChoice& choice,
                                        const std::vector<KeeperReport>& assets,
                                        const std::vector<Device*>& devices) {
   if (!choice.scene.tool) return {};
-  std::vector<std::string> list = sample_warnings(choice, assets);
+  std::vector<std::string> list = choice.unfelt;
+  for (std::string& text : sample_warnings(choice, assets)) list.push_back(std::move(text));
   for (std::size_t i = 0; i < devices.size(); ++i) {
     const DeviceCapabilities& can = devices[i]->capabilities();
     const ToolSettings& tool = *tool_of(choice.scene, i);
@@ -224,6 +226,29 @@ std::vector<std::string> tool_warnings(const ForceChoice& choice,
                      can.name + " " + format_quantity(edge, Quantity::length) +
                      ": lower 'scale' of [tool], or raise 'scale' of [workspace]");
     }
+  }
+  return list;
+}
+
+std::vector<std::string> tool_notes(const ForceChoice& choice,
+                                    const std::vector<Device*>& devices) {
+  std::vector<std::string> list;
+  for (std::size_t i = 0; i < devices.size() && choice.scene.tool; ++i) {
+    const DeviceCapabilities& can = devices[i]->capabilities();
+    const bool capped = !(tool_of(choice.scene, i)->torque_cap > 0);
+    const bool gives = hand_turning(can).torque_cap > 0;
+    if (!can.turns || (gives && !capped)) continue;
+    if (!(can.force_cap > 0)) {
+      list.push_back(can.name +
+                     " gives neither force nor torque: what the tool meets is told in contacts and "
+                     "reactions, and the hand feels nothing");
+      continue;
+    }
+    const std::string cause = gives ? place_of_tool(choice, i) + "'torque_cap' of [tool] is 0"
+                                    : can.name + " gives no torque";
+    list.push_back(cause +
+                   ": the torque is left out, so that the hand gets the force alone; the objects "
+                   "still turn the tool, as a spring between it and the hand lets them");
   }
   return list;
 }

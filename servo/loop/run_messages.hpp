@@ -35,11 +35,15 @@ namespace spm::servo {
 
 /// What a person has to know of a scene's tool on these devices: a coupling that is named stiffer
 /// than the device bears, a device that does not read its
-/// orientation, a tool that is longer than a workspace, and an object that is narrower than the
-/// tool's samples are apart. `assets`: the reports of the choice's assets. Empty where the scene
-/// has no such tool.
+/// orientation, keys of objects that a probe alone feels, a tool that is longer than a workspace,
+/// and an object that is narrower than the tool's samples are apart. `assets`: the reports of the
+/// choice's assets. Empty where the scene has no such tool.
 [[nodiscard]] std::vector<std::string> tool_warnings(const ForceChoice& choice,
                                                      const std::vector<KeeperReport>& assets,
                                                      const std::vector<Device*>& devices);
+
+/// A sentence for each device that turns a scene's tool and gives no torque: what its hand feels.
+[[nodiscard]] std::vector<std::string> tool_notes(const ForceChoice& choice,
+                                                  const std::vector<Device*>& devices);
 
 }  // namespace spm::servo

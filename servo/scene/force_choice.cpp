@@ -239,10 +239,8 @@ Result<ForceChoice> choose_scene(const ForceOptions& options) {
   const Tool tool = tool_of(options, *scene);
   choice.probe = tool.probe;
   choice.scene.added = touched_object(suitable, tool);
-  if (scene->tool && options.probe) {
-    return fail(ExitCode::usage, "--probe: the tool of " + scene->path +
-                                     " is an object of its own ('asset' of [tool]); leave the "
-                                     "option out, or name a probe in the scene");
+  if (auto fit = check_beside_tool(options, *scene); !fit) {
+    return tl::make_unexpected(std::move(fit.error()));
   }
   choice.scene.added.stiffness_chosen = device.has_value();
   choice.scene.follows_delay = !scene->delay_given;
@@ -265,6 +263,7 @@ Result<ForceChoice> choose_scene(const ForceOptions& options) {
     choice.places.push_back(place);
   }
   if (auto taken = take_tools(*scene, choice); !taken) return tl::make_unexpected(taken.error());
+  choice.unfelt = unfelt_by_tool(choice);
   return choice;
 }
 

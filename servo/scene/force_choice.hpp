@@ -45,6 +45,7 @@ struct ForceChoice {
   std::vector<std::string> places;
   std::string tool_place;                     ///< of the tool, likewise
   std::vector<std::string> more_tool_places;  ///< of the other hands' tools
+  std::vector<std::string> unfelt;            ///< sentences: what a tool feels objects without
   ProbeShape probe;                           ///< in lengths of the world
   SceneDevice device;                         ///< what the scene says of the device
 

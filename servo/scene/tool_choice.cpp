@@ -6,6 +6,8 @@
 #include <cstddef>
 
 #include "common/base/units.hpp"
+#include "common/contact/turn_limit.hpp"
+#include "servo/scene/force_choice.hpp"
 
 namespace spm::servo {
 
@@ -35,6 +37,42 @@ Result<ToolSettings> tool_settings(const SceneTool& tool, const std::string& sce
   settings.samples = tool.samples;
   settings.budget = tool.budget;
   return settings;
+}
+
+Result<void> check_beside_tool(const ForceOptions& options, const Scene& scene) {
+  if (!scene.tool) return {};
+  const std::string because =
+      ": the tool of " + scene.path + " is an object of its own ('asset' of [tool]); leave the ";
+  const char* in_scene = "option out, or name a probe in the scene";
+  if (options.probe) return fail(ExitCode::usage, "--probe" + because + in_scene);
+  if (options.probe_form) return fail(ExitCode::usage, "--paper-probe" + because + in_scene);
+  if (!options.stabilization) return {};
+  const bool coupled = options.stabilization->coupling > 0;
+  if (!coupled && !(options.stabilization->potential > 0)) return {};
+  return fail(ExitCode::usage, std::string("--stabilization ") +
+                                   (coupled ? "coupling" : "potential") + because +
+                                   "word out: damping and passivity are for all tools");
+}
+
+std::vector<std::string> unfelt_by_tool(const ForceChoice& choice) {
+  std::vector<std::string> list;
+  for (std::size_t i = 0; i < choice.scene.objects.size() && choice.scene.tool; ++i) {
+    const PlacedObject& object = choice.scene.objects[i];
+    const EffectSettings& effects = object.effects;
+    const auto add = [&](const char* key, bool given) {
+      if (!given) return;
+      list.push_back(choice.places[i] + "'" + key +
+                     "' is for a point or a ball: the tool is an object, and feels this one "
+                     "without it; leave the key out");
+    };
+    add("smoothing", effects.smoothing.sigma > 0);
+    add("turn_limit", effects.turn.rate != default_turn_rate);
+    add("friction", effects.friction_force > 0);
+    add("texture", effects.texture_noise > 0);
+    add("paper_rule",
+        object.force.method == Method::paper && object.force.rule != PaperRule::closest_plane);
+  }
+  return list;
 }
 
 bool is_by_paper(const ForceScene& scene) noexcept {

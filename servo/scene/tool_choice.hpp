@@ -25,6 +25,17 @@ struct ToolRoom {
 [[nodiscard]] Result<ToolSettings> tool_settings(const SceneTool& tool, const std::string& scene,
                                                  const std::string& place);
 
+struct ForceOptions;
+struct ForceChoice;
+
+/// Refuses what a command line says of a point or a ball where a scene's tool is an object: probe,
+/// and stabilization within an object. Errors: usage.
+[[nodiscard]] Result<void> check_beside_tool(const ForceOptions& options, const Scene& scene);
+
+/// A sentence for each key of an object that a point or a ball alone feels, where the tool is an
+/// object.
+[[nodiscard]] std::vector<std::string> unfelt_by_tool(const ForceChoice& choice);
+
 /// Refuses an object of method paper of another scale than a tool's: eq. 12 to 15 know one for
 /// both. `place`: file and line of the object, or of another tool. Errors: invalid_input.
 [[nodiscard]] Result<void> check_tool_scale(const ToolSettings& tool, double scale, Method method,

@@ -126,6 +126,46 @@ TEST_CASE(
   CHECK(warnings[1].find("torque cap") != std::string::npos);
 }
 
+TEST_CASE("Torque that a device or a scene leaves out is told once, with what the hand gets") {
+  ScriptedDevice device([](std::size_t, DeviceState&, DeviceHealth&) {});
+  device.can().name = "hand";
+  device.can().turns = true;
+  device.can().force_cap = 5;
+  device.can().torque_cap = 0;
+  ForceChoice choice;
+  choice.scene = scene_of({});
+  choice.tool_place = "scene.toml: line 3: ";
+  CHECK(tool_notes(choice, {&device}).empty());
+  choice.scene.tool = ToolSettings{};
+  auto notes = tool_notes(choice, {&device});
+  REQUIRE(notes.size() == 1);
+  CHECK(notes[0].find("hand gives no torque: the torque is left out") == 0);
+  CHECK(notes[0].find("the hand gets the force alone") != std::string::npos);
+  device.can().torque_cap = 0.2;
+  CHECK(tool_notes(choice, {&device}).empty());
+  choice.scene.tool->torque_cap = 0;
+  notes = tool_notes(choice, {&device});
+  REQUIRE(notes.size() == 1);
+  CHECK(notes[0].find("scene.toml: line 3: 'torque_cap' of [tool] is 0: the torque") == 0);
+  device.can().force_cap = device.can().torque_cap = 0;
+  notes = tool_notes(choice, {&device});
+  REQUIRE(notes.size() == 1);
+  CHECK(notes[0].find("neither force nor torque") != std::string::npos);
+  // That it does not turn is warned of.
+  device.can().turns = false;
+  CHECK(tool_notes(choice, {&device}).empty());
+}
+
+TEST_CASE("What a tool feels objects without is warned of") {
+  ScriptedDevice device([](std::size_t, DeviceState&, DeviceHealth&) {});
+  device.can().turns = true;
+  ForceChoice choice;
+  choice.scene = scene_of({});
+  choice.scene.tool = ToolSettings{};
+  choice.unfelt = {"scene.toml: line 5: 'smoothing' is left out"};
+  CHECK(tool_warnings(choice, std::vector<KeeperReport>(1), {&device}) == choice.unfelt);
+}
+
 TEST_CASE("A workspace's scale at which nothing can be felt is warned of, with its key") {
   ScriptedDevice device([](std::size_t, DeviceState&, DeviceHealth&) {});
   device.can().name = "hand";

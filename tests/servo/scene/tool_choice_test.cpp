@@ -164,6 +164,65 @@ TEST_CASE("A tool meets a full object by method paper alone, and one of its own 
   CHECK(scaled.error().message.find("one 'scale'") != std::string::npos);
 }
 
+TEST_CASE("What a point or a ball alone has is refused where the tool is an object") {
+  const std::string scene = "[tool]\nasset = \"t\"\n[[object]]\nasset = \"a\"\n";
+  ForceOptions options;
+  options.probe_form = PaperProbeForm::volume;
+  const auto form = choose(scene, options);
+  REQUIRE_FALSE(form);
+  CHECK(form.error().code == ExitCode::usage);
+  CHECK(form.error().message.find("--paper-probe: the tool of ") == 0);
+  for (const bool coupling : {true, false}) {
+    options = {};
+    options.stabilization.emplace();
+    (coupling ? options.stabilization->coupling : options.stabilization->potential) = 1;
+    const auto refused = choose(scene, options);
+    REQUIRE_FALSE(refused);
+    CHECK(refused.error().code == ExitCode::usage);
+    const char* word = coupling ? "--stabilization coupling: " : "--stabilization potential: ";
+    CHECK(refused.error().message.find(word) == 0);
+  }
+  options.stabilization = recommended_stabilization;
+  CHECK(choose(scene, options));
+  for (const char* key : {"coupling = \"2N/mm\"", "potential = \"50um\""}) {
+    const auto refused = choose(std::string("[stabilization]\n") + key + "\n" + scene);
+    REQUIRE_FALSE(refused);
+    CHECK(refused.error().code == ExitCode::invalid_input);
+    CHECK(refused.error().message.find("scene.toml: line 2: ") != std::string::npos);
+    CHECK(refused.error().message.find("the tool is an object") != std::string::npos);
+  }
+  CHECK(choose("[stabilization]\ncoupling = \"0N/mm\"\ndamping = 1\n" + scene));
+}
+
+TEST_CASE("Keys of an object that a tool does not feel are told with the object's line") {
+  const std::string tool = "[tool]\nasset = \"t\"\n";
+  const auto told = [](const std::string& scene) {
+    const auto choice = choose(scene);
+    REQUIRE(choice);
+    return choice->unfelt;
+  };
+  const std::string unfelt =
+      "[[object]]\nasset = \"a\"\n[[object]]\nasset = \"b\"\nmethod = \"spm\"\n"
+      "smoothing = { sigma = \"0.2mm\" }\nturn_limit = \"0rad/s\"\n";
+  const auto both = told(tool + unfelt);
+  REQUIRE(both.size() == 2);
+  CHECK(both[0].find("scene.toml: line 5: 'smoothing' is for a point or a ball") !=
+        std::string::npos);
+  CHECK(both[1].find("scene.toml: line 5: 'turn_limit'") != std::string::npos);
+  CHECK(told(unfelt).empty());
+  CHECK(told(tool + "[[object]]\nasset = \"a\"\nfriction = { slide = 0.3 }\n"
+                    "damping = \"1Ns/m\"\nturn_limit = \"120rad/s\"\n")
+            .empty());
+  const auto paper = told(tool +
+                          "[[object]]\nasset = \"a\"\nmethod = \"paper\"\n"
+                          "friction = { force = \"1N\" }\ntexture = { noise = \"10um\" }\n"
+                          "paper_rule = \"all-planes\"\n");
+  REQUIRE(paper.size() == 3);
+  CHECK(paper[0].find("'friction'") != std::string::npos);
+  CHECK(paper[1].find("'texture'") != std::string::npos);
+  CHECK(paper[2].find("'paper_rule'") != std::string::npos);
+}
+
 TEST_CASE("A coupling beyond any device is told by the line of its key") {
   for (const char* key : {"coupling = \"2000N/mm\"", "turning = \"20000N m/rad\""}) {
     const auto stiff = choose(std::string("[tool]\nasset = \"t\"\nscale = 2\n") + key +
