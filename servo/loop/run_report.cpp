@@ -181,6 +181,39 @@ std::string turning_text(const RunReport& report) {
   return text;
 }
 
+/// A tool that is an object, as the scene names it.
+ordered_json tool_json(const ForceChoice& choice, const ToolSettings& tool) {
+  ordered_json entry = {{"asset", choice.assets[tool.asset]}, {"scale", tool.placement.scale}};
+  if (tool.coupling > 0) entry["coupling_n_m"] = tool.coupling;
+  if (tool.turning > 0) entry["turning_nm_rad"] = tool.turning;
+  if (std::isfinite(tool.torque_cap)) entry["torque_cap_n_m"] = tool.torque_cap;
+  if (tool.budget > 0) entry["budget_s"] = tool.budget;
+  return entry;
+}
+
+/// `tool` where all devices hold one, `tools` where each has its own.
+void add_tools(ordered_json& report, const ForceChoice& choice) {
+  if (!tools_meet(choice.scene)) {
+    report["tool"] = tool_json(choice, *choice.scene.tool);
+    return;
+  }
+  for (std::size_t k = 0; k < tools_of(choice.scene); ++k) {
+    report["tools"].push_back(tool_json(choice, *tool_of(choice.scene, k)));
+  }
+}
+
+/// How the tools of a report were sampled; a `full` one is not.
+void add_samples(ordered_json& json, const RunReport& report) {
+  const ForceScene& scene = report.force.scene;
+  for (std::size_t k = 0; k < tools_of(scene); ++k) {
+    const KeeperReport& asset = report.assets[tool_of(scene, k)->asset];
+    if (asset.tool_samples == 0) continue;
+    ordered_json& entry = tools_meet(scene) ? json["tools"][k] : json["tool"];
+    entry["samples"] = asset.tool_samples;
+    entry["spacing_m"] = asset.tool_spacing;
+  }
+}
+
 }  // namespace
 
 ordered_json percentiles_json(const Summary& summary) {
@@ -217,6 +250,10 @@ void add_forces(ordered_json& report, const ForceChoice& choice) {
                                         {"passivity", stabilization.passivity},
                                         {"potential_m", stabilization.potential}};
   }
+  if (choice.scene.tool) {
+    add_tools(report, choice);
+    return;
+  }
   report["probe"] = text_of(choice.probe);
   report["probe_radius_m"] = choice.probe.radius;
   if (choice.probe.paper_only()) report["probe_length_m"] = choice.probe.length;
@@ -238,6 +275,7 @@ ordered_json to_json(const RunReport& report) {
                        {"contact_ticks", counters.contact_ticks},
                        {"rate_hz", report.options.rate_hz}};
   add_forces(json, report.force);
+  add_samples(json, report);
   json["wake_us"] = percentiles_json(report.wake_us);
   json["busy_us"] = percentiles_json(report.busy_us);
   json["tick_budget"] = report.options.tick_budget;

@@ -79,6 +79,20 @@ class ToolReplay(Case):
                 self.assertEqual(compared["compared_ticks"], len(rows))
                 self.assertEqual(compared["largest_difference_n_m"], 0)
 
+    def test_the_report_tells_of_the_tool_and_not_of_a_probe(self):
+        report = self.record("sim:seed=3")
+        self.assertEqual(report["tool"]["asset"], self.asset)
+        self.assertEqual(report["tool"]["scale"], SCALE)
+        self.assertGreater(report["tool"]["samples"], 1000)
+        self.assertGreater(report["tool"]["spacing_m"], 0)
+        self.assertNotIn("probe", report)
+        self.assertNotIn("probe_radius_m", report)
+
+    def test_the_scenes_profile_is_that_of_a_simulated_device_that_names_none(self):
+        for device, profile in (("sim:seed=3", "omega3"), ("sim:profile=falcon", "falcon")):
+            with self.subTest(device=device):
+                self.assertEqual(self.record(device)["devices"][0]["profile"], profile)
+
     def test_poses_of_seven_columns_are_replayed_and_the_table_has_torque(self):
         result = run("replay", self.poses("poses.txt"), "--scene", self.scene(), "--out",
                      self.path("out.csv"), program=SERVO)
