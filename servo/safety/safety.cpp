@@ -96,7 +96,8 @@ const char* cure_of(ForceOff cause) noexcept {
     case ForceOff::not_a_number:
       return "check the device's calibration, then bake the asset again";
     case ForceOff::device_fault:
-      return "check the device's cable and power";
+      return "check the device's cable and power, or the poses that an external device's process "
+             "writes";
     case ForceOff::device_silent:
       return "check the device's cable, its power and the hub; the loop goes on when it answers";
     case ForceOff::device_gone:
