@@ -15,6 +15,12 @@ constexpr double chosen_samples = 8000;
 /// More samples than this take longer to look at than a tick lasts.
 constexpr std::size_t most_samples = 2'000'000;
 constexpr int spacing_trials = 8;
+/// m of the world: samples that are nearer to each other tell no more, as fields have errors of
+/// that size; and all of a tool that is as small would touch at once, more than a tick has time
+/// for.
+constexpr double least_spacing = 1e-5;
+/// Of a tool's size: its samples are no farther apart for that.
+constexpr double least_parts = 4;
 /// A tool whose volume is a smaller part of its surface times its radius than this is a sheet.
 constexpr double least_fullness = 1e-5;
 
@@ -76,8 +82,11 @@ Result<SurfaceSamples> sampled(const AssetView& asset, const ToolSettings& setti
   const double wanted =
       settings.samples > 0 ? static_cast<double>(settings.samples) : chosen_samples;
   spacing = size / std::sqrt(wanted);
+  const double least = std::min(least_spacing / settings.placement.scale, size / least_parts);
+  const bool tiny = spacing < least;
+  spacing = std::max(spacing, least);
   Result<SurfaceSamples> made = sample_surface(asset, spacing);
-  for (int trial = 0; made && trial < spacing_trials; ++trial) {
+  for (int trial = 0; made && !tiny && trial < spacing_trials; ++trial) {
     const double share = static_cast<double>(made->levels.back().count) / wanted;
     if (share <= 1 && share > close) break;
     // A little coarser than would just do, since the number is an upper bound.

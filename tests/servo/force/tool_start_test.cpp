@@ -102,6 +102,23 @@ TEST_CASE("Tools and objects of a millionth and of a million times their size gi
   }
 }
 
+TEST_CASE("A tool that is smaller than an object's error has few samples, and slides freely") {
+  for (const double scale : {1e-6, 1e-3}) {
+    ToolScene scene;
+    scene.scene.tool->placement.scale = scale;
+    scene.scene.tool->spacing = 0;
+    scene.begin();
+    CHECK(scene.sampled->samples().levels.back().count < 200);
+    scene.settle({0, 0, 0.0003}, Eigen::Quaterniond::Identity(), 20);
+    scene.settle({0, 0, -0.0004});
+    ContactForce contact;
+    for (int tick = 0; tick < 200; ++tick) contact = scene.next({2e-5 * tick, 0, -0.0004});
+    INFO("scale " << scale << ", force " << contact.force.transpose());
+    CHECK(contact.force.z() == Approx(0.4).epsilon(0.1));
+    CHECK(contact.force.head<2>().norm() < 0.05);
+  }
+}
+
 TEST_CASE("A tool larger than any workspace presses, tilts and turns within the device's caps") {
   // 1.2 m long, with samples 60 mm apart, on a table of 0.4 m.
   ToolScene scene;
