@@ -70,8 +70,13 @@ Bristle ContactGrip::bristle_at(const Anchor* anchor, std::uint32_t object, cons
 }
 
 Bristle ContactGrip::bristle(std::uint32_t sample, std::uint32_t object, const Vector3& place,
-                             const Vector3& before, const Vector3& normal) const noexcept {
-  return bristle_at(find(sample, object), object, place, before, normal);
+                             const Vector3& before, const Vector3& normal,
+                             double coarse) const noexcept {
+  const Anchor* const anchor = find(sample, object);
+  Bristle bristle = bristle_at(anchor, object, place, before, normal);
+  const double mean = means_[object].spring;
+  if (anchor == nullptr && coarse > mean && mean > 0) bristle.most *= coarse / mean;
+  return bristle;
 }
 
 void ContactGrip::begin(std::uint32_t object) noexcept {
@@ -121,6 +126,7 @@ void ContactGrip::end(std::uint32_t object, double pressed) noexcept {
   Mean& mean = means_[object];
   mean.stretch = mean.weight > 0 ? Vector3(mean.sum / mean.weight) : Vector3(Vector3::Zero());
   mean.most = mean.count > 0 ? mean.load / mean.count : 0;
+  mean.spring = mean.count > 0 ? mean.weight / mean.count : 0;
   const double all =
       mean.pressed > 0 ? mean.load * std::max(1.0, pressed / mean.pressed) : mean.load;
   moved_ = moved_ || mean.all != all;

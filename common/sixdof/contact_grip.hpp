@@ -39,8 +39,11 @@ class ContactGrip {
   ContactGrip(std::size_t samples, std::size_t objects);
 
   /// Of a sample at `place` (object's frame), where it was `before` at the end of the last tick.
+  /// `coarse`: N/m, the bristle's spring of one above the finest, which may stand for several that
+  /// touched then; 0 of the finest.
   [[nodiscard]] Bristle bristle(std::uint32_t sample, std::uint32_t object, const Vector3& place,
-                                const Vector3& before, const Vector3& normal) const noexcept;
+                                const Vector3& before, const Vector3& normal,
+                                double coarse = 0) const noexcept;
 
   /// Begins the end of a tick.
   void begin() noexcept {
@@ -87,6 +90,7 @@ class ContactGrip {
     Vector3 stretch = Vector3::Zero();  ///< m
     double most = 0;                    ///< N, of a sample
     double all = 0;                     ///< N, of all
+    double spring = 0;                  ///< N/m, of a bristle
     Vector3 sum = Vector3::Zero();
     double weight = 0, load = 0, pressed = 0;
     std::uint32_t count = 0;

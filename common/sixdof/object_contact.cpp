@@ -165,7 +165,8 @@ ObjectContactReport ObjectContact::tick(const Eigen::Isometry3d& tool_pose,
   if (settles) {
     look_by_levels(budget, clock, report);
   } else {
-    look_near(report);
+    // A tick's first look has to know them all.
+    look_near(budget.same_levels ? &clock : nullptr, report);
     clock.grant(budget.anew);
     ahead_ = budget.ahead;
     look_to_finest(count, budget, clock, report);

@@ -367,7 +367,7 @@ class ObjectContact {
   void choose_looks(const TickBudget& budget) noexcept;
   void drop_lists() noexcept;
   void end_list(Pair& pair, std::size_t first, bool resolved) noexcept;
-  void look_near(ObjectContactReport& report) noexcept;
+  void look_near(WorkClock* clock, ObjectContactReport& report) noexcept;
   void look_to_finest(std::size_t count, const TickBudget& budget, WorkClock& clock,
                       ObjectContactReport& report) noexcept;
   [[nodiscard]] double reach_of(std::uint32_t sample) const noexcept;

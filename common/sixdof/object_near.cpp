@@ -19,7 +19,10 @@ constexpr double stale_share = 0.5;
 /// Which objects are to be looked at anew: those whose listed samples are not all that may touch.
 /// Where there are none, and a tick begins, the one whose list is the oldest.
 void ObjectContact::choose_looks(const TickBudget& budget) noexcept {
-  if (!(budget.ahead > 0) || budget.ahead != listed_ahead_) drop_lists();
+  // The finest samples alone are listed.
+  const bool lists =
+      budget.ahead > 0 && std::size_t{budget.finest_level} + 1 >= tool_.levels.size();
+  if (!lists || budget.ahead != listed_ahead_) drop_lists();
   listed_ahead_ = budget.ahead;
   bool any = false, gone = false;
   std::size_t others = 0;
@@ -69,12 +72,17 @@ void ObjectContact::take_plane(const Pair& pair, double way, const Vector3& plac
   near.offset = static_cast<float>(normal.dot(place) - distance);
 }
 
-/// Looks at the listed samples of the objects that are not looked at anew.
-void ObjectContact::look_near(ObjectContactReport& report) noexcept {
+/// Looks at the listed samples of the objects that are not looked at anew; with a clock, as long as
+/// there is time.
+void ObjectContact::look_near(WorkClock* clock, ObjectContactReport& report) noexcept {
   const Near* before = nullptr;
   for (Near& near : near_) {
     Pair& pair = pairs_[near.object];
     if (!pair.present || pair.looked) continue;
+    if (clock != nullptr && clock->over(report.asked, report.worked, 0)) {
+      report.stopped = report.degraded = true;
+      return;
+    }
     ++report.worked;
     if (before == nullptr || before->cluster != near.cluster || before->object != near.object) {
       pair.since = ToolMotion(pair.looked_at, pair.pose).of(tool_.places[near.cluster]);

@@ -88,6 +88,10 @@ void ObjectContact::press_coarse(Active& active, ObjectContactReport& report) no
   const Vector3 arm = turned(pair.pose.linear(), tool_.places[active.sample].position) + middle;
   const double spring = pair.stiffness * std::max(static_cast<double>(share.area), pair.least_area);
   press_part(active, spring, press, normal, arm);
+  if (!pair.grip.on()) return;
+  const Vector3 place = place_of(pair, active.sample);
+  hold(active.sample, active.object, place, place - pair.pose.translation(), normal,
+       spring * press.depth, spring * press.share, patch_of(active.object, active.cluster));
 }
 
 /// Adds the springs of all samples below one, which touch where the field is one polynomial: to the
@@ -137,7 +141,7 @@ void ObjectContact::press_finest(std::uint32_t sample, std::uint32_t object, std
   if (pair.grip.on()) hold(sample, object, place, arm, normal, spring * depth, spring, patch);
 }
 
-/// Adds the bristle of a finest sample that touches.
+/// Adds the bristle of a sample that touches.
 void ObjectContact::hold(std::uint32_t sample, std::uint32_t object, const Vector3& place,
                          const Vector3& arm, const Vector3& normal, double force, double spring,
                          PressedPatch& patch) noexcept {
@@ -151,7 +155,8 @@ void ObjectContact::hold(std::uint32_t sample, std::uint32_t object, const Vecto
   if (!pair.in_grip) return;
   const Vector3 before =
       turned(pair.settled.linear(), tool_.places[sample].position) + pair.settled.translation();
-  const Bristle bristle = grip_.bristle(sample, object, place, before, normal);
+  const Bristle bristle =
+      grip_.bristle(sample, object, place, before, normal, is_finest(sample) ? 0 : bristle_spring);
   if (!(bristle.most > 0)) return;
   const double stretch = bristle.stretch.norm();
   const bool gives_way = bristle_spring * stretch > bristle.most;

@@ -162,6 +162,15 @@ bool VirtualTool::in_balance(const Trial& at) const noexcept {
          balanced_force * size + least_force;
 }
 
+/// Whether there is time for a step, which may take as long as the last one did.
+bool VirtualTool::begin_step(const VirtualToolBudget& budget, VirtualToolReport& report) noexcept {
+  if (budget.now != nullptr) begun_ = budget.now();
+  const bool late = budget.now != nullptr && budget.until - begun_ <= step_time_;
+  if (!late && report.worked < budget.work) return true;
+  report.stopped = report.worked;
+  return false;
+}
+
 /// Looks at the contact of a trial's pose. False where there is no time to.
 bool VirtualTool::look_at(Trial& trial, const Eigen::Isometry3d& device,
                           std::span<const ContactObject> objects, const VirtualToolBudget& budget,
@@ -171,27 +180,16 @@ bool VirtualTool::look_at(Trial& trial, const Eigen::Isometry3d& device,
   look.near = steps_near * settings_.max_step;
   look.finest_level = budget.finest_level;
   look.same_levels = true;
-  if (report.worked >= budget.work) {
-    report.stopped = report.worked;
-    return false;
-  }
-  std::int64_t begun = 0;
   if (budget.now != nullptr) {
-    begun = budget.now();
     look.now = budget.now;
-    look.nanoseconds = budget.until - begun;
-    // It may take as long as the last one did.
-    if (look.nanoseconds <= look_time_) {
-      report.stopped = report.worked;
-      return false;
-    }
+    look.nanoseconds = std::max<std::int64_t>(1, budget.until - budget.now());
   }
   ++report.looks;
   ++report.worked;
   if (budget.work != VirtualToolBudget::unstopped) look.work = budget.work - report.worked;
   trial.coupling = couple(device, trial.pose);
   trial.contact = contact_->tick(trial.pose, objects, look);
-  if (budget.now != nullptr) look_time_ = budget.now() - begun;
+  if (budget.now != nullptr) step_time_ = budget.now() - begun_;
   report.worked += trial.contact.worked;
   if (trial.contact.stopped) report.stopped = report.worked;
   return !trial.contact.stopped;
@@ -202,6 +200,7 @@ bool VirtualTool::look_at(Trial& trial, const Eigen::Isometry3d& device,
 bool VirtualTool::correct(const Trial& tried, const Eigen::Isometry3d& device,
                           std::span<const ContactObject> objects, const VirtualToolBudget& budget,
                           double most, Trial& corrected, VirtualToolReport& report) noexcept {
+  if (!begin_step(budget, report)) return false;
   Vector6 back = newton(tried);
   if (!back.allFinite()) back.setZero();
   const double far = length(back);
@@ -225,7 +224,14 @@ void VirtualTool::move(const Eigen::Isometry3d& device, std::span<const ContactO
     failures = 0;
   };
   take_planes();
+  if (budget.now != nullptr) {
+    step_time_ = std::min(step_time_, std::max<std::int64_t>(0, budget.until - budget.now()) / 2);
+  }
   while (report.steps < settings_.steps) {
+    if (!begin_step(budget, report)) {
+      report.balanced = in_balance(now);
+      break;
+    }
     Vector6 step = best_step(now);
     if (!step.allFinite()) break;
     const double far = length(step);
@@ -274,7 +280,6 @@ VirtualToolReport VirtualTool::tick(const Eigen::Isometry3d& device,
     known_ = false;
     return report;
   }
-  look_time_ = 0;
   Coupling coupling = couple(device, pose_);
   static_cast<void>(look_first(objects, budget, report));
   emerging_ = emerging_ && report.contact.sum.deepest > settings_.max_step;

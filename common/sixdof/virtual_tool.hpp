@@ -41,9 +41,10 @@ struct VirtualToolReport {
   Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();  ///< of the virtual tool
   double energy = 0;  ///< J, in the springs and in the contact at that pose
   std::uint32_t steps = 0;
-  std::uint32_t looks = 0;      ///< evaluations of the contact
-  bool capped = false;          ///< the force or the torque of the springs met its largest
-  bool balanced = false;        ///< the last step was shorter than a thousandth of the largest
+  std::uint32_t looks = 0;  ///< evaluations of the contact
+  bool capped = false;      ///< the force or the torque of the springs met its largest
+  /// The last step was shorter than a thousandth of the largest; or time was over in balance.
+  bool balanced = false;
   ObjectContactReport contact;  ///< at that pose
   std::uint32_t worked = 0;     ///< samples, as VirtualToolBudget counts them
   /// Work after which time was over for finer levels, and for steps; `unstopped`: it was not.
@@ -65,8 +66,9 @@ struct VirtualToolReport {
 ///
 /// When time is over the first look at the contact ends with the last level that it finished of
 /// each object, and all further steps of the tick use the same levels, so that their energies can
-/// be compared. A step whose look is not finished in time, or would not be, is not made. A tick
-/// neither allocates nor throws.
+/// be compared. A step that is not finished in time is not made, and none is begun that would take
+/// longer than is left if it took as long as the last one; but at first half of the time is held to
+/// suffice. A tick neither allocates nor throws.
 class VirtualTool {
  public:
   /// `contact` must outlive this.
@@ -119,13 +121,16 @@ class VirtualTool {
   Eigen::Isometry3d pose_ = Eigen::Isometry3d::Identity();
   ObjectContactReport last_;     ///< of the last look that counted
   std::size_t own_planes_ = 0;   ///< number of those of `planes_` where the step begins
-  std::int64_t look_time_ = 0;   ///< ns, of the last look of this tick
+  std::int64_t begun_ = 0;       ///< when the last step was, ns
+  std::int64_t step_time_ = 0;   ///< ns, that it took
   std::uint32_t looked_to_ = 0;  ///< the finest level that it was allowed
   bool emerging_ = false;        ///< it was placed, and may lie in an object
   bool known_ = false;           ///< `last_` is the contact at `pose_`
 
   [[nodiscard]] Coupling couple(const Eigen::Isometry3d& device,
                                 const Eigen::Isometry3d& pose) const noexcept;
+  [[nodiscard]] bool begin_step(const VirtualToolBudget& budget,
+                                VirtualToolReport& report) noexcept;
   [[nodiscard]] bool look_first(std::span<const ContactObject> objects,
                                 const VirtualToolBudget& budget,
                                 VirtualToolReport& report) noexcept;

@@ -5,9 +5,9 @@
 
 #include "common/contact/effect_settings.hpp"
 #include "common/contact/force_law.hpp"
+#include "common/contact/potential_lattice.hpp"
 #include "common/contact/proxy.hpp"
 #include "servo/force/force_budget.hpp"
-#include "servo/force/potential_lattice.hpp"
 #include "servo/stabilize/velocity_estimate.hpp"
 #include "servo/stabilize/virtual_coupling.hpp"
 

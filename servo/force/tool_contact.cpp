@@ -22,18 +22,12 @@ constexpr double least_share = 0.02;
 /// The part of a tick's time in which finer levels are looked at for the first time; the rest is
 /// for the steps of the virtual tool.
 constexpr double refining_share = 0.45;
-/// Ticks after one without enough time in which another makes the next coarser, and until the next
-/// finer level is tried again.
-constexpr std::uint32_t waiting_ticks = 8;
-/// Samples that a tick must have looked at before it ran out of time, for the next to be coarser.
-constexpr std::uint32_t telling_work = 512;
 /// m: objects go their ways in parts of this length, past a tool that is near. It is the longest
 /// step of the virtual tool.
 constexpr double part_length = VirtualToolSettings{}.max_step;
 /// Of the sum of a level, what it may have changed by where finer ones are not looked at; chosen
 /// with the numbers of object_quadrature.cpp.
 constexpr double level_accuracy = 0.08;
-constexpr std::uint32_t every_level = std::numeric_limits<std::uint32_t>::max();
 constexpr std::uint32_t unstopped = ForceEffort::unstopped;
 
 double stiffness_along(const Eigen::Matrix3d& stiffness, const Vector3& direction) noexcept {
@@ -124,8 +118,8 @@ ToolForce::Work ToolForce::begin_work(const ForceBudget& budget) const noexcept 
   Work work;
   work.budget.refine_work = budget.refined;
   work.budget.work = budget.worked;
-  work.budget.finest_level = finest_;
-  work.level = every_level;
+  work.budget.finest_level = levels_.finest();
+  work.level = ToolLevels::every;
   if (budget.clock == nullptr) return work;
   const std::int64_t now = budget.clock();
   work.budget.now = budget.clock;
@@ -143,7 +137,7 @@ ToolForce::Work ToolForce::begin_work(const ForceBudget& budget) const noexcept 
 void ToolForce::push(const Eigen::Isometry3d& device, Work& work, Felt& felt,
                      ForceEffort& effort) noexcept {
   TickBudget look;
-  look.finest_level = finest_;
+  look.finest_level = levels_.finest();
   look.accuracy = level_accuracy;
   look.now = work.budget.now;
   if (look.now != nullptr) {
@@ -224,27 +218,13 @@ void ToolForce::end_work(const Work& work, ForceEffort& effort) noexcept {
   const auto finest = static_cast<std::uint32_t>(tool_->samples().levels.size()) - 1;
   const std::uint32_t level = std::min(work.level, finest);
   effort.level = finest - level;
-  const bool goes_on = unresolved_ > 0 ? work.unresolved < unresolved_ : work.unresolved > 1;
-  unresolved_ = work.unresolved;
-  if (effort.refined != unstopped) {
-    // The next one begins where it was over.
-    if (goes_on) {
-      if (finest_ == every_level) patience_ = 0;
-      return;
-    }
-    // A tick that had hardly any time, since it began late, says nothing of the next one.
-    if (work.done < telling_work) return;
-    // One alone may have been interrupted. Two say little: a level at a time.
-    const bool again = patience_ > 0;
-    patience_ = waiting_ticks;
-    if (!again) return;
-    const std::uint32_t before = std::min(finest_, finest);
-    finest_ = std::max(level, before > 0 ? before - 1 : 0);
-  } else if (patience_ > 0 && --patience_ == 0 && finest_ != every_level) {
-    patience_ = waiting_ticks;
-    ++finest_;
-    if (finest_ >= finest) finest_ = every_level;
-  }
+  levels_.note({.looks_late = effort.refined != unstopped,
+                .steps_late = effort.worked != unstopped && !work.balanced,
+                .level = level,
+                .worked = work.done,
+                .looks = work.looks,
+                .unresolved = work.unresolved},
+               finest);
 }
 
 }  // namespace spm

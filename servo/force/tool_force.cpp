@@ -11,7 +11,6 @@ namespace spm {
 
 namespace {
 
-constexpr std::uint32_t every_level = std::numeric_limits<std::uint32_t>::max();
 /// Of the largest force, what objects and applications may be told whatever the hand feels.
 constexpr double told_anyway = 0.02;
 
@@ -53,7 +52,6 @@ ToolForce::ToolForce(const ToolSettings& settings, const ToolLoop& loop,
       hand_(hand),
       looks_(objects + tools),
       met_(tools),
-      finest_(every_level),
       place_velocity_(loop.encoder_step, loop.tick, stabilization.velocity),
       turn_velocity_(loop.turning.turn_step, loop.tick, stabilization.velocity) {}
 
@@ -65,8 +63,7 @@ void ToolForce::take(SampledTool* tool, std::size_t hand) noexcept {
   culling_ = has_samples ? &tool->culling(hand) : nullptr;
   virtual_.reset();
   escape_.reset();
-  finest_ = every_level;
-  patience_ = unresolved_ = 0;
+  levels_ = {};
   if (contact_ == nullptr) return;
   contact_->forget();
   const SurfaceSamples& samples = tool_->samples();
@@ -93,8 +90,7 @@ void ToolForce::reset() noexcept {
   std::fill(seated_.begin(), seated_.end(), std::uint8_t{0});
   std::fill(late_.begin(), late_.end(), 0.0);
   most_force_ = coupling_.force_cap;
-  finest_ = every_level;
-  patience_ = unresolved_ = 0;
+  levels_ = {};
   looks_.forget();
   if (contact_ != nullptr) contact_->forget();
 }

@@ -18,6 +18,7 @@
 #include "servo/force/tool_coupling.hpp"
 #include "servo/force/tool_culling.hpp"
 #include "servo/force/tool_escape.hpp"
+#include "servo/force/tool_levels.hpp"
 #include "servo/stabilize/velocity_estimate.hpp"
 #include "servo/stabilize/wrench_stabilizer.hpp"
 
@@ -116,6 +117,8 @@ class ToolForce {
     std::uint32_t done = 0;  ///< samples
     std::uint32_t level = 0;
     std::uint32_t unresolved = 0;  ///< objects that time ran out for
+    std::uint32_t looks = 0;       ///< of the virtual tool
+    bool balanced = true;          ///< it came to its balance
   };
 
   [[nodiscard]] Eigen::Isometry3d world_pose(const HandPose& hand) const noexcept;
@@ -211,13 +214,10 @@ class ToolForce {
     std::uint32_t ticks = 0;        ///< that it counts as touched
     double softly = 1;              ///< the part of it that is given: less after it was led out
   };
-  std::vector<Met> met_;          ///< by hands
-  std::uint64_t starts_ = 0;      ///< how often it has begun
-  std::uint32_t finest_;          ///< level that the next tick may look at
-  std::uint32_t unresolved_ = 0;  ///< objects that time ran out for in the last tick
-  std::uint32_t patience_ = 0;    ///< ticks until it may look at the next, and one without enough
-                                  ///< time counts as the first
-  bool placed_ = false;           ///< the virtual tool is somewhere
+  std::vector<Met> met_;      ///< by hands
+  std::uint64_t starts_ = 0;  ///< how often it has begun
+  ToolLevels levels_;
+  bool placed_ = false;  ///< the virtual tool is somewhere
   bool any_held_ = false, any_pushed_ = false;
   bool same_objects_ = false;                        ///< those that hold, as in the last tick
   bool damps_ = false;                               ///< an object that is near damps

@@ -337,7 +337,11 @@ std::string to_text(const RunReport& report) {
     if (warning == device.details.end()) continue;
     text += fmt::format("warning: {}: {}\n", device.capabilities.name, warning->get<std::string>());
   }
-  if (counters.degraded_ticks > 0) {
+  if (counters.degraded_ticks > 0 && report.force.scene.tool) {
+    text += fmt::format(
+        "too little time for {} ticks: the tool was on a coarser level, or short of its balance\n",
+        counters.degraded_ticks);
+  } else if (counters.degraded_ticks > 0) {
     text += fmt::format(
         "too little time for {} ticks: {} answers of objects by the plane touched last, {} with "
         "fewer queries\n",

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "servo/force/potential_lattice.hpp"
+#include "common/contact/potential_lattice.hpp"
 
 #include <algorithm>
 #include <array>
