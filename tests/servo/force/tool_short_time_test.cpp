@@ -37,7 +37,7 @@ class Short {
     budget.clock = &fake_clock;
     budget.until_ns = fake_now + time;
     const HandPose hand{at, Eigen::Quaterniond(Eigen::AngleAxisd(angle, Vector3::UnitZ()))};
-    const ContactForce found = live_.force->next(live_.assets, hand, 1, budget);
+    ContactForce found = live_.force->next(live_.assets, hand, 1, budget);
     const ForceEffort effort = live_.force->effort();
     degraded_ += effort.degraded() ? 1 : 0;
     coarse_ += effort.level > 0 ? 1 : 0;
