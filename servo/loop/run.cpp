@@ -48,10 +48,10 @@ Result<std::vector<std::unique_ptr<Device>>> make_devices(const RunOptions& opti
   std::vector<std::string> wanted = options.devices;
   const bool from_scene = wanted.empty();
   if (from_scene) wanted = {device_of(choice.device)};
-  const std::string simulated = simulated_device_of(choice.device);
+  const std::string simulated = from_scene ? simulated_device_of(choice.device) : "sim";
   std::vector<std::unique_ptr<Device>> devices;
   for (const std::string& specification : wanted) {
-    auto device = make_device(asked_device(specification, choice.device), simulated);
+    auto device = make_device(specification, simulated);
     if (!device && from_scene && !choice.device.driver.empty()) {
       return fail(ExitCode::invalid_input,
                   choice.scene_path + ": line " + std::to_string(choice.device.driver_line) +

@@ -60,12 +60,9 @@ Result<std::unique_ptr<Device>> make_driver(const std::string& name, const Place
 }  // namespace
 
 std::string device_of(const SceneDevice& scene) {
-  return scene.driver.empty() ? "auto" : asked_device(scene.driver, scene);
-}
-
-std::string asked_device(const std::string& asked, const SceneDevice& scene) {
-  const bool simulated = asked == "sim" || asked.starts_with("sim:");
-  return simulated ? with_profile(asked, scene) : asked;
+  if (scene.driver.empty()) return "auto";
+  const bool simulated = scene.driver == "sim" || scene.driver.starts_with("sim:");
+  return simulated ? with_profile(scene.driver, scene) : scene.driver;
 }
 
 std::string simulated_device_of(const SceneDevice& scene) { return with_profile("sim", scene); }

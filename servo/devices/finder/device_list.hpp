@@ -24,10 +24,6 @@ namespace spm::servo {
 /// scene's profile if the driver is simulated and names none; `auto` if the scene names no driver.
 [[nodiscard]] std::string device_of(const SceneDevice& scene);
 
-/// A device of the command line or of a scene, with the scene's profile if it is simulated and
-/// names none.
-[[nodiscard]] std::string asked_device(const std::string& asked, const SceneDevice& scene);
-
 /// The simulated device that `auto` means for a scene if nothing is plugged in: with the scene's
 /// profile.
 [[nodiscard]] std::string simulated_device_of(const SceneDevice& scene);

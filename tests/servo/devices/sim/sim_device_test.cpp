@@ -222,19 +222,6 @@ TEST_CASE("A scene's driver and profile make one device; the driver's own profil
   REQUIRE(device_of(scene) == "falcon");
 }
 
-TEST_CASE("A simulated device of the command line that names no profile gets the scene's") {
-  SceneDevice scene;
-  REQUIRE(asked_device("sim", scene) == "sim");
-  scene.profile = find_device_profile("omega3");
-  scene.driver = "falcon";
-  REQUIRE(asked_device("sim", scene) == "sim:profile=omega3");
-  REQUIRE(asked_device("sim:seed=2", scene) == "sim:seed=2,profile=omega3");
-  REQUIRE(asked_device("sim:profile=low,seed=2", scene) == "sim:profile=low,seed=2");
-  for (const char* other : {"auto", "falcon", "external:name=a", "simulated"}) {
-    REQUIRE(asked_device(other, scene) == other);
-  }
-}
-
 TEST_CASE("Unknown devices are usage errors that name the known ones") {
   for (const char* name : {"omega", "", "simulated", "auto:profile=low"}) {
     const auto device = make_device(name);
