@@ -155,6 +155,7 @@ Result<std::unique_ptr<SampledTool>> SampledTool::make(const AssetView& asset,
   if (asset.maps_every_plane()) {
     std::unique_ptr<SampledTool> letter(new SampledTool);
     letter->paper_ = asset;
+    letter->error_ = placement.scale * asset.tolerance;
     return letter;
   }
   Result<SurfaceSamples> samples = sampled(asset, settings);
@@ -189,6 +190,7 @@ Result<std::unique_ptr<SampledTool>> SampledTool::make(const AssetView& asset,
   place(*samples, placement);
   std::unique_ptr<SampledTool> made(new SampledTool);
   made->samples_ = std::move(*samples);
+  made->error_ = placement.scale * asset.tolerance;
   ObjectContactSettings contact;
   contact.objects = static_cast<std::uint32_t>(objects);
   made->contacts_.reserve(hands);

@@ -33,6 +33,8 @@ class SampledTool {
   /// Of one hand.
   [[nodiscard]] ObjectContact& contact(std::size_t hand) noexcept { return contacts_[hand]; }
   [[nodiscard]] ToolCulling& culling(std::size_t hand) noexcept { return cullings_[hand]; }
+  /// m of the world: certified error of its surface.
+  [[nodiscard]] double error() const noexcept { return error_; }
   /// m: clusters of samples that are closer than this are one patch.
   [[nodiscard]] double patch_size() const noexcept;
   /// That answers may come from, of all hands.
@@ -42,6 +44,7 @@ class SampledTool {
   SampledTool() = default;
 
   SurfaceSamples samples_;
+  double error_ = 0;
   std::optional<AssetView> paper_;
   std::vector<ObjectContact> contacts_;
   std::vector<ToolCulling> cullings_;

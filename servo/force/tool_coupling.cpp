@@ -28,12 +28,13 @@ Vector3 capped_pull(double stiffness, double cap, const Vector3& stretch,
 
 ToolCoupling tool_coupling(const ToolSettings& tool, const ToolLoop& loop) noexcept {
   ToolCoupling made;
-  const double chosen = std::min(loop.suitable, loop.limits.stable * loop.stable_share);
+  made.force_cap =
+      std::isfinite(loop.turning.force_cap) ? loop.turning.force_cap : assumed_force_cap;
+  double chosen = std::min(loop.suitable, loop.limits.stable * loop.stable_share);
+  if (loop.error > 0) chosen = std::min(chosen, felt_error * made.force_cap / loop.error);
   made.stiffness = std::min(tool.coupling > 0 ? tool.coupling : chosen, loop.limits.stiffness);
   const double per_turn = turning_lever * turning_lever;
   made.turning = tool.turning > 0 ? tool.turning : per_turn * made.stiffness;
-  made.force_cap =
-      std::isfinite(loop.turning.force_cap) ? loop.turning.force_cap : assumed_force_cap;
   made.torque = loop.turning.torque_cap > 0 && tool.torque_cap > 0;
   made.torque_cap = made.torque ? loop.turning.torque_cap : made.force_cap * turning_lever;
   // Of 0 it says that no torque is sent; the tool's turn still hangs on a spring.

@@ -19,6 +19,7 @@ struct ToolLoop {
   double device_mass = 0.1;  ///< kg, above 0
   FeltLimits limits{};
   HandTurning turning{};
+  double error = 0;  ///< m, certified error of the tool's surface; 0: none
 };
 
 /// How a hand holds a tool; the hand's frame, about its position.
@@ -35,8 +36,13 @@ inline constexpr double assumed_force_cap = worst_device_profile.force_cap;
 /// The turn, rad, that the torque cap must allow before it is met: about three degrees.
 inline constexpr double least_capped_turn = 0.05;
 
+/// Of the largest force, what an error may change the force by: about what hands tell apart (5 to
+/// 10 % of a force; Pang, Tan and Durlach 1991).
+inline constexpr double felt_error = 0.1;
+
 /// The coupling of a tool. What the tool does not name is chosen: the stiffness that suits the
-/// device, held to what it holds stably at the delay of the loop, and that stiffness times
+/// device, held to what it holds stably at the delay of the loop and to what makes of the tool's
+/// certified error no more than felt_error of the largest force, and that stiffness times
 /// turning_lever squared. However it is named, the stiffness is at
 /// most the device's limit; where the device gives torque, the turning is at most what is as stable
 /// for its inertia as that limit is for its mass, and so soft that the torque cap is met at

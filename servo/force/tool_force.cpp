@@ -33,6 +33,7 @@ ToolForce::ToolForce(const ToolSettings& settings, const ToolLoop& loop,
                      std::size_t objects, std::size_t tools, std::size_t hand)
     : settings_(settings),
       loop_(loop),
+      stabilization_(stabilization),
       coupling_(tool_coupling(settings, loop)),
       rotation_(workspace.rotation.toRotationMatrix()),
       position_(workspace.position),
@@ -58,6 +59,10 @@ ToolForce::ToolForce(const ToolSettings& settings, const ToolLoop& loop,
 void ToolForce::take(SampledTool* tool, std::size_t hand) noexcept {
   if (tool == tool_) return;
   tool_ = tool;
+  loop_.error = tool != nullptr ? tool->error() / scale_ : 0;
+  if (tool_coupling(settings_, loop_).stiffness != coupling_.stiffness) {
+    stabilize(stabilization_, loop_.stable_share);
+  }
   const bool has_samples = tool != nullptr && tool->paper() == nullptr;
   contact_ = has_samples ? &tool->contact(hand) : nullptr;
   culling_ = has_samples ? &tool->culling(hand) : nullptr;
@@ -74,6 +79,7 @@ void ToolForce::take(SampledTool* tool, std::size_t hand) noexcept {
 
 void ToolForce::stabilize(const StabilizationSettings& stabilization,
                           double stable_share) noexcept {
+  stabilization_ = stabilization;
   loop_.stable_share = stable_share;
   coupling_ = tool_coupling(settings_, loop_);
   stabilizer_ = WrenchStabilizer(stabilization, loop_of(loop_, coupling_));

@@ -180,6 +180,7 @@ class ToolForce {
 
   ToolSettings settings_;
   ToolLoop loop_;
+  StabilizationSettings stabilization_;
   ToolCoupling coupling_;  ///< of the hand
   Eigen::Matrix3d rotation_;
   Vector3 position_;

@@ -75,6 +75,26 @@ TEST_CASE("A coupling stiffer than the device bears is held to what it bears") {
   CHECK(std::isfinite(tool_coupling({}, {}).torque_cap));
 }
 
+TEST_CASE("The chosen coupling is so soft that a tool's certified error is hardly felt") {
+  // A tenth of 8 N at 2 mm of error: 400 N/m in place of 1000.
+  for (const double tolerance : {1e-5, 2e-3}) {
+    ToolScene scene;
+    scene.tool_cube.view.tolerance = tolerance;
+    scene.begin();
+    scene.settle({0, 0, rest + 0.003}, Eigen::Quaterniond::Identity(), 20);
+    const double force = scene.settle({0, 0, rest - 0.001}).force.z();
+    CHECK(force == Approx(tolerance > 1e-3 ? 0.4 : 1).epsilon(0.05));
+  }
+  ToolLoop loop;
+  loop.error = 2e-3;
+  loop.turning.force_cap = 8;
+  CHECK(tool_coupling({}, loop).stiffness == Approx(400));
+  // What is named is meant.
+  ToolSettings named;
+  named.coupling = 900;
+  CHECK(tool_coupling(named, loop).stiffness == 900);
+}
+
 TEST_CASE("Tools and objects of a millionth and of a million times their size give finite forces") {
   for (const double scale : {1e-6, 1e6}) {
     ToolScene scene;
@@ -123,6 +143,8 @@ TEST_CASE("A tool larger than any workspace presses, tilts and turns within the 
   // 1.2 m long, with samples 60 mm apart, on a table of 0.4 m.
   ToolScene scene;
   scene.scene.tool->placement.scale = 100;
+  // The one that is chosen would be softer, since the tool's error is 100 times its own as well.
+  scene.scene.tool->coupling = 1000;
   scene.scene.objects[0].placement.scale = 10;
   scene.scene.objects[0].placement.position *= 10;
   scene.begin();
