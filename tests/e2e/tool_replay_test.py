@@ -88,8 +88,8 @@ class ToolReplay(Case):
         self.assertNotIn("probe", report)
         self.assertNotIn("probe_radius_m", report)
 
-    def test_the_scenes_profile_is_that_of_a_simulated_device_that_names_none(self):
-        for device, profile in (("sim:seed=3", "omega3"), ("sim:profile=falcon", "falcon")):
+    def test_the_scenes_profile_is_not_that_of_a_device_that_the_command_line_names(self):
+        for device, profile in (("sim:seed=3", "low"), ("sim:profile=falcon", "falcon")):
             with self.subTest(device=device):
                 self.assertEqual(self.record(device)["devices"][0]["profile"], profile)
 
