@@ -3,10 +3,9 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
-#include <numbers>
 
 #include "common/base/rigid_pose.hpp"
+#include "common/base/spread_direction.hpp"
 #include "common/culling/hull_distance.hpp"
 #include "common/surface/support_plane_mapping.hpp"
 
@@ -17,19 +16,6 @@ namespace {
 constexpr int max_hull_steps = 64;
 
 Vector3 to_vector(const std::array<float, 3>& v) noexcept { return {v[0], v[1], v[2]}; }
-
-/// Unit vectors spread evenly on the sphere by the golden angle.
-std::vector<Vector3> even_directions(std::size_t count) {
-  std::vector<Vector3> made;
-  const double golden = std::numbers::pi * (3 - std::sqrt(5.0));
-  for (std::size_t k = 0; k < count; ++k) {
-    const double z = 1 - (2 * static_cast<double>(k) + 1) / static_cast<double>(count);
-    const double flat = std::sqrt(std::max(0.0, 1 - z * z));
-    const double turn = golden * static_cast<double>(k);
-    made.emplace_back(flat * std::cos(turn), flat * std::sin(turn), z);
-  }
-  return made;
-}
 
 /// Distance from a point to the hull of others.
 double outside(const std::vector<Vector3>& hull, const Vector3& point, double enough) noexcept {
@@ -66,7 +52,10 @@ SupportHull support_hull(const SurfaceSamples& samples, double tolerance, std::s
   for (std::uint32_t i = finest.first; i < finest.first + finest.count; ++i) {
     places.push_back(to_vector(samples.places[i].position));
   }
-  const std::vector<Vector3> normals = even_directions(std::max<std::size_t>(planes, 4));
+  const std::size_t directions = std::max<std::size_t>(planes, 4);
+  std::vector<Vector3> normals;
+  normals.reserve(directions);
+  for (std::size_t k = 0; k < directions; ++k) normals.push_back(spread_direction(k, directions));
   std::vector<std::size_t> extremes;
   extremes.reserve(normals.size());
   for (const Vector3& normal : normals) extremes.push_back(support_mapping(places, normal));

@@ -4,10 +4,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
-#include <numbers>
 
 #include "common/base/rigid_pose.hpp"
+#include "common/base/spread_direction.hpp"
 #include "common/surface/support_plane_mapping.hpp"
 #include "servo/force/pressed_part.hpp"
 #include "servo/force/tool_force.hpp"
@@ -67,14 +66,6 @@ std::uint32_t coarsest_of(const PaperLooks::Look& look) noexcept {
   std::uint32_t level = 0;
   while (level < 16 && cells_of(look, level + 1) >= coarsest_cells) ++level;
   return level;
-}
-
-/// Evenly over the sphere, by the golden angle.
-Vector3 spread_direction(std::size_t number, std::size_t of) {
-  const double z = 1 - (2 * static_cast<double>(number) + 1) / static_cast<double>(of);
-  const double turn = std::numbers::pi * (3 - std::sqrt(5.0)) * static_cast<double>(number);
-  const double radius = std::sqrt(std::max(0.0, 1 - z * z));
-  return {radius * std::cos(turn), radius * std::sin(turn), z};
 }
 
 /// Places of the entries of all maps.

@@ -2,7 +2,6 @@
 // Which objects a tool meets in a tick, and what they do to it, within the tick's budget.
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "common/base/turn_between.hpp"
 #include "servo/force/pressed_part.hpp"
