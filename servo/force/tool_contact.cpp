@@ -44,7 +44,7 @@ bool same(const ContactObject& a, const ContactObject& b) noexcept {
 }  // namespace
 
 /// An object as its own settings want it to feel.
-ContactObject ToolForce::contact_object(const ToolObject& object) const noexcept {
+ContactObject ToolForce::contact_object(const ToolObject& object, bool holds) const noexcept {
   const PlacedObject& settings = *object.settings;
   const SurfaceSamples& samples = tool_->samples();
   const double mean_area = samples.area / samples.levels.back().count;
@@ -55,7 +55,7 @@ ContactObject ToolForce::contact_object(const ToolObject& object) const noexcept
   made.texture = settings.effects.texture;
   made.grip.stick = settings.effects.friction.stick;
   made.grip.slide = settings.effects.friction.slide;
-  if (settings.force.method == Method::proxy) {
+  if (holds) {
     // As stiff as keeps thin parts from being passed; what is felt is the coupling.
     made.stiffness = most_force_ / gives_way / mean_area;
     made.least_area = mean_area;
@@ -71,7 +71,7 @@ ContactObject ToolForce::contact_object(const ToolObject& object) const noexcept
 /// of reach do neither.
 void ToolForce::sort_out(std::span<const ToolObject> objects, const Eigen::Isometry3d& device,
                          ForceEffort& effort) noexcept {
-  any_held_ = any_pushed_ = damps_ = false;
+  any_held_ = any_pushed_ = any_unmet_ = damps_ = false;
   same_objects_ = true;
   longest_way_ = 0;
   bool carrier_alone = true;
@@ -88,21 +88,24 @@ void ToolForce::sort_out(std::span<const ToolObject> objects, const Eigen::Isome
                        !objects[i].asset->full && objects[i].settings->force.stiffness > 0 &&
                        objects[i].settings->force.method != Method::paper;
     if (there) {
-      const ContactObject made = contact_object(objects[i]);
+      const bool holding = holds(i, *objects[i].settings);
+      const ContactObject made = contact_object(objects[i], holding);
+      const bool moved =
+          i < first_tool_ && seated_[i] != 0 && objects[i].pose.matrix() != seats_[i].matrix();
       ways_[i] = i < first_tool_ ? way_of(objects[i], i) : 0;
       if (i != carrier_ && culling_->apart(i, made, pose_, reach + ways_[i])) {
         ++effort.culled;
-      } else if (objects[i].settings->force.method == Method::proxy) {
-        const bool moved =
-            i < first_tool_ && seated_[i] != 0 && objects[i].pose.matrix() != seats_[i].matrix();
+      } else if (holding) {
         if (moved && !(ways_[i] > 0)) put();
         held_[i] = made;
         any_held_ = true;
         longest_way_ = std::max(longest_way_, ways_[i]);
         carrier_alone = carrier_alone && i == carrier_;
       } else {
+        if (moved && !(ways_[i] > 0)) unmet_[i] = 1;
         pushed_[i] = made;
         any_pushed_ = true;
+        any_unmet_ = any_unmet_ || unmet_[i] != 0;
       }
       damps_ = damps_ || objects[i].settings->effects.damping > 0;
     }
@@ -188,6 +191,7 @@ void ToolForce::hold(const Eigen::Isometry3d& device, std::span<const ToolObject
   tick_.capped = tick_.capped || report.capped;
   const bool held = report.wrench.force.norm() > free_stretch * stiffness;
   if (report.contact.sum.contacts == 0 && !held && !push_.any()) {
+    if (!escape_->leads()) std::fill(left_.begin(), left_.end(), std::uint8_t{0});
     most_force_ = coupling_.force_cap;
     return;
   }

@@ -92,7 +92,7 @@ void ToolEscape::note(const Lie& lie, const Eigen::Isometry3d& tool,
   emerging_ticks_ = lie.emerging ? emerging_ticks_ + 1 : 0;
   for (std::size_t i = 0; was_put_ && i < objects.size(); ++i) {
     const ContactObject& object = objects[i];
-    if (object.field == nullptr || !may_meet(tool, object) || !has_in_it(tool, object)) continue;
+    if (object.field == nullptr || !surrounds(tool, object)) continue;
     begin(i, tool, objects);
     contains_ = true;
     was_put_ = false;

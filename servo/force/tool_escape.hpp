@@ -31,6 +31,11 @@ class ToolEscape {
 
   /// The tool is somewhere else, or among other objects.
   void reset() noexcept;
+  /// Whether the object lies in the tool as a whole, so that no sample touches it.
+  [[nodiscard]] bool surrounds(const Eigen::Isometry3d& tool,
+                               const ContactObject& object) const noexcept {
+    return may_meet(tool, object) && has_in_it(tool, object);
+  }
   /// Takes up how the tool lay in a tick in which it was not led. Where it lies so for long, or an
   /// object is in it where it was put, a way is looked for from now on.
   void note(const Lie& lie, const Eigen::Isometry3d& tool,

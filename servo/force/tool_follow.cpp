@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "common/base/turn_between.hpp"
+#include "servo/force/pressed_part.hpp"
 #include "servo/force/tool_force.hpp"
 
 namespace spm {
@@ -22,6 +23,12 @@ constexpr double soft_ticks = 200;
 /// A sample that is this part of the band deep may be anywhere below it.
 constexpr double band_share = 0.95;
 constexpr std::uint32_t unstopped = ForceEffort::unstopped;
+/// Samples that tell how a tool begins, at most.
+constexpr std::uint32_t samples_of_begin = 512;
+/// m: in contact that is no deeper it does not matter whether depths tell the way out.
+constexpr double shallow = 4 * short_step;
+/// Normals cancel where the sum of all forces is less than this part of their sizes.
+constexpr double least_sum = 0.3;
 
 }  // namespace
 
@@ -217,6 +224,51 @@ VirtualToolReport ToolForce::leave(const Eigen::Isometry3d& device,
   static_cast<void>(step_on(device, 0, work, effort, report));
   if (!virtual_->emerging()) escape_->came_out();
   return report;
+}
+
+/// Whether an object holds a virtual tool, rather than that it pushes the hand's.
+bool ToolForce::holds(std::size_t number, const PlacedObject& object) const noexcept {
+  return object.force.method == Method::proxy || left_[number] != 0;
+}
+
+/// Whether the tool has begun, or was put, so deep in objects of method `spm` that their depths do
+/// not tell the way out. Those hold a virtual tool from now on.
+bool ToolForce::begins_inside(const Eigen::Isometry3d& device) noexcept {
+  const SurfaceSamples& samples = tool_->samples();
+  TickBudget look;
+  look.finest_level = 0;
+  for (std::uint32_t k = 0; k < samples.levels.size(); ++k) {
+    if (samples.levels[k].count <= samples_of_begin) look.finest_level = k;
+  }
+  static_cast<void>(contact_->tick(device, pushed_, look));
+  contact_->keep();
+  bool any = false;
+  for (std::size_t i = 0; i < pushed_.size(); ++i) {
+    const ContactObject& object = pushed_[i];
+    if (unmet_[i] == 0 || object.field == nullptr) continue;
+    Vector3 force = Vector3::Zero();
+    double pressing = 0, depth = 0;
+    for (const PressedPatch& patch : contact_->patches()) {
+      if (patch.object != i) continue;
+      force += patch.force;
+      pressing += patch.pressing;
+      depth = std::max(depth, patch.depth);
+    }
+    // No hand presses a tool deeper than its largest force does.
+    const double stiffness = std::min(object.stiffness * pressed_part * samples.area,
+                                      loop_.limits.stiffness / scale_);
+    const double deepest = std::min(coupling_.force_cap / stiffness,
+                                    band_share * object.scale * object.field->band.max_depth);
+    const bool cancels = depth > shallow && force.norm() < least_sum * pressing;
+    if (!(depth > deepest) && !cancels && !escape_->surrounds(device, object)) continue;
+    left_[i] = 1;
+    any = true;
+  }
+  for (std::uint32_t i = 0; any && i < pushed_.size(); ++i) {
+    if (left_[i] != 0 && unmet_[i] != 0) contact_->forget(i);
+  }
+  contact_->drop();
+  return any;
 }
 
 /// Takes up how the tool lies in what holds it.

@@ -46,6 +46,8 @@ ToolForce::ToolForce(const ToolSettings& settings, const ToolLoop& loop,
       seated_(objects + tools, 0),
       ways_(objects + tools, 0),
       late_(objects + tools, 0),
+      unmet_(objects + tools, 1),
+      left_(objects + tools, 0),
       reactions_(objects + tools),
       most_force_(coupling_.force_cap),
       first_tool_(objects),
@@ -94,6 +96,8 @@ void ToolForce::reset() noexcept {
   std::fill(met_.begin(), met_.end(), Met{});
   std::fill(seated_.begin(), seated_.end(), std::uint8_t{0});
   std::fill(late_.begin(), late_.end(), 0.0);
+  std::fill(unmet_.begin(), unmet_.end(), std::uint8_t{1});
+  std::fill(left_.begin(), left_.end(), std::uint8_t{0});
   most_force_ = coupling_.force_cap;
   levels_ = {};
   looks_.forget();
@@ -106,6 +110,8 @@ void ToolForce::exchange(std::size_t object) noexcept {
   held_[object] = {};
   seated_[object] = 0;
   late_[object] = 0;
+  unmet_[object] = 1;
+  left_[object] = 0;
 }
 
 void ToolForce::meet_anew(std::size_t object) noexcept {
@@ -158,7 +164,7 @@ double ToolForce::work_of(std::span<const ToolObject> objects) noexcept {
         turn_between(Eigen::Quaterniond(seats_[i].linear()), Eigen::Quaterniond(now.linear()));
     work -= reaction.force.dot(moved) + reaction.torque.dot(turned);
     // A tool stops at another one by itself.
-    const bool carries = i < first_tool_ && objects[i].settings->force.method == Method::proxy;
+    const bool carries = i < first_tool_ && holds(i, *objects[i].settings);
     if (size > most && carries) {
       most = size;
       carrier_ = i;
@@ -253,6 +259,11 @@ void ToolForce::touch(const Eigen::Isometry3d& device, std::span<ToolObject> obj
                       ForceEffort& effort) noexcept {
   Work work = begin_work(budget);
   sort_out(objects, device, effort);
+  if (any_unmet_ && begins_inside(device)) {
+    put();
+    effort.culled = 0;
+    sort_out(objects, device, effort);
+  }
   patches_.begin(tool_->patch_size());
   if (any_pushed_) {
     push(device, work, felt, effort);
@@ -280,6 +291,7 @@ void ToolForce::sit_down(std::span<const ToolObject> objects) noexcept {
     late_[i] = goes_on ? (1 - gone_) * ways_[i] : 0;
     seats_[i] = goes_on ? on_way(objects[i], i, gone_) : objects[i].pose;
     seated_[i] = objects[i].asset != nullptr ? 1 : 0;
+    if (seated_[i] != 0) unmet_[i] = 0;
   }
 }
 

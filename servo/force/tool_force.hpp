@@ -124,7 +124,10 @@ class ToolForce {
   [[nodiscard]] Eigen::Isometry3d world_pose(const HandPose& hand) const noexcept;
   void sort_out(std::span<const ToolObject> objects, const Eigen::Isometry3d& device,
                 ForceEffort& effort) noexcept;
-  [[nodiscard]] ContactObject contact_object(const ToolObject& object) const noexcept;
+  [[nodiscard]] bool holds(std::size_t number, const PlacedObject& object) const noexcept;
+  [[nodiscard]] bool begins_inside(const Eigen::Isometry3d& device) noexcept;
+  [[nodiscard]] ContactObject contact_object(const ToolObject& object,
+                                             bool holds) const noexcept;
   [[nodiscard]] double work_of(std::span<const ToolObject> objects) noexcept;
   [[nodiscard]] double way_of(const ToolObject& object, std::size_t number) const noexcept;
   [[nodiscard]] Eigen::Isometry3d on_way(const ToolObject& object, std::size_t number,
@@ -199,6 +202,9 @@ class ToolForce {
   /// m: how far objects moved past the tool since then; 0 where they did not, or jumped.
   std::vector<double> ways_;
   std::vector<double> late_;  ///< m, of these ways, what time did not suffice for in the last tick
+  std::vector<std::uint8_t> unmet_;  ///< objects that the tool may have begun in, or was put into
+  /// Those of method `spm` that it began deep in: they hold a virtual tool until the hand is out.
+  std::vector<std::uint8_t> left_;
   double gone_ = 1;           ///< the part of these ways that the objects went in this tick
   double longest_way_ = 0;    ///< m, of the objects that hold
   std::uint32_t parts_ = 1;   ///< in which these go their ways in this tick
@@ -219,7 +225,7 @@ class ToolForce {
   std::uint64_t starts_ = 0;  ///< how often it has begun
   ToolLevels levels_;
   bool placed_ = false;  ///< the virtual tool is somewhere
-  bool any_held_ = false, any_pushed_ = false;
+  bool any_held_ = false, any_pushed_ = false, any_unmet_ = false;
   bool same_objects_ = false;                        ///< those that hold, as in the last tick
   bool damps_ = false;                               ///< an object that is near damps
   VelocityEstimate place_velocity_, turn_velocity_;  ///< of the hand, its frame
