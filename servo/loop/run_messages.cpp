@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "common/base/units.hpp"
+#include "common/contact/stable_stiffness.hpp"
 #include "servo/devices/finder/device_list.hpp"
 #include "servo/force/tool_coupling.hpp"
 #include "servo/scene/tool_choice.hpp"
@@ -64,7 +65,7 @@ std::vector<std::string> sample_warnings(const ForceChoice& choice,
   return list;
 }
 
-/// Adds a sentence for what a tool names of its coupling and does not get.
+/// Adds a sentence for what a tool names of its coupling and does not get, or had better not.
 void add_coupling_warnings(const ForceChoice& choice, std::size_t hand,
                            const DeviceCapabilities& can, std::vector<std::string>& list) {
   const ToolSettings& tool = *tool_of(choice.scene, hand);
@@ -85,6 +86,14 @@ void add_coupling_warnings(const ForceChoice& choice, std::size_t hand,
   };
   add("coupling", tool.coupling, used.stiffness, Quantity::stiffness,
       "renders stably: it is held to that (stiffness_cap= of the device changes it)");
+  const double border = loop.limits.stable / stiffness_margin;
+  if (tool.coupling > 0 && used.stiffness > border * (1 + rounding)) {
+    list.push_back(place_of_tool(choice, hand) + "'coupling' of [tool] is " +
+                   format_quantity(used.stiffness, Quantity::stiffness) + ", more than the " +
+                   format_quantity(border, Quantity::stiffness) + " that " + can.name +
+                   " holds stably by simulation, so that it may shake and push: lower it, or "
+                   "leave it to \"auto\" (stiffness_cap= of the device holds it, too)");
+  }
   add("turning", tool.turning, used.turning, Quantity::turning_stiffness,
       "bears by its inertia and its torque cap: it is held to that");
 }

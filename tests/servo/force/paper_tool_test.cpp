@@ -232,5 +232,24 @@ TEST_CASE("The outermost places of a box are its corners") {
   }
 }
 
+TEST_CASE("A full tool that begins deep in an object is pushed out of it along one way") {
+  // In the very middle, where the centres tell no line, and beside it.
+  const Vector3 start = GENERATE(Vector3(0, 0, 0), Vector3(0.001, 0.002, 0.0005));
+  PaperScene scene;
+  Vector3 hand = start;
+  ContactForce contact = scene.next(hand);
+  const Vector3 way = contact.force.normalized();
+  CHECK(contact.force.norm() <= 100 * (1 + 1e-9));
+  int ticks = 0;
+  for (; contact.force.norm() > 0 && ticks < 1000; ++ticks) {
+    CHECK(contact.force.normalized().dot(way) > 0.99);
+    hand += 5e-5 * contact.force.normalized();
+    contact = scene.next(hand);
+  }
+  INFO("from " << start.transpose() << " to " << hand.transpose());
+  CHECK(ticks < 1000);
+  CHECK(hand.cwiseAbs().maxCoeff() > rest - 2 * margin);
+}
+
 }  // namespace
 }  // namespace spm::paper_tool_test

@@ -126,6 +126,29 @@ TEST_CASE(
   CHECK(warnings[1].find("torque cap") != std::string::npos);
 }
 
+TEST_CASE("A coupling that a device is given but does not hold stably is told") {
+  // Of no stiffness limit, as the simulated one.
+  ScriptedDevice device([](std::size_t, DeviceState&, DeviceHealth&) {});
+  device.can().name = "sim";
+  device.can().turns = true;
+  device.can().profile = find_device_profile("touch");
+  ForceChoice choice;
+  choice.scene = scene_of({});
+  choice.tool_place = "scene.toml: line 3: ";
+  const std::vector<KeeperReport> assets(1);
+  choice.scene.tool = ToolSettings{};
+  choice.scene.tool->coupling = 3600;
+  REQUIRE(tool_warnings(choice, assets, {&device}).empty());
+  choice.scene.tool->coupling = 50'000;
+  const auto warnings = tool_warnings(choice, assets, {&device});
+  REQUIRE(warnings.size() == 1);
+  CHECK(warnings[0].find("scene.toml: line 3: 'coupling' of [tool] is 50 N/mm, more than") == 0);
+  CHECK(warnings[0].find("3.62 N/mm that sim holds stably by simulation") != std::string::npos);
+  device.can().stiffness_cap = 3000;
+  REQUIRE(tool_warnings(choice, assets, {&device}).size() == 1);
+  CHECK(tool_warnings(choice, assets, {&device})[0].find("is held to that") != std::string::npos);
+}
+
 TEST_CASE("Torque that a device or a scene leaves out is told once, with what the hand gets") {
   ScriptedDevice device([](std::size_t, DeviceState&, DeviceHealth&) {});
   device.can().name = "hand";
