@@ -255,8 +255,8 @@ bool ToolForce::begins_inside(const Eigen::Isometry3d& device) noexcept {
       depth = std::max(depth, patch.depth);
     }
     // No hand presses a tool deeper than its largest force does.
-    const double stiffness = std::min(object.stiffness * pressed_part * samples.area,
-                                      loop_.limits.stiffness / scale_);
+    const double stiffness =
+        std::min(object.stiffness * pressed_part * samples.area, loop_.limits.stiffness / scale_);
     const double deepest = std::min(coupling_.force_cap / stiffness,
                                     band_share * object.scale * object.field->band.max_depth);
     const bool cancels = depth > shallow && force.norm() < least_sum * pressing;

@@ -126,8 +126,7 @@ class ToolForce {
                 ForceEffort& effort) noexcept;
   [[nodiscard]] bool holds(std::size_t number, const PlacedObject& object) const noexcept;
   [[nodiscard]] bool begins_inside(const Eigen::Isometry3d& device) noexcept;
-  [[nodiscard]] ContactObject contact_object(const ToolObject& object,
-                                             bool holds) const noexcept;
+  [[nodiscard]] ContactObject contact_object(const ToolObject& object, bool holds) const noexcept;
   [[nodiscard]] double work_of(std::span<const ToolObject> objects) noexcept;
   [[nodiscard]] double way_of(const ToolObject& object, std::size_t number) const noexcept;
   [[nodiscard]] Eigen::Isometry3d on_way(const ToolObject& object, std::size_t number,
@@ -205,10 +204,10 @@ class ToolForce {
   std::vector<std::uint8_t> unmet_;  ///< objects that the tool may have begun in, or was put into
   /// Those of method `spm` that it began deep in: they hold a virtual tool until the hand is out.
   std::vector<std::uint8_t> left_;
-  double gone_ = 1;           ///< the part of these ways that the objects went in this tick
-  double longest_way_ = 0;    ///< m, of the objects that hold
-  std::uint32_t parts_ = 1;   ///< in which these go their ways in this tick
-  std::size_t carrier_ = 0;   ///< the moving object that the tool presses most; or none
+  double gone_ = 1;                ///< the part of these ways that the objects went in this tick
+  double longest_way_ = 0;         ///< m, of the objects that hold
+  std::uint32_t parts_ = 1;        ///< in which these go their ways in this tick
+  std::size_t carrier_ = 0;        ///< the moving object that the tool presses most; or none
   std::vector<Wrench> reactions_;  ///< on the objects, in the last tick
   double most_force_ = 0;          ///< N, of the coupling in the world
   std::size_t first_tool_, hand_;  ///< number of the first tool of a hand, and which is this one's

@@ -13,18 +13,7 @@ class EverySample : public Peer {
       : tool_(tool), object_(object), stiffness_(stiffness) {}
 
   [[nodiscard]] PeerAnswer ask(const Eigen::Isometry3d& tool_pose) override {
-    PeerAnswer answer;
-    const SampleLevel& finest = tool_.levels.back();
-    for (std::uint32_t i = finest.first; i < finest.first + finest.count; ++i) {
-      const auto& position = tool_.places[i].position;
-      const Answer found =
-          query_point(object_, tool_pose * Vector3(position[0], position[1], position[2]));
-      if (!(found.distance < 0)) continue;
-      answer.force -=
-          stiffness_ * static_cast<double>(tool_.shares[i].area) * found.distance * found.normal;
-      ++answer.contacts;
-    }
-    return answer;
+    return press_every_sample(tool_, object_, tool_pose, stiffness_);
   }
   [[nodiscard]] std::string name() const override { return "every-sample"; }
   [[nodiscard]] std::string settings() const override {
@@ -40,6 +29,25 @@ class EverySample : public Peer {
 };
 
 }  // namespace
+
+PeerAnswer press_every_sample(const SurfaceSamples& tool, const AssetView& object,
+                              const Eigen::Isometry3d& tool_pose, double stiffness) {
+  PeerAnswer answer;
+  answer.torque = Vector3::Zero();
+  const SampleLevel& finest = tool.levels.back();
+  for (std::uint32_t i = finest.first; i < finest.first + finest.count; ++i) {
+    const auto& position = tool.places[i].position;
+    const Vector3 place = tool_pose * Vector3(position[0], position[1], position[2]);
+    const Answer found = query_point(object, place);
+    if (!(found.distance < 0)) continue;
+    const Vector3 force =
+        -stiffness * static_cast<double>(tool.shares[i].area) * found.distance * found.normal;
+    answer.force += force;
+    *answer.torque += (place - tool_pose.translation()).cross(force);
+    ++answer.contacts;
+  }
+  return answer;
+}
 
 std::unique_ptr<Peer> make_every_sample(const SurfaceSamples& tool, const AssetView& object,
                                         double stiffness) {

@@ -53,6 +53,11 @@ void ServedTool::begin() {
   turning.torque_cap = proxy ? device_torque : never_met;
   force_ = std::make_unique<SceneForce>(scene_, served_period, 0.0, 0, FeltLimits{}, turning);
   force_->take_tool(sampled_.get(), 0);
+  if (proxy) return;
+  // It comes from outside: what begins deep inside is led out, and does not press.
+  HandPose outside;
+  outside.position = Vector3::UnitX();
+  static_cast<void>(force_->next(assets_, outside, 1, {}));
 }
 
 Wrench ServedTool::ask(const Eigen::Isometry3d& pose) {

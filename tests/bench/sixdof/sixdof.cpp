@@ -8,6 +8,7 @@
 #include <array>
 #include <cmath>
 #include <functional>
+#include <map>
 #include <memory>
 #include <optional>
 #include <utility>
@@ -15,8 +16,8 @@
 #include "common/sixdof/object_contact.hpp"
 #include "tests/bench/base/one_core.hpp"
 #include "tests/bench/model/model.hpp"
-#include "tests/bench/sixdof/exact_contact.hpp"
 #include "tests/bench/sixdof/served_tool.hpp"
+#include "tests/bench/sixdof/sixdof_judge.hpp"
 #include "tests/bench/sixdof/sixdof_path.hpp"
 #include "tests/bench/sixdof/sixdof_peers.hpp"
 
@@ -48,29 +49,14 @@ double busy_seconds() {
   return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
 }
 
-double quantile(std::vector<double>& values, double share) {
-  if (values.empty()) return 0;
-  const auto at = static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
-  std::nth_element(values.begin(), values.begin() + at, values.end());
-  return values[static_cast<std::size_t>(at)];
-}
-
-TickQuantiles quantiles(std::vector<double> values) {
-  return {quantile(values, 0.5), quantile(values, 0.95), quantile(values, 0.99)};
-}
-
-struct Judged {
-  std::size_t tick = 0;
-  Wrench wrench;
-};
-
 /// A method with one setting that is to follow a path.
 struct Contestant {
   SixdofRow row;
-  const std::vector<Isometry3d>* path = nullptr;
+  const JudgedPath* path = nullptr;
   std::size_t stride = 1;  ///< of the path's ticks, those that it computes
   bool same_law = false;   ///< its forces, and not only their directions, are judged
-  bool judged = true;
+  bool tells_torque = true;
+  const SurfaceSamples* finest = nullptr;  ///< whose finest level it is compared with as well
   std::function<void()> begin = [] {};
   /// Adds to the row's counts.
   std::function<Wrench(const Isometry3d&, SixdofRow&)> ask;
@@ -82,11 +68,11 @@ struct Contestant {
 /// while is so for all.
 class Runner {
  public:
-  Runner(const std::vector<Isometry3d>& path, std::vector<Judged> judged)
-      : path_(path), judged_(std::move(judged)) {}
+  Runner(const JudgedPath& path, const JudgedPath& deep, const AssetView& object)
+      : path_(path), deep_(deep), object_(object) {}
 
   /// Adds our method, with a limit in ns if it is above 0.
-  void add_spm(const SurfaceSamples& tool, const AssetView& object, std::int64_t limit) {
+  void add_spm(const SurfaceSamples& tool, std::int64_t limit) {
     ObjectContactSettings settings;
     settings.stiffness = stiffness;
     const auto contact = std::make_shared<std::optional<ObjectContact>>();
@@ -97,9 +83,11 @@ class Runner {
                                   : fmt::format("{} samples, no limit", made.row.samples);
     made.path = &path_;
     made.same_law = true;
+    made.finest = &tool;
     made.begin = [contact, &tool, settings] { contact->emplace(tool, settings); };
-    made.ask = [contact, &object, limit, finest = static_cast<double>(tool.levels.size() - 1)](
-                   const Isometry3d& pose, SixdofRow& row) {
+    made.ask = [contact, &object = object_, limit,
+                finest = static_cast<double>(tool.levels.size() - 1)](const Isometry3d& pose,
+                                                                      SixdofRow& row) {
       const std::array objects{ContactObject{&object, Isometry3d::Identity()}};
       const ObjectContactReport found = (*contact)->tick(pose, objects, {limit, nullptr});
       row.tested += static_cast<double>(found.tested);
@@ -112,21 +100,19 @@ class Runner {
     contestants_.push_back(std::move(made));
   }
 
-  /// Adds the servo's own force law, with a limit in s if it is above 0, along a path that is the
-  /// judged one or another.
-  void add_served(const std::shared_ptr<ServedTool>& tool, const std::string& method, double limit,
-                  const std::vector<Isometry3d>* other = nullptr) {
+  /// Adds the servo's own force law, with a limit in s if it is above 0.
+  void add_served(const std::shared_ptr<ServedTool>& tool, const SurfaceSamples& samples,
+                  const std::string& method, double limit, bool deep = false) {
     Contestant made;
-    made.row.path = other != nullptr ? "deep" : "slide";
+    made.path = deep ? &deep_ : &path_;
     made.row.method = method;
     made.row.samples = tool->samples();
     made.row.bytes = tool->bytes();
     made.row.settings = limit > 0
                             ? fmt::format("{} samples, {:.0f} us", made.row.samples, 1e6 * limit)
                             : fmt::format("{} samples, no limit", made.row.samples);
-    made.path = other != nullptr ? other : &path_;
-    made.judged = other == nullptr;
     made.same_law = method == "served-spm";
+    made.finest = &samples;
     made.begin = [tool] { tool->begin(); };
     made.ask = [tool, finest = std::max(1.0, static_cast<double>(tool->levels()) - 1),
                 before = Isometry3d(Isometry3d::Identity())](const Isometry3d& pose,
@@ -150,14 +136,14 @@ class Runner {
     made.row.settings = peer->settings();
     made.row.samples = peer->samples();
     made.path = &path_;
-    made.stride = std::max<std::size_t>(1, path_.size() / ticks);
-    made.same_law = peer->same_law();
+    made.stride = std::max<std::size_t>(1, path_.poses.size() / ticks);
+    made.same_law = made.tells_torque = peer->same_law();
     // Peers have no state to reset, and no levels.
     made.ask = [peer](const Isometry3d& pose, SixdofRow& row) {
       const PeerAnswer found = peer->ask(pose);
       row.contacts += static_cast<double>(found.contacts);
       row.level += 1;
-      return Wrench{found.force, Vector3::Zero()};
+      return Wrench{found.force, found.torque.value_or(Vector3::Zero())};
     };
     contestants_.push_back(std::move(made));
   }
@@ -171,83 +157,71 @@ class Runner {
     std::vector<SixdofRow> rows;
     for (Contestant& each : contestants_) {
       finish(each);
-      if (each.judged) judge(each);
+      judge(each);
       rows.push_back(each.row);
     }
     return rows;
   }
 
  private:
-  const std::vector<Isometry3d>& path_;
-  std::vector<Judged> judged_;
+  const JudgedPath &path_, &deep_;
+  const AssetView& object_;
   std::vector<Contestant> contestants_;
+  /// The finest levels of tools on paths.
+  std::map<std::pair<const SurfaceSamples*, const JudgedPath*>, std::vector<Wrench>> finest_;
 
   static void follow(Contestant& each) {
     const OneCore pinned;
     std::vector<double> times, busy;
     each.wrenches.clear();
     each.begin();
-    for (std::size_t tick = 0; tick < each.path->size(); tick += each.stride) {
+    for (std::size_t tick = 0; tick < each.path->poses.size(); tick += each.stride) {
       const double before = busy_seconds();
       const Clock::time_point start = Clock::now();
-      each.wrenches.push_back(each.ask((*each.path)[tick], each.row));
+      each.wrenches.push_back(each.ask(each.path->poses[tick], each.row));
       times.push_back(seconds_since(start));
       busy.push_back(busy_seconds() - before);
     }
     for (const double time : times) each.row.mean += time;
     each.row.max = std::max(each.row.max, *std::max_element(times.begin(), times.end()));
-    each.middles.push_back(quantile(times, 0.5));
-    each.tails.push_back(quantile(times, 0.99));
-    each.busy_tails.push_back(quantile(busy, 0.99));
+    each.middles.push_back(quantile_of_ticks(times, 0.5));
+    each.tails.push_back(quantile_of_ticks(times, 0.99));
+    each.busy_tails.push_back(quantile_of_ticks(busy, 0.99));
   }
 
   static void finish(Contestant& each) {
     SixdofRow& row = each.row;
-    row.p50 = quantile(each.middles, 0.5);
-    row.p99 = quantile(each.tails, 0.5);
-    row.busy_p99 = quantile(each.busy_tails, 0.5);
+    row.p50 = quantile_of_ticks(each.middles, 0.5);
+    row.p99 = quantile_of_ticks(each.tails, 0.5);
+    row.busy_p99 = quantile_of_ticks(each.busy_tails, 0.5);
     const auto count = static_cast<double>(each.wrenches.size() * passes);
     for (double* sum :
          {&row.mean, &row.tested, &row.asked, &row.contacts, &row.level, &row.degraded})
       *sum /= count;
   }
 
-  void judge(Contestant& each) const {
-    std::vector<double> errors, torque_errors, angles;
-    for (const Judged& judged : judged_) {
-      const Wrench& found = each.wrenches[judged.tick / each.stride];
-      const Wrench& wanted = judged.wrench;
-      if (judged.tick % each.stride != 0) continue;
-      errors.push_back((found.force - wanted.force).norm() / wanted.force.norm());
-      torque_errors.push_back((found.torque - wanted.torque).norm() / wanted.torque.norm());
-      angles.push_back(
-          std::atan2(found.force.cross(wanted.force).norm(), found.force.dot(wanted.force)));
-    }
+  void judge(Contestant& each) {
     SixdofRow& row = each.row;
-    if (each.same_law) row.force_error = quantiles(errors);
-    // Peers tell no torque.
-    if (each.same_law && row.method != "every-sample") row.torque_error = quantiles(torque_errors);
-    row.direction_error = quantiles(angles);
+    row.path = each.path->name;
+    std::vector<Wrench> found;
+    for (const std::size_t tick : each.path->ticks) {
+      found.push_back(each.wrenches[tick / each.stride]);
+    }
+    // The servo never exceeds an object's stiffness, however much of the tool presses.
+    const bool bounded = each.path == &deep_;
+    const WrenchErrors errors = wrench_errors(found, each.path->exact, bounded);
+    row.direction_error = errors.direction;
+    if (!each.same_law) return;
+    row.force_error = errors.force;
+    if (each.tells_torque) row.torque_error = errors.torque;
+    if (each.finest == nullptr) return;
+    std::vector<Wrench>& finest = finest_[{each.finest, each.path}];
+    if (finest.empty()) finest = finest_level(*each.path, *each.finest, object_, stiffness);
+    const WrenchErrors of_finest = wrench_errors(found, finest, bounded);
+    row.finest_force_error = of_finest.force;
+    row.finest_torque_error = of_finest.torque;
   }
 };
-
-std::vector<Judged> references(const SixdofPlan& plan, const std::vector<Isometry3d>& path,
-                               const BakedObject& tool, const BakedObject& object,
-                               SixdofReport& report) {
-  report.reference_radius = plan.reference_radius;
-  // Use only ticks at which the peers are queried as well.
-  const std::size_t peers = std::max<std::size_t>(1, path.size() / plan.peer_ticks);
-  const std::size_t stride =
-      peers *
-      std::max<std::size_t>(1, path.size() / peers / std::max<std::uint64_t>(1, plan.judged));
-  std::vector<Judged> judged;
-  for (std::size_t tick = 0; tick < path.size(); tick += stride) {
-    const Wrench wrench = exact_wrench(tool, object, path[tick], stiffness, plan.reference_radius);
-    if (wrench.force.norm() > 0) judged.push_back({tick, wrench});
-  }
-  report.judged = judged.size();
-  return judged;
-}
 
 }  // namespace
 
@@ -268,29 +242,34 @@ SixdofReport measure_sixdof(const SixdofPlan& plan, const BenchProgress& progres
   PathPlan path_plan;
   path_plan.ticks = plan.ticks;
   path_plan.seed = plan.seed;
-  const std::vector<Isometry3d> path =
-      press_and_slide(samples_of_count(tool.view(), path_samples), object.view(),
-                      samples_of_count(object.view(), path_samples), path_plan);
-  report.ticks = path.size();
-  told("exact forces", 0.35);
-  const std::vector<Isometry3d> deep =
-      pressed_in(path, samples_of_count(tool.view(), path_samples), object.view(), deep_share);
-  Runner runner(path, references(plan, path, tool, object, report));
+  const SurfaceSamples few = samples_of_count(tool.view(), path_samples);
+  const std::vector<Isometry3d> poses =
+      press_and_slide(few, object.view(), samples_of_count(object.view(), path_samples), path_plan);
+  report.ticks = poses.size();
+  report.reference_radius = plan.reference_radius;
+  told("exact forces", 0.3);
+  const JudgedPath path = judged_path("slide", poses, plan, tool, object, stiffness);
+  told("exact forces of deep contact", 0.4);
+  const JudgedPath deep = judged_path("deep", pressed_in(poses, few, object.view(), deep_share),
+                                      plan, tool, object, stiffness);
+  report.judged = path.ticks.size();
+  report.judged_deep = deep.ticks.size();
+  Runner runner(path, deep, object.view());
   std::vector<SurfaceSamples> samples;
   samples.reserve(plan.samples.size());
   for (const std::uint64_t count : plan.samples) {
     const SurfaceSamples& made = samples.emplace_back(samples_of_count(tool.view(), count));
     const std::int64_t limit = count <= small_samples ? small_limit : large_limit;
-    runner.add_spm(made, object.view(), 0);
-    runner.add_spm(made, object.view(), limit);
+    runner.add_spm(made, 0);
+    runner.add_spm(made, limit);
     for (const Method method : {Method::spm, Method::proxy}) {
       const std::string name = method == Method::spm ? "served-spm" : "served-proxy";
       for (const double most : {0.0, 1e-9 * static_cast<double>(limit)}) {
         const auto served = std::make_shared<ServedTool>(tool, object, made.levels.back().spacing,
                                                          method, stiffness, most);
-        runner.add_served(served, name, most);
+        runner.add_served(served, made, name, most);
         // A tool that is held back is never deep.
-        if (most == 0 && method == Method::spm) runner.add_served(served, name, most, &deep);
+        if (most == 0 && method == Method::spm) runner.add_served(served, made, name, most, true);
       }
     }
     if (count < samples_without_culling) {

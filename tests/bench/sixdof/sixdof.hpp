@@ -19,7 +19,7 @@ struct SixdofPlan {
   std::vector<std::uint64_t> samples;
   std::uint64_t ticks = 5000;      ///< number on the path, at 1 kHz
   std::uint64_t peer_ticks = 500;  ///< how many of them, evenly spaced, the peers compute
-  std::uint64_t judged = 100;      ///< how many of them, evenly spaced, have their force judged
+  std::uint64_t judged = 500;      ///< how many of them, evenly spaced, have their force judged
   double reference_radius = 5e-5;  ///< m: how fine the overlap of the exact meshes is integrated
   std::uint64_t culled_objects = 1000;  ///< in the largest culling scene
   std::uint64_t seed = 1;
@@ -49,13 +49,15 @@ struct SixdofRow {
   std::optional<TickQuantiles> force_error;
   /// The same of the torque about the tool's origin.
   std::optional<TickQuantiles> torque_error;
+  /// The same against the sum over every sample of the tool's finest level.
+  std::optional<TickQuantiles> finest_force_error, finest_torque_error;
   TickQuantiles direction_error;  ///< rad
 };
 
 struct SixdofReport {
   std::string tool, object;
   std::uint64_t tool_triangles = 0, object_triangles = 0;
-  std::uint64_t ticks = 0, judged = 0;
+  std::uint64_t ticks = 0, judged = 0, judged_deep = 0;
   double reference_radius = 0;  ///< m
   std::vector<SixdofRow> rows;
   std::uint64_t hull_points = 0;  ///< of the tool's hull, which the culling scenes use

@@ -4,6 +4,7 @@
 #include <Eigen/Geometry>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "common/sixdof/contact_sum.hpp"
@@ -14,6 +15,7 @@ namespace spm::bench {
 /// The answer of a method for one pose.
 struct PeerAnswer {
   Vector3 force = Vector3::Zero();  ///< the size counts only if same_law()
+  std::optional<Vector3> torque;    ///< about the tool's origin, where it is known
   std::uint64_t contacts = 0;
 };
 
@@ -32,6 +34,10 @@ class Peer {
   /// True if the size of its forces can be compared with ours, not only the direction.
   [[nodiscard]] virtual bool same_law() const { return false; }
 };
+
+/// The finest level: the baked field at every finest sample, each of which pushes by its depth.
+[[nodiscard]] PeerAnswer press_every_sample(const SurfaceSamples& tool, const AssetView& object,
+                                            const Eigen::Isometry3d& tool_pose, double stiffness);
 
 /// Queries the baked field at every sample, without culling.
 [[nodiscard]] std::unique_ptr<Peer> make_every_sample(const SurfaceSamples& tool,

@@ -20,6 +20,10 @@ Json quantiles_json(const TickQuantiles& values, double unit) {
   return {{"median", values.median * unit}, {"p95", values.p95 * unit}, {"p99", values.p99 * unit}};
 }
 
+Json percents_json(const std::optional<TickQuantiles>& values) {
+  return values ? quantiles_json(*values, 100) : Json();
+}
+
 Json row_json(const SixdofRow& row) {
   Json json;
   json["path"] = row.path;
@@ -36,8 +40,10 @@ Json row_json(const SixdofRow& row) {
   json["contacts"] = row.contacts;
   json["level"] = row.level;
   json["degraded"] = row.degraded;
-  json["force_error_percent"] = row.force_error ? quantiles_json(*row.force_error, 100) : Json();
-  json["torque_error_percent"] = row.torque_error ? quantiles_json(*row.torque_error, 100) : Json();
+  json["force_error_percent"] = percents_json(row.force_error);
+  json["torque_error_percent"] = percents_json(row.torque_error);
+  json["finest_force_error_percent"] = percents_json(row.finest_force_error);
+  json["finest_torque_error_percent"] = percents_json(row.finest_torque_error);
   json["bytes"] = row.bytes > 0 ? Json(row.bytes) : Json();
   json["direction_error_deg"] = quantiles_json(row.direction_error, degrees);
   return json;
@@ -89,6 +95,7 @@ Json to_json(const SixdofReport& report) {
   json["object"] = {{"mesh", report.object}, {"triangles", report.object_triangles}};
   json["ticks"] = report.ticks;
   json["judged"] = report.judged;
+  json["judged_deep"] = report.judged_deep;
   json["reference_radius_um"] = micro * report.reference_radius;
   json["rows"] = Json::array();
   for (const SixdofRow& row : report.rows) json["rows"].push_back(row_json(row));
@@ -102,14 +109,17 @@ std::string to_text(const SixdofReport& report) {
   const auto out = std::back_inserter(text);
   fmt::format_to(
       out,
-      "{} ({} triangles) on {} ({} triangles): {} ticks; forces judged at {}, by the overlap "
-      "of the exact meshes, integrated to {:.0f} um\n",
+      "{} ({} triangles) on {} ({} triangles): {} ticks; forces judged at {}, deep "
+      "ones at {}, by the overlap of the exact meshes, integrated to {:.0f} um, and by every "
+      "sample of the finest level\n",
       report.tool, report.tool_triangles, report.object, report.object_triangles, report.ticks,
-      report.judged, micro * report.reference_radius);
-  fmt::format_to(
-      out, "  {:<5} {:<13} {:<25} {:>31}  {:>8} {:>8} {:>8} {:>6}  {:>13}  {:>14} {:>11} {:>8}\n",
-      "path", "method", "settings", "us a tick: p50    p99 busy p99   mean", "tested", "asked",
-      "contacts", "degr %", "force %: p50 p95", "torque: 50 95", "deg: 50   95", "kB");
+      report.judged, report.judged_deep, micro * report.reference_radius);
+  fmt::format_to(out,
+                 "  {:<5} {:<13} {:<25} {:>31}  {:>8} {:>8} {:>8} {:>6}  {:>15} {:>15} {:>15} "
+                 "{:>15} {:>12} {:>8}\n",
+                 "path", "method", "settings", "us a tick: p50    p99 busy p99   mean", "tested",
+                 "asked", "contacts", "degr %", "force %: 50  95", "torque: 50  95",
+                 "finest: f 50 95", "t 50        95", "deg: 50   95", "kB");
   for (const SixdofRow& row : report.rows) {
     fmt::format_to(
         out,
@@ -117,11 +127,12 @@ std::string to_text(const SixdofReport& report) {
         "{:>6.2f}  ",
         row.path, row.method, row.settings, row.p50 * micro, row.p99 * micro, row.busy_p99 * micro,
         row.mean * micro, row.tested, row.asked, row.contacts, 100 * row.degraded);
-    for (const auto& error : {row.force_error, row.torque_error}) {
+    for (const auto& error :
+         {row.force_error, row.torque_error, row.finest_force_error, row.finest_torque_error}) {
       if (error) {
-        fmt::format_to(out, "{:>8.2f} {:>6.2f}", 100 * error->median, 100 * error->p95);
+        fmt::format_to(out, "{:>8.2f} {:>7.2f}", 100 * error->median, 100 * error->p95);
       } else {
-        fmt::format_to(out, "{:>8} {:>6}", "-", "-");
+        fmt::format_to(out, "{:>8} {:>7}", "-", "-");
       }
     }
     fmt::format_to(out, "  {:>6.2f} {:>5.1f} {:>8}\n", row.direction_error.median * degrees,

@@ -85,8 +85,7 @@ TEST_CASE(
   const Vector3 hand =
       beside + (object == "torus" ? Vector3(big / 2 - 0.008, 0, 0) : Vector3::Zero());
   INFO(object << (round ? ", round tool, by " : ", cubic tool, by ")
-              << (method == Method::spm ? "spm, at " : "proxy, at ")
-              << hand.transpose());
+              << (method == Method::spm ? "spm, at " : "proxy, at ") << hand.transpose());
   Inside inside(object, round, method);
   for (int tick = 0; tick < 2000; ++tick) inside.watched(hand);
   const Vector3 middle = inside.force->tool().pose.translation();
