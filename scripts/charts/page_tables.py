@@ -8,6 +8,7 @@ from typing import Iterable
 import stiffness_borders
 from markdown_table import table
 from paper_tables import paper_tables
+from scene_tables import scene_lines
 from stability_rows import device_of
 from stability_tables import failing_lines, stability_tables, target_lines, theory_lines
 
@@ -438,6 +439,7 @@ TABLES = {
     "methods_table": methods_table,
     "probes_table": probes_table,
     "paper_tables": lambda reports: paper_tables(reports["tables"]),
+    "scenes_table": lambda reports: scene_lines(reports["scenes"]),
     "served_default_table": served_default_table, "served_reasons": served_reasons,
     "served_table": served_table, "sixdof_table": sixdof_table, "soak_tables": soak_tables,
     "stability_tables": lambda reports: stability_tables(reports["stability"]),

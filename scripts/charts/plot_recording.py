@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Draws a recording of spm-servo (run --record, or a black box): the force that the law wanted and
 the one that was sent, the torque where there is any, depth, how busy the loop was, and where the force
-was off, with its cause.
+was off, with its cause. --from and --to draw a part of it.
 Writes PREFIX.svg and PREFIX.png; equal input gives equal bytes.
 
 Needs matplotlib, Debian package python3-matplotlib: run it with /usr/bin/python3.
@@ -96,6 +96,10 @@ def main() -> int:
     parser = chart_parser(__doc__)
     parser.add_argument("recording", help="file that spm-servo wrote")
     parser.add_argument("--device-number", type=int, default=0, help="counted from 0 (default 0)")
+    parser.add_argument("--from", dest="first", type=float, default=-np.inf, metavar="SECONDS",
+                        help="leave out what was before, by the axis of time")
+    parser.add_argument("--to", dest="last", type=float, default=np.inf, metavar="SECONDS",
+                        help="leave out what came after, by the axis of time")
     arguments = parser.parse_args()
     try:
         recording = read_recording(arguments.recording)
@@ -106,6 +110,12 @@ def main() -> int:
     if len(rows) == 0:
         sys.exit(f"{arguments.recording}: has no row of device {arguments.device_number}; it is of "
                  f"{len(header['devices'])}, counted from 0")
+    time = rows["tick"] / header["rate_hz"]
+    begun, ended = time[0], time[-1]
+    rows = rows[(time >= arguments.first) & (time <= arguments.last)]
+    if len(rows) == 0:
+        sys.exit(f"{arguments.recording}: has no tick from --from to --to; it is from {begun:g} s to "
+                 f"{ended:g} s")
     draw(header, rows, arguments.device_number, arguments.prefix)
     return 0
 
