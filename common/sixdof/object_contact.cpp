@@ -134,6 +134,7 @@ ObjectContactReport ObjectContact::tick(const Eigen::Isometry3d& tool_pose,
   contacts_.clear();
   near_reach_ = budget.near;
   near_known_ = budget.near > 0;
+  as_points_ = budget.as_points;
   start_over();
   if (tool_.levels.empty() || !keeps_lengths(tool_pose)) return report;
   const std::size_t count = std::min(objects.size(), pairs_.size());
@@ -174,7 +175,8 @@ ObjectContactReport ObjectContact::tick(const Eigen::Isometry3d& tool_pose,
   sum_up(report);
   // Samples that were not resolved to the finest level may touch.
   const bool all = !report.degraded && report.level + 1 == levels;
-  if (!all) near_known_ = false;
+  // Not all samples were looked at.
+  if (report.stopped && budget.same_levels) near_known_ = false;
   for (Pair& pair : pairs_) {
     if (!pair.present) continue;
     if (!all && pair.settles && !pair.asleep) pair.spare = 0;

@@ -130,9 +130,9 @@ class ObjectContact {
 
   /// Keeps what pressed in the last tick as `patches`, until the next `keep` or `drop`.
   void keep() noexcept;
-  /// Finest samples within `TickBudget::near` of touching in the look that was kept, and in the
-  /// last one; the world's frame, about the tool's origin. Null where they are not known: a
-  /// coarser level was used, or they were too many.
+  /// Samples within `TickBudget::near` of touching in the look that was kept, and in the last one;
+  /// the world's frame, about the tool's origin. Null where they are not known: there was no time
+  /// to look at all, coarse ones count as patches, or they were too many.
   [[nodiscard]] const std::vector<NearContact>* kept_near() const noexcept {
     return kept_near_known_ ? &kept_contacts_ : nullptr;
   }
@@ -303,6 +303,7 @@ class ObjectContact {
   std::vector<NearContact> contacts_, kept_contacts_, room_;
   double near_reach_ = 0;  ///< m: of this look; nearer samples are in `contacts_`
   bool near_known_ = false, kept_near_known_ = false;
+  bool as_points_ = false;   ///< as TickBudget says
   double ahead_ = 0;         ///< m: of this look; what is nearer is listed
   double listed_ahead_ = 0;  ///< m: of the looks that listed
   std::vector<PressedPatch> patches_, kept_;

@@ -64,7 +64,8 @@ void ObjectContact::press_part(const Active& active, double spring, const Coarse
       lever);
 }
 
-/// Adds the spring of a sample above the finest: of the part of its patch that is below.
+/// Adds the spring of a sample above the finest: of the part of its patch that is below, or as a
+/// point.
 void ObjectContact::press_coarse(Active& active, ObjectContactReport& report) noexcept {
   Pair& pair = pairs_[active.object];
   if (!active.known()) {
@@ -75,8 +76,13 @@ void ObjectContact::press_coarse(Active& active, ObjectContactReport& report) no
     active.normal = floats_of(found);
   }
   if (!active.has_normal()) return;
-  const SampleShare& share = tool_.shares[active.sample];
   const Vector3 normal = vector_of(active.normal);
+  if (as_points_) {
+    return press_by(active.sample, active.object, active.cluster, place_of(pair, active.sample),
+                    static_cast<double>(active.distance), normal);
+  }
+  near_known_ = false;
+  const SampleShare& share = tool_.shares[active.sample];
   const SampleSpread& spread = tool_.spreads[active.sample];
   const Vector3 middle = turned(pair.pose.linear(), spread.middle);
   const double cosine = normal.dot(pair.pose.linear() * share.normal());

@@ -25,6 +25,10 @@ constexpr double backtrack = 0.3;
 constexpr double steps_ahead = 2;
 /// A step takes up the planes of samples that are within this many of the longest steps.
 constexpr double steps_near = 1.5;
+/// After a tick in which all steps failed, one that raises the energy is taken where no sample is
+/// deeper than this many of the longest steps after it: more than fields jump between their cells,
+/// and less than any part is thick.
+constexpr double bold_depth = 0.5;
 /// J: a rise of the energy by less is rounding.
 constexpr double energy_noise = 1e-12;
 
@@ -80,6 +84,7 @@ bool VirtualTool::look_first(std::span<const ContactObject> objects,
   TickBudget look;
   look.ahead = steps_ahead * settings_.max_step;
   look.near = steps_near * settings_.max_step;
+  look.as_points = true;
   look.finest_level = budget.finest_level;
   look.whole_levels = true;
   // A look is a piece of work itself, so that no two states of a tick have the same count.
@@ -178,6 +183,7 @@ bool VirtualTool::look_at(Trial& trial, const Eigen::Isometry3d& device,
   TickBudget look;
   look.ahead = steps_ahead * settings_.max_step;
   look.near = steps_near * settings_.max_step;
+  look.as_points = true;
   look.finest_level = budget.finest_level;
   look.same_levels = true;
   if (budget.now != nullptr) {
@@ -216,7 +222,10 @@ void VirtualTool::move(const Eigen::Isometry3d& device, std::span<const ContactO
   Trial now{pose_, coupling, report.contact};
   double limit_share = 1;
   int fine_steps = 0, failures = 0;
+  bool bold = stuck_;
+  stuck_ = true;
   const auto take = [&](const Trial& trial) {
+    stuck_ = false;
     now = trial;
     contact_->keep();
     take_planes();
@@ -246,7 +255,11 @@ void VirtualTool::move(const Eigen::Isometry3d& device, std::span<const ContactO
     ++report.steps;
     Trial tried{moved(now.pose, step), {}, {}};
     if (!look_at(tried, device, objects, budget, report)) break;
-    if (tried.energy() <= now.energy() + energy_noise || limit_share <= balanced_share) {
+    const bool worse = tried.energy() > now.energy() + energy_noise;
+    // The field is no part of a potential where it jumps, so that each way may seem to lead up.
+    const bool dares = bold && tried.contact.sum.deepest <= bold_depth * settings_.max_step;
+    if (!worse || dares || limit_share <= balanced_share) {
+      bold = bold && !worse;
       take(tried);
       if (emerging_) break;
       continue;
@@ -265,6 +278,7 @@ void VirtualTool::move(const Eigen::Isometry3d& device, std::span<const ContactO
     limit_share *= backtrack * std::min(1.0, far / most);
     failures = 0;
   }
+  stuck_ = stuck_ && report.steps > 0 && !report.balanced;
   pose_ = now.pose;
   coupling = now.coupling;
   report.contact = now.contact;

@@ -79,12 +79,12 @@ class VirtualTool {
   void place(const Eigen::Isometry3d& pose) noexcept {
     pose_ = pose;
     emerging_ = true;
-    known_ = false;
+    known_ = stuck_ = false;
   }
   /// Moves it on from where it is: with an object that carries it.
   void carry(const Eigen::Isometry3d& pose) noexcept {
     pose_ = pose;
-    known_ = false;
+    known_ = stuck_ = false;
   }
   /// Whether it still leaves an object that it was placed in.
   [[nodiscard]] bool emerging() const noexcept { return emerging_; }
@@ -126,6 +126,7 @@ class VirtualTool {
   std::uint32_t looked_to_ = 0;  ///< the finest level that it was allowed
   bool emerging_ = false;        ///< it was placed, and may lie in an object
   bool known_ = false;           ///< `last_` is the contact at `pose_`
+  bool stuck_ = false;           ///< in the last tick all steps failed
 
   [[nodiscard]] Coupling couple(const Eigen::Isometry3d& device,
                                 const Eigen::Isometry3d& pose) const noexcept;

@@ -28,6 +28,9 @@ struct TickBudget {
   double accuracy = 0;
   /// Where time runs out, the last level that was finished counts, instead of a part of the next.
   bool whole_levels = false;
+  /// Samples above the finest count as points, as those do, and not as patches. Then no level holds
+  /// the tool where a finer one would not, and their sum is the gradient of a potential.
+  bool as_points = false;
   /// Least time for what is looked at anew, however long the lists of near samples took, ns.
   std::int64_t anew = 0;
   /// Each object is looked at no finer than in the last look without this.
