@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 #include <tbb/task_arena.h>
 
+#include <cmath>
 #include <filesystem>
 #include <map>
 #include <mutex>
@@ -70,15 +71,21 @@ std::string recipe_of(const StabilityCase& tried) {
 /// Samples per side of the paper's maps.
 constexpr std::uint32_t paper_resolution = 65;
 
-/// The paper's maps, and one cell of space about the band, for code that asks how far the asset
-/// reaches.
+/// Of its longest edge: how closely the box about the band is told.
+constexpr double cells_along = 256;
+
+/// The paper's maps, and the box about the band, for code that asks how far the asset reaches.
 struct PaperTables {
   explicit PaperTables(const bench::Model& model)
       : maps(model.mesh, model.caster, {}, paper_resolution), view(maps.view()) {
     const Vector3 margin = Vector3::Constant(model.band.margin);
     view.grid.origin = model.mesh.box_min - margin;
-    view.grid.cell_size = (model.mesh.box_max + margin - view.grid.origin).maxCoeff();
-    view.grid.cells = {1, 1, 1};
+    const Vector3 size = model.mesh.box_max + margin - view.grid.origin;
+    view.grid.cell_size = size.maxCoeff() / cells_along;
+    for (int k = 0; k < 3; ++k) {
+      view.grid.cells[static_cast<std::size_t>(k)] =
+          static_cast<std::uint32_t>(std::ceil(size[k] / view.grid.cell_size - 1e-9));
+    }
   }
   bench::PaperMaps maps;
   AssetView view;

@@ -7,7 +7,6 @@
 #include <vector>
 
 #include "baker/base/bake_error.hpp"
-#include "common/paper/paper_force.hpp"
 #include "servo/force/pressed_part.hpp"
 #include "servo/force/sampled_tool.hpp"
 #include "servo/force/scene_force.hpp"
@@ -18,15 +17,23 @@ namespace spm::stability {
 
 namespace {
 
+/// What the scene names as assets 0 and 1; of method paper they are `full`.
+std::array<const AssetView*, 2> assets_of(const SixdofScene& scene, const ForceScene& forces) {
+  if (forces.objects.front().force.method == Method::paper) {
+    return {&scene.object().paper(), &scene.paper_tool()};
+  }
+  return {&scene.object().sparse(), &scene.tool_asset()};
+}
+
 /// The servo's own forces on a tool: SceneForce, with the loop's caps told to it.
 class ServedTool final : public SixdofContestant {
  public:
   ServedTool(const SixdofScene& scene, const ForceScene& forces, const SixdofCase& tried,
              const RunSettings& settings)
       : plant_(sixdof_settings(tried, settings)),
-        assets_{&scene.object().sparse(), &scene.tool_asset()},
-        tool_(bench::unwrap(
-            SampledTool::make(scene.tool_asset(), *forces.tool, 1, forces.objects.size()))),
+        assets_(assets_of(scene, forces)),
+        tool_(
+            bench::unwrap(SampledTool::make(*assets_[1], *forces.tool, 1, forces.objects.size()))),
         force_(forces, settings.period, settings.profile->encoder_step, 0, {},
                turning_of(tried, settings)) {
     force_.take_tool(tool_.get(), 0);
@@ -60,20 +67,6 @@ class DistanceField final : public SampledField {
 
  private:
   const bench::Method& method_;
-};
-
-/// The paper's rule and eq. 9 at every sample.
-class PaperField final : public SampledField {
- public:
-  explicit PaperField(const AssetView& asset) : asset_(asset) {}
-  std::optional<SampleDepth> at(std::size_t, const Vector3& place) override {
-    const PaperContact contact = paper_contact(asset_, place, PaperRule::closest_plane);
-    if (!contact.contact) return std::nullopt;
-    return SampleDepth{contact.depth, contact.normal};
-  }
-
- private:
-  const AssetView& asset_;
 };
 
 /// Every finest sample, asked one by one.
@@ -118,18 +111,15 @@ std::unique_ptr<SixdofContestant> every_sample(const Contender& contender, const
   }
   std::vector<std::unique_ptr<SampledField>> fields;
   for (std::size_t i = 0; i < scene.places().size(); ++i) {
-    if (contender.method == "paper") {
-      fields.push_back(std::make_unique<PaperField>(scene.object().paper()));
-    } else {
-      fields.push_back(std::make_unique<DistanceField>(scene.object().distance_field()));
-    }
+    fields.push_back(std::make_unique<DistanceField>(scene.object().distance_field()));
   }
   return std::make_unique<EverySample>(scene, std::move(fields), stiffness);
 }
 
 /// Whether the servo makes the forces.
 bool is_served(const Contender& contender) {
-  return contender.method == "spm" || contender.method == "proxy" || contender.method == "default";
+  return contender.method == "spm" || contender.method == "proxy" ||
+         contender.method == "paper" || contender.method == "default";
 }
 
 }  // namespace
@@ -149,7 +139,9 @@ ForceScene served_scene(const Contender& contender, const SixdofScene& scene,
                         const SixdofCase& tried, const RunSettings& settings) {
   ForceScene made;
   PlacedObject object = default_object(settings.stiffness, {});
-  object.force.method = contender.method == "spm" ? Method::spm : Method::proxy;
+  object.force.method = contender.method == "spm"     ? Method::spm
+                        : contender.method == "paper" ? Method::paper
+                                                      : Method::proxy;
   if (contender.method == "spm") {
     // An object of method spm is as stiff as it says where a part of the tool presses, and is felt
     // nowhere steeper. What presses here is another part, and the hand is to feel the same force.
@@ -184,7 +176,11 @@ std::string why_not_sixdof(const Contender& contender, const SixdofCase& tried) 
   if (!reason.empty()) return reason;
   if (contender.method == "mesh-proxy") return "mesh-proxy knows a point and a ball alone";
   if (tried.two_hands && !is_served(contender)) return contender.method + " knows one tool alone";
-  if (tried.friction > 0 && !is_served(contender)) return contender.method + " has no friction";
+  const bool letter = contender.method == "paper";
+  if (tried.two_hands && letter) return "the laboratory gives two hands no full tools";
+  if (tried.friction > 0 && (letter || !is_served(contender))) {
+    return contender.method + " has no friction";
+  }
   const StabilizationSettings stabilization = stabilization_of(contender);
   if (stabilization.coupling > 0) return "the coupling of a tool that turns is what proxy is";
   if (stabilization.potential > 0) return "the force of samples is one potential's already";

@@ -49,11 +49,12 @@ class SixdofContestant {
 /// all laws here are but for the fields' own errors; friction is the servo's alone.
 [[nodiscard]] std::string why_not_sixdof(const Contender& contender, const SixdofCase& tried);
 
-/// `spm`, `proxy` and `default`, with and without stabilizers, are the servo's SceneForce with a
-/// tool: objects of the stiffness that is felt, and for `proxy` a coupling of it that turns by it
-/// times sixdof_lever squared. All others push with every sample's depth, by the stiffness of area
-/// that SixdofScene::area_stiffness gives: `exact-penalty`, `distance-field` and `paper` ask each
-/// finest sample of the exact surface, of trilinear distances and of the paper's maps. The scene
+/// `spm`, `proxy`, `paper` and `default`, with and without stabilizers, are the servo's SceneForce
+/// with a tool: objects of the stiffness that is felt, and for `proxy` a coupling of it that turns
+/// by it times sixdof_lever squared; for `paper` tool and objects are `full` (eq. 12 to 15). The
+/// others push with every sample's depth, by the stiffness of area that
+/// SixdofScene::area_stiffness gives: `exact-penalty` and `distance-field` ask each finest sample
+/// of the exact surface and of trilinear distances. The scene
 /// outlives the contestant. Throws BakeError where `why_not_sixdof` says a reason.
 [[nodiscard]] std::unique_ptr<SixdofContestant> make_sixdof_contestant(const Contender& contender,
                                                                        const SixdofScene& scene,

@@ -19,11 +19,11 @@ constexpr double rounding = 1e-6;
 /// Below this distance, m, the vector to the surface gives no reliable direction.
 constexpr double on_surface = 1e-9;
 
-/// A case's object, in the form in which it is baked.
-StabilityCase baked_object(const SixdofCase& tried) {
+/// A case's object, or its tool, in the form in which it is baked.
+StabilityCase baked_object(const SixdofCase& tried, const test::Shape& shape) {
   StabilityCase made;
   made.name = tried.name;
-  made.shape = tried.object;
+  made.shape = shape;
   made.tolerance = tried.tolerance;
   made.max_depth = tried.max_depth;
   return made;
@@ -70,7 +70,8 @@ class ExactField : public SampledField {
 }  // namespace
 
 SixdofScene::SixdofScene(const SixdofCase& tried)
-    : object_(&prepared_object(baked_object(tried))),
+    : object_(&prepared_object(baked_object(tried, tried.object))),
+      tool_object_(&prepared_object(baked_object(tried, tried.tool))),
       places_(tried.places),
       tool_asset_(asset_of(tried.tool)),
       tool_tables_(tables_of(tool_asset_)),

@@ -48,6 +48,8 @@ class SixdofScene {
   [[nodiscard]] const SurfaceSamples& tool() const noexcept { return tool_; }
   /// The tool as an asset, for the servo to sample. It knows nothing of its inside.
   [[nodiscard]] const AssetView& tool_asset() const noexcept { return tool_tables_.view(); }
+  /// The tool's planes and maps, as method paper needs them. Made when it is first asked for.
+  [[nodiscard]] const AssetView& paper_tool() const { return tool_object_->paper(); }
   [[nodiscard]] const PreparedObject& object() const noexcept { return *object_; }
   [[nodiscard]] const std::vector<Eigen::Isometry3d>& places() const noexcept { return places_; }
   /// Largest distance of a place of the tool from its origin, m.
@@ -71,7 +73,7 @@ class SixdofScene {
   [[nodiscard]] double steepness(double stiffness) const;
 
  private:
-  const PreparedObject* object_;
+  const PreparedObject *object_, *tool_object_;
   std::vector<Eigen::Isometry3d> places_;
   Asset tool_asset_;
   AssetTables tool_tables_;  ///< of that asset
