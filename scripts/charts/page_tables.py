@@ -2,13 +2,12 @@
 """Tables that stand on the project's pages, each a function from the JSON files under
 tests/bench/charts, by their names, to lines of Markdown."""
 
-import math
 from typing import Iterable
 
 import stiffness_borders
-from markdown_table import table
+from markdown_table import number, table
 from paper_tables import paper_tables
-from scene_tables import scene_lines
+from scene_tables import scene_lines, sixdof_lines
 from stability_rows import device_of
 from stability_tables import failing_lines, stability_tables, target_lines, theory_lines
 
@@ -19,14 +18,6 @@ FORCE_METHODS = (("spm", 0, None, "`spm`, point, turns not limited"),
 NOT_MEASURED = "Not measured yet for this version: `scripts/measure` writes it."
 LABORATORY_METHODS = ("paper", "distance-field", "exact-penalty", "mesh-proxy", "spm", "proxy",
                       "default")
-
-
-def number(value: float) -> str:
-    """Two significant digits, and from 100 on all before the point."""
-    if isinstance(value, int) or abs(value) >= 99.5 or value == 0:
-        return f"{value:,.0f}"
-    magnitude = math.floor(math.log10(abs(float(f"{value:.1e}"))))
-    return f"{value:.{max(0, 1 - magnitude)}f}"
 
 
 def span(values: Iterable[float]) -> str:
@@ -286,22 +277,6 @@ def forces_table(reports: dict) -> list[str]:
                   for method, radius, limit, name in FORCE_METHODS])
 
 
-def sixdof_table(reports: dict) -> list[str]:
-    def errors(of: dict | None) -> str:
-        return " / ".join(number(of[key]) for key in ("median", "p95", "p99")) if of else ""
-
-    return table(["path", "method", "settings", "a tick p50 / p99, us", "ended coarser, %",
-                  "force off, median / p95 / p99, %", "torque off, median / p95 / p99, %",
-                  "direction off, median / p95 / p99, deg", "kB"],
-                 [[row.get("path", "slide"), f"`{row['method']}`", row["settings"],
-                   f"{row['p50_us']:.0f} / {row['p99_us']:.0f}",
-                   f"{100 * row['degraded']:.1f}", errors(row["force_error_percent"]),
-                   errors(row.get("torque_error_percent")),
-                   errors(row["direction_error_deg"]) if row.get("path") != "deep" else "",
-                   f"{row['bytes'] / 1e3:,.0f}" if row.get("bytes") else ""]
-                  for row in reports["sixdof"]["rows"]])
-
-
 def culling_table(reports: dict) -> list[str]:
     return table(["scene", "objects", "pairs whose axis-aligned boxes meet",
                   "separated by oriented boxes", "by support planes", "us a pair"],
@@ -441,7 +416,7 @@ TABLES = {
     "paper_tables": lambda reports: paper_tables(reports["tables"]),
     "scenes_table": lambda reports: scene_lines(reports["scenes"]),
     "served_default_table": served_default_table, "served_reasons": served_reasons,
-    "served_table": served_table, "sixdof_table": sixdof_table, "soak_tables": soak_tables,
+    "served_table": served_table, "sixdof_table": lambda reports: sixdof_lines(reports["sixdof"]), "soak_tables": soak_tables,
     "stability_tables": lambda reports: stability_tables(reports["stability"]),
     "targets_table": lambda reports: target_lines(reports["stability"])[2:-1],
     "tools_table": tools_table,

@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The table of what the scenes with a tool felt, which scripts/tool_scenes runs."""
+"""The tables about tools with six degrees of freedom: what scenes felt, which scripts/tool_scenes runs,
+and what a tick takes and how far it is off, by spm-bench sixdof."""
 
-from markdown_table import table
+from markdown_table import number, table
 
 HEADINGS = ["scene", "profile", "s", "ticks missed", "a tick p50 / p99, us",
             "ticks on a coarser level / short of time, %", "largest force, N / ticks at the cap, %",
@@ -24,3 +25,21 @@ def cells(row: dict) -> list[str]:
             f"{row['force_max_n']:.1f} / {share('force_cap_ticks')}",
             f"{1e3 * row['torque_max_n_m']:.0f}", f"{1e3 * row['depth_max_m']:.1f}",
             f"{row['compared_forces']:,} / {row['differing_forces']:,}"]
+
+
+def sixdof_lines(report: dict) -> list[str]:
+    """One row a method, setting and path."""
+    def errors(of: dict | None) -> str:
+        return " / ".join(number(of[key]) for key in ("median", "p95", "p99")) if of else ""
+
+    return table(["path", "method", "settings", "a tick p50 / p99, us", "ended coarser, %",
+                  "force off, median / p95 / p99, %", "torque off, median / p95 / p99, %",
+                  "off the finest level: force, %", "torque, %",
+                  "direction off, median / p95 / p99, deg", "kB"],
+                 [[row["path"], f"`{row['method']}`", row["settings"],
+                   f"{row['p50_us']:.0f} / {row['p99_us']:.0f}",
+                   f"{100 * row['degraded']:.1f}", errors(row["force_error_percent"]),
+                   errors(row["torque_error_percent"]), errors(row["finest_force_error_percent"]),
+                   errors(row["finest_torque_error_percent"]), errors(row["direction_error_deg"]),
+                   f"{row['bytes'] / 1e3:,.0f}" if row["bytes"] else ""]
+                  for row in report["rows"]])

@@ -118,8 +118,8 @@ std::unique_ptr<SixdofContestant> every_sample(const Contender& contender, const
 
 /// Whether the servo makes the forces.
 bool is_served(const Contender& contender) {
-  return contender.method == "spm" || contender.method == "proxy" ||
-         contender.method == "paper" || contender.method == "default";
+  return contender.method == "spm" || contender.method == "proxy" || contender.method == "paper" ||
+         contender.method == "default";
 }
 
 }  // namespace
