@@ -244,6 +244,17 @@ std::vector<std::string> causes_of(const ReplaySource& source,
   return list;
 }
 
+/// A path is of one hand; the tools of a scene's others are not there.
+void warn_of_other_tools(const ReplaySource& source) {
+  const std::size_t tools = tools_of(source.choice.scene);
+  if (source.recording || tools < 2) return;
+  spdlog::warn(
+      "{}: the scene has {} tools, and a file of positions is of one hand: it holds the first "
+      "tool, "
+      "and the others are not there; run the scene with --record for all of them",
+      source.choice.scene_path, tools);
+}
+
 Result<ordered_json> replay_file(const ReplayCommand& command) {
   for (const std::string& path : {command.out, command.record}) {
     if (path.empty()) continue;
@@ -254,6 +265,7 @@ Result<ordered_json> replay_file(const ReplayCommand& command) {
   const auto source = read_replay_source(command.trajectory, command.force);
   if (!source) return tl::make_unexpected(source.error());
   for (const std::string& text : paper_warnings(source->choice)) spdlog::warn("{}", text);
+  warn_of_other_tools(*source);
   if (command.out.empty() && command.record.empty() && !source->recording) {
     return fail(ExitCode::usage, "--out is missing; give the table to write, --out OUT.csv");
   }

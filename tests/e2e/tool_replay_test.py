@@ -185,6 +185,15 @@ class ToolReplay(Case):
         self.assertIn("line 6: the scene names 3 tools for 2 devices; give each device its [[tool]]",
                       result.stderr)
 
+    def test_a_path_with_a_scene_of_two_tools_is_told_to_be_of_the_first(self):
+        tool = f'[[tool]]\nasset = "{self.asset}"\nscale = {SCALE}\n'
+        scene = self.write("pair.toml", 2 * tool + f'[[object]]\nasset = "{self.asset}"\n')
+        result = run("replay", self.poses("way.txt"), "--scene", scene, "--out", self.path("out.csv"),
+                     program=SERVO)
+        self.assertEqual(result.returncode, 0, result.stderr)
+        self.assertIn("pair.toml: the scene has 2 tools, and a file of positions is of one hand",
+                      result.stderr)
+
     def test_a_replay_by_a_scene_whose_tool_is_another_says_so(self):
         self.record("sim:seed=3", "--record", self.path("run.spmrec"))
         result = run("replay", self.path("run.spmrec"), "--scene", self.scene(0.4), program=SERVO)

@@ -35,6 +35,7 @@ SixdofPlan plan_of(const SixdofSettings& settings) {
     plan.tool_tolerance = plan.tolerance = 1e-4;
     plan.peer_ticks = 100;
     plan.judged = 20;
+    plan.judged_deep = 10;
     plan.reference_radius = 1e-4;
     plan.culled_objects = 100;
   }

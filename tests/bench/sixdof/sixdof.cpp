@@ -248,10 +248,10 @@ SixdofReport measure_sixdof(const SixdofPlan& plan, const BenchProgress& progres
   report.ticks = poses.size();
   report.reference_radius = plan.reference_radius;
   told("exact forces", 0.3);
-  const JudgedPath path = judged_path("slide", poses, plan, tool, object, stiffness);
+  const JudgedPath path = judged_path("slide", poses, plan, plan.judged, tool, object, stiffness);
   told("exact forces of deep contact", 0.4);
   const JudgedPath deep = judged_path("deep", pressed_in(poses, few, object.view(), deep_share),
-                                      plan, tool, object, stiffness);
+                                      plan, plan.judged_deep, tool, object, stiffness);
   report.judged = path.ticks.size();
   report.judged_deep = deep.ticks.size();
   Runner runner(path, deep, object.view());

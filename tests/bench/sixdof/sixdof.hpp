@@ -19,7 +19,8 @@ struct SixdofPlan {
   std::vector<std::uint64_t> samples;
   std::uint64_t ticks = 5000;      ///< number on the path, at 1 kHz
   std::uint64_t peer_ticks = 500;  ///< how many of them, evenly spaced, the peers compute
-  std::uint64_t judged = 500;      ///< how many of them, evenly spaced, have their force judged
+  std::uint64_t judged = 250;      ///< how many of them, evenly spaced, have their force judged
+  std::uint64_t judged_deep = 50;  ///< the same of the path on which much of the tool touches
   double reference_radius = 5e-5;  ///< m: how fine the overlap of the exact meshes is integrated
   std::uint64_t culled_objects = 1000;  ///< in the largest culling scene
   std::uint64_t seed = 1;

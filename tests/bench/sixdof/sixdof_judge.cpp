@@ -40,14 +40,14 @@ double quantile_of_ticks(std::vector<double>& values, double share) {
 }
 
 JudgedPath judged_path(std::string name, std::vector<Eigen::Isometry3d> poses,
-                       const SixdofPlan& plan, const BakedObject& tool, const BakedObject& object,
-                       double stiffness) {
+                       const SixdofPlan& plan, std::uint64_t judged, const BakedObject& tool,
+                       const BakedObject& object, double stiffness) {
   JudgedPath path{std::move(name), std::move(poses), {}, {}};
   // Use only ticks at which the peers are queried as well.
   const std::size_t peers = std::max<std::size_t>(1, path.poses.size() / plan.peer_ticks);
   const std::size_t stride =
       peers *
-      std::max<std::size_t>(1, path.poses.size() / peers / std::max<std::uint64_t>(1, plan.judged));
+      std::max<std::size_t>(1, path.poses.size() / peers / std::max<std::uint64_t>(1, judged));
   std::vector<Wrench> all((path.poses.size() + stride - 1) / stride);
   for_each_number(all.size(), [&](std::size_t i) {
     all[i] = exact_wrench(tool, object, path.poses[i * stride], stiffness, plan.reference_radius);

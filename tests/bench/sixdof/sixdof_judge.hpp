@@ -21,11 +21,12 @@ struct JudgedPath {
   std::vector<Wrench> exact;       ///< there, by the overlap of the exact meshes
 };
 
-/// Finds the exact forces at `plan.judged` of the ticks that the peers compute. `stiffness` in
+/// Finds the exact forces at `judged` of the ticks that the peers compute. `stiffness` in
 /// N/m3. On all cores.
 [[nodiscard]] JudgedPath judged_path(std::string name, std::vector<Eigen::Isometry3d> poses,
-                                     const SixdofPlan& plan, const BakedObject& tool,
-                                     const BakedObject& object, double stiffness);
+                                     const SixdofPlan& plan, std::uint64_t judged,
+                                     const BakedObject& tool, const BakedObject& object,
+                                     double stiffness);
 
 /// What every sample of the finest level pushes with at the judged ticks. On all cores.
 [[nodiscard]] std::vector<Wrench> finest_level(const JudgedPath& path, const SurfaceSamples& tool,
