@@ -20,6 +20,8 @@ void ToolLevels::note(const ToolEffort& effort, std::uint32_t last) noexcept {
   unresolved_ = effort.unresolved;
   const bool again = alarm_ > 0;
   if (again) --alarm_;
+  const bool settles = settling_ > 0;
+  if (settles) --settling_;
   const bool steps_late = effort.steps_late && effort.looks < least_looks;
   if (!effort.looks_late && !steps_late) {
     if (patience_ > 0 && --patience_ == 0) try_finer(last);
@@ -30,8 +32,9 @@ void ToolLevels::note(const ToolEffort& effort, std::uint32_t last) noexcept {
     if (finest_ == every) alarm_ = patience_ = 0;
     return;
   }
-  // A tick that had hardly any time, since it began late, says nothing of the next one.
-  if (effort.worked < telling_work) return;
+  // A tick that had hardly any time, since it began late, says nothing of the next one; nor does
+  // one that has just been given a finer level, whose samples are all to be found first.
+  if (effort.worked < telling_work || settles) return;
   // One alone may have been interrupted. Two say little: a level at a time.
   alarm_ = waiting_ticks;
   patience_ = std::max(patience_, wait_);
@@ -59,6 +62,7 @@ void ToolLevels::try_finer(std::uint32_t last) noexcept {
   }
   tried_ = true;
   patience_ = wait_;
+  settling_ = settling_ticks;
   ++finest_;
   if (finest_ >= last) finest_ = every;
 }

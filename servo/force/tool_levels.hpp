@@ -32,6 +32,8 @@ class ToolLevels {
   /// Ticks after one without enough time in which another makes the next coarser, and until the
   /// next finer level is tried; each time in vain that is twice as long, up to the longest.
   static constexpr std::uint32_t waiting_ticks = 8, longest_wait = 1024;
+  /// Ticks after a finer level was allowed that do not tell whether time suffices for it.
+  static constexpr std::uint32_t settling_ticks = 4;
 
   void use_coarser(std::uint32_t level, std::uint32_t last) noexcept;
   void try_finer(std::uint32_t last) noexcept;
@@ -41,6 +43,7 @@ class ToolLevels {
   std::uint32_t alarm_ = 0;             ///< ticks until one without enough time counts as the first
   std::uint32_t patience_ = 0;          ///< ticks until a finer level is tried
   std::uint32_t wait_ = waiting_ticks;  ///< ticks from one trial to the next
+  std::uint32_t settling_ = 0;          ///< ticks of these that are left
   bool tried_ = false;                  ///< the last change of the level was such a trial
 };
 

@@ -57,10 +57,27 @@ TEST_CASE("Where looks are late the next go to the level that this one came to")
   CHECK(levels.finest() == last - 1);
 }
 
+TEST_CASE("The first ticks on a finer level, which find its samples, may be late") {
+  ToolLevels levels;
+  levels.note(late_in_steps(), last);
+  levels.note(late_in_steps(), last);
+  REQUIRE(levels.finest() == last - 1);
+  for (int tick = 0; levels.finest() != ToolLevels::every; ++tick) {
+    REQUIRE(tick < 20);
+    levels.note(in_time(), last);
+  }
+  for (int tick = 0; tick < 4; ++tick) levels.note(late_in_steps(), last);
+  CHECK(levels.finest() == ToolLevels::every);
+  // If that goes on it was in vain.
+  levels.note(late_in_steps(), last);
+  levels.note(late_in_steps(), last);
+  CHECK(levels.finest() == last - 1);
+}
+
 TEST_CASE("A finer level that fails again and again is tried more and more seldom") {
   ToolLevels levels;
   std::uint32_t trials = 0, coarse = 0;
-  constexpr std::uint32_t ticks = 4000;
+  constexpr std::uint32_t ticks = 16000;
   for (std::uint32_t tick = 0; tick < ticks; ++tick) {
     const bool fine = levels.finest() >= last - 1;
     trials += fine ? 1 : 0;
