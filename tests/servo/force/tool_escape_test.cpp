@@ -49,7 +49,7 @@ struct Inside : ToolScene {
   /// A tick with the hand there.
   ContactForce watched(const Vector3& hand) {
     const Vector3 before = force->tool().pose.translation();
-    const ContactForce contact = next(hand);
+    ContactForce contact = next(hand);
     most_force = std::max(most_force, contact.force.norm());
     // On its way it is led; afterwards it may slide along the surface, as any tool.
     if (force->tool().leaving && left++ > 0) {
@@ -150,8 +150,10 @@ TEST_CASE("A tool that an object lies in as a whole is led off it") {
 
 TEST_CASE("Forces on a tool that is led out are the same again, to the bit") {
   const auto run = [](Inside& inside) {
+    constexpr int ticks = 700;
     std::vector<Vector3> forces;
-    for (int tick = 0; tick < 700; ++tick) {
+    forces.reserve(ticks);
+    for (int tick = 0; tick < ticks; ++tick) {
       forces.push_back(inside.watched({0.001 * std::sin(0.01 * tick), 0, 0.0005}).force);
     }
     return forces;
