@@ -73,6 +73,16 @@ VirtualTool::Coupling VirtualTool::couple(const Eigen::Isometry3d& device,
   return coupling;
 }
 
+/// What all looks of a tick have in common.
+TickBudget VirtualTool::look_within(const VirtualToolBudget& budget) const noexcept {
+  TickBudget look;
+  look.ahead = steps_ahead * settings_.max_step;
+  look.near = steps_near * settings_.max_step;
+  look.as_points = true;
+  look.finest_level = budget.finest_level;
+  return look;
+}
+
 /// Looks at the contact where the tool is. False where that was known.
 bool VirtualTool::look_first(std::span<const ContactObject> objects,
                              const VirtualToolBudget& budget, VirtualToolReport& report) noexcept {
@@ -81,11 +91,7 @@ bool VirtualTool::look_first(std::span<const ContactObject> objects,
     report.contact = last_;
     return false;
   }
-  TickBudget look;
-  look.ahead = steps_ahead * settings_.max_step;
-  look.near = steps_near * settings_.max_step;
-  look.as_points = true;
-  look.finest_level = budget.finest_level;
+  TickBudget look = look_within(budget);
   look.whole_levels = true;
   // A look is a piece of work itself, so that no two states of a tick have the same count.
   report.worked = 1;
@@ -180,11 +186,7 @@ bool VirtualTool::begin_step(const VirtualToolBudget& budget, VirtualToolReport&
 bool VirtualTool::look_at(Trial& trial, const Eigen::Isometry3d& device,
                           std::span<const ContactObject> objects, const VirtualToolBudget& budget,
                           VirtualToolReport& report) noexcept {
-  TickBudget look;
-  look.ahead = steps_ahead * settings_.max_step;
-  look.near = steps_near * settings_.max_step;
-  look.as_points = true;
-  look.finest_level = budget.finest_level;
+  TickBudget look = look_within(budget);
   look.same_levels = true;
   if (budget.now != nullptr) {
     look.now = budget.now;

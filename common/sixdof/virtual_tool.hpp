@@ -130,6 +130,7 @@ class VirtualTool {
 
   [[nodiscard]] Coupling couple(const Eigen::Isometry3d& device,
                                 const Eigen::Isometry3d& pose) const noexcept;
+  [[nodiscard]] TickBudget look_within(const VirtualToolBudget& budget) const noexcept;
   [[nodiscard]] bool begin_step(const VirtualToolBudget& budget,
                                 VirtualToolReport& report) noexcept;
   [[nodiscard]] bool look_first(std::span<const ContactObject> objects,

@@ -34,12 +34,16 @@ Vector3 middle_of(const ContactObject& object) noexcept {
 
 }  // namespace
 
-ToolEscape::ToolEscape(const SurfaceSamples& tool) noexcept : tool_(&tool) {
-  if (tool.levels.empty()) return;
-  level_ = tool.levels.front();
-  for (const SampleLevel& level : tool.levels) {
-    if (level.count <= most_samples) level_ = level;
+std::uint32_t level_within(const SurfaceSamples& tool, std::uint32_t most) noexcept {
+  std::uint32_t found = 0;
+  for (std::uint32_t k = 0; k < tool.levels.size(); ++k) {
+    if (tool.levels[k].count <= most) found = k;
   }
+  return found;
+}
+
+ToolEscape::ToolEscape(const SurfaceSamples& tool) noexcept : tool_(&tool) {
+  if (!tool.levels.empty()) level_ = tool.levels[level_within(tool, most_samples)];
 }
 
 void ToolEscape::reset() noexcept {

@@ -11,6 +11,9 @@
 
 namespace spm {
 
+/// The finest level of no more than `most` samples; else the coarsest.
+[[nodiscard]] std::uint32_t level_within(const SurfaceSamples& tool, std::uint32_t most) noexcept;
+
 /// How a tool leaves objects that it lies in so deep that their fields do not tell which way is
 /// out: beyond the band each sample has the same depth, and the normals cancel. It is led out at a
 /// fixed speed along one straight way: the shortest, to a fifth, of those in 26 directions of the

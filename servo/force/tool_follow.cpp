@@ -236,10 +236,7 @@ bool ToolForce::holds(std::size_t number, const PlacedObject& object) const noex
 bool ToolForce::begins_inside(const Eigen::Isometry3d& device) noexcept {
   const SurfaceSamples& samples = tool_->samples();
   TickBudget look;
-  look.finest_level = 0;
-  for (std::uint32_t k = 0; k < samples.levels.size(); ++k) {
-    if (samples.levels[k].count <= samples_of_begin) look.finest_level = k;
-  }
+  look.finest_level = level_within(samples, samples_of_begin);
   static_cast<void>(contact_->tick(device, pushed_, look));
   contact_->keep();
   bool any = false;
