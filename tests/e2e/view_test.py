@@ -76,9 +76,11 @@ class Watched(Case):
         self.assertEqual(self.browser.errors(), [])
 
     def device(self):
-        return self.browser.run("const d = spmView.frame.devices[0];"
+        """`there`: the hand is led, and has no place left to go through first."""
+        return self.browser.run("const {hand, frame} = spmView, d = frame.devices[0];"
                                 "return {force: Math.hypot(...d.force), depth: d.depth, hand: d.hand,"
-                                "        contact: d.contact, cap: d.forceCap}")
+                                "        contact: d.contact, cap: d.forceCap,"
+                                "        there: frame.leads === 1 && !hand.round.length}")
 
     def on_object(self):
         """The place of the window where the object's middle is seen."""
@@ -100,7 +102,8 @@ class Watched(Case):
         while time.monotonic() < deadline:
             seen = [*seen[-3:], self.device()]
             forces = [state["force"] for state in seen]
-            if len(seen) == 4 and seen[-1]["contact"] and max(forces) - min(forces) < 0.001:
+            touching = len(seen) == 4 and all(state["there"] and state["contact"] for state in seen)
+            if touching and max(forces) - min(forces) < 0.001:
                 return seen[-1]
             time.sleep(0.06)
         page = self.browser.run(
