@@ -172,7 +172,7 @@ ObjectContactReport ObjectContact::tick(const Eigen::Isometry3d& tool_pose,
     ahead_ = budget.ahead;
     look_to_finest(count, budget, clock, report);
   }
-  sum_up(report);
+  sum_up(report.sum);
   // Samples that were not resolved to the finest level may touch.
   const bool all = !report.degraded && report.level + 1 == levels;
   // Not all samples were looked at.

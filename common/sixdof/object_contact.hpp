@@ -65,11 +65,13 @@ struct ObjectContactReport {
 /// origin.
 struct PressedPatch {
   std::uint32_t object = 0;
-  std::uint32_t cluster = 0;              ///< a sample that all of its samples are below
-  double pressing = 0;                    ///< N, sum of the sizes of all forces of springs
-  double depth = 0;                       ///< m, of the deepest sample
-  Vector3 force = Vector3::Zero();        ///< N, on the tool
-  Vector3 torque = Vector3::Zero();       ///< N m
+  std::uint32_t cluster = 0;         ///< a sample that all of its samples are below
+  double pressing = 0;               ///< N, sum of the sizes of all forces of springs
+  double depth = 0;                  ///< m, of the deepest sample
+  Vector3 force = Vector3::Zero();   ///< N, on the tool
+  Vector3 torque = Vector3::Zero();  ///< N m
+  /// N, N m: of springs alone, in the axes that its object is summed in.
+  Vector3 springs = Vector3::Zero(), springs_torque = Vector3::Zero();
   Vector3 moment = Vector3::Zero();       ///< N m: pressing times place
   Vector3 pressure = Vector3::Zero();     ///< N: pressing times normal, out of the object
   Vector3 grip = Vector3::Zero();         ///< N, of bristles, before their sum is bounded
@@ -80,8 +82,8 @@ inline void add(PressedPatch& patch, double force, double depth, const Vector3& 
                 const Vector3& normal, const Vector3& arm) noexcept {
   patch.pressing += force;
   patch.depth = std::max(patch.depth, depth);
-  patch.force += force * along;
-  patch.torque += force * arm.cross(along);
+  patch.springs += force * along;
+  patch.springs_torque += force * arm.cross(along);
   patch.moment += force * arm;
   patch.pressure += force * normal;
 }
@@ -151,6 +153,9 @@ class ObjectContact {
   void settle() noexcept;
   /// Whether that changed what friction holds the tool with: then a look anew tells another sum.
   [[nodiscard]] bool grip_moved() const noexcept { return grip_.moved(); }
+  /// The sum that a look anew would tell where the tool was kept, if nothing has changed since but
+  /// friction; `patches` tell it too. False where not all samples are known that friction holds.
+  [[nodiscard]] bool grip_anew(ContactSum& sum) noexcept;
 
   /// Bytes that answers come from, beside the tool's samples.
   [[nodiscard]] std::size_t bytes() const noexcept;
@@ -231,6 +236,7 @@ class ObjectContact {
     Eigen::Matrix3d axes = Eigen::Matrix3d::Identity();
     double side = 1;          ///< -1 where these axes mirror
     ContactSum sum;           ///< in this tick, object's or tool's axes, about the tool's origin
+    ContactSum kept_sum;      ///< the same of what was kept
     ContactSum grip_sum;      ///< of its bristles
     double gripped = 0;       ///< N: the sum of the forces at which these give way
     double pressed = 0;       ///< N, by all samples that friction may hold
@@ -273,6 +279,7 @@ class ObjectContact {
     std::uint32_t sample = 0, object = 0;
     std::array<float, 3> normal{};  ///< object's frame
     float force = 0, spring = 0;    ///< N, N/m
+    std::uint32_t patch = 0;        ///< its number
   };
 
   const SurfaceSamples& tool_;
@@ -414,8 +421,9 @@ class ObjectContact {
   void press_whole(const Whole& whole) noexcept;
   void press_finest(std::uint32_t sample, std::uint32_t object, std::uint32_t cluster,
                     const Vector3& place, double distance, const Vector3& normal) noexcept;
-  void hold(std::uint32_t sample, std::uint32_t object, const Vector3& place, const Vector3& arm,
-            const Vector3& normal, double force, double spring, PressedPatch& patch) noexcept;
+  void hold(std::uint32_t sample, std::uint32_t object, const Vector3& normal, double force,
+            double spring, PressedPatch& patch) noexcept;
+  void pull_by(const Touch& touch, const Eigen::Isometry3d& pose, PressedPatch& patch) noexcept;
   /// The patch that a sample belongs to. Samples come mostly cluster by cluster.
   [[nodiscard]] PressedPatch& patch_of(std::uint32_t object, std::uint32_t cluster) noexcept {
     const bool goes_on =
@@ -425,7 +433,9 @@ class ObjectContact {
   [[nodiscard]] PressedPatch& other_patch_of(std::uint32_t object, std::uint32_t cluster) noexcept;
   void start_over() noexcept;
   void start_over(Pair& pair, std::size_t patches, std::size_t touches) noexcept;
-  void sum_up(ObjectContactReport& report) noexcept;
+  void sum_up(ContactSum& all) noexcept;
+  void add_up(Pair& pair, const ContactSum& springs, ContactSum& all) const noexcept;
+  void tell(PressedPatch& patch) const noexcept;
   bool refine(std::uint32_t level, const TickBudget& budget, WorkClock& clock, std::size_t waiting,
               ObjectContactReport& report) noexcept;
   void look_at_object(std::uint32_t object, const TickBudget& budget, WorkClock& clock,

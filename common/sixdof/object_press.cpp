@@ -95,9 +95,8 @@ void ObjectContact::press_coarse(Active& active, ObjectContactReport& report) no
   const double spring = pair.stiffness * std::max(static_cast<double>(share.area), pair.least_area);
   press_part(active, spring, press, normal, arm);
   if (!pair.grip.on()) return;
-  const Vector3 place = place_of(pair, active.sample);
-  hold(active.sample, active.object, place, place - pair.pose.translation(), normal,
-       spring * press.depth, spring * press.share, patch_of(active.object, active.cluster));
+  hold(active.sample, active.object, normal, spring * press.depth, spring * press.share,
+       patch_of(active.object, active.cluster));
 }
 
 /// Adds the springs of all samples below one, which touch where the field is one polynomial: to the
@@ -118,8 +117,8 @@ void ObjectContact::press_whole(const Whole& whole) noexcept {
   PressedPatch& patch = patch_of(whole.object, whole.cluster);
   patch.pressing += sum.pressing;
   patch.depth = std::max(patch.depth, sum.deepest);
-  patch.force += sum.force;
-  patch.torque += sum.torque;
+  patch.springs += sum.force;
+  patch.springs_torque += sum.torque;
   patch.moment += sum.moment;
   patch.pressure += sum.force;
 }
@@ -144,31 +143,44 @@ void ObjectContact::press_finest(std::uint32_t sample, std::uint32_t object, std
   pair.sum.add(spring, depth, depth * depth, 1, along, arm);
   PressedPatch& patch = patch_of(object, cluster);
   add(patch, spring * depth, depth, along, normal, arm);
-  if (pair.grip.on()) hold(sample, object, place, arm, normal, spring * depth, spring, patch);
+  if (pair.grip.on()) hold(sample, object, normal, spring * depth, spring, patch);
 }
 
-/// Adds the bristle of a sample that touches.
-void ObjectContact::hold(std::uint32_t sample, std::uint32_t object, const Vector3& place,
-                         const Vector3& arm, const Vector3& normal, double force, double spring,
-                         PressedPatch& patch) noexcept {
+/// Adds the bristle of a sample that touches, and notes it. `force`: N, and `spring`: N/m, of the
+/// sample's own.
+void ObjectContact::hold(std::uint32_t sample, std::uint32_t object, const Vector3& normal,
+                         double force, double spring, PressedPatch& patch) noexcept {
   Pair& pair = pairs_[object];
-  const double bristle_spring = pair.grip.spring * spring;
   pair.pressed += force;
-  if (touches_.size() < touches_.capacity()) {
-    touches_.push_back({sample, object, floats_of(normal), static_cast<float>(force),
-                        static_cast<float>(bristle_spring)});
-  }
+  const Touch touch{sample,
+                    object,
+                    floats_of(normal),
+                    static_cast<float>(force),
+                    static_cast<float>(pair.grip.spring * spring),
+                    static_cast<std::uint32_t>(&patch - patches_.data())};
+  if (touches_.size() < touches_.capacity()) touches_.push_back(touch);
+  pull_by(touch, pair.pose, patch);
+}
+
+/// Adds the bristle of a sample, with the tool at a pose in its object's frame.
+void ObjectContact::pull_by(const Touch& touch, const Eigen::Isometry3d& pose,
+                            PressedPatch& patch) noexcept {
+  Pair& pair = pairs_[touch.object];
   if (!pair.in_grip) return;
-  const Vector3 before =
-      turned(pair.settled.linear(), tool_.places[sample].position) + pair.settled.translation();
-  const Bristle bristle =
-      grip_.bristle(sample, object, place, before, normal, is_finest(sample) ? 0 : bristle_spring);
+  const auto& position = tool_.places[touch.sample].position;
+  const Vector3 place = turned(pose.linear(), position) + pose.translation();
+  const Vector3 before = turned(pair.settled.linear(), position) + pair.settled.translation();
+  const Vector3 normal(touch.normal[0], touch.normal[1], touch.normal[2]);
+  const auto spring = static_cast<double>(touch.spring);
+  const Bristle bristle = grip_.bristle(touch.sample, touch.object, place, before, normal,
+                                        is_finest(touch.sample) ? 0 : spring);
   if (!(bristle.most > 0)) return;
   const double stretch = bristle.stretch.norm();
-  const bool gives_way = bristle_spring * stretch > bristle.most;
-  const double secant = gives_way ? bristle.most / stretch : bristle_spring;
-  const double energy = gives_way ? bristle.most * (stretch - bristle.most / bristle_spring / 2)
-                                  : bristle_spring * stretch * stretch / 2;
+  const bool gives_way = spring * stretch > bristle.most;
+  const double secant = gives_way ? bristle.most / stretch : spring;
+  const double energy = gives_way ? bristle.most * (stretch - bristle.most / spring / 2)
+                                  : spring * stretch * stretch / 2;
+  const Vector3 arm = place - pose.translation();
   pair.grip_sum.add_along(secant, -bristle.stretch, normal, arm, energy, gives_way);
   pair.gripped += bristle.most;
   const Vector3 pull = -secant * bristle.stretch;
@@ -184,6 +196,7 @@ void ObjectContact::keep() noexcept {
   for (Pair& pair : pairs_) {
     pair.kept = pair.pose;
     pair.kept_pressed = pair.pressed;
+    if (pair.sum.contacts > 0 || pair.kept_sum.contacts > 0) pair.kept_sum = pair.sum;
   }
 }
 
@@ -217,38 +230,61 @@ void ObjectContact::settle() noexcept {
   }
 }
 
-/// Turns what was summed in the objects' axes to the world's.
-void ObjectContact::sum_up(ObjectContactReport& report) noexcept {
+bool ObjectContact::grip_anew(ContactSum& sum) noexcept {
+  if (kept_touches_.size() == kept_touches_.capacity()) return false;
   for (Pair& pair : pairs_) {
-    ContactSum& sum = pair.sum;
-    if (sum.contacts == 0) continue;
-    // Samples that carry the tool in turn each know the whole of its weight: together they hold no
-    // more than it.
-    if (pair.gripped > 0) {
-      const double most = grip_.most(static_cast<std::uint32_t>(&pair - pairs_.data()));
-      pair.gripped = std::min(1.0, most / pair.gripped);
-      sum.wrench += pair.gripped * pair.grip_sum.wrench;
-      sum.stiffness += pair.gripped * pair.grip_sum.stiffness;
-      sum.energy += pair.gripped * pair.grip_sum.energy;
-    }
-    Matrix6 turn = Matrix6::Zero();
-    turn.topLeftCorner<3, 3>() = pair.axes;
-    // A torque is turned the other way round where the frame is mirrored.
-    turn.bottomRightCorner<3, 3>() = pair.side * pair.axes;
-    const Matrix6 whole = sum.stiffness.selfadjointView<Eigen::Lower>();
-    report.sum.wrench += turn * sum.wrench;
-    report.sum.stiffness += turn * whole * turn.transpose();
-    report.sum.energy += sum.energy;
-    report.sum.deepest = std::max(report.sum.deepest, sum.deepest);
-    report.sum.contacts += sum.contacts;
+    pair.grip_sum = {};
+    pair.gripped = 0;
   }
+  for (PressedPatch& patch : kept_) patch.grip = patch.grip_torque = Vector3::Zero();
+  for (const Touch& touch : kept_touches_) {
+    pull_by(touch, pairs_[touch.object].kept, kept_[touch.patch]);
+  }
+  sum = {};
+  for (Pair& pair : pairs_) add_up(pair, pair.kept_sum, sum);
+  for (PressedPatch& patch : kept_) tell(patch);
+  return true;
+}
+
+/// Adds what an object pushes and holds the tool with to a sum of the world's axes.
+void ObjectContact::add_up(Pair& pair, const ContactSum& springs, ContactSum& all) const noexcept {
+  if (springs.contacts == 0) return;
+  ContactSum sum = springs;
+  // Samples that carry the tool in turn each know the whole of its weight: together they hold no
+  // more than it.
+  if (pair.gripped > 0) {
+    const double most = grip_.most(static_cast<std::uint32_t>(&pair - pairs_.data()));
+    pair.gripped = std::min(1.0, most / pair.gripped);
+    sum.wrench += pair.gripped * pair.grip_sum.wrench;
+    sum.stiffness += pair.gripped * pair.grip_sum.stiffness;
+    sum.energy += pair.gripped * pair.grip_sum.energy;
+  }
+  Matrix6 turn = Matrix6::Zero();
+  turn.topLeftCorner<3, 3>() = pair.axes;
+  // A torque is turned the other way round where the frame is mirrored.
+  turn.bottomRightCorner<3, 3>() = pair.side * pair.axes;
+  const Matrix6 whole = sum.stiffness.selfadjointView<Eigen::Lower>();
+  all.wrench += turn * sum.wrench;
+  all.stiffness += turn * whole * turn.transpose();
+  all.energy += sum.energy;
+  all.deepest = std::max(all.deepest, sum.deepest);
+  all.contacts += sum.contacts;
+}
+
+/// Force and torque of a patch, the world's axes.
+void ObjectContact::tell(PressedPatch& patch) const noexcept {
+  const Pair& pair = pairs_[patch.object];
+  patch.force = pair.axes * (patch.springs + pair.gripped * patch.grip);
+  patch.torque =
+      pair.side * (pair.axes * (patch.springs_torque + pair.gripped * patch.grip_torque));
+}
+
+/// Turns what was summed in the objects' axes to the world's.
+void ObjectContact::sum_up(ContactSum& all) noexcept {
+  for (Pair& pair : pairs_) add_up(pair, pair.sum, all);
   for (PressedPatch& patch : patches_) {
-    const Pair& pair = pairs_[patch.object];
-    const Eigen::Matrix3d& turn = pair.axes;
-    patch.force += pair.gripped * patch.grip;
-    patch.torque += pair.gripped * patch.grip_torque;
-    patch.force = turn * patch.force;
-    patch.torque = pair.side * (turn * patch.torque);
+    tell(patch);
+    const Eigen::Matrix3d& turn = pairs_[patch.object].axes;
     patch.moment = turn * patch.moment;
     patch.pressure = turn * patch.pressure;
   }

@@ -15,6 +15,8 @@ namespace {
 constexpr double balanced_share = 1e-3;
 /// In balance the forces that are left are at most this part of the coupling's, and this many N.
 constexpr double balanced_force = 0.01, least_force = 1e-3;
+/// Near balance, at most this part: hardly more than the levels of the samples differ by.
+constexpr double near_balance_force = 0.05;
 /// Steps in a tick that are too short to be felt, and made for the balance of forces alone.
 constexpr int most_fine_steps = 3;
 /// Steps in a row that may fail and tell their planes, before a shorter one is tried.
@@ -83,13 +85,16 @@ TickBudget VirtualTool::look_within(const VirtualToolBudget& budget) const noexc
   return look;
 }
 
-/// Looks at the contact where the tool is. False where that was known.
-bool VirtualTool::look_first(std::span<const ContactObject> objects,
+/// Looks at the contact where the tool is, as far as it is not known.
+void VirtualTool::look_first(std::span<const ContactObject> objects,
                              const VirtualToolBudget& budget, VirtualToolReport& report) noexcept {
-  if (known_ && budget.same_objects && looked_to_ == budget.finest_level &&
-      !contact_->grip_moved()) {
+  if (known_ && budget.same_objects && looked_to_ == budget.finest_level) {
     report.contact = last_;
-    return false;
+    if (!contact_->grip_moved()) return;
+    if (contact_->grip_anew(report.contact.sum)) {
+      report.looks = report.worked = 1;
+      return;
+    }
   }
   TickBudget look = look_within(budget);
   look.whole_levels = true;
@@ -111,7 +116,6 @@ bool VirtualTool::look_first(std::span<const ContactObject> objects,
   looked_to_ = budget.finest_level;
   report.unresolved = report.contact.unresolved;
   if (report.contact.stopped) report.refine_stopped = report.worked;
-  return true;
 }
 
 /// The Newton step on the energy of springs and contact.
@@ -162,15 +166,14 @@ bool VirtualTool::learn_planes(const Vector6& step) noexcept {
   return planes_.size() > before;
 }
 
-/// Whether contact and springs are in balance. The contact is so stiff that a step which is too
-/// short to be felt may still change its forces.
-bool VirtualTool::in_balance(const Trial& at) const noexcept {
+/// Whether contact and springs are in balance, but for this part of the springs' forces. The
+/// contact is so stiff that a step which is too short to be felt may still change its forces.
+bool VirtualTool::in_balance(const Trial& at, double but_for) const noexcept {
   const Vector6 left = at.coupling.wrench + at.contact.sum.wrench;
   const double lever = std::max(radius_, 1e-9);
   const double size =
       at.coupling.wrench.head<3>().norm() + at.coupling.wrench.tail<3>().norm() / lever;
-  return left.head<3>().norm() + left.tail<3>().norm() / lever <=
-         balanced_force * size + least_force;
+  return left.head<3>().norm() + left.tail<3>().norm() / lever <= but_for * size + least_force;
 }
 
 /// Whether there is time for a step, which may take as long as the last one did.
@@ -240,7 +243,7 @@ void VirtualTool::move(const Eigen::Isometry3d& device, std::span<const ContactO
   }
   while (report.steps < settings_.steps) {
     if (!begin_step(budget, report)) {
-      report.balanced = in_balance(now);
+      report.balanced = in_balance(now, balanced_force);
       break;
     }
     Vector6 step = best_step(now);
@@ -250,7 +253,7 @@ void VirtualTool::move(const Eigen::Isometry3d& device, std::span<const ContactO
     const double most = limit_share * std::max(settings_.max_step, std::min(clear, far));
     if (far > most) step *= most / far;
     if (std::min(far, most) < balanced_share * settings_.max_step &&
-        (in_balance(now) || ++fine_steps > most_fine_steps)) {
+        (in_balance(now, balanced_force) || ++fine_steps > most_fine_steps)) {
       report.balanced = true;
       break;
     }
@@ -280,6 +283,7 @@ void VirtualTool::move(const Eigen::Isometry3d& device, std::span<const ContactO
     limit_share *= backtrack * std::min(1.0, far / most);
     failures = 0;
   }
+  report.near_balance = report.balanced || in_balance(now, near_balance_force);
   stuck_ = stuck_ && report.steps > 0 && !report.balanced;
   pose_ = now.pose;
   coupling = now.coupling;
@@ -297,12 +301,13 @@ VirtualToolReport VirtualTool::tick(const Eigen::Isometry3d& device,
     return report;
   }
   Coupling coupling = couple(device, pose_);
-  static_cast<void>(look_first(objects, budget, report));
+  look_first(objects, budget, report);
+  const bool coarse = report.contact.degraded;  // and so are the looks that follow
   emerging_ = emerging_ && report.contact.sum.deepest > settings_.max_step;
   move(device, objects, budget, coupling, report);
   last_ = report.contact;
   // What a coarser level told is looked at anew.
-  known_ = !report.contact.degraded;
+  known_ = !coarse && !report.contact.degraded;
   report.pose = pose_;
   report.capped = coupling.capped;
   report.energy = coupling.energy + report.contact.sum.energy;

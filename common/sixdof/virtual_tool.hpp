@@ -45,6 +45,8 @@ struct VirtualToolReport {
   bool capped = false;      ///< the force or the torque of the springs met its largest
   /// The last step was shorter than a thousandth of the largest; or time was over in balance.
   bool balanced = false;
+  /// What is left of the forces is at most a twentieth of the springs'.
+  bool near_balance = false;
   ObjectContactReport contact;  ///< at that pose
   std::uint32_t worked = 0;     ///< samples, as VirtualToolBudget counts them
   /// Work after which time was over for finer levels, and for steps; `unstopped`: it was not.
@@ -133,14 +135,13 @@ class VirtualTool {
   [[nodiscard]] TickBudget look_within(const VirtualToolBudget& budget) const noexcept;
   [[nodiscard]] bool begin_step(const VirtualToolBudget& budget,
                                 VirtualToolReport& report) noexcept;
-  [[nodiscard]] bool look_first(std::span<const ContactObject> objects,
-                                const VirtualToolBudget& budget,
-                                VirtualToolReport& report) noexcept;
+  void look_first(std::span<const ContactObject> objects, const VirtualToolBudget& budget,
+                  VirtualToolReport& report) noexcept;
   /// The farthest that a step moves any place of the tool, m.
   [[nodiscard]] double length(const Vector6& step) const noexcept {
     return step.head<3>().norm() + radius_ * step.tail<3>().norm();
   }
-  [[nodiscard]] bool in_balance(const Trial& at) const noexcept;
+  [[nodiscard]] bool in_balance(const Trial& at, double but_for) const noexcept;
   [[nodiscard]] static Vector6 newton(const Trial& at) noexcept;
   [[nodiscard]] Vector6 best_step(const Trial& at) const noexcept;
   [[nodiscard]] bool correct(const Trial& tried, const Eigen::Isometry3d& device,

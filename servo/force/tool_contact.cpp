@@ -222,7 +222,7 @@ void ToolForce::end_work(const Work& work, ForceEffort& effort) noexcept {
   const std::uint32_t level = std::min(work.level, finest);
   effort.level = finest - level;
   levels_.note({.looks_late = effort.refined != unstopped,
-                .steps_late = effort.worked != unstopped && !work.balanced,
+                .steps_late = effort.worked != unstopped && !work.follows,
                 .level = level,
                 .worked = work.done,
                 .looks = work.looks,

@@ -138,7 +138,7 @@ bool ToolForce::step_on(const Eigen::Isometry3d& device, std::uint32_t steps, Wo
   if (report.stopped != unstopped) effort.worked = work.done + report.stopped;
   work.done += report.worked;
   work.looks += report.looks;
-  work.balanced = report.balanced || report.stopped == unstopped;
+  work.follows = report.near_balance || report.stopped == unstopped;
   work.level = std::min(work.level, report.contact.level);
   return report.refine_stopped == unstopped && report.stopped == unstopped;
 }

@@ -118,7 +118,7 @@ class ToolForce {
     std::uint32_t level = 0;
     std::uint32_t unresolved = 0;  ///< objects that time ran out for
     std::uint32_t looks = 0;       ///< of the virtual tool
-    bool balanced = true;          ///< it came to its balance
+    bool follows = true;           ///< it came near its balance
   };
 
   [[nodiscard]] Eigen::Isometry3d world_pose(const HandPose& hand) const noexcept;

@@ -9,7 +9,7 @@ namespace spm {
 /// What a tick of a sampled tool tells of whether its time sufficed.
 struct ToolEffort {
   bool looks_late = false;       ///< time ran out for contacts on finer levels
-  bool steps_late = false;       ///< time ran out for steps of the virtual tool, out of balance
+  bool steps_late = false;       ///< time ran out for steps of the virtual tool, far from balance
   std::uint32_t level = 0;       ///< to which all contact was resolved; 0: the coarsest
   std::uint32_t worked = 0;      ///< samples that were looked at
   std::uint32_t looks = 0;       ///< of the virtual tool at the contact

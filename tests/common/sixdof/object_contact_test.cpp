@@ -303,6 +303,46 @@ TEST_CASE("Poses that scale, such as those of quaternions that are not unit, giv
   CHECK(contact.tick(pressed_by(0.0005), objects).sum.contacts == 0);
 }
 
+TEST_CASE("Friction that is looked at alone holds the tool as a whole look tells it") {
+  const TiledCubeByHand cube(0.01);
+  std::array<ContactObject, 2> objects;
+  for (ContactObject& object : objects) {
+    object.field = &cube.view;
+    object.grip = {0.4, 0.3, 1};
+  }
+  objects[0].pose = Isometry3d(Eigen::AngleAxisd(0.3, Vector3::UnitZ()));
+  objects[1].pose = Isometry3d(Eigen::Translation3d(0.008, 0, 0));
+  ObjectContactSettings settings;
+  settings.objects = 2;
+  const SurfaceSamples samples = *sample_surface(TiledCubeByHand(0.006).view, 0.0005);
+  ObjectContact contact(samples, settings), whole(samples, settings);
+  for (int tick = 0; tick < 60; ++tick) {
+    // It slides, turns and lifts off for a while.
+    const double lift = tick > 30 && tick < 35 ? 1e-3 : 0;
+    const Isometry3d pose = Eigen::Translation3d(1e-5 * tick, 2e-6 * tick, 0.008 - 2e-5 + lift) *
+                            Eigen::AngleAxisd(1e-4 * tick, Vector3::UnitZ());
+    for (ObjectContact* each : {&contact, &whole}) {
+      static_cast<void>(each->tick(pose, objects));
+      each->keep();
+      each->settle();
+    }
+    REQUIRE(contact.grip_moved() == whole.grip_moved());
+    ContactSum alone;
+    REQUIRE(contact.grip_anew(alone));
+    const ContactSum wanted = whole.tick(pose, objects).sum;
+    whole.keep();
+    REQUIRE(alone.contacts == wanted.contacts);
+    REQUIRE(alone.wrench.isApprox(wanted.wrench, 1e-5));
+    REQUIRE(alone.stiffness.isApprox(wanted.stiffness, 1e-5));
+    REQUIRE(alone.energy == Approx(wanted.energy).epsilon(1e-5));
+    REQUIRE(contact.patches().size() == whole.patches().size());
+    for (std::size_t k = 0; k < whole.patches().size(); ++k) {
+      REQUIRE(contact.patches()[k].force.isApprox(whole.patches()[k].force, 1e-5));
+      REQUIRE(contact.patches()[k].torque.isApprox(whole.patches()[k].torque, 1e-5));
+    }
+  }
+}
+
 TEST_CASE("Two objects in one place push a tool twice as one, and a mirrored one as its picture") {
   const TiledCubeByHand field(field_size);
   const SurfaceSamples tool = tool_samples(0.0005);

@@ -124,6 +124,25 @@ TEST_CASE("A plate of 0.2 mm is not passed at 1 m/s, there and back") {
   }
 }
 
+TEST_CASE("After a tick that had no time for the finest level the next looks at it, even at rest") {
+  const TiledCubeByHand cube(size);
+  Scene scene(cube);
+  const double rest = (size + tool_size) / 2;
+  scene.tool.place(at(0, 0, rest - 0.00001));
+  const auto finest = static_cast<std::uint32_t>(scene.samples.levels.size() - 1);
+  const auto tick = [&](const VirtualToolBudget& budget) {
+    return scene.tool.tick(at(0, 0, rest - 0.0001), scene.objects, budget);
+  };
+  VirtualToolBudget short_of_time;
+  short_of_time.refine_work = 20;
+  const VirtualToolReport coarse = tick(short_of_time);
+  REQUIRE(coarse.contact.level < finest);
+  REQUIRE(coarse.steps > 0);
+  VirtualToolBudget enough;
+  enough.same_objects = true;
+  CHECK(tick(enough).contact.level == finest);
+}
+
 TEST_CASE("A device that is nowhere moves nothing and gives no wrench") {
   const TiledCubeByHand cube(size);
   Scene scene(cube);
