@@ -172,7 +172,7 @@ class Played(Case):
         self.assertGreater(len(svg.getElementsByTagName("path")), 10)
         self.slowly()
         self.browser.run("document.getElementById('film').click()")
-        self.browser.wait("spmPlayer.film && spmPlayer.line.time > 0.45")
+        self.browser.wait("spmPlayer.film && spmPlayer.line.time > 0.8")
         self.browser.run("document.getElementById('film').click()")
         self.browser.wait("spmPlayer.filmed")
         film = self.bytes_of("spmPlayer.filmed")
