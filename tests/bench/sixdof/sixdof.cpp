@@ -58,6 +58,8 @@ struct Contestant {
   bool tells_torque = true;
   const SurfaceSamples* finest = nullptr;  ///< whose finest level it is compared with as well
   std::function<void()> begin = [] {};
+  /// Before a tick, and not part of it.
+  std::function<void(const Isometry3d&)> prepare = [](const Isometry3d&) {};
   /// Adds to the row's counts.
   std::function<Wrench(const Isometry3d&, SixdofRow&)> ask;
   std::vector<Wrench> wrenches{};
@@ -114,12 +116,14 @@ class Runner {
     made.same_law = method == "served-spm";
     made.finest = &samples;
     made.begin = [tool] { tool->begin(); };
-    made.ask = [tool, finest = std::max(1.0, static_cast<double>(tool->levels()) - 1),
-                before = Isometry3d(Isometry3d::Identity())](const Isometry3d& pose,
-                                                             SixdofRow& row) mutable {
-      // No hand goes from the end of a stroke to the next in a tick.
+    // No hand goes from the end of a stroke to the next in a tick.
+    made.prepare = [tool,
+                    before = Isometry3d(Isometry3d::Identity())](const Isometry3d& pose) mutable {
       if ((pose.translation() - before.translation()).norm() > between_strokes) tool->begin();
       before = pose;
+    };
+    made.ask = [tool, finest = std::max(1.0, static_cast<double>(tool->levels()) - 1)](
+                   const Isometry3d& pose, SixdofRow& row) {
       Wrench found = tool->ask(pose);
       row.contacts += static_cast<double>(tool->patches());
       row.level += 1 - tool->effort().level / finest;
@@ -176,6 +180,7 @@ class Runner {
     each.wrenches.clear();
     each.begin();
     for (std::size_t tick = 0; tick < each.path->poses.size(); tick += each.stride) {
+      each.prepare(each.path->poses[tick]);
       const double before = busy_seconds();
       const Clock::time_point start = Clock::now();
       each.wrenches.push_back(each.ask(each.path->poses[tick], each.row));
