@@ -100,7 +100,8 @@ double told_by_roots(const DistanceOctree& octree, const Vector3& point) noexcep
     const auto k = static_cast<Eigen::Index>(axis);
     const double last = std::max(1.0, static_cast<double>(octree.roots[axis])) - 1;
     const double at = (point[k] - octree.origin[k]) * octree.per_edge - 0.5;
-    const double low = std::floor(std::clamp(at, 0.0, last));
+    // Rounded towards 0, which is down from there.
+    const auto low = static_cast<double>(static_cast<std::int64_t>(std::clamp(at, 0.0, last)));
     for (std::size_t side = 0; side < 2; ++side) {
       const double root = std::min(low + static_cast<double>(side), last);
       roots[axis][side] = static_cast<std::uint64_t>(root);

@@ -212,7 +212,7 @@ double ObjectContact::look_at(Active& active, Pair& pair, double way, float* unt
   ++report.tested;
   if (above.known()) {
     // A field changes by at most the length of a step, so the sample above may tell enough.
-    const double told = static_cast<double>(above.distance) - pair.doubt - reach_of(active.sample);
+    const double least = static_cast<double>(above.distance) - pair.doubt;
     if (active.sample == tool_.children[above.sample].first) {
       // At the same place.
       active.distance = above.distance;
@@ -222,8 +222,9 @@ double ObjectContact::look_at(Active& active, Pair& pair, double way, float* unt
         return meet(active, pair, way, until, report);
       }
     }
-    if (told > 0) {
-      const double spare = told - from_above(active.sample, above.sample);
+    if (least > 0) {
+      const double spare =
+          least - reach_of(active.sample) - from_above(active.sample, above.sample);
       if (spare > 0) {
         if (until != nullptr) *until = pair.after(way, spare);
         return spare;
