@@ -20,6 +20,7 @@ namespace {
 /// Nearer to the surface than this share of the tolerance, the direction to it is noise, and the
 /// triangle's own normal is the answer.
 constexpr double surface_share = 1e-3;
+constexpr double rounded_less = 1 - 1e-9;
 /// Nearer than so many lattice steps, directions need more than single precision.
 constexpr float min_steps = 16;
 
@@ -163,6 +164,13 @@ double clearance(const AssetView& asset, const Vector3& point) noexcept {
 double leaf_clearance(const AssetView& asset, const Leaf& leaf, const Vector3& point,
                       double useful) noexcept {
   const DistanceOctree& octree = asset.octree;
+  const OutsideBox from = outside_box(asset, point);
+  if (beyond_field(asset, from)) return box_clearance(asset, from, useful);
+  if (leaf.level >= 0 && leaf.kind != OctreeKind::far) {
+    const Answer told = query_leaf(asset, leaf, point);
+    return told.status == Status::exact ? clearance_told(asset, told.distance) : 0;
+  }
+  if (from.square > 0) return box_clearance(asset, from, useful);
   if (leaf.level < 0) {
     // Beyond all roots the surface is farther than they are, by the margin.
     const Vector3 high =
@@ -171,16 +179,30 @@ double leaf_clearance(const AssetView& asset, const Leaf& leaf, const Vector3& p
         (octree.origin - point).cwiseMax(point - high).cwiseMax(Vector3::Zero());
     return std::max(asset.band.margin + outside.norm(), told_by_roots(octree, point));
   }
-  if (leaf.kind != OctreeKind::far) {
-    const Answer told = query_leaf(asset, leaf, point);
-    return told.status == Status::exact ? clearance_told(asset, told.distance) : 0;
-  }
   const double told = told_by_roots(octree, point);
   if (told > std::min(octree.edge, useful)) return told;
   // The way to the surface leaves the cubes beyond the margin, and is that long from there on.
   const double most = std::min(octree.edge, useful - asset.band.margin);
   const double to_band = most > 0 ? distance_to_band(octree, point, most) : 0;
   return std::max(told, asset.band.margin + to_band);
+}
+
+double box_clearance(const AssetView& asset, const OutsideBox& from, double useful) noexcept {
+  if (from.square > useful * useful) return rounded_less * std::sqrt(from.square);
+  const Leaf leaf = leaf_at(asset.octree, from.nearest);
+  double beside = 0;
+  if (leaf.kind == OctreeKind::far && leaf.level >= 0) {
+    beside = leaf_clearance(asset, leaf, from.nearest, useful);
+  } else if (has_maps(leaf.kind)) {
+    LeafMaps maps;
+    const std::uint32_t* words = units_at(asset.octree, leaf);
+    if (words != nullptr && unpack_leaf_maps(asset, leaf, words, maps)) {
+      const double told = leaf.half * place_on_map(asset, leaf, maps, from.nearest).value;
+      const double within = std::min(told, asset.band.margin) - asset.tolerance;
+      beside = std::max({0.0, within, clearance_told(asset, told)});
+    }
+  }
+  return rounded_less * std::sqrt(from.square + beside * beside);
 }
 
 }  // namespace spm

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <algorithm>
 #include <limits>
 
 #include "common/query/query.hpp"
@@ -18,6 +19,32 @@ namespace spm {
 /// bound, which is quicker.
 [[nodiscard]] double leaf_clearance(
     const AssetView& asset, const Leaf& leaf, const Vector3& point,
+    double useful = std::numeric_limits<double>::infinity()) noexcept;
+
+/// Where a place is from an asset's box, which holds all of its surface.
+struct OutsideBox {
+  Vector3 nearest = Vector3::Zero();  ///< of the box
+  double square = 0;                  ///< of the distance from there, m2; 0 in the box
+};
+[[nodiscard]] inline OutsideBox outside_box(const AssetView& asset, const Vector3& point) noexcept {
+  OutsideBox found;
+  for (int k = 0; k < 3; ++k) {
+    found.nearest[k] = std::min(std::max(point[k], asset.box_low[k]), asset.box_high[k]);
+    const double off = point[k] - found.nearest[k];
+    found.square += off * off;
+  }
+  return found;
+}
+/// Whether that is so far outside that no answer there lies in the band: each is right to a
+/// tolerance, and may lie beyond the margin by one.
+[[nodiscard]] inline bool beyond_field(const AssetView& asset, const OutsideBox& from) noexcept {
+  const double most = asset.band.margin + 3 * asset.tolerance;
+  return from.square > most * most;
+}
+/// `clearance` of a place that is outside the box: seen from the nearest place of that, which is
+/// convex, no part of the surface lies in front of a right angle. `useful` as above.
+[[nodiscard]] double box_clearance(
+    const AssetView& asset, const OutsideBox& from,
     double useful = std::numeric_limits<double>::infinity()) noexcept;
 
 /// How far the surface is at the least, m, where a leaf's answer before the band's ends are applied

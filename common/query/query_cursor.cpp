@@ -46,6 +46,7 @@ Answer QueryCursor::query(const Vector3& point) noexcept {
 
 double QueryCursor::clearance(const Vector3& point, double useful) const noexcept {
   if (!point.allFinite()) return 0;
+  if (beyond_field(*asset_, outside_)) return box_clearance(*asset_, outside_, useful);
   if (leaf_.level >= 0 && leaf_.kind != OctreeKind::far) return beyond_;
   return leaf_clearance(*asset_, leaf_, point, useful);
 }

@@ -33,8 +33,12 @@ class QueryCursor {
   /// The same without the normal, which takes as long as the distance. Once in a leaf, it is found
   /// here.
   [[nodiscard]] QueriedDistance distance(const Vector3& point) noexcept {
-    if (!within(point, inner_)) enter(point);
     beyond_ = 0;
+    outside_ = outside_box(*asset_, point);
+    if (beyond_field(*asset_, outside_)) {
+      return {std::numeric_limits<double>::quiet_NaN(), Status::far};
+    }
+    if (!within(point, inner_)) enter(point);
     if (leaf_.kind == OctreeKind::deep) return {told_.distance, Status::deep};
     if (!by_maps_) return tell_leaf(point);
     on_ = place_on_map(*asset_, leaf_, maps_, point);
@@ -82,7 +86,8 @@ class QueryCursor {
   Leaf leaf_;
   double inner_ = -1;  ///< m: half the edge of the cube in which the leaf is certain; below 0: none
   bool by_maps_ = false;
-  double beyond_ = 0;  ///< m: clearance of the last point, as the leaf's own answer tells it
+  OutsideBox outside_;  ///< of the last point
+  double beyond_ = 0;   ///< m: clearance of the last point, as the leaf's own answer tells it
   LeafMaps maps_;
   PlaceOnMap on_;  ///< of the last point, by maps
   Answer told_;    ///< of the last point, without maps; in all of a leaf deeper than the band

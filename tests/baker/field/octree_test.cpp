@@ -160,6 +160,44 @@ TEST_CASE("Where the answer is far, the surface is at least as far as the cleara
   CHECK(clearance(made.view, {0.2, 0, 0}) > 0.15);
 }
 
+TEST_CASE("Outside an object's box the clearance is nearly the distance") {
+  // A torus leaves much of its box free.
+  for (const auto& [shape, share] : {std::pair{test::torus(0.01, 0.003, 40, 20), 0.7},
+                                     std::pair{test::box({0.02, 0.01, 0.004}), 0.99}}) {
+    Built made(shape);
+    made.view.box_low = made.view.box_high = shape.vertices.front();
+    for (const Vector3& corner : shape.vertices) {
+      made.view.box_low = made.view.box_low.cwiseMin(corner);
+      made.view.box_high = made.view.box_high.cwiseMax(corner);
+    }
+    const Vector3 size = made.view.box_high - made.view.box_low;
+    QueryCursor cursor;
+    cursor.begin(&made.view);
+    double told = 0, far = 0;
+    for (std::uint64_t i = 0; i < 20000; ++i) {
+      Vector3 point = made.view.box_low;
+      for (unsigned axis = 0; axis < 3; ++axis) {
+        point[axis] += (1.6 * random_unit(6, 3 * i + axis) - 0.3) * size[axis];
+      }
+      const Vector3 inside = point.cwiseMax(made.view.box_low).cwiseMin(made.view.box_high);
+      if (inside == point) continue;
+      const Answer answer = query_point(made.view, point);
+      REQUIRE(cursor.query(point).status == answer.status);
+      if (answer.status != Status::far) continue;
+      const double truth = made.caster.closest(point).distance, least = clearance(made.view, point);
+      REQUIRE(least <= truth + tolerance);
+      CHECK(cursor.clearance(point) == least);
+      // Where less is of use, no more than that needs to be told.
+      CHECK(cursor.clearance(point, 1e-3) <= least);
+      CHECK(cursor.clearance(point, 1e-3) >= std::min(0.5 * least, 0.999e-3));
+      told += least;
+      far += truth;
+    }
+    REQUIRE(far > 0);
+    CHECK(told > share * far);
+  }
+}
+
 TEST_CASE("Just beyond the margin a clearance is no more than the distance, and grows with it") {
   for (const test::Shape& shape : {test::torus(0.01, 0.003, 40, 20), test::box({0.02, 0.01, 0.004}),
                                    rough(test::torus(0.02, 0.002, 200, 40), 2e-2)}) {
