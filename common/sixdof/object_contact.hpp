@@ -346,6 +346,8 @@ class ObjectContact {
   [[nodiscard]] double left_of_list(const Pair& pair, double most) const noexcept;
   [[nodiscard]] bool look_at_all(Pair& pair) noexcept;
   [[nodiscard]] double extent(std::uint32_t sample, double length, double along) const noexcept;
+  [[nodiscard]] double extent(std::uint32_t sample, double length, double along,
+                              double across) const noexcept;
   [[nodiscard]] double parted_by(const Pair& pair, const SupportPlane& plane,
                                  double enough) const noexcept;
   [[nodiscard]] double parted(const Pair& pair) const noexcept;
@@ -405,8 +407,8 @@ class ObjectContact {
   void ask_of(Active& active, Pair& pair, ObjectContactReport& report) noexcept;
   [[nodiscard]] double look_at(Active& active, Pair& pair, double way, float* until,
                                const Active& above, ObjectContactReport& report) noexcept;
-  void look_over(std::uint32_t first, std::uint32_t count, const Active& above,
-                 ObjectContactReport& report) noexcept;
+  double look_over(std::uint32_t first, std::uint32_t count, const Active& above,
+                   ObjectContactReport& report) noexcept;
   [[nodiscard]] static std::uint32_t key_of(const Active& active) noexcept {
     return std::uint32_t{active.object} << 16U | active.cluster;
   }

@@ -163,7 +163,7 @@ double ObjectContact::above_plane(const Active& active) const noexcept {
   const double sine =
       sine_between(along.x, along.y, along.z, tool_.shares[active.sample].packed_normal);
   const double cosine = std::sqrt(std::max(0.0, 1 - sine * sine));
-  return static_cast<double>(active.distance) - extent(active.sample, 1, cosine) -
+  return static_cast<double>(active.distance) - extent(active.sample, 1, cosine, sine) -
          square_half * tool_.levels.back().spacing * sine;
 }
 
@@ -222,9 +222,9 @@ double ObjectContact::look_at(Active& active, Pair& pair, double way, float* unt
         return meet(active, pair, way, until, report);
       }
     }
-    if (least > 0) {
-      const double spare =
-          least - reach_of(active.sample) - from_above(active.sample, above.sample);
+    const double left = least - reach_of(active.sample);
+    if (left > 0) {
+      const double spare = left - from_above(active.sample, above.sample);
       if (spare > 0) {
         if (until != nullptr) *until = pair.after(way, spare);
         return spare;
@@ -236,9 +236,9 @@ double ObjectContact::look_at(Active& active, Pair& pair, double way, float* unt
 }
 
 /// Looks at samples that lie below one, or at the coarsest of all: then `above` tells their object
-/// alone.
-void ObjectContact::look_over(std::uint32_t first, std::uint32_t count, const Active& above,
-                              ObjectContactReport& report) noexcept {
+/// alone. How far all of them are from touching, m; 0 where that is not known of each.
+double ObjectContact::look_over(std::uint32_t first, std::uint32_t count, const Active& above,
+                                ObjectContactReport& report) noexcept {
   Pair& pair = pairs_[above.object];
   float* const until =
       is_finest(first) ? finest_until(above.object) : &until_[std::size_t{above.object} * coarse_];
@@ -246,6 +246,7 @@ void ObjectContact::look_over(std::uint32_t first, std::uint32_t count, const Ac
   std::uint32_t cluster = above.cluster;
   double way = clusters ? 0 : way_of(pair, cluster);
   double least = kept_for_below;
+  const std::size_t before = next_.size();
   for (std::uint32_t sample = first; sample < first + count; ++sample) {
     if (clusters) {
       if (sample > first) spare_of(pair, cluster, least);
@@ -275,7 +276,10 @@ void ObjectContact::look_over(std::uint32_t first, std::uint32_t count, const Ac
     }
   }
   // What planes part is not certain to be clear.
-  spare_of(pair, cluster, is_by_plane(first) ? 0 : least);
+  const bool certain = !is_by_plane(first);
+  spare_of(pair, cluster, certain ? least : 0);
+  // Ways of clusters differ.
+  return next_.size() > before || clusters || !(certain || is_by_plane(above.sample)) ? 0 : least;
 }
 
 /// Looks level by level, as long as there is time and finer levels may change the sum.
@@ -312,7 +316,8 @@ void ObjectContact::look_by_levels(const TickBudget& budget, WorkClock& clock,
       report.degraded = full || report.stopped;
       if (report.degraded) break;
       report.worked += below.count;
-      look_over(below.first, below.count, above, report);
+      const double spare = look_over(below.first, below.count, above, report);
+      if (spare > 0) note_clear(above, spare);
     }
     if (report.degraded) {
       report.refined = static_cast<double>(done) / static_cast<double>(active_.size());

@@ -86,7 +86,8 @@ bool ObjectContact::settle_level(std::uint32_t level, double accuracy) noexcept 
     if (left < 1) press(active, before * (1 - left));
     if (!(left > 0)) continue;
     active.weight = before * left;
-    active_[kept++] = active;
+    if (&active != &active_[kept]) active_[kept] = active;
+    ++kept;
   }
   active_.resize(kept);
   return kept > 0;

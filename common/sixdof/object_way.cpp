@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <span>
 
 #include "common/sixdof/object_contact.hpp"
 #include "common/sixdof/tool_motion.hpp"
@@ -87,8 +88,13 @@ double ObjectContact::left_of_list(const Pair& pair, double most) const noexcept
 /// How far all below a sample are from it at most, m, along a vector of some length that has the
 /// part `along` in the direction of its normal; times that length.
 double ObjectContact::extent(std::uint32_t sample, double length, double along) const noexcept {
+  return extent(sample, length, along, std::sqrt(std::max(0.0, length * length - along * along)));
+}
+
+/// The same where the part across the normal is known too.
+double ObjectContact::extent(std::uint32_t sample, double length, double along,
+                             double across) const noexcept {
   constexpr double one = std::numeric_limits<std::uint16_t>::max();
-  const double across = std::sqrt(std::max(0.0, length * length - along * along));
   return static_cast<double>(tool_.places[sample].radius) *
          std::min(length, along * tool_.moments[sample].thickness / one + across);
 }
@@ -172,8 +178,10 @@ bool ObjectContact::look_at_all(Pair& pair) noexcept {
   const ToolMotion motion(pair.looked_at, pair.pose);
   const std::size_t first = first_way(pair);
   double longest = 0;
+  const std::span<float> ways(spares_.data() + first, clustered_);
+  motion.of_each(std::span(tool_.places).first(clustered_), ways);
   for (std::uint32_t i = 0; i < clustered_; ++i) {
-    ways_[first + i] += motion.of(tool_.places[i]);
+    ways_[first + i] += static_cast<double>(ways[i]);
     longest = std::max(longest, ways_[first + i]);
   }
   pair.since = pair.since_all = 0;
