@@ -10,8 +10,6 @@ namespace spm {
 
 namespace {
 
-constexpr double rounded_down = 1 - 1e-9;
-
 /// The squares of the distances along each axis from a place to the lower and the upper half of a
 /// cube; `from_middle` is the place from the cube's middle, `half` half the cube's edge.
 struct HalfSquares {
@@ -107,7 +105,7 @@ double distance_to_band(const DistanceOctree& octree, const Vector3& point, doub
       }
     }
   }
-  return rounded_down * std::sqrt(search.best);
+  return shortened_bound * std::sqrt(search.best);
 }
 
 }  // namespace spm

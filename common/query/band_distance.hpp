@@ -5,6 +5,9 @@
 
 namespace spm {
 
+/// Of a bound from below, so that rounding cannot make it too long.
+inline constexpr double shortened_bound = 1 - 1e-9;
+
 /// Lower bound of the distance from a point to the nearest cube of the octree that is not `far`, m;
 /// at most `most`. All that is nearer is outside and beyond the margin. Octree's frame. Never
 /// throws or allocates.

@@ -20,7 +20,6 @@ namespace {
 /// Nearer to the surface than this share of the tolerance, the direction to it is noise, and the
 /// triangle's own normal is the answer.
 constexpr double surface_share = 1e-3;
-constexpr double rounded_less = 1 - 1e-9;
 /// Nearer than so many lattice steps, directions need more than single precision.
 constexpr float min_steps = 16;
 
@@ -188,7 +187,7 @@ double leaf_clearance(const AssetView& asset, const Leaf& leaf, const Vector3& p
 }
 
 double box_clearance(const AssetView& asset, const OutsideBox& from, double useful) noexcept {
-  if (from.square > useful * useful) return rounded_less * std::sqrt(from.square);
+  if (from.square > useful * useful) return shortened_bound * std::sqrt(from.square);
   const Leaf leaf = leaf_at(asset.octree, from.nearest);
   double beside = 0;
   if (leaf.kind == OctreeKind::far && leaf.level >= 0) {
@@ -202,7 +201,7 @@ double box_clearance(const AssetView& asset, const OutsideBox& from, double usef
       beside = std::max({0.0, within, clearance_told(asset, told)});
     }
   }
-  return rounded_less * std::sqrt(from.square + beside * beside);
+  return shortened_bound * std::sqrt(from.square + beside * beside);
 }
 
 }  // namespace spm

@@ -278,8 +278,10 @@ double ObjectContact::look_over(std::uint32_t first, std::uint32_t count, const 
   // What planes part is not certain to be clear.
   const bool certain = !is_by_plane(first);
   spare_of(pair, cluster, certain ? least : 0);
-  // Ways of clusters differ.
-  return next_.size() > before || clusters || !(certain || is_by_plane(above.sample)) ? 0 : least;
+  const bool all_clear = next_.size() == before;
+  // The sample above says no more than that of itself; and clusters' ways are not its own.
+  const bool holds_above = !clusters && (certain || is_by_plane(above.sample));
+  return all_clear && holds_above ? least : 0;
 }
 
 /// Looks level by level, as long as there is time and finer levels may change the sum.
