@@ -24,6 +24,8 @@ namespace {
 
 /// Clients that wait while the server is busy with another one.
 constexpr int backlog = 32;
+/// Of a socket that does not listen yet. One that a killed daemon left is removed by the next.
+constexpr const char* unready_name = ".spm-servo.unready";
 /// How long to wait for another daemon that starts at the same moment.
 constexpr std::chrono::milliseconds longest_wait{1000}, wait_step{10};
 
@@ -133,6 +135,28 @@ bool give_to(const std::string& path, std::optional<gid_t> group) noexcept {
          chmod(path.c_str(), S_IRUSR | S_IWUSR | S_IRGRP | S_IWGRP) == 0;
 }
 
+/// Makes a socket that listens under a name, in a folder that is open and locked. It is made under
+/// another name first: who finds it under its own can connect. False: as errno says.
+bool listen_at(int descriptor, int folder, const std::string& name, std::optional<gid_t> group) {
+  // Through the descriptor, so that no path is too long for a socket.
+  const std::string path = "/proc/self/fd/" + std::to_string(folder) + "/" + unready_name;
+  unlink(path.c_str());
+  const sockaddr_un address = address_of(path);
+  // From the first moment on it is for those alone whom it is meant for.
+  static_cast<void>(fchmod(descriptor, S_IRUSR | S_IWUSR));
+  if (bind(descriptor, reinterpret_cast<const sockaddr*>(&address), sizeof address) != 0) {
+    return false;
+  }
+  if (give_to(path, group) && listen(descriptor, backlog) == 0 &&
+      renameat(folder, unready_name, folder, name.c_str()) == 0) {
+    return true;
+  }
+  const int code = errno;
+  unlink(path.c_str());
+  errno = code;
+  return false;
+}
+
 Result<std::string> chosen_path(const std::string& path, const std::string& name) {
   if (path.empty() && !valid_daemon_name(name)) {
     return fail(ExitCode::usage, "'" + name +
@@ -201,14 +225,8 @@ Result<ListeningSocket> ListeningSocket::open(const std::string& path, const std
   auto made = new_socket(*chosen);
   if (!made) return tl::make_unexpected(std::move(made.error()));
   Descriptor descriptor(*made);
-  if (unlink(chosen->c_str()) != 0 && errno != ENOENT) {
-    return refused(*chosen, "what an ended daemon left there cannot be removed", errno);
-  }
-  const sockaddr_un address = address_of(*chosen);
-  // From the first moment on it is for those alone whom it is meant for.
-  static_cast<void>(fchmod(descriptor.get(), S_IRUSR | S_IWUSR));
-  if (bind(descriptor.get(), reinterpret_cast<const sockaddr*>(&address), sizeof address) != 0 ||
-      !give_to(*chosen, group) || listen(descriptor.get(), backlog) != 0) {
+  const std::string file = std::filesystem::path(*chosen).filename();
+  if (!listen_at(descriptor.get(), lock.get(), file, group)) {
     return refused(*chosen, "no socket can be made there", errno);
   }
   return ListeningSocket(descriptor.release(), std::move(*chosen));

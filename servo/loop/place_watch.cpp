@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "servo/loop/place_watch.hpp"
 
+#include <utility>
+
 #include "servo/devices/finder/zero_force.hpp"
 
 namespace spm::servo {
@@ -12,15 +14,28 @@ Result<void> name_devices(Supervisor& supervisor, const std::vector<Device*>& de
   return supervisor.watch(targets);
 }
 
-void PlaceWatch::look() {
+PlaceWatch::PlaceWatch(Supervisor* supervisor, const std::vector<Device*>& devices)
+    : supervisor_(supervisor), devices_(devices) {
+  if (supervisor == nullptr) return;
+  for (Device* device : devices_) device->when_found_again([this] { name(); });
+}
+
+PlaceWatch::~PlaceWatch() {
+  for (Device* device : devices_) device->when_found_again(nullptr);
+}
+
+void PlaceWatch::name() {
+  const std::lock_guard lock(mutex_);
   if (supervisor_ == nullptr) return;
-  std::uint64_t reopened = 0;
-  for (const Device* device : devices_) reopened += device->reopened();
-  if (std::exchange(reopened_, reopened) == reopened) return;
-  if (const auto named = name_devices(*supervisor_, devices_); !named) {
-    warn_(named.error().message);
+  if (auto named = name_devices(*supervisor_, devices_); !named) {
+    fault_ = std::move(named.error().message);
     supervisor_ = nullptr;
   }
+}
+
+std::string PlaceWatch::take_fault() {
+  const std::lock_guard lock(mutex_);
+  return std::exchange(fault_, {});
 }
 
 }  // namespace spm::servo

@@ -1,10 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <cstdint>
-#include <functional>
+#include <mutex>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "servo/devices/base/device.hpp"
@@ -17,21 +15,26 @@ namespace spm::servo {
 [[nodiscard]] Result<void> name_devices(Supervisor& supervisor,
                                         const std::vector<Device*>& devices);
 
-/// Names them again when one was found again, perhaps at another place.
+/// Names them again when one was found again, perhaps at another place, before it is driven there.
 class PlaceWatch {
  public:
-  /// `supervisor` may be null. `warn`: called with a sentence where one cannot be named.
-  PlaceWatch(Supervisor* supervisor, const std::vector<Device*>& devices,
-             std::function<void(const std::string&)> warn)
-      : supervisor_(supervisor), devices_(devices), warn_(std::move(warn)) {}
+  /// `supervisor` may be null. It and the devices outlive this.
+  PlaceWatch(Supervisor* supervisor, const std::vector<Device*>& devices);
+  PlaceWatch(const PlaceWatch&) = delete;
+  PlaceWatch& operator=(const PlaceWatch&) = delete;
+  ~PlaceWatch();
 
-  void look();
+  /// Why the devices could not be named; told once, and from then on they are not named any more.
+  /// Empty: they could, or it was told.
+  [[nodiscard]] std::string take_fault();
 
  private:
+  void name();
+
+  std::mutex mutex_;  ///< two devices may be found at once
   Supervisor* supervisor_;
   const std::vector<Device*>& devices_;
-  std::function<void(const std::string&)> warn_;
-  std::uint64_t reopened_ = 0;
+  std::string fault_;
 };
 
 }  // namespace spm::servo

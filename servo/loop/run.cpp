@@ -309,6 +309,7 @@ Result<RunReport> run(const RunOptions& asked) {
   auto opened = open_devices(options, *choice, (*assets)->views(), *devices, supervisor.get());
   if (!opened) return tl::make_unexpected(std::move(opened.error()));
   const std::vector<Device*> open_devices = std::move(*opened);
+  PlaceWatch places(supervisor.get(), open_devices);
 
   StepRing steps = make_step_ring();
   RunRecorder::Settings kept;
@@ -357,12 +358,11 @@ Result<RunReport> run(const RunOptions& asked) {
   Collector collector(ring, open_devices.size(), options.rate_hz, std::move(*keeps), log_warning);
   (*assets)->watch();
   if (scene_keeper) scene_keeper->watch();
-  PlaceWatch places(supervisor.get(), open_devices, log_warning);
   const WakeupLatency latency = WakeupLatency::hold(options.realtime);
   ServiceNotice notice;
   notice.ready();
   Result<RealtimeState> realtime = drive(loop, collector, options, signals, [&] {
-    places.look();
+    if (const std::string fault = places.take_fault(); !fault.empty()) log_warning(fault);
     notice.alive(beat.load(std::memory_order_relaxed));
   });
   notice.stopping();

@@ -4,6 +4,7 @@
 #include <Eigen/Geometry>
 #include <array>
 #include <cstdint>
+#include <functional>
 #include <limits>
 #include <nlohmann/json_fwd.hpp>
 #include <span>
@@ -135,8 +136,10 @@ class Device {
   /// How long readings and commands were under way; nothing for a device that has no way. Called by
   /// the loop, with the limits of `read`.
   [[nodiscard]] virtual DelayCounts delays() const noexcept { return {}; }
-  /// How often it was found again after a loss. Any thread may call it.
-  [[nodiscard]] virtual std::uint32_t reopened() const noexcept { return 0; }
+  /// Has a function called whenever the device was found again after a loss, perhaps at another
+  /// place: before it is driven, by a thread without real-time priority. Null: no longer, and no
+  /// call is under way.
+  virtual void when_found_again(const std::function<void()>& tell) { static_cast<void>(tell); }
   /// What a report says of this device beside its capabilities.
   [[nodiscard]] virtual nlohmann::ordered_json describe() const = 0;
 };

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <functional>
 #include <memory>
 
 #include "servo/devices/base/device.hpp"
@@ -26,7 +27,9 @@ class PlacedDevice final : public Device {
   void lead(const HandPose* target) noexcept override;
   [[nodiscard]] bool wait_for_report(std::int64_t until_ns) noexcept override;
   [[nodiscard]] DelayCounts delays() const noexcept override { return device_->delays(); }
-  [[nodiscard]] std::uint32_t reopened() const noexcept override { return device_->reopened(); }
+  void when_found_again(const std::function<void()>& tell) override {
+    device_->when_found_again(tell);
+  }
   [[nodiscard]] nlohmann::ordered_json describe() const override;
 
  private:

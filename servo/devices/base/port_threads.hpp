@@ -139,6 +139,12 @@ class PortThreads {
   [[nodiscard]] std::uint32_t reopened() const noexcept {
     return reopened_.load(std::memory_order_relaxed);
   }
+  /// Has a function called whenever a lost device was found again, before it is used, by the thread
+  /// that searches. Null: no longer, and no call is under way.
+  void when_found_again(const std::function<void()>& tell) {
+    const std::lock_guard lock(tell_mutex_);
+    tell_ = tell;
+  }
   /// Why the last attempt to open a lost device again failed. Empty if it did not fail, or none was
   /// lost.
   [[nodiscard]] std::string last_error() const {
@@ -273,8 +279,15 @@ class PortThreads {
         const std::lock_guard lock(error_mutex_);
         last_error_ = port ? std::string() : port.error().message;
       }
-      if (port) take_up(std::move(*port));
+      if (!port) continue;
+      tell_found();
+      take_up(std::move(*port));
     }
+  }
+
+  void tell_found() {
+    const std::lock_guard lock(tell_mutex_);
+    if (tell_) tell_();
   }
 
   void take_up(std::unique_ptr<DevicePort> port) {
@@ -330,6 +343,8 @@ class PortThreads {
   std::mutex mutex_;
   mutable std::mutex error_mutex_;
   std::string last_error_;
+  std::mutex tell_mutex_;
+  std::function<void()> tell_;
   std::thread receiver_, sender_, guard_;
   bool raised_ = false;  ///< used by the guard
   LatestValue<Stamped<Report>> reports_;

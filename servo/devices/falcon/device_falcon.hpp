@@ -3,6 +3,7 @@
 
 #include <atomic>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <mutex>
 #include <nlohmann/json.hpp>
@@ -42,7 +43,9 @@ class DeviceFalcon final : public Device {
   [[nodiscard]] DeviceHealth write(const Wrench& wrench) noexcept override;
   [[nodiscard]] bool wait_for_report(std::int64_t until_ns) noexcept override;
   [[nodiscard]] DelayCounts delays() const noexcept override { return threads_.delays(); }
-  [[nodiscard]] std::uint32_t reopened() const noexcept override { return threads_.reopened(); }
+  void when_found_again(const std::function<void()>& tell) override {
+    threads_.when_found_again(tell);
+  }
   [[nodiscard]] nlohmann::ordered_json describe() const override;
 
  private:

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <mutex>
 #include <nlohmann/json.hpp>
@@ -39,7 +40,9 @@ class DevicePid final : public Device {
   [[nodiscard]] DeviceHealth read(DeviceState& state) noexcept override;
   [[nodiscard]] DeviceHealth write(const Wrench& wrench) noexcept override;
   [[nodiscard]] DelayCounts delays() const noexcept override { return threads_.delays(); }
-  [[nodiscard]] std::uint32_t reopened() const noexcept override { return threads_.reopened(); }
+  void when_found_again(const std::function<void()>& tell) override {
+    threads_.when_found_again(tell);
+  }
   [[nodiscard]] bool wait_for_report(std::int64_t until_ns) noexcept override {
     return threads_.wait(until_ns);
   }

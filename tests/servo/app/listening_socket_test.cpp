@@ -1,15 +1,21 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "servo/app/listening_socket.hpp"
 
+#include <sys/inotify.h>
 #include <sys/socket.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <array>
 #include <catch2/catch.hpp>
 #include <cstdlib>
+#include <filesystem>
 #include <fstream>
+#include <optional>
 #include <string>
+#include <vector>
 
+#include "servo/shared/trusted_folder.hpp"
 #include "tests/servo/support/connected_client.hpp"
 #include "tests/servo/support/loop_stand_in.hpp"
 
@@ -18,6 +24,19 @@ namespace listening_socket_test {
 using namespace spm;
 using namespace spm::servo;
 using namespace spm::test;
+
+namespace {
+
+/// What a daemon leaves that was killed.
+void leave_socket(const std::string& path) {
+  const int left = new_socket();
+  const sockaddr_un address = address_of(path);
+  REQUIRE(bind(left, reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0);
+  REQUIRE(listen(left, 1) == 0);
+  close(left);
+}
+
+}  // namespace
 
 TEST_CASE("A second daemon at the same socket is refused with a sentence") {
   const SocketFolder folder;
@@ -40,14 +59,35 @@ TEST_CASE("A second daemon at the same socket is refused with a sentence") {
 TEST_CASE("A socket that an ended daemon left behind is taken over") {
   const SocketFolder folder;
   const std::string path = folder.path("a.sock");
-  const int left = new_socket();
-  const sockaddr_un address = address_of(path);
-  REQUIRE(bind(left, reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0);
-  REQUIRE(listen(left, 1) == 0);
-  close(left);
+  leave_socket(path);
   const auto state = small_state();
   const auto server = started(*state, path);
   REQUIRE(Connected(path).code == SPM_CLIENT_OK);
+}
+
+TEST_CASE("A socket has its name only once it listens") {
+  const SocketFolder folder;
+  const std::string path = folder.path("a.sock");
+  const std::string place = folder_of(path);
+  SECTION("where nothing lies") {}
+  SECTION("where an ended daemon left one") { leave_socket(path); }
+  const int watch = inotify_init1(IN_NONBLOCK | IN_CLOEXEC);
+  REQUIRE(watch >= 0);
+  REQUIRE(inotify_add_watch(watch, place.c_str(), IN_CREATE | IN_DELETE | IN_MOVED_TO) >= 0);
+  const auto socket = ListeningSocket::open(path, "default", std::nullopt);
+  REQUIRE(socket);
+  alignas(inotify_event) std::array<char, 4096> events{};
+  const ssize_t size = read(watch, events.data(), events.size());
+  close(watch);
+  std::vector<std::uint32_t> seen;
+  for (ssize_t at = 0; at < size;) {
+    const auto* event = reinterpret_cast<const inotify_event*>(events.data() + at);
+    if (std::string(event->name) == "a.sock") seen.push_back(event->mask);
+    at += static_cast<ssize_t>(sizeof *event + event->len);
+  }
+  REQUIRE(seen == std::vector<std::uint32_t>{IN_MOVED_TO});
+  // Nothing else is left there.
+  REQUIRE(std::distance(std::filesystem::directory_iterator(place), {}) == 1);
 }
 
 TEST_CASE("A file that is no socket is left alone") {

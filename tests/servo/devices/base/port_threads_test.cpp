@@ -327,6 +327,34 @@ TEST_CASE("A lost device is closed, looked for, and opened again as soon as it i
   REQUIRE(script.opened == 4);
 }
 
+TEST_CASE("That a lost device was found is told before the device is used, until that is ended") {
+  Script script;
+  Threads threads;
+  std::atomic<int> told{0}, used_before{0};
+  threads.when_found_again([&] {
+    // Reports wait since before the device was found.
+    used_before += threads.is_open() || threads.reopened() != 0 ? 1 : 0;
+    script.change([&] { used_before += script.reports.empty() ? 1 : 0; });
+    ++told;
+  });
+  REQUIRE(threads.start(opens(script), RealtimeMode::off));
+  const auto lose_and_find = [&] {
+    script.change([&] { script.plugged_in = false; });
+    REQUIRE(eventually([&] { return !threads.is_open(); }));
+    script.change([&] {
+      script.reports.push_back(1);
+      script.plugged_in = true;
+    });
+    REQUIRE(eventually([&] { return threads.is_open(); }));
+  };
+  lose_and_find();
+  REQUIRE(told == 1);
+  REQUIRE(used_before == 0);
+  threads.when_found_again(nullptr);
+  lose_and_find();
+  REQUIRE(told == 1);
+}
+
 TEST_CASE("A command that cannot be sent closes the device and has it opened again") {
   Script script;
   Threads threads;
