@@ -110,11 +110,6 @@ double ObjectContact::from_above(std::uint32_t sample, std::uint32_t above) cons
 /// is a lower bound.
 double ObjectContact::ask(Pair& pair, const Vector3& place, Vector3& normal,
                           ObjectContactReport& report) noexcept {
-  // There the field tells no more.
-  if (const double away = pair.from_box(place); away > pair.field_ends) {
-    normal.setZero();
-    return away;
-  }
   ++report.asked;
   const Vector3 asked = pair.scale == 1 ? place : Vector3(place / pair.scale);
   const Answer answer = pair.cursor.query(asked);

@@ -221,10 +221,9 @@ class ObjectContact {
     const AssetView* field = nullptr;
     double scale = 1;  ///< metres of the world for one of the field
     double stiffness = 0, least_area = 0;
-    double doubt = 0;  ///< m, of a clearance
-    double lift = 0;   ///< m, by which texture may raise the surface
-    Vector3 box_low = Vector3::Zero(), box_high = Vector3::Zero();  ///< m, about the object
-    double field_ends = 0;  ///< m: the field tells nothing of places that are farther from it
+    double doubt = 0;       ///< m, of a clearance
+    double lift = 0;        ///< m, by which texture may raise the surface
+    double field_ends = 0;  ///< m: the field tells nothing of places that are farther away
     GripSettings grip;
     TextureSettings texture;
     /// Tool's frame to the object's, in metres of the world.
@@ -262,11 +261,6 @@ class ObjectContact {
     bool present = false;  ///< in this tick
     bool in_grip = false;  ///< `settled` is known
 
-    /// How far a place is from that box, m, which is at most how far it is from the object.
-    [[nodiscard]] double from_box(const Vector3& place) const noexcept {
-      const Vector3 inside = place.cwiseMax(box_low).cwiseMin(box_high);
-      return (place - inside).norm();
-    }
     /// What the way of a sample, `way` so far, will be at the least before it has gone `more` from
     /// here; m, rounded down.
     [[nodiscard]] float after(double way, double more) const noexcept {

@@ -59,8 +59,6 @@ void ObjectContact::set_out(const ContactObject& object, Pair& pair,
   pair.stiffness = object.stiffness > 0 ? object.stiffness : settings_.stiffness;
   pair.least_area = object.least_area;
   pair.doubt = doubtful_tolerances * object.scale * object.field->tolerance;
-  pair.box_low = object.scale * object.field->box_low;
-  pair.box_high = object.scale * object.field->box_high;
   pair.field_ends = object.scale * (object.field->band.margin + object.field->tolerance);
   pair.texture = object.texture;
   pair.lift = lift;
