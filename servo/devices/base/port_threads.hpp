@@ -227,7 +227,7 @@ class PortThreads {
       const bool stalls = given != 0 && now - given >= loop_stall_ns;
       raise(stalls);
       if (stalls) {
-        stalled_.store(true, std::memory_order_relaxed);
+        stalled_since_ns_.store(given, std::memory_order_relaxed);
         wake_sender();
       }
       sleep_until((stalls || given == 0 ? now : given) + loop_stall_ns);
@@ -303,12 +303,12 @@ class PortThreads {
     while (true) {
       const bool last = stop_.load();
       Stamped<Command> command;
-      const bool is_stalled = stalled_.exchange(false, std::memory_order_relaxed);
+      const std::int64_t stalled_ns = stalled_since_ns_.exchange(0, std::memory_order_relaxed);
       // A command from before the stall is not sent after it.
-      const bool is_given = commands_.take(command) && !last && !is_stalled;
+      const bool is_given = commands_.take(command) && !last && command.at_ns > stalled_ns;
       if (!is_given) command = {};
       const bool ends = last && given_ns_.load(std::memory_order_relaxed) != 0;
-      if (is_given || is_stalled || ends) {
+      if (is_given || stalled_ns != 0 || ends) {
         // This lock is only against the exchange of the port by the other thread; the loop never
         // takes it.
         const std::lock_guard lock(mutex_);
@@ -363,8 +363,9 @@ class PortThreads {
   std::atomic<std::uint32_t> reopened_{0};
   std::atomic<std::int64_t> given_ns_{0};  ///< when the last one was given; 0: none yet
   std::atomic<bool> open_now_{false}, broken_{false}, stop_{false};
-  /// the loop stalls, and the sending thread has not sent zero yet
-  std::atomic<bool> stalled_{false};
+  /// when the loop gave its last command, if it stalls and the sending thread has not come to that
+  /// yet; otherwise 0
+  std::atomic<std::int64_t> stalled_since_ns_{0};
 };
 
 }  // namespace spm::servo
