@@ -92,10 +92,11 @@ class Start(Case):
         process = self.servo(*options)
         self.assertIn(b"serving", process.stderr.readline())
         # Once it serves, its threads start, and then the memory is locked.
-        numbers = {}
-        for _ in range(LONG):
+        numbers, same = {}, 0
+        for _ in range(2 * LONG):
             before, numbers = numbers, {k: status_of(process, k) for k in ("Threads", "VmLck")}
-            if before == numbers:
+            same = same + 1 if before == numbers else 0
+            if same == 4:
                 break
             time.sleep(0.5)
         process.terminate()

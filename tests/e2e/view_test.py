@@ -178,8 +178,10 @@ class Touch(Watched):
         self.browser.wait(far)  # it goes on as long as the stick is held
         self.browser.run("window.pad = [0, 0, 0, 0, 0, 1]")
         self.browser.wait("spmView.hand.turn.w < 0.99")
-        self.browser.run("window.pad = [0.1, 0, 0, 0]")  # a stick at rest is never quite at 0
-        time.sleep(0.2)
+        # A stick at rest is never quite at 0. The page looks at it once a frame.
+        self.browser.run("window.pad = [0.1, 0, 0, 0]; window.drawn = 0; (function next() {"
+                         "if (++window.drawn < 3) requestAnimationFrame(next) })()")
+        self.browser.wait("window.drawn === 3")
         rests = self.browser.run("return spmView.hand.target.toArray()")
         time.sleep(0.2)
         self.assertEqual(self.browser.run("return spmView.hand.target.toArray()"), rests)

@@ -3,129 +3,19 @@
 
 #include <pthread.h>
 #include <sched.h>
-#include <sys/mman.h>
 
 #include <algorithm>
 #include <catch2/catch.hpp>
-#include <condition_variable>
-#include <deque>
 #include <vector>
 
-#include "servo/realtime/core_pinning.hpp"
+#include "tests/servo/devices/base/scripted_port.hpp"
 #include "tests/servo/support/eventually.hpp"
-#include "tests/support/skip.hpp"
 
 namespace port_threads_test {
 
 using namespace spm;
 using namespace spm::servo;
-using spm::test::eventually;
-
-namespace {
-
-/// What a test makes the scripted device do, and what it saw; shared with all of its ports.
-struct Script {
-  std::mutex mutex;
-  std::condition_variable changed;
-  std::deque<int> reports;  ///< still to be received
-  std::vector<int> sent;
-  std::vector<std::int64_t> sent_ns;  ///< when
-  bool plugged_in = true;
-  bool can_send = true;
-  bool holds_sending = false;  ///< a command that is sent waits as long as this is true
-  int sends_begun = 0;
-  int ports_open = 0;
-  int opened = 0;
-
-  template <class Change>
-  void change(const Change& what) {
-    {
-      const std::lock_guard lock(mutex);
-      what();
-    }
-    changed.notify_all();
-  }
-
-  /// Waits for what must come; the time only ends a test that has failed.
-  template <class Condition>
-  [[nodiscard]] bool wait(const Condition& condition) {
-    std::unique_lock lock(mutex);
-    return changed.wait_for(lock, std::chrono::seconds(20), condition);
-  }
-
-  /// Called under the mutex, as conditions of `wait` are.
-  [[nodiscard]] bool has_sent(int command) const {
-    return std::find(sent.begin(), sent.end(), command) != sent.end();
-  }
-  [[nodiscard]] std::size_t zeros() const {
-    return static_cast<std::size_t>(std::count(sent.begin(), sent.end(), 0));
-  }
-};
-
-class ScriptedPort final : public Port<int, int> {
- public:
-  explicit ScriptedPort(Script& script) : script_(script) {}
-  ~ScriptedPort() override {
-    script_.change([this] { --script_.ports_open; });
-  }
-
-  [[nodiscard]] Received receive(int& report) override {
-    std::unique_lock lock(script_.mutex);
-    script_.changed.wait_for(lock, port_wait,
-                             [this] { return !script_.plugged_in || !script_.reports.empty(); });
-    if (!script_.plugged_in) return Received::gone;
-    if (script_.reports.empty()) return Received::nothing;
-    report = script_.reports.front();
-    script_.reports.pop_front();
-    lock.unlock();
-    script_.changed.notify_all();
-    return Received::report;
-  }
-
-  [[nodiscard]] bool send(const int& command) override {
-    bool done = false;
-    script_.change([this] { ++script_.sends_begun; });
-    if (!script_.wait([this] { return !script_.holds_sending; })) return false;
-    script_.change([this, command, &done] {
-      done = script_.can_send && script_.plugged_in;
-      if (!done) return;
-      script_.sent.push_back(command);
-      script_.sent_ns.push_back(now_ns());
-    });
-    return done;
-  }
-
- private:
-  Script& script_;
-};
-
-using Threads = PortThreads<int, int>;
-
-Threads::Open opens(Script& script) {
-  return [&script](const std::atomic<bool>&) -> Result<std::unique_ptr<Port<int, int>>> {
-    bool plugged_in = false;
-    script.change([&] {
-      plugged_in = script.plugged_in;
-      if (!plugged_in) return;
-      ++script.ports_open;
-      ++script.opened;
-    });
-    if (!plugged_in) return fail(ExitCode::file_or_device, "not plugged in: plug it in");
-    return std::unique_ptr<Port<int, int>>(std::make_unique<ScriptedPort>(script));
-  };
-}
-
-/// Gives a command every millisecond, as a loop does, until it is sent: where this test itself
-/// stands still for a while, no force is sent in place of a command.
-[[nodiscard]] bool give_until_sent(Threads& threads, Script& script, int command) {
-  return eventually([&] {
-    threads.give(command);
-    const std::lock_guard lock(script.mutex);
-    return script.has_sent(command);
-  });
-}
-
-}  // namespace
+using namespace spm::test;
 
 TEST_CASE("A device that cannot be opened is the opener's error, and no thread starts") {
   Script script;
@@ -219,16 +109,6 @@ TEST_CASE("Ages of reports and times of commands are counted, not those from bef
   CHECK(threads.report_to_command().json_us().dump() == answered);
 }
 
-TEST_CASE("A zero that is sent for a stalled loop is no command whose time counts") {
-  Script script;
-  Threads threads;
-  REQUIRE(threads.start(opens(script), RealtimeMode::off));
-  REQUIRE(give_until_sent(threads, script, 5));
-  REQUIRE(script.wait([&] { return script.zeros() >= 2; }));
-  threads.end();
-  CHECK(threads.delays().commands == script.sent.size() - script.zeros());
-}
-
 TEST_CASE("A lost device is looked for without real-time priority, and why it is not found told") {
   Script script;
   Threads threads;
@@ -267,76 +147,6 @@ TEST_CASE("A command that is given is sent, in order") {
   std::vector<int> sent = script.sent;
   sent.erase(std::remove(sent.begin(), sent.end(), 0), sent.end());
   REQUIRE(std::is_sorted(sent.begin(), sent.end()));
-}
-
-TEST_CASE("A loop that stalls is followed by a command of none") {
-  Script script;
-  Threads threads;
-  REQUIRE(threads.start(opens(script), RealtimeMode::off));
-  REQUIRE(give_until_sent(threads, script, 5));
-  REQUIRE(script.wait([&] { return script.sent.back() == 0; }));
-}
-
-TEST_CASE("A command that a loop gives after a stall is sent, even if no zero was sent by then") {
-  const auto is_sent = [] {
-    Script script;
-    Threads threads;
-    REQUIRE(threads.start(opens(script), RealtimeMode::off));
-    script.change([&] { script.holds_sending = true; });
-    threads.give(1);
-    REQUIRE(script.wait([&] { return script.sends_begun != 0; }));
-    std::this_thread::sleep_for(std::chrono::nanoseconds(3 * loop_stall_ns));
-    threads.give(2);
-    script.change([&] { script.holds_sending = false; });
-    REQUIRE(script.wait([&] { return script.sent.size() >= 2; }));
-    threads.end();
-    return script.has_sent(2);
-  };
-  // This test itself may stand still after its command, but not each time.
-  REQUIRE(eventually(is_sent));
-}
-
-TEST_CASE(
-    "A loop that spins on the core of its device's threads is followed by a command of none") {
-  // Longer than a guard needs, and shorter than the time that the kernel lets real time compute.
-  constexpr std::int64_t spin_ns = 600'000'000;
-  Script script;
-  Threads threads;
-  cpu_set_t cores;
-  REQUIRE(sched_getaffinity(0, sizeof cores, &cores) == 0);
-  unsigned core = 0;
-  while (!CPU_ISSET(core, &cores)) ++core;
-  std::int64_t given_ns = 0;
-  bool real_time = false;
-  std::thread loop([&] {
-    const auto pinned = CorePinning::hold(core);
-    REQUIRE(threads.start(opens(script), RealtimeMode::attempt));
-    const auto entered = enter_realtime(RealtimeMode::attempt);
-    real_time = entered && entered->policy == "fifo";
-    const auto is_sent = [&] {
-      const std::lock_guard lock(script.mutex);
-      return script.has_sent(5);
-    };
-    do {
-      given_ns = now_ns();
-      threads.give(5);
-      sleep_until(given_ns + 2'000'000);
-    } while (!is_sent());
-    if (real_time) {
-      while (now_ns() < given_ns + spin_ns) {
-      }
-    }
-  });
-  loop.join();
-  munlockall();
-  if (!real_time) SPM_SKIP("no real-time priority may be had");
-  threads.end();
-  const auto last = std::find(script.sent.rbegin(), script.sent.rend(), 5).base();
-  REQUIRE(last != script.sent.end());
-  REQUIRE(*last == 0);
-  const std::int64_t off_after_ns = script.sent_ns[last - script.sent.begin()] - given_ns;
-  CAPTURE(off_after_ns);
-  CHECK(off_after_ns < spin_ns / 2);
 }
 
 TEST_CASE("Before the first command nothing is sent") {

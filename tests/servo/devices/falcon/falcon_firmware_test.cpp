@@ -15,8 +15,8 @@ namespace falcon_firmware_test {
 
 using namespace spm;
 using namespace spm::servo;
-using spm::servo::test::FalconFaults;
-using spm::servo::test::ScriptedFalcon;
+using spm::test::FalconFaults;
+using spm::test::ScriptedFalcon;
 using std::chrono::milliseconds;
 
 namespace {

@@ -13,7 +13,7 @@
 #include <cstdlib>
 #include <span>
 
-namespace spm::servo::test {
+namespace spm::test {
 
 namespace {
 
@@ -312,4 +312,4 @@ void MockUsbChip::drop_all() {
   tcflow(slave_, TCOOFF);
 }
 
-}  // namespace spm::servo::test
+}  // namespace spm::test

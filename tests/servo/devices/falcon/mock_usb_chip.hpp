@@ -14,7 +14,7 @@
 
 #include "tests/servo/devices/falcon/scripted_falcon.hpp"
 
-namespace spm::servo::test {
+namespace spm::test {
 
 /// The FTDI chip of a scripted Falcon, as the kernel's USB file system shows it to one program: it
 /// takes the transfers that libusb submits, and ends them as the chip would, with two bytes of
@@ -85,4 +85,4 @@ class MockUsbChip {
   std::thread timer_;
 };
 
-}  // namespace spm::servo::test
+}  // namespace spm::test

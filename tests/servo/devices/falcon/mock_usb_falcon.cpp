@@ -42,7 +42,7 @@
 #include "tests/servo/devices/falcon/mock_usb_chip.hpp"
 #include "tests/servo/devices/falcon/scripted_falcon.hpp"
 
-namespace spm::servo::test {
+namespace spm::test {
 namespace {
 
 using std::chrono::milliseconds;
@@ -268,8 +268,6 @@ int run(const Options& options) {
 }
 
 }  // namespace
-}  // namespace spm::servo::test
+}  // namespace spm::test
 
-int main(int count, char** arguments) {
-  return spm::servo::test::run(spm::servo::test::parse(count, arguments));
-}
+int main(int count, char** arguments) { return spm::test::run(spm::test::parse(count, arguments)); }

@@ -8,7 +8,9 @@
 #include "servo/devices/falcon/falcon_kinematics.hpp"
 #include "tests/servo/devices/falcon/falcon_counts.hpp"
 
-namespace spm::servo::test {
+namespace spm::test {
+
+using namespace spm::servo;
 
 namespace {
 
@@ -169,4 +171,4 @@ void ScriptedFalcon::send(std::span<const std::uint8_t> bytes) {
   outgoing_.insert(outgoing_.end(), bytes.begin(), bytes.end());
 }
 
-}  // namespace spm::servo::test
+}  // namespace spm::test

@@ -8,7 +8,7 @@
 #include <span>
 #include <vector>
 
-namespace spm::servo::test {
+namespace spm::test {
 
 /// What goes wrong with a scripted Falcon.
 struct FalconFaults {
@@ -85,4 +85,4 @@ class ScriptedFalcon {
   unsigned lights_ = 0, lit_ = 0;
 };
 
-}  // namespace spm::servo::test
+}  // namespace spm::test
