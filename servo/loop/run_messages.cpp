@@ -41,7 +41,8 @@ std::string forces_text(const ForceScene& scene) {
 double widest_spacing(const ForceChoice& choice, const std::vector<KeeperReport>& assets) {
   double widest = 0;
   for (std::size_t k = 0; k < tools_of(choice.scene); ++k) {
-    widest = std::max(widest, assets[tool_of(choice.scene, k)->asset].tool_spacing);
+    const std::vector<ToolReport>& tools = assets[tool_of(choice.scene, k)->asset].tools;
+    if (k < tools.size()) widest = std::max(widest, tools[k].spacing);
   }
   return widest;
 }

@@ -112,8 +112,10 @@ ordered_json assets_json(const RunReport& report) {
                     {"serving", asset.serving},
                     {"losses", asset.losses},
                     {"reloads", asset.reloads}});
-    if (asset.tool_samples == 0) continue;
-    list.back()["tool_samples"] = asset.tool_samples;
+    std::size_t most = 0;
+    for (const ToolReport& tool : asset.tools) most = std::max(most, tool.samples);
+    if (most == 0) continue;
+    list.back()["tool_samples"] = most;
     list.back()["tool_bytes"] = asset.tool_bytes;
   }
   return list;
@@ -206,11 +208,11 @@ void add_tools(ordered_json& report, const ForceChoice& choice) {
 void add_samples(ordered_json& json, const RunReport& report) {
   const ForceScene& scene = report.force.scene;
   for (std::size_t k = 0; k < tools_of(scene); ++k) {
-    const KeeperReport& asset = report.assets[tool_of(scene, k)->asset];
-    if (asset.tool_samples == 0) continue;
+    const std::vector<ToolReport>& tools = report.assets[tool_of(scene, k)->asset].tools;
+    if (k >= tools.size() || tools[k].samples == 0) continue;
     ordered_json& entry = tools_meet(scene) ? json["tools"][k] : json["tool"];
-    entry["samples"] = asset.tool_samples;
-    entry["spacing_m"] = asset.tool_spacing;
+    entry["samples"] = tools[k].samples;
+    entry["spacing_m"] = tools[k].spacing;
   }
 }
 

@@ -128,13 +128,15 @@ void AssetKeeper::install(std::unique_ptr<Holding> holding) {
   report_.bytes = current_->asset->bytes();
   report_.resident_bytes = current_->asset->resident_bytes();
   report_.open_seconds = current_->open_seconds;
-  const SampledTool* tool = current_->served.tool;
-  // A `full` tool has none.
-  const bool sampled = tool != nullptr && !tool->samples().levels.empty();
-  report_.tool_samples = sampled ? tool->samples().levels.back().count : 0;
-  report_.tool_spacing = sampled ? tool->samples().levels.back().spacing : 0;
+  report_.tools.clear();
   report_.tool_bytes = 0;
-  for (const auto& made : current_->tools) report_.tool_bytes += made ? made->bytes() : 0;
+  for (const auto& made : current_->tools) {
+    report_.tools.emplace_back();
+    if (made == nullptr) continue;
+    report_.tool_bytes += made->bytes();
+    const auto& levels = made->samples().levels;
+    if (!levels.empty()) report_.tools.back() = {levels.back().count, levels.back().spacing};
+  }
   report_.locked = current_->asset->locked();
   report_.serving = true;
 }

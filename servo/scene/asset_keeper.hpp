@@ -33,6 +33,12 @@ struct KeeperOptions {
   std::function<void(const std::string&)> warn;
 };
 
+/// The samples of a tool on its finest level; none of a `full` tool.
+struct ToolReport {
+  std::size_t samples = 0;
+  double spacing = 0;  ///< m of the world, between them
+};
+
 /// What a report says of an asset.
 struct KeeperReport {
   std::string content_sha256;
@@ -40,8 +46,7 @@ struct KeeperReport {
   AssetBytes bytes;
   std::uint64_t resident_bytes = 0;  ///< that answers may come from
   double open_seconds = 0;           ///< to map and check the file, and to sample a tool
-  std::size_t tool_samples = 0;      ///< of the tool, on its finest level; 0: it is none
-  double tool_spacing = 0;           ///< m of the world, between these samples
+  std::vector<ToolReport> tools;     ///< of the scene's, in its order; empty: it is none of them
   std::uint64_t tool_bytes = 0;      ///< of its samples, and what hands remember of them
   bool locked = false;
   bool serving = false;

@@ -221,7 +221,7 @@ TEST_CASE("An object that may pass between the samples of a tool is warned of, a
   std::vector<KeeperReport> assets(2);
   assets[0].metadata.box_min = Vector3(-0.01, -0.01, 0);
   assets[0].metadata.box_max = Vector3(0.01, 0.01, 0.004);
-  assets[1].tool_spacing = 0.007;
+  assets[1].tools = {{100, 0.007}};
   REQUIRE(tool_warnings(choice, assets, {}).empty());
   choice.scene.tool = ToolSettings{};
   choice.scene.tool->asset = 1;

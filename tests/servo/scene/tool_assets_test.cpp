@@ -59,16 +59,29 @@ TEST_CASE("The tool's asset is sampled when it is opened, and no other is") {
   REQUIRE(assets);
   const auto reports = (*assets)->reports();
   REQUIRE(reports.size() == 2);
-  CHECK(reports[0].tool_samples == 0);
-  CHECK(reports[1].tool_samples > 50);
-  CHECK(reports[1].tool_samples <= 400);
+  CHECK(reports[0].tools.empty());
+  REQUIRE(reports[1].tools.size() == 1);
+  CHECK(reports[1].tools[0].samples > 50);
+  CHECK(reports[1].tools[0].samples <= 400);
   CHECK(reports[1].tool_bytes > 0);
   const std::vector<AssetSlot*> slots = (*assets)->slots();
   CHECK(slots[0]->acquire()->tool == nullptr);
   const ServedAsset* peg = slots[1]->acquire();
   REQUIRE(peg->tool != nullptr);
   CHECK(peg->tool == (*assets)->tool());
-  CHECK(peg->tool->samples().levels.back().count == reports[1].tool_samples);
+  CHECK(peg->tool->samples().levels.back().count == reports[1].tools[0].samples);
+}
+
+TEST_CASE("Two hands' tools of one file are told each with its own samples") {
+  const std::string peg = "[[tool]]\nasset = \"peg.spm.exr\"\nsamples = ";
+  const Opened opened(peg + "400\n" + peg + "100\n[[object]]\nasset = \"ball.spm.exr\"\n");
+  const auto assets = opened.open();
+  if (!assets) FAIL(assets.error().message);
+  const std::vector<ToolReport> tools = (*assets)->reports()[1].tools;
+  REQUIRE(tools.size() == 2);
+  CHECK(tools[0].samples > 100);
+  CHECK(tools[1].samples <= 100);
+  CHECK(tools[1].spacing > tools[0].spacing);
 }
 
 TEST_CASE(
@@ -99,7 +112,9 @@ TEST_CASE("A full tool of method paper is opened, and has no samples") {
   test::write(test::box_asset(0.04), opened.file("object.spm.exr"));
   const auto assets = opened.open();
   if (!assets) FAIL(assets.error().message);
-  CHECK((*assets)->reports()[1].tool_samples == 0);
+  const std::vector<ToolReport> tools = (*assets)->reports()[1].tools;
+  REQUIRE(tools.size() == 1);
+  CHECK(tools[0].samples == 0);
   CHECK((*assets)->tool() != nullptr);
 }
 
