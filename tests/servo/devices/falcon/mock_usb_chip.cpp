@@ -51,10 +51,11 @@ MockUsbChip::~MockUsbChip() {
   }
   changed_.notify_all();
   timer_.join();
-  drop_all();
-  // One that is left here was killed: umockdev would complain of its open stream, behind the
-  // report.
-  for (UMockdevIoctlClient* client : dead_clients_) g_object_unref(client);
+  for (const std::deque<Transfer>* const list : {&reading_, &ended_}) {
+    for (const Transfer& transfer : *list) let_go(transfer);
+  }
+  // A program that has the node open yet was killed. Its client is not let go: umockdev would
+  // complain of its open stream, behind the report.
   tcflow(slave_, TCOON);
   close(slave_);
   close(master_);
@@ -62,16 +63,12 @@ MockUsbChip::~MockUsbChip() {
 
 bool MockUsbChip::handle(UMockdevIoctlClient* client) {
   const std::lock_guard lock(mutex_);
-  const bool dead =
-      std::find(dead_clients_.begin(), dead_clients_.end(), client) != dead_clients_.end();
-  if (!dead && client != client_) {
-    drop_all();
-    if (client_ != nullptr) g_object_unref(client_);
+  if (std::find(clients_.begin(), clients_.end(), client) == clients_.end()) {
     // Kept, so that a new one cannot have its address where this one vanishes without a word.
-    client_ = UMOCKDEV_IOCTL_CLIENT(g_object_ref(client));
+    clients_.push_back(UMOCKDEV_IOCTL_CLIENT(g_object_ref(client)));
   }
   const auto request = static_cast<unsigned long>(umockdev_ioctl_client_get_request(client));
-  if (dead && request != USBDEVFS_REAPURBNDELAY && request != USBDEVFS_REAPURB) {
+  if (is_dead(client) && request != USBDEVFS_REAPURBNDELAY && request != USBDEVFS_REAPURB) {
     umockdev_ioctl_client_complete(client, -1, ENODEV);
     return true;
   }
@@ -99,14 +96,24 @@ bool MockUsbChip::handle(UMockdevIoctlClient* client) {
       discard(client);
       return true;
     case USBDEVFS_GETDRIVER:
-    case USBDEVFS_IOCTL:
       umockdev_ioctl_client_complete(client, -1, ENODATA);
       return true;
-    case USBDEVFS_CLAIMINTERFACE:
-    case USBDEVFS_DISCONNECT_CLAIM:
-      umockdev_ioctl_client_complete(client, refuses_claims_ ? -1 : 0, refuses_claims_ ? EBUSY : 0);
+    case USBDEVFS_IOCTL:
+      // Only USBDEVFS_DISCONNECT is ever asked for.
+      umockdev_ioctl_client_complete(client, holder_ != nullptr ? 0 : -1,
+                                     holder_ != nullptr ? 0 : ENODATA);
+      end_claim();
       return true;
+    case USBDEVFS_CLAIMINTERFACE:
+    case USBDEVFS_DISCONNECT_CLAIM: {
+      const bool claimed = claim(client);
+      umockdev_ioctl_client_complete(client, claimed ? 0 : -1, claimed ? 0 : EBUSY);
+      return true;
+    }
     case USBDEVFS_RELEASEINTERFACE:
+      if (client == holder_) end_claim();
+      umockdev_ioctl_client_complete(client, 0, 0);
+      return true;
     case USBDEVFS_SETCONFIGURATION:
     case USBDEVFS_SETINTERFACE:
     case USBDEVFS_CLEAR_HALT:
@@ -120,23 +127,52 @@ bool MockUsbChip::handle(UMockdevIoctlClient* client) {
 
 void MockUsbChip::forget(UMockdevIoctlClient* client) {
   const std::lock_guard lock(mutex_);
-  if (client != client_) return;
-  drop_all();
-  g_object_unref(client_);
-  client_ = nullptr;
+  if (std::find(clients_.begin(), clients_.end(), client) != clients_.end()) close_by(client);
+}
+
+void MockUsbChip::close_by(UMockdevIoctlClient* client) {
+  for (std::deque<Transfer>* const list : {&reading_, &ended_}) {
+    std::erase_if(*list, [client](const Transfer& transfer) {
+      if (transfer.client == client) let_go(transfer);
+      return transfer.client == client;
+    });
+  }
+  if (ended_.empty()) tcflow(slave_, TCOOFF);
+  if (client == holder_) end_claim();
+  std::erase(dead_clients_, client);
+  std::erase(clients_, client);
+  g_object_unref(client);
+}
+
+bool MockUsbChip::is_dead(UMockdevIoctlClient* client) const {
+  return std::find(dead_clients_.begin(), dead_clients_.end(), client) != dead_clients_.end();
+}
+
+bool MockUsbChip::claim(UMockdevIoctlClient* client) {
+  if (refuses_claims_ || (holder_ != nullptr && holder_ != client)) return false;
+  holder_ = client;
+  return true;
+}
+
+void MockUsbChip::end_claim() {
+  end_reading(-ENOENT);
+  answers_.clear();
+  holder_ = nullptr;
+}
+
+void MockUsbChip::end_reading(int status) {
+  while (!reading_.empty()) {
+    const Transfer transfer = reading_.front();
+    reading_.pop_front();
+    end(transfer, status, 0);
+  }
 }
 
 void MockUsbChip::unplug() {
   const std::lock_guard lock(mutex_);
-  while (!reading_.empty()) {
-    const Transfer transfer = reading_.front();
-    reading_.pop_front();
-    end(transfer, -ESHUTDOWN, 0);
-  }
-  answers_.clear();
-  if (client_ == nullptr) return;
-  dead_clients_.push_back(client_);
-  client_ = nullptr;
+  end_reading(-ESHUTDOWN);
+  end_claim();
+  dead_clients_ = clients_;
 }
 
 void MockUsbChip::lose_power() {
@@ -174,8 +210,14 @@ void MockUsbChip::submit(UMockdevIoctlClient* client) {
     umockdev_ioctl_client_complete(client, -1, EFAULT);
     return;
   }
+  const Transfer transfer{client, urb, buffer};
+  // The kernel claims the interface for a program that has not.
+  if (!claim(client)) {
+    let_go(transfer);
+    umockdev_ioctl_client_complete(client, -1, EBUSY);
+    return;
+  }
   umockdev_ioctl_client_complete(client, 0, 0);
-  const Transfer transfer{urb, buffer};
   if (urb_of(urb).type == USBDEVFS_URB_TYPE_BULK && urb_of(urb).endpoint == in_endpoint) {
     reading_.push_back(transfer);
     send_due_packets(Clock::now());
@@ -213,9 +255,11 @@ void MockUsbChip::end(const Transfer& transfer, int status, int length) {
 }
 
 void MockUsbChip::reap(UMockdevIoctlClient* client) {
-  if (ended_.empty()) {
-    const bool dead = client != client_;
-    umockdev_ioctl_client_complete(client, -1, dead ? ENODEV : EAGAIN);
+  const auto found = std::find_if(ended_.begin(), ended_.end(), [client](const Transfer& transfer) {
+    return transfer.client == client;
+  });
+  if (found == ended_.end()) {
+    umockdev_ioctl_client_complete(client, -1, is_dead(client) ? ENODEV : EAGAIN);
     return;
   }
   UMockdevIoctlData* const arg = umockdev_ioctl_client_get_arg(client);
@@ -224,22 +268,21 @@ void MockUsbChip::reap(UMockdevIoctlClient* client) {
     umockdev_ioctl_client_complete(client, -1, EFAULT);
     return;
   }
-  const Transfer transfer = ended_.front();
-  ended_.pop_front();
+  const Transfer transfer = *found;
+  ended_.erase(found);
   if (ended_.empty()) tcflow(slave_, TCOOFF);
   umockdev_ioctl_data_set_ptr(pointer, 0, transfer.urb);
   umockdev_ioctl_client_complete(client, 0, 0);
   g_object_unref(pointer);
-  if (transfer.buffer != nullptr) g_object_unref(transfer.buffer);
-  g_object_unref(transfer.urb);
+  let_go(transfer);
 }
 
 void MockUsbChip::discard(UMockdevIoctlClient* client) {
   UMockdevIoctlData* const arg = umockdev_ioctl_client_get_arg(client);
   const auto address = *reinterpret_cast<const gulong*>(arg->data);
-  const auto found = std::find_if(
-      reading_.begin(), reading_.end(),
-      [address](const Transfer& transfer) { return transfer.urb->client_addr == address; });
+  const auto found = std::find_if(reading_.begin(), reading_.end(), [&](const Transfer& transfer) {
+    return transfer.client == client && transfer.urb->client_addr == address;
+  });
   if (found == reading_.end()) {
     umockdev_ioctl_client_complete(client, -1, EINVAL);
     return;
@@ -300,16 +343,9 @@ void MockUsbChip::keep_time() {
   }
 }
 
-void MockUsbChip::drop_all() {
-  for (std::deque<Transfer>* const list : {&reading_, &ended_}) {
-    for (const Transfer& transfer : *list) {
-      if (transfer.buffer != nullptr) g_object_unref(transfer.buffer);
-      g_object_unref(transfer.urb);
-    }
-    list->clear();
-  }
-  answers_.clear();
-  tcflow(slave_, TCOOFF);
+void MockUsbChip::let_go(const Transfer& transfer) {
+  if (transfer.buffer != nullptr) g_object_unref(transfer.buffer);
+  g_object_unref(transfer.urb);
 }
 
 }  // namespace spm::test

@@ -16,9 +16,10 @@
 
 namespace spm::test {
 
-/// The FTDI chip of a scripted Falcon, as the kernel's USB file system shows it to one program: it
-/// takes the transfers that libusb submits, and ends them as the chip would, with two bytes of
-/// status in every packet, and by its latency timer.
+/// The FTDI chip of a scripted Falcon, as the kernel's USB file system shows it: it takes the
+/// transfers that libusb submits, and ends them as the chip would, with two bytes of status in
+/// every packet, and by its latency timer. One program at a time has the interface; where that is
+/// taken from it, its transfers end, and what it submits is refused.
 class MockUsbChip {
  public:
   /// Every `late_every`th answer is held back for `late_by`; 0: none.
@@ -35,7 +36,7 @@ class MockUsbChip {
   /// The program closed the node.
   void forget(UMockdevIoctlClient* client);
 
-  /// Ends all transfers as for a device that is gone. The program that has the device open gets
+  /// Ends all transfers as for a device that is gone. The programs that have the device open get
   /// nothing else from now on.
   void unplug();
   /// Forgets firmware and homing.
@@ -49,12 +50,18 @@ class MockUsbChip {
  private:
   using Clock = std::chrono::steady_clock;
 
-  /// A transfer that the program submitted: its urb, and its buffer.
+  /// A transfer that a program submitted: its urb, and its buffer.
   struct Transfer {
+    UMockdevIoctlClient* client;
     UMockdevIoctlData* urb;
     UMockdevIoctlData* buffer;
   };
 
+  void close_by(UMockdevIoctlClient* client);
+  [[nodiscard]] bool is_dead(UMockdevIoctlClient* client) const;
+  [[nodiscard]] bool claim(UMockdevIoctlClient* client);
+  void end_claim();
+  void end_reading(int status);
   void submit(UMockdevIoctlClient* client);
   void reap(UMockdevIoctlClient* client);
   void discard(UMockdevIoctlClient* client);
@@ -64,7 +71,7 @@ class MockUsbChip {
   void send_due_packets(Clock::time_point now);
   void take_answers(Clock::time_point now);
   void keep_time();
-  void drop_all();
+  static void let_go(const Transfer& transfer);
 
   ScriptedFalcon& falcon_;
   const std::uint64_t late_every_;
@@ -74,8 +81,9 @@ class MockUsbChip {
 
   mutable std::mutex mutex_;  ///< guards what follows
   std::condition_variable changed_;
-  UMockdevIoctlClient* client_ = nullptr;
-  std::vector<UMockdevIoctlClient*> dead_clients_;
+  std::vector<UMockdevIoctlClient*> clients_;       ///< that have the node open
+  std::vector<UMockdevIoctlClient*> dead_clients_;  ///< those of which the device was unplugged
+  UMockdevIoctlClient* holder_ = nullptr;           ///< that claimed the interface; null: none
   std::deque<Transfer> reading_, ended_;
   std::deque<std::uint8_t> answers_;  ///< in the chip
   std::uint64_t heard_ = 0, mute_after_ = UINT64_MAX;

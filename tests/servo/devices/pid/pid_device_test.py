@@ -14,6 +14,7 @@ import unittest
 MOCK = CLIENT = ""
 LONGEST_RUN = 120  # s
 MOST_TICKS = 100000
+MOST_TRIES = 10
 FULL = "full_force=10N"  # the client pushes with 1 N, a tenth of it
 
 
@@ -26,10 +27,20 @@ class PidDevice(unittest.TestCase):
         messages, _, last = done.stderr.rstrip("\n").rpartition("\n")
         return done.returncode, done.stdout, messages, json.loads(last)
 
+    def run_undisturbed(self, device: str, options: tuple[str, ...],
+                        command: list[str]) -> tuple[int, str, str, dict]:
+        """As run_command, of a client that the machine never kept waiting for long: one that was
+        stops its effects and opens the stick again, which is not what these tests are about."""
+        for _ in range(MOST_TRIES):
+            done = self.run_command(device, options, command)
+            if done[3]["stops"] <= done[3]["freed"]:
+                break
+        return done
+
     def run_client(self, device: str, reports: int, options: str = FULL,
                    *faults: str) -> tuple[dict, dict]:
         """What a client saw, and its stick, until the stick has sent so many reports."""
-        code, output, messages, mock = self.run_command(
+        code, output, messages, mock = self.run_undisturbed(
             device, (*faults, f"until={reports}"), [CLIENT, "pid", str(MOST_TICKS), options])
         self.assertEqual(code, 0, f"{messages}\n{mock}")
         self.assertEqual(mock["wrong_commands"], 0)
@@ -100,7 +111,7 @@ class PidDevice(unittest.TestCase):
                 "for _ in range(1000): os.read(stick, 64)")
         script = ('trap \'kill -9 $client; wait $client; "$1" -c "$2"; exit 0\' TERM; '
                   f'"$0" pid {MOST_TICKS} {FULL} > /dev/null & client=$!; wait $client; exit 1')
-        code, _, messages, mock = self.run_command(
+        code, _, messages, mock = self.run_undisturbed(
             "pid", ("until=600",), ["bash", "-c", script, CLIENT, sys.executable, read])
         self.assertEqual(code, 0, messages)
         self.assertAlmostEqual(mock["largest_force"][0], 0.1, delta=0.002)
