@@ -32,7 +32,6 @@ namespace {
 
 using std::chrono::milliseconds;
 using std::chrono::steady_clock;
-using test::ScriptedFalcon;
 
 constexpr int broken_rules_code = 70;
 constexpr std::size_t firmware_size = 8492;  // of the file that the guest has

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <catch2/catch.hpp>
+#include <string>
 #include <thread>
 
 #include "servo/devices/base/port_threads.hpp"
@@ -91,8 +92,15 @@ TEST_CASE("A zero that is sent for a stalled loop is no command whose time count
   Threads threads;
   REQUIRE(threads.start(opens(script), RealtimeMode::off));
   REQUIRE(give_until_sent(threads, script, 5));
-  REQUIRE(script.wait([&] { return script.zeros() >= 2; }));
+  // After the first zero the command's time is counted, and none is left to be sent.
+  REQUIRE(script.wait([&] { return script.sent.back() == 0; }));
+  const std::string once = threads.command_sent().json_us().dump();
+  std::size_t before = 0;
+  script.change([&] { before = script.zeros(); });
+  REQUIRE(script.wait([&] { return script.zeros() >= before + 2; }));
   threads.end();
+  CHECK(threads.command_sent().json_us().at("max") > 0);
+  CHECK(threads.command_sent().json_us().dump() == once);
   CHECK(threads.delays().commands == script.sent.size() - script.zeros());
 }
 
