@@ -74,8 +74,9 @@ enum RecordingFlag : std::uint16_t {
 
 /// Format version of the files that are written; no other one is read. Versions 1 and 2 had rows
 /// alone, without what their forces came from; version 3 had neither what applications added nor
-/// which objects a tick had time for; version 4 had neither orientation nor torque nor a tool.
-inline constexpr std::uint32_t recording_form = 5;
+/// which objects a tick had time for; version 4 had neither orientation nor torque nor a tool; what
+/// changed in version 5 was felt as a step, and a hand without force lost its side.
+inline constexpr std::uint32_t recording_form = 6;
 
 struct RecordedDevice {
   std::string name;

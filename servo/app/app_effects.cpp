@@ -2,9 +2,48 @@
 #include "servo/app/app_effects.hpp"
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
 #include <utility>
 
+#include "common/base/smooth_change.hpp"
+
 namespace spm::servo {
+
+namespace {
+
+/// m: at this arm a torque is felt as the force that it is in the fingers.
+constexpr double finger_arm = 0.01;
+
+/// Whether one effect goes over into another by its numbers.
+bool is_alike(const HandEffect& one, const HandEffect& other) noexcept {
+  return one.kind == other.kind && one.range == other.range && one.spacing == other.spacing;
+}
+
+/// Where an effect is: its point, with its axis as the z axis.
+Placement place_of(const HandEffect& effect) noexcept {
+  Placement place;
+  place.position = effect.point;
+  if (!effect.axis.isZero(0)) {
+    place.rotation = Eigen::Quaterniond::FromTwoVectors(Vector3::UnitZ(), effect.axis);
+  }
+  return place;
+}
+
+/// From `now` towards a number, by a share of the way from `from`, and by no more than `most`.
+double stepped(double now, double from, double to, double share, double most) noexcept {
+  const double step = std::min(share * std::abs(to - from), most);
+  return now + std::clamp(to - now, -step, step);
+}
+
+/// From one vector towards another, no farther than `most`.
+Vector3 stepped(const Vector3& now, const Vector3& to, double most) noexcept {
+  const Vector3 way = to - now;
+  const double size = way.norm();
+  return size > most ? Vector3(now + way * (most / size)) : to;
+}
+
+}  // namespace
 
 void AppEffects::know_device(std::uint32_t device, const FeltLimits& bears, double encoder_step,
                              double tick, double delay_ticks) {
@@ -13,7 +52,6 @@ void AppEffects::know_device(std::uint32_t device, const FeltLimits& bears, doub
   hand->limits = {effects_stiffness_share * bears.stable, effects_damping_share * bears.damping};
   hand->whole = bears.stiffness;
   hand->tick = tick;
-  hand->fade_step = std::min(1.0, tick / effect_fade);
   hand->leak = matched_damping(1, 1, delay_ticks, tick);
   hand->velocity = BrakingVelocity(encoder_step, tick);
 }
@@ -25,18 +63,24 @@ void AppEffects::set_delay(std::uint32_t device, double delay_ticks, double stab
   hand->leak = matched_damping(1, 1, delay_ticks, hand->tick);
   for (Effect& effect : hand->effects) {
     if (effect.connection == 0 || effect.what.kind == HandEffectKind::viscous) continue;
-    effect.what.damping = hand->leak * effect.what.stiffness;
+    effect.begun = effect.what;
+    effect.wanted.damping = hand->leak * effect.wanted.stiffness;
   }
   settle(*hand);
 }
 
 /// Leaves to the effects what objects that are touched with `touched` N/m leave of the device's
 /// stiffness. Without a step: a contact that begins moves no hand by an effect that ends.
-void AppEffects::make_room(Hand& hand, double touched, std::uint64_t ticks) noexcept {
+void AppEffects::make_room(Hand& hand, double touched, double seconds) noexcept {
   const double room = std::max(hand.whole - touched, 0.0);
   const double wanted = hand.stiffness > room ? room / hand.stiffness : 1;
-  const double most = hand.fade_step * static_cast<double>(ticks);
-  hand.left += std::clamp(wanted - hand.left, -most, most);
+  const double most = change_share(seconds, 0);
+  const auto follow = [most](double& share, double to) {
+    share += std::clamp(to - share, -most, most);
+  };
+  follow(hand.left, wanted);
+  follow(hand.felt_stiffness_share, hand.stiffness_share);
+  follow(hand.felt_damping_share, hand.damping_share);
 }
 
 /// Computes what depends on all effects of a device. All that are set count, wherever the tool is:
@@ -47,8 +91,8 @@ void AppEffects::settle(Hand& hand) noexcept {
   for (const Effect& effect : hand.effects) {
     if (effect.connection == 0) continue;
     any = true;
-    const bool brakes = effect.what.kind == HandEffectKind::viscous;
-    (brakes ? damping : stiffness) += brakes ? effect.what.damping : effect.what.stiffness;
+    const bool brakes = effect.wanted.kind == HandEffectKind::viscous;
+    (brakes ? damping : stiffness) += brakes ? effect.wanted.damping : effect.wanted.stiffness;
   }
   hand.any = any;
   hand.stiffness_share = stiffness > hand.limits.stiffness ? hand.limits.stiffness / stiffness : 1;
@@ -59,29 +103,51 @@ void AppEffects::settle(Hand& hand) noexcept {
 
 void AppEffects::push(std::uint32_t device, std::uint32_t client, const Wrench& wrench,
                       std::int64_t until_ns) noexcept {
-  if (Hand* const hand = find(device)) hand->pushes[client] = {wrench, until_ns};
+  Hand* const hand = find(device);
+  if (hand == nullptr) return;
+  hand->pushes[client].wrench = wrench;
+  hand->pushes[client].until_ns = until_ns;
 }
 
-Refusal AppEffects::set(const AppCommand& command, std::size_t object) noexcept {
+/// The place of an application's effect of that number, or one for a new effect; null where there
+/// are most_effects. Of those that fade, the one that is felt least goes first.
+AppEffects::Effect* AppEffects::place_for(Hand& hand, const AppCommand& command) noexcept {
+  Effect* place = nullptr;
+  std::size_t kept = 0;
+  for (Effect& effect : hand.effects) {
+    const bool here = effect.connection != 0 && !effect.leaving;
+    if (here && effect.connection == command.connection && effect.number == command.effect_number) {
+      return &effect;
+    }
+    kept += here ? 1 : 0;
+    if (!here && (place == nullptr || effect.shown < place->shown)) place = &effect;
+  }
+  if (kept >= most_effects) return nullptr;
+  *place = {};
+  return place;
+}
+
+Refusal AppEffects::set(const AppCommand& command, std::size_t object,
+                        std::int64_t now_ns) noexcept {
   Hand* const hand = find(command.index);
   if (hand == nullptr) return Refusal::unknown_device;
-  Effect* place = nullptr;
-  for (Effect& effect : hand->effects) {
-    const bool same =
-        effect.connection == command.connection && effect.number == command.effect_number;
-    if (same) place = &effect;
-    if (same) break;
-    if (effect.connection == 0 && place == nullptr) place = &effect;
-  }
+  Effect* const place = place_for(*hand, command);
   if (place == nullptr) return Refusal::too_many_effects;
-  const bool goes_on = place->connection != 0 && place->what.kind == command.effect.kind;
-  *place = {command.connection, command.effect_number, command.effect, object,
-            goes_on ? place->shown : 0};
+  HandEffect wanted = command.effect;
   // A spring that is sampled gives energy, so that a device left alone on it would swing ever more.
-  if (command.effect.kind != HandEffectKind::viscous) {
-    place->what.damping = hand->leak * command.effect.stiffness;
-  }
+  if (wanted.kind != HandEffectKind::viscous) wanted.damping = hand->leak * wanted.stiffness;
+  const bool is_new = place->connection == 0;
+  place->connection = command.connection;
+  place->number = command.effect_number;
+  place->wanted = wanted;
+  place->wanted_object = object;
+  place->begun = place->what;
   settle(*hand);
+  place->other = is_new || !is_alike(place->what, wanted) || place->object != object;
+  if (!place->other) {
+    place->motion.set_max_speed(change_rate / std::max(hand->stiffness, change_rate));
+    place->motion.give(place_of(wanted), 0, now_ns);
+  }
   return Refusal::none;
 }
 
@@ -91,34 +157,77 @@ Refusal AppEffects::remove(const AppCommand& command) noexcept {
   const bool all = command.effect_number == SPM_ALL_EFFECTS;
   bool found = all;
   for (Effect& effect : hand->effects) {
+    if (effect.connection == 0 || effect.leaving) continue;
     const bool own = effect.connection == command.connection;
     if (all ? !own && !command.supervisor : !own || effect.number != command.effect_number) {
       continue;
     }
-    effect = {};
+    remove(effect);
     found = true;
   }
-  settle(*hand);
   return found ? Refusal::none : Refusal::unknown_effect;
 }
 
 void AppEffects::leave(std::uint32_t client, std::uint32_t connection) noexcept {
   for (Hand& hand : devices_) {
-    hand.pushes[client] = {};
+    hand.pushes[client].until_ns = 0;
     for (Effect& effect : hand.effects) {
-      if (effect.connection == connection) effect = {};
+      if (effect.connection == connection) remove(effect);
     }
-    settle(hand);
   }
 }
 
 void AppEffects::drop(std::size_t object) noexcept {
   for (Hand& hand : devices_) {
     for (Effect& effect : hand.effects) {
-      const bool magnet = effect.what.kind == HandEffectKind::magnet;
-      if (magnet && effect.object == object) effect = {};
+      const bool felt = effect.what.kind == HandEffectKind::magnet && effect.object == object;
+      const bool wanted =
+          effect.wanted.kind == HandEffectKind::magnet && effect.wanted_object == object;
+      // What is felt of it needs its surface.
+      if (felt) effect.shown = 0;
+      if (wanted) remove(effect);
     }
+  }
+}
+
+/// Takes what is felt of an effect nearer to what is wanted of it. `felt`: N, all that is felt of
+/// effects.
+void AppEffects::go_on(Hand& hand, Effect& effect, double seconds, double felt,
+                       std::int64_t now_ns) noexcept {
+  const double share = change_share(seconds, felt);
+  const bool fades = effect.leaving || effect.silent || effect.other;
+  effect.shown = std::clamp(effect.shown + (fades ? -share : share), 0.0, 1.0);
+  if (effect.shown == 0 && effect.leaving) {
+    effect = {};
     settle(hand);
+    return;
+  }
+  if (effect.shown == 0 && effect.other) {
+    effect.what = effect.begun = effect.wanted;
+    effect.object = effect.wanted_object;
+    effect.motion = PoseInterpolator({}, place_of(effect.wanted));
+    effect.other = false;
+    return;
+  }
+  if (effect.other) return;
+  HandEffect& what = effect.what;
+  const HandEffect& begun = effect.begun;
+  const HandEffect& wanted = effect.wanted;
+  const double stiffer = felt > 0 ? change_rate * seconds * what.stiffness / felt
+                                  : std::numeric_limits<double>::infinity();
+  what.stiffness = stepped(what.stiffness, begun.stiffness, wanted.stiffness, share, stiffer);
+  what.damping =
+      stepped(what.damping, begun.damping, wanted.damping, share, wanted.damping + what.damping);
+  if (std::isfinite(what.most_force) && std::isfinite(wanted.most_force)) {
+    what.most_force =
+        stepped(what.most_force, begun.most_force, wanted.most_force, 1, change_rate * seconds);
+  } else {
+    what.most_force = wanted.most_force;
+  }
+  if (what.kind == HandEffectKind::spring || what.kind == HandEffectKind::detents) {
+    const Placement place = effect.motion.at(now_ns).pose;
+    what.point = place.position;
+    what.axis = wanted.axis.isZero(0) ? wanted.axis : Vector3(place.rotation * Vector3::UnitZ());
   }
 }
 
@@ -128,26 +237,37 @@ Wrench AppEffects::next(std::uint32_t device, const Vector3& tool, std::uint64_t
   Hand* const found = find(device);
   if (found == nullptr || !tool.allFinite()) return {};
   Hand& hand = *found;
+  const double seconds = static_cast<double>(ticks) * hand.tick;
+  const double most = change_rate * seconds;
   Wrench sum;
-  for (const Push& push : hand.pushes) {
-    if (now_ns >= push.until_ns) continue;
-    sum.force += push.wrench.force;
-    sum.torque += push.wrench.torque;
+  for (Push& push : hand.pushes) {
+    const bool over = now_ns >= push.until_ns;
+    if (over && push.felt.force.isZero(0) && push.felt.torque.isZero(0)) continue;
+    push.felt.force = stepped(push.felt.force, over ? Vector3::Zero() : push.wrench.force, most);
+    push.felt.torque =
+        stepped(push.felt.torque, over ? Vector3::Zero() : push.wrench.torque, finger_arm * most);
+    sum.force += push.felt.force;
+    sum.torque += push.felt.torque;
   }
   if (hand.any) hand.velocity.take(tool, ticks);
   const Vector3 velocity = hand.any ? hand.velocity.now() : Vector3::Zero();
-  make_room(hand, force.touched_stiffness(), ticks);
+  make_room(hand, force.touched_stiffness(), seconds);
+  double felt = 0;
   for (Effect& effect : hand.effects) {
     if (effect.connection == 0) continue;
+    go_on(hand, effect, seconds, hand.felt, now_ns);
+    if (effect.connection == 0 || effect.other) continue;
     const HandEffectKind kind = effect.what.kind;
     const NearSurface surface = kind == HandEffectKind::magnet
                                     ? force.near_surface(effect.object, assets, tool)
                                     : NearSurface{};
-    effect.shown = std::min(1.0, effect.shown + hand.fade_step * static_cast<double>(ticks));
-    const double share =
-        kind == HandEffectKind::viscous ? hand.damping_share : hand.left * hand.stiffness_share;
-    sum.force += effect.shown * share * hand_effect_force(effect.what, tool, velocity, surface);
+    const double share = kind == HandEffectKind::viscous ? hand.felt_damping_share
+                                                         : hand.left * hand.felt_stiffness_share;
+    const Vector3 whole = share * hand_effect_force(effect.what, tool, velocity, surface);
+    felt += whole.norm();
+    sum.force += effect.shown * whole;
   }
+  hand.felt = felt;
   return sum.force.allFinite() && sum.torque.allFinite() ? sum : Wrench{};
 }
 
@@ -155,6 +275,8 @@ void AppEffects::rest(std::uint32_t device) noexcept {
   Hand* const hand = find(device);
   if (hand == nullptr) return;
   hand->velocity.reset();
+  hand->felt = 0;
+  for (Push& push : hand->pushes) push.felt = {};
   for (Effect& effect : hand->effects) effect.shown = 0;
 }
 

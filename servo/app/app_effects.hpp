@@ -10,6 +10,7 @@
 #include "common/base/vector.hpp"
 #include "common/base/wrench.hpp"
 #include "common/contact/hand_effect.hpp"
+#include "servo/app/pose_interpolator.hpp"
 #include "servo/force/scene_force.hpp"
 #include "servo/shared/app_command.hpp"
 #include "servo/stabilize/braking_velocity.hpp"
@@ -22,16 +23,19 @@ namespace spm::servo {
 /// stiffness at which the device begins to shake; with a contact's damping and the matched damping,
 /// which each have the limit too, to less than the border that damping has at pi/2 of the delay.
 inline constexpr double effects_stiffness_share = 1. / 3, effects_damping_share = 1. / 2;
-/// An effect that is new, or on a device whose force was off, fades in over this, s.
-inline constexpr double effect_fade = 0.1;
 
 /// The forces and effects that applications give to hands, in the world's frame. A force ends at
-/// its deadline, an effect when it is removed, and both when their application leaves. Belongs to
-/// the loop; no call allocates or throws.
+/// its deadline, an effect when it is removed, and both when their application leaves. Whatever
+/// they become, they become it over change_seconds, and no faster than change_rate: a force and the
+/// numbers of an effect go over, its point moves evenly as poses of objects do, and one that is
+/// removed, or of an application that hangs, fades. Belongs to the loop; no call allocates or
+/// throws.
 class AppEffects {
  public:
   /// On one device, of all applications together.
   static constexpr std::size_t most_effects = 16;
+  /// With those that fade.
+  static constexpr std::size_t most_felt = 2 * most_effects;
 
   AppEffects() noexcept : devices_(SPM_MAX_DEVICES) {}
 
@@ -60,7 +64,8 @@ class AppEffects {
             std::int64_t until_ns) noexcept;
   /// Sets an effect of an application, or changes the one that has its number. `object`: the place
   /// of a magnet's object in the scene.
-  [[nodiscard]] Refusal set(const AppCommand& command, std::size_t object) noexcept;
+  [[nodiscard]] Refusal set(const AppCommand& command, std::size_t object,
+                            std::int64_t now_ns) noexcept;
   /// Removes an effect, or all of them on a device (SPM_ALL_EFFECTS); a supervisor all of all
   /// applications.
   [[nodiscard]] Refusal remove(const AppCommand& command) noexcept;
@@ -68,12 +73,21 @@ class AppEffects {
   void leave(std::uint32_t client, std::uint32_t connection) noexcept;
   /// An object is gone, and its magnets with it.
   void drop(std::size_t object) noexcept;
+  /// Once a tick: the effects of applications that give no sign of life any more fade.
+  template <class IsSilent>
+  void tell_silent(const IsSilent& is_silent) noexcept {
+    for (Hand& hand : devices_) {
+      for (Effect& effect : hand.effects) {
+        effect.silent = effect.connection != 0 && !effect.leaving && is_silent(effect.connection);
+      }
+    }
+  }
 
   /// What applications add to a device's wrench in this tick, N, and N m about the tool's origin,
   /// world frame; effects give no torque. `tool` in m of the world, `ticks` since the last call;
   /// `force` and `assets`: the device's scene. Beside objects that are touched now, effects have
   /// what these leave of the stiffness that the device renders: their share goes there within
-  /// effect_fade.
+  /// change_seconds.
   [[nodiscard]] Wrench next(std::uint32_t device, const Vector3& tool, std::uint64_t ticks,
                             std::int64_t now_ns, const SceneForce& force,
                             std::span<const AssetView* const> assets) noexcept;
@@ -84,32 +98,42 @@ class AppEffects {
   struct Effect {
     std::uint32_t connection = 0;  ///< of who made it; 0: this place is free
     std::uint32_t number = 0;
-    HandEffect what;
-    std::size_t object = 0;
-    double shown = 0;  ///< how far it faded in, 0 to 1
+    HandEffect what;  ///< as it is felt, on its way from `begun` to `wanted`
+    HandEffect begun, wanted;
+    std::size_t object = 0, wanted_object = 0;
+    PoseInterpolator motion{{}, {}};  ///< of its point, and of its axis as the z axis
+    double shown = 0;                 ///< how far it faded in, 0 to 1
+    bool leaving = false;             ///< it fades, and is then gone
+    bool silent = false;              ///< its application hangs
+    bool other = false;               ///< it fades, and is then what is wanted
   };
   struct Push {
-    Wrench wrench;
+    Wrench wrench, felt;
     std::int64_t until_ns = 0;
   };
   struct Hand {
-    std::array<Effect, most_effects> effects{};
+    std::array<Effect, most_felt> effects{};
     std::array<Push, SPM_MAX_CLIENTS> pushes{};
     FeltLimits limits;                                       ///< of all effects together
     double whole = std::numeric_limits<double>::infinity();  ///< N/m, of objects and effects
     double tick = 1e-3;                                      ///< s
     double left = 1;  ///< of the effects' stiffness beside the objects, 0 to 1
-    double fade_step = 1;
     double leak = 0;  ///< s: damping that a sampled spring needs, for each N/m
     BrakingVelocity velocity{0, 1e-3};
-    double stiffness_share = 1, damping_share = 1;  ///< of each effect, within the limits
-    double stiffness = 0;                           ///< N/m, of all of them within the limits
+    double stiffness_share = 1, damping_share = 1;            ///< of each effect, within the limits
+    double felt_stiffness_share = 1, felt_damping_share = 1;  ///< on their way to these
+    double stiffness = 0;  ///< N/m, of all of them within the limits
+    double felt = 0;       ///< N, of all of them were they shown whole, in the last tick
     bool any = false;
     bool torque = false;  ///< the device gives it
   };
 
   static void settle(Hand& hand) noexcept;
-  static void make_room(Hand& hand, double touched, std::uint64_t ticks) noexcept;
+  static void make_room(Hand& hand, double touched, double seconds) noexcept;
+  [[nodiscard]] static Effect* place_for(Hand& hand, const AppCommand& command) noexcept;
+  static void remove(Effect& effect) noexcept { effect.leaving = true; }
+  static void go_on(Hand& hand, Effect& effect, double seconds, double felt,
+                    std::int64_t now_ns) noexcept;
   [[nodiscard]] Hand* find(std::uint32_t device) noexcept {
     return device < devices_.size() ? &devices_[device] : nullptr;
   }

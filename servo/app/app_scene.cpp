@@ -39,6 +39,7 @@ AppScene::AppScene(AppState& state, const ForceScene& scene)
   for (const PlacedObject& object : scene.objects) {
     note_scale(object);
     objects_.push_back({objects_.size(), object, PoseInterpolator({}, object.placement)});
+    objects_.back().now = objects_.back().motion.at(0);
   }
   note_stiffness();
 }
@@ -82,12 +83,13 @@ AppScene::Object* AppScene::find(std::uint64_t id) noexcept {
 }
 
 AppChanges AppScene::begin(std::int64_t now_ns, std::span<SceneForce* const> forces) noexcept {
-  felt_anew_ = false;
   acknowledged_ = 0;
   for (const AppCommand& command : state_.take(now_ns)) {
     const Refusal refusal = follow(command, now_ns, forces);
     if (refusal != Refusal::none) state_.refuse(command, refusal);
   }
+  effects_.tell_silent(
+      [this](std::uint32_t connection) { return state_.silence(connection) > longest_silence; });
   bool silent = false;
   for (std::size_t i = 0; i < objects_.size(); ++i) {
     Object& object = objects_[i];
@@ -99,9 +101,7 @@ AppChanges AppScene::begin(std::int64_t now_ns, std::span<SceneForce* const> for
     touched_ = true;
     for (SceneForce* force : forces) force->place(i, now.pose.position, now.pose.rotation);
   }
-  touched_ = touched_ || felt_anew_;
-  return {felt_anew_, silent,       touched_, stiffest_,
-          &clutches_, &force_caps_, &hands_,  acknowledged_};
+  return {silent, touched_, stiffest_, &clutches_, &force_caps_, &hands_, acknowledged_};
 }
 
 /// How far an object's farthest place is from its origin, m, world; 0 if not known yet.
@@ -124,10 +124,12 @@ Refusal AppScene::follow(const AppCommand& command, std::int64_t now_ns,
       return add(command, forces);
     case AppAction::move:
       return move(command, now_ns);
+    case AppAction::place:
+      return place(command, now_ns, forces);
     case AppAction::remove:
       return remove(command, forces);
     case AppAction::material:
-      return change(command, now_ns, forces);
+      return change(command, forces);
     case AppAction::clutch:
       return clutches_.set(command.index, command.on, command.connection, command.supervisor);
     case AppAction::force_cap:
@@ -136,7 +138,7 @@ Refusal AppScene::follow(const AppCommand& command, std::int64_t now_ns,
     case AppAction::push:
       return push(command, now_ns);
     case AppAction::effect:
-      return set_effect(command);
+      return set_effect(command, now_ns);
     case AppAction::remove_effect:
       return effects_.remove(command);
     case AppAction::acknowledge:
@@ -148,7 +150,7 @@ Refusal AppScene::follow(const AppCommand& command, std::int64_t now_ns,
     case AppAction::lead:
       return hands_.lead(command, now_ns);
     case AppAction::method:
-      return set_method(command, now_ns, forces);
+      return set_method(command, forces);
     case AppAction::stabilize:
       return stabilize(command, forces);
     case AppAction::departure:
@@ -172,7 +174,7 @@ Refusal AppScene::add(const AppCommand& command, std::span<SceneForce* const> fo
   added.settings.movable = true;
   set_material(command.material, added.settings);
   if (!put(added, forces)) return Refusal::too_many_objects;
-  felt_anew_ = true;
+  touched_ = true;
   return Refusal::none;
 }
 
@@ -191,6 +193,7 @@ bool AppScene::put(const Object& added, std::span<SceneForce* const> forces) noe
   } else {
     return false;
   }
+  objects_[place].now = added.motion.at(0);
   note_stiffness();
   return true;
 }
@@ -203,15 +206,43 @@ Refusal AppScene::take(Object& object, const AppCommand& command) noexcept {
   return may ? Refusal::none : Refusal::not_yours;
 }
 
-Refusal AppScene::move(const AppCommand& command, std::int64_t now_ns) noexcept {
-  Object* object = find(command.object);
+/// Whether the application may move the object, which is taken by that.
+Refusal AppScene::take_to_move(Object* object, const AppCommand& command) noexcept {
   if (object == nullptr) return Refusal::unknown_object;
   if (!object->settings.movable) return Refusal::not_movable;
-  if (const Refusal refusal = take(*object, command); refusal != Refusal::none) return refusal;
+  return take(*object, command);
+}
+
+Refusal AppScene::move(const AppCommand& command, std::int64_t now_ns) noexcept {
+  Object* object = find(command.object);
+  if (const Refusal refusal = take_to_move(object, command); refusal != Refusal::none) {
+    return refusal;
+  }
   object->motion.set_reach(reach_of(*object), now_ns);
   object->motion.give(command.pose, command.period, now_ns);
   object->driver = command.connection;
   return Refusal::none;
+}
+
+Refusal AppScene::place(const AppCommand& command, std::int64_t now_ns,
+                        std::span<SceneForce* const> forces) noexcept {
+  Object* object = find(command.object);
+  if (const Refusal refusal = take_to_move(object, command); refusal != Refusal::none) {
+    return refusal;
+  }
+  put_at(*object, command.pose, now_ns);
+  object->driver = command.connection;
+  hand_on(*object, forces);
+  touched_ = true;
+  return Refusal::none;
+}
+
+/// Puts an object to another place at once. It keeps its scale.
+void AppScene::put_at(Object& object, const Placement& place, std::int64_t now_ns) noexcept {
+  Placement at = place;
+  at.scale = object.settings.placement.scale;
+  object.motion = PoseInterpolator({}, at);
+  object.now = object.motion.at(now_ns);
 }
 
 Refusal AppScene::remove(const AppCommand& command, std::span<SceneForce* const> forces) noexcept {
@@ -243,10 +274,11 @@ Refusal AppScene::push(const AppCommand& command, std::int64_t now_ns) noexcept 
   return Refusal::none;
 }
 
-Refusal AppScene::set_effect(const AppCommand& command) noexcept {
-  if (command.effect.kind != HandEffectKind::magnet) return effects_.set(command, 0);
+Refusal AppScene::set_effect(const AppCommand& command, std::int64_t now_ns) noexcept {
+  if (command.effect.kind != HandEffectKind::magnet) return effects_.set(command, 0, now_ns);
   const Object* const object = find(command.object);
-  return object != nullptr ? effects_.set(command, place_of(*object)) : Refusal::unknown_object;
+  return object != nullptr ? effects_.set(command, place_of(*object), now_ns)
+                           : Refusal::unknown_object;
 }
 
 void AppScene::depart(const AppCommand& departure, std::span<SceneForce* const> forces) noexcept {
@@ -292,11 +324,11 @@ bool AppScene::edit(const SceneEdit& edit, std::int64_t now_ns,
     if (object == nullptr) continue;
     object->settings = edited.settings;
     if (edited.moved) {
-      object->motion = PoseInterpolator({}, edited.settings.placement);
+      put_at(*object, edited.settings.placement, now_ns);
       object->driver = 0;
     }
     note_scale(edited.settings);
-    hand_on(*object, object->motion.at(now_ns), forces);
+    hand_on(*object, forces);
   }
   note_stiffness();
   for (const EditedObject& added : edit.added) {

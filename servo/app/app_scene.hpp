@@ -18,8 +18,7 @@ namespace spm::servo {
 
 /// What applications requested in a tick, beside moving objects.
 struct AppChanges {
-  bool felt_anew = false;  ///< objects were added or feel different: forces have to fade in again
-  bool silent = false;     ///< an application that moved objects no longer answers
+  bool silent = false;  ///< an application that moved objects no longer answers
   /// since the loop began, an application has moved, added or changed objects
   bool touched = false;
   double stiffest = 0;  ///< N/m, of the objects that are in the scene now
@@ -91,29 +90,32 @@ class AppScene {
 
   [[nodiscard]] Object* find(std::uint64_t id) noexcept;
   [[nodiscard]] static Refusal take(Object& object, const AppCommand& command) noexcept;
+  [[nodiscard]] static Refusal take_to_move(Object* object, const AppCommand& command) noexcept;
   [[nodiscard]] Refusal follow(const AppCommand& command, std::int64_t now_ns,
                                std::span<SceneForce* const> forces) noexcept;
   [[nodiscard]] Refusal add(const AppCommand& command,
                             std::span<SceneForce* const> forces) noexcept;
   [[nodiscard]] Refusal move(const AppCommand& command, std::int64_t now_ns) noexcept;
+  [[nodiscard]] Refusal place(const AppCommand& command, std::int64_t now_ns,
+                              std::span<SceneForce* const> forces) noexcept;
+  static void put_at(Object& object, const Placement& place, std::int64_t now_ns) noexcept;
   [[nodiscard]] Refusal remove(const AppCommand& command,
                                std::span<SceneForce* const> forces) noexcept;
-  [[nodiscard]] Refusal change(const AppCommand& command, std::int64_t now_ns,
+  [[nodiscard]] Refusal change(const AppCommand& command,
                                std::span<SceneForce* const> forces) noexcept;
-  [[nodiscard]] Refusal set_method(const AppCommand& command, std::int64_t now_ns,
+  [[nodiscard]] Refusal set_method(const AppCommand& command,
                                    std::span<SceneForce* const> forces) noexcept;
   [[nodiscard]] Refusal stabilize(const AppCommand& command,
                                   std::span<SceneForce* const> forces) noexcept;
   [[nodiscard]] Refusal push(const AppCommand& command, std::int64_t now_ns) noexcept;
-  [[nodiscard]] Refusal set_effect(const AppCommand& command) noexcept;
+  [[nodiscard]] Refusal set_effect(const AppCommand& command, std::int64_t now_ns) noexcept;
   void depart(const AppCommand& departure, std::span<SceneForce* const> forces) noexcept;
   [[nodiscard]] bool put(const Object& added, std::span<SceneForce* const> forces) noexcept;
   [[nodiscard]] std::size_t place_of(const Object& object) const noexcept {
     return static_cast<std::size_t>(&object - objects_.data());
   }
   static void set_material(const AppMaterial& material, PlacedObject& object) noexcept;
-  void hand_on(const Object& object, const InterpolatedPose& at,
-               std::span<SceneForce* const> forces) const noexcept;
+  void hand_on(const Object& object, std::span<SceneForce* const> forces) const noexcept;
   void drop(std::size_t place, std::span<SceneForce* const> forces) noexcept;
   [[nodiscard]] std::size_t free_places() const noexcept;
   void note_stiffness() noexcept;
@@ -140,7 +142,6 @@ class AppScene {
   StabilizationSettings own_;       ///< the scene's, which applications may switch off and on
   bool stabilized_;                 ///< the scene is now
   std::uint32_t acknowledged_ = 0;  ///< devices, in this tick
-  bool felt_anew_ = false;
   bool touched_ = false;
   double stiffest_ = 0;  ///< N/m
   std::vector<AppObject> published_;

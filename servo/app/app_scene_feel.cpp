@@ -31,12 +31,11 @@ void AppScene::set_form(std::size_t asset, bool full,
     Method& method = object.settings.force.method;
     if (!object.is_there || object.settings.asset != asset || method != Method::paper) continue;
     method = default_method;
-    hand_on(object, object.now, forces);
+    hand_on(object, forces);
   }
 }
 
-Refusal AppScene::change(const AppCommand& command, std::int64_t now_ns,
-                         std::span<SceneForce* const> forces) noexcept {
+Refusal AppScene::change(const AppCommand& command, std::span<SceneForce* const> forces) noexcept {
   Object* object = find(command.object);
   if (object == nullptr) return Refusal::unknown_object;
   // The paper's method has other effects.
@@ -46,14 +45,14 @@ Refusal AppScene::change(const AppCommand& command, std::int64_t now_ns,
   }
   if (const Refusal refusal = take(*object, command); refusal != Refusal::none) return refusal;
   set_material(command.material, object->settings);
-  hand_on(*object, object->motion.at(now_ns), forces);
+  hand_on(*object, forces);
   note_stiffness();
-  felt_anew_ = true;
+  touched_ = true;
   return Refusal::none;
 }
 
 /// A tool is of one form, which what it meets has to suit.
-Refusal AppScene::set_method(const AppCommand& command, std::int64_t now_ns,
+Refusal AppScene::set_method(const AppCommand& command,
                              std::span<SceneForce* const> forces) noexcept {
   Object* object = find(command.object);
   if (object == nullptr) return Refusal::unknown_object;
@@ -68,8 +67,8 @@ Refusal AppScene::set_method(const AppCommand& command, std::int64_t now_ns,
   }
   if (const Refusal refusal = take(*object, command); refusal != Refusal::none) return refusal;
   object->settings.force = wanted;
-  hand_on(*object, object->motion.at(now_ns), forces);
-  felt_anew_ = true;
+  hand_on(*object, forces);
+  touched_ = true;
   return Refusal::none;
 }
 
@@ -81,15 +80,15 @@ Refusal AppScene::stabilize(const AppCommand& command,
   const StabilizationSettings wanted = command.on && own_.any() ? own_ : in_loop_of(own_, named);
   for (SceneForce* force : forces) force->stabilize(wanted);
   stabilized_ = wanted.any();
-  felt_anew_ = true;
+  touched_ = true;
   return Refusal::none;
 }
 
-/// Gives the forces an object's settings and where it is now.
-void AppScene::hand_on(const Object& object, const InterpolatedPose& at,
-                       std::span<SceneForce* const> forces) const noexcept {
+/// Gives the forces an object's settings, where it was in the last tick: how it moves on is no
+/// change of it.
+void AppScene::hand_on(const Object& object, std::span<SceneForce* const> forces) const noexcept {
   PlacedObject settings = object.settings;
-  const Placement& now = at.pose;
+  const Placement& now = object.now.pose;
   settings.placement.position = now.position;
   settings.placement.rotation = now.rotation;
   for (SceneForce* force : forces) force->change(place_of(object), settings);

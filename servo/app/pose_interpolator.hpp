@@ -52,6 +52,9 @@ class PoseInterpolator {
   /// call). What is under way goes on from where it is, as fast as is allowed now.
   void set_reach(double reach, std::int64_t now_ns) noexcept;
 
+  /// Sets the largest speed, m/s, above 0, from the next pose on.
+  void set_max_speed(double speed) noexcept { settings_.max_speed = speed; }
+
   /// The pose at a time that is not before the time of the last call.
   [[nodiscard]] InterpolatedPose at(std::int64_t now_ns) const noexcept;
 

@@ -47,7 +47,11 @@ ContactModel::ContactModel(const ContactSettings& settings) noexcept
 }
 
 void ContactModel::reset() noexcept {
+  rest();
   proxy_ = {};
+}
+
+void ContactModel::rest() noexcept {
   friction_ = {};
   velocity_.reset();
   coupling_.reset();
@@ -70,6 +74,7 @@ void ContactModel::continue_from(const ContactModel& other) noexcept {
   last_known_ = other.last_known_;
   held_ = other.held_;
   held_at_ = other.held_at_;
+  coupling_.continue_from(other.coupling_);
   if (settings_.velocity == other.settings_.velocity) velocity_ = other.velocity_;
 }
 
@@ -176,7 +181,7 @@ void ContactModel::add_effects(const AssetView& asset, const Vector3& point, std
     return;
   }
   if (settings_.force.method == Method::paper) {
-    add_paper_effects(asset, point, motion, contact);
+    add_paper_effects(asset, point, motion, ticks, contact);
     return;
   }
   Vector3 reaction = contact.force;
@@ -192,7 +197,8 @@ void ContactModel::add_effects(const AssetView& asset, const Vector3& point, std
 }
 
 void ContactModel::add_paper_effects(const AssetView& asset, const Vector3& point,
-                                     const Vector3& motion, ContactForce& contact) noexcept {
+                                     const Vector3& motion, std::uint64_t ticks,
+                                     ContactForce& contact) noexcept {
   const EffectSettings& effects = settings_.effects;
   const PaperContact found = paper_place(asset, settings_.force, point, contact);
   Vector3 reaction = contact.force;
@@ -205,7 +211,7 @@ void ContactModel::add_paper_effects(const AssetView& asset, const Vector3& poin
   const Vector3 along = motion - motion.dot(normal) * normal;
   contact.force = haptic_force(
       reaction, paper_friction(effects.friction_force, effects.friction_depth, found, motion),
-      paper_damping(effects.damping, along / settings_.tick));
+      paper_damping(effects.damping, along / (settings_.tick * static_cast<double>(ticks))));
 }
 
 }  // namespace spm

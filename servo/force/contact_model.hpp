@@ -49,6 +49,8 @@ class ContactModel {
 
   /// Forgets all state: at the start, and where the hand was away.
   void reset() noexcept;
+  /// A tick without force: keeps what holds the hand, and forgets motion and friction.
+  void rest() noexcept;
   /// Keeps what holds the hand, and forgets what was remembered of the asset: it was exchanged.
   void exchange() noexcept {
     lattice_.forget();
@@ -88,7 +90,7 @@ class ContactModel {
   void add_effects(const AssetView& asset, const Vector3& point, std::uint64_t ticks,
                    ContactForce& contact) noexcept;
   void add_paper_effects(const AssetView& asset, const Vector3& point, const Vector3& motion,
-                         ContactForce& contact) noexcept;
+                         std::uint64_t ticks, ContactForce& contact) noexcept;
 };
 
 }  // namespace spm

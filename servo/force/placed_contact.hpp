@@ -52,10 +52,12 @@ class PlacedContact {
     position_ = position;
     rotation_ = rotation.toRotationMatrix();
   }
-  /// Puts the object at the position of another one.
+  /// Puts the object at the position of another one, which moved as that did.
   void place_as(const PlacedContact& other) noexcept {
-    position_ = seat_ = other.position_;
-    rotation_ = seat_rotation_ = other.rotation_;
+    position_ = other.position_;
+    rotation_ = other.rotation_;
+    seat_ = other.seat_;
+    seat_rotation_ = other.seat_rotation_;
   }
   /// m, world.
   [[nodiscard]] const Vector3& position() const noexcept { return position_; }
@@ -68,6 +70,8 @@ class PlacedContact {
 
   /// Forgets all state: at the start, and where the hand was away.
   void reset() noexcept;
+  /// A tick without force: the hand stays on its side.
+  void rest() noexcept { model_.rest(); }
   /// Takes up that the asset was exchanged.
   void exchange() noexcept { model_.exchange(); }
   /// Goes on with the contact of an object that has other settings now. It begins anew if the

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "servo/force/felt_object.hpp"
+
 namespace spm {
 
 ForceScene scene_of(const ForceSettings& force, const EffectSettings& effects) {
@@ -43,6 +45,7 @@ SceneForce::SceneForce(const ForceScene& scene, double tick, double encoder_step
       stabilization_(scene.stabilization),
       asked_delay_(scene.stabilization.delay_ticks),
       stabilizer_(scene.stabilization, tick, encoder_step),
+      blend_(tick),
       hand_number_(hand_number) {
   objects_.reserve(scene.objects.size() + room);
   if (const ToolSettings* held = tool_of(scene, hand_number)) {
@@ -60,13 +63,16 @@ SceneForce::SceneForce(const ForceScene& scene, double tick, double encoder_step
   for (const PlacedObject& object : scene.objects) static_cast<void>(add(object));
 }
 
+/// N/m: the most that an object may be felt with.
+double SceneForce::most_stiffness(const PlacedObject& object) const noexcept {
+  if (!object.stiffness_chosen) return limits_.stiffness;
+  return std::min(limits_.stiffness, limits_.stable * stable_share());
+}
+
 PlacedContact SceneForce::contact_of(const PlacedObject& object) const noexcept {
   PlacedObject capped = object;
   capped.force.probe_axis = rotation_ * object.force.probe_axis;
-  double most = limits_.stiffness;
-  if (object.stiffness_chosen) {
-    most = std::min(most, limits_.stable * stable_share());
-  }
+  const double most = most_stiffness(object);
   capped.force.stiffness = std::min(object.force.stiffness, most);
   FrictionSettings& friction = capped.effects.friction;
   friction.stiffness = std::min(friction.stiffness, most);
@@ -86,7 +92,8 @@ std::optional<std::size_t> SceneForce::add(const PlacedObject& object) noexcept 
 }
 
 std::optional<std::size_t> SceneForce::put(const PlacedObject& object) noexcept {
-  Object added{object, contact_of(object), true, {}, {}};
+  Object added{object, object, object, contact_of(object)};
+  added.changed = true;
   for (std::size_t i = 0; i < objects_.size(); ++i) {
     if (objects_[i].is_there) continue;
     objects_[i] = std::move(added);
@@ -99,14 +106,71 @@ std::optional<std::size_t> SceneForce::put(const PlacedObject& object) noexcept 
   return objects_.size() - 1;
 }
 
-void SceneForce::change(std::size_t object, const PlacedObject& settings) noexcept {
-  if (object >= objects_.size()) return;
-  PlacedContact contact = contact_of(settings);
-  contact.continue_from(objects_[object].contact);
-  if (tool_ && settings.asset != objects_[object].settings.asset) tool_->exchange(object);
-  objects_[object].settings = settings;
-  objects_[object].contact = contact;
-  if (listener_ != nullptr) listener_->changed(object, settings);
+/// Makes an object's contact anew from what is felt of it; the hand stays on its side.
+void SceneForce::remake(Object& object) noexcept {
+  PlacedContact contact = contact_of(object.felt);
+  contact.place_as(object.contact);
+  contact.continue_from(object.contact);
+  object.contact = contact;
+}
+
+void SceneForce::change(std::size_t number, const PlacedObject& settings) noexcept {
+  if (number >= objects_.size()) return;
+  Object& object = objects_[number];
+  const Placement& place = settings.placement;
+  const bool stays = place.position == object.contact.position() &&
+                     place.rotation.toRotationMatrix() == object.contact.pose().linear();
+  const bool other = !feels_the_same(object.settings, settings);
+  const bool exchanged = settings.asset != object.settings.asset;
+  if (stays && !other) {
+    object.settings = settings;
+    return;
+  }
+  if (!feels_alike(object.settings, settings)) {
+    object.felt = settings;
+    object.changed = true;
+    object.under_way = false;
+    PlacedContact contact = contact_of(settings);
+    contact.continue_from(object.contact);
+    object.contact = contact;
+  } else if (other) {
+    object.begun = object.felt;
+    object.under_way = true;
+  }
+  if (!stays) {
+    object.contact.reset();
+    object.contact.place(place.position, place.rotation);
+    object.changed = true;
+  }
+  changed_ = changed_ || (object.changed && object.touches());
+  object.settings = settings;
+  if (tool_ && exchanged) tool_->exchange(number);
+  if (listener_ != nullptr) listener_->changed(number, settings);
+}
+
+/// Takes what is felt of the objects nearer to their settings.
+void SceneForce::go_on(std::uint64_t ticks) noexcept {
+  const double seconds = static_cast<double>(ticks) * tick_;
+  double pressing = 0;
+  for (const Object& object : objects_) {
+    if (object.is_there) pressing += object.reaction.force.norm();
+  }
+  for (Object& object : objects_) {
+    object.given = 0;
+    if (!object.is_there || !object.under_way) continue;
+    const double before = object.contact.stiffness();
+    PlacedObject wanted = object.settings;
+    const double most = most_stiffness(wanted);
+    wanted.force.stiffness = std::min(wanted.force.stiffness, most);
+    object.felt.force.stiffness = std::min(object.felt.force.stiffness, most);
+    step_towards(object.felt, object.begun, wanted, seconds, pressing);
+    // Nobody feels how an object changes that no hand is in.
+    const bool unfelt = !tool_ && !object.found.contact;
+    object.under_way = !unfelt && !feels_the_same(object.felt, wanted);
+    if (!object.under_way) object.felt = object.settings;
+    remake(object);
+    object.given = 0.5 * (object.contact.stiffness() - before) * object.pressed * object.pressed;
+  }
 }
 
 void SceneForce::set_delay(double ticks) noexcept {
@@ -134,22 +198,23 @@ void SceneForce::stabilize(const StabilizationSettings& settings) noexcept {
   stabilizer_ = Stabilizer(stabilization, tick_, encoder_step_ / scale_);
   if (tool_) tool_->stabilize(stabilization, stable_share());
   for (Object& object : objects_) {
-    PlacedContact contact = contact_of(object.settings);
-    contact.place_as(object.contact);
-    contact.continue_from(object.contact);
-    object.contact = contact;
-    object.reaction = {};
+    changed_ = changed_ || object.touches();
+    remake(object);
   }
   if (listener_ != nullptr) listener_->stabilized(stabilization);
 }
 
-void SceneForce::remove(std::size_t object) noexcept {
-  if (object >= objects_.size()) return;
-  objects_[object].is_there = false;
-  objects_[object].reaction = {};
-  stabilizer_.reset();
+void SceneForce::remove(std::size_t number) noexcept {
+  if (number >= objects_.size()) return;
+  Object& object = objects_[number];
+  const bool touched = object.touches();
+  changed_ = changed_ || touched;
+  object.is_there = object.under_way = object.changed = false;
+  object.reaction = {};
+  object.pressed = 0;
+  if (touched) stabilizer_.reset();
   if (tool_) tool_->rebalance();
-  if (listener_ != nullptr) listener_->removed(object);
+  if (listener_ != nullptr) listener_->removed(number);
 }
 
 void SceneForce::place(std::size_t object, const Vector3& position,
@@ -159,14 +224,40 @@ void SceneForce::place(std::size_t object, const Vector3& position,
   if (listener_ != nullptr) listener_->placed(object, position, rotation);
 }
 
-void SceneForce::reset() noexcept {
+/// Ends what is under way: no hand feels it.
+void SceneForce::settle() noexcept {
   stabilizer_.reset();
   if (tool_) tool_->reset();
   std::fill(seen_.begin(), seen_.end(), 0);
   for (Object& object : objects_) {
-    object.contact.reset();
+    if (object.under_way) {
+      object.felt = object.settings;
+      object.under_way = false;
+      remake(object);
+    }
     object.reaction = {};
+    object.found = {};
+    object.pressed = 0;
+    object.changed = false;
   }
+  blend_.end();
+  changed_ = felt_ = false;
+}
+
+void SceneForce::reset() noexcept {
+  settle();
+  for (Object& object : objects_) object.contact.reset();
+}
+
+void SceneForce::rest() noexcept {
+  settle();
+  for (Object& object : objects_) object.contact.rest();
+}
+
+ContactPatch SceneForce::touch(std::size_t number) const noexcept {
+  const Object& object = objects_[number];
+  return {point_ + object.pressed * object.normal, object.normal, -object.reaction.force,
+          object.pressed, static_cast<std::uint32_t>(number)};
 }
 
 NearSurface SceneForce::near_surface(std::size_t object, std::span<const AssetView* const> assets,
@@ -177,7 +268,10 @@ NearSurface SceneForce::near_surface(std::size_t object, std::span<const AssetVi
 }
 
 void SceneForce::exchange() noexcept {
-  for (Object& object : objects_) object.contact.exchange();
+  for (Object& object : objects_) {
+    object.contact.exchange();
+    changed_ = changed_ || object.touches();
+  }
   if (!tool_) return;
   for (std::size_t i = 0; i < tool_objects_.size(); ++i) tool_->exchange(i);
 }
@@ -218,7 +312,7 @@ ContactEnergy SceneForce::energy(const Vector3& point) noexcept {
     const double stiffness = share_ * object.contact.stiffness();
     energy.stiffness += stiffness * scale_;
     energy.stored += 0.5 * stiffness * object.pressed * object.pressed / scale_;
-    energy.carried -= object.reaction.force.dot(carried) / scale_;
+    energy.carried += (share_ * object.given - object.reaction.force.dot(carried)) / scale_;
   }
   return energy;
 }
@@ -255,9 +349,11 @@ ContactForce SceneForce::next(std::span<const AssetView* const> assets, const Ve
     reset();
     return {};
   }
-  const Vector3 point = position_ + scale_ * (rotation_ * hand);
+  const Vector3 point = point_ = position_ + scale_ * (rotation_ * hand);
+  go_on(ticks);
   ask(assets, point, ticks, budget);
   ContactForce sum;
+  stored_ = 0;
   std::size_t touching = 0;
   // By number, so that the sum does not depend on which object was asked first.
   for (Object& object : objects_) {
@@ -271,6 +367,7 @@ ContactForce SceneForce::next(std::span<const AssetView* const> assets, const Ve
     ++touching;
     sum.force += contact.force;
     touched_stiffness_ += object.contact.stiffness();
+    stored_ += 0.5 * object.contact.stiffness() * contact.depth * contact.depth / scale_;
     object.reaction.force = -contact.force;
     object.reaction.torque = (point - object.contact.position()).cross(-contact.force);
     if (!sum.contact || contact.depth > sum.depth) {
@@ -282,6 +379,7 @@ ContactForce SceneForce::next(std::span<const AssetView* const> assets, const Ve
   }
   share_ = touching > 1 && sum.depth > 0 ? share_within_limits(sum.depth) : 1;
   touched_stiffness_ *= share_;
+  stored_ *= share_;
   if (share_ < 1) {
     sum.force *= share_;
     for (Object& object : objects_) {
@@ -295,7 +393,47 @@ ContactForce SceneForce::next(std::span<const AssetView* const> assets, const Ve
     // Each force is finite; their sum may not be.
     if (!sum.force.allFinite()) return {};
   }
-  return stabilization_.acts_on_sum() ? stabilizer_.apply(sum, hand, energy(point), ticks) : sum;
+  const ContactForce law =
+      stabilization_.acts_on_sum() ? stabilizer_.apply(sum, hand, energy(point), ticks) : sum;
+  return blended(law, {hand, Eigen::Quaterniond::Identity()}, ticks);
+}
+
+/// What was felt in the last tick, as a spring that holds the energy that was held then, as far as
+/// a spring of up to twice the stiffness does.
+WrenchSpring SceneForce::spring_of_last() const noexcept {
+  const double touched = last_stiffness_ > 0 ? last_stiffness_ : ForceSettings{}.stiffness;
+  const double stored = blend_.law_share() * stored_ + blend_.energy_at(last_hand_);
+  const double holding = stored > 0 ? 0.5 * last_.force.squaredNorm() / stored : touched;
+  return {last_, last_hand_, std::clamp(holding, touched, 2 * touched),
+          tool_ ? tool_->coupling().turning : 0};
+}
+
+/// What a hand feels where the law gives that, so that no change of the objects makes a step.
+ContactForce SceneForce::blended(const ContactForce& law, const HandPose& hand,
+                                 std::uint64_t ticks) noexcept {
+  for (Object& object : objects_) {
+    changed_ = changed_ || (object.changed && object.touches());
+    object.changed = false;
+  }
+  law_ = {law.force, law.torque};
+  if (changed_ && felt_) {
+    const WrenchSpring before = spring_of_last();
+    const double seconds = static_cast<double>(ticks) * tick_;
+    const bool steps = blend_.running() || differ_by_a_step(before.wrench_at(hand), law_, seconds);
+    if (steps) blend_.begin(before);
+  }
+  changed_ = false;
+  felt_ = true;
+  ContactForce felt = law;
+  if (blend_.running()) {
+    const Wrench wrench = blend_.next(law_, hand, ticks);
+    felt.force = wrench.force;
+    felt.torque = wrench.torque;
+  }
+  last_ = {felt.force, felt.torque};
+  last_hand_ = hand;
+  last_stiffness_ = tool_ ? tool_->coupling().stiffness : touched_stiffness_ * scale_;
+  return felt;
 }
 
 }  // namespace spm

@@ -12,6 +12,7 @@
 #include "common/base/wrench.hpp"
 #include "common/contact/stable_stiffness.hpp"
 #include "servo/force/default_settings.hpp"
+#include "servo/force/force_blend.hpp"
 #include "servo/force/placed_contact.hpp"
 #include "servo/force/scene_listener.hpp"
 #include "servo/force/tool_force.hpp"
@@ -121,10 +122,13 @@ class SceneForce {
   /// that a hand touches moves under it; one that moves into the hand pushes it.
   void place(std::size_t object, const Vector3& position,
              const Eigen::Quaterniond& rotation) noexcept;
-  /// Adds an object and returns its number; nothing if there is no room for it.
+  /// Adds an object and returns its number; nothing if there is no room for it. A hand that it
+  /// touches feels it come, by ForceBlend.
   [[nodiscard]] std::optional<std::size_t> add(const PlacedObject& object) noexcept;
-  /// Gives an object other settings, its place included. A hand that touches it stays on its side;
-  /// where asset, scale or method change, the contact begins anew.
+  /// Gives an object other settings, its place included. What is the same already changes nothing.
+  /// Numbers of the material go over into the new ones (step_towards). A hand that touches the
+  /// object stays on its side; where asset, scale or method change, the contact begins anew. What
+  /// else changes, and another place, comes by ForceBlend to a hand that it touches.
   void change(std::size_t object, const PlacedObject& settings) noexcept;
   /// Gives the scene other stabilization settings. Hands stay on their sides of what they touch.
   void stabilize(const StabilizationSettings& stabilization) noexcept;
@@ -144,13 +148,18 @@ class SceneForce {
   [[nodiscard]] double stiffest() const noexcept;
   /// N/m, of all objects that were touched in the last tick, together, as they were felt; world.
   [[nodiscard]] double touched_stiffness() const noexcept { return touched_stiffness_; }
-  /// Removes an object together with its force. Its number may be given to another object.
+  /// Removes an object. A hand that touched it feels it go, by ForceBlend. Its number may be given
+  /// to another object.
   void remove(std::size_t object) noexcept;
   /// What the hand did to an object in the last tick: N, and N m about its origin; world frame.
   /// What stabilization takes from the hand acts on no object.
   [[nodiscard]] const Wrench& reaction(std::size_t object) const noexcept {
     return objects_[object].reaction;
   }
+
+  /// Where a point or a ball touched an object in the last tick, and its force on the hand, N;
+  /// world. Without contact the force is zero.
+  [[nodiscard]] ContactPatch touch(std::size_t object) const noexcept;
 
   /// An object's surface as a probe at `point` sees it, world frame; unknown if there is no such
   /// object. `assets` as of `next`.
@@ -163,6 +172,9 @@ class SceneForce {
 
   /// Forgets all state: at the start, and when the hand was away.
   void reset() noexcept;
+  /// A tick without force. Motion, friction and what is under way are forgotten; a hand stays on
+  /// its side of what it touched. A tool with six degrees of freedom forgets all.
+  void rest() noexcept;
   /// Takes up that an asset was exchanged: what was remembered of its samples is forgotten, and
   /// hands stay on their sides.
   void exchange() noexcept;
@@ -170,21 +182,35 @@ class SceneForce {
  private:
   struct Object {
     PlacedObject settings;  ///< as they were given; the object may have moved since
-    PlacedContact contact;
+    PlacedObject felt;      ///< on their way from `begun` to the settings
+    PlacedObject begun;
+    PlacedContact contact;  ///< as it is felt
     bool is_there = true;
-    Wrench reaction;
-    ContactForce found;                ///< in the last tick
+    bool under_way = false;  ///< `felt` is not the settings yet
+    bool changed = false;    ///< since the last tick, but not on such a way
+    Wrench reaction{};
+    ContactForce found{};              ///< in the last tick
     double pressed = 0;                ///< m of the world, in the last tick
+    double given = 0;                  ///< J, to the contact's spring by the last step of `felt`
     Vector3 normal = Vector3::Zero();  ///< unit, world, where it was pressed
+
+    [[nodiscard]] bool touches() const noexcept { return is_there && !reaction.force.isZero(0); }
   };
 
   [[nodiscard]] std::optional<std::size_t> put(const PlacedObject& object) noexcept;
+  void go_on(std::uint64_t ticks) noexcept;
+  void remake(Object& object) noexcept;
+  void settle() noexcept;
+  [[nodiscard]] ContactForce blended(const ContactForce& law, const HandPose& hand,
+                                     std::uint64_t ticks) noexcept;
+  [[nodiscard]] WrenchSpring spring_of_last() const noexcept;
   void make_tools(const ForceScene& scene);
   [[nodiscard]] std::span<const ToolPush> meet_tools(
       std::span<const AssetView* const> assets) noexcept;
   [[nodiscard]] ContactForce next_with_tool(std::span<const AssetView* const> assets,
                                             const HandPose& hand, std::uint64_t ticks,
                                             const ForceBudget& budget) noexcept;
+  [[nodiscard]] double most_stiffness(const PlacedObject& object) const noexcept;
   [[nodiscard]] PlacedContact contact_of(const PlacedObject& object) const noexcept;
   void ask(std::span<const AssetView* const> assets, const Vector3& point, std::uint64_t ticks,
            const ForceBudget& budget) noexcept;
@@ -202,7 +228,15 @@ class SceneForce {
   Stabilizer stabilizer_;                ///< stabilization of the sum
   double share_ = 1;                     ///< of all forces that is felt, in the last tick
   double touched_stiffness_ = 0;
-  std::vector<Object> objects_;  ///< never grows beyond its capacity
+  double stored_ = 0;  ///< J, in the springs of what was touched in the last tick
+  ForceBlend blend_;
+  bool changed_ = false;  ///< what was touched in the last tick has changed since
+  bool felt_ = false;     ///< there was a last tick
+  Wrench law_, last_;  ///< in the last tick: what the law gave, and what was felt; the hand's frame
+  HandPose last_hand_;
+  Vector3 point_ = Vector3::Zero();  ///< m, world: a point or a ball in the last tick
+  double last_stiffness_ = 0;        ///< N per metre of the hand, touched then
+  std::vector<Object> objects_;      ///< never grows beyond its capacity
   SceneListener* listener_ = nullptr;
   ForceEffort effort_;
   std::size_t turn_ = 0;  ///< the object with which the next tick begins

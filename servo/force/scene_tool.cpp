@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "common/base/rigid_pose.hpp"
+#include "servo/force/contact_part.hpp"
 #include "servo/force/scene_force.hpp"
 
 namespace spm {
@@ -55,10 +56,17 @@ void SceneForce::take_tool(SampledTool* tool, std::size_t hand_number) noexcept 
 const ToolTick& SceneForce::tool() const noexcept { return tool_ ? tool_->tick() : no_tool; }
 
 void SceneForce::sent(const Wrench& wrench) noexcept {
+  const double share = blend_.law_share();
+  Wrench law = wrench;
+  // What is felt of the time before a change is no work of the law.
+  if (share < 1) {
+    const Wrench part{share * law_.force, share * law_.torque};
+    law = contact_part(wrench, part, {last_.force - part.force, last_.torque - part.torque});
+  }
   if (tool_) {
-    tool_->sent(wrench);
+    tool_->sent(law);
   } else {
-    stabilizer_.sent(wrench.force);
+    stabilizer_.sent(law.force);
   }
 }
 
@@ -78,6 +86,7 @@ ContactForce SceneForce::next(std::span<const AssetView* const> assets, const Ha
 ContactForce SceneForce::next_with_tool(std::span<const AssetView* const> assets,
                                         const HandPose& hand, std::uint64_t ticks,
                                         const ForceBudget& budget) noexcept {
+  go_on(ticks);
   std::fill(tool_objects_.end() - static_cast<std::ptrdiff_t>(tools_.size()), tool_objects_.end(),
             ToolObject{});
   for (std::size_t i = 0; i < objects_.size(); ++i) {
@@ -87,15 +96,15 @@ ContactForce SceneForce::next_with_tool(std::span<const AssetView* const> assets
     ToolObject& made = tool_objects_[i];
     made.asset = assets[object.contact.asset()];
     made.pose = object.contact.pose();
-    made.settings = &object.settings;
+    made.settings = &object.felt;
   }
   const std::span<const ToolPush> pushes = meet_tools(assets);
-  ContactForce contact = tool_->next(hand, tool_objects_, pushes, ticks, budget, effort_);
+  const ContactForce contact = tool_->next(hand, tool_objects_, pushes, ticks, budget, effort_);
   for (std::size_t i = 0; i < objects_.size(); ++i) {
     objects_[i].reaction = tool_objects_[i].reaction;
   }
   touched_stiffness_ = contact.contact ? tool_->coupling().stiffness / scale_ : 0;
-  return contact;
+  return blended(contact, hand, ticks);
 }
 
 }  // namespace spm

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <utility>
 
 #include "common/base/turn_between.hpp"
 
@@ -136,12 +137,13 @@ ForceOff Channel::off(DeviceHealth health, const HandPose& hand, std::uint64_t t
   return gate.jumped(hand, tick) ? ForceOff::jumped : ForceOff::none;
 }
 
-bool Channel::is_clutched(const DeviceState& state) const noexcept {
+bool Channel::is_clutched_by_button(const DeviceState& state) const noexcept {
   const std::uint32_t button = device->capabilities().clutch_button;
-  return app_clutched || (button > 0 && ((state.buttons >> (button - 1)) & 1U) != 0);
+  return button > 0 && ((state.buttons >> (button - 1)) & 1U) != 0;
 }
 
 void Channel::account(DeviceCounters& counters, const SafeWrench& sent) noexcept {
+  if (record.cause == ForceOff::jumped) work.forget();
   counters.energy += work.next(record.hand, sent.wrench());
   counters.generated_max = std::max(counters.generated_max, counters.energy);
   counters.contact_ticks += record.contact ? 1 : 0;
@@ -164,6 +166,19 @@ void Channel::account(DeviceCounters& counters, const SafeWrench& sent) noexcept
 void Channel::forget() noexcept {
   force.reset();
   forgot = true;
+}
+
+void Channel::rest() noexcept {
+  force.rest();
+  resting = true;
+}
+
+void Channel::resume(const HandPose& tool) noexcept {
+  const bool same = (tool.position - left_at.position).norm() <= kept_way &&
+                    (!force.has_tool() ||
+                     turn_between(left_at.orientation, tool.orientation).norm() <= kept_turn);
+  if (std::exchange(resting, false) && !same) forget();
+  left_at = tool;
 }
 
 void Channel::feel(double stiffness, double rate_hz) noexcept {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <array>
 #include <cstdint>
 
 #include "servo/devices/base/device.hpp"
@@ -37,6 +38,11 @@ class Clutch {
   HandPose tool_;                                             ///< where it was last
 };
 
+/// m, and rad of a tool that turns: how far a hand may move while there is no force, and stay on
+/// its side of what it touched. It is more than a hand presses into what is stiff enough to lean on
+/// (8 N at 2 N/mm), and less than a hand moves to go round something.
+inline constexpr double kept_way = 0.005, kept_turn = 0.1;
+
 /// The velocities of one hand, m/s and rad/s, in the hand's frame.
 class HandVelocity {
  public:
@@ -67,6 +73,8 @@ class WorkAccount {
   /// J, on the hand, of the wrench that was sent last, now that the hand is here. `sent` acts from
   /// now on.
   [[nodiscard]] double next(const HandPose& hand, const Wrench& sent) noexcept;
+  /// The way to the next place is not believed.
+  void forget() noexcept { last_known_ = false; }
 
  private:
   HandPose last_;
@@ -84,12 +92,17 @@ struct Channel {
   /// Why the device's answer cannot be used; `none` if it can.
   [[nodiscard]] ForceOff off(DeviceHealth health, const HandPose& hand,
                              std::uint64_t tick) noexcept;
-  /// Whether the hand moves freely, by request of an application or by the device's own button.
-  [[nodiscard]] bool is_clutched(const DeviceState& state) const noexcept;
+  /// Whether the device's own clutch button is held, so that the hand moves freely.
+  [[nodiscard]] bool is_clutched_by_button(const DeviceState& state) const noexcept;
   /// Counts a tick, whose record is complete.
   void account(DeviceCounters& counters, const SafeWrench& sent) noexcept;
   /// The force law forgets all.
   void forget() noexcept;
+  /// A tick without force: the hand keeps its side of what it touches.
+  void rest() noexcept;
+  /// Force comes back, with the tool at that place. One that went farther than `kept_way` meanwhile
+  /// is on no side any more.
+  void resume(const HandPose& tool) noexcept;
   /// Sets the slew limits for what is felt, N/m at the hand.
   void feel(double stiffness, double rate_hz) noexcept;
 
@@ -101,13 +114,16 @@ struct Channel {
   TickRecord record;
   std::uint64_t ticks = 1;  ///< since the force law was last called
   std::uint64_t last_tick = 0;
-  HandPose believed;  ///< the last pose that the device told
-  double force_cap;   ///< N, of device and scene; applications may lower it
-  double arm = 0;     ///< m of the hand, how far the tool's farthest place is from it
+  HandPose believed;     ///< the last pose that the device told
+  HandPose left_at;      ///< the tool in the last tick with force
+  bool resting = false;  ///< there was none in the last tick
+  double force_cap;      ///< N, of device and scene; applications may lower it
+  double arm = 0;        ///< m of the hand, how far the tool's farthest place is from it
   Clutch clutch;
   HandVelocity motion;  ///< of the tool
   WorkAccount work;
   DelayWatch delay;
+  std::array<ContactPatch, max_patches> touches{};  ///< of a point or a ball in this tick
   DeviceHealth written = DeviceHealth::ok;
   bool forgot = true;         ///< the force law was reset since it was last called
   bool acknowledged = false;  ///< a fault, by an application in this tick

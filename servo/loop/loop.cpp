@@ -17,6 +17,11 @@ constexpr std::int64_t lead_ns = 2'000'000;
 
 constexpr int warm_up_rounds = 64;
 
+/// A difference of two clocks that are read one after the other is less.
+constexpr std::int64_t shortest_sleep_ns = 5'000'000;
+/// A machine that wakes finds its devices again in this time; none reports as seldom.
+constexpr std::int64_t waking_ns = 250'000'000;
+
 /// For a loop whose pace a device sets: reports are waited for from this fraction of a period
 /// before a tick is due, and this fraction after it the tick begins without one. So a device that
 /// reports more often than the loop's rate cannot speed it up without bound, and one that falls
@@ -115,16 +120,7 @@ void Loop::run_ticks(TickSchedule schedule) noexcept {
     stopping = stop_.load(std::memory_order_relaxed) ||
                (settings_.ticks > 0 && schedule.index() + 1 >= settings_.ticks);
 
-    tell_beat(woke);
-    if (changes_ != nullptr) changes_->begin(schedule.index());
-    take_edit(woke);
-    begin_app(woke);
-    // After these two, because they may bring an object of an asset that was not needed before.
-    take_up();
-    follow_delay();
-    for (Channel& channel : channels_) serve(channel, schedule.index(), stopping);
-    end_app(schedule.index(), woke);
-
+    begin_tick(schedule.index(), woke, stopping);
     const std::int64_t finished = now_ns();
     bool touching = false, degraded = false;
     for (Channel& channel : channels_) {
@@ -140,6 +136,19 @@ void Loop::run_ticks(TickSchedule schedule) noexcept {
     counters_.missed += skipped > 0 ? skipped + 1 : 0;
     tell_counts(woke, wake_lateness, finished - woke);
   }
+}
+
+/// What a tick does, but for telling how long it took.
+void Loop::begin_tick(std::uint64_t tick, std::int64_t woke, bool stopping) noexcept {
+  tell_beat(woke);
+  if (changes_ != nullptr) changes_->begin(tick);
+  take_edit(woke);
+  begin_app(woke);
+  // After these two, because they may bring an object of an asset that was not needed before.
+  take_up();
+  follow_delay();
+  for (Channel& channel : channels_) serve(channel, tick, stopping);
+  end_app(tick, woke);
 }
 
 /// Hands a tick's record on.
@@ -170,7 +179,6 @@ void Loop::follow_delay() noexcept {
   if (!changed) return;
   for (Channel& channel : channels_) {
     channel.force.set_delay(longest);
-    channel.safety.restart();
     if (app_) tell_effects(channel);
   }
 }
@@ -180,6 +188,10 @@ void Loop::tell_beat(std::int64_t woke) noexcept {
   if (settings_.beat != nullptr) settings_.beat->store(woke, std::memory_order_relaxed);
   const std::int64_t before = std::exchange(last_woke_, woke);
   stood_still_ = before != 0 && woke - before >= loop_stall_ns;
+  // CLOCK_MONOTONIC stands still while the machine sleeps.
+  const std::int64_t asleep = settings_.asleep();
+  const std::int64_t slept = asleep - std::exchange(asleep_, asleep);
+  if (before != 0 && slept >= shortest_sleep_ns) awake_from_ = woke + waking_ns;
 }
 
 /// An asset without objects may be lost without effect, unless it is the tool.
@@ -193,10 +205,7 @@ void Loop::take_edit(std::int64_t now_ns) noexcept {
   const bool done = app_->edit(*edit, now_ns, forces_);
   if (done) {
     slots_in_use_ = std::clamp(edit->assets, slots_in_use_, slots_.size());
-    for (Channel& channel : channels_) {
-      if (edit->felt) channel.safety.restart();
-      channel.record.edited = true;
-    }
+    for (Channel& channel : channels_) channel.record.edited = true;
   }
   edits_->answer_with(done ? EditAnswer::done : EditAnswer::no_room);
 }
@@ -219,7 +228,6 @@ void Loop::take_up() noexcept {
   had_assets_ = had_assets_ || complete_;
   if (!changed) return;
   for (Channel& channel : channels_) {
-    channel.safety.restart();
     channel.force.exchange();
     channel.record.exchanged = true;
   }

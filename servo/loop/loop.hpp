@@ -4,6 +4,7 @@
 #include <atomic>
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "servo/app/app_scene.hpp"
@@ -46,6 +47,13 @@ class Loop {
   /// Runs until `stop` is set, or until the settings' ticks are over. The last wrench that is sent
   /// is zero.
   void run() noexcept;
+  /// One tick of the grid alone, at a time that the caller gives, as of now_ns: for simulations
+  /// that do not wait for the clock. Not beside `run`.
+  void step(std::uint64_t tick, std::int64_t now_ns) noexcept { begin_tick(tick, now_ns, false); }
+  /// What was recorded of a device's last tick.
+  [[nodiscard]] const TickRecord& record_of(std::size_t device) const {
+    return channels_[device].record;
+  }
 
   /// Valid when `run` has returned.
   [[nodiscard]] const LoopCounters& counters() const noexcept { return counters_; }
@@ -63,6 +71,7 @@ class Loop {
  private:
   void warm_up() noexcept;
   void run_ticks(TickSchedule schedule) noexcept;
+  void begin_tick(std::uint64_t tick, std::int64_t woke, bool stopping) noexcept;
   void wait_for(TickSchedule& schedule) noexcept;
   void serve(Channel& channel, std::uint64_t tick, bool stopping) noexcept;
   [[nodiscard]] ForceOff cause_before_forces(Channel& channel, ForceOff device,
@@ -84,7 +93,8 @@ class Loop {
   void tell_counts(std::int64_t woke, std::int64_t wake_ns, std::int64_t busy_ns) noexcept;
   void tell(Channel& channel, const DeviceState& state, DeviceHealth health,
             const ContactForce& contact, const SafeWrench& sent) noexcept;
-  static void tell_tool(const Channel& channel, AppDevice& published) noexcept;
+  static void tell_tool(Channel& channel, AppDevice& published) noexcept;
+  [[nodiscard]] static std::span<const ContactPatch> touches(Channel& channel) noexcept;
   [[nodiscard]] HandPose hand_of_tool(const HandPose& tool, std::size_t device) const noexcept;
   void take_up() noexcept;
   void take_tool(std::size_t number, const ServedAsset* asset) noexcept;
@@ -108,14 +118,16 @@ class Loop {
   // One for each asset, null if there is none now:
   std::vector<const ServedAsset*> served_;
   std::vector<const AssetView*> views_;
-  double stiffness_;            ///< N per metre of the hand, of the stiffest object in the scene
-  std::int64_t last_woke_ = 0;  ///< when the last tick began; 0: none did
-  std::int64_t due_ = 0;        ///< when this tick was due
-  bool stood_still_ = false;    ///< before this tick, for so long that guards sent zero force
-  bool delay_told_ = false;     ///< forces know the devices' delays
-  bool app_silent_ = false;     ///< an application that moved objects no longer answers
-  bool complete_ = false;       ///< all assets are there
-  bool had_assets_ = false;     ///< they were all there once
+  double stiffness_;             ///< N per metre of the hand, of the stiffest object in the scene
+  std::int64_t last_woke_ = 0;   ///< when the last tick began; 0: none did
+  std::int64_t due_ = 0;         ///< when this tick was due
+  bool stood_still_ = false;     ///< before this tick, for so long that guards sent zero force
+  std::int64_t asleep_ = 0;      ///< ns that the machine had slept in the last tick
+  std::int64_t awake_from_ = 0;  ///< until then what devices tell may be from before a sleep
+  bool delay_told_ = false;      ///< forces know the devices' delays
+  bool app_silent_ = false;      ///< an application that moved objects no longer answers
+  bool complete_ = false;        ///< all assets are there
+  bool had_assets_ = false;      ///< they were all there once
 };
 
 }  // namespace spm::servo

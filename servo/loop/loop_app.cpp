@@ -12,7 +12,6 @@ void Loop::begin_app(std::int64_t now_ns) noexcept {
   app_silent_ = changes.silent;
   follow_stiffness(changes.stiffest * settings_.scene.workspace.scale);
   for (Channel& channel : channels_) {
-    if (changes.felt_anew) channel.safety.restart();
     channel.record.touched = changes.touched;
     const std::uint32_t device = channel.record.device;
     channel.app_clutched = changes.clutches->held(device);
@@ -100,13 +99,33 @@ void Loop::tell(Channel& channel, const DeviceState& state, DeviceHealth health,
   published.angular_velocity = workspace.rotation * channel.motion.angular_velocity();
 }
 
+/// Notes where a point or a ball touches: the strongest places, in the order of the objects.
+std::span<const ContactPatch> Loop::touches(Channel& channel) noexcept {
+  std::size_t count = 0;
+  for (std::size_t i = 0; i < channel.force.size(); ++i) {
+    const ContactPatch patch = channel.force.touch(i);
+    if (patch.force.isZero(0)) continue;
+    if (count < channel.touches.size()) {
+      channel.touches[count++] = patch;
+      continue;
+    }
+    const auto weakest = std::min_element(channel.touches.begin(), channel.touches.end(),
+                                          [](const ContactPatch& a, const ContactPatch& b) {
+                                            return a.force.norm() < b.force.norm();
+                                          });
+    if (weakest->force.norm() < patch.force.norm()) *weakest = patch;
+  }
+  return {channel.touches.data(), count};
+}
+
 /// The tool, and where it touches; without force it touches nothing.
-void Loop::tell_tool(const Channel& channel, AppDevice& published) noexcept {
+void Loop::tell_tool(Channel& channel, AppDevice& published) noexcept {
   published.has_tool = channel.record.has_tool;
   published.tool_capped = channel.record.tool_capped;
   published.tool = channel.record.tool;
   published.patches = {};
   if (channel.record.patches > 0) published.patches = channel.force.tool().contacts();
+  if (!channel.force.has_tool() && channel.record.contact) published.patches = touches(channel);
 }
 
 /// Where a hand would be that held the tool where it is, in the world.

@@ -27,7 +27,10 @@ struct LoopSettings {
   std::uint32_t enable_button = 0;  ///< without it held there is no force; from 1, 0: none
   /// of the period, above 0: when so much is over, objects that are left are computed more coarsely
   double tick_budget = usual_tick_budget;
-  ForceBudget::Clock clock = now_ns;  ///< by which that is told
+  ForceBudget::Clock clock = now_ns;      ///< by which that is told
+  ForceBudget::Clock asleep = asleep_ns;  ///< how long the machine has slept since it was started
+  /// the machine is going to sleep: no force; null where nobody tells. It must outlive the loop.
+  const std::atomic<bool>* sleeping = nullptr;
   /// where each tick leaves the time that it began, now_ns(), and the loop's end 0; null for
   /// nowhere. It must outlive the loop.
   std::atomic<std::int64_t>* beat = nullptr;

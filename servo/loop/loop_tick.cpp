@@ -7,9 +7,11 @@
 
 namespace spm::servo {
 
-/// Whether the loop stood still before this tick or in it, so that guards sent the device zero. It
-/// then gets its force back by the soft start.
+/// Whether the loop stood still before this tick or in it, so that guards sent the device zero, or
+/// the machine has just slept. The device then gets its force back by the soft start.
 bool Loop::was_stopped(const Channel& channel) const noexcept {
+  const bool sleeping = settings_.sleeping != nullptr && settings_.sleeping->load();
+  if (sleeping || last_woke_ < awake_from_) return true;
   return channel.device->capabilities().guarded &&
          (stood_still_ || now_ns() - last_woke_ >= loop_stall_ns);
 }
@@ -44,18 +46,25 @@ void Loop::serve(Channel& channel, std::uint64_t tick, bool stopping) noexcept {
   const DeviceHealth health = channel.read(state, tick);
   const HandPose hand{state.position, state.orientation};
   const ForceOff device = channel.off(health, hand, tick);
-  channel.clutched = device == ForceOff::none && channel.is_clutched(state);
-  const HandPose tool =
-      device == ForceOff::none ? channel.clutch.tool_of(hand, channel.clutched) : hand;
+  // While a fault lasts nobody knows whether the clutch is held, and it stays as it was. Where an
+  // application takes it the force fades first.
+  const bool by_button = device == ForceOff::none && channel.is_clutched_by_button(state);
+  const bool clutching =
+      device == ForceOff::none ? by_button || channel.app_clutched : channel.clutched;
+  channel.clutched = clutching && (channel.clutched || by_button || channel.safety.is_off());
+  const HandPose tool = is_pose(hand) ? channel.clutch.tool_of(hand, channel.clutched) : hand;
 
   // Whatever the cause, the device is still read, and zero is sent to it.
   ForceOff cause = cause_before_forces(channel, device, state);
+  if (cause == ForceOff::none && was_stopped(channel)) cause = ForceOff::stalled;
   TickRecord& record = channel.record;
   ContactForce contact;
   Wrench added;
-  record.forgot = channel.forgot;
   record.effort = {};
-  if (cause == ForceOff::none) {
+  const bool asked = cause == ForceOff::none;
+  if (asked) channel.resume(tool);
+  record.forgot = channel.forgot;
+  if (asked) {
     channel.forgot = false;
     contact = channel.force.next(views_, tool, channel.ticks, budget_of(channel));
     record.effort = channel.force.effort();
@@ -69,12 +78,15 @@ void Loop::serve(Channel& channel, std::uint64_t tick, bool stopping) noexcept {
     contact = ContactForce{};
     added = {};
     if (app_) app_->effects().rest(record.device);
-    channel.forget();
+    channel.rest();
+    // A force that nobody felt, and no recording tells, leaves nothing behind.
+    if (asked) channel.forget();
   }
 
   const Wrench wanted{contact.force, contact.torque};
   const SafeWrench sent = channel.safety.apply(
-      {wanted.force + added.force, wanted.torque + added.torque}, cause, app_silent_);
+      {wanted.force + added.force, wanted.torque + added.torque}, cause,
+      clutching ? Fade::clutch : (app_silent_ ? Fade::silent : Fade::none), channel.ticks);
   channel.written = channel.device->write(sent.wrench());
   if (sent.cause == ForceOff::none) {
     channel.force.sent(contact_part(sent.wrench(), wanted, added));

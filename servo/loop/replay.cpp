@@ -96,7 +96,8 @@ class Replayed {
       apply(step_->step, force_);
     }
     const ReplayMark mark = options_.marks.empty() ? ReplayMark{} : options_.marks[row_];
-    if (mark.forgot || mark.off) force_.reset();
+    if (mark.forgot) force_.reset();
+    if (mark.off) force_.rest();
     const std::int64_t begin = now_ns();
     if (!mark.off) {
       result_.contacts[row_] = force_.next(assets_, hand_.trajectory[row_].pose(), mark.ticks,
@@ -188,7 +189,7 @@ RecordedTicks ticks_of(const Recording& recording, std::size_t device) {
     ticks.added += pushed ? 1 : 0;
     ticks.ticks.push_back(row.tick);
     free = (row.flags & recorded_contact) == 0 ? free + 1 : 0;
-    settled = settled || (row.flags & recorded_forgot) != 0 || off || free > settling_ticks;
+    settled = settled || (row.flags & recorded_forgot) != 0 || free > settling_ticks;
     ticks.settled += settled ? 0 : 1;
     ticks.lost += (row.flags & recorded_lost) != 0 ? 1 : 0;
     if (ticks.change != SceneChange::none) continue;

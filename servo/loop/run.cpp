@@ -27,6 +27,7 @@
 #include "servo/loop/supervisor.hpp"
 #include "servo/realtime/core_pinning.hpp"
 #include "servo/realtime/service_notice.hpp"
+#include "servo/realtime/sleep_notice.hpp"
 #include "servo/realtime/stop_signals.hpp"
 #include "servo/realtime/wakeup_latency.hpp"
 #include "servo/record/collector.hpp"
@@ -351,6 +352,8 @@ Result<RunReport> run(const RunOptions& asked) {
   std::atomic<std::int64_t> own_beat{0};
   std::atomic<std::int64_t>& beat = supervisor ? supervisor->beat() : own_beat;
   settings.beat = &beat;
+  const SleepNotice sleep;
+  settings.sleeping = &sleep.sleeping();
   Loop loop(settings, open_devices, (*assets)->slots(), ring, signals.flag(), state->get(),
             scene_keeper ? &scene_keeper->edits() : nullptr);
   ChangeTeller changes(steps, choice->scene.objects.size() + AppScene::room(choice->scene));

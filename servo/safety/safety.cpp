@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "common/base/smooth_change.hpp"
 #include "common/base/turn_between.hpp"
 
 namespace spm::servo {
@@ -13,12 +14,9 @@ namespace {
 constexpr double fastest_hand = 1.0;  // m/s
 constexpr double slew_margin = 2.0;
 constexpr double min_slew = 1.0;  // N a tick, so that a soft asset is not limited by rounding
-constexpr double ramp_seconds = 0.1;
-// slow enough that a hand that leans on a surface can follow it
-constexpr double fade_seconds = 0.5;
 
-/// Limits how far a force or torque may grow or turn in a tick. Decrease is not limited: what ends
-/// must end.
+/// Limits how far a force or torque may grow or turn in a tick. Decrease is not limited: a force
+/// that is wanted no longer is not sent.
 Vector3 limit_slew(const Vector3& previous, const Vector3& wanted, double limit) noexcept {
   const double before = previous.norm();
   const double after = wanted.norm();
@@ -26,14 +24,6 @@ Vector3 limit_slew(const Vector3& previous, const Vector3& wanted, double limit)
   const Vector3 step = wanted - from;
   const double size = step.norm();
   return size > limit ? Vector3(from + step * (limit / size)) : wanted;
-}
-
-/// Where the soft start, at that share of its way, goes from `from` to what is wanted. What ends
-/// must end: of the old one never more is left than is wanted now.
-Vector3 ramped(Vector3& from, const Vector3& wanted, double share) noexcept {
-  const double size = wanted.norm();
-  if (from.norm() > size) from *= size / from.norm();
-  return (1 - share) * from + share * wanted;
 }
 
 /// Holds a size to a cap. Returns whether it had to.
@@ -165,56 +155,53 @@ SafetySettings safety_settings(double force_cap, double stiffness, double rate_h
   settings.slew_limit = slew_limit(stiffness, rate_hz);
   settings.torque_cap = torque_cap;
   settings.torque_slew = torque_slew_limit(settings.slew_limit, 0);
-  settings.ramp_ticks =
-      std::max(1U, static_cast<std::uint32_t>(std::lround(ramp_seconds * rate_hz)));
-  settings.fade_ticks =
-      std::max(1U, static_cast<std::uint32_t>(std::lround(fade_seconds * rate_hz)));
+  settings.tick = 1 / rate_hz;
   return settings;
 }
 
-void SafetyStage::restart() noexcept {
-  ramp_tick_ = 0;
-  force_.from = force_.previous;
-  torque_.from = torque_.previous;
-}
-
-/// The fraction of a wrench that is left in this tick, 0 to 1.
-double SafetyStage::next_fade(bool fading) noexcept {
-  if (fading) {
-    fade_tick_ = std::min(fade_tick_ + 1, settings_.fade_ticks);
-  } else if (fade_tick_ > 0) {
-    fade_tick_ = 0;
-    restart();
+/// Takes the share of what is wanted nearer to all of it, or to none of it.
+void SafetyStage::step_share(const Wrench& wanted, Fade fade, std::uint64_t ticks) noexcept {
+  const double seconds = static_cast<double>(ticks) * settings_.tick;
+  if (fade == Fade::silent) {
+    share_ = std::max(0.0, share_ - seconds / silent_fade_seconds);
+    return;
   }
-  return 1 - static_cast<double>(fade_tick_) / settings_.fade_ticks;
+  const double step = change_share(seconds, std::min(wanted.force.norm(), force_cap_));
+  share_ = fade == Fade::clutch ? std::max(0.0, share_ - step) : std::min(1.0, share_ + step);
 }
 
-SafeWrench SafetyStage::apply(const Wrench& wanted, ForceOff cause, bool fading) noexcept {
+SafeWrench SafetyStage::apply(const Wrench& wanted, ForceOff cause, Fade fade,
+                              std::uint64_t ticks) noexcept {
   SafeWrench safe;
   const bool finite = wanted.force.allFinite() && wanted.torque.allFinite();
   if (cause == ForceOff::none && !finite) cause = ForceOff::not_a_number;
-  const double left = next_fade(fading);
-  if (cause == ForceOff::none && left == 0) cause = ForceOff::application_silent;
+  const double most = change_rate * static_cast<double>(ticks) * settings_.tick;
+  const bool was_off = is_off();
+  if (cause == ForceOff::none) {
+    step_share(wanted, fade, ticks);
+    if (is_off()) cause = fade == Fade::clutch ? ForceOff::clutched : ForceOff::application_silent;
+  }
+  // No force is felt that a lower cap could take away at once.
+  force_cap_ = was_off ? settings_.force_cap
+                       : force_cap_ + std::clamp(settings_.force_cap - force_cap_, -most, most);
   if (cause != ForceOff::none) {
     safe.cause = cause;
-    force_.previous.setZero();
-    torque_.previous.setZero();
-    restart();
+    share_ = 0;
+    last_force_.setZero();
+    last_torque_.setZero();
     return safe;
   }
 
-  ramp_tick_ = std::min(ramp_tick_ + 1, settings_.ramp_ticks);
-  const double share = static_cast<double>(ramp_tick_) / settings_.ramp_ticks;
-  const Vector3 force = left * ramped(force_.from, wanted.force, share);
-  const Vector3 torque = left * ramped(torque_.from, wanted.torque, share);
-  safe.force = limit_slew(force_.previous, force, settings_.slew_limit);
-  safe.torque = limit_slew(torque_.previous, torque, settings_.torque_slew);
+  const Vector3 force = share_ * wanted.force;
+  const Vector3 torque = share_ * wanted.torque;
+  safe.force = limit_slew(last_force_, force, settings_.slew_limit);
+  safe.torque = limit_slew(last_torque_, torque, settings_.torque_slew);
   safe.slewed = safe.force != force;
   safe.torque_slewed = safe.torque != torque;
-  safe.capped = cap_to(safe.force, settings_.force_cap);
+  safe.capped = cap_to(safe.force, force_cap_);
   safe.torque_capped = cap_to(safe.torque, settings_.torque_cap);
-  force_.previous = safe.force;
-  torque_.previous = safe.torque;
+  last_force_ = safe.force;
+  last_torque_ = safe.torque;
   return safe;
 }
 

@@ -43,12 +43,11 @@ using ForceOffTicks = std::array<std::uint64_t, force_off_count>;
 
 /// Limits on the wrench of one device.
 struct SafetySettings {
-  double force_cap = 0;          ///< N; the magnitude is limited to it, the direction kept
-  double slew_limit = 0;         ///< N a tick, limits growth and turning only
-  std::uint32_t ramp_ticks = 1;  ///< ticks of the soft start, 1 or more
-  std::uint32_t fade_ticks = 1;  ///< ticks in which a force fades to zero, 1 or more
-  double torque_cap = 0;         ///< N m, as `force_cap`
-  double torque_slew = 0;        ///< N m a tick, as `slew_limit`
+  double force_cap = 0;    ///< N; the magnitude is limited to it, the direction kept
+  double slew_limit = 0;   ///< N a tick, limits growth and turning only
+  double tick = 1e-3;      ///< s, above 0
+  double torque_cap = 0;   ///< N m, as `force_cap`
+  double torque_slew = 0;  ///< N m a tick, as `slew_limit`
 };
 
 /// A position is not believed if it is outside a device's workspace by more than this fraction of
@@ -121,32 +120,43 @@ struct SafeWrench {
   [[nodiscard]] Wrench wrench() const noexcept { return {force, torque}; }
 };
 
+/// Why a wrench fades to zero although nothing is wrong with the device.
+enum class Fade : std::uint8_t {
+  none,
+  clutch,  ///< somebody takes the clutch: in change_seconds
+  silent,  ///< an application that moved objects no longer answers: in silent_fade_seconds
+};
+
+/// Slow enough that a hand that leans on a surface can follow it, s.
+inline constexpr double silent_fade_seconds = 0.5;
+
 /// The stage between the force law and a device. It holds the state of the soft start and of the
 /// slew limits. Force and torque are limited each by itself, because a device has motors of their
-/// own for them; soft start, fade and causes hold for both alike. No call allocates or throws.
+/// own for them; soft start, fade and causes hold for both alike.
+///
+/// Soft start and fade are a share of the wanted wrench that depends on time alone: what is sent is
+/// at each moment the gradient of a share of the potential that is felt. A start that lagged behind
+/// the hand would give it energy. No call allocates or throws.
 class SafetyStage {
  public:
-  explicit SafetyStage(const SafetySettings& settings) noexcept : settings_(settings) {}
+  explicit SafetyStage(const SafetySettings& settings) noexcept
+      : settings_(settings), force_cap_(settings.force_cap) {}
 
-  /// The wrench to send, when the force law wants `wanted`, N and N m. A cause other than `none`
-  /// gives zero, and so does a wrench that is not finite. After a tick without force the soft start
-  /// begins again.
+  /// The wrench to send, when the force law wants `wanted`, N and N m, `ticks` after the last call.
+  /// A cause other than `none` gives zero, and so does a wrench that is not finite. After a tick
+  /// without force it comes in change_seconds, and no faster than change_rate.
   ///
-  /// `fading`: the wanted wrench cannot be trusted for long. It fades to zero, and the cause is
-  /// then `application_silent`. When it can be trusted again it fades in from where it was.
-  [[nodiscard]] SafeWrench apply(const Wrench& wanted, ForceOff cause,
-                                 bool fading = false) noexcept;
+  /// `fade`: the wanted wrench fades to zero; of `silent` the cause is then `application_silent`,
+  /// of `clutch` it is `clutched`. Afterwards it comes from where it was.
+  [[nodiscard]] SafeWrench apply(const Wrench& wanted, ForceOff cause, Fade fade = Fade::none,
+                                 std::uint64_t ticks = 1) noexcept;
 
-  /// Begins the soft start again, from the wrench that is sent now, or from as much of it as is
-  /// wanted. For a device that was just engaged, and when what is felt has changed under the hand.
-  void restart() noexcept;
+  /// Whether nothing is sent, as after a fade or a cause.
+  [[nodiscard]] bool is_off() const noexcept { return share_ == 0; }
 
-  /// Sets the force cap, N, from the next tick on. Where it rises the soft start begins again.
-  void set_force_cap(double cap) noexcept {
-    if (cap > settings_.force_cap) restart();
-    settings_.force_cap = cap;
-  }
-  [[nodiscard]] double force_cap() const noexcept { return settings_.force_cap; }
+  /// Sets the force cap, N. It goes there from the next tick on, by change_rate.
+  void set_force_cap(double cap) noexcept { settings_.force_cap = cap; }
+  [[nodiscard]] double force_cap() const noexcept { return force_cap_; }
   [[nodiscard]] double torque_cap() const noexcept { return settings_.torque_cap; }
 
   /// Sets the slew limits, N and N m a tick, from the next tick on. For a change of the stiffness
@@ -157,18 +167,13 @@ class SafetyStage {
   }
 
  private:
-  /// What is remembered of the force, or of the torque.
-  struct Part {
-    Vector3 from = Vector3::Zero();  ///< where the soft start begins
-    Vector3 previous = Vector3::Zero();
-  };
-
-  [[nodiscard]] double next_fade(bool fading) noexcept;
+  void step_share(const Wrench& wanted, Fade fade, std::uint64_t ticks) noexcept;
 
   SafetySettings settings_;
-  Part force_, torque_;
-  std::uint32_t ramp_tick_ = 0;
-  std::uint32_t fade_tick_ = 0;  ///< 0: no fade is under way
+  double force_cap_;                       ///< N, on its way to that of the settings
+  double share_ = 0;                       ///< of what is wanted, 0 to 1
+  Vector3 last_force_ = Vector3::Zero();   ///< N, as sent
+  Vector3 last_torque_ = Vector3::Zero();  ///< N m, as sent
 };
 
 }  // namespace spm::servo

@@ -145,12 +145,6 @@ bool SceneDifference::empty() const {
                      [](const KeptObject& object) { return object.aspects == 0; });
 }
 
-bool SceneDifference::felt() const {
-  return !removed.empty() || !added.empty() ||
-         std::any_of(kept.begin(), kept.end(),
-                     [](const KeptObject& object) { return (object.aspects & felt_aspects) != 0; });
-}
-
 SceneDifference scene_difference(std::span<const PlacedObject> before,
                                  std::span<const PlacedObject> after) {
   const auto same_asset = [](const PlacedObject& a, const PlacedObject& b) {

@@ -50,8 +50,6 @@ struct SceneDifference {
 
   /// Whether nothing differs that the loop has to know. A different order alone is no difference.
   [[nodiscard]] bool empty() const;
-  /// Whether a hand may feel the difference.
-  [[nodiscard]] bool felt() const;
 };
 
 /// Which object of a scene is which object of an edited scene; both must number assets alike. An

@@ -45,7 +45,6 @@ SceneEdit scene_edit(const SceneDifference& difference, std::span<const std::uin
                      std::span<const PlacedObject> objects,
                      std::span<const std::uint64_t> ids_after) {
   SceneEdit edit;
-  edit.felt = difference.felt();
   for (const std::size_t removed : difference.removed) edit.removed.push_back(ids[removed]);
   for (const KeptObject& object : difference.kept) {
     if (object.aspects == 0) continue;

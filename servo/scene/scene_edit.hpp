@@ -34,7 +34,6 @@ struct SceneEdit {
   std::vector<EditedObject> added;
   std::optional<StabilizationSettings> stabilization;  ///< if the scene has others
   std::size_t assets = 0;  ///< the number of the loop's slots in use from now on
-  bool felt = true;        ///< whether forces have to fade in again
 };
 
 /// The number of assets that a scene's objects name.

@@ -184,7 +184,6 @@ void SceneKeeper::offer(const SceneDifference& difference, ForceChoice edited) {
   edit_.assets = edited.assets.size();
   if (edited.scene.stabilization != served_.choice.scene.stabilization) {
     edit_.stabilization = edited.scene.stabilization;
-    edit_.felt = true;
   }
   next_.choice = std::move(edited);
   change_ = in_words(edit_, difference, next_);

@@ -11,31 +11,36 @@ namespace {
 class Check {
  public:
   /// `value` must be finite and lie between two bounds, which are included.
-  void number(double value, double least, double most) noexcept {
+  void number(const char* name, double value, double least, double most) noexcept {
     if (refusal_ != Refusal::none) return;
     if (!std::isfinite(value)) {
       refusal_ = Refusal::not_finite;
     } else if (value < least || value > most) {
       refusal_ = Refusal::out_of_range;
     }
+    if (refusal_ != Refusal::none) wrong_ = {name, value, least, most};
   }
   void holds(bool fine, Refusal otherwise) noexcept {
     if (refusal_ == Refusal::none && !fine) refusal_ = otherwise;
   }
   [[nodiscard]] Refusal refusal() const noexcept { return refusal_; }
+  [[nodiscard]] const WrongNumber& wrong() const noexcept { return wrong_; }
 
  private:
   Refusal refusal_ = Refusal::none;
+  WrongNumber wrong_;
 };
 
 void read_pose(const spm_shared_command& from, Check& check, AppCommand& to) noexcept {
-  for (const double value : from.position) check.number(value, -app_farthest, app_farthest);
-  for (const double value : from.orientation) check.number(value, -2, 2);
+  for (const double value : from.position)
+    check.number("position", value, -app_farthest, app_farthest);
+  for (const double value : from.orientation) check.number("orientation", value, -2, 2);
   if (check.refusal() != Refusal::none) return;
   to.pose.position = Vector3(from.position[0], from.position[1], from.position[2]);
   to.pose.rotation = Eigen::Quaterniond(from.orientation[0], from.orientation[1],
                                         from.orientation[2], from.orientation[3]);
-  check.number(to.pose.rotation.norm(), 1 - app_quaternion_slack, 1 + app_quaternion_slack);
+  check.number("length of the orientation", to.pose.rotation.norm(), 1 - app_quaternion_slack,
+               1 + app_quaternion_slack);
   if (check.refusal() == Refusal::none) to.pose.rotation.normalize();
 }
 
@@ -44,23 +49,23 @@ void read_material(const spm_shared_command& from, Check& check, AppCommand& to)
   material.given = from.fields;
   check.holds((from.fields & ~std::uint32_t{SPM_MATERIAL_ALL}) == 0, Refusal::out_of_range);
   if ((from.fields & SPM_MATERIAL_STIFFNESS) != 0) {
-    check.number(from.stiffness, 0, app_max_stiffness);
+    check.number("stiffness", from.stiffness, 0, app_max_stiffness);
     material.stiffness = from.stiffness;
   }
   if ((from.fields & SPM_MATERIAL_FRICTION) != 0) {
-    check.number(from.friction_stick, 0, app_max_friction);
-    check.number(from.friction_slide, 0, app_max_friction);
+    check.number("friction_stick", from.friction_stick, 0, app_max_friction);
+    check.number("friction_slide", from.friction_slide, 0, app_max_friction);
     check.holds(from.friction_stick >= from.friction_slide, Refusal::out_of_range);
     material.friction_stick = from.friction_stick;
     material.friction_slide = from.friction_slide;
   }
   if ((from.fields & SPM_MATERIAL_DAMPING) != 0) {
-    check.number(from.damping, 0, app_max_damping);
+    check.number("damping", from.damping, 0, app_max_damping);
     material.damping = from.damping;
   }
   if ((from.fields & SPM_MATERIAL_TEXTURE) != 0) {
-    check.number(from.texture_amplitude, 0, app_max_amplitude);
-    check.number(from.texture_wavelength, 0, app_max_wavelength);
+    check.number("texture_amplitude", from.texture_amplitude, 0, app_max_amplitude);
+    check.number("texture_wavelength", from.texture_wavelength, 0, app_max_wavelength);
     check.holds(from.texture_amplitude == 0 || from.texture_wavelength >= app_min_wavelength,
                 Refusal::out_of_range);
     material.texture = {from.texture_amplitude, from.texture_wavelength, from.texture_seed};
@@ -73,7 +78,7 @@ void read_add(const spm_shared_command& from, const AppCommandLimits& limits, Ch
   to.index = from.index;
   check.holds(from.index < limits.assets, Refusal::unknown_asset);
   read_pose(from, check, to);
-  check.number(from.scale, app_min_scale, app_max_scale);
+  check.number("scale", from.scale, app_min_scale, app_max_scale);
   to.pose.scale = from.scale;
   read_material(from, check, to);
 }
@@ -81,7 +86,7 @@ void read_add(const spm_shared_command& from, const AppCommandLimits& limits, Ch
 void read_move(const spm_shared_command& from, Check& check, AppCommand& to) noexcept {
   to.action = AppAction::move;
   read_pose(from, check, to);
-  check.number(from.period, 0, app_longest_period);
+  check.number("period", from.period, 0, app_longest_period);
   to.period = from.period;
 }
 
@@ -99,7 +104,7 @@ void read_force_cap(const spm_shared_command& from, const AppCommandLimits& limi
   to.action = AppAction::force_cap;
   to.index = from.index;
   check.holds(from.index < limits.devices, Refusal::unknown_device);
-  check.number(from.force_cap, 0, app_max_force_cap);
+  check.number("force_cap", from.force_cap, 0, app_max_force_cap);
   to.force_cap = from.force_cap;
 }
 
@@ -110,12 +115,12 @@ void read_push(const spm_shared_command& from, const AppCommandLimits& limits, C
   to.hold = from.hold;
   check.holds(from.index < limits.devices, Refusal::unknown_device);
   for (int axis = 0; axis < 3; ++axis) {
-    check.number(from.force[axis], -app_max_force, app_max_force);
-    check.number(from.torque[axis], -app_max_torque, app_max_torque);
+    check.number("force", from.force[axis], -app_max_force, app_max_force);
+    check.number("torque", from.torque[axis], -app_max_torque, app_max_torque);
     to.force[axis] = from.force[axis];
     to.torque[axis] = from.torque[axis];
   }
-  check.number(from.hold, app_min_hold, app_max_hold);
+  check.number("hold", from.hold, app_min_hold, app_max_hold);
 }
 
 void read_lead(const spm_shared_command& from, const AppCommandLimits& limits, Check& check,
@@ -125,7 +130,7 @@ void read_lead(const spm_shared_command& from, const AppCommandLimits& limits, C
   to.hold = from.hold;
   if (!to.on) return;
   read_pose(from, check, to);
-  check.number(from.hold, app_min_hold, app_max_hold);
+  check.number("hold", from.hold, app_min_hold, app_max_hold);
 }
 
 void read_method(const spm_shared_command& from, Check& check, AppCommand& to) noexcept {
@@ -141,16 +146,16 @@ void read_stabilize(const spm_shared_command& from, Check& check, AppCommand& to
 }
 
 /// A limit of an effect, of which 0 means none.
-void read_limit(double value, double most, Check& check, double& to) noexcept {
-  check.number(value, 0, most);
+void read_limit(const char* name, double value, double most, Check& check, double& to) noexcept {
+  check.number(name, value, 0, most);
   if (value > 0) to = value;
 }
 
 void read_axis(const spm_shared_command& from, Check& check, Vector3& to) noexcept {
-  for (const double value : from.axis) check.number(value, -2, 2);
+  for (const double value : from.axis) check.number("axis", value, -2, 2);
   if (check.refusal() != Refusal::none) return;
   to = {from.axis[0], from.axis[1], from.axis[2]};
-  check.number(to.norm(), 1 - app_quaternion_slack, 1 + app_quaternion_slack);
+  check.number("length of the axis", to.norm(), 1 - app_quaternion_slack, 1 + app_quaternion_slack);
   if (check.refusal() == Refusal::none) to.normalize();
 }
 
@@ -168,21 +173,22 @@ void read_effect(const spm_shared_command& from, const AppCommandLimits& limits,
   effect.kind = static_cast<HandEffectKind>(from.effect_kind - SPM_EFFECT_SPRING);
   const bool detents = effect.kind == HandEffectKind::detents;
   if (effect.kind == HandEffectKind::spring || detents) {
-    for (const double value : from.position) check.number(value, -app_farthest, app_farthest);
+    for (const double value : from.position)
+      check.number("position", value, -app_farthest, app_farthest);
     effect.point = {from.position[0], from.position[1], from.position[2]};
   }
   if (effect.kind == HandEffectKind::viscous) {
-    check.number(from.damping, 0, app_max_damping);
+    check.number("damping", from.damping, 0, app_max_damping);
     effect.damping = from.damping;
   } else {
-    check.number(from.stiffness, 0, app_max_stiffness);
+    check.number("stiffness", from.stiffness, 0, app_max_stiffness);
     effect.stiffness = from.stiffness;
   }
-  read_limit(from.most_force, app_max_force, check, effect.most_force);
-  read_limit(from.range, app_farthest, check, effect.range);
+  read_limit("most_force", from.most_force, app_max_force, check, effect.most_force);
+  read_limit("range", from.range, app_farthest, check, effect.range);
   if (!detents) return;
   read_axis(from, check, effect.axis);
-  check.number(from.spacing, app_min_spacing, app_farthest);
+  check.number("spacing", from.spacing, app_min_spacing, app_farthest);
   effect.spacing = from.spacing;
 }
 
@@ -197,7 +203,7 @@ void read_removal(const spm_shared_command& from, const AppCommandLimits& limits
 }  // namespace
 
 Refusal check_command(const spm_shared_command& from, const AppCommandLimits& limits,
-                      AppCommand& to) noexcept {
+                      AppCommand& to, WrongNumber* wrong) noexcept {
   Check check;
   to = AppCommand{};
   to.sequence = from.sequence;
@@ -210,11 +216,16 @@ Refusal check_command(const spm_shared_command& from, const AppCommandLimits& li
     case SPM_COMMAND_MOVE:
       read_move(from, check, to);
       break;
+    case SPM_COMMAND_PLACE:
+      to.action = AppAction::place;
+      read_pose(from, check, to);
+      break;
     case SPM_COMMAND_REMOVE:
       to.action = AppAction::remove;
       break;
     case SPM_COMMAND_MATERIAL:
       to.action = AppAction::material;
+      check.holds(from.fields != 0, Refusal::nothing_given);
       read_material(from, check, to);
       break;
     case SPM_COMMAND_CLUTCH:
@@ -250,6 +261,7 @@ Refusal check_command(const spm_shared_command& from, const AppCommandLimits& li
       return Refusal::unknown_kind;
   }
   check.holds(from.deadline_ns <= 0 || limits.now_ns <= from.deadline_ns, Refusal::too_late);
+  if (wrong != nullptr) *wrong = check.wrong();
   return check.refusal();
 }
 

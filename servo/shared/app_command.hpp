@@ -16,6 +16,7 @@ namespace spm::servo {
 enum class AppAction : std::uint8_t {
   add,            ///< an object of an asset that the daemon serves
   move,           ///< a pose of an object
+  place,          ///< a pose of an object, at once
   remove,         ///< an object that an application added
   material,       ///< how an object feels
   clutch,         ///< the device's hand moves freely, while the tool stays
@@ -92,10 +93,17 @@ struct AppCommandLimits {
   std::int64_t now_ns = 0;  ///< of CLOCK_MONOTONIC
 };
 
+/// A number that was not finite or beyond its bounds. The name is that of the field, null for none.
+struct WrongNumber {
+  const char* name = nullptr;
+  double value = 0, least = 0, most = 0;
+};
+
 /// Reads a command that an application wrote. `from` must be a copy in private memory, which cannot
 /// change any more. `to` is valid only if nothing was refused; the caller fills in who sent it.
-/// Whether the object exists is not checked here.
+/// Whether the object exists is not checked here. `wrong`, which may be null, is the number that
+/// was refused.
 [[nodiscard]] Refusal check_command(const spm_shared_command& from, const AppCommandLimits& limits,
-                                    AppCommand& to) noexcept;
+                                    AppCommand& to, WrongNumber* wrong = nullptr) noexcept;
 
 }  // namespace spm::servo

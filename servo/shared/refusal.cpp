@@ -50,6 +50,9 @@ const char* to_sentence(Refusal refusal) noexcept {
              "of spm alone";
     case Refusal::supervisor_only:
       return "stabilization holds for the whole scene: connect in the role of a supervisor";
+    case Refusal::nothing_given:
+      return "the material gives nothing: name what it changes among its fields, such as "
+             "SPM_CLIENT_STIFFNESS";
   }
   return "refused for a reason that this version does not know";
 }

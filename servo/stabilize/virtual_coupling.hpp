@@ -46,6 +46,9 @@ class VirtualCoupling {
   /// without contact). Together they never pull. Call it once a tick.
   [[nodiscard]] Vector3 damped(const Vector3& way) noexcept;
 
+  /// Goes on as another coupling, whose point is as far from the hand.
+  void continue_from(const VirtualCoupling& other) noexcept { stretch_ = other.stretch_; }
+
   /// Forgets all state.
   void reset() noexcept { stretch_.setZero(); }
 

@@ -221,12 +221,12 @@ TEST_CASE("An application lowers the force cap while it is there, and never rais
   const Connected bold(beside.path());
   REQUIRE(spm_client_set_force_cap(careful->client, 0, 0.4) == SPM_CLIENT_OK);
   REQUIRE(spm_client_set_force_cap(bold.client, 0, 1000) == SPM_CLIENT_OK);
+  CHECK(eventually([&] { return beside.device().force_cap == 0.4; }));
   CHECK(beside.comes_to(0.4));
-  CHECK(beside.device().force_cap == 0.4);
   CHECK(beside.device().cause == SPM_CLIENT_FORCE_ON);
   careful.reset();
   CHECK(beside.comes_to(1));
-  CHECK(beside.device().force_cap == std::min(own, 1000.0));
+  CHECK(eventually([&] { return beside.device().force_cap == std::min(own, 1000.0); }));
 }
 
 TEST_CASE("The place where the surface holds the tool is told") {

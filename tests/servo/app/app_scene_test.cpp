@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "servo/shared/shared_words.hpp"
 #include "tests/servo/support/loop_beside.hpp"
 
 namespace app_scene_test {
@@ -31,11 +32,15 @@ TEST_CASE("An object that an application moves into the hand is felt, and told w
 }
 
 TEST_CASE("An object that the scene holds still stays, and the application is told why") {
+  // Without the library, which would not send it.
+  RawRing ring(77);
   const LoopBeside beside(false);
-  const spm_client_pose up = raised(2 * above);
-  REQUIRE(spm_client_move_object(beside.here->client, 0, &up) == SPM_CLIENT_OK);
-  CHECK(contains(beside.refusal(), "movable = true"));
-  CHECK(beside.object(0).position[2] == 0);
+  beside.attach(ring);
+  ring.write(move_command(0, 0.01));
+  REQUIRE(eventually([&] { return servo::load_acquire(ring.ring().refused) == 1; }));
+  CHECK(contains(spm_client_refusal(static_cast<std::uint32_t>(ring.ring().last_refusal)),
+                 "movable = true"));
+  CHECK(beside.object(0).position[0] == 0);
 }
 
 TEST_CASE("Records say from which tick on an application has touched the scene") {
@@ -43,7 +48,7 @@ TEST_CASE("Records say from which tick on an application has touched the scene")
   REQUIRE(eventually([&] { return beside.device().tick > 20; }));
   // Neither watching nor a refused command touches the scene.
   const spm_client_pose up = raised(2 * above);
-  REQUIRE(spm_client_move_object(beside.here->client, 7, &up) == SPM_CLIENT_OK);
+  REQUIRE(spm_client_remove_object(beside.here->client, 0) == SPM_CLIENT_OK);
   REQUIRE_FALSE(beside.refusal().empty());
   for (const TickRecord& record : beside.records()) REQUIRE_FALSE(record.touched);
   REQUIRE(spm_client_move_object(beside.here->client, 0, &up) == SPM_CLIENT_OK);

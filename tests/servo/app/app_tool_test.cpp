@@ -62,11 +62,13 @@ class PaperTool {
     static_cast<void>(app_->begin(now_ns_, forces));
     app_->end(1, now_ns_, {}, forces);
   }
-  /// The force along z on a tool that is half a millimetre deep in the added box.
+  /// The force along z on a tool that is half a millimetre deep in the added box, once it has come.
   [[nodiscard]] double pressed(double scale) {
     const AssetView* view = &tables_.view();
-    return force_->next({&view, 1}, HandPose{away + Vector3(0, 0, scale * 2 * half - 5e-4)})
-        .force.z();
+    const HandPose hand{away + Vector3(0, 0, scale * 2 * half - 5e-4)};
+    double last = 0;
+    for (int i = 0; i < 200; ++i) last = force_->next({&view, 1}, hand).force.z();
+    return last;
   }
   /// Why the last command was refused, where one was.
   [[nodiscard]] Refusal refusal() const {

@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "servo/force/scene_force.hpp"
 
+#include <algorithm>
 #include <array>
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <limits>
 #include <numbers>
 
+#include "common/base/smooth_change.hpp"
 #include "tests/support/asset_by_hand.hpp"
 
 namespace spm::scene_force_test {
@@ -23,6 +25,26 @@ PlacedObject object_of(Method method, double stiffness = 1000) {
   object.force.method = method;
   object.force.stiffness = stiffness;
   return object;
+}
+
+/// The force on a hand that keeps its place, once what was changed has gone over.
+Vector3 settled(SceneForce& force, const AssetView& asset, const Vector3& hand) {
+  Vector3 last;
+  for (int i = 0; i < 400; ++i) last = force.next(Assets{&asset}, hand).force;
+  return last;
+}
+
+/// The largest step of the force on a hand that keeps its place, N.
+double largest_step(SceneForce& force, const AssetView& asset, const Vector3& hand,
+                    const Vector3& before) {
+  double largest = 0;
+  Vector3 last = before;
+  for (int i = 0; i < 400; ++i) {
+    const Vector3 next = force.next(Assets{&asset}, hand).force;
+    largest = std::max(largest, (next - last).norm());
+    last = next;
+  }
+  return largest;
 }
 
 /// A quarter turn about z: x becomes y.
@@ -158,9 +180,9 @@ TEST_CASE("No object is felt stiffer than the cap, an added or a changed one nei
   force.change(0, object_of(Method::spm, 2000));
   CHECK(force.next(Assets{&cube.view}, hand).force.z() == Approx(0.5).epsilon(1e-4));
   force.change(0, object_of(Method::spm, 200));
-  CHECK(force.next(Assets{&cube.view}, hand).force.z() == Approx(0.2).epsilon(1e-4));
+  CHECK(settled(force, cube.view, hand).z() == Approx(0.2).epsilon(1e-4));
   REQUIRE(force.add(object_of(Method::spm, 9000)));
-  CHECK(force.next(Assets{&cube.view}, hand).force.z() == Approx(0.5).epsilon(1e-4));
+  CHECK(settled(force, cube.view, hand).z() == Approx(0.5).epsilon(1e-4));
 }
 
 TEST_CASE("However many objects lie in one place, all together are no stiffer than the cap") {
@@ -347,14 +369,67 @@ TEST_CASE("Objects come and go while there is room, and one that went pushes no 
   const Vector3 pressed(0.102, 0.003, half - 1e-3);
   const double both = scene.next(Assets{&cube.view}, pressed).force.norm();
   scene.remove(1);
-  CHECK(scene.next(Assets{&cube.view}, pressed).force.norm() == Approx(both / 2));
+  CHECK(settled(scene, cube.view, pressed).norm() == Approx(both / 2));
   CHECK(scene.add(second) == std::size_t{1});
   scene.remove(1);
   scene.remove(2);
-  CHECK(scene.next(Assets{&cube.view}, pressed).force.isZero());
+  CHECK(settled(scene, cube.view, pressed).isZero());
   scene.remove(7);
   scene.place(7, Vector3::Zero(), Eigen::Quaterniond::Identity());
   CHECK(scene.size() == 3);
+}
+
+TEST_CASE("What happens to an object that is pressed makes no step of the force") {
+  const test::TiledCubeByHand cube(size);
+  const Vector3 hand(0.002, 0.003, half - 2e-3);
+  const double most = change_rate * tick + 1e-9;
+  SceneForce force({{}, {object_of(Method::proxy, 2000)}}, tick, 0, 2);
+  Vector3 before = settled(force, cube.view, hand);
+  CHECK(before.z() == Approx(4).epsilon(1e-4));
+  const auto steps = [&] {
+    const double largest = largest_step(force, cube.view, hand, before);
+    before = force.next(Assets{&cube.view}, hand).force;
+    return largest;
+  };
+  force.change(0, object_of(Method::proxy, 500));
+  CHECK(steps() <= most);
+  CHECK(before.z() == Approx(1).epsilon(1e-4));
+  force.change(0, object_of(Method::proxy, 2000));
+  CHECK(steps() <= most);
+  force.change(0, object_of(Method::spm, 1000));
+  CHECK(steps() <= most);
+  CHECK(before.z() == Approx(2).epsilon(1e-4));
+  REQUIRE(force.add(object_of(Method::proxy, 1000)) == std::size_t{1});
+  CHECK(steps() <= most);
+  CHECK(before.z() == Approx(4).epsilon(1e-4));
+  PlacedObject away = object_of(Method::spm, 1000);
+  away.placement.position.x() = 1;
+  force.change(0, away);
+  CHECK(steps() <= most);
+  StabilizationSettings other;
+  other.damping_share = 0.5;
+  other.passivity = true;
+  force.stabilize(other);
+  CHECK(steps() <= most);
+  force.remove(1);
+  CHECK(steps() <= most);
+  CHECK(before.isZero());
+}
+
+TEST_CASE("An object that is removed gives back no more than was pressed into it") {
+  const test::TiledCubeByHand cube(size);
+  SceneForce force({{}, {object_of(Method::proxy, 2000)}}, tick, 0);
+  // J: in by 2 mm within 40 ms, removed there, and out as fast.
+  double energy = 0, before = 0;
+  for (int i = 0; i <= 80; ++i) {
+    if (i == 40) force.remove(0);
+    const double depth = 5e-5 * (i <= 40 ? i : 80 - i);
+    const double now = force.next(Assets{&cube.view}, {0.002, 0.003, half - depth}).force.z();
+    if (i > 0) energy += 0.5 * (before + now) * (i <= 40 ? -5e-5 : 5e-5);
+    before = now;
+  }
+  CHECK(energy <= 0);
+  CHECK(energy > -0.5 * 2000 * 4e-6);
 }
 
 TEST_CASE("What a hand does to an object is told about the object's own origin") {

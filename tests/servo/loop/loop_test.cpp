@@ -84,7 +84,7 @@ TEST_CASE("The force fades in from the first tick") {
   LoopOnBox loop;
   ScriptedDevice device(press);
   loop.run(device, 150);
-  REQUIRE(device.forces().front().z() == Approx(0.01).epsilon(1e-3));
+  REQUIRE(device.forces().front().z() == Approx(1. / 150).epsilon(1e-3));
   for (std::size_t i = 1; i < 100; ++i) {
     REQUIRE(device.forces()[i].z() > device.forces()[i - 1].z());
   }
@@ -239,7 +239,7 @@ TEST_CASE(
   REQUIRE(loop.off(ForceOff::asset_lost) == 20);
   // The exchange happens while tick 150 runs, so that the next one must know of it.
   for (std::size_t i = 151; i < 171; ++i) REQUIRE(device.forces()[i] == Vector3::Zero());
-  REQUIRE(device.forces()[171].z() == Approx(0.01).epsilon(1e-3));
+  REQUIRE(device.forces()[171].z() == Approx(1. / 150).epsilon(1e-3));
   REQUIRE(device.forces()[300].z() > 0.9);
 }
 
@@ -265,7 +265,7 @@ TEST_CASE("A scene of two assets gives the sum, and no force while one of them i
   loop.run();
   REQUIRE(device.forces()[190].z() == Approx(1.5).epsilon(1e-4));
   for (std::size_t i = 201; i < 251; ++i) REQUIRE(device.forces()[i] == Vector3::Zero());
-  REQUIRE(device.forces()[251].z() == Approx(0.015).epsilon(1e-3));
+  REQUIRE(device.forces()[251].z() == Approx(1.5 / 150).epsilon(1e-3));
   REQUIRE(device.forces()[400].z() == Approx(1.5).epsilon(1e-4));
   REQUIRE(loop.device_counters(0).force_off[static_cast<std::size_t>(ForceOff::asset_lost)] == 50);
 }
@@ -344,7 +344,7 @@ TEST_CASE(
   REQUIRE(loop.off(ForceOff::outside_workspace) == 50);
   REQUIRE(device.forces()[149].z() > 0.9);
   for (std::size_t i = 150; i < 200; ++i) REQUIRE(device.forces()[i] == Vector3::Zero());
-  REQUIRE(device.forces()[200].z() == Approx(0.01).epsilon(1e-3));
+  REQUIRE(device.forces()[200].z() == Approx(1. / 150).epsilon(1e-3));
 }
 
 TEST_CASE("While its clutch button is held the hand moves freely and the tool stays") {
@@ -362,7 +362,7 @@ TEST_CASE("While its clutch button is held the hand moves freely and the tool st
   REQUIRE(loop.off(ForceOff::clutched) == 110);
   for (std::size_t i = 150; i < 260; ++i) REQUIRE(device.forces()[i] == Vector3::Zero());
   REQUIRE(loop.records[255].hand.position.z() == Approx(half - 1e-3).epsilon(1e-9));
-  REQUIRE(device.forces()[400].z() == Approx(1).epsilon(1e-4));
+  REQUIRE(device.forces()[450].z() == Approx(1).epsilon(1e-4));
 }
 
 TEST_CASE("Paced by its device the loop ticks once a report, and by the clock where none comes") {
