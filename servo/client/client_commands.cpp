@@ -4,6 +4,7 @@
 #include <ctime>
 
 #include "servo/client/client.hpp"
+#include "servo/client/last_error.hpp"
 #include "servo/client/state_reader.hpp"
 #include "servo/shared/app_command.hpp"
 #include "servo/shared/shared_words.hpp"
@@ -61,31 +62,68 @@ bool read_material(const spm_client_material* material, spm_shared_command& to) 
   return true;
 }
 
-/// Checks a command's numbers now, as the daemon would.
+/// Whether a command moves or changes an object that has to be there.
+bool is_of_object(const spm_shared_command& command) noexcept {
+  switch (command.kind) {
+    case SPM_COMMAND_MOVE:
+    case SPM_COMMAND_PLACE:
+    case SPM_COMMAND_REMOVE:
+    case SPM_COMMAND_MATERIAL:
+    case SPM_COMMAND_METHOD:
+      return true;
+    default:
+      return false;
+  }
+}
+
+/// Checks that the object is in the scene, and may be moved. One that this client has just added
+/// may not be there yet, and of a scene with more than is told any may be.
+int checked_object(const spm_client& client, const spm_shared_command& command) noexcept {
+  if (command.object >> 32U == client.connection().number()) return SPM_CLIENT_OK;
+  bool told = false, found = false, movable = false;
+  const int result = read_tick(client, [&](const spm_shared_snapshot& snapshot) {
+    told = load_relaxed(snapshot.object_total) <= object_count(snapshot);
+    found = movable = false;
+    for (std::uint32_t i = 0; i < object_count(snapshot) && !found; ++i) {
+      found = load_relaxed(snapshot.objects[i].id) == command.object;
+      movable = found && (load_relaxed(snapshot.objects[i].flags) & SPM_OBJECT_MOVABLE) != 0;
+    }
+    return true;
+  });
+  if (result == SPM_CLIENT_NO_DAEMON) return failed(result);
+  if (result != SPM_CLIENT_OK || !told) return SPM_CLIENT_OK;
+  if (!found) return failed(SPM_CLIENT_NOT_THERE, to_sentence(Refusal::unknown_object));
+  const bool moves = command.kind == SPM_COMMAND_MOVE || command.kind == SPM_COMMAND_PLACE;
+  return moves && !movable ? failed(SPM_CLIENT_NOT_MOVABLE) : SPM_CLIENT_OK;
+}
+
+/// Checks a command now, as the daemon would.
 int checked(const spm_client& client, const spm_shared_command& command) noexcept {
+  if (const int gone = there(client); gone != SPM_CLIENT_OK) return failed(gone);
   AppCommandLimits limits;
-  const bool read = read_info(client.connection.state(), [&](const spm_shared_info& info) {
+  const bool read = read_info(client.connection().state(), [&](const spm_shared_info& info) {
     limits.assets = load_relaxed(info.asset_count);
     limits.devices = load_relaxed(info.device_count);
   });
-  if (!read) return SPM_CLIENT_BUSY;
+  if (!read) return failed(SPM_CLIENT_BUSY);
   AppCommand ignored;
-  switch (check_command(command, limits, ignored)) {
+  WrongNumber number;
+  const Refusal refusal = check_command(command, limits, ignored, &number);
+  switch (refusal) {
     case Refusal::none:
-      return SPM_CLIENT_OK;
+      return is_of_object(command) ? checked_object(client, command) : SPM_CLIENT_OK;
     case Refusal::unknown_asset:
     case Refusal::unknown_device:
-      return SPM_CLIENT_NOT_THERE;
+      return failed(SPM_CLIENT_NOT_THERE, to_sentence(refusal));
     default:
-      return SPM_CLIENT_BAD_ARGUMENT;
+      return failed(SPM_CLIENT_BAD_ARGUMENT, refusal, number);
   }
 }
 
 /// Puts a command into the ring. The calling thread must hold the client's mutex.
 int put(spm_client& client, spm_shared_command& command) noexcept {
-  if (load_relaxed(client.connection.state().ended) != 0) return SPM_CLIENT_NO_DAEMON;
-  spm_shared_ring& ring = client.connection.ring();
-  if (client.head - load_acquire(ring.tail) >= SPM_RING_SLOTS) return SPM_CLIENT_RING_FULL;
+  spm_shared_ring& ring = client.connection().ring();
+  if (client.head - load_acquire(ring.tail) >= SPM_RING_SLOTS) return failed(SPM_CLIENT_RING_FULL);
   command.sequence = client.head + 1;
   store_record(ring.slots[client.head % SPM_RING_SLOTS], command);
   store_release(ring.head, ++client.head);
@@ -108,13 +146,13 @@ int spm_client_add_object(spm_client* client, uint32_t asset, const spm_client_p
   command.scale = scale;
   if (client == nullptr || object == nullptr || !read_pose(pose, command) ||
       (material != nullptr && !read_material(material, command))) {
-    return SPM_CLIENT_BAD_ARGUMENT;
+    return failed(SPM_CLIENT_BAD_ARGUMENT);
   }
   *object = 0;
   if (const int wrong = checked(*client, command); wrong != SPM_CLIENT_OK) return wrong;
   const std::lock_guard lock(client->mutex);
   command.object =
-      (std::uint64_t{client->connection.number()} << 32U) | (client->objects_added + 1);
+      (std::uint64_t{client->connection().number()} << 32U) | (client->objects_added + 1);
   const int code = put(*client, command);
   if (code != SPM_CLIENT_OK) return code;
   ++client->objects_added;
@@ -126,12 +164,20 @@ int spm_client_move_object(spm_client* client, uint64_t object, const spm_client
   spm_shared_command command{};
   command.kind = SPM_COMMAND_MOVE;
   command.object = object;
-  if (client == nullptr || !read_pose(pose, command)) return SPM_CLIENT_BAD_ARGUMENT;
+  if (client == nullptr || !read_pose(pose, command)) return failed(SPM_CLIENT_BAD_ARGUMENT);
+  return send(client, command);
+}
+
+int spm_client_place_object(spm_client* client, uint64_t object, const spm_client_pose* pose) {
+  spm_shared_command command{};
+  command.kind = SPM_COMMAND_PLACE;
+  command.object = object;
+  if (client == nullptr || !read_pose(pose, command)) return failed(SPM_CLIENT_BAD_ARGUMENT);
   return send(client, command);
 }
 
 int spm_client_remove_object(spm_client* client, uint64_t object) {
-  if (client == nullptr) return SPM_CLIENT_BAD_ARGUMENT;
+  if (client == nullptr) return failed(SPM_CLIENT_BAD_ARGUMENT);
   spm_shared_command command{};
   command.kind = SPM_COMMAND_REMOVE;
   command.object = object;
@@ -143,12 +189,13 @@ int spm_client_set_material(spm_client* client, uint64_t object,
   spm_shared_command command{};
   command.kind = SPM_COMMAND_MATERIAL;
   command.object = object;
-  if (client == nullptr || !read_material(material, command)) return SPM_CLIENT_BAD_ARGUMENT;
+  if (client == nullptr || !read_material(material, command))
+    return failed(SPM_CLIENT_BAD_ARGUMENT);
   return send(client, command);
 }
 
 int spm_client_set_clutch(spm_client* client, uint32_t device, int on) {
-  if (client == nullptr || (on != 0 && on != 1)) return SPM_CLIENT_BAD_ARGUMENT;
+  if (client == nullptr || (on != 0 && on != 1)) return failed(SPM_CLIENT_BAD_ARGUMENT);
   spm_shared_command command{};
   command.kind = SPM_COMMAND_CLUTCH;
   command.index = device;
@@ -158,7 +205,7 @@ int spm_client_set_clutch(spm_client* client, uint32_t device, int on) {
 
 int spm_client_lead_hand(spm_client* client, uint32_t device, const spm_client_hand* hand) {
   if (client == nullptr || (hand != nullptr && hand->size < sizeof *hand)) {
-    return SPM_CLIENT_BAD_ARGUMENT;
+    return failed(SPM_CLIENT_BAD_ARGUMENT);
   }
   spm_shared_command command{};
   command.kind = SPM_COMMAND_LEAD;
@@ -173,7 +220,7 @@ int spm_client_lead_hand(spm_client* client, uint32_t device, const spm_client_h
 }
 
 int spm_client_set_force_cap(spm_client* client, uint32_t device, double newtons) {
-  if (client == nullptr) return SPM_CLIENT_BAD_ARGUMENT;
+  if (client == nullptr) return failed(SPM_CLIENT_BAD_ARGUMENT);
   spm_shared_command command{};
   command.kind = SPM_COMMAND_FORCE_CAP;
   command.index = device;
@@ -182,7 +229,7 @@ int spm_client_set_force_cap(spm_client* client, uint32_t device, double newtons
 }
 
 int spm_client_set_method(spm_client* client, uint64_t object, uint32_t method) {
-  if (client == nullptr || method > SPM_CLIENT_METHOD_PROXY) return SPM_CLIENT_BAD_ARGUMENT;
+  if (client == nullptr || method > SPM_CLIENT_METHOD_PROXY) return failed(SPM_CLIENT_BAD_ARGUMENT);
   spm_shared_command command{};
   command.kind = SPM_COMMAND_METHOD;
   command.object = object;
@@ -191,7 +238,7 @@ int spm_client_set_method(spm_client* client, uint64_t object, uint32_t method) 
 }
 
 int spm_client_stabilize(spm_client* client, int on) {
-  if (client == nullptr || (on != 0 && on != 1)) return SPM_CLIENT_BAD_ARGUMENT;
+  if (client == nullptr || (on != 0 && on != 1)) return failed(SPM_CLIENT_BAD_ARGUMENT);
   spm_shared_command command{};
   command.kind = SPM_COMMAND_STABILIZE;
   command.on = static_cast<std::uint32_t>(on);
@@ -200,7 +247,7 @@ int spm_client_stabilize(spm_client* client, int on) {
 
 int spm_client_push_hand(spm_client* client, uint32_t device, const spm_client_push* push) {
   if (client == nullptr || push == nullptr || push->size < sizeof *push) {
-    return SPM_CLIENT_BAD_ARGUMENT;
+    return failed(SPM_CLIENT_BAD_ARGUMENT);
   }
   spm_shared_command command{};
   command.kind = SPM_COMMAND_PUSH;
@@ -209,7 +256,7 @@ int spm_client_push_hand(spm_client* client, uint32_t device, const spm_client_p
   std::memcpy(command.torque, push->torque, sizeof command.torque);
   command.hold = push->hold;
   // Checked before it becomes an integer.
-  if (!(push->hold > 0 && push->hold <= app_max_hold)) return SPM_CLIENT_BAD_ARGUMENT;
+  if (!(push->hold > 0 && push->hold <= app_max_hold)) return failed(SPM_CLIENT_BAD_ARGUMENT);
   command.deadline_ns = monotonic_ns() + static_cast<std::int64_t>(push->hold * 1e9);
   return send(client, command);
 }
@@ -217,7 +264,7 @@ int spm_client_push_hand(spm_client* client, uint32_t device, const spm_client_p
 int spm_client_set_effect(spm_client* client, uint32_t device, uint32_t number,
                           const spm_client_effect* effect) {
   if (client == nullptr || effect == nullptr || effect->size < sizeof *effect) {
-    return SPM_CLIENT_BAD_ARGUMENT;
+    return failed(SPM_CLIENT_BAD_ARGUMENT);
   }
   spm_shared_command command{};
   command.kind = SPM_COMMAND_EFFECT;
@@ -236,7 +283,7 @@ int spm_client_set_effect(spm_client* client, uint32_t device, uint32_t number,
 }
 
 int spm_client_remove_effect(spm_client* client, uint32_t device, uint32_t number) {
-  if (client == nullptr) return SPM_CLIENT_BAD_ARGUMENT;
+  if (client == nullptr) return failed(SPM_CLIENT_BAD_ARGUMENT);
   spm_shared_command command{};
   command.kind = SPM_COMMAND_REMOVE_EFFECT;
   command.index = device;
@@ -245,7 +292,7 @@ int spm_client_remove_effect(spm_client* client, uint32_t device, uint32_t numbe
 }
 
 int spm_client_acknowledge(spm_client* client, uint32_t device) {
-  if (client == nullptr) return SPM_CLIENT_BAD_ARGUMENT;
+  if (client == nullptr) return failed(SPM_CLIENT_BAD_ARGUMENT);
   spm_shared_command command{};
   command.kind = SPM_COMMAND_ACKNOWLEDGE;
   command.index = device;
@@ -253,8 +300,8 @@ int spm_client_acknowledge(spm_client* client, uint32_t device) {
 }
 
 int spm_client_refusals(const spm_client* client, spm_client_command_counts* counts) {
-  if (client == nullptr || counts == nullptr) return SPM_CLIENT_BAD_ARGUMENT;
-  const spm_shared_ring& ring = client->connection.ring();
+  if (client == nullptr || counts == nullptr) return failed(SPM_CLIENT_BAD_ARGUMENT);
+  const spm_shared_ring& ring = client->connection().ring();
   spm_client_command_counts found{};
   found.sent = load_relaxed(ring.head);
   found.taken = load_acquire(ring.tail);

@@ -68,6 +68,7 @@ spm_client_application public_application(const spm_shared_application& from) no
 
 int spm_client_read_loop(const spm_client* client, spm_client_loop* loop) {
   if (client == nullptr || loop == nullptr) return SPM_CLIENT_BAD_ARGUMENT;
+  if (const int code = there(*client); code != SPM_CLIENT_OK) return code;
   const spm_shared_loop& shared = look(*client).loop;
   spm_client_loop found{};
   const int code = look_up(shared.sequence, [&] {
@@ -84,6 +85,7 @@ uint64_t spm_client_bucket_end(uint32_t bucket) {
 int spm_client_read_device_counts(const spm_client* client, uint32_t device,
                                   spm_client_device_counts* counts) {
   if (client == nullptr || counts == nullptr) return SPM_CLIENT_BAD_ARGUMENT;
+  if (const int code = there(*client); code != SPM_CLIENT_OK) return code;
   const spm_shared_loop& shared = look(*client).loop;
   spm_shared_device_counts found{};
   const int code = look_up(shared.sequence, [&] {
@@ -97,6 +99,7 @@ int spm_client_read_device_counts(const spm_client* client, uint32_t device,
 int spm_client_read_application(const spm_client* client, uint32_t index,
                                 spm_client_application* application) {
   if (client == nullptr || application == nullptr) return SPM_CLIENT_BAD_ARGUMENT;
+  if (const int code = there(*client); code != SPM_CLIENT_OK) return code;
   const spm_shared_applications& shared = look(*client).applications;
   spm_shared_application found{};
   std::uint32_t supervisors = 0;

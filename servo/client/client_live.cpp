@@ -29,7 +29,7 @@ spm_client_feel public_feel(const spm_shared_object& from) noexcept {
 int spm_client_read_feel(const spm_client* client, uint64_t object, spm_client_feel* feel) {
   if (client == nullptr || feel == nullptr) return SPM_CLIENT_BAD_ARGUMENT;
   spm_shared_object found;
-  const ReadResult result = read_newest(look(*client), [&](const auto& snapshot) {
+  const int result = read_tick(*client, [&](const auto& snapshot) {
     for (std::uint32_t i = 0; i < object_count(snapshot); ++i) {
       if (load_relaxed(snapshot.objects[i].id) != object) continue;
       found = load_record(snapshot.objects[i]);
@@ -37,7 +37,7 @@ int spm_client_read_feel(const spm_client* client, uint64_t object, spm_client_f
     }
     return false;
   });
-  return result == ReadResult::fine ? give(feel, public_feel(found)) : code_of(result);
+  return result == SPM_CLIENT_OK ? give(feel, public_feel(found)) : result;
 }
 
 int spm_client_asset_path(const spm_client* client, uint32_t asset, char* path, size_t size) {
@@ -45,7 +45,7 @@ int spm_client_asset_path(const spm_client* client, uint32_t asset, char* path, 
   path[0] = '\0';
   char text[SPM_PATH_BYTES] = {};
   bool found = false;
-  const bool read = read_info(client->connection.state(), [&](const spm_shared_info& info) {
+  const bool read = read_info(client->connection().state(), [&](const spm_shared_info& info) {
     found = asset < std::min<std::uint32_t>(load_relaxed(info.asset_count), SPM_MAX_ASSETS);
     if (found) load_words(text, info.asset_paths[asset], sizeof text);
   });
@@ -61,7 +61,7 @@ int spm_client_border(const spm_client* client, uint32_t device, double* bare, d
   if (client == nullptr) return SPM_CLIENT_BAD_ARGUMENT;
   bool found = false;
   double without = 0, with = 0;
-  const bool read = read_info(client->connection.state(), [&](const spm_shared_info& info) {
+  const bool read = read_info(client->connection().state(), [&](const spm_shared_info& info) {
     found = device < std::min<std::uint32_t>(load_relaxed(info.device_count), SPM_MAX_DEVICES);
     if (!found) return;
     without = load_relaxed(info.bare_borders[device]);

@@ -114,31 +114,31 @@ void give_at(Record* first, std::size_t index, const Record& from) noexcept {
 int spm_client_read_tick(const spm_client* client, spm_client_tick* tick) {
   if (client == nullptr || tick == nullptr) return SPM_CLIENT_BAD_ARGUMENT;
   spm_client_tick found{};
-  const ReadResult result = read_newest(look(*client), [&](const auto& snapshot) {
+  const int result = read_tick(*client, [&](const auto& snapshot) {
     found = public_tick(snapshot);
     return true;
   });
-  return result == ReadResult::fine ? give(tick, found) : code_of(result);
+  return result == SPM_CLIENT_OK ? give(tick, found) : result;
 }
 
 int spm_client_read_device(const spm_client* client, uint32_t device, spm_client_device* state) {
   if (client == nullptr || state == nullptr) return SPM_CLIENT_BAD_ARGUMENT;
   spm_shared_device found;
   std::uint64_t tick = 0;
-  const ReadResult result = read_newest(look(*client), [&](const auto& snapshot) {
+  const int result = read_tick(*client, [&](const auto& snapshot) {
     if (device >= device_count(snapshot)) return false;
     tick = load_relaxed(snapshot.tick);
     found = load_record(snapshot.devices[device]);
     return true;
   });
-  return result == ReadResult::fine ? give(state, public_device(found, tick)) : code_of(result);
+  return result == SPM_CLIENT_OK ? give(state, public_device(found, tick)) : result;
 }
 
 int spm_client_read_object(const spm_client* client, uint64_t object, spm_client_object* state) {
   if (client == nullptr || state == nullptr) return SPM_CLIENT_BAD_ARGUMENT;
   spm_shared_object found;
   std::uint64_t tick = 0;
-  const ReadResult result = read_newest(look(*client), [&](const auto& snapshot) {
+  const int result = read_tick(*client, [&](const auto& snapshot) {
     tick = load_relaxed(snapshot.tick);
     for (std::uint32_t i = 0; i < object_count(snapshot); ++i) {
       if (load_relaxed(snapshot.objects[i].id) != object) continue;
@@ -147,7 +147,7 @@ int spm_client_read_object(const spm_client* client, uint64_t object, spm_client
     }
     return false;
   });
-  return result == ReadResult::fine ? give(state, public_object(found, tick)) : code_of(result);
+  return result == SPM_CLIENT_OK ? give(state, public_object(found, tick)) : result;
 }
 
 int spm_client_read_contacts(const spm_client* client, uint32_t device, spm_client_tick* tick,
@@ -160,7 +160,7 @@ int spm_client_read_contacts(const spm_client* client, uint32_t device, spm_clie
   spm_client_tick found{};
   std::array<spm_shared_contact, SPM_MAX_CONTACTS> seen;
   std::size_t touching = 0;
-  const ReadResult result = read_newest(look(*client), [&](const auto& snapshot) {
+  const int result = read_tick(*client, [&](const auto& snapshot) {
     if (device >= device_count(snapshot)) return false;
     found = public_tick(snapshot);
     touching = std::min<std::size_t>(load_record(snapshot.devices[device]).contact_count,
@@ -168,7 +168,7 @@ int spm_client_read_contacts(const spm_client* client, uint32_t device, spm_clie
     load_words(seen.data(), snapshot.contacts[device], touching * sizeof(spm_shared_contact));
     return true;
   });
-  if (result != ReadResult::fine) return code_of(result);
+  if (result != SPM_CLIENT_OK) return result;
   for (std::size_t i = 0; i < touching; ++i) give_at(contacts, i, public_contact(seen[i], device));
   *count = touching;
   return tick != nullptr ? give(tick, found) : SPM_CLIENT_OK;
@@ -185,7 +185,7 @@ int spm_client_read_all(const spm_client* client, spm_client_tick* tick, spm_cli
   std::array<spm_shared_device, SPM_MAX_DEVICES> found_devices;
   std::array<spm_shared_object, SPM_MAX_OBJECTS> found_objects;
   std::size_t devices_read = 0, objects_read = 0;
-  const ReadResult result = read_newest(look(*client), [&](const auto& snapshot) {
+  const int result = read_tick(*client, [&](const auto& snapshot) {
     found = public_tick(snapshot);
     devices_read = std::min<std::size_t>(found.device_count, max_devices);
     objects_read = std::min<std::size_t>(found.object_count, max_objects);
@@ -193,7 +193,7 @@ int spm_client_read_all(const spm_client* client, spm_client_tick* tick, spm_cli
     load_words(found_objects.data(), snapshot.objects, objects_read * sizeof(spm_shared_object));
     return true;
   });
-  if (result != ReadResult::fine) return code_of(result);
+  if (result != SPM_CLIENT_OK) return result;
   for (std::size_t i = 0; i < devices_read; ++i) {
     give_at(devices, i, public_device(found_devices[i], found.tick));
   }

@@ -31,6 +31,7 @@ int spm_client_wait_tick(const spm_client* client, uint64_t after, double timeou
   if (client == nullptr || !(timeout >= 0 && timeout <= longest_wait)) {
     return SPM_CLIENT_BAD_ARGUMENT;
   }
+  if (const int code = there(*client); code != SPM_CLIENT_OK) return code;
   const spm_shared_state& state = look(*client);
   const std::int64_t begun = now_ns(), deadline = begun + std::llround(timeout * 1e9);
   const std::int64_t period = std::llround(1e9 / state.rate_hz);
@@ -50,7 +51,7 @@ int spm_client_wait_tick(const spm_client* client, uint64_t after, double timeou
       asked = now;
       // A call that waits is a sign of life too.
       static_cast<void>(look(*client));
-      if (!client->connection.daemon_is_there()) return SPM_CLIENT_NO_DAEMON;
+      if (!client->connection().daemon_is_there()) return SPM_CLIENT_NO_DAEMON;
     }
     if (now >= deadline) return SPM_CLIENT_NOT_THERE;
     const std::int64_t due = any ? newest.time_ns + period + service_ns : 0;

@@ -9,6 +9,7 @@
 
 #include "servo/base/clock.hpp"
 #include "servo/client/client.hpp"
+#include "servo/client/last_error.hpp"
 #include "servo/client/state_reader.hpp"
 #include "servo/shared/fixed_text.hpp"
 #include "servo/shared/refusal.hpp"
@@ -19,6 +20,10 @@ namespace {
 using namespace spm::servo;
 
 constexpr int default_timeout_ms = 1000;
+/// For finding a daemon again: one that is there answers within a millisecond.
+constexpr std::chrono::milliseconds find_timeout{50};
+/// A daemon is not looked for again sooner.
+constexpr std::int64_t find_every_ns = 20'000'000;
 /// The loop counts as stalled after this time without a tick: a hundred ticks, which is longer than
 /// any process is kept from its processor on a machine that is fit for a servo.
 constexpr std::int64_t stalled_ns = 100'000'000;
@@ -37,7 +42,7 @@ int give_name(const spm_client* client, char* name, std::size_t size, const Find
   name[0] = '\0';
   char text[SPM_NAME_BYTES] = {};
   bool found = false;
-  const bool read = read_info(client->connection.state(), [&](const spm_shared_info& info) {
+  const bool read = read_info(client->connection().state(), [&](const spm_shared_info& info) {
     const char* const from = find(info);
     found = from != nullptr;
     if (found) load_words(text, from, sizeof text);
@@ -55,7 +60,7 @@ const char* name_at(const char (&names)[Most][SPM_NAME_BYTES], std::uint32_t cou
 }
 
 void keep_causes(spm_client& client) {
-  static_cast<void>(read_info(client.connection.state(), [&](const spm_shared_info& info) {
+  static_cast<void>(read_info(client.connection().state(), [&](const spm_shared_info& info) {
     client.cause_count = std::min<std::uint32_t>(load_relaxed(info.cause_count), SPM_MAX_CAUSES);
     load_words(client.causes.data(), info.causes, sizeof info.causes);
   }));
@@ -100,13 +105,60 @@ int connect(const spm_client_options& options, spm_client** client, char* messag
     give_message(message, message_size, opened.error().sentence);
     return opened.error().code;
   }
-  auto made = std::make_unique<spm_client>(std::move(*opened));
+  // A daemon that hangs while it is found again may not hold a frame of the application up for
+  // long.
+  request.timeout = std::min(request.timeout, find_timeout);
+  auto made = std::make_unique<spm_client>(std::move(*opened), request, options.reconnect != 0);
   keep_causes(*made);
   *client = made.release();
   return SPM_CLIENT_OK;
 }
 
+/// Connects again where the daemon is gone. The calling thread must hold the client's mutex.
+int find(spm_client& client) {
+  if (!is_gone(client.connection())) return SPM_CLIENT_OK;
+  client.tried_ns = now_ns();
+  auto opened = Connection::open(client.request);
+  if (!opened) return failed(opened.error().code, opened.error().sentence.c_str());
+  // The numbers of commands and objects are of a connection.
+  client.head = 0;
+  client.objects_added = 0;
+  client.events = {};
+  client.found = true;
+  client.take(std::move(*opened));
+  return SPM_CLIENT_OK;
+}
+
 }  // namespace
+
+namespace spm::servo {
+
+int find_again(const spm_client& client) noexcept {
+  if (!client.reconnects) return failed(SPM_CLIENT_NO_DAEMON);
+  // What is exchanged is guarded, and readers only see a connection whole.
+  auto& changed = const_cast<spm_client&>(client);
+  try {
+    const std::unique_lock lock(changed.mutex, std::try_to_lock);
+    if (!lock.owns_lock() || now_ns() - changed.tried_ns < find_every_ns) {
+      return failed(SPM_CLIENT_NO_DAEMON);
+    }
+    return find(changed) == SPM_CLIENT_OK ? SPM_CLIENT_OK : SPM_CLIENT_NO_DAEMON;
+  } catch (const std::exception&) {
+    return failed(SPM_CLIENT_INTERNAL);
+  }
+}
+
+}  // namespace spm::servo
+
+int spm_client_reconnect(spm_client* client) {
+  if (client == nullptr) return failed(SPM_CLIENT_BAD_ARGUMENT);
+  try {
+    const std::lock_guard lock(client->mutex);
+    return find(*client);
+  } catch (const std::exception&) {
+    return failed(SPM_CLIENT_INTERNAL);
+  }
+}
 
 int spm_client_connect(const spm_client_options* options, spm_client** client, char* message,
                        size_t message_size) {
@@ -140,13 +192,13 @@ int spm_client_daemon_state(const spm_client* client, double* age) {
   const std::int64_t since = now_ns() - load_relaxed(state.heartbeat_ns);
   if (ticked && age != nullptr) *age = static_cast<double>(since) * 1e-9;
   if (load_acquire(state.ended) != 0) return SPM_CLIENT_ENDED;
-  if (!client->connection.daemon_is_there()) return SPM_CLIENT_GONE;
+  if (!client->connection().daemon_is_there()) return SPM_CLIENT_GONE;
   return ticked && since < stalled_ns ? SPM_CLIENT_RUNNING : SPM_CLIENT_STALLED;
 }
 
 int spm_client_read_info(const spm_client* client, spm_client_info* info) {
   if (client == nullptr || info == nullptr) return SPM_CLIENT_BAD_ARGUMENT;
-  const spm_shared_state& state = client->connection.state();
+  const spm_shared_state& state = client->connection().state();
   spm_client_info found{};
   const bool read = read_info(state, [&](const spm_shared_info& from) {
     found.device_count = load_relaxed(from.device_count);
@@ -199,7 +251,20 @@ int spm_client_next_event(spm_client* client, spm_client_event* event) {
   if (client == nullptr || event == nullptr || event->size < sizeof *event) {
     return SPM_CLIENT_BAD_ARGUMENT;
   }
+  const int code = there(*client);
   const std::lock_guard lock(client->mutex);
+  const auto told = [&](std::uint32_t kind) {
+    spm_client_event made{};
+    made.kind = kind;
+    return give(event, made);
+  };
+  if (std::exchange(client->found, false)) {
+    client->loss_told = false;
+    return told(SPM_CLIENT_DAEMON_FOUND);
+  }
+  if (code != SPM_CLIENT_OK) {
+    return std::exchange(client->loss_told, true) ? code : told(SPM_CLIENT_DAEMON_LOST);
+  }
   if (client->events.empty()) {
     std::array<spm_shared_device, SPM_MAX_DEVICES> devices;
     std::uint64_t tick = 0;

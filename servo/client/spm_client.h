@@ -10,8 +10,13 @@
  *
  *  Reading and commands are signs of life. If an application that moves objects gives none for a
  *  second while it stays connected, it is taken to hang. The scene is held for that second; then
- *  the force fades out over half a second (SPM_CLIENT_OFF_APPLICATION_SILENT). It fades in again
- *  with the application's next call.
+ *  the force fades out over half a second (SPM_CLIENT_OFF_APPLICATION_SILENT), and its effects fade.
+ *  They fade in again with the application's next call.
+ *
+ *  No command is felt as a knock. What it changes goes over in 0.15 s or more, so that the force
+ *  changes by at most 60 N/s for it: materials, effects, pushes, the force cap, and objects that are
+ *  added, removed or placed where a hand touches them. What is set to what it is already is not felt
+ *  at all.
  *
  *  Positions are in metres, forces in newtons, torques in newton metres, quaternions are unit with
  *  w first (w x y z), all in the world frame: x to the right, y up, z towards the user. Every
@@ -51,8 +56,13 @@ enum spm_client_code {
   SPM_CLIENT_VERSION_DIFFERS = 5, /**< daemon and library do not belong together */
   SPM_CLIENT_RING_FULL = 6, /**< the daemon has not yet come to earlier commands: try again later */
   SPM_CLIENT_BUSY = 7,      /**< the state changed under the reader too often: try again */
-  SPM_CLIENT_NOT_THERE = 8  /**< no such device, object, asset or cause, or no tick so far */
+  SPM_CLIENT_NOT_THERE = 8, /**< no such device, object, asset or cause, or no tick so far */
+  SPM_CLIENT_NOT_MOVABLE = 9 /**< the scene says that the object stays where it is */
 };
+
+/** What a code means: a sentence, never NULL. For the code that this thread's last call returned it
+ *  names the argument that was wrong and its limits. Valid until the thread's next call. */
+SPM_CLIENT_API const char* spm_client_text(int code);
 
 enum spm_client_daemon {
   SPM_CLIENT_RUNNING = 0, /**< the loop ticks */
@@ -108,6 +118,9 @@ typedef struct spm_client_options {
   uint32_t role;           /**< enum spm_client_role */
   uint32_t server_user;    /**< id of a user whose daemon is trusted, beside those of this user and
                                 of root; 0: nobody else */
+  uint32_t reconnect;      /**< 1: where the daemon is gone, each call looks for it again, at most
+                                every 20 ms, and returns SPM_CLIENT_NO_DAEMON until it is back */
+  uint32_t reserved;
 } spm_client_options;
 
 /** Connects; `options` may be NULL. A daemon of another user is not spoken to, unless it is root's
@@ -117,6 +130,10 @@ typedef struct spm_client_options {
  * cure. */
 SPM_CLIENT_API int spm_client_connect(const spm_client_options* options, spm_client** client,
                                       char* message, size_t message_size);
+
+/** Looks for the daemon again where it is gone, once. SPM_CLIENT_OK also where it never went. What
+ *  the application had added and set there is gone: objects get new ids. */
+SPM_CLIENT_API int spm_client_reconnect(spm_client* client);
 
 /** Disconnects; NULL is allowed. The objects and effects that the application added are
  *  removed, and its pushes end. */
@@ -210,7 +227,7 @@ enum spm_client_limit {
 /** Contact's object where the tool of another device is touched: this and that device's number. */
 #define SPM_CLIENT_TOOL_OF_DEVICE (UINT64_C(1) << 63)
 
-/** A place where a device's tool touches an object. */
+/** A place where a device's tool, ball or point touches an object. */
 typedef struct spm_client_contact {
   uint32_t size;
   uint32_t device;
@@ -258,9 +275,9 @@ SPM_CLIENT_API int spm_client_read_device(const spm_client* client, uint32_t dev
 SPM_CLIENT_API int spm_client_read_object(const spm_client* client, uint64_t object,
                                           spm_client_object* state);
 
-/** Reads where a device's tool touches, the strongest places, up to `max` and never more than
- *  SPM_CLIENT_MAX_CONTACTS. Set `size` in the first element; it holds for all of them. `*count` is
- *  how many were read, 0 where the hand holds no tool; `tick` (which may be NULL) is that of all of
+/** Reads where a device's hand touches, with a tool, a ball or a point: the strongest places, up to
+ *  `max` and never more than SPM_CLIENT_MAX_CONTACTS. Set `size` in the first element; it holds for
+ *  all of them. `*count` is how many were read; `tick` (which may be NULL) is that of all of
  *  them. What the tools do to an object altogether is in spm_client_object. */
 SPM_CLIENT_API int spm_client_read_contacts(const spm_client* client, uint32_t device,
                                             spm_client_tick* tick, spm_client_contact* contacts,
@@ -314,6 +331,10 @@ SPM_CLIENT_API int spm_client_add_object(spm_client* client, uint32_t asset,
                                          const spm_client_material* material, uint64_t* object);
 SPM_CLIENT_API int spm_client_move_object(spm_client* client, uint64_t object,
                                           const spm_client_pose* pose);
+/** Puts an object to a pose at once, as if it were lifted and put down there; `period` has no
+ *  meaning. A hand that touched it feels it go, one that is there feels it come. */
+SPM_CLIENT_API int spm_client_place_object(spm_client* client, uint64_t object,
+                                           const spm_client_pose* pose);
 /** Removes an object that this application added, or a supervisor one that any application did. */
 SPM_CLIENT_API int spm_client_remove_object(spm_client* client, uint64_t object);
 SPM_CLIENT_API int spm_client_set_material(spm_client* client, uint64_t object,
@@ -325,7 +346,7 @@ SPM_CLIENT_API int spm_client_set_clutch(spm_client* client, uint32_t device, in
 
 /** Holds a device's force below `newtons` (0 to 1000) while this application is connected. It never
  *  raises the cap of the daemon, and the lowest of all applications holds: a large number lifts
- * this application's own. Where a cap rises, the force fades in again. */
+ * this application's own. The cap goes there by 60 N/s. */
 SPM_CLIENT_API int spm_client_set_force_cap(spm_client* client, uint32_t device, double newtons);
 
 /** A push: a force, and a torque, on a device's hand beside what the scene gives, for a while. */
@@ -372,13 +393,14 @@ typedef struct spm_client_effect {
 #define SPM_CLIENT_ALL_EFFECTS UINT32_MAX
 
 /** Sets an effect on a device's hand, or changes the one that has this `number` (which the
- *  application chooses, below SPM_CLIENT_ALL_EFFECTS). It fades in over 0.1 s, stays until it is
- *  removed, and ends with its application. A device has room for 16, of all applications. All on a
+ *  application chooses, below SPM_CLIENT_ALL_EFFECTS). It fades in over 0.15 s, stays until it is
+ *  removed, and fades with its application. Its numbers go over into new ones; its point moves
+ *  evenly from one call's to the next, and no faster than changes the force by 60 N/s. A device has room for 16, of all applications. All on a
  *  device together are held to a third of the stiffness "auto" for it and to half of the damping
  *  that it bears, each in proportion. A pull brakes as much as its sampling would give back. */
 SPM_CLIENT_API int spm_client_set_effect(spm_client* client, uint32_t device, uint32_t number,
                                          const spm_client_effect* effect);
-/** Removes an effect that this application set, at once; with SPM_CLIENT_ALL_EFFECTS all that it
+/** Removes an effect that this application set, which fades over 0.15 s; with SPM_CLIENT_ALL_EFFECTS all that it
  *  set on the device, and for a supervisor all that anybody set. */
 SPM_CLIENT_API int spm_client_remove_effect(spm_client* client, uint32_t device, uint32_t number);
 
@@ -412,7 +434,9 @@ enum spm_client_event_kind {
   SPM_CLIENT_FORCE_CUT = 5,       /**< value: the cause */
   SPM_CLIENT_FORCE_BACK = 6,
   SPM_CLIENT_DEVICE_LOST = 7,
-  SPM_CLIENT_DEVICE_FOUND = 8
+  SPM_CLIENT_DEVICE_FOUND = 8,
+  SPM_CLIENT_DAEMON_LOST = 9, /**< the daemon ended or was killed; device and tick are 0 */
+  SPM_CLIENT_DAEMON_FOUND = 10 /**< one is there again: what the application had set is not */
 };
 
 typedef struct spm_client_event {

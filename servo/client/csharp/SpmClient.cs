@@ -24,10 +24,11 @@ namespace SpmHaptics
         private IntPtr handle;
 
         /// <summary>name: of the daemon. serverUser: id of a user whose daemon is trusted, beside
-        /// those of this user and of root.</summary>
+        /// those of this user and of root. reconnect: a daemon that was restarted is found by the next
+        /// call; until then calls throw with ClientCode.NoDaemon.</summary>
         public SpmClient(string path = null, string application = "unity", int timeoutMs = 1000,
                          ClientRole role = ClientRole.Application, uint serverUser = 0,
-                         string name = null)
+                         string name = null, bool reconnect = false)
         {
             var options = new OptionsData
             {
@@ -37,7 +38,8 @@ namespace SpmHaptics
                 Name = name,
                 Application = application,
                 Role = role,
-                ServerUser = serverUser
+                ServerUser = serverUser,
+                Reconnect = reconnect ? 1u : 0u
             };
             var message = new byte[512];
             var code = Library.spm_client_connect(ref options, out handle, message,
@@ -50,6 +52,9 @@ namespace SpmHaptics
             if (handle != IntPtr.Zero) Library.spm_client_disconnect(handle);
             handle = IntPtr.Zero;
         }
+
+        /// <summary>Looks for the daemon again where it is gone, once.</summary>
+        public void Reconnect() { Check(Library.spm_client_reconnect(Open())); }
 
         /// <summary>Whether the daemon lives; age in s is how long ago its last tick was.</summary>
         public DaemonState State(out double age)
@@ -152,6 +157,14 @@ namespace SpmHaptics
         {
             var pose = PoseOf(position, orientation, period);
             Check(Library.spm_client_move_object(Open(), id, ref pose));
+        }
+
+        /// <summary>Puts an object to a pose at once, as if it were lifted and put down
+        /// there.</summary>
+        public void Place(ulong id, double[] position, double[] orientation)
+        {
+            var pose = PoseOf(position, orientation, 0);
+            Check(Library.spm_client_place_object(Open(), id, ref pose));
         }
 
         /// <summary>Removes an object that this application added.</summary>
@@ -368,7 +381,8 @@ namespace SpmHaptics
         {
             if (code != ClientCode.Ok)
             {
-                throw new ClientException(code, "spm-servo: " + code + " (see spm_client.h)");
+                throw new ClientException(
+                    code, Marshal.PtrToStringAnsi(Library.spm_client_text(code)));
             }
         }
 

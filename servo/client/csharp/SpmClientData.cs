@@ -9,7 +9,7 @@ namespace SpmHaptics
     public enum ClientCode
     {
         Ok = 0, BadArgument = 1, NoDaemon = 2, Refused = 3, Internal = 4, VersionDiffers = 5,
-        RingFull = 6, Busy = 7, NotThere = 8
+        RingFull = 6, Busy = 7, NotThere = 8, NotMovable = 9
     }
 
     /// <summary>A supervisor may change what belongs to other applications.</summary>
@@ -20,7 +20,7 @@ namespace SpmHaptics
     public enum EventKind
     {
         ContactBegan = 1, ContactEnded = 2, ButtonPressed = 3, ButtonReleased = 4, ForceCut = 5,
-        ForceBack = 6, DeviceLost = 7, DeviceFound = 8
+        ForceBack = 6, DeviceLost = 7, DeviceFound = 8, DaemonLost = 9, DaemonFound = 10
     }
 
     /// <summary>Which parts of a material are set; the rest stays as it is.</summary>
@@ -60,6 +60,8 @@ namespace SpmHaptics
         [MarshalAs(UnmanagedType.LPStr)] public string Application;
         public ClientRole Role;
         public uint ServerUser;
+        public uint Reconnect;
+        public uint Reserved;
     }
 
     [StructLayout(LayoutKind.Sequential, CharSet = CharSet.Ansi)]

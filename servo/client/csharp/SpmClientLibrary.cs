@@ -15,6 +15,10 @@ namespace SpmHaptics
         [DllImport(Name)]
         internal static extern void spm_client_disconnect(IntPtr client);
         [DllImport(Name)]
+        internal static extern ClientCode spm_client_reconnect(IntPtr client);
+        [DllImport(Name)]
+        internal static extern IntPtr spm_client_text(ClientCode code);
+        [DllImport(Name)]
         internal static extern DaemonState spm_client_daemon_state(IntPtr client, out double age);
         [DllImport(Name)]
         internal static extern ClientCode spm_client_read_info(IntPtr client, ref InfoData info);
@@ -48,6 +52,9 @@ namespace SpmHaptics
             out ulong id);
         [DllImport(Name)]
         internal static extern ClientCode spm_client_move_object(
+            IntPtr client, ulong id, ref PoseData pose);
+        [DllImport(Name)]
+        internal static extern ClientCode spm_client_place_object(
             IntPtr client, ulong id, ref PoseData pose);
         [DllImport(Name)]
         internal static extern ClientCode spm_client_remove_object(IntPtr client, ulong id);

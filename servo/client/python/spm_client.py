@@ -25,7 +25,7 @@ from typing import Iterator, Optional, Sequence
 
 from spm_client_data import (IDENTITY, Application, Contact, Device, DeviceCounts, Effect, Event, Feel,
                              Info, Loop, Material, Object, Refusals)
-from spm_client_library import (SENTENCES, ApplicationData, Cause, ClientError, Code, ContactData,
+from spm_client_library import (ApplicationData, Cause, ClientError, Code, ContactData,
                                 CountsData, DaemonState, DeviceCountsData, DeviceData, EffectData,
                                 EffectKind, EventData, EventKind, FeelData, HandData, HandState,
                                 InfoData, Limit, LoopData, MaterialData, Method, ObjectData,
@@ -48,11 +48,13 @@ class Client:
     """A connection to the daemon, closed by `close` or at the end of `with`. Raises ClientError.
 
     A `supervisor` may change what belongs to other applications. `server_user`: id of a user whose
-    daemon is trusted, beside those of this user and of root."""
+    daemon is trusted, beside those of this user and of root. With `reconnect` a daemon that was
+    restarted is found by the next call; until then calls raise Code.NO_DAEMON, and `events` tells
+    EventKind.DAEMON_LOST and DAEMON_FOUND. What this application had added and set is gone then."""
 
     def __init__(self, *, path: Optional[str] = None, name: Optional[str] = None,
                  application: str = "python", timeout: float = 1.0, supervisor: bool = False,
-                 server_user: int = 0) -> None:
+                 server_user: int = 0, reconnect: bool = False) -> None:
         self._handle = ctypes.c_void_p()
         self._library = load()
         options = sized(OptionsData)
@@ -62,6 +64,7 @@ class Client:
         options.application = application.encode("ascii", "replace")
         options.role = int(supervisor)
         options.server_user = server_user
+        options.reconnect = int(reconnect)
         message = ctypes.create_string_buffer(512)
         code = self._library.spm_client_connect(ctypes.byref(options), ctypes.byref(self._handle),
                                                 message, len(message))
@@ -73,6 +76,10 @@ class Client:
         handle, self._handle = self._handle, ctypes.c_void_p()
         if handle:
             self._library.spm_client_disconnect(handle)
+
+    def reconnect(self) -> None:
+        """Looks for the daemon again where it is gone, once."""
+        self._check(self._library.spm_client_reconnect(self._open()))
 
     def __enter__(self) -> Client:
         return self
@@ -109,7 +116,7 @@ class Client:
         return self._device(found)
 
     def contacts(self, device: int = 0) -> list[Contact]:
-        """Where the device's tool touches, the strongest places, of one tick."""
+        """Where the device's tool, ball or point touches, the strongest places, of one tick."""
         found, count = (ContactData * MAX_CONTACTS)(), ctypes.c_size_t()
         found[0].size = ctypes.sizeof(ContactData)
         self._check(self._library.spm_client_read_contacts(
@@ -159,6 +166,12 @@ class Client:
         pose = _pose(position, orientation, period, deadline)
         self._check(self._library.spm_client_move_object(self._open(), id, ctypes.byref(pose)))
 
+    def place(self, id: int, position: Sequence[float],
+              orientation: Sequence[float] = IDENTITY, *, deadline: float = 0.0) -> None:
+        """Puts an object to a pose at once, as if it were lifted and put down there."""
+        pose = _pose(position, orientation, 0.0, deadline)
+        self._check(self._library.spm_client_place_object(self._open(), id, ctypes.byref(pose)))
+
     def remove(self, id: int) -> None:
         self._check(self._library.spm_client_remove_object(self._open(), id))
 
@@ -187,19 +200,19 @@ class Client:
         """Pushes the hand by a force, N, and a torque about the tool's origin, N m, for `hold` s (at
         most 1), in place of the last push. A device that gives no torque refuses one."""
         data = sized(PushData)
-        data.force = (ctypes.c_double * 3)(*force)
-        data.torque = (ctypes.c_double * 3)(*torque)
+        data.force = _numbers("force", force, 3)
+        data.torque = _numbers("torque", torque, 3)
         data.hold = hold
         self._check(self._library.spm_client_push_hand(self._open(), device, ctypes.byref(data)))
 
     def set_effect(self, device: int, number: int, effect: Effect) -> None:
         """Sets an effect on the hand, or changes the one that has this number of one's own. It
-        stays until it is removed or this application leaves."""
+        stays until it is removed or this application leaves; changes of it make no step."""
         data = sized(EffectData)
         for name in ("kind", "stiffness", "damping", "most_force", "range", "spacing", "object"):
             setattr(data, name, getattr(effect, name))
-        data.point = (ctypes.c_double * 3)(*effect.point)
-        data.axis = (ctypes.c_double * 3)(*effect.axis)
+        data.point = _numbers("point", effect.point, 3)
+        data.axis = _numbers("axis", effect.axis, 3)
         self._check(self._library.spm_client_set_effect(self._open(), device, number,
                                                         ctypes.byref(data)))
 
@@ -213,8 +226,8 @@ class Client:
         `hold` s (at most 1) unless the next pose came. The loop refuses a hand that another
         application leads."""
         data = sized(HandData)
-        data.position = (ctypes.c_double * 3)(*position)
-        data.orientation = (ctypes.c_double * 4)(*orientation)
+        data.position = _numbers("position", position, 3)
+        data.orientation = _numbers("orientation", orientation, 4)
         data.hold = hold
         self._check(self._library.spm_client_lead_hand(self._open(), device, ctypes.byref(data)))
 
@@ -311,7 +324,7 @@ class Client:
 
     def _check(self, code: int) -> None:
         if code != Code.OK:
-            raise ClientError(code, SENTENCES[Code(code)])
+            raise ClientError(code, self._library.spm_client_text(code).decode())
 
     def _names(self, kind: str, count: int) -> list[str]:
         names = []
@@ -346,11 +359,19 @@ class Client:
                       bool(found.driven))
 
 
+def _numbers(name: str, values: Sequence[float], count: int) -> ctypes.Array:
+    """That many numbers: fewer would be filled up with zeros."""
+    if len(values) != count:
+        raise ClientError(Code.BAD_ARGUMENT,
+                          f"{name} has {len(values)} numbers: it has to have {count}")
+    return (ctypes.c_double * count)(*values)
+
+
 def _pose(position: Sequence[float], orientation: Sequence[float], period: float,
           deadline: float) -> PoseData:
     pose = sized(PoseData)
-    pose.position = (ctypes.c_double * 3)(*position)
-    pose.orientation = (ctypes.c_double * 4)(*orientation)
+    pose.position = _numbers("position", position, 3)
+    pose.orientation = _numbers("orientation", orientation, 4)
     pose.period = period
     pose.deadline = deadline
     return pose

@@ -20,6 +20,7 @@ class Code(enum.IntEnum):
     RING_FULL = 6
     BUSY = 7
     NOT_THERE = 8
+    NOT_MOVABLE = 9
 
 
 class DaemonState(enum.IntEnum):
@@ -58,6 +59,8 @@ class EventKind(enum.IntEnum):
     FORCE_BACK = 6
     DEVICE_LOST = 7
     DEVICE_FOUND = 8
+    DAEMON_LOST = 9
+    DAEMON_FOUND = 10
 
 
 class Limit(enum.IntFlag):
@@ -89,19 +92,6 @@ class EffectKind(enum.IntEnum):
     DETENTS = 4  # pulls along `axis` to the nearest of places `spacing` apart, one at `point`
 
 
-SENTENCES = {
-    Code.BAD_ARGUMENT: "a number is not finite or out of range; spm_client.h tells the limits",
-    Code.NO_DAEMON: "the daemon has ended; start it again with 'spm-servo run' and connect anew",
-    Code.REFUSED: "the daemon refused",
-    Code.INTERNAL: "the library failed; report it as a bug",
-    Code.VERSION_DIFFERS: "library and daemon differ; install the same version of both",
-    Code.RING_FULL: "the daemon has not come to so many commands; send fewer, or look whether its "
-                    "loop runs",
-    Code.BUSY: "the state changed too often while it was read; try again",
-    Code.NOT_THERE: "there is no such device, object or asset, or no tick so far",
-}
-
-
 class ClientError(Exception):
     """A call failed: `code` says how, the text what to do."""
 
@@ -116,7 +106,8 @@ class OptionsData(ctypes.Structure):
     _fields_ = [("size", ctypes.c_uint32), ("timeout_ms", ctypes.c_int32),
                 ("path", ctypes.c_char_p), ("name", ctypes.c_char_p),
                 ("application", ctypes.c_char_p), ("role", ctypes.c_uint32),
-                ("server_user", ctypes.c_uint32)]
+                ("server_user", ctypes.c_uint32), ("reconnect", ctypes.c_uint32),
+                ("reserved", ctypes.c_uint32)]
 
 
 class InfoData(ctypes.Structure):
@@ -275,6 +266,8 @@ def _declare(library: ctypes.CDLL) -> None:
     for name, result, arguments in [
         ("connect", code, [pointer(OptionsData), pointer(handle), text, size]),
         ("disconnect", None, [handle]),
+        ("reconnect", code, [handle]),
+        ("text", text, [code]),
         ("daemon_state", code, [handle, pointer(ctypes.c_double)]),
         ("read_info", code, [handle, pointer(InfoData)]),
         ("device_name", code, [handle, u32, text, size]),
@@ -290,6 +283,7 @@ def _declare(library: ctypes.CDLL) -> None:
         ("add_object", code,
          [handle, u32, pointer(PoseData), ctypes.c_double, pointer(MaterialData), pointer(u64)]),
         ("move_object", code, [handle, u64, pointer(PoseData)]),
+        ("place_object", code, [handle, u64, pointer(PoseData)]),
         ("remove_object", code, [handle, u64]),
         ("set_material", code, [handle, u64, pointer(MaterialData)]),
         ("set_clutch", code, [handle, u32, ctypes.c_int]),

@@ -152,7 +152,9 @@ TEST_CASE("Objects are added, moved and removed, and what cannot be is told with
   REQUIRE(spm_client_refusals(here.client, &counts) == SPM_CLIENT_OK);
   REQUIRE(counts.sent == 5);
   REQUIRE(counts.refused == 0);
-  REQUIRE(spm_client_move_object(here.client, 4711, &pose) == SPM_CLIENT_OK);
+  REQUIRE(spm_client_move_object(here.client, 4711, &pose) == SPM_CLIENT_NOT_THERE);
+  // Whether its own object is there yet a client cannot know.
+  REQUIRE(spm_client_move_object(here.client, id, &pose) == SPM_CLIENT_OK);
   REQUIRE(eventually([&] {
     return spm_client_refusals(here.client, &counts) == SPM_CLIENT_OK && counts.refused == 1;
   }));
@@ -234,7 +236,7 @@ TEST_CASE("The daemon's state is told: running, stalled, ended") {
   const auto pose = pose_at(0);
   REQUIRE(spm_client_move_object(here.client, 0, &pose) == SPM_CLIENT_NO_DAEMON);
   auto device = sized<spm_client_device>();
-  REQUIRE(spm_client_read_device(here.client, 0, &device) == SPM_CLIENT_OK);
+  REQUIRE(spm_client_read_device(here.client, 0, &device) == SPM_CLIENT_NO_DAEMON);
 }
 
 TEST_CASE("A caller of a later version keeps what this one does not know") {
