@@ -50,6 +50,8 @@ const char* to_sentence(Refusal refusal) noexcept {
              "of spm alone";
     case Refusal::supervisor_only:
       return "stabilization holds for the whole scene: connect in the role of a supervisor";
+    case Refusal::observer:
+      return "an observer only watches: connect in the role of an application";
   }
   return "refused for a reason that this version does not know";
 }

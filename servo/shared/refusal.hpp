@@ -28,9 +28,10 @@ enum class Refusal : std::uint8_t {
   hand_held,         ///< another application leads the device's hand
   unlike_method,     ///< the object's asset, probe or effects are not of that method
   supervisor_only,   ///< what holds for the whole scene is changed by a supervisor alone
+  observer,          ///< an observer changes nothing
 };
 
-inline constexpr std::size_t refusal_count = 20;
+inline constexpr std::size_t refusal_count = 21;
 
 /// What was wrong and what to do about it: a sentence without its full stop.
 [[nodiscard]] const char* to_sentence(Refusal refusal) noexcept;

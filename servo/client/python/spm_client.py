@@ -29,7 +29,7 @@ from spm_client_library import (SENTENCES, ApplicationData, Cause, ClientError, 
                                 CountsData, DaemonState, DeviceCountsData, DeviceData, EffectData,
                                 EffectKind, EventData, EventKind, FeelData, HandData, HandState,
                                 InfoData, Limit, LoopData, MaterialData, Method, ObjectData,
-                                OptionsData, PoseData, PushData, TickData, load, sized)
+                                OptionsData, PoseData, PushData, Role, TickData, load, sized)
 
 __all__ = ["Application", "Client", "ClientError", "Code", "Cause", "Contact", "DaemonState",
            "Device", "DeviceCounts", "Effect", "EffectKind", "Event", "EventKind", "Feel", "HandState",
@@ -47,12 +47,13 @@ TOOL_OF_DEVICE = 2**63  # Contact.object where the tool of another device is tou
 class Client:
     """A connection to the daemon, closed by `close` or at the end of `with`. Raises ClientError.
 
-    A `supervisor` may change what belongs to other applications. `server_user`: id of a user whose
-    daemon is trusted, beside those of this user and of root."""
+    A `supervisor` may change what belongs to other applications; an `observer` reads alone, and takes
+    none of the 16 places for applications. `server_user`: id of a user whose daemon is trusted, beside
+    those of this user and of root."""
 
     def __init__(self, *, path: Optional[str] = None, name: Optional[str] = None,
                  application: str = "python", timeout: float = 1.0, supervisor: bool = False,
-                 server_user: int = 0) -> None:
+                 observer: bool = False, server_user: int = 0) -> None:
         self._handle = ctypes.c_void_p()
         self._library = load()
         options = sized(OptionsData)
@@ -60,7 +61,8 @@ class Client:
         options.path = os.fsencode(path) if path is not None else None
         options.name = os.fsencode(name) if name is not None else None
         options.application = application.encode("ascii", "replace")
-        options.role = int(supervisor)
+        options.role = (Role.OBSERVER if observer else Role.SUPERVISOR if supervisor
+                        else Role.APPLICATION)
         options.server_user = server_user
         message = ctypes.create_string_buffer(512)
         code = self._library.spm_client_connect(ctypes.byref(options), ctypes.byref(self._handle),
@@ -302,7 +304,7 @@ class Client:
             self._check(code)
             connected.append(Application(found.connection, found.process,
                                          found.name.decode("ascii", "replace"),
-                                         found.role == 1))
+                                         found.role == Role.SUPERVISOR, found.role == Role.OBSERVER))
 
     def _open(self) -> ctypes.c_void_p:
         if not self._handle:

@@ -49,6 +49,12 @@ class Cause(enum.IntEnum):
     NOT_ENABLED = 15
 
 
+class Role(enum.IntEnum):
+    APPLICATION = 0
+    SUPERVISOR = 1
+    OBSERVER = 2
+
+
 class EventKind(enum.IntEnum):
     CONTACT_BEGAN = 1
     CONTACT_ENDED = 2
