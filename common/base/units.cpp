@@ -44,7 +44,7 @@ constexpr std::array turning_stiffness_units{
     Unit{"mN m/rad", 1, 1e3, true}, Unit{"mNm/rad", 1, 1e3, false}, Unit{"N m/rad", 1, 1, true},
     Unit{"Nm/rad", 1, 1, false}};
 constexpr std::array duration_units{Unit{"us", 1, 1e6, true}, Unit{"ms", 1, 1e3, true},
-                                    Unit{"s", 1, 1, true}};
+                                    Unit{"s", 1, 1, true}, Unit{"min", 60, 1, false}};
 constexpr std::array per_length_units{Unit{"/m", 1, 1, true}, Unit{"/mm", 1e3, 1, true}};
 
 QuantityFacts facts_of(Quantity quantity) {

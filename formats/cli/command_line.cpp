@@ -40,6 +40,14 @@ std::string joined(const std::vector<std::string>& words) {
   return text;
 }
 
+/// The option that a file of such a name was meant for; empty where there is none.
+std::string option_of_file(const CLI::App& command, const std::string& file) {
+  std::string option;
+  if (file.ends_with(".spm.exr")) option = "--asset";
+  if (file.ends_with(".toml")) option = "--scene";
+  return command.get_option_no_throw(option) != nullptr ? option : "";
+}
+
 std::string describe_unexpected(const CLI::App& app) {
   const std::vector<std::string> rest = app.remaining(true);
   const auto option = std::find_if(rest.begin(), rest.end(), [](const std::string& word) {
@@ -64,6 +72,10 @@ std::string describe_unexpected(const CLI::App& app) {
     const auto near = nearest_word(rest.front(), names);
     return fmt::format("'{}' is not a command of {}: {}", rest.front(), full_name(command),
                        near ? fmt::format("did you mean {}?", *near) : help);
+  }
+  if (const std::string meant = option_of_file(command, rest.front()); !meant.empty()) {
+    return fmt::format("the argument '{}' was not expected: did you mean {} {}?", rest.front(),
+                       meant, rest.front());
   }
   return fmt::format(
       "the argument '{}' was not expected: quote names with blanks, or see '{} --help'",

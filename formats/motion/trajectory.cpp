@@ -17,6 +17,8 @@ namespace spm {
 namespace {
 
 constexpr std::string_view separators = " \t\r,";
+/// How the tables of `run --trace` and `replay --out` begin.
+constexpr std::string_view table_start = "t,x,y,z,fx,fy,fz,";
 constexpr double unit_slack = 1e-3;  // of a quaternion written with few digits
 
 tl::unexpected<Error> at_line(const std::string& path, std::size_t line, const std::string& cause) {
@@ -113,6 +115,14 @@ Result<std::string> read_text(const std::string& path) {
 Result<std::vector<TrajectorySample>> read_trajectory(const std::string& path) {
   const Result<std::string> text = read_text(path);
   if (!text) return tl::make_unexpected(text.error());
+  if (text->starts_with(table_start)) {
+    return fail(
+        ExitCode::invalid_input,
+        path +
+            ": line 1: this is a table of forces, as run --trace and replay --out write it, "
+            "and no recording: run with --record FILE and replay that, or keep the positions "
+            "alone by: tail -n +2 TABLE | cut -d, -f2-4 > POSITIONS.txt");
+  }
   std::vector<TrajectorySample> samples;
   std::string_view rest = *text;
   for (std::size_t number = 1; !rest.empty(); ++number) {

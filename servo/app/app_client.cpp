@@ -131,7 +131,7 @@ Heard AppClient::hear() {
     return Heard::nonsense;
   }
   application_ = printable(message.application);
-  if (message.role > SPM_ROLE_SUPERVISOR || (message.role == SPM_ROLE_SUPERVISOR && !trusted_)) {
+  if (message.role > SPM_ROLE_OBSERVER || (message.role == SPM_ROLE_SUPERVISOR && !trusted_)) {
     refuse(SPM_SOCKET_REFUSED,
            "the role of a supervisor is for the daemon's own user and root: connect as that user, "
            "or without the role");
@@ -144,6 +144,7 @@ Heard AppClient::hear() {
     return Heard::nonsense;
   }
   attached_.supervisor = message.role == SPM_ROLE_SUPERVISOR;
+  attached_.observer = message.role == SPM_ROLE_OBSERVER;
   ready_ = true;
   return Heard::ready;
 }
@@ -160,7 +161,8 @@ AppClientReport AppClient::report() const {
           application_,
           load_relaxed(attached_.ring->tail),
           load_relaxed(attached_.ring->refused),
-          attached_.supervisor};
+          attached_.supervisor,
+          attached_.observer};
 }
 
 }  // namespace spm::servo

@@ -22,7 +22,7 @@ struct AppClientReport {
   std::string application;  ///< the name it gives itself, printable characters only
   std::uint64_t commands = 0;
   std::uint64_t refused = 0;
-  bool supervisor = false;  ///< its role
+  bool supervisor = false, observer = false;  ///< its role
 };
 
 /// The result of `hear`.
@@ -52,6 +52,8 @@ class AppClient {
   [[nodiscard]] Heard hear();
   /// Tells a client that was ready that its commands are now taken. False if it is gone.
   [[nodiscard]] bool confirm() noexcept;
+  /// Tells the client why it is not served.
+  void refuse(std::uint32_t status, const std::string& sentence) const;
   /// Closes the connection; the ring stays.
   void hang_up() noexcept;
 
@@ -64,7 +66,6 @@ class AppClient {
  private:
   AppClient(int descriptor, std::uint32_t connection, pid_t process, bool trusted,
             SharedMemory memory) noexcept;
-  void refuse(std::uint32_t status, const std::string& sentence) const;
 
   int descriptor_;
   pid_t process_;

@@ -162,7 +162,7 @@ void AppServer::welcome(int connection) {
   const auto empty = std::find(clients_.begin(), clients_.end(), nullptr);
   if (empty == clients_.end()) {
     return refuse("the daemon has " + std::to_string(SPM_MAX_CLIENTS) +
-                  " applications already, as many as it can serve: close one");
+                  " connections already, as many as it can serve: close one");
   }
   auto client = AppClient::make(connection, connections_ + 1, peer.pid,
                                 peer.uid == options_.user || peer.uid == 0);
@@ -171,6 +171,16 @@ void AppServer::welcome(int connection) {
   ++connections_;
   const std::lock_guard lock(mutex_);
   *empty = std::move(*client);
+}
+
+/// Whether one that is ready leaves the applications no more than their places.
+bool AppServer::has_place(const AppClient& client) const {
+  const auto is_application = [](const AppClientReport& one) {
+    return !one.supervisor && !one.observer;
+  };
+  const auto ready = clients();
+  return !is_application(client.report()) ||
+         std::count_if(ready.begin(), ready.end(), is_application) <= SPM_MAX_APPLICATIONS;
 }
 
 void AppServer::hear(std::uint32_t place) {
@@ -183,6 +193,12 @@ void AppServer::hear(std::uint32_t place) {
     case Heard::nothing:
       return;
     case Heard::ready:
+      if (!has_place(*clients_[place])) {
+        clients_[place]->refuse(SPM_SOCKET_REFUSED,
+                                "the daemon has " + std::to_string(SPM_MAX_APPLICATIONS) +
+                                    " applications already, as many as it can serve: close one");
+        return part(place, "");
+      }
       state_.rings()[place].offer(clients_[place]->ring());
       state_.tell_clients(clients());
       if (!clients_[place]->confirm()) part(place, "");

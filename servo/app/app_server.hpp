@@ -62,6 +62,7 @@ class AppServer {
   void accept_one();
   void welcome(int connection);
   [[nodiscard]] bool may_connect(int connection, const ucred& peer) const;
+  [[nodiscard]] bool has_place(const AppClient& client) const;
   void hear(std::uint32_t place);
   void part(std::uint32_t place, const std::string& why);
   void drop_the_slow();

@@ -197,9 +197,10 @@ void AppState::tell_clients(std::span<const AppClientReport> clients) noexcept {
   const std::size_t count = std::min<std::size_t>(clients.size(), SPM_MAX_CLIENTS);
   write_sequenced(to.sequence, [&] {
     store_relaxed(to.count, static_cast<std::uint32_t>(count));
-    std::uint32_t supervisors = 0;
+    std::uint32_t supervisors = 0, observers = 0;
     for (std::size_t i = 0; i < count; ++i) {
       supervisors |= bit(clients[i].supervisor, 1U << i);
+      observers |= bit(clients[i].observer, 1U << i);
       spm_shared_application application{};
       application.connection = clients[i].connection;
       application.process = static_cast<std::uint32_t>(clients[i].process);
@@ -207,6 +208,7 @@ void AppState::tell_clients(std::span<const AppClientReport> clients) noexcept {
       store_words(&to.list[i], &application, sizeof application);
     }
     store_relaxed(to.supervisors, supervisors);
+    store_relaxed(to.observers, observers);
   });
 }
 
@@ -318,6 +320,7 @@ void AppState::keep_or_refuse(ClientRing& ring, const spm_shared_command& comman
   if (refusal == Refusal::none && of_owner && to.object >> 32U != ring.adopted()) {
     refusal = Refusal::not_yours;
   }
+  if (ring.observer()) refusal = Refusal::observer;
   if (refusal != Refusal::none) {
     ring.refuse(command.sequence, static_cast<std::uint32_t>(refusal));
     refused_total_.fetch_add(1, std::memory_order_relaxed);

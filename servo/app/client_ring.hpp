@@ -14,6 +14,7 @@ struct AttachedRing {
   spm_shared_ring* ring = nullptr;
   std::uint32_t connection = 0;  ///< from 1, never used again
   bool supervisor = false;       ///< may change what is another application's
+  bool observer = false;         ///< changes nothing
 };
 
 /// What the loop found at the next place of a ring.
@@ -55,11 +56,14 @@ class ClientRing {
   [[nodiscard]] std::uint32_t adopted() const noexcept { return connection_; }
   /// Loop: whether that connection is a supervisor's.
   [[nodiscard]] bool supervisor() const noexcept { return supervisor_; }
+  /// Loop: whether it is an observer's, whose commands are all refused.
+  [[nodiscard]] bool observer() const noexcept { return observer_; }
   /// Loop, between `begin` and `end`: from now on takes the commands of the ring that is there now,
   /// from its first one on.
   void adopt() noexcept {
     connection_ = current_ != nullptr ? current_->connection : 0;
     supervisor_ = current_ != nullptr && current_->supervisor;
+    observer_ = current_ != nullptr && current_->observer;
     tail_ = refused_ = garbage_ = 0;
   }
 
@@ -108,7 +112,7 @@ class ClientRing {
   // Used by the loop alone:
   const AttachedRing* current_ = nullptr;
   std::uint32_t connection_ = 0;  ///< the one that the following members belong to
-  bool supervisor_ = false;
+  bool supervisor_ = false, observer_ = false;
   std::uint64_t tail_ = 0, refused_ = 0, garbage_ = 0;
 };
 

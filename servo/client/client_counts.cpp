@@ -102,15 +102,18 @@ int spm_client_read_application(const spm_client* client, uint32_t index,
   if (const int code = there(*client); code != SPM_CLIENT_OK) return code;
   const spm_shared_applications& shared = look(*client).applications;
   spm_shared_application found{};
-  std::uint32_t supervisors = 0;
+  std::uint32_t supervisors = 0, observers = 0;
   const int code = look_up(shared.sequence, [&] {
     const bool there = index < SPM_MAX_CLIENTS && index < load_relaxed(shared.count);
     if (there) load_words(&found, &shared.list[index], sizeof found);
     supervisors = load_relaxed(shared.supervisors);
+    observers = load_relaxed(shared.observers);
     return there;
   });
   if (code != SPM_CLIENT_OK) return code;
   spm_client_application seen = public_application(found);
-  seen.role = (supervisors >> index) & 1U;
+  const std::uint32_t bit = 1U << index;
+  if ((supervisors & bit) != 0) seen.role = SPM_CLIENT_SUPERVISOR;
+  if ((observers & bit) != 0) seen.role = SPM_CLIENT_OBSERVER;
   return give(application, seen);
 }

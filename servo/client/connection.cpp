@@ -267,7 +267,7 @@ class Handshake {
     static_assert(sizeof SPM_VERSION <= sizeof ready.library_version);
     std::memcpy(ready.application, application.data(),
                 std::min(application.size(), sizeof ready.application - 1));
-    ready.role = request_.supervisor ? SPM_ROLE_SUPERVISOR : SPM_ROLE_APPLICATION;
+    ready.role = request_.role;
     if (send(connection_.socket_, &ready, sizeof ready, MSG_DONTWAIT | MSG_NOSIGNAL) ==
         sizeof ready) {
       return {};

@@ -23,8 +23,8 @@ struct NoConnection {
 struct ConnectionRequest {
   std::string path;         ///< of the socket
   std::string application;  ///< its name for itself
-  bool supervisor = false;
-  uid_t server_user = 0;  ///< trusted beside this user and root; 0: nobody else
+  std::uint32_t role = 0;   ///< SPM_ROLE_*
+  uid_t server_user = 0;    ///< trusted beside this user and root; 0: nobody else
   std::chrono::milliseconds timeout{1000};
 };
 

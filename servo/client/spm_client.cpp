@@ -91,7 +91,7 @@ int connect(const spm_client_options& options, spm_client** client, char* messag
   ConnectionRequest request;
   request.path = options.path != nullptr ? options.path : socket_path(name);
   request.application = options.application != nullptr ? options.application : "";
-  request.supervisor = options.role == SPM_CLIENT_SUPERVISOR;
+  request.role = options.role;
   request.server_user = options.server_user;
   request.timeout =
       std::chrono::milliseconds(options.timeout_ms > 0 ? options.timeout_ms : default_timeout_ms);
@@ -165,7 +165,7 @@ int spm_client_connect(const spm_client_options* options, spm_client** client, c
   give_message(message, message_size, "");
   spm_client_options known{};
   const bool asked = client != nullptr && read_options(options, known);
-  if (!asked || known.role > SPM_CLIENT_SUPERVISOR) {
+  if (!asked || known.role > SPM_CLIENT_OBSERVER) {
     give_message(message, message_size,
                  "spm_client_connect was called wrongly: give it a place for the client, and "
                  "options with their size and a role that there is");

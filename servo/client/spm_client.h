@@ -106,8 +106,13 @@ enum spm_client_health {
  * that moves or changes it; a clutch to who took it: until that application leaves, what another
  * asks for there is refused. A supervisor may move and change any object, remove any that an
  * application added, and take any clutch. The daemon allows the role to its own user and to root
- * alone. */
-enum spm_client_role { SPM_CLIENT_APPLICATION = 0, SPM_CLIENT_SUPERVISOR = 1 };
+ * alone. An observer reads alone: the loop refuses all of its commands. There are 16 places for
+ * applications, which neither a supervisor nor an observer takes: those have four more. */
+enum spm_client_role {
+  SPM_CLIENT_APPLICATION = 0,
+  SPM_CLIENT_SUPERVISOR = 1,
+  SPM_CLIENT_OBSERVER = 2
+};
 
 typedef struct spm_client_options {
   uint32_t size;

@@ -7,6 +7,7 @@
 #include <string_view>
 #include <system_error>
 
+#include "common/base/units.hpp"
 #include "servo/commands/account_names.hpp"
 #include "servo/commands/commands.hpp"
 #include "servo/loop/run.hpp"
@@ -72,6 +73,22 @@ Result<double> percent(const std::string& text) {
   return fail(ExitCode::usage, "'" + text + "' is no share of a period; give 1% to 100%, like 60%");
 }
 
+/// Seconds, from a number of them or from a time with its unit. Errors: usage.
+Result<double> duration(const std::string& text) {
+  const char* const end = text.data() + text.size();
+  double value = 0;
+  const auto bare = std::from_chars(text.data(), end, value);
+  if (bare.ec != std::errc{} || bare.ptr != end) {
+    value = parse_quantity(text, Quantity::duration).value_or(0);
+  }
+  // Written so that NaN is out of range.
+  if (value >= shortest_run && value <= longest_run) return value;
+  return fail(ExitCode::usage,
+              "'" + text +
+                  "' will not do: write a number of seconds, or a time such as 500ms, 10s or 2min, "
+                  "from 1ms to a year");
+}
+
 int execute_run(const RunCommand& command) {
   cli::configure_messages(command.global);
   // A message that nobody reads must not end this process in mid-force.
@@ -98,11 +115,12 @@ Command add_run_command(CLI::App& program) {
          "--device", options.devices,
          "Device: auto (the first that is plugged in, or sim; the default unless the scene "
          "says another), or a kind of device; sim with "
-         "profile=low|falcon|touch|omega3|wooden, hand=slide|push|path, path=FILE, "
+         "profile=low|falcon|touch|omega3|wooden, hand=slide|push|path|live (live: led by an "
+         "application, or in the page of view), path=FILE, "
          "depth=LENGTH, speed=SPEED, seed=N, hand_model=spring|arm, mass=constant|device, "
-         "delay=TICKS, jitter=TICKS, lost=SHARE, noise=LENGTH; options follow a colon, with commas "
-         "between; "
-         "may be repeated")
+         "delay=TICKS, jitter=TICKS, lost=SHARE, noise=LENGTH, turns=on|off (whether it reads its "
+         "orientation), torque=on|off (whether it gives torque); options follow a colon, with "
+         "commas between; may be repeated")
       // In the form from which completion takes its words.
       ->type_name(
           "auto|sim|falcon|woodenhaptics|spacemouse|pid:full_force=FORCE|external:name=NAME")
@@ -136,9 +154,17 @@ Command add_run_command(CLI::App& program) {
                            {{"file", MapMode::file}, {"sealed", MapMode::sealed}},
                            "Map the file itself (default), or a sealed copy of it, for stores that "
                            "others may write to");
-  add_number(*app, "--duration", shortest_run, longest_run, options.duration,
-             "Stop so long after the first tick (default: at a signal)")
-      ->type_name("SECONDS");
+  cli::add_parsed(
+      *app, "--duration",
+      [&options](const std::string& text) -> Result<void> {
+        const auto seconds = duration(text);
+        if (!seconds) return tl::make_unexpected(seconds.error());
+        options.duration = *seconds;
+        return {};
+      },
+      "Stop so long after the first tick (default: at a signal); 500ms, 10s and 2min are "
+      "understood",
+      "SECONDS");
   add_force_options(*app, options.force);
   app->add_option("--trace", options.trace, "Write one row a tick of the first device as CSV")
       ->type_name("FILE");

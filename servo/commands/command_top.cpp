@@ -60,6 +60,7 @@ Result<ClientHandle> connect(const TopCommand& command) {
   options.path = command.socket.empty() ? nullptr : command.socket.c_str();
   options.name = command.name.empty() ? nullptr : command.name.c_str();
   options.application = "spm-servo top";
+  options.role = SPM_CLIENT_OBSERVER;
   options.server_user = command.server_user;
   std::array<char, 512> message{};
   spm_client* client = nullptr;

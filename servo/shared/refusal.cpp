@@ -53,6 +53,8 @@ const char* to_sentence(Refusal refusal) noexcept {
     case Refusal::nothing_given:
       return "the material gives nothing: name what it changes among its fields, such as "
              "SPM_CLIENT_STIFFNESS";
+    case Refusal::observer:
+      return "an observer only watches: connect in the role of an application";
   }
   return "refused for a reason that this version does not know";
 }

@@ -29,9 +29,10 @@ enum class Refusal : std::uint8_t {
   unlike_method,     ///< the object's asset, probe or effects are not of that method
   supervisor_only,   ///< what holds for the whole scene is changed by a supervisor alone
   nothing_given,     ///< a material of which no field is given
+  observer,          ///< an observer changes nothing
 };
 
-inline constexpr std::size_t refusal_count = 21;
+inline constexpr std::size_t refusal_count = 22;
 
 /// What was wrong and what to do about it: a sentence without its full stop.
 [[nodiscard]] const char* to_sentence(Refusal refusal) noexcept;

@@ -25,7 +25,7 @@
 #define SPM_LAYOUT_ASSERT _Static_assert
 #endif
 
-#define SPM_LAYOUT_VERSION 7u
+#define SPM_LAYOUT_VERSION 8u
 
 #define SPM_STATE_MAGIC UINT64_C(0x65746174534d5053) /* the bytes SPMState */
 #define SPM_RING_MAGIC UINT64_C(0x676e6952204d5053)  /* the bytes SPM Ring */
@@ -38,7 +38,8 @@ enum {
   SPM_MAX_OBJECTS = 64,
   SPM_MAX_ASSETS = 32,
   SPM_MAX_CAUSES = 32,
-  SPM_MAX_CLIENTS = 16,
+  SPM_MAX_APPLICATIONS = 16, /* in the role of an application */
+  SPM_MAX_CLIENTS = 20,      /* four places more for supervisors and observers */
   SPM_MAX_CONTACTS = 16, /* of each device's tool */
   SPM_NAME_BYTES = 64,   /* of every name, including its closing zero */
   SPM_CURE_BYTES = 192,
@@ -211,6 +212,8 @@ typedef struct spm_shared_applications {
   uint64_t sequence;
   uint32_t count;
   uint32_t supervisors; /* bit i: list[i] has the role of a supervisor */
+  uint32_t observers;   /* the same, of an observer */
+  uint32_t reserved;
   spm_shared_application list[SPM_MAX_CLIENTS];
 } spm_shared_applications;
 
@@ -349,10 +352,10 @@ SPM_LAYOUT_ASSERT(offsetof(spm_shared_loop, wake) == 128, "layout");
 SPM_LAYOUT_ASSERT(offsetof(spm_shared_loop, devices) == 128 + 2 * 64 * 8, "layout");
 SPM_LAYOUT_ASSERT(sizeof(spm_shared_loop) == 128 + 2 * 64 * 8 + 8 * 88, "layout");
 SPM_LAYOUT_ASSERT(sizeof(spm_shared_application) == 72, "layout");
-SPM_LAYOUT_ASSERT(sizeof(spm_shared_applications) == 16 + 16 * 72, "layout");
+SPM_LAYOUT_ASSERT(sizeof(spm_shared_applications) == 24 + 20 * 72, "layout");
 SPM_LAYOUT_ASSERT(offsetof(spm_shared_state, loop) == 128 + 2 * 26752 + 31376, "layout");
 SPM_LAYOUT_ASSERT(offsetof(spm_shared_state, applications) == 85008 + 1856, "layout");
-SPM_LAYOUT_ASSERT(sizeof(spm_shared_state) == 85008 + 1856 + 1168, "layout");
+SPM_LAYOUT_ASSERT(sizeof(spm_shared_state) == 85008 + 1856 + 1464, "layout");
 SPM_LAYOUT_ASSERT(sizeof(spm_shared_command) == 304, "layout");
 SPM_LAYOUT_ASSERT(offsetof(spm_shared_command, texture_seed) == 152, "layout");
 SPM_LAYOUT_ASSERT(offsetof(spm_shared_command, force) == 192, "layout");

@@ -30,7 +30,7 @@ typedef struct spm_socket_answer {
 } spm_socket_answer;
 
 /* spm_socket_ready.role. */
-enum { SPM_ROLE_APPLICATION = 0, SPM_ROLE_SUPERVISOR = 1 };
+enum { SPM_ROLE_APPLICATION = 0, SPM_ROLE_SUPERVISOR = 1, SPM_ROLE_OBSERVER = 2 };
 
 /** From the client, when it has mapped both regions: from now on the daemon lets nobody map or
  *  shrink its ring. */
@@ -40,7 +40,7 @@ typedef struct spm_socket_ready {
   uint32_t layout_version;
   char library_version[SPM_VERSION_BYTES];
   char application[SPM_NAME_BYTES];
-  uint32_t role; /* a supervisor may change what is another application's */
+  uint32_t role; /* a supervisor may change what is another application's, an observer nothing */
   uint32_t reserved;
 } spm_socket_ready;
 

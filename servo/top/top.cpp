@@ -183,15 +183,20 @@ TopView view_between(const TopSample& before, const TopSample& now) {
   return view;
 }
 
+const char* name_of_role(std::uint32_t role) noexcept {
+  return role == SPM_CLIENT_SUPERVISOR ? "supervisor"
+         : role == SPM_CLIENT_OBSERVER ? "observer"
+                                       : "application";
+}
+
 ordered_json to_json(const TopView& view) {
   ordered_json devices = ordered_json::array();
   for (const TopDevice& device : view.devices) devices.push_back(to_json(device));
   ordered_json applications = ordered_json::array();
   for (const spm_client_application& application : view.applications) {
-    applications.push_back(
-        {{"name", application.name},
-         {"process", application.process},
-         {"role", application.role == SPM_CLIENT_SUPERVISOR ? "supervisor" : "application"}});
+    applications.push_back({{"name", application.name},
+                            {"process", application.process},
+                            {"role", name_of_role(application.role)}});
   }
   ordered_json json = {
       {"daemon", name_of(view.daemon)},

@@ -125,6 +125,12 @@ void add_device(Lines& lines, const TopDevice& device) {
   }
 }
 
+const char* words_of_role(std::uint32_t role) noexcept {
+  return role == SPM_CLIENT_SUPERVISOR ? ", supervisor"
+         : role == SPM_CLIENT_OBSERVER ? ", observer"
+                                       : "";
+}
+
 void add_applications(Lines& lines, const TopView& view) {
   const std::size_t count = view.applications.size();
   std::string words = fmt::format("{} application{}", count, count == 1 ? "" : "s");
@@ -132,8 +138,7 @@ void add_applications(Lines& lines, const TopView& view) {
     const spm_client_application& application = view.applications[i];
     words += fmt::format("{} {} (process {}{})", i == 0 ? ":" : ",",
                          application.name[0] != '\0' ? application.name : "without a name",
-                         application.process,
-                         application.role == SPM_CLIENT_SUPERVISOR ? ", supervisor" : "");
+                         application.process, words_of_role(application.role));
   }
   lines.sentence(words);
   lines.sentence(fmt::format("commands: {} taken, {} refused, {} garbage", view.commands,

@@ -127,7 +127,8 @@ std::string scene_json(const ViewState& state) {
   for (const spm_client_application& application : state.applications) {
     json["applications"].push_back({{"name", application.name},
                                     {"process", application.process},
-                                    {"supervisor", application.role == SPM_CLIENT_SUPERVISOR}});
+                                    {"supervisor", application.role == SPM_CLIENT_SUPERVISOR},
+                                    {"observer", application.role == SPM_CLIENT_OBSERVER}});
   }
   // Names of others may hold bytes that are no UTF-8.
   return json.dump(-1, ' ', false, ordered_json::error_handler_t::replace);

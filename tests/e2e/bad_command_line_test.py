@@ -124,6 +124,25 @@ class BadCommandLine(Case):
                              *options, program=SERVO)
                 self.expect_refusal(result, code, *names)
 
+    def test_an_asset_or_a_scene_without_its_option_asks_whether_that_was_meant(self):
+        for words, meant in ((["run", "a.spm.exr"], "did you mean --asset a.spm.exr?"),
+                             (["run", "a.toml"], "did you mean --scene a.toml?"),
+                             (["replay", "path.txt", "a.spm.exr"], "did you mean --asset a.spm.exr?")):
+            with self.subTest(" ".join(words)):
+                self.expect_refusal(run(*words, program=SERVO), 1, meant)
+
+    def test_a_time_that_is_none_says_how_one_is_written(self):
+        for text in ("long", "1 parsec", "0s", "-1s", "nan", "1e9min"):
+            with self.subTest(text):
+                result = run("run", "--asset", "a.spm.exr", f"--duration={text}", program=SERVO)
+                self.expect_refusal(result, 1, "--duration", f"'{text}'", "500ms, 10s or 2min")
+
+    def test_a_table_of_forces_is_no_trajectory_and_says_what_to_replay(self):
+        table = self.write("trace.csv", "t,x,y,z,fx,fy,fz,tx,ty,tz,depth,contact\n"
+                                        "0.001,0,0,0,0,0,0,0,0,0,0,0\n")
+        result = run("replay", table, "--asset", "a.spm.exr", "--out", self.path("out.csv"), program=SERVO)
+        self.expect_refusal(result, 3, table, "a table of forces", "--record", "cut -d, -f2-4")
+
     def test_an_unknown_option_of_the_servo_is_a_usage_error(self):
         self.expect_refusal(run("run", "--no-such-option", program=SERVO), 1, "--no-such-option")
 

@@ -97,6 +97,19 @@ class Browser:
     def release(self):
         self.act({"type": "pointerUp", "button": 0})
 
+    def drag(self, places):
+        """Presses at the first of some places, gives each as the pointer comes there, by an event of
+        its own, and releases at the last."""
+        x, y = places[0]
+        self.press(x, y)
+        try:
+            yield x, y
+            for x, y in places[1:]:
+                self.move(x, y)
+                yield x, y
+        finally:
+            self.release()
+
     def resize(self, width, height):
         """The page's own size: a window may not be as narrow as a phone."""
         self.ask("POST", f"{self.session}/goog/cdp/execute", {

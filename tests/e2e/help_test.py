@@ -3,9 +3,13 @@
 """What both programs say of themselves."""
 
 import os
+import re
 import unittest
 
 from programs import BAKE, SERVO, run
+
+
+ROOT = os.path.join(os.path.dirname(os.path.abspath(__file__)), os.pardir, os.pardir)
 
 
 class Help(unittest.TestCase):
@@ -36,6 +40,20 @@ class Help(unittest.TestCase):
             part = text[text.index(option):]
             part = part.split("\n  -")[0]
             self.assertIn("default", part, option)
+
+
+    def test_every_option_of_the_simulated_device_stands_in_the_help_and_on_the_page(self):
+        told = run("run", "--asset", "a.spm.exr", "--device", "sim:none=1", program=SERVO).stderr
+        options = re.search(r"the options are (.*)", told).group(1).strip().replace(" and ", ", ").split(", ")
+        self.assertGreater(len(options), 10)
+        text = " ".join(run("run", "--help", program=SERVO).stdout.split())
+        with open(os.path.join(ROOT, "servo", "commands", "OPTIONS.md"), encoding="utf-8") as file:
+            page = next(line for line in file if line.startswith("| `--device"))
+        for option in options:
+            with self.subTest(option):
+                self.assertIn(option + "=", text)
+                self.assertIn(f"`{option}`", page)
+        self.assertIn("push|path|live", text)
 
 
 if __name__ == "__main__":

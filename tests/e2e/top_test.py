@@ -131,8 +131,9 @@ class Top(WithAsset):
         self.assertLessEqual(first["skipped"]["total"], first["missed"]["total"])
         self.assertEqual([device["name"] for device in first["devices"]], ["sim"])
         self.assertIs(first["devices"][0]["connected"], True)
-        self.assertEqual([application["name"] for application in first["applications"]],
-                         ["spm-servo top"])
+        # It takes none of the places that applications have.
+        self.assertEqual([(application["name"], application["role"])
+                          for application in first["applications"]], [("spm-servo top", "observer")])
         self.assertEqual(first["commands"], {"taken": 0, "refused": 0, "garbage": 0})
         later = self.seen()
         self.assertGreater(later["ticks"], first["ticks"])

@@ -12,8 +12,8 @@ Points are in the asset's frame, metres; distances negative inside; forces in ne
 A batch of points is one call of the library, which reads them where they lie: anything with a buffer
 of doubles will do, such as a NumPy array or an array.array. Without NumPy answers are ctypes structs.
 
-The library is looked for in $SPM_QUERY_LIBRARY, beside this file, and where the system has its
-libraries. Nothing but the standard library is needed.
+The library is looked for in $SPM_QUERY_LIBRARY, beside this file, in the build folder of the
+checkout that this file lies in, and where the system has its libraries. Nothing but the standard library is needed.
 """
 
 from __future__ import annotations
@@ -92,9 +92,16 @@ class QueryError(Exception):
 POINT = ctypes.c_double * 3
 
 
+def _built() -> list[str]:
+    """Where a checkout that this file lies in builds the library; nothing where it is installed."""
+    return [str(checkout / "build" / preset / "lib" / "libspm_query.so.1")
+            for checkout in list(Path(__file__).resolve().parents)[3:4]
+            if (checkout / "CMakePresets.json").exists() for preset in ("release", "debug")]
+
+
 def _load() -> ctypes.CDLL:
     beside = Path(__file__).resolve().parent
-    names = [os.environ.get("SPM_QUERY_LIBRARY"), str(beside / "libspm_query.so.1"),
+    names = [os.environ.get("SPM_QUERY_LIBRARY"), str(beside / "libspm_query.so.1"), *_built(),
              "libspm_query.so.1"]
     problem = ""
     for name in filter(None, names):
@@ -102,8 +109,8 @@ def _load() -> ctypes.CDLL:
             return _typed(ctypes.CDLL(name))
         except OSError as why:
             problem = str(why)
-    raise QueryError(2, f"libspm_query.so.1 was not found ({problem}): install libspm-query1, or set "
-                        "SPM_QUERY_LIBRARY to its path")
+    raise QueryError(2, f"libspm_query.so.1 was not found ({problem}): install libspm-query1, build it in "
+                        "the checkout by scripts/build, or set SPM_QUERY_LIBRARY to its path")
 
 
 def _typed(library: ctypes.CDLL) -> ctypes.CDLL:

@@ -12,8 +12,8 @@ namespace SpmHaptics
         RingFull = 6, Busy = 7, NotThere = 8, NotMovable = 9
     }
 
-    /// <summary>A supervisor may change what belongs to other applications.</summary>
-    public enum ClientRole : uint { Application = 0, Supervisor = 1 }
+    /// <summary>A supervisor may change what belongs to other applications, an observer nothing.</summary>
+    public enum ClientRole : uint { Application = 0, Supervisor = 1, Observer = 2 }
 
     public enum DaemonState { Running = 0, Stalled = 1, Ended = 2, Gone = 3 }
 

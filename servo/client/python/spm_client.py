@@ -12,8 +12,8 @@ newtons, torques in newton metres, quaternions unit with w first, all in the wor
         print(hand.position, hand.force, hand.cause_text)
         client.move(0, position=(0.0, 0.01, 0.0), period=1 / 90)
 
-The library is looked for in $SPM_CLIENT_LIBRARY, beside this file, and where the system has its
-libraries. Nothing but the standard library is needed.
+The library is looked for in $SPM_CLIENT_LIBRARY, beside this file, in the build folder of the
+checkout that this file lies in, and where the system has its libraries. Nothing but the standard library is needed.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ from spm_client_library import (ApplicationData, Cause, ClientError, Code, Conta
                                 CountsData, DaemonState, DeviceCountsData, DeviceData, EffectData,
                                 EffectKind, EventData, EventKind, FeelData, HandData, HandState,
                                 InfoData, Limit, LoopData, MaterialData, Method, ObjectData,
-                                OptionsData, PoseData, PushData, TickData, load, sized)
+                                OptionsData, PoseData, PushData, Role, TickData, load, sized)
 
 __all__ = ["Application", "Client", "ClientError", "Code", "Cause", "Contact", "DaemonState",
            "Device", "DeviceCounts", "Effect", "EffectKind", "Event", "EventKind", "Feel", "HandState",
@@ -47,14 +47,15 @@ TOOL_OF_DEVICE = 2**63  # Contact.object where the tool of another device is tou
 class Client:
     """A connection to the daemon, closed by `close` or at the end of `with`. Raises ClientError.
 
-    A `supervisor` may change what belongs to other applications. `server_user`: id of a user whose
-    daemon is trusted, beside those of this user and of root. With `reconnect` a daemon that was
-    restarted is found by the next call; until then calls raise Code.NO_DAEMON, and `events` tells
-    EventKind.DAEMON_LOST and DAEMON_FOUND. What this application had added and set is gone then."""
+    A `supervisor` may change what belongs to other applications; an `observer` reads alone, and takes
+    none of the 16 places for applications. `server_user`: id of a user whose daemon is trusted, beside
+    those of this user and of root. With `reconnect` a daemon that was restarted is found by the next
+    call; until then calls raise Code.NO_DAEMON, and `events` tells EventKind.DAEMON_LOST and
+    DAEMON_FOUND. What this application had added and set is gone then."""
 
     def __init__(self, *, path: Optional[str] = None, name: Optional[str] = None,
                  application: str = "python", timeout: float = 1.0, supervisor: bool = False,
-                 server_user: int = 0, reconnect: bool = False) -> None:
+                 observer: bool = False, server_user: int = 0, reconnect: bool = False) -> None:
         self._handle = ctypes.c_void_p()
         self._library = load()
         options = sized(OptionsData)
@@ -62,7 +63,8 @@ class Client:
         options.path = os.fsencode(path) if path is not None else None
         options.name = os.fsencode(name) if name is not None else None
         options.application = application.encode("ascii", "replace")
-        options.role = int(supervisor)
+        options.role = (Role.OBSERVER if observer else Role.SUPERVISOR if supervisor
+                        else Role.APPLICATION)
         options.server_user = server_user
         options.reconnect = int(reconnect)
         message = ctypes.create_string_buffer(512)
@@ -315,7 +317,7 @@ class Client:
             self._check(code)
             connected.append(Application(found.connection, found.process,
                                          found.name.decode("ascii", "replace"),
-                                         found.role == 1))
+                                         found.role == Role.SUPERVISOR, found.role == Role.OBSERVER))
 
     def _open(self) -> ctypes.c_void_p:
         if not self._handle:

@@ -181,3 +181,4 @@ class Application:
     process: int
     name: str
     supervisor: bool = False
+    observer: bool = False

@@ -50,6 +50,12 @@ class Cause(enum.IntEnum):
     NOT_ENABLED = 15
 
 
+class Role(enum.IntEnum):
+    APPLICATION = 0
+    SUPERVISOR = 1
+    OBSERVER = 2
+
+
 class EventKind(enum.IntEnum):
     CONTACT_BEGAN = 1
     CONTACT_ENDED = 2
@@ -244,10 +250,17 @@ def sized(kind: type[ctypes.Structure]) -> ctypes.Structure:
     return kind(size=ctypes.sizeof(kind))
 
 
+def _built() -> list[str]:
+    """Where a checkout that this file lies in builds the library; nothing where it is installed."""
+    return [str(checkout / "build" / preset / "lib" / "libspm_client.so")
+            for checkout in list(Path(__file__).resolve().parents)[3:4]
+            if (checkout / "CMakePresets.json").exists() for preset in ("release", "debug")]
+
+
 def load() -> ctypes.CDLL:
     candidates = [os.environ.get("SPM_CLIENT_LIBRARY"),
                   str(Path(__file__).resolve().parent / "libspm_client.so"),
-                  "libspm_client.so.1"]
+                  *_built(), "libspm_client.so.1"]
     for candidate in filter(None, candidates):
         try:
             library = ctypes.CDLL(candidate)
@@ -255,8 +268,9 @@ def load() -> ctypes.CDLL:
             continue
         _declare(library)
         return library
-    raise ClientError(Code.INTERNAL, "libspm_client.so was not found: install it, or name it in "
-                                     "the environment variable SPM_CLIENT_LIBRARY")
+    raise ClientError(Code.INTERNAL, "libspm_client.so was not found: install it, build it in the "
+                                     "checkout by scripts/build, or name it in the environment "
+                                     "variable SPM_CLIENT_LIBRARY")
 
 
 def _declare(library: ctypes.CDLL) -> None:

@@ -42,7 +42,7 @@ export class Charts {
     const head = box.appendChild(document.createElement('h2'));
     head.appendChild(document.createElement('span')).textContent = `${title}, ${unit}`;
     const value = head.appendChild(document.createElement('span'));
-    this.values[key] = (number) => { value.textContent = `${number.toFixed(digits)} ${unit}`; };
+    this.values[key] = (number) => { value.textContent = `${Number.isNaN(number) ? '–' : number.toFixed(digits)} ${unit}`; };
     const line = colour(name), soft = colour('--soft'), grid = { stroke: colour('--line'), width: 1 };
     const axis = { stroke: soft, grid, ticks: { ...grid, size: 3 }, gap: 3, font: '11px system-ui',
       size: 44, space: 24 };
@@ -51,10 +51,18 @@ export class Charts {
       padding: [6, 14, 0, 0],
       scales: { x: { time: false, range: [-SECONDS, 0] }, y: { range: (_, low, high) => range(low, high) } },
       axes: [{ ...axis, size: 20, space: 60,
-        values: (_, ticks) => ticks.map((tick) => (tick === 0 ? 'now' : `${tick} s`)) },
+        values: (_, ticks) => ticks.map((tick) => (tick ? `${tick} s` : this.over ? 'end' : 'now')) },
       { ...axis, values: (_, ticks) => ticks.map((tick) => short.format(tick)) }],
       series: [{}, { stroke: line, width: 1.6, fill: `${line}22`, points: { show: false } }],
     }, this.data(key), box);
+  }
+
+  /** Whether nothing comes any more: the last sample is none of now. */
+  setOver(over) {
+    if (this.over === over) return;
+    this.over = over;
+    this.plots.forEach((plot) => plot.redraw(false, true));
+    if (over) for (const { key } of STRIPS) this.values[key](NaN);
   }
 
   width() { return Math.max(160, this.place.clientWidth); }

@@ -28,9 +28,10 @@ export class Hand {
     this.lastSent = 0;
     const { canvas } = stage;
     canvas.addEventListener('pointerdown', (event) => this.down(event), { capture: true });
-    canvas.addEventListener('pointermove', (event) => this.move(event));
-    for (const name of ['pointerup', 'pointercancel', 'lostpointercapture']) {
-      canvas.addEventListener(name, (event) => this.up(event));
+    // Of the window: a browser may take the capture of a pointer back while its button is held.
+    window.addEventListener('pointermove', (event) => this.move(event));
+    for (const name of ['pointerup', 'pointercancel']) {
+      window.addEventListener(name, (event) => this.up(event));
     }
     canvas.addEventListener('wheel', (event) => this.wheel(event), { capture: true, passive: false });
     canvas.addEventListener('keydown', (event) => this.key(event));
@@ -54,8 +55,9 @@ export class Hand {
     if (!hit) return;
     event.stopPropagation();
     this.stage.canvas.focus({ preventScroll: true });
-    this.stage.canvas.setPointerCapture(event.pointerId);
+    this.capture(event);
     this.stage.controls.enabled = false;
+    this.stage.taken = true;
     this.pointer = event.pointerId;
     this.byKeys = false;
     this.spot = hit;
@@ -64,8 +66,19 @@ export class Hand {
     this.aim();
   }
 
+  /** So that it is heard of beside the window too. */
+  capture({ pointerId }) {
+    const { canvas } = this.stage;
+    if (!canvas.hasPointerCapture(pointerId)) canvas.setPointerCapture(pointerId);
+  }
+
   move(event) {
     if (event.pointerId !== this.pointer) return;
+    if (event.buttons === 0) { // released where this page did not hear of it
+      this.up(event);
+      return;
+    }
+    this.capture(event);
     const { clientX: x, clientY: y } = event;
     if (event.shiftKey) {
       this.rotate(new Vector3(y - this.at[1], x - this.at[0], 0).multiplyScalar(TURN_PER_PIXEL));

@@ -5,6 +5,7 @@ import { Charts } from './charts.js';
 import { readFrame, size3 } from './frame.js';
 import { Hand } from './hand.js';
 import { Link } from './link.js';
+import { offerLooks } from './looks.js';
 import { Panel } from './panel.js';
 import { Stage } from './stage.js';
 import { followTheme } from './theme.js';
@@ -51,7 +52,7 @@ export function startLive() {
     open() { panel.tell(''); },
     closed() {
       panel.status('the view does not answer: start spm-servo view again', 'bad');
-      hand?.letGo();
+      setOver(true);
     },
     message(message) {
       if (message.t === 'scene') {
@@ -70,9 +71,9 @@ export function startLive() {
       view.frames += 1;
       hand?.heard(frame.echo);
       panel.frame(frame);
-      if (frame.daemon > 1) panel.status(scene?.message || 'no daemon', 'bad');
+      setOver(panel.over);
       const device = frame.devices[0];
-      if (device) {
+      if (device && !panel.over) {
         charts.add(frame.time, { force: size3(device.force), depth: 1000 * device.depth,
           late: frame.late, energy: 1000 * device.energy });
       }
@@ -80,6 +81,14 @@ export function startLive() {
       stage?.show(frame, hand?.target, toolAsset());
     },
   });
+
+  /** Whether what is shown is the last of a daemon that is gone. */
+  function setOver(over) {
+    panel.setOver(over);
+    charts.setOver(over);
+    stage?.setOver(over);
+    if (over) hand?.letGo();
+  }
 
   /** Why the hand cannot be led, where it cannot. */
   function showHeld(device) {
@@ -112,6 +121,7 @@ export function startLive() {
     });
     by('press').addEventListener('input', () => hand.setPress(by('press').value / 100));
     by('home').addEventListener('click', () => { stage.frame(); stage.dirty = true; });
+    offerLooks(stage);
     stage.controls.saveState();
   } catch {
     say('noscene', 'This browser has no WebGL, so the scene is not drawn; numbers, charts and settings go on.');
@@ -132,6 +142,6 @@ export function startLive() {
   }
   requestAnimationFrame(everyFrame);
 
-  Object.assign(view, { stage, hand, link });
+  Object.assign(view, { stage, hand, link, charts });
   window.spmView = view; // for tests, and for the curious
 }

@@ -10,7 +10,7 @@ const element = (name, text) => {
   return made;
 };
 const short = (value, digits = 3) => Number(value.toPrecision(digits)).toString();
-const SEND_EVERY = 60; // ms, of a slider that is dragged
+const SEND_EVERY = 60; // ms, between two commands of sliders that are dragged
 
 // Sliders go from 0 to 1000; `root` bends them so that small values have room.
 const SLIDERS = [
@@ -28,6 +28,7 @@ const CAP = { key: 'cap', label: 'Force cap', most: 20, root: 2, show: (v) => `$
 
 const METHODS = ['spm', 'paper', 'proxy']; // by the numbers of spm_client.h
 const STATES = ['running', 'stalled: no tick comes', 'ended', 'gone', 'no daemon'];
+const OVER = 2; // and the states behind it: no tick will come
 
 export class Panel {
   constructor({ link, wishesChanged }) {
@@ -53,7 +54,7 @@ export class Panel {
       const output = element('output');
       line.append(element('span', kind.label), input, output);
       by('sliders').append(line);
-      const slider = { kind, input, output, line, value: 0 };
+      const slider = { kind, input, output, line, value: 0, sent: input.value };
       input.addEventListener('input', () => this.slid(slider));
       return slider;
     });
@@ -70,22 +71,32 @@ export class Panel {
       output.textContent = 'none';
     }
     input.setAttribute('aria-valuetext', output.textContent);
+    slider.sent = input.value; // the daemon has it
   }
 
-  /** A slider was moved: the newest value is sent, not more often than the loop likes. */
+  /** A slider was moved: its newest value is sent, with a pause between any two commands. */
   slid(slider) {
     const { kind, input } = slider;
     slider.value = kind.most * (input.value / 1000) ** kind.root;
     slider.output.textContent = kind.show(slider.value);
     input.setAttribute('aria-valuetext', slider.output.textContent);
     this.busyUntil = performance.now() + 800;
-    clearTimeout(slider.timer);
-    const wait = Math.max(0, (slider.next ?? 0) - performance.now());
-    slider.timer = setTimeout(() => {
-      slider.next = performance.now() + SEND_EVERY;
-      by('refused').textContent = '';
-      this.wish(slider);
-    }, wait);
+    this.sendNext();
+  }
+
+  /** Sends what one slider was moved to, if that is not what the daemon has, and comes back after a
+   *  pause for others. */
+  sendNext() {
+    if (this.pause) return;
+    const slider = this.sliders.find((one) => one.input.value !== one.sent);
+    if (!slider) return;
+    slider.sent = slider.input.value;
+    by('refused').textContent = '';
+    this.wish(slider);
+    this.pause = setTimeout(() => {
+      this.pause = 0;
+      this.sendNext();
+    }, SEND_EVERY);
   }
 
   wish({ kind, value }) {
@@ -134,7 +145,7 @@ export class Panel {
     this.showFeel(false);
     by('applications').replaceChildren(...scene.applications.map((application) => element('li',
       `${application.name || 'without a name'}, process ${application.process}`
-      + `${application.supervisor ? ', supervisor' : ''}`)));
+      + `${application.supervisor ? ', supervisor' : application.observer ? ', observer' : ''}`)));
     const failed = scene.assets.filter((asset) => asset.mesh === 'failed');
     if (failed.length) this.tell(`No picture of ${failed[0].name}: ${failed[0].error}`);
   }
@@ -188,7 +199,8 @@ export class Panel {
   frame(frame) {
     const device = frame.devices[0];
     this.status(STATES[frame.daemon] ?? 'unknown', frame.daemon === 0 ? 'running' : 'bad');
-    if (!device) return;
+    this.setOver(frame.daemon >= OVER);
+    if (!device || this.over) return;
     this.fact('force', `${size3(device.force).toFixed(2)} N`);
     this.fact('depth', `${(1000 * device.depth).toFixed(2)} mm`);
     this.fact('rate', `${frame.rate.toFixed(0)} Hz`);
@@ -200,6 +212,17 @@ export class Panel {
     const cap = this.sliders.at(-1);
     if (performance.now() > this.busyUntil && cap.value !== device.forceCap) this.put(cap, device.forceCap);
     this.cause(device.cause);
+  }
+
+  /** Whether there is no daemon any more: no number is one of now, and no setting is followed. */
+  setOver(over) {
+    if (this.over === over) return;
+    this.over = over;
+    by('feel').inert = over;
+    if (!over) return;
+    for (const value of this.facts.values()) value.textContent = '–';
+    by('causes').hidden = true;
+    this.shownCause = undefined;
   }
 
   cause(number) {

@@ -3,6 +3,7 @@
 
 import { size3 } from './frame.js';
 import { LongCharts, stripsOf } from './long_charts.js';
+import { offerLooks } from './looks.js';
 import { chartsSvg, download, Film, paint, pictureOf } from './pictures.js';
 import { compare, Recording } from './recording.js';
 import { Stage } from './stage.js';
@@ -102,6 +103,7 @@ class Player {
       const [first] = this.recordings, stride = Math.ceil(first.count / PATH_PLACES);
       this.stage.setPath(Array.from({ length: Math.ceil(first.count / stride) }, (_, i) => first.position(stride * i)));
       by('home').addEventListener('click', () => { this.stage.frame(); this.stage.dirty = true; });
+      offerLooks(this.stage);
     } catch {
       say('noscene', 'This browser has no WebGL, so the scene is not drawn; time line and charts go on.');
       for (const id of ['scene', 'tools', 'legend', 'png', 'film']) by(id).hidden = true;

@@ -85,7 +85,7 @@ export class Recording {
     this.objects.forEach((object, id) => {
       const last = lastAtMost(object.ticks, tick);
       const state = last < 0 ? object : object.states[last];
-      if (!state.gone) list.push({ id, contact: 0, ...state });
+      if (!state.gone) list.push({ id, contact: 0, ...state, movable: object.ticks.length > 0 });
     });
     return list;
   }

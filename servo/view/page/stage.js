@@ -2,9 +2,9 @@
 // The scene in 3D: objects, hand, proxy, tool, force, torque, contacts and the trail.
 
 import {
-  AmbientLight, BufferAttribute, BufferGeometry, Color, CylinderGeometry, ConeGeometry,
+  AmbientLight, BackSide, BufferAttribute, BufferGeometry, Color, CylinderGeometry, ConeGeometry,
   DirectionalLight, DoubleSide, DynamicDrawUsage, GridHelper, Group, Line, LineBasicMaterial,
-  Mesh, MeshBasicMaterial, MeshLambertMaterial, PerspectiveCamera, Quaternion, Raycaster,
+  Mesh, MeshBasicMaterial, MeshLambertMaterial, PerspectiveCamera, Plane, Quaternion, Raycaster,
   RingGeometry, Scene, SphereGeometry, Sphere, TorusGeometry, Vector2, Vector3, WebGLRenderer,
 } from 'three';
 import { OrbitControls } from 'three/examples/jsm/controls/OrbitControls.js';
@@ -16,6 +16,8 @@ const SOFTWARE_PAUSE = 30; // ms between pictures: 30 a second
 const COARSE = 0.4; // of the window's pixels each way, while something moves
 const STILL = 250; // ms, after which all of them are drawn again
 const TRAIL = 900; // places: 15 s
+const FAR = 8; // of the objects' radius: a hand that is farther from their middle is not in the first view
+const THROUGH = 0.35; // how opaque objects are that are seen through
 const FULL_FORCE = 3; // N, of the trail's brightest colour
 // From no force to FULL_FORCE: cividis, safe for the colour-blind, without the end that is lost on the
 // ground of the theme.
@@ -23,6 +25,8 @@ const CIVIDIS = ['#35456c', '#666970', '#948e77', '#c8b866', '#fee838'].map((tex
 const RAMPS = { dark: CIVIDIS, light: [...CIVIDIS.slice(0, -1).reverse(), new Color('#00224e')] };
 
 const UP = new Vector3(0, 1, 0);
+const BACK = new Vector3(0.5, 0.42, 0.85).normalize(); // from what is seen to the camera, at first
+const BORDER = 1.15; // of the window, beside what is seen
 const vector = (from) => new Vector3(from[0], from[1], from[2]);
 const turn = (from) => new Quaternion(from[1], from[2], from[3], from[0]);
 const themed = (name) => new Color(
@@ -66,11 +70,13 @@ export class Stage {
     this.coarse = false;
     this.body = [];
     this.renderer = new WebGLRenderer({ canvas, antialias: this.pause === 0 });
+    this.renderer.localClippingEnabled = true;
     this.scene = new Scene();
     this.camera = new PerspectiveCamera(40, 1, 1e-4, 100);
     this.camera.position.set(0.5, 0.4, 1);
     this.controls = new OrbitControls(this.camera, canvas);
     this.controls.addEventListener('change', () => { this.dirty = true; });
+    this.controls.addEventListener('start', () => { this.taken = true; });
     const sun = new DirectionalLight(0xffffff, 2.2);
     sun.position.set(0.5, 0.9, 1);
     this.camera.add(sun);
@@ -79,6 +85,10 @@ export class Stage {
     this.geometries = new Map();
     this.size = 0.1;
     this.framed = false;
+    this.taken = false; // the user turned the view or touched an object: it is not turned by itself any more
+    this.look = 'whole';
+    this.cutAt = 0.5;
+    this.cut = new Plane();
     this.ray = new Raycaster();
     this.makeHand();
     this.paint();
@@ -98,6 +108,10 @@ export class Stage {
       proxy: new MeshLambertMaterial(), hand: flat(), wish: flat(), force: flat(), torque: flat(),
       contact: new MeshLambertMaterial(), tool: new MeshLambertMaterial({ side: DoubleSide }),
       surface: new MeshLambertMaterial(), touched: new MeshLambertMaterial(),
+      // Of what the scene holds fast, which may be seen through or cut open.
+      fixed: new MeshLambertMaterial(), fixedTouched: new MeshLambertMaterial(),
+      // The inside of what was cut open, in one flat colour: so it looks filled.
+      section: new MeshBasicMaterial({ side: BackSide, clippingPlanes: [this.cut] }),
     };
     this.proxy = make(new SphereGeometry(1, 24, 16), this.materials.proxy);
     this.hand = make(new TorusGeometry(1.25, 0.16, 10, 32), this.materials.hand);
@@ -142,8 +156,9 @@ export class Stage {
     materials.other.color = materials.otherForce.color = themed('--second');
     materials.contact.color = themed('--force');
     materials.tool.color = themed('--energy');
-    materials.surface.color = themed('--surface');
-    materials.touched.color = themed('--surface').lerp(themed('--late'), 0.22);
+    materials.surface.color = materials.fixed.color = themed('--surface');
+    materials.touched.color = materials.fixedTouched.color = themed('--surface').lerp(themed('--late'), 0.22);
+    materials.section.color = themed('--surface').lerp(themed('--depth'), 0.45);
     this.layGrid();
     this.dirty = true;
   }
@@ -189,7 +204,7 @@ export class Stage {
     this.geometries.get(asset)?.dispose();
     this.geometries.set(asset, geometry);
     for (const mesh of this.objects.values()) {
-      if (mesh.userData.asset === asset) mesh.geometry = geometry;
+      if (mesh.userData.asset === asset) mesh.geometry = mesh.userData.inside.geometry = geometry;
     }
     this.framed = false;
     this.dirty = true;
@@ -201,29 +216,99 @@ export class Stage {
     this.path.radius = Math.max(this.path.radius, 1e-3);
   }
 
-  /** Puts the camera where it sees all objects, or else the hand's path. */
-  frame() {
+  /** A sphere about what is drawn of some meshes. */
+  around(meshes) {
     const all = new Sphere();
     all.makeEmpty();
-    for (const mesh of this.objects.values()) {
+    for (const mesh of meshes) {
       if (!mesh.geometry.boundingSphere) continue;
-      mesh.updateMatrixWorld();
+      mesh.updateWorldMatrix(true, false);
       all.union(mesh.geometry.boundingSphere.clone().applyMatrix4(mesh.matrixWorld));
     }
+    return all;
+  }
+
+  /** Takes the scene's size from its objects, or else from the hand's path; false where there is
+   *  neither. */
+  measure() {
+    const all = this.around(this.objects.values());
     if (all.isEmpty() && this.path) all.copy(this.path);
     if (all.isEmpty()) return false;
     this.middle = all.center;
     this.size = Math.max(2 * all.radius, 1e-4);
-    const half = Math.atan(Math.tan(this.camera.fov * Math.PI / 360) * Math.min(1, this.camera.aspect));
-    const away = 1.15 * all.radius / Math.sin(half);
-    this.camera.position.set(0.5, 0.42, 0.85).normalize().multiplyScalar(away).add(all.center);
-    this.camera.near = away / 200;
-    this.camera.far = away * 20;
-    this.camera.updateProjectionMatrix();
-    this.controls.target.copy(all.center);
-    this.controls.update();
     this.layGrid();
     return true;
+  }
+
+  /** Puts the camera where it sees all objects, the tool and the hand. */
+  frame() {
+    if (!this.measure()) return false;
+    const all = [new Sphere(this.middle, this.size / 2)];
+    if (this.path) all.push(this.path);
+    if (this.hand.visible) all.push(new Sphere(this.hand.position, 0.03 * this.size));
+    if (this.tool.visible) all.push(this.around(this.tool.children));
+    const most = FAR * this.size / 2;
+    this.lookAt(all.filter(({ center, radius }) => radius >= 0 && center.distanceTo(this.middle) < most));
+    return true;
+  }
+
+  /** Puts the camera as near as it may come and still sees some spheres whole, from the usual side. */
+  lookAt(spheres) {
+    const { camera, controls: { target } } = this;
+    const right = new Vector3().crossVectors(UP, BACK).normalize(), up = BACK.clone().cross(right);
+    const tall = Math.tan(camera.fov * Math.PI / 360) / BORDER, wide = tall * camera.aspect;
+    target.copy(spheres[0].center);
+    let away = 0;
+    for (let pass = 0; pass < 8; ++pass) {
+      const seen = spheres.map(({ center, radius }) => {
+        const from = center.clone().sub(target);
+        return { x: from.dot(right), y: from.dot(up), z: from.dot(BACK), radius };
+      });
+      away = Math.max(...seen.flatMap(({ x, y, z, radius }) => [
+        z + (Math.abs(x) + radius * Math.hypot(1, wide)) / wide,
+        z + (Math.abs(y) + radius * Math.hypot(1, tall)) / tall]));
+      // What is seen comes to lie in the middle.
+      const middle = (axis) => (Math.min(...seen.map((s) => (s[axis] - s.radius) / (away - s.z)))
+        + Math.max(...seen.map((s) => (s[axis] + s.radius) / (away - s.z)))) / 2;
+      target.addScaledVector(right, away * middle('x')).addScaledVector(up, away * middle('y'));
+    }
+    camera.position.copy(target).addScaledVector(BACK, away);
+    camera.near = away / 200;
+    camera.far = away * 20;
+    camera.updateProjectionMatrix();
+    this.controls.update();
+  }
+
+  /** How objects that cannot be moved are drawn, or all where each can be: `whole`, `through` (seen
+   *  through) or `cut` (open towards the viewer), so that a peg is seen in its hole. `share`, 0 to 1:
+   *  where the cut is, from the nearest to the farthest place of the scene. */
+  setLook(look, share = this.cutAt) {
+    this.look = look;
+    this.cutAt = share;
+    const through = look === 'through', cut = look === 'cut';
+    for (const material of [this.materials.fixed, this.materials.fixedTouched]) {
+      Object.assign(material, { transparent: through, opacity: through ? THROUGH : 1, depthWrite: !through,
+        clippingPlanes: cut ? [this.cut] : null, needsUpdate: true });
+    }
+    for (const { userData } of this.objects.values()) userData.inside.visible = cut && userData.isFixed;
+    this.dirty = true;
+  }
+
+  /** The plane of the cut faces the viewer. */
+  placeCut() {
+    const facing = this.camera.getWorldDirection(new Vector3());
+    const at = (this.middle ?? new Vector3()).clone().addScaledVector(facing, (this.cutAt - 0.5) * this.size);
+    this.cut.setFromNormalAndCoplanarPoint(facing, at);
+  }
+
+  /** The last that was seen of a daemon that is gone: no force, and nothing that is touched. */
+  setOver(over) {
+    if (this.over === over) return;
+    this.over = over;
+    this.canvas.dataset.over = over;
+    for (const now of [this.force, this.torque, ...this.patches]) now.visible &&= !over;
+    this.body = [];
+    this.dirty = true;
   }
 
   /** Shows a frame; `wish` is where the page leads the hand, or null. */
@@ -232,18 +317,19 @@ export class Stage {
     this.body = frame.body;
     this.wished = wish;
     const seen = new Set();
+    const allMovable = frame.objects.every(({ movable }) => movable);
     for (const object of frame.objects) {
       seen.add(object.id);
-      this.placeObject(object);
+      this.placeObject(object, allMovable || !object.movable);
     }
     for (const [id, mesh] of this.objects) {
       if (seen.has(id)) continue;
       mesh.removeFromParent();
       this.objects.delete(id);
     }
-    if (!this.framed && this.geometries.size) this.framed = this.frame();
     const device = frame.devices[0];
     if (device) this.placeHand(device, toolAsset);
+    if (!this.framed && this.geometries.size) this.framed = this.taken ? this.measure() : this.frame();
     if (frame.trail) this.retrace(frame.trail);
     else if (device) this.leave(vector(device.proxy), size3(device.force));
     this.placeOther(frame.other);
@@ -256,24 +342,29 @@ export class Stage {
     this.dirty = true;
   }
 
-  placeObject(object) {
+  placeObject(object, isFixed) {
     let mesh = this.objects.get(object.id);
     if (!mesh) {
       mesh = new Mesh(this.geometries.get(object.asset) ?? new BufferGeometry(),
         this.materials.surface);
-      mesh.userData = { asset: object.asset, id: object.id };
+      mesh.userData = { asset: object.asset, id: object.id, inside: new Mesh(mesh.geometry, this.materials.section) };
+      mesh.add(mesh.userData.inside);
       this.objects.set(object.id, mesh);
       this.scene.add(mesh);
       this.framed = false;
     }
     if (mesh.userData.asset !== object.asset) {
       mesh.userData.asset = object.asset;
-      mesh.geometry = this.geometries.get(object.asset) ?? new BufferGeometry();
+      mesh.geometry = mesh.userData.inside.geometry = this.geometries.get(object.asset) ?? new BufferGeometry();
     }
     mesh.position.copy(vector(object.position));
     mesh.quaternion.copy(turn(object.orientation));
     mesh.scale.setScalar(object.scale);
-    mesh.material = object.contact ? this.materials.touched : this.materials.surface;
+    const { fixed, fixedTouched, surface, touched } = this.materials;
+    if (isFixed) mesh.material = object.contact ? fixedTouched : fixed;
+    else mesh.material = object.contact ? touched : surface;
+    mesh.userData.isFixed = isFixed;
+    mesh.userData.inside.visible = isFixed && this.look === 'cut';
   }
 
   placeHand(device, toolAsset) {
@@ -312,7 +403,7 @@ export class Stage {
   /** Draws an arrow for a vector; `scale` in m per N or N m. */
   point(arrowGroup, from, values, scale) {
     const length = size3(values) * scale;
-    arrowGroup.visible = length > this.size * 0.004;
+    arrowGroup.visible = !this.over && length > this.size * 0.004;
     if (!arrowGroup.visible) return;
     arrowGroup.position.copy(from);
     arrowGroup.quaternion.setFromUnitVectors(UP, vector(values).normalize());
@@ -373,7 +464,10 @@ export class Stage {
     const box = this.canvas.getBoundingClientRect();
     const at = new Vector2(2 * (x - box.left) / box.width - 1, 1 - 2 * (y - box.top) / box.height);
     this.ray.setFromCamera(at, this.camera);
-    const [hit] = this.ray.intersectObjects([...this.objects.values()], false);
+    this.placeCut();
+    const hit = this.ray.intersectObjects([...this.objects.values()], false)
+      .find(({ object, point }) => this.look !== 'cut' || !object.userData.isFixed
+        || this.cut.distanceToPoint(point) >= 0);
     if (!hit) return null;
     const normal = hit.face.normal.clone().transformDirection(hit.object.matrixWorld);
     return { point: hit.point, normal, id: hit.object.userData.id };
@@ -411,6 +505,7 @@ export class Stage {
   redraw() {
     this.dirty = false;
     for (const facing of [this.hand, this.wish]) facing.quaternion.copy(this.camera.quaternion);
+    this.placeCut();
     this.renderer.render(this.scene, this.camera);
   }
 }

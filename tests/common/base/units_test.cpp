@@ -61,6 +61,7 @@ TEST_CASE("Every quantity has its own units") {
   CHECK(parse_quantity("2Nm/rad", Quantity::turning_stiffness).value() == 2.0);
   CHECK(parse_quantity("400us", Quantity::duration).value() == 400e-6);
   CHECK(parse_quantity("1ms", Quantity::duration).value() == 1e-3);
+  CHECK(parse_quantity("2min", Quantity::duration).value() == 120);
   CHECK(format_quantity(0.1, Quantity::torque) == "100 mN m");
   CHECK_FALSE(parse_quantity("1N/mm", Quantity::torque));
   CHECK_FALSE(parse_quantity("1N/mm", Quantity::length));

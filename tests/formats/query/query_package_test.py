@@ -24,6 +24,7 @@ MODULE = SOURCE / "formats" / "query" / "python"
 sys.path[:0] = [str(MODULE), str(SOURCE / "tests" / "support")]
 import spm_query  # noqa: E402
 from baked_tetrahedron import bake_tetrahedron  # noqa: E402
+from made_checkout import find_in_checkout  # noqa: E402
 from spm_query import Asset, QueryError, Source, Status  # noqa: E402
 
 try:
@@ -112,6 +113,13 @@ class Package(unittest.TestCase):
         closed.close()
         with self.assertRaises(QueryError):
             closed.query(POINTS)
+
+    def test_in_a_checkout_it_finds_the_library_of_the_build_folder(self) -> None:
+        with tempfile.TemporaryDirectory(prefix="spm-query-") as folder:
+            found = find_in_checkout(Path(folder), MODULE, "formats/query/python",
+                                     os.environ["SPM_QUERY_LIBRARY"], "libspm_query.so.1",
+                                     "import spm_query; print(spm_query._load()._name)")
+        self.assertEqual(found, "build/release/lib/libspm_query.so.1")
 
     def test_the_structs_are_as_long_as_those_of_the_header(self) -> None:
         kept = (SOURCE / "tests" / "e2e" / "struct_layouts.txt").read_text(encoding="utf-8")

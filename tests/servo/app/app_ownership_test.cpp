@@ -83,7 +83,8 @@ TEST_CASE("Of sixteen applications that fight for one clutch, one has it, and ke
   LoopBeside beside;
   std::vector<std::unique_ptr<Connected>> all;
   all.push_back(std::move(beside.here));
-  while (all.size() < SPM_MAX_CLIENTS) all.push_back(std::make_unique<Connected>(beside.path()));
+  while (all.size() < SPM_MAX_APPLICATIONS)
+    all.push_back(std::make_unique<Connected>(beside.path()));
   beside.here = std::make_unique<Connected>(beside.path());
   REQUIRE(beside.here->code == SPM_CLIENT_REFUSED);  // there is no place for a seventeenth
   const auto cause = [&] {

@@ -118,6 +118,16 @@ void flood(const std::string& path) {
   while (true) static_cast<void>(spm_client_move_object(client, 0, &pose));
 }
 
+/// Takes all places that applications have.
+std::vector<std::unique_ptr<Connected>> all_applications(const std::string& path) {
+  std::vector<std::unique_ptr<Connected>> clients;
+  for (int i = 0; i < SPM_MAX_APPLICATIONS; ++i) {
+    clients.push_back(std::make_unique<Connected>(path));
+    REQUIRE(clients.back()->message.empty());
+  }
+  return clients;
+}
+
 }  // namespace
 
 TEST_CASE("A client is greeted with versions and two descriptors, and served once it is ready") {
@@ -168,20 +178,50 @@ TEST_CASE("A client that is served can neither cut its ring nor take pages out o
   munmap(ring, sizeof(spm_shared_ring));
 }
 
-TEST_CASE("The seventeenth client is refused with a sentence, and welcome when another has gone") {
+TEST_CASE(
+    "The seventeenth application is refused with a sentence, and welcome when another has gone") {
   const SocketFolder folder;
   const auto state = small_state();
   const auto server = started(*state, folder.path("a.sock"));
-  std::vector<std::unique_ptr<Connected>> clients;
-  for (int i = 0; i < SPM_MAX_CLIENTS; ++i) {
-    clients.push_back(std::make_unique<Connected>(server->path()));
-    REQUIRE(clients.back()->message.empty());
-  }
+  auto clients = all_applications(server->path());
   const Connected one_too_many(server->path());
   REQUIRE(one_too_many.code == SPM_CLIENT_REFUSED);
   REQUIRE(contains(one_too_many.message, "16 applications already"));
   clients.pop_back();
   REQUIRE(eventually([&] { return Connected(server->path()).code == SPM_CLIENT_OK; }));
+}
+
+TEST_CASE("Supervisors and observers take none of the sixteen places for applications") {
+  const SocketFolder folder;
+  const auto state = small_state();
+  const auto server = started(*state, folder.path("a.sock"));
+  std::vector<std::unique_ptr<Connected>> beside;
+  for (const auto role : {SPM_CLIENT_OBSERVER, SPM_CLIENT_SUPERVISOR, SPM_CLIENT_OBSERVER}) {
+    beside.push_back(std::make_unique<Connected>(server->path(), 20000, role));
+    REQUIRE(beside.back()->message.empty());
+  }
+  const auto clients = all_applications(server->path());
+  const Connected last(server->path(), 20000, SPM_CLIENT_OBSERVER);
+  REQUIRE(last.code == SPM_CLIENT_OK);
+  const Connected one_too_many(server->path(), 20000, SPM_CLIENT_OBSERVER);
+  REQUIRE(one_too_many.code == SPM_CLIENT_REFUSED);
+  REQUIRE(contains(one_too_many.message, "20 connections already"));
+}
+
+TEST_CASE("The loop refuses all commands of an observer, with a sentence") {
+  const SocketFolder folder;
+  const auto state = small_state();
+  const auto server = started(*state, folder.path("a.sock"));
+  const LoopStandIn loop(*state);
+  const Connected observer(server->path(), 20000, SPM_CLIENT_OBSERVER);
+  const spm_client_pose pose = pose_at(0);
+  auto counts = sized<spm_client_command_counts>();
+  REQUIRE(spm_client_move_object(observer.client, 0, &pose) == SPM_CLIENT_OK);
+  REQUIRE(eventually([&] {
+    return spm_client_refusals(observer.client, &counts) == SPM_CLIENT_OK && counts.refused == 1;
+  }));
+  REQUIRE(contains(spm_client_refusal(counts.last_refusal), "an observer only watches"));
+  REQUIRE(state->counters().taken == 0);
 }
 
 TEST_CASE("Clients that come and go leave nothing behind") {

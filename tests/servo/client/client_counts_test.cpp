@@ -140,13 +140,16 @@ TEST_CASE("Applications see each other come and go") {
   REQUIRE(application.role == SPM_CLIENT_APPLICATION);
 }
 
-TEST_CASE("Applications see who has the role of a supervisor") {
+TEST_CASE("Applications see who has the role of a supervisor, and who only watches") {
   const Daemon daemon;
   const Connected here(daemon.server->path());
   const Connected supervisor(daemon.server->path(), 20000, SPM_CLIENT_SUPERVISOR);
+  const Connected observer(daemon.server->path(), 20000, SPM_CLIENT_OBSERVER);
   auto application = sized<spm_client_application>();
   REQUIRE(spm_client_read_application(here.client, 1, &application) == SPM_CLIENT_OK);
   REQUIRE(application.role == SPM_CLIENT_SUPERVISOR);
+  REQUIRE(spm_client_read_application(here.client, 2, &application) == SPM_CLIENT_OK);
+  REQUIRE(application.role == SPM_CLIENT_OBSERVER);
   REQUIRE(spm_client_read_application(here.client, 0, &application) == SPM_CLIENT_OK);
   REQUIRE(application.role == SPM_CLIENT_APPLICATION);
 }

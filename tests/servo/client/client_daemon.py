@@ -22,7 +22,7 @@ C_SHARP = sorted(C_SHARP_FOLDER.glob("*.cs"))
 CAN_C_SHARP = shutil.which("mcs") and shutil.which("mono")
 PATIENCE = 20.0  # s, beyond any machine's worst moment
 
-sys.path.insert(0, str(SOURCE / "servo" / "client" / "python"))
+sys.path[:0] = [str(SOURCE / "servo" / "client" / "python"), str(SOURCE / "tests" / "support")]
 from spm_client import Client  # noqa: E402
 
 

@@ -17,9 +17,10 @@ import tempfile
 import unittest
 from pathlib import Path
 
-from client_daemon import (CAN_C_SHARP, C_SHARP_FOLDER, PATIENCE, SOURCE, WithDaemon,
+from client_daemon import (CAN_C_SHARP, C_SHARP_FOLDER, LIBRARY, PATIENCE, SOURCE, WithDaemon,
                            c_sharp_environment, compile_c_sharp, eventually)
 from client_structs import STRUCTS, header_sizes
+from made_checkout import find_in_checkout
 
 import spm_client_library
 from spm_client import (Cause, Client, ClientError, Code, DaemonState, Effect, EffectKind, EventKind,
@@ -255,6 +256,14 @@ class Installed(unittest.TestCase):
                 capture_output=True, text=True)
             self.assertEqual((used.returncode, used.stderr), (0, ""))
             self.assertIn(os.path.join(folder, "there"), used.stdout)
+
+    def test_in_a_checkout_the_python_package_finds_the_library_of_the_build_folder(self) -> None:
+        with tempfile.TemporaryDirectory(prefix="spm-client-") as folder:
+            found = find_in_checkout(
+                Path(folder), SOURCE / "servo" / "client" / "python", "servo/client/python",
+                str(LIBRARY), "libspm_client.so",
+                "import spm_client_library; print(spm_client_library.load()._name)")
+        self.assertEqual(found, "build/release/lib/libspm_client.so")
 
     def test_the_c_sharp_folder_is_an_assembly_of_its_own(self) -> None:
         names = {path.name for path in C_SHARP_FOLDER.iterdir()}

@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "servo/view/surface_mesh.hpp"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <catch2/catch.hpp>
 #include <cstring>
 #include <map>
+#include <numbers>
 #include <utility>
 
 #include "common/query/query.hpp"
@@ -40,21 +42,104 @@ double volume_of(const SurfaceMesh& mesh) {
   return volume / 6;
 }
 
+/// How often each side of a triangle is run through, by its two corners.
+std::map<std::pair<std::uint32_t, std::uint32_t>, int> sides_of(const SurfaceMesh& mesh) {
+  std::map<std::pair<std::uint32_t, std::uint32_t>, int> sides;
+  for (std::size_t i = 0; i < mesh.triangles.size(); i += 3) {
+    for (std::size_t k = 0; k < 3; ++k) {
+      ++sides[{mesh.triangles[i + k], mesh.triangles[i + (k + 1) % 3]}];
+    }
+  }
+  return sides;
+}
+
+/// Sides that no triangle beside runs through the other way.
+int open_sides(const SurfaceMesh& mesh) {
+  auto sides = sides_of(mesh);
+  int open = 0;
+  for (const auto& [side, times] : sides_of(mesh)) {
+    open += std::max(0, times - sides[{side.second, side.first}]);
+  }
+  return open;
+}
+
+test::Shape turned(test::Shape shape) {
+  const Eigen::AngleAxisd turn(0.5, Vector3(1, 2, 3).normalized());
+  for (Vector3& vertex : shape.vertices) vertex = turn * vertex;
+  return shape;
+}
+
+/// The lower half of a sphere's shell, open at the top.
+test::Shape bowl(double radius, double wall) {
+  constexpr int around = 24, rows = 6;
+  test::Shape shape;
+  for (const double r : {radius, radius - wall}) {
+    for (int row = 1; row <= rows; ++row) {
+      const double polar = std::numbers::pi / 2 * row / rows;
+      for (int i = 0; i < around; ++i) {
+        const double turn = 2 * std::numbers::pi * i / around;
+        shape.vertices.emplace_back(r * std::sin(polar) * std::cos(turn),
+                                    r * std::sin(polar) * std::sin(turn), -r * std::cos(polar));
+      }
+    }
+  }
+  const auto at = [&](int shell, int row, int i) {
+    return static_cast<std::uint32_t>((shell * rows + row) * around + i % around);
+  };
+  const auto bottom = static_cast<std::uint32_t>(shape.vertices.size());
+  shape.vertices.emplace_back(0, 0, -radius);
+  shape.vertices.emplace_back(0, 0, wall - radius);
+  const auto quad = [&](std::uint32_t a, std::uint32_t b, std::uint32_t c, std::uint32_t d) {
+    shape.triangles.push_back({a, b, c});
+    shape.triangles.push_back({a, c, d});
+  };
+  for (int i = 0; i < around; ++i) {
+    shape.triangles.push_back({bottom, at(0, 0, i + 1), at(0, 0, i)});
+    shape.triangles.push_back({bottom + 1, at(1, 0, i), at(1, 0, i + 1)});
+    for (int row = 0; row + 1 < rows; ++row) {
+      quad(at(0, row, i), at(0, row, i + 1), at(0, row + 1, i + 1), at(0, row + 1, i));
+      quad(at(1, row, i), at(1, row + 1, i), at(1, row + 1, i + 1), at(1, row, i + 1));
+    }
+    quad(at(0, rows - 1, i), at(0, rows - 1, i + 1), at(1, rows - 1, i + 1), at(1, rows - 1, i));
+  }
+  return shape;
+}
+
+double volume_of(const test::Shape& shape) {
+  double volume = 0;
+  for (const auto& [a, b, c] : shape.triangles) {
+    volume += shape.vertices[a].dot(shape.vertices[b].cross(shape.vertices[c]));
+  }
+  return volume / 6;
+}
+
 }  // namespace
+
+TEST_CASE("Walls that are thinner than a cell of the grid are drawn whole, both sides apart") {
+  // The grid's cell is 1.7 to 2 mm.
+  const double wall = GENERATE(0.8e-3, 0.3e-3, 0.1e-3);
+  const bool is_bowl = GENERATE(false, true);
+  const test::Shape shape =
+      is_bowl ? bowl(0.02, wall) : turned(test::plate(Vector3(0.04, 0.04, wall)));
+  const Asset asset = test::shape_asset(shape);
+  const AssetTables tables = tables_of(asset);
+  const SurfaceMesh mesh = surface_mesh(tables.view(), cells);
+  REQUIRE(mesh.cell > 1.5 * wall);
+  CHECK(open_sides(mesh) == 0);
+  CHECK(volume_of(mesh) == Approx(volume_of(shape)).epsilon(0.1));
+  int off = 0;
+  for (std::size_t i = 0; i < mesh.vertices.size(); ++i) {
+    const Answer answer = query_point(tables.view(), corner(mesh, i));
+    off += answer.status != Status::exact || std::abs(answer.distance) > 0.1 * mesh.cell ? 1 : 0;
+  }
+  CHECK(off < 0.04 * static_cast<double>(mesh.vertices.size()));
+}
 
 TEST_CASE("The mesh of a box is closed, faces outward and has the box's volume and its corners") {
   const SurfaceMesh mesh = mesh_of(test::box_asset(0.04));
   REQUIRE(mesh.triangles.size() > 3000);
-  std::map<std::pair<std::uint32_t, std::uint32_t>, int> edges;
-  for (std::size_t i = 0; i < mesh.triangles.size(); i += 3) {
-    for (std::size_t k = 0; k < 3; ++k) {
-      ++edges[{mesh.triangles[i + k], mesh.triangles[i + (k + 1) % 3]}];
-    }
-  }
-  for (const auto& [edge, times] : edges) {
-    REQUIRE(times == 1);
-    REQUIRE(edges.count({edge.second, edge.first}) == 1);
-  }
+  for (const auto& [side, times] : sides_of(mesh)) REQUIRE(times == 1);
+  CHECK(open_sides(mesh) == 0);
   CHECK(volume_of(mesh) == Approx(0.04 * 0.04 * 0.04).epsilon(2e-3));
   double farthest = 0;
   for (std::size_t i = 0; i < mesh.vertices.size(); ++i) {
