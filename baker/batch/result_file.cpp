@@ -3,6 +3,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "formats/files/json_text.hpp"
 #include "formats/files/output_file.hpp"
 #include "formats/files/text_file.hpp"
 
@@ -63,7 +64,7 @@ Result<void> write_result(const std::string& path, const BatchResult& result) {
 Result<BatchResult> read_result(const std::string& path) {
   const Result<std::string> text = read_text_file(path, "a file of --result");
   if (!text) return tl::make_unexpected(text.error());
-  const Json json = Json::parse(*text, nullptr, false);
+  const Json json = parse_json<Json>(*text);
   if (!json.is_object() || json.value(version_key, Json()) != version) {
     return fail(ExitCode::invalid_input,
                 path + ": is no result of a batch of this version; give files of --result");

@@ -9,6 +9,7 @@
 #include <filesystem>
 #include <system_error>
 
+#include "formats/files/json_text.hpp"
 #include "formats/files/output_file.hpp"
 #include "formats/files/sha256.hpp"
 #include "formats/files/text_file.hpp"
@@ -59,7 +60,7 @@ Result<CacheEntry> parse_cache_entry(const std::string& path, std::string bytes)
     return broken(path, "its checksum is wrong");
   }
   const std::size_t end = content.find('\n');
-  const Json head = Json::parse(content.substr(0, end), nullptr, false);
+  const Json head = parse_json<Json>(content.substr(0, end));
   if (!head.is_object() || end == std::string_view::npos) return broken(path, "has no description");
   try {
     CacheEntry entry;
@@ -160,7 +161,7 @@ Json Cache::last_parts(const std::string& output) const {
   const std::string path = output_path(output);
   if (!fs::exists(path, ignored)) return {};
   const Result<std::string> text = read_text_file(path, "a cache's note");
-  const Json parts = text ? Json::parse(*text, nullptr, false) : Json();
+  const Json parts = text ? parse_json<Json>(*text) : Json();
   return parts.is_object() ? parts : Json();
 }
 

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <string>
 
 #include "common/sixdof/surface_elements.hpp"
 #include "common/surface/distance_map.hpp"
@@ -21,6 +22,8 @@ constexpr double same_place_cosine = 0.5;
 /// Least number of parts along a side of a cell that a clip line crosses.
 constexpr int clipped_parts = 6;
 constexpr int max_parts = 256;
+/// Most patches, besides one for each cell of an element: 0.5 GB.
+constexpr std::size_t most_patches = std::size_t{1} << 24U;
 
 std::array<float, 3> to_floats(const Vector3& v) noexcept {
   return {static_cast<float>(v.x()), static_cast<float>(v.y()), static_cast<float>(v.z())};
@@ -74,12 +77,14 @@ class PatchMaker {
       : asset_(asset),
         elements_(asset),
         step_(step),
-        slack_(same_place_tolerances * asset.tolerance) {}
+        slack_(same_place_tolerances * asset.tolerance),
+        left_(most_patches + std::size_t{tile_cell_count} * elements_.size()) {}
 
   std::vector<SurfacePatch> patches;
 
-  void add_all() {
-    for (std::uint32_t which = 0; which < elements_.size(); ++which) {
+  /// False where there are too many; those that others show already count too.
+  [[nodiscard]] bool add_all() {
+    for (std::uint32_t which = 0; which < elements_.size() && left_ > 0; ++which) {
       const SurfaceElement& element = elements_[which];
       if (element.is_tile) {
         add_tile(which, element.number);
@@ -87,6 +92,7 @@ class PatchMaker {
         add_triangle(element.corners, which);
       }
     }
+    return left_ > 0;
   }
 
  private:
@@ -95,6 +101,7 @@ class PatchMaker {
   SurfaceElements elements_;
   double step_;
   double slack_;
+  std::size_t left_;  ///< patches that may still be made
 
   void add_tile(std::uint32_t rank, std::uint32_t which) {
     const Tile& tile = asset_.tiles[which];
@@ -115,7 +122,7 @@ class PatchMaker {
         clipped ? clipped_parts : 1,
         static_cast<int>(std::min<double>(max_parts, std::ceil(spacing * stretch / step_))));
     const auto column = cell % tile_cells, row = cell / tile_cells;
-    for (int j = 0; j < parts; ++j) {
+    for (int j = 0; j < parts && left_ > 0; ++j) {
       for (int i = 0; i < parts; ++i) {
         const double x = (i + 0.5) / parts - 0.5, y = (j + 0.5) / parts - 0.5;
         if (cut_off(tile, cell, x, y)) continue;
@@ -134,9 +141,14 @@ class PatchMaker {
     const Vector3 across = (corners[1] - corners[0]).cross(corners[2] - corners[0]);
     const double size = across.norm();
     if (!(size > 0)) return;
+    // A patch has less than half the square of the step: too many are told before they are made.
+    if (!(size <= step_ * step_ * static_cast<double>(left_))) {
+      left_ = 0;
+      return;
+    }
     const Vector3 normal = across / size;
     std::vector<Corners> left{corners};
-    while (!left.empty()) {
+    while (!left.empty() && left_ > 0) {
       const Corners c = left.back();
       left.pop_back();
       std::size_t longest = 0;
@@ -161,6 +173,8 @@ class PatchMaker {
 
   /// Keeps a patch unless an element with a lower number than `rank` shows the place already.
   void keep(const Vector3& position, const Vector3& normal, double area, std::uint32_t rank) {
+    if (left_ == 0) return;
+    --left_;
     const bool owned = elements_.none_near(position, slack_, [&](std::uint32_t which) {
       if (which >= rank) return false;
       const SurfaceElement& element = elements_[which];
@@ -227,7 +241,13 @@ Result<std::vector<SurfacePatch>> surface_patches(const AssetView& asset, double
                 "open it with them");
   }
   PatchMaker maker(asset, step);
-  maker.add_all();
+  if (!maker.add_all()) {
+    return fail(ExitCode::invalid_input,
+                "surface samples: the surface would take more than " +
+                    std::to_string(most_patches) +
+                    " pieces of this size; give a larger spacing, or bake the mesh again where its "
+                    "surface is not as large");
+  }
   if (maker.patches.empty()) {
     return fail(ExitCode::invalid_input,
                 "surface samples: the asset has no surface; bake a mesh that bounds a solid");

@@ -21,7 +21,8 @@ struct SurfacePatch {
 /// tolerances and faces the same way, with the triangles first, in the order of their corners, and
 /// then the tiles. So the areas add up to that of the surface, however many elements there are.
 /// Allocates: for loading, not for a tick. Errors: invalid_input for a `full` asset, whose maps
-/// cover a place many times, and for one without elements; usage for one whose tiles were left out.
+/// cover a place many times, for one without elements, and where there would be more than 2^24
+/// pieces and 64 an element; usage for one whose tiles were left out.
 [[nodiscard]] Result<std::vector<SurfacePatch>> surface_patches(const AssetView& asset,
                                                                 double step);
 

@@ -234,8 +234,10 @@ std::vector<Keyed> in_order_of_cubes(const std::vector<SurfacePatch>& patches, c
     const Vector3 place = (to_vector(patch.position) - low) / spacing;
     std::array<std::uint32_t, 3> cell{};
     for (int axis = 0; axis < 3; ++axis) {
+      // Patches of a broken file may lie anywhere, and be no numbers.
+      constexpr double last = (1U << key_bits) - 1;
       cell[static_cast<std::size_t>(axis)] =
-          std::min(static_cast<std::uint32_t>(place[axis]), (1U << key_bits) - 1);
+          place[axis] > 0 ? static_cast<std::uint32_t>(std::min(place[axis], last)) : 0;
     }
     order.push_back({{way_of(to_vector(patch.normal)), interleave(cell)},
                      static_cast<std::uint32_t>(order.size())});

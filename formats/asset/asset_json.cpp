@@ -3,9 +3,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 #include "formats/files/json_fields.hpp"
+#include "formats/files/json_text.hpp"
 
 namespace spm {
 namespace {
@@ -20,8 +22,8 @@ constexpr std::uint64_t max_cells = std::uint64_t{1} << 30U;
 constexpr std::uint64_t max_words = std::uint64_t{1} << 28U;  // limit of a grid word
 constexpr std::uint64_t max_corners = std::uint64_t{1} << corner_bits;
 constexpr std::uint64_t max_triangles = std::uint64_t{1} << 30U;
-// Lengths that stay normal floats over all levels and heights.
-constexpr double min_length = 1e-20, greatest_length = 1e20;
+constexpr double min_length = 1e-20;  // stays a normal float over all levels and heights
+constexpr double any_factor = std::numeric_limits<double>::max();
 constexpr double basis_slack = 1e-6;
 
 Json json_of(const Vector3& vector) { return Json::array({vector.x(), vector.y(), vector.z()}); }
@@ -143,9 +145,8 @@ AssetMetadata read_metadata(JsonFields& fields) {
 }
 
 void read_mesh(JsonFields mesh, AssetMetadata& metadata) {
-  metadata.mesh_unit = mesh.number("unit", 0);
-  if (metadata.mesh_unit <= 0) mesh.wrong("unit", "a length above 0");
-  metadata.scale = mesh.number("scale", 0);
+  metadata.mesh_unit = mesh.number("unit", min_length);
+  metadata.scale = mesh.number("scale", 0, any_factor);
   if (metadata.scale <= 0) mesh.wrong("scale", "a factor above 0");
   metadata.diagonal = mesh.number("diagonal", 0);
   metadata.box_min = mesh.vector("box_min");
@@ -160,8 +161,7 @@ void read_mesh(JsonFields mesh, AssetMetadata& metadata) {
 
 void read_grid(JsonFields grid, AssetDescription& description) {
   description.grid_origin = grid.vector("origin");
-  description.grid_cell_size = grid.number("cell_size", 0);
-  if (description.grid_cell_size <= 0) grid.wrong("cell_size", "a length above 0");
+  description.grid_cell_size = grid.number("cell_size", min_length);
   description.grid_cells = grid.triple("cells", 1, max_cells_an_axis);
   const auto& cells = description.grid_cells;
   if (std::uint64_t{cells[0]} * cells[1] > max_cells ||
@@ -175,7 +175,7 @@ void read_octree(JsonFields& fields, AssetDescription& description) {
   OctreeData& data = description.octree;
   JsonFields octree = fields.child("octree");
   data.origin = octree.vector("origin");
-  data.edge = octree.number("edge", min_length, greatest_length);
+  data.edge = octree.number("edge", min_length);
   data.roots = octree.triple("roots", 1, max_cells_an_axis);
   if (std::uint64_t{data.roots[0]} * data.roots[1] > max_cells ||
       std::uint64_t{data.roots[0]} * data.roots[1] * data.roots[2] > max_cells) {
@@ -183,9 +183,9 @@ void read_octree(JsonFields& fields, AssetDescription& description) {
   }
   description.octree_units = octree.integer("words", 0, max_words);
   description.octree_lists = octree.integer("lists", 0, max_words);
-  data.value_unit = octree.number("value_unit", min_length, greatest_length);
-  data.clearance_unit = octree.number("clearance_unit", min_length, greatest_length);
-  data.reach = octree.number("reach", min_length, greatest_length);
+  data.value_unit = octree.number("value_unit", min_length);
+  data.clearance_unit = octree.number("clearance_unit", min_length);
+  data.reach = octree.number("reach", min_length);
   // Assets of earlier programs promise nothing.
   if (!octree.optional("beyond_share").is_null()) {
     data.beyond_share = octree.number("beyond_share", 0, 1);
@@ -194,7 +194,7 @@ void read_octree(JsonFields& fields, AssetDescription& description) {
   description.exact_triangles = exact.integer("triangles", 0, max_triangles);
   description.exact_corners = exact.integer("corners", 0, max_corners);
   data.lattice_origin = exact.vector("origin");
-  data.lattice_step = exact.number("step", min_length, greatest_length);
+  data.lattice_step = exact.number("step", min_length);
 }
 
 void read_maps(JsonFields maps, AssetDescription& description) {
@@ -209,8 +209,8 @@ void read_maps(JsonFields maps, AssetDescription& description) {
 void read_tiles(JsonFields tiles, AssetDescription& description) {
   description.tiles = static_cast<std::uint32_t>(tiles.integer("count", 0, max_tiles));
   const double least = description.tiles == 0 ? 0 : min_length;
-  description.metadata.tile_spacing = tiles.number("spacing", least, greatest_length);
-  description.metadata.height_unit = tiles.number("height_unit", least, greatest_length);
+  description.metadata.tile_spacing = tiles.number("spacing", least);
+  description.metadata.height_unit = tiles.number("height_unit", least);
 }
 
 void read_planes(JsonFields& fields, AssetDescription& description, std::string& problem) {
@@ -225,9 +225,7 @@ void read_planes(JsonFields& fields, AssetDescription& description, std::string&
     if (!is_basis(plane)) row.wrong("n", "of unit length and u x v");
     description.planes.push_back(plane);
     if (description.metadata.form == AssetForm::full) {
-      const double spacing = row.number("spacing", 0);
-      if (spacing <= 0) row.wrong("spacing", "a length above 0");
-      description.plane_spacing.push_back(spacing);
+      description.plane_spacing.push_back(row.number("spacing", min_length));
       description.plane_tile.push_back(
           static_cast<std::uint32_t>(row.integer("tile", 0, UINT32_MAX)));
     }
@@ -315,8 +313,10 @@ Result<AssetDescription> parse_description(std::string_view text, const std::str
   const auto refuse = [&place](const std::string& cause) {
     return fail(ExitCode::invalid_input, place + ": " + cause + "; bake it again");
   };
-  const Json json = Json::parse(text.begin(), text.end(), nullptr, false);
-  if (!json.is_object()) return refuse("its `spm` attribute is not a JSON object");
+  const Json json = parse_json<Json>(text);
+  if (!json.is_object())
+    return refuse("its `spm` attribute is not a JSON object of at most " +
+                  std::to_string(most_json_levels) + " levels");
   std::string problem;
   JsonFields fields(json, "", problem);
   const std::uint64_t version = fields.integer("format_version", 0, UINT32_MAX);

@@ -13,6 +13,7 @@
 #include "formats/asset/tile_words.hpp"
 #include "formats/exr/exr_writer.hpp"
 #include "formats/files/host.hpp"
+#include "formats/files/json_text.hpp"
 
 namespace spm {
 namespace {
@@ -162,7 +163,7 @@ std::string tiles_problem(const Asset& asset) {
 /// The error in an asset that the writer received; empty where there is none.
 std::string inconsistency(const Asset& asset) {
   const bool full = asset.metadata.form == AssetForm::full;
-  const auto options = nlohmann::json::parse(asset.metadata.options, nullptr, false);
+  const auto options = parse_json<nlohmann::json>(asset.metadata.options);
   if (!options.is_object()) return "its options are not a JSON object";
   const GridData& grid = asset.grid;
   if (full && (grid.index.empty() ||

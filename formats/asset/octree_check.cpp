@@ -2,6 +2,7 @@
 #include "formats/asset/octree_check.hpp"
 
 #include <algorithm>
+#include <array>
 #include <string_view>
 #include <vector>
 
@@ -148,10 +149,23 @@ class OctreeCheck {
   }
 };
 
+using Corners = std::array<Vector3, 3>;
+
+/// True where corners lie farther outside the octree than one of its root cubes is wide. A surface
+/// that is larger without bound would take as much memory to sample.
+bool is_far_outside(const AssetView& asset, const Corners& corners) {
+  const Extent extent = extent_of(asset);
+  const Vector3 slack = Vector3::Constant(asset.octree.edge);
+  return std::any_of(corners.begin(), corners.end(), [&](const Vector3& corner) {
+    return !((corner - extent.low + slack).minCoeff() >= 0 &&
+             (extent.low + extent.size + slack - corner).minCoeff() >= 0);
+  });
+}
+
 /// True where corners of the surface lie in cubes that have no answer there, or one from beyond the
 /// band.
-bool is_lost(const AssetView& asset, std::size_t triangle) {
-  for (const Vector3& corner : corners_of(asset.exact, triangle)) {
+bool is_lost(const AssetView& asset, const Corners& corners) {
+  for (const Vector3& corner : corners) {
     const Leaf leaf = leaf_at(asset.octree, corner);
     if (leaf.kind == OctreeKind::far || leaf.kind == OctreeKind::deep) return true;
   }
@@ -175,7 +189,9 @@ std::string octree_problem(const AssetView& asset, std::size_t* steps) {
         return "a triangle has a corner that does not exist";
       }
     }
-    if (wide && !traits_of(asset.exact, i).cap && is_lost(asset, i)) {
+    const Corners corners = corners_of(asset.exact, i);
+    if (is_far_outside(asset, corners)) return "a triangle lies outside its octree";
+    if (wide && !traits_of(asset.exact, i).cap && is_lost(asset, corners)) {
       return "a cube of its octree says that the surface is not in it, but a triangle is";
     }
   }

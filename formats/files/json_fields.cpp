@@ -33,9 +33,7 @@ double JsonFields::number(const char* key, double low, double high) {
   const Json& value = find(key);
   const double number = value.is_number() ? value.get<double>() : std::nan("");
   if (std::isfinite(number) && number >= low && number <= high) return number;
-  wrong(key, low == -any ? "a finite number"
-                         : "a number from " + printed(low) +
-                               (high == any ? " up" : " to " + printed(high)));
+  wrong(key, "a number from " + printed(low) + " to " + printed(high));
   return 0;
 }
 
@@ -69,10 +67,11 @@ Vector3 JsonFields::vector(const char* key) {
   bool good = value.is_array() && value.size() == 3;
   for (int axis = 0; good && axis < 3; ++axis) {
     const Json& component = value[static_cast<std::size_t>(axis)];
-    good = component.is_number() && std::isfinite(component.get<double>());
+    good = component.is_number() && std::abs(component.get<double>()) <= greatest;
     if (good) vector[axis] = component.get<double>();
   }
-  if (!good) wrong(key, "an array of three finite numbers");
+  if (!good)
+    wrong(key, "an array of three numbers from " + printed(-greatest) + " to " + printed(greatest));
   return good ? vector : Vector3::Zero();
 }
 

@@ -3,7 +3,6 @@
 
 #include <array>
 #include <cstdint>
-#include <limits>
 #include <nlohmann/json.hpp>
 #include <string>
 
@@ -17,14 +16,17 @@ namespace spm {
 class JsonFields {
  public:
   using Json = nlohmann::ordered_json;
-  static constexpr double any = std::numeric_limits<double>::max();
+  /// Bounds of every number that no narrower ones are given for, in SI units: beyond all that is
+  /// meant, and its cube is still a float.
+  static constexpr double greatest = 1e12;
 
   JsonFields(const Json& object, std::string place, std::string& problem);
 
-  [[nodiscard]] double number(const char* key, double low = -any, double high = any);
+  [[nodiscard]] double number(const char* key, double low = -greatest, double high = greatest);
   [[nodiscard]] std::uint64_t integer(const char* key, std::uint64_t low, std::uint64_t high);
   [[nodiscard]] bool flag(const char* key);
   [[nodiscard]] std::string text(const char* key);
+  /// Three numbers up to `greatest`.
   [[nodiscard]] Vector3 vector(const char* key);
   [[nodiscard]] JsonFields child(const char* key);
   /// An array of integers of exactly three elements, each from `low` to `high`.

@@ -11,6 +11,7 @@
 
 #include "formats/files/host.hpp"
 #include "formats/files/json_fields.hpp"
+#include "formats/files/json_text.hpp"
 #include "formats/files/text_file.hpp"
 #include "formats/motion/recording.hpp"
 #include "formats/motion/recording_parts.hpp"
@@ -133,7 +134,7 @@ RecordedChange change_of(std::uint32_t kind, std::string_view bytes, std::string
     problem = "a part is of no known kind";
     return change;
   }
-  const Json json = Json::parse(bytes.begin(), bytes.end(), nullptr, false);
+  const Json json = parse_json<Json>(bytes);
   if (!json.is_object()) {
     problem = "a change is no JSON object";
     return change;
@@ -211,7 +212,7 @@ Result<Opened> open_recording(const std::string& path, bool only_intact) {
   }
   opened.parts_from = start_bytes + header_bytes;
   const std::string_view text = std::string_view(bytes).substr(start_bytes, header_bytes);
-  const Json json = Json::parse(text.begin(), text.end(), nullptr, false);
+  const Json json = parse_json<Json>(text);
   if (!json.is_object()) return bad(path, "has a header that is no JSON object");
   if (const std::string problem = objection_to_form(json); !problem.empty()) {
     return fail(ExitCode::invalid_input, path + ": " + problem);

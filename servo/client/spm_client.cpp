@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "servo/client/spm_client.h"
 
+#include <algorithm>
 #include <array>
 #include <chrono>
+#include <cmath>
 #include <exception>
 #include <memory>
 #include <string>
@@ -26,7 +28,7 @@ constexpr std::chrono::milliseconds find_timeout{50};
 constexpr std::int64_t find_every_ns = 20'000'000;
 /// The loop counts as stalled after this time without a tick: a hundred ticks, which is longer than
 /// any process is kept from its processor on a machine that is fit for a servo.
-constexpr std::int64_t stalled_ns = 100'000'000;
+constexpr double stalled_ns = 1e8;
 
 void give_message(char* message, size_t size, const std::string& text) noexcept {
   if (message == nullptr || size == 0) return;
@@ -189,11 +191,13 @@ int spm_client_daemon_state(const spm_client* client, double* age) {
   if (client == nullptr) return SPM_CLIENT_GONE;
   const spm_shared_state& state = look(*client);
   const bool ticked = load_acquire(state.published) > 0;
-  const std::int64_t since = now_ns() - load_relaxed(state.heartbeat_ns);
-  if (ticked && age != nullptr) *age = static_cast<double>(since) * 1e-9;
+  // In doubles, since a daemon that is broken may have written any beat, also one yet to come.
+  const double since =
+      static_cast<double>(now_ns()) - static_cast<double>(load_relaxed(state.heartbeat_ns));
+  if (ticked && age != nullptr) *age = std::max(0.0, since) * 1e-9;
   if (load_acquire(state.ended) != 0) return SPM_CLIENT_ENDED;
   if (!client->connection().daemon_is_there()) return SPM_CLIENT_GONE;
-  return ticked && since < stalled_ns ? SPM_CLIENT_RUNNING : SPM_CLIENT_STALLED;
+  return ticked && std::abs(since) < stalled_ns ? SPM_CLIENT_RUNNING : SPM_CLIENT_STALLED;
 }
 
 int spm_client_read_info(const spm_client* client, spm_client_info* info) {

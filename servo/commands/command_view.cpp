@@ -76,6 +76,7 @@ int execute_view(const ViewCommand& command) {
   signals.listen();
   ViewSettings settings = command.settings;
   settings.page = page_folder();
+  settings.tell = [](const std::string& sentence) { spdlog::warn(sentence); };
   const auto served = serve_view(settings, signals.flag(), [&](const ViewAddresses& addresses) {
     tell_start(command, addresses);
   });

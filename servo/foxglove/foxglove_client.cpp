@@ -8,6 +8,8 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
+#include "formats/files/json_text.hpp"
+
 namespace spm::servo {
 
 using nlohmann::json;
@@ -90,7 +92,7 @@ std::vector<std::string> FoxgloveClient::offer(const std::vector<FoxgloveChannel
 }
 
 std::string FoxgloveClient::hear(const std::string& text) {
-  const json message = json::parse(text, nullptr, false);
+  const json message = parse_json<json>(text);
   const json op = message.is_object() ? message.value("op", json()) : json();
   if (op == "subscribe") {
     const json list = message.value("subscriptions", json::array());

@@ -9,6 +9,7 @@
 #include <string_view>
 
 #include "formats/files/json_fields.hpp"
+#include "formats/files/json_text.hpp"
 
 namespace spm::servo {
 
@@ -253,7 +254,7 @@ std::string text_of(const RecordedScene& recorded) {
 }
 
 Result<RecordedScene> recorded_scene(const std::string& text, std::size_t assets) {
-  const Json json = Json::parse(text, nullptr, false);
+  const Json json = parse_json<Json>(text);
   if (!json.is_object() || !json.contains("workspace") || !json.contains("stabilization")) {
     return bad("it does not say what its forces came from");
   }
@@ -309,7 +310,7 @@ Result<SceneStep> step_of(const RecordedChange& change, std::size_t assets) {
     step.settings.placement.position = {pose[0], pose[1], pose[2]};
     step.settings.placement.rotation = Eigen::Quaterniond(pose[3], pose[4], pose[5], pose[6]);
   } else if (!change.settings.empty()) {
-    const Json json = Json::parse(change.settings, nullptr, false);
+    const Json json = parse_json<Json>(change.settings);
     if (!json.is_object()) return bad("a change is no JSON object");
     if (change.kind == RecordedKind::stabilized) {
       Reader reader(json, "stabilization.", problem);

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <exception>
 #include <filesystem>
 #include <utility>
 
@@ -194,15 +195,20 @@ ViewFeed::Mesh ViewFeed::load(const std::string& path, const std::string& stamp)
   Mesh mesh;
   mesh.path = path;
   mesh.stamp = stamp;
-  const auto asset = MappedAsset::open(path);
-  if (!asset) {
-    mesh.error = asset.error().message;
-    return mesh;
+  try {
+    const auto asset = MappedAsset::open(path);
+    if (!asset) {
+      mesh.error = asset.error().message;
+      return mesh;
+    }
+    const SurfaceMesh surface = surface_mesh((*asset)->view());
+    mesh.bytes = std::make_shared<const std::string>(to_bytes(surface));
+    mesh.cell = surface.cell;
+    mesh.triangles = surface.triangles.size() / 3;
+  } catch (const std::exception& problem) {
+    // Else it would end the view, which only shows the object.
+    mesh.error = path + ": cannot be drawn (" + problem.what() + "); close other programs";
   }
-  const SurfaceMesh surface = surface_mesh((*asset)->view());
-  mesh.bytes = std::make_shared<const std::string>(to_bytes(surface));
-  mesh.cell = surface.cell;
-  mesh.triangles = surface.triangles.size() / 3;
   return mesh;
 }
 

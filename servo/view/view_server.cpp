@@ -5,9 +5,9 @@
 
 #include <boost/asio/awaitable.hpp>
 #include <boost/asio/co_spawn.hpp>
-#include <boost/asio/detached.hpp>
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/ip/tcp.hpp>
+#include <boost/asio/redirect_error.hpp>
 #include <boost/asio/steady_timer.hpp>
 #include <boost/asio/use_awaitable.hpp>
 #include <chrono>
@@ -34,6 +34,25 @@ namespace {
 /// 60 frames a second for pages; without one, often enough to find a daemon.
 constexpr std::chrono::microseconds frame_interval{16'667};
 constexpr std::chrono::milliseconds idle_interval{100};
+/// How long to wait where no connection can be accepted, and between sentences to the user.
+constexpr std::chrono::milliseconds refused_interval{100};
+constexpr std::chrono::seconds telling_interval{10};
+
+/// At most one sentence in `telling_interval`: a page that comes again and again fills no log.
+TellUser at_limited_rate(TellUser tell) {
+  return [tell = std::move(tell), next = std::chrono::steady_clock::time_point::min()](
+             const std::string& sentence) mutable {
+    const auto now = std::chrono::steady_clock::now();
+    if (now < next) return;
+    next = now + telling_interval;
+    tell(sentence);
+  };
+}
+
+bool is_out_of_handles(const boost::system::error_code& wrong) {
+  return wrong == boost::system::errc::too_many_files_open ||
+         wrong == boost::system::errc::too_many_files_open_in_system;
+}
 
 class Server {
  public:
@@ -42,19 +61,33 @@ class Server {
       : context_(context),
         acceptor_(std::move(acceptor)),
         timer_(context),
+        refused_(context),
         stop_(stop),
         content_(std::move(content)) {}
 
   void start() {
-    asio::co_spawn(context_, accept(), asio::detached);
-    asio::co_spawn(context_, tick(), asio::detached);
+    asio::co_spawn(context_, accept(), EndsView{});
+    asio::co_spawn(context_, tick(), EndsView{});
   }
 
  private:
   asio::awaitable<void> accept() {
     for (;;) {
-      tcp::socket socket = co_await acceptor_.async_accept(asio::use_awaitable);
-      asio::co_spawn(context_, serve_connection(std::move(socket), content_), asio::detached);
+      boost::system::error_code wrong;
+      tcp::socket socket =
+          co_await acceptor_.async_accept(asio::redirect_error(asio::use_awaitable, wrong));
+      if (!wrong) {
+        asio::co_spawn(context_, serve_connection(std::move(socket), content_),
+                       EndTold{content_.tell});
+        continue;
+      }
+      content_.tell(
+          is_out_of_handles(wrong)
+              ? "the view has no handle left for another page: close pages or programs, "
+                "or raise the limit of open files (ulimit -n); it goes on once one is free"
+              : fmt::format("no page can connect ({}): the view goes on trying", wrong.message()));
+      refused_.expires_after(refused_interval);
+      co_await refused_.async_wait(asio::use_awaitable);
     }
   }
 
@@ -83,7 +116,7 @@ class Server {
 
   asio::io_context& context_;
   tcp::acceptor acceptor_;
-  asio::steady_timer timer_;
+  asio::steady_timer timer_, refused_;
   const std::atomic<bool>& stop_;
   ViewContent content_;
 };
@@ -139,7 +172,8 @@ Result<void> serve_view(const ViewSettings& settings, const std::atomic<bool>& s
   ViewFeed feed(settings.feed);
   ViewDesk desk(feed);
   FoxgloveDesk foxglove;
-  ViewContent content{&*page, *token, place.port(), settings.origins};
+  ViewContent content{&*page, *token, place.port(), at_limited_rate(settings.tell),
+                      settings.origins};
   ViewAddresses addresses{"http://" + address, ""};
   if (settings.recordings.empty()) {
     content.desk = &desk;

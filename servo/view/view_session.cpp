@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <boost/asio/co_spawn.hpp>
-#include <boost/asio/detached.hpp>
 #include <boost/asio/redirect_error.hpp>
 #include <boost/asio/steady_timer.hpp>
 #include <boost/asio/use_awaitable.hpp>
@@ -167,7 +166,8 @@ asio::awaitable<void> send_all(std::shared_ptr<Socket> socket, std::shared_ptr<P
 /// Speaks with a page or a viewer, which the desk knows meanwhile. `hear(peer, text)` follows what
 /// it says.
 template <class Peer, class Desk, class Hear>
-asio::awaitable<void> serve_peer(beast::tcp_stream stream, Request request, Desk& desk, Hear hear) {
+asio::awaitable<void> serve_peer(beast::tcp_stream stream, Request request, Desk& desk,
+                                 TellUser tell, Hear hear) {
   auto socket = std::make_shared<Socket>(std::move(stream));
   beast::get_lowest_layer(*socket).expires_never();
   socket->set_option(websocket::stream_base::timeout::suggested(beast::role_type::server));
@@ -182,7 +182,7 @@ asio::awaitable<void> serve_peer(beast::tcp_stream stream, Request request, Desk
   auto waker = std::make_shared<asio::steady_timer>(socket->get_executor());
   auto peer = std::make_shared<Peer>([waker] { waker->cancel(); });
   desk.join(peer);
-  asio::co_spawn(socket->get_executor(), send_all(socket, peer, waker), asio::detached);
+  asio::co_spawn(socket->get_executor(), send_all(socket, peer, waker), EndTold{std::move(tell)});
   beast::flat_buffer buffer;
   for (;;) {
     co_await socket->async_read(buffer, asio::redirect_error(asio::use_awaitable, wrong));
@@ -195,15 +195,17 @@ asio::awaitable<void> serve_peer(beast::tcp_stream stream, Request request, Desk
   peer->end();
 }
 
-asio::awaitable<void> serve_page(beast::tcp_stream stream, Request request, ViewDesk& desk) {
+asio::awaitable<void> serve_page(beast::tcp_stream stream, Request request, ViewDesk& desk,
+                                 TellUser tell) {
   return serve_peer<ViewPage>(
-      std::move(stream), std::move(request), desk,
+      std::move(stream), std::move(request), desk, std::move(tell),
       [&desk](ViewPage& page, const std::string& text) { desk.hear(page, text); });
 }
 
-asio::awaitable<void> serve_viewer(beast::tcp_stream stream, Request request, FoxgloveDesk& desk) {
+asio::awaitable<void> serve_viewer(beast::tcp_stream stream, Request request, FoxgloveDesk& desk,
+                                   TellUser tell) {
   return serve_peer<FoxgloveViewer>(
-      std::move(stream), std::move(request), desk,
+      std::move(stream), std::move(request), desk, std::move(tell),
       [](FoxgloveViewer& viewer, const std::string& text) { viewer.hear(text); });
 }
 
@@ -226,7 +228,7 @@ asio::awaitable<void> serve_connection(tcp::socket socket, ViewContent content) 
     std::optional<Response> response = refusal_of(request, target, content);
     if (!response && content.desk != nullptr && target.path == "ws") {
       if (!content.desk->is_full()) {
-        co_await serve_page(std::move(stream), request, *content.desk);
+        co_await serve_page(std::move(stream), request, *content.desk, content.tell);
         co_return;
       }
       response = refuse(request, http::status::service_unavailable,
@@ -234,7 +236,7 @@ asio::awaitable<void> serve_connection(tcp::socket socket, ViewContent content) 
     }
     if (!response && content.foxglove != nullptr && target.path == foxglove_path) {
       if (!content.foxglove->is_full()) {
-        co_await serve_viewer(std::move(stream), request, *content.foxglove);
+        co_await serve_viewer(std::move(stream), request, *content.foxglove, content.tell);
         co_return;
       }
       response = refuse(request, http::status::service_unavailable,

@@ -11,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include "servo/view/coroutine_end.hpp"
 #include "servo/view/view_desk.hpp"
 #include "servo/view/view_foxglove.hpp"
 #include "servo/view/view_pages.hpp"
@@ -23,6 +24,7 @@ struct ViewContent {
   const std::map<std::string, PageFile>* page = nullptr;
   std::string token;
   unsigned port = 0;
+  TellUser tell;                     ///< what ended by a defect
   std::vector<std::string> origins;  ///< of pages of others that may open the Foxglove WebSocket
   // Of a live view, or else null:
   ViewDesk* desk = nullptr;

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "formats/files/json_text.hpp"
+
 namespace spm::servo {
 
 using nlohmann::json;
@@ -91,7 +93,7 @@ MethodWish read_method(Fields& fields) {
 }  // namespace
 
 std::optional<ViewWish> read_wish(const std::string& text) {
-  const json message = json::parse(text, nullptr, false);
+  const json message = parse_json<json>(text);
   if (!message.is_object() || !message.contains("t") || !message["t"].is_string()) return {};
   const auto kind = message["t"].get<std::string>();
   Fields fields(message);

@@ -2,6 +2,7 @@
 #include "common/contact/force_law.hpp"
 
 #include <catch2/catch.hpp>
+#include <cmath>
 #include <limits>
 #include <numbers>
 
@@ -72,6 +73,33 @@ TEST_CASE("A capsule by the paper reaches as far as it is long, along its axis")
   const double mean = (strip * std::numbers::pi * 1e-3 / 4 + discs * 2e-3 / 3) / (strip + discs);
   // Some 15 places lie across it.
   CHECK(contact_force(box.view, settings, {0, 0, 0.03}).depth == Approx(mean).epsilon(0.03));
+}
+
+TEST_CASE("A ball whose surface just meets the object does not touch it yet") {
+  const BoxByHand box(size, {0.002, 0.0015});
+  const Vector3 at(0, 0, 0.0304);
+  const double distance = query_point(box.view, at).distance;
+  ForceSettings settings{Method::spm, PaperRule::closest_plane, 1000, distance};
+  CHECK_FALSE(contact_force(box.view, settings, at).contact);
+  settings.probe_radius = std::nextafter(distance, 1.0);
+  CHECK(contact_force(box.view, settings, at).contact);
+}
+
+TEST_CASE(
+    "Where normals of a smoothed field differ, it is as much softer as their mean is shorter") {
+  const test::TiledCubeByHand cube(0.04);
+  const ForceSettings settings{Method::spm, PaperRule::closest_plane, 1000, 0};
+  const RuntimeSmoothing smoothing{0.0003, 32};
+  // 0.2 mm below two faces, near the edge between them.
+  const Vector3 at(0.0198, 0.002, 0.0198);
+  const SmoothedAnswer answer = smoothed_query(cube.view, smoothing, at);
+  const double slope = answer.gradient.norm();
+  REQUIRE(answer.known);
+  REQUIRE(slope < 0.95);
+  REQUIRE(slope > 0.5);
+  const ContactForce force = smoothed_force(cube.view, settings, smoothing, at);
+  CHECK(force.depth == Approx(-answer.distance * slope));
+  CHECK((force.force + 1000 * answer.distance * answer.gradient).norm() < 1e-9);
 }
 
 TEST_CASE("Deeper than the band the force saturates and never drops") {

@@ -72,6 +72,26 @@ TEST_CASE("A magnet pulls from outside alone, and no farther than the distance i
   CHECK(hand_effect_force(magnet, {0.021, 0, 0}, Vector3::Zero(), {}).isZero());
 }
 
+TEST_CASE(
+    "A magnet brakes along the normal: not at the surface, fully from a quarter of its range on") {
+  HandEffect magnet;
+  magnet.kind = HandEffectKind::magnet;
+  magnet.stiffness = 200;
+  magnet.range = 0.002;
+  magnet.damping = 3;
+  const Vector3 velocity(0.1, 0.2, 0);
+  const auto brake = [&](double distance) {
+    const Vector3 tool(0.02 + distance, 0, 0);
+    return (hand_effect_force(magnet, tool, velocity, ball(tool)) - force_at(magnet, tool)).x();
+  };
+  CHECK(brake(1e-9) == Approx(0).margin(1e-5));
+  CHECK(brake(0.000125) == Approx(-0.3 / 4));
+  CHECK(brake(0.00025) == Approx(-0.3 / 2));
+  CHECK(brake(0.0005) == Approx(-0.3));
+  CHECK(brake(0.0015) == Approx(-0.3));
+  CHECK(brake(0.00175) == Approx(-0.3 / 2));
+}
+
 TEST_CASE("Detents pull along their axis to the nearest, and none lies beyond their range") {
   HandEffect detents;
   detents.kind = HandEffectKind::detents;

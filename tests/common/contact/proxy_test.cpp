@@ -7,7 +7,11 @@
 #include <numbers>
 #include <random>
 
+#include "common/field/local_map.hpp"
+#include "common/query/query.hpp"
 #include "tests/servo/support/shape_asset.hpp"
+#include "tests/support/asset_by_hand.hpp"
+#include "tests/support/octree_by_hand.hpp"
 #include "tests/support/shapes.hpp"
 
 namespace spm::proxy_test {
@@ -158,6 +162,46 @@ TEST_CASE("No proxy passes through a plate of 0.2 mm at 1 m/s") {
   }
   CHECK(passed == 0);
   CHECK(missed == 0);
+}
+
+TEST_CASE("A proxy that is behind catches up by no more in a tick than it may") {
+  const Made box(test::box({0.02, 0.03, 0.04}));
+  const Vector3 hand(0.008, 0, 0.0199);
+  ProxyState state{true, {-0.008, 0, 0.02}, hand, true};
+  // The hand rests.
+  for (int tick = 0; tick < 20; ++tick) {
+    const Vector3 before = state.position;
+    const ProxyContact contact = move_proxy(box.view(), 0, hand, state);
+    CHECK((contact.proxy - before).norm() == Approx(proxy_catch_up).epsilon(1e-3));
+    CHECK(contact.contact);
+  }
+  // And moves.
+  const Vector3 before = state.position, moved = hand + Vector3(0, 0.0004, 0);
+  const ProxyContact contact = move_proxy(box.view(), 0, moved, state);
+  CHECK((contact.proxy - before).norm() ==
+        Approx(proxy_catch_up + proxy_catch_up_share * 0.0004).epsilon(1e-3));
+}
+
+TEST_CASE("A proxy is lifted out of a field that tells half of each depth, in up to eight steps") {
+  test::TiledCubeByHand cube(0.04);
+  LocalMap map;
+  map.slope = {0, 0, -0.5};
+  map.plane = 4;  // +z
+  PackedLocalMap packed;
+  cube.octree.value_unit = 1e-6;
+  REQUIRE(pack_local_map(map, 2 * cube.octree.value_unit / cube.octree.edge, packed));
+  cube.octree.root_words = {test::root_word(OctreeKind::polynomial, 0)};
+  cube.octree.units = {packed.words.begin(), packed.words.end()};
+  cube.refresh();
+  REQUIRE(query_point(cube.view, {0, 0, -1e-4}).distance == Approx(-5e-5));
+  // Each lift halves it: from 0.1 mm six of them leave less than the rounding of a query.
+  const auto is_lifted_from = [&](double depth) {
+    ProxyState state{true, {0, 0, -depth}, {0, 0, -depth}, true};
+    static_cast<void>(move_proxy(cube.view, 0, {0, 0, -depth}, state));
+    return state.known;
+  };
+  CHECK(is_lifted_from(2e-5));
+  CHECK_FALSE(is_lifted_from(1e-3));
 }
 
 TEST_CASE("A proxy that begins inside is lifted out, or where the surface is too far, not known") {

@@ -39,5 +39,18 @@ TEST_CASE("Any words unpack to the numbers that their bits stand for") {
   }
 }
 
+TEST_CASE("A map is packed with the finest unit in which its largest bend fits") {
+  for (const int exponent : {-30, -9, 0, 3}) {
+    LocalMap map;
+    map.slope = {0.25, -0.5, 0.75};
+    map.bend = {127, -127, 1, -1, 64, 0};
+    for (double& bend : map.bend) bend = std::ldexp(bend, exponent);
+    PackedLocalMap packed;
+    REQUIRE(pack_local_map(map, 1e-6, packed));
+    const LocalMap read = unpack_local_map(packed.words.data(), 1e-6);
+    CHECK(read.bend == map.bend);
+  }
+}
+
 }  // namespace
 }  // namespace spm::local_map_test

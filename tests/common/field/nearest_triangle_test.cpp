@@ -150,6 +150,31 @@ TEST_CASE("Triangles that are marked as thin are measured in doubles, beside oth
   CHECK(found.with_closest < found.places);
 }
 
+TEST_CASE("Caps are passed over by their own bounds, not by those of the surface") {
+  constexpr std::size_t surface = 16, caps = 24;
+  for (std::uint64_t seed = 0; seed < 10; ++seed) {
+    const Soup soup(surface + caps, true, false, seed);
+    // Both packets of the surface as far as can be, the three of the caps as near.
+    std::vector<std::uint32_t> words(soup.list.words, soup.list.words + soup.list.number_words());
+    words.insert(words.end(), {0x0000FFFFU, 0});
+    TriangleList list = soup.list;
+    list.surface = surface;
+    list.caps = caps;
+    list.words = words.data();
+    REQUIRE(list.has_bounds());
+    for (std::uint64_t k = 0; k < 50; ++k) {
+      const Vector3 place = soup.place(k);
+      double least = 1;
+      for (std::uint32_t t = surface; t < surface + caps; ++t) {
+        least = std::min(least, (place - closest_of(soup, t, place).point).norm());
+      }
+      const NearestTriangle found = nearest_triangle(soup.mesh, list, ListPart::caps, reach, place);
+      REQUIRE(std::sqrt(static_cast<double>(found.square)) ==
+              Approx(least / step).margin(single_error));
+    }
+  }
+}
+
 TEST_CASE("A list of no triangles has no nearest one") {
   const Soup soup(3, false, false, 1);
   TriangleList none = soup.list;

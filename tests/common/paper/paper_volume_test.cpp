@@ -78,6 +78,27 @@ TEST_CASE("f is how far a point lies under the other surface (eq. 13)") {
   CHECK(std::isnan(penetration_function(ground.view, 1, {0, 0, 0.005})));
 }
 
+TEST_CASE("Beside a surface's edge the sample stands for it that is nearest along both axes") {
+  constexpr double wide = 0.02, spacing = wide / 2;
+  // The corners of a cell of one map, of which the last met nothing; m.
+  const OnePlane ground(
+      Vector3::Zero(), Vector3::UnitZ(), wide,
+      [](double x, double y) -> double {
+        if (x > -spacing / 2 && y > -spacing / 2) return nothing;
+        return 0.001 + (x > -spacing / 2 ? 0.001 : 0) + (y > -spacing / 2 ? 0.002 : 0);
+      },
+      3);
+  const SupportPlane& plane = ground.view.planes[0];
+  const auto f = [&](double eta, double omega) {
+    return penetration_function(
+        ground.view, 0, plane.x0 + spacing * (eta * plane.u + omega * plane.v) - 0.005 * plane.n);
+  };
+  CHECK(f(0.2, 0.2) == Approx(0.004));
+  CHECK(f(0.8, 0.2) == Approx(0.003));
+  CHECK(f(0.2, 0.8) == Approx(0.002));
+  CHECK_FALSE(f(0.8, 0.8) > 0);
+}
+
 TEST_CASE("A box pressed flat into the ground shares its face times the depth (eq. 15)") {
   const OnePlane ground(Vector3::Zero(), Vector3::UnitZ(), 0.1, [](double, double) { return 0; });
   const OnePlane box(Vector3::Zero(), -Vector3::UnitZ(), 0.02, [](double, double) { return 0; });

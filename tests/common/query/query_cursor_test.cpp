@@ -64,6 +64,49 @@ TEST_CASE("Distances without normals, and normals once they are asked for, are t
   CHECK(near > 500);
 }
 
+TEST_CASE("A cursor tells how far the surface is at the least as single places do") {
+  TiledCubeByHand cube(size);
+  cube.octree.origin = Vector3::Constant(-size);
+  cube.octree.edge = 2 * size;
+  cube.replace_triangles(test::box(Vector3::Constant(size)));
+  cube.octree.beyond_share = 0.5;
+  cube.refresh();
+  QueryCursor cursor;
+  cursor.begin(&cube.view);
+  Random random(4);
+  int beyond = 0;
+  for (int trial = 0; trial < 2000; ++trial) {
+    const Vector3 place(random.between(-1, 1) * size, random.between(-1, 1) * size,
+                        random.between(-1, 1) * size);
+    static_cast<void>(cursor.distance(place));
+    REQUIRE(cursor.clearance(place) == clearance(cube.view, place));
+    beyond += cursor.clearance(place) > cube.view.band.margin ? 1 : 0;
+  }
+  CHECK(beyond > 100);
+}
+
+TEST_CASE(
+    "Seen from outside its box a surface is told to be no nearer than the field's error allows") {
+  TiledCubeByHand cube(size);
+  cube.octree.value_unit = 1e-6;
+  const double cube_half = cube.octree.edge / 2;
+  LocalMap map;
+  map.value = 3e-4 / cube_half;  // within the margin of 0.5 mm, everywhere
+  map.plane = 1;
+  PackedLocalMap packed;
+  REQUIRE(pack_local_map(map, cube.octree.value_unit / cube_half, packed));
+  cube.octree.root_words = {test::root_word(OctreeKind::polynomial, 0)};
+  cube.octree.units = {packed.words.begin(), packed.words.end()};
+  cube.refresh();
+  cube.view.tolerance = 1e-4;
+  cube.view.box_low = Vector3::Constant(-size / 2);
+  cube.view.box_high = Vector3::Constant(size / 2);
+  for (const double off : {0.001, 0.01}) {
+    const double told = clearance(cube.view, {0, 0, size / 2 + off});
+    CHECK(told == Approx(std::hypot(off, 3e-4 - 1e-4)).epsilon(1e-4));
+  }
+}
+
 TEST_CASE("The quadric about a point is the field as far as it is told to reach") {
   TiledCubeByHand cube(size);
   cube.octree.value_unit = 1e-6;

@@ -65,6 +65,22 @@ TEST_CASE("A bristle that gave way is at rest as soon as its sample is, to the b
   }
 }
 
+TEST_CASE("What slid sticks again once it pulls with less than what slides, as well as before") {
+  ContactGrip grip(1000, 1);
+  const auto pull_after = [&](double moved) {
+    settle(grip, 50, 1, moved);
+    const Vector3 place(1e-3 * 3 + moved, 0, 0);
+    return spring * grip.bristle(3, 0, place, place, Vector3::UnitZ()).stretch.x();
+  };
+  const double slides = rough.slide * force, sticks = rough.stick * force;
+  CHECK(pull_after(0) == Approx(0).margin(1e-9));
+  CHECK(pull_after(5e-6) == Approx(slides).epsilon(1e-3));
+  // Back by half of the stretch, and then to between the two limits: it holds.
+  CHECK(pull_after(4.25e-6) == Approx(slides / 2).epsilon(1e-2));
+  CHECK(pull_after(5.25e-6) == Approx((slides + sticks) / 2).epsilon(1e-2));
+  CHECK(pull_after(5.6e-6) == Approx(slides).epsilon(1e-3));
+}
+
 // More samples touch than are remembered.
 TEST_CASE("A tool that lies on a rough object is not looked at again while nothing changes") {
   constexpr double size = 0.04, tool_size = 0.012;

@@ -54,6 +54,16 @@ TEST_CASE("Without contacts a step goes to where the coupling's force ends") {
   CHECK((step - Vector6(coupling().inverse() * wrench)).norm() < 1e-12);
 }
 
+TEST_CASE("No part of a step is longer than the longest, along and about") {
+  Vector6 wrench;
+  wrench << 1, 0, 0, 0, 0, 0;
+  constexpr double longest = 1e-6;
+  // By 1 mm it would be in balance; by fifteen parts it comes 15 um far.
+  CHECK(contact_step(wrench, coupling(), {}, longest, lever)[0] == Approx(15 * longest));
+  wrench << 0, 0, 0, 0, 0.05, 0;
+  CHECK(lever * contact_step(wrench, coupling(), {}, longest, lever)[4] == Approx(15 * longest));
+}
+
 TEST_CASE("A plane ahead that does not touch yet is known before a step, and carries the load") {
   const std::vector<NearContact> contacts{plane(Vector3::UnitZ(), Vector3::Zero(), 3e-5)};
   Vector6 wrench = Vector6::Zero();
@@ -140,6 +150,20 @@ TEST_CASE("Springs that are spread in one polynomial sum up to each by itself") 
   const Matrix6 whole = each.stiffness.selfadjointView<Eigen::Lower>();
   const Matrix6 spread_whole = spread.stiffness.selfadjointView<Eigen::Lower>();
   CHECK((spread_whole - whole).norm() < 2e-2 * whole.norm());
+}
+
+TEST_CASE("The deepest of springs that are spread evenly along a slope is that of its end") {
+  constexpr double wide = 1e-3;  // m, to each side
+  LocalQuadric field;
+  field.distance = -4e-4;
+  field.slope = {0.3, 0, std::sqrt(1 - 0.09)};
+  field.normal = field.slope;
+  PatchMoments moments;
+  moments.second(0, 0) = wide * wide / 3;
+  ContactSum sum;
+  const PressedSpread told = press_spread({1, field, moments, Vector3::Zero()}, 10, sum);
+  CHECK(told.deepest == Approx(4e-4 + 0.3 * wide));
+  CHECK(sum.deepest == told.deepest);
 }
 
 }  // namespace

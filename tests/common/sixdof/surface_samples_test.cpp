@@ -8,6 +8,7 @@
 
 #include "tests/support/asset_by_hand.hpp"
 #include "tests/support/octree_by_hand.hpp"
+#include "tests/support/triangle_octree.hpp"
 
 namespace spm::surface_samples_test {
 namespace {
@@ -45,6 +46,36 @@ TEST_CASE("The pieces of a cube have its area, and lie on it with its normals") 
     REQUIRE(position.dot(normal) == Approx(size / 2));
     REQUIRE(static_cast<double>(patch.area) <= 0.003 * 0.003 * 1.0001);
   }
+}
+
+TEST_CASE("A surface that would take pieces without bound is refused before they are made") {
+  TiledCubeByHand cube(size);
+  cube.by_hand.clear();
+  cube.octree = test::triangle_octree(test::box(Vector3::Constant(size)),
+                                      {.low = cube.octree.origin, .edge = cube.octree.edge},
+                                      cube.octree.lattice_step, true);
+  cube.refresh();
+  CHECK(sample_surface(cube.view, size / 100));
+  const auto patches = surface_patches(cube.view, 1e-8);
+  REQUIRE_FALSE(patches);
+  CHECK(patches.error().code == ExitCode::invalid_input);
+  CHECK(patches.error().message.find("give a larger spacing") != std::string::npos);
+  // Corners of a broken file may lie a billion times as far apart as its octree is wide.
+  cube.view.exact.step = 1e3;
+  const auto samples = sample_surface(cube.view, size / 100);
+  REQUIRE_FALSE(samples);
+  CHECK(samples.error().code == ExitCode::invalid_input);
+}
+
+TEST_CASE("Tiles that lie anywhere, also where no number of a cube leads, are sampled") {
+  TiledCubeByHand cube(size);
+  std::vector<test::TileByHand> more(cube.by_hand.begin(), cube.by_hand.begin() + 2);
+  more[0].tile.eta0 = 1e12;
+  more[1].tile.omega0 = -1e12;
+  add_tiles(cube, more);
+  const auto samples = sample_surface(cube.view, size / 10);
+  REQUIRE(samples);
+  CHECK(samples->area == Approx(8 * size * size).epsilon(1e-3));
 }
 
 TEST_CASE("Tiles that lie on others, whole or in part, by another plane too, add no area") {

@@ -102,6 +102,25 @@ TEST_CASE("However deep the device goes the wrench is bounded, and the tool stay
   }
 }
 
+TEST_CASE("A spring that met its cap holds the work that was done on it") {
+  const TiledCubeByHand cube(size);
+  Scene scene(cube);
+  const VirtualToolSettings bounds;
+  const double rest = (size + tool_size) / 2;
+  scene.tool.place(at(0, 0, rest + 0.0005));
+  VirtualToolReport report;
+  for (int tick = 0; tick < 400; ++tick) {
+    report = scene.tick(at(0, 0, rest + 0.0005 - std::min(0.0205, tick * 1e-4)));
+  }
+  REQUIRE(report.capped);
+  const double stretch = report.pose.translation().z() - (rest - 0.02);
+  REQUIRE(stretch > 0.0195);
+  // Linear up to the cap, from there on the cap.
+  const double up_to = bounds.max_force / bounds.stiffness;
+  const double spring = bounds.max_force * up_to / 2 + bounds.max_force * (stretch - up_to);
+  CHECK(report.energy - report.contact.sum.energy == Approx(spring).epsilon(1e-6));
+}
+
 TEST_CASE("A plate of 0.2 mm is not passed at 1 m/s, there and back") {
   TiledCubeByHand plate(size);
   make_plate(plate, 0.0002);

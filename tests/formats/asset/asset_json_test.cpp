@@ -40,7 +40,7 @@ TEST_CASE("Numbers of a description round-trip to the last bit") {
   Random random(9);
   for (int k = 0; k < 500; ++k) {
     description.plane_spacing[0] =
-        std::ldexp(random.between(0.5, 1), static_cast<int>(below(random, 200)) - 100);
+        std::ldexp(random.between(0.5, 1), static_cast<int>(below(random, 70)) - 35);
     const auto parsed = parse_description(to_json(description), "a.exr");
     REQUIRE(parsed.has_value());
     REQUIRE(parsed->plane_spacing == description.plane_spacing);
@@ -284,12 +284,53 @@ TEST_CASE("An octree that does not say what it promises beyond the margin promis
   CHECK(parsed->octree.beyond_share == 0);
 }
 
+TEST_CASE("A description that nests too deep is refused, wherever it does") {
+  for (const char* key : {"options", "something_new", "planes"}) {
+    std::string text = sparse_text();
+    const std::string deep = std::string(66'000, '[') + std::string(66'000, ']');
+    text.insert(1, '"' + std::string(key) + "\":" + deep + ",");
+    const auto parsed = parse_description(text, "a.exr");
+    REQUIRE(!parsed);
+    CHECK(parsed.error().code == ExitCode::invalid_input);
+    CHECK(parsed.error().message ==
+          "a.exr: its `spm` attribute is not a JSON object of at most 64 levels; bake it again");
+  }
+}
+
+TEST_CASE("A number of a description that is beyond all sizes is refused by its name") {
+  const std::vector<std::pair<const char*, double>> cases = {
+      {"/tolerance", 1e30},      {"/certified", 1e30},       {"/band/max_depth", 1e154},
+      {"/band/margin", 1e154},   {"/probe/radius", 1e300},   {"/mesh/unit", 1e300},
+      {"/mesh/diagonal", 1e200}, {"/mesh/box_max/1", 1e200}, {"/octree/origin/0", 1e200},
+      {"/octree/edge", 1e13},    {"/exact/step", 1e13},      {"/exact/origin/2", -1e200},
+      {"/tiles/spacing", 1e13},  {"/planes/0/x0/1", 1e200},  {"/octree/reach", 1e13}};
+  for (const auto& [place, value] : cases) {
+    Json json = Json::parse(sparse_text());
+    json[Json::json_pointer(place)] = value;
+    CAPTURE(place);
+    const auto parsed = parse_description(json.dump(), "a.exr");
+    REQUIRE(!parsed);
+    CHECK(parsed.error().code == ExitCode::invalid_input);
+  }
+  for (const auto& [place, value] :
+       std::vector<std::pair<const char*, double>>{{"/grid/cell_size", 5e-324},
+                                                   {"/grid/cell_size", 1e200},
+                                                   {"/grid/origin/0", 1e200},
+                                                   {"/planes/0/spacing", 5e-324}}) {
+    Json json = Json::parse(full_text());
+    json[Json::json_pointer(place)] = value;
+    CAPTURE(place, value);
+    CHECK(!parse_description(json.dump(), "a.exr"));
+  }
+}
+
 TEST_CASE("Text that is no JSON object is refused") {
-  for (const char* text : {"", "[]", "3", "{", "{\"form\":NaN}", "\xff\xfe", "{}x"}) {
+  for (const char* text :
+       {"", "[]", "3", "{", "{\"form\":NaN}", "\xff\xfe", "{}x", "{\"x\":1e999}"}) {
     const auto parsed = parse_description(text, "a.exr");
     REQUIRE(!parsed);
     CHECK(parsed.error().message ==
-          "a.exr: its `spm` attribute is not a JSON object; bake it again");
+          "a.exr: its `spm` attribute is not a JSON object of at most 64 levels; bake it again");
   }
 }
 

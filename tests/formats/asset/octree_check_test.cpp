@@ -66,6 +66,35 @@ TEST_CASE("An octree of roots alone, all of them far or left out, answers so") {
         Approx(std::max(0.007, tables.view().band.margin + way)));
 }
 
+TEST_CASE("A triangle that lies outside its octree is refused, whatever the tolerance") {
+  Asset asset = sparse_asset(1);
+  REQUIRE(Checked(asset).problem.empty());
+  asset.metadata.tolerance = 1e11;  // with which the band is no check
+  CHECK(Checked(asset).problem.empty());
+  asset.octree.lattice_step = 1e3;
+  CHECK(Checked(asset).problem == "a triangle lies outside its octree");
+  asset = sparse_asset(1);
+  asset.metadata.tolerance = 1e11;
+  asset.octree.lattice_origin.y() += 1;
+  CHECK(Checked(asset).problem == "a triangle lies outside its octree");
+}
+
+TEST_CASE("A list names no triangle beyond the last one") {
+  Asset asset = sparse_asset(1, {.planes = 0, .tiles = 0, .triangles = 10});
+  OctreeData& octree = asset.octree;
+  const auto with = [&](std::uint32_t last) {
+    octree.lists.clear();
+    const auto unit = add_list(octree, {0, last});
+    octree.root_words.assign(48, root_word(OctreeKind::pruned, 0));
+    octree.root_words[0] = root_word(OctreeKind::list, 0);
+    octree.units.assign(unit.begin(), unit.end());
+    asset.metadata.tolerance = 1;  // with which the band is no check
+    return Checked(asset).problem;
+  };
+  CHECK(with(9).empty());
+  CHECK(with(10) == "a cube of its octree names triangles that do not exist");
+}
+
 TEST_CASE("Each cube, listed triangle and triangle is looked at once") {
   for (const std::uint64_t seed : {1U, 2U, 3U}) {
     const Asset asset = sparse_asset(seed);

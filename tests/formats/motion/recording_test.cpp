@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "formats/motion/recording.hpp"
 
+#include <xxhash.h>
+
 #include <algorithm>
 #include <array>
 #include <catch2/catch.hpp>
@@ -186,6 +188,33 @@ TEST_CASE("A recording with any byte changed, or cut anywhere, is refused with a
   }
   for (std::size_t size = 0; size < whole.size(); size += 17) refused(whole.substr(0, size));
   refused(whole + '\0');
+}
+
+TEST_CASE("A recording whose header or change nests too deep is refused, its checksum right") {
+  const TemporaryFolder folder;
+  const std::string path = folder.path("deep.spmrec");
+  const auto number = [](auto value) {
+    return std::string(reinterpret_cast<const char*>(&value), sizeof value);
+  };
+  const auto refused = [&](std::string bytes, std::uint64_t parts, const char* cause) {
+    bytes += number(parts);
+    bytes += number(std::uint64_t{XXH3_64bits(bytes.data(), bytes.size())});
+    std::ofstream(path, std::ios::binary) << bytes;
+    for (const auto& read :
+         {read_recording(path).map([](auto&&) {}), salvage_recording(path).map([](auto&&) {})}) {
+      REQUIRE_FALSE(read);
+      CHECK(read.error().code == ExitCode::invalid_input);
+      CHECK_THAT(read.error().message, Catch::Contains(cause));
+    }
+  };
+  std::string deep = R"({"form":)" + std::string(200'003, '[') + std::string(200'003, ']') + "}";
+  deep.append((8 - deep.size() % 8) % 8, ' ');
+  const auto size = static_cast<std::uint32_t>(deep.size());
+  const std::string start = recording_start(header_of_two());
+  refused(start.substr(0, 8) + number(size) + number(std::uint32_t{0}) + deep, 0,
+          "has a header that is no JSON object");
+  refused(start + number(static_cast<std::uint32_t>(RecordedKind::assets)) + number(size) + deep, 1,
+          "a change is no JSON object");
 }
 
 TEST_CASE("What is no recording is told apart by its first bytes") {

@@ -228,6 +228,29 @@ TEST_CASE("What is wrong in an object's effects is told by its line, cause and c
   }
 }
 
+TEST_CASE("Friction of which only rest or only motion is given is the same in both") {
+  for (const char* given : {"stick = 0.5", "slide = 0.5"}) {
+    const auto scene =
+        scene_of_text("[[object]]\nasset = \"a\"\nfriction = { " + std::string(given) + " }\n");
+    REQUIRE(scene);
+    CHECK(scene->objects[0].effects.friction.stick == 0.5);
+    CHECK(scene->objects[0].effects.friction.slide == 0.5);
+  }
+}
+
+TEST_CASE("A quaternion that is off unit length by more than 1 % is refused, by less made one") {
+  const auto with = [](double length) {
+    return scene_of_text("[[object]]\nasset = \"a\"\npose = [0, 0, 0, " + std::to_string(length) +
+                         ", 0, 0, 0]\n");
+  };
+  for (const double length : {0.9905, 1.0095}) {
+    const auto scene = with(length);
+    REQUIRE(scene);
+    CHECK(scene->objects[0].placement.rotation.norm() == Approx(1).epsilon(1e-12));
+  }
+  for (const double length : {0.985, 1.015}) CHECK_FALSE(with(length));
+}
+
 TEST_CASE("A quaternion within 1 % of unit length is made one, and a scene of nothing is refused") {
   const auto scene =
       scene_of_text("[[object]]\nasset = \"a\"\npose = [0, 0, 0, 0.704, 0, 0.704, 0]\n");

@@ -7,6 +7,7 @@
 #include <chrono>
 #include <cmath>
 #include <cstddef>
+#include <limits>
 #include <string>
 #include <thread>
 #include <vector>
@@ -52,6 +53,23 @@ TEST_CASE("An application sees names, rate and versions") {
   REQUIRE(std::string(name.data()) == "fir");
   REQUIRE(spm_client_device_name(here.client, 1, name.data(), name.size()) == SPM_CLIENT_NOT_THERE);
   REQUIRE(std::string(name.data()).empty());
+}
+
+TEST_CASE("A heartbeat that no clock gives is that of a stalled daemon, and its age a number") {
+  const Daemon daemon;
+  const Connected here(daemon.server->path());
+  const std::vector<AppDevice> devices{device_of(7)};
+  constexpr std::int64_t first = std::numeric_limits<std::int64_t>::min();
+  constexpr std::int64_t last = std::numeric_limits<std::int64_t>::max();
+  std::uint64_t tick = 0;
+  for (const std::int64_t beat : {first, first + 1, std::int64_t{-1}, std::int64_t{0}, last}) {
+    CAPTURE(beat);
+    daemon.state->publish({++tick, beat, devices, {}});
+    double age = -2;
+    CHECK(spm_client_daemon_state(here.client, &age) == SPM_CLIENT_STALLED);
+    CHECK(age >= 0);
+    CHECK(age < 1e11);
+  }
 }
 
 TEST_CASE("Every cause of zero force has its name and cure from the daemon") {

@@ -133,6 +133,21 @@ TEST_CASE("By the paper's letter friction, damping and noise are those of eq. 17
   CHECK(std::sqrt(squares / ticks) == Approx(0.01).epsilon(0.1));
 }
 
+TEST_CASE("A model that continues another one holds the same plane where it has no time to look") {
+  const test::TiledCubeByHand cube(size);
+  ContactModel before(settings_of(Method::spm));
+  static_cast<void>(before.next(cube.view, {half - 0.003, 0.003, half - 0.001}));
+  ContactSettings softer = settings_of(Method::spm);
+  softer.force.stiffness = 500;
+  ContactModel after(softer);
+  after.continue_from(before);
+  // Beyond the edge, where nothing would be found.
+  const ContactForce held = after.next(cube.view, {half + 0.001, 0.003, half - 0.0012}, 1, false);
+  CHECK(after.care() == Care::held);
+  CHECK(held.contact);
+  CHECK((held.force - Vector3(0, 0, 500 * 0.0012)).norm() < 1e-6);
+}
+
 TEST_CASE("Points that are not finite give nothing, and what came before is forgotten") {
   const test::TiledCubeByHand cube(size);
   ContactSettings settings = settings_of(Method::proxy);

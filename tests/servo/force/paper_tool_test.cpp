@@ -13,6 +13,8 @@
 
 #include "common/base/random.hpp"
 #include "servo/force/scene_force.hpp"
+#include "servo/stabilize/matched_damping.hpp"
+#include "servo/stabilize/turning_lever.hpp"
 #include "tests/servo/force/tool_scene.hpp"
 #include "tests/support/asset_by_hand.hpp"
 
@@ -33,8 +35,9 @@ struct PaperScene {
   std::unique_ptr<SceneForce> force;
 
   explicit PaperScene(const std::vector<Vector3>& others = {}, double budget = 0,
-                      double damping = 0) {
+                      double damping = 0, double damping_share = 0) {
     ForceScene scene;
+    scene.stabilization.damping_share = damping_share;
     scene.objects = {test::ToolScene::object_of(Method::paper, 2000)};
     scene.objects[0].effects.damping = damping;
     scene.added = scene.objects[0];
@@ -149,6 +152,31 @@ TEST_CASE("An object's damping brakes a tool of method paper where it touches, a
     contact = scene.next({-speed * 1e-3 * tick, 0, rest + 0.0003});
   }
   CHECK(contact.force.norm() == 0);
+}
+
+TEST_CASE("Matched damping brakes a turn by method paper as its lever and stiffness ask for") {
+  PaperScene bare, damped({}, 0, 0, 1);
+  constexpr double depth = 0.0005, speed = 0.1;  // m, rad/s
+  ContactForce without, with;
+  for (int tick = 0; tick < 60; ++tick) {
+    // 4 mm of the tool lie on the table; it turns about the edge's direction, by 6 mrad.
+    HandPose hand{{0.021, 0, rest - depth}};
+    hand.orientation =
+        Eigen::Quaterniond(Eigen::AngleAxisd(speed * 1e-3 * (tick - 59), Vector3::UnitY()));
+    without = bare.force->next(bare.assets, hand);
+    with = damped.force->next(damped.assets, hand);
+  }
+  REQUIRE(without.contact);
+  const ContactPatch& patch = bare.force->tool().patches[0];
+  const double arm = (patch.place - Vector3(0.021, 0, rest - depth)).squaredNorm();
+  const double stiffness = patch.force.norm() / patch.depth;
+  // K (1/2 + d) T for a turn, with the delay of the default settings.
+  const StabilizationSettings settings;
+  const double all = stiffness * arm * (0.5 + settings.total_delay(1e-3)) * 1e-3 * speed;
+  const double fade = std::min(1.0, without.torque.norm() / turning_lever / full_braking_reaction);
+  const Vector3 added = with.torque - without.torque;
+  CHECK(added.norm() == Approx(all * fade).epsilon(0.05));
+  CHECK(added.y() < 0);
 }
 
 TEST_CASE("Where a tool of method paper has too little time it takes fewer samples, and says so") {

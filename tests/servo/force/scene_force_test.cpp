@@ -78,6 +78,21 @@ TEST_CASE("A scene of one object in the hand's frame gives the contact model's f
   }
 }
 
+TEST_CASE("What is known of the distance to a ball ends with the band, nearer by its radius") {
+  const test::TiledCubeByHand cube(size, {0.002, 0.004});
+  PlacedObject object = object_of(Method::spm);
+  object.force.probe_radius = 0.001;
+  for (const double scale : {1.0, 2.0}) {
+    object.placement.scale = scale;
+    // The scale makes the object larger, and neither the ball nor what is known of distances less.
+    const PlacedContact contact(object, tick, 0);
+    const NearSurface found = contact.near_surface(cube.view, {0.001, 0.002, scale * half + 0.003});
+    CHECK(found.distance == Approx(0.002).epsilon(1e-3));
+    CHECK(found.reach == Approx(scale * 0.004 - 0.001).epsilon(1e-3));
+    CHECK(found.normal.isApprox(Vector3::UnitZ(), 1e-6));
+  }
+}
+
 TEST_CASE("The forces of two objects add up, and the depth is that of the deeper one") {
   const test::TiledCubeByHand cube(size);
   ForceScene scene;

@@ -8,6 +8,7 @@
 #include <limits>
 #include <numbers>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "common/contact/stable_stiffness.hpp"
@@ -90,6 +91,32 @@ TEST_CASE(
   }
 }
 
+TEST_CASE("With coarse encoders damping is complete only from some steps of the spring on") {
+  StabilizationSettings settings;
+  settings.damping_share = 1;
+  settings.delay_ticks = 0;
+  settings.lag = 0;
+  constexpr double step = 1e-4, stiffness = 1000;
+  // Of fine ones from 0.2 N on, of these from 0.6 N.
+  for (const auto& [encoder, full_from] : {std::pair{0.0, 0.2}, {step, 0.6}}) {
+    for (const double reaction : {0.15, 0.3, 1.0}) {
+      CAPTURE(encoder, reaction);
+      Stabilizer stabilization(settings, tick, encoder);
+      ContactForce wanted;
+      wanted.contact = true;
+      wanted.force = {0, 0, reaction};
+      double added = 0;
+      for (int i = 0; i < 200; ++i) {
+        added =
+            stabilization.apply(wanted, {0, 0, -step * i}, {stiffness, 0, 0}).force.z() - reaction;
+      }
+      // 0.1 m/s against K T / 2.
+      const double all = 0.1 * stiffness * tick / 2;
+      CHECK(added == Approx(all * std::min(1.0, reaction / full_from)).epsilon(0.02));
+    }
+  }
+}
+
 TEST_CASE("Damping is bounded by the device's mass, and by the reaction, and never holds back") {
   StabilizationSettings settings;
   settings.damping_share = 2;
@@ -131,6 +158,10 @@ TEST_CASE("On a gentle press idle stabilizers add less than 0.03 N from tick to 
 TEST_CASE("A word sets its stabilizer alone, and an unknown one nothing") {
   StabilizationSettings stabilization;
   CHECK(parse_stabilization("", stabilization));
+  for (const char* wrong : {"damping+", "+", "+damping", "damping++passivity"}) {
+    CAPTURE(wrong);
+    CHECK_FALSE(parse_stabilization(wrong, stabilization));
+  }
   CHECK_FALSE(stabilization.any());
   CHECK(parse_stabilization("damping+passivity", stabilization));
   CHECK(stabilization.damping_share == recommended_damping_share);

@@ -232,6 +232,23 @@ TEST_CASE("Objects are added, changed and removed under a tool") {
   CHECK(scene.settle({0.002, 0, rest - 0.001}).force.z() == Approx(1).epsilon(0.05));
 }
 
+TEST_CASE("An object that takes the number of one that a tool touched begins anew") {
+  ToolScene scene;
+  scene.scene.objects[0].effects.friction = {0.6, 0.5, 1000};
+  scene.begin();
+  scene.settle({0, 0, rest + 0.0003}, Eigen::Quaterniond::Identity(), 20);
+  scene.settle({0, 0, rest - 0.001});
+  // Held by friction against a pull of 0.3 N.
+  const Vector3 aside(0.0003, 0, rest - 0.001);
+  CHECK(scene.settle(aside).force.x() == Approx(-0.3).epsilon(0.1));
+  const PlacedObject same = scene.scene.objects[0];
+  scene.force->remove(0);
+  REQUIRE(scene.force->add(same) == 0);
+  const ContactForce anew = scene.settle(aside);
+  CHECK(anew.force.z() == Approx(1).epsilon(0.05));
+  CHECK(std::abs(anew.force.x()) < 0.05);
+}
+
 TEST_CASE("Contact patches are told by place, normal, depth, force and object, strongest first") {
   ToolScene scene;
   scene.begin();

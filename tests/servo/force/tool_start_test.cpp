@@ -75,6 +75,18 @@ TEST_CASE("A coupling stiffer than the device bears is held to what it bears") {
   CHECK(std::isfinite(tool_coupling({}, {}).torque_cap));
 }
 
+TEST_CASE("The torque's cap is met by a turn of three degrees, and by no less") {
+  ToolSettings tool;
+  tool.coupling = 1000;
+  tool.turning = 100;
+  ToolLoop loop;
+  // So much inertia that it bounds nothing.
+  loop.turning = {true, 0.2, 0, 1, 8};
+  CHECK(tool_coupling(tool, loop).turning == Approx(0.2 / 0.05));
+  tool.torque_cap = 0.1;
+  CHECK(tool_coupling(tool, loop).turning == Approx(0.1 / 0.05));
+}
+
 TEST_CASE("The chosen coupling is so soft that a tool's certified error is hardly felt") {
   // A tenth of 8 N at 2 mm of error: 400 N/m in place of 1000.
   for (const double tolerance : {1e-5, 2e-3}) {

@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "servo/stabilize/wrench_stabilizer.hpp"
 
+#include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "tests/servo/force/tool_scene.hpp"
 
@@ -112,6 +114,34 @@ TEST_CASE("Matched damping brakes the place along the force and the turn about t
   // Against the motion: 0.1 m/s downwards, 1 rad/s about -x.
   CHECK(found.force.z() == Approx(3 + 0.1 * 1000 * 1.5e-3).epsilon(1e-6));
   CHECK(found.torque.x() == Approx(0.2 + 1.0 * 1 * 1.5e-3).epsilon(1e-3));
+}
+
+TEST_CASE("A hand that rests by one encoder step is not braked, however soft the other part is") {
+  StabilizationSettings account = account_alone();
+  WrenchLoop loop;
+  loop.encoder_step = 64e-6;
+  loop.turn_step = 1e-3;
+  // Stiff along and soft about, and the other way round; N/m, and N m/rad.
+  for (const auto& [stiff, turning] : {std::pair{1000.0, 1e-3}, {1.0, 1.0}}) {
+    CAPTURE(stiff, turning);
+    WrenchStabilizer stabilizer(account, loop);
+    double largest = 0;
+    for (int i = 0; i < 1000; ++i) {
+      const int off = i % 7 < 3 ? 1 : 0;
+      HandPose hand;
+      hand.position.z() = -1e-3 - off * loop.encoder_step;
+      const double angle = -0.01 - off * loop.turn_step;
+      hand.orientation = Eigen::Quaterniond(Eigen::AngleAxisd(angle, Vector3::UnitX()));
+      const double depth = -hand.position.z();
+      const Wrench wanted{{0, 0, stiff * depth}, {-turning * angle, 0, 0}};
+      const double stored = (stiff * depth * depth + turning * angle * angle) / 2;
+      const Wrench sent = stabilizer.apply(wanted, true, hand, {stiff, turning, stored, 0});
+      if (i < 50) continue;
+      largest = std::max({largest, (sent.force - wanted.force).norm(),
+                          (sent.torque - wanted.torque).norm() / 0.03});
+    }
+    CHECK(largest < 0.01);
+  }
 }
 
 }  // namespace

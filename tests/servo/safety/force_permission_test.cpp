@@ -55,6 +55,19 @@ TEST_CASE("An acknowledgement while the fault lasts, or before there was one, co
   REQUIRE(tick(permission) == ForceOff::unacknowledged);
 }
 
+TEST_CASE("An acknowledgement counts for nothing while a fault lasts that another cause hides") {
+  ForcePermission permission({true, 0, 0});
+  REQUIRE(tick(permission) == ForceOff::none);
+  fault(permission);
+  // Clutched, or told to end, the device is still at fault.
+  for (const ForceOff hides : {ForceOff::clutched, ForceOff::stopping}) {
+    CHECK(permission.next({false, 0, true, true}) == ForceOff::unacknowledged);
+    permission.sent(hides);
+  }
+  CHECK(tick(permission) == ForceOff::unacknowledged);
+  CHECK(tick(permission, 0, true) == ForceOff::none);
+}
+
 TEST_CASE("A fault before the first force needs no acknowledgement") {
   ForcePermission permission({true, 0, 0});
   fault(permission, ForceOff::not_homed);

@@ -122,6 +122,16 @@ TEST_CASE("A hostile folder is told apart, itself and as a parent") {
   }
 }
 
+TEST_CASE("A link of one's own is followed, and where it leads is looked at too") {
+  const SocketFolder folder;
+  REQUIRE(mkdir(folder.path("open").c_str(), 0700) == 0);
+  REQUIRE(mkdir(folder.path("open/own").c_str(), 0700) == 0);
+  REQUIRE(symlink(folder.path("open").c_str(), folder.path("link").c_str()) == 0);
+  CHECK(distrust_of(folder.path("link/own")).empty());
+  REQUIRE(chmod(folder.path("open").c_str(), 0777) == 0);
+  CHECK(contains(distrust_of(folder.path("link/own")), "open is open to writing by others"));
+}
+
 TEST_CASE("Another user's link on the way is not followed") {
   if (geteuid() != 0) return;
   const SocketFolder folder;

@@ -105,6 +105,47 @@ TEST_CASE("A force that was not sent did no work") {
   CHECK(none.generated() == 0);
 }
 
+TEST_CASE("Of a damping force that was capped only that part counts as taken") {
+  PassivityControl all({1, tick, 0, 0.1}), half({1, tick, 0, 0.1});
+  Vector3 sent = Vector3::Zero();
+  const Vector3 wanted(0, 0, 5), velocity(0, 0, 0.1);
+  for (int i = 0; i < 5; ++i) {
+    const Vector3 hand(0, 0, 1e-6 * i);
+    sent = all.next(wanted, hand, velocity, 1000, 0, 0);
+    CHECK(half.next(wanted, hand, velocity, 1000, 0, 0) == sent);
+  }
+  const double braked = (wanted - sent).norm();
+  REQUIRE(braked > 1e-4);
+  half.sent(sent / 2);
+  // The hand rests, so that both have generated the same; the damping of the last tick, of which a
+  // half was sent, has not acted yet.
+  const Vector3 rest(0, 0, 4e-6);
+  const double after = (wanted - all.next(wanted, rest, velocity, 1000, 0, 0)).norm();
+  const double after_half = (wanted - half.next(wanted, rest, velocity, 1000, 0, 0)).norm();
+  CHECK(all.generated() == half.generated());
+  // What was not taken, over the next ticks.
+  CHECK(after_half - after == Approx(braked / 2 / spread_ticks).epsilon(0.01));
+}
+
+TEST_CASE("However long a hand was braked, it is given no more than the credit for it") {
+  PassivityControl control({0, tick, 0, 0.1});
+  const Vector3 wanted(0, 0, 1);
+  // 10 s against the force take 1 J from the hand.
+  double z = 0;
+  for (int i = 0; i < 10'000; ++i) {
+    z -= 1e-4;
+    CHECK(control.next(wanted, {0, 0, z}, {0, 0, -0.1}, 1000, 0, 0) == wanted);
+  }
+  CHECK(control.generated() == -max_credit);
+  // And with it: 0.1 mJ a tick; from the second on it is braked.
+  double braked = 0;
+  for (int i = 0; i < 3; ++i) {
+    z += 1e-4;
+    braked = (control.next(wanted, {0, 0, z}, {0, 0, 0.1}, 1000, 0, 0) - wanted).norm();
+  }
+  CHECK(braked > 0.01);
+}
+
 TEST_CASE("A hand at rest by one encoder step is not braked, for it is given nothing") {
   constexpr double step = 64e-6;
   PassivityControl control({1, tick, step, 0.25});

@@ -47,6 +47,14 @@ TEST_CASE("A coupling's damper pushes back while it is pressed, is quiet at rest
   go(60, -way);
 }
 
+TEST_CASE("A coupling that came free relaxes, and is then pressed as a new one") {
+  VirtualCoupling used({3000, 2}, 1000, tick), fresh({3000, 2}, 1000, tick);
+  for (int i = 0; i < 50; ++i) (void)felt_force(used, 2e-3);
+  // By its damper over its spring, 2/3 ms.
+  for (int i = 0; i < 20; ++i) CHECK(felt_force(used, -1e-3) == 0);
+  CHECK(felt_force(used, 1e-3) == Approx(felt_force(fresh, 1e-3)).epsilon(1e-4));
+}
+
 TEST_CASE("A coupling that was forgotten begins as a new one") {
   VirtualCoupling used({3000, 2}, 1000, tick), fresh({3000, 2}, 1000, tick);
   (void)felt_force(used, 2e-3);
