@@ -24,7 +24,7 @@ TEST_CASE("A spring that was set before the delay grew brakes as the new delay a
   spring.action = AppAction::effect;
   spring.connection = 1;
   spring.effect.stiffness = stiffness;
-  REQUIRE(effects.set(spring, 0) == Refusal::none);
+  REQUIRE(effects.set(spring, 0, 0) == Refusal::none);
   std::int64_t now = 0;
   double z = 0.1;
   // N against a steady motion, beside the spring's own pull.
