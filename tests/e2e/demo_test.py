@@ -13,7 +13,7 @@ from programs import SERVO, Case, run
 
 SCRIPTS = os.path.join(os.path.dirname(os.path.abspath(__file__)), os.pardir, os.pardir, "scripts")
 SHELL, PYTHON = "#!/usr/bin/env bash\n", "#!/usr/bin/env python3\n"
-BAKED = {"mesh": {"triangles": 12, "closed": True, "border_edges": 0}, "bytes": 1000, 
+BAKED = {"mesh": {"triangles": 12, "closed": True, "border_edges": 0}, "bytes": 1000,
          "spm": {"tiles": 6, "planes": 6}, "error_um": {"p99": 1, "max": 2, "samples": 9},
          "tolerance_um": 100, "tolerance_met": True, "seconds": {"total": 1}}
 FELT = {"ticks": 5000, "contact_ticks": 4000, "rate_hz": 1000, "missed": 0, "force_n": {"max": 1},
