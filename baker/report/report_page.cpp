@@ -79,8 +79,8 @@ std::string built_page(ReportPage page) {
   if (!file || bytes.str().empty()) {
     throw BakeError(ExitCode::unsupported,
                     path.string() +
-                        ": the page of reports is missing: it is built by npm, which was not there "
-                        "or had no network; run scripts/build_page in the checkout");
+                        ": the page of reports is not there: it is built, with npm, by "
+                        "scripts/build_page in the checkout");
   }
   return bytes.str();
 }

@@ -24,11 +24,18 @@ struct ViewCommand {
   ViewSettings settings;
 };
 
-/// The built page beside the program, installed or in the build folder.
+/// The built page beside the program, installed or in its build folder; or in the build folder of
+/// the preset that scripts/build_page takes by itself, where this one is of another.
 std::string page_folder() {
   std::error_code problem;
   const fs::path program = fs::read_symlink("/proc/self/exe", problem);
-  return (program.parent_path().parent_path() / "share" / "spm-haptics" / "view").string();
+  const fs::path prefix = program.parent_path().parent_path();
+  const auto page = fs::path("share") / "spm-haptics" / "view";
+  const fs::path other = prefix.parent_path() / "release" / page;
+  const bool is_elsewhere = !fs::exists(prefix / page, problem) &&
+                            fs::exists(prefix / "CMakeCache.txt", problem) &&
+                            fs::exists(other, problem);
+  return (is_elsewhere ? other : prefix / page).string();
 }
 
 void tell_start(const ViewCommand& command, const ViewAddresses& addresses) {

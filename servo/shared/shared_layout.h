@@ -40,8 +40,8 @@ enum {
   SPM_MAX_CAUSES = 32,
   SPM_MAX_APPLICATIONS = 16, /* in the role of an application */
   SPM_MAX_CLIENTS = 20,      /* four places more for supervisors and observers */
-  SPM_MAX_CONTACTS = 16, /* of each device's tool */
-  SPM_NAME_BYTES = 64,   /* of every name, including its closing zero */
+  SPM_MAX_CONTACTS = 16,     /* of each device's tool */
+  SPM_NAME_BYTES = 64,       /* of every name, including its closing zero */
   SPM_CURE_BYTES = 192,
   SPM_PATH_BYTES = 512, /* of an asset's file, including its closing zero */
   SPM_VERSION_BYTES = 32,

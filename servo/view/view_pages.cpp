@@ -30,8 +30,8 @@ Result<std::map<std::string, PageFile>> read_page(const std::string& folder, Pag
     if (!file || bytes.str().empty()) {
       return fail(ExitCode::unsupported,
                   path +
-                      ": the page of the live view is missing: it is built by npm, which was "
-                      "not there or had no network; run scripts/build_page in the checkout");
+                      ": the page of the view is not there: it is built, with npm, by "
+                      "scripts/build_page in the checkout");
     }
     page[known.name] = {known.type, bytes.str()};
   }

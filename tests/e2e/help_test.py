@@ -41,7 +41,6 @@ class Help(unittest.TestCase):
             part = part.split("\n  -")[0]
             self.assertIn("default", part, option)
 
-
     def test_every_option_of_the_simulated_device_stands_in_the_help_and_on_the_page(self):
         told = run("run", "--asset", "a.spm.exr", "--device", "sim:none=1", program=SERVO).stderr
         options = re.search(r"the options are (.*)", told).group(1).strip().replace(" and ", ", ").split(", ")

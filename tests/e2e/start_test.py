@@ -57,9 +57,9 @@ class Start(Case):
     def test_a_run_lasts_as_long_as_is_said_in_seconds_or_with_a_unit(self):
         for text, ticks in (("0.2", 200), ("200ms", 200), ("0.2s", 200), ("0.004min", 240)):
             with self.subTest(text):
-                report = self.run_json("run", "--asset", self.asset, "--device", "sim:hand=live", "--realtime",
-                                       "off", "--socket", "off", "--black-box", "off", "--duration", text,
-                                       program=SERVO)
+                report = self.run_json("run", "--asset", self.asset, "--device", "sim:hand=live",
+                                       "--realtime", "off", "--socket", "off", "--black-box", "off",
+                                       "--duration", text, program=SERVO)
                 # A machine that is busy skips ticks beyond the end too.
                 self.assertGreaterEqual(report["ticks"] + report["skipped"], ticks)
                 self.assertLess(report["ticks"], 1.1 * ticks)

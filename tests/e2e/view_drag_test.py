@@ -69,7 +69,8 @@ class Drag(Watched):
         self.browser.run("window.told = []; const link = spmView.link, send = link.send;"
                          "window.untold = () => { link.send = send; };"
                          "link.send = function (message) { if (['feel', 'cap'].includes(message.t))"
-                         "  window.told.push([performance.now(), message]); return send.call(this, message); }")
+                         "  window.told.push([performance.now(), message]);"
+                         "  return send.call(this, message); }")
         self.addCleanup(self.browser.run, "window.untold()")
         # Events of sliders that are where they were.
         self.browser.run("for (const name of ['stiffness', 'friction', 'damping', 'texture', 'cap'])"

@@ -6,6 +6,8 @@ import unittest
 
 from watched_view import Other, Watched, prepare
 
+FRAMED = "window.spmView && spmView.stage && spmView.stage.framed"
+
 
 def setUpModule():
     prepare()
@@ -15,10 +17,10 @@ class Seen(Other):
     def test_the_first_view_shows_objects_tool_and_hand(self):
         browser = self.watched('[tool]\nasset = "tool.spm.exr"\nscale = 0.3\n\n'
                                '[[object]]\nasset = "box.spm.exr"\n')
-        browser.wait("window.spmView && spmView.stage && spmView.stage.framed && spmView.stage.tool.children.length")
+        browser.wait(f"{FRAMED} && spmView.stage.tool.children.length")
         left, top, right, bottom, places = browser.run(
-            "const s = spmView.stage, box = s.canvas.getBoundingClientRect(), meshes = [...s.objects.values(),"
-            "  ...s.tool.children];"
+            "const s = spmView.stage, box = s.canvas.getBoundingClientRect();"
+            "const meshes = [...s.objects.values(), ...s.tool.children];"
             "const corners = meshes.flatMap((mesh) => { mesh.geometry.computeBoundingBox();"
             "  const {min, max} = mesh.geometry.boundingBox; return [0, 1, 2, 3, 4, 5, 6, 7].map((i) =>"
             "    min.clone().set(...['x', 'y', 'z'].map((axis, bit) => (i >> bit & 1 ? max : min)[axis]))"
@@ -32,7 +34,7 @@ class Seen(Other):
         """A small box that can be moved, in the middle of a large one that cannot."""
         browser = self.watched('[[object]]\nasset = "box.spm.exr"\n\n[[object]]\nasset = "box.spm.exr"\n'
                                'scale = 0.3\nmovable = true\n')
-        browser.wait("window.spmView && spmView.stage && spmView.stage.framed && spmView.stage.objects.size === 2")
+        browser.wait(f"{FRAMED} && spmView.stage.objects.size === 2")
 
         # As many pixels in each picture.
         browser.run("const s = spmView.stage; s.coarsens = s.coarse = false; s.setPixels()")
@@ -56,7 +58,7 @@ class Seen(Other):
 
     def test_after_the_daemon_ended_nothing_is_told_as_of_now(self):
         browser = self.watched('[[object]]\nasset = "box.spm.exr"\n')
-        browser.wait("window.spmView && spmView.stage && spmView.stage.framed")
+        browser.wait(FRAMED)
         labels = "spmView.charts.plots.map((plot) => plot.axes[0]._values.at(-1))"
         browser.wait(f"{labels}.every((label) => label === 'now')")
         browser.press(*browser.run("return spmView.stage.project(spmView.stage.middle)"))

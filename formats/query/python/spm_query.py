@@ -13,7 +13,8 @@ A batch of points is one call of the library, which reads them where they lie: a
 of doubles will do, such as a NumPy array or an array.array. Without NumPy answers are ctypes structs.
 
 The library is looked for in $SPM_QUERY_LIBRARY, beside this file, in the build folder of the
-checkout that this file lies in, and where the system has its libraries. Nothing but the standard library is needed.
+checkout that this file lies in, and where the system has its libraries. Nothing but the standard
+library is needed.
 """
 
 from __future__ import annotations

@@ -13,7 +13,8 @@ newtons, torques in newton metres, quaternions unit with w first, all in the wor
         client.move(0, position=(0.0, 0.01, 0.0), period=1 / 90)
 
 The library is looked for in $SPM_CLIENT_LIBRARY, beside this file, in the build folder of the
-checkout that this file lies in, and where the system has its libraries. Nothing but the standard library is needed.
+checkout that this file lies in, and where the system has its libraries. Nothing but the standard
+library is needed.
 """
 
 from __future__ import annotations
