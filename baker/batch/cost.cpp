@@ -27,7 +27,7 @@ double triangle_bytes(const std::string& extension) {
 /// The size of the other files that a mesh is made of.
 std::uintmax_t companion_bytes(const std::string& path) {
   std::uintmax_t all = 0;
-  for (const std::string& companion : mesh_companions(path)) {
+  for (const std::string& companion : mesh_companions(path, true)) {
     std::error_code missing;
     const auto bytes = std::filesystem::file_size(companion, missing);
     if (!missing) all += bytes;

@@ -33,7 +33,7 @@ std::string folder_of(const std::string& path) {
 
 Dependencies dependencies_of(const BuildRequest& request) {
   Dependencies found{request.output, {request.mesh}};
-  for (std::string& companion : mesh_companions(request.mesh)) {
+  for (std::string& companion : mesh_companions(request.mesh, request.load.outside_buffers)) {
     found.inputs.push_back(std::move(companion));
   }
   if (!request.limits.scene.empty()) found.inputs.push_back(request.limits.scene);

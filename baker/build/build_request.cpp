@@ -187,6 +187,9 @@ void add_build_options(CLI::App& command, BuildRequest& request) {
       "unit of the mesh file's coordinates (default m)", "m|mm|cm|in");
   cli::add_quantity(command, "--fit-diagonal", request.load.fit_diagonal, Quantity::length,
                     "scale about the origin until the bounding box's diagonal is this long");
+  command.add_flag("--outside-buffers", request.load.outside_buffers,
+                   "read buffers that a glTF names by an absolute path or by '..' (default: only "
+                   "those in its own folder)");
   cli::add_integer(
       command, "--threads", 1, 1024,
       [&bake](std::uint64_t n) { bake.threads = static_cast<unsigned>(n); },

@@ -28,7 +28,7 @@ struct Wanted {
 };
 
 Wanted wanted_of(const BuildRequest& request) {
-  const Result<std::string> mesh = mesh_sha256(request.mesh);
+  const Result<std::string> mesh = mesh_sha256(request.mesh, request.load.outside_buffers);
   if (!mesh) throw BakeError(mesh.error().code, mesh.error().message);
   BuildRequest settled = request;
   Wanted wanted;

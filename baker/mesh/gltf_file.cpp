@@ -9,8 +9,10 @@
 #include <cstring>
 #include <filesystem>
 #include <limits>
+#include <system_error>
 
 #include "baker/base/bake_error.hpp"
+#include "formats/files/json_text.hpp"
 #include "formats/files/sha256.hpp"
 #include "formats/files/text_file.hpp"
 
@@ -22,7 +24,7 @@ using Json = nlohmann::json;
 constexpr std::string_view glb_mark = "glTF";
 constexpr std::size_t glb_header = 12, chunk_header = 8;
 constexpr std::uint32_t json_chunk = 0x4E4F534A, binary_chunk = 0x004E4942;  // "JSON", "BIN"
-constexpr std::uint64_t most_buffer = std::uint64_t{1} << 40U;
+constexpr std::uint64_t most_bytes = std::uint64_t{1} << 32U;                // of all buffers
 
 [[noreturn]] void refuse(const std::string& path, const std::string& cause,
                          const std::string& cure = "export the mesh again") {
@@ -77,6 +79,9 @@ Container opened(const std::string& path, std::string_view bytes) {
 }
 
 Json parsed(const std::string& path, std::string_view text) {
+  if (!is_shallow_json(text)) {
+    refuse(path, "its JSON nests more than " + std::to_string(most_json_levels) + " levels");
+  }
   try {
     Json json = Json::parse(text);
     const auto asset = json.is_object() ? json.find("asset") : json.end();
@@ -91,6 +96,8 @@ Json parsed(const std::string& path, std::string_view text) {
   } catch (const Json::parse_error& problem) {
     refuse(path, "byte " + std::to_string(problem.byte) + ": the JSON of the glTF is broken",
            "the file may be cut short, export the mesh again");
+  } catch (const Json::out_of_range&) {
+    refuse(path, "its JSON has a number that is larger than any that a computer knows");
   }
 }
 
@@ -117,12 +124,18 @@ std::string decoded(const std::string& path, std::string_view uri) {
 }
 
 /// Where the buffer of a reference lies.
-std::string companion(const std::string& path, const std::string& uri) {
+std::string companion(const std::string& path, const std::string& uri, bool outside) {
   if (uri.find("://") != std::string::npos) {
     refuse(path, "a buffer is at " + uri + ", and nothing is fetched from elsewhere",
            "save the buffer beside the file");
   }
-  return (std::filesystem::path(path).parent_path() / decoded(path, uri)).string();
+  const std::filesystem::path name(decoded(path, uri));
+  const bool leaves = name.is_absolute() || std::find(name.begin(), name.end(), "..") != name.end();
+  if (leaves && !outside) {
+    refuse(path, "a buffer is at " + name.string() + ", which leads out of the file's folder",
+           "save the buffer beside the file, or allow it with --outside-buffers");
+  }
+  return (std::filesystem::path(path).parent_path() / name).string();
 }
 
 /// The bytes of a `data:` reference.
@@ -163,7 +176,7 @@ std::vector<std::string> references(const std::string& path, const Json& json) {
 std::uint64_t stated_length(const std::string& path, const Json& buffer, std::size_t index) {
   const auto length = buffer.find("byteLength");
   if (length == buffer.end() || !length->is_number_unsigned() ||
-      length->get<std::uint64_t>() > most_buffer) {
+      length->get<std::uint64_t>() > most_bytes) {
     refuse(path, "buffer " + std::to_string(index) + ": 'byteLength' is no length");
   }
   return length->get<std::uint64_t>();
@@ -179,10 +192,11 @@ bool resembles_gltf(std::string_view bytes) {
          bytes.find("\"asset\"") != std::string_view::npos;
 }
 
-GltfFile open_gltf(const std::string& path, std::string_view bytes) {
+GltfFile open_gltf(const std::string& path, std::string_view bytes, bool outside_buffers) {
   const Container container = opened(path, bytes);
   GltfFile file;
   file.json = parsed(path, container.json);
+  std::uint64_t left = most_bytes;
   for (const std::string& uri : references(path, file.json)) {
     const std::size_t index = file.buffers.size();
     const std::string name = "buffer " + std::to_string(index);
@@ -195,7 +209,11 @@ GltfFile open_gltf(const std::string& path, std::string_view bytes) {
     } else if (is_data(uri)) {
       content = embedded(path, uri);
     } else {
-      Result<std::string> read = read_text_file(companion(path, uri), "a buffer of a glTF");
+      const std::string place = companion(path, uri, outside_buffers);
+      std::error_code unknown;
+      const auto size = std::filesystem::file_size(place, unknown);
+      if (!unknown && size > left) refuse(path, "its buffers have more than 4 GiB");
+      Result<std::string> read = read_regular_file(place, "a buffer of a glTF");
       if (!read) {
         throw BakeError(read.error().code,
                         path + ": " + name + " is missing: " + read.error().message);
@@ -203,6 +221,7 @@ GltfFile open_gltf(const std::string& path, std::string_view bytes) {
       content = std::move(*read);
       file.companion_digests.push_back(sha256_bytes(content));
     }
+    left -= std::min<std::uint64_t>(left, content.size());
     const std::uint64_t stated = stated_length(path, file.json["buffers"][index], index);
     if (content.size() < stated) {
       refuse(path, name + " is cut short: of " + std::to_string(stated) + " bytes " +
@@ -214,10 +233,11 @@ GltfFile open_gltf(const std::string& path, std::string_view bytes) {
   return file;
 }
 
-std::vector<std::string> gltf_companions(const std::string& path, std::string_view bytes) {
+std::vector<std::string> gltf_companions(const std::string& path, std::string_view bytes,
+                                         bool outside_buffers) {
   std::vector<std::string> files;
   for (const std::string& uri : references(path, parsed(path, opened(path, bytes).json))) {
-    if (!uri.empty() && !is_data(uri)) files.push_back(companion(path, uri));
+    if (!uri.empty() && !is_data(uri)) files.push_back(companion(path, uri, outside_buffers));
   }
   return files;
 }

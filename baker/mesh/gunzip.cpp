@@ -12,7 +12,9 @@
 namespace spm::baker {
 namespace {
 
-constexpr std::size_t most_bytes = std::size_t{16} << 30U;
+/// A mesh packs by a factor of 3 to 20; what packs by more than 100 is none.
+constexpr std::size_t most_bytes = std::size_t{4} << 30U;
+constexpr std::size_t most_growth = 100, always_allowed = std::size_t{64} << 20U;
 constexpr std::size_t block_bytes = std::size_t{1} << 20U;
 constexpr int with_gzip_header = 16;  // added to the size of the window
 
@@ -54,7 +56,14 @@ std::string gunzip(const std::string& path, std::string_view bytes) {
     const std::string place = path + ": byte " + std::to_string(bytes.size() - rest.size());
     if (unpacked.size() > most_bytes) {
       throw BakeError(ExitCode::invalid_input,
-                      place + ": more than 16 GiB come out of it; bake a smaller mesh");
+                      place + ": more than 4 GiB come out of it; bake a smaller mesh");
+    }
+    if (unpacked.size() > always_allowed &&
+        unpacked.size() / most_growth > bytes.size() - rest.size()) {
+      throw BakeError(ExitCode::invalid_input,
+                      place +
+                          ": what comes out is more than 100 times as large, which no mesh is; "
+                          "unpack it yourself and look at it");
     }
     if (code == Z_STREAM_END) {
       if (!is_gzip(rest)) return unpacked;  // what follows the last member is padding

@@ -10,7 +10,8 @@ namespace spm::baker {
 [[nodiscard]] bool is_gzip(std::string_view bytes);
 
 /// Unpacks gzip, of one or more members. Throws BakeError invalid_input, which names the file and
-/// the byte, also where more than 16 GiB come out.
+/// the byte, also where more than 4 GiB come out,
+/// or more than 64 MiB that are 100 times as large as what they came from.
 [[nodiscard]] std::string gunzip(const std::string& path, std::string_view bytes);
 
 }  // namespace spm::baker

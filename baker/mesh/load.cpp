@@ -19,6 +19,7 @@
 #include "baker/mesh/mesh_reader.hpp"
 #include "baker/mesh/mesh_repair.hpp"
 #include "formats/files/sha256.hpp"
+#include "formats/files/text_file.hpp"
 
 namespace spm::baker {
 namespace {
@@ -42,6 +43,9 @@ constexpr double kSmallest = 1e-9;  ///< m: below it the size of a mesh is only 
   const auto status = std::filesystem::status(path, status_error);
   if (std::filesystem::is_directory(status)) {
     refuse(ExitCode::file_or_device, path + ": is a directory; name a mesh file in it");
+  }
+  if (is_special_file(path)) {
+    refuse(ExitCode::file_or_device, path + ": is a device or a pipe; give a mesh file");
   }
   const std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(std::fopen(path.c_str(), "rb"),
                                                              &std::fclose);
@@ -67,14 +71,16 @@ constexpr double kSmallest = 1e-9;  ///< m: below it the size of a mesh is only 
 
 /// What a file packs; where its name and its content disagree on whether it packs anything, an
 /// error.
-[[nodiscard]] PolygonSoup read_unpacked(const std::string& path, const std::string& bytes) {
+[[nodiscard]] PolygonSoup read_unpacked(const std::string& path, const std::string& bytes,
+                                        bool outside_buffers) {
   const bool named = mesh_extension(path).ends_with(".gz");
   if (named != is_gzip(bytes) && !bytes.empty()) {
     refuse(ExitCode::invalid_input,
            path + (named ? ": is named as a gzip file and is none; rename it without .gz"
                          : ": is a gzip file; rename it to end in .gz"));
   }
-  return named && !bytes.empty() ? read_soup(path, gunzip(path, bytes)) : read_soup(path, bytes);
+  return named && !bytes.empty() ? read_soup(path, gunzip(path, bytes), outside_buffers)
+                                 : read_soup(path, bytes, outside_buffers);
 }
 
 /// The box of the points of triangles that have an area.
@@ -96,7 +102,7 @@ void scale_points(double factor, std::vector<Vector3>& points) {
 
 Mesh load_mesh(const std::string& path, const LoadOptions& options) {
   const std::string bytes = read_file(path);
-  PolygonSoup soup = read_unpacked(path, bytes);
+  PolygonSoup soup = read_unpacked(path, bytes, options.outside_buffers);
   Mesh mesh;
   mesh.path = path;
   mesh.sha256 = mesh_sha256(sha256_bytes(bytes), soup.companion_digests);

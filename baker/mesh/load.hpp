@@ -10,7 +10,8 @@ namespace spm::baker {
 
 struct LoadOptions {
   double unit = 1;
-  std::optional<double> fit_diagonal;  ///< m
+  std::optional<double> fit_diagonal = {};  ///< m
+  bool outside_buffers = false;             ///< a glTF may name buffers outside its own folder
 };
 
 /// Reads glTF (`.gltf`, `.glb`), OBJ, PLY, STL or OFF, also compressed by gzip. Fans polygons from

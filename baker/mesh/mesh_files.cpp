@@ -35,13 +35,13 @@ std::string mesh_extension(const std::string& path) {
   return last == packed ? unpacked_extension(path) + last : last;
 }
 
-std::vector<std::string> mesh_companions(const std::string& path) {
+std::vector<std::string> mesh_companions(const std::string& path, bool outside_buffers) {
   const std::string extension = unpacked_extension(path);
   if (extension != ".gltf" && extension != ".glb") return {};
-  const Result<std::string> bytes = read_text_file(path, "a mesh");
+  const Result<std::string> bytes = read_regular_file(path, "a mesh");
   if (!bytes) return {};
   try {
-    return gltf_companions(path, is_gzip(*bytes) ? gunzip(path, *bytes) : *bytes);
+    return gltf_companions(path, is_gzip(*bytes) ? gunzip(path, *bytes) : *bytes, outside_buffers);
   } catch (const BakeError&) {
     return {};
   }
@@ -55,11 +55,11 @@ std::string mesh_sha256(const std::string& digest,
   return sha256_bytes(all);
 }
 
-Result<std::string> mesh_sha256(const std::string& path) {
+Result<std::string> mesh_sha256(const std::string& path, bool outside_buffers) {
   const Result<std::string> own = sha256_file(path);
   if (!own) return own;
   std::vector<std::string> digests;
-  for (const std::string& companion : mesh_companions(path)) {
+  for (const std::string& companion : mesh_companions(path, outside_buffers)) {
     Result<std::string> digest = sha256_file(companion);
     if (!digest) return digest;
     digests.push_back(std::move(*digest));

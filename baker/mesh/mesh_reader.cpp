@@ -15,7 +15,7 @@ namespace {
 struct Format {
   std::string_view name;
   std::string_view extension;
-  PolygonSoup (*read)(const std::string& path, std::string_view bytes);
+  PolygonSoup (*read)(const std::string& path, std::string_view bytes);  ///< none: by read_gltf
   bool (*resembles)(std::string_view bytes);
 };
 
@@ -50,11 +50,11 @@ struct Format {
   return false;
 }
 
-constexpr std::array<Format, 6> kFormats{{{"GLB", ".glb", read_gltf, is_glb},
+constexpr std::array<Format, 6> kFormats{{{"GLB", ".glb", nullptr, is_glb},
                                           {"STL", ".stl", read_stl, resembles_stl},
                                           {"PLY", ".ply", read_ply, resembles_ply},
                                           {"OFF", ".off", read_off, resembles_off},
-                                          {"glTF", ".gltf", read_gltf, resembles_gltf},
+                                          {"glTF", ".gltf", nullptr, resembles_gltf},
                                           {"OBJ", ".obj", read_obj, resembles_obj}}};
 
 [[nodiscard]] const Format* format_of_extension(const std::string& extension) {
@@ -102,9 +102,11 @@ void add_polygon(std::span<const std::uint32_t> polygon, PolygonSoup& soup) {
   }
 }
 
-PolygonSoup read_soup(const std::string& path, std::string_view bytes) {
+PolygonSoup read_soup(const std::string& path, std::string_view bytes, bool outside_buffers) {
   if (bytes.empty()) fail(path + ": the file is empty; export the mesh again");
-  PolygonSoup soup = choose_format(path, bytes).read(path, bytes);
+  const Format& format = choose_format(path, bytes);
+  PolygonSoup soup =
+      format.read != nullptr ? format.read(path, bytes) : read_gltf(path, bytes, outside_buffers);
   if (soup.triangles.empty()) {
     fail(path + ": the file holds " + std::to_string(soup.points.size()) +
          " vertices and no face; export the mesh with its faces, a point cloud cannot be baked");

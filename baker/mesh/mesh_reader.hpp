@@ -24,11 +24,14 @@ void add_polygon(std::span<const std::uint32_t> polygon, PolygonSoup& soup);
 
 /// Reads the unpacked bytes of a mesh file in the format on which its extension and its content
 /// agree. These are our own readers, since CGAL's accept cut, non-finite and out-of-range input,
-/// and name no line. Throws BakeError invalid_input, which names file, place, cause and what to do.
-[[nodiscard]] PolygonSoup read_soup(const std::string& path, std::string_view bytes);
+/// and name no line. `outside_buffers`: as of LoadOptions. Throws BakeError invalid_input, which
+/// names file, place, cause and what to do.
+[[nodiscard]] PolygonSoup read_soup(const std::string& path, std::string_view bytes,
+                                    bool outside_buffers = false);
 
 [[nodiscard]] PolygonSoup read_obj(const std::string& path, std::string_view bytes);
-[[nodiscard]] PolygonSoup read_gltf(const std::string& path, std::string_view bytes);
+[[nodiscard]] PolygonSoup read_gltf(const std::string& path, std::string_view bytes,
+                                    bool outside_buffers);
 [[nodiscard]] PolygonSoup read_off(const std::string& path, std::string_view bytes);
 [[nodiscard]] PolygonSoup read_ply(const std::string& path, std::string_view bytes);
 [[nodiscard]] PolygonSoup read_stl(const std::string& path, std::string_view bytes);

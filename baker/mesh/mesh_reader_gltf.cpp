@@ -20,7 +20,8 @@ namespace {
 using Json = nlohmann::json;
 using Transform = Eigen::Affine3d;
 
-constexpr std::uint64_t most_triangles = 1'000'000'000;
+/// Points, and triangles: many primitives may name the same few bytes.
+constexpr std::uint64_t most_points = std::uint64_t{1} << 25U;
 constexpr int strip_mode = 5, fan_mode = 6, triangles_mode = 4;
 constexpr std::array<std::string_view, 3> unread_extensions{
     "KHR_draco_mesh_compression", "EXT_meshopt_compression", "EXT_mesh_gpu_instancing"};
@@ -80,17 +81,16 @@ double component(const Values& values, std::size_t row, std::size_t column) {
 
 class Reader {
  public:
-  Reader(const std::string& path, std::string_view bytes)
-      : path_(path), file_(open_gltf(path, bytes)) {}
+  Reader(const std::string& path, std::string_view bytes, bool outside_buffers)
+      : path_(path), file_(open_gltf(path, bytes, outside_buffers)) {}
 
   PolygonSoup read() {
     refuse_unread_extensions();
-    visited_.assign(list("nodes").size(), false);
-    if (list("nodes").empty()) {
-      for (std::size_t i = 0; i < list("meshes").size(); ++i) add_mesh(i, Transform::Identity());
-    } else {
-      walk();
-    }
+    add_all();
+    counting_ = false;
+    soup_.points.reserve(points_);
+    soup_.triangles.reserve(triangles_);
+    add_all();
     soup_.companion_digests = std::move(file_.companion_digests);
     return std::move(soup_);
   }
@@ -99,6 +99,14 @@ class Reader {
   [[noreturn]] void refuse(const std::string& cause,
                            const std::string& cure = "export the mesh again") const {
     throw BakeError(ExitCode::invalid_input, path_ + ": " + cause + "; " + cure);
+  }
+
+  /// Everything that the file shows. While counting, its vertices and triangles alone, so that too
+  /// many are refused before any is made.
+  void add_all() {
+    visited_.assign(list("nodes").size(), false);
+    if (!list("nodes").empty()) return walk();
+    for (std::size_t i = 0; i < list("meshes").size(); ++i) add_mesh(i, Transform::Identity());
   }
 
   const Json& list(const char* name) const {
@@ -310,9 +318,15 @@ class Reader {
     }
     const std::size_t base = soup_.points.size();
     const std::size_t corners = indices ? indices->count : points.count;
-    if (base + points.count > std::numeric_limits<std::uint32_t>::max() ||
-        soup_.triangles.size() + corners > most_triangles) {
-      refuse(where + ": more triangles than can be baked");
+    if (counting_) {
+      points_ += points.count;
+      triangles_ += corners / (mode == triangles_mode ? 3 : 1);
+      if (points_ > most_points || triangles_ > most_points) {
+        refuse(where + ": with it the file has more than " + std::to_string(most_points) +
+                   " vertices or triangles, which cannot be baked",
+               "export fewer parts, or a coarser mesh");
+      }
+      return;
     }
     add_points(points, where, transform);
     const auto corner = [&](std::size_t i) {
@@ -348,12 +362,14 @@ class Reader {
   GltfFile file_;
   PolygonSoup soup_;
   std::vector<bool> visited_;
+  bool counting_ = true;
+  std::uint64_t points_ = 0, triangles_ = 0;  ///< counted
 };
 
 }  // namespace
 
-PolygonSoup read_gltf(const std::string& path, std::string_view bytes) {
-  return Reader(path, bytes).read();
+PolygonSoup read_gltf(const std::string& path, std::string_view bytes, bool outside_buffers) {
+  return Reader(path, bytes, outside_buffers).read();
 }
 
 }  // namespace spm::baker

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <array>
 #include <bit>
+#include <charconv>
 #include <cmath>
 #include <cstdint>
 #include <cstring>
@@ -199,6 +200,13 @@ class Values {
   MeshText text_;
 };
 
+/// A number that may be any, also none.
+[[nodiscard]] std::string printed(double value) {
+  std::array<char, 32> text{};
+  const auto end = std::to_chars(text.data(), text.data() + text.size(), value);
+  return {text.data(), end.ptr};
+}
+
 class Reader {
  public:
   Reader(const std::string& path, Values& values) : path_(path), values_(values) {}
@@ -248,6 +256,7 @@ class Reader {
   }
 
   void skip(const Element& element) {
+    if (element.properties.empty()) return;  // no bytes, however many items are announced
     for (std::size_t i = 0; i < element.items; ++i) {
       for (const Property& property : element.properties) {
         (void)read_property(property, element, i);
@@ -284,9 +293,9 @@ class Reader {
     for (const double index : polygon_) {
       if (!(index >= 0) || index >= static_cast<double>(soup.points.size()) ||
           index != std::floor(index)) {
-        fail(values_.place(element, item) + ": vertex index " +
-             std::to_string(static_cast<std::int64_t>(index)) + " is out of range (" +
-             std::to_string(soup.points.size()) + " vertices); export the mesh again");
+        fail(values_.place(element, item) + ": vertex index " + printed(index) +
+             " is out of range (" + std::to_string(soup.points.size()) +
+             " vertices); export the mesh again");
       }
       indices_.push_back(static_cast<std::uint32_t>(index));
     }

@@ -217,7 +217,8 @@ VerifyReport verify_against(const Mesh& mesh, const AssetView& view, const Asset
 }
 
 Mesh mesh_of_asset(const AssetMetadata& metadata, const std::string& mesh_path) {
-  const Result<std::string> hash = mesh_sha256(mesh_path);
+  // What it is made of was allowed when it was baked, or its hash differs.
+  const Result<std::string> hash = mesh_sha256(mesh_path, true);
   if (!hash) throw BakeError(hash.error().code, hash.error().message);
   if (*hash != metadata.mesh_sha256) {
     throw BakeError(ExitCode::invalid_input,
@@ -225,7 +226,7 @@ Mesh mesh_of_asset(const AssetMetadata& metadata, const std::string& mesh_path) 
                         ": not the mesh that the asset was baked from (its SHA-256 differs); "
                         "give that mesh, or bake this one");
   }
-  Mesh mesh = load_mesh(mesh_path, LoadOptions{metadata.mesh_unit, std::nullopt});
+  Mesh mesh = load_mesh(mesh_path, LoadOptions{metadata.mesh_unit, std::nullopt, true});
   for (Vector3& vertex : mesh.vertices) vertex *= metadata.scale;
   mesh.box_min *= metadata.scale;
   mesh.box_max *= metadata.scale;

@@ -12,6 +12,8 @@
 #include <new>
 #include <vector>
 
+#include "formats/files/text_file.hpp"
+
 namespace spm {
 namespace {
 
@@ -55,6 +57,10 @@ std::string sha256_bytes(std::string_view bytes) {
 }
 
 Result<std::string> sha256_file(const std::string& path) {
+  if (is_special_file(path)) {
+    return fail(ExitCode::file_or_device,
+                path + ": is a device or a pipe, which may never end; give a file");
+  }
   const int file = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
   if (file < 0) {
     return fail(ExitCode::file_or_device, path + ": cannot be opened: " + std::strerror(errno) +

@@ -26,4 +26,18 @@ Result<std::string> read_text_file(const std::string& path, const std::string& w
   return text;
 }
 
+bool is_special_file(const std::string& path) {
+  std::error_code ignored;
+  const auto status = std::filesystem::status(path, ignored);
+  return std::filesystem::exists(status) && !std::filesystem::is_regular_file(status) &&
+         !std::filesystem::is_directory(status);
+}
+
+Result<std::string> read_regular_file(const std::string& path, const std::string& wanted) {
+  if (is_special_file(path)) {
+    return fail(ExitCode::file_or_device, path + ": is a device or a pipe; give " + wanted);
+  }
+  return read_text_file(path, wanted);
+}
+
 }  // namespace spm

@@ -12,4 +12,11 @@ namespace spm {
 [[nodiscard]] Result<std::string> read_text_file(const std::string& path,
                                                  const std::string& wanted);
 
+/// Whether a path leads to a device, a pipe or a socket, which may never end.
+[[nodiscard]] bool is_special_file(const std::string& path);
+
+/// The same for a file that another file names: nothing special is read. Errors: file_or_device.
+[[nodiscard]] Result<std::string> read_regular_file(const std::string& path,
+                                                    const std::string& wanted);
+
 }  // namespace spm

@@ -111,6 +111,13 @@ const std::string kTriangle = "v 0 0 0\nv 1 0 0\nv 0 1 0\n";
       {"PLY count beyond the file", "a.ply",
        ply("binary_little_endian", "4000000000", "1", std::string(40, '\0')),
        "announces 4000000000 vertex"},
+      {"PLY index beyond all integers", "a.ply",
+       "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\n"
+       "property float z\nelement face 1\nproperty list int float vertex_index\nend_header\n"
+       "0 0 0\n3 0 0 1e37\n",
+       "line 11: vertex index 1e+37 is out of range (1 vertices)"},
+      {"PLY with 2^63 - 1 items without properties", "a.ply",
+       "ply\nformat ascii 1.0\nelement a 9223372036854775807\nend_header\n", "no face"},
       {"STL text cut", "a.stl", "solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\n",
        "before endfacet"},
       {"STL text without end", "a.stl",
@@ -173,6 +180,17 @@ TEST_CASE("A folder given as a mesh is refused with code 2") {
   const auto [code, message] = refusal(folder.path(""));
   CHECK(code == ExitCode::file_or_device);
   CHECK_THAT(message, Catch::Matchers::Contains("is a directory"));
+}
+
+TEST_CASE("A device or a pipe given as a mesh is refused with code 2, unread") {
+  const TemporaryFolder folder;
+  REQUIRE(symlink("/dev/zero", folder.path("zero.obj").c_str()) == 0);
+  REQUIRE(mkfifo(folder.path("pipe.ply").c_str(), 0600) == 0);
+  for (const char* name : {"zero.obj", "pipe.ply"}) {
+    const auto [code, message] = refusal(folder.path(name));
+    CHECK(code == ExitCode::file_or_device);
+    CHECK_THAT(message, Catch::Matchers::Contains("is a device or a pipe"));
+  }
 }
 
 TEST_CASE("A mesh without read permission is refused with code 2") {

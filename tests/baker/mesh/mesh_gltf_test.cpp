@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <sys/stat.h>
+#include <unistd.h>
 #include <zlib.h>
 
 #include <array>
 #include <catch2/catch.hpp>
 #include <cstring>
+#include <filesystem>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
@@ -273,6 +276,13 @@ TEST_CASE("A bad glTF is refused with a sentence that names the place and the ca
     json["scenes"][0]["nodes"] = {1};
     expected = "node 0";
   }
+  SECTION("a number beyond all numbers") {
+    const auto [found, message] =
+        refusal(folder.write("m.gltf", R"({"asset":{"version":"2.0"},"x":1e999})"));
+    CHECK(found == ExitCode::invalid_input);
+    CHECK_THAT(message, Catch::Matchers::Contains("number that is larger than any"));
+    return;
+  }
   SECTION("words where numbers belong") {
     json["nodes"][0]["translation"] = {"a", "b", "c"};
     expected = "'translation' are not 3 numbers";
@@ -298,6 +308,75 @@ TEST_CASE("A glTF or a gzip cut anywhere is refused") {
   std::string damaged = packed;
   damaged[packed.size() / 2] ^= 1;
   CHECK(refusal(folder.write("m.glb.gz", damaged)).first == ExitCode::invalid_input);
+}
+
+TEST_CASE("A buffer outside a glTF's folder is read only where that is allowed") {
+  const TemporaryFolder folder;
+  std::filesystem::create_directory(folder.path("in"));
+  (void)folder.write("corner.bin", tetrahedron_bytes());
+  for (const std::string& uri : {std::string("../corner.bin"), std::string("x/../../corner.bin"),
+                                 std::string("%2e%2e/corner.bin"), folder.path("corner.bin")}) {
+    CAPTURE(uri);
+    std::filesystem::create_directory(folder.path("in/x"));
+    const std::string path = folder.write("in/m.gltf", tetrahedron(uri).dump());
+    const auto [code, message] = refusal(path);
+    CHECK(code == ExitCode::invalid_input);
+    CHECK_THAT(message, Catch::Matchers::Contains("leads out of the file's folder") &&
+                            Catch::Matchers::Contains("--outside-buffers"));
+    CHECK(baker::mesh_companions(path, false).empty());
+    const baker::LoadOptions allowed{.outside_buffers = true};
+    check_is_tetrahedron(load_mesh(path, allowed));
+    CHECK(load_mesh(path, allowed).sha256 == *baker::mesh_sha256(path, true));
+  }
+}
+
+TEST_CASE("A device or a pipe is never read as a buffer") {
+  const TemporaryFolder folder;
+  REQUIRE(symlink("/dev/zero", folder.path("zero.bin").c_str()) == 0);
+  REQUIRE(mkfifo(folder.path("pipe.bin").c_str(), 0600) == 0);
+  for (const std::string& uri :
+       {std::string("zero.bin"), std::string("pipe.bin"), std::string("/dev/zero")}) {
+    CAPTURE(uri);
+    const std::string path = folder.write("m.gltf", tetrahedron(uri).dump());
+    try {
+      (void)load_mesh(path, {.outside_buffers = true});
+      FAIL("it was loaded");
+    } catch (const baker::BakeError& error) {
+      CHECK(error.code() == ExitCode::file_or_device);
+      CHECK_THAT(error.what(), Catch::Matchers::Contains("is a device or a pipe"));
+    }
+    CHECK_FALSE(baker::mesh_sha256(path, true));
+  }
+}
+
+TEST_CASE("Many primitives of the same bytes are refused before any vertex of them is made") {
+  Json json = tetrahedron();
+  constexpr std::size_t points = 1'000'000;
+  json["buffers"][0] = {{"uri", "many.bin"}, {"byteLength", 12 * points}};
+  json["bufferViews"][0] = {{"buffer", 0}, {"byteLength", 12 * points}};
+  json["accessors"][0]["count"] = points;
+  Json primitive = json["meshes"][0]["primitives"][0];
+  primitive.erase("indices");
+  json["meshes"][0]["primitives"] = Json(60, primitive);
+  const TemporaryFolder folder;
+  (void)folder.write("many.bin", std::string(12 * points, '\0'));
+  const auto [code, message] = refusal(folder.write("m.gltf", json.dump()));
+  CHECK(code == ExitCode::invalid_input);
+  CHECK_THAT(message, Catch::Matchers::Contains("mesh 0, primitive 33: with it the file has more "
+                                                "than 33554432 vertices or triangles"));
+}
+
+TEST_CASE("What a gzip unpacks to is bounded by what it is, long before the memory is full") {
+  const TemporaryFolder folder;
+  const std::string text =
+      "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n";
+  // 32 MiB of it are still unpacked, 80 MiB are not.
+  check_is_tetrahedron(
+      load_mesh(folder.write("m.obj.gz", gzip(text + std::string(32U << 20U, '\n'))), {}));
+  const auto [code, message] =
+      refusal(folder.write("bomb.obj.gz", gzip(text + std::string(80U << 20U, '\n'))));
+  CHECK(code == ExitCode::invalid_input);
+  CHECK_THAT(message, Catch::Matchers::Contains("more than 100 times as large"));
 }
 
 TEST_CASE("JSON as deep as a file can have it ends nothing") {
@@ -327,12 +406,12 @@ TEST_CASE("A mesh of several files is another mesh once one of them changes") {
   const TemporaryFolder folder;
   (void)folder.write("corner.bin", tetrahedron_bytes());
   const std::string path = folder.write("m.gltf", tetrahedron().dump());
-  CHECK(baker::mesh_companions(path) == std::vector<std::string>{folder.path("corner.bin")});
-  const std::string before = *baker::mesh_sha256(path);
+  CHECK(baker::mesh_companions(path, false) == std::vector<std::string>{folder.path("corner.bin")});
+  const std::string before = *baker::mesh_sha256(path, false);
   CHECK(load_mesh(path, {}).sha256 == before);
   (void)folder.write("corner.bin", tetrahedron_bytes() + " ");
-  CHECK(*baker::mesh_sha256(path) != before);
-  CHECK(load_mesh(path, {}).sha256 == *baker::mesh_sha256(path));
+  CHECK(*baker::mesh_sha256(path, false) != before);
+  CHECK(load_mesh(path, {}).sha256 == *baker::mesh_sha256(path, false));
 }
 
 }  // namespace spm::test::mesh_gltf_test
