@@ -41,6 +41,8 @@ constexpr char ready = 'r';
 constexpr milliseconds longest_search{2000};
 // between two zero forces, and between two searches for a device
 constexpr milliseconds interval{20};
+/// Between two looks at a loop that stands still: it waits for its devices when it goes on.
+constexpr milliseconds look_again{2};
 /// The daemon's loop was away for so long that a person should know.
 constexpr milliseconds worth_a_word{500};
 /// Longer than any list of devices.
@@ -143,8 +145,11 @@ class Watch {
       // A loop that does not tick yet is looked at now and then.
       next_ns_ = (beat == 0 ? now : beat) + loop_stall_ns;
     } else {
-      take_over(beat, now);
-      next_ns_ = now + std::chrono::nanoseconds(interval).count();
+      if (stalled_at_ != beat || now >= zeros_due_ns_) {
+        take_over(beat, now);
+        zeros_due_ns_ = now + std::chrono::nanoseconds(interval).count();
+      }
+      next_ns_ = now_ns() + std::chrono::nanoseconds(look_again).count();
     }
   }
 
@@ -170,8 +175,9 @@ class Watch {
   int line_;
   const std::atomic<std::int64_t>& beat_;
   LeftDevices devices_;
-  std::int64_t next_ns_ = 0;     ///< when to look at the beat; 0: there is no need
-  std::int64_t stalled_at_ = 0;  ///< the last beat of a loop that stands still; 0: it ticks
+  std::int64_t next_ns_ = 0;       ///< when to look at the beat; 0: there is no need
+  std::int64_t zeros_due_ns_ = 0;  ///< of a loop that stands still
+  std::int64_t stalled_at_ = 0;    ///< the last beat of a loop that stands still; 0: it ticks
   bool said_ = false;
 };
 

@@ -27,10 +27,12 @@ namespace spm::servo {
 
 /// Stands between the blocking calls of a device's connection and the loop, which must not wait.
 /// One thread receives reports, and opens the device again when it was lost; another sends
-/// commands. The loop takes the newest report and leaves the newest command; each costs a few
-/// copies, and at most one wake-up of a thread. A third thread, above the loop in priority, watches
-/// the loop: if it leaves no command for too long, the device is sent `Command{}`, which must be no
-/// force, even where the loop spins on the only core that all these threads may use.
+/// commands. A device whose connection fails is sent `Command{}` before that is given up: one way
+/// may fail while the other works. The loop takes the newest report and leaves the newest command;
+/// each costs a few copies, and at most one wake-up of a thread. A third thread, above the loop in
+/// priority, watches the loop: if it leaves no command for too long, the device is sent
+/// `Command{}`, which must be no force, even where the loop spins on the only core that all these
+/// threads may use.
 template <class Report, class Command>
 // NOLINTNEXTLINE(clang-analyzer-optin.performance.Padding): that of LatestValue, which wants it.
 class PortThreads {
@@ -41,8 +43,13 @@ class PortThreads {
   /// other thread uses the device. It gives up soon after `stop` becomes true.
   using Open = std::function<Result<std::unique_ptr<DevicePort>>(const std::atomic<bool>& stop)>;
 
-  /// The time from a loss, or a failed attempt, to the next search for the device.
-  static constexpr std::chrono::milliseconds retry_interval{200};
+  /// A lost device is looked for at once, and then after pauses that grow by a half, from the first
+  /// of these to the second. A loss soon after it was found goes on from there, so that one that
+  /// comes and goes is not opened without a pause.
+  static constexpr std::chrono::microseconds first_retry{1000}, longest_retry{200'000};
+  static constexpr std::chrono::milliseconds settled_after{1000};
+  /// How long after a failed transfer no force is sent, again and again, until that works.
+  static constexpr std::chrono::milliseconds zero_within{5}, zero_pause{1};
 
   PortThreads() = default;
   PortThreads(const PortThreads&) = delete;
@@ -85,14 +92,14 @@ class PortThreads {
   }
 
   /// Called by the loop: the newest report and when it came (now_ns()), if one came since the last
-  /// call.
+  /// call, and since the device was last lost.
   [[nodiscard]] bool take(Report& report, std::int64_t& came_ns) noexcept {
-    // A report that was there before the loop began, or since a loss, says nothing about delays.
+    // A report that was there before the loop first looked says nothing about delays.
     const std::uint32_t opening = reopened() + 1;
     const bool begins = std::exchange(taken_opening_, opening) != opening;
     if (begins) newest_came_ns_ = 0;
     Stamped<Report> newest;
-    if (!reports_.take(newest)) {
+    if (!reports_.take(newest) || newest.opening + 1 != opening) {
       count_reading();
       return false;
     }
@@ -124,11 +131,21 @@ class PortThreads {
     }
   }
 
+  /// Called by the loop, first in a tick: whether the device is there, and was since the last call.
+  /// So a loss is seen in one tick at least, however soon the device was found again.
+  [[nodiscard]] bool look() noexcept {
+    looked_ns_.store(now_ns(), std::memory_order_relaxed);
+    const bool is_there = is_open();
+    const std::uint32_t opening = reopened();
+    return std::exchange(looked_opening_, opening) == opening && is_there;
+  }
+
   /// Called by the loop: leaves a command for the sending thread. If that thread did not come to
-  /// several commands, the last one is sent.
+  /// several commands, the last one is sent; none is where the device was lost, and perhaps found
+  /// again, since the last `look`.
   void give(const Command& command) noexcept {
     const std::int64_t now = now_ns();
-    commands_.put({command, now, std::exchange(answered_ns_, 0)});
+    commands_.put({command, now, std::exchange(answered_ns_, 0), looked_opening_});
     given_ns_.store(now, std::memory_order_relaxed);
     wake_sender();
   }
@@ -180,6 +197,7 @@ class PortThreads {
     Value value{};
     std::int64_t at_ns = 0;
     std::int64_t answered_ns = 0;  ///< of a command: when the report came that it answers; 0: none
+    std::uint32_t opening = 0;     ///< the opening of the device that it came from, or is for
   };
 
   /// Counts a reading that the loop uses now; its age, ns.
@@ -198,7 +216,7 @@ class PortThreads {
 
   void receive_all() {
     while (!stop_.load()) {
-      if (broken_.exchange(false)) lose();
+      if (broken_.load()) lose();
       if (port_ == nullptr) {
         open_again();
         continue;
@@ -207,6 +225,7 @@ class PortThreads {
       switch (port_->receive(stamped.value)) {
         case Received::report:
           stamped.at_ns = now_ns();
+          stamped.opening = reopened();
           reports_.put(stamped);
           came_.raise();
           break;
@@ -251,7 +270,16 @@ class PortThreads {
   void lose() {
     open_now_.store(false, std::memory_order_release);
     const std::lock_guard lock(mutex_);
+    // The sending thread has done so itself where it was sending that failed.
+    if (!broken_.exchange(false) && given_ns_.load(std::memory_order_relaxed) != 0) send_zero();
     port_.reset();
+    if (now_ns() - opened_ns_ >= std::chrono::nanoseconds(settled_after).count()) retry_ = {};
+  }
+
+  /// Called under the mutex: tries to send no force.
+  void send_zero() {
+    const std::int64_t until = now_ns() + std::chrono::nanoseconds(zero_within).count();
+    while (!port_->send(Command{}) && now_ns() < until) std::this_thread::sleep_for(zero_pause);
   }
 
   /// Listing all that is plugged in takes milliseconds of a core, which the loop may need.
@@ -263,16 +291,13 @@ class PortThreads {
       }).join();
     } catch (const std::system_error&) {
       // The system has no thread to spare now.
-      std::this_thread::sleep_for(retry_interval);
+      std::this_thread::sleep_for(longest_retry);
     }
   }
 
   void search() {
     while (port_ == nullptr) {
-      for (auto waited = std::chrono::milliseconds(0); waited < retry_interval && !stop_.load();
-           waited += port_wait) {
-        std::this_thread::sleep_for(port_wait);
-      }
+      wait_before_search();
       if (stop_.load()) return;
       auto port = open_(stop_);
       {
@@ -285,6 +310,24 @@ class PortThreads {
     }
   }
 
+  /// A loop that goes on after it stood still need not wait: others had the device to end its
+  /// force.
+  void wait_before_search() {
+    const std::int64_t until = now_ns() + std::chrono::nanoseconds(retry_).count();
+    retry_ = std::clamp(retry_ * 3 / 2, first_retry, longest_retry);
+    bool stood_still = false;
+    for (std::int64_t now = now_ns(); now < until && !stop_.load(); now = now_ns()) {
+      const std::int64_t looked = looked_ns_.load(std::memory_order_relaxed);
+      const bool stands_still = looked != 0 && now - looked >= loop_stall_ns;
+      if (std::exchange(stood_still, stands_still) && !stands_still) {
+        retry_ = first_retry;
+        return;
+      }
+      const std::chrono::nanoseconds most = stands_still ? 2 * first_retry : port_wait;
+      std::this_thread::sleep_for(std::min(most, std::chrono::nanoseconds(until - now)));
+    }
+  }
+
   void tell_found() {
     const std::lock_guard lock(tell_mutex_);
     if (tell_) tell_();
@@ -294,6 +337,7 @@ class PortThreads {
     const std::lock_guard lock(mutex_);
     port_ = std::move(port);
     broken_.store(false);
+    opened_ns_ = now_ns();
     reopened_.fetch_add(1, std::memory_order_relaxed);
     open_now_.store(true, std::memory_order_release);
   }
@@ -305,13 +349,15 @@ class PortThreads {
       Stamped<Command> command;
       const std::int64_t stalled_ns = stalled_since_ns_.exchange(0, std::memory_order_relaxed);
       // A command from before the stall is not sent after it.
-      const bool is_given = commands_.take(command) && !last && command.at_ns > stalled_ns;
-      if (!is_given) command = {};
+      bool is_given = commands_.take(command) && !last && command.at_ns > stalled_ns;
       const bool ends = last && given_ns_.load(std::memory_order_relaxed) != 0;
       if (is_given || stalled_ns != 0 || ends) {
         // This lock is only against the exchange of the port by the other thread; the loop never
         // takes it.
         const std::lock_guard lock(mutex_);
+        // Nor is one that was made for what the device said before it was lost.
+        is_given = is_given && command.opening == reopened();
+        if (!is_given) command = {};
         if (port_ != nullptr && !broken_.load()) send(command, is_given);
       }
       if (last) return;
@@ -324,6 +370,7 @@ class PortThreads {
     if (!port_->send(command.value)) {
       broken_.store(true);
       open_now_.store(false, std::memory_order_release);
+      send_zero();
     } else if (is_given) {
       const std::int64_t now = now_ns();
       command_sent_.add(now - command.at_ns);
@@ -347,6 +394,9 @@ class PortThreads {
   std::function<void()> tell_;
   std::thread receiver_, sender_, guard_;
   bool raised_ = false;  ///< used by the guard
+  // Used by the receiving thread, and by the one that searches, which it waits for:
+  std::chrono::microseconds retry_{0};  ///< until the next search for a lost device
+  std::int64_t opened_ns_ = 0;          ///< when the device was found again; 0: it was not
   LatestValue<Stamped<Report>> reports_;
   LatestValue<Stamped<Command>> commands_;
   ReportSignal came_;
@@ -359,7 +409,9 @@ class PortThreads {
   std::atomic<std::uint64_t> sent_{0}, sent_ns_{0};  ///< of commands
   /// used by the loop: the opening for which it last looked for a report
   std::uint32_t taken_opening_ = 0;
-  std::atomic<std::uint32_t> given_{0};  ///< changes with each command
+  std::uint32_t looked_opening_ = 0;        ///< used by the loop: `reopened` when it last looked
+  std::atomic<std::int64_t> looked_ns_{0};  ///< when that was; 0: not yet
+  std::atomic<std::uint32_t> given_{0};     ///< changes with each command
   std::atomic<std::uint32_t> reopened_{0};
   std::atomic<std::int64_t> given_ns_{0};  ///< when the last one was given; 0: none yet
   std::atomic<bool> open_now_{false}, broken_{false}, stop_{false};

@@ -104,10 +104,11 @@ DeviceHealth DeviceFalcon::read(DeviceState& state) noexcept {
 }
 
 DeviceHealth DeviceFalcon::look() noexcept {
-  if (!threads_.is_open()) return DeviceHealth::gone;
-  const std::uint32_t reopened = threads_.reopened();
-  if (std::exchange(seen_reopened_, reopened) != reopened) tracker_.restart();
-
+  if (!threads_.look()) {
+    tracker_.restart();
+    came_ns_ = 0;
+    return DeviceHealth::gone;
+  }
   const std::int64_t now = now_ns();
   FalconReport report;
   std::int64_t came_ns = 0;

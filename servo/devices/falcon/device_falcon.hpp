@@ -72,7 +72,6 @@ class DeviceFalcon final : public Device {
   FalconTracker tracker_;
   DeviceHealth health_ = DeviceHealth::silent;
   DeviceHealth followed_ = DeviceHealth::silent;  ///< the result of the newest report
-  std::uint32_t seen_reopened_ = 0;
   std::uint32_t buttons_ = 0;
   std::int64_t came_ns_ = 0;
   std::atomic<bool> homed_{false};

@@ -44,7 +44,11 @@ DeviceHealth DevicePid::health(std::int64_t at_ns) const noexcept {
 }
 
 DeviceHealth DevicePid::read(DeviceState& state) noexcept {
-  static_cast<void>(threads_.take(report_, came_ns_));
+  if (!threads_.look()) {
+    came_ns_ = 0;
+  } else {
+    static_cast<void>(threads_.take(report_, came_ns_));
+  }
   const double half_travel = options_.travel / 2;
   state.position =
       Vector3(half_travel * report_.deflection[0], half_travel * report_.deflection[1], 0);

@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <limits>
 #include <span>
 #include <string_view>
 #include <thread>
@@ -216,6 +217,8 @@ bool PidPort::send(const PidCommand& command) {
   for (std::size_t axis = 0; axis < effects_.size(); ++axis) {
     // Each report takes a frame of the bus, so a force that did not change is not sent again.
     if (!restart && command.force[axis] == sent_[axis]) continue;
+    // What the device has after a failed transfer is not known.
+    sent_[axis] = std::numeric_limits<double>::quiet_NaN();
     if (!send_message(pid_constant_force(layout_, effects_[axis], axis, command.force[axis]))) {
       return false;
     }

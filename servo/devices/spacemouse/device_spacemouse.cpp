@@ -38,10 +38,10 @@ DeviceHealth DeviceSpaceMouse::health() const noexcept {
 
 DeviceHealth DeviceSpaceMouse::read(DeviceState& state) noexcept {
   std::int64_t came_ns = 0;
+  const DeviceHealth now_health = threads_.look() ? DeviceHealth::ok : DeviceHealth::gone;
   if (threads_.take(mouse_, came_ns)) {
     battery_percent_.store(mouse_.battery_percent, std::memory_order_relaxed);
   }
-  const DeviceHealth now_health = health();
   // A mouse that is gone moves nothing. When it is back, it begins again at rest.
   if (now_health != DeviceHealth::ok) mouse_ = SpaceMouseState{};
   const std::int64_t now = now_ns();

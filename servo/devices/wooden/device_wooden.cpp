@@ -58,7 +58,11 @@ DeviceHealth DeviceWooden::health(std::int64_t at_ns) const noexcept {
 DeviceHealth DeviceWooden::read(DeviceState& state) noexcept {
   WoodenReport report;
   std::int64_t came_ns = 0;
-  if (threads_.take(report, came_ns)) tracker_.take(report, came_ns);
+  if (!threads_.look()) {
+    tracker_.lose();
+  } else if (threads_.take(report, came_ns)) {
+    tracker_.take(report, came_ns);
+  }
   state = tracker_.state();
   return health(now_ns());
 }

@@ -40,6 +40,9 @@ class WoodenTracker {
   /// Takes a report that came at a time, ns of any steady clock.
   void take(const WoodenReport& report, std::int64_t came_ns) noexcept;
 
+  /// The device was lost: nothing can be trusted until the next report.
+  void lose() noexcept { came_ns_ = 0; }
+
   /// Whether the newest report can be trusted at a time.
   [[nodiscard]] DeviceHealth health(std::int64_t at_ns) const noexcept;
 

@@ -6,6 +6,8 @@
 
 #include <algorithm>
 #include <catch2/catch.hpp>
+#include <iostream>
+#include <mutex>
 #include <vector>
 
 #include "tests/servo/devices/base/scripted_port.hpp"
@@ -92,8 +94,7 @@ TEST_CASE("Ages of reports and times of commands are counted, not those from bef
   REQUIRE(eventually([&] { return !threads.is_open(); }));
   script.change([&] { script.plugged_in = true; });
   REQUIRE(eventually([&] { return threads.is_open(); }));
-  REQUIRE(threads.take(report, came));
-  CHECK(report == 3);
+  REQUIRE_FALSE(threads.take(report, came));  // it is older than the loss
   CHECK(threads.report_age().json_us().dump() == two);
 
   CHECK(threads.command_sent().json_us().dump() == nothing);
@@ -229,6 +230,166 @@ TEST_CASE("A command that cannot be sent closes the device and has it opened aga
   REQUIRE(give_until_sent(threads, script, 2));
   threads.end();
   REQUIRE_FALSE(script.has_sent(1));
+}
+
+TEST_CASE("After a command that failed a device hears no force before it is opened again") {
+  for (const int failing : {1, 2}) {
+    CAPTURE(failing);
+    Script script;
+    Threads threads;
+    REQUIRE(threads.start(opens(script), RealtimeMode::off));
+    REQUIRE(give_until_sent(threads, script, 5));
+    script.change([&] { script.failing_sends = failing; });
+    threads.give(6);
+    REQUIRE(eventually([&] { return threads.reopened() == 1; }));
+    threads.end();
+    const auto forced = std::find(script.sent.rbegin(), script.sent.rend(), 5).base();
+    REQUIRE(forced != script.sent.end());
+    const auto at = static_cast<std::size_t>(forced - script.sent.begin());
+    CHECK(script.sent[at] == 0);
+    CHECK(script.sent_by[at] == 1);
+    CHECK_FALSE(script.has_sent(6));
+    std::cerr << "no force " << static_cast<double>(script.sent_ns[at] - script.failed_ns) * 1e-6
+              << " ms after " << failing << " failed transfers\n";
+  }
+}
+
+TEST_CASE("A device that cannot be read any longer hears no force before it is opened again") {
+  Script script;
+  Threads threads;
+  REQUIRE(threads.start(opens(script), RealtimeMode::off));
+  REQUIRE(give_until_sent(threads, script, 5));
+  script.change([&] { script.loses_reading = true; });
+  REQUIRE(eventually([&] { return threads.reopened() == 1; }));
+  threads.end();
+  const auto forced = std::find(script.sent.rbegin(), script.sent.rend(), 5).base();
+  const auto at = static_cast<std::size_t>(forced - script.sent.begin());
+  REQUIRE(at < script.sent.size());
+  CHECK(script.sent[at] == 0);
+  CHECK(script.sent_by[at] == 1);
+}
+
+TEST_CASE("A device that cannot be read any longer and never had a command hears none") {
+  Script script;
+  Threads threads;
+  REQUIRE(threads.start(opens(script), RealtimeMode::off));
+  script.change([&] { script.loses_reading = true; });
+  REQUIRE(eventually([&] { return threads.reopened() == 1; }));
+  threads.end();
+  REQUIRE(script.sent.empty());
+}
+
+TEST_CASE("A loss is seen by the loop however soon the device was found again") {
+  Script script;
+  Threads threads;
+  REQUIRE(threads.start(opens(script), RealtimeMode::off));
+  CHECK(threads.look());
+  script.change([&] { script.loses_reading = true; });
+  REQUIRE(eventually([&] { return threads.reopened() == 1; }));
+  REQUIRE(threads.is_open());
+  CHECK_FALSE(threads.look());
+  CHECK(threads.look());
+}
+
+TEST_CASE("What was made for a device before it was lost is not used after it was found again") {
+  Script script;
+  Threads threads;
+  REQUIRE(threads.start(opens(script), RealtimeMode::off));
+  REQUIRE(give_until_sent(threads, script, 5));
+  script.change([&] { script.reports.push_back(1); });
+  REQUIRE(script.wait([&] { return script.reports.empty(); }));
+  script.change([&] { script.loses_reading = true; });
+  REQUIRE(eventually([&] { return threads.reopened() == 1; }));
+  int report = 0;
+  std::int64_t came = 0;
+  CHECK_FALSE(threads.take(report, came));
+  // The loop did not look since.
+  threads.give(6);
+  REQUIRE(give_until_sent(threads, script, 7));
+  threads.end();
+  CHECK_FALSE(script.has_sent(6));
+}
+
+TEST_CASE("A lost device is looked for at once, and then less and less often") {
+  Script script;
+  Threads threads;
+  std::mutex mutex;
+  std::vector<std::int64_t> tried_ns;
+  const auto open = opens(script);
+  REQUIRE(threads.start(
+      [&](const std::atomic<bool>& stop) {
+        const std::lock_guard lock(mutex);
+        tried_ns.push_back(now_ns());
+        return open(stop);
+      },
+      RealtimeMode::off));
+  const std::int64_t lost_ns = now_ns();
+  script.change([&] { script.plugged_in = false; });
+  const auto tries = [&] {
+    const std::lock_guard lock(mutex);
+    return tried_ns.size();
+  };
+  REQUIRE(eventually([&] { return tries() >= 10; }));
+  threads.end();
+  // The first is the start's. A busy machine adds to each pause, but takes nothing from it.
+  std::vector<std::int64_t> pauses;
+  for (std::size_t i = 2; i < 10; ++i) pauses.push_back(tried_ns[i] - tried_ns[i - 1]);
+  std::int64_t least = std::chrono::nanoseconds(Threads::first_retry).count();
+  for (const std::int64_t pause : pauses) {
+    CHECK(pause >= least);
+    least =
+        std::min<std::int64_t>(least * 3 / 2, std::chrono::nanoseconds(Threads::longest_retry).count());
+  }
+  std::cerr << "a lost device is looked for " << static_cast<double>(tried_ns[1] - lost_ns) * 1e-6
+            << " ms after the loss\n";
+}
+
+TEST_CASE("A device that comes and goes is not opened again without pauses") {
+  Script script;
+  Threads threads;
+  REQUIRE(threads.start(opens(script), RealtimeMode::off));
+  const std::int64_t began = now_ns();
+  for (std::uint32_t round = 1; round <= 9; ++round) {
+    script.change([&] { script.loses_reading = true; });
+    REQUIRE(eventually([&] { return threads.reopened() == round; }));
+  }
+  // 0, 1, 1.5, 2.25 ... 17 ms.
+  CHECK(now_ns() - began >= 49'000'000);
+}
+
+TEST_CASE("A lost device is looked for anew when a loop that stood still goes on") {
+  Script script;
+  Threads threads;
+  std::mutex mutex;
+  std::vector<std::int64_t> tried_ns;
+  const auto open = opens(script);
+  REQUIRE(threads.start(
+      [&](const std::atomic<bool>& stop) {
+        const std::lock_guard lock(mutex);
+        tried_ns.push_back(now_ns());
+        return open(stop);
+      },
+      RealtimeMode::off));
+  const auto tries = [&] {
+    const std::lock_guard lock(mutex);
+    return tried_ns.size();
+  };
+  static_cast<void>(threads.look());
+  script.change([&] { script.plugged_in = false; });
+  // By then each pause is the longest.
+  REQUIRE(eventually([&] { return tries() >= 17; }));
+  const std::size_t before = tries();
+  REQUIRE(eventually([&] {
+    static_cast<void>(threads.look());
+    return tries() >= before + 6;
+  }));
+  threads.end();
+  // A busy machine makes some pauses longer, hardly all.
+  std::int64_t shortest = std::chrono::nanoseconds(Threads::longest_retry).count();
+  for (std::size_t i = before + 1; i < tried_ns.size(); ++i) {
+    shortest = std::min(shortest, tried_ns[i] - tried_ns[i - 1]);
+  }
+  CHECK(shortest < std::chrono::nanoseconds(Threads::longest_retry).count() / 2);
 }
 
 TEST_CASE("The last that a device hears is no force, and then it is closed") {

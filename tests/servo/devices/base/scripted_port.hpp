@@ -7,6 +7,7 @@
 #include <deque>
 #include <memory>
 #include <mutex>
+#include <utility>
 #include <vector>
 
 #include "servo/devices/base/port_threads.hpp"
@@ -21,8 +22,12 @@ struct Script {
   std::deque<int> reports;  ///< still to be received
   std::vector<int> sent;
   std::vector<std::int64_t> sent_ns;  ///< when
+  std::vector<int> sent_by;           ///< by which opening of the device, from 1
+  std::int64_t failed_ns = 0;         ///< when the first of the failing sends failed
   bool plugged_in = true;
   bool can_send = true;
+  int failing_sends = 0;       ///< so many of the next fail
+  bool loses_reading = false;  ///< the next report fails although sending works
   bool holds_sending = false;  ///< a command that is sent waits as long as this is true
   int sends_begun = 0;
   int ports_open = 0;
@@ -62,9 +67,12 @@ class ScriptedPort final : public servo::Port<int, int> {
 
   [[nodiscard]] servo::Received receive(int& report) override {
     std::unique_lock lock(script_.mutex);
-    script_.changed.wait_for(lock, servo::port_wait,
-                             [this] { return !script_.plugged_in || !script_.reports.empty(); });
-    if (!script_.plugged_in) return servo::Received::gone;
+    script_.changed.wait_for(lock, servo::port_wait, [this] {
+      return !script_.plugged_in || script_.loses_reading || !script_.reports.empty();
+    });
+    if (!script_.plugged_in || std::exchange(script_.loses_reading, false)) {
+      return servo::Received::gone;
+    }
     if (script_.reports.empty()) return servo::Received::nothing;
     report = script_.reports.front();
     script_.reports.pop_front();
@@ -78,8 +86,11 @@ class ScriptedPort final : public servo::Port<int, int> {
     script_.change([this] { ++script_.sends_begun; });
     if (!script_.wait([this] { return !script_.holds_sending; })) return false;
     script_.change([this, command, &done] {
-      done = script_.can_send && script_.plugged_in;
+      done = script_.can_send && script_.plugged_in && script_.failing_sends == 0;
+      if (script_.failing_sends > 0 && script_.failed_ns == 0) script_.failed_ns = servo::now_ns();
+      script_.failing_sends -= script_.failing_sends > 0 ? 1 : 0;
       if (!done) return;
+      script_.sent_by.push_back(script_.opened);
       script_.sent.push_back(command);
       script_.sent_ns.push_back(servo::now_ns());
     });
@@ -110,6 +121,7 @@ using Threads = servo::PortThreads<int, int>;
 /// stands still for a while, no force is sent in place of a command.
 [[nodiscard]] inline bool give_until_sent(Threads& threads, Script& script, int command) {
   return eventually([&] {
+    static_cast<void>(threads.look());
     threads.give(command);
     const std::lock_guard lock(script.mutex);
     return script.has_sent(command);

@@ -3,8 +3,8 @@
 """Stops, freezes, kills and spins the real spm-servo while it drives a WoodenHaptics that umockdev
 plugs in, and measures after which time no motor had a current any longer.
 
-Usage: stall_test.py MOCK_HID SERVO BAKE SPINNING [unittest options], the programs mock_hid,
-spm-servo and spm-bake, and the library spinning_loop. TIMES in the environment says how often each
+Usage: stall_test.py MOCK_HID MOCK_FALCON SERVO BAKE SPINNING [unittest options], the programs
+mock_hid, mock_usb_falcon, spm-servo and spm-bake, and the library spinning_loop. TIMES in the environment says how often each
 is done (default 5). Prints the times, which a busy machine lengthens; the tests ask only that the
 force went off while the daemon was away.
 """
@@ -23,10 +23,11 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[3] / "support"))
 
 from baked_tetrahedron import bake_tetrahedron  # noqa: E402
 
-MOCK_HID = SERVO = BAKE = SPINNING = ""
+MOCK_HID = MOCK_FALCON = SERVO = BAKE = SPINNING = ""
 TIMES = int(os.environ.get("TIMES", "5"))
 LONGEST_RUN = 600  # s
 AWAY = 0.3  # s, which the daemon is stopped, or spins
+BRIEFLY = 0.04  # s, longer than the supervisor waits before it takes a Falcon
 MOST_WAIT = 20  # s
 # The motors hold the arm's weight, wherever it is: there is a current in every tick.
 WOODEN = "woodenhaptics:home_confirmed=always,gravity=on"
@@ -34,10 +35,10 @@ WOODEN = "woodenhaptics:home_confirmed=always,gravity=on"
 
 def go_away(how: str, daemon: subprocess.Popen, folder: Path) -> int:
     """Makes the daemon stand still for a while; gives when that began, ns."""
-    if how == "stop":
+    if how in ("stop", "pause"):
         began = time.monotonic_ns()
         daemon.send_signal(signal.SIGSTOP)
-        time.sleep(AWAY)
+        time.sleep(AWAY if how == "stop" else BRIEFLY)
         daemon.send_signal(signal.SIGCONT)
     else:
         (folder / "spin").touch()
@@ -109,6 +110,26 @@ class AwayDaemon(unittest.TestCase):
                             for start, end in seen["deaf_ns"]) for began in told["began"]]
         return off, told["report"], seen
 
+    def test_a_falcon_that_its_supervisor_took_is_back_when_the_loop_goes_on(self) -> None:
+        folder = tempfile.TemporaryDirectory(dir=self.folder)
+        self.addCleanup(folder.cleanup)
+        done = subprocess.run(
+            [MOCK_FALCON, "--mode", "running", "--", sys.executable, __file__, "--inside", "pause",
+             str(TIMES), folder.name, SERVO, "run", "--asset", self.asset, "--device", "falcon",
+             "--socket", "off", "--black-box", "off", "--json"],
+            capture_output=True, text=True, timeout=LONGEST_RUN, check=False,
+            env={**os.environ, "SPINNING": SPINNING})
+        self.assertEqual(done.returncode, 0, done.stderr)
+        report = json.loads(done.stdout)["report"]
+        lost = report["devices"][0]["reopened"]
+        causes = {entry["cause"]: entry["count"] for entry in report["force_off"]}
+        self.assertGreaterEqual(lost, 1, report)
+        gone = causes["device_gone"] / lost
+        print(f"a Falcon that was lost {lost} times: gone for {gone:.1f} ticks each (mean)",
+              file=sys.stderr)
+        self.assertLess(gone, 150)
+        self.assertGreater(report["ticks"] - sum(causes.values()), 100)
+
     def show(self, what: str, off: list[float]) -> None:
         off = sorted(off)
         print(f"{what}: off after {off[len(off) // 2]:.1f} ms (median), {off[-1]:.1f} ms (most), "
@@ -147,5 +168,5 @@ class AwayDaemon(unittest.TestCase):
 if __name__ == "__main__":
     if sys.argv[1:2] == ["--inside"]:
         sys.exit(inside(*sys.argv[2:]))
-    MOCK_HID, SERVO, BAKE, SPINNING = sys.argv[1:5]
-    unittest.main(argv=sys.argv[:1] + sys.argv[5:], verbosity=2)
+    MOCK_HID, MOCK_FALCON, SERVO, BAKE, SPINNING = sys.argv[1:6]
+    unittest.main(argv=sys.argv[:1] + sys.argv[6:], verbosity=2)

@@ -6,7 +6,9 @@
 #include <cmath>
 #include <map>
 #include <numbers>
+#include <utility>
 
+#include "servo/base/clock.hpp"
 #include "tests/servo/devices/hid/pid_descriptors.hpp"
 
 namespace spm::test {
@@ -65,6 +67,8 @@ class EmulatedPid final : public EmulatedHid {
     ++commands_;
     if (!take(bytes)) ++wrong_;
     const std::array<double, 2> force = force_now();
+    const bool pushes = force[0] != 0 || force[1] != 0;
+    if (std::exchange(pushes_, pushes) && !pushes) ended_ns_.push_back(servo::now_ns());
     for (std::size_t i = 0; i < 2; ++i) {
       if (std::abs(force[i]) > std::abs(largest_[i])) largest_[i] = force[i];
     }
@@ -111,12 +115,23 @@ class EmulatedPid final : public EmulatedHid {
   [[nodiscard]] nlohmann::ordered_json seen() const override {
     int playing = 0;
     for (const auto& [block, effect] : effects_) playing += effect.playing ? 1 : 0;
-    return {{"reports", reports_},      {"commands", commands_},   {"wrong_commands", wrong_},
-            {"resets", resets_},        {"gain", gain_},           {"created", creations_},
-            {"starts", starts_},        {"stops", stops_},         {"freed", freed_},
-            {"expired", expired_},      {"durations", durations_}, {"magnitudes", magnitudes_},
-            {"playing", playing},       {"asked", asked_},         {"largest_force", largest_},
-            {"last_force", force_now()}};
+    return {{"reports", reports_},
+            {"commands", commands_},
+            {"wrong_commands", wrong_},
+            {"resets", resets_},
+            {"gain", gain_},
+            {"created", creations_},
+            {"starts", starts_},
+            {"stops", stops_},
+            {"freed", freed_},
+            {"expired", expired_},
+            {"durations", durations_},
+            {"magnitudes", magnitudes_},
+            {"playing", playing},
+            {"asked", asked_},
+            {"largest_force", largest_},
+            {"last_force", force_now()},
+            {"force_ended_ns", ended_ns_}};
   }
   [[nodiscard]] int wrong() const override { return wrong_; }
 
@@ -243,6 +258,8 @@ class EmulatedPid final : public EmulatedHid {
   int time_ = 0, reports_ = 0, commands_ = 0, wrong_ = 0, resets_ = 0, gain_ = 0, creations_ = 0;
   int starts_ = 0, stops_ = 0, freed_ = 0, expired_ = 0, magnitudes_ = 0, asked_ = 0;
   std::vector<int> durations_;
+  bool pushes_ = false;
+  std::vector<std::int64_t> ended_ns_;  ///< when a report ended its force
   std::array<double, 2> largest_{};
 };
 

@@ -139,6 +139,21 @@ class HidDevices(unittest.TestCase):
                 changes = seen["changes"]
                 self.assertIn("ok", changes[changes.index("gone"):])
 
+    def test_after_a_report_that_failed_no_motor_has_a_current_until_the_loop_gives_force_anew(
+            self) -> None:
+        for device in WOODEN:
+            for fails in (1, 2):
+                with self.subTest(device, fails=fails):
+                    seen, mock = self.run_wooden(device, 900, HOMED, f"refuse=300:{fails}")
+                    off = [at for at in mock["current_ended_ns"] if at > mock["refused_ns"]]
+                    off_ms = (off[0] - mock["refused_ns"]) / 1e6
+                    print(f"{device}: no current {off_ms:.1f} ms after {fails} failed transfers",
+                          file=sys.stderr)
+                    self.assertLess(off_ms, 100)
+                    changes = seen["changes"]
+                    self.assertIn("ok", changes[changes.index("gone"):])
+                    self.assertGreaterEqual(seen["device"]["reopened"], 1)
+
     def test_a_home_confirmed_once_is_lost_by_unplugging(self) -> None:
         for device in WOODEN:
             with self.subTest(device):

@@ -10,6 +10,7 @@
 ///     late=N:MS      every Nth report comes so much later
 ///     silence=N:MS   after N reports none comes for so long, once
 ///     unplug=N:MS    after each N reports it is unplugged, and plugged in again after so long
+///     refuse=N:M     M of the host's reports fail, unheard by the device, from the Nth on
 ///     press=N        V2 and V3: the calibration button is pressed at this report
 ///     quiet          V2 and V3: the first report was lost
 ///     start=A:B:C    counters when it gets power
@@ -91,6 +92,9 @@ bool take_fault(CommandLine& line, const std::string& text) {
   } else if (key == "unplug" && given.size() == 2) {
     faults.unplug_after = given[0];
     faults.unplug_ms = given[1];
+  } else if (key == "refuse" && given.size() == 2) {
+    faults.refused_write = given[0];
+    faults.refused_writes = given[1];
   } else if (key == "step" && given.size() == 2 && given[1] > 0) {
     line.emulated.step = given[0];
     line.emulated.step_every = given[1];

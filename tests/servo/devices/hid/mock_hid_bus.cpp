@@ -167,6 +167,7 @@ nlohmann::ordered_json MockHidBus::seen() {
   nlohmann::ordered_json json = device_->seen();
   json["unplugged"] = unplugged_;
   json["dropped_reports"] = dropped_;
+  json["refused_ns"] = refused_ns_;
   json["unplugged_ns"] = unplugged_ns_;
   json["plugged_in_ns"] = plugged_in_ns_;
   json["deaf_ns"] = listening_.deaf_ns();
@@ -347,15 +348,21 @@ gboolean MockHidBus::on_read(UMockdevIoctlBase*, UMockdevIoctlClient* client, gp
 gboolean MockHidBus::on_write(UMockdevIoctlBase*, UMockdevIoctlClient* client, gpointer self) {
   auto* bus = static_cast<MockHidBus*>(self);
   long size = -1;
+  int error_number = ENODEV;
   {
     const std::lock_guard lock(bus->mutex_);
-    if (bus->is_present(client)) {
+    const HidFaults& faults = bus->faults_;
+    const int number = ++bus->written_ - faults.refused_write;
+    if (faults.refused_write > 0 && number >= 0 && number < faults.refused_writes) {
+      if (bus->refused_ns_ == 0) bus->refused_ns_ = g_get_monotonic_time() * 1000;
+      error_number = EIO;
+    } else if (bus->is_present(client)) {
       UMockdevIoctlData* data = umockdev_ioctl_client_get_arg(client);
       size = data->data_len;
       bus->queue(bus->device_->written(HidBytes(data->data, data->data + size)));
     }
   }
-  umockdev_ioctl_client_complete(client, size, size < 0 ? ENODEV : 0);
+  umockdev_ioctl_client_complete(client, size, size < 0 ? error_number : 0);
   return TRUE;
 }
 

@@ -18,8 +18,9 @@
 
 namespace spm::test {
 
-/// What goes wrong, counted in reports; 0: never.
+/// What goes wrong, counted in reports, or in what the host writes; 0: never.
 struct HidFaults {
+  int refused_write = 0, refused_writes = 0;  ///< the first of them, and how many
   int short_every = 0;
   int late_every = 0, late_ms = 0;
   int silent_after = 0, silent_ms = 0;
@@ -87,6 +88,8 @@ class MockHidBus {
   int reached_at_ = 0;
   std::int64_t silent_until_ = 0;  ///< us; 0: has not been yet
   int master_ = -1, tokens_ = -1;
+  int written_ = 0;
+  std::int64_t refused_ns_ = 0;  ///< when the first write was refused; 0: none was
   int generation_ = 0, count_ = 0, since_plug_in_ = 0, unplugged_ = 0, dropped_ = 0;
   bool plugged_in_ = false, powered_ = false;
   std::vector<std::int64_t> unplugged_ns_, plugged_in_ns_;  ///< when, of CLOCK_MONOTONIC

@@ -149,6 +149,19 @@ class PidDevice(unittest.TestCase):
         self.assertEqual(mock["created"], 8)
         self.assertEqual(mock["last_force"], [0, 0])
 
+    def test_after_a_report_that_failed_there_is_no_force_until_it_is_set_up_anew(self) -> None:
+        # The first four or five set it up, the next gives the force and is repeated with the watchdog.
+        for at, fails in ((40, 1), (40, 2)):
+            with self.subTest(at=at, fails=fails):
+                seen, mock = self.run_client("pid", 900, FULL, f"refuse={at}:{fails}")
+                self.assertEqual(seen["device"]["reopened"], 1)
+                off = [time for time in mock["force_ended_ns"] if time > mock["refused_ns"]]
+                off_ms = (off[0] - mock["refused_ns"]) / 1e6
+                print(f"pid: no force {off_ms:.1f} ms after {fails} failed transfers",
+                      file=sys.stderr)
+                self.assertLess(off_ms, 100)
+                self.assert_pushed(mock, 0.1, 0)
+
     def test_a_stick_without_constant_force_is_refused_with_what_it_lacks(self) -> None:
         code, message, mock = self.refused("pid-no-constant")
         self.assertEqual(code, 5)
