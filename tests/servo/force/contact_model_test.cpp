@@ -133,6 +133,17 @@ TEST_CASE("By the paper's letter friction, damping and noise are those of eq. 17
   CHECK(std::sqrt(squares / ticks) == Approx(0.01).epsilon(0.1));
 }
 
+TEST_CASE("By the paper's letter damping counts the ticks that were skipped") {
+  const test::BoxByHand box({size, size, size});
+  ContactSettings settings = settings_of(Method::paper);
+  settings.effects.damping = 2;
+  ContactModel model(settings);
+  static_cast<void>(model.next(box.view, sliding(0, 0.001, 1e-4)));
+  // 0.1 m/s, of which four ticks were not run.
+  const ContactForce found = model.next(box.view, sliding(5, 0.001, 1e-4), 5);
+  CHECK(found.force.x() == Approx(-2 * 0.1).epsilon(1e-9));
+}
+
 TEST_CASE("A model that continues another one holds the same plane where it has no time to look") {
   const test::TiledCubeByHand cube(size);
   ContactModel before(settings_of(Method::spm));
