@@ -35,11 +35,8 @@ LEAN_TARGETS = ("spm-servo", "spm_query", "spm_query_example", "spm_client", "sp
                 "spm_common_query", "spm_formats_asset")
 DATA_FILE = re.compile(r"\.(obj|ply|stl|off|3ds|glb|gltf|exr|bin)$", re.IGNORECASE)
 INCLUDE = re.compile(r'^\s*#\s*include\s*(["<])([^">]+)[">]', re.MULTILINE)
-MAX_LINES = 450
-MAX_FILES = 32
 MOST_FRONT_PAGE_LINES = 150
 MOST_PICTURE_BYTES = 2_000_000  # what code hosts show without a wait
-MOST_PAGE_LINES = 40
 ROOMS_WITH_PAGES = {"common", "formats", "baker", "servo"}
 EQUATIONS = range(1, 20)
 EQUATION_TABLE = Path("common/paper/README.md")
@@ -226,23 +223,10 @@ class Folders(unittest.TestCase):
             self.assertEqual(drawn.read_text(), text_of(Path("tests/bench/charts/rooms.svg")),
                              "scripts/draw_rooms -o tests/bench/charts/rooms.svg draws it anew")
 
-    def test_no_room_is_fuller_than_a_reader_likes(self) -> None:
-        files: dict[str, int] = {}
-        for path in filter(is_cpp, project_files()):
-            files[str(path.parent)] = files.get(str(path.parent), 0) + 1
-        self.assertEqual({room: many for room, many in files.items() if many > MAX_FILES}, {})
-
-    def test_each_room_has_a_short_page(self) -> None:
-        wrong = []
-        for room in rooms():
-            if room.split("/")[0] not in ROOMS_WITH_PAGES:
-                continue
-            page = Path(room) / "README.md"
-            if not (SOURCE / page).is_file():
-                wrong.append(f"{page} is missing")
-            elif len(text_of(page).splitlines()) > MOST_PAGE_LINES:
-                wrong.append(f"{page} has more than {MOST_PAGE_LINES} lines")
-        self.assertEqual(wrong, [])
+    def test_each_room_has_a_page(self) -> None:
+        missing = [room for room in rooms() if room.split("/")[0] in ROOMS_WITH_PAGES
+                   and not (SOURCE / room / "README.md").is_file()]
+        self.assertEqual(missing, [])
 
     def test_only_the_baker_and_tests_include_cgal_and_embree(self) -> None:
         wrong = [f"{path}: <{name}>" for path in filter(is_cpp, project_files())
@@ -327,11 +311,6 @@ class Sources(unittest.TestCase):
     def test_the_licence_texts_are_there(self) -> None:
         for name in ("Apache-2.0", "GPL-3.0-or-later"):
             self.assertGreater((SOURCE / "LICENSES" / f"{name}.txt").stat().st_size, 10000)
-
-    def test_no_source_is_longer_than_a_reader_likes(self) -> None:
-        long = {str(path): len(text_of(path).splitlines()) for path in project_files()
-                if is_source(path) and len(text_of(path).splitlines()) > MAX_LINES}
-        self.assertEqual(long, {})
 
     def test_no_mesh_or_baked_file_is_tracked(self) -> None:
         self.assertEqual([str(path) for path in project_files() if DATA_FILE.search(path.name)], [])

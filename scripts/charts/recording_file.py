@@ -7,7 +7,7 @@ import json
 import struct
 from collections.abc import Iterator
 
-FORM = 5
+FORM = 6
 CONTACT, FORGOT, LOST, TOUCHED, EDITED, EXCHANGED = 1, 2, 4, 8, 16, 32  # bits of a row's flags
 FORCE_CAPPED, TORQUE_CAPPED, TOOL_CAPPED, TOOL, KEPT = 64, 128, 256, 512, 1024
 

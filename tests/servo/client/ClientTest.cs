@@ -93,7 +93,7 @@ public static class ClientTest
         client.Remove(added);
         Tell("removed", Eventually(() => !Has(client, added)));
         Tell("refused", client.Commands().Refused);
-        client.Move(4711, new double[3], Upright, 0);
+        client.Move(added, new double[3], Upright, 0);
         Tell("refused_then", Eventually(() => client.Commands().Refused == 1));
         Tell("reason", SpmClient.RefusalText(client.Commands().LastRefusal));
         try

@@ -126,7 +126,17 @@ class Package(WithDaemon):
 
     def test_what_cannot_be_done_is_told_with_its_reason(self) -> None:
         client = self.client()
-        client.move(4711, (0.0, 0.0, 0.0))
+        with self.assertRaises(ClientError) as caught:
+            client.move(4711, (0.0, 0.0, 0.0))
+        self.assertEqual(caught.exception.code, Code.NOT_THERE)
+        self.assertIn("no such object", str(caught.exception))
+        with self.assertRaises(ClientError) as caught:
+            client.move(0, (0.0, 0.0))
+        self.assertEqual(str(caught.exception), "position has 2 numbers: it has to have 3")
+        # Of its own objects a client cannot know whether the loop has come to them.
+        own = client.add(0)
+        client.remove(own)
+        client.move(own, (0.0, 0.0, 0.0))
         self.assertTrue(eventually(lambda: client.refusals().refused == 1))
         self.assertIn("no such object", client.refusals().reason)
         for wrong in (lambda: client.move(0, (math.nan, 0.0, 0.0)),

@@ -56,7 +56,7 @@ TEST_CASE("After a fault the force stays off until a button is pressed, then it 
         if (read >= 120 && read < 130) health = DeviceHealth::silent;
         state.buttons = read >= 200 ? 1 : 0;
       },
-      320);
+      400);
   REQUIRE(done.forces[119].z() > 0.7);
   REQUIRE(done.records[125].cause == ForceOff::device_silent);
   for (std::size_t i = 120; i < 200; ++i) REQUIRE(done.forces[i] == Vector3::Zero());
@@ -64,7 +64,7 @@ TEST_CASE("After a fault the force stays off until a button is pressed, then it 
   REQUIRE(done.records[199].cause == ForceOff::unacknowledged);
   REQUIRE(done.records[200].cause == ForceOff::none);
   REQUIRE(done.forces[200].z() == Approx(1. / 150).epsilon(1e-3));
-  REQUIRE(done.forces[310].z() > 0.9);
+  REQUIRE(done.forces[360].z() > 0.9);
 }
 
 TEST_CASE("Without the option the force comes back by itself") {

@@ -5,6 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "servo/app/app_state.hpp"
+
 namespace spm::test {
 
 /// What an application sends, again and again.
