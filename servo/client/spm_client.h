@@ -79,7 +79,9 @@ enum spm_client_force_off {
   SPM_CLIENT_OFF_APPLICATION_SILENT = 12,
   SPM_CLIENT_OFF_STALLED = 13,
   SPM_CLIENT_OFF_UNACKNOWLEDGED = 14, /**< a fault is over: spm_client_acknowledge */
-  SPM_CLIENT_OFF_NOT_ENABLED = 15     /**< the enable switch of the device is not held */
+  SPM_CLIENT_OFF_NOT_ENABLED = 15,    /**< the enable switch of the device is not held */
+  SPM_CLIENT_OFF_RUNAWAY = 16,        /**< the device pushes the wrong way: spm_client_acknowledge */
+  SPM_CLIENT_OFF_UNCONFIRMED = 17     /**< nobody has confirmed the device's signs yet */
 };
 
 enum spm_client_health {
@@ -87,7 +89,8 @@ enum spm_client_health {
   SPM_CLIENT_HEALTH_FAULT = 1,
   SPM_CLIENT_HEALTH_SILENT = 2,
   SPM_CLIENT_HEALTH_GONE = 3,
-  SPM_CLIENT_HEALTH_NOT_HOMED = 4
+  SPM_CLIENT_HEALTH_NOT_HOMED = 4,
+  SPM_CLIENT_HEALTH_UNCONFIRMED = 5 /**< its pose is told, but nobody has confirmed its signs */
 };
 
 /* --- Connecting ------------------------------------------------------------------------------ */

@@ -10,6 +10,7 @@
 #include "servo/record/tick_record.hpp"
 #include "servo/safety/device_counters.hpp"
 #include "servo/safety/force_permission.hpp"
+#include "servo/safety/runaway_guard.hpp"
 #include "servo/stabilize/velocity_estimate.hpp"
 
 namespace spm::servo {
@@ -84,6 +85,9 @@ struct Channel {
   /// Why the device's answer cannot be used; `none` if it can.
   [[nodiscard]] ForceOff off(DeviceHealth health, const HandPose& hand,
                              std::uint64_t tick) noexcept;
+  /// The cause; or, where there is none, `runaway` if the device pushes the wrong way.
+  [[nodiscard]] ForceOff unless_runaway(ForceOff cause, const HandPose& hand,
+                                        std::uint64_t tick) noexcept;
   /// Whether the hand moves freely, by request of an application or by the device's own button.
   [[nodiscard]] bool is_clutched(const DeviceState& state) const noexcept;
   /// Counts a tick, whose record is complete.
@@ -96,6 +100,7 @@ struct Channel {
   Device* device;
   SafetyStage safety;
   JumpGate gate;
+  RunawayGuard runaway;
   ForcePermission permission;
   SceneForce force;
   TickRecord record;

@@ -49,7 +49,7 @@ void Loop::serve(Channel& channel, std::uint64_t tick, bool stopping) noexcept {
       device == ForceOff::none ? channel.clutch.tool_of(hand, channel.clutched) : hand;
 
   // Whatever the cause, the device is still read, and zero is sent to it.
-  ForceOff cause = cause_before_forces(channel, device, state);
+  ForceOff cause = channel.unless_runaway(cause_before_forces(channel, device, state), hand, tick);
   TickRecord& record = channel.record;
   ContactForce contact;
   Wrench added;
@@ -80,6 +80,7 @@ void Loop::serve(Channel& channel, std::uint64_t tick, bool stopping) noexcept {
     channel.force.sent(contact_part(sent.wrench(), wanted, added));
   }
   channel.permission.sent(sent.cause);
+  channel.runaway.sent(sent.force);
 
   record.hand = tool;
   record.wanted = wanted;

@@ -19,6 +19,7 @@ bool is_fault(std::uint16_t cause) noexcept {
     case ForceOff::not_a_number:
     case ForceOff::device_fault:
     case ForceOff::device_silent:
+    case ForceOff::runaway:
     case ForceOff::device_gone:
     case ForceOff::jumped:
     case ForceOff::stalled:
@@ -29,6 +30,7 @@ bool is_fault(std::uint16_t cause) noexcept {
     case ForceOff::not_homed:
     case ForceOff::clutched:
     case ForceOff::outside_workspace:
+    case ForceOff::unconfirmed:
     case ForceOff::application_silent:
     case ForceOff::unacknowledged:
     case ForceOff::not_enabled:

@@ -27,7 +27,7 @@ LONGEST_RUN = 120  # s
 MOST_KILLS = 5
 CONFUSED = 70  # exit code of the program that emulates HID devices
 # The motors hold the arm's weight, wherever it is: there is a current in every tick.
-WOODEN = "woodenhaptics:home_confirmed=always,gravity=on"
+WOODEN = "woodenhaptics:home_confirmed=always,gravity=on,signs=+++"
 SENTENCE = "error: spm-servo ended without a good-bye, killed or crashed: zero force was sent to "
 
 
@@ -85,7 +85,8 @@ class KilledDaemon(unittest.TestCase):
         return messages, json.loads(last)
 
     def run_wooden(self, device: str, how: str, supervisor: str) -> tuple[str, dict]:
-        said, seen = self.run_beside([MOCK_HID, device], WOODEN, how, supervisor)
+        named = f"{WOODEN},protocol={device[-2:]}"
+        said, seen = self.run_beside([MOCK_HID, device], named, how, supervisor)
         self.assertEqual(seen["wrong_commands"], 0, seen)
         self.assertGreater(seen["commands_with_current"], 10, seen)
         return said, seen
@@ -122,11 +123,11 @@ class KilledDaemon(unittest.TestCase):
                     self.assertEqual(seen["last_mA"], [0, 0, 0])
 
     def test_a_stick_s_effects_are_ended_after_the_daemon_was_killed(self) -> None:
-        said, seen = self.run_stick("on", 2)
+        said, seen = self.run_stick("on", 4)
         self.assertEqual([seen["playing"], *seen["last_force"]], [0, 0, 0])
         self.assertIn(SENTENCE + "pid:full_force=1N,serial=", said)
         self.assertTrue(self.leaves(lambda seen: seen["playing"] > 0,
-                                    partial(self.run_stick, "off", 1)))
+                                    partial(self.run_stick, "off", 2)))
 
     def run_stick(self, supervisor: str, resets: int) -> tuple[str, dict]:
         """Of a daemon that was never kept waiting: one that is has its stick reset meanwhile, which
