@@ -30,13 +30,16 @@ static_assert(static_cast<int>(ForceOff::application_silent) == SPM_CLIENT_OFF_A
 static_assert(static_cast<int>(ForceOff::stalled) == SPM_CLIENT_OFF_STALLED);
 static_assert(static_cast<int>(ForceOff::unacknowledged) == SPM_CLIENT_OFF_UNACKNOWLEDGED);
 static_assert(static_cast<int>(ForceOff::not_enabled) == SPM_CLIENT_OFF_NOT_ENABLED);
-static_assert(force_off_count == 16,
+static_assert(static_cast<int>(ForceOff::runaway) == SPM_CLIENT_OFF_RUNAWAY);
+static_assert(static_cast<int>(ForceOff::unconfirmed) == SPM_CLIENT_OFF_UNCONFIRMED);
+static_assert(force_off_count == 18,
               "name a new cause in spm_client.h and spm_client_library.py too");
 static_assert(static_cast<int>(DeviceHealth::ok) == SPM_CLIENT_HEALTH_OK);
 static_assert(static_cast<int>(DeviceHealth::fault) == SPM_CLIENT_HEALTH_FAULT);
 static_assert(static_cast<int>(DeviceHealth::silent) == SPM_CLIENT_HEALTH_SILENT);
 static_assert(static_cast<int>(DeviceHealth::gone) == SPM_CLIENT_HEALTH_GONE);
 static_assert(static_cast<int>(DeviceHealth::not_homed) == SPM_CLIENT_HEALTH_NOT_HOMED);
+static_assert(static_cast<int>(DeviceHealth::unconfirmed) == SPM_CLIENT_HEALTH_UNCONFIRMED);
 
 /// Copies names. Returns how many there was room for.
 template <std::size_t Most>

@@ -10,13 +10,13 @@
  *
  *  Reading and commands are signs of life. If an application that moves objects gives none for a
  *  second while it stays connected, it is taken to hang. The scene is held for that second; then
- *  the force fades out over half a second (SPM_CLIENT_OFF_APPLICATION_SILENT), and its effects fade.
- *  They fade in again with the application's next call.
+ *  the force fades out over half a second (SPM_CLIENT_OFF_APPLICATION_SILENT), and its effects
+ * fade. They fade in again with the application's next call.
  *
  *  No command is felt as a knock. What it changes goes over in 0.15 s or more, so that the force
- *  changes by at most 60 N/s for it: materials, effects, pushes, the force cap, and objects that are
- *  added, removed or placed where a hand touches them. What is set to what it is already is not felt
- *  at all.
+ *  changes by at most 60 N/s for it: materials, effects, pushes, the force cap, and objects that
+ * are added, removed or placed where a hand touches them. What is set to what it is already is not
+ * felt at all.
  *
  *  Positions are in metres, forces in newtons, torques in newton metres, quaternions are unit with
  *  w first (w x y z), all in the world frame: x to the right, y up, z towards the user. Every
@@ -89,7 +89,9 @@ enum spm_client_force_off {
   SPM_CLIENT_OFF_APPLICATION_SILENT = 12,
   SPM_CLIENT_OFF_STALLED = 13,
   SPM_CLIENT_OFF_UNACKNOWLEDGED = 14, /**< a fault is over: spm_client_acknowledge */
-  SPM_CLIENT_OFF_NOT_ENABLED = 15     /**< the enable switch of the device is not held */
+  SPM_CLIENT_OFF_NOT_ENABLED = 15,    /**< the enable switch of the device is not held */
+  SPM_CLIENT_OFF_RUNAWAY = 16,    /**< the device pushes the wrong way: spm_client_acknowledge */
+  SPM_CLIENT_OFF_UNCONFIRMED = 17 /**< nobody has confirmed the device's signs yet */
 };
 
 enum spm_client_health {
@@ -97,7 +99,8 @@ enum spm_client_health {
   SPM_CLIENT_HEALTH_FAULT = 1,
   SPM_CLIENT_HEALTH_SILENT = 2,
   SPM_CLIENT_HEALTH_GONE = 3,
-  SPM_CLIENT_HEALTH_NOT_HOMED = 4
+  SPM_CLIENT_HEALTH_NOT_HOMED = 4,
+  SPM_CLIENT_HEALTH_UNCONFIRMED = 5 /**< its pose is told, but nobody has confirmed its signs */
 };
 
 /* --- Connecting ------------------------------------------------------------------------------ */
@@ -400,13 +403,15 @@ typedef struct spm_client_effect {
 /** Sets an effect on a device's hand, or changes the one that has this `number` (which the
  *  application chooses, below SPM_CLIENT_ALL_EFFECTS). It fades in over 0.15 s, stays until it is
  *  removed, and fades with its application. Its numbers go over into new ones; its point moves
- *  evenly from one call's to the next, and no faster than changes the force by 60 N/s. A device has room for 16, of all applications. All on a
- *  device together are held to a third of the stiffness "auto" for it and to half of the damping
- *  that it bears, each in proportion. A pull brakes as much as its sampling would give back. */
+ *  evenly from one call's to the next, and no faster than changes the force by 60 N/s. A device has
+ * room for 16, of all applications. All on a device together are held to a third of the stiffness
+ * "auto" for it and to half of the damping that it bears, each in proportion. A pull brakes as much
+ * as its sampling would give back. */
 SPM_CLIENT_API int spm_client_set_effect(spm_client* client, uint32_t device, uint32_t number,
                                          const spm_client_effect* effect);
-/** Removes an effect that this application set, which fades over 0.15 s; with SPM_CLIENT_ALL_EFFECTS all that it
- *  set on the device, and for a supervisor all that anybody set. */
+/** Removes an effect that this application set, which fades over 0.15 s; with
+ * SPM_CLIENT_ALL_EFFECTS all that it set on the device, and for a supervisor all that anybody set.
+ */
 SPM_CLIENT_API int spm_client_remove_effect(spm_client* client, uint32_t device, uint32_t number);
 
 /** Says that all is well again after a fault, where the daemon waits for it (`--recovery
@@ -440,7 +445,7 @@ enum spm_client_event_kind {
   SPM_CLIENT_FORCE_BACK = 6,
   SPM_CLIENT_DEVICE_LOST = 7,
   SPM_CLIENT_DEVICE_FOUND = 8,
-  SPM_CLIENT_DAEMON_LOST = 9, /**< the daemon ended or was killed; device and tick are 0 */
+  SPM_CLIENT_DAEMON_LOST = 9,  /**< the daemon ended or was killed; device and tick are 0 */
   SPM_CLIENT_DAEMON_FOUND = 10 /**< one is there again: what the application had set is not */
 };
 

@@ -175,7 +175,9 @@ Command add_run_command(CLI::App& program) {
          "--black-box",
          [&options](const std::string& path) { options.black_box = path == "off" ? "" : path; },
          "Where the last 10 s of ticks are kept after a fault, a crash or a kill, or off (default "
-         "$XDG_STATE_HOME/spm-servo/black-box.spmrec, or the same in ~/.local/state)")
+         "a file for each, with the daemon's name and the time, in $XDG_STATE_HOME/spm-servo or "
+         "~/.local/state/spm-servo, of which the newest 5 are kept; a * in FILE's name is the "
+         "time)")
       ->type_name("FILE|off");
   app->add_option("--name", options.name,
                   "Name of this daemon, by which applications find it where several run (default "

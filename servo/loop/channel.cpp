@@ -23,6 +23,8 @@ ForceOff cause_of(DeviceHealth health) noexcept {
       return ForceOff::device_gone;
     case DeviceHealth::not_homed:
       return ForceOff::not_homed;
+    case DeviceHealth::unconfirmed:
+      return ForceOff::unconfirmed;
   }
   return ForceOff::device_fault;
 }
@@ -33,6 +35,12 @@ double torque_cap(const DeviceCapabilities& device, const LoopSettings& settings
   const double own = hand_turning(device).torque_cap;
   const ToolSettings* tool = tool_of(settings.scene, number);
   return tool != nullptr ? std::min(own, tool->torque_cap) : own;
+}
+
+/// One of no known kind is taken for the lightest: a heavier one runs away more slowly, and alike.
+RunawaySettings runaway_settings(const DeviceCapabilities& device, double tick) {
+  const DeviceProfile* profile = device.profile != nullptr ? device.profile : &worst_device_profile;
+  return {device.force_cap > 0 ? profile->moving_mass : 0, device.encoder_step, tick};
 }
 
 }  // namespace
@@ -100,6 +108,7 @@ Channel::Channel(Device* driven, const LoopSettings& settings, std::size_t room,
     : device(driven),
       safety(device_limits(driven->capabilities(), settings, number)),
       gate(settings.rate_hz),
+      runaway(runaway_settings(driven->capabilities(), 1 / settings.rate_hz)),
       permission(
           {settings.acknowledge, settings.enable_button, driven->capabilities().clutch_button}),
       force(settings.scene, 1 / settings.rate_hz, driven->capabilities().encoder_step, room,
@@ -112,7 +121,7 @@ Channel::Channel(Device* driven, const LoopSettings& settings, std::size_t room,
 
 DeviceHealth Channel::read(DeviceState& state, std::uint64_t tick) noexcept {
   const DeviceHealth health = device->read(state);
-  if (health == DeviceHealth::ok) {
+  if (health == DeviceHealth::ok || health == DeviceHealth::unconfirmed) {
     believed = {state.position, state.orientation};
   } else {
     state.position = believed.position;
@@ -135,6 +144,16 @@ ForceOff Channel::off(DeviceHealth health, const HandPose& hand, std::uint64_t t
     return cause;
   }
   return gate.jumped(hand, tick) ? ForceOff::jumped : ForceOff::none;
+}
+
+ForceOff Channel::unless_runaway(ForceOff cause, const HandPose& hand,
+                                 std::uint64_t tick) noexcept {
+  if (cause != ForceOff::none) {
+    runaway.forget();
+    return cause;
+  }
+  const bool runs = runaway.runs_away(hand.position, tick, safety.force_cap());
+  return runs ? ForceOff::runaway : ForceOff::none;
 }
 
 bool Channel::is_clutched_by_button(const DeviceState& state) const noexcept {

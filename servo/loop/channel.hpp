@@ -11,6 +11,7 @@
 #include "servo/record/tick_record.hpp"
 #include "servo/safety/device_counters.hpp"
 #include "servo/safety/force_permission.hpp"
+#include "servo/safety/runaway_guard.hpp"
 #include "servo/stabilize/velocity_estimate.hpp"
 
 namespace spm::servo {
@@ -94,6 +95,9 @@ struct Channel {
                              std::uint64_t tick) noexcept;
   /// Whether the device's own clutch button is held, so that the hand moves freely.
   [[nodiscard]] bool is_clutched_by_button(const DeviceState& state) const noexcept;
+  /// The cause; or, where there is none, `runaway` if the device pushes the wrong way.
+  [[nodiscard]] ForceOff unless_runaway(ForceOff cause, const HandPose& hand,
+                                        std::uint64_t tick) noexcept;
   /// Counts a tick, whose record is complete.
   void account(DeviceCounters& counters, const SafeWrench& sent) noexcept;
   /// The force law forgets all.
@@ -109,6 +113,7 @@ struct Channel {
   Device* device;
   SafetyStage safety;
   JumpGate gate;
+  RunawayGuard runaway;
   ForcePermission permission;
   SceneForce force;
   TickRecord record;

@@ -2,6 +2,7 @@
 #include "servo/loop/loop.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include "servo/base/clock.hpp"
@@ -272,6 +273,9 @@ void Loop::warm_up() noexcept {
       const Wrench added = added_to(channel, hand);
       static_cast<void>(channel.safety.apply(
           {contact.force + added.force, contact.torque + added.torque}, ForceOff::none));
+      const auto number = static_cast<std::uint64_t>(round);
+      static_cast<void>(channel.runaway.runs_away(hand, number, 1e-3));
+      channel.runaway.sent(std::exp(0.2 * round) * Vector3::UnitX());
     }
     static_cast<void>(page_faults_of_this_thread());
   }
@@ -280,6 +284,7 @@ void Loop::warm_up() noexcept {
   for (Channel& channel : channels_) {
     static_cast<void>(channel.safety.apply({}, ForceOff::starting));
     channel.record.exchanged = false;
+    channel.runaway.forget();
     channel.forget();
   }
 }

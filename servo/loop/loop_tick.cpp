@@ -57,6 +57,7 @@ void Loop::serve(Channel& channel, std::uint64_t tick, bool stopping) noexcept {
   // Whatever the cause, the device is still read, and zero is sent to it.
   ForceOff cause = cause_before_forces(channel, device, state);
   if (cause == ForceOff::none && was_stopped(channel)) cause = ForceOff::stalled;
+  cause = channel.unless_runaway(cause, hand, tick);
   TickRecord& record = channel.record;
   ContactForce contact;
   Wrench added;
@@ -92,6 +93,7 @@ void Loop::serve(Channel& channel, std::uint64_t tick, bool stopping) noexcept {
     channel.force.sent(contact_part(sent.wrench(), wanted, added));
   }
   channel.permission.sent(sent.cause);
+  channel.runaway.sent(sent.force);
 
   record.hand = tool;
   record.wanted = wanted;

@@ -29,7 +29,6 @@ void PlaceWatch::name() {
   if (supervisor_ == nullptr) return;
   if (auto named = name_devices(*supervisor_, devices_); !named) {
     fault_ = std::move(named.error().message);
-    supervisor_ = nullptr;
   }
 }
 

@@ -25,6 +25,8 @@
 #include "servo/loop/run_header.hpp"
 #include "servo/loop/run_messages.hpp"
 #include "servo/loop/supervisor.hpp"
+#include "servo/loop/supervisor_program.hpp"
+#include "servo/loop/supervisor_watch.hpp"
 #include "servo/realtime/core_pinning.hpp"
 #include "servo/realtime/service_notice.hpp"
 #include "servo/realtime/sleep_notice.hpp"
@@ -127,20 +129,6 @@ Result<std::unique_ptr<BlackBoxMemory>> make_black_box(const RunOptions& options
   const std::size_t devices = std::max<std::size_t>(1, options.devices.size());
   return BlackBoxMemory::make(
       BlackBoxMemory::bytes_for(devices, options.rate_hz, BlackBox::kept_seconds));
-}
-
-/// What the supervisor does after this process was killed: the ticks before that become a file.
-/// Returns a sentence for a person; empty if there were no ticks.
-Supervisor::Afterwards keep_black_box(const RunOptions& options, const BlackBoxMemory* memory) {
-  if (memory == nullptr) return {};
-  return [memory, path = options.black_box]() -> std::string {
-    if (memory->empty()) return {};
-    if (auto kept = memory->write(path); !kept) {
-      return "warning: the last ticks could not be kept: " + kept.error().message;
-    }
-    return "warning: the last ticks are kept in " + path +
-           "; look at them with spm-servo view --recording";
-  };
 }
 
 /// Runs the loop in a thread of its own, while this thread takes its records and does `meanwhile`.
@@ -275,12 +263,14 @@ Result<RunReport> run(const RunOptions& asked) {
   // Made first, because it forks, and there are no threads yet. Ends last, when the devices are
   // closed.
   RunOptions options = asked;
+  if (options.black_box == default_black_box()) options.black_box = default_black_box(options.name);
   const auto black_box = make_black_box(options);
   if (!black_box) return tl::make_unexpected(black_box.error());
   std::unique_ptr<Supervisor> supervisor;
   if (options.supervisor) {
-    auto started = Supervisor::start(open_zero_force, options.realtime,
-                                     keep_black_box(options, black_box->get()));
+    auto started = Supervisor::start(
+        open_zero_force, options.realtime, keep_black_box(black_box->get(), options.black_box),
+        start_as_program(options.realtime, black_box->get(), options.black_box));
     if (!started) return tl::make_unexpected(std::move(started.error()));
     supervisor = std::move(*started);
   }
@@ -311,6 +301,7 @@ Result<RunReport> run(const RunOptions& asked) {
   if (!opened) return tl::make_unexpected(std::move(opened.error()));
   const std::vector<Device*> open_devices = std::move(*opened);
   PlaceWatch places(supervisor.get(), open_devices);
+  const SupervisorWatch guard_of_the_guard(supervisor.get(), log_warning);
 
   StepRing steps = make_step_ring();
   RunRecorder::Settings kept;
@@ -362,11 +353,10 @@ Result<RunReport> run(const RunOptions& asked) {
   (*assets)->watch();
   if (scene_keeper) scene_keeper->watch();
   const WakeupLatency latency = WakeupLatency::hold(options.realtime);
-  ServiceNotice notice;
+  ServiceNotice notice(beat);
   notice.ready();
   Result<RealtimeState> realtime = drive(loop, collector, options, signals, [&] {
     if (const std::string fault = places.take_fault(); !fault.empty()) log_warning(fault);
-    notice.alive(beat.load(std::memory_order_relaxed));
   });
   notice.stopping();
   if (!realtime) return tl::make_unexpected(std::move(realtime.error()));

@@ -36,7 +36,8 @@ struct RunOptions {
   std::string name = usual_daemon_name();  ///< of the daemon, by which they find it
   std::string socket;                      ///< path of their socket; empty: the one of that name
   std::optional<std::uint32_t> app_group;  ///< whose members may connect too; needs a path
-  std::string black_box = default_black_box();  ///< file for the ticks about a fault; empty: none
+  std::string black_box = default_black_box();  ///< file for the ticks about a fault, as
+                                                ///< write_black_box takes it; empty: none
 };
 
 /// What one device did in a run.

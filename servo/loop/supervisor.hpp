@@ -5,8 +5,11 @@
 
 #include <atomic>
 #include <cstdint>
+#include <functional>
 #include <memory>
+#include <mutex>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "common/base/error.hpp"
@@ -34,13 +37,18 @@ class Supervisor {
 
   using Afterwards = AfterTheEnd;
 
+  /// Starts the other process again where this one has threads by then, so that it may not just
+  /// fork: with its end of the connection, and the memory of the beat. Returns its number, or -1
+  /// and an error number.
+  using StartAgain = std::function<pid_t(int line, int beat)>;
+
   /// Starts it. The calling process must have no threads yet, and no device open, because the
   /// forked process would inherit them. `open` and `afterwards` run in the other process, the
   /// latter when the devices are free; `realtime` is for that process too. Errors: file_or_device,
   /// if no process or connection can be made.
   [[nodiscard]] static Result<std::unique_ptr<Supervisor>> start(
       const Open& open = open_zero_force, RealtimeMode realtime = RealtimeMode::off,
-      const Afterwards& afterwards = {});
+      const Afterwards& afterwards = {}, StartAgain again = {});
 
   Supervisor(const Supervisor&) = delete;
   Supervisor& operator=(const Supervisor&) = delete;
@@ -48,9 +56,15 @@ class Supervisor {
 
   /// Names the devices to look after from now on, in the form of zero_force_target. Empty names are
   /// left out. Call it before the first force is sent to them, and when one is found at another
-  /// place. Errors: file_or_device, if the supervisor has
-  /// ended.
+  /// place. If the supervisor has ended, it is started again. Errors: file_or_device, if that
+  /// fails. Any thread may call this, and the next two.
   [[nodiscard]] Result<void> watch(const std::vector<std::string>& targets);
+
+  /// Waits until the other process has ended, or `stop`, a descriptor, can be read; true for the
+  /// first.
+  [[nodiscard]] bool await_end(int stop) const;
+  /// After its end: starts it again, and names the devices to it. Errors: file_or_device.
+  [[nodiscard]] Result<void> replace();
 
   /// Where the loop leaves the time that each tick began, and 0 when it ends (LoopSettings::beat).
   [[nodiscard]] std::atomic<std::int64_t>& beat() noexcept { return *beat_; }
@@ -60,12 +74,18 @@ class Supervisor {
   void dismiss() noexcept;
 
  private:
-  Supervisor(int line, pid_t process, std::atomic<std::int64_t>* beat) noexcept
-      : line_(line), process_(process), beat_(beat) {}
+  explicit Supervisor(StartAgain again) noexcept : again_(std::move(again)) {}
+  [[nodiscard]] Result<void> begin(const StartAgain& start);
+  void let_go_of_the_dead() noexcept;
 
-  int line_;  ///< a socket, because writing to a pipe that nobody reads would end the daemon
-  pid_t process_;
-  std::atomic<std::int64_t>* beat_;
+  StartAgain again_;
+  mutable std::mutex mutex_;  ///< guards the members below
+  std::string targets_;       ///< the last message
+  int line_ = -1;  ///< a socket, because writing to a pipe that nobody reads would end the daemon
+  pid_t process_ = -1;
+  int end_ = -1;  ///< a descriptor of the process, which can be read once that has ended
+  int beat_memory_ = -1;
+  std::atomic<std::int64_t>* beat_ = nullptr;
 };
 
 }  // namespace spm::servo

@@ -19,6 +19,9 @@ inline constexpr std::string_view good_bye = "good-bye\n";
 /// It may read memory that is shared with the daemon.
 using AfterTheEnd = std::function<std::string()>;
 
+/// The memory of the beat, by its descriptor; null where it cannot be had.
+[[nodiscard]] std::atomic<std::int64_t>* map_beat(int descriptor) noexcept;
+
 /// What the other process of a Supervisor does. `line`: its end of the connection, a socket that
 /// keeps messages apart. `beat`: shared with the daemon, when its last tick began; 0: it does not
 /// tick. Returns when the daemon said good-bye, or when it has ended and its devices were served.

@@ -3,27 +3,49 @@
 
 #include <systemd/sd-daemon.h>
 
-#include "servo/base/clock.hpp"
+#include <chrono>
+#include <system_error>
+
+#include "servo/realtime/realtime.hpp"
 
 namespace spm::servo {
 
-ServiceNotice::ServiceNotice() {
+ServiceNotice::ServiceNotice(const std::atomic<std::int64_t>& beat) : beat_(beat) {
   std::uint64_t period_us = 0;
-  if (sd_watchdog_enabled(0, &period_us) > 0) {
-    period_ns_ = static_cast<std::int64_t>(period_us) * 1000 / 2;
+  if (sd_watchdog_enabled(0, &period_us) <= 0) return;
+  const auto half_ns = static_cast<std::int64_t>(period_us) * 1000 / 2;
+  thread_ = std::thread([this, half_ns] { feed(half_ns); });
+}
+
+ServiceNotice::~ServiceNotice() { end(); }
+
+void ServiceNotice::feed(std::int64_t period_ns) {
+  leave_realtime();
+  std::int64_t told = 0;
+  std::unique_lock lock(mutex_);
+  while (!ends_) {
+    const std::int64_t beat = beat_.load(std::memory_order_relaxed);
+    if (beat != told) sd_notify(0, "WATCHDOG=1");
+    told = beat;
+    changed_.wait_for(lock, std::chrono::nanoseconds(period_ns), [this] { return ends_; });
   }
+}
+
+void ServiceNotice::end() {
+  if (!thread_.joinable()) return;
+  {
+    const std::lock_guard lock(mutex_);
+    ends_ = true;
+  }
+  changed_.notify_all();
+  thread_.join();
 }
 
 void ServiceNotice::ready() { sd_notify(0, "READY=1"); }
 
-void ServiceNotice::alive(std::int64_t beat) {
-  const std::int64_t now = now_ns();
-  if (period_ns_ == 0 || beat == told_beat_ || now - told_ns_ < period_ns_) return;
-  told_ns_ = now;
-  told_beat_ = beat;
-  sd_notify(0, "WATCHDOG=1");
+void ServiceNotice::stopping() {
+  sd_notify(0, "STOPPING=1");
+  end();
 }
-
-void ServiceNotice::stopping() { sd_notify(0, "STOPPING=1"); }
 
 }  // namespace spm::servo

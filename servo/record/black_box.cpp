@@ -3,9 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
-#include <filesystem>
-#include <system_error>
 #include <utility>
 
 namespace spm::servo {
@@ -22,6 +19,7 @@ bool is_fault(std::uint16_t cause) noexcept {
     case ForceOff::device_gone:
     case ForceOff::jumped:
     case ForceOff::stalled:
+    case ForceOff::runaway:
       return true;
     case ForceOff::none:
     case ForceOff::starting:
@@ -32,6 +30,7 @@ bool is_fault(std::uint16_t cause) noexcept {
     case ForceOff::application_silent:
     case ForceOff::unacknowledged:
     case ForceOff::not_enabled:
+    case ForceOff::unconfirmed:
       return false;
   }
   return true;
@@ -39,19 +38,8 @@ bool is_fault(std::uint16_t cause) noexcept {
 
 }  // namespace
 
-std::string default_black_box() {
-  const auto from = [](const char* name) -> std::filesystem::path {
-    const char* value = std::getenv(name);
-    return value == nullptr ? "" : value;
-  };
-  std::filesystem::path folder = from("XDG_STATE_HOME");
-  if (folder.empty() && !from("HOME").empty()) folder = from("HOME") / ".local" / "state";
-  if (!folder.is_absolute()) return {};
-  return folder / "spm-servo" / "black-box.spmrec";
-}
-
-BlackBox::BlackBox(std::string path, BlackBoxMemory& memory, Log warn)
-    : path_(std::move(path)), memory_(memory), warn_(std::move(warn)) {}
+BlackBox::BlackBox(std::string pattern, BlackBoxMemory& memory, Log warn)
+    : pattern_(std::move(pattern)), memory_(memory), warn_(std::move(warn)) {}
 
 void BlackBox::begin(const RecordingHeader& header) {
   rate_hz_ = header.rate_hz;
@@ -92,8 +80,9 @@ void BlackBox::note(const RecordingRow& row) {
   std::uint16_t& last = last_cause_[row.device];
   // A cause that did not end a force is nothing new, such as a device that is not there yet.
   const bool was_on = last == static_cast<std::uint16_t>(ForceOff::none);
-  if (was_on && is_fault(row.cause) && !pending_) {
+  if (was_on && is_fault(row.cause) && !pending_ && row.tick >= next_tick_) {
     pending_ = true;
+    next_tick_ = row.tick + static_cast<std::uint64_t>(std::lround(pause_seconds * rate_hz_));
     due_tick_ = row.tick + static_cast<std::uint64_t>(std::lround(after_seconds * rate_hz_));
   }
   last = row.cause;
@@ -105,12 +94,13 @@ void BlackBox::finish() {
 
 void BlackBox::write() {
   pending_ = false;
-  if (auto kept = memory_.write(path_); !kept) {
+  const auto kept = write_black_box(memory_, pattern_);
+  if (!kept) {
     warn_("the last ticks before a fault could not be kept: " + kept.error().message);
     return;
   }
   ++written_;
-  warn_("the ticks about the fault are kept in " + path_ +
+  warn_("the ticks about the fault are kept in " + *kept +
         "; look at them with spm-servo view --recording");
 }
 

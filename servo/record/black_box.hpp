@@ -9,19 +9,16 @@
 #include <vector>
 
 #include "formats/motion/recording.hpp"
+#include "servo/record/black_box_files.hpp"
 #include "servo/record/black_box_memory.hpp"
 #include "servo/record/tick_record.hpp"
 
 namespace spm::servo {
 
-/// Where a black box is written by default: in the user's folder for program state. Empty if there
-/// is none.
-[[nodiscard]] std::string default_black_box();
-
 /// Keeps the last ten to twenty seconds of ticks in a memory that another process may share. A
 /// moment after the force went off because of a fault, it writes them out as a recording: what led
-/// to the fault and what came next. Several faults in a row share one file; a later fault replaces
-/// the file. Belongs to the collecting thread.
+/// to the fault and what came next. Several faults in a row share one file, and none is written
+/// within `pause_seconds` of the last. Belongs to the collecting thread.
 class BlackBox {
  public:
   using Log = std::function<void(const std::string&)>;
@@ -30,9 +27,10 @@ class BlackBox {
 
   static constexpr double kept_seconds = 10;  ///< at least, unless a great many objects move
   static constexpr double after_seconds = 0.5;
+  static constexpr double pause_seconds = 60;
 
-  /// `path`: where the file is written. `memory` must outlive this.
-  BlackBox(std::string path, BlackBoxMemory& memory, Log warn);
+  /// `pattern`: where files are written (write_black_box). `memory` must outlive this.
+  BlackBox(std::string pattern, BlackBoxMemory& memory, Log warn);
 
   /// A part of a recording (append_part), which is no row.
   void take(std::string_view part, const HeaderNow& header);
@@ -42,7 +40,7 @@ class BlackBox {
   /// At the end: writes the file if a fault still waits for it.
   void finish();
 
-  /// How often the file was written.
+  /// How many files were written.
   [[nodiscard]] std::uint64_t written() const noexcept { return written_; }
 
  private:
@@ -50,7 +48,7 @@ class BlackBox {
   void note(const RecordingRow& row);
   void write();
 
-  std::string path_;
+  std::string pattern_;
   BlackBoxMemory& memory_;
   Log warn_;
   double rate_hz_ = 1000;
@@ -61,6 +59,7 @@ class BlackBox {
   std::vector<std::uint16_t> last_cause_;  ///< of each device
   bool pending_ = false;
   std::uint64_t due_tick_ = 0;
+  std::uint64_t next_tick_ = 0;  ///< before which no other fault is kept
   std::uint64_t written_ = 0;
 };
 

@@ -2,6 +2,7 @@
 #include "servo/record/black_box_memory.hpp"
 
 #include <sys/mman.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <array>
@@ -24,6 +25,12 @@ constexpr std::size_t start_room = std::size_t{1} << 20U;
 constexpr std::size_t changes_room = std::size_t{1} << 22U;
 constexpr std::size_t part_head = 8;
 
+tl::unexpected<Error> no_memory(int error_number) {
+  return fail(ExitCode::file_or_device, std::string("no memory for the black box (") +
+                                            std::strerror(error_number) +
+                                            "): free some, or run with --black-box off");
+}
+
 }  // namespace
 
 /// At the beginning of the memory; the halves follow it.
@@ -43,17 +50,35 @@ std::size_t BlackBoxMemory::bytes_for(std::size_t devices, double rate_hz, doubl
 }
 
 Result<std::unique_ptr<BlackBoxMemory>> BlackBoxMemory::make(std::size_t half_bytes) {
-  void* memory = mmap(nullptr, sizeof(Head) + 2 * half_bytes, PROT_READ | PROT_WRITE,
-                      MAP_SHARED | MAP_ANONYMOUS, -1, 0);
-  if (memory == MAP_FAILED) {
-    return fail(ExitCode::file_or_device, std::string("no memory for the black box (") +
-                                              std::strerror(errno) +
-                                              "): free some, or run with --black-box off");
+  const int descriptor = memfd_create("spm-black-box", MFD_CLOEXEC);
+  const auto bytes = static_cast<off_t>(sizeof(Head) + 2 * half_bytes);
+  if (descriptor < 0 || ftruncate(descriptor, bytes) != 0) {
+    auto refused = no_memory(errno);
+    if (descriptor >= 0) close(descriptor);
+    return refused;
   }
-  return std::unique_ptr<BlackBoxMemory>(new BlackBoxMemory(new (memory) Head, half_bytes));
+  auto made = attach(descriptor, half_bytes);
+  if (made) {
+    new ((*made)->head_) Head;
+  } else {
+    close(descriptor);
+  }
+  return made;
 }
 
-BlackBoxMemory::~BlackBoxMemory() { munmap(head_, sizeof(Head) + 2 * half_bytes_); }
+Result<std::unique_ptr<BlackBoxMemory>> BlackBoxMemory::attach(int descriptor,
+                                                               std::size_t half_bytes) {
+  void* memory = mmap(nullptr, sizeof(Head) + 2 * half_bytes, PROT_READ | PROT_WRITE, MAP_SHARED,
+                      descriptor, 0);
+  if (memory == MAP_FAILED) return no_memory(errno);
+  return std::unique_ptr<BlackBoxMemory>(
+      new BlackBoxMemory(static_cast<Head*>(memory), half_bytes, descriptor));
+}
+
+BlackBoxMemory::~BlackBoxMemory() {
+  munmap(head_, sizeof(Head) + 2 * half_bytes_);
+  close(descriptor_);
+}
 
 char* BlackBoxMemory::half(std::size_t which) const noexcept {
   return reinterpret_cast<char*>(head_ + 1) + which * half_bytes_;

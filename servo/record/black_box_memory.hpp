@@ -18,6 +18,10 @@ class BlackBoxMemory {
  public:
   /// `half_bytes`: of each half. Errors: file_or_device.
   [[nodiscard]] static Result<std::unique_ptr<BlackBoxMemory>> make(std::size_t half_bytes);
+  /// The memory that another process made, by its descriptor there, which it handed on. Errors:
+  /// file_or_device.
+  [[nodiscard]] static Result<std::unique_ptr<BlackBoxMemory>> attach(int descriptor,
+                                                                      std::size_t half_bytes);
   /// Room for `seconds` of rows in a half, for a large scene in its start, and for changes of it.
   [[nodiscard]] static std::size_t bytes_for(std::size_t devices, double rate_hz, double seconds);
 
@@ -31,6 +35,10 @@ class BlackBoxMemory {
   /// Adds a part (append_part). False if the half is full, or none was begun.
   [[nodiscard]] bool append(std::string_view part) noexcept;
 
+  /// What `attach` needs.
+  [[nodiscard]] int descriptor() const noexcept { return descriptor_; }
+  [[nodiscard]] std::size_t half_bytes() const noexcept { return half_bytes_; }
+
   /// Whether nothing was begun.
   [[nodiscard]] bool empty() const noexcept;
 
@@ -41,14 +49,15 @@ class BlackBoxMemory {
  private:
   struct Head;
 
-  BlackBoxMemory(Head* head, std::size_t half_bytes) noexcept
-      : head_(head), half_bytes_(half_bytes) {}
+  BlackBoxMemory(Head* head, std::size_t half_bytes, int descriptor) noexcept
+      : head_(head), half_bytes_(half_bytes), descriptor_(descriptor) {}
   [[nodiscard]] char* half(std::size_t which) const noexcept;
   [[nodiscard]] std::string_view start_of(std::size_t which) const noexcept;
   [[nodiscard]] std::string_view parts_of(std::size_t which) const noexcept;
 
   Head* head_;
   std::size_t half_bytes_;
+  int descriptor_;
 };
 
 }  // namespace spm::servo

@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <utility>
 
 namespace spm::servo {
@@ -12,7 +13,7 @@ Collector::Collector(TickRing& ring, std::size_t devices, double rate_hz, Keeps 
       rate_hz_(rate_hz),
       keeps_(std::move(keeps)),
       warn_(std::move(warn)),
-      last_cause_(devices, ForceOff::none) {}
+      told_(devices) {}
 
 void Collector::drain() {
   TickRecord record;
@@ -43,15 +44,31 @@ void Collector::take(const TickRecord& record) {
     }
   }
   if (keeps_.recorder) keeps_.recorder->take(to_row(record));
-  ForceOff& last = last_cause_[record.device];
+  ForceOff& last = told_[record.device].cause;
   const bool fault = record.cause != ForceOff::none && record.cause != ForceOff::stopping;
   if (record.cause != last && fault) {
-    warn_(fmt::format("tick {}: device {}: the force is off, {}: {}", record.tick, record.device,
-                      to_string(record.cause), cure_of(record.cause)));
+    tell(record,
+         fmt::format("the force is off, {}: {}", to_string(record.cause), cure_of(record.cause)));
   } else if (record.cause == ForceOff::none && last != ForceOff::none) {
-    warn_(fmt::format("tick {}: device {}: the force is on again", record.tick, record.device));
+    tell(record, "the force is on again");
   }
   last = record.cause;
+}
+
+void Collector::tell(const TickRecord& record, const std::string& what) {
+  Told& told = told_[record.device];
+  const double passed = static_cast<double>(record.tick - told.tick) / rate_hz_;
+  told.lines = std::min(most_lines, told.lines + passed / line_seconds);
+  told.tick = record.tick;
+  if (told.lines < 1) {
+    ++told.untold;
+    return;
+  }
+  told.lines -= 1;
+  const std::string more =
+      told.untold > 0 ? fmt::format(" ({} changes before that were not told)", told.untold) : "";
+  told.untold = 0;
+  warn_(fmt::format("tick {}: device {}: {}{}", record.tick, record.device, what, more));
 }
 
 Result<void> Collector::finish() {

@@ -15,11 +15,14 @@
 namespace spm::servo {
 
 /// The other end of the ring: turns the loop's records into statistics, log messages and, if asked
-/// for, a trace, a recording and a black box. Belongs to one thread, which may allocate, log and
-/// block.
+/// for, a trace, a recording and a black box. A device whose force comes and goes is told of
+/// `most_lines` times, and then once in `line_seconds`, with how often it changed meanwhile.
+/// Belongs to one thread, which may allocate, log and block.
 class Collector {
  public:
   using Log = std::function<void(const std::string&)>;
+
+  static constexpr double most_lines = 20, line_seconds = 10;
 
   /// What is kept of a run beside its statistics.
   struct Keeps {
@@ -43,14 +46,23 @@ class Collector {
   [[nodiscard]] Summary busy_us() const { return busy_.summary_us(); }
 
  private:
+  /// What is told of one device.
+  struct Told {
+    ForceOff cause = ForceOff::none;
+    double lines = most_lines;  ///< that may still be told
+    std::uint64_t tick = 0;     ///< up to which lines were counted
+    std::uint64_t untold = 0;   ///< changes
+  };
+
   void take(const TickRecord& record);
+  void tell(const TickRecord& record, const std::string& what);
 
   TickRing& ring_;
   double rate_hz_;
   Keeps keeps_;
   Log warn_;
   DurationHistogram wake_, busy_;
-  std::vector<ForceOff> last_cause_;
+  std::vector<Told> told_;  ///< of each device
 };
 
 }  // namespace spm::servo

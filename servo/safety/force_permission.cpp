@@ -23,6 +23,7 @@ bool needs_acknowledgement(ForceOff cause) noexcept {
     case ForceOff::outside_workspace:
     case ForceOff::application_silent:
     case ForceOff::stalled:
+    case ForceOff::runaway:
       return true;
     case ForceOff::none:
     case ForceOff::starting:
@@ -30,6 +31,7 @@ bool needs_acknowledgement(ForceOff cause) noexcept {
     case ForceOff::clutched:
     case ForceOff::unacknowledged:
     case ForceOff::not_enabled:
+    case ForceOff::unconfirmed:
       return false;
   }
   return true;
@@ -52,7 +54,9 @@ ForceOff ForcePermission::next(const PermissionSigns& signs) noexcept {
 
 void ForcePermission::sent(ForceOff cause) noexcept {
   if (cause == ForceOff::none) had_force_ = true;
-  if (settings_.acknowledge && had_force_ && needs_acknowledgement(cause)) waits_ = true;
+  // What pushes the wrong way does so again.
+  const bool must_wait = settings_.acknowledge || cause == ForceOff::runaway;
+  if (must_wait && had_force_ && needs_acknowledgement(cause)) waits_ = true;
 }
 
 }  // namespace spm::servo

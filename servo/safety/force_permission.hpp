@@ -9,7 +9,8 @@ namespace spm::servo {
 
 /// What a person has to do before there is force.
 struct PermissionSettings {
-  bool acknowledge = false;         ///< after a fault somebody has to say that all is well again
+  /// after a fault somebody has to say that all is well again; after a runaway, always
+  bool acknowledge = false;
   std::uint32_t enable_button = 0;  ///< without it held there is no force; from 1, 0: none
   std::uint32_t clutch_button = 0;  ///< its presses acknowledge nothing; from 1, 0: none
 };

@@ -70,6 +70,10 @@ const char* to_string(ForceOff cause) noexcept {
       return "unacknowledged";
     case ForceOff::not_enabled:
       return "not_enabled";
+    case ForceOff::runaway:
+      return "runaway";
+    case ForceOff::unconfirmed:
+      return "unconfirmed";
   }
   return "unknown";
 }
@@ -112,6 +116,12 @@ const char* cure_of(ForceOff cause) noexcept {
              "by an application (spm_client_acknowledge)";
     case ForceOff::not_enabled:
       return "hold the device's enable switch, which --enable-switch names";
+    case ForceOff::runaway:
+      return "check the device's signs and wiring: it pushes the hand into what it touches; then "
+             "press a button of the device, or acknowledge it by an application";
+    case ForceOff::unconfirmed:
+      return "see whether the tool follows each joint, then start with the device's signs= named, "
+             "and keep_signs=on to confirm them for good";
   }
   return "";
 }

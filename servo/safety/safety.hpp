@@ -29,9 +29,12 @@ enum class ForceOff : std::uint8_t {
   stalled,             ///< no tick ran for so long that the device was sent zero by others
   unacknowledged,      ///< a fault is over, and nobody has acknowledged it yet
   not_enabled,         ///< the enable switch is not held
+  runaway,             ///< the hand sped up against the force, in step with it: the device pushes
+                       ///< the wrong way
+  unconfirmed,         ///< its user has not confirmed yet which way the device counts and pushes
 };
 
-inline constexpr std::size_t force_off_count = 16;
+inline constexpr std::size_t force_off_count = 18;
 
 /// The number of ticks without force, for each cause.
 using ForceOffTicks = std::array<std::uint64_t, force_off_count>;

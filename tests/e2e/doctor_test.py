@@ -232,16 +232,22 @@ class Packaging(Case):
     def test_both_services_supervise_the_daemon_alike(self):
         keys = ("StartLimitIntervalSec", "StartLimitBurst", "Type", "NotifyAccess", "KillSignal",
                 "TimeoutStopSec", "KillMode", "OOMPolicy", "WatchdogSec", "Restart", "RestartSec",
-                "RestartPreventExitStatus")
+                "RestartPreventExitStatus", "OOMScoreAdjust", "DevicePolicy")
         units = []
         for name in ("spm-servo.service", "spm-servo-system.service"):
             with open(packaged(name), encoding="utf-8") as file:
-                lines = dict(line.rstrip("\n").split("=", 1) for line in file
-                             if "=" in line and not line.startswith("#"))
+                pairs = [line.rstrip("\n").split("=", 1) for line in file
+                         if "=" in line and not line.startswith("#")]
+            lines = dict(pairs)
             units.append({key: lines.get(key) for key in keys})
+            allowed = {value for key, value in pairs if key == "DeviceAllow"}
+            self.assertEqual(allowed, {"char-usb_device rw", "char-hidraw rw", "char-ttyACM rw",
+                                       "/dev/cpu_dma_latency rw"})
         self.assertEqual(units[0], units[1])
         self.assertNotIn(None, units[0].values())
         self.assertEqual((units[0]["KillMode"], units[0]["Type"]), ("process", "notify"))
+        self.assertEqual(units[0]["DevicePolicy"], "closed")
+        self.assertLess(int(units[0]["OOMScoreAdjust"]), 0)
 
     def test_the_limits_are_for_the_group_alone(self):
         with open(packaged("95-spm-haptics.conf"), encoding="utf-8") as file:

@@ -48,6 +48,8 @@ class Cause(enum.IntEnum):
     STALLED = 13
     UNACKNOWLEDGED = 14
     NOT_ENABLED = 15
+    RUNAWAY = 16
+    UNCONFIRMED = 17
 
 
 class Role(enum.IntEnum):

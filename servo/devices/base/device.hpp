@@ -40,6 +40,8 @@ enum class DeviceHealth : std::uint8_t {
   silent,     ///< it is there, but no report came for longer than a report may take
   gone,       ///< it was unplugged; it is looked for
   not_homed,  ///< its encoders do not know yet where they are
+  /// its user has not confirmed yet which way it counts and pushes; its state is told all the same
+  unconfirmed,
 };
 
 /// The properties of a device, fixed once it is open.

@@ -63,11 +63,18 @@ std::optional<DeviceMatch> match_usb(DeviceIds ids) noexcept {
 }
 
 std::optional<DeviceMatch> match_hid(const HidIdentity& hid) noexcept {
-  if (is_woodenhaptics(hid)) return DeviceMatch{"woodenhaptics", true, ""};
+  if (is_woodenhaptics(hid)) {
+    if (hid.ids != wooden_teensy_ids) return DeviceMatch{"woodenhaptics", true, ""};
+    return DeviceMatch{
+        "woodenhaptics", true,
+        "A Teensy with raw HID, as WoodenHaptics V3 has; other projects' boards have "
+        "the same ids, so that auto never takes it.",
+        true};
+  }
   if (is_spacemouse(hid)) {
     return DeviceMatch{"spacemouse", true, "It moves a tool or the scene and gives no force."};
   }
-  if (hid.has_pid_page) {
+  if (hid.has_pid_force) {
     return DeviceMatch{"pid", true,
                        "A force feedback device of the HID PID class; say how strong it is, as in "
                        "--device pid:full_force=8N, which auto cannot know."};
@@ -92,9 +99,12 @@ std::string serial_number_of(std::string_view name) {
   return is_digits(serial) ? std::string(serial) : std::string();
 }
 
-bool has_usage_page(std::span<const std::uint8_t> descriptor, std::uint16_t page) noexcept {
+bool has_usage(std::span<const std::uint8_t> descriptor, std::uint16_t page,
+               std::uint16_t usage) noexcept {
   constexpr std::uint8_t long_item = 0xFE;
   constexpr std::uint8_t usage_page_item = 0x04;  // global, tag 0
+  constexpr std::uint8_t usage_item = 0x08;       // local, tag 0
+  std::uint32_t page_now = 0;
   std::size_t at = 0;
   while (at < descriptor.size()) {
     const std::uint8_t prefix = descriptor[at];
@@ -106,13 +116,15 @@ bool has_usage_page(std::span<const std::uint8_t> descriptor, std::uint16_t page
     const std::size_t code = prefix & 0x03U;
     const std::size_t bytes = code == 3 ? 4 : code;
     if (at + bytes >= descriptor.size()) return false;
-    if ((prefix & 0xFCU) == usage_page_item) {
-      std::uint32_t value = 0;
-      for (std::size_t i = 0; i < bytes; ++i) {
-        value |= std::uint32_t{descriptor[at + 1 + i]} << (8 * i);
-      }
-      if (value == page) return true;
+    std::uint32_t value = 0;
+    for (std::size_t i = 0; i < bytes; ++i) {
+      value |= std::uint32_t{descriptor[at + 1 + i]} << (8 * i);
     }
+    const std::uint8_t item = prefix & 0xFCU;
+    if (item == usage_page_item) page_now = value;
+    // One of four bytes has its page with it.
+    if (item == usage_item && bytes < 4) value |= page_now << 16U;
+    if (item == usage_item && value == (std::uint32_t{page} << 16U | usage)) return true;
     at += 1 + bytes;
   }
   return false;

@@ -30,7 +30,7 @@ struct HidIdentity {
   DeviceIds ids;
   std::uint16_t usage_page = 0;  ///< of the top-level collection
   std::uint16_t usage = 0;
-  bool has_pid_page = false;  ///< its report descriptor uses the usage page of force feedback, 0x0F
+  bool has_pid_force = false;  ///< its report descriptor has constant force (has_pid_force)
   std::string_view product_name = {};
 };
 
@@ -39,6 +39,8 @@ struct DeviceMatch {
   const char* driver = "";  ///< its name for --device
   bool driven = true;       ///< false: known, but this version cannot drive it
   const char* note = "";    ///< what the user should know of it, a sentence; often empty
+  /// other projects' devices have its ids too: it is used only where the user names it
+  bool shares_ids = false;
 };
 
 /// Which driver a USB device is for. Nothing if it is none of our devices.
@@ -57,13 +59,19 @@ inline constexpr DeviceIds serial_board{0x16C0, 0x0483};
 /// none.
 [[nodiscard]] std::string serial_number_of(std::string_view name);
 
-/// Whether a HID report descriptor has a Usage Page item with this page (Device Class Definition
-/// for HID 1.11, section 6.2.2). A truncated descriptor is read as far as it goes.
-[[nodiscard]] bool has_usage_page(std::span<const std::uint8_t> descriptor,
-                                  std::uint16_t page) noexcept;
+/// Whether a HID report descriptor names a usage of a page (Device Class Definition for HID 1.11,
+/// section 6.2.2). A truncated descriptor is read as far as it goes.
+[[nodiscard]] bool has_usage(std::span<const std::uint8_t> descriptor, std::uint16_t page,
+                             std::uint16_t usage) noexcept;
 
 /// Usage page of the class of force feedback devices (USB PID 1.0).
 inline constexpr std::uint16_t pid_usage_page = 0x0F;
+/// What every device that gives constant force has there: Set Constant Force. Pads that only rumble
+/// use the page too.
+inline constexpr std::uint16_t pid_constant_force_usage = 0x73;
+[[nodiscard]] inline bool has_pid_force(std::span<const std::uint8_t> descriptor) noexcept {
+  return has_usage(descriptor, pid_usage_page, pid_constant_force_usage);
+}
 
 /// The name of the USB device to which a resolved path in /sys belongs ("1-2.3"); empty if there is
 /// none.

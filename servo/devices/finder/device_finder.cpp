@@ -65,7 +65,7 @@ void add_hid_device(const std::string& root, const HidDevice& hid, DeviceSearch&
 
   const fs::path parent =
       root + "/sys/class/hidraw/" + fs::path(hid.path).filename().string() + "/device";
-  const bool pid = has_usage_page(bytes_of(parent / "report_descriptor"), pid_usage_page);
+  const bool pid = has_pid_force(bytes_of(parent / "report_descriptor"));
   const DeviceIds ids{hid.vendor, hid.product};
   const auto match = match_hid({ids, hid.usage_page, hid.usage, pid, hid.product_name});
   if (!match) return;
@@ -188,6 +188,8 @@ std::string specification_of(const FoundDevice& device) {
   if (by_serial && !device.serial.empty() && device.serial.find(',') == std::string::npos) {
     return driver + ":serial=" + device.serial;
   }
+  // Named all the same, as the driver wants it.
+  if (driver == "woodenhaptics" && device.match.shares_ids) return driver + ":protocol=v3";
   return driver;
 }
 

@@ -71,6 +71,7 @@ std::string first_of(const DeviceSearch& search, const std::string& simulated) {
   for (const FoundDevice& found : search.devices) {
     // Only the user can say how strong a pid device is.
     if (std::string_view(found.match.driver) == "pid") continue;
+    if (found.match.shares_ids) continue;
     if (found.match.driven && found.permitted()) return specification_of(found);
   }
   return simulated;

@@ -16,9 +16,10 @@
 
 namespace spm::servo {
 
-/// The device counts as silent if its newest report is older than this, ns: three times the longest
-/// polling interval of a low-speed device.
-inline constexpr std::int64_t pid_silent_ns = 30'000'000;
+/// The device counts as silent if its newest report is older than this, ns: public firmware reports
+/// a stick at rest each 100 ms. That one is unplugged is noticed at once, by a write that fails,
+/// and effects end by themselves after pid_effect_seconds.
+inline constexpr std::int64_t pid_silent_ns = 200'000'000;
 
 /// Largest stiffness of a surface, N/m: that of the softest profile, since no source gives it for a
 /// stick [U].

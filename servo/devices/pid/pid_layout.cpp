@@ -19,6 +19,7 @@ constexpr HidUsage pid(std::uint16_t number) noexcept { return hid_usage(pid_usa
 namespace usages {
 constexpr HidUsage set_effect = pid(0x21);
 constexpr HidUsage block_index = pid(0x22);
+constexpr HidUsage block_offset = pid(0x23);
 constexpr HidUsage type_constant = pid(0x26);
 constexpr HidUsage duration = pid(0x50);
 constexpr HidUsage effect_gain = pid(0x52);
@@ -38,6 +39,7 @@ constexpr HidUsage load_success = pid(0x8C);
 constexpr HidUsage load_full = pid(0x8D);
 constexpr HidUsage block_free = pid(0x90);
 constexpr HidUsage enable_actuators = pid(0x97);
+constexpr HidUsage stop_all_effects = pid(0x99);
 constexpr HidUsage device_reset = pid(0x9A);
 constexpr HidUsage device_managed = pid(0xA9);
 constexpr HidUsage create_new_effect = pid(0xAB);
@@ -88,8 +90,8 @@ class Finder {
       return place_in(field) < std::ssize(field.usages);
     });
     if (!found) return std::nullopt;
-    return PidChoice{*found,
-                     found->is_array ? found->logical_min + place_in(*found) : found->logical_max};
+    // A single bit is set, whatever range it shares with an array beside it.
+    return PidChoice{*found, found->is_array ? found->logical_min + place_in(*found) : 1};
   }
 
   /// The first field of a collection with any usage, or the one that has the collection's usage.
@@ -170,10 +172,14 @@ std::optional<Missing> find_force(const Finder& find, PidLayout& layout) {
   if (force.magnitude.logical_min >= 0 || force.magnitude.logical_max <= 0) {
     return Missing{"a sign in the magnitude (usage 0x70) of its Set Constant Force report (0x73)"};
   }
-  return take(
-      force.block,
-      find.beside(force.magnitude).field(out, usages::set_constant_force, usages::block_index),
-      "an effect block index (usage 0x22) in its Set Constant Force report (0x73)");
+  const Finder near = find.beside(force.magnitude);
+  if (near.field(out, usages::set_constant_force, usages::block_offset)) {
+    return Missing{
+        "effects by an index: it wants the host to manage its memory of effects (usage 0x23), "
+        "which is not supported"};
+  }
+  return take(force.block, near.field(out, usages::set_constant_force, usages::block_index),
+              "an effect block index (usage 0x22) in its Set Constant Force report (0x73)");
 }
 
 std::optional<Missing> find_operation(const Finder& find, PidLayout& layout) {
@@ -197,7 +203,9 @@ std::optional<Missing> find_memory(const Finder& find, PidLayout& layout) {
   layout.free_block = find.field(Finder::sent, usages::block_free, usages::block_index);
   layout.device_managed_pool = find.field(feature, anywhere, usages::device_managed);
   const auto missing = first_of(
-      {take(layout.create, find.choice(feature, usages::create_new_effect, usages::type_constant),
+      {take(layout.create,
+            find.choice({HidReportType::feature, HidReportType::output}, usages::create_new_effect,
+                        usages::type_constant),
             "the effect type constant force (usage 0x26) in a Create New Effect report (0xAB)"),
        take(layout.load.success, find.choice(feature, usages::block_load, usages::load_success),
             "a Block Load report (usage 0x89) with a status of success (0x8C)")});
@@ -319,6 +327,7 @@ tl::expected<PidLayout, std::string> find_pid_layout(const HidDescriptor& descri
     return tl::make_unexpected(fmt::format("its report descriptor lacks {}", missing->what));
   }
   layout.reset = find.choice(Finder::sent, anywhere, usages::device_reset);
+  layout.stop_all = find.choice(Finder::sent, anywhere, usages::stop_all_effects);
   layout.enable = find.choice(Finder::sent, anywhere, usages::enable_actuators);
   layout.gain = find.field(Finder::sent, anywhere, usages::device_gain);
   return layout;

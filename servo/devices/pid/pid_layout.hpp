@@ -61,7 +61,8 @@ struct PidLayout {
     std::optional<PidChoice> full;
   } load;                                    ///< a feature report
   std::optional<HidField> free_block, gain;  ///< gain: of the whole device
-  std::optional<PidChoice> reset, enable;    ///< of the device, and of its actuators
+  /// of the device, of all that it plays, and of its actuators
+  std::optional<PidChoice> reset, stop_all, enable;
   /// a feature report: whether the device manages the memory of effects
   std::optional<HidField> device_managed_pool;
 

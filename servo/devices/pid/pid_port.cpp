@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
@@ -31,11 +32,13 @@ constexpr int load_attempts = 40;
 /// request may take until the kernel's timeout.
 constexpr int max_unanswered = 3;
 
+constexpr std::uint16_t set_effect_usage = 0x21;
+
 bool is_pid(const HidDevice& device) {
   const auto match = match_hid({{device.vendor, device.product},
                                 device.usage_page,
                                 device.usage,
-                                has_usage_page(hid_descriptor_of(device), pid_usage_page),
+                                has_pid_force(hid_descriptor_of(device)),
                                 device.product_name});
   return match && std::string_view(match->driver) == "pid";
 }
@@ -73,10 +76,23 @@ std::vector<std::uint8_t> hid_descriptor_of(const HidDevice& device) {
 
 Result<std::unique_ptr<PidPort>> PidPort::open(const PidOptions& options,
                                                const std::atomic<bool>& stop, HidUse use) {
-  const auto fits = [&options](const HidDevice& device) {
-    return is_pid(device) && (options.path.empty() || device.path == options.path);
+  std::optional<HidDevice> forceless;
+  const auto fits = [&options, &forceless](const HidDevice& device) {
+    if (!options.path.empty() && device.path != options.path) return false;
+    if (is_pid(device)) return true;
+    const bool is_meant = options.serial.empty() || device.serial == options.serial;
+    if (is_meant && has_usage(hid_descriptor_of(device), pid_usage_page, set_effect_usage)) {
+      forceless = device;
+    }
+    return false;
   };
   auto opened = open_hid({name, fits, options.serial}, use);
+  if (!opened && forceless) {
+    // It has effects, so that what it lacks is worth a word.
+    if (auto layout = layout_of(*forceless, options.direction); !layout) {
+      return tl::make_unexpected(std::move(layout.error()));
+    }
+  }
   if (!opened) return tl::make_unexpected(std::move(opened.error()));
   auto layout = layout_of(opened->device, options.direction);
   if (!layout) return tl::make_unexpected(std::move(layout.error()));
@@ -110,8 +126,12 @@ Result<void> PidPort::set_up(const std::atomic<bool>& stop) {
   const auto sent = [this](const std::optional<PidChoice>& what) {
     return !what || send_message(pid_control(layout_, *what));
   };
-  if (!sent(layout_.reset)) return failed("refuses to be reset");
-  std::this_thread::sleep_for(reset_wait);
+  // Twice, as the kernel's driver does: some miss the first while they are busy.
+  for (int attempt = 0; attempt < 2; ++attempt) {
+    if (!sent(layout_.reset)) return failed("refuses to be reset");
+    std::this_thread::sleep_for(reset_wait);
+  }
+  if (!sent(layout_.stop_all)) return failed("refuses to stop what it plays by itself");
   if (!sent(layout_.enable)) return failed("refuses to switch its motors on");
   if (layout_.gain && !send_message(pid_full_gain(layout_, *layout_.gain))) {
     return failed("refuses its gain");
@@ -192,15 +212,15 @@ Received PidPort::ask(PidReport& report) {
   std::vector<std::uint8_t> bytes(1 + layout_.payload_bytes(field.type, field.report_id));
   bytes[0] = field.report_id;
   const int count = reader_->get_input(bytes);
-  if (count < 1) {
+  const auto sent =
+      std::span<const std::uint8_t>(bytes).first(static_cast<std::size_t>(std::max(count, 0)));
+  // Also without ids, the first byte here is the place of the id. Some answer with that alone.
+  if (count < 1 || !take(layout_.has_ids ? sent : sent.subspan(1), report)) {
     ++unanswered_;
     return Received::nothing;
   }
   unanswered_ = 0;
-  // Also without ids, the first byte here is the place of the id.
-  const auto sent = std::span<const std::uint8_t>(bytes).first(static_cast<std::size_t>(count));
-  return take(layout_.has_ids ? sent : sent.subspan(1), report) ? Received::report
-                                                                : Received::nothing;
+  return Received::report;
 }
 
 bool PidPort::send(const PidCommand& command) {

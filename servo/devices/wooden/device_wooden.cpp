@@ -1,12 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "servo/devices/wooden/device_wooden.hpp"
 
+#include <spdlog/spdlog.h>
+
 #include <algorithm>
 #include <numbers>
+#include <optional>
+#include <string>
 #include <utility>
 
 #include "common/base/device_profile.hpp"
 #include "servo/base/clock.hpp"
+#include "servo/base/state_folder.hpp"
+#include "servo/devices/wooden/kept_signs.hpp"
 
 namespace spm::servo {
 
@@ -38,13 +44,44 @@ Result<void> DeviceWooden::open(const DeviceSetup& setup) {
   const auto open_port = [this](const std::atomic<bool>& stop) -> Opened {
     auto port = WoodenPort::open(options_, connections_ + 1, stop);
     if (!port) return tl::make_unexpected(std::move(port.error()));
+    if (auto known = know_signs(**port); !known) {
+      return tl::make_unexpected(std::move(known.error()));
+    }
     ++connections_;
-    const std::lock_guard lock(found_mutex_);
-    found_ = (*port)->device();
-    found_protocol_ = (*port)->protocol();
     return Opened(std::move(*port));
   };
   return start(open_port, setup.realtime);
+}
+
+/// Those that are named, or else those that were kept, or else the model's, which nobody confirmed.
+Result<void> DeviceWooden::know_signs(WoodenPort& port) {
+  const WoodenBoard board{port.device().serial, options_.model->name, port.protocol()};
+  const std::string state = state_folder();
+  const std::string folder = state.empty() ? state : state + "/woodenhaptics";
+  WoodenSigns signs = signs_of(wooden_calibration(options_, port.protocol()));
+  const bool named = options_.count_signs.has_value();
+  if (named && options_.keep_signs) {
+    if (auto kept = keep_signs(folder, board, signs); !kept) return kept;
+  }
+  const auto kept = named ? std::nullopt : kept_signs(folder, board);
+  if (kept) signs = *kept;
+  const bool confirmed = named || kept.has_value();
+  port.set_signs(signs, confirmed);
+  const std::lock_guard lock(found_mutex_);
+  if (!confirmed && (connections_ == 0 || found_.serial != board.serial)) {
+    const WoodenCalibration usual = wooden_calibration(options_, port.protocol());
+    spdlog::warn(
+        "the WoodenHaptics at {} (serial number '{}') gives no force until its signs are "
+        "confirmed, because wrong ones pull the hand into what it touches: move each joint and "
+        "look whether the tool follows, then start with "
+        "--device woodenhaptics:signs={},keep_signs=on, or with the signs that it needs",
+        port.device().path, board.serial, signs_text(usual.count_signs.data(), 3));
+  }
+  found_ = port.device();
+  found_protocol_ = port.protocol();
+  found_signs_ = signs;
+  found_confirmed_ = confirmed;
+  return {};
 }
 
 Result<void> DeviceWooden::start(Threads::Open open, RealtimeMode realtime) {
@@ -81,13 +118,15 @@ DeviceHealth DeviceWooden::write(const Wrench& wrench) noexcept {
 
 nlohmann::ordered_json DeviceWooden::describe() const {
   const std::lock_guard lock(found_mutex_);
-  const WoodenCalibration calibration = wooden_calibration(options_, found_protocol_);
+  WoodenCalibration calibration = wooden_calibration(options_, found_protocol_);
+  if (found_signs_ != WoodenSigns{}) take_signs(found_signs_, calibration);
   nlohmann::ordered_json json{{"model", options_.model->name},
                               {"protocol", to_string(found_protocol_)},
                               {"path", found_.path},
                               {"serial", found_.serial},
                               {"signs", signs_text(calibration.count_signs.data(), 6)},
                               {"motor_signs", signs_text(calibration.motor_signs.data(), 3)},
+                              {"signs_confirmed", found_confirmed_},
                               {"home_counts", calibration.home},
                               {"home_confirmed", to_string(options_.home_confirmed)},
                               {"imax_A", options_.full_scale_current},

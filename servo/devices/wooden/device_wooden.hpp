@@ -18,15 +18,15 @@
 namespace spm::servo {
 
 /// A WoodenHaptics or another arm of its family over HID (V1, V2, V3): three motors, and a handle
-/// whose orientation some models measure. Written to the protocols that public hosts show; not
-/// tried on a device [U].
+/// whose orientation some models measure. There is no force before its user has confirmed its
+/// signs. Written to the protocols that public hosts show; not tried on a device [U].
 class DeviceWooden final : public Device {
  public:
   using Threads = PortThreads<WoodenReport, WoodenCommand>;
 
   explicit DeviceWooden(const WoodenOptions& options);
 
-  /// Errors: those of WoodenPort::open.
+  /// Errors: those of WoodenPort::open; file_or_device, signs that cannot be kept.
   [[nodiscard]] Result<void> open(const DeviceSetup& setup) override;
   /// The same as `open`, with connections that the caller makes. Errors: theirs.
   [[nodiscard]] Result<void> start(Threads::Open open, RealtimeMode realtime);
@@ -44,6 +44,9 @@ class DeviceWooden final : public Device {
 
  private:
   [[nodiscard]] DeviceHealth health(std::int64_t at_ns) const noexcept;
+  /// Tells a port that was just opened the signs of its board, and the user what is to be done.
+  /// Errors: those of keep_signs.
+  [[nodiscard]] Result<void> know_signs(WoodenPort& port);
 
   WoodenOptions options_;
   DeviceCapabilities capabilities_;
@@ -52,6 +55,8 @@ class DeviceWooden final : public Device {
   mutable std::mutex found_mutex_;
   HidDevice found_;  ///< the one opened last; the same for its protocol
   WoodenProtocol found_protocol_ = WoodenProtocol::v1;
+  WoodenSigns found_signs_;
+  bool found_confirmed_ = false;
   Threads threads_;  ///< last: its threads use the other members
 };
 

@@ -23,6 +23,8 @@ struct WoodenModel {
   double full_scale_current;              ///< A, of the drives at full scale
   std::array<double, 3> counts_per_turn;  ///< of encoders A to C, at the motor
   double gimbal_counts_per_turn;          ///< of encoders D to F; 0: there are none
+  /// +1 or -1: each joint relative to its motor, which its encoder sits on
+  std::array<double, 3> direction;
   /// counts in the joint's positive direction, when the counters are 0
   std::array<double, 3> home;
   double max_force;                      ///< N
@@ -41,6 +43,7 @@ inline constexpr std::array<WoodenModel, 5> wooden_models{{
      6,
      {2000, 2000, 2000},
      0,
+     {1, 1, 1},
      {0, 0, 6000},
      5,
      {0.17, 0.11},
@@ -54,6 +57,7 @@ inline constexpr std::array<WoodenModel, 5> wooden_models{{
      3,
      {2000, 2000, 2000},
      0,
+     {-1, 1, -1},
      {0, 0, 6000},
      5,
      {0.17, 0.11},
@@ -67,6 +71,7 @@ inline constexpr std::array<WoodenModel, 5> wooden_models{{
      3,
      {2000, 2000, 2000},
      0,
+     {1, 1, 1},
      {0, 0, 6000},
      5,
      {0.17, 0.11},
@@ -80,7 +85,8 @@ inline constexpr std::array<WoodenModel, 5> wooden_models{{
      3,
      {2000, 2000, 2000},
      0,
-     {0, 0, 0},
+     {1, 1, 1},
+     {0, 3878, 0},  // the upper arm lies level, a quarter turn on
      5,
      {0.17, 0.11},
      {0.051, 0.091}},
@@ -93,6 +99,7 @@ inline constexpr std::array<WoodenModel, 5> wooden_models{{
      3,
      {4000, 4000, 4000},
      2000,
+     {1, 1, 1},
      {0, 7700, 0},
      5,
      {0.17, 0.11},
@@ -104,8 +111,8 @@ inline constexpr std::array<WoodenModel, 5> wooden_models{{
 /// The names of all models, each after a blank, for messages.
 [[nodiscard]] std::string wooden_model_names();
 
-/// How one arm counts and is wired. Public hosts disagree about the signs, which depend on firmware
-/// and wiring. Therefore each arm needs a check: move a joint and see which way it goes.
+/// How one arm counts and is wired, which depends on its firmware and its builder. Therefore each
+/// arm needs a check: move a joint and see which way it goes.
 struct WoodenCalibration {
   /// +1 or -1: joint relative to counter, A to F
   std::array<double, 6> count_signs{1, 1, 1, 1, 1, 1};

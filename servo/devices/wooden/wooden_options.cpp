@@ -189,6 +189,9 @@ Result<void> set(WoodenOptions& options, std::string_view key, std::string_view 
   if (key == "serial") return set_option_serial("woodenhaptics", options.serial, value);
   if (key == "signs") return set_count_signs(options, value);
   if (key == "motor_signs") return set_motor_signs(options, value);
+  if (key == "keep_signs") {
+    return set_option_switch("woodenhaptics", options.keep_signs, key, value);
+  }
   if (key == "home") return set_home(options, value);
   if (key == "home_confirmed") return set_home_confirmed(options, value);
   if (key == "imax") return set_current(options.full_scale_current, key, value);
@@ -204,7 +207,8 @@ Result<void> set(WoodenOptions& options, std::string_view key, std::string_view 
   }
   return usage(fmt::format(
       "option '{}' is not known; the options are model, protocol, serial, signs, motor_signs, "
-      "home, home_confirmed, imax, current_limit, gravity, force_cap, motor_resistance, "
+      "keep_signs, home, home_confirmed, imax, current_limit, gravity, force_cap, "
+      "motor_resistance, "
       "thermal_resistance, thermal_time, winding_limit, ambient and motor_source",
       key));
 }
@@ -237,6 +241,9 @@ Result<WoodenOptions> parse_wooden_options(std::string_view text) {
   if (const auto motor = check_motor(options.motor); !motor) {
     return tl::make_unexpected(motor.error());
   }
+  if (options.keep_signs && !options.count_signs) {
+    return usage("keep_signs=on keeps the signs that are named: name them too, such as signs=-+-");
+  }
   if (!(options.full_scale_current > 0)) {
     options.full_scale_current = options.model->full_scale_current;
   }
@@ -259,17 +266,14 @@ Result<WoodenOptions> parse_wooden_options(std::string_view text) {
 WoodenCalibration wooden_calibration(const WoodenOptions& options,
                                      WoodenProtocol protocol) noexcept {
   WoodenCalibration calibration;
-  if (protocol == WoodenProtocol::v1) {
-    calibration.count_signs = {-1, -1, 1, 1, 1, 1};
-    calibration.motor_signs = {-1, -1, 1};
-  } else if (options.model->name == "woody2019") {
-    calibration.count_signs = {-1, -1, -1, 1, 1, 1};
-    calibration.motor_signs = {1, 1, 1};
-  } else {
-    calibration.count_signs = {-1, 1, -1, 1, 1, 1};
-    calibration.motor_signs = {1, -1, 1};
+  const double counting = protocol == WoodenProtocol::v1 ? -1 : 1;
+  for (std::size_t i = 0; i < 3; ++i) {
+    calibration.count_signs[i] = counting * options.model->direction[i];
   }
   if (options.count_signs) calibration.count_signs = *options.count_signs;
+  for (std::size_t i = 0; i < 3; ++i) {
+    calibration.motor_signs[i] = counting * calibration.count_signs[i];
+  }
   if (options.motor_signs) calibration.motor_signs = *options.motor_signs;
   calibration.home = options.home ? *options.home : options.model->home;
   return calibration;

@@ -25,7 +25,7 @@ enum class WoodenHome : std::uint8_t {
 [[nodiscard]] const char* to_string(WoodenHome home) noexcept;
 
 /// Options of a WoodenHaptics: `woodenhaptics:model=NAME,protocol=auto|v1|v2|v3,serial=TEXT,
-/// signs=+-+,motor_signs=+-+,home=A:B:C,home_confirmed=no|once|always,imax=CURRENT,
+/// signs=+-+,motor_signs=+-+,keep_signs=on|off,home=A:B:C,home_confirmed=no|once|always,imax=CURRENT,
 /// current_limit=CURRENT,gravity=on|off,force_cap=FORCE`, and the motors' data together:
 /// `motor_resistance=R,thermal_resistance=R,thermal_time=TIME,winding_limit=T,motor_source=TEXT`,
 /// with `ambient=T` if it is not 25C.
@@ -34,9 +34,17 @@ struct WoodenOptions {
   std::optional<WoodenProtocol> protocol;  ///< empty: detected from the device
   std::string serial;                      ///< empty: any
   std::string path;                        ///< its node, for who knows it already; empty: any
-  std::optional<std::array<double, 6>> count_signs;  ///< +1 or -1, encoders A to F
+
+  /// Whether they mean one board, or a protocol whose boards have the ids of others too.
+  [[nodiscard]] bool name_a_board() const noexcept {
+    return !serial.empty() || !path.empty() || protocol == WoodenProtocol::v3;
+  }
+
+  /// +1 or -1, encoders A to F; who names them confirms them, and without that there is no force
+  std::optional<std::array<double, 6>> count_signs;
   std::optional<std::array<double, 3>> motor_signs;  ///< +1 or -1, motors A to C
-  std::optional<std::array<double, 3>> home;         ///< counts; empty: the model's
+  bool keep_signs = false;  ///< whether the signs are kept as confirmed for the board
+  std::optional<std::array<double, 3>> home;  ///< counts; empty: the model's
   WoodenHome home_confirmed = WoodenHome::unconfirmed;
   double full_scale_current = model->full_scale_current;  ///< A, as the board's drives are set
   double current_limit = 2;  ///< A, for one motor, at most full_scale_current
@@ -53,8 +61,9 @@ struct WoodenOptions {
 [[nodiscard]] double wooden_force_cap(const WoodenModel& model) noexcept;
 
 /// Signs and home for a protocol: those of the options, or else those that public hosts use with
-/// it. These disagree with one another, so that a new arm needs a check of each joint and motor
-/// [U].
+/// the model. A current that turns a motor forwards makes its counter grow with V2 and V3, and fall
+/// with V1, whose firmware counts the other way; where the options name signs of encoders alone,
+/// the motors' follow from that [U].
 [[nodiscard]] WoodenCalibration wooden_calibration(const WoodenOptions& options,
                                                    WoodenProtocol protocol) noexcept;
 

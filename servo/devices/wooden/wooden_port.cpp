@@ -67,6 +67,14 @@ Result<WoodenProtocol> protocol_by_length(HidHandle& reader, const std::atomic<b
                           name, count));
 }
 
+tl::unexpected<Error> unnamed_board() {
+  return fail(ExitCode::file_or_device,
+              fmt::format("no {} is plugged in but a board with the ids {:04x}:{:04x}, which any "
+                          "Teensy with raw HID has: if it is one, name it, with protocol=v3 or its "
+                          "serial=, which spm-servo devices shows",
+                          name, wooden_teensy_ids.vendor, wooden_teensy_ids.product));
+}
+
 }  // namespace
 
 bool is_wooden_board(const HidDevice& device, std::optional<WoodenProtocol> protocol) noexcept {
@@ -82,13 +90,20 @@ bool is_wooden_board(const HidDevice& device, std::optional<WoodenProtocol> prot
 Result<std::unique_ptr<WoodenPort>> WoodenPort::open(const WoodenOptions& options,
                                                      std::uint32_t connection,
                                                      const std::atomic<bool>& stop, HidUse use) {
+  bool is_one_unnamed = false;
   const HidFilter filter{name,
-                         [&options](const HidDevice& device) {
-                           return is_wooden_board(device, options.protocol) &&
-                                  (options.path.empty() || device.path == options.path);
+                         [&options, &is_one_unnamed](const HidDevice& device) {
+                           if (!is_wooden_board(device, options.protocol) ||
+                               (!options.path.empty() && device.path != options.path)) {
+                             return false;
+                           }
+                           const bool unnamed = is_teensy(device) && !options.name_a_board();
+                           is_one_unnamed = is_one_unnamed || unnamed;
+                           return !unnamed;
                          },
                          options.serial};
   auto opened = open_hid(filter, use);
+  if (!opened && is_one_unnamed) return unnamed_board();
   if (!opened) return tl::make_unexpected(std::move(opened.error()));
   auto writer = HidHandle::open(opened->device, name, HidUse::shared);
   if (!writer) return tl::make_unexpected(std::move(writer.error()));
@@ -116,6 +131,8 @@ Received WoodenPort::receive(WoodenReport& report) {
       const std::span<const std::uint8_t> bytes(buffer.data(), static_cast<std::size_t>(count));
       if (!decode_wooden_report(protocol_, bytes, report)) return Received::nothing;
       report.connection = connection_;
+      report.signs = signs_;
+      report.signs_confirmed = signs_confirmed_;
       return Received::report;
     }
     if (protocol_ != WoodenProtocol::v1 && !reader_->write(WoodenPacket(protocol_, {}).bytes())) {

@@ -24,11 +24,12 @@ inline constexpr std::chrono::milliseconds wooden_kick_after{10};
 /// why).
 class WoodenPort final : public Port<WoodenReport, WoodenCommand> {
  public:
-  /// Opens the first board that the options allow and that nobody uses. If no protocol is given, it
-  /// is detected from the ids and the length of the first report, which may take 0.2 s.
-  /// `connection` is put into each report. `use`: shared with the program that drives the board,
-  /// for one that sends zero force in its place. Errors: file_or_device, for not found, no
-  /// permission, in use, or a board whose report is not known.
+  /// Opens the first board that the options allow and that nobody uses; one whose ids other
+  /// projects' boards have too, only where the options name it. If no protocol is given, it is
+  /// detected from the ids and the length of the first report, which may take 0.2 s. `connection`
+  /// is put into each report. `use`: shared with the program that drives the board, for one that
+  /// sends zero force in its place. Errors: file_or_device, for not found, no permission, in use,
+  /// or a board whose report is not known.
   [[nodiscard]] static Result<std::unique_ptr<WoodenPort>> open(const WoodenOptions& options,
                                                                 std::uint32_t connection,
                                                                 const std::atomic<bool>& stop,
@@ -39,6 +40,11 @@ class WoodenPort final : public Port<WoodenReport, WoodenCommand> {
 
   [[nodiscard]] const HidDevice& device() const noexcept { return device_; }
   [[nodiscard]] WoodenProtocol protocol() const noexcept { return protocol_; }
+  /// Before reports are received: what they tell of the board's signs.
+  void set_signs(const WoodenSigns& signs, bool confirmed) noexcept {
+    signs_ = signs;
+    signs_confirmed_ = confirmed;
+  }
 
  private:
   WoodenPort(HidDevice device, std::unique_ptr<HidHandle> reader, std::unique_ptr<HidHandle> writer,
@@ -53,6 +59,8 @@ class WoodenPort final : public Port<WoodenReport, WoodenCommand> {
   std::unique_ptr<HidHandle> reader_, writer_;
   WoodenProtocol protocol_;
   std::uint32_t connection_;
+  WoodenSigns signs_;
+  bool signs_confirmed_ = false;
 };
 
 /// Whether a HID device is a board of the family that uses the protocol, or any protocol if none is

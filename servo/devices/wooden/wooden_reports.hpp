@@ -15,6 +15,14 @@ enum class WoodenProtocol : std::uint8_t { v1, v2, v3 };
 
 [[nodiscard]] const char* to_string(WoodenProtocol protocol) noexcept;
 
+/// +1 or -1 for each encoder, A to F, and each motor, A to C.
+struct WoodenSigns {
+  std::array<std::int8_t, 6> counts{};
+  std::array<std::int8_t, 3> motors{};
+
+  [[nodiscard]] bool operator==(const WoodenSigns&) const = default;
+};
+
 /// A report from the board.
 struct WoodenReport {
   std::array<std::int16_t, 6> counters{};  ///< raw counts of encoders A to F; V1 has no D to F
@@ -22,6 +30,8 @@ struct WoodenReport {
   bool calibration_pressed = false;        ///< V2 and V3: set until the counters are set
   WoodenProtocol protocol = WoodenProtocol::v1;
   std::uint32_t connection = 0;  ///< increases each time that the board is opened
+  WoodenSigns signs;             ///< of this board; zeros: those of the options
+  bool signs_confirmed = false;  ///< by its user, some time
 };
 
 enum class WoodenRequest : std::uint8_t {

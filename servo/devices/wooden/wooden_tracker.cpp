@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "servo/devices/wooden/kept_signs.hpp"
+
 namespace spm::servo {
 
 namespace {
@@ -32,6 +34,7 @@ void WoodenTracker::take(const WoodenReport& report, std::int64_t came_ns) noexc
 void WoodenTracker::begin(const WoodenReport& report) noexcept {
   ++connections_;
   calibration_ = wooden_calibration(options_, report.protocol);
+  if (report.signs != WoodenSigns{}) take_signs(report.signs, calibration_);
   forget_counts();
   set_sent_ = false;
   const WoodenHome word = options_.home_confirmed;
@@ -98,6 +101,7 @@ DeviceHealth WoodenTracker::health(std::int64_t at_ns) const noexcept {
   if (connections_ == 0 || at_ns - came_ns_ > wooden_silent_ns) return DeviceHealth::silent;
   if (!plausible_) return DeviceHealth::fault;
   if (homing_ != Homing::done) return DeviceHealth::not_homed;
+  if (!last_.signs_confirmed && !options_.count_signs) return DeviceHealth::unconfirmed;
   return DeviceHealth::ok;
 }
 

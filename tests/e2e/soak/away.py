@@ -34,7 +34,7 @@ AWAY = 0.3  # s, that it stands still
 ON_AGAIN = 0.2  # s, after which a force that came back is no longer faded in
 LIMIT_MS = 30.0
 NEVER_MS = 1e6
-WOODEN = "woodenhaptics:home_confirmed=always,gravity=on"
+WOODEN = "woodenhaptics:home_confirmed=always,gravity=on,signs=+++"
 HIGHEST = 99  # priority of what takes the core
 TELLING = 98  # of what makes the daemon stand still, so that it does so when it says
 MOST_SESSIONS = 6

@@ -125,7 +125,8 @@ def devices(folder: str) -> dict[str, tuple[list[str], str]]:
     report = f"report={os.path.join(folder, 'device.json')}"
     return {"falcon": ([program("mock_usb_falcon"), "--mode", "running"], "falcon"),
             **{f"woodenhaptics V{number}": ([hid, f"wooden-v{number}", report],
-                                            "woodenhaptics:home_confirmed=always")
+                                            f"woodenhaptics:protocol=v{number},signs=+++,"
+                                            "home_confirmed=always")
                for number in (1, 2, 3)},
             "pid": ([hid, "pid", report], "pid:full_force=4N"),
             "external": ([], f"external:name={EXTERNAL}"),

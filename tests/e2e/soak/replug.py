@@ -36,7 +36,7 @@ def wooden(folder: str) -> tuple[list[str], str, tuple[float, float, float]]:
     """Command of the emulated device, the daemon's option, and where the tool is about."""
     seen = os.path.join(folder, "device.json")
     mock = [program("mock_hid"), "wooden-v2", f"unplug={REPORTS}:{GONE_MS}", f"report={seen}"]
-    return mock, "woodenhaptics:home_confirmed=always", HOME
+    return mock, "woodenhaptics:home_confirmed=always,signs=+++", HOME
 
 
 def falcon(folder: str, cycles: int) -> tuple[list[str], str, tuple[float, float, float]]:

@@ -57,7 +57,7 @@ def main() -> int:
         scene = write_scene(os.path.join(folder, "scene.toml"), asset,
                             [tuple(at - of for at, of in zip(HOME, middle))], STIFFNESS)
         seen = os.path.join(folder, "device.json")
-        daemon = Daemon(folder, "--scene", scene, "--device", "woodenhaptics:home_confirmed=always",
+        daemon = Daemon(folder, "--scene", scene, "--device", "woodenhaptics:home_confirmed=always,signs=+++",
                         "--rate", str(arguments.rate), "--duration", str(seconds),
                         "--realtime", "require",
                         *(("--core", arguments.core) if arguments.core else ()),

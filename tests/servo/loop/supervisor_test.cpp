@@ -20,6 +20,7 @@
 
 #include "servo/base/clock.hpp"
 #include "servo/devices/finder/device_list.hpp"
+#include "servo/loop/supervisor_process.hpp"
 #include "tests/servo/support/eventually.hpp"
 #include "tests/servo/support/shape_asset.hpp"
 
@@ -368,6 +369,46 @@ TEST_CASE("A daemon outlives its supervisor, and is told of that when it names a
   const auto watched = (*supervisor)->watch({"one"});
   REQUIRE(!watched);
   REQUIRE(watched.error().message.find("has ended") != std::string::npos);
+}
+
+TEST_CASE("A supervisor that was killed is noticed, and the next one knows the devices") {
+  const TemporaryFolder folder;
+  const std::string log = folder.file("log");
+  const auto open = logged_devices(log);
+  auto supervisor = Supervisor::start(open, RealtimeMode::off, {}, [&open](int line, int beat) {
+    const pid_t process = fork();
+    if (process == 0) {
+      supervise(line, *map_beat(beat), open, RealtimeMode::off, {});
+      _exit(0);
+    }
+    return process;
+  });
+  REQUIRE(supervisor);
+  REQUIRE((*supervisor)->watch({"one"}));
+  std::array<int, 2> never{};
+  REQUIRE(pipe(never.data()) == 0);
+  for (std::size_t times = 1; times <= 2; ++times) {
+    const pid_t killed = only_child_of(getpid());
+    REQUIRE(killed > 0);
+    kill(killed, SIGKILL);
+    REQUIRE((*supervisor)->await_end(never[0]));
+    REQUIRE((*supervisor)->replace());
+    // The dead one was waited for.
+    CHECK(waitpid(killed, nullptr, WNOHANG) < 0);
+    const pid_t next = only_child_of(getpid());
+    CHECK(next > 0);
+    CHECK(next != killed);
+    // There is nothing to replace now.
+    REQUIRE((*supervisor)->replace());
+    CHECK(only_child_of(getpid()) == next);
+    (*supervisor)->beat().store(now_ns());
+    REQUIRE(eventually([&] { return count_of(content(log), "zero to one\n") == 6 * times; }));
+    (*supervisor)->beat().store(0);
+  }
+  REQUIRE(write(never[1], "x", 1) == 1);
+  CHECK_FALSE((*supervisor)->await_end(never[0]));
+  close(never[0]);
+  close(never[1]);
 }
 
 }  // namespace supervisor_test

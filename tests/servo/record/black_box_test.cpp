@@ -146,6 +146,51 @@ TEST_CASE("At any moment the memory holds the last ten seconds, whatever process
   }
 }
 
+TEST_CASE(
+    "Faults within a minute leave one file, later ones another, of the daemon's name and time") {
+  const TemporaryFolder folder;
+  const auto memory = memory_of_one();
+  BlackBox box(folder.file("made/box-desk-*.spmrec"), *memory, [](const std::string&) {});
+  // Twice a second, for two and a half minutes.
+  show(box, 150'000, [](std::uint64_t tick) {
+    return tick % 500 < 100 ? ForceOff::device_silent : ForceOff::none;
+  });
+  CHECK(box.written() == 3);
+  int files = 0;
+  for (const auto& entry : std::filesystem::directory_iterator(folder.file("made"))) {
+    CHECK(entry.path().filename().string().starts_with("box-desk-2"));
+    CHECK(read_recording(entry.path().string()));
+    ++files;
+  }
+  CHECK(files == 3);
+}
+
+TEST_CASE("Of the black boxes of a daemon the newest are kept, and no other's are touched") {
+  const TemporaryFolder folder;
+  const auto memory = memory_of_one();
+  BlackBox box(folder.file("unused"), *memory, [](const std::string&) {});
+  show(box, 10, [](std::uint64_t) { return ForceOff::none; });
+  const std::string other = folder.file("box-desk-two-2020-01-01T00-00-00Z.spmrec");
+  std::ofstream(other) << "another daemon's";
+  const std::string pattern = folder.file("box-desk-*.spmrec");
+  constexpr std::time_t begin = 1'800'000'000;
+  std::vector<std::string> written;
+  for (std::time_t i = 0; i < 8; ++i) {
+    const auto file = write_black_box(*memory, pattern, begin + i / 2);
+    REQUIRE(file);
+    written.push_back(*file);
+  }
+  CHECK(written[0] == folder.file("box-desk-2027-01-15T08-00-00Z.spmrec"));
+  CHECK(written[1] == folder.file("box-desk-2027-01-15T08-00-00Z_2.spmrec"));
+  for (std::size_t i = 0; i < written.size(); ++i) {
+    CAPTURE(written[i]);
+    CHECK(std::filesystem::exists(written[i]) == (i + black_boxes_kept >= written.size()));
+  }
+  CHECK(std::filesystem::exists(other));
+  // A file that is named is that file.
+  CHECK(write_black_box(*memory, folder.file("mine.spmrec")) == folder.file("mine.spmrec"));
+}
+
 TEST_CASE("A memory that is full of changes keeps those that came last") {
   const TemporaryFolder folder;
   auto memory = BlackBoxMemory::make(8192);

@@ -66,7 +66,7 @@ wooden() { # NAME SECONDS SCENE BOARD [OPTION...]
   uhid_wooden "$@" report=/run/seen 2> /run/emulator &
   emulator=$!
   wait_until test -c /dev/hidraw0
-  serve "$name" "$seconds" woodenhaptics:home_confirmed=always "$scene"
+  serve "$name" "$seconds" woodenhaptics:home_confirmed=always,signs=+++ "$scene"
   finish $emulator
 }
 

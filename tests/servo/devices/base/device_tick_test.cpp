@@ -135,7 +135,7 @@ TEST_CASE("A Falcon's tick neither allocates, locks nor writes, and its delays a
 }
 
 TEST_CASE("A WoodenHaptics' tick neither allocates, locks nor writes, and its delays are told") {
-  const auto options = parse_wooden_options("home_confirmed=once,gravity=on");
+  const auto options = parse_wooden_options("home_confirmed=once,gravity=on,signs=+++");
   REQUIRE(options);
   WoodenReport report;
   report.protocol = WoodenProtocol::v2;

@@ -337,8 +337,8 @@ TEST_CASE("A lost device is looked for at once, and then less and less often") {
   std::int64_t least = std::chrono::nanoseconds(Threads::first_retry).count();
   for (const std::int64_t pause : pauses) {
     CHECK(pause >= least);
-    least =
-        std::min<std::int64_t>(least * 3 / 2, std::chrono::nanoseconds(Threads::longest_retry).count());
+    least = std::min<std::int64_t>(least * 3 / 2,
+                                   std::chrono::nanoseconds(Threads::longest_retry).count());
   }
   std::cerr << "a lost device is looked for " << static_cast<double>(tried_ns[1] - lost_ns) * 1e-6
             << " ms after the loss\n";

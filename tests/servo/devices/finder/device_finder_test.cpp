@@ -89,42 +89,49 @@ TEST_CASE("A SpaceMouse is its multi-axis interface, never a mouse or keyboard o
   REQUIRE(driver_of_hid({0x046D, 0xC077}, 1, 8) == "none");
 }
 
-TEST_CASE("Any maker's device with the page of force feedback is for pid, unless it has a driver") {
+TEST_CASE("Any maker's device with constant force is for pid, unless it has a driver") {
   REQUIRE(driver_of_hid({0x1209, 0xFFB0}, 1, 4, true) == "pid");
   REQUIRE(driver_of_hid({0x1209, 0xFFB0}, 1, 4, false) == "none");
   REQUIRE(driver_of_hid({0x16C0, 0x0486}, 0xFFAB, 0x0200, true) == "woodenhaptics");
 }
 
-TEST_CASE("A usage page is found at any size of its item") {
-  REQUIRE(has_usage_page(std::vector<std::uint8_t>{0x05, 0x0F}, pid_usage_page));
-  REQUIRE(has_usage_page(std::vector<std::uint8_t>{0x05, 0x01, 0x06, 0x0F, 0x00}, pid_usage_page));
-  REQUIRE(has_usage_page(std::vector<std::uint8_t>{0x07, 0x0F, 0x00, 0x00, 0x00}, pid_usage_page));
-  REQUIRE(has_usage_page(std::vector<std::uint8_t>{0xFE, 0x02, 0x00, 0x09, 0x09, 0x05, 0x0F},
-                         pid_usage_page));
-  // A usage of 0x0F, and a page whose low byte is 0x0F.
-  REQUIRE_FALSE(has_usage_page(std::vector<std::uint8_t>{0x09, 0x0F}, pid_usage_page));
-  REQUIRE_FALSE(has_usage_page(std::vector<std::uint8_t>{0x06, 0x0F, 0xFF}, pid_usage_page));
+namespace {
+
+bool has_force(const std::vector<std::uint8_t>& descriptor) { return has_pid_force(descriptor); }
+
+}  // namespace
+
+TEST_CASE("Constant force is found at any size of its page's and its own item") {
+  CHECK(has_force({0x05, 0x0F, 0x09, 0x73}));
+  CHECK(has_force({0x05, 0x01, 0x06, 0x0F, 0x00, 0x0A, 0x73, 0x00}));
+  CHECK(has_force({0x07, 0x0F, 0x00, 0x00, 0x00, 0x09, 0x73}));
+  CHECK(has_force({0x0B, 0x73, 0x00, 0x0F, 0x00}));
+  CHECK(has_force({0xFE, 0x02, 0x00, 0x09, 0x09, 0x05, 0x0F, 0x09, 0x73}));
+  // The page alone, as of a pad that rumbles; the usage of another page; a page that ends in 0x0F.
+  CHECK_FALSE(has_force({0x05, 0x0F, 0x09, 0x21}));
+  CHECK_FALSE(has_force({0x05, 0x0F, 0x05, 0x01, 0x09, 0x73}));
+  CHECK_FALSE(has_force({0x06, 0x0F, 0xFF, 0x09, 0x73}));
+  CHECK_FALSE(has_force({0x0B, 0x73, 0x00, 0x0E, 0x00}));
 }
 
-TEST_CASE("What only looks like a usage page inside other items is none, in any descriptor") {
+TEST_CASE("What only looks like constant force inside other items is none, in any descriptor") {
   for (unsigned seed = 1; seed <= 300; ++seed) {
     CAPTURE(seed);
     std::mt19937 random(seed);
-    std::vector<std::uint8_t> items;
     // Random items may be usage pages themselves: 0x05, 0x0F05 and the like, never 0x0F.
-    items = random_items(random, 30);
-    REQUIRE_FALSE(has_usage_page(items, pid_usage_page));
-    items.push_back(0x05);
-    REQUIRE_FALSE(has_usage_page(items, pid_usage_page));  // cut short
-    items.push_back(0x0F);
-    REQUIRE(has_usage_page(items, pid_usage_page));
+    std::vector<std::uint8_t> items = random_items(random, 30);
+    REQUIRE_FALSE(has_force(items));
+    items.insert(items.end(), {0x05, 0x0F, 0x09});
+    REQUIRE_FALSE(has_force(items));  // cut short
+    items.push_back(0x73);
+    REQUIRE(has_force(items));
   }
 }
 
 TEST_CASE("A long item that is cut short ends a descriptor") {
-  REQUIRE_FALSE(has_usage_page(std::vector<std::uint8_t>{0xFE}, pid_usage_page));
-  REQUIRE_FALSE(has_usage_page(std::vector<std::uint8_t>{0xFE, 0xFF, 0x00}, pid_usage_page));
-  REQUIRE_FALSE(has_usage_page({}, pid_usage_page));
+  CHECK_FALSE(has_force({0xFE}));
+  CHECK_FALSE(has_force({0xFE, 0xFF, 0x00}));
+  CHECK_FALSE(has_force({}));
 }
 
 TEST_CASE("A USB device is named by where it is plugged in, whatever lies below it in /sys") {
@@ -252,6 +259,22 @@ TEST_CASE("auto is the first device that may be opened and whose strength is kno
   search.devices.push_back(found("falcon", true, NodeAccess::granted));
   search.devices.push_back(found("spacemouse", true, NodeAccess::granted));
   CHECK(first_of(search, "sim:profile=touch") == "falcon:path=1-2");
+}
+
+TEST_CASE("A board with ids that other projects' boards have too is listed, and auto takes none") {
+  FoundDevice device;
+  device.match = *match_hid({{0x16C0, 0x0486}, 0xFFAB, 0x0200, false, "Teensyduino RawHID"});
+  device.access = NodeAccess::granted;
+  CHECK(device.match.driven);
+  CHECK(specification_of(device) == "woodenhaptics:protocol=v3");
+  device.serial = "7654321";
+  CHECK(specification_of(device) == "woodenhaptics:serial=7654321");
+  DeviceSearch search;
+  search.devices = {device};
+  CHECK(first_of(search, "sim") == "sim");
+  device.match = *match_hid({{0x1234, 0x0006}, 0xFFAB, 0x0200, false, "HID DEVICE"});
+  search.devices.push_back(device);
+  CHECK(first_of(search, "sim") == "woodenhaptics:serial=7654321");
 }
 
 }  // namespace device_finder_test

@@ -30,7 +30,7 @@ AWAY = 0.3  # s, which the daemon is stopped, or spins
 BRIEFLY = 0.04  # s, longer than the supervisor waits before it takes a Falcon
 MOST_WAIT = 20  # s
 # The motors hold the arm's weight, wherever it is: there is a current in every tick.
-WOODEN = "woodenhaptics:home_confirmed=always,gravity=on"
+WOODEN = "woodenhaptics:home_confirmed=always,gravity=on,signs=+++"
 
 
 def go_away(how: str, daemon: subprocess.Popen, folder: Path) -> int:

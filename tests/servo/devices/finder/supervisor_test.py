@@ -8,6 +8,7 @@ mock_usb_falcon, spm-servo and spm-bake. No time decides a test.
 """
 
 import json
+import os
 import signal
 import subprocess
 import sys
@@ -27,7 +28,7 @@ LONGEST_RUN = 120  # s
 MOST_KILLS = 5
 CONFUSED = 70  # exit code of the program that emulates HID devices
 # The motors hold the arm's weight, wherever it is: there is a current in every tick.
-WOODEN = "woodenhaptics:home_confirmed=always,gravity=on"
+WOODEN = "woodenhaptics:home_confirmed=always,gravity=on,signs=+++"
 SENTENCE = "error: spm-servo ended without a good-bye, killed or crashed: zero force was sent to "
 
 
@@ -37,15 +38,36 @@ def drives(trace: Path) -> bool:
     return any(path.stat().st_size > 0 for path in trace.parent.glob(trace.name + "*"))
 
 
+def only_supervisor(daemon: int) -> int:
+    """The only child of a daemon, which runs; a child that has ended and was not waited for is one
+    too."""
+    children = [child for task in Path(f"/proc/{daemon}/task").iterdir()
+                for child in (task / "children").read_text(encoding="utf-8").split()]
+    if len(children) != 1:
+        sys.exit(f"the daemon has the children {children}")
+    state = Path(f"/proc/{children[0]}/stat").read_text(encoding="utf-8").rpartition(")")[2].split()[0]
+    if state == "Z":
+        sys.exit("the supervisor that ended was not waited for")
+    return int(children[0])
+
+
 def end(how: str, trace: str, *command: str) -> int:
     """Beside the device: starts a daemon, ends it once it drives the device, and waits until nobody
-    holds its standard error any longer, its supervisor neither. `how`: kill, end, or moved, which
-    kills once the device was lost and is driven again."""
+    holds its standard error any longer, its supervisor neither. `how`: kill, end, moved, which
+    kills once the device was lost and is driven again, or unguarded, which kills the supervisor,
+    twice, and the daemon once it has another."""
     with subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE,
                           text=True) as daemon:
         while daemon.poll() is None and not drives(Path(trace)):
             time.sleep(0.005)
         said = ""
+        for _ in range(2 if how == "unguarded" else 0):
+            os.kill(only_supervisor(daemon.pid), signal.SIGKILL)
+            line = daemon.stderr.readline()
+            while line and "it was started again" not in line:
+                line = daemon.stderr.readline()
+            said += line
+            only_supervisor(daemon.pid)
         while how == "moved" and not ("device_gone" in said and said.endswith("on again\n")):
             line = daemon.stderr.readline()
             if not line:
@@ -75,7 +97,7 @@ class KilledDaemon(unittest.TestCase):
         trace = Path(folder.name) / "trace.csv"
         command = [SERVO, "run", "--asset", self.asset, "--device", device, "--trace", trace,
                    "--socket", "off", "--black-box", "off", "--supervisor", supervisor,
-                   *([] if how == "moved" else ["--quiet"])]
+                   *([] if how in ("moved", "unguarded") else ["--quiet"])]
         inside = [sys.executable, __file__, "--end", how, trace, *command]
         done = subprocess.run([*mock, "--", *inside], capture_output=True, text=True,
                               timeout=LONGEST_RUN, check=False)
@@ -85,7 +107,8 @@ class KilledDaemon(unittest.TestCase):
         return messages, json.loads(last)
 
     def run_wooden(self, device: str, how: str, supervisor: str) -> tuple[str, dict]:
-        said, seen = self.run_beside([MOCK_HID, device], WOODEN, how, supervisor)
+        named = f"{WOODEN},protocol={device[-2:]}"
+        said, seen = self.run_beside([MOCK_HID, device], named, how, supervisor)
         self.assertEqual(seen["wrong_commands"], 0, seen)
         self.assertGreater(seen["commands_with_current"], 10, seen)
         return said, seen
@@ -96,6 +119,12 @@ class KilledDaemon(unittest.TestCase):
                 said, seen = self.run_wooden(device, "kill", "on")
                 self.assertEqual(seen["last_mA"], [0, 0, 0])
                 self.assertIn(f"{SENTENCE}woodenhaptics:protocol={device[-2:]},serial=", said)
+
+    def test_a_supervisor_that_was_killed_is_started_again_and_ends_the_force(self) -> None:
+        said, seen = self.run_wooden("wooden-v2", "unguarded", "on")
+        self.assertEqual(said.count("had ended, killed or crashed: it was started again"), 2)
+        self.assertIn(f"{SENTENCE}woodenhaptics:protocol=v2,serial=", said)
+        self.assertEqual(seen["last_mA"], [0, 0, 0])
 
     def leaves(self, forceful: Callable[[dict], bool], run: Callable[[], tuple[str, dict]]) -> bool:
         """Whether some daemon without a supervisor left its device so when it was killed; one that
@@ -122,11 +151,11 @@ class KilledDaemon(unittest.TestCase):
                     self.assertEqual(seen["last_mA"], [0, 0, 0])
 
     def test_a_stick_s_effects_are_ended_after_the_daemon_was_killed(self) -> None:
-        said, seen = self.run_stick("on", 2)
+        said, seen = self.run_stick("on", 4)
         self.assertEqual([seen["playing"], *seen["last_force"]], [0, 0, 0])
         self.assertIn(SENTENCE + "pid:full_force=1N,serial=", said)
         self.assertTrue(self.leaves(lambda seen: seen["playing"] > 0,
-                                    partial(self.run_stick, "off", 1)))
+                                    partial(self.run_stick, "off", 2)))
 
     def run_stick(self, supervisor: str, resets: int) -> tuple[str, dict]:
         """Of a daemon that was never kept waiting: one that is has its stick reset meanwhile, which

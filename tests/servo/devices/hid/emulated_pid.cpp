@@ -211,10 +211,17 @@ class EmulatedPid final : public EmulatedHid {
     if (value == (is_axes() ? 1 << 3 : 4)) {
       reset();
       ++resets_;
+      is_stopped_ = false;
       return true;
     }
+    if (value == (is_axes() ? 1 << 2 : 3)) {
+      for (auto& [block, effect] : effects_) effect.playing = false;
+      is_stopped_ = true;
+      return true;
+    }
+    // What it plays by itself must have ended before its motors get power.
     has_power_ = value == 1;
-    return has_power_;
+    return has_power_ && is_stopped_;
   }
 
   bool set_effect(const HidBytes& bytes) {
@@ -254,7 +261,7 @@ class EmulatedPid final : public EmulatedHid {
   bool busy_;
   std::map<int, Effect> effects_;
   HidBytes loaded_{0x12, 0, 3, 0, 0};
-  bool has_power_ = false;
+  bool has_power_ = false, is_stopped_ = false;
   int time_ = 0, reports_ = 0, commands_ = 0, wrong_ = 0, resets_ = 0, gain_ = 0, creations_ = 0;
   int starts_ = 0, stops_ = 0, freed_ = 0, expired_ = 0, magnitudes_ = 0, asked_ = 0;
   std::vector<int> durations_;

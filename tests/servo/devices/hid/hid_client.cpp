@@ -7,6 +7,8 @@
 // SIGTERM ends it before. Exit code 2, and the sentence, where the device does not open.
 
 #include <fmt/format.h>
+#include <spdlog/sinks/stdout_sinks.h>
+#include <spdlog/spdlog.h>
 
 #include <algorithm>
 #include <array>
@@ -36,7 +38,8 @@ constexpr double push = 1;  // N
 
 volatile std::sig_atomic_t told_to_end = 0;
 
-constexpr std::array<const char*, 5> health_names{"ok", "fault", "silent", "gone", "not_homed"};
+constexpr std::array<const char*, 6> health_names{"ok",   "fault",     "silent",
+                                                  "gone", "not_homed", "unconfirmed"};
 
 /// What the client saw of its device.
 struct Seen {
@@ -132,6 +135,8 @@ int run_with(const Result<Options>& options, std::uint64_t ticks) {
 
 int main(int count, char** arguments) try {
   std::signal(SIGTERM, [](int) { told_to_end = 1; });
+  // The standard output is the report's.
+  spdlog::set_default_logger(spdlog::stderr_logger_mt("hid_client"));
   const std::string_view name = count == 4 ? arguments[1] : "";
   const std::uint64_t ticks = count == 4 ? std::strtoull(arguments[2], nullptr, 10) : 0;
   if (name == "woodenhaptics") {

@@ -10,17 +10,27 @@ import json
 import os
 import subprocess
 import sys
+import tempfile
 import unittest
+import unittest.mock
 
 MOCK = CLIENT = ""
 LONGEST_RUN = 120  # s
 MOST_TICKS = 100000
 WOODEN = ("wooden-v1", "wooden-v2", "wooden-v3")
-HOMED = "home_confirmed=always"
+SIGNS = "signs=+++"
+HOMED = f"home_confirmed=always,{SIGNS}"
 HOME = (0, 0.205, 0.025)  # m, where the tool stands at home, in the world's frame
 
 
 class HidDevices(unittest.TestCase):
+    def setUp(self) -> None:
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        state = unittest.mock.patch.dict(os.environ, XDG_STATE_HOME=folder.name)
+        state.start()
+        self.addCleanup(state.stop)
+
     def run_command(self, device: str, faults: tuple[str, ...],
                     command: list[str]) -> tuple[int, str, str, dict]:
         """Exit code, output and messages of a command beside a device, and what the device saw."""
@@ -33,6 +43,8 @@ class HidDevices(unittest.TestCase):
                    *faults: str) -> tuple[dict, dict]:
         """What a client saw, and its device, until the device has sent so many reports."""
         name = "spacemouse" if device == "spacemouse" else "woodenhaptics"
+        if device == "wooden-v3" and "serial=" not in options:
+            options += ("," if options else "") + "protocol=v3"
         code, output, messages, mock = self.run_command(
             device, (*faults, f"until={reports}"), [CLIENT, name, str(MOST_TICKS), options])
         self.assertEqual(code, 0, f"{messages}\n{mock}")
@@ -72,16 +84,56 @@ class HidDevices(unittest.TestCase):
     def test_without_a_confirmed_home_no_current_is_ever_sent(self) -> None:
         for device in WOODEN:
             with self.subTest(device):
-                seen, mock = self.run_wooden(device, 400, "")
+                seen, mock = self.run_wooden(device, 400, SIGNS)
                 self.assertEqual(seen["read"]["ok"], 0)
                 self.assertGreater(seen["read"]["not_homed"], 10)
                 self.assertGreater(mock["commands"], 10)
                 self.assertEqual(mock["commands_with_current"], 0)
 
+    def test_without_confirmed_signs_the_arm_is_followed_and_no_current_is_sent(self) -> None:
+        for device in WOODEN:
+            with self.subTest(device):
+                seen, mock = self.run_wooden(device, 400, "home_confirmed=always,gravity=on")
+                self.assertEqual(seen["read"]["ok"], 0)
+                self.assertGreater(seen["read"]["unconfirmed"], 10)
+                self.assertFalse(seen["device"]["signs_confirmed"])
+                self.assertGreater(mock["commands"], 10)
+                self.assertEqual(mock["commands_with_current"], 0)
+
+    def test_signs_that_were_kept_once_hold_at_the_next_start(self) -> None:
+        for options, read, signs in (
+                ("", "unconfirmed", "-+-+++"),
+                ("signs=--+,keep_signs=on", "ok", "--++++"),
+                ("", "ok", "--++++"),
+                ("model=vintage", "unconfirmed", "++++++"),
+                ("signs=+++", "ok", "++++++"),
+                ("", "ok", "--++++")):
+            with self.subTest(options):
+                options += ",home_confirmed=always" if options else "home_confirmed=always"
+                seen, mock = self.run_client("wooden-v2", 400, options)
+                self.assertEqual(seen["device"]["signs"], signs)
+                self.assertGreater(seen["read"][read], 10)
+                self.assertEqual(mock["commands_with_current"] > 0, read == "ok")
+
+    def test_a_board_with_ids_of_others_is_driven_only_where_it_is_named(self) -> None:
+        code, _, messages, mock = self.run_command("wooden-v3", (),
+                                                   [CLIENT, "woodenhaptics", "10", HOMED])
+        self.assertEqual(code, 2)
+        self.assertIn("16c0:0486", messages)
+        self.assertIn("protocol=v3", messages)
+        self.assertEqual(mock["reports"], 0)
+        for named in ("protocol=v3", "serial=7654321"):
+            with self.subTest(named):
+                code, output, messages, _ = self.run_command(
+                    "wooden-v3", ("until=300",),
+                    [CLIENT, "woodenhaptics", str(MOST_TICKS), f"{HOMED},{named}"])
+                self.assertEqual(code, 0, messages)
+                self.assertGreater(json.loads(output)["read"]["ok"], 10)
+
     def test_the_calibration_button_makes_the_pose_home(self) -> None:
         for device in ("wooden-v2", "wooden-v3"):
             with self.subTest(device):
-                seen, mock = self.run_wooden(device, 900, "", "press=300")
+                seen, mock = self.run_wooden(device, 900, SIGNS, "press=300")
                 self.assertEqual(mock["commands_with_current_before_set"], 0)
                 self.assertGreaterEqual(mock["set_counters"], 1)
                 self.assertGreater(mock["commands_with_current"], 10)
@@ -92,7 +144,7 @@ class HidDevices(unittest.TestCase):
     def test_a_press_from_before_the_start_does_not_count(self) -> None:
         for device in ("wooden-v2", "wooden-v3"):
             with self.subTest(device):
-                seen, mock = self.run_wooden(device, 400, "", "press=0")
+                seen, mock = self.run_wooden(device, 400, SIGNS, "press=0")
                 self.assertGreaterEqual(mock["set_counters"], 1)
                 self.assertEqual(mock["commands_with_current"], 0)
                 self.assertEqual(seen["read"]["ok"], 0)
@@ -112,7 +164,7 @@ class HidDevices(unittest.TestCase):
                 self.assertEqual(seen["read"]["gone"], 0)
 
     def test_counters_that_wrap_are_followed(self) -> None:
-        seen, _ = self.run_wooden("wooden-v2", 800, HOMED + ",home=-32760:0:6000,signs=+++",
+        seen, _ = self.run_wooden("wooden-v2", 800, HOMED + ",home=-32760:0:6000",
                                   "start=32760:0:0")
         self.assert_followed(seen)
 
@@ -157,7 +209,8 @@ class HidDevices(unittest.TestCase):
     def test_a_home_confirmed_once_is_lost_by_unplugging(self) -> None:
         for device in WOODEN:
             with self.subTest(device):
-                seen, _ = self.run_wooden(device, 500, "home_confirmed=once", "unplug=200:50")
+                seen, _ = self.run_wooden(device, 500, f"home_confirmed=once,{SIGNS}",
+                                          "unplug=200:50")
                 changes = seen["changes"]
                 self.assertIn("ok", changes[:changes.index("gone")])
                 self.assertNotIn("ok", changes[changes.index("gone"):])

@@ -53,7 +53,8 @@ void add_controls(DescriptorWriter& w, bool as_bits) {
   w.begin(0x95, logical_set).id(0x1C).begin(0x96, logical_set);
   w.usages({0x97, 0x98, 0x99, 0x9A, 0x9B, 0x9C});
   if (as_bits) {
-    w.logical(0, 1).size(1, 6).output(variable).size(1, 2).output(constant);
+    // As OpenFFBoard has it: single bits with the range of an array.
+    w.logical(1, 6).size(1, 6).output(variable).size(1, 2).output(constant);
   } else {
     w.logical(1, 6).size(8, 1).output(array);
   }

@@ -15,6 +15,7 @@ MOCK = CLIENT = ""
 LONGEST_RUN = 120  # s
 MOST_TICKS = 100000
 MOST_TRIES = 10
+RESETS = 2  # of one set-up
 FULL = "full_force=10N"  # the client pushes with 1 N, a tenth of it
 
 
@@ -79,7 +80,7 @@ class PidDevice(unittest.TestCase):
                 self.assertEqual(seen["force_cap_N"], 10)
                 self.assertEqual(seen["device"]["axes"], 2)
                 self.assert_pushed(mock, 0.1, 0)
-                self.assertEqual(mock["resets"], 1)
+                self.assertEqual(mock["resets"], RESETS)
                 self.assertEqual(mock["created"], 2)
                 self.assertEqual(mock["durations"], [200, 200])
                 self.assertEqual([mock["stops"], mock["freed"], mock["playing"]], [2, 2, 0])
@@ -133,7 +134,7 @@ class PidDevice(unittest.TestCase):
         self.assert_pushed(mock, 0.1, 0)
 
     def test_silence_is_told_and_ends_with_the_next_report(self) -> None:
-        seen, mock = self.run_client("pid", 700, FULL, "silence=300:200")
+        seen, mock = self.run_client("pid", 700, FULL, "silence=300:500")
         after = seen["changes"][seen["changes"].index("ok"):]
         self.assertIn("ok", after[after.index("silent"):])
         self.assertEqual(seen["read"]["gone"], 0)
@@ -145,7 +146,7 @@ class PidDevice(unittest.TestCase):
         self.assertEqual(seen["device"]["reopened"], 3)
         changes = seen["changes"]
         self.assertIn("ok", changes[changes.index("gone"):])
-        self.assertEqual(mock["resets"], 4)
+        self.assertEqual(mock["resets"], 4 * RESETS)
         self.assertEqual(mock["created"], 8)
         self.assertEqual(mock["last_force"], [0, 0])
 
@@ -153,8 +154,8 @@ class PidDevice(unittest.TestCase):
         # The first four or five set it up, the next gives the force and is repeated with the watchdog.
         for at, fails in ((40, 1), (40, 2)):
             with self.subTest(at=at, fails=fails):
-                seen, mock = self.run_client("pid", 900, FULL, f"refuse={at}:{fails}")
-                self.assertEqual(seen["device"]["reopened"], 1)
+                seen, mock = self.run_client("pid", 2000, FULL, f"refuse={at}:{fails}")
+                self.assertGreaterEqual(seen["device"]["reopened"], 1)
                 off = [time for time in mock["force_ended_ns"] if time > mock["refused_ns"]]
                 off_ms = (off[0] - mock["refused_ns"]) / 1e6
                 print(f"pid: no force {off_ms:.1f} ms after {fails} failed transfers",
@@ -208,7 +209,7 @@ class PidDevice(unittest.TestCase):
         code, _, messages, mock = self.run_command("pid", (), ["bash", "-c", script, CLIENT])
         self.assertEqual(code, 2)
         self.assertIn("in use by another program", messages)
-        self.assertEqual(mock["resets"], 1)
+        self.assertEqual(mock["resets"], RESETS)
 
 
 if __name__ == "__main__":

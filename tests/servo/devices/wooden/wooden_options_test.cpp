@@ -50,17 +50,63 @@ TEST_CASE("Without signs those of the protocol's public hosts are taken, with th
   const auto options = parse_wooden_options("");
   REQUIRE(options);
   const WoodenCalibration first = wooden_calibration(*options, WoodenProtocol::v1);
-  REQUIRE(signs_text(first.count_signs.data(), 3) == "--+");
-  REQUIRE(signs_text(first.motor_signs.data(), 3) == "--+");
-  const WoodenCalibration second = wooden_calibration(*options, WoodenProtocol::v2);
-  REQUIRE(signs_text(second.count_signs.data(), 3) == "-+-");
-  REQUIRE(signs_text(second.motor_signs.data(), 3) == "+-+");
-  REQUIRE(second.home == std::array<double, 3>{0, 0, 6000});
-  const auto woody = parse_wooden_options("model=woody2019");
-  REQUIRE(woody);
-  const WoodenCalibration third = wooden_calibration(*woody, WoodenProtocol::v2);
-  REQUIRE(signs_text(third.count_signs.data(), 3) == "---");
-  REQUIRE(signs_text(third.motor_signs.data(), 3) == "+++");
+  REQUIRE(signs_text(first.count_signs.data(), 3) == "+-+");
+  REQUIRE(signs_text(first.motor_signs.data(), 3) == "-+-");
+  for (const WoodenProtocol protocol : {WoodenProtocol::v2, WoodenProtocol::v3}) {
+    const WoodenCalibration second = wooden_calibration(*options, protocol);
+    REQUIRE(signs_text(second.count_signs.data(), 3) == "-+-");
+    REQUIRE(signs_text(second.motor_signs.data(), 3) == "-+-");
+    REQUIRE(second.home == std::array<double, 3>{0, 0, 6000});
+  }
+  for (const char* model : {"woodenhaptics2015", "woody2019", "aluhaptics", "vintage"}) {
+    CAPTURE(model);
+    const auto other = parse_wooden_options(std::string("model=") + model);
+    REQUIRE(other);
+    const WoodenCalibration third = wooden_calibration(*other, WoodenProtocol::v2);
+    CHECK(signs_text(third.count_signs.data(), 3) == "+++");
+    CHECK(signs_text(third.motor_signs.data(), 3) == "+++");
+  }
+}
+
+TEST_CASE("No model's current turns a joint against its count, on any axis") {
+  // The firmware of V1 counts backwards, that of V2 and V3 forwards.
+  for (const auto& [protocol, forwards] :
+       {std::pair(WoodenProtocol::v1, -1.0), std::pair(WoodenProtocol::v2, 1.0),
+        std::pair(WoodenProtocol::v3, 1.0)}) {
+    for (const WoodenModel& model : wooden_models) {
+      for (const char* named : {"", ",signs=+++", ",signs=---", ",signs=-+-"}) {
+        CAPTURE(to_string(protocol), model.name, named);
+        const auto options = parse_wooden_options("model=" + std::string(model.name) + named);
+        REQUIRE(options);
+        const WoodenCalibration calibration = wooden_calibration(*options, protocol);
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+          CHECK(calibration.count_signs[axis] * calibration.motor_signs[axis] == forwards);
+        }
+      }
+    }
+  }
+}
+
+TEST_CASE("At home the tool of each model is in front of its column, where public hosts have it") {
+  for (const WoodenModel& model : wooden_models) {
+    CAPTURE(model.name);
+    WoodenCalibration calibration;
+    calibration.home = model.home;
+    const spm::Vector3 tool = wooden_position(model, wooden_angles(model, calibration, {0, 0, 0}));
+    const bool woody = model.name.starts_with("wood");
+    const spm::Vector3 home = woody                     ? spm::Vector3(0.025, 0, 0.205)
+                              : model.name == "vintage" ? spm::Vector3(0, 0, -0.015)
+                                                        : spm::Vector3(0, 0, 0);
+    CHECK((tool - home).norm() < 1e-4);
+  }
+}
+
+TEST_CASE("Signs are kept only where they are named") {
+  REQUIRE(parse_wooden_options("signs=+++,keep_signs=on"));
+  REQUIRE(parse_wooden_options("keep_signs=off"));
+  const auto refused = parse_wooden_options("keep_signs=on");
+  REQUIRE_FALSE(refused);
+  CHECK_THAT(refused.error().message, Catch::Contains("signs=-+-"));
 }
 
 TEST_CASE("The drives of 2015 may give 6 A, wherever the option stands") {
@@ -72,7 +118,7 @@ TEST_CASE("The drives of 2015 may give 6 A, wherever the option stands") {
 
 TEST_CASE("A wrong WoodenHaptics option is a usage error that says what would do") {
   const auto [text, hint] = GENERATE(table<std::string, std::string>({
-      {"colour=red", "model, protocol, serial, signs, motor_signs, home"},
+      {"colour=red", "model, protocol, serial, signs, motor_signs, keep_signs, home"},
       {"model=polhem", "woodenhaptics2015 woodenhaptics2016 woody2019 aluhaptics vintage"},
       {"model=", "woody2019"},
       {"protocol=v4", "auto, v1, v2 or v3"},

@@ -26,6 +26,7 @@ struct Board {
       : tracker(options_of(options)) {
     report.protocol = protocol;
     report.connection = 1;
+    report.signs_confirmed = true;
   }
 
   DeviceHealth next() {
@@ -59,6 +60,40 @@ TEST_CASE("A WoodenHaptics whose home nobody confirms gives no force") {
     REQUIRE(command);
     REQUIRE(command->request == WoodenRequest::currents);
     REQUIRE(command->currents == no_current);
+  }
+}
+
+TEST_CASE("A WoodenHaptics whose signs nobody confirms is followed, and gives no force") {
+  for (const WoodenProtocol protocol :
+       {WoodenProtocol::v1, WoodenProtocol::v2, WoodenProtocol::v3}) {
+    Board board("home_confirmed=always,gravity=on", protocol);
+    board.report.signs_confirmed = false;
+    for (int i = 0; i < 100; ++i) {
+      REQUIRE(board.next() == DeviceHealth::unconfirmed);
+      REQUIRE(board.sent(push)->currents == no_current);
+    }
+    const Vector3 before = board.tracker.state().position;
+    board.report.counters[0] = 50;
+    REQUIRE(board.next() == DeviceHealth::unconfirmed);
+    CHECK((board.tracker.state().position - before).norm() > 1e-3);
+    board.report.signs_confirmed = true;
+    REQUIRE(board.next() == DeviceHealth::ok);
+    CHECK(board.sent(push)->currents != no_current);
+  }
+}
+
+TEST_CASE("Signs that the options name are confirmed by that, and those that a board brings hold") {
+  Board named("home_confirmed=always,signs=+++");
+  named.report.signs_confirmed = false;
+  REQUIRE(named.next() == DeviceHealth::ok);
+  CHECK(named.sent(push)->currents != no_current);
+
+  Board plain("home_confirmed=always"), turned("home_confirmed=always");
+  turned.report.signs = {{1, -1, 1, 1, 1, 1}, {1, -1, 1}};  // the opposite of plain's
+  REQUIRE(plain.next() == DeviceHealth::ok);
+  REQUIRE(turned.next() == DeviceHealth::ok);
+  for (std::size_t i = 0; i < 3; ++i) {
+    CHECK(turned.sent(push)->currents[i] == -plain.sent(push)->currents[i]);
   }
 }
 
