@@ -4,7 +4,6 @@
 #include <systemd/sd-daemon.h>
 
 #include <chrono>
-#include <system_error>
 
 #include "servo/realtime/realtime.hpp"
 

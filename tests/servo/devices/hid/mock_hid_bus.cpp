@@ -229,6 +229,11 @@ void MockHidBus::deliver(const HidBytes& report) {
   queue(device_->taken());
 }
 
+void MockHidBus::drop_queued() {
+  std::array<char, 1> token{};
+  for (; !queue_.empty(); queue_.pop_front()) static_cast<void>(!read(tokens_, token.data(), 1));
+}
+
 void MockHidBus::hold(const HidBytes& report, int milliseconds) {
   g_timeout_add(static_cast<guint>(milliseconds), &MockHidBus::on_held,
                 new Held{this, report, generation_});
@@ -276,6 +281,9 @@ void MockHidBus::on_connected(UMockdevIoctlBase*, UMockdevIoctlClient* client, g
   const std::lock_guard lock(bus->mutex_);
   bus->listening_.begin();
   g_object_set_data(G_OBJECT(client), "generation", GINT_TO_POINTER(bus->generation_));
+  // What opens a node hears what comes from then on, as with the kernel. A board that answers would
+  // wait for ever for its answer to be taken.
+  if (bus->device_->period_ms() > 0) bus->drop_queued();
   if (bus->powered_) return;
   // It is asked for reports from its first opening on.
   bus->powered_ = true;

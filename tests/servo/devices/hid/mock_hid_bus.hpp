@@ -60,6 +60,7 @@ class MockHidBus {
   // With the mutex held:
   void queue(const std::vector<HidBytes>& reports);
   void deliver(const HidBytes& report);
+  void drop_queued();
   void hold(const HidBytes& report, int milliseconds);
   [[nodiscard]] long fetch(UMockdevIoctlClient* client);
   [[nodiscard]] bool is_present(UMockdevIoctlClient* client) const;

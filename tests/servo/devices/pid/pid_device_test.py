@@ -134,7 +134,7 @@ class PidDevice(unittest.TestCase):
         self.assert_pushed(mock, 0.1, 0)
 
     def test_silence_is_told_and_ends_with_the_next_report(self) -> None:
-        seen, mock = self.run_client("pid", 700, FULL, "silence=300:500")
+        seen, mock = self.run_client("pid", 1300, FULL, "silence=300:500")
         after = seen["changes"][seen["changes"].index("ok"):]
         self.assertIn("ok", after[after.index("silent"):])
         self.assertEqual(seen["read"]["gone"], 0)
