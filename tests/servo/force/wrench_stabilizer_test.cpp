@@ -141,6 +141,7 @@ TEST_CASE("A hand that rests by one encoder step is not braked, however soft the
                           (sent.torque - wanted.torque).norm() / 0.03});
     }
     CHECK(largest < 0.01);
+    CHECK(stabilizer.generated() < 1e-7);
   }
 }
 
