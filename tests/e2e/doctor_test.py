@@ -74,7 +74,7 @@ def plugged_in():
     for port, vendor, product, name, descriptor in (
             (3, 0x1234, 0x0006, "HID DEVICE", "06ABFF0A0002A101C0"),
             (4, 0x256F, 0xC635, "SpaceMouse Compact", "05010908A101C0"),
-            (5, 0x1209, 0xFFB0, "FFBoard", "05010904A101050F0921A102C0C0"),
+            (5, 0x1209, 0xFFB0, "FFBoard", "05010904A101050F0973A102C0C0"),
             (6, 0x1209, 0x0001, "Mouse", "05010902A101C0")):
         plain += usb_device(port, port + 10, vendor, product, name, f"S{port}")
         plain += hid_device(port, vendor, product, name, f"S{port}", descriptor)
