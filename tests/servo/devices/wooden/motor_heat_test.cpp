@@ -62,7 +62,8 @@ TEST_CASE("A limited winding never comes to its limit, however long and strong i
 
 TEST_CASE("The arm's force is lowered in all motors alike where one is hot, and comes back") {
   WoodenOptions options = *parse_wooden_options(
-      "home_confirmed=always,motor_resistance=1ohm,thermal_resistance=10K/W,thermal_time=1s,"
+      "home_confirmed=always,signs=+++,motor_resistance=1ohm,thermal_resistance=10K/"
+      "W,thermal_time=1s,"
       "winding_limit=45C,motor_source=a test");
   WoodenTracker tracker(options);
   WoodenReport report;
