@@ -4,14 +4,17 @@
 #include <algorithm>
 #include <utility>
 
+#include "servo/devices/base/lost_home.hpp"
+
 namespace spm::servo {
 
 DeviceHealth FalconTracker::follow(const FalconReport& report, std::int64_t came_ns) noexcept {
   if (report.homed != falcon_all_homed) {
     // Homing sets the counts to their right values, so the previous position is no longer valid.
-    followed_ = false;
+    followed_ = lost_home_ = false;
     return DeviceHealth::not_homed;
   }
+  if (lost_home_) return DeviceHealth::not_homed;
   if (frozen(report, came_ns)) return DeviceHealth::fault;
 
   const Vector3 angles = falcon_angles(report.encoders, home_angle_);
@@ -25,7 +28,11 @@ DeviceHealth FalconTracker::follow(const FalconReport& report, std::int64_t came
   const double seconds = static_cast<double>(came_ns - position_ns_) * 1e-9;
   const double farthest = falcon_fastest_hand * (std::max(seconds, 0.0) + falcon_report_delay);
   // The last position gets older meanwhile, so that a true position is accepted again soon.
-  if (followed_ && (pose.position - position_).norm() > farthest) return DeviceHealth::fault;
+  const double way = followed_ ? (pose.position - position_).norm() : 0;
+  if (way > farthest) {
+    lost_home_ = way > lost_home_jump;
+    return DeviceHealth::fault;
+  }
 
   position_ = pose.position;
   angles_ = angles;

@@ -37,12 +37,13 @@ class FalconTracker {
   explicit FalconTracker(double home_angle) noexcept : home_angle_(home_angle) {}
 
   /// Forgets the position: the device was opened again.
-  void restart() noexcept { followed_ = false; }
+  void restart() noexcept { followed_ = lost_home_ = false; }
 
   /// Takes a report that came at a time, now_ns(). The position is valid if the result is `ok`. It
   /// is `not_homed` until all three encoders know where they are, and the position is then followed
   /// from the start. It is `fault` if the position cannot be true, or jumped, or the encoders are
-  /// stuck.
+  /// stuck. After a jump of more than lost_home_jump it is `not_homed` until the device has homed
+  /// again, or was opened again.
   [[nodiscard]] DeviceHealth follow(const FalconReport& report, std::int64_t came_ns) noexcept;
 
   /// Sets the force, N, with which the hand was last pushed.
@@ -63,6 +64,7 @@ class FalconTracker {
   std::int64_t last_ns_ = 0;   ///< of the last report
   double pushed_ = 0;
   bool stuck_ = false;
+  bool lost_home_ = false;  ///< an encoder slipped
 };
 
 }  // namespace spm::servo

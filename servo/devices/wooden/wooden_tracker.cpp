@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "servo/devices/base/lost_home.hpp"
 #include "servo/devices/wooden/kept_signs.hpp"
 
 namespace spm::servo {
@@ -87,7 +88,9 @@ void WoodenTracker::measure(const WoodenReport& report, std::int64_t came_ns) no
   if (position_known_ && plausible_) {
     const double interval =
         std::max(static_cast<double>(came_ns - came_ns_) * 1e-9, wooden_min_interval);
-    plausible_ = (state_.position - before).norm() <= wooden_fastest * interval;
+    const double way = (state_.position - before).norm();
+    plausible_ = way <= wooden_fastest * interval;
+    if (!plausible_ && way > lost_home_jump && homing_ == Homing::done) homing_ = Homing::wanted;
   }
   position_known_ = state_.position.allFinite();
 }

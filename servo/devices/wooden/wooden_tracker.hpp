@@ -32,7 +32,9 @@ inline constexpr double wooden_min_interval = 2e-3;
 /// user's confirmation that this was the home pose (WoodenHome) or, with V2 and V3, the calibration
 /// button pressed while the arm is held at home; the counters are then set to 0. A press from
 /// before the board was opened is cleared and does not count, since the arm may have moved after
-/// it. The counters cannot have wrapped unnoticed: 16 bits cover more than the joints' range.
+/// it. After a jump of more than lost_home_jump the arm is not homed any more, whatever was
+/// confirmed: by the button, or by opening the board again. The counters cannot have wrapped
+/// unnoticed: 16 bits cover more than the joints' range.
 class WoodenTracker {
  public:
   explicit WoodenTracker(const WoodenOptions& options) noexcept : options_(options) {}

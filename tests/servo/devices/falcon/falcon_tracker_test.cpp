@@ -58,12 +58,28 @@ TEST_CASE("Until all three encoders are homed there is no position, whatever the
 TEST_CASE("A hand that jumps farther than one can move is a fault, until time explains it") {
   FalconTracker tracker(falcon_home_angle);
   REQUIRE(tracker.follow(report_at({0, 0, 0}), 0) == DeviceHealth::ok);
-  const FalconReport far = report_at({0.03, 0, 0});
+  const FalconReport far = report_at({0.018, 0, 0});
   REQUIRE(tracker.follow(far, millisecond) == DeviceHealth::fault);
   REQUIRE(tracker.position().norm() < 100e-6);
   REQUIRE(tracker.follow(report_at({0.001, 0, 0}), 2 * millisecond) == DeviceHealth::ok);
   REQUIRE(tracker.follow(far, 3 * millisecond) == DeviceHealth::fault);
   REQUIRE(tracker.follow(far, 20 * millisecond) == DeviceHealth::ok);
+}
+
+TEST_CASE("A Falcon that jumps by more than 20 mm has to home again, or to be opened again") {
+  FalconTracker tracker(falcon_home_angle);
+  REQUIRE(tracker.follow(report_at({0, 0, 0}), 0) == DeviceHealth::ok);
+  REQUIRE(tracker.follow(report_at({0.03, 0, 0}), millisecond) == DeviceHealth::fault);
+  for (int i = 2; i < 100; ++i) {
+    REQUIRE(tracker.follow(report_at({0, 0, 0}), i * millisecond) == DeviceHealth::not_homed);
+  }
+  FalconReport homing = report_at({0, 0, 0});
+  homing.homed = 3;
+  REQUIRE(tracker.follow(homing, 100 * millisecond) == DeviceHealth::not_homed);
+  REQUIRE(tracker.follow(report_at({0, 0, 0}), 101 * millisecond) == DeviceHealth::ok);
+  REQUIRE(tracker.follow(report_at({0.03, 0, 0}), 102 * millisecond) == DeviceHealth::fault);
+  tracker.restart();
+  REQUIRE(tracker.follow(report_at({0, 0, 0}), 103 * millisecond) == DeviceHealth::ok);
 }
 
 TEST_CASE("A jump through homing, or after the device was opened again, is none") {

@@ -178,6 +178,15 @@ TEST_CASE("A jump that no hand makes is a fault, a fast motion is none") {
   REQUIRE(board.next() == DeviceHealth::ok);
 }
 
+TEST_CASE("An encoder that jumps by more than 20 mm is not homed any more") {
+  Board board("home_confirmed=once,signs=+++");
+  REQUIRE(board.next() == DeviceHealth::ok);
+  board.report.counters[0] = static_cast<std::int16_t>(board.report.counters[0] + 600);  // 29 mm
+  REQUIRE(board.next() == DeviceHealth::fault);
+  for (int i = 0; i < 100; ++i) REQUIRE(board.next() == DeviceHealth::not_homed);
+  REQUIRE(board.sent(push)->currents == no_current);
+}
+
 TEST_CASE("Counters that wrap move the tool on, not across the room") {
   Board board("home_confirmed=once,signs=+++,home=0:0:6000");
   board.report.counters[0] = 32760;
