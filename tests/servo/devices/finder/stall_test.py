@@ -4,7 +4,8 @@
 plugs in, and measures after which time no motor had a current any longer.
 
 Usage: stall_test.py MOCK_HID MOCK_FALCON SERVO BAKE SPINNING [unittest options], the programs
-mock_hid, mock_usb_falcon, spm-servo and spm-bake, and the library spinning_loop. TIMES in the environment says how often each
+mock_hid, mock_usb_falcon, spm-servo and spm-bake, and the library spinning_loop. TIMES in the
+environment says how often each
 is done (default 5). Prints the times, which a busy machine lengthens; the tests ask only that the
 force went off while the daemon was away.
 """
