@@ -122,7 +122,7 @@ AppEffects::Effect* AppEffects::place_for(Hand& hand, const AppCommand& command)
     kept += here ? 1 : 0;
     if (!here && (place == nullptr || effect.shown < place->shown)) place = &effect;
   }
-  if (kept >= most_effects) return nullptr;
+  if (place == nullptr || kept >= most_effects) return nullptr;
   *place = {};
   return place;
 }

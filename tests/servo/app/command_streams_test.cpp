@@ -29,7 +29,7 @@ void check(const CommandStream& stream) {
 }  // namespace
 
 TEST_CASE("No stream of commands gives a hand more energy than the changes of the potential") {
-  for (std::uint64_t number = 0; number < 10 * stream_kinds; ++number) {
+  for (std::uint64_t number = 0; number < std::uint64_t{10} * stream_kinds; ++number) {
     const CommandStream stream = stream_of(number);
     if (is_of_the_potential(stream.kind)) check(stream);
   }
