@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <cmath>
 
 namespace spm {
 
@@ -20,5 +21,15 @@ inline constexpr double change_rate = 60;
   const double most = change_rate * seconds;
   return std::min(1.0, newtons * share > most ? most / newtons : share);
 }
+
+/// From `now` towards a number, by a share of the way from `from`, and by no more than `most`.
+[[nodiscard]] inline double stepped(double now, double from, double to, double share,
+                                    double most) noexcept {
+  const double step = std::min(share * std::abs(to - from), most);
+  return now + std::clamp(to - now, -step, step);
+}
+
+/// m: at this arm a torque counts as the force that it is felt as in the fingers.
+inline constexpr double finger_arm = 0.01;
 
 }  // namespace spm

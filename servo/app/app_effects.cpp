@@ -12,9 +12,6 @@ namespace spm::servo {
 
 namespace {
 
-/// m: at this arm a torque is felt as the force that it is in the fingers.
-constexpr double finger_arm = 0.01;
-
 /// Whether one effect goes over into another by its numbers.
 bool is_alike(const HandEffect& one, const HandEffect& other) noexcept {
   return one.kind == other.kind && one.range == other.range && one.spacing == other.spacing;
@@ -30,14 +27,8 @@ Placement place_of(const HandEffect& effect) noexcept {
   return place;
 }
 
-/// From `now` towards a number, by a share of the way from `from`, and by no more than `most`.
-double stepped(double now, double from, double to, double share, double most) noexcept {
-  const double step = std::min(share * std::abs(to - from), most);
-  return now + std::clamp(to - now, -step, step);
-}
-
 /// From one vector towards another, no farther than `most`.
-Vector3 stepped(const Vector3& now, const Vector3& to, double most) noexcept {
+Vector3 stepped_to(const Vector3& now, const Vector3& to, double most) noexcept {
   const Vector3 way = to - now;
   const double size = way.norm();
   return size > most ? Vector3(now + way * (most / size)) : to;
@@ -243,9 +234,9 @@ Wrench AppEffects::next(std::uint32_t device, const Vector3& tool, std::uint64_t
   for (Push& push : hand.pushes) {
     const bool over = now_ns >= push.until_ns;
     if (over && push.felt.force.isZero(0) && push.felt.torque.isZero(0)) continue;
-    push.felt.force = stepped(push.felt.force, over ? Vector3::Zero() : push.wrench.force, most);
-    push.felt.torque =
-        stepped(push.felt.torque, over ? Vector3::Zero() : push.wrench.torque, finger_arm * most);
+    push.felt.force = stepped_to(push.felt.force, over ? Vector3::Zero() : push.wrench.force, most);
+    push.felt.torque = stepped_to(push.felt.torque, over ? Vector3::Zero() : push.wrench.torque,
+                                  finger_arm * most);
     sum.force += push.felt.force;
     sum.torque += push.felt.torque;
   }

@@ -31,25 +31,21 @@ bool same_numbers(const PlacedObject& one, const PlacedObject& other) noexcept {
          texture.wavelength == other_texture.wavelength && texture.seed == other_texture.seed;
 }
 
-/// From `now` towards a number, by a share of the way from `from`.
-double stepped(double now, double from, double to, double share) noexcept {
-  const double most = share * std::abs(to - from);
-  return now + std::clamp(to - now, -most, most);
-}
+constexpr double any_step = std::numeric_limits<double>::infinity();
 
 /// Another pattern comes once the old one is flat.
 void step_texture(TextureSettings& felt, const TextureSettings& from, const TextureSettings& wanted,
                   double share) noexcept {
   const bool same = felt.wavelength == wanted.wavelength && felt.seed == wanted.seed;
   if (same) {
-    felt.amplitude = stepped(felt.amplitude, from.amplitude, wanted.amplitude, share);
+    felt.amplitude = stepped(felt.amplitude, from.amplitude, wanted.amplitude, share, any_step);
     // Where the pattern was exchanged, the way to the new height began at none.
     if (from.wavelength != wanted.wavelength || from.seed != wanted.seed) {
       felt.amplitude = std::min(felt.amplitude + share * wanted.amplitude, wanted.amplitude);
     }
     return;
   }
-  felt.amplitude = stepped(felt.amplitude, from.amplitude, 0, share);
+  felt.amplitude = stepped(felt.amplitude, from.amplitude, 0, share, any_step);
   if (felt.amplitude > 0) return;
   felt.wavelength = wanted.wavelength;
   felt.seed = wanted.seed;
@@ -81,16 +77,12 @@ void step_towards(PlacedObject& felt, const PlacedObject& from, const PlacedObje
   const double share = change_share(seconds, 0);
   double& stiffness = felt.force.stiffness;
   const double goal = wanted.force.stiffness;
-  double next = stepped(stiffness, from.force.stiffness, goal, share);
-  if (pressing > 0) {
-    const double most = change_rate * seconds * stiffness / pressing;
-    next = stiffness + std::clamp(next - stiffness, -most, most);
-  }
-  stiffness = next;
+  const double most = pressing > 0 ? change_rate * seconds * stiffness / pressing : any_step;
+  stiffness = stepped(stiffness, from.force.stiffness, goal, share, most);
   const auto begin = numbers_of(from.effects), end = numbers_of(wanted.effects);
   const auto now = numbers_of(felt.effects);
   for (std::size_t i = 0; i < now.size(); ++i)
-    *now[i] = stepped(*now[i], *begin[i], *end[i], share);
+    *now[i] = stepped(*now[i], *begin[i], *end[i], share, any_step);
   step_texture(felt.effects.texture, from.effects.texture, wanted.effects.texture, share);
 }
 

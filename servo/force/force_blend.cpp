@@ -10,9 +10,6 @@ namespace spm {
 
 namespace {
 
-/// m: at this arm a torque counts as the force that it is felt as in the fingers.
-constexpr double finger_arm = 0.01;
-
 /// A vector of that length and direction, longer by what was moved against it.
 Vector3 pressed(const Vector3& vector, double stiffness, const Vector3& moved) noexcept {
   const double size = vector.norm();
