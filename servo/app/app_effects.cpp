@@ -27,6 +27,17 @@ Placement place_of(const HandEffect& effect) noexcept {
   return place;
 }
 
+/// From one limit of a force towards another, by at most `most`, N. From none it begins at the size
+/// of what is held, and where none is wanted it ends once it holds nothing back.
+void step_limit(double& limit, double wanted, double size, double most) noexcept {
+  if (!std::isfinite(limit)) limit = std::isfinite(wanted) ? std::max(size, wanted) : limit;
+  if (!std::isfinite(wanted)) {
+    limit = size < limit ? wanted : limit + most;
+  } else {
+    limit += std::clamp(wanted - limit, -most, most);
+  }
+}
+
 /// From one vector towards another, no farther than `most`.
 Vector3 stepped_to(const Vector3& now, const Vector3& to, double most) noexcept {
   const Vector3 way = to - now;
@@ -174,8 +185,12 @@ void AppEffects::drop(std::size_t object) noexcept {
       const bool felt = effect.what.kind == HandEffectKind::magnet && effect.object == object;
       const bool wanted =
           effect.wanted.kind == HandEffectKind::magnet && effect.wanted_object == object;
-      // What is felt of it needs its surface.
-      if (felt) effect.shown = 0;
+      // There is no surface any more to go by.
+      if (felt) {
+        hand.fading += effect.felt;
+        effect.felt.setZero();
+        effect.shown = 0;
+      }
       if (wanted) remove(effect);
     }
   }
@@ -209,12 +224,7 @@ void AppEffects::go_on(Hand& hand, Effect& effect, double seconds, double felt,
   what.stiffness = stepped(what.stiffness, begun.stiffness, wanted.stiffness, share, stiffer);
   what.damping =
       stepped(what.damping, begun.damping, wanted.damping, share, wanted.damping + what.damping);
-  if (std::isfinite(what.most_force) && std::isfinite(wanted.most_force)) {
-    what.most_force =
-        stepped(what.most_force, begun.most_force, wanted.most_force, 1, change_rate * seconds);
-  } else {
-    what.most_force = wanted.most_force;
-  }
+  step_limit(what.most_force, wanted.most_force, effect.size, change_rate * seconds);
   if (what.kind == HandEffectKind::spring || what.kind == HandEffectKind::detents) {
     const Placement place = effect.motion.at(now_ns).pose;
     what.point = place.position;
@@ -240,6 +250,8 @@ Wrench AppEffects::next(std::uint32_t device, const Vector3& tool, std::uint64_t
     sum.force += push.felt.force;
     sum.torque += push.felt.torque;
   }
+  hand.fading = stepped_to(hand.fading, Vector3::Zero(), most);
+  sum.force += hand.fading;
   if (hand.any) hand.velocity.take(tool, ticks);
   const Vector3 velocity = hand.any ? hand.velocity.now() : Vector3::Zero();
   make_room(hand, force.touched_stiffness(), seconds);
@@ -247,16 +259,19 @@ Wrench AppEffects::next(std::uint32_t device, const Vector3& tool, std::uint64_t
   for (Effect& effect : hand.effects) {
     if (effect.connection == 0) continue;
     go_on(hand, effect, seconds, hand.felt, now_ns);
-    if (effect.connection == 0 || effect.other) continue;
+    if (effect.connection == 0) continue;
     const HandEffectKind kind = effect.what.kind;
     const NearSurface surface = kind == HandEffectKind::magnet
                                     ? force.near_surface(effect.object, assets, tool)
                                     : NearSurface{};
     const double share = kind == HandEffectKind::viscous ? hand.felt_damping_share
                                                          : hand.left * hand.felt_stiffness_share;
-    const Vector3 whole = share * hand_effect_force(effect.what, tool, velocity, surface);
-    felt += whole.norm();
-    sum.force += effect.shown * whole;
+    const Vector3 whole = hand_effect_force(effect.what, tool, velocity, surface);
+    const double brake = kind == HandEffectKind::viscous ? 0 : effect.what.damping;
+    effect.size = whole.norm() + brake * velocity.norm();
+    felt += share * whole.norm();
+    effect.felt = effect.shown * share * whole;
+    sum.force += effect.felt;
   }
   hand.felt = felt;
   return sum.force.allFinite() && sum.torque.allFinite() ? sum : Wrench{};
@@ -267,6 +282,7 @@ void AppEffects::rest(std::uint32_t device) noexcept {
   if (hand == nullptr) return;
   hand->velocity.reset();
   hand->felt = 0;
+  hand->fading.setZero();
   for (Push& push : hand->pushes) push.felt = {};
   for (Effect& effect : hand->effects) effect.shown = 0;
 }

@@ -71,14 +71,15 @@ class AppEffects {
   [[nodiscard]] Refusal remove(const AppCommand& command) noexcept;
   /// An application is gone.
   void leave(std::uint32_t client, std::uint32_t connection) noexcept;
-  /// An object is gone, and its magnets with it.
+  /// An object is gone, and its magnets with it; what was felt of them fades.
   void drop(std::size_t object) noexcept;
-  /// Once a tick: the effects of applications that give no sign of life any more fade.
-  template <class IsSilent>
-  void tell_silent(const IsSilent& is_silent) noexcept {
+  /// Once a tick: the effects that `is_left_alone(connection, motion)` by their application fade.
+  template <class IsLeftAlone>
+  void tell_silent(const IsLeftAlone& is_left_alone) noexcept {
     for (Hand& hand : devices_) {
       for (Effect& effect : hand.effects) {
-        effect.silent = effect.connection != 0 && !effect.leaving && is_silent(effect.connection);
+        effect.silent = effect.connection != 0 && !effect.leaving &&
+                        is_left_alone(effect.connection, effect.motion);
       }
     }
   }
@@ -103,6 +104,8 @@ class AppEffects {
     std::size_t object = 0, wanted_object = 0;
     PoseInterpolator motion{{}, {}};  ///< of its point, and of its axis as the z axis
     double shown = 0;                 ///< how far it faded in, 0 to 1
+    Vector3 felt = Vector3::Zero();   ///< N, in the last tick
+    double size = 0;                  ///< N, at most, of its pull were it shown whole, then
     bool leaving = false;             ///< it fades, and is then gone
     bool silent = false;              ///< its application hangs
     bool other = false;               ///< it fades, and is then what is wanted
@@ -124,6 +127,7 @@ class AppEffects {
     double felt_stiffness_share = 1, felt_damping_share = 1;  ///< on their way to these
     double stiffness = 0;  ///< N/m, of all of them within the limits
     double felt = 0;       ///< N, of all of them were they shown whole, in the last tick
+    Vector3 fading = Vector3::Zero();  ///< N, of magnets whose objects are gone
     bool any = false;
     bool torque = false;  ///< the device gives it
   };

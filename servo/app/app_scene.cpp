@@ -88,8 +88,9 @@ AppChanges AppScene::begin(std::int64_t now_ns, std::span<SceneForce* const> for
     const Refusal refusal = follow(command, now_ns, forces);
     if (refusal != Refusal::none) state_.refuse(command, refusal);
   }
-  effects_.tell_silent(
-      [this](std::uint32_t connection) { return state_.silence(connection) > longest_silence; });
+  effects_.tell_silent([&](std::uint32_t connection, const PoseInterpolator& motion) {
+    return is_left_alone(connection, motion, now_ns);
+  });
   bool silent = false;
   for (std::size_t i = 0; i < objects_.size(); ++i) {
     Object& object = objects_[i];
@@ -97,7 +98,8 @@ AppChanges AppScene::begin(std::int64_t now_ns, std::span<SceneForce* const> for
     object.motion.set_reach(reach_of(object), now_ns);
     const InterpolatedPose& now = object.now = object.motion.at(now_ns);
     if (!now.driven) continue;
-    silent = silent || is_left_alone(object);
+    silent = silent ||
+             (object.motion.is_streamed() && is_left_alone(object.driver, object.motion, now_ns));
     touched_ = true;
     for (SceneForce* force : forces) force->place(i, now.pose.position, now.pose.rotation);
   }
@@ -110,11 +112,22 @@ double AppScene::reach_of(const Object& object) const noexcept {
   return asset < reaches_.size() ? reaches_[asset] * object.settings.placement.scale : 0;
 }
 
-/// Whether an application that moves an object hangs. One that has left is no danger: what it moved
-/// stays where it is.
-bool AppScene::is_left_alone(const Object& object) const noexcept {
-  return object.driver != 0 && object.motion.is_streamed() &&
-         state_.silence(object.driver) > longest_silence;
+void AppScene::note_drive(const AppCommand& command, std::int64_t now_ns) noexcept {
+  drives_[command.client] = {command.connection, now_ns};
+}
+
+/// Whether an application that moves something hangs: it gives no sign of life; or it still reads,
+/// but moves nothing any more, and what it moved was left amid its motion. One that has left is no
+/// danger: what it moved stays where it is.
+bool AppScene::is_left_alone(std::uint32_t connection, const PoseInterpolator& motion,
+                             std::int64_t now_ns) const noexcept {
+  if (connection == 0) return false;
+  if (state_.silence(connection) > longest_silence) return true;
+  if (!motion.ended_amid_motion()) return false;
+  return std::none_of(drives_.begin(), drives_.end(), [&](const Drive& drive) {
+    return drive.connection == connection &&
+           static_cast<double>(now_ns - drive.at_ns) * 1e-9 <= longest_silence;
+  });
 }
 
 Refusal AppScene::follow(const AppCommand& command, std::int64_t now_ns,
@@ -220,6 +233,7 @@ Refusal AppScene::move(const AppCommand& command, std::int64_t now_ns) noexcept 
   }
   object->motion.set_reach(reach_of(*object), now_ns);
   object->motion.give(command.pose, command.period, now_ns);
+  note_drive(command, now_ns);
   object->driver = command.connection;
   return Refusal::none;
 }
@@ -231,6 +245,7 @@ Refusal AppScene::place(const AppCommand& command, std::int64_t now_ns,
     return refusal;
   }
   put_at(*object, command.pose, now_ns);
+  note_drive(command, now_ns);
   object->driver = command.connection;
   hand_on(*object, forces);
   touched_ = true;
@@ -275,6 +290,7 @@ Refusal AppScene::push(const AppCommand& command, std::int64_t now_ns) noexcept 
 }
 
 Refusal AppScene::set_effect(const AppCommand& command, std::int64_t now_ns) noexcept {
+  note_drive(command, now_ns);
   if (command.effect.kind != HandEffectKind::magnet) return effects_.set(command, 0, now_ns);
   const Object* const object = find(command.object);
   return object != nullptr ? effects_.set(command, place_of(*object), now_ns)

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -125,9 +126,18 @@ class AppScene {
     return asset < full_.size() && full_[asset] != 0;
   }
   [[nodiscard]] bool tool_meets(std::size_t asset, double scale) const noexcept;
-  [[nodiscard]] bool is_left_alone(const Object& object) const noexcept;
+  void note_drive(const AppCommand& command, std::int64_t now_ns) noexcept;
+  [[nodiscard]] bool is_left_alone(std::uint32_t connection, const PoseInterpolator& motion,
+                                   std::int64_t now_ns) const noexcept;
+
+  /// When the application at a place last moved anything.
+  struct Drive {
+    std::uint32_t connection = 0;
+    std::int64_t at_ns = 0;
+  };
 
   AppState& state_;
+  std::array<Drive, SPM_MAX_CLIENTS> drives_{};
   PlacedObject added_;  ///< what an object of an application is, beside what it names
   /// for each asset, the smallest scale that its baked probe allows
   std::vector<double> min_scales_;

@@ -42,11 +42,20 @@ PoseInterpolator::PoseInterpolator(const PoseInterpolatorSettings& settings,
 
 void PoseInterpolator::give(const Placement& pose, double period, std::int64_t now_ns) noexcept {
   from_ = at(now_ns).pose;
+  goes_on_ = goes_on_to(pose, now_ns);
   to_.position = pose.position;
   to_.rotation = pose.rotation;
   begin_from_here(now_ns);
   measure(period, now_ns);
   duration_ = std::max(stretch * period_, least_duration());
+}
+
+/// Whether a pose goes on from the one before.
+bool PoseInterpolator::goes_on_to(const Placement& pose, std::int64_t now_ns) const noexcept {
+  const double since = std::max(shortest_period, seconds_between(given_ns_, now_ns));
+  if (!driven_ || since > longest_period) return false;
+  return (pose.position - to_.position).norm() > still_speed * since ||
+         turn_between(to_.rotation, pose.rotation).norm() > still_turn * since;
 }
 
 void PoseInterpolator::set_reach(double reach, std::int64_t now_ns) noexcept {

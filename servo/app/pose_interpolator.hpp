@@ -38,6 +38,8 @@ class PoseInterpolator {
   /// twice; a longer one is an application that had fallen silent.
   static constexpr double shortest_period = 0.001;
   static constexpr double longest_period = 0.25;
+  /// m/s and rad/s: what poses tell to be slower stands still, as people see and feel it.
+  static constexpr double still_speed = 0.02, still_turn = 0.2;
   /// How long the motion to a pose takes, as a multiple of the measured period.
   static constexpr double stretch = 1.25;
 
@@ -61,11 +63,17 @@ class PoseInterpolator {
   /// Whether several poses came one after the other, as from an application that moves the object.
   [[nodiscard]] bool is_streamed() const noexcept { return measured_; }
 
+  /// Whether the last pose was on a way: it came within longest_period after another one, and went
+  /// on from there faster than `still_speed` or `still_turn`. One who stops an object gives its
+  /// last pose twice, or slows down.
+  [[nodiscard]] bool ended_amid_motion() const noexcept { return goes_on_; }
+
   /// The estimated time between poses, s.
   [[nodiscard]] double period() const noexcept { return period_; }
 
  private:
   void measure(double period, std::int64_t now_ns) noexcept;
+  [[nodiscard]] bool goes_on_to(const Placement& pose, std::int64_t now_ns) const noexcept;
   void begin_from_here(std::int64_t now_ns) noexcept;
   [[nodiscard]] double least_duration() const noexcept;
 
@@ -78,6 +86,7 @@ class PoseInterpolator {
   double reach_ = 0;                ///< m, of the object's farthest place from its origin
   double period_;
   bool driven_ = false, measured_ = false;
+  bool goes_on_ = false;  ///< the last pose was on a way
 };
 
 }  // namespace spm::servo

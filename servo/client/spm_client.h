@@ -11,7 +11,10 @@
  *  Reading and commands are signs of life. If an application that moves objects gives none for a
  *  second while it stays connected, it is taken to hang. The scene is held for that second; then
  *  the force fades out over half a second (SPM_CLIENT_OFF_APPLICATION_SILENT), and its effects
- * fade. They fade in again with the application's next call.
+ *  fade. They fade in again with the application's next call. An application that still reads, but
+ *  has moved nothing for a second, and left an object or an effect's point amid its motion (faster
+ *  than 20 mm/s or 0.2 rad/s), is taken to hang as well, until it moves something again: give an
+ *  object's last pose twice when it stops.
  *
  *  No command is felt as a knock. What it changes goes over in 0.15 s or more, so that the force
  *  changes by at most 60 N/s for it: materials, effects, pushes, the force cap, and objects that

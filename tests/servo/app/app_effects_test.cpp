@@ -6,6 +6,7 @@
 #include <array>
 #include <catch2/catch.hpp>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 #include "common/base/smooth_change.hpp"
@@ -28,13 +29,14 @@ struct Hand {
   SceneForce force;
   AppEffects effects;
   std::int64_t now = 0;
+  Vector3 last = Vector3::Zero();  ///< N, of the last tick
 
   explicit Hand(const ForceSettings& settings = {}) : force(scene_of(settings), tick, 0) {
     effects.know_device(0, {1000, 4, 900}, 0, tick, 1);
   }
   Vector3 at(const Vector3& tool) {
     now += 1'000'000;
-    return effects.next(0, tool, 1, now, force, assets).force;
+    return last = effects.next(0, tool, 1, now, force, assets).force;
   }
   [[nodiscard]] Refusal set(const AppCommand& command) { return effects.set(command, 0, now); }
   /// After it has faded in, or has gone over into another.
@@ -42,14 +44,12 @@ struct Hand {
     for (int i = 0; i < 400; ++i) static_cast<void>(at(tool));
     return at(tool);
   }
-  /// The largest step of the force within so many ticks, N.
+  /// The largest step of the force within so many ticks, the one from the last tick included, N.
   double largest_step(const Vector3& tool, int ticks) {
     double largest = 0;
-    Vector3 last = at(tool);
     for (int i = 0; i < ticks; ++i) {
-      const Vector3 next = at(tool);
-      largest = std::max(largest, (next - last).norm());
-      last = next;
+      const Vector3 before = last;
+      largest = std::max(largest, (at(tool) - before).norm());
     }
     return largest;
   }
@@ -101,6 +101,11 @@ TEST_CASE("No command for an effect makes a step of the force") {
   other.effect.most_force = 0.1;
   REQUIRE(hand.set(other) == Refusal::none);
   CHECK(hand.largest_step(tool, 400) <= most);
+  CHECK(hand.at(tool).norm() == Approx(0.1));
+  other.effect.most_force = std::numeric_limits<double>::infinity();
+  REQUIRE(hand.set(other) == Refusal::none);
+  CHECK(hand.largest_step(tool, 400) <= most);
+  CHECK(hand.at(tool).norm() > 1);
   REQUIRE(hand.effects.remove(other) == Refusal::none);
   CHECK(hand.largest_step(tool, 400) <= most);
   CHECK(hand.at(tool).isZero());
@@ -128,10 +133,11 @@ TEST_CASE("An effect whose application hangs fades, and comes back with it") {
   const Vector3 tool(ahead, 0, 0);
   REQUIRE(hand.set(spring(100)) == Refusal::none);
   const double whole = hand.settled_at(tool).x();
-  hand.effects.tell_silent([](std::uint32_t connection) { return connection == 1; });
+  hand.effects.tell_silent(
+      [](std::uint32_t connection, const PoseInterpolator&) { return connection == 1; });
   CHECK(hand.at(tool).x() == Approx(whole * 149 / 150));
   CHECK(hand.settled_at(tool).isZero());
-  hand.effects.tell_silent([](std::uint32_t) { return false; });
+  hand.effects.tell_silent([](std::uint32_t, const PoseInterpolator&) { return false; });
   CHECK(hand.settled_at(tool).x() == Approx(whole));
 }
 
@@ -208,9 +214,30 @@ TEST_CASE("A magnet pulls the tool to its object's surface, and is gone with the
   CHECK(hand.at({0, 0, 0.0199}).isZero());
   CHECK(hand.at({0, 0, 0.0201 + margin}).isZero());
   hand.effects.drop(0);
-  CHECK(hand.at({0, 0, 0.0201}).isZero());
+  CHECK(hand.settled_at({0, 0, 0.0201}).isZero());
   magnet.action = AppAction::remove_effect;
   CHECK(hand.effects.remove(magnet) == Refusal::unknown_effect);
+}
+
+TEST_CASE("The pull of a magnet whose object is removed fades, and a fault ends it") {
+  Hand hand;
+  const double far = 0.5 * hand.box.metadata.band.margin;
+  AppCommand magnet = spring(290);
+  magnet.effect.kind = HandEffectKind::magnet;
+  magnet.effect.range = 1;
+  REQUIRE(hand.set(magnet) == Refusal::none);
+  const Vector3 tool(0, 0, 0.02 + far);
+  const double pull = hand.settled_at(tool).norm();
+  REQUIRE(pull > 2 * change_rate * tick);
+  hand.effects.drop(0);
+  SECTION("alone") {
+    CHECK(hand.largest_step(tool, 400) <= change_rate * tick + 1e-9);
+    CHECK(hand.at(tool).isZero());
+  }
+  SECTION("before a tick without force") {
+    hand.effects.rest(0);
+    CHECK(hand.at(tool).isZero());
+  }
 }
 
 TEST_CASE("Pushes of applications are added, end at their time, and replace their own") {

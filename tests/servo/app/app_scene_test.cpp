@@ -196,6 +196,49 @@ TEST_CASE("While an application that moves objects hangs its scene is held, then
   }));
 }
 
+/// Poses one after the other, each half a millimetre on, at about 50 mm/s.
+void slide(const LoopBeside& beside, int poses) {
+  for (int i = 0; i < poses; ++i) {
+    spm_client_pose pose = raised(2 * above);
+    pose.position[0] = 5e-4 * i;
+    REQUIRE(spm_client_move_object(beside.here->client, 0, &pose) == SPM_CLIENT_OK);
+    const std::uint64_t tick = beside.device().tick;
+    REQUIRE(eventually([&] { return beside.device().tick > tick + 9; }));
+  }
+}
+
+TEST_CASE("An application whose poses end amid a motion hangs, although it reads") {
+  const LoopBeside beside;
+  slide(beside, 20);
+  REQUIRE(beside.comes_to(1));
+  const std::uint64_t begun = beside.device().tick;
+  REQUIRE(eventually([&] { return beside.device().cause == SPM_CLIENT_OFF_APPLICATION_SILENT; }));
+  CHECK(beside.device().tick > begun + 800);
+  // A command of another kind is no sign of what moves the object; its next pose is.
+  auto material = sized<spm_client_material>();
+  material.fields = SPM_CLIENT_DAMPING;
+  REQUIRE(spm_client_set_material(beside.here->client, 0, &material) == SPM_CLIENT_OK);
+  const std::uint64_t off = beside.device().tick;
+  REQUIRE(eventually([&] { return beside.device().tick > off + 100; }));
+  CHECK(beside.device().cause == SPM_CLIENT_OFF_APPLICATION_SILENT);
+  const spm_client_pose up = raised(2 * above);
+  REQUIRE(spm_client_move_object(beside.here->client, 0, &up) == SPM_CLIENT_OK);
+  CHECK(beside.comes_to(1));
+}
+
+TEST_CASE("An object whose last pose came twice was stopped, and is felt on") {
+  const LoopBeside beside;
+  slide(beside, 20);
+  spm_client_pose last = raised(2 * above);
+  last.position[0] = 5e-4 * 19;
+  REQUIRE(spm_client_move_object(beside.here->client, 0, &last) == SPM_CLIENT_OK);
+  REQUIRE(beside.comes_to(1));
+  const std::uint64_t begun = beside.device().tick;
+  REQUIRE(eventually([&] { return beside.device().tick > begun + 2000; }));
+  CHECK(beside.device().cause == 0);
+  CHECK(beside.device().force[2] == Approx(1).epsilon(0.05));
+}
+
 TEST_CASE("What an application moved stays where it is, and is felt, when the application leaves") {
   LoopBeside beside;
   const spm_client_pose up = raised(2 * above);

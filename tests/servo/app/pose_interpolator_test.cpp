@@ -198,6 +198,26 @@ TEST_CASE("The same frame told twice is not measured") {
   REQUIRE(interpolator.period() == Approx(0.01));
 }
 
+TEST_CASE("Poses tell whether an object was left amid a motion, or had stopped") {
+  PoseInterpolator interpolator({}, Placement());
+  std::int64_t now = 1'000'000'000;
+  const auto give = [&](const Vector3& at, double seconds, double turn = 0) {
+    now += static_cast<std::int64_t>(seconds * 1e9);
+    interpolator.give(placed(at, turned_by(turn, {0, 0, 1})), 0, now);
+    return interpolator.ended_amid_motion();
+  };
+  // The first pose of an object tells no motion.
+  CHECK_FALSE(give({0.5, 0, 0}, 0.01));
+  CHECK(give({0.501, 0, 0}, 0.01));
+  CHECK(give({0.502, 0, 0}, 0.01));
+  SECTION("its last pose twice") { CHECK_FALSE(give({0.502, 0, 0}, 0.01)); }
+  SECTION("its last pose twice in one frame") { CHECK_FALSE(give({0.502, 0, 0}, 1e-5)); }
+  SECTION("slower and slower") { CHECK_FALSE(give({0.5021, 0, 0}, 0.01)); }
+  SECTION("another pose in one frame") { CHECK(give({0.503, 0, 0}, 1e-5)); }
+  SECTION("it turns") { CHECK(give({0.502, 0, 0}, 0.01, 0.01)); }
+  SECTION("a single pose long after") { CHECK_FALSE(give({0.8, 0, 0}, 1)); }
+}
+
 TEST_CASE("An object turns the shorter way, whichever sign its quaternion has") {
   PoseInterpolator interpolator({}, placed({0, 0, 0}, turned_by(3, {0, 0, 1})));
   Eigen::Quaterniond goal = turned_by(-3, {0, 0, 1});
