@@ -227,7 +227,6 @@ void SceneForce::place(std::size_t object, const Vector3& position,
 /// Ends what is under way: no hand feels it.
 void SceneForce::settle() noexcept {
   stabilizer_.reset();
-  if (tool_) tool_->reset();
   std::fill(seen_.begin(), seen_.end(), 0);
   for (Object& object : objects_) {
     if (object.under_way) {
@@ -246,11 +245,13 @@ void SceneForce::settle() noexcept {
 
 void SceneForce::reset() noexcept {
   settle();
+  if (tool_) tool_->reset();
   for (Object& object : objects_) object.contact.reset();
 }
 
 void SceneForce::rest() noexcept {
   settle();
+  if (tool_) tool_->rest();
   for (Object& object : objects_) object.contact.rest();
 }
 

@@ -173,7 +173,7 @@ class SceneForce {
   /// Forgets all state: at the start, and when the hand was away.
   void reset() noexcept;
   /// A tick without force. Motion, friction and what is under way are forgotten; a hand stays on
-  /// its side of what it touched. A tool with six degrees of freedom forgets all.
+  /// its side of what it touched.
   void rest() noexcept;
   /// Takes up that an asset was exchanged: what was remembered of its samples is forgotten, and
   /// hands stay on their sides.

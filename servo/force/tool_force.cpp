@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "common/base/turn_between.hpp"
+#include "servo/force/kept_side.hpp"
 
 namespace spm {
 
@@ -86,22 +87,66 @@ void ToolForce::stabilize(const StabilizationSettings& stabilization,
   stabilizer_ = WrenchStabilizer(stabilization, loop_of(loop_, coupling_));
 }
 
-void ToolForce::reset() noexcept {
+void ToolForce::forget_motion() noexcept {
   stabilizer_.reset();
   place_velocity_.reset();
   turn_velocity_.reset();
-  placed_ = false;
   tick_ = {};
   std::fill(reactions_.begin(), reactions_.end(), Wrench{});
   std::fill(met_.begin(), met_.end(), Met{});
-  std::fill(seated_.begin(), seated_.end(), std::uint8_t{0});
   std::fill(late_.begin(), late_.end(), 0.0);
-  std::fill(unmet_.begin(), unmet_.end(), std::uint8_t{1});
-  std::fill(left_.begin(), left_.end(), std::uint8_t{0});
   most_force_ = coupling_.force_cap;
   levels_ = {};
   looks_.forget();
   if (contact_ != nullptr) contact_->forget();
+}
+
+void ToolForce::reset() noexcept {
+  forget_motion();
+  placed_ = rests_ = false;
+  std::fill(seated_.begin(), seated_.end(), std::uint8_t{0});
+  std::fill(unmet_.begin(), unmet_.end(), std::uint8_t{1});
+  std::fill(left_.begin(), left_.end(), std::uint8_t{0});
+}
+
+void ToolForce::rest() noexcept {
+  if (rests_) return;
+  // What holds no virtual tool back has no sides.
+  if (!placed_ || !virtual_ || virtual_->emerging() || escape_->leads()) {
+    reset();
+    return;
+  }
+  leant_on_ = first_tool_;
+  double most = 0;
+  for (std::size_t i = 0; i < first_tool_; ++i) {
+    const double size = reactions_[i].force.norm();
+    if (!(size > most)) continue;
+    most = size;
+    leant_on_ = i;
+  }
+  forget_motion();
+  rests_ = true;
+}
+
+/// Begins anew where the virtual tool rested. False where it cannot: what it leant on is gone, or
+/// far from where it was.
+bool ToolForce::go_on_after_rest(std::span<const ToolObject> objects) noexcept {
+  if (leant_on_ < first_tool_) {
+    const ToolObject& object = objects[leant_on_];
+    if (object.asset == nullptr || seated_[leant_on_] == 0) return false;
+    const Eigen::Isometry3d carry = object.pose * seats_[leant_on_].inverse(Eigen::Isometry);
+    const double turn = turn_between(Eigen::Quaterniond(seats_[leant_on_].linear()),
+                                     Eigen::Quaterniond(object.pose.linear()))
+                            .norm();
+    const double way = (carry * pose_.translation() - pose_.translation()).norm();
+    if (!(way <= kept_way) || !(turn <= kept_turn)) return false;
+    pose_ = carry * pose_;
+    pose_.linear() = Eigen::Quaterniond(pose_.linear()).normalized().toRotationMatrix();
+  }
+  // Others may have come to where it is; it would leave them by short steps.
+  put();
+  std::fill(seated_.begin(), seated_.end(), std::uint8_t{0});
+  return true;
 }
 
 void ToolForce::exchange(std::size_t object) noexcept {
@@ -302,13 +347,18 @@ ContactForce ToolForce::next(const HandPose& hand, std::span<ToolObject> objects
   tick_.patch_count = 0;
   tick_.capped = tick_.leaving = false;
   for (ToolObject& object : objects) object.reaction = {};
+  if (rests_ && !go_on_after_rest(objects)) reset();
+  const bool begins = !placed_ || rests_;
   if (!placed_) {
     pose_ = device;
+    put();
+  }
+  if (begins) {
     tick_.pose = pose_ * seat_;
     orientation_ = hand.orientation;
     ++starts_;
-    put();
   }
+  rests_ = false;
   gone_ = 1;
   take_pushes(pushes);
   const double carried = work_of(objects);

@@ -82,11 +82,15 @@ class ToolForce {
   void rebalance() noexcept { stabilizer_.reset(); }
   /// Forgets all: the next tick begins at the hand's pose.
   void reset() noexcept;
+  /// A tick without force: the virtual tool stays on its side of what holds it back, and goes with
+  /// the object that it pressed most, unless that moves by more than kept_way or kept_turn. All
+  /// else is forgotten. One that was leaving something forgets all.
+  void rest() noexcept;
   /// Takes up that the field of an object was exchanged, or another took its number.
   void exchange(std::size_t object) noexcept;
-  /// How often the tool has begun; 0 while it is nowhere.
+  /// How often the tool has begun; 0 while it is nowhere, or rests.
   [[nodiscard]] std::uint64_t begun() const noexcept {
-    return placed_ && tool_ != nullptr ? starts_ : 0;
+    return placed_ && !rests_ && tool_ != nullptr ? starts_ : 0;
   }
   /// Whether it is led out of what it lies in; those that it lies in stay where they are.
   [[nodiscard]] bool leads() const noexcept { return placed_ && escape_ && escape_->leads(); }
@@ -164,6 +168,8 @@ class ToolForce {
   [[nodiscard]] bool another_leads(std::span<const ToolObject> objects) const noexcept;
   [[nodiscard]] bool waits(std::span<const ToolObject> objects) const noexcept;
   void note_lie() noexcept;
+  void forget_motion() noexcept;
+  [[nodiscard]] bool go_on_after_rest(std::span<const ToolObject> objects) noexcept;
   void put() noexcept;
   [[nodiscard]] bool step_on(const Eigen::Isometry3d& device, std::uint32_t steps, Work& work,
                              ForceEffort& effort, VirtualToolReport& report) noexcept;
@@ -223,7 +229,9 @@ class ToolForce {
   std::vector<Met> met_;      ///< by hands
   std::uint64_t starts_ = 0;  ///< how often it has begun
   ToolLevels levels_;
-  bool placed_ = false;  ///< the virtual tool is somewhere
+  bool placed_ = false;       ///< the virtual tool is somewhere
+  bool rests_ = false;        ///< there was no force since the last tick
+  std::size_t leant_on_ = 0;  ///< the object that a tool that rests pressed most; or none
   bool any_held_ = false, any_pushed_ = false, any_unmet_ = false;
   bool same_objects_ = false;                        ///< those that hold, as in the last tick
   bool damps_ = false;                               ///< an object that is near damps

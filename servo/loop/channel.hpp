@@ -5,6 +5,7 @@
 #include <cstdint>
 
 #include "servo/devices/base/device.hpp"
+#include "servo/force/kept_side.hpp"
 #include "servo/force/scene_force.hpp"
 #include "servo/loop/delay_watch.hpp"
 #include "servo/loop/loop_settings.hpp"
@@ -38,11 +39,6 @@ class Clutch {
   Eigen::Quaterniond turn_ = Eigen::Quaterniond::Identity();  ///< from the hand to the tool
   HandPose tool_;                                             ///< where it was last
 };
-
-/// m, and rad of a tool that turns: how far a hand may move while there is no force, and stay on
-/// its side of what it touched. It is more than a hand presses into what is stiff enough to lean on
-/// (8 N at 2 N/mm), and less than a hand moves to go round something.
-inline constexpr double kept_way = 0.005, kept_turn = 0.1;
 
 /// The velocities of one hand, m/s and rad/s, in the hand's frame.
 class HandVelocity {
