@@ -38,11 +38,10 @@ void step_texture(TextureSettings& felt, const TextureSettings& from, const Text
                   double share) noexcept {
   const bool same = felt.wavelength == wanted.wavelength && felt.seed == wanted.seed;
   if (same) {
-    felt.amplitude = stepped(felt.amplitude, from.amplitude, wanted.amplitude, share, any_step);
     // Where the pattern was exchanged, the way to the new height began at none.
-    if (from.wavelength != wanted.wavelength || from.seed != wanted.seed) {
-      felt.amplitude = std::min(felt.amplitude + share * wanted.amplitude, wanted.amplitude);
-    }
+    const bool exchanged = from.wavelength != wanted.wavelength || from.seed != wanted.seed;
+    const double begun = exchanged ? 0 : from.amplitude;
+    felt.amplitude = stepped(felt.amplitude, begun, wanted.amplitude, share, any_step);
     return;
   }
   felt.amplitude = stepped(felt.amplitude, from.amplitude, 0, share, any_step);
