@@ -203,10 +203,23 @@ Command add_run_command(CLI::App& program) {
       "id; needs --socket, in a folder that the group may enter",
       "GROUP");
   add_permission_options(*app, options);
-  cli::add_word(
-      *app, "--supervisor", {"on", "off"},
-      [&options](std::size_t i) { options.supervisor = i == 0; },
-      "Whether another process sends the devices zero force where this one is killed (default on)");
+  cli::add_parsed(
+      *app, "--supervisor",
+      [&options](const std::string& text) -> Result<void> {
+        const bool is_path = text.find('/') != std::string::npos;
+        if (!is_path && text != "on" && text != "off") {
+          return fail(ExitCode::usage, "--supervisor: '" + text +
+                                           "' is neither on, off, nor the path of a socket of "
+                                           "'spm-servo supervise', as /run/spm/supervisor.sock");
+        }
+        options.supervisor = text != "off";
+        options.supervisor_socket = is_path ? text : "";
+        return {};
+      },
+      "Whether another process sends the devices zero force where this one is killed: on, off, or "
+      "the socket of 'spm-servo supervise', which a pause of this program's container does not "
+      "reach (default on)",
+      "on|off|SOCKET");
   return cli::with_checked_output({app, [command] { return execute_run(*command); }});
 }
 

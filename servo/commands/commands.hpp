@@ -38,6 +38,8 @@ void add_device_number(CLI::App& command, double& number, const std::string& des
 [[nodiscard]] Command add_devices_command(CLI::App& program);
 /// Whether this machine is fit for the loop.
 [[nodiscard]] Command add_doctor_command(CLI::App& program);
+/// Supervisors for daemons that may be paused with their container.
+[[nodiscard]] Command add_supervise_command(CLI::App& program);
 /// The running daemon, live.
 [[nodiscard]] Command add_top_command(CLI::App& program);
 /// The running daemon in a browser.

@@ -21,6 +21,7 @@
 #include "common/contact/stable_stiffness.hpp"
 #include "servo/app/app_server.hpp"
 #include "servo/devices/finder/device_list.hpp"
+#include "servo/loop/outside_supervisor.hpp"
 #include "servo/loop/place_watch.hpp"
 #include "servo/loop/run_header.hpp"
 #include "servo/loop/run_messages.hpp"
@@ -257,6 +258,20 @@ Result<std::unique_ptr<AppServer>> start_server(const RunOptions& options, AppSt
   return std::unique_ptr<AppServer>();
 }
 
+/// A child of this process, or one elsewhere that is asked for.
+Result<std::unique_ptr<Supervisor>> start_supervisor(const RunOptions& options,
+                                                     const BlackBoxMemory* box) {
+  if (options.supervisor_socket.empty()) {
+    return Supervisor::start(open_zero_force, options.realtime,
+                             keep_black_box(box, options.black_box),
+                             start_as_program(options.realtime, box, options.black_box));
+  }
+  if (auto there = check_outside_supervisor(options.supervisor_socket); !there) {
+    return tl::make_unexpected(std::move(there.error()));
+  }
+  return Supervisor::start_by(start_outside(options.supervisor_socket, box));
+}
+
 }  // namespace
 
 Result<RunReport> run(const RunOptions& asked) {
@@ -268,9 +283,7 @@ Result<RunReport> run(const RunOptions& asked) {
   if (!black_box) return tl::make_unexpected(black_box.error());
   std::unique_ptr<Supervisor> supervisor;
   if (options.supervisor) {
-    auto started = Supervisor::start(
-        open_zero_force, options.realtime, keep_black_box(black_box->get(), options.black_box),
-        start_as_program(options.realtime, black_box->get(), options.black_box));
+    auto started = start_supervisor(options, black_box->get());
     if (!started) return tl::make_unexpected(std::move(started.error()));
     supervisor = std::move(*started);
   }

@@ -32,7 +32,9 @@ struct RunOptions {
   std::string trace;       ///< file with one row for each tick of the first device; empty: none
   std::string record;      ///< file for a recording of all devices; empty: none
   bool supervisor = true;  ///< another process sends zero force if this one is killed
-  bool serve = true;       ///< applications may connect
+  /// where to ask for that process (start_outside); empty: it is a child of this one
+  std::string supervisor_socket;
+  bool serve = true;                       ///< applications may connect
   std::string name = usual_daemon_name();  ///< of the daemon, by which they find it
   std::string socket;                      ///< path of their socket; empty: the one of that name
   std::optional<std::uint32_t> app_group;  ///< whose members may connect too; needs a path

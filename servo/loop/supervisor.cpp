@@ -98,6 +98,16 @@ Result<std::unique_ptr<Supervisor>> Supervisor::start(const Open& open, Realtime
   return supervisor;
 }
 
+Result<std::unique_ptr<Supervisor>> Supervisor::start_by(StartAgain start) {
+  std::unique_ptr<Supervisor> supervisor(new Supervisor(std::move(start)));
+  supervisor->beat_ = shared_beat(supervisor->beat_memory_);
+  if (supervisor->beat_ == nullptr) return not_started(errno);
+  if (auto begun = supervisor->begin(supervisor->again_); !begun) {
+    return tl::make_unexpected(begun.error());
+  }
+  return supervisor;
+}
+
 /// Called under the mutex, or while nobody else knows this. The other end of the connection is
 /// closed here, so that it ends with the other process.
 Result<void> Supervisor::begin(const StartAgain& start) {
@@ -111,9 +121,11 @@ Result<void> Supervisor::begin(const StartAgain& start) {
   close(ends[1]);
   // The header of glibc 2.36 declares it for C alone.
   if (process_ > 0) end_ = static_cast<int>(syscall(SYS_pidfd_open, process_, 0));
-  const bool is_begun = process_ > 0 && is_ready(line_);
+  const bool is_begun = process_ >= 0 && is_ready(line_);
+  // The connection of one elsewhere ends with it; nothing more comes by it before.
+  if (process_ == 0) end_ = fcntl(line_, F_DUPFD_CLOEXEC, 0);
   if (is_begun && (targets_.empty() || say(line_, targets_))) return {};
-  const int why = process_ > 0 ? ECHILD : error_number;
+  const int why = process_ >= 0 ? ECHILD : error_number;
   let_go_of_the_dead();
   return not_started(why);
 }

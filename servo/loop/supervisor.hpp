@@ -38,8 +38,8 @@ class Supervisor {
   using Afterwards = AfterTheEnd;
 
   /// Starts the other process again where this one has threads by then, so that it may not just
-  /// fork: with its end of the connection, and the memory of the beat. Returns its number, or -1
-  /// and an error number.
+  /// fork: with its end of the connection, and the memory of the beat. Returns its number; 0 for
+  /// one that is no child of this process; or -1 and an error number.
   using StartAgain = std::function<pid_t(int line, int beat)>;
 
   /// Starts it. The calling process must have no threads yet, and no device open, because the
@@ -49,6 +49,9 @@ class Supervisor {
   [[nodiscard]] static Result<std::unique_ptr<Supervisor>> start(
       const Open& open = open_zero_force, RealtimeMode realtime = RealtimeMode::off,
       const Afterwards& afterwards = {}, StartAgain again = {});
+
+  /// The same with a process that `start` makes, now and again: one elsewhere (start_outside).
+  [[nodiscard]] static Result<std::unique_ptr<Supervisor>> start_by(StartAgain start);
 
   Supervisor(const Supervisor&) = delete;
   Supervisor& operator=(const Supervisor&) = delete;

@@ -17,7 +17,7 @@ class Help(unittest.TestCase):
         for program, commands in ((BAKE, ("build", "info", "verify", "query", "export", "batch",
                                           "merge", "cache")),
                                   (SERVO, ("run", "replay", "devices", "doctor", "top", "view", "plot",
-                                           "export-mcap"))):
+                                           "export-mcap", "supervise"))):
             for arguments in ([], *([command] for command in commands)):
                 with self.subTest(os.path.basename(program) + " " + " ".join(arguments)):
                     result = run(*arguments, "--help", program=program)

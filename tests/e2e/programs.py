@@ -12,6 +12,7 @@ import struct
 import subprocess
 import sys
 import tempfile
+import time
 import unittest
 
 BIN = os.environ.get("SPM_BIN", os.path.join(os.getcwd(), "bin"))
@@ -120,6 +121,12 @@ class Case(unittest.TestCase):
         self.assertTrue(lines[0].startswith("error: "), lines[0])
         for name in names:
             self.assertIn(str(name), lines[0])
+
+    def wait_for(self, condition, seconds=30):
+        end = time.monotonic() + seconds
+        while not condition():
+            self.assertLess(time.monotonic(), end, "it takes too long")
+            time.sleep(0.01)
 
     def run_json(self, *arguments, program=BAKE):
         """Runs a command that must succeed with one JSON object on its standard output."""

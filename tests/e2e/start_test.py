@@ -64,12 +64,6 @@ class Start(Case):
                 self.assertGreaterEqual(report["ticks"] + report["skipped"], ticks)
                 self.assertLess(report["ticks"], 1.1 * ticks)
 
-    def wait_for(self, condition):
-        end = time.monotonic() + LONG
-        while not condition():
-            self.assertLess(time.monotonic(), end, "it takes too long")
-            time.sleep(0.01)
-
     def wait_until_it_writes(self, process):
         end = time.monotonic() + LONG
         while time.monotonic() < end:
