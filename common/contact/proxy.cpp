@@ -19,6 +19,9 @@ constexpr double on_surface = 2e-7;
 /// A step that ends inside by no more than this part of its length follows a curved wall, and is
 /// lifted. One that ends deeper met another wall.
 constexpr double lifted_share = 0.5;
+/// A step that ends inside, where the nearest way out leads on by more than this part of the step's
+/// length, has passed the middle of a thin wall, and would be lifted out on its far side.
+constexpr double led_on_share = 0.5;
 /// Largest number of lifts. Close to a surface whose error is the tolerance, places outside may be
 /// reported as inside: with 4 lifts a proxy stays behind on flat teeth in 29 % of a slide's ticks,
 /// with 6 in none.
@@ -111,9 +114,10 @@ class Mover {
       held = (goal - target_).norm() > settled;
       if (length < settled || longest < settled) return false;
       const Place next = ask(place.at + std::min(1.0, longest / length) * way);
-      if (take(place, next)) return true;
+      const bool past_middle = is_past_middle(place, next);
+      if (!past_middle && take(place, next)) return true;
       held = true;
-      if (!next.outside() && walls.add(next.half_space())) continue;
+      if (!next.outside() && !past_middle && walls.add(next.half_space())) continue;
       // A place that three walls leave free is not certain to be free, because the surface is not
       // made of three planes.
       walls.count = 1;
@@ -121,6 +125,12 @@ class Mover {
       ++tries;
     }
     return false;
+  }
+
+  /// Whether a step from outside ends beyond the middle of a wall.
+  [[nodiscard]] static bool is_past_middle(const Place& from, const Place& to) noexcept {
+    const Vector3 way = to.at - from.at;
+    return !to.outside() && to.normal.dot(way) > led_on_share * way.norm();
   }
 
   /// Takes a step if it ends outside and nearer to the target, lifted out of a wall that it

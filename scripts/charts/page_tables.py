@@ -396,7 +396,7 @@ def costs_table(reports: dict) -> list[str]:
 def soak_tables(reports: dict) -> list[str]:
     """What the soak programs found; they need real-time rights."""
     lines: list[str] = []
-    for part in ("soaks", "crowds", "reactions", "views"):
+    for part in ("soaks", "crowds", "reactions", "daemon_streams", "views"):
         for name, text in reports.get(part, {}).get("tables", {}).items():
             lines += [f"`{name}.py`: {text[0].lstrip('# ')}", "", *text[2:], ""]
     return lines[:-1] or [NOT_MEASURED]

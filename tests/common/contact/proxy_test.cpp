@@ -164,6 +164,80 @@ TEST_CASE("No proxy passes through a plate of 0.2 mm at 1 m/s") {
   CHECK(missed == 0);
 }
 
+/// A floor, and on it a wall along y, of this thickness from x = 0 on.
+test::Shape walled_floor(double thickness) {
+  constexpr double wide = 0.008, low = -0.01, high = 0.004;
+  test::Shape shape;
+  for (const double y : {-0.01, 0.01}) {
+    for (const auto& [x, z] : {std::pair{-wide, 0.0},
+                               {0.0, 0.0},
+                               {0.0, high},
+                               {thickness, high},
+                               {thickness, 0.0},
+                               {wide, 0.0},
+                               {wide, low},
+                               {-wide, low}}) {
+      shape.vertices.emplace_back(x, y, z);
+    }
+  }
+  for (const auto& [a, b, c] : {std::array{0U, 7U, 1U},
+                                {1U, 7U, 6U},
+                                {1U, 6U, 4U},
+                                {4U, 6U, 5U},
+                                {1U, 3U, 2U},
+                                {1U, 4U, 3U}}) {
+    shape.triangles.push_back({a, b, c});
+    shape.triangles.push_back({a + 8, c + 8, b + 8});
+  }
+  for (std::uint32_t k = 0; k < 8; ++k) {
+    const std::uint32_t next = (k + 1) % 8;
+    shape.triangles.push_back({k, next, k + 8});
+    shape.triangles.push_back({next, next + 8, k + 8});
+  }
+  return shape;
+}
+
+TEST_CASE("A proxy that slides along a floor does not pass through a thin wall on it") {
+  const double thickness = GENERATE(0.0001, 0.00015, 0.0002);
+  const Made walled(walled_floor(thickness));
+  std::mt19937_64 bits(11);
+  const auto random = [&bits](double low, double high) {
+    return low + (high - low) * static_cast<double>(bits() >> 11U) * 0x1p-53;
+  };
+  int passed = 0;
+  for (int attempt = 0; attempt < 1000; ++attempt) {
+    Vector3 hand(-0.001 + random(0, 1e-4), 0, 0.0005);
+    const Vector3 way(random(1e-5, 1e-3), random(-1e-5, 1e-5), 0);  // m a tick
+    ProxyState state;
+    for (const double deep = -random(0, 5e-4); hand.z() > deep; hand.z() -= 5e-5) {
+      static_cast<void>(move_proxy(walled.view(), 0, hand, state));
+    }
+    ProxyContact contact;
+    for (; hand.x() < 0.0015; hand += way) contact = move_proxy(walled.view(), 0, hand, state);
+    if (contact.proxy.x() > thickness / 2) ++passed;
+  }
+  INFO("a wall of " << 1e3 * thickness << " mm");
+  CHECK(passed == 0);
+}
+
+TEST_CASE("Along the corner of a floor and a wall a proxy takes few queries a tick") {
+  const Made walled(walled_floor(0.0004));
+  for (const double radius : {0.0, 0.3e-3}) {
+    const double deep = radius - 0.3e-3;
+    ProxyState state;
+    sweep(walled.view(), radius, {-0.001, 0, 0.0005}, {-0.001, 0, deep}, 20, state);
+    sweep(walled.view(), radius, {-0.001, 0, deep}, {-deep, 0, deep}, 20, state);
+    std::uint32_t most = 0;
+    for (int tick = 1; tick <= 50; ++tick) {
+      const Vector3 hand(-deep, 1e-4 * tick, deep);
+      most = std::max(most, move_proxy(walled.view(), radius, hand, state).queries);
+    }
+    INFO("a ball of " << 1e3 * radius << " mm: " << most << " queries");
+    CHECK(most <= 8);
+    CHECK((state.position - Vector3(-radius, 0.005, radius)).norm() < 1e-6);
+  }
+}
+
 TEST_CASE("A proxy that is behind catches up by no more in a tick than it may") {
   const Made box(test::box({0.02, 0.03, 0.04}));
   const Vector3 hand(0.008, 0, 0.0199);

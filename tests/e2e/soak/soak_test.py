@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""The short form of replug.py, applications.py and away.py. No time decides a test, only what happened."""
+"""The short form of replug.py, applications.py, away.py, presses.py and restarts.py. No time decides a
+test, only what happened."""
 
 import os
 import sys
@@ -9,12 +10,17 @@ import unittest
 import applications
 import away
 import hostile
+import presses
 import replug
+import restarts
 from soak_tools import Folder, Row
 from stalls import Stall, explained
 
 CYCLES, ROUNDS, TIMES = 5, 20, 3
 SESSIONS = 3
+PRESSES, KILLS = 2, 2
+STREAMS = ("far_60", "added_60")
+MOST_WORK = 2e-3  # J; two presses by themselves give 0.2 mJ, and streams once gave 5 mJ and more
 
 
 class Replug(unittest.TestCase):
@@ -126,6 +132,27 @@ class Away(unittest.TestCase):
 
     def test_force_goes_off_while_the_loop_spins_on_the_core_of_its_guards(self) -> None:
         self.check("spinning")
+
+
+class Presses(unittest.TestCase):
+    def test_no_stream_of_commands_drives_a_hand(self) -> None:
+        for stream in (one for one in presses.STREAMS if one.name in STREAMS):
+            with self.subTest(stream.name):
+                run = presses.run_stream(stream, PRESSES)
+                self.assertEqual(run["presses"], PRESSES)
+                self.assertEqual(run["refused"], 0, run["refusal"])
+                self.assertGreater(run["taken"], PRESSES)
+                self.assertLess(run["generated_max_j"], MOST_WORK)
+
+    def test_presses_are_counted_by_a_force_that_came_and_went(self) -> None:
+        self.assertEqual(presses.presses_of([0, 2, 0.5, 2, 0, 0.5, 0, 1.5]), 2)
+
+
+class Restarts(unittest.TestCase):
+    def test_an_application_is_told_of_each_kill_and_reads_force_of_the_next_daemon(self) -> None:
+        run = restarts.run_kills(KILLS)
+        self.assertEqual((run["lost_events"], run["found_events"]), (KILLS, KILLS))
+        self.assertEqual(len(run["half_force_ms"]), KILLS)
 
 
 if __name__ == "__main__":

@@ -106,10 +106,10 @@ def below(point: tuple[float, float, float], half_height: float) -> tuple[float,
 
 class Daemon:
     """`spm-servo run --json` with an application's socket in `folder`, on the given cores; what
-    plugs an emulated device in runs on any."""
+    plugs an emulated device in runs on any. It ticks, unless it is not `awaited`."""
 
     def __init__(self, folder: str, *arguments: str, mock: list[str] = (),
-                 cores: set[int] | None = None) -> None:
+                 cores: set[int] | None = None, awaited: bool = True) -> None:
         self.folder = folder
         self.socket = os.path.join(folder, "servo.sock")
         self.messages = os.path.join(folder, "messages")
@@ -123,6 +123,9 @@ class Daemon:
         with open(self.messages, "w", encoding="utf-8") as messages:
             self.process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=messages,
                                             env=environment, text=True)
+        if not awaited:
+            self.pid = self.process.pid
+            return
         try:
             self.pid = self._wait_until_it_ticks()
         except BaseException:

@@ -37,6 +37,20 @@ TEST_CASE("A fault waits for an application to acknowledge it") {
   REQUIRE(comes_to_cause(loop, SPM_CLIENT_OFF_UNACKNOWLEDGED));
 }
 
+TEST_CASE("While something else is wrong an acknowledgement does not count") {
+  LoopBeside loop(true, true);
+  REQUIRE(comes_to_cause(loop, SPM_CLIENT_FORCE_ON));
+  jump(loop);
+  REQUIRE(comes_to_cause(loop, SPM_CLIENT_OFF_UNACKNOWLEDGED));
+  // Such as another board in the place of the first. By itself that is no fault that waits.
+  loop.health.store(servo::DeviceHealth::unconfirmed);
+  REQUIRE(comes_to_cause(loop, SPM_CLIENT_OFF_UNCONFIRMED));
+  REQUIRE(spm_client_acknowledge(loop.here->client, 0) == SPM_CLIENT_OK);
+  REQUIRE(loop.takes(1));
+  loop.health.store(servo::DeviceHealth::ok);
+  REQUIRE(comes_to_cause(loop, SPM_CLIENT_OFF_UNACKNOWLEDGED));
+}
+
 TEST_CASE("Who does not hold the clutch may not acknowledge, but a supervisor may") {
   LoopBeside loop(true, true);
   REQUIRE(comes_to_cause(loop, SPM_CLIENT_FORCE_ON));  // before that nothing waits

@@ -136,6 +136,37 @@ TEST_CASE("A tool that an object was put over is led out of it") {
   CHECK(inside.most_step < 0.06);
 }
 
+TEST_CASE(
+    "A tool without a free way goes straight off its object, by the way to it and its own size") {
+  constexpr double radius = small / 2, beside = 0.012, thin_margin = 1e-4;
+  TiledCubeByHand ball(small), cube(big, {0.002, thin_margin});
+  become(ball, test::sphere(radius, 2));
+  const SurfaceSamples samples = *sample_surface(ball.view, 0.0015);
+  const auto at = [](const Vector3& place) {
+    return Eigen::Isometry3d(Eigen::Translation3d(place));
+  };
+  // The object, and a wall close to the tool on each of its sides.
+  std::vector<ContactObject> objects{{&cube.view, at({0, 0, beside}), 0.1}};
+  for (int axis = 0; axis < 3; ++axis) {
+    for (const double side : {-1, 1}) {
+      const double place = samples.radius + 2 * thin_margin + big / 2;
+      objects.push_back({&cube.view, at(side * place * Vector3::Unit(axis))});
+    }
+  }
+  ToolEscape escape(samples);
+  const Eigen::Isometry3d tool = Eigen::Isometry3d::Identity();
+  for (int tick = 0; tick < 20; ++tick) escape.note({true, false, 0}, tool, objects);
+  REQUIRE(escape.leads());
+  Vector3 way = Vector3::Zero();
+  for (int tick = 0; tick < 10000 && escape.leads(); ++tick) {
+    way += escape.next(tool, objects, 6e-5);
+  }
+  CHECK_FALSE(escape.leads());
+  const double from_middle = (samples.centre - Vector3(0, 0, beside)).norm();
+  CHECK(way.norm() == Approx(from_middle + 2 * samples.radius).epsilon(1e-9));
+  CHECK(-way.z() == Approx(way.norm()).epsilon(1e-3));
+}
+
 TEST_CASE("A tool that an object lies in as a whole is led off it") {
   Inside inside("box", true, GENERATE(Method::proxy, Method::spm));
   inside.scene.objects[0].placement.scale = 0.1;

@@ -34,8 +34,9 @@ class LoopBeside {
         served_{&tables_.view()},
         state_(*servo::AppState::create(1000, {{"hand"}, {"box"}, {"box"}})),
         server_(started(*state_, folder_.path("a.sock"))),
-        device_([this](std::size_t, servo::DeviceState& state, servo::DeviceHealth&) {
+        device_([this](std::size_t, servo::DeviceState& state, servo::DeviceHealth& told) {
           state.position = {hand_x.load(), 0, box_half + above};
+          told = health.load();
         }) {
     slot_.offer(&served_);
     device_.can().turns = torque_cap > 0;
@@ -101,7 +102,17 @@ class LoopBeside {
     return server_->path();
   }
 
+  /// Waits until the loop has taken so many commands. Returns false if it never does.
+  [[nodiscard]] bool takes(std::uint64_t commands) const {
+    auto counts = sized<spm_client_command_counts>();
+    return eventually([&] {
+      static_cast<void>(spm_client_refusals(here->client, &counts));
+      return counts.taken >= commands;
+    });
+  }
+
   std::atomic<double> hand_x{0};
+  std::atomic<servo::DeviceHealth> health{servo::DeviceHealth::ok};
   std::unique_ptr<Connected> here;
 
  private:
