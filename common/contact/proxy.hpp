@@ -48,11 +48,12 @@ inline constexpr std::uint32_t proxy_few_queries = 12;
 /// 1997).
 ///
 /// A step is no longer than the distance to the surface, or proxy_blind_step. A step that would not
-/// end outside is not taken, nor one past the middle of a wall. If a tick does not reach the goal, the next one continues. There is
-/// contact where the surface holds the proxy, and until the proxy has caught up. A proxy that is
-/// not known starts at the point, or at the surface nearest to it; where neither is outside, it
-/// stays unknown after the tick. Places that the bake left out count as empty. Points that are not
-/// finite give no contact and reset the proxy. No step is begun after `most` queries.
+/// end outside is not taken, nor one past the middle of a wall. If a tick does not reach the goal,
+/// the next one continues. There is contact where the surface holds the proxy, and until the proxy
+/// has caught up. A proxy that is not known starts at the point, or at the surface nearest to it;
+/// where neither is outside, it stays unknown after the tick. Places that the bake left out count
+/// as empty. Points that are not finite give no contact and reset the proxy. No step is begun after
+/// `most` queries.
 [[nodiscard]] ProxyContact move_proxy(const AssetView& asset, double radius, const Vector3& point,
                                       ProxyState& state,
                                       std::uint32_t most = proxy_queries) noexcept;
