@@ -69,7 +69,8 @@ class Mesh:
     def write(self, path: str, comment: str) -> None:
         """Writes an OBJ with coordinates to the nanometre, through a temporary file and a rename."""
         lines = [f"# {comment}\n"]
-        lines += [f"v {x:.9f} {y:.9f} {z:.9f}\n" for x, y, z in self.vertices]
+        # No zero has a sign: that hangs on the last digit of a sine, which not every libm has alike.
+        lines += [f"v {x:z.9f} {y:z.9f} {z:z.9f}\n" for x, y, z in self.vertices]
         lines += [f"f {a + 1} {b + 1} {c + 1}\n" for a, b, c in self.triangles]
         handle, temporary = tempfile.mkstemp(dir=os.path.dirname(path), suffix=".tmp")
         try:

@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Tells a newcomer what scripts/demo did, from the JSON that the programs printed.
 
-Usage: demo_summary.py FOLDER BUILD
+Usage: demo_summary.py FOLDER BIN     (BIN: folder of the programs)
 """
 
 import json
@@ -49,17 +49,10 @@ def felt(report: dict) -> list[str]:
     return lines
 
 
-def after(build: Path) -> list[str]:
-    if (build / "share" / "spm-haptics" / "view" / "index.html").exists():
-        return ["", "Touch it yourself, in a browser:  scripts/demo --view"]
-    return ["", "The page in which you touch it yourself was not built, for the reason above. Build it by",
-            f"    scripts/build_page {build.name}", "and then see it by  scripts/demo --view"]
-
-
 def main() -> int:
     if len(sys.argv) != 3:
         sys.exit(__doc__)
-    folder, build = map(Path, sys.argv[1:])
+    folder, programs = map(Path, sys.argv[1:])
     read = {name: json.loads((folder / f"{name}.json").read_text(encoding="utf-8"))
             for name in ("bake", "bake-full", "run")}
     lines = ["", *baked(read["bake"]), "", *felt(read["run"]), "", f"Look at  (in {folder}/)"]
@@ -75,9 +68,11 @@ def main() -> int:
     ):
         if (folder / name).exists():
             lines.append(f"         {name:22} {what}")
-    lines += ["", f"Built    {build}/bin/spm-bake, {build}/bin/spm-servo; for programs of yours "
-                  f"{build}/lib/libspm_client.so and libspm_query.so, also from Python",
-              *after(build)]
+    lines += ["", f"Programs {programs}/spm-bake, {programs}/spm-servo; for programs of yours the "
+                  "libraries libspm_client and libspm_query, also from Python",
+              "", f"Serve it, with your device or a simulated one:  {programs}/spm-servo run --asset "
+                  f"{folder}/demo.spm.exr",
+              "Touch it yourself, in a browser:  scripts/demo --view"]
     print("\n".join(lines))
     return 0
 

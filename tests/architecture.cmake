@@ -49,6 +49,9 @@ add_test(NAME "The figures on the pages are those of the JSON files"
 add_test(NAME "Meshes made by seed are closed, and what was proven of them is not done again"
          COMMAND ${Python3_EXECUTABLE} -B ${CMAKE_CURRENT_LIST_DIR}/prove_served_test.py
                  ${CMAKE_SOURCE_DIR})
+add_test(NAME "A trial of a release reads what the page, ctest and apt say"
+         COMMAND ${Python3_EXECUTABLE} -B ${CMAKE_CURRENT_LIST_DIR}/test_release_test.py
+                 ${CMAKE_SOURCE_DIR})
 add_test(NAME "A measurement that was broken off goes on where it was"
          COMMAND ${Python3_EXECUTABLE} -B ${CMAKE_CURRENT_LIST_DIR}/measure_test.py
                  ${CMAKE_SOURCE_DIR})

@@ -29,7 +29,7 @@ TOP_LEVEL = {
     ".ci", ".clang-format", ".clang-tidy", ".gitignore", "CMakeLists.txt", "CMakePresets.json",
     "LICENSES", "README.md", "baker", "common", "formats", "models", "scripts", "servo", "tests",
 }
-HEAVY_HEADER = re.compile(r"^(CGAL|embree\d*|openvdb|fcl)/|^bt[A-Z]")
+HEAVY_HEADER = re.compile(r"^((?i:CGAL)|embree\d*|openvdb|fcl)/|^bt[A-Z]")
 HEAVY_TARGET = re.compile(r"cgal|embree|gmp|mpfr|openvdb|fcl|bullet", re.IGNORECASE)
 LEAN_TARGETS = ("spm-servo", "spm_query", "spm_query_example", "spm_client", "spm_client_example",
                 "spm_common_query", "spm_formats_asset")

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "baker/cast/cast.hpp"
 
-#include <embree3/rtcore.h>
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <embree/rays.hpp>
 #include <limits>
 #include <optional>
 
@@ -30,7 +30,7 @@ constexpr double surface_share = 1e-7;
 constexpr double grazing_cosine = 1e-6;
 
 struct HitCollector {
-  RTCIntersectContext context;
+  RayContext context;
   std::vector<std::uint32_t>* triangles;
   std::vector<float>* distances;
 };
@@ -62,9 +62,8 @@ struct Caster::Implementation {
 
   RTCScene make_scene(std::size_t count, bool collecting) {
     RTCScene scene = rtcNewScene(device);
-    rtcSetSceneFlags(scene, collecting
-                                ? RTC_SCENE_FLAG_ROBUST | RTC_SCENE_FLAG_CONTEXT_FILTER_FUNCTION
-                                : RTC_SCENE_FLAG_ROBUST);
+    rtcSetSceneFlags(scene,
+                     collecting ? RTC_SCENE_FLAG_ROBUST | filtered_rays : RTC_SCENE_FLAG_ROBUST);
     RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
     auto* vertices = static_cast<float*>(rtcSetNewGeometryBuffer(
         geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, 3 * sizeof(float), 3 * count));
@@ -94,8 +93,7 @@ struct Caster::Implementation {
     triangles.clear();
     distances.clear();
     HitCollector collector{};
-    rtcInitIntersectContext(&collector.context);
-    collector.context.filter = [](const RTCFilterFunctionNArguments* arguments) {
+    const auto keep_looking = [](const RTCFilterFunctionNArguments* arguments) {
       auto* out = reinterpret_cast<HitCollector*>(arguments->context);
       out->triangles->push_back(RTCHitN_primID(arguments->hit, arguments->N, 0));
       out->distances->push_back(RTCRayN_tfar(arguments->ray, arguments->N, 0));
@@ -114,7 +112,7 @@ struct Caster::Implementation {
     ray.ray.tfar = std::numeric_limits<float>::infinity();
     ray.ray.mask = ~0U;
     ray.hit.geomID = RTC_INVALID_GEOMETRY_ID;
-    rtcIntersect1(rays, &collector.context, &ray);
+    find_hit(rays, ray, collector.context, keep_looking);
     crossings.clear();
     for (std::size_t i = 0; i < triangles.size(); ++i) {
       const std::uint32_t triangle = triangles[i];
@@ -223,8 +221,6 @@ std::optional<Crossing> Caster::first_between(const SupportPlane& plane, double 
   const Implementation& self = *implementation_;
   const Vector3 origin = support_plane_point(plane, eta, omega) - from * plane.n;
   const Vector3 local = origin - self.centre;
-  RTCIntersectContext context;
-  rtcInitIntersectContext(&context);
   RTCRayHit ray{};
   ray.ray.org_x = static_cast<float>(local.x());
   ray.ray.org_y = static_cast<float>(local.y());
@@ -235,7 +231,7 @@ std::optional<Crossing> Caster::first_between(const SupportPlane& plane, double 
   ray.ray.tfar = static_cast<float>(to - from);
   ray.ray.mask = ~0U;
   ray.hit.geomID = RTC_INVALID_GEOMETRY_ID;
-  rtcIntersect1(self.rays, &context, &ray);
+  find_hit(self.rays, ray);
   if (ray.hit.geomID == RTC_INVALID_GEOMETRY_ID) return std::nullopt;
   const std::uint32_t triangle = ray.hit.primID;
   const Vector3& normal = self.normals[triangle];

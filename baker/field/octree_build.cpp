@@ -8,6 +8,7 @@
 #include <cmath>
 #include <limits>
 #include <optional>
+#include <utility>
 
 #include "baker/base/bake_error.hpp"
 #include "baker/base/progress_counter.hpp"
@@ -157,12 +158,15 @@ class Builder {
   /// Remembers the candidates where they are few.
   static void keep_few(OctreeNode& node, const Candidates& candidates, std::optional<bool> inside) {
     node.inside = inside;
-    node.few.reset();
-    if (candidates.triangles.size() + candidates.caps.size() > few_triangles) return;
-    node.few.emplace();
-    for (const auto* part : {&candidates.triangles, &candidates.caps}) {
-      for (const Candidate& candidate : *part) node.few->push_back(candidate.triangle);
+    if (candidates.triangles.size() + candidates.caps.size() > few_triangles) {
+      node.few.reset();
+      return;
     }
+    std::vector<std::uint32_t> few;
+    for (const auto* part : {&candidates.triangles, &candidates.caps}) {
+      for (const Candidate& candidate : *part) few.push_back(candidate.triangle);
+    }
+    node.few = std::move(few);
   }
 
   /// Whether one polynomial, or two, answer within the tolerance everywhere in the cube.

@@ -96,18 +96,19 @@ class Splitter {
   }
 
   void intersect(const TrianglePair& pair) {
-    const auto common = CGAL::intersection(triangle(pair.first), triangle(pair.second));
-    if (!common) return;
+    // An Object, since CGAL 5 and 6 return variants of different libraries.
+    const CGAL::Object common = CGAL::intersection(triangle(pair.first), triangle(pair.second));
+    if (common.empty()) return;
     Cuts cuts;
     bool overlap = false;
-    if (const auto* point = boost::get<Exact::Point_3>(&*common)) {
+    if (const auto* point = CGAL::object_cast<Exact::Point_3>(&common)) {
       cuts.points.push_back(*point);
-    } else if (const auto* segment = boost::get<Exact::Segment_3>(&*common)) {
+    } else if (const auto* segment = CGAL::object_cast<Exact::Segment_3>(&common)) {
       cuts.segments.emplace_back(segment->source(), segment->target());
-    } else if (const auto* face = boost::get<Exact::Triangle_3>(&*common)) {
+    } else if (const auto* face = CGAL::object_cast<Exact::Triangle_3>(&common)) {
       add_outline({face->vertex(0), face->vertex(1), face->vertex(2)}, cuts);
       overlap = true;
-    } else if (const auto* outline = boost::get<std::vector<Exact::Point_3>>(&*common)) {
+    } else if (const auto* outline = CGAL::object_cast<std::vector<Exact::Point_3>>(&common)) {
       add_outline(*outline, cuts);
       overlap = true;
     }

@@ -1,13 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "baker/verify/exact_surface.hpp"
 
-#include <CGAL/AABB_segment_primitive.h>
-#include <CGAL/AABB_traits.h>
-#include <CGAL/AABB_tree.h>
-#include <CGAL/AABB_triangle_primitive.h>
 #include <CGAL/Simple_cartesian.h>
 
 #include <algorithm>
+#include <cgal/trees.hpp>
 #include <cmath>
 #include <cstddef>
 #include <iterator>
@@ -25,10 +22,8 @@ using Kernel = CGAL::Simple_cartesian<double>;
 using Point = Kernel::Point_3;
 using Triangles = std::vector<Kernel::Triangle_3>;
 using Segments = std::vector<Kernel::Segment_3>;
-using TriangleBvh = CGAL::AABB_tree<
-    CGAL::AABB_traits<Kernel, CGAL::AABB_triangle_primitive<Kernel, Triangles::const_iterator>>>;
-using SegmentTree = CGAL::AABB_tree<
-    CGAL::AABB_traits<Kernel, CGAL::AABB_segment_primitive<Kernel, Segments::const_iterator>>>;
+using TriangleBvh = CgalTree<Kernel, TrianglePrimitive<Kernel, Triangles::const_iterator>>;
+using SegmentTree = CgalTree<Kernel, SegmentPrimitive<Kernel, Segments::const_iterator>>;
 
 Point to_cgal(const Vector3& p) { return {p.x(), p.y(), p.z()}; }
 Vector3 from_cgal(const Point& p) { return {p.x(), p.y(), p.z()}; }

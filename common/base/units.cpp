@@ -149,14 +149,15 @@ Result<double> parse_quantity(std::string_view text, Quantity quantity) {
 }
 
 std::string format_quantity(double in_si, Quantity quantity) {
+  const std::span<const Unit> units = facts_of(quantity).units;
   const Unit* best = nullptr;
-  for (const Unit& unit : facts_of(quantity).units) {
+  for (const Unit& unit : units) {
     if (!unit.printed) continue;
     // The margin below 1 keeps a value such as 0.99999 mm from being printed as 1000 um.
     if (best == nullptr || std::abs(in_si) * unit.divisor / unit.multiplier >= 0.99995)
       best = &unit;
   }
-  const Unit& unit = best != nullptr ? *best : facts_of(quantity).units.front();
+  const Unit& unit = best != nullptr ? *best : units.front();
   return shortest(in_si * unit.divisor / unit.multiplier) + " " + std::string(unit.name);
 }
 

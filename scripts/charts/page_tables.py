@@ -53,6 +53,20 @@ def made(reports: dict, *names: str) -> list[str]:
     return lines
 
 
+def system(reports: dict, release: str) -> str:
+    """How a release of Debian does, as scripts/test-release found it."""
+    row = find(reports["releases"]["rows"] if "releases" in reports else [], release=release)
+    if row is None:
+        return "not tried"
+    if row["failed"] or any(row["exit_codes"].values()) or not row["tests"]:
+        return "fails, as `scripts/test-release` found"
+    start = sum(minutes for command, minutes in row["minutes"].items() if command != "scripts/test")
+    warm = ", with a compiler's cache" if row["compiled_before"] else ""
+    return (f"{row['tests'] - len(row['skipped']):,} tests pass, {len(row['skipped'])} are skipped; the "
+            f"start takes {number(start)} minutes, the tests {number(row['minutes']['scripts/test'])}, on "
+            f"{row['cores']} cores{warm} ({row['compiler']}, commit `{row['commit']}`)")
+
+
 def bakes_table(reports: dict) -> list[str]:
     if "bakes" not in reports:
         return [NOT_MEASURED]
@@ -419,6 +433,7 @@ TABLES = {
     "served_table": served_table,
     "sixdof_table": lambda reports: sixdof_lines(reports["sixdof"]), "soak_tables": soak_tables,
     "stability_tables": lambda reports: stability_tables(reports["stability"]),
+    "system": system,
     "targets_table": lambda reports: target_lines(reports["stability"])[2:-1],
     "tools_table": tools_table,
     "theory_table": lambda reports: theory_lines(reports["stability"])[4:-1],

@@ -38,17 +38,45 @@ class Demo(Case):
         os.makedirs(os.path.dirname(self.path(name)), exist_ok=True)
         os.chmod(self.write(name, text), 0o755)
 
-    def demo(self, build_page):
-        self.stand_in("scripts/build_page", SHELL + build_page)
-        done = subprocess.run([self.path("scripts", "demo")], capture_output=True, text=True, check=False)
-        self.assertEqual((done.returncode, done.stderr), (0, ""))
-        return done.stdout
+    def demo(self, **environment):
+        done = subprocess.run([self.path("scripts", "demo")], capture_output=True, text=True, check=False,
+                              stdin=subprocess.DEVNULL, env={**os.environ, **environment})
+        self.assertEqual(done.returncode, 0, done.stderr)
+        return done
 
-    def test_it_builds_the_page_and_says_how_it_is_seen(self):
-        said = self.demo(f"mkdir -p {os.path.dirname(PAGE)} && touch {PAGE}\n")
-        self.assertIn("scripts/demo --view", said)
-        self.assertIn("libspm_client.so", said)
-        self.assertNotIn("not built", said)
+    def install(self):
+        """Programs of this version, as packages install them."""
+        self.write("CMakeLists.txt", "project(spm-haptics VERSION 1.2.3 LANGUAGES C CXX)\n")
+        for name, said in (("spm-bake", BAKED), ("spm-servo", FELT)):
+            os.unlink(self.path("build", "release", "bin", name))
+            self.stand_in(f"installed/{name}", f"{SHELL}[[ $1 == --version ]] && echo {name} 1.2.3 && exit\n"
+                                               f"echo '{json.dumps(said)}'\n")
+        self.stand_in("scripts/setup", SHELL)
+        self.stand_in("scripts/build", f"{SHELL}exit 9\n")
+
+    def test_it_says_what_it_does_and_how_to_go_on_and_builds_no_page(self):
+        self.stand_in("scripts/build_page", f"{SHELL}exit 9\n")
+        done = self.demo()
+        self.assertEqual([line.split(":")[0] for line in done.stderr.splitlines()],
+                         [f"{step} of 4" for step in range(1, 5)])
+        self.assertIn("Felt     5000 ticks", done.stdout)
+        self.assertIn("build/release/bin/spm-servo run --asset build/demo/demo.spm.exr", done.stdout)
+        self.assertIn("scripts/demo --view", done.stdout)
+
+    def test_where_the_packages_are_installed_it_takes_their_programs_and_builds_nothing(self):
+        self.install()
+        done = self.demo(PATH=f"{self.path('installed')}:{os.environ['PATH']}")
+        self.assertIn(f"{self.path('installed')}/spm-servo run", done.stdout)
+
+    def test_packages_that_are_there_are_offered_before_it_builds(self):
+        os.unlink(self.path("build", "release", "bin", "spm-servo"))
+        self.stand_in("scripts/build", f"{SHELL}echo '{SHELL}' > build/release/bin/spm-servo\n"
+                                       "echo building >&2; exit 9\n")
+        self.stand_in("build/packages/spm-bake_1.2.3_amd64.deb", "")
+        done = subprocess.run([self.path("scripts", "demo")], capture_output=True, text=True, check=False,
+                              stdin=subprocess.DEVNULL)
+        self.assertEqual(done.returncode, 9)
+        self.assertRegex(done.stderr, r"^There are packages in build/packages\.(.|\n)*building\n$")
 
     def test_with_view_the_programs_meet_also_where_the_user_has_no_folder_for_sockets(self):
         os.makedirs(self.path("build", "demo"))
@@ -61,14 +89,9 @@ class Demo(Case):
             self.skipTest("this user has a folder for sockets")
         done = subprocess.run([self.path("scripts", "demo"), "--view"], capture_output=True, text=True,
                               check=False, env=environment)
-        self.assertEqual((done.returncode, done.stderr), (0, ""))
+        self.assertEqual(done.returncode, 0, done.stderr)
         self.assertRegex(done.stdout, "^Touch it at drwx------ ")
         self.assertFalse(os.path.exists(done.stdout.split()[-1]))
-
-    def test_where_the_page_could_not_be_built_it_goes_on_and_says_by_which_command_it_is(self):
-        said = self.demo("exit 2\n")
-        self.assertIn("Felt     5000 ticks", said)
-        self.assertRegex(said, r"page .* was not built(.|\n)*scripts/build_page release\n")
 
 
 class Page(Case):

@@ -160,9 +160,9 @@ TEST_CASE("A bad mesh is refused with code 3 and a sentence that names file, pla
       const std::string path = folder.write(bad.file, bad.content);
       const auto [code, message] = refusal(path);
       CHECK(code == ExitCode::invalid_input);
-      CHECK_THAT(message, Catch::Matchers::StartsWith(path + ":"));
-      CHECK_THAT(message, Catch::Matchers::Contains(bad.expected));
-      CHECK_THAT(message, Catch::Matchers::Contains(";") || Catch::Matchers::Contains(","));
+      CHECK_THAT(message, Catch::StartsWith(path + ":"));
+      CHECK_THAT(message, Catch::Contains(bad.expected));
+      CHECK_THAT(message, Catch::Contains(";") || Catch::Contains(","));
       CHECK(message.find('\n') == std::string::npos);
     }
   }
@@ -172,14 +172,14 @@ TEST_CASE("A mesh file that is not there is refused with code 2") {
   const TemporaryFolder folder;
   const auto [code, message] = refusal(folder.path("missing.obj"));
   CHECK(code == ExitCode::file_or_device);
-  CHECK_THAT(message, Catch::Matchers::Contains("missing.obj: cannot open"));
+  CHECK_THAT(message, Catch::Contains("missing.obj: cannot open"));
 }
 
 TEST_CASE("A folder given as a mesh is refused with code 2") {
   const TemporaryFolder folder;
   const auto [code, message] = refusal(folder.path(""));
   CHECK(code == ExitCode::file_or_device);
-  CHECK_THAT(message, Catch::Matchers::Contains("is a directory"));
+  CHECK_THAT(message, Catch::Contains("is a directory"));
 }
 
 TEST_CASE("A device or a pipe given as a mesh is refused with code 2, unread") {
@@ -189,7 +189,7 @@ TEST_CASE("A device or a pipe given as a mesh is refused with code 2, unread") {
   for (const char* name : {"zero.obj", "pipe.ply"}) {
     const auto [code, message] = refusal(folder.path(name));
     CHECK(code == ExitCode::file_or_device);
-    CHECK_THAT(message, Catch::Matchers::Contains("is a device or a pipe"));
+    CHECK_THAT(message, Catch::Contains("is a device or a pipe"));
   }
 }
 
@@ -202,7 +202,7 @@ TEST_CASE("A mesh without read permission is refused with code 2") {
   if (!user.works()) SPM_SKIP("root cannot become another user here");
   const auto [code, message] = refusal(path);
   CHECK(code == ExitCode::file_or_device);
-  CHECK_THAT(message, Catch::Matchers::Contains("permission"));
+  CHECK_THAT(message, Catch::Contains("permission"));
 }
 
 TEST_CASE("A mesh file cut anywhere is loaded or refused, never worse") {

@@ -280,7 +280,7 @@ TEST_CASE("A bad glTF is refused with a sentence that names the place and the ca
     const auto [found, message] =
         refusal(folder.write("m.gltf", R"({"asset":{"version":"2.0"},"x":1e999})"));
     CHECK(found == ExitCode::invalid_input);
-    CHECK_THAT(message, Catch::Matchers::Contains("number that is larger than any"));
+    CHECK_THAT(message, Catch::Contains("number that is larger than any"));
     return;
   }
   SECTION("words where numbers belong") {
@@ -290,8 +290,8 @@ TEST_CASE("A bad glTF is refused with a sentence that names the place and the ca
   const std::string path = folder.write("m.gltf", json.dump());
   const auto [found, message] = refusal(path);
   CHECK(found == code);
-  CHECK_THAT(message, Catch::Matchers::StartsWith(path + ":"));
-  CHECK_THAT(message, Catch::Matchers::Contains(expected));
+  CHECK_THAT(message, Catch::StartsWith(path + ":"));
+  CHECK_THAT(message, Catch::Contains(expected));
 }
 
 TEST_CASE("A glTF or a gzip cut anywhere is refused") {
@@ -321,8 +321,8 @@ TEST_CASE("A buffer outside a glTF's folder is read only where that is allowed")
     const std::string path = folder.write("in/m.gltf", tetrahedron(uri).dump());
     const auto [code, message] = refusal(path);
     CHECK(code == ExitCode::invalid_input);
-    CHECK_THAT(message, Catch::Matchers::Contains("leads out of the file's folder") &&
-                            Catch::Matchers::Contains("--outside-buffers"));
+    CHECK_THAT(message, Catch::Contains("leads out of the file's folder") &&
+                            Catch::Contains("--outside-buffers"));
     CHECK(baker::mesh_companions(path, false).empty());
     const baker::LoadOptions allowed{.outside_buffers = true};
     check_is_tetrahedron(load_mesh(path, allowed));
@@ -343,7 +343,7 @@ TEST_CASE("A device or a pipe is never read as a buffer") {
       FAIL("it was loaded");
     } catch (const baker::BakeError& error) {
       CHECK(error.code() == ExitCode::file_or_device);
-      CHECK_THAT(error.what(), Catch::Matchers::Contains("is a device or a pipe"));
+      CHECK_THAT(error.what(), Catch::Contains("is a device or a pipe"));
     }
     CHECK_FALSE(baker::mesh_sha256(path, true));
   }
@@ -362,7 +362,7 @@ TEST_CASE("Many primitives of the same bytes are refused before any vertex of th
   (void)folder.write("many.bin", std::string(12 * points, '\0'));
   const auto [code, message] = refusal(folder.write("m.gltf", json.dump()));
   CHECK(code == ExitCode::invalid_input);
-  CHECK_THAT(message, Catch::Matchers::Contains("mesh 0, primitive 33: with it the file has more "
+  CHECK_THAT(message, Catch::Contains("mesh 0, primitive 33: with it the file has more "
                                                 "than 33554432 vertices or triangles"));
 }
 
@@ -376,7 +376,7 @@ TEST_CASE("What a gzip unpacks to is bounded by what it is, long before the memo
   const auto [code, message] =
       refusal(folder.write("bomb.obj.gz", gzip(text + std::string(80U << 20U, '\n'))));
   CHECK(code == ExitCode::invalid_input);
-  CHECK_THAT(message, Catch::Matchers::Contains("more than 100 times as large"));
+  CHECK_THAT(message, Catch::Contains("more than 100 times as large"));
 }
 
 TEST_CASE("JSON as deep as a file can have it ends nothing") {
@@ -395,11 +395,11 @@ TEST_CASE("A gzip holds what its name says without .gz") {
   check_is_tetrahedron(
       load_mesh(folder.write("two.obj.gz", gzip(text.substr(0, 20)) + gzip(text.substr(20))), {}));
   CHECK_THAT(refusal(folder.write("m.obj", gzip(text))).second,
-             Catch::Matchers::Contains("rename it to end in .gz"));
+             Catch::Contains("rename it to end in .gz"));
   CHECK_THAT(refusal(folder.write("plain.obj.gz", text)).second,
-             Catch::Matchers::Contains("rename it without .gz"));
+             Catch::Contains("rename it without .gz"));
   CHECK_THAT(refusal(folder.write("m.ply.gz", gzip(text))).second,
-             Catch::Matchers::Contains("looks like OBJ"));
+             Catch::Contains("looks like OBJ"));
 }
 
 TEST_CASE("A mesh of several files is another mesh once one of them changes") {

@@ -33,7 +33,7 @@ TEST_CASE(
 
 TEST_CASE("A name that is no UTF-8 does not keep the page from being written") {
   const std::string text = filled_page(R"("SPM_REPORT_DATA")", Json{{"name", "a\xff"}});
-  CHECK_NOTHROW(Json::parse(text));
+  CHECK(Json::accept(text));
 }
 
 TEST_CASE("Errors are counted by their size, and those beyond the threshold apart") {

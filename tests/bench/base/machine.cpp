@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "tests/bench/base/machine.hpp"
 
-#include <embree3/rtcore_config.h>
 #include <openvdb/version.h>
 #include <sys/utsname.h>
 #include <unistd.h>
 
 #include <cstddef>
 #include <cstdint>
+#include <embree/rays.hpp>
 #include <filesystem>
 #include <fstream>
 #include <string>

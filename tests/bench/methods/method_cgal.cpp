@@ -1,10 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <CGAL/AABB_traits.h>
-#include <CGAL/AABB_tree.h>
-#include <CGAL/AABB_triangle_primitive.h>
 #include <CGAL/Simple_cartesian.h>
 
 #include <algorithm>
+#include <cgal/trees.hpp>
 #include <cmath>
 #include <cstdint>
 #include <vector>
@@ -18,8 +16,8 @@ namespace {
 
 using Kernel = CGAL::Simple_cartesian<double>;
 using Triangles = std::vector<Kernel::Triangle_3>;
-using Primitive = CGAL::AABB_triangle_primitive<Kernel, Triangles::const_iterator>;
-using Tree = CGAL::AABB_tree<CGAL::AABB_traits<Kernel, Primitive>>;
+using Primitive = baker::TrianglePrimitive<Kernel, Triangles::const_iterator>;
+using Tree = baker::CgalTree<Kernel, Primitive>;
 
 /// CGAL's tree with a hint: the closest point on the triangle that was nearest before, or where
 /// that is beyond the band what CGAL's own search tree of points gives.

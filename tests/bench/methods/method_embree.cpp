@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <embree3/rtcore.h>
-
 #include <algorithm>
 #include <array>
 #include <atomic>
 #include <cmath>
 #include <cstdint>
+#include <embree/rays.hpp>
 #include <string>
 
 #include "baker/base/bake_error.hpp"

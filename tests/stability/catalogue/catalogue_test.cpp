@@ -12,6 +12,7 @@
 #include <set>
 #include <stdexcept>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -91,10 +92,10 @@ Shape shape_of(const StabilityCase& tried) {
   return {mesh.vertices, mesh.triangles};
 }
 
-const StabilityCase& named(const std::vector<StabilityCase>& cases, const std::string& name) {
+const StabilityCase& named(const std::vector<StabilityCase>& cases, std::string_view name) {
   const auto found = std::find_if(cases.begin(), cases.end(),
                                   [&](const StabilityCase& one) { return one.name == name; });
-  if (found == cases.end()) throw std::runtime_error("no case " + name);
+  if (found == cases.end()) throw std::runtime_error("no case " + std::string(name));
   return *found;
 }
 
@@ -220,7 +221,7 @@ TEST_CASE("Only a case whose mesh is not here is left out, and said to be") {
   const std::vector<std::string> words = left_out_cases();
   CHECK(here.size() + words.size() == all.size());
   for (const std::string& sentence : words) {
-    const StabilityCase& one = named(all, sentence.substr(0, sentence.find(':')));
+    const StabilityCase& one = named(all, std::string_view(sentence).substr(0, sentence.find(':')));
     CHECK_FALSE(one.mesh.empty());
   }
   if (!words.empty()) {

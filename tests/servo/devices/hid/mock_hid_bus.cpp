@@ -33,6 +33,15 @@ constexpr bool is_exchange(unsigned number) {
   return number == set_feature || number == get_feature || number == get_input;
 }
 
+/// Bytes that a request's argument has; 0 where the device does not know it.
+std::size_t answer_size(gulong request) {
+  if (request == HIDIOCGRDESCSIZE) return sizeof(int);
+  if (request == HIDIOCGRDESC) return sizeof(hidraw_report_descriptor);
+  if (request == HIDIOCGRAWINFO) return sizeof(hidraw_devinfo);
+  // The size of reports is part of the request.
+  return _IOC_TYPE(request) == 'H' && is_exchange(_IOC_NR(request)) ? _IOC_SIZE(request) : 0;
+}
+
 [[noreturn]] void give_up(const char* why) {
   std::cerr << "mock_hid: " << why << '\n';
   std::exit(EXIT_FAILURE);
@@ -295,31 +304,33 @@ gboolean MockHidBus::on_ioctl(UMockdevIoctlBase*, UMockdevIoctlClient* client, g
   const HidIdentity identity = bus->device_->identity();
   const auto request = umockdev_ioctl_client_get_request(client);
   const auto number = static_cast<unsigned>(_IOC_NR(request));
-  UMockdevIoctlData* argument = umockdev_ioctl_client_get_arg(client);
-  const auto resolve = [argument](std::size_t size) {
-    GError* error = nullptr;
-    UMockdevIoctlData* data = umockdev_ioctl_data_resolve(argument, 0, size, &error);
-    check(error);
-    return data;
-  };
+  const std::size_t bytes_given = answer_size(request);
+  if (bytes_given == 0) return FALSE;
+  GError* error = nullptr;
+  UMockdevIoctlData* data =
+      umockdev_ioctl_data_resolve(umockdev_ioctl_client_get_arg(client), 0, bytes_given, &error);
+  if (data == nullptr) {
+    // The program was killed while it waited.
+    g_clear_error(&error);
+    umockdev_ioctl_client_complete(client, -1, EIO);
+    return TRUE;
+  }
   if (request == HIDIOCGRDESCSIZE) {
     const int size = static_cast<int>(identity.descriptor.size());
-    std::memcpy(resolve(sizeof size)->data, &size, sizeof size);
+    std::memcpy(data->data, &size, sizeof size);
   } else if (request == HIDIOCGRDESC) {
     hidraw_report_descriptor descriptor{};
     descriptor.size = static_cast<std::uint32_t>(identity.descriptor.size());
     std::memcpy(descriptor.value, identity.descriptor.data(), identity.descriptor.size());
-    std::memcpy(resolve(sizeof descriptor)->data, &descriptor, sizeof descriptor);
+    std::memcpy(data->data, &descriptor, sizeof descriptor);
   } else if (request == HIDIOCGRAWINFO) {
     hidraw_devinfo info{};
     info.bustype = 3;
     info.vendor = static_cast<std::int16_t>(identity.vendor);
     info.product = static_cast<std::int16_t>(identity.product);
-    std::memcpy(resolve(sizeof info)->data, &info, sizeof info);
-  } else if (_IOC_TYPE(request) == 'H' && is_exchange(number)) {
-    // Their size is part of their number.
-    UMockdevIoctlData* data = resolve(_IOC_SIZE(request));
-    HidBytes bytes(data->data, data->data + _IOC_SIZE(request));
+    std::memcpy(data->data, &info, sizeof info);
+  } else {
+    HidBytes bytes(data->data, data->data + bytes_given);
     int result = 0, error_number = 0;
     {
       const std::lock_guard lock(bus->mutex_);
@@ -328,8 +339,6 @@ gboolean MockHidBus::on_ioctl(UMockdevIoctlBase*, UMockdevIoctlClient* client, g
     std::memcpy(data->data, bytes.data(), bytes.size());
     umockdev_ioctl_client_complete(client, result, result < 0 ? error_number : 0);
     return TRUE;
-  } else {
-    return FALSE;
   }
   umockdev_ioctl_client_complete(client, 0, 0);
   return TRUE;
