@@ -8,6 +8,7 @@ import subprocess
 import tempfile
 import time
 import unittest
+import urllib.request
 
 NGINX = shutil.which("nginx") or shutil.which("nginx", path="/usr/sbin:/sbin")
 TOKEN = "let-me-in"
@@ -36,6 +37,7 @@ http {{
       limit_except GET {{ deny all; }}
     }}
     location /broken/ {{ return 500; }}
+    location = /mark {{ access_log off; return 204; }}
   }}
 }}
 """
@@ -93,7 +95,9 @@ class DavServer:
         return [os.path.join(self.store(name), key) for key in sorted(os.listdir(self.store(name)))]
 
     def requests(self):
-        """The methods that were asked for so far, in their order."""
+        """The methods that were asked for so far, in their order. The server, a single process, writes
+        its log after it has answered, but before it answers the next request."""
+        urllib.request.urlopen(f"http://127.0.0.1:{self.port}/mark", timeout=20).close()
         with open(self.log, encoding="utf-8") as file:
             return [line.split('"')[1].split()[0] for line in file]
 
