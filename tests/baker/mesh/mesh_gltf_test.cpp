@@ -363,7 +363,7 @@ TEST_CASE("Many primitives of the same bytes are refused before any vertex of th
   const auto [code, message] = refusal(folder.write("m.gltf", json.dump()));
   CHECK(code == ExitCode::invalid_input);
   CHECK_THAT(message, Catch::Contains("mesh 0, primitive 33: with it the file has more "
-                                                "than 33554432 vertices or triangles"));
+                                      "than 33554432 vertices or triangles"));
 }
 
 TEST_CASE("What a gzip unpacks to is bounded by what it is, long before the memory is full") {
