@@ -12,12 +12,11 @@
 #include <utility>
 
 #include "servo/shared/fixed_text.hpp"
+#include "servo/shared/passed_descriptors.hpp"
 
 namespace spm::servo {
 
 namespace {
-
-constexpr std::size_t max_sent = 2;
 
 /// Text from a client in a form that a terminal can show: ASCII, cut at its closing zero.
 template <std::size_t Size>
@@ -39,24 +38,9 @@ spm_socket_answer plain_answer() noexcept {
 
 }  // namespace
 
-bool send_answer(int descriptor, const spm_socket_answer& answer, const int* sent,
-                 std::size_t sent_count) noexcept {
-  spm_socket_answer copy = answer;
-  iovec part{&copy, sizeof copy};
-  msghdr message{};
-  message.msg_iov = &part;
-  message.msg_iovlen = 1;
-  alignas(cmsghdr) std::array<unsigned char, CMSG_SPACE(max_sent * sizeof(int))> control{};
-  if (sent_count > 0) {
-    message.msg_control = control.data();
-    message.msg_controllen = CMSG_SPACE(sent_count * sizeof(int));
-    cmsghdr* const header = CMSG_FIRSTHDR(&message);
-    header->cmsg_level = SOL_SOCKET;
-    header->cmsg_type = SCM_RIGHTS;
-    header->cmsg_len = CMSG_LEN(sent_count * sizeof(int));
-    std::memcpy(CMSG_DATA(header), sent, sent_count * sizeof(int));
-  }
-  return sendmsg(descriptor, &message, MSG_DONTWAIT | MSG_NOSIGNAL) == sizeof answer;
+bool send_answer(int descriptor, const spm_socket_answer& answer,
+                 std::span<const int> sent) noexcept {
+  return send_message(descriptor, std::as_bytes(std::span(&answer, 1)), sent);
 }
 
 spm_socket_answer refusing_answer(std::uint32_t status, const std::string& sentence) noexcept {
@@ -92,7 +76,7 @@ AppClient::AppClient(int descriptor, std::uint32_t connection, pid_t process, bo
 AppClient::~AppClient() { hang_up(); }
 
 void AppClient::refuse(std::uint32_t status, const std::string& sentence) const {
-  static_cast<void>(send_answer(descriptor_, refusing_answer(status, sentence), nullptr, 0));
+  static_cast<void>(send_answer(descriptor_, refusing_answer(status, sentence)));
 }
 
 void AppClient::hang_up() noexcept {
@@ -107,8 +91,8 @@ bool AppClient::greet(const SharedMemory& state) {
   answer.connection = attached_.connection;
   answer.state_bytes = static_cast<std::uint32_t>(sizeof(spm_shared_state));
   answer.ring_bytes = static_cast<std::uint32_t>(sizeof(spm_shared_ring));
-  const std::array<int, max_sent> sent{*read_only, memory_.descriptor()};
-  const bool went = send_answer(descriptor_, answer, sent.data(), sent.size());
+  const std::array sent{*read_only, memory_.descriptor()};
+  const bool went = send_answer(descriptor_, answer, sent);
   close(*read_only);
   return went;
 }
@@ -152,7 +136,7 @@ Heard AppClient::hear() {
 bool AppClient::confirm() noexcept {
   spm_socket_answer answer = plain_answer();
   answer.connection = attached_.connection;
-  return send_answer(descriptor_, answer, nullptr, 0);
+  return send_answer(descriptor_, answer);
 }
 
 AppClientReport AppClient::report() const {

@@ -6,6 +6,7 @@
 #include <chrono>
 #include <cstdint>
 #include <memory>
+#include <span>
 #include <string>
 
 #include "common/base/error.hpp"
@@ -79,8 +80,8 @@ class AppClient {
 
 /// Sends an answer over a socket without waiting, with the descriptors if there are any. False if
 /// it could not be sent.
-[[nodiscard]] bool send_answer(int descriptor, const spm_socket_answer& answer, const int* sent,
-                               std::size_t sent_count) noexcept;
+[[nodiscard]] bool send_answer(int descriptor, const spm_socket_answer& answer,
+                               std::span<const int> sent = {}) noexcept;
 
 /// The answer that refuses a client, with a sentence.
 [[nodiscard]] spm_socket_answer refusing_answer(std::uint32_t status,

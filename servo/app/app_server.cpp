@@ -145,8 +145,7 @@ bool AppServer::may_connect(int connection, const ucred& peer) const {
 /// Takes ownership of the connection.
 void AppServer::welcome(int connection) {
   const auto refuse = [connection](const std::string& sentence) {
-    static_cast<void>(
-        send_answer(connection, refusing_answer(SPM_SOCKET_REFUSED, sentence), nullptr, 0));
+    static_cast<void>(send_answer(connection, refusing_answer(SPM_SOCKET_REFUSED, sentence)));
     close(connection);
   };
   ucred peer{};

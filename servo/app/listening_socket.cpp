@@ -15,6 +15,7 @@
 #include <thread>
 #include <utility>
 
+#include "servo/shared/descriptor.hpp"
 #include "servo/shared/socket_path.hpp"
 #include "servo/shared/trusted_folder.hpp"
 
@@ -37,22 +38,6 @@ tl::unexpected<Error> refused(const std::string& path, const std::string& what, 
   return failed(path, what + " (" + std::strerror(code) +
                           "): name another socket with --socket, in a folder that you may write");
 }
-
-/// A descriptor that closes itself.
-class Descriptor {
- public:
-  explicit Descriptor(int descriptor) noexcept : descriptor_(descriptor) {}
-  Descriptor(const Descriptor&) = delete;
-  Descriptor& operator=(const Descriptor&) = delete;
-  ~Descriptor() {
-    if (descriptor_ >= 0) close(descriptor_);
-  }
-  [[nodiscard]] int get() const noexcept { return descriptor_; }
-  [[nodiscard]] int release() noexcept { return std::exchange(descriptor_, -1); }
-
- private:
-  int descriptor_;
-};
 
 /// The folder of the sockets must belong to this user, and be closed to others.
 Result<void> make_private_folder(const std::string& folder) {

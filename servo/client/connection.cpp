@@ -16,6 +16,7 @@
 #include <utility>
 
 #include "servo/client/spm_client.h"
+#include "servo/shared/passed_descriptors.hpp"
 #include "servo/shared/shared_words.hpp"
 #include "servo/shared/socket_messages.h"
 #include "servo/shared/socket_path.hpp"
@@ -35,39 +36,8 @@ tl::unexpected<NoConnection> without(int code, std::string sentence) {
   return tl::make_unexpected(NoConnection{code, std::move(sentence)});
 }
 
-/// Two descriptors as they were received. They are closed unless somebody takes them.
-struct Received {
-  std::array<int, 2> descriptors{-1, -1};
-  Received() = default;
-  Received(const Received&) = delete;
-  Received& operator=(const Received&) = delete;
-  ~Received() {
-    for (const int descriptor : descriptors) {
-      if (descriptor >= 0) close(descriptor);
-    }
-  }
-};
-
 std::string text_of(const char* text, std::size_t size) {
   return std::string(text, strnlen(text, size));
-}
-
-void take_descriptors(msghdr& message, Received& received) noexcept {
-  std::size_t count = 0;
-  for (cmsghdr* header = CMSG_FIRSTHDR(&message); header != nullptr;
-       header = CMSG_NXTHDR(&message, header)) {
-    if (header->cmsg_level != SOL_SOCKET || header->cmsg_type != SCM_RIGHTS) continue;
-    const std::size_t bytes = header->cmsg_len - CMSG_LEN(0);
-    for (std::size_t at = 0; at + sizeof(int) <= bytes; at += sizeof(int)) {
-      int descriptor = -1;
-      std::memcpy(&descriptor, CMSG_DATA(header) + at, sizeof descriptor);
-      if (count < received.descriptors.size()) {
-        received.descriptors[count++] = descriptor;
-      } else {
-        close(descriptor);
-      }
-    }
-  }
 }
 
 /// Maps a region. Null if it is smaller than it must be, or the system refuses.
@@ -90,11 +60,11 @@ class Handshake {
     if (auto done = connect_socket(); !done) return tl::make_unexpected(done.error());
     if (auto done = check_server(); !done) return tl::make_unexpected(done.error());
     spm_socket_answer answer{};
-    Received received;
+    ReceivedMessage received;
     if (auto done = hear(answer, received); !done) return tl::make_unexpected(done.error());
     if (auto done = map(answer, received); !done) return tl::make_unexpected(done.error());
     if (auto done = say_ready(); !done) return tl::make_unexpected(done.error());
-    Received none;
+    ReceivedMessage none;
     if (auto done = hear(answer, none); !done) return tl::make_unexpected(done.error());
     connection_.number_ = answer.connection;
     return std::move(connection_);
@@ -194,23 +164,16 @@ class Handshake {
   }
 
   /// Receives an answer. An answer that is no welcome is an error.
-  [[nodiscard]] Step hear(spm_socket_answer& answer, Received& received) {
+  [[nodiscard]] Step hear(spm_socket_answer& answer, ReceivedMessage& received) {
     if (auto ready = wait(); !ready) return ready;
-    iovec part{&answer, sizeof answer};
-    alignas(cmsghdr) std::array<unsigned char, CMSG_SPACE(4 * sizeof(int))> control{};
-    msghdr message{};
-    message.msg_iov = &part;
-    message.msg_iovlen = 1;
-    message.msg_control = control.data();
-    message.msg_controllen = control.size();
-    const ssize_t got = recvmsg(connection_.socket_, &message, MSG_DONTWAIT | MSG_CMSG_CLOEXEC);
+    received = receive_message(connection_.socket_, std::as_writable_bytes(std::span(&answer, 1)));
+    const ssize_t got = received.bytes;
     if (got <= 0) {
       return without(SPM_CLIENT_NO_DAEMON,
                      "the daemon at " + path_ +
                          " hung up while the application connected: it is ending, or has no memory "
                          "left; look at its messages and try again");
     }
-    take_descriptors(message, received);
     if (static_cast<std::size_t>(got) < answer_head_bytes || answer.magic != SPM_SOCKET_MAGIC) {
       return without(
           SPM_CLIENT_VERSION_DIFFERS,
@@ -231,14 +194,14 @@ class Handshake {
             " refused the application: " + text_of(answer.sentence, sizeof answer.sentence));
   }
 
-  [[nodiscard]] Step map(const spm_socket_answer& answer, const Received& received) {
+  [[nodiscard]] Step map(const spm_socket_answer& answer, const ReceivedMessage& received) {
     const bool sized = answer.state_bytes == sizeof(spm_shared_state) &&
                        answer.ring_bytes == sizeof(spm_shared_ring);
     if (sized) {
       connection_.state_ = static_cast<const spm_shared_state*>(
-          map_region(received.descriptors[0], sizeof(spm_shared_state), PROT_READ));
-      connection_.ring_ = static_cast<spm_shared_ring*>(
-          map_region(received.descriptors[1], sizeof(spm_shared_ring), PROT_READ | PROT_WRITE));
+          map_region(received.descriptors[0].get(), sizeof(spm_shared_state), PROT_READ));
+      connection_.ring_ = static_cast<spm_shared_ring*>(map_region(
+          received.descriptors[1].get(), sizeof(spm_shared_ring), PROT_READ | PROT_WRITE));
     }
     if (connection_.state_ == nullptr || connection_.ring_ == nullptr) {
       return without(SPM_CLIENT_INTERNAL,

@@ -3,7 +3,6 @@
 
 #include <memory>
 #include <string>
-#include <string_view>
 
 #include "servo/commands/commands.hpp"
 #include "servo/loop/outside_supervisor.hpp"
@@ -23,14 +22,8 @@ int execute_supervise(const SuperviseCommand& command) {
   cli::configure_messages(command.global);
   OutsideSupervisors supervisors = command.supervisors;
   supervisors.black_box = default_black_box();
-  supervisors.tell = [](const std::string& sentence) {
-    constexpr std::string_view warning = "warning: ";
-    if (sentence.starts_with(warning)) {
-      spdlog::warn("{}", sentence.substr(warning.size()));
-    } else {
-      spdlog::info("{}", sentence);
-    }
-  };
+  supervisors.tell = [](const std::string& text) { spdlog::info("{}", text); };
+  supervisors.warn = [](const std::string& text) { spdlog::warn("{}", text); };
   StopSignals signals;
   signals.listen();
   if (auto served = serve_supervisors(supervisors, signals.flag()); !served) {

@@ -128,25 +128,36 @@ void ToolForce::rest() noexcept {
   rests_ = true;
 }
 
-/// Begins anew where the virtual tool rested. False where it cannot: what it leant on is gone, or
-/// far from where it was.
-bool ToolForce::go_on_after_rest(std::span<const ToolObject> objects) noexcept {
-  if (leant_on_ < first_tool_) {
-    const ToolObject& object = objects[leant_on_];
-    if (object.asset == nullptr || seated_[leant_on_] == 0) return false;
-    const Eigen::Isometry3d carry = object.pose * seats_[leant_on_].inverse(Eigen::Isometry);
-    const double turn = turn_between(Eigen::Quaterniond(seats_[leant_on_].linear()),
-                                     Eigen::Quaterniond(object.pose.linear()))
-                            .norm();
-    const double way = (carry * pose_.translation() - pose_.translation()).norm();
-    if (!(way <= kept_way) || !(turn <= kept_turn)) return false;
-    pose_ = carry * pose_;
-    pose_.linear() = Eigen::Quaterniond(pose_.linear()).normalized().toRotationMatrix();
-  }
-  // Others may have come to where it is; it would leave them by short steps.
+/// Whether the virtual tool may go on where it rested, to which it was moved with what it leant on:
+/// not where that is gone, or went far.
+bool ToolForce::stays_after_rest(std::span<const ToolObject> objects) noexcept {
+  if (leant_on_ >= first_tool_) return true;
+  const ToolObject& object = objects[leant_on_];
+  if (object.asset == nullptr || seated_[leant_on_] == 0) return false;
+  const Eigen::Isometry3d& seat = seats_[leant_on_];
+  const Eigen::Isometry3d carried = object.pose * seat.inverse(Eigen::Isometry) * pose_;
+  const Vector3 turn =
+      turn_between(Eigen::Quaterniond(seat.linear()), Eigen::Quaterniond(object.pose.linear()));
+  const double way = (carried.translation() - pose_.translation()).norm();
+  if (!(way <= kept_way) || !(turn.norm() <= kept_turn)) return false;
+  pose_ = carried;
+  pose_.linear() = Eigen::Quaterniond(pose_.linear()).normalized().toRotationMatrix();
+  return true;
+}
+
+/// The virtual tool begins where it rested, or at the hand's pose. Objects may have come to where
+/// it is; it leaves those by short steps.
+void ToolForce::begin(const HandPose& hand, const Eigen::Isometry3d& device,
+                      std::span<const ToolObject> objects) noexcept {
+  if (rests_ && !stays_after_rest(objects)) reset();
+  if (!placed_) pose_ = device;
   put();
   std::fill(seated_.begin(), seated_.end(), std::uint8_t{0});
-  return true;
+  tick_.pose = pose_ * seat_;
+  orientation_ = hand.orientation;
+  ++starts_;
+  placed_ = true;
+  rests_ = false;
 }
 
 void ToolForce::exchange(std::size_t object) noexcept {
@@ -347,22 +358,10 @@ ContactForce ToolForce::next(const HandPose& hand, std::span<ToolObject> objects
   tick_.patch_count = 0;
   tick_.capped = tick_.leaving = false;
   for (ToolObject& object : objects) object.reaction = {};
-  if (rests_ && !go_on_after_rest(objects)) reset();
-  const bool begins = !placed_ || rests_;
-  if (!placed_) {
-    pose_ = device;
-    put();
-  }
-  if (begins) {
-    tick_.pose = pose_ * seat_;
-    orientation_ = hand.orientation;
-    ++starts_;
-  }
-  rests_ = false;
+  if (!placed_ || rests_) begin(hand, device, objects);
   gone_ = 1;
   take_pushes(pushes);
   const double carried = work_of(objects);
-  placed_ = true;
   Felt felt;
   if (contact_ != nullptr) {
     touch(device, objects, pushes, budget, felt, effort);

@@ -169,7 +169,9 @@ class ToolForce {
   [[nodiscard]] bool waits(std::span<const ToolObject> objects) const noexcept;
   void note_lie() noexcept;
   void forget_motion() noexcept;
-  [[nodiscard]] bool go_on_after_rest(std::span<const ToolObject> objects) noexcept;
+  [[nodiscard]] bool stays_after_rest(std::span<const ToolObject> objects) noexcept;
+  void begin(const HandPose& hand, const Eigen::Isometry3d& device,
+             std::span<const ToolObject> objects) noexcept;
   void put() noexcept;
   [[nodiscard]] bool step_on(const Eigen::Isometry3d& device, std::uint32_t steps, Work& work,
                              ForceEffort& effort, VirtualToolReport& report) noexcept;

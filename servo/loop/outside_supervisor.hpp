@@ -27,8 +27,8 @@ struct OutsideSupervisors {
   RealtimeMode realtime = RealtimeMode::attempt;
   std::string black_box;  ///< as write_black_box takes it; empty: none is kept
   OpenZeroForce open = open_zero_force;
-  /// A daemon has a supervisor from now on, or is refused one: a sentence.
-  std::function<void(const std::string&)> tell;
+  /// What a person should read: a daemon has a supervisor, or gets none.
+  std::function<void(const std::string&)> tell, warn;
 };
 
 /// Listens until `stop`, and makes a supervisor for each daemon that asks: a process that outlives

@@ -269,7 +269,8 @@ Result<std::unique_ptr<Supervisor>> start_supervisor(const RunOptions& options,
   if (auto there = check_outside_supervisor(options.supervisor_socket); !there) {
     return tl::make_unexpected(std::move(there.error()));
   }
-  return Supervisor::start_by(start_outside(options.supervisor_socket, box));
+  const Supervisor::StartAgain start = start_outside(options.supervisor_socket, box);
+  return Supervisor::start_by(start, start);
 }
 
 }  // namespace

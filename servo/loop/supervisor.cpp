@@ -80,31 +80,27 @@ std::atomic<std::int64_t>* map_beat(int descriptor) noexcept {
 Result<std::unique_ptr<Supervisor>> Supervisor::start(const Open& open, RealtimeMode realtime,
                                                       const Afterwards& afterwards,
                                                       StartAgain again) {
-  std::unique_ptr<Supervisor> supervisor(new Supervisor(std::move(again)));
-  supervisor->beat_ = shared_beat(supervisor->beat_memory_);
-  if (supervisor->beat_ == nullptr) return not_started(errno);
-  const StartAgain first = [&open, realtime, &afterwards, &beat = *supervisor->beat_](int end,
-                                                                                      int) {
+  const StartAgain first = [&open, realtime, &afterwards](int end, int beat_memory) {
     const pid_t process = fork();
     if (process == 0) {
       // If the daemon was started without standard files, the descriptor may have one of their
       // numbers.
       const int line = fcntl(end, F_DUPFD_CLOEXEC, STDERR_FILENO + 1);
-      be_the_supervisor(line, beat, open, realtime, afterwards);
+      const Beat* const beat = map_beat(beat_memory);
+      if (beat == nullptr) _exit(static_cast<int>(ExitCode::file_or_device));
+      be_the_supervisor(line, *beat, open, realtime, afterwards);
     }
     return process;
   };
-  if (auto begun = supervisor->begin(first); !begun) return tl::make_unexpected(begun.error());
-  return supervisor;
+  return start_by(first, std::move(again));
 }
 
-Result<std::unique_ptr<Supervisor>> Supervisor::start_by(StartAgain start) {
-  std::unique_ptr<Supervisor> supervisor(new Supervisor(std::move(start)));
+Result<std::unique_ptr<Supervisor>> Supervisor::start_by(const StartAgain& first,
+                                                         StartAgain again) {
+  std::unique_ptr<Supervisor> supervisor(new Supervisor(std::move(again)));
   supervisor->beat_ = shared_beat(supervisor->beat_memory_);
   if (supervisor->beat_ == nullptr) return not_started(errno);
-  if (auto begun = supervisor->begin(supervisor->again_); !begun) {
-    return tl::make_unexpected(begun.error());
-  }
+  if (auto begun = supervisor->begin(first); !begun) return tl::make_unexpected(begun.error());
   return supervisor;
 }
 

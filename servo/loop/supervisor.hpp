@@ -50,8 +50,10 @@ class Supervisor {
       const Open& open = open_zero_force, RealtimeMode realtime = RealtimeMode::off,
       const Afterwards& afterwards = {}, StartAgain again = {});
 
-  /// The same with a process that `start` makes, now and again: one elsewhere (start_outside).
-  [[nodiscard]] static Result<std::unique_ptr<Supervisor>> start_by(StartAgain start);
+  /// The same with a process that `first` makes now, and `again` later: one elsewhere
+  /// (start_outside).
+  [[nodiscard]] static Result<std::unique_ptr<Supervisor>> start_by(const StartAgain& first,
+                                                                    StartAgain again);
 
   Supervisor(const Supervisor&) = delete;
   Supervisor& operator=(const Supervisor&) = delete;

@@ -8,31 +8,24 @@
 #include <atomic>
 #include <catch2/catch.hpp>
 #include <csignal>
-#include <fstream>
-#include <iterator>
+#include <memory>
 #include <string>
 #include <utility>
 
 #include "servo/base/clock.hpp"
 #include "tests/servo/support/eventually.hpp"
+#include "tests/servo/support/log_file.hpp"
 #include "tests/servo/support/shape_asset.hpp"
 
 namespace outside_supervisor_test {
 
 using namespace spm::servo;
+using spm::test::append;
+using spm::test::content;
 using spm::test::eventually;
 using spm::test::TemporaryFolder;
 
 namespace {
-
-std::string content(const std::string& path) {
-  std::ifstream file(path);
-  return {std::istreambuf_iterator<char>(file), {}};
-}
-
-void append(const std::string& path, const std::string& line) {
-  std::ofstream(path, std::ios::app) << line << '\n';
-}
 
 std::atomic<bool> ends{false};
 extern "C" void end_it(int) { ends.store(true); }
@@ -54,6 +47,7 @@ class Outside {
       });
     };
     settings.tell = [told = folder_.file("told")](const std::string& text) { append(told, text); };
+    settings.warn = settings.tell;
     _exit(serve_supervisors(settings, ends) ? 0 : 1);
   }
   Outside(const Outside&) = delete;
@@ -80,12 +74,17 @@ class Outside {
   pid_t process_ = -1;
 };
 
+spm::Result<std::unique_ptr<Supervisor>> start_at(const std::string& path) {
+  const Supervisor::StartAgain start = start_outside(path, nullptr);
+  return Supervisor::start_by(start, start);
+}
+
 /// A daemon in a group of its own that asks for a supervisor, ticks until it is told to, and waits.
 pid_t daemon_at(const std::string& path, bool says_good_bye) {
   const pid_t process = fork();
   if (process != 0) return process;
   setpgid(0, 0);
-  auto supervisor = Supervisor::start_by(start_outside(path, nullptr));
+  auto supervisor = start_at(path);
   if (!supervisor || !(*supervisor)->watch({"one"})) _exit(1);
   for (int tick = 0; tick < 50 || !says_good_bye; ++tick) {
     (*supervisor)->beat().store(now_ns());
@@ -141,7 +140,7 @@ TEST_CASE("A daemon that ends as it should leaves its outside supervisor nothing
 TEST_CASE("An outside supervisor's end is noticed, and another one is asked for") {
   Outside outside;
   REQUIRE(outside.listens());
-  auto supervisor = Supervisor::start_by(start_outside(outside.path(), nullptr));
+  auto supervisor = start_at(outside.path());
   REQUIRE(supervisor);
   REQUIRE((*supervisor)->watch({"one"}));
   const std::string told = outside.told();
@@ -175,7 +174,7 @@ TEST_CASE("What is no daemon's request gets no supervisor, and ends nothing") {
   REQUIRE(outside.listens());
   // It connects and says nothing, as a program that looks whether somebody is there.
   for (int i = 0; i < 3; ++i) REQUIRE(check_outside_supervisor(outside.path()));
-  auto supervisor = Supervisor::start_by(start_outside(outside.path(), nullptr));
+  auto supervisor = start_at(outside.path());
   CHECK(supervisor.has_value());
 }
 

@@ -22,20 +22,18 @@
 #include "servo/devices/finder/device_list.hpp"
 #include "servo/loop/supervisor_process.hpp"
 #include "tests/servo/support/eventually.hpp"
+#include "tests/servo/support/log_file.hpp"
 #include "tests/servo/support/shape_asset.hpp"
 
 namespace supervisor_test {
 
 using namespace spm::servo;
+using spm::test::append;
+using spm::test::content;
 using spm::test::eventually;
 using spm::test::TemporaryFolder;
 
 namespace {
-
-std::string content(const std::string& path) {
-  std::ifstream file(path);
-  return {std::istreambuf_iterator<char>(file), {}};
-}
 
 /// The only child of a process; 0 if there is none.
 pid_t only_child_of(pid_t process) {
@@ -43,10 +41,6 @@ pid_t only_child_of(pid_t process) {
   std::ifstream file("/proc/" + id + "/task/" + id + "/children");
   pid_t child = 0;
   return file >> child ? child : 0;
-}
-
-void append(const std::string& path, const std::string& line) {
-  std::ofstream(path, std::ios::app) << line << '\n';
 }
 
 std::size_t count_of(const std::string& text, const std::string& line) {
