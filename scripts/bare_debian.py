@@ -14,9 +14,12 @@ from typing import Callable
 
 PATH = "/usr/sbin:/usr/bin:/sbin:/bin"
 # What this machine needs to reach the network goes along, where it is there.
-NETWORK_FILES = ("etc/resolv.conf", "etc/hosts", "etc/ssl/certs/ca-certificates.crt")
-NETWORK_VARIABLES = ("http_proxy", "https_proxy", "no_proxy", "HTTP_PROXY", "HTTPS_PROXY", "NO_PROXY",
-                     "SSL_CERT_FILE", "NODE_EXTRA_CA_CERTS")
+NETWORK_FILES = ("etc/resolv.conf", "etc/hosts")
+NETWORK_VARIABLES = ("http_proxy", "https_proxy", "no_proxy", "HTTP_PROXY", "HTTPS_PROXY", "NO_PROXY")
+# Whom this machine believes; a file of its own, since ca-certificates would write over the usual one.
+CERTIFICATES = Path("/etc/ssl/certs/ca-certificates.crt")
+CERTIFICATES_IN_IT = "etc/network-certificates.crt"
+CERTIFICATE_VARIABLES = ("SSL_CERT_FILE", "NODE_EXTRA_CA_CERTS")
 APT_SETTINGS = ("Acquire::http", "Acquire::https", "Acquire::Check-Valid-Until", "Acquire::Check-Date")
 IN_IT = "SPM_BARE_DEBIAN"  # the folder, for whoever runs apart
 PROGRAM = Path(sys.argv[0]).name
@@ -94,6 +97,10 @@ class BareDebian:
             if Path("/", name).exists():
                 (root / name).parent.mkdir(parents=True, exist_ok=True)
                 shutil.copyfile(Path("/", name), root / name)
+        self.certificates = {}
+        if CERTIFICATES.exists():
+            shutil.copyfile(CERTIFICATES, root / CERTIFICATES_IN_IT)
+            self.certificates = dict.fromkeys(CERTIFICATE_VARIABLES, f"/{CERTIFICATES_IN_IT}")
         for kind, place in (("proc", "proc"), ("sysfs", "sys"), ("tmpfs", "run")):
             called("mount", "-t", kind, kind, root / place)
         called("mount", "--rbind", "/dev", root / "dev")
@@ -103,7 +110,7 @@ class BareDebian:
         """What runs a command there, with no more of this machine's environment than the network needs."""
         network = {name: os.environ[name] for name in NETWORK_VARIABLES if name in os.environ}
         given = {"PATH": PATH, "LC_ALL": "C.UTF-8", "DEBIAN_FRONTEND": "noninteractive", "HOME": "/root",
-                 **network, **variables}
+                 **network, **self.certificates, **variables}
         return ["chroot", str(self.root), "/usr/bin/env", "-i", f"--chdir={folder}",
                 *[f"{name}={value}" for name, value in given.items()], *map(str, command)]
 

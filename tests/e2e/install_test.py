@@ -94,8 +94,8 @@ class Installed(unittest.TestCase):
         for component in ("query", "client", "dev"):
             install(prefix, "--component", component)
         done = subprocess.run(
-            ["cmake", "-S", self.project, "-B", self.path("none"), f"-DCMAKE_PREFIX_PATH={prefix}",
-             "-DCMAKE_FIND_USE_CMAKE_SYSTEM_PATH=OFF"],
+            ["cmake", "-S", self.project, "-B", self.path("none"), "-G", "Ninja",
+             f"-DCMAKE_PREFIX_PATH={prefix}", "-DCMAKE_FIND_USE_CMAKE_SYSTEM_PATH=OFF"],
             env=self.environment, capture_output=True, text=True, check=False)
         self.assertNotEqual(done.returncode, 0)
         self.assertIn("component assets is not there: spm-bake was not found", done.stderr)
