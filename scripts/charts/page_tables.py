@@ -2,6 +2,7 @@
 """Tables that stand on the project's pages, each a function from the JSON files under
 tests/bench/charts, by their names, to lines of Markdown."""
 
+import itertools
 from typing import Iterable
 
 import stiffness_borders
@@ -60,10 +61,12 @@ def system(reports: dict, release: str) -> str:
         return "not tried"
     if row["failed"] or any(row["exit_codes"].values()) or not row["tests"]:
         return "fails, as `scripts/test-release` found"
-    start = sum(minutes for command, minutes in row["minutes"].items() if command != "scripts/test")
+    test = "scripts/test"
+    start = sum(minutes for command, minutes in itertools.takewhile(lambda item: item[0] != test,
+                                                                    row["minutes"].items()))
     warm = ", with a compiler's cache" if row["compiled_before"] else ""
     return (f"{row['tests'] - len(row['skipped']):,} tests pass, {len(row['skipped'])} are skipped; the "
-            f"start takes {number(start)} minutes, the tests {number(row['minutes']['scripts/test'])}, on "
+            f"start takes {number(start)} minutes, the tests {number(row['minutes'][test])}, on "
             f"{row['cores']} cores{warm} ({row['compiler']}, commit `{row['commit']}`)")
 
 
