@@ -72,52 +72,57 @@ struct Choice {
 using Edge = std::pair<std::uint32_t, std::uint32_t>;
 
 template <class Visit>
-void for_each_side(const Triangle& triangle, Visit visit) {
-  for (std::size_t k = 0; k < 3; ++k) {
-    const std::uint32_t from = triangle[k];
-    const std::uint32_t to = triangle[(k + 1) % 3];
-    visit(Edge(std::minmax(from, to)), from < to ? 1 : -1);
-  }
+void for_each_edge(const Triangle& triangle, Visit visit) {
+  for (std::size_t k = 0; k < 3; ++k) visit(Edge(std::minmax(triangle[k], triangle[(k + 1) % 3])));
 }
 
-/// Keeps the connected groups of extras without which more edges would be open.
-void keep_needed_extras(const std::vector<Triangle>& triangles, Choice& choice) {
-  std::map<Edge, int> without;  // balance of directions at the extras' edges
+/// How many triangles use each edge of some of them.
+using EdgeUses = std::map<Edge, std::uint32_t>;
+
+/// The edges that are open without a group of triangles, less those that it opens.
+[[nodiscard]] std::int64_t closed_by(const EdgeUses& group, const EdgeUses& kept) {
+  std::int64_t closed = 0;
+  for (const auto& [edge, uses] : group) {
+    const std::uint32_t others = kept.at(edge);
+    closed += static_cast<std::int64_t>(others % 2) - (others + uses) % 2;
+  }
+  return closed;
+}
+
+/// Keeps the connected groups of triangles in doubt without which more edges would be open.
+void keep_closing(const std::vector<Triangle>& triangles,
+                  const std::vector<std::uint32_t>& doubted, std::vector<char>& keep) {
+  EdgeUses kept;
   std::map<Edge, std::vector<std::size_t>> users;
-  for (std::size_t i = 0; i < choice.extras.size(); ++i) {
-    for_each_side(triangles[choice.extras[i]], [&](const Edge& edge, int) {
-      without[edge] = 0;
+  for (std::size_t i = 0; i < doubted.size(); ++i) {
+    for_each_edge(triangles[doubted[i]], [&](const Edge& edge) {
+      kept[edge] = 0;
       users[edge].push_back(i);
     });
   }
   for (std::size_t i = 0; i < triangles.size(); ++i) {
-    if (choice.keep[i] == 0) continue;
-    for_each_side(triangles[i], [&](const Edge& edge, int direction) {
-      if (const auto found = without.find(edge); found != without.end()) found->second += direction;
+    if (keep[i] == 0) continue;
+    for_each_edge(triangles[i], [&](const Edge& edge) {
+      if (const auto found = kept.find(edge); found != kept.end()) ++found->second;
     });
   }
-  std::vector<char> seen(choice.extras.size(), 0);
+  std::vector<char> seen(doubted.size(), 0);
   for (std::size_t seed = 0; seed < seen.size(); ++seed) {
     if (seen[seed] != 0) continue;
     seen[seed] = 1;
     std::vector<std::size_t> group{seed};
-    std::map<Edge, int> change;
+    EdgeUses uses;
     for (std::size_t next = 0; next < group.size(); ++next) {
-      for_each_side(triangles[choice.extras[group[next]]], [&](const Edge& edge, int direction) {
-        change[edge] += direction;
+      for_each_edge(triangles[doubted[group[next]]], [&](const Edge& edge) {
+        ++uses[edge];
         for (const std::size_t other : users[edge]) {
           if (seen[other] == 0) group.push_back(other);
           seen[other] = 1;
         }
       });
     }
-    int opened = 0;
-    for (const auto& [edge, direction] : change) {
-      opened += std::abs(without[edge]) - std::abs(without[edge] + direction);
-    }
-    for (const std::size_t member : group) {
-      choice.keep[choice.extras[member]] = opened > 0 ? 1 : 0;
-    }
+    const char stays = closed_by(uses, kept) > 0 ? 1 : 0;
+    for (const std::size_t member : group) keep[doubted[member]] = stays;
   }
 }
 
@@ -126,8 +131,12 @@ void keep_needed_extras(const std::vector<Triangle>& triangles, Choice& choice) 
 std::size_t drop_duplicates(std::vector<Triangle>& triangles) {
   Choice choice = choose(triangles);
   const bool two_sided = 4 * choice.walls.size() > triangles.size();
-  for (const std::uint32_t wall : choice.walls) choice.keep[wall] = two_sided ? 1 : 0;
-  keep_needed_extras(triangles, choice);
+  if (two_sided) {
+    for (const std::uint32_t wall : choice.walls) choice.keep[wall] = 1;
+  } else {
+    keep_closing(triangles, choice.walls, choice.keep);
+  }
+  keep_closing(triangles, choice.extras, choice.keep);
   std::size_t kept = 0;
   for (std::size_t i = 0; i < triangles.size(); ++i) {
     if (choice.keep[i] != 0) triangles[kept++] = triangles[i];

@@ -298,6 +298,19 @@ TEST_CASE("A face that two parts share and that faces the same way stays on both
   CHECK(signed_volume(mesh.vertices, mesh.triangles) == Approx(3));
 }
 
+TEST_CASE("A face that is repeated the other way round leaves the mesh closed") {
+  Shape shape = box({1, 2, 3});
+  for (const std::size_t repeated : {0U, 1U}) {
+    const auto [a, b, c] = shape.triangles[repeated];
+    shape.triangles.push_back({a, c, b});
+  }
+  const Mesh mesh = load_shape(shape);
+  CHECK(mesh.triangles.size() == 12);
+  CHECK(mesh.dropped_triangles == 2);
+  CHECK(mesh.border_edges == 0);
+  CHECK(signed_volume(mesh.vertices, mesh.triangles) == Approx(6));
+}
+
 TEST_CASE("A mesh drawn from both sides keeps one of them") {
   const Shape shape = sphere(1, 2);
   const Mesh mesh = load_shape(merged(shape, turned_inside_out(shape)));
