@@ -22,8 +22,8 @@ namespace {
 /// Normals within this of their mean face nearly the same way. Below 45 degrees each normal alone
 /// tells the side; see proof/PROOF.md.
 constexpr double flat_cosine = 0.7660;  // 40 degrees
-/// More directions than this around a corner are not combined, pair by pair.
-constexpr std::size_t most_directions = 64;
+/// More directions than this around a corner take too long to be combined pair by pair.
+constexpr std::size_t most_paired = 64;
 constexpr double rounding = 1e-9;
 /// How far beside a part of the surface the solid is asked, of the tolerance: the farthest where
 /// the part is still what is nearest, since nearer than the tolerance the side does not matter.
@@ -54,13 +54,49 @@ bool leads_away(const Vector3& way, std::span<const Vector3> directions, double 
                      [&](const Vector3& d) { return d.dot(way) <= slack; });
 }
 
+/// The part of a polygon of ways that leads away from a direction, or towards it by no more than the
+/// slack, as its angle's cosine.
+std::vector<Vector3> clipped(const std::vector<Vector3>& polygon, const Vector3& direction,
+                             double slack) {
+  std::vector<Vector3> kept;
+  for (std::size_t i = 0; i < polygon.size(); ++i) {
+    const Vector3 &from = polygon[i], &to = polygon[(i + 1) % polygon.size()];
+    const double start = direction.dot(from) - slack * from.norm(),
+                 end = direction.dot(to) - slack * to.norm();
+    if (start <= 0) kept.push_back(from);
+    if ((start <= 0) != (end <= 0)) kept.emplace_back(from + start / (start - end) * (to - from));
+  }
+  return kept;
+}
+
+/// The same by cutting each side of a cube of ways: with the edges come ways in between, where the
+/// cone passes from one side to the next.
+std::vector<Vector3> clipped_cone(std::span<const Vector3> directions, double slack) {
+  std::vector<Vector3> edges;
+  for (int axis = 0; axis < 3; ++axis) {
+    for (const double side : {-1.0, 1.0}) {
+      std::vector<Vector3> polygon;
+      for (const auto& [x, y] : {std::pair(-1, -1), {1, -1}, {1, 1}, {-1, 1}}) {
+        Vector3 way;
+        way[axis] = side;
+        way[(axis + 1) % 3] = x;
+        way[(axis + 2) % 3] = y;
+        polygon.push_back(way);
+      }
+      for (const Vector3& direction : directions) polygon = clipped(polygon, direction, slack);
+      for (const Vector3& way : polygon) edges.push_back(way.normalized());
+    }
+  }
+  return edges;
+}
+
 /// The edges of the cone of ways that lead away from all directions, or nearly: each is
 /// perpendicular to two of them.
 std::vector<Vector3> cone_edges(std::span<const Vector3> directions, double slack) {
+  if (directions.size() > most_paired) return clipped_cone(directions, slack);
   std::vector<Vector3> edges;
-  const std::size_t count = std::min(directions.size(), most_directions);
-  for (std::size_t i = 0; i < count; ++i) {
-    for (std::size_t k = i + 1; k < count; ++k) {
+  for (std::size_t i = 0; i < directions.size(); ++i) {
+    for (std::size_t k = i + 1; k < directions.size(); ++k) {
       const Vector3 across = directions[i].cross(directions[k]);
       if (!(across.norm() > rounding)) continue;
       for (const Vector3& way : {Vector3(across.normalized()), Vector3(-across.normalized())}) {

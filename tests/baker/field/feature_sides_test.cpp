@@ -39,6 +39,22 @@ bool told_inside(const OuterSurface& surface, const std::vector<FeatureSides>& s
   return inside;
 }
 
+/// Each triangle of a corner says of a place beside it that it is outside.
+void check_outside(const OuterSurface& surface, const std::vector<FeatureSides>& sides,
+                   std::uint32_t vertex, const Vector3& place) {
+  for (std::size_t t = 0; t < surface.triangles.size(); ++t) {
+    const Triangle& triangle = surface.triangles[t];
+    const auto at = std::find(triangle.begin(), triangle.end(), vertex);
+    if (at == triangle.end()) continue;
+    const Vector3 &a = surface.vertices[triangle[0]], &b = surface.vertices[triangle[1]],
+                  &c = surface.vertices[triangle[2]];
+    const auto corner = static_cast<TriangleFeature>(4 + (at - triangle.begin()));
+    INFO("triangle " << t);
+    CHECK_FALSE(
+        is_inside(sides[t], corner, (b - a).cross(c - a).dot(place - surface.vertices[vertex])));
+  }
+}
+
 /// A box with a slot and without its top. The hole is a C, and its caps are a fan around `middle`:
 /// some lie over others and face the other way, or cross the walls.
 OuterSurface slotted_box(const Vector3& middle) {
@@ -81,6 +97,43 @@ OuterSurface dipped_deck() {
   return surface;
 }
 
+/// A prism along x with an L for its section, whose inner edge ends at the origin. The first
+/// triangles, so many, are a fan of one of the walls around the origin.
+OuterSurface notched_prism(std::uint32_t fan) {
+  OuterSurface surface;
+  const std::vector<std::array<double, 2>> section{{0, 0},  {-1, 0}, {-1, -1},
+                                                   {1, -1}, {1, 1},  {0, 1}};
+  const std::uint32_t count = 6, far = 3, behind = 6;
+  for (const double x : {0.0, -1.0}) {
+    for (const auto& [y, z] : section) surface.vertices.emplace_back(x, y, z);
+  }
+  std::vector<std::uint32_t> cut{behind};
+  for (std::uint32_t i = 1; i < fan; ++i) {
+    cut.push_back(static_cast<std::uint32_t>(surface.vertices.size()));
+    surface.vertices.emplace_back(-1, 0, static_cast<double>(i) / fan);
+  }
+  cut.push_back(behind + count - 1);
+  for (Vector3& vertex : surface.vertices) vertex *= 0.03;
+  for (std::size_t i = 0; i + 1 < cut.size(); ++i) {
+    surface.triangles.push_back({0, cut[i + 1], cut[i]});
+    surface.triangles.push_back({behind + far, cut[i], cut[i + 1]});
+  }
+  std::stable_partition(surface.triangles.begin(), surface.triangles.end(),
+                        [](const Triangle& triangle) { return triangle[0] == 0; });
+  surface.triangles.push_back({0, count - 1, behind + count - 1});
+  for (std::uint32_t i = 0; i + 1 < count; ++i) {
+    const std::uint32_t next = i + 1;
+    surface.triangles.push_back({i, behind + i, next});
+    surface.triangles.push_back({next, behind + i, behind + next});
+    if (i == far || next == far) continue;
+    surface.triangles.push_back({far, i, next});
+    surface.triangles.push_back({behind + far, behind + next, behind + i});
+  }
+  surface.triangles.push_back({far, count - 1, 0});
+  surface.surface_count = surface.triangles.size();
+  return surface;
+}
+
 }  // namespace
 
 TEST_CASE("A face below another sheet, which displacement might hide, is told by its normal") {
@@ -111,16 +164,20 @@ TEST_CASE("A corner that nothing is nearest to tells the side of places that rou
   for (const double x : {-1e-8, 0.0, 1e-8}) {
     const Vector3 place(x, 0, 5e-5);
     REQUIRE(caster.closest(place).distance > 4.9e-5);
-    for (std::size_t t = 0; t < surface.triangles.size(); ++t) {
-      const Triangle& triangle = surface.triangles[t];
-      const auto at = std::find(triangle.begin(), triangle.end(), 0U);
-      if (at == triangle.end()) continue;
-      const Vector3 &a = surface.vertices[triangle[0]], &b = surface.vertices[triangle[1]],
-                    &c = surface.vertices[triangle[2]];
-      const auto corner = static_cast<TriangleFeature>(4 + (at - triangle.begin()));
-      INFO("triangle " << t);
-      CHECK_FALSE(is_inside(sides[t], corner, (b - a).cross(c - a).dot(place)));
-    }
+    check_outside(surface, sides, 0, place);
+  }
+}
+
+TEST_CASE("A corner at which many triangles meet tells the side as one with few does") {
+  for (const std::uint32_t fan : {2U, 20U, 90U, 700U}) {
+    const OuterSurface surface = notched_prism(fan);
+    const Caster caster(surface);
+    const std::vector<FeatureSides> sides = sides_of(surface, 2e-4);
+    INFO(fan << " triangles");
+    // Single precision takes the corner for what is nearest there.
+    const Vector3 place(2.8e-4, 8.7e-8, 2e-8);
+    REQUIRE(caster.closest(place).distance > 2e-4);
+    check_outside(surface, sides, 0, place);
   }
 }
 
