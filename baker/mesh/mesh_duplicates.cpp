@@ -90,8 +90,8 @@ using EdgeUses = std::map<Edge, std::uint32_t>;
 }
 
 /// Keeps the connected groups of triangles in doubt without which more edges would be open.
-void keep_closing(const std::vector<Triangle>& triangles,
-                  const std::vector<std::uint32_t>& doubted, std::vector<char>& keep) {
+void keep_closing(const std::vector<Triangle>& triangles, const std::vector<std::uint32_t>& doubted,
+                  std::vector<char>& keep) {
   EdgeUses kept;
   std::map<Edge, std::vector<std::size_t>> users;
   for (std::size_t i = 0; i < doubted.size(); ++i) {

@@ -10,16 +10,11 @@
 #include <tuple>
 #include <utility>
 
+#include "baker/mesh/mesh_edges.hpp"
 #include "baker/mesh/winding_number.hpp"
 
 namespace spm::baker {
 namespace {
-
-struct HalfEdge {
-  std::uint32_t low, high;  ///< vertices
-  std::uint32_t triangle;
-  bool forward;  ///< the triangle runs from low to high
-};
 
 struct Patch {
   std::vector<std::uint32_t> triangles;
@@ -30,52 +25,13 @@ struct Patch {
 
 void turn(Triangle& triangle) { std::swap(triangle[1], triangle[2]); }
 
-/// All edges; those of the same pair of vertices are side by side.
-[[nodiscard]] std::vector<HalfEdge> sorted_edges(const std::vector<Triangle>& triangles) {
-  std::vector<HalfEdge> edges;
-  edges.reserve(triangles.size() * 3);
-  for (std::uint32_t t = 0; t < triangles.size(); ++t) {
-    for (std::size_t k = 0; k < 3; ++k) {
-      const std::uint32_t from = triangles[t][k];
-      const std::uint32_t to = triangles[t][(k + 1) % 3];
-      edges.push_back({std::min(from, to), std::max(from, to), t, from < to});
-    }
-  }
-  tbb::parallel_sort(edges.begin(), edges.end(), [](const HalfEdge& a, const HalfEdge& b) {
-    return std::tie(a.low, a.high, a.triangle) < std::tie(b.low, b.high, b.triangle);
-  });
-  return edges;
-}
-
-template <class Visit>
-void for_each_edge(const std::vector<HalfEdge>& edges, Visit visit) {
-  for (std::size_t begin = 0; begin < edges.size();) {
-    std::size_t end = begin + 1;
-    while (end < edges.size() && edges[end].low == edges[begin].low &&
-           edges[end].high == edges[begin].high) {
-      ++end;
-    }
-    visit(std::span(edges).subspan(begin, end - begin));
-    begin = end;
-  }
-}
-
 [[nodiscard]] std::uint32_t count_components(const std::vector<HalfEdge>& edges,
                                              std::size_t triangles) {
-  std::vector<std::uint32_t> parent(triangles);
-  std::iota(parent.begin(), parent.end(), 0U);
-  const auto root = [&](std::uint32_t t) {
-    while (parent[t] != t) t = parent[t] = parent[parent[t]];
-    return t;
-  };
+  Groups parts(triangles);
   auto components = static_cast<std::uint32_t>(triangles);
   for_each_edge(edges, [&](std::span<const HalfEdge> users) {
     for (const HalfEdge& user : users.subspan(1)) {
-      const std::uint32_t a = root(users[0].triangle);
-      const std::uint32_t b = root(user.triangle);
-      if (a == b) continue;
-      parent[b] = a;
-      --components;
+      if (parts.join(users[0].triangle, user.triangle)) --components;
     }
   });
   return components;
@@ -289,6 +245,22 @@ class Turner {
 }
 
 }  // namespace
+
+std::vector<HalfEdge> sorted_edges(const std::vector<Triangle>& triangles) {
+  std::vector<HalfEdge> edges;
+  edges.reserve(triangles.size() * 3);
+  for (std::uint32_t t = 0; t < triangles.size(); ++t) {
+    for (std::size_t k = 0; k < 3; ++k) {
+      const std::uint32_t from = triangles[t][k];
+      const std::uint32_t to = triangles[t][(k + 1) % 3];
+      edges.push_back({std::min(from, to), std::max(from, to), t, from < to});
+    }
+  }
+  tbb::parallel_sort(edges.begin(), edges.end(), [](const HalfEdge& a, const HalfEdge& b) {
+    return std::tie(a.low, a.high, a.triangle) < std::tie(b.low, b.high, b.triangle);
+  });
+  return edges;
+}
 
 Orientation orient(std::span<const Vector3> points, std::vector<Triangle>& triangles) {
   Orientation orientation;

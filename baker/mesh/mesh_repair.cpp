@@ -11,6 +11,7 @@
 #include <tuple>
 #include <utility>
 
+#include "baker/mesh/mesh_cells.hpp"
 #include "baker/mesh/mesh_duplicates.hpp"
 #include "baker/mesh/mesh_orient.hpp"
 
@@ -82,7 +83,7 @@ void compact(const std::vector<Vector3>& points, Mesh& mesh) {
   return std::to_string(count) + " " + (count == 1 ? one : many);
 }
 
-void describe(std::size_t merged, const Orientation& orientation, Mesh& mesh) {
+void describe(std::size_t merged, std::size_t inner, const Orientation& orientation, Mesh& mesh) {
   if (merged > 0) {
     mesh.notes.push_back(counted(merged, "vertex", "vertices") +
                          " merged with another at the same place.");
@@ -90,6 +91,10 @@ void describe(std::size_t merged, const Orientation& orientation, Mesh& mesh) {
   if (mesh.dropped_triangles > 0) {
     mesh.notes.push_back(counted(mesh.dropped_triangles, "triangle", "triangles") +
                          " dropped that had no area or lay on another with the same corners.");
+  }
+  if (inner > 0) {
+    mesh.notes.push_back(counted(inner, "triangle", "triangles") +
+                         " dropped that only divide a part's inside, where nothing reaches them.");
   }
   if (orientation.flipped > 0) {
     mesh.notes.push_back(counted(orientation.flipped, "triangle", "triangles") +
@@ -131,6 +136,7 @@ void repair(PolygonSoup soup, Mesh& mesh) {
   const std::size_t merged = merge_equal_points(soup);
   mesh.dropped_triangles = drop_repeated_corners(soup.triangles);
   mesh.dropped_triangles += drop_duplicates(soup.triangles);
+  const std::size_t inner = drop_inner_faces(soup.points, soup.triangles);
   // Triangles without area are dropped last: until then they connect their neighbours.
   const Orientation orientation = orient(soup.points, soup.triangles);
   mesh.dropped_triangles += drop_zero_area(soup.points, soup.triangles);
@@ -140,7 +146,7 @@ void repair(PolygonSoup soup, Mesh& mesh) {
   mesh.triangles = std::move(soup.triangles);
   compact(soup.points, mesh);
   mesh.border_edges = mesh.border.size();
-  describe(merged, orientation, mesh);
+  describe(merged, inner, orientation, mesh);
 }
 
 }  // namespace spm::baker

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <cstdlib>
 #include <filesystem>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -296,6 +297,57 @@ TEST_CASE("A face that two parts share and that faces the same way stays on both
   const Mesh mesh = load_shape(merged(box({1, 1, 1}), deep));
   CHECK(mesh.closed());
   CHECK(signed_volume(mesh.vertices, mesh.triangles) == Approx(3));
+}
+
+TEST_CASE("Of a volume mesh whose faces are all there once the outer ones stay, and face outward") {
+  // A cube of 3 x 3 x 3, each of six tetrahedra along its diagonal; faces turned by their number.
+  constexpr std::uint32_t along = 3;
+  const auto corner = [](std::uint32_t x, std::uint32_t y, std::uint32_t z) {
+    return (x * (along + 1) + y) * (along + 1) + z;
+  };
+  Shape shape;
+  std::set<std::array<std::uint32_t, 3>> faces;
+  for (std::uint32_t x = 0; x <= along; ++x) {
+    for (std::uint32_t y = 0; y <= along; ++y) {
+      for (std::uint32_t z = 0; z <= along; ++z) shape.vertices.emplace_back(x, y, z);
+    }
+  }
+  for (std::uint32_t cube = 0; cube < along * along * along; ++cube) {
+    const std::array<std::uint32_t, 3> at{cube % along, cube / along % along, cube / along / along};
+    std::array<std::size_t, 3> axes{0, 1, 2};
+    do {
+      std::array<std::uint32_t, 3> step = at;
+      std::vector<std::uint32_t> tetrahedron{corner(step[0], step[1], step[2])};
+      for (const std::size_t axis : axes) {
+        ++step[axis];
+        tetrahedron.push_back(corner(step[0], step[1], step[2]));
+      }
+      for (std::size_t out = 0; out < 4; ++out) {
+        std::vector<std::uint32_t> face = tetrahedron;
+        face.erase(face.begin() + static_cast<std::ptrdiff_t>(out));
+        faces.insert({face[0], face[1], face[2]});
+      }
+    } while (std::next_permutation(axes.begin(), axes.end()));
+  }
+  for (const auto& [a, b, c] : faces) {
+    if (shape.triangles.size() % 3 == 0) {
+      shape.triangles.push_back({a, c, b});
+    } else {
+      shape.triangles.push_back({a, b, c});
+    }
+  }
+  const Mesh mesh = load_shape(shape);
+  CHECK(mesh.triangles.size() == std::size_t{12} * along * along);
+  CHECK(mesh.closed());
+  CHECK(mesh.components == 1);
+  CHECK(signed_volume(mesh.vertices, mesh.triangles) == Approx(along * along * along));
+  CHECK(area(mesh.vertices, mesh.triangles) == Approx(6 * along * along));
+}
+
+TEST_CASE("Boxes that touch along an edge both stay") {
+  const Mesh mesh = load_shape(merged(box({1, 1, 1}), moved(box({1, 1, 1}), {1, 1, 0})));
+  CHECK(mesh.triangles.size() == 24);
+  CHECK(signed_volume(mesh.vertices, mesh.triangles) == Approx(2));
 }
 
 TEST_CASE("A face that is repeated the other way round leaves the mesh closed") {

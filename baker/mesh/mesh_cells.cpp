@@ -1,0 +1,187 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "baker/mesh/mesh_cells.hpp"
+
+#include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
+
+#include <algorithm>
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <utility>
+
+#include "baker/mesh/mesh_edges.hpp"
+#include "baker/mesh/mesh_repair.hpp"
+
+namespace spm::baker {
+namespace {
+
+using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
+
+/// Where a triangle stands around an edge, as seen from a first one.
+enum class Turn { none, less_than_half, half, more_than_half };
+
+/// The triangles at an edge in the order in which they stand around it.
+class Fan {
+ public:
+  Fan(std::span<const Vector3> points, const std::vector<Triangle>& triangles,
+      std::span<const HalfEdge> users)
+      : a_(point(points[users[0].low])), b_(point(points[users[0].high])) {
+    for (const HalfEdge& user : users) {
+      for (const std::uint32_t corner : triangles[user.triangle]) {
+        if (corner == user.low || corner == user.high) continue;
+        leaves_.push_back({point(points[corner]), user});
+      }
+    }
+  }
+
+  /// Counter-clockwise, as seen against the edge's direction from low to high; nothing where two of
+  /// them lie on one another.
+  [[nodiscard]] std::optional<std::vector<HalfEdge>> in_order() {
+    for (std::size_t i = 1; i < leaves_.size(); ++i) leaves_[i].turn = turn_of(leaves_[i].tip);
+    std::sort(leaves_.begin() + 1, leaves_.end(), [&](const Leaf& one, const Leaf& other) {
+      if (one.turn != other.turn) return one.turn < other.turn;
+      return CGAL::orientation(a_, b_, one.tip, other.tip) == CGAL::POSITIVE;
+    });
+    std::vector<HalfEdge> order;
+    for (std::size_t i = 0; i < leaves_.size(); ++i) {
+      if (i > 0 && !apart(leaves_[i - 1], leaves_[i])) return std::nullopt;
+      order.push_back(leaves_[i].user);
+    }
+    return order;
+  }
+
+ private:
+  struct Leaf {
+    Kernel::Point_3 tip;
+    HalfEdge user;
+    Turn turn = Turn::none;
+  };
+
+  [[nodiscard]] static Kernel::Point_3 point(const Vector3& p) { return {p.x(), p.y(), p.z()}; }
+
+  [[nodiscard]] Turn turn_of(const Kernel::Point_3& tip) const {
+    const Kernel::Point_3& first = leaves_[0].tip;
+    const CGAL::Orientation side = CGAL::orientation(a_, b_, first, tip);
+    if (side != CGAL::COPLANAR) {
+      return side == CGAL::POSITIVE ? Turn::less_than_half : Turn::more_than_half;
+    }
+    return CGAL::coplanar_orientation(a_, b_, first, tip) == CGAL::POSITIVE ? Turn::none
+                                                                            : Turn::half;
+  }
+
+  [[nodiscard]] bool apart(const Leaf& one, const Leaf& next) const {
+    if (one.turn != next.turn) return true;
+    return (one.turn == Turn::less_than_half || one.turn == Turn::more_than_half) &&
+           CGAL::orientation(a_, b_, one.tip, next.tip) != CGAL::COPLANAR;
+  }
+
+  Kernel::Point_3 a_, b_;
+  std::vector<Leaf> leaves_;
+};
+
+/// The parts that are looked at: crowded at some edge, and made of patches that are not all closed.
+[[nodiscard]] std::vector<char> divided_parts(std::span<const Vector3> points,
+                                              const std::vector<Triangle>& triangles,
+                                              const std::vector<HalfEdge>& edges, Groups& parts) {
+  Groups patches(triangles.size());
+  for_each_edge(edges, [&](std::span<const HalfEdge> users) {
+    for (const HalfEdge& user : users.subspan(1)) parts.join(users[0].triangle, user.triangle);
+    if (users.size() == 2) patches.join(users[0].triangle, users[1].triangle);
+  });
+  std::vector<char> crowded(triangles.size(), 0), open(triangles.size(), 0);
+  for_each_edge(edges, [&](std::span<const HalfEdge> users) {
+    const std::uint32_t part = parts.of(users[0].triangle);
+    if (users.size() > 2) crowded[part] = 1;
+    std::map<std::uint32_t, std::size_t> uses;
+    for (const HalfEdge& user : users) ++uses[patches.of(user.triangle)];
+    for (const auto& [patch, count] : uses) {
+      if (count % 2 != 0) open[part] = 1;
+    }
+  });
+  for (std::uint32_t t = 0; t < triangles.size(); ++t) {
+    const auto& [a, b, c] = triangles[t];
+    const std::uint32_t part = parts.of(t);
+    if (crowded[part] != 0 && collinear(points[a], points[b], points[c])) open[part] = 0;
+  }
+  for (std::size_t part = 0; part < open.size(); ++part) {
+    if (crowded[part] == 0) open[part] = 0;
+  }
+  return open;
+}
+
+/// Of a triangle the side that its normal points to, and the other.
+[[nodiscard]] std::uint32_t front(std::uint32_t triangle) { return 2 * triangle; }
+[[nodiscard]] std::uint32_t back(std::uint32_t triangle) { return 2 * triangle + 1; }
+
+/// Joins the sides of triangles that face each other around edges. Parts in which that is not clear
+/// are no longer looked at.
+[[nodiscard]] Groups cells_of(std::span<const Vector3> points,
+                              const std::vector<Triangle>& triangles,
+                              const std::vector<HalfEdge>& edges, Groups& parts,
+                              std::vector<char>& divided) {
+  Groups cells(2 * triangles.size());
+  for_each_edge(edges, [&](std::span<const HalfEdge> users) {
+    char& wanted = divided[parts.of(users[0].triangle)];
+    if (wanted == 0) return;
+    const auto order = Fan(points, triangles, users).in_order();
+    if (!order) {
+      wanted = 0;
+      return;
+    }
+    for (std::size_t i = 0; i < order->size(); ++i) {
+      const HalfEdge &one = (*order)[i], &next = (*order)[(i + 1) % order->size()];
+      // The normal of one that runs from low to high points to the next.
+      cells.join(one.forward ? front(one.triangle) : back(one.triangle),
+                 next.forward ? back(next.triangle) : front(next.triangle));
+    }
+  });
+  return cells;
+}
+
+}  // namespace
+
+std::size_t drop_inner_faces(std::span<const Vector3> points, std::vector<Triangle>& triangles) {
+  const std::vector<HalfEdge> edges = sorted_edges(triangles);
+  Groups parts(triangles.size());
+  std::vector<char> divided = divided_parts(points, triangles, edges, parts);
+  if (std::count(divided.begin(), divided.end(), 1) == 0) return 0;
+  Groups cells = cells_of(points, triangles, edges, parts, divided);
+
+  // The outside of a part is what has its volume with the other sign.
+  std::vector<double> volumes(2 * triangles.size(), 0);
+  for (std::uint32_t t = 0; t < triangles.size(); ++t) {
+    const std::uint32_t part = parts.of(t);
+    if (divided[part] == 0) continue;
+    const Vector3& origin = points[triangles[part][0]];
+    const auto& [a, b, c] = triangles[t];
+    const double volume = (points[a] - origin).dot((points[b] - origin).cross(points[c] - origin));
+    volumes[cells.of(back(t))] += volume;
+    volumes[cells.of(front(t))] -= volume;
+  }
+  std::map<std::uint32_t, std::uint32_t> outside;  // the cell around each part
+  for (std::uint32_t t = 0; t < triangles.size(); ++t) {
+    if (divided[parts.of(t)] == 0) continue;
+    for (const std::uint32_t side : {front(t), back(t)}) {
+      const std::uint32_t cell = cells.of(side);
+      const auto [found, fresh] = outside.try_emplace(parts.of(t), cell);
+      if (!fresh && volumes[cell] < volumes[found->second]) found->second = cell;
+    }
+  }
+  std::size_t kept = 0;
+  for (std::uint32_t t = 0; t < triangles.size(); ++t) {
+    Triangle triangle = triangles[t];
+    if (divided[parts.of(t)] != 0) {
+      const std::uint32_t around = outside.at(parts.of(t));
+      const bool reached_in_front = cells.of(front(t)) == around,
+                 reached_behind = cells.of(back(t)) == around;
+      if (!reached_in_front && !reached_behind) continue;
+      if (!reached_in_front) std::swap(triangle[1], triangle[2]);
+    }
+    triangles[kept++] = triangle;
+  }
+  const std::size_t dropped = triangles.size() - kept;
+  triangles.resize(kept);
+  return dropped;
+}
+
+}  // namespace spm::baker

@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <numeric>
+#include <span>
+#include <vector>
+
+#include "baker/mesh/mesh.hpp"
+
+namespace spm::baker {
+
+/// A side of a triangle, from its lower vertex to its higher one.
+struct HalfEdge {
+  std::uint32_t low, high;  ///< vertices
+  std::uint32_t triangle;
+  bool forward;  ///< the triangle runs from low to high
+};
+
+/// All edges; those of the same pair of vertices are side by side.
+[[nodiscard]] std::vector<HalfEdge> sorted_edges(const std::vector<Triangle>& triangles);
+
+/// Calls `visit` with the users of each edge, of `sorted_edges`.
+template <class Visit>
+void for_each_edge(const std::vector<HalfEdge>& edges, Visit visit) {
+  for (std::size_t begin = 0; begin < edges.size();) {
+    std::size_t end = begin + 1;
+    while (end < edges.size() && edges[end].low == edges[begin].low &&
+           edges[end].high == edges[begin].high) {
+      ++end;
+    }
+    visit(std::span(edges).subspan(begin, end - begin));
+    begin = end;
+  }
+}
+
+/// Things that are joined one by one into groups, each of which has one of them for its name.
+class Groups {
+ public:
+  explicit Groups(std::size_t count) : parent_(count) {
+    std::iota(parent_.begin(), parent_.end(), 0U);
+  }
+  [[nodiscard]] std::uint32_t of(std::uint32_t thing) {
+    while (parent_[thing] != thing) thing = parent_[thing] = parent_[parent_[thing]];
+    return thing;
+  }
+  /// False where they were in one group before.
+  bool join(std::uint32_t one, std::uint32_t other) {
+    const std::uint32_t a = of(one), b = of(other);
+    parent_[b] = a;
+    return a != b;
+  }
+
+ private:
+  std::vector<std::uint32_t> parent_;
+};
+
+}  // namespace spm::baker
