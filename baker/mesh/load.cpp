@@ -106,6 +106,7 @@ Mesh load_mesh(const std::string& path, const LoadOptions& options) {
   Mesh mesh;
   mesh.path = path;
   mesh.sha256 = mesh_sha256(sha256_bytes(bytes), soup.companion_digests);
+  mesh.notes = std::move(soup.notes);
   mesh.unit = options.unit;
   scale_points(options.unit, soup.points);
   const Eigen::AlignedBox3d box = referenced_box(soup);

@@ -8,6 +8,7 @@
 #include "baker/base/bake_error.hpp"
 #include "baker/mesh/gltf_file.hpp"
 #include "baker/mesh/mesh_files.hpp"
+#include "baker/mesh/mesh_text.hpp"
 
 namespace spm::baker {
 namespace {
@@ -28,8 +29,8 @@ struct Format {
 [[nodiscard]] bool resembles_stl(std::string_view bytes) {
   constexpr std::size_t kLongName = 1024;
   return is_binary_stl(bytes) ||
-         (first_word(bytes) == "solid" &&
-          bytes.substr(0, kLongName).find("facet") != std::string_view::npos);
+         (lower_case(first_word(bytes)) == "solid" &&
+          lower_case(bytes.substr(0, kLongName)).find("facet") != std::string::npos);
 }
 
 [[nodiscard]] bool resembles_ply(std::string_view bytes) { return first_word(bytes) == "ply"; }
@@ -104,6 +105,10 @@ void add_polygon(std::span<const std::uint32_t> polygon, PolygonSoup& soup) {
 
 PolygonSoup read_soup(const std::string& path, std::string_view bytes, bool outside_buffers) {
   if (bytes.empty()) fail(path + ": the file is empty; export the mesh again");
+  std::string text;
+  if (is_utf16(bytes) && unpacked_extension(path) == ".obj") {
+    bytes = text = ascii_of_utf16(path, bytes);
+  }
   const Format& format = choose_format(path, bytes);
   PolygonSoup soup =
       format.read != nullptr ? format.read(path, bytes) : read_gltf(path, bytes, outside_buffers);

@@ -17,6 +17,7 @@ struct PolygonSoup {
   std::vector<Vector3> points;
   std::vector<Triangle> triangles;
   std::vector<std::string> companion_digests;  ///< of other files that it was read from
+  std::vector<std::string> notes;              ///< what was left out, a sentence each
 };
 
 /// Fans a polygon from its first vertex.

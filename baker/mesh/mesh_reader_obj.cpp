@@ -16,6 +16,7 @@ struct Faces {
   std::vector<std::int64_t> corners;
   std::vector<std::size_t> ends;   ///< of each face in `corners`
   std::vector<std::size_t> lines;  ///< of each face
+  std::size_t single = 0;          ///< faces of one vertex, which are left out
 };
 
 [[nodiscard]] Vector3 read_vertex(MeshText& text) {
@@ -46,6 +47,11 @@ void read_face(MeshText& text, std::size_t vertices, Faces& faces) {
                 "export the mesh again");
     }
     faces.corners.push_back(resolved);
+  }
+  if (faces.corners.size() - begin == 1) {
+    faces.corners.pop_back();
+    ++faces.single;
+    return;
   }
   if (faces.corners.size() - begin < 3) {
     text.fail("face with " + std::to_string(faces.corners.size() - begin) + " vertices",
@@ -99,6 +105,10 @@ PolygonSoup read_obj(const std::string& path, std::string_view bytes) {
     }
     begin = faces.ends[face];
     add_polygon(polygon, soup);
+  }
+  if (faces.single > 0) {
+    soup.notes.push_back(std::to_string(faces.single) + (faces.single == 1 ? " face" : " faces") +
+                         " of a single vertex left out.");
   }
   return soup;
 }

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <algorithm>
 #include <cstdint>
 #include <string>
 #include <string_view>
@@ -51,16 +52,20 @@ void read_face(MeshText& text, std::vector<std::uint32_t>& polygon, PolygonSoup&
 PolygonSoup read_off(const std::string& path, std::string_view bytes) {
   MeshText text(path, bytes);
   if (!text.next_line()) text.fail_cut_short("its header");
-  const std::string_view magic = text.next_word();
-  if (!magic.ends_with("OFF")) {
+  std::string_view word = text.next_word();
+  // The first count may be joined to the first word: "OFF8 6 12".
+  const std::size_t end = std::min(word.find("OFF"), word.size()) + 3;
+  const bool counts = end < word.size();
+  if (end > word.size() || (counts && (word[end] < '0' || word[end] > '9'))) {
     text.fail("the first word is not OFF", "the file is of another format, or damaged");
   }
+  const std::string_view magic = word.substr(0, end);
   // Normals, colours and texture coordinates after a vertex's position are skipped. A fourth or
   // n-th dimension would change the position itself.
   if (magic.find('4') != std::string_view::npos || magic.find('n') != std::string_view::npos) {
     text.fail("OFF of more than 3 dimensions", "export the mesh as plain OFF");
   }
-  std::string_view word = text.next_word();
+  word = counts ? word.substr(end) : text.next_word();
   if (word == "BINARY") text.fail("binary OFF is not read", "export the mesh as text OFF or PLY");
   PolygonSoup soup;
   if (!word.empty()) {

@@ -18,6 +18,8 @@
 namespace spm::baker {
 namespace {
 
+constexpr std::string_view strips_name = "tristrips";
+
 enum class Encoding { text, little_endian, big_endian };
 
 struct Type {
@@ -137,8 +139,10 @@ class Values {
 
   [[nodiscard]] double next(const Type& type, const Element& element, std::size_t item) {
     if (encoding_ == Encoding::text) {
-      return text_.number(text_.next_word_anywhere(element.name + " " + std::to_string(item)),
-                          "value");
+      const std::string name = element.name + " " + std::to_string(item);
+      const std::string_view word = by_lines_ ? text_.next_word() : text_.next_word_anywhere(name);
+      if (word.empty()) text_.fail("the line ends within " + name, "export the mesh again");
+      return text_.number(word, "value");
     }
     if (bytes_.size() - position_ < type.bytes) {
       throw BakeError(ExitCode::invalid_input,
@@ -154,6 +158,23 @@ class Values {
       std::reverse(raw.begin(), raw.begin() + static_cast<std::ptrdiff_t>(type.bytes));
     }
     return decode(raw, type);
+  }
+
+  /// Where text is read next; nothing in a binary file, which cannot be entered in its middle.
+  [[nodiscard]] std::optional<MeshText> text_here() const {
+    return encoding_ == Encoding::text ? std::optional(text_) : std::nullopt;
+  }
+
+  /// From there on each item is a line, of which the rest may be anything.
+  void read_by_lines(const MeshText& from) {
+    text_ = from;
+    by_lines_ = true;
+  }
+
+  void begin_item(const Element& element, std::size_t item) {
+    if (by_lines_ && !text_.next_line()) {
+      text_.fail_cut_short(element.name + " " + std::to_string(item));
+    }
   }
 
   /// Refuses counts that the rest of the file cannot hold, before anything is allocated for them.
@@ -198,6 +219,7 @@ class Values {
   Encoding encoding_;
   std::size_t position_;
   MeshText text_;
+  bool by_lines_ = false;
 };
 
 /// A number that may be any, also none.
@@ -238,6 +260,8 @@ class Reader {
     }
   }
 
+  /// The faces, or the strips of triangles. Values behind the indices may be others than the header
+  /// says where each item is a line of text.
   void read_faces(const Element& element) {
     const auto corners =
         std::find_if(element.properties.begin(), element.properties.end(), [](const Property& p) {
@@ -246,12 +270,23 @@ class Reader {
     if (corners == element.properties.end()) {
       fail("the PLY header gives faces no list vertex_indices; export the mesh again");
     }
-    for (std::size_t i = 0; i < element.items; ++i) {
-      for (const Property& property : element.properties) {
-        (void)read_property(property, element, i);
-        if (&property == &*corners) polygon_ = list_;
+    const std::size_t wanted = static_cast<std::size_t>(corners - element.properties.begin()) + 1;
+    const std::optional<MeshText> start = values_.text_here();
+    const std::size_t before = soup.triangles.size();
+    try {
+      read_items(element, wanted, element.properties.size());
+    } catch (const BakeError& problem) {
+      if (!start || wanted == element.properties.size()) throw;
+      soup.triangles.resize(before);
+      values_.read_by_lines(*start);
+      try {
+        read_items(element, wanted, wanted);
+      } catch (const BakeError&) {
+        throw problem;
       }
-      add_face(element, i);
+      soup.notes.emplace_back(
+          "Values behind the vertex indices are not those that the PLY header announces; they are "
+          "not read.");
     }
   }
 
@@ -267,6 +302,22 @@ class Reader {
   PolygonSoup soup;
 
  private:
+  /// Of each item so many properties, the last of `wanted` being the list of indices.
+  void read_items(const Element& element, std::size_t wanted, std::size_t properties) {
+    for (std::size_t i = 0; i < element.items; ++i) {
+      values_.begin_item(element, i);
+      for (std::size_t k = 0; k < properties; ++k) {
+        (void)read_property(element.properties[k], element, i);
+        if (k + 1 == wanted) polygon_ = list_;
+      }
+      if (element.name == strips_name) {
+        add_strips(element, i);
+      } else {
+        add_face(element, i);
+      }
+    }
+  }
+
   [[noreturn]] void fail(const std::string& message) const {
     throw BakeError(ExitCode::invalid_input, path_ + ": " + message);
   }
@@ -290,16 +341,35 @@ class Reader {
            " vertices; a face needs 3 or more, export the mesh again");
     }
     indices_.clear();
-    for (const double index : polygon_) {
-      if (!(index >= 0) || index >= static_cast<double>(soup.points.size()) ||
-          index != std::floor(index)) {
-        fail(values_.place(element, item) + ": vertex index " + printed(index) +
-             " is out of range (" + std::to_string(soup.points.size()) +
-             " vertices); export the mesh again");
-      }
-      indices_.push_back(static_cast<std::uint32_t>(index));
-    }
+    for (const double index : polygon_) indices_.push_back(vertex(index, element, item));
     add_polygon(indices_, soup);
+  }
+
+  /// Strips, each of which -1 ends. Every other triangle of a strip is reversed.
+  void add_strips(const Element& element, std::size_t item) {
+    indices_.clear();
+    for (const double index : polygon_) {
+      if (index == -1) {
+        indices_.clear();
+        continue;
+      }
+      indices_.push_back(vertex(index, element, item));
+      const std::size_t count = indices_.size();
+      if (count < 3) continue;
+      Triangle triangle{indices_[count - 3], indices_[count - 2], indices_[count - 1]};
+      if (count % 2 == 0) std::swap(triangle[0], triangle[1]);
+      soup.triangles.push_back(triangle);
+    }
+  }
+
+  [[nodiscard]] std::uint32_t vertex(double index, const Element& element, std::size_t item) const {
+    if (!(index >= 0) || index >= static_cast<double>(soup.points.size()) ||
+        index != std::floor(index)) {
+      fail(values_.place(element, item) + ": vertex index " + printed(index) +
+           " is out of range (" + std::to_string(soup.points.size()) +
+           " vertices); export the mesh again");
+    }
+    return static_cast<std::uint32_t>(index);
   }
 
   const std::string& path_;
@@ -326,11 +396,18 @@ PolygonSoup read_ply(const std::string& path, std::string_view bytes) {
   const Header header = parse_header(text);
   Values values(path, bytes, text, header.encoding);
   Reader reader(path, values);
-  for (const Element& element : header.elements) {
+  const auto has_faces = [](const Element& e) { return e.name == "face" || e.name == strips_name; };
+  // What is behind the last element that matters may be broken.
+  auto end = header.elements.end();
+  while (end != header.elements.begin() && (end - 1)->name != "vertex" && !has_faces(*(end - 1))) {
+    --end;
+  }
+  for (auto at = header.elements.begin(); at != end; ++at) {
+    const Element& element = *at;
     values.expect(element);
     if (element.name == "vertex") {
       reader.read_vertices(element);
-    } else if (element.name == "face") {
+    } else if (has_faces(element)) {
       reader.read_faces(element);
     } else {
       reader.skip(element);

@@ -46,7 +46,8 @@ void add_triangle(PolygonSoup& soup) {
   }
   const std::uint32_t count = triangle_count(bytes);
   const std::uint64_t expected = kHeaderBytes + std::uint64_t{count} * kTriangleBytes;
-  if (bytes.size() != expected) {
+  // As many bytes as a triangle takes may be one that the count has missed.
+  if (bytes.size() < expected || bytes.size() - expected >= kTriangleBytes) {
     fail(path + ": the STL header announces " + std::to_string(count) + " triangles in " +
          std::to_string(expected) + " bytes, but the file has " + std::to_string(bytes.size()) +
          "; it was cut short or is damaged, copy or export the mesh again");
@@ -70,7 +71,17 @@ void add_triangle(PolygonSoup& soup) {
     }
     add_triangle(soup);
   }
+  if (bytes.size() > expected) {
+    soup.notes.push_back("The STL has " + std::to_string(bytes.size() - expected) +
+                         " bytes behind its triangles, which are not read.");
+  }
   return soup;
+}
+
+/// The next keyword of a line, in lower case; the ends may be in two words ("end loop").
+[[nodiscard]] std::string keyword_of(std::string_view word, MeshText& text) {
+  std::string keyword = lower_case(word);
+  return keyword == "end" ? keyword + lower_case(text.next_word()) : keyword;
 }
 
 /// One facet, after its word "facet" was read. The normal is skipped: the order of the vertices
@@ -78,7 +89,7 @@ void add_triangle(PolygonSoup& soup) {
 void read_facet(MeshText& text, PolygonSoup& soup) {
   std::size_t corners = 0;
   while (true) {
-    const std::string_view word = text.next_word_anywhere("endfacet");
+    const std::string word = keyword_of(text.next_word_anywhere("endfacet"), text);
     if (word == "endfacet") break;
     if (word != "vertex") continue;
     Vector3 point;
@@ -100,7 +111,7 @@ void read_facet(MeshText& text, PolygonSoup& soup) {
   PolygonSoup soup;
   bool open = false;
   while (text.next_line()) {
-    const std::string_view keyword = text.next_word();
+    const std::string keyword = keyword_of(text.next_word(), text);
     if (keyword == "solid") {
       open = true;
     } else if (keyword == "facet") {
@@ -125,7 +136,7 @@ bool is_binary_stl(std::string_view bytes) {
 PolygonSoup read_stl(const std::string& path, std::string_view bytes) {
   // A binary file may begin with "solid" too; text never has a zero byte.
   const std::size_t start = std::min(bytes.find_first_not_of(" \t\r\n"), bytes.size());
-  const bool text = !is_binary_stl(bytes) && bytes.substr(start).starts_with("solid") &&
+  const bool text = !is_binary_stl(bytes) && lower_case(bytes.substr(start, 5)) == "solid" &&
                     bytes.find('\0') == std::string_view::npos;
   return text ? read_text(path, bytes) : read_binary(path, bytes);
 }

@@ -29,6 +29,35 @@ constexpr std::string_view kBlank = " \t\r\v\f";
 
 }  // namespace
 
+std::string lower_case(std::string_view word) {
+  std::string lower(word);
+  for (char& letter : lower) {
+    if (letter >= 'A' && letter <= 'Z') letter = static_cast<char>(letter - 'A' + 'a');
+  }
+  return lower;
+}
+
+bool is_utf16(std::string_view bytes) {
+  return bytes.starts_with("\xFF\xFE") || bytes.starts_with("\xFE\xFF");
+}
+
+std::string ascii_of_utf16(const std::string& path, std::string_view bytes) {
+  if (bytes.size() % 2 != 0) {
+    throw BakeError(ExitCode::invalid_input,
+                    path + ": byte " + std::to_string(bytes.size() - 1) +
+                        ": the text in UTF-16 ends within a letter; it was cut short, copy or "
+                        "export the mesh again");
+  }
+  const std::size_t low = bytes.starts_with("\xFF\xFE") ? 0 : 1;
+  std::string text;
+  text.reserve(bytes.size() / 2);
+  for (std::size_t i = 2; i < bytes.size(); i += 2) {
+    const char letter = bytes[i + low];
+    text += bytes[i + 1 - low] == 0 && letter >= 0 ? letter : '?';
+  }
+  return text;
+}
+
 MeshText::MeshText(std::string path, std::string_view bytes, std::size_t start, std::size_t line)
     : path_(std::move(path)), bytes_(bytes), position_(start), line_(line) {
   constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";

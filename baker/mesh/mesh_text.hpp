@@ -7,6 +7,14 @@
 
 namespace spm::baker {
 
+/// The word in lower case, of ASCII letters alone.
+[[nodiscard]] std::string lower_case(std::string_view word);
+
+/// Whether bytes begin with the byte order mark of UTF-16, and such text in ASCII: letters that it
+/// has not become '?'. Throws BakeError invalid_input, which names the file.
+[[nodiscard]] bool is_utf16(std::string_view bytes);
+[[nodiscard]] std::string ascii_of_utf16(const std::string& path, std::string_view bytes);
+
 /// Walks through the lines and words of a mesh file in text form. Throws BakeError invalid_input,
 /// which names file and line. Independent of the locale.
 class MeshText {
