@@ -173,6 +173,12 @@ std::vector<std::string> references(const std::string& path, const Json& json) {
   return found;
 }
 
+/// Whether a buffer only says how large its views are, which EXT_meshopt_compression has packed.
+bool is_fallback(const Json& buffer) {
+  static const Json::json_pointer mark("/extensions/EXT_meshopt_compression/fallback");
+  return buffer.contains(mark) && buffer[mark] == true;
+}
+
 std::uint64_t stated_length(const std::string& path, const Json& buffer, std::size_t index) {
   const auto length = buffer.find("byteLength");
   if (length == buffer.end() || !length->is_number_unsigned() ||
@@ -201,6 +207,10 @@ GltfFile open_gltf(const std::string& path, std::string_view bytes, bool outside
     const std::size_t index = file.buffers.size();
     const std::string name = "buffer " + std::to_string(index);
     std::string content;
+    if (uri.empty() && is_fallback(file.json["buffers"][index])) {
+      file.buffers.emplace_back();
+      continue;
+    }
     if (uri.empty()) {
       if (!container.has_binary || index != 0) {
         refuse(path, name + " has no bytes, neither in this file nor in another");

@@ -1,17 +1,16 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <Eigen/Geometry>
+#include <Eigen/LU>
+#include <algorithm>
 #include <array>
-#include <cmath>
 #include <cstdint>
-#include <cstring>
-#include <limits>
 #include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
-#include "baker/base/bake_error.hpp"
-#include "baker/mesh/gltf_file.hpp"
+#include "baker/mesh/gltf_accessors.hpp"
+#include "baker/mesh/gltf_compressed.hpp"
 #include "baker/mesh/mesh_reader.hpp"
 
 namespace spm::baker {
@@ -23,66 +22,17 @@ using Transform = Eigen::Affine3d;
 /// Points, and triangles: many primitives may name the same few bytes.
 constexpr std::uint64_t most_points = std::uint64_t{1} << 25U;
 constexpr int strip_mode = 5, fan_mode = 6, triangles_mode = 4;
-constexpr std::array<std::string_view, 3> unread_extensions{
-    "KHR_draco_mesh_compression", "EXT_meshopt_compression", "EXT_mesh_gpu_instancing"};
+constexpr std::array<std::string_view, 4> read_extensions{
+    "KHR_draco_mesh_compression", "EXT_meshopt_compression", "KHR_mesh_quantization",
+    "EXT_mesh_gpu_instancing"};
+/// Extensions that change how a surface looks and not where it is begin so.
+constexpr std::array<std::string_view, 8> looks{"KHR_materials_", "KHR_texture_", "EXT_texture_",
+                                                "MSFT_texture_",  "KHR_lights_",  "EXT_lights_",
+                                                "MSFT_packing",   "KHR_xmp"};
 
-/// Values of a buffer: `count` times `width` numbers of a component type, as glTF numbers them.
-struct Values {
-  const char* first = nullptr;
-  std::size_t count = 0, width = 0, stride = 0;
-  int type = 0;
-  bool normalized = false;
-};
-
-std::size_t component_bytes(int type) {
-  switch (type) {
-    case 5120:  // signed and unsigned bytes
-    case 5121:
-      return 1;
-    case 5122:  // 16 bits
-    case 5123:
-      return 2;
-    case 5125:  // unsigned 32 bits, float
-    case 5126:
-      return 4;
-    default:
-      return 0;
-  }
-}
-
-template <class T>
-double integer_at(const char* at, bool normalized) {
-  T value{};
-  std::memcpy(&value, at, sizeof value);
-  if (!normalized) return static_cast<double>(value);
-  return std::max(-1.0, static_cast<double>(value) / std::numeric_limits<T>::max());
-}
-
-double component(const Values& values, std::size_t row, std::size_t column) {
-  const char* const at = values.first + row * values.stride + column * component_bytes(values.type);
-  switch (values.type) {
-    case 5120:
-      return integer_at<std::int8_t>(at, values.normalized);
-    case 5121:
-      return integer_at<std::uint8_t>(at, values.normalized);
-    case 5122:
-      return integer_at<std::int16_t>(at, values.normalized);
-    case 5123:
-      return integer_at<std::uint16_t>(at, values.normalized);
-    case 5125:
-      return integer_at<std::uint32_t>(at, values.normalized);
-    default: {
-      float value = 0;
-      std::memcpy(&value, at, sizeof value);
-      return value;
-    }
-  }
-}
-
-class Reader {
+class Reader : private GltfAccessors {
  public:
-  Reader(const std::string& path, std::string_view bytes, bool outside_buffers)
-      : path_(path), file_(open_gltf(path, bytes, outside_buffers)) {}
+  using GltfAccessors::GltfAccessors;
 
   PolygonSoup read() {
     refuse_unread_extensions();
@@ -92,15 +42,11 @@ class Reader {
     soup_.triangles.reserve(triangles_);
     add_all();
     soup_.companion_digests = std::move(file_.companion_digests);
+    add_notes();
     return std::move(soup_);
   }
 
  private:
-  [[noreturn]] void refuse(const std::string& cause,
-                           const std::string& cure = "export the mesh again") const {
-    throw BakeError(ExitCode::invalid_input, path_ + ": " + cause + "; " + cure);
-  }
-
   /// Everything that the file shows. While counting, its vertices and triangles alone, so that too
   /// many are refused before any is made.
   void add_all() {
@@ -109,59 +55,17 @@ class Reader {
     for (std::size_t i = 0; i < list("meshes").size(); ++i) add_mesh(i, Transform::Identity());
   }
 
-  const Json& list(const char* name) const {
-    static const Json none = Json::array();
-    const auto found = file_.json.find(name);
-    if (found == file_.json.end()) return none;
-    if (!found->is_array()) refuse(std::string("'") + name + "' is no list");
-    return *found;
-  }
-
-  const Json& item(const char* name, std::size_t index) const {
-    const Json& all = list(name);
-    if (index >= all.size() || !all[index].is_object()) {
-      refuse(std::string("there is no ") + std::to_string(index) + " in '" + name + "', of " +
-             std::to_string(all.size()));
-    }
-    return all[index];
-  }
-
-  /// A whole number of an object; `otherwise` where it is not there.
-  std::uint64_t number(const Json& object, const char* key, std::optional<std::uint64_t> otherwise,
-                       const std::string& where) const {
-    const auto found = object.find(key);
-    if (found == object.end() && otherwise) return *otherwise;
-    if (found == object.end() || !found->is_number_unsigned()) {
-      refuse(where + ": '" + key + "' is " +
-             (found == object.end() ? "missing" : "no whole number from 0"));
-    }
-    return found->get<std::uint64_t>();
-  }
-
-  /// Numbers of an object, so many; nothing where they are not there.
-  std::optional<std::vector<double>> numbers(const Json& object, const char* key, std::size_t count,
-                                             const std::string& where) const {
-    const auto found = object.find(key);
-    if (found == object.end()) return {};
-    std::vector<double> values;
-    if (found->is_array()) {
-      for (const Json& value : *found) {
-        if (value.is_number()) values.push_back(value.get<double>());
-      }
-    }
-    if (values.size() != count) {
-      refuse(where + ": '" + key + "' are not " + std::to_string(count) + " numbers");
-    }
-    return values;
-  }
-
   void refuse_unread_extensions() const {
     for (const Json& name : list("extensionsRequired")) {
-      for (const std::string_view unread : unread_extensions) {
-        if (name == std::string(unread)) {
-          refuse("it needs the extension " + std::string(unread) + ", which is not read",
-                 "export the mesh without compression or instances");
-        }
+      const std::string text = name.is_string() ? name.get<std::string>() : name.dump();
+      const bool known = std::find(read_extensions.begin(), read_extensions.end(), text) !=
+                             read_extensions.end() ||
+                         std::any_of(looks.begin(), looks.end(), [&](std::string_view start) {
+                           return text.starts_with(start);
+                         });
+      if (!known) {
+        refuse("it needs the extension " + text + ", which is not read",
+               "export the mesh without that extension");
       }
     }
   }
@@ -219,7 +123,7 @@ class Reader {
       visited_[step.node] = true;
       const Transform here = step.above * transform_of(node, where);
       if (!here.matrix().allFinite()) refuse(where + " is moved or scaled beyond all numbers");
-      if (node.contains("mesh")) add_mesh(number(node, "mesh", {}, where), here);
+      if (node.contains("mesh")) add_meshes(node, where, here);
       const std::vector<std::size_t> below = children(node, "children", where);
       for (auto child = below.rbegin(); child != below.rend(); ++child) {
         steps.push_back({*child, here});
@@ -250,9 +154,55 @@ class Reader {
     return transform;
   }
 
+  /// The mesh of a node, or as many as EXT_mesh_gpu_instancing places below it.
+  void add_meshes(const Json& node, const std::string& where, const Transform& here) {
+    const std::size_t mesh = number(node, "mesh", {}, where);
+    if (!counting_) {
+      const Eigen::Index rank = Eigen::FullPivLU<Eigen::Matrix3d>(here.linear()).rank();
+      without_area_ += rank < 2 ? 1 : 0;
+      flat_ += rank == 2 ? 1 : 0;
+      skinned_ += node.contains("skin") ? 1 : 0;
+    }
+    const Json* const instances = extension(node, "EXT_mesh_gpu_instancing");
+    if (instances == nullptr) return add_mesh(mesh, here);
+    const auto attributes = instances->find("attributes");
+    if (attributes == instances->end() || !attributes->is_object()) {
+      refuse(where + ": its instances have no attributes");
+    }
+    const auto read = [&](const char* key, std::size_t width) {
+      if (!attributes->contains(key)) return GltfValues{};
+      return values_of(number(*attributes, key, {}, where), width, where, false);
+    };
+    const GltfValues moved = read("TRANSLATION", 3), turned = read("ROTATION", 4),
+                     scaled = read("SCALE", 3);
+    const std::size_t count = std::max({moved.count, turned.count, scaled.count});
+    for (const GltfValues* values : {&moved, &turned, &scaled}) {
+      if (values->first != nullptr && values->count != count) {
+        refuse(where + ": the attributes of its instances are not of one number");
+      }
+    }
+    const auto vector = [](const GltfValues& values, std::size_t i) {
+      return Vector3(values.at(i, 0), values.at(i, 1), values.at(i, 2));
+    };
+    for (std::size_t i = 0; i < count; ++i) {
+      Transform place = here;
+      if (moved.first != nullptr) place.translate(vector(moved, i));
+      if (turned.first != nullptr) {
+        const Eigen::Quaterniond turn(turned.at(i, 3), turned.at(i, 0), turned.at(i, 1),
+                                      turned.at(i, 2));
+        if (!(turn.norm() > 0)) refuse(where + ": the rotation of an instance is no quaternion");
+        place.rotate(turn.normalized());
+      }
+      if (scaled.first != nullptr) place.scale(vector(scaled, i));
+      add_mesh(mesh, place);
+    }
+  }
+
   void add_mesh(std::size_t index, const Transform& transform) {
     const std::string where = "mesh " + std::to_string(index);
     const Json& mesh = item("meshes", index);
+    // A mesh without triangles is placed as often, and takes as long.
+    if (++placed_ > 2 * most_points) refuse(where + " is placed too often", "export fewer parts");
     const auto primitives = mesh.find("primitives");
     if (primitives == mesh.end() || !primitives->is_array()) refuse(where + " has no primitives");
     for (std::size_t i = 0; i < primitives->size(); ++i) {
@@ -262,48 +212,6 @@ class Reader {
     }
   }
 
-  /// The numbers that an accessor names, all of which are in its buffer.
-  Values values_of(std::size_t index, std::size_t width, const std::string& where) const {
-    const Json& accessor = item("accessors", index);
-    const std::string place = where + ", accessor " + std::to_string(index);
-    if (accessor.contains("sparse") || !accessor.contains("bufferView")) {
-      refuse(place + " is sparse, which is not read", "export the mesh without sparse accessors");
-    }
-    const auto type = accessor.find("type");
-    if (type == accessor.end() || *type != (width == 1 ? "SCALAR" : "VEC3")) {
-      refuse(place + " is of another type");
-    }
-    const Json& view = item("bufferViews", number(accessor, "bufferView", {}, place));
-    const std::size_t buffer = number(view, "buffer", {}, place);
-    if (buffer >= file_.buffers.size()) {
-      refuse(place + ": there is no buffer " + std::to_string(buffer));
-    }
-    Values values;
-    values.count = number(accessor, "count", {}, place);
-    values.width = width;
-    values.type = static_cast<int>(number(accessor, "componentType", {}, place));
-    const auto normalized = accessor.find("normalized");
-    values.normalized = normalized != accessor.end() && *normalized == true;
-    const std::size_t size = component_bytes(values.type) * width;
-    const bool index_type = values.type == 5121 || values.type == 5123 || values.type == 5125;
-    if (size == 0 || (width == 1 && !index_type)) {
-      refuse(place + ": component type " + std::to_string(values.type) + " is none of its kind");
-    }
-    values.stride = number(view, "byteStride", size, place);
-    const std::uint64_t start = number(view, "byteOffset", 0, place),
-                        length = number(view, "byteLength", {}, place),
-                        offset = number(accessor, "byteOffset", 0, place);
-    const std::uint64_t bytes = file_.buffers[buffer].size();
-    if (values.stride < size || start > bytes || length > bytes - start || offset > length ||
-        (values.count > 0 &&
-         (length - offset < size || (length - offset - size) / values.stride < values.count - 1))) {
-      refuse(place + ": " + std::to_string(values.count) + " values are more than buffer " +
-             std::to_string(buffer) + " has");
-    }
-    values.first = file_.buffers[buffer].data() + start + offset;
-    return values;
-  }
-
   void add_primitive(const Json& primitive, const std::string& where, const Transform& transform) {
     const std::uint64_t mode = number(primitive, "mode", triangles_mode, where);
     if (mode < triangles_mode || mode > fan_mode) return;  // points and lines
@@ -311,26 +219,27 @@ class Reader {
     if (attributes == primitive.end() || !attributes->is_object()) {
       refuse(where + " has no attributes");
     }
-    const Values points = values_of(number(*attributes, "POSITION", {}, where), 3, where);
-    std::optional<Values> indices;
+    const auto targets = primitive.find("targets");
+    if (!counting_ && targets != primitive.end() && !targets->empty()) ++morphed_;
+    const std::size_t position = number(*attributes, "POSITION", {}, where);
+    const Json* const packed = extension(primitive, "KHR_draco_mesh_compression");
+    // Beside what is packed there may be the same values as they are.
+    if (packed != nullptr && !item("accessors", position).contains("bufferView")) {
+      return add_draco(*packed, where, transform);
+    }
+    const GltfValues points = values_of(position, 3, where, counting_);
+    std::optional<GltfValues> indices;
     if (primitive.contains("indices")) {
-      indices = values_of(number(primitive, "indices", {}, where), 1, where);
+      indices = values_of(number(primitive, "indices", {}, where), 1, where, counting_);
     }
     const std::size_t base = soup_.points.size();
     const std::size_t corners = indices ? indices->count : points.count;
-    if (counting_) {
-      points_ += points.count;
-      triangles_ += corners / (mode == triangles_mode ? 3 : 1);
-      if (points_ > most_points || triangles_ > most_points) {
-        refuse(where + ": with it the file has more than " + std::to_string(most_points) +
-                   " vertices or triangles, which cannot be baked",
-               "export fewer parts, or a coarser mesh");
-      }
-      return;
+    if (counting_) return count(points.count, corners / (mode == triangles_mode ? 3 : 1), where);
+    for (std::size_t i = 0; i < points.count; ++i) {
+      add_point(Vector3(points.at(i, 0), points.at(i, 1), points.at(i, 2)), i, where, transform);
     }
-    add_points(points, where, transform);
     const auto corner = [&](std::size_t i) {
-      const double index = indices ? component(*indices, i, 0) : static_cast<double>(i);
+      const double index = indices ? indices->at(i, 0) : static_cast<double>(i);
       if (!(index < static_cast<double>(points.count))) {
         refuse(where + ": vertex index " + std::to_string(static_cast<std::uint64_t>(index)) +
                " is out of range (" + std::to_string(points.count) + " vertices)");
@@ -347,23 +256,61 @@ class Reader {
     }
   }
 
-  void add_points(const Values& points, const std::string& where, const Transform& transform) {
-    for (std::size_t i = 0; i < points.count; ++i) {
-      const Vector3 point(component(points, i, 0), component(points, i, 1),
-                          component(points, i, 2));
-      soup_.points.push_back(transform * point);
-      if (!soup_.points.back().allFinite()) {
-        refuse(where + ": vertex " + std::to_string(i) + " has a coordinate that is no number");
-      }
+  void add_draco(const Json& packed, const std::string& where, const Transform& transform) {
+    const std::size_t view = number(packed, "bufferView", {}, where);
+    const auto attributes = packed.find("attributes");
+    if (attributes == packed.end() || !attributes->is_object()) {
+      refuse(where + ": KHR_draco_mesh_compression names no attributes");
+    }
+    const std::optional<DracoMesh> mesh = unpack_draco(
+        view_bytes(view, where), number(*attributes, "POSITION", {}, where), most_points);
+    if (!mesh) refuse(where + ": what KHR_draco_mesh_compression has packed is broken");
+    if (counting_) return count(mesh->points.size(), mesh->triangles.size(), where);
+    const auto base = static_cast<std::uint32_t>(soup_.points.size());
+    for (std::size_t i = 0; i < mesh->points.size(); ++i) {
+      add_point(mesh->points[i], i, where, transform);
+    }
+    const bool mirrored = transform.linear().determinant() < 0;
+    for (auto [a, b, c] : mesh->triangles) {
+      if (mirrored) std::swap(b, c);
+      soup_.triangles.push_back({base + a, base + b, base + c});
     }
   }
 
-  const std::string& path_;
-  GltfFile file_;
+  void count(std::uint64_t points, std::uint64_t triangles, const std::string& where) {
+    points_ += points;
+    triangles_ += triangles;
+    if (points_ > most_points || triangles_ > most_points) {
+      refuse(where + ": with it the file has more than " + std::to_string(most_points) +
+                 " vertices or triangles, which cannot be baked",
+             "export fewer parts, or a coarser mesh");
+    }
+  }
+
+  void add_point(const Vector3& point, std::size_t i, const std::string& where,
+                 const Transform& transform) {
+    soup_.points.push_back(transform * point);
+    if (!soup_.points.back().allFinite()) {
+      refuse(where + ": vertex " + std::to_string(i) + " has a coordinate that is no number");
+    }
+  }
+
+  void add_notes() {
+    const auto note = [&](const char* what, std::size_t count) {
+      if (count > 0) soup_.notes.push_back(what + std::to_string(count) + ".");
+    };
+    note("Parts whose skin is not applied, so that their bind pose is baked: ", skinned_);
+    note("Parts whose morph targets are not applied, so that their bind pose is baked: ", morphed_);
+    note("Parts without area, since a node scales them to nothing: ", without_area_);
+    note("Flat parts, since a node scales them by 0 in one direction: ", flat_);
+  }
+
   PolygonSoup soup_;
   std::vector<bool> visited_;
   bool counting_ = true;
   std::uint64_t points_ = 0, triangles_ = 0;  ///< counted
+  std::uint64_t placed_ = 0;                  ///< meshes, while counting and after it
+  std::size_t skinned_ = 0, morphed_ = 0, without_area_ = 0, flat_ = 0;
 };
 
 }  // namespace

@@ -72,8 +72,8 @@ void add_triangle(PolygonSoup& soup) {
     add_triangle(soup);
   }
   if (bytes.size() > expected) {
-    soup.notes.push_back("The STL has " + std::to_string(bytes.size() - expected) +
-                         " bytes behind its triangles, which are not read.");
+    soup.notes.push_back("Bytes behind the triangles of the STL, which are not read: " +
+                         std::to_string(bytes.size() - expected) + ".");
   }
   return soup;
 }

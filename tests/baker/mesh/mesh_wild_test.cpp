@@ -3,12 +3,16 @@
 // same.
 #include <algorithm>
 #include <catch2/catch.hpp>
+#include <cstdlib>
+#include <filesystem>
+#include <set>
 #include <string>
 #include <vector>
 
 #include "baker/base/bake_error.hpp"
 #include "baker/mesh/load.hpp"
 #include "tests/baker/mesh/mesh_support.hpp"
+#include "tests/support/skip.hpp"
 
 namespace spm::test::mesh_wild_test {
 namespace {
@@ -114,7 +118,7 @@ TEST_CASE("A few bytes behind a binary STL are a note, and those of a triangle a
   for (const std::size_t count : {1U, 2U, 49U}) {
     const Mesh mesh = load("a.stl", bytes + std::string(count, '\n'));
     check_is_tetrahedron(mesh);
-    CHECK(noted(mesh, "behind its triangles"));
+    CHECK(noted(mesh, "Bytes behind the triangles"));
   }
   CHECK_THAT(refusal("a.stl", bytes + std::string(50, '\0')), Catch::Contains("announces 4"));
   CHECK_THAT(refusal("a.stl", bytes.substr(0, bytes.size() - 1)), Catch::Contains("announces 4"));
@@ -190,6 +194,38 @@ TEST_CASE("The header of an OFF may be indented, and its counts joined to its fi
   }
   CHECK_THAT(refusal("a.off", "OFFICE\n4 4 0\n" + body), Catch::Contains("first word is not OFF"));
   CHECK_THAT(refusal("a.off", "4OFF 4 4 6\n" + body), Catch::Contains("3 dimensions"));
+}
+
+TEST_CASE("Each file that others wrote is loaded, or refused with one sentence") {
+  const char* environment = std::getenv("SPM_SHARED");
+  const std::filesystem::path wild =
+      std::filesystem::path(environment != nullptr ? environment : SPM_SHARED_FOLDER) /
+      "meshes/wild";
+  if (!std::filesystem::is_directory(wild)) {
+    SPM_SKIP("there are no meshes of others in " << wild.string());
+  }
+  const std::set<std::string> refused = {"Cray_right.obj", "cube_unknown_required.gltf",
+                                         "huge.obj"};
+  for (const char* folder : {"public", "made"}) {
+    for (const auto& entry : std::filesystem::directory_iterator(wild / folder)) {
+      if (entry.path().extension() == ".bin") continue;
+      const std::string path = entry.path().string();
+      CAPTURE(path);
+      try {
+        const Mesh mesh = baker::load_mesh(path, {});
+        CHECK(refused.count(entry.path().filename().string()) == 0);
+        CHECK(!mesh.triangles.empty());
+      } catch (const baker::BakeError& error) {
+        const std::string message = error.what();
+        CAPTURE(message);
+        CHECK(refused.count(entry.path().filename().string()) == 1);
+        CHECK(error.code() == ExitCode::invalid_input);
+        CHECK(message.starts_with(path + ": "));
+        CHECK(std::count(message.begin(), message.end(), '\n') == 0);
+        CHECK(message.find("; ") != std::string::npos);
+      }
+    }
+  }
 }
 
 }  // namespace spm::test::mesh_wild_test
