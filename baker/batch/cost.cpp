@@ -21,6 +21,7 @@ double triangle_bytes(const std::string& extension) {
   if (extension == ".stl") return 50;
   if (extension == ".ply") return 20;
   if (extension == ".glb") return 24;
+  if (extension == ".3mf") return 12;
   return 35;
 }
 

@@ -184,7 +184,7 @@ void add_build_options(CLI::App& command, BuildRequest& request) {
       [&request](const std::string& text) -> Result<void> {
         return parse_mesh_unit(text).map([&](double metres) { request.load.unit = metres; });
       },
-      "unit of the mesh file's coordinates (default m)", "m|mm|cm|in");
+      "unit of the mesh file's coordinates (default as the file says, else m)", "m|mm|cm|in");
   cli::add_quantity(command, "--fit-diagonal", request.load.fit_diagonal, Quantity::length,
                     "scale about the origin until the bounding box's diagonal is this long");
   command.add_flag("--outside-buffers", request.load.outside_buffers,

@@ -26,7 +26,8 @@ CacheKey cache_key(const BuildRequest& request, const std::string& mesh_sha256) 
   parts["format_version"] = asset_format_version;
   parts["mesh"] = mesh_sha256;
   parts["mesh_kind"] = mesh_extension(request.mesh);
-  parts["unit"] = request.load.unit;
+  const bool unit_of_file = !request.load.unit && names_unit(request.mesh);
+  parts["unit"] = unit_of_file ? Json() : Json(request.load.unit.value_or(1));
   parts["fit_diagonal"] = or_null(request.load.fit_diagonal);
   parts["form"] = bake.form == AssetForm::full ? "full" : "sparse";
   parts["tolerance"] = or_null(bake.tolerance);

@@ -107,8 +107,8 @@ Mesh load_mesh(const std::string& path, const LoadOptions& options) {
   mesh.path = path;
   mesh.sha256 = mesh_sha256(sha256_bytes(bytes), soup.companion_digests);
   mesh.notes = std::move(soup.notes);
-  mesh.unit = options.unit;
-  scale_points(options.unit, soup.points);
+  mesh.unit = options.unit.value_or(soup.unit.value_or(1));
+  scale_points(mesh.unit, soup.points);
   const Eigen::AlignedBox3d box = referenced_box(soup);
   if (box.isEmpty()) {
     refuse(ExitCode::invalid_input, path + ": none of the " +

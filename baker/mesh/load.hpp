@@ -9,13 +9,13 @@
 namespace spm::baker {
 
 struct LoadOptions {
-  double unit = 1;
+  std::optional<double> unit = {};          ///< metres; else as the file says, or 1
   std::optional<double> fit_diagonal = {};  ///< m
   bool outside_buffers = false;             ///< a glTF may name buffers outside its own folder
 };
 
-/// Reads glTF (`.gltf`, `.glb`), OBJ, PLY, STL or OFF, also compressed by gzip. Fans polygons from
-/// their first vertex, merges equal points, drops zero-area and duplicated triangles, orients,
+/// Reads glTF (`.gltf`, `.glb`), 3MF, OBJ, PLY, STL or OFF, also compressed by gzip. Fans polygons
+/// from their first vertex, merges equal points, drops zero-area and duplicated triangles, orients,
 /// stitches and turns inverted components, then scales. Throws BakeError: file_or_device, or
 /// invalid_input, which names file, place, cause and what to do.
 [[nodiscard]] Mesh load_mesh(const std::string& path, const LoadOptions& options);

@@ -35,6 +35,8 @@ std::string mesh_extension(const std::string& path) {
   return last == packed ? unpacked_extension(path) + last : last;
 }
 
+bool names_unit(const std::string& path) { return unpacked_extension(path) == ".3mf"; }
+
 std::vector<std::string> mesh_companions(const std::string& path, bool outside_buffers) {
   const std::string extension = unpacked_extension(path);
   if (extension != ".gltf" && extension != ".glb") return {};

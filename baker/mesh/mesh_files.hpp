@@ -14,6 +14,9 @@ namespace spm::baker {
 /// The extension of what is in a mesh file, without that of gzip (".obj").
 [[nodiscard]] std::string unpacked_extension(const std::string& path);
 
+/// Whether files of this format say themselves what their numbers are.
+[[nodiscard]] bool names_unit(const std::string& path);
+
 /// The other files that a mesh is made of: buffers that a glTF names. None where the file cannot be
 /// read or is broken, which its bake will tell. `outside_buffers`: as of LoadOptions.
 [[nodiscard]] std::vector<std::string> mesh_companions(const std::string& path,

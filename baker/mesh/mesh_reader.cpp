@@ -51,7 +51,8 @@ struct Format {
   return false;
 }
 
-constexpr std::array<Format, 6> kFormats{{{"GLB", ".glb", nullptr, is_glb},
+constexpr std::array<Format, 7> kFormats{{{"GLB", ".glb", nullptr, is_glb},
+                                          {"3MF", ".3mf", read_3mf, resembles_3mf},
                                           {"STL", ".stl", read_stl, resembles_stl},
                                           {"PLY", ".ply", read_ply, resembles_ply},
                                           {"OFF", ".off", read_off, resembles_off},
@@ -79,8 +80,8 @@ constexpr std::array<Format, 6> kFormats{{{"GLB", ".glb", nullptr, is_glb},
   const Format* named = format_of_extension(extension);
   const Format* seen = format_of_content(bytes);
   if (named == nullptr && seen == nullptr) {
-    fail(path + ": neither its extension nor its content is that of a mesh; give a glTF, OBJ, " +
-         "PLY, STL or OFF file");
+    fail(path + ": neither its extension nor its content is that of a mesh; give a glTF, 3MF, " +
+         "OBJ, PLY, STL or OFF file");
   }
   if (named == nullptr) {
     fail(path + ": the extension '" + extension +

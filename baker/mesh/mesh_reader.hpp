@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -17,6 +18,7 @@ struct PolygonSoup {
   std::vector<Vector3> points;
   std::vector<Triangle> triangles;
   std::vector<std::string> companion_digests;  ///< of other files that it was read from
+  std::optional<double> unit;                  ///< metres, where the file says it
   std::vector<std::string> notes;              ///< what was left out, a sentence each
 };
 
@@ -30,12 +32,16 @@ void add_polygon(std::span<const std::uint32_t> polygon, PolygonSoup& soup);
 [[nodiscard]] PolygonSoup read_soup(const std::string& path, std::string_view bytes,
                                     bool outside_buffers = false);
 
+[[nodiscard]] PolygonSoup read_3mf(const std::string& path, std::string_view bytes);
 [[nodiscard]] PolygonSoup read_obj(const std::string& path, std::string_view bytes);
 [[nodiscard]] PolygonSoup read_gltf(const std::string& path, std::string_view bytes,
                                     bool outside_buffers);
 [[nodiscard]] PolygonSoup read_off(const std::string& path, std::string_view bytes);
 [[nodiscard]] PolygonSoup read_ply(const std::string& path, std::string_view bytes);
 [[nodiscard]] PolygonSoup read_stl(const std::string& path, std::string_view bytes);
+
+/// True where the bytes are a package of 3MF, by the names of its parts.
+[[nodiscard]] bool resembles_3mf(std::string_view bytes);
 
 /// True where the bytes are a binary STL, by the count of triangles in them.
 [[nodiscard]] bool is_binary_stl(std::string_view bytes);

@@ -9,7 +9,7 @@ namespace spm::fuzz {
 
 namespace {
 
-constexpr const char* names[] = {"a.obj", "a.ply", "a.stl", "a.off", "a.gltf", "a.glb"};
+constexpr const char* names[] = {"a.obj", "a.ply", "a.stl", "a.off", "a.gltf", "a.glb", "a.3mf"};
 
 void read(const std::string& bytes) {
   for (const char* name : names) {
@@ -57,7 +57,9 @@ std::vector<std::string> seeds() {
           gltf};
 }
 
-std::vector<std::string> endings() { return {".obj", ".ply", ".stl", ".off", ".gltf", ".glb"}; }
+std::vector<std::string> endings() {
+  return {".obj", ".ply", ".stl", ".off", ".gltf", ".glb", ".3mf"};
+}
 
 }  // namespace spm::fuzz
 

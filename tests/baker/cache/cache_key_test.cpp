@@ -58,6 +58,13 @@ TEST_CASE("Other mesh bytes change the key, but paths, threads and time limits d
   CHECK(digest(elsewhere) == digest(request_of()));
 }
 
+TEST_CASE("A file's own unit is another than any that is named, where files of its kind have one") {
+  BuildRequest named = request_of("a.3mf"), plain = request_of("a.obj");
+  named.load.unit = plain.load.unit = 1;
+  CHECK(digest(named) != digest(request_of("a.3mf")));
+  CHECK(digest(plain) == digest(request_of("a.obj")));
+}
+
 TEST_CASE("What changed between two keys is told by name") {
   BuildRequest changed = request_of();
   changed.bake.max_depth = 0.001;
