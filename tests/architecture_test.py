@@ -33,7 +33,7 @@ HEAVY_HEADER = re.compile(r"^((?i:CGAL)|embree\d*|openvdb|fcl)/|^bt[A-Z]")
 HEAVY_TARGET = re.compile(r"cgal|embree|gmp|mpfr|openvdb|fcl|bullet", re.IGNORECASE)
 LEAN_TARGETS = ("spm-servo", "spm_query", "spm_query_example", "spm_client", "spm_client_example",
                 "spm_common_query", "spm_formats_asset")
-DATA_FILE = re.compile(r"\.(obj|ply|stl|off|3ds|glb|gltf|exr|bin)$", re.IGNORECASE)
+DATA_FILE = re.compile(r"\.(obj|ply|stl|off|3ds|glb|gltf|3mf|exr|bin)$", re.IGNORECASE)
 INCLUDE = re.compile(r'^\s*#\s*include\s*(["<])([^">]+)[">]', re.MULTILINE)
 MOST_FRONT_PAGE_LINES = 150
 MOST_PICTURE_BYTES = 2_000_000  # what code hosts show without a wait

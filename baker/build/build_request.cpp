@@ -141,7 +141,7 @@ void add_build_options(CLI::App& command, BuildRequest& request) {
   BakeOptions& bake = request.bake;
   command
       .add_option("MESH", request.mesh,
-                  "mesh to bake: glTF (.gltf, .glb), OBJ, PLY, STL or OFF, also as .gz")
+                  "mesh to bake: glTF (.gltf, .glb), 3MF, OBJ, PLY, STL or OFF, also as .gz")
       ->required()
       ->type_name("");
   command.add_option("-o,--output", request.output, "baked file to write, FILE.spm.exr")

@@ -11,6 +11,8 @@
 namespace spm::baker {
 namespace {
 
+constexpr std::uint64_t most_unpacked = std::uint64_t{1} << 30U;  // bytes
+
 std::size_t component_bytes(int type) {
   switch (type) {
     case 5120:  // signed and unsigned bytes
@@ -133,7 +135,7 @@ std::string_view GltfAccessors::range(const Json& view, const std::string& place
   return bytes.substr(start, length);
 }
 
-std::string GltfAccessors::unpacked(const Json& packed, const std::string& place) const {
+std::string GltfAccessors::unpacked(const Json& packed, const std::string& place) {
   const auto text = [&](const char* key) {
     const auto found = packed.find(key);
     return found != packed.end() && found->is_string() ? found->get<std::string>() : std::string();
@@ -145,6 +147,13 @@ std::string GltfAccessors::unpacked(const Json& packed, const std::string& place
                       .mode = text("mode"),
                       .filter = text("filter")});
   if (!bytes) refuse(place + ": what EXT_meshopt_compression has packed is broken");
+  unpacked_bytes_ += bytes->size();
+  // Many views may name the same few bytes.
+  if (unpacked_bytes_ > most_unpacked) {
+    refuse(place + ": with it more than " + std::to_string(most_unpacked) +
+               " bytes are unpacked, which cannot be baked",
+           "export a coarser mesh");
+  }
   return std::move(*bytes);
 }
 

@@ -69,11 +69,12 @@ class GltfAccessors {
 
  private:
   [[nodiscard]] std::string_view range(const Json& view, const std::string& place) const;
-  [[nodiscard]] std::string unpacked(const Json& packed, const std::string& place) const;
+  [[nodiscard]] std::string unpacked(const Json& packed, const std::string& place);
   void find_values(const Json& object, const std::string& place, GltfValues& values);
   void add_sparse(const Json& sparse, const std::string& place, GltfValues& values);
 
   std::map<std::size_t, std::string> unpacked_;  ///< by the view
+  std::uint64_t unpacked_bytes_ = 0;
 };
 
 }  // namespace spm::baker
