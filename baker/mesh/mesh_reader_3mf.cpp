@@ -229,7 +229,7 @@ struct Object {
 };
 
 /// A part's name in the archive.
-[[nodiscard]] std::string part_name(std::string name) {
+[[nodiscard]] std::string part_name(const std::string& name) {
   return name.starts_with('/') ? name.substr(1) : name;
 }
 

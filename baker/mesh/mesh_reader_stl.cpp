@@ -57,9 +57,9 @@ void add_triangle(PolygonSoup& soup) {
   soup.triangles.reserve(count);
   for (std::uint32_t triangle = 0; triangle < count; ++triangle) {
     const char* at = bytes.data() + kHeaderBytes + std::size_t{triangle} * kTriangleBytes;
-    for (int corner = 0; corner < 3; ++corner) {
+    for (std::size_t corner = 0; corner < 3; ++corner) {
       Vector3 point;
-      for (int axis = 0; axis < 3; ++axis) {
+      for (std::size_t axis = 0; axis < 3; ++axis) {
         point[axis] = std::bit_cast<float>(word_at(at + kNormalBytes + 4 * (3 * corner + axis)));
       }
       if (!point.allFinite()) {
