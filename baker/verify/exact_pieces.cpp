@@ -185,7 +185,9 @@ void keep(Sorted& sorted, const Corners& piece, Side side) {
 void sort_halving(const ExactWinding& winding, const Corners& piece, const Vector3& normal,
                   const Scale& scale, Sorted& sorted) {
   const Vector3 centre = (piece[0] + piece[1] + piece[2]) / 3;
-  const auto [side, clearance] = judge(winding, centre, normal, scale.probe);
+  const auto judged = judge(winding, centre, normal, scale.probe);
+  const Side side = judged.side;
+  const double clearance = judged.clearance;
   double longest = 0;
   double radius = 0;
   std::size_t split = 0;
@@ -197,12 +199,11 @@ void sort_halving(const ExactWinding& winding, const Corners& piece, const Vecto
       split = i;
     }
   }
-  const bool settled =
-      longest < scale.finest || winding.variation(centre, radius) < clearance ||
-      std::all_of(piece.begin(), piece.end(), [&, side = side](const Vector3& corner) {
-        const Vector3 point = 0.95 * corner + 0.05 * centre;
-        return judge(winding, point, normal, scale.probe).side == side;
-      });
+  const bool settled = longest < scale.finest || winding.variation(centre, radius) < clearance ||
+                       std::all_of(piece.begin(), piece.end(), [&](const Vector3& corner) {
+                         const Vector3 point = 0.95 * corner + 0.05 * centre;
+                         return judge(winding, point, normal, scale.probe).side == side;
+                       });
   if (settled) {
     keep(sorted, piece, side);
     return;

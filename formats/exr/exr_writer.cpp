@@ -78,9 +78,10 @@ class Writer {
 };
 
 exr_attr_box2i_t window_of(const PartPlan& part) {
-  return {{0, 0},
-          {static_cast<std::int32_t>(part.tiles.columns * part.tile_width - 1),
-           static_cast<std::int32_t>(part.tiles.rows * part.tile_height - 1)}};
+  exr_attr_box2i_t window{};
+  window.max.x = static_cast<std::int32_t>(part.tiles.columns * part.tile_width - 1);
+  window.max.y = static_cast<std::int32_t>(part.tiles.rows * part.tile_height - 1);
+  return window;
 }
 
 exr_pixel_type_t pixel_type(SampleType type) {
@@ -100,7 +101,7 @@ void define_part(Writer& writer, const PartPlan& part, const exr_attr_box2i_t& d
   int index = 0;
   writer.check(exr_add_part(context, part.name.c_str(), EXR_STORAGE_TILED, &index));
   const exr_attr_box2i_t window = window_of(part);
-  const exr_attr_v2f_t centre{0, 0};
+  const exr_attr_v2f_t centre{};
   writer.check(exr_initialize_required_attr(context, index, &display, &window, 1.0F, &centre, 1.0F,
                                             EXR_LINEORDER_INCREASING_Y, EXR_COMPRESSION_NONE));
   writer.check(exr_set_tile_descriptor(context, index, part.tile_width, part.tile_height,

@@ -44,7 +44,7 @@ class BusError {
   }
 
  private:
-  sd_bus_error error_ = SD_BUS_ERROR_NULL;
+  sd_bus_error error_{};
 };
 
 /// A property whose D-Bus type is int32 (i) or int64 (x), according to `Number`.
