@@ -329,7 +329,7 @@ class Reader {
     const double length = values_.next(*property.count, element, item);
     if (length < 0) fail(values_.place(element, item) + ": negative length; export the mesh again");
     list_.clear();
-    for (double i = 0; i < length; ++i) {
+    for (std::size_t i = 0; static_cast<double>(i) < length; ++i) {
       list_.push_back(values_.next(property.type, element, item));
     }
     return length;

@@ -143,7 +143,7 @@ std::string packed_by_draco(bool edgebreaker) {
       builder.AddAttribute(draco::GeometryAttribute::POSITION, 3, draco::DT_FLOAT32);
   for (std::uint32_t face = 0; face < 4; ++face) {
     const auto corner = [&](std::size_t k) {
-      return &points[std::size_t{3} * corners[3 * face + k]];
+      return &points[std::size_t{3} * corners[std::size_t{3} * face + k]];
     };
     builder.SetAttributeValuesForFace(attribute, draco::FaceIndex(face), corner(0), corner(1),
                                       corner(2));
@@ -235,6 +235,7 @@ TEST_CASE("What meshoptimizer has packed is unpacked") {
   SECTION("exponents beside mantissas") {
     // 2^E * M in 32 bits: E above, M in the lower 24 bits.
     std::vector<std::int32_t> exponents;
+    exponents.reserve(points.size());
     for (const float value : points) exponents.push_back(value == 1 ? 1 << 10 | (-10 << 24) : 0);
     std::vector<unsigned char> bytes(meshopt_encodeVertexBufferBound(4, 12));
     bytes.resize(meshopt_encodeVertexBuffer(bytes.data(), bytes.size(), exponents.data(), 4, 12));

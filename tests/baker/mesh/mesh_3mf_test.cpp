@@ -43,7 +43,7 @@ std::string package(const TemporaryFolder& folder, const std::string& text,
                     std::map<std::string, std::string> parts = {}) {
   parts.emplace("_rels/.rels", relations);
   parts.emplace("3D/3dmodel.model", text);
-  const std::string path = folder.path("m.3mf");
+  std::string path = folder.path("m.3mf");
   zip_t* const archive = zip_open(path.c_str(), ZIP_CREATE | ZIP_TRUNCATE, nullptr);
   REQUIRE(archive != nullptr);
   for (const auto& [name, bytes] : parts) {
@@ -64,7 +64,7 @@ std::string refusal_of(const std::string& path) {
   try {
     (void)baker::load_mesh(path, {});
   } catch (const baker::BakeError& error) {
-    const std::string message = error.what();
+    std::string message = error.what();
     CHECK(error.code() == ExitCode::invalid_input);
     CHECK_THAT(message, Catch::StartsWith(path + ": ") && Catch::Contains("; "));
     CHECK(message.find('\n') == std::string::npos);

@@ -60,8 +60,8 @@ std::string stl(const std::string& end_loop, const std::string& end_facet,
   std::string text = "solid corner\n";
   for (const auto& face : faces) {
     text += "facet normal 0 0 0\nouter loop\n";
-    for (const int corner : face) text += std::string("vertex ") + corners[corner] + "\n";
-    text += end_loop + "\n" + end_facet + "\n";
+    for (const int corner : face) text.append("vertex ").append(corners[corner]).append("\n");
+    text.append(end_loop).append("\n").append(end_facet).append("\n");
   }
   return text + end_solid + " corner\n";
 }
