@@ -34,8 +34,8 @@ using std::chrono::milliseconds;
 using std::chrono::steady_clock;
 
 constexpr int broken_rules_code = 70;
-constexpr std::size_t firmware_size = 8492;  // of the file that the guest has
-constexpr milliseconds longest_wait{50};     // between two looks at the signal
+constexpr std::size_t guest_firmware_size = 8492;  // of the file that the guest has
+constexpr milliseconds longest_wait{50};           // between two looks at the signal
 
 // As an FT232R without a serial number gives them.
 constexpr std::array<std::uint8_t, 18> device_descriptor{0x12, 0x01, 0x00, 0x02, 0x00, 0x00,
@@ -172,7 +172,7 @@ nlohmann::ordered_json seen_by(const ScriptedFalcon& falcon) {
 
 int run(const EmulatorOptions& options) {
   enter_emulator();
-  ScriptedFalcon falcon(firmware_size);
+  ScriptedFalcon falcon(guest_firmware_size);
   auto chip = std::make_unique<Chip>(falcon);
   int unplugged = 0;
   std::uint64_t packets_before = 0, pushes_before = 0;
