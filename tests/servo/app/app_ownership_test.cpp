@@ -75,8 +75,8 @@ TEST_CASE("A clutch that one application holds is refused to another, with the r
   REQUIRE(spm_client_set_clutch(beside.here->client, 0, 0) == SPM_CLIENT_OK);
   REQUIRE(eventually([&] { return beside.device().cause == SPM_CLIENT_FORCE_ON; }));
   REQUIRE(spm_client_set_clutch(other.client, 0, 1) == SPM_CLIENT_OK);
+  CHECK(eventually([&] { return beside.device().cause == SPM_CLIENT_OFF_CLUTCHED; }));
   CHECK(refused(other) == 1);
-  CHECK(beside.device().cause == SPM_CLIENT_OFF_CLUTCHED);
 }
 
 TEST_CASE("Of sixteen applications that fight for one clutch, one has it, and keeps it") {
