@@ -54,8 +54,8 @@ bool leads_away(const Vector3& way, std::span<const Vector3> directions, double 
                      [&](const Vector3& d) { return d.dot(way) <= slack; });
 }
 
-/// The part of a polygon of ways that leads away from a direction, or towards it by no more than the
-/// slack, as its angle's cosine.
+/// The part of a polygon of ways that leads away from a direction, or towards it by no more than
+/// the slack, as its angle's cosine.
 std::vector<Vector3> clipped(const std::vector<Vector3>& polygon, const Vector3& direction,
                              double slack) {
   std::vector<Vector3> kept;
