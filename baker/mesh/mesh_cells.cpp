@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "baker/mesh/mesh_cells.hpp"
 
-#include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
+#include <CGAL/Exact_rational.h>
+#include <CGAL/Simple_cartesian.h>
 
 #include <algorithm>
 #include <cstdint>
@@ -9,13 +10,30 @@
 #include <optional>
 #include <utility>
 
+#include "baker/base/groups.hpp"
 #include "baker/mesh/mesh_edges.hpp"
 #include "baker/mesh/mesh_repair.hpp"
 
 namespace spm::baker {
 namespace {
 
-using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
+// Few meshes have such edges, so that no filter in doubles is worth its place.
+using Kernel = CGAL::Simple_cartesian<CGAL::Exact_rational>;
+
+[[nodiscard]] Kernel::Point_3 exact(const Vector3& p) { return {p.x(), p.y(), p.z()}; }
+
+/// On which side of the plane through three points a point lies: 1 where they turn
+/// counter-clockwise as seen from it, -1 on the other side, 0 in the plane.
+[[nodiscard]] int side_of_plane(const Vector3& a, const Vector3& b, const Vector3& c,
+                                const Vector3& point) {
+  return CGAL::orientation(exact(a), exact(b), exact(c), exact(point));
+}
+
+/// Whether two points of a plane through a line, none of them on it, lie on one side of the line.
+[[nodiscard]] bool same_side_of_line(const Vector3& a, const Vector3& b, const Vector3& one,
+                                     const Vector3& other) {
+  return CGAL::coplanar_orientation(exact(a), exact(b), exact(one), exact(other)) == CGAL::POSITIVE;
+}
 
 /// Where a triangle stands around an edge, as seen from a first one.
 enum class Turn { none, less_than_half, half, more_than_half };
@@ -25,11 +43,11 @@ class Fan {
  public:
   Fan(std::span<const Vector3> points, const std::vector<Triangle>& triangles,
       std::span<const HalfEdge> users)
-      : a_(point(points[users[0].low])), b_(point(points[users[0].high])) {
+      : a_(points[users[0].low]), b_(points[users[0].high]) {
     for (const HalfEdge& user : users) {
       for (const std::uint32_t corner : triangles[user.triangle]) {
         if (corner == user.low || corner == user.high) continue;
-        leaves_.push_back({point(points[corner]), user});
+        leaves_.push_back({points[corner], user});
       }
     }
   }
@@ -40,7 +58,7 @@ class Fan {
     for (std::size_t i = 1; i < leaves_.size(); ++i) leaves_[i].turn = turn_of(leaves_[i].tip);
     std::sort(leaves_.begin() + 1, leaves_.end(), [&](const Leaf& one, const Leaf& other) {
       if (one.turn != other.turn) return one.turn < other.turn;
-      return CGAL::orientation(a_, b_, one.tip, other.tip) == CGAL::POSITIVE;
+      return side_of_plane(a_, b_, one.tip, other.tip) > 0;
     });
     std::vector<HalfEdge> order;
     for (std::size_t i = 0; i < leaves_.size(); ++i) {
@@ -52,30 +70,27 @@ class Fan {
 
  private:
   struct Leaf {
-    Kernel::Point_3 tip;
+    Vector3 tip;
     HalfEdge user;
     Turn turn = Turn::none;
   };
 
-  [[nodiscard]] static Kernel::Point_3 point(const Vector3& p) { return {p.x(), p.y(), p.z()}; }
-
-  [[nodiscard]] Turn turn_of(const Kernel::Point_3& tip) const {
-    const Kernel::Point_3& first = leaves_[0].tip;
-    const CGAL::Orientation side = CGAL::orientation(a_, b_, first, tip);
-    if (side != CGAL::COPLANAR) {
-      return side == CGAL::POSITIVE ? Turn::less_than_half : Turn::more_than_half;
+  [[nodiscard]] Turn turn_of(const Vector3& tip) const {
+    const Vector3& first = leaves_[0].tip;
+    const int side = side_of_plane(a_, b_, first, tip);
+    if (side != 0) {
+      return side > 0 ? Turn::less_than_half : Turn::more_than_half;
     }
-    return CGAL::coplanar_orientation(a_, b_, first, tip) == CGAL::POSITIVE ? Turn::none
-                                                                            : Turn::half;
+    return same_side_of_line(a_, b_, first, tip) ? Turn::none : Turn::half;
   }
 
   [[nodiscard]] bool apart(const Leaf& one, const Leaf& next) const {
     if (one.turn != next.turn) return true;
     return (one.turn == Turn::less_than_half || one.turn == Turn::more_than_half) &&
-           CGAL::orientation(a_, b_, one.tip, next.tip) != CGAL::COPLANAR;
+           side_of_plane(a_, b_, one.tip, next.tip) != 0;
   }
 
-  Kernel::Point_3 a_, b_;
+  Vector3 a_, b_;
   std::vector<Leaf> leaves_;
 };
 
@@ -142,6 +157,10 @@ class Fan {
 
 std::size_t drop_inner_faces(std::span<const Vector3> points, std::vector<Triangle>& triangles) {
   const std::vector<HalfEdge> edges = sorted_edges(triangles);
+  bool is_crowded = false;
+  for_each_edge(
+      edges, [&](std::span<const HalfEdge> users) { is_crowded = is_crowded || users.size() > 2; });
+  if (!is_crowded) return 0;
   Groups parts(triangles.size());
   std::vector<char> divided = divided_parts(points, triangles, edges, parts);
   if (std::count(divided.begin(), divided.end(), 1) == 0) return 0;

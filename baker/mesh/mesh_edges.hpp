@@ -3,7 +3,6 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <numeric>
 #include <span>
 #include <vector>
 
@@ -34,26 +33,5 @@ void for_each_edge(const std::vector<HalfEdge>& edges, Visit visit) {
     begin = end;
   }
 }
-
-/// Things that are joined one by one into groups, each of which has one of them for its name.
-class Groups {
- public:
-  explicit Groups(std::size_t count) : parent_(count) {
-    std::iota(parent_.begin(), parent_.end(), 0U);
-  }
-  [[nodiscard]] std::uint32_t of(std::uint32_t thing) {
-    while (parent_[thing] != thing) thing = parent_[thing] = parent_[parent_[thing]];
-    return thing;
-  }
-  /// False where they were in one group before.
-  bool join(std::uint32_t one, std::uint32_t other) {
-    const std::uint32_t a = of(one), b = of(other);
-    parent_[b] = a;
-    return a != b;
-  }
-
- private:
-  std::vector<std::uint32_t> parent_;
-};
 
 }  // namespace spm::baker

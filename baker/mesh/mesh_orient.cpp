@@ -10,6 +10,7 @@
 #include <tuple>
 #include <utility>
 
+#include "baker/base/groups.hpp"
 #include "baker/mesh/mesh_edges.hpp"
 #include "baker/mesh/winding_number.hpp"
 

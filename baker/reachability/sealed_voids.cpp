@@ -4,10 +4,10 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <numeric>
 #include <span>
 #include <vector>
 
+#include "baker/base/groups.hpp"
 #include "common/surface/support_plane_mapping.hpp"
 
 namespace spm::baker {
@@ -95,13 +95,11 @@ void sort_about_edge(const Caster& caster, const Triangles& triangles, std::span
 class PartFinder {
  public:
   PartFinder(const Caster& caster, const Triangles& triangles)
-      : caster_(caster), triangles_(triangles), parent_(triangles.corners.size()) {
-    std::iota(parent_.begin(), parent_.end(), 0U);
-  }
+      : caster_(caster), triangles_(triangles), groups_(triangles.corners.size()) {}
 
   Parts find() {
     std::vector<Edge> edges = all_edges();
-    std::vector<char> open(parent_.size(), 0);
+    std::vector<char> open(triangles_.corners.size(), 0);
     for (std::size_t i = 0, end = 0; i < edges.size(); i = end) {
       while (end < edges.size() && edges[end].corners() == edges[i].corners()) ++end;
       const std::span<Edge> shared(&edges[i], end - i);
@@ -115,12 +113,12 @@ class PartFinder {
  private:
   const Caster& caster_;
   const Triangles& triangles_;
-  Numbers parent_;
+  Groups groups_;
 
   [[nodiscard]] std::vector<Edge> all_edges() const {
     std::vector<Edge> edges;
-    edges.reserve(3 * parent_.size());
-    for (std::uint32_t t = 0; t < parent_.size(); ++t) {
+    edges.reserve(3 * triangles_.corners.size());
+    for (std::uint32_t t = 0; t < triangles_.corners.size(); ++t) {
       for (std::size_t k = 0; k < 3; ++k) {
         const std::uint32_t from = triangles_.corners[t][k];
         const std::uint32_t to = triangles_.corners[t][(k + 1) % 3];
@@ -133,11 +131,6 @@ class PartFinder {
     return edges;
   }
 
-  std::uint32_t root(std::uint32_t triangle) {
-    while (parent_[triangle] != triangle) triangle = parent_[triangle] = parent_[parent_[triangle]];
-    return triangle;
-  }
-
   /// A triangle that runs along the edge has free space in the direction of growing angles, and the
   /// next triangle bounds it. False where some triangle has no such partner.
   bool join_about_edge(std::span<const Edge> edges) {
@@ -148,19 +141,16 @@ class PartFinder {
     }
     for (std::size_t i = 0; i < edges.size(); ++i) {
       if (!edges[i].forward) continue;
-      const std::uint32_t a = root(edges[i].triangle);
-      const std::uint32_t b = root(edges[(i + 1) % edges.size()].triangle);
-      parent_[std::max(a, b)] = std::min(a, b);
+      groups_.join(edges[i].triangle, edges[(i + 1) % edges.size()].triangle);
     }
     return true;
   }
 
   Parts number(const std::vector<char>& open) {
     Parts parts;
-    parts.of.resize(parent_.size());
-    // A root is the triangle with the lowest number of its part, so it comes first.
-    for (std::uint32_t t = 0; t < parent_.size(); ++t) {
-      const std::uint32_t first = root(t);
+    parts.of.resize(triangles_.corners.size());
+    for (std::uint32_t t = 0; t < parts.of.size(); ++t) {
+      const std::uint32_t first = groups_.of(t);
       if (first == t) {
         parts.of[t] = static_cast<std::uint32_t>(parts.closed.size());
         parts.closed.push_back(1);
