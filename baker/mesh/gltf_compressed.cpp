@@ -10,15 +10,15 @@
 #include <algorithm>
 #include <limits>
 
+#include "baker/mesh/mesh_limits.hpp"
+
 namespace spm::baker {
 namespace {
-
-constexpr std::uint64_t always_allowed = std::uint64_t{64} << 20U, most_times = 100;
 
 /// Whether the decoder takes such numbers: it asserts what the extension demands.
 bool is_allowed(const MeshoptView& view) {
   const std::uint64_t stride = view.stride;
-  const std::uint64_t most = std::max(always_allowed, most_times * view.packed.size());
+  const std::uint64_t most = std::max(always_unpacked, most_growth * view.packed.size());
   if (stride == 0 || stride > 256 || view.count > most / stride) return false;
   if (view.mode == "ATTRIBUTES") return stride % 4 == 0;
   const bool triangles = view.mode == "TRIANGLES" && view.count % 3 == 0;

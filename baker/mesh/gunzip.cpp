@@ -8,13 +8,12 @@
 #include <vector>
 
 #include "baker/base/bake_error.hpp"
+#include "baker/mesh/mesh_limits.hpp"
 
 namespace spm::baker {
 namespace {
 
-/// A mesh packs by a factor of 3 to 20; what packs by more than 100 is none.
 constexpr std::size_t most_bytes = std::size_t{4} << 30U;
-constexpr std::size_t most_growth = 100, always_allowed = std::size_t{64} << 20U;
 constexpr std::size_t block_bytes = std::size_t{1} << 20U;
 constexpr int with_gzip_header = 16;  // added to the size of the window
 
@@ -58,7 +57,7 @@ std::string gunzip(const std::string& path, std::string_view bytes) {
       throw BakeError(ExitCode::invalid_input,
                       place + ": more than 4 GiB come out of it; bake a smaller mesh");
     }
-    if (unpacked.size() > always_allowed &&
+    if (unpacked.size() > always_unpacked &&
         unpacked.size() / most_growth > bytes.size() - rest.size()) {
       throw BakeError(ExitCode::invalid_input,
                       place +

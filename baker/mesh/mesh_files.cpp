@@ -1,13 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "baker/mesh/mesh_files.hpp"
 
-#include <algorithm>
-#include <cctype>
 #include <filesystem>
 
 #include "baker/base/bake_error.hpp"
 #include "baker/mesh/gltf_file.hpp"
 #include "baker/mesh/gunzip.hpp"
+#include "baker/mesh/mesh_text.hpp"
 #include "formats/files/sha256.hpp"
 #include "formats/files/text_file.hpp"
 
@@ -16,22 +15,16 @@ namespace {
 
 constexpr std::string_view packed = ".gz";
 
-std::string lower(std::string text) {
-  std::transform(text.begin(), text.end(), text.begin(),
-                 [](unsigned char letter) { return static_cast<char>(std::tolower(letter)); });
-  return text;
-}
-
 }  // namespace
 
 std::string unpacked_extension(const std::string& path) {
   const std::filesystem::path name(path);
-  const std::string extension = lower(name.extension().string());
-  return extension == packed ? lower(name.stem().extension().string()) : extension;
+  const std::string extension = lower_case(name.extension().string());
+  return extension == packed ? lower_case(name.stem().extension().string()) : extension;
 }
 
 std::string mesh_extension(const std::string& path) {
-  const std::string last = lower(std::filesystem::path(path).extension().string());
+  const std::string last = lower_case(std::filesystem::path(path).extension().string());
   return last == packed ? unpacked_extension(path) + last : last;
 }
 
@@ -58,7 +51,7 @@ std::string mesh_sha256(const std::string& digest,
 }
 
 Result<std::string> mesh_sha256(const std::string& path, bool outside_buffers) {
-  const Result<std::string> own = sha256_file(path);
+  Result<std::string> own = sha256_file(path);
   if (!own) return own;
   std::vector<std::string> digests;
   for (const std::string& companion : mesh_companions(path, outside_buffers)) {

@@ -16,6 +16,7 @@
 #include <vector>
 
 #include "baker/base/bake_error.hpp"
+#include "baker/mesh/mesh_limits.hpp"
 #include "baker/mesh/mesh_reader.hpp"
 
 namespace spm::baker {
@@ -23,8 +24,7 @@ namespace {
 
 using Transform = Eigen::Affine3d;
 
-constexpr std::size_t always_allowed = std::size_t{64} << 20U, most_growth = 100;
-constexpr std::size_t most_points = std::size_t{1} << 25U, most_placed = std::size_t{1} << 20U;
+constexpr std::size_t most_placed = std::size_t{1} << 20U;
 constexpr char separator = '|';  // of a name and its namespace
 constexpr std::string_view core = "http://schemas.microsoft.com/3dmanufacturing/core/2015/02";
 constexpr std::string_view production =
@@ -43,7 +43,7 @@ constexpr std::array<std::string_view, 3> known_extensions{
 class Package {
  public:
   Package(const std::string& path, std::string_view bytes)
-      : path_(path), left_(std::max(always_allowed, most_growth * bytes.size())) {
+      : path_(path), left_(std::max(always_unpacked, most_growth * bytes.size())) {
     zip_error_t problem;
     zip_error_init(&problem);
     zip_source_t* const source = zip_source_buffer_create(bytes.data(), bytes.size(), 0, &problem);

@@ -11,6 +11,7 @@
 
 #include "baker/mesh/gltf_accessors.hpp"
 #include "baker/mesh/gltf_compressed.hpp"
+#include "baker/mesh/mesh_limits.hpp"
 #include "baker/mesh/mesh_reader.hpp"
 
 namespace spm::baker {
@@ -19,8 +20,6 @@ namespace {
 using Json = nlohmann::json;
 using Transform = Eigen::Affine3d;
 
-/// Points, and triangles: many primitives may name the same few bytes.
-constexpr std::uint64_t most_points = std::uint64_t{1} << 25U;
 constexpr int strip_mode = 5, fan_mode = 6, triangles_mode = 4;
 constexpr std::array<std::string_view, 4> read_extensions{
     "KHR_draco_mesh_compression", "EXT_meshopt_compression", "KHR_mesh_quantization",
