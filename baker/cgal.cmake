@@ -14,4 +14,9 @@ if(NOT TARGET spm_cgal)
   add_library(spm_cgal INTERFACE)
   target_include_directories(spm_cgal INTERFACE ${CMAKE_BINARY_DIR}/interfaces)
   target_link_libraries(spm_cgal INTERFACE CGAL::CGAL)
+  if(CGAL_VERSION VERSION_LESS 6 AND CMAKE_CXX_COMPILER_ID STREQUAL "Clang")
+    # Templates of CGAL 5 that nobody uses call what is not there, which clang 19 looks for.
+    target_compile_options(CGAL INTERFACE -fdelayed-template-parsing
+                                          -Wno-delayed-template-parsing-in-cxx20)
+  endif()
 endif()
